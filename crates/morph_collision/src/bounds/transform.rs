@@ -1,0 +1,79 @@
+use glam::{Affine3A, DMat3, DVec3, Vec3};
+use thiserror::Error;
+
+/// Where a body stands: a validated affine map from its model space to world space.
+///
+/// Any finite affine will do: non-uniform scale, shear, mirroring, even scale 0 along an axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorldFromModel {
+    linear: DMat3,
+    translation: DVec3,
+}
+
+/// Why an affine map cannot place a body.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum TransformError {
+    /// An entry is NaN or infinite.
+    #[error("world_from_model: column {column}, row {row} is {value}, not a finite number")]
+    NotFinite {
+        /// 0 to 2 for the axes, 3 for the translation.
+        column: usize,
+        /// 0 to 2.
+        row: usize,
+        /// The offending entry.
+        value: f32,
+    },
+}
+
+impl WorldFromModel {
+    /// Model space is world space.
+    pub const IDENTITY: Self = Self {
+        linear: DMat3::IDENTITY,
+        translation: DVec3::ZERO,
+    };
+
+    /// Validates an affine map.
+    ///
+    /// # Errors
+    /// [`TransformError::NotFinite`] names the first entry that is NaN or infinite.
+    pub fn new(world_from_model: Affine3A) -> Result<Self, TransformError> {
+        let columns = world_from_model.to_cols_array_2d();
+        for (column, entries) in columns.iter().enumerate() {
+            for (row, &value) in entries.iter().enumerate() {
+                if !value.is_finite() {
+                    return Err(TransformError::NotFinite { column, row, value });
+                }
+            }
+        }
+        let [x, y, z, t] = columns.map(|c| Vec3::from_array(c).as_dvec3());
+        Ok(Self {
+            linear: DMat3::from_cols(x, y, z),
+            translation: t,
+        })
+    }
+
+    /// A model-space point in world space: per coordinate `((m_x p_x + m_y p_y) + m_z p_z) + t` in `f64`.
+    ///
+    /// The products are exact, the three sums are rounded in this order. This is part of the contract of every answer.
+    #[must_use]
+    #[inline]
+    pub fn transform_point(&self, point: Vec3) -> DVec3 {
+        let p = point.as_dvec3();
+        ((self.linear.x_axis * p.x + self.linear.y_axis * p.y) + self.linear.z_axis * p.z) + self.translation
+    }
+
+    /// A typical stretch: the longest image of a unit axis.
+    pub(crate) fn scale(&self) -> f64 {
+        let m = self.linear;
+        m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length())
+    }
+
+    pub(crate) fn linear(&self) -> DMat3 {
+        self.linear
+    }
+
+    pub(crate) fn translation(&self) -> DVec3 {
+        self.translation
+    }
+}

@@ -1,0 +1,53 @@
+//! Values made at the first visit in an epoch and found again until the next one.
+
+/// Which slot of a growing store holds the value of an index, if any does in this epoch.
+///
+/// Only the slots grow with what is visited; the table of stamps is 8 bytes per index.
+#[derive(Clone, Debug)]
+pub(super) struct Stamped<T> {
+    epoch: u32,
+    stamps: Vec<(u32, u32)>,
+    slots: Vec<T>,
+}
+
+impl<T> Stamped<T> {
+    pub(super) fn new(indices: usize) -> Self {
+        Self {
+            epoch: 1,
+            stamps: vec![(0, 0); indices],
+            slots: Vec::new(),
+        }
+    }
+
+    /// Forgets every value; keeps the memory.
+    pub(super) fn next_epoch(&mut self) {
+        self.slots.clear();
+        self.epoch = self.epoch.wrapping_add(1);
+        if self.epoch == 0 {
+            self.stamps.fill((0, 0));
+            self.epoch = 1;
+        }
+    }
+
+    /// The slot of an index, made by `make` if this is the first visit.
+    #[inline]
+    pub(super) fn slot(&mut self, index: usize, make: impl FnOnce() -> T) -> usize {
+        let (epoch, slot) = self.stamps[index];
+        if epoch == self.epoch {
+            return slot as usize;
+        }
+        let slot = self.slots.len();
+        self.slots.push(make());
+        self.stamps[index] = (self.epoch, slot as u32);
+        slot
+    }
+
+    #[inline]
+    pub(super) fn get(&self, slot: usize) -> &T {
+        &self.slots[slot]
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.stamps) + self.slots.capacity() * size_of::<T>()
+    }
+}

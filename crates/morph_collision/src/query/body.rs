@@ -1,0 +1,27 @@
+use crate::bounds::WorldFromModel;
+use crate::exact::Triangle;
+use crate::pose::Pose;
+
+/// A posed mesh and where it stands, for the time of one query.
+#[derive(Debug)]
+pub struct Body<'a> {
+    /// The shape; volumes and vertices that the query looks at are blended into its cache.
+    pub pose: &'a mut Pose,
+    /// The place.
+    pub world_from_model: &'a WorldFromModel,
+}
+
+impl<'a> Body<'a> {
+    /// A pose at a place.
+    #[must_use]
+    pub fn new(pose: &'a mut Pose, world_from_model: &'a WorldFromModel) -> Self {
+        Self { pose, world_from_model }
+    }
+}
+
+/// A triangle's corners in world space.
+#[inline]
+pub(super) fn world_triangle(pose: &mut Pose, world_from_model: &WorldFromModel, triangle: u32) -> Triangle {
+    let corners = pose.bvh().model().triangle(triangle as usize);
+    corners.map(|vertex| world_from_model.transform_point(pose.vertex(vertex)))
+}

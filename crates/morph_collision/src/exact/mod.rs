@@ -5,3 +5,6 @@ mod segment;
 mod triangle;
 
 pub use triangle::{Triangle, triangles_intersect};
+
+#[cfg(test)]
+mod tests;

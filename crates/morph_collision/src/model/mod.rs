@@ -7,3 +7,6 @@ mod weld;
 pub use error::{ModelError, Subject};
 pub use morph_model::MorphModel;
 pub(crate) use morph_model::{Displacement, LARGEST};
+
+#[cfg(test)]
+mod tests;

@@ -6,3 +6,8 @@ mod instance;
 
 pub(crate) use instance::NodeRef;
 pub use instance::{Pose, WeightsError};
+
+#[cfg(test)]
+mod containment_tests;
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,91 @@
+use glam::Vec3;
+
+use super::{ModelError, MorphModel, Subject};
+
+const CORNERS: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
+
+#[test]
+fn vertices_are_welded_only_if_they_move_alike() {
+    // A quad of two triangles with split corners: 1 and 4 agree, 2 and 3 agree at rest but part under the target.
+    let base = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Y, Vec3::X, Vec3::ONE];
+    let mut target = [Vec3::ZERO; 6];
+    target[3] = Vec3::Z;
+    let model = MorphModel::from_displacements(&base, &[[0, 1, 2], [3, 4, 5]], &[target]).unwrap();
+    assert_eq!(model.source_vertex_count(), 6);
+    assert_eq!(model.vertex_count(), 5);
+    assert_eq!(model.welded_from_source(), [0, 1, 2, 3, 1, 4]);
+    assert_eq!(model.triangle(1), [3, 1, 4]);
+    assert_eq!(model.displaced_vertex_count(0), 1);
+    assert_eq!(model.displaced_vertex_count(7), 0);
+}
+
+#[test]
+fn negative_zero_is_welded_to_zero() {
+    let base = [Vec3::ZERO, Vec3::X, Vec3::Y, -Vec3::ZERO];
+    let model = MorphModel::from_displacements::<[Vec3; 4]>(&base, &[[0, 1, 2], [3, 1, 2]], &[]).unwrap();
+    assert_eq!(model.vertex_count(), 3);
+}
+
+#[test]
+fn references_and_displacements_make_the_same_model() {
+    let lifted = CORNERS.map(|p| p + 2.0 * Vec3::Z);
+    let from_references = MorphModel::from_references(&[CORNERS, lifted], &[[0, 1, 2]]).unwrap();
+    let from_displacements = MorphModel::from_displacements(&CORNERS, &[[0, 1, 2]], &[[2.0 * Vec3::Z; 3]]).unwrap();
+    for vertex in 0..3 {
+        assert_eq!(
+            from_references.blend_vertex(vertex, &[0.75]),
+            from_displacements.blend_vertex(vertex, &[0.75])
+        );
+    }
+    assert_eq!(from_references.blend_vertex(1, &[1.0]), lifted[1]);
+}
+
+#[test]
+fn unusable_meshes_are_refused_with_what_and_where() {
+    type Targets = Vec<Vec<Vec3>>;
+    let none: Targets = Vec::new();
+    let build = |base: &[Vec3], triangles: &[[u32; 3]], targets: &Targets| {
+        MorphModel::from_displacements(base, triangles, targets).unwrap_err()
+    };
+    assert_eq!(build(&[], &[[0, 1, 2]], &none), ModelError::NoVertices);
+    assert_eq!(build(&CORNERS, &[], &none), ModelError::NoTriangles);
+    assert_eq!(
+        build(&CORNERS, &[[0, 1, 2], [0, 3, 1]], &none),
+        ModelError::IndexOutOfRange {
+            triangle: 1,
+            corner: 1,
+            index: 3,
+            vertices: 3
+        }
+    );
+    assert_eq!(
+        build(&CORNERS, &[[0, 1, 2]], &vec![vec![Vec3::ZERO; 3], vec![Vec3::ZERO; 2]]),
+        ModelError::LengthMismatch {
+            subject: Subject::Target(1),
+            length: 2,
+            expected: 3
+        }
+    );
+    assert_eq!(
+        build(
+            &CORNERS,
+            &[[0, 1, 2]],
+            &vec![vec![Vec3::ZERO, Vec3::X * 2e37, Vec3::ZERO]]
+        ),
+        ModelError::BadCoordinate {
+            subject: Subject::Target(0),
+            vertex: 1,
+            value: 2e37
+        }
+    );
+    let nan = build(
+        &[Vec3::ZERO, Vec3::new(0.0, f32::NAN, 0.0), Vec3::Y],
+        &[[0, 1, 2]],
+        &none,
+    );
+    assert!(matches!(nan, ModelError::BadCoordinate { subject: Subject::Base, vertex: 1, value } if value.is_nan()));
+    assert_eq!(
+        MorphModel::from_references::<[Vec3; 3]>(&[], &[[0, 1, 2]]).unwrap_err(),
+        ModelError::NoReferences
+    );
+}

@@ -1,0 +1,68 @@
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::{Pose, WeightsError};
+use crate::model::MorphModel;
+use crate::tree::{BuildOptions, MorphBvh};
+
+fn lifted_triangle() -> Pose {
+    let base = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let model = MorphModel::from_displacements(&base, &[[0, 1, 2]], &[[Vec3::Z; 3], [Vec3::X; 3]]).unwrap();
+    Pose::new(Arc::new(
+        MorphBvh::build(Arc::new(model), &BuildOptions::default()).unwrap(),
+    ))
+}
+
+#[test]
+fn equal_weights_keep_what_was_blended_and_new_ones_do_not() {
+    let mut pose = lifted_triangle();
+    assert_eq!(pose.set_weights(&[0.5, 0.0]), Ok(true));
+    let low = pose.bounds();
+    pose.source_vertex(0);
+    let blended = pose.blended();
+    assert_eq!(pose.set_weights(&[0.5, 0.0]), Ok(false));
+    assert_eq!(pose.bounds(), low);
+    pose.source_vertex(0);
+    assert_eq!(pose.blended(), blended);
+    assert_eq!(pose.set_weights(&[2.0, 0.0]), Ok(true));
+    assert!(pose.bounds().min.z > low.max.z);
+    assert_eq!(pose.blended().volumes, blended.volumes + 1);
+}
+
+#[test]
+fn refused_weights_leave_the_last_good_ones_in_force() {
+    let mut pose = lifted_triangle();
+    pose.set_weights(&[0.25, 1.0]).unwrap();
+    let refusals = [
+        (
+            pose.set_weights(&[1.0]),
+            WeightsError::WrongCount { given: 1, expected: 2 },
+        ),
+        (
+            pose.set_weights(&[1.0, f32::INFINITY]),
+            WeightsError::NotFinite {
+                index: 1,
+                value: f32::INFINITY,
+            },
+        ),
+        (
+            pose.set_weights(&[3e37, 0.0]),
+            WeightsError::TooLarge { index: 0, value: 3e37 },
+        ),
+    ];
+    for (refusal, expected) in refusals {
+        assert_eq!(refusal, Err(expected));
+    }
+    assert!(matches!(
+        pose.set_weights(&[0.0, f32::NAN]),
+        Err(WeightsError::NotFinite { index: 1, .. })
+    ));
+    assert_eq!(pose.weights(), [0.25, 1.0]);
+    assert_eq!(pose.source_vertex(1), Some(Vec3::new(2.0, 0.0, 0.25)));
+}
+
+#[test]
+fn a_vertex_that_does_not_exist_is_none() {
+    assert_eq!(lifted_triangle().source_vertex(3), None);
+}

@@ -1,0 +1,42 @@
+# What people and CI call. `just` lists the recipes.
+
+default:
+    @just --list
+
+# Everything that must hold before a change lands.
+ci: fmt-check clippy test doc demo-check
+
+# Formats the code.
+fmt:
+    cargo fmt --all
+
+fmt-check:
+    cargo fmt --all -- --check
+
+clippy:
+    cargo clippy --workspace --all-targets -- -D warnings
+
+# The README's test command.
+test:
+    cargo test --workspace
+
+doc:
+    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
+
+# The README's first command.
+demo *ARGS:
+    cargo run --release --example dolphins -- {{ARGS}}
+
+# The demo must find touching dolphins, and the command-line tool must run its scenes.
+demo-check:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    cargo run --release --example dolphins -- --json > target/dolphins.json
+    cat target/dolphins.json
+    grep -Eq '"events_started": *[1-9]' target/dolphins.json
+    cargo run --release -p morph_collision_cli -- inspect assets/dolphin_564.glb
+    cargo run --release -p morph_collision_cli -- run assets/scenes/two_dolphins.json
+
+# Writes the models and scenes in assets/ again; they come out bit for bit as they are.
+assets:
+    cargo run --release -p morph_collision_testkit --bin make_assets -- assets

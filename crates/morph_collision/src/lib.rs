@@ -65,4 +65,4 @@ pub use model::{ModelError, MorphModel, Subject};
 pub use pose::{Pose, WeightsError};
 pub use query::{Body, PairQuery, PairStats, TrianglePair};
 pub use traverse::overlapping_pairs;
-pub use tree::{BuildError, BuildOptions, MorphBvh};
+pub use tree::{BuildError, BuildOptions, MorphBvh, PartitionShape, Split, VolumeKind};

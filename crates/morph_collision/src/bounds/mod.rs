@@ -1,11 +1,22 @@
-//! Boxes, eight of them at a time, and the maps that take them from one body's space to another's.
+//! Bounding volumes, eight at a time, and the frames in which volumes of two bodies are compared.
+//!
+//! [`Volume`] says what a kind of bounding volume must be able to do; [`Slabs`] are boxes and k-DOPs, [`Spheres`] are spheres.
 
 mod aabb;
+mod directions;
+mod frame;
 mod lanes;
-mod map;
+mod rounding;
+mod slabs;
+mod spheres;
 mod transform;
+mod volume;
 
 pub use aabb::Aabb;
-pub(crate) use lanes::{BoxLanes, LANES, Lanes};
-pub(crate) use map::{Cull, Side, culls_of, world_bounds};
+pub(crate) use frame::{Frame, Frames, frames_of, world_bounds};
+pub(crate) use lanes::{LANES, Lanes};
+pub(crate) use rounding::up;
+pub(crate) use slabs::{BoxLanes, Slab, Slabs};
+pub(crate) use spheres::Spheres;
 pub use transform::{TransformError, WorldFromModel};
+pub(crate) use volume::{Points, Volume};

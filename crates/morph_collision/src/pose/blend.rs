@@ -1,80 +1,84 @@
-//! The blended boxes of a group of children: the paper's Eq. 3 within the budget, interval arithmetic beyond it, and an
+//! The blended volumes of a group of children: the paper's Eq. 3 within the budget, interval arithmetic beyond it, and an
 //! outward widening for every rounding on the way.
 
-use crate::bounds::BoxLanes;
+use crate::bounds::Volume;
 use crate::tree::GroupTables;
 
 /// Half a unit in the last place of 1.
 const U: f32 = f32::EPSILON / 2.0;
 
-/// Boxes that hold every vertex of each child, both its exact position and the one rounded to `f32`.
+/// Volumes that hold every vertex of each child with tables, both its exact position and the one rounded to `f32`, and how
+/// far the others are to be widened for the same.
 ///
-/// Cost: one pass over the group's local targets, `12` (or, where the budget ends, `24`) multiply-adds of eight lanes for
-/// each with a weight that is not zero.
+/// `amounts` is scratch memory. Cost: one pass over the group's local targets and steps, one multiply-add of eight lanes
+/// per row for each of them that gets some weight.
 #[inline]
-pub(super) fn blend_group(tables: GroupTables<'_>, weights: &[f32]) -> BoxLanes {
-    let mut boxes = *tables.base;
+pub(super) fn blend_group<V: Volume>(
+    tables: GroupTables<'_, V>,
+    weights: &[f32],
+    amounts: &mut Vec<f32>,
+) -> (V, f32) {
     let mut reach = tables.base_reach;
     let mut active = 0_u32;
-    // `a` sums to at most 1 in exact arithmetic: each subtraction below rounds by at most U.
-    let mut budget = 1.0 - tables.targets.len() as f32 * (2.0 * U);
-    for (local, slopes) in tables.targets.iter().zip(tables.slopes) {
-        let weight = weights[local.target as usize];
-        if weight == 0.0 {
-            continue;
+    amounts.clear();
+    for local in tables.targets {
+        let magnitude = weights[local.target as usize].abs();
+        amounts.push(magnitude);
+        reach += magnitude * local.reach;
+        active += u32::from(magnitude > 0.0);
+    }
+    let mut volume = *tables.base;
+    let mut products = active;
+    if tables.lanes != 0 && active > 0 {
+        spend_budget(&tables, weights, amounts);
+        let (rests, steps) = amounts.split_at(tables.targets.len());
+        for ((local, interval), &rest) in tables.targets.iter().zip(tables.intervals).zip(rests) {
+            if rest > 0.0 {
+                products += 1;
+                volume.add_interval(rest.copysign(weights[local.target as usize]), interval);
+            }
         }
-        active += 1;
-        reach += weight.abs() * local.reach;
-        if weight < 0.0 {
-            add(&mut boxes, weight, &slopes.interval, Ends::Swapped);
-            continue;
-        }
-        let within = weight.min(budget);
-        let beyond = weight - within;
-        if within > 0.0 {
-            budget -= within;
-            add(&mut boxes, within, &slopes.reference, Ends::Kept);
-        }
-        if beyond > 0.0 {
-            add(&mut boxes, beyond, &slopes.interval, Ends::Kept);
+        for (reference, &amount) in tables.references.iter().zip(steps) {
+            if amount > 0.0 {
+                products += 1;
+                volume.add_scaled(amount, reference);
+            }
         }
     }
-    let widening = widening(reach, active);
-    for axis in 0..3 {
-        boxes.min[axis].add(-widening);
-        boxes.max[axis].add(widening);
-    }
-    boxes
+    let widening = widening(reach, active, products);
+    volume.widen(widening);
+    (volume, widening)
 }
 
-/// A negative weight takes the lower end down by the largest displacement and the upper end up by the smallest.
-#[derive(Clone, Copy)]
-enum Ends {
-    Kept,
-    Swapped,
-}
-
-#[inline]
-fn add(boxes: &mut BoxLanes, weight: f32, slopes: &BoxLanes, ends: Ends) {
-    let (min, max) = match ends {
-        Ends::Kept => (&slopes.min, &slopes.max),
-        Ends::Swapped => (&slopes.max, &slopes.min),
-    };
-    for axis in 0..3 {
-        boxes.min[axis].add_scaled(weight, &min[axis]);
-        boxes.max[axis].add_scaled(weight, &max[axis]);
-    }
-}
-
-/// How far box ends and vertices may be off their exact values, together.
+/// Moves weight from the intervals to the scaled references, most gain per cost first, until the budget is spent.
 ///
-/// With `reach = B + sum |w_k| D_k` and `m` active targets: a vertex is rounded `m + 1` times, a box end `m + 2` times and
-/// once more when it is widened, `beyond` once, `reach` itself `m + 1` times relative to itself; each is at most
-/// `U * reach`. Products that underflow add half the smallest subnormal each, `2 m + 1` of them and one here.
+/// `amounts` holds the weight left to each interval, and gets one more entry per step: the weight at its reference.
 #[inline]
-fn widening(reach: f32, active: u32) -> f32 {
-    let roundings = (2 * active + 6) as f32;
+fn spend_budget<V: Volume>(tables: &GroupTables<'_, V>, weights: &[f32], amounts: &mut Vec<f32>) {
+    let targets = tables.targets.len();
+    // What is spent stays below 1 in exact arithmetic: a step rounds at most four times, each time by at most U.
+    let mut budget = (1.0 - tables.steps.len() as f32 * (4.0 * U)).max(0.0);
+    for step in tables.steps {
+        let local = step.local as usize;
+        let source = step.after.map_or(local, |earlier| targets + earlier as usize);
+        let weight = weights[tables.targets[local].target as usize];
+        let usable = if (weight < 0.0) == step.negative { amounts[source] } else { 0.0 };
+        let amount = usable.min(budget / step.cost);
+        budget = (budget - amount * step.cost).max(0.0);
+        amounts[source] -= amount;
+        amounts.push(amount);
+    }
+}
+
+/// How far volumes and vertices may be off their exact values, together, per coordinate.
+///
+/// With `reach = B + sum |w_k| D_k` and `m` active targets: a vertex is rounded `m + 1` times, a row at most once per
+/// product and once per sum, and once more when it is widened; moving weight from one product to another rounds once per
+/// product; the split over in-betweens rounds twice, `reach` itself `m + 1` times relative to itself. Each is at most
+/// `U * reach`. Products that underflow add half the smallest subnormal each.
+#[inline]
+fn widening(reach: f32, active: u32, products: u32) -> f32 {
+    let roundings = (active + 2 * products + 8) as f32;
     // 1.03 covers the products of rounding errors for up to 65535 targets.
-    let relative = reach * (roundings * U * 1.03);
-    relative + f32::from_bits(2 * active + 2)
+    reach * (roundings * U * 1.03) + f32::from_bits(2 * (active + products) + 2)
 }

@@ -1,4 +1,4 @@
-//! Values made at the first visit in an epoch and found again until the next one.
+//! Values made at the first visit in an epoch and found again until the next one (the paper's Sect. 5).
 
 /// Which slot of a growing store holds the value of an index, if any does in this epoch.
 ///
@@ -29,15 +29,18 @@ impl<T> Stamped<T> {
         }
     }
 
-    /// The slot of an index, made by `make` if this is the first visit.
+    /// The slot of an index visited in this epoch.
     #[inline]
-    pub(super) fn slot(&mut self, index: usize, make: impl FnOnce() -> T) -> usize {
+    pub(super) fn find(&self, index: usize) -> Option<usize> {
         let (epoch, slot) = self.stamps[index];
-        if epoch == self.epoch {
-            return slot as usize;
-        }
+        (epoch == self.epoch).then_some(slot as usize)
+    }
+
+    /// Stores the value of an index at its first visit.
+    #[inline]
+    pub(super) fn insert(&mut self, index: usize, value: T) -> usize {
         let slot = self.slots.len();
-        self.slots.push(make());
+        self.slots.push(value);
         self.stamps[index] = (self.epoch, slot as u32);
         slot
     }

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 
-use super::Pose;
-use crate::bounds::Aabb;
+use super::{Pose, Posed, with_posed};
+use crate::bounds::{Aabb, Volume};
 use crate::model::MorphModel;
-use crate::tree::{BuildOptions, ChildKind, MorphBvh};
+use crate::tree::{BuildOptions, ChildKind, MorphBvh, Split, VolumeKind};
 
 /// A mesh of random triangles over random vertices, with targets that leave about half of the vertices alone.
 fn models() -> impl Strategy<Value = MorphModel> {
@@ -36,8 +36,14 @@ fn weights() -> impl Strategy<Value = [f32; 6]> {
         1 => -1e6_f32..1e6,
     ];
     let any = prop::array::uniform6(weight);
+    let pair = (0_usize..5, 0_f32..1.0).prop_map(|(k, t)| {
+        let mut weights = [0.0; 6];
+        weights[k] = 1.0 - t;
+        weights[k + 1] = t;
+        weights
+    });
     let convex = prop::array::uniform6(0_f32..1.0).prop_map(|w| w.map(|x| x / w.iter().sum::<f32>().max(1e-6)));
-    prop_oneof![any, convex]
+    prop_oneof![any, convex, pair]
 }
 
 fn exact_vertex(model: &MorphModel, vertex: u32, weights: &[f32]) -> DVec3 {
@@ -49,21 +55,23 @@ fn exact_vertex(model: &MorphModel, vertex: u32, weights: &[f32]) -> DVec3 {
         })
 }
 
-/// Checks every box of the tree against every vertex below it; returns how many checks were made.
-fn check_subtree(pose: &mut Pose, group: usize, above: &mut Vec<Aabb>) -> usize {
-    let slot = pose.open(group);
-    let bvh = pose.bvh().clone();
+/// Checks every volume of the tree against every vertex below it; returns how many checks were made.
+fn check_tree(pose: &mut Pose) -> usize {
+    with_posed!(pose.posed(), mut posed => check_subtree(&mut posed, 0, &mut Vec::new()))
+}
+
+fn check_subtree<V: Volume>(posed: &mut Posed<'_, V>, group: usize, above: &mut Vec<V::One>) -> usize {
+    let slot = posed.open(group);
+    let topology = posed.topology;
     let mut checks = 0;
-    for (lane, child) in bvh.group(group).children().iter().enumerate() {
-        above.push(pose.boxes(slot).get(lane));
+    for (lane, child) in topology.group(group).children().iter().enumerate() {
+        above.push(posed.volumes(slot).get(lane));
         checks += match child.kind() {
-            ChildKind::Group(group) => check_subtree(pose, group, above),
+            ChildKind::Group(group) => check_subtree(posed, group, above),
             ChildKind::Leaf(leaf) => {
-                let vertices = bvh
-                    .leaf_triangles(leaf)
-                    .iter()
-                    .flat_map(|&t| bvh.model().triangle(t as usize));
-                vertices.map(|vertex| check_vertex(pose, vertex, above)).sum()
+                let corners = |&triangle: &u32| posed.model.triangle(triangle as usize);
+                let vertices: Vec<u32> = topology.leaf_triangles(leaf).iter().flat_map(corners).collect();
+                vertices.into_iter().map(|vertex| check_vertex(posed, vertex, above)).sum()
             }
         };
         above.pop();
@@ -71,36 +79,45 @@ fn check_subtree(pose: &mut Pose, group: usize, above: &mut Vec<Aabb>) -> usize 
     checks
 }
 
-fn check_vertex(pose: &mut Pose, vertex: u32, boxes: &[Aabb]) -> usize {
-    let rounded = pose.vertex(vertex);
-    let exact = exact_vertex(pose.bvh().model(), vertex, pose.weights());
-    for bounds in boxes {
-        assert!(
-            bounds.contains(rounded),
-            "{rounded} outside {bounds:?}, weights {:?}",
-            pose.weights()
-        );
-        let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
-        assert!(
-            min.cmple(exact).all() && exact.cmple(max).all(),
-            "exact {exact} outside {bounds:?}, weights {:?}",
-            pose.weights()
-        );
+fn check_vertex<V: Volume>(posed: &mut Posed<'_, V>, vertex: u32, volumes: &[V::One]) -> usize {
+    let rounded = posed.vertex(vertex);
+    let exact = exact_vertex(posed.model, vertex, posed.weights);
+    for volume in volumes {
+        for point in [rounded.as_dvec3(), exact] {
+            assert!(V::contains(volume, point), "{point} outside {volume:?}, weights {:?}", posed.weights);
+        }
     }
-    boxes.len()
+    volumes.len()
+}
+
+fn options() -> impl Strategy<Value = BuildOptions> {
+    let scales = prop_oneof![Just(vec![1.0]), Just(vec![]), Just(vec![4.0]), Just(vec![1.0, 4.0, 64.0])];
+    (
+        (0..VolumeKind::ALL.len(), 1_usize..4, 1_usize..5, 0..Split::ALL.len()),
+        (scales, any::<bool>(), any::<bool>(), any::<bool>()),
+    )
+        .prop_map(|((volume, arity, leaf_size, split), (scales, reflected, in_betweens, leaf_tables))| {
+            BuildOptions::default()
+                .with_volume(VolumeKind::ALL[volume])
+                .with_arity(1 << arity)
+                .with_leaf_size(leaf_size)
+                .with_split(Split::ALL[split])
+                .with_scales(scales)
+                .with_reflected(reflected)
+                .with_in_betweens(in_betweens)
+                .with_leaf_tables(leaf_tables)
+        })
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(512))]
+    #![proptest_config(ProptestConfig::with_cases(2048))]
 
     #[test]
-    fn every_vertex_lies_in_every_box_above_it(model in models(), weights in weights(), leaf_size in 1_usize..5) {
-        let options = BuildOptions::default().with_leaf_size(leaf_size);
+    fn every_vertex_lies_in_every_volume_above_it(model in models(), weights in weights(), options in options()) {
         let bvh = Arc::new(MorphBvh::build(Arc::new(model), &options).unwrap());
         let mut pose = Pose::new(bvh.clone());
         pose.set_weights(&weights[..bvh.model().target_count()]).unwrap();
-        let checks = check_subtree(&mut pose, 0, &mut Vec::new());
-        prop_assert!(checks >= 3 * bvh.model().triangle_count());
+        prop_assert!(check_tree(&mut pose) >= 3 * bvh.model().triangle_count());
     }
 }
 

@@ -1,13 +1,12 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use thiserror::Error;
 
-use super::blend::blend_group;
 use super::cache::Stamped;
-use crate::bounds::{Aabb, BoxLanes, WorldFromModel, world_bounds};
-use crate::model::LARGEST;
-use crate::tree::{Child, MorphBvh};
+use super::posed::{AnyPosed, Blended, Posed, Scratch, with_posed};
+use super::weights::{self, WeightsError};
+use crate::bounds::{Aabb, Slabs, Spheres, Volume, WorldFromModel, world_bounds};
+use crate::tree::{AnyTables, MorphBvh, Tables};
 
 /// One instance of a morphing mesh: its weights, and the volumes and vertices blended for them so far.
 ///
@@ -20,65 +19,86 @@ use crate::tree::{Child, MorphBvh};
 pub struct Pose {
     bvh: Arc<MorphBvh>,
     weights: Vec<f32>,
-    volumes: Stamped<BoxLanes>,
+    /// One weight per target of the tree, in-betweens included.
+    spread: Vec<f32>,
+    volumes: AnyCache,
     vertices: Stamped<Vec3>,
     blended: Blended,
+    scratch: Scratch,
 }
 
-/// How much a pose has blended in its life.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Blended {
-    pub(crate) volumes: u64,
-    pub(crate) vertices: u64,
+/// The volumes made so far, beside the tables they are made from.
+#[derive(Clone, Debug)]
+struct Cache<V> {
+    tables: Arc<Tables<V>>,
+    volumes: Stamped<V>,
 }
 
-/// Why a pose refuses weights; it keeps the ones it had.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum WeightsError {
-    /// There must be one weight per target.
-    #[error("{given} weights were given, the mesh has {expected} targets")]
-    WrongCount {
-        /// How many were given.
-        given: usize,
-        /// How many targets there are.
-        expected: usize,
-    },
-    /// A weight is NaN or infinite.
-    #[error("weight {index} is {value}, not a finite number")]
-    NotFinite {
-        /// The target.
-        index: usize,
-        /// Its weight.
-        value: f32,
-    },
-    /// The weights could take a vertex out of the range of `f32`.
-    #[error("weight {index} is {value}: posed vertices could be beyond 1e37")]
-    TooLarge {
-        /// The target at which the sum of the possible displacements went out of range.
-        index: usize,
-        /// Its weight.
-        value: f32,
-    },
+#[derive(Clone, Debug)]
+enum AnyCache {
+    Aabb(Cache<Slabs<3>>),
+    Kdop14(Cache<Slabs<7>>),
+    Kdop18(Cache<Slabs<9>>),
+    Kdop26(Cache<Slabs<13>>),
+    Sphere(Cache<Spheres>),
 }
 
-/// A node as a traversal holds it: which child, and where its blended box is in the pose's cache.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct NodeRef {
-    pub(crate) child: Child,
-    slot: u32,
-    lane: u8,
+impl<V: Volume> Cache<V> {
+    fn new(tables: &Arc<Tables<V>>, groups: usize) -> Self {
+        Self {
+            tables: tables.clone(),
+            volumes: Stamped::new(groups),
+        }
+    }
+}
+
+impl AnyCache {
+    fn new(bvh: &MorphBvh) -> Self {
+        let groups = bvh.topology().group_count();
+        match bvh.tables() {
+            AnyTables::Aabb(tables) => Self::Aabb(Cache::new(tables, groups)),
+            AnyTables::Kdop14(tables) => Self::Kdop14(Cache::new(tables, groups)),
+            AnyTables::Kdop18(tables) => Self::Kdop18(Cache::new(tables, groups)),
+            AnyTables::Kdop26(tables) => Self::Kdop26(Cache::new(tables, groups)),
+            AnyTables::Sphere(tables) => Self::Sphere(Cache::new(tables, groups)),
+        }
+    }
+
+    fn next_epoch(&mut self) {
+        match self {
+            Self::Aabb(cache) => cache.volumes.next_epoch(),
+            Self::Kdop14(cache) => cache.volumes.next_epoch(),
+            Self::Kdop18(cache) => cache.volumes.next_epoch(),
+            Self::Kdop26(cache) => cache.volumes.next_epoch(),
+            Self::Sphere(cache) => cache.volumes.next_epoch(),
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        match self {
+            Self::Aabb(cache) => cache.volumes.bytes(),
+            Self::Kdop14(cache) => cache.volumes.bytes(),
+            Self::Kdop18(cache) => cache.volumes.bytes(),
+            Self::Kdop26(cache) => cache.volumes.bytes(),
+            Self::Sphere(cache) => cache.volumes.bytes(),
+        }
+    }
 }
 
 impl Pose {
     /// An instance at rest: all weights zero.
     #[must_use]
     pub fn new(bvh: Arc<MorphBvh>) -> Self {
+        let weights = vec![0.0; bvh.model().target_count()];
+        let mut spread = Vec::new();
+        weights::spread(bvh.columns(), &weights, &mut spread);
         Self {
-            weights: vec![0.0; bvh.model().target_count()],
-            volumes: Stamped::new(bvh.group_count()),
+            weights,
+            spread,
+            volumes: AnyCache::new(&bvh),
             vertices: Stamped::new(bvh.model().vertex_count()),
             blended: Blended::default(),
+            scratch: Scratch::default(),
             bvh,
         }
     }
@@ -91,27 +111,12 @@ impl Pose {
     /// A wrong count, a weight that is not finite, or weights so large that a vertex could leave the range of `f32`. The
     /// pose keeps the weights it had.
     pub fn set_weights(&mut self, weights: &[f32]) -> Result<bool, WeightsError> {
-        let model = self.bvh.model();
-        if weights.len() != model.target_count() {
-            return Err(WeightsError::WrongCount {
-                given: weights.len(),
-                expected: model.target_count(),
-            });
-        }
-        let mut reach = f64::from(model.base_reach());
-        for (index, (&value, &target_reach)) in weights.iter().zip(model.target_reach()).enumerate() {
-            if !value.is_finite() {
-                return Err(WeightsError::NotFinite { index, value });
-            }
-            reach += f64::from(value.abs()) * f64::from(target_reach);
-            if reach > f64::from(2.0 * LARGEST) {
-                return Err(WeightsError::TooLarge { index, value });
-            }
-        }
+        weights::check(self.bvh.model(), weights)?;
         if self.weights == weights {
             return Ok(false);
         }
         self.weights.copy_from_slice(weights);
+        weights::spread(self.bvh.columns(), weights, &mut self.spread);
         self.volumes.next_epoch();
         self.vertices.next_epoch();
         Ok(true)
@@ -131,10 +136,9 @@ impl Pose {
 
     /// A box around the posed mesh in model space: conservative, not always the smallest.
     ///
-    /// Cost: the root's box is blended, in `O(active targets)`, unless it already was for these weights.
+    /// Cost: the root's volume is blended, in `O(active targets)`, unless it already was for these weights.
     pub fn bounds(&mut self) -> Aabb {
-        let root = self.root();
-        self.node_bounds(root)
+        with_posed!(self.posed(), mut posed => posed.bounds())
     }
 
     /// A world-space box around the posed mesh placed in the world; conservative.
@@ -148,61 +152,46 @@ impl Pose {
     /// A vertex of the mesh as it was given, posed, in model space; `None` if there is no such vertex.
     pub fn source_vertex(&mut self, source: usize) -> Option<Vec3> {
         let welded = *self.bvh.model().welded_from_source().get(source)?;
-        Some(self.vertex(welded))
+        Some(with_posed!(self.posed(), mut posed => posed.vertex(welded)))
     }
 
     /// Bytes held on the heap, the shared tree's not included.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.weights) + self.volumes.bytes() + self.vertices.bytes()
+        size_of_val(&*self.weights) + size_of_val(&*self.spread) + self.volumes.bytes() + self.vertices.bytes()
     }
 
-    pub(crate) fn blended(&self) -> Blended {
-        self.blended
-    }
-
-    pub(crate) fn root(&mut self) -> NodeRef {
-        let slot = self.open(0);
-        self.node(slot, 0, 0)
-    }
-
-    /// Blends a group's boxes unless they are; returns the slot to read them from.
-    #[inline]
-    pub(crate) fn open(&mut self, group: usize) -> usize {
-        let (bvh, weights, blended) = (&self.bvh, &self.weights, &mut self.blended);
-        self.volumes.slot(group, || {
-            blended.volumes += bvh.group(group).children().len() as u64;
-            blend_group(bvh.tables(group), weights)
-        })
-    }
-
-    #[inline]
-    pub(crate) fn boxes(&self, slot: usize) -> &BoxLanes {
-        self.volumes.get(slot)
-    }
-
-    #[inline]
-    pub(crate) fn node(&self, slot: usize, group: usize, lane: usize) -> NodeRef {
-        NodeRef {
-            child: self.bvh.group(group).children()[lane],
-            slot: slot as u32,
-            lane: lane as u8,
+    pub(crate) fn posed(&mut self) -> AnyPosed<'_> {
+        let Self {
+            bvh,
+            weights,
+            spread,
+            volumes,
+            vertices,
+            blended,
+            scratch,
+        } = self;
+        macro_rules! posed {
+            ($cache:expr) => {
+                Posed {
+                    model: bvh.model(),
+                    topology: bvh.topology(),
+                    tables: &$cache.tables,
+                    weights,
+                    spread,
+                    volumes: &mut $cache.volumes,
+                    vertices,
+                    blended,
+                    scratch,
+                }
+            };
         }
-    }
-
-    #[inline]
-    pub(crate) fn node_bounds(&self, node: NodeRef) -> Aabb {
-        self.volumes.get(node.slot as usize).get(usize::from(node.lane))
-    }
-
-    /// A posed welded vertex, blended unless it is.
-    #[inline]
-    pub(crate) fn vertex(&mut self, vertex: u32) -> Vec3 {
-        let (bvh, weights, blended) = (&self.bvh, &self.weights, &mut self.blended);
-        let slot = self.vertices.slot(vertex as usize, || {
-            blended.vertices += 1;
-            bvh.model().blend_vertex(vertex, weights)
-        });
-        *self.vertices.get(slot)
+        match volumes {
+            AnyCache::Aabb(cache) => AnyPosed::Aabb(posed!(cache)),
+            AnyCache::Kdop14(cache) => AnyPosed::Kdop14(posed!(cache)),
+            AnyCache::Kdop18(cache) => AnyPosed::Kdop18(posed!(cache)),
+            AnyCache::Kdop26(cache) => AnyPosed::Kdop26(posed!(cache)),
+            AnyCache::Sphere(cache) => AnyPosed::Sphere(posed!(cache)),
+        }
     }
 }

@@ -1,11 +1,17 @@
 //! One instance: its weights, and what has been blended for them so far.
+//!
+//! A node's volume comes from one place, [`Posed::open`]: blended from tables (`blend`) or fitted to vertices, kept by
+//! stamp (`cache`).
 
 mod blend;
 mod cache;
 mod instance;
+mod posed;
+mod weights;
 
-pub(crate) use instance::NodeRef;
-pub use instance::{Pose, WeightsError};
+pub use instance::Pose;
+pub(crate) use posed::{AnyPosed, Blended, NodeRef, Posed, with_posed};
+pub use weights::WeightsError;
 
 #[cfg(test)]
 mod containment_tests;

@@ -1,6 +1,7 @@
 use crate::bounds::WorldFromModel;
 use crate::exact::Triangle;
 use crate::pose::Pose;
+use crate::traverse::Walkable;
 
 /// A posed mesh and where it stands, for the time of one query.
 #[derive(Debug)]
@@ -21,7 +22,6 @@ impl<'a> Body<'a> {
 
 /// A triangle's corners in world space.
 #[inline]
-pub(super) fn world_triangle(pose: &mut Pose, world_from_model: &WorldFromModel, triangle: u32) -> Triangle {
-    let corners = pose.bvh().model().triangle(triangle as usize);
-    corners.map(|vertex| world_from_model.transform_point(pose.vertex(vertex)))
+pub(super) fn world_triangle(tree: &mut impl Walkable, world_from_model: &WorldFromModel, triangle: u32) -> Triangle {
+    tree.corners(triangle).map(|corner| world_from_model.transform_point(corner))
 }

@@ -1,9 +1,11 @@
 use std::ops::{AddAssign, ControlFlow};
 
 use super::body::{Body, world_triangle};
-use crate::bounds::culls_of;
+use crate::bounds::{Volume, WorldFromModel, frames_of};
 use crate::exact::{Triangle, triangles_intersect};
-use crate::traverse::{PairWalk, Stack};
+use crate::pose::{AnyPosed, with_posed};
+use crate::traverse::{AsBoxes, Cull, PairWalk, Stack, Walkable};
+use crate::tree::Leaf;
 
 /// Two intersecting triangles, each by its number in its own mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -43,7 +45,8 @@ impl AddAssign for PairStats {
 #[derive(Debug, Default)]
 pub struct PairQuery {
     stack: Stack,
-    triangles_b: Vec<Triangle>,
+    leaf_a: LeafTriangles,
+    leaf_b: LeafTriangles,
 }
 
 impl PairQuery {
@@ -84,30 +87,53 @@ impl PairQuery {
         b: Body<'_>,
         mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> PairStats {
-        let before = [a.pose.blended(), b.pose.blended()];
-        let (world_from_a, world_from_b) = (a.world_from_model, b.world_from_model);
-        let culls = culls_of(world_from_a, &a.pose.bounds(), world_from_b, &b.pose.bounds());
+        let places = Places {
+            world_from_a: a.world_from_model,
+            world_from_b: b.world_from_model,
+        };
+        let visitor = &mut visitor;
+        match (a.pose.posed(), b.pose.posed()) {
+            (AnyPosed::Aabb(mut a), AnyPosed::Aabb(mut b)) => self.walk(&mut a, &mut b, &places, visitor),
+            (AnyPosed::Kdop14(mut a), AnyPosed::Kdop14(mut b)) => self.walk(&mut a, &mut b, &places, visitor),
+            (AnyPosed::Kdop18(mut a), AnyPosed::Kdop18(mut b)) => self.walk(&mut a, &mut b, &places, visitor),
+            (AnyPosed::Kdop26(mut a), AnyPosed::Kdop26(mut b)) => self.walk(&mut a, &mut b, &places, visitor),
+            (AnyPosed::Sphere(mut a), AnyPosed::Sphere(mut b)) => self.walk(&mut a, &mut b, &places, visitor),
+            (mut a, mut b) => {
+                let (mut a, mut b) = (as_boxes(&mut a), as_boxes(&mut b));
+                self.walk(&mut a, &mut b, &places, visitor)
+            }
+        }
+    }
+
+    fn walk<V: Volume>(
+        &mut self,
+        a: &mut impl Walkable<Kind = V>,
+        b: &mut impl Walkable<Kind = V>,
+        places: &Places<'_>,
+        visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> PairStats {
+        let before = [a.blended(), b.blended()];
+        let culls = places.culls(a, b);
         let mut walk = PairWalk {
-            a: a.pose,
-            b: b.pose,
+            a,
+            b,
             culls: &culls,
-            a_from_b_scale: (world_from_b.scale() / world_from_a.scale()) as f32,
+            a_from_b_scale: places.a_from_b_scale(),
             node_tests: 0,
         };
         let mut triangle_tests = 0;
-        let triangles_b = &mut self.triangles_b;
-        let _stopped_early = walk.run(&mut self.stack, |walk, leaf_a, leaf_b| {
-            let bvh_a = walk.a.bvh().clone();
-            let bvh_b = walk.b.bvh().clone();
-            let ids_b = bvh_b.leaf_triangles(leaf_b);
-            triangles_b.clear();
-            triangles_b.extend(ids_b.iter().map(|&t| world_triangle(walk.b, world_from_b, t)));
-            for &triangle_a in bvh_a.leaf_triangles(leaf_a) {
-                let corners_a = world_triangle(walk.a, world_from_a, triangle_a);
-                for (&triangle_b, corners_b) in ids_b.iter().zip(&*triangles_b) {
+        let Self { stack, leaf_a, leaf_b } = self;
+        let _stopped_early = walk.run(stack, |a, b, of_a, of_b| {
+            leaf_a.read(a, places.world_from_a, of_a);
+            leaf_b.read(b, places.world_from_b, of_b);
+            for (triangle_a, corners_a) in &leaf_a.triangles {
+                for (triangle_b, corners_b) in &leaf_b.triangles {
                     triangle_tests += 1;
-                    if triangles_intersect(&corners_a, corners_b) {
-                        visitor(TrianglePair { triangle_a, triangle_b })?;
+                    if triangles_intersect(corners_a, corners_b) {
+                        visitor(TrianglePair {
+                            triangle_a: *triangle_a,
+                            triangle_b: *triangle_b,
+                        })?;
                     }
                 }
             }
@@ -121,4 +147,48 @@ impl PairQuery {
             vertices_blended: after[0].vertices + after[1].vertices - before[0].vertices - before[1].vertices,
         }
     }
+}
+
+/// Where the two bodies of a query stand.
+struct Places<'a> {
+    world_from_a: &'a WorldFromModel,
+    world_from_b: &'a WorldFromModel,
+}
+
+impl Places<'_> {
+    fn culls<V: Volume>(&self, a: &mut impl Walkable<Kind = V>, b: &mut impl Walkable<Kind = V>) -> Vec<Cull<V>> {
+        let (root_a, root_b) = (a.root(), b.root());
+        let bounds_a = V::bounds(&a.volume(root_a));
+        let bounds_b = V::bounds(&b.volume(root_b));
+        frames_of(self.world_from_a, &bounds_a, self.world_from_b, &bounds_b)
+            .filter_map(|frames| Cull::new(&frames))
+            .collect()
+    }
+
+    fn a_from_b_scale(&self) -> f32 {
+        (self.world_from_b.scale() / self.world_from_a.scale()) as f32
+    }
+}
+
+/// The triangles of a leaf in world space, by number.
+#[derive(Debug, Default)]
+struct LeafTriangles {
+    numbers: Vec<u32>,
+    triangles: Vec<(u32, Triangle)>,
+}
+
+impl LeafTriangles {
+    fn read(&mut self, tree: &mut impl Walkable, world_from_model: &WorldFromModel, leaf: Leaf) {
+        self.numbers.clear();
+        self.numbers.extend_from_slice(tree.topology().leaf_triangles(leaf));
+        self.triangles.clear();
+        for &triangle in &self.numbers {
+            self.triangles
+                .push((triangle, world_triangle(tree, world_from_model, triangle)));
+        }
+    }
+}
+
+fn as_boxes<'a>(posed: &'a mut AnyPosed<'_>) -> AsBoxes<'a> {
+    with_posed!(posed, posed => AsBoxes(posed))
 }

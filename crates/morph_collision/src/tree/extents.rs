@@ -1,141 +1,112 @@
-//! What a node's vertices span: at the base, displaced by each target, and the displacements themselves.
+//! What a node's vertices span: at the base, at each scaled reference, and the displacements themselves.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
-use crate::bounds::Aabb;
+use super::columns::{Columns, Shape};
+use crate::bounds::Volume;
 use crate::model::MorphModel;
-
-/// A box in `f64`; sums of two `f32` are held to a relative 2^-53.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Extent {
-    pub(super) min: DVec3,
-    pub(super) max: DVec3,
-}
-
-impl Extent {
-    const EMPTY: Self = Self {
-        min: DVec3::INFINITY,
-        max: DVec3::NEG_INFINITY,
-    };
-
-    fn add(&mut self, p: DVec3) {
-        self.min = self.min.min(p);
-        self.max = self.max.max(p);
-    }
-
-    fn union(&self, other: &Self) -> Self {
-        Self {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
-        }
-    }
-
-    fn of_box(bounds: &Aabb) -> Self {
-        Self {
-            min: bounds.min.as_dvec3(),
-            max: bounds.max.as_dvec3(),
-        }
-    }
-}
 
 /// A target that moves some vertex of a node.
 #[derive(Clone, Debug)]
-pub(super) struct TargetExtents {
+pub(super) struct TargetExtents<V: Volume> {
     pub(super) target: u32,
-    /// Of `b + d_k`: the paper's reference volume.
-    pub(super) reference: Extent,
+    /// The largest absolute displacement.
+    pub(super) reach: f32,
     /// Of `d_k`: the interval of displacements.
-    pub(super) displacement: Aabb,
+    pub(super) displacement: V::Extent,
+    /// Of `b + S d_k` for each signed scale `S`: the paper's reference volume for `S = 1`.
+    pub(super) references: Vec<V::Extent>,
 }
 
 /// Everything a node's volumes are made from; `targets` ascending.
 #[derive(Clone, Debug)]
-pub(super) struct NodeExtents {
-    pub(super) base: Aabb,
-    pub(super) targets: Vec<TargetExtents>,
+pub(super) struct NodeExtents<V: Volume> {
+    pub(super) base: V::Extent,
+    /// The largest absolute base coordinate.
+    pub(super) base_reach: f32,
+    pub(super) targets: Vec<TargetExtents<V>>,
+    /// The node's vertices, if the kind of volume looks at them or the node is a leaf.
+    pub(super) vertices: Vec<u32>,
 }
 
-impl NodeExtents {
-    /// Of a leaf's vertices, each displacement looked up.
-    pub(super) fn of_vertices(model: &MorphModel, vertices: &[u32]) -> Self {
-        let base = Aabb::from_points(vertices.iter().map(|&v| model.base(v)));
-        let mut locals: Vec<u32> = vertices
-            .iter()
-            .flat_map(|&v| model.displacements(v).iter().map(|d| d.target))
-            .collect();
-        locals.sort_unstable();
-        locals.dedup();
-        let targets = locals
+impl<V: Volume> NodeExtents<V> {
+    /// Of a leaf's vertices.
+    pub(super) fn of_vertices(model: &MorphModel, columns: &Columns, vertices: Vec<u32>) -> Self {
+        let mut node = Self {
+            base: V::extent(&|_| {}),
+            base_reach: 0.0,
+            targets: Vec::new(),
+            vertices,
+        };
+        let of = |shape: Shape| V::extent(&|each| columns.for_each_point(model, &node.vertices, shape, each));
+        let base = of(Shape::Base);
+        let targets = columns
+            .local_targets(model, &node.vertices)
             .into_iter()
-            .map(|target| {
-                let mut reference = Extent::EMPTY;
-                let mut displacement = Aabb::EMPTY;
-                for &v in vertices {
-                    let delta = displacement_of(model, v, target);
-                    reference.add(model.base(v).as_dvec3() + delta.as_dvec3());
-                    displacement = displacement.union(&Aabb { min: delta, max: delta });
-                }
-                TargetExtents {
-                    target,
-                    reference,
-                    displacement,
-                }
+            .map(|target| TargetExtents {
+                target,
+                reach: columns.reach(model, &node.vertices, target),
+                displacement: of(Shape::Displacement(target)),
+                references: columns.scales().map(|scale| of(Shape::Reference(target, scale))).collect(),
             })
             .collect();
-        Self { base, targets }
+        node.base_reach = node
+            .vertices
+            .iter()
+            .fold(0.0, |reach, &v| model.base(v).abs().max_element().max(reach));
+        node.base = base;
+        node.targets = targets;
+        node
     }
 
     /// Of a node from its children. A child that a target leaves alone is at its base under that target.
-    pub(super) fn of_children(children: &[Self]) -> Self {
-        let base = children.iter().fold(Aabb::EMPTY, |hull, c| hull.union(&c.base));
+    pub(super) fn of_children(columns: &Columns, children: &[Self]) -> Self {
+        let still = V::extent(&|each| each(DVec3::ZERO));
+        let all = |of: &dyn Fn(&Self) -> V::Extent| {
+            let extents = children.iter().map(of);
+            extents.reduce(|a, b| V::union(&a, &b)).unwrap_or_else(|| still.clone())
+        };
         let targets = local_targets(children)
             .into_iter()
-            .map(|target| {
-                let mut reference = Extent::EMPTY;
-                let mut displacement = Aabb::EMPTY;
-                for child in children {
-                    let (r, d) = child.under(target).unwrap_or_else(|| child.at_rest());
-                    reference = reference.union(&r);
-                    displacement = displacement.union(&d);
-                }
-                TargetExtents {
-                    target,
-                    reference,
-                    displacement,
-                }
+            .map(|target| TargetExtents {
+                target,
+                reach: children
+                    .iter()
+                    .filter_map(|c| c.under(target))
+                    .fold(0.0, |reach, t| reach.max(t.reach)),
+                displacement: all(&|child| child.under(target).map_or_else(|| still.clone(), |t| t.displacement.clone())),
+                references: (0..columns.scales().len())
+                    .map(|s| all(&|child| child.under(target).map_or(&child.base, |t| &t.references[s]).clone()))
+                    .collect(),
             })
             .collect();
-        Self { base, targets }
-    }
-
-    /// Reference and displacement extents under a target that moves the node, `None` under one that does not.
-    pub(super) fn under(&self, target: u32) -> Option<(Extent, Aabb)> {
-        let i = self.targets.binary_search_by_key(&target, |t| t.target).ok()?;
-        Some((self.targets[i].reference, self.targets[i].displacement))
-    }
-
-    /// The same under a target that leaves the node alone.
-    fn at_rest(&self) -> (Extent, Aabb) {
-        let still = Aabb {
-            min: Vec3::ZERO,
-            max: Vec3::ZERO,
+        let vertices = if V::LOOKS_AT_POINTS {
+            let mut vertices: Vec<u32> = children.iter().flat_map(|c| &c.vertices).copied().collect();
+            vertices.sort_unstable();
+            vertices.dedup();
+            vertices
+        } else {
+            Vec::new()
         };
-        (Extent::of_box(&self.base), still)
+        Self {
+            base: all(&|child| child.base.clone()),
+            base_reach: children.iter().fold(0.0, |reach, c| reach.max(c.base_reach)),
+            targets,
+            vertices,
+        }
+    }
+
+    /// What the node spans under a target that moves it, `None` under one that does not.
+    pub(super) fn under(&self, target: u32) -> Option<&TargetExtents<V>> {
+        let i = self.targets.binary_search_by_key(&target, |t| t.target).ok()?;
+        Some(&self.targets[i])
     }
 }
 
 /// The targets that move any of the nodes, ascending.
-pub(super) fn local_targets(nodes: &[NodeExtents]) -> Vec<u32> {
+pub(super) fn local_targets<V: Volume>(nodes: &[NodeExtents<V>]) -> Vec<u32> {
     let mut targets: Vec<u32> = nodes.iter().flat_map(|n| n.targets.iter().map(|t| t.target)).collect();
     targets.sort_unstable();
     targets.dedup();
     targets
-}
-
-fn displacement_of(model: &MorphModel, vertex: u32, target: u32) -> Vec3 {
-    let displacements = model.displacements(vertex);
-    match displacements.binary_search_by_key(&target, |d| d.target) {
-        Ok(i) => displacements[i].delta,
-        Err(_) => Vec3::ZERO,
-    }
 }

@@ -1,16 +1,24 @@
-//! The immutable tree: which triangles are together, and a blendable volume per node.
+//! The immutable tree: which triangles are together, and what blends into a volume for each node.
 //!
-//! `partition` decides the topology on one shape, `extents` measures every node over all targets, `tables` turns extents
-//! into what a pose blends, and `build` puts them together in preorder.
+//! `partition` (with `midpoint` and `sah`) decides the `topology` on one or several shapes, `extents` measures every node
+//! on the shapes that `columns` names, `tables` turns extents into what a pose blends, `kinds` lets the kind of volume be
+//! chosen at run time, and `build` puts all of it together in preorder.
 
 mod build;
 mod bvh;
+mod columns;
 mod extents;
+mod kinds;
+mod midpoint;
 mod options;
 mod partition;
+mod sah;
 mod tables;
+mod topology;
 
 pub use bvh::MorphBvh;
-pub(crate) use bvh::{Child, ChildKind, Leaf};
-pub use options::{BuildError, BuildOptions};
+pub(crate) use columns::Columns;
+pub(crate) use kinds::AnyTables;
+pub use options::{BuildError, BuildOptions, PartitionShape, Split, VolumeKind};
 pub(crate) use tables::{GroupTables, Tables};
+pub(crate) use topology::{Child, ChildKind, Leaf, Topology};

@@ -1,39 +1,306 @@
+use std::fmt;
+use std::str::FromStr;
+
 use thiserror::Error;
 
+/// The kind of bounding volume a tree is made of.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum VolumeKind {
+    /// Axis-aligned boxes, in model space.
+    #[default]
+    Aabb,
+    /// Boxes with their corners cut off: 7 slabs.
+    Kdop14,
+    /// Boxes with their edges cut off: 9 slabs.
+    Kdop18,
+    /// Boxes with corners and edges cut off: 13 slabs.
+    Kdop26,
+    /// Spheres.
+    Sphere,
+}
+
+impl VolumeKind {
+    /// All kinds, cheapest boxes first.
+    pub const ALL: [Self; 5] = [Self::Aabb, Self::Kdop14, Self::Kdop18, Self::Kdop26, Self::Sphere];
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Aabb => "aabb",
+            Self::Kdop14 => "kdop14",
+            Self::Kdop18 => "kdop18",
+            Self::Kdop26 => "kdop26",
+            Self::Sphere => "sphere",
+        }
+    }
+}
+
+impl fmt::Display for VolumeKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// How a node's triangles are shared out among its children.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Split {
+    /// The paper's: at the middle of the node's extents along its longest axes, all three for eight children.
+    Midpoint,
+    /// Surface-area heuristic on the partition shape, binned.
+    Sah,
+    /// Surface-area heuristic summed over the base and the targets: one tree good for all.
+    #[default]
+    PoseSah,
+}
+
+impl Split {
+    /// All rules.
+    pub const ALL: [Self; 3] = [Self::Midpoint, Self::Sah, Self::PoseSah];
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Midpoint => "midpoint",
+            Self::Sah => "sah",
+            Self::PoseSah => "pose-sah",
+        }
+    }
+}
+
+impl fmt::Display for Split {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// A name that [`VolumeKind`] or [`Split`] does not know.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("unknown name '{name}', expected one of: {expected}")]
+pub struct UnknownName {
+    name: String,
+    expected: String,
+}
+
+fn parse<T: Copy + fmt::Display>(name: &str, all: &[T]) -> Result<T, UnknownName> {
+    all.iter().copied().find(|kind| kind.to_string() == name).ok_or_else(|| UnknownName {
+        name: name.to_owned(),
+        expected: all.iter().map(T::to_string).collect::<Vec<_>>().join(", "),
+    })
+}
+
+impl FromStr for VolumeKind {
+    type Err = UnknownName;
+
+    fn from_str(name: &str) -> Result<Self, UnknownName> {
+        parse(name, &Self::ALL)
+    }
+}
+
+impl FromStr for Split {
+    type Err = UnknownName;
+
+    fn from_str(name: &str) -> Result<Self, UnknownName> {
+        parse(name, &Self::ALL)
+    }
+}
+
+/// The shape on which triangles are put together.
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub enum PartitionShape {
+    /// All weights zero.
+    #[default]
+    Base,
+    /// One target at weight 1.
+    Target(usize),
+    /// The mean of the base and of every target at weight 1.
+    Average,
+    /// Any weights.
+    Weights(Vec<f32>),
+}
+
 /// How to build a [`MorphBvh`](crate::MorphBvh).
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct BuildOptions {
+    /// The kind of bounding volume.
+    pub volume: VolumeKind,
+    /// Children of a node at most: 2, 4 or 8.
+    pub arity: usize,
     /// A node with at most this many triangles becomes a leaf; 1 to 255.
     pub leaf_size: usize,
+    /// How triangles are shared out among children.
+    pub split: Split,
+    /// The shape that [`Split::Midpoint`] and [`Split::Sah`] look at, and on which [`Split::PoseSah`] places its planes.
+    pub shape: PartitionShape,
+    /// The scales of the references that volumes are blended from, positive: at scale 1 a volume is tight at each
+    /// reference, at larger ones less so, but for larger sums of weights. Interval arithmetic is always there beside them.
+    pub scales: Vec<f32>,
+    /// Whether references are reflected, too, which tightens volumes under negative weights.
+    pub reflected: bool,
+    /// Tight volumes half way between consecutive references (the paper's Sect. 5).
+    pub in_betweens: bool,
+    /// Whether leaves have tables. Without, their volumes are fitted to their blended vertices, tightly: less memory, more
+    /// time where many leaves are looked at but few of their triangles.
+    pub leaf_tables: bool,
 }
 
 impl BuildOptions {
-    /// The paper's setting: one triangle per leaf.
+    /// The paper's setting: boxes, eight children, one triangle per leaf, split at the middle of the extents.
     #[must_use]
-    pub const fn paper() -> Self {
-        Self { leaf_size: 1 }
+    pub fn paper() -> Self {
+        Self {
+            leaf_size: 1,
+            split: Split::Midpoint,
+            ..Self::default()
+        }
+    }
+
+    /// Sets [`BuildOptions::volume`].
+    #[must_use]
+    pub fn with_volume(mut self, volume: VolumeKind) -> Self {
+        self.volume = volume;
+        self
+    }
+
+    /// Sets [`BuildOptions::arity`].
+    #[must_use]
+    pub fn with_arity(mut self, arity: usize) -> Self {
+        self.arity = arity;
+        self
     }
 
     /// Sets [`BuildOptions::leaf_size`].
     #[must_use]
-    pub const fn with_leaf_size(mut self, leaf_size: usize) -> Self {
+    pub fn with_leaf_size(mut self, leaf_size: usize) -> Self {
         self.leaf_size = leaf_size;
         self
+    }
+
+    /// Sets [`BuildOptions::split`].
+    #[must_use]
+    pub fn with_split(mut self, split: Split) -> Self {
+        self.split = split;
+        self
+    }
+
+    /// Sets [`BuildOptions::shape`].
+    #[must_use]
+    pub fn with_shape(mut self, shape: PartitionShape) -> Self {
+        self.shape = shape;
+        self
+    }
+
+    /// Sets [`BuildOptions::scales`].
+    #[must_use]
+    pub fn with_scales(mut self, scales: impl Into<Vec<f32>>) -> Self {
+        self.scales = scales.into();
+        self
+    }
+
+    /// Sets [`BuildOptions::reflected`].
+    #[must_use]
+    pub fn with_reflected(mut self, reflected: bool) -> Self {
+        self.reflected = reflected;
+        self
+    }
+
+    /// Sets [`BuildOptions::in_betweens`].
+    #[must_use]
+    pub fn with_in_betweens(mut self, in_betweens: bool) -> Self {
+        self.in_betweens = in_betweens;
+        self
+    }
+
+    /// Sets [`BuildOptions::leaf_tables`].
+    #[must_use]
+    pub fn with_leaf_tables(mut self, leaf_tables: bool) -> Self {
+        self.leaf_tables = leaf_tables;
+        self
+    }
+
+    pub(super) fn check(&self, targets: usize) -> Result<(), BuildError> {
+        if ![2, 4, 8].contains(&self.arity) {
+            return Err(BuildError::Arity(self.arity));
+        }
+        if !(1..=255).contains(&self.leaf_size) {
+            return Err(BuildError::LeafSize(self.leaf_size));
+        }
+        if let Some(&scale) = self.scales.iter().find(|s| !(1e-3..=1e6).contains(*s)) {
+            return Err(BuildError::Scale(scale));
+        }
+        match &self.shape {
+            PartitionShape::Target(target) if *target >= targets => Err(BuildError::NoSuchTarget {
+                target: *target,
+                targets,
+            }),
+            PartitionShape::Weights(weights) if weights.len() != targets => Err(BuildError::ShapeWeights {
+                given: weights.len(),
+                expected: targets,
+            }),
+            PartitionShape::Weights(weights) => match weights.iter().position(|w| !w.is_finite()) {
+                Some(index) => Err(BuildError::ShapeWeight {
+                    index,
+                    value: weights[index],
+                }),
+                None => Ok(()),
+            },
+            _ => Ok(()),
+        }
     }
 }
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        Self { leaf_size: 4 }
+        Self {
+            volume: VolumeKind::Aabb,
+            arity: 8,
+            leaf_size: 4,
+            split: Split::PoseSah,
+            shape: PartitionShape::Base,
+            scales: vec![1.0],
+            reflected: false,
+            in_betweens: false,
+            leaf_tables: true,
+        }
     }
 }
 
 /// Why a tree cannot be built.
-#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum BuildError {
+    /// [`BuildOptions::arity`] is not 2, 4 or 8.
+    #[error("arity is {0}, it must be 2, 4 or 8")]
+    Arity(usize),
     /// [`BuildOptions::leaf_size`] is 0 or above 255.
     #[error("leaf_size is {0}, it must be from 1 to 255")]
     LeafSize(usize),
+    /// A scale is not a number between 0.001 and a million.
+    #[error("scale {0} is not between 0.001 and 1000000")]
+    Scale(f32),
+    /// [`PartitionShape::Target`] names a target that is not there.
+    #[error("partition shape: there is no target {target}, the mesh has {targets}")]
+    NoSuchTarget {
+        /// The target.
+        target: usize,
+        /// How many there are.
+        targets: usize,
+    },
+    /// [`PartitionShape::Weights`] has not one weight per target.
+    #[error("partition shape: {given} weights were given, the mesh has {expected} targets")]
+    ShapeWeights {
+        /// How many were given.
+        given: usize,
+        /// How many targets there are.
+        expected: usize,
+    },
+    /// A weight of [`PartitionShape::Weights`] is NaN or infinite.
+    #[error("partition shape: weight {index} is {value}, not a finite number")]
+    ShapeWeight {
+        /// The target.
+        index: usize,
+        /// Its weight.
+        value: f32,
+    },
 }

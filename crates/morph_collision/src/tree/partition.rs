@@ -1,75 +1,95 @@
-//! The paper's split (Sect. 3): at the mid-value of the node's extents along all three axes at once, triangle midpoints
-//! decide, empty octants vanish.
+//! The shapes on which triangles are put together, and the split of a node's triangles among its children.
 
 use glam::Vec3;
 
+use super::{BuildOptions, PartitionShape, Split, midpoint, sah};
 use crate::bounds::{Aabb, LANES};
 use crate::model::MorphModel;
 
-/// The shape on which triangles are put together.
-pub(super) struct Partition {
-    midpoints: Vec<Vec3>,
-    bounds: Vec<Aabb>,
-    scratch: Vec<u32>,
+/// More targets than this add little to [`Split::PoseSah`] but time.
+const MOST_POSES: usize = 16;
+
+/// Midpoints and boxes of all triangles on one shape.
+pub(super) struct Shape {
+    pub(super) midpoints: Vec<Vec3>,
+    pub(super) bounds: Vec<Aabb>,
 }
 
-impl Partition {
-    pub(super) fn on_base(model: &MorphModel) -> Self {
+impl Shape {
+    fn new(model: &MorphModel, position: impl Fn(u32) -> Vec3) -> Self {
+        let positions: Vec<Vec3> = (0..model.vertex_count() as u32).map(position).collect();
         let (midpoints, bounds) = (0..model.triangle_count())
             .map(|triangle| {
-                let corners = model.triangle(triangle).map(|vertex| model.base(vertex));
+                let corners = model.triangle(triangle).map(|vertex| positions[vertex as usize]);
                 let third = 1.0 / 3.0;
                 let midpoint = corners[0] * third + corners[1] * third + corners[2] * third;
                 (midpoint, Aabb::from_points(corners))
             })
             .unzip();
+        Self { midpoints, bounds }
+    }
+
+    fn posed(model: &MorphModel, weights: &[f32]) -> Self {
+        Self::new(model, |vertex| model.blend_vertex(vertex, weights))
+    }
+
+    fn with_target(model: &MorphModel, target: usize) -> Self {
+        let mut weights = vec![0.0; model.target_count()];
+        weights[target] = 1.0;
+        Self::posed(model, &weights)
+    }
+
+    fn chosen(model: &MorphModel, shape: &PartitionShape) -> Self {
+        let targets = model.target_count();
+        match shape {
+            PartitionShape::Base => Self::posed(model, &vec![0.0; targets]),
+            PartitionShape::Target(target) => Self::with_target(model, *target),
+            PartitionShape::Average => Self::posed(model, &vec![1.0 / (targets + 1) as f32; targets]),
+            PartitionShape::Weights(weights) => Self::posed(model, weights),
+        }
+    }
+}
+
+/// Splits nodes on the shapes it was made for.
+pub(super) struct Partition {
+    split: Split,
+    arity: usize,
+    shape: Shape,
+    /// What [`Split::PoseSah`] looks at beside `shape`.
+    others: Vec<Shape>,
+}
+
+impl Partition {
+    pub(super) fn new(model: &MorphModel, options: &BuildOptions) -> Self {
+        let others = if options.split == Split::PoseSah {
+            let mut targets: Vec<usize> = (0..model.target_count()).collect();
+            targets.sort_by(|&i, &j| model.target_reach()[j].total_cmp(&model.target_reach()[i]));
+            targets.truncate(MOST_POSES);
+            targets.into_iter().map(|target| Shape::with_target(model, target)).collect()
+        } else {
+            Vec::new()
+        };
         Self {
-            midpoints,
-            bounds,
-            scratch: Vec::new(),
+            split: options.split,
+            arity: options.arity,
+            shape: Shape::chosen(model, &options.shape),
+            others,
         }
     }
 
-    /// Reorders a node's triangles child by child and returns the children's lengths: 2 to 8 of them, none zero.
+    /// Reorders a node's triangles child by child and returns the children's lengths: 2 to `arity` of them, none zero.
     ///
-    /// `triangles` has at least two entries. Midpoints that all fall into one octant are split by the extents of the
-    /// midpoints themselves, and midpoints that are all the same by count, so every split makes progress.
-    pub(super) fn split(&mut self, triangles: &mut [u32]) -> Vec<usize> {
-        let extents = triangles
-            .iter()
-            .map(|&t| self.bounds[t as usize])
-            .fold(Aabb::EMPTY, |hull, b| hull.union(&b));
-        let counts = self.split_at(triangles, extents.center());
+    /// `triangles` has at least two entries. Every split makes progress: where triangles cannot be told apart they are
+    /// split by count.
+    pub(super) fn split(&self, triangles: &mut [u32]) -> Vec<usize> {
+        let counts = match self.split {
+            Split::Midpoint => midpoint::split(&self.shape, self.arity, triangles),
+            Split::Sah | Split::PoseSah => sah::split(&self.shape, &self.others, self.arity, triangles),
+        };
         if counts.len() > 1 {
             return counts;
         }
-        let spread = Aabb::from_points(triangles.iter().map(|&t| self.midpoints[t as usize]));
-        let counts = self.split_at(triangles, spread.center());
-        if counts.len() > 1 {
-            return counts;
-        }
-        let chunk = triangles.len().div_ceil(LANES);
+        let chunk = triangles.len().div_ceil(self.arity.min(LANES));
         triangles.chunks(chunk).map(<[u32]>::len).collect()
-    }
-
-    /// A stable sort by octant around `center`; the lengths of the octants that are not empty.
-    fn split_at(&mut self, triangles: &mut [u32], center: Vec3) -> Vec<usize> {
-        let octant = |midpoint: Vec3| midpoint.cmpgt(center).bitmask() as usize;
-        let mut counts = [0; LANES];
-        for &t in &*triangles {
-            counts[octant(self.midpoints[t as usize])] += 1;
-        }
-        let mut ends = [0; LANES];
-        for i in 1..LANES {
-            ends[i] = ends[i - 1] + counts[i - 1];
-        }
-        self.scratch.clear();
-        self.scratch.extend_from_slice(triangles);
-        for &t in &self.scratch {
-            let end = &mut ends[octant(self.midpoints[t as usize])];
-            triangles[*end] = t;
-            *end += 1;
-        }
-        counts.into_iter().filter(|&count| count > 0).collect()
     }
 }

@@ -1,0 +1,157 @@
+//! Frames in which volumes of two bodies are compared: the space of either body, or world space when neither body can be
+//! inverted.
+//!
+//! All maps are made in `f64` with a bound on their own error; a kind of volume rounds them to `f32` and adds a slack for
+//! everything `f32` does to a volume on its way. `docs/numerics.md` derives both.
+
+use glam::{DMat3, DVec3, Vec3};
+
+use super::rounding::U64;
+use super::slabs::Slab;
+use super::{Aabb, BoxLanes, Volume, WorldFromModel};
+
+/// Roundings of a row on its way through a map: three products and sums, the entries' own, the offset's, and the final
+/// comparison's; each at most half a unit in the last place of the largest magnitude reached.
+pub(super) const MAP_ROUNDINGS: f64 = 16.0;
+/// Magnitudes beyond this leave room for no sum; such a map is not used.
+pub(super) const LARGEST: f64 = 1e37;
+/// Covers products, and entries times magnitudes, that underflow: far below any `f32` that is not subnormal.
+const UNDERFLOW: f64 = 1e-42;
+
+/// An affine map from one body's space, for points within a magnitude.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frame {
+    pub(super) linear: DMat3,
+    pub(super) translation: DVec3,
+    /// The largest absolute coordinates of what will be mapped.
+    pub(super) magnitude: DVec3,
+    /// How far the map may be off, and how far the points, per axis of the target.
+    pub(super) error: DVec3,
+}
+
+impl Frame {
+    /// The largest absolute coordinates after the map.
+    pub(super) fn reach(&self) -> DVec3 {
+        abs(self.linear) * self.magnitude + self.translation.abs()
+    }
+
+    pub(super) fn underflow(&self) -> f64 {
+        UNDERFLOW * (1.0 + self.magnitude.element_sum())
+    }
+}
+
+/// A frame to compare volumes of two bodies in; a side without a map is in its own space there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Frames {
+    pub(crate) a: Option<Frame>,
+    pub(crate) b: Option<Frame>,
+}
+
+/// The frames that decide whether volumes of two placed bodies may meet: SAT-lite, both bodies' own axes.
+///
+/// `a` and `b` are the bodies' whole model-space bounds. World space serves where neither body can be inverted.
+pub(crate) fn frames_of(
+    world_from_a: &WorldFromModel,
+    a: &Aabb,
+    world_from_b: &WorldFromModel,
+    b: &Aabb,
+) -> impl Iterator<Item = Frames> {
+    let error = placement_error(world_from_a, a) + placement_error(world_from_b, b);
+    let in_a = relative(world_from_a, world_from_b, b, error).map(|b| Frames { a: None, b: Some(b) });
+    let in_b = relative(world_from_b, world_from_a, a, error).map(|a| Frames { a: Some(a), b: None });
+    let origin = world_from_a.translation();
+    let in_world = Frames {
+        a: Some(to_world(world_from_a, origin, a, error)),
+        b: Some(to_world(world_from_b, origin, b, error)),
+    };
+    let in_world = (in_a.is_none() && in_b.is_none()).then_some(in_world);
+    in_a.into_iter().chain(in_b).chain(in_world)
+}
+
+/// A box in world space around everything that [`WorldFromModel::transform_point`] makes of points in `bounds`.
+pub(crate) fn world_bounds(world_from_model: &WorldFromModel, bounds: &Aabb) -> Aabb {
+    let error = placement_error(world_from_model, bounds);
+    let frame = to_world(world_from_model, DVec3::ZERO, bounds, error);
+    match BoxLanes::map(&frame) {
+        Some(map) => BoxLanes::bounds(&BoxLanes::map_one(&map, &Slab::of_box(bounds))),
+        None => Aabb {
+            min: Vec3::NEG_INFINITY,
+            max: Vec3::INFINITY,
+        },
+    }
+}
+
+/// The map to world space relative to `origin`, which keeps small bodies far from the world's origin sharp.
+fn to_world(world_from_model: &WorldFromModel, origin: DVec3, bounds: &Aabb, error: DVec3) -> Frame {
+    let translation = world_from_model.translation() - origin;
+    Frame {
+        linear: world_from_model.linear(),
+        translation,
+        magnitude: bounds.magnitude().as_dvec3(),
+        error: error + 2.0 * U64 * translation.abs(),
+    }
+}
+
+/// What [`WorldFromModel::transform_point`] may differ from the exact image of any point in the bounds, per world axis.
+fn placement_error(world_from_model: &WorldFromModel, bounds: &Aabb) -> DVec3 {
+    let reach = abs(world_from_model.linear()) * bounds.magnitude().as_dvec3() + world_from_model.translation().abs();
+    4.0 * U64 * reach
+}
+
+/// `target_from_source` for volumes within `bounds`; `None` where the target body cannot be inverted safely.
+fn relative(
+    world_from_target: &WorldFromModel,
+    world_from_source: &WorldFromModel,
+    bounds: &Aabb,
+    world_error: DVec3,
+) -> Option<Frame> {
+    let linear = world_from_target.linear();
+    let inverse = inverse(linear)?;
+    // inverse * linear = I - R gives |linear^-1 - inverse| <= |R| / (1 - |R|) |inverse|, with R's own rounding in it.
+    let residual = abs(DMat3::IDENTITY - inverse * linear);
+    let rho = norm(residual) + 8.0 * U64 * norm(abs(inverse) * abs(linear));
+    if !rho.is_finite() || rho > 1.0 / 16.0 {
+        return None;
+    }
+    let largest = column_maxima(abs(inverse));
+    let error_of = |v: DVec3| DVec3::splat(1.1 * rho * largest.dot(v));
+    let offset = world_from_source.translation() - world_from_target.translation();
+    let magnitude = bounds.magnitude().as_dvec3();
+    let reach = abs(world_from_source.linear()) * magnitude + offset.abs();
+    Some(Frame {
+        linear: inverse * world_from_source.linear(),
+        translation: inverse * offset,
+        magnitude,
+        error: abs(inverse) * world_error
+            + error_of(world_error)
+            + error_of(reach)
+            + 16.0 * U64 * (abs(inverse) * reach),
+    })
+}
+
+/// The inverse with the matrix scaled to around 1 first, so that tiny and huge bodies invert as well as any other.
+fn inverse(linear: DMat3) -> Option<DMat3> {
+    let largest = column_maxima(abs(linear)).max_element();
+    if largest == 0.0 {
+        return None;
+    }
+    let scaled = linear * (1.0 / largest);
+    if scaled.determinant().abs() < 1e-60 {
+        return None;
+    }
+    let inverse = scaled.inverse() * (1.0 / largest);
+    inverse.is_finite().then_some(inverse)
+}
+
+fn abs(m: DMat3) -> DMat3 {
+    DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs())
+}
+
+/// The largest row sum of a matrix without negative entries.
+fn norm(m: DMat3) -> f64 {
+    (m * DVec3::ONE).max_element()
+}
+
+fn column_maxima(m: DMat3) -> DVec3 {
+    DVec3::new(m.x_axis.max_element(), m.y_axis.max_element(), m.z_axis.max_element())
+}

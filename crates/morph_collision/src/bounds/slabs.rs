@@ -1,0 +1,303 @@
+use glam::{DVec3, Vec3};
+
+use super::directions::{along, decompose, direction, length};
+use super::frame::{LARGEST, MAP_ROUNDINGS};
+use super::rounding::{U32, down, up};
+use super::{Aabb, Frame, LANES, Lanes, Points, Volume};
+
+/// Eight k-DOPs of `H` slabs: boxes (3), 14-DOPs (7), 18-DOPs (9) or 26-DOPs (13).
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C)]
+pub(crate) struct Slabs<const H: usize> {
+    /// Lower ends, then upper ends, along each direction.
+    ends: [[Lanes; H]; 2],
+}
+
+/// Eight boxes.
+pub(crate) type BoxLanes = Slabs<3>;
+
+/// One k-DOP.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Slab<const H: usize> {
+    pub(crate) min: [f32; H],
+    pub(crate) max: [f32; H],
+}
+
+impl Slab<3> {
+    pub(crate) fn of_box(bounds: &Aabb) -> Self {
+        Self {
+            min: bounds.min.to_array(),
+            max: bounds.max.to_array(),
+        }
+    }
+}
+
+/// What points span along each direction, and the largest coordinate magnitude among them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Extent<const H: usize> {
+    min: [f64; H],
+    max: [f64; H],
+    reach: f64,
+}
+
+impl<const H: usize> Extent<H> {
+    const EMPTY: Self = Self {
+        min: [f64::INFINITY; H],
+        max: [f64::NEG_INFINITY; H],
+        reach: 0.0,
+    };
+
+    fn add(&mut self, p: DVec3) {
+        for i in 0..H {
+            let x = along(H, i, p);
+            self.min[i] = self.min[i].min(x);
+            self.max[i] = self.max[i].max(x);
+        }
+        self.reach = self.reach.max(p.abs().max_element());
+    }
+
+    /// The middle of the points' box.
+    pub(super) fn center(&self) -> DVec3 {
+        DVec3::new(
+            0.5 * (self.min[0] + self.max[0]),
+            0.5 * (self.min[1] + self.max[1]),
+            0.5 * (self.min[2] + self.max[2]),
+        )
+    }
+
+    /// Both ends, padded by the roundings of the sums they come from, and then rounded outward. Along the axes no sum is
+    /// involved when the points themselves are not sums.
+    fn outward(&self) -> Slab<H> {
+        let pad = |i: usize| if i < 3 { 0.0 } else { self.pad() };
+        Slab {
+            min: std::array::from_fn(|i| down(self.min[i] - pad(i))),
+            max: std::array::from_fn(|i| up(self.max[i] + pad(i))),
+        }
+    }
+
+    /// Covers a few `f64` roundings of sums of coordinates.
+    fn pad(&self) -> f64 {
+        8.0 * f64::EPSILON * self.reach
+    }
+}
+
+/// A k-DOP's way to another frame: each end is an offset and at most three ends of the source.
+#[derive(Clone, Debug)]
+pub(crate) struct SlabMap<const H: usize> {
+    terms: [[(usize, f32); 3]; H],
+    offset_min: [f32; H],
+    offset_max: [f32; H],
+}
+
+impl<const H: usize> Default for Slabs<H> {
+    fn default() -> Self {
+        Self {
+            ends: [[Lanes::default(); H]; 2],
+        }
+    }
+}
+
+impl<const H: usize> Volume for Slabs<H> {
+    type One = Slab<H>;
+    type Map = SlabMap<H>;
+    type Extent = Extent<H>;
+
+    const LOOKS_AT_POINTS: bool = false;
+    const ROWS: usize = 2 * H;
+
+    fn rows(&self) -> &[Lanes] {
+        self.ends.as_flattened()
+    }
+
+    fn rows_mut(&mut self) -> &mut [Lanes] {
+        self.ends.as_flattened_mut()
+    }
+
+    #[inline]
+    fn get(&self, lane: usize) -> Slab<H> {
+        let [min, max] = &self.ends;
+        Slab {
+            min: std::array::from_fn(|i| min[i].0[lane]),
+            max: std::array::from_fn(|i| max[i].0[lane]),
+        }
+    }
+
+    fn set(&mut self, lane: usize, one: &Slab<H>) {
+        let [min, max] = &mut self.ends;
+        for i in 0..H {
+            min[i].0[lane] = one.min[i];
+            max[i].0[lane] = one.max[i];
+        }
+    }
+
+    /// A negative weight takes the lower end by the largest displacement and the upper end by the smallest.
+    #[inline]
+    fn add_interval(&mut self, weight: f32, slopes: &Self) {
+        let [min, max] = &mut self.ends;
+        let [low, high] = &slopes.ends;
+        let (low, high) = if weight < 0.0 { (high, low) } else { (low, high) };
+        for i in 0..H {
+            min[i].add_scaled(weight, &low[i]);
+            max[i].add_scaled(weight, &high[i]);
+        }
+    }
+
+    #[inline]
+    fn widen(&mut self, by: f32) {
+        let [min, max] = &mut self.ends;
+        for i in 0..H {
+            min[i].add(-by * length(H, i));
+            max[i].add(by * length(H, i));
+        }
+    }
+
+    fn fit(&mut self, lane: usize, points: &[Vec3]) {
+        let [min, max] = &mut self.ends;
+        for i in 0..H {
+            let [x, y, z] = direction(H, i).map(f32::from);
+            let ends = points.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], p| {
+                let (along, error) = if i < 3 {
+                    (p[i], 0.0)
+                } else {
+                    // Two sums, each off by at most half a unit in the last place.
+                    let sum = x * p.x + y * p.y + z * p.z;
+                    (sum, 2.0 * f32::EPSILON * p.abs().element_sum())
+                };
+                [low.min(along - error), high.max(along + error)]
+            });
+            min[i].0[lane] = ends[0];
+            max[i].0[lane] = ends[1];
+        }
+    }
+
+    fn map(frame: &Frame) -> Option<SlabMap<H>> {
+        let mut map = SlabMap {
+            terms: [[(0, 0.0); 3]; H],
+            offset_min: [0.0; H],
+            offset_max: [0.0; H],
+        };
+        for i in 0..H {
+            let normal = DVec3::from_array(direction(H, i).map(f64::from));
+            let terms = decompose(H, frame.linear.transpose() * normal);
+            let offset = normal.dot(frame.translation);
+            // Ends along a slab are as large as its direction allows.
+            let end = |j: usize| DVec3::from_array(direction(H, j).map(f64::from)).abs().dot(frame.magnitude);
+            let reach = offset.abs() + terms.iter().map(|&(j, amount)| amount.abs() * end(j)).sum::<f64>();
+            let underflow = frame.underflow() * f64::from(length(H, i));
+            let slack = normal.abs().dot(frame.error) + MAP_ROUNDINGS * U32 * reach + underflow;
+            let largest = terms.iter().map(|term| term.1.abs()).fold(reach + slack, f64::max);
+            if !largest.is_finite() || largest > LARGEST {
+                return None;
+            }
+            map.terms[i] = terms.map(|(j, amount)| (j, amount as f32));
+            map.offset_min[i] = down(offset - slack);
+            map.offset_max[i] = up(offset + slack);
+        }
+        Some(map)
+    }
+
+    fn map_one(map: &SlabMap<H>, one: &Slab<H>) -> Slab<H> {
+        let mut mapped = Slab {
+            min: map.offset_min,
+            max: map.offset_max,
+        };
+        for i in 0..H {
+            for &(j, amount) in &map.terms[i] {
+                let (low, high) = if amount < 0.0 { (one.max[j], one.min[j]) } else { (one.min[j], one.max[j]) };
+                mapped.min[i] += amount * low;
+                mapped.max[i] += amount * high;
+            }
+        }
+        mapped
+    }
+
+    #[inline]
+    fn map_all(map: &SlabMap<H>, all: &Self) -> Self {
+        let [min, max] = &all.ends;
+        let mut mapped = Self {
+            ends: [map.offset_min.map(Lanes::splat), map.offset_max.map(Lanes::splat)],
+        };
+        let [mapped_min, mapped_max] = &mut mapped.ends;
+        for i in 0..H {
+            for &(j, amount) in &map.terms[i] {
+                let (low, high) = if amount < 0.0 { (&max[j], &min[j]) } else { (&min[j], &max[j]) };
+                mapped_min[i].add_scaled(amount, low);
+                mapped_max[i].add_scaled(amount, high);
+            }
+        }
+        mapped
+    }
+
+    #[inline]
+    fn overlap_mask(&self, other: &Slab<H>) -> u8 {
+        let [min, max] = &self.ends;
+        let mut mask = 0;
+        for lane in 0..LANES {
+            let mut overlap = true;
+            for i in 0..H {
+                overlap &= min[i].0[lane] <= other.max[i];
+                overlap &= other.min[i] <= max[i].0[lane];
+            }
+            mask |= u8::from(overlap) << lane;
+        }
+        mask
+    }
+
+    fn overlap(a: &Slab<H>, b: &Slab<H>) -> bool {
+        (0..H).all(|i| a.min[i] <= b.max[i] && b.min[i] <= a.max[i])
+    }
+
+    fn size(one: &Slab<H>) -> f32 {
+        (0..3).map(|i| one.max[i] - one.min[i]).sum()
+    }
+
+    fn contains(one: &Slab<H>, point: DVec3) -> bool {
+        (0..H).all(|i| {
+            let along = along(H, i, point);
+            f64::from(one.min[i]) <= along && along <= f64::from(one.max[i])
+        })
+    }
+
+    fn bounds(one: &Slab<H>) -> Aabb {
+        Aabb {
+            min: Vec3::new(one.min[0], one.min[1], one.min[2]),
+            max: Vec3::new(one.max[0], one.max[1], one.max[2]),
+        }
+    }
+
+    fn extent(points: Points<'_>) -> Extent<H> {
+        let mut extent = Extent::EMPTY;
+        points(&mut |p| extent.add(p));
+        extent
+    }
+
+    fn union(a: &Extent<H>, b: &Extent<H>) -> Extent<H> {
+        Extent {
+            min: std::array::from_fn(|i| a.min[i].min(b.min[i])),
+            max: std::array::from_fn(|i| a.max[i].max(b.max[i])),
+            reach: a.reach.max(b.reach),
+        }
+    }
+
+    fn base(extent: &Extent<H>, _: Points<'_>) -> Slab<H> {
+        extent.outward()
+    }
+
+    fn slope(base: &Slab<H>, reference: &Extent<H>, _: Points<'_>, scale: f64) -> Slab<H> {
+        let slope = |end: f64, base: f32, pad: f64| (end - f64::from(base) + pad) / scale;
+        let pad = |i: usize| reference.pad() + 4.0 * f64::EPSILON * f64::from(base.min[i].abs().max(base.max[i].abs()));
+        Slab {
+            min: std::array::from_fn(|i| down(slope(reference.min[i], base.min[i], -pad(i)))),
+            max: std::array::from_fn(|i| up(slope(reference.max[i], base.max[i], pad(i)))),
+        }
+    }
+
+    fn interval(displacements: &Extent<H>, _: Points<'_>) -> Slab<H> {
+        displacements.outward()
+    }
+
+    fn looseness(slope: &Slab<H>) -> f64 {
+        let width = |i: usize| f64::from(slope.max[i]) - f64::from(slope.min[i]);
+        (0..H).map(|i| width(i) / f64::from(length(H, i)).sqrt()).sum()
+    }
+}

@@ -1,0 +1,78 @@
+use std::fmt::Debug;
+
+use glam::{DVec3, Vec3};
+
+use super::{Aabb, Frame, Lanes};
+
+/// Points to measure: as many passes over them as a volume needs.
+pub(crate) type Points<'a> = &'a dyn Fn(&mut dyn FnMut(DVec3));
+
+/// Eight bounding volumes of one kind, as structure of arrays.
+///
+/// A volume is a row of numbers that depend linearly on the points it is made from, so that volumes are blended as numbers:
+/// `base + sum a * slope`. Lanes without a child hold zeros and are masked out by the caller.
+pub(crate) trait Volume: Copy + Default + Debug + Send + Sync + 'static {
+    /// One volume.
+    type One: Copy + Debug + Send + Sync;
+    /// Takes volumes to another frame, outward.
+    type Map: Debug + Send + Sync;
+    /// What a set of points spans, in `f64`; that of a node comes from those of its children.
+    type Extent: Clone + Debug;
+
+    /// Whether [`Volume::base`] and [`Volume::slope`] look at the points, and not only at their extent.
+    const LOOKS_AT_POINTS: bool;
+    /// Numbers per volume.
+    const ROWS: usize;
+
+    fn rows(&self) -> &[Lanes];
+    fn rows_mut(&mut self) -> &mut [Lanes];
+    fn get(&self, lane: usize) -> Self::One;
+    fn set(&mut self, lane: usize, one: &Self::One);
+
+    /// `self += a * slopes` for `a >= 0`.
+    #[inline]
+    fn add_scaled(&mut self, a: f32, slopes: &Self) {
+        for (sum, slope) in self.rows_mut().iter_mut().zip(slopes.rows()) {
+            sum.add_scaled(a, slope);
+        }
+    }
+
+    /// Adds the interval of a displacement, scaled by a weight of any sign.
+    fn add_interval(&mut self, weight: f32, slopes: &Self);
+
+    /// Grows all eight so that they hold every point off by up to `by` per coordinate, and rows off by up to `by` times
+    /// the length of their direction.
+    fn widen(&mut self, by: f32);
+
+    /// Makes one lane the smallest volume around some points, rounded outward.
+    fn fit(&mut self, lane: usize, points: &[Vec3]);
+
+    /// The map to a frame for volumes within the frame's source bounds; `None` where `f32` cannot hold it.
+    fn map(frame: &Frame) -> Option<Self::Map>;
+    fn map_one(map: &Self::Map, one: &Self::One) -> Self::One;
+    fn map_all(map: &Self::Map, all: &Self) -> Self;
+
+    /// The lanes that may share a point with `other`, as a bit mask; touching counts.
+    fn overlap_mask(&self, other: &Self::One) -> u8;
+    fn overlap(a: &Self::One, b: &Self::One) -> bool;
+
+    /// A length to tell which of two volumes is larger.
+    fn size(one: &Self::One) -> f32;
+    /// Whether a point lies in the volume or on its boundary, in `f64`.
+    fn contains(one: &Self::One, point: DVec3) -> bool;
+    /// A box around the volume.
+    fn bounds(one: &Self::One) -> Aabb;
+
+    /// What points span.
+    fn extent(points: Points<'_>) -> Self::Extent;
+    /// What two sets of points span together.
+    fn union(a: &Self::Extent, b: &Self::Extent) -> Self::Extent;
+    /// The volume of the base shape, rounded outward.
+    fn base(extent: &Self::Extent, points: Points<'_>) -> Self::One;
+    /// How the base volume moves towards that of a reference scaled by `scale`, per unit of weight, rounded outward.
+    fn slope(base: &Self::One, reference: &Self::Extent, points: Points<'_>, scale: f64) -> Self::One;
+    /// The interval of displacements, rounded outward.
+    fn interval(displacements: &Self::Extent, points: Points<'_>) -> Self::One;
+    /// How much a unit of such a slope loosens a volume.
+    fn looseness(slope: &Self::One) -> f64;
+}

@@ -1,0 +1,169 @@
+use glam::Vec3;
+
+use super::blend::blend_group;
+use super::cache::Stamped;
+use crate::bounds::{Aabb, Slabs, Spheres, Volume};
+use crate::model::MorphModel;
+use crate::tree::{Child, ChildKind, Tables, Topology};
+
+/// How much a pose has blended in its life.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Blended {
+    pub(crate) volumes: u64,
+    pub(crate) vertices: u64,
+}
+
+/// A node as a traversal holds it: which child, and where its volume is in the pose's cache.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NodeRef {
+    pub(crate) child: Child,
+    pub(crate) slot: u32,
+    pub(crate) lane: u8,
+}
+
+/// A pose borrowed for a query, its kind of volume known: what traversals walk over.
+#[derive(Debug)]
+pub(crate) struct Posed<'a, V> {
+    pub(crate) model: &'a MorphModel,
+    pub(crate) topology: &'a Topology,
+    pub(super) tables: &'a Tables<V>,
+    pub(super) weights: &'a [f32],
+    pub(super) spread: &'a [f32],
+    pub(super) volumes: &'a mut Stamped<V>,
+    pub(super) vertices: &'a mut Stamped<Vec3>,
+    pub(super) blended: &'a mut Blended,
+    pub(super) scratch: &'a mut Scratch,
+}
+
+/// Memory that blending reuses.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scratch {
+    pub(super) amounts: Vec<f32>,
+    pub(super) points: Vec<Vec3>,
+}
+
+/// A [`Posed`] of any kind of volume.
+#[derive(Debug)]
+pub(crate) enum AnyPosed<'a> {
+    Aabb(Posed<'a, Slabs<3>>),
+    Kdop14(Posed<'a, Slabs<7>>),
+    Kdop18(Posed<'a, Slabs<9>>),
+    Kdop26(Posed<'a, Slabs<13>>),
+    Sphere(Posed<'a, Spheres>),
+}
+
+/// Evaluates an expression for the [`Posed`] in an [`AnyPosed`], whatever its kind of volume.
+macro_rules! with_posed {
+    ($any:expr, $posed:pat => $body:expr) => {
+        match $any {
+            $crate::pose::AnyPosed::Aabb($posed) => $body,
+            $crate::pose::AnyPosed::Kdop14($posed) => $body,
+            $crate::pose::AnyPosed::Kdop18($posed) => $body,
+            $crate::pose::AnyPosed::Kdop26($posed) => $body,
+            $crate::pose::AnyPosed::Sphere($posed) => $body,
+        }
+    };
+}
+pub(crate) use with_posed;
+
+impl<V: Volume> Posed<'_, V> {
+    pub(crate) fn root(&mut self) -> NodeRef {
+        let slot = self.open(0);
+        self.node(slot, 0, 0)
+    }
+
+    /// Makes a group's volumes unless they are there; returns the slot to read them from.
+    #[inline]
+    pub(crate) fn open(&mut self, group: usize) -> usize {
+        match self.volumes.find(group) {
+            Some(slot) => slot,
+            None => {
+                let volume = self.make(group);
+                self.volumes.insert(group, volume)
+            }
+        }
+    }
+
+    fn make(&mut self, group: usize) -> V {
+        let children = self.topology.group(group);
+        self.blended.volumes += children.children().len() as u64;
+        let tables = self.tables.group(group);
+        let (mut volume, widening) = blend_group(tables, self.spread, &mut self.scratch.amounts);
+        if tables.lanes != children.mask() {
+            self.fit_leaves(group, tables.lanes, &mut volume, widening);
+        }
+        volume
+    }
+
+    /// Fits the lanes without tables, which are leaves, to their blended vertices.
+    #[cold]
+    fn fit_leaves(&mut self, group: usize, with_tables: u8, volume: &mut V, widening: f32) {
+        let topology = self.topology;
+        let mut fitted = V::default();
+        let mut points = std::mem::take(&mut self.scratch.points);
+        for (lane, child) in topology.group(group).children().iter().enumerate() {
+            let ChildKind::Leaf(leaf) = child.kind() else { continue };
+            if with_tables >> lane & 1 == 0 {
+                points.clear();
+                for &triangle in topology.leaf_triangles(leaf) {
+                    points.extend(self.corners(triangle));
+                }
+                fitted.fit(lane, &points);
+            }
+        }
+        self.scratch.points = points;
+        fitted.widen(widening);
+        for lane in (0..topology.group(group).children().len()).filter(|lane| with_tables >> lane & 1 == 0) {
+            volume.set(lane, &fitted.get(lane));
+        }
+    }
+
+    #[inline]
+    pub(crate) fn volumes(&self, slot: usize) -> &V {
+        self.volumes.get(slot)
+    }
+
+    #[inline]
+    pub(crate) fn volume(&self, node: NodeRef) -> V::One {
+        self.volumes.get(node.slot as usize).get(usize::from(node.lane))
+    }
+
+    pub(crate) fn bounds(&mut self) -> Aabb {
+        let root = self.root();
+        V::bounds(&self.volume(root))
+    }
+
+    #[inline]
+    pub(crate) fn node(&self, slot: usize, group: usize, lane: usize) -> NodeRef {
+        NodeRef {
+            child: self.topology.group(group).children()[lane],
+            slot: slot as u32,
+            lane: lane as u8,
+        }
+    }
+
+    /// A posed welded vertex, blended unless it is.
+    #[inline]
+    pub(crate) fn vertex(&mut self, vertex: u32) -> Vec3 {
+        match self.vertices.find(vertex as usize) {
+            Some(slot) => *self.vertices.get(slot),
+            None => {
+                self.blended.vertices += 1;
+                let position = self.model.blend_vertex(vertex, self.weights);
+                self.vertices.insert(vertex as usize, position);
+                position
+            }
+        }
+    }
+
+    /// A triangle's posed corners, in model space.
+    #[inline]
+    pub(crate) fn corners(&mut self, triangle: u32) -> [Vec3; 3] {
+        let corners = self.model.triangle(triangle as usize);
+        corners.map(|vertex| self.vertex(vertex))
+    }
+
+    pub(crate) fn blended(&self) -> Blended {
+        *self.blended
+    }
+}

@@ -1,0 +1,81 @@
+use thiserror::Error;
+
+use crate::model::{LARGEST, MorphModel};
+use crate::tree::Columns;
+
+/// Why a pose refuses weights; it keeps the ones it had.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum WeightsError {
+    /// There must be one weight per target.
+    #[error("{given} weights were given, the mesh has {expected} targets")]
+    WrongCount {
+        /// How many were given.
+        given: usize,
+        /// How many targets there are.
+        expected: usize,
+    },
+    /// A weight is NaN or infinite.
+    #[error("weight {index} is {value}, not a finite number")]
+    NotFinite {
+        /// The target.
+        index: usize,
+        /// Its weight.
+        value: f32,
+    },
+    /// The weights could take a vertex out of the range of `f32`.
+    #[error("weight {index} is {value}: posed vertices could be beyond 1e37")]
+    TooLarge {
+        /// The target at which the sum of the possible displacements went out of range.
+        index: usize,
+        /// Its weight.
+        value: f32,
+    },
+}
+
+/// The door for weights.
+pub(super) fn check(model: &MorphModel, weights: &[f32]) -> Result<(), WeightsError> {
+    if weights.len() != model.target_count() {
+        return Err(WeightsError::WrongCount {
+            given: weights.len(),
+            expected: model.target_count(),
+        });
+    }
+    let mut reach = f64::from(model.base_reach());
+    for (index, (&value, &target_reach)) in weights.iter().zip(model.target_reach()).enumerate() {
+        if !value.is_finite() {
+            return Err(WeightsError::NotFinite { index, value });
+        }
+        reach += f64::from(value.abs()) * f64::from(target_reach);
+        if reach > f64::from(2.0 * LARGEST) {
+            return Err(WeightsError::TooLarge { index, value });
+        }
+    }
+    Ok(())
+}
+
+/// The weights of a tree's targets: the model's, or, where exactly two consecutive ones are active and the tree has the
+/// reference between them, as much of that as they share.
+pub(super) fn spread(columns: &Columns, weights: &[f32], spread: &mut Vec<f32>) {
+    spread.clear();
+    spread.extend_from_slice(weights);
+    if columns.between().is_empty() {
+        return;
+    }
+    spread.resize(weights.len() + columns.between().len(), 0.0);
+    let mut active = weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
+    let (Some((j, &wj)), Some((k, &wk)), None) = (active.next(), active.next(), active.next()) else {
+        return;
+    };
+    let pair = [j as u32, k as u32];
+    if let Some(i) = columns.between().iter().position(|between| *between == pair)
+        && wj > 0.0
+        && wk > 0.0
+    {
+        // The mean of both targets at weight 2 s is each of them at weight s.
+        let shared = wj.min(wk);
+        spread[j] = wj - shared;
+        spread[k] = wk - shared;
+        spread[weights.len() + i] = 2.0 * shared;
+    }
+}

@@ -1,0 +1,101 @@
+use std::ops::Range;
+
+use crate::bounds::LANES;
+
+/// A node as its parent's group names it: a group of children of its own, or a leaf.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Child(u32);
+
+/// A [`Child`] taken apart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ChildKind {
+    Group(usize),
+    Leaf(Leaf),
+}
+
+/// A leaf, numbered in preorder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Leaf(pub(crate) usize);
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+
+    pub(super) fn group(index: usize) -> Self {
+        Self(index as u32)
+    }
+
+    pub(super) fn leaf(index: usize) -> Self {
+        Self(index as u32 | Self::LEAF)
+    }
+
+    #[inline]
+    pub(crate) fn kind(self) -> ChildKind {
+        let index = (self.0 & !Self::LEAF) as usize;
+        if self.0 & Self::LEAF == 0 {
+            ChildKind::Group(index)
+        } else {
+            ChildKind::Leaf(Leaf(index))
+        }
+    }
+}
+
+/// The up to eight children of an inner node, which are blended and tested together.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Group {
+    pub(super) children: [Child; LANES],
+    pub(super) len: u8,
+}
+
+impl Group {
+    #[inline]
+    pub(crate) fn children(&self) -> &[Child] {
+        &self.children[..usize::from(self.len)]
+    }
+
+    /// A bit per child.
+    #[inline]
+    pub(crate) fn mask(&self) -> u8 {
+        u8::MAX >> (LANES as u8 - self.len)
+    }
+}
+
+/// Which triangles are together: groups and leaves in preorder, so that a subtree is a contiguous range of each.
+#[derive(Clone, Debug)]
+pub(crate) struct Topology {
+    /// Group 0 has one child: the root.
+    pub(super) groups: Vec<Group>,
+    /// Triangles of leaf `i` stand at `leaf_starts[i]..leaf_starts[i + 1]`; one more entry than leaves.
+    pub(super) leaf_starts: Vec<u32>,
+    /// The model's triangle numbers in leaf order.
+    pub(super) triangles: Vec<u32>,
+    pub(super) depth: usize,
+}
+
+impl Topology {
+    pub(crate) fn group_count(&self) -> usize {
+        self.groups.len()
+    }
+
+    #[inline]
+    pub(crate) fn group(&self, group: usize) -> &Group {
+        &self.groups[group]
+    }
+
+    /// The triangles of a leaf, as the model numbers them.
+    #[inline]
+    pub(crate) fn leaf_triangles(&self, leaf: Leaf) -> &[u32] {
+        &self.triangles[self.leaf_range(leaf)]
+    }
+
+    pub(super) fn leaf_range(&self, leaf: Leaf) -> Range<usize> {
+        self.leaf_starts[leaf.0] as usize..self.leaf_starts[leaf.0 + 1] as usize
+    }
+
+    pub(super) fn node_count(&self) -> usize {
+        self.groups.iter().map(|group| usize::from(group.len)).sum()
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.groups) + size_of_val(&*self.leaf_starts) + size_of_val(&*self.triangles)
+    }
+}

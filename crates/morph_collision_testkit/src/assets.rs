@@ -1,0 +1,75 @@
+//! What lies in `assets/` at the root of the repository, so that a test can make it again and compare.
+
+use crate::{
+    gltf_write::Appearance,
+    mesh::MorphMesh,
+    models,
+    scenes::{BodyState, Scene, SceneBody, dolphins, pass_through},
+};
+
+/// Blue-grey.
+const DOLPHIN: Appearance = Appearance {
+    base_color: [0.22, 0.32, 0.42, 1.0],
+    roughness: 0.45,
+};
+/// Warm clay.
+const BODY: Appearance = Appearance {
+    base_color: [0.62, 0.36, 0.22, 1.0],
+    roughness: 0.7,
+};
+
+/// The models: file name, mesh, looks. The finest dolphin comes last but one, the body of the pass-through last.
+pub fn models() -> impl Iterator<Item = (String, MorphMesh, Appearance)> {
+    let dolphins = (0..4).map(|level| (models::dolphin(level), DOLPHIN));
+    let body = std::iter::once_with(|| (models::pass_through_body(), BODY));
+    dolphins
+        .chain(body)
+        .map(|(mesh, appearance)| (format!("{}.glb", mesh.name), mesh, appearance))
+}
+
+/// The scenes: file name relative to `assets/`, and content.
+pub fn scenes() -> [(&'static str, Scene); 2] {
+    [
+        ("scenes/two_dolphins.json", two_dolphins()),
+        ("scenes/pass_through.json", passing_bodies()),
+    ]
+}
+
+/// Two neighbours of a small group, every tenth of 400 frames.
+fn two_dolphins() -> Scene {
+    let frames = (0..dolphins::FRAMES).step_by(10).map(|frame| {
+        let state = |index| {
+            let place = dolphins::placement(index, 2, frame, dolphins::FRAMES);
+            BodyState::rigid(&dolphins::weights(index, frame, dolphins::FRAMES), &place)
+        };
+        vec![state(0), state(1)]
+    });
+    Scene {
+        bodies: bodies("../dolphin_564.glb"),
+        frames: frames.collect(),
+    }
+}
+
+/// Every twentieth of the 400 steps.
+fn passing_bodies() -> Scene {
+    let frames = (0..pass_through::STEPS).step_by(20).map(|step| {
+        let weights = pass_through::weights(step, pass_through::STEPS);
+        pass_through::placements(step, pass_through::STEPS)
+            .map(|place| BodyState::rigid(&weights, &place))
+            .to_vec()
+    });
+    Scene {
+        bodies: bodies("../pass_through_20480.glb"),
+        frames: frames.collect(),
+    }
+}
+
+fn bodies(model: &str) -> Vec<SceneBody> {
+    vec![
+        SceneBody {
+            model: model.into(),
+            mesh: 0
+        };
+        2
+    ]
+}

@@ -1,0 +1,60 @@
+//! Turns a primitive's corners into separate triangles of the same winding.
+
+use gltf::mesh::Mode;
+
+/// The triangles of `corners` (vertex indices); `None` where a list of separate triangles ends in the middle of one.
+///
+/// Degenerate triangles, such as those that stitch strips together, are kept: a triangle's number is the drawn one.
+pub(super) fn from_corners(mode: Mode, corners: &[u32]) -> Option<Vec<[u32; 3]>> {
+    match mode {
+        Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => Some(Vec::new()),
+        Mode::Triangles => {
+            let (triangles, rest) = corners.as_chunks::<3>();
+            rest.is_empty().then(|| triangles.to_vec())
+        }
+        // Every second triangle of a strip is seen from behind, so two of its corners swap.
+        Mode::TriangleStrip => {
+            let turned = |(i, window): (usize, &[u32])| match (i % 2, window) {
+                (0, &[a, b, c]) => Some([a, b, c]),
+                (_, &[a, b, c]) => Some([a, c, b]),
+                _ => None,
+            };
+            Some(corners.windows(3).enumerate().filter_map(turned).collect())
+        }
+        Mode::TriangleFan => {
+            let Some((&hub, rim)) = corners.split_first() else {
+                return Some(Vec::new());
+            };
+            Some(rim.windows(2).map(|edge| [edge[0], edge[1], hub]).collect())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_keep_their_winding() {
+        let triangles = from_corners(Mode::TriangleStrip, &[0, 1, 2, 3, 4]);
+        assert_eq!(triangles, Some(vec![[0, 1, 2], [1, 3, 2], [2, 3, 4]]));
+    }
+
+    #[test]
+    fn fans_turn_around_their_first_corner() {
+        assert_eq!(
+            from_corners(Mode::TriangleFan, &[7, 1, 2, 3]),
+            Some(vec![[1, 2, 7], [2, 3, 7]])
+        );
+    }
+
+    #[test]
+    fn too_few_corners_are_no_triangle() {
+        for mode in [Mode::TriangleStrip, Mode::TriangleFan] {
+            for corners in [&[][..], &[0], &[0, 1]] {
+                assert_eq!(from_corners(mode, corners), Some(Vec::new()));
+            }
+        }
+        assert_eq!(from_corners(Mode::Triangles, &[0, 1, 2, 3]), None);
+    }
+}

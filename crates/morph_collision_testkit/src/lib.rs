@@ -1,0 +1,17 @@
+//! What the tests, tools and examples of `morph_collision` share, and what nobody else needs.
+//!
+//! - [`mesh`]: a triangle mesh with morph targets and weight animations, as a file holds it.
+//! - [`gltf_read`], [`gltf_write`]: that mesh from and to glTF 2.0.
+//! - [`models`]: generated meshes: a dolphin, the body of a pass-through, random, degenerate and rigid ones.
+//! - [`scenes`]: scripted motion for them, and the JSON scene format.
+//! - [`assets`]: what lies in `assets/`, made of the above.
+//! - [`oracle`]: the same question answered by brute force in exact arithmetic.
+#![forbid(unsafe_code)]
+
+pub mod assets;
+pub mod gltf_read;
+pub mod gltf_write;
+pub mod mesh;
+pub mod models;
+pub mod oracle;
+pub mod scenes;

@@ -1,0 +1,22 @@
+//! Generated meshes, the same to the last bit on every machine.
+//!
+//! - [`dolphin()`] and [`pass_through_body()`]: the bodies of the two experiments in the paper this project starts from.
+//! - [`random`]: seeded meshes for property tests. [`degenerate`]: what files should not hold, and do.
+//! - [`rigid`]: boxes and grids without targets.
+//!
+//! The tools they are made with: `grid` (coordinates that survive arithmetic), `subdivide`, `icosphere` and `tube`.
+
+pub mod degenerate;
+mod dolphin;
+mod grid;
+mod icosphere;
+mod pass_through;
+pub mod random;
+pub mod rigid;
+mod subdivide;
+pub mod topology;
+mod tube;
+
+pub use self::dolphin::{dolphin, swim_weights};
+pub(crate) use self::grid::round6;
+pub use self::pass_through::pass_through_body;

@@ -1,0 +1,116 @@
+//! Every intersecting pair of triangles of two bodies.
+
+use glam::DVec3;
+
+use super::triangles_intersect;
+
+/// All pairs `(triangle of a, triangle of b)` that share a point, in ascending order.
+///
+/// Vertices are in world space. Every pair whose `f64` boxes overlap is decided exactly, the boxes themselves by comparing
+/// coordinates, which is exact too. Quadratic but for a sort along x.
+///
+/// # Panics
+///
+/// If a triangle names a vertex that does not exist.
+pub fn intersecting_pairs(
+    a: &[DVec3],
+    a_triangles: &[[u32; 3]],
+    b: &[DVec3],
+    b_triangles: &[[u32; 3]],
+) -> Vec<(u32, u32)> {
+    let boxed_a = boxed_triangles(a, a_triangles);
+    let mut boxed_b = boxed_triangles(b, b_triangles);
+    boxed_b.sort_by(|p, q| p.min.x.total_cmp(&q.min.x));
+
+    let mut pairs = Vec::new();
+    for triangle_a in &boxed_a {
+        // From the first of b that starts beyond this one's end, none can reach it.
+        let candidates = boxed_b.partition_point(|triangle_b| triangle_b.min.x <= triangle_a.max.x);
+        for triangle_b in &boxed_b[..candidates] {
+            if triangle_a.box_overlaps(triangle_b) && triangles_intersect(&triangle_a.vertices, &triangle_b.vertices) {
+                pairs.push((triangle_a.index, triangle_b.index));
+            }
+        }
+    }
+    pairs.sort_unstable();
+    pairs
+}
+
+/// A triangle's index and vertices with the box around them.
+struct BoxedTriangle {
+    index: u32,
+    vertices: [DVec3; 3],
+    min: DVec3,
+    max: DVec3,
+}
+
+impl BoxedTriangle {
+    /// Closed boxes: touching is overlapping.
+    fn box_overlaps(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+}
+
+/// Triangles with a coordinate that is not finite are left out: they meet nothing.
+fn boxed_triangles(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Vec<BoxedTriangle> {
+    (0u32..)
+        .zip(triangles)
+        .map(|(index, corners)| {
+            let [p, q, r] = corners.map(|corner| vertices[corner as usize]);
+            BoxedTriangle {
+                index,
+                vertices: [p, q, r],
+                min: p.min(q).min(r),
+                max: p.max(q).max(r),
+            }
+        })
+        .filter(|triangle| triangle.vertices.iter().all(|vertex| vertex.is_finite()))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    use super::*;
+
+    fn soup(rng: &mut Pcg64Mcg, count: u32, size: f64) -> (Vec<DVec3>, Vec<[u32; 3]>) {
+        let mut vertices = Vec::new();
+        for _ in 0..count {
+            let mut point = || DVec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)));
+            let centre = point();
+            vertices.extend((0..3).map(|_| centre + point() * size));
+        }
+        (vertices, (0..count).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect())
+    }
+
+    #[test]
+    fn boxes_and_sorting_lose_no_pair() {
+        let mut rng = Pcg64Mcg::seed_from_u64(1);
+        let mut found = 0;
+        for _ in 0..10 {
+            let (a, a_triangles) = soup(&mut rng, 30, 0.8);
+            let (b, b_triangles) = soup(&mut rng, 40, 0.6);
+            let mut expected = Vec::new();
+            for i in 0..30usize {
+                for j in 0..40usize {
+                    let triangle = |v: &[DVec3], t: usize| [v[3 * t], v[3 * t + 1], v[3 * t + 2]];
+                    if triangles_intersect(&triangle(&a, i), &triangle(&b, j)) {
+                        expected.push((i as u32, j as u32));
+                    }
+                }
+            }
+            found += expected.len();
+            assert_eq!(intersecting_pairs(&a, &a_triangles, &b, &b_triangles), expected);
+        }
+        assert!(found > 100, "{found} pairs try nothing");
+    }
+
+    #[test]
+    fn a_triangle_that_is_not_finite_meets_nothing() {
+        let a = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::new(f64::NAN, 0.0, 0.0)];
+        let pairs = intersecting_pairs(&a, &[[0, 1, 3], [0, 1, 2]], &a, &[[3, 3, 3], [2, 1, 0]]);
+        assert_eq!(pairs, [(1, 1)]);
+    }
+}

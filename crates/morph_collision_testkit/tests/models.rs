@@ -1,0 +1,228 @@
+//! The generated models are what they promise to be.
+
+use glam::Vec3;
+use morph_collision_testkit::{
+    mesh::MorphMesh,
+    models::{self, topology},
+};
+
+/// Base and every target at full weight.
+fn references(mesh: &MorphMesh) -> Vec<Vec<Vec3>> {
+    let targets = (0..mesh.targets.len()).map(|target| mesh.reference(target));
+    std::iter::once(mesh.positions.clone()).chain(targets).collect()
+}
+
+/// Closed pieces, each facing outward in every reference.
+#[track_caller]
+fn assert_solid(mesh: &MorphMesh, pieces: usize) {
+    assert_eq!(topology::open_edge(&mesh.triangles), None, "{} is closed", mesh.name);
+    let components = topology::components(mesh.positions.len(), &mesh.triangles);
+    assert_eq!(components.len(), pieces, "pieces of {}", mesh.name);
+    for (reference, positions) in references(mesh).iter().enumerate() {
+        for (piece, triangles) in components.iter().enumerate() {
+            let volume = topology::signed_volume(positions, triangles.iter().map(|&t| mesh.triangles[t]));
+            assert!(
+                volume > 1e-4,
+                "{}, reference {reference}, piece {piece}: volume {volume}",
+                mesh.name
+            );
+        }
+    }
+}
+
+fn volume(mesh: &MorphMesh, positions: &[Vec3]) -> f64 {
+    topology::signed_volume(positions, mesh.triangles.iter().copied())
+}
+
+#[test]
+fn dolphins_have_the_papers_triangle_counts_and_are_closed() {
+    for (level, triangles) in [564, 2256, 9024, 36096].into_iter().enumerate() {
+        let dolphin = models::dolphin(level as u32);
+        assert_eq!(dolphin.triangles.len(), triangles);
+        assert_eq!(dolphin.name, format!("dolphin_{triangles}"));
+        assert_solid(&dolphin, 5);
+    }
+}
+
+#[test]
+fn finer_dolphins_have_the_same_shape_in_every_pose() {
+    let (coarse, fine) = (models::dolphin(0), models::dolphin(2));
+    assert_eq!(
+        fine.positions[..coarse.positions.len()],
+        coarse.positions,
+        "old vertices stay"
+    );
+    for weights in [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [0.5, 0.25]] {
+        let (coarse_posed, fine_posed) = (coarse.posed(&weights), fine.posed(&weights));
+        // Triangle t of the coarse mesh covers triangles 16 t .. 16 t + 16 of the fine one. All coordinates are on a
+        // binary grid, so the fine vertices lie exactly in the middle of, or between, the coarse corners.
+        for (t, corners) in coarse.triangles.iter().enumerate() {
+            let [a, b, c] = corners.map(|v| coarse_posed[v as usize]);
+            let middle = fine.triangles[16 * t + 15].map(|v| fine_posed[v as usize]);
+            let expected = [
+                (a * 2.0 + b + c) / 4.0,
+                (a + b * 2.0 + c) / 4.0,
+                (a + b + c * 2.0) / 4.0,
+            ];
+            for corner in expected {
+                assert!(middle.contains(&corner), "triangle {t} at weights {weights:?}");
+            }
+        }
+        let (coarse_volume, fine_volume) = (volume(&coarse, &coarse_posed), volume(&fine, &fine_posed));
+        assert!(
+            (coarse_volume - fine_volume).abs() < 1e-12,
+            "{coarse_volume} {fine_volume}"
+        );
+    }
+}
+
+#[test]
+fn a_dolphin_keeps_its_length_and_is_symmetric() {
+    let dolphin = models::dolphin(1);
+    let neutral_volume = volume(&dolphin, &dolphin.positions);
+    for positions in references(&dolphin) {
+        let (low, high) = positions
+            .iter()
+            .fold((Vec3::MAX, Vec3::MIN), |(low, high), p| (low.min(*p), high.max(*p)));
+        assert!((1.8..=2.01).contains(&(high.x - low.x)), "length {}", high.x - low.x);
+        assert!((low.z + high.z).abs() < 1e-6, "from {} to {}", low.z, high.z);
+        let change = volume(&dolphin, &positions) / neutral_volume;
+        assert!(
+            (0.95..=1.05).contains(&change),
+            "bending changes the volume by {change}"
+        );
+    }
+    let tail = |positions: &[Vec3]| {
+        positions
+            .iter()
+            .copied()
+            .reduce(|a, b| if b.x < a.x { b } else { a })
+            .map_or(0.0, |p| p.y)
+    };
+    assert!(tail(&dolphin.reference(0)) < -0.2, "down is down");
+    assert!(tail(&dolphin.reference(1)) > 0.2, "up is up");
+}
+
+#[test]
+fn the_swim_clip_loops_with_weights_a_convex_blend_can_have() {
+    let dolphin = models::dolphin(0);
+    let swim = &dolphin.animations[0];
+    assert_eq!((swim.name.as_str(), swim.duration()), ("swim", 1.6));
+    assert_eq!(swim.weights.first(), swim.weights.last());
+    assert!(
+        swim.weights
+            .iter()
+            .all(|w| w.iter().all(|&w| w >= 0.0) && w.iter().sum::<f32>() <= 1.0)
+    );
+    assert_eq!((swim.sample(0.4), swim.sample(1.2)), (vec![1.0, 0.0], vec![0.0, 1.0]));
+}
+
+#[test]
+fn the_pass_through_body_is_closed_and_differs_in_every_reference() {
+    let body = models::pass_through_body();
+    assert_eq!(body.triangles.len(), 20480);
+    assert_solid(&body, 1);
+    let references = references(&body);
+    for (a, b) in [(0, 1), (1, 2), (0, 2)] {
+        let moved = references[a]
+            .iter()
+            .zip(&references[b])
+            .filter(|(a, b)| a.distance(**b) > 0.1)
+            .count();
+        assert!(
+            moved * 2 > body.positions.len(),
+            "references {a} and {b} differ in {moved} vertices"
+        );
+    }
+}
+
+#[test]
+fn blobs_are_closed_and_repeatable_and_as_sparse_as_asked() {
+    let blob = models::random::random_blob(5, 3, 6, 0.75);
+    assert_eq!(blob, models::random::random_blob(5, 3, 6, 0.75));
+    assert_ne!(blob.positions, models::random::random_blob(6, 3, 6, 0.75).positions);
+    assert_eq!(topology::open_edge(&blob.triangles), None);
+    for (index, target) in blob.targets.iter().enumerate() {
+        let still = target.iter().filter(|d| **d == Vec3::ZERO).count() as f32 / target.len() as f32;
+        assert!((still - 0.75).abs() < 0.05, "target {index} leaves {still} alone");
+    }
+    let dense = models::random::random_blob(5, 1, 1, 0.0);
+    assert!(dense.targets[0].iter().all(|d| *d != Vec3::ZERO));
+    let rigid = models::random::random_blob(5, 1, 1, 1.0);
+    assert!(rigid.targets[0].iter().all(|d| *d == Vec3::ZERO));
+}
+
+#[test]
+fn degenerate_meshes_are_degenerate_in_every_pose() {
+    let area = |mesh: &MorphMesh, positions: &[Vec3], t: usize| {
+        let [a, b, c] = mesh.triangles[t].map(|v| positions[v as usize].as_dvec3());
+        (b - a).cross(c - a).length() / 2.0
+    };
+    for mesh in [models::degenerate::zero_area(2, 60), models::degenerate::all_equal(4)] {
+        for weights in [[0.0], [1.0], [-0.5]] {
+            let posed = mesh.posed(&weights);
+            assert!(
+                (0..mesh.triangles.len()).all(|t| area(&mesh, &posed, t) == 0.0),
+                "{} at {weights:?}",
+                mesh.name
+            );
+        }
+    }
+    let slivers = models::degenerate::slivers(2, 60);
+    assert!((0..60).all(|t| (0.0..1e-5).contains(&area(&slivers, &slivers.positions, t))));
+    let sheets = models::degenerate::coplanar_sheets(2, 5);
+    assert_eq!(sheets.triangles.len(), 5 * 18);
+    assert!(sheets.posed(&[0.7]).iter().all(|p| p.z == 0.0));
+}
+
+#[test]
+fn duplicating_vertices_changes_no_triangle() {
+    let mesh = models::random::random_blob(1, 1, 2, 0.5);
+    let duplicated = models::degenerate::duplicated_vertices(&mesh);
+    assert_eq!(duplicated.positions.len(), mesh.triangles.len() * 3);
+    let drawn = |mesh: &MorphMesh| {
+        let posed = mesh.posed(&[0.3, -0.4]);
+        mesh.triangles
+            .iter()
+            .map(|t| t.map(|v| posed[v as usize]))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(drawn(&mesh), drawn(&duplicated));
+}
+
+#[test]
+fn rigid_shapes_are_what_they_are() {
+    let half = Vec3::new(1.0, 2.0, 0.5);
+    let cuboid = models::rigid::box_mesh(half);
+    assert_eq!(topology::open_edge(&cuboid.triangles), None);
+    assert_eq!(volume(&cuboid, &cuboid.positions), 8.0);
+
+    let sheet = models::rigid::grid(2.0, 3);
+    assert_eq!((sheet.positions.len(), sheet.triangles.len()), (16, 18));
+    let upward = |t: &[u32; 3]| {
+        let [a, b, c] = t.map(|v| sheet.positions[v as usize]);
+        (b - a).cross(c - a).y > 0.0
+    };
+    assert!(sheet.triangles.iter().all(upward));
+}
+
+#[test]
+fn every_generated_mesh_becomes_a_model() {
+    use models::{degenerate, random, rigid};
+    for mesh in [
+        models::dolphin(0),
+        random::random_blob(1, 1, 3, 0.5),
+        random::triangle_soup(1, 20, 2),
+        degenerate::slivers(1, 10),
+        degenerate::zero_area(1, 10),
+        degenerate::coplanar_sheets(1, 2),
+        degenerate::duplicated_vertices(&rigid::box_mesh(Vec3::ONE)),
+        degenerate::all_equal(2),
+        rigid::grid(1.0, 2),
+    ] {
+        match mesh.to_model() {
+            Ok(model) => assert_eq!(model.triangle_count(), mesh.triangles.len(), "{}", mesh.name),
+            Err(error) => panic!("{}: {error}", mesh.name),
+        }
+    }
+}

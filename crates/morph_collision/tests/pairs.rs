@@ -1,0 +1,118 @@
+//! Intersecting triangle pairs against brute force in exact arithmetic, for every way to build a tree.
+
+mod support;
+
+use morph_collision::{BuildOptions, PartitionShape, Split, VolumeKind};
+use support::Scene;
+
+/// Every kind of volume with every arity and split rule, and one of each further option.
+fn matrix() -> Vec<BuildOptions> {
+    let mut all = vec![BuildOptions::paper(), BuildOptions::default()];
+    for volume in VolumeKind::ALL {
+        for arity in [2, 4, 8] {
+            for split in Split::ALL {
+                let options = BuildOptions::default().with_volume(volume);
+                all.push(options.with_arity(arity).with_split(split));
+            }
+        }
+        let base = BuildOptions::default().with_volume(volume);
+        all.push(base.clone().with_leaf_tables(false));
+        all.push(base.clone().with_scales([1.0, 4.0, 64.0]).with_reflected(true));
+        all.push(base.clone().with_scales([]).with_leaf_size(1));
+        all.push(base.clone().with_in_betweens(true).with_shape(PartitionShape::Average));
+        all.push(base.with_leaf_size(255));
+    }
+    all
+}
+
+fn agrees(scene: &Scene, options: &[BuildOptions]) {
+    let truth = scene.truth();
+    for options in options {
+        let (answer, _) = scene.answer(options);
+        let missed = truth.iter().find(|pair| answer.binary_search(pair).is_err());
+        let spurious = answer.iter().find(|pair| truth.binary_search(pair).is_err());
+        assert!(
+            missed.is_none() && spurious.is_none() && answer.len() == truth.len(),
+            "{}: missed {missed:?}, spurious {spurious:?} with {options:?}",
+            scene.name
+        );
+    }
+}
+
+#[test]
+fn every_tree_gives_the_same_pairs_on_generated_scenes() {
+    let mut touching = 0;
+    for scene in support::generated() {
+        touching += scene.truth().len();
+        agrees(&scene, &matrix());
+    }
+    assert!(touching > 1000, "only {touching} pairs to find");
+}
+
+#[test]
+fn the_pass_through_agrees_with_the_oracle() {
+    for step in [45, 200] {
+        let scene = support::pass_through(step);
+        assert!(!scene.truth().is_empty());
+        agrees(&scene, &[BuildOptions::paper(), BuildOptions::default()]);
+    }
+}
+
+#[test]
+fn real_models_agree_with_weights_of_any_sign_and_sum() {
+    let weights: [fn(usize, usize) -> f32; 4] = [
+        |body, target| if target == body { 1.0 } else { 0.0 },
+        |body, target| ((body + target) % 5) as f32 * 0.1,
+        |body, target| ((3 * body + 7 * target) % 11) as f32 * 0.2 - 0.6,
+        |_, target| if target % 4 == 0 { 1.0 } else { -0.05 },
+    ];
+    let options = [
+        BuildOptions::paper(),
+        BuildOptions::default(),
+        BuildOptions::default().with_volume(VolumeKind::Kdop18).with_leaf_tables(false),
+        BuildOptions::default().with_volume(VolumeKind::Sphere),
+        BuildOptions::default().with_scales([4.0]).with_reflected(true),
+    ];
+    for name in [
+        "AnimatedMorphCube.gltf",
+        "AnimatedMorphSphere.gltf",
+        "SimpleMorph.gltf",
+        "MorphStressTest.gltf",
+        "mh_head_eyes_teeth_arkit52.glb",
+        "ict_face_skin.glb",
+    ] {
+        for weights in weights {
+            if let Some(scene) = support::from_file(name, weights) {
+                agrees(&scene, &options);
+            }
+        }
+    }
+}
+
+#[test]
+fn bodies_of_different_kinds_of_volume_give_the_same_pairs() {
+    use std::sync::Arc;
+
+    use morph_collision::{Body, MorphBvh, PairQuery, Pose, WorldFromModel};
+
+    let scene = &support::generated()[2];
+    let truth = scene.truth();
+    assert!(!truth.is_empty());
+    let model = Arc::new(scene.meshes[0].to_model().unwrap());
+    for kind_a in VolumeKind::ALL {
+        for kind_b in VolumeKind::ALL {
+            let mut bodies = [(0, kind_a), (1, kind_b)].map(|(body, kind)| {
+                let options = BuildOptions::default().with_volume(kind);
+                let mut pose = Pose::new(Arc::new(MorphBvh::build(model.clone(), &options).unwrap()));
+                pose.set_weights(&scene.bodies[body].1).unwrap();
+                (pose, WorldFromModel::new(scene.bodies[body].2).unwrap())
+            });
+            let [(a, place_a), (b, place_b)] = &mut bodies;
+            let mut pairs = Vec::new();
+            PairQuery::new().all(Body::new(a, place_a), Body::new(b, place_b), &mut pairs);
+            let mut pairs: Vec<_> = pairs.iter().map(|p| [0, 1, p.triangle_a, p.triangle_b]).collect();
+            pairs.sort_unstable();
+            assert_eq!(pairs, truth, "{kind_a} against {kind_b}");
+        }
+    }
+}

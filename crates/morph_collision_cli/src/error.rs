@@ -1,0 +1,71 @@
+//! Everything that can go wrong, worded for the one who typed the command.
+
+use std::io;
+use std::path::PathBuf;
+
+use morph_collision::{BuildError, ModelError, TransformError, WeightsError};
+use morph_collision_testkit::gltf_read::ReadError;
+use morph_collision_testkit::scenes::SceneError;
+use thiserror::Error;
+
+/// Why a command failed; names the file and, where there is one, the mesh, frame, body and index.
+#[derive(Debug, Error)]
+pub(crate) enum CliError {
+    /// Boxed, being by far the largest.
+    #[error(transparent)]
+    Read(Box<ReadError>),
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    #[error("{}: no usable mesh: {reason}", file.display())]
+    NoUsableMesh { file: PathBuf, reason: String },
+    #[error("{}: body {body}: {} has no mesh {mesh}, only {count}", scene.display(), model.display())]
+    NoSuchMesh {
+        scene: PathBuf,
+        body: usize,
+        model: PathBuf,
+        mesh: usize,
+        count: usize,
+    },
+    #[error("{}: mesh {mesh} \"{name}\": {reason}", file.display())]
+    Mesh {
+        file: PathBuf,
+        mesh: usize,
+        name: String,
+        reason: MeshError,
+    },
+    #[error("{}: frame {frame}, body {body}: {reason}", scene.display())]
+    Frame {
+        scene: PathBuf,
+        frame: usize,
+        body: usize,
+        reason: FrameError,
+    },
+    #[error("{}: cannot write: {reason}", file.display())]
+    Write { file: PathBuf, reason: io::Error },
+    #[error("cannot write to stdout: {0}")]
+    Stdout(io::Error),
+}
+
+impl From<ReadError> for CliError {
+    fn from(error: ReadError) -> Self {
+        Self::Read(Box::new(error))
+    }
+}
+
+/// Why a mesh cannot collide.
+#[derive(Debug, Error)]
+pub(crate) enum MeshError {
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    #[error(transparent)]
+    Build(#[from] BuildError),
+}
+
+/// Why a body cannot be posed or placed in a frame.
+#[derive(Debug, Error)]
+pub(crate) enum FrameError {
+    #[error(transparent)]
+    Weights(#[from] WeightsError),
+    #[error(transparent)]
+    Transform(#[from] TransformError),
+}

@@ -1,0 +1,41 @@
+//! `morph-collide inspect`: what a model is made of, and what tree it gets.
+
+mod report;
+mod text;
+
+use std::path::PathBuf;
+
+use clap::Args;
+use morph_collision_testkit::gltf_read::read_meshes;
+
+use crate::error::CliError;
+use crate::output;
+use report::FileReport;
+
+/// Show the meshes of a glTF file: sizes, targets, ranges of animated weights, and the tree each mesh gets.
+#[derive(Debug, Args)]
+pub(crate) struct InspectArgs {
+    /// A .glb or .gltf file.
+    model: PathBuf,
+    /// Print one JSON object instead of tables.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Reports every mesh of the file; an unusable mesh is shown with its error, and only if all are so is that an error.
+pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
+    let meshes = read_meshes(&args.model)?;
+    let report = FileReport::new(&args.model, &meshes);
+    if args.json {
+        output::print_json(&report)?;
+    } else {
+        output::print(&text::render(&report))?;
+    }
+    match report.why_unusable() {
+        Some(reason) => Err(CliError::NoUsableMesh {
+            file: args.model.clone(),
+            reason,
+        }),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,97 @@
+//! The readable form of a report.
+
+use std::fmt::Write;
+
+use super::report::{AnimationReport, FileReport, MeshReport, UsableReport};
+
+/// One block per mesh: its counts, its tree, a table of targets and one of weights per animation.
+pub(crate) fn render(report: &FileReport) -> String {
+    let mut text = format!("{}\n", report.file);
+    for mesh in &report.meshes {
+        // Writing to a string cannot fail.
+        let _ = render_mesh(&mut text, mesh);
+    }
+    text
+}
+
+fn render_mesh(text: &mut String, mesh: &MeshReport) -> std::fmt::Result {
+    writeln!(text, "\nmesh {} \"{}\"", mesh.index, mesh.name)?;
+    write!(text, "  vertices    {} stored", mesh.vertices_stored)?;
+    if let Some(usable) = &mesh.usable {
+        write!(text, ", {} welded", usable.vertices_welded)?;
+    }
+    writeln!(text)?;
+    write!(text, "  triangles   {}", mesh.triangles)?;
+    if mesh.primitives > 1 {
+        write!(text, " in {} primitives", mesh.primitives)?;
+    }
+    writeln!(text)?;
+    if let Some(error) = &mesh.error {
+        writeln!(text, "  error       {error}")?;
+    }
+    if let Some(usable) = &mesh.usable {
+        let tree = &usable.tree;
+        writeln!(
+            text,
+            "  tree        {} nodes, depth {}, {} bytes",
+            tree.nodes, tree.depth, tree.bytes
+        )?;
+        if mesh.rigid {
+            writeln!(text, "  targets     none: rigid")?;
+        } else {
+            render_targets(text, mesh, usable)?;
+        }
+    }
+    for (index, animation) in mesh.animations.iter().enumerate() {
+        render_animation(text, index, animation)?;
+    }
+    Ok(())
+}
+
+/// One row per target, and beside it the range of its weight in every animation.
+fn render_targets(text: &mut String, mesh: &MeshReport, usable: &UsableReport) -> std::fmt::Result {
+    writeln!(text, "  targets     {}", usable.targets.len())?;
+    let width = usable
+        .targets
+        .iter()
+        .map(|target| target.name.chars().count())
+        .max()
+        .unwrap_or(0)
+        .max(4);
+    write!(text, "\n    {:>4}  {:width$}  left alone", "#", "name")?;
+    for animation in 0..mesh.animations.len() {
+        write!(text, "  {:>20}", format!("weight, animation {animation}"))?;
+    }
+    writeln!(text)?;
+    for (index, target) in usable.targets.iter().enumerate() {
+        let share = target.share_left_alone * 100.0;
+        write!(text, "    {index:>4}  {:width$}  {share:>8.1} %", target.name)?;
+        for animation in &mesh.animations {
+            let range = animation
+                .weights
+                .get(index)
+                .map(|range| format!("{:.3} .. {:.3}", range.min, range.max));
+            write!(text, "  {:>20}", range.unwrap_or_default())?;
+        }
+        writeln!(text)?;
+    }
+    if !mesh.animations.is_empty() {
+        writeln!(text)?;
+    }
+    Ok(())
+}
+
+fn render_animation(text: &mut String, index: usize, animation: &AnimationReport) -> std::fmt::Result {
+    let AnimationReport {
+        name,
+        keys,
+        seconds,
+        weight_sum,
+        ..
+    } = animation;
+    writeln!(
+        text,
+        "  animation {index} \"{name}\": {keys} keys, {seconds:.3} s, sum of weights {:.3} .. {:.3}",
+        weight_sum.min, weight_sum.max
+    )
+}

@@ -1,0 +1,150 @@
+//! What a replay comes to, as JSON and as a readable summary.
+
+use std::fmt::Write;
+use std::time::Duration;
+
+use serde::Serialize;
+
+use super::Mode;
+use super::replay::Replay;
+
+/// The JSON of `run`.
+#[derive(Debug, Serialize)]
+pub(crate) struct RunReport {
+    frames: usize,
+    bodies: usize,
+    mode: &'static str,
+    /// Per frame: pairs of triangles; with `first` and `any` one per pair of bodies that touch.
+    pairs: Vec<u64>,
+    /// Per frame: pairs of bodies that touch.
+    body_pairs: Vec<u64>,
+    node_tests: u64,
+    triangle_tests: u64,
+    volumes_blended: u64,
+    vertices_blended: u64,
+    us_per_frame: Spread,
+}
+
+/// The spread of a set of times, in microseconds.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+struct Spread {
+    median: f64,
+    mean: f64,
+    worst: f64,
+}
+
+impl RunReport {
+    pub(crate) fn new(replay: &Replay, bodies: usize, mode: Mode) -> Self {
+        let stats = replay.stats;
+        Self {
+            frames: replay.frames.len(),
+            bodies,
+            mode: match mode {
+                Mode::All => "all",
+                Mode::First => "first",
+                Mode::Any => "any",
+            },
+            pairs: replay.frames.iter().map(|frame| frame.pairs).collect(),
+            body_pairs: replay.frames.iter().map(|frame| frame.body_pairs).collect(),
+            node_tests: stats.node_tests,
+            triangle_tests: stats.triangle_tests,
+            volumes_blended: stats.volumes_blended,
+            vertices_blended: stats.vertices_blended,
+            us_per_frame: Spread::of(replay.frames.iter().map(|frame| frame.time)),
+        }
+    }
+
+    /// A few lines for a reader.
+    pub(crate) fn summary(&self) -> String {
+        let mut text = String::new();
+        // Writing to a string cannot fail.
+        let _ = self.write_summary(&mut text);
+        text
+    }
+
+    fn write_summary(&self, text: &mut String) -> std::fmt::Result {
+        let of_all_frames = |counts: &[u64]| counts.iter().sum::<u64>();
+        let touching: Vec<usize> = self
+            .body_pairs
+            .iter()
+            .enumerate()
+            .filter(|(_, count)| **count > 0)
+            .map(|(frame, _)| frame)
+            .collect();
+        let Spread { median, mean, worst } = self.us_per_frame;
+        writeln!(text, "frames              {}", self.frames)?;
+        writeln!(text, "bodies              {}", self.bodies)?;
+        write!(text, "frames touching     {}", touching.len())?;
+        if let (Some(first), Some(last)) = (touching.first(), touching.last()) {
+            write!(text, ", from {first} to {last}")?;
+        }
+        writeln!(text)?;
+        writeln!(
+            text,
+            "body pairs          {} over all frames",
+            of_all_frames(&self.body_pairs)
+        )?;
+        if self.mode == "all" {
+            writeln!(
+                text,
+                "triangle pairs      {} over all frames",
+                of_all_frames(&self.pairs)
+            )?;
+        }
+        writeln!(text, "node tests          {}", self.node_tests)?;
+        writeln!(text, "triangle tests      {}", self.triangle_tests)?;
+        writeln!(text, "volumes blended     {}", self.volumes_blended)?;
+        writeln!(text, "vertices blended    {}", self.vertices_blended)?;
+        writeln!(
+            text,
+            "time per frame      median {median:.1} us, mean {mean:.1} us, worst {worst:.1} us"
+        )
+    }
+}
+
+impl Spread {
+    /// Zeros if there is no time at all.
+    fn of(times: impl Iterator<Item = Duration>) -> Self {
+        let mut sorted: Vec<f64> = times.map(|time| time.as_secs_f64() * 1e6).collect();
+        sorted.sort_by(f64::total_cmp);
+        let count = sorted.len();
+        let (Some(&low), Some(&high), Some(&worst)) = (
+            sorted.get(count.saturating_sub(1) / 2),
+            sorted.get(count / 2),
+            sorted.last(),
+        ) else {
+            return Self {
+                median: 0.0,
+                mean: 0.0,
+                worst: 0.0,
+            };
+        };
+        Self {
+            median: (low + high) / 2.0,
+            mean: sorted.iter().sum::<f64>() / count as f64,
+            worst,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spread(micros: &[u64]) -> (f64, f64, f64) {
+        let Spread { median, mean, worst } = Spread::of(micros.iter().map(|&us| Duration::from_micros(us)));
+        (median.round(), mean.round(), worst.round())
+    }
+
+    #[test]
+    fn the_median_of_an_even_count_lies_between_the_middle_two() {
+        assert_eq!(spread(&[9, 1, 2, 4]), (3.0, 4.0, 9.0));
+        assert_eq!(spread(&[7, 1, 4]), (4.0, 4.0, 7.0));
+        assert_eq!(spread(&[5]), (5.0, 5.0, 5.0));
+    }
+
+    #[test]
+    fn no_frames_take_no_time() {
+        assert_eq!(spread(&[]), (0.0, 0.0, 0.0));
+    }
+}

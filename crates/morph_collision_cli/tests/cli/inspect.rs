@@ -1,0 +1,112 @@
+//! `inspect` reports what is in a file.
+
+use glam::Vec3;
+use morph_collision_testkit::gltf_write::{Appearance, write_glb};
+use morph_collision_testkit::models;
+use serde_json::Value;
+use tempfile::tempdir;
+
+use crate::support::{RawMesh, TestResult, asset, morph_collide, stdout_of, write_gltf};
+
+fn inspect_json(path: &std::path::Path) -> Result<Value, Box<dyn std::error::Error>> {
+    let output = morph_collide(["inspect".as_ref(), path.as_os_str(), "--json".as_ref()])?;
+    Ok(serde_json::from_str(&stdout_of(&output))?)
+}
+
+#[test]
+fn the_json_describes_the_mesh_its_targets_its_clip_and_its_tree() -> TestResult {
+    let path = asset("dolphin_564.glb");
+    let report = inspect_json(&path)?;
+    assert_eq!(report["file"], path.display().to_string());
+    assert_eq!(report["meshes"].as_array().map(Vec::len), Some(1));
+    let mesh = &report["meshes"][0];
+    let dolphin = models::dolphin(0);
+    let model = dolphin.to_model()?;
+    assert_eq!(mesh["index"], 0);
+    assert_eq!(mesh["name"], dolphin.name);
+    assert_eq!(mesh["rigid"], false);
+    assert_eq!(mesh["triangles"], 564);
+    assert_eq!(mesh["vertices_stored"], dolphin.positions.len());
+    assert_eq!(mesh["vertices_welded"], model.vertex_count());
+    assert_eq!(mesh.get("error"), None);
+
+    for (index, name) in ["tail_down", "tail_up"].into_iter().enumerate() {
+        let target = &mesh["targets"][index];
+        assert_eq!(target["name"], name);
+        let moved = model.displaced_vertex_count(index);
+        assert_eq!(target["vertices_moved"], moved);
+        let share = 1.0 - moved as f64 / model.vertex_count() as f64;
+        assert_eq!(target["share_left_alone"].as_f64(), Some(share));
+    }
+
+    let clip = &mesh["animations"][0];
+    assert_eq!(clip["name"], "swim");
+    assert_eq!(clip["keys"], dolphin.animations[0].times.len());
+    assert_eq!(clip["weights"].as_array().map(Vec::len), Some(2));
+    assert_eq!(clip["weights"][0]["min"], 0.0);
+    assert_eq!(clip["weights"][0]["max"], 1.0);
+    assert_eq!(clip["weight_sum"]["min"], 0.0);
+    assert_eq!(clip["weight_sum"]["max"], 1.0);
+    assert!(clip["seconds"].as_f64() > Some(1.0));
+
+    let tree = &mesh["tree"];
+    assert!(
+        tree["nodes"].as_u64() > Some(1) && tree["depth"].as_u64() > Some(1) && tree["bytes"].as_u64() > Some(1000)
+    );
+    Ok(())
+}
+
+#[test]
+fn the_tables_name_targets_and_clips() -> TestResult {
+    let stdout = stdout_of(&morph_collide([
+        "inspect".as_ref(),
+        asset("dolphin_564.glb").as_os_str(),
+    ])?);
+    for part in [
+        "564",
+        "tail_down",
+        "tail_up",
+        "\"swim\"",
+        "0.000 .. 1.000",
+        "welded",
+        "nodes",
+    ] {
+        assert!(stdout.contains(part), "no {part} in\n{stdout}");
+    }
+    Ok(())
+}
+
+#[test]
+fn a_mesh_without_targets_is_rigid() -> TestResult {
+    let dir = tempdir()?;
+    let path = dir.path().join("box.glb");
+    let looks = Appearance {
+        base_color: [1.0; 4],
+        roughness: 1.0,
+    };
+    write_glb(&path, &models::rigid::box_mesh(Vec3::ONE), &looks)?;
+    let report = inspect_json(&path)?;
+    assert_eq!(report["meshes"][0]["rigid"], true);
+    assert_eq!(report["meshes"][0]["targets"].as_array().map(Vec::len), Some(0));
+    let stdout = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
+    assert!(stdout.contains("none: rigid"), "{stdout}");
+    Ok(())
+}
+
+#[test]
+fn an_unusable_mesh_shows_its_error_beside_usable_ones() -> TestResult {
+    let dir = tempdir()?;
+    let mut broken = RawMesh::triangle("Cracked");
+    broken.positions[1][2] = f32::NAN;
+    let path = write_gltf(dir.path(), "two.gltf", &[broken, RawMesh::triangle("Sound")])?;
+    let report = inspect_json(&path)?;
+    let [cracked, sound] = [&report["meshes"][0], &report["meshes"][1]];
+    let error = cracked["error"].as_str().unwrap_or_default();
+    assert!(error.contains("base, vertex 1"), "{error}");
+    assert_eq!(cracked.get("tree"), None);
+    assert_eq!(sound["name"], "Sound");
+    assert_eq!(sound["targets"][0]["share_left_alone"], 0.0);
+    let stdout = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
+    assert!(stdout.contains("base, vertex 1"), "{stdout}");
+    Ok(())
+}

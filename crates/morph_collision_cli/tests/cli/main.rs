@@ -1,0 +1,6 @@
+//! Drives the `morph-collide` binary as a user would: with files, and by its output and exit code.
+
+mod bad_input;
+mod inspect;
+mod run;
+mod support;

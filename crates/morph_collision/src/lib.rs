@@ -62,7 +62,7 @@ mod tree;
 pub use bounds::{Aabb, TransformError, WorldFromModel};
 pub use exact::{Triangle, triangles_intersect};
 pub use model::{ModelError, MorphModel, Subject};
-pub use pose::{Pose, WeightsError};
+pub use pose::{ContainmentReport, ContainmentViolation, Pose, WeightsError};
 pub use query::{Body, PairQuery, PairStats, TrianglePair};
 pub use traverse::overlapping_pairs;
 pub use tree::{BuildError, BuildOptions, MorphBvh, PartitionShape, Split, VolumeKind};

@@ -27,7 +27,11 @@ const FIRST_CORNER: usize = 9;
 /// Direction `i` of the k-DOP with `slabs` slabs.
 pub(super) const fn direction(slabs: usize, i: usize) -> [i8; 3] {
     let without_edges = slabs == 7;
-    if without_edges && i >= FIRST_EDGE { ALL[i + FIRST_CORNER - FIRST_EDGE] } else { ALL[i] }
+    if without_edges && i >= FIRST_EDGE {
+        ALL[i + FIRST_CORNER - FIRST_EDGE]
+    } else {
+        ALL[i]
+    }
 }
 
 /// How long a direction is in the 1-norm: what an error per coordinate becomes along it.
@@ -66,7 +70,11 @@ pub(super) fn decompose(slabs: usize, v: DVec3) -> [Term; 3] {
         term(slabs, d, amount)
     };
     match slabs {
-        7 => [axis(i, a - b), corner(false, 0.5 * (b + c)), corner(true, 0.5 * (b - c))],
+        7 => [
+            axis(i, a - b),
+            corner(false, 0.5 * (b + c)),
+            corner(true, 0.5 * (b - c)),
+        ],
         9 if a >= b + c => [axis(i, a - b - c), edge(i, j, b), edge(i, k, c)],
         9 => [
             edge(i, j, 0.5 * (a + b - c)),

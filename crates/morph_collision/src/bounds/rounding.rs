@@ -8,7 +8,11 @@ pub(crate) const U32: f64 = f32::EPSILON as f64 / 2.0;
 /// The largest `f32` that is not above `value`.
 pub(crate) fn down(value: f64) -> f32 {
     let nearest = value as f32;
-    if f64::from(nearest) <= value { nearest } else { nearest.next_down() }
+    if f64::from(nearest) <= value {
+        nearest
+    } else {
+        nearest.next_down()
+    }
 }
 
 /// The smallest `f32` that is not below `value`.

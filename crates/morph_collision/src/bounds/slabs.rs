@@ -103,7 +103,6 @@ impl<const H: usize> Volume for Slabs<H> {
     type Extent = Extent<H>;
 
     const LOOKS_AT_POINTS: bool = false;
-    const ROWS: usize = 2 * H;
 
     fn rows(&self) -> &[Lanes] {
         self.ends.as_flattened()
@@ -155,16 +154,18 @@ impl<const H: usize> Volume for Slabs<H> {
         let [min, max] = &mut self.ends;
         for i in 0..H {
             let [x, y, z] = direction(H, i).map(f32::from);
-            let ends = points.iter().fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], p| {
-                let (along, error) = if i < 3 {
-                    (p[i], 0.0)
-                } else {
-                    // Two sums, each off by at most half a unit in the last place.
-                    let sum = x * p.x + y * p.y + z * p.z;
-                    (sum, 2.0 * f32::EPSILON * p.abs().element_sum())
-                };
-                [low.min(along - error), high.max(along + error)]
-            });
+            let ends = points
+                .iter()
+                .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], p| {
+                    let (along, error) = if i < 3 {
+                        (p[i], 0.0)
+                    } else {
+                        // Two sums, each off by at most half a unit in the last place.
+                        let sum = x * p.x + y * p.y + z * p.z;
+                        (sum, 2.0 * f32::EPSILON * p.abs().element_sum())
+                    };
+                    [low.min(along - error), high.max(along + error)]
+                });
             min[i].0[lane] = ends[0];
             max[i].0[lane] = ends[1];
         }
@@ -181,7 +182,11 @@ impl<const H: usize> Volume for Slabs<H> {
             let terms = decompose(H, frame.linear.transpose() * normal);
             let offset = normal.dot(frame.translation);
             // Ends along a slab are as large as its direction allows.
-            let end = |j: usize| DVec3::from_array(direction(H, j).map(f64::from)).abs().dot(frame.magnitude);
+            let end = |j: usize| {
+                DVec3::from_array(direction(H, j).map(f64::from))
+                    .abs()
+                    .dot(frame.magnitude)
+            };
             let reach = offset.abs() + terms.iter().map(|&(j, amount)| amount.abs() * end(j)).sum::<f64>();
             let underflow = frame.underflow() * f64::from(length(H, i));
             let slack = normal.abs().dot(frame.error) + MAP_ROUNDINGS * U32 * reach + underflow;
@@ -203,7 +208,11 @@ impl<const H: usize> Volume for Slabs<H> {
         };
         for i in 0..H {
             for &(j, amount) in &map.terms[i] {
-                let (low, high) = if amount < 0.0 { (one.max[j], one.min[j]) } else { (one.min[j], one.max[j]) };
+                let (low, high) = if amount < 0.0 {
+                    (one.max[j], one.min[j])
+                } else {
+                    (one.min[j], one.max[j])
+                };
                 mapped.min[i] += amount * low;
                 mapped.max[i] += amount * high;
             }
@@ -220,7 +229,11 @@ impl<const H: usize> Volume for Slabs<H> {
         let [mapped_min, mapped_max] = &mut mapped.ends;
         for i in 0..H {
             for &(j, amount) in &map.terms[i] {
-                let (low, high) = if amount < 0.0 { (&max[j], &min[j]) } else { (&min[j], &max[j]) };
+                let (low, high) = if amount < 0.0 {
+                    (&max[j], &min[j])
+                } else {
+                    (&min[j], &max[j])
+                };
                 mapped_min[i].add_scaled(amount, low);
                 mapped_max[i].add_scaled(amount, high);
             }

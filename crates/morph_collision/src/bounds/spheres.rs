@@ -57,7 +57,6 @@ impl Volume for Spheres {
     type Extent = Extent<3>;
 
     const LOOKS_AT_POINTS: bool = true;
-    const ROWS: usize = 4;
 
     fn rows(&self) -> &[Lanes] {
         &self.rows
@@ -116,8 +115,7 @@ impl Volume for Spheres {
         // Radii are as large as the root of 3 times the coordinates, centres as the coordinates.
         let largest = frame.magnitude.max_element();
         let reach = frame.reach().max_element() + 4.0 * stretch * largest;
-        let slack =
-            SQRT_3 * frame.error.max_element() + 2.0 * MAP_ROUNDINGS * U32 * reach + 4.0 * frame.underflow();
+        let slack = SQRT_3 * frame.error.max_element() + 2.0 * MAP_ROUNDINGS * U32 * reach + 4.0 * frame.underflow();
         let largest = reach.max(slack).max(stretch);
         if !largest.is_finite() || largest > LARGEST {
             return None;

@@ -21,8 +21,6 @@ pub(crate) trait Volume: Copy + Default + Debug + Send + Sync + 'static {
 
     /// Whether [`Volume::base`] and [`Volume::slope`] look at the points, and not only at their extent.
     const LOOKS_AT_POINTS: bool;
-    /// Numbers per volume.
-    const ROWS: usize;
 
     fn rows(&self) -> &[Lanes];
     fn rows_mut(&mut self) -> &mut [Lanes];

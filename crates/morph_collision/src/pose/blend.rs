@@ -13,11 +13,7 @@ const U: f32 = f32::EPSILON / 2.0;
 /// `amounts` is scratch memory. Cost: one pass over the group's local targets and steps, one multiply-add of eight lanes
 /// per row for each of them that gets some weight.
 #[inline]
-pub(super) fn blend_group<V: Volume>(
-    tables: GroupTables<'_, V>,
-    weights: &[f32],
-    amounts: &mut Vec<f32>,
-) -> (V, f32) {
+pub(super) fn blend_group<V: Volume>(tables: GroupTables<'_, V>, weights: &[f32], amounts: &mut Vec<f32>) -> (V, f32) {
     let mut reach = tables.base_reach;
     let mut active = 0_u32;
     amounts.clear();
@@ -62,7 +58,11 @@ fn spend_budget<V: Volume>(tables: &GroupTables<'_, V>, weights: &[f32], amounts
         let local = step.local as usize;
         let source = step.after.map_or(local, |earlier| targets + earlier as usize);
         let weight = weights[tables.targets[local].target as usize];
-        let usable = if (weight < 0.0) == step.negative { amounts[source] } else { 0.0 };
+        let usable = if (weight < 0.0) == step.negative {
+            amounts[source]
+        } else {
+            0.0
+        };
         let amount = usable.min(budget / step.cost);
         budget = (budget - amount * step.cost).max(0.0);
         amounts[source] -= amount;

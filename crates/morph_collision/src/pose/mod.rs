@@ -5,10 +5,12 @@
 
 mod blend;
 mod cache;
+mod containment;
 mod instance;
 mod posed;
 mod weights;
 
+pub use containment::{ContainmentReport, ContainmentViolation};
 pub use instance::Pose;
 pub(crate) use posed::{AnyPosed, Blended, NodeRef, Posed, with_posed};
 pub use weights::WeightsError;

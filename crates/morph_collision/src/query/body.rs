@@ -23,5 +23,6 @@ impl<'a> Body<'a> {
 /// A triangle's corners in world space.
 #[inline]
 pub(super) fn world_triangle(tree: &mut impl Walkable, world_from_model: &WorldFromModel, triangle: u32) -> Triangle {
-    tree.corners(triangle).map(|corner| world_from_model.transform_point(corner))
+    tree.corners(triangle)
+        .map(|corner| world_from_model.transform_point(corner))
 }

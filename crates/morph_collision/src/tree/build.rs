@@ -111,7 +111,10 @@ impl<V: Volume> Builder<'_, V> {
     }
 
     fn leaf(&mut self, triangles: &[u32]) -> (Child, NodeExtents<V>) {
-        let mut vertices: Vec<u32> = triangles.iter().flat_map(|&t| self.model.triangle(t as usize)).collect();
+        let mut vertices: Vec<u32> = triangles
+            .iter()
+            .flat_map(|&t| self.model.triangle(t as usize))
+            .collect();
         vertices.sort_unstable();
         vertices.dedup();
         let starts = &mut self.topology.leaf_starts;

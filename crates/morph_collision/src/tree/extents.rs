@@ -47,7 +47,10 @@ impl<V: Volume> NodeExtents<V> {
                 target,
                 reach: columns.reach(model, &node.vertices, target),
                 displacement: of(Shape::Displacement(target)),
-                references: columns.scales().map(|scale| of(Shape::Reference(target, scale))).collect(),
+                references: columns
+                    .scales()
+                    .map(|scale| of(Shape::Reference(target, scale)))
+                    .collect(),
             })
             .collect();
         node.base_reach = node
@@ -74,7 +77,11 @@ impl<V: Volume> NodeExtents<V> {
                     .iter()
                     .filter_map(|c| c.under(target))
                     .fold(0.0, |reach, t| reach.max(t.reach)),
-                displacement: all(&|child| child.under(target).map_or_else(|| still.clone(), |t| t.displacement.clone())),
+                displacement: all(&|child| {
+                    child
+                        .under(target)
+                        .map_or_else(|| still.clone(), |t| t.displacement.clone())
+                }),
                 references: (0..columns.scales().len())
                     .map(|s| all(&|child| child.under(target).map_or(&child.base, |t| &t.references[s]).clone()))
                     .collect(),

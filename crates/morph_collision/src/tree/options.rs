@@ -82,10 +82,13 @@ pub struct UnknownName {
 }
 
 fn parse<T: Copy + fmt::Display>(name: &str, all: &[T]) -> Result<T, UnknownName> {
-    all.iter().copied().find(|kind| kind.to_string() == name).ok_or_else(|| UnknownName {
-        name: name.to_owned(),
-        expected: all.iter().map(T::to_string).collect::<Vec<_>>().join(", "),
-    })
+    all.iter()
+        .copied()
+        .find(|kind| kind.to_string() == name)
+        .ok_or_else(|| UnknownName {
+            name: name.to_owned(),
+            expected: all.iter().map(T::to_string).collect::<Vec<_>>().join(", "),
+        })
 }
 
 impl FromStr for VolumeKind {

@@ -65,7 +65,10 @@ impl Partition {
             let mut targets: Vec<usize> = (0..model.target_count()).collect();
             targets.sort_by(|&i, &j| model.target_reach()[j].total_cmp(&model.target_reach()[i]));
             targets.truncate(MOST_POSES);
-            targets.into_iter().map(|target| Shape::with_target(model, target)).collect()
+            targets
+                .into_iter()
+                .map(|target| Shape::with_target(model, target))
+                .collect()
         } else {
             Vec::new()
         };

@@ -74,8 +74,9 @@ fn halve(shape: &Shape, others: &[Shape], triangles: &mut [u32]) -> Option<usize
     let spread = Aabb::from_points(triangles.iter().map(|&t| shape.midpoints[t as usize]));
     let mut best: Option<(f64, usize, usize)> = None;
     for axis in 0..3 {
-        let binning = Binning::new(&spread, axis);
-        let Some(binning) = binning else { continue };
+        let Some(binning) = Binning::new(&spread, axis) else {
+            continue;
+        };
         let mut counts = [0_usize; BINS];
         for &t in &*triangles {
             counts[binning.bin(shape, t)] += 1;
@@ -90,9 +91,9 @@ fn halve(shape: &Shape, others: &[Shape], triangles: &mut [u32]) -> Option<usize
             add_costs(&bins, &counts, &mut costs);
         }
         // The plane before bin `i`; both sides hold something because the first and last bins do.
-        for i in 1..BINS {
-            if best.is_none_or(|(cost, ..)| costs[i] < cost) {
-                best = Some((costs[i], axis, i));
+        for (i, &cost) in costs.iter().enumerate().skip(1) {
+            if best.is_none_or(|(least, ..)| cost < least) {
+                best = Some((cost, axis, i));
             }
         }
     }

@@ -166,7 +166,9 @@ impl<V: Volume> Tables<V> {
         // Within a target gains per cost fall, so a stable sort leaves each step after the one it follows.
         ladders.sort_by(|a, b| b.density.total_cmp(&a.density));
         for (i, rung) in ladders.iter().enumerate() {
-            let same = |earlier: &Rung<V>| earlier.step.local == rung.step.local && earlier.step.negative == rung.step.negative;
+            let same = |earlier: &Rung<V>| {
+                earlier.step.local == rung.step.local && earlier.step.negative == rung.step.negative
+            };
             let after = ladders[..i].iter().rposition(same).map(|j| j as u32);
             self.steps.push(Step { after, ..rung.step });
             self.references.push(rung.slopes);
@@ -255,7 +257,9 @@ impl<V: Volume> Measure<'_, V> {
             };
             // The upper hull of gain over cost: a rung that gains less per budget than the next one is skipped.
             loop {
-                let (below, paid) = ladder.last().map_or((interval, 0.0), |last| (last.looseness, last.inverse_scale));
+                let (below, paid) = ladder
+                    .last()
+                    .map_or((interval, 0.0), |last| (last.looseness, last.inverse_scale));
                 rung.density = (below - rung.looseness) / (rung.inverse_scale - paid);
                 rung.step.cost = crate::bounds::up(rung.inverse_scale - paid);
                 match ladder.last() {

@@ -1,9 +1,7 @@
 //! Intersecting triangle pairs against brute force in exact arithmetic, for every way to build a tree.
 
-mod support;
-
+use crate::scenes::{self, Scene};
 use morph_collision::{BuildOptions, PartitionShape, Split, VolumeKind};
-use support::Scene;
 
 /// Every kind of volume with every arity and split rule, and one of each further option.
 fn matrix() -> Vec<BuildOptions> {
@@ -42,7 +40,7 @@ fn agrees(scene: &Scene, options: &[BuildOptions]) {
 #[test]
 fn every_tree_gives_the_same_pairs_on_generated_scenes() {
     let mut touching = 0;
-    for scene in support::generated() {
+    for scene in scenes::generated() {
         touching += scene.truth().len();
         agrees(&scene, &matrix());
     }
@@ -52,7 +50,7 @@ fn every_tree_gives_the_same_pairs_on_generated_scenes() {
 #[test]
 fn the_pass_through_agrees_with_the_oracle() {
     for step in [45, 200] {
-        let scene = support::pass_through(step);
+        let scene = scenes::pass_through(step);
         assert!(!scene.truth().is_empty());
         agrees(&scene, &[BuildOptions::paper(), BuildOptions::default()]);
     }
@@ -69,7 +67,9 @@ fn real_models_agree_with_weights_of_any_sign_and_sum() {
     let options = [
         BuildOptions::paper(),
         BuildOptions::default(),
-        BuildOptions::default().with_volume(VolumeKind::Kdop18).with_leaf_tables(false),
+        BuildOptions::default()
+            .with_volume(VolumeKind::Kdop18)
+            .with_leaf_tables(false),
         BuildOptions::default().with_volume(VolumeKind::Sphere),
         BuildOptions::default().with_scales([4.0]).with_reflected(true),
     ];
@@ -82,7 +82,7 @@ fn real_models_agree_with_weights_of_any_sign_and_sum() {
         "ict_face_skin.glb",
     ] {
         for weights in weights {
-            if let Some(scene) = support::from_file(name, weights) {
+            if let Some(scene) = scenes::from_file(name, weights) {
                 agrees(&scene, &options);
             }
         }
@@ -95,7 +95,7 @@ fn bodies_of_different_kinds_of_volume_give_the_same_pairs() {
 
     use morph_collision::{Body, MorphBvh, PairQuery, Pose, WorldFromModel};
 
-    let scene = &support::generated()[2];
+    let scene = &scenes::generated()[2];
     let truth = scene.truth();
     assert!(!truth.is_empty());
     let model = Arc::new(scene.meshes[0].to_model().unwrap());

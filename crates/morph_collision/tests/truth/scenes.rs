@@ -4,17 +4,19 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::{Affine3A, Mat3, Quat, Vec3};
-use morph_collision::{Body, BuildOptions, MorphBvh, MorphModel, PairQuery, PairStats, Pose, TrianglePair, WorldFromModel};
+use morph_collision::{
+    Body, BuildOptions, MorphBvh, MorphModel, PairQuery, PairStats, Pose, TrianglePair, WorldFromModel,
+};
 use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::{degenerate, dolphin, pass_through_body, random};
 use morph_collision_testkit::{oracle, scenes};
 
 /// Bodies in one moment: meshes, and for each body its mesh, weights and place.
-pub struct Scene {
-    pub name: String,
-    pub meshes: Vec<MorphMesh>,
-    pub bodies: Vec<(usize, Vec<f32>, Affine3A)>,
+pub(crate) struct Scene {
+    pub(crate) name: String,
+    pub(crate) meshes: Vec<MorphMesh>,
+    pub(crate) bodies: Vec<(usize, Vec<f32>, Affine3A)>,
 }
 
 impl Scene {
@@ -27,7 +29,7 @@ impl Scene {
     }
 
     /// All intersecting triangle pairs by brute force: `(body a, body b, triangle a, triangle b)`.
-    pub fn truth(&self) -> Vec<[u32; 4]> {
+    pub(crate) fn truth(&self) -> Vec<[u32; 4]> {
         let bodies: Vec<_> = self
             .bodies
             .iter()
@@ -45,7 +47,7 @@ impl Scene {
     }
 
     /// The same through trees, and what it took.
-    pub fn answer(&self, options: &BuildOptions) -> (Vec<[u32; 4]>, PairStats) {
+    pub(crate) fn answer(&self, options: &BuildOptions) -> (Vec<[u32; 4]>, PairStats) {
         let models: Vec<Arc<MorphModel>> = self.meshes.iter().map(|m| Arc::new(m.to_model().unwrap())).collect();
         let bvhs: Vec<_> = models
             .iter()
@@ -77,7 +79,7 @@ impl Scene {
 }
 
 /// Where the shared real models lie, if they are there.
-pub fn shared_model(name: &str) -> Option<PathBuf> {
+pub(crate) fn shared_model(name: &str) -> Option<PathBuf> {
     let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/models")).join(name);
     if path.exists() {
         return Some(path);
@@ -87,19 +89,25 @@ pub fn shared_model(name: &str) -> Option<PathBuf> {
 }
 
 /// The paper's second experiment at one moment.
-pub fn dolphins(frame: usize) -> Scene {
+pub(crate) fn dolphins(frame: usize) -> Scene {
     use scenes::dolphins::{COUNT, FRAMES, placement, weights};
     Scene {
         name: format!("dolphins, frame {frame}"),
         meshes: vec![dolphin(0)],
         bodies: (0..COUNT)
-            .map(|i| (0, weights(i, frame, FRAMES).to_vec(), placement(i, COUNT, frame, FRAMES)))
+            .map(|i| {
+                (
+                    0,
+                    weights(i, frame, FRAMES).to_vec(),
+                    placement(i, COUNT, frame, FRAMES),
+                )
+            })
             .collect(),
     }
 }
 
 /// The paper's first experiment at one moment.
-pub fn pass_through(step: usize) -> Scene {
+pub(crate) fn pass_through(step: usize) -> Scene {
     use scenes::pass_through::{STEPS, placements, weights};
     let weights = weights(step, STEPS).to_vec();
     let bodies = placements(step, STEPS).map(|place| (weights.clone(), place));
@@ -122,13 +130,16 @@ fn odd_places(radius: f32) -> Vec<(&'static str, Affine3A)> {
             "flattened",
             Affine3A::from_mat3_translation(turned * Mat3::from_diagonal(Vec3::new(1.0, 0.0, 1.0)), offset),
         ),
-        ("a line", Affine3A::from_mat3_translation(turned * Mat3::from_diagonal(Vec3::X), offset)),
+        (
+            "a line",
+            Affine3A::from_mat3_translation(turned * Mat3::from_diagonal(Vec3::X), offset),
+        ),
         ("a point", Affine3A::from_mat3_translation(Mat3::ZERO, offset)),
     ]
 }
 
 /// Generated models in every kind of place and with weights of every kind.
-pub fn generated() -> Vec<Scene> {
+pub(crate) fn generated() -> Vec<Scene> {
     let blob = random::random_blob(7, 2, 6, 0.5);
     let soup = random::triangle_soup(11, 120, 3);
     let mut all = vec![dolphins(60), dolphins(200)];
@@ -153,7 +164,10 @@ pub fn generated() -> Vec<Scene> {
         all.push(Scene::pair(
             &format!("soup, {name}"),
             &soup,
-            [(weights.clone(), Affine3A::IDENTITY), (vec![0.5, 0.5, 0.0], Affine3A::IDENTITY)],
+            [
+                (weights.clone(), Affine3A::IDENTITY),
+                (vec![0.5, 0.5, 0.0], Affine3A::IDENTITY),
+            ],
         ));
     }
     let ill = [
@@ -183,7 +197,7 @@ pub fn generated() -> Vec<Scene> {
 }
 
 /// Two copies of a mesh from a file, slightly turned and apart, with given weights each.
-pub fn from_file(name: &str, weights: impl Fn(usize, usize) -> f32) -> Option<Scene> {
+pub(crate) fn from_file(name: &str, weights: impl Fn(usize, usize) -> f32) -> Option<Scene> {
     let mesh = read_meshes(&shared_model(name)?).unwrap().swap_remove(0);
     let radius = mesh.positions.iter().map(|p| p.length()).fold(0.0, f32::max);
     let targets = mesh.targets.len();

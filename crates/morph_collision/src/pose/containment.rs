@@ -1,0 +1,90 @@
+//! Every volume of a posed tree checked against every vertex below it.
+
+use glam::{DVec3, Vec3};
+
+use super::{Pose, Posed, with_posed};
+use crate::bounds::Volume;
+use crate::model::MorphModel;
+use crate::tree::ChildKind;
+
+/// The outcome of [`Pose::check_containment`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ContainmentReport {
+    /// How often a vertex was looked for in a volume.
+    pub checks: u64,
+    /// How often it was outside.
+    pub violations: u64,
+    /// The first violation.
+    pub first: Option<ContainmentViolation>,
+}
+
+/// A vertex outside a volume that should hold it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContainmentViolation {
+    /// The welded vertex.
+    pub vertex: u32,
+    /// Edges from the root to the node.
+    pub depth: usize,
+    /// Where the vertex is, in model space.
+    pub position: DVec3,
+}
+
+impl Pose {
+    /// Checks every volume of the tree, blended for the weights in force, against every vertex below it: both the posed
+    /// vertex in `f32` and its position to `f64` precision.
+    ///
+    /// A tool for tests and tools; it blends the whole mesh. Any violation is a bug of this crate.
+    pub fn check_containment(&mut self) -> ContainmentReport {
+        let mut report = ContainmentReport::default();
+        with_posed!(self.posed(), mut posed => check_group(&mut posed, 0, &mut Vec::new(), &mut report));
+        report
+    }
+}
+
+fn check_group<V: Volume>(
+    posed: &mut Posed<'_, V>,
+    group: usize,
+    above: &mut Vec<V::One>,
+    report: &mut ContainmentReport,
+) {
+    let slot = posed.open(group);
+    let topology = posed.topology;
+    for (lane, child) in topology.group(group).children().iter().enumerate() {
+        above.push(posed.volumes(slot).get(lane));
+        match child.kind() {
+            ChildKind::Group(group) => check_group(posed, group, above, report),
+            ChildKind::Leaf(leaf) => {
+                for &triangle in topology.leaf_triangles(leaf) {
+                    for vertex in posed.model.triangle(triangle as usize) {
+                        check_vertex(posed, vertex, above, report);
+                    }
+                }
+            }
+        }
+        above.pop();
+    }
+}
+
+fn check_vertex<V: Volume>(posed: &mut Posed<'_, V>, vertex: u32, above: &[V::One], report: &mut ContainmentReport) {
+    let rounded: Vec3 = posed.vertex(vertex);
+    for position in [rounded.as_dvec3(), exact_vertex(posed.model, vertex, posed.weights)] {
+        for (depth, volume) in above.iter().enumerate() {
+            report.checks += 1;
+            if !V::contains(volume, position) {
+                report.violations += 1;
+                report.first.get_or_insert(ContainmentViolation {
+                    vertex,
+                    depth,
+                    position,
+                });
+            }
+        }
+    }
+}
+
+fn exact_vertex(model: &MorphModel, vertex: u32, weights: &[f32]) -> DVec3 {
+    let displacements = model.displacements(vertex).iter();
+    displacements.fold(model.base(vertex).as_dvec3(), |position, d| {
+        position + d.delta.as_dvec3() * f64::from(weights[d.target as usize])
+    })
+}

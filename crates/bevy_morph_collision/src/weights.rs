@@ -1,0 +1,61 @@
+//! From Bevy's morph weights to a pose's.
+
+use bevy::platform::time::Instant;
+
+use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::prelude::*;
+use tracing::error;
+
+use crate::collider::{ColliderState, MorphCollider};
+use crate::diagnostics::MorphCollisionDiagnostics;
+
+/// Every pose takes the weights its mesh is drawn with.
+///
+/// Weights are compared by value: change detection fires every frame while an animation player exists. Without
+/// [`MeshMorphWeights`] a mesh is drawn, and collides, in its rest pose. Weights that do not fit are logged once, until they
+/// fit again, and the last good ones stay in force.
+pub(crate) fn read_weights(
+    mut colliders: Query<(NameOrEntity, &mut ColliderState, Option<&MeshMorphWeights>), With<MorphCollider>>,
+    shared: Query<&MorphWeights>,
+    mut rest: Local<Vec<f32>>,
+    mut diagnostics: ResMut<MorphCollisionDiagnostics>,
+) {
+    let start = Instant::now();
+    for (name, mut state, weights) in &mut colliders {
+        let state = &mut *state;
+        let Some(pose) = &mut state.pose else { continue };
+        let targets = pose.weights().len();
+        if targets == 0 {
+            continue;
+        }
+        let given = match weights {
+            Some(MeshMorphWeights::Value { weights }) => Ok(weights.as_slice()),
+            Some(&MeshMorphWeights::Reference(source)) => match shared.get(source) {
+                Ok(weights) => Ok(weights.weights()),
+                Err(_) => Err(source),
+            },
+            None => {
+                rest.resize(targets, 0.0);
+                rest.fill(0.0);
+                Ok(rest.as_slice())
+            }
+        };
+        let outcome = match given {
+            Ok(given) => pose.set_weights(given).map_err(|error| error.to_string()),
+            Err(source) => Err(format!("entity {source}, which it refers to, has no MorphWeights")),
+        };
+        match outcome {
+            Ok(changed) => {
+                state.bad_weights = false;
+                state.reposed |= changed;
+                state.changed |= changed;
+            }
+            Err(error) if !state.bad_weights => {
+                state.bad_weights = true;
+                error!("morph weights of entity `{name}` cannot be used: {error}; the last good ones stay in force");
+            }
+            Err(_) => {}
+        }
+    }
+    diagnostics.duration += start.elapsed();
+}

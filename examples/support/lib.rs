@@ -1,1 +1,8 @@
-//! Shared by the examples.
+//! What the examples and the whole-plugin tests share: a Bevy app without a window, models in it, and reports.
+
+pub mod app;
+mod displacements;
+pub mod error;
+pub mod instances;
+pub mod report;
+pub mod touching;

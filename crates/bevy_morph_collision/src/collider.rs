@@ -92,6 +92,12 @@ pub(crate) struct Placement {
     pub(crate) mode: CollisionMode,
 }
 
+/// What may be a new part of a scene, or lead to one.
+type PartNews = Or<(Added<Mesh3d>, Added<MeshMorphWeights>, Changed<ChildOf>)>;
+
+/// What a mesh has already: weights, a collider, a body.
+type PartHas = (Has<MeshMorphWeights>, Has<MorphCollider>, Has<MorphBody>);
+
 /// Meshes below a [`MorphColliderScene`] become colliders.
 ///
 /// Goes by what is new in the hierarchy rather than by a scene's "ready" event: this needs no scene feature of Bevy, and
@@ -100,10 +106,10 @@ pub(crate) fn add_scene_parts(
     mut commands: Commands,
     scenes: Query<&MorphColliderScene>,
     new_scenes: Query<Entity, Added<MorphColliderScene>>,
-    news: Query<Entity, Or<(Added<Mesh3d>, Added<MeshMorphWeights>, Changed<ChildOf>)>>,
+    news: Query<Entity, PartNews>,
     parents: Query<&ChildOf>,
     children: Query<&Children>,
-    meshes: Query<(Has<MeshMorphWeights>, Has<MorphCollider>, Has<MorphBody>), With<Mesh3d>>,
+    meshes: Query<PartHas, With<Mesh3d>>,
 ) {
     if scenes.is_empty() {
         return;

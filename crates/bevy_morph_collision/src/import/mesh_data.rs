@@ -94,8 +94,13 @@ fn read_targets(mesh: &Mesh, vertices: usize) -> Result<Vec<Vec<Vec3>>, ImportEr
         Ok(_) | Err(MeshAccessError::NotFound) => return Ok(Vec::new()),
         Err(error) => return Err(error.into()),
     };
-    // With names the number of targets is known; without, any whole number of them must be believed.
-    let names = mesh.try_morph_target_names().ok().flatten().map(<[String]>::len);
+    // Bevy's `Mesh::duplicate_vertices`, which the glTF loader calls for meshes without normals, drops the indices and
+    // forgets the displacements. There the names tell; elsewhere they are a file's free text and any whole number of
+    // targets is believed.
+    let names = match mesh.try_indices_option()? {
+        Some(_) => None,
+        None => mesh.try_morph_target_names()?.map(<[String]>::len),
+    };
     let fits = match names {
         Some(targets) => displacements.len() == targets * vertices,
         None => vertices > 0 && displacements.len().is_multiple_of(vertices),
@@ -162,7 +167,7 @@ mod tests {
         assert_eq!(strip_triangles(Some(&one), 4), [[0, 1, 2], [2, 1, 3]]);
         let restarted = Indices::U16(vec![0, 1, 2, u16::MAX, 3, 4, 5]);
         assert_eq!(strip_triangles(Some(&restarted), 6), [[0, 1, 2], [3, 4, 5]]);
-        let stitched = Indices::U32(vec![0, 1, 2, 2, 3, 3, 4, 5]);
+        let stitched = Indices::U32(vec![0, 1, 2, 2, 2, 3, 3, 4, 5]);
         assert_eq!(strip_triangles(Some(&stitched), 6), [[0, 1, 2], [3, 4, 5]]);
     }
 

@@ -1,0 +1,114 @@
+//! A Bevy app without window and renderer, at a fixed time step, and the loading of one glTF model in it.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use bevy::animation::AnimationPlugin;
+use bevy::asset::{AssetMetaCheck, AssetPath, RecursiveDependencyLoadState};
+use bevy::gltf::{Gltf, GltfPlugin};
+use bevy::mesh::MeshPlugin;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy::world_serialization::WorldSerializationPlugin;
+use bevy_morph_collision::MorphCollisionPlugin;
+
+use crate::displacements::spread_over_split_vertices;
+use crate::error::ExampleError;
+
+/// The time between two frames.
+pub const STEP: Duration = Duration::from_nanos(16_666_667);
+
+/// How long to wait for a model before giving up.
+const PATIENCE: Duration = Duration::from_secs(300);
+
+/// An app that loads assets, plays animations and detects collisions, and shows nothing.
+///
+/// `assets` is the folder that asset paths are relative to. More plugins may be added before [`ready`] is called.
+pub fn headless(assets: &Path) -> App {
+    let mut app = App::new();
+    app.add_plugins((
+        MinimalPlugins,
+        TransformPlugin,
+        AssetPlugin {
+            file_path: assets.to_string_lossy().into_owned(),
+            meta_check: AssetMetaCheck::Never,
+            ..AssetPlugin::default()
+        },
+        WorldSerializationPlugin,
+        ImagePlugin::default(),
+        MeshPlugin,
+        GltfPlugin::default(),
+        AnimationPlugin,
+        MorphCollisionPlugin::default(),
+    ))
+    .insert_resource(TimeUpdateStrategy::ManualDuration(STEP));
+    app
+}
+
+/// Does what a runner would do before the first frame; from here on call [`App::update`].
+pub fn ready(app: &mut App) {
+    app.finish();
+    app.cleanup();
+}
+
+/// The full path of a model that exists.
+///
+/// # Errors
+/// The file is missing, a directory, or has a name that is no asset path.
+pub fn locate(model: &Path) -> Result<PathBuf, ExampleError> {
+    let path = model.canonicalize().map_err(|source| ExampleError::Open {
+        path: model.into(),
+        source,
+    })?;
+    if path.is_file() && path.to_str().is_some() {
+        Ok(path)
+    } else {
+        Err(ExampleError::NotAFile(path))
+    }
+}
+
+/// Loads a glTF file that lies in the app's asset folder, with everything it refers to.
+///
+/// # Errors
+/// What the asset server says: the file, or one that it refers to, cannot be read or makes no sense.
+pub fn load_gltf(app: &mut App, file: &Path) -> Result<Handle<Gltf>, ExampleError> {
+    let handle: Handle<Gltf> = app
+        .world()
+        .resource::<AssetServer>()
+        .load(AssetPath::from_path_buf(file.file_name().unwrap_or_default().into()));
+    update_until(app, file, |world| {
+        match world.resource::<AssetServer>().recursive_dependency_load_state(&handle) {
+            RecursiveDependencyLoadState::Loaded => Ok(true),
+            RecursiveDependencyLoadState::Failed(error) => Err(ExampleError::Load {
+                path: file.into(),
+                // The lines that follow are a backtrace.
+                reason: error.to_string().lines().next().unwrap_or_default().into(),
+            }),
+            RecursiveDependencyLoadState::NotLoaded | RecursiveDependencyLoadState::Loading => Ok(false),
+        }
+    })?;
+    spread_over_split_vertices(app.world_mut(), &handle, file)?;
+    Ok(handle)
+}
+
+/// Runs frames until a condition holds.
+///
+/// # Errors
+/// Those of the condition, and [`ExampleError::Stuck`] after five minutes.
+pub fn update_until(
+    app: &mut App,
+    file: &Path,
+    mut done: impl FnMut(&mut World) -> Result<bool, ExampleError>,
+) -> Result<(), ExampleError> {
+    let start = Instant::now();
+    while !done(app.world_mut())? {
+        if start.elapsed() > PATIENCE {
+            return Err(ExampleError::Stuck {
+                path: file.into(),
+                seconds: PATIENCE.as_secs(),
+            });
+        }
+        app.update();
+    }
+    Ok(())
+}

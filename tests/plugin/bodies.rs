@@ -1,0 +1,128 @@
+//! Colliders that are parts of one body.
+
+use bevy::gltf::Gltf;
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use morph_collision_workspace::app::load_gltf;
+
+use crate::support::{Messages, add_mesh, app, assets, cube, diagnostics, settle, spawn, stretching_cube, touches};
+
+#[test]
+fn parts_of_one_body_collide_with_others_but_not_with_each_other() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, &cube());
+    let root = app
+        .world_mut()
+        .spawn(MorphColliderScene {
+            only_morphing: false,
+            ..default()
+        })
+        .id();
+    let parts = [0.0, 0.5].map(|x| {
+        let part = (Mesh3d(mesh.clone()), Transform::from_xyz(x, 0.0, 0.0), ChildOf(root));
+        app.world_mut().spawn(part).id()
+    });
+    let other = spawn(&mut app, &mesh, 0.8);
+    settle(&mut app);
+
+    let collisions = app.world().resource::<MorphCollisions>();
+    assert_eq!(collisions.len(), 2);
+    for part in parts {
+        let contact = collisions.get(part, other).expect("both parts touch the other body");
+        let bodies = [(contact.collider1, contact.body1), (contact.collider2, contact.body2)];
+        assert!(bodies.contains(&(part, root)) && bodies.contains(&(other, other)));
+    }
+}
+
+#[test]
+fn the_same_body_named_by_hand_keeps_colliders_apart() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, &cube());
+    let [a, b] = [0.0, 0.5].map(|x| spawn(&mut app, &mesh, x));
+    settle(&mut app);
+    assert!(touches(&app, a, b));
+    for part in [a, b] {
+        app.world_mut().entity_mut(part).insert(MorphBody(a));
+    }
+    app.update();
+    assert!(!touches(&app, a, b));
+    app.world_mut().entity_mut(b).insert(MorphBody(b));
+    app.update();
+    assert!(touches(&app, a, b), "two bodies again, though nothing moved");
+}
+
+#[test]
+fn rigid_parts_are_left_out_unless_asked_for() {
+    let mut app = app();
+    let (rigid, morphing) = (add_mesh(&mut app, &cube()), add_mesh(&mut app, &stretching_cube()));
+    let root = app.world_mut().spawn(MorphColliderScene::default()).id();
+    let rigid = app.world_mut().spawn((Mesh3d(rigid), ChildOf(root))).id();
+    let weights = bevy::mesh::morph::MeshMorphWeights::Value { weights: vec![0.0] };
+    let morphing = app.world_mut().spawn((Mesh3d(morphing), weights, ChildOf(root))).id();
+    settle(&mut app);
+    assert!(app.world().get::<MorphCollider>(rigid).is_none());
+    assert_eq!(app.world().get::<MorphBody>(morphing), Some(&MorphBody(root)));
+    assert_eq!(diagnostics(&app).colliders, 1);
+}
+
+#[test]
+fn a_mesh_that_comes_into_the_scene_later_becomes_a_part() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, &cube());
+    let scene = MorphColliderScene {
+        only_morphing: false,
+        ..default()
+    };
+    let root = app.world_mut().spawn(scene).id();
+    let branch = app.world_mut().spawn(Transform::default()).id();
+    let part = app.world_mut().spawn((Mesh3d(mesh), ChildOf(branch))).id();
+    settle(&mut app);
+    assert!(app.world().get::<MorphCollider>(part).is_none());
+    app.world_mut().entity_mut(branch).insert(ChildOf(root));
+    app.update();
+    assert_eq!(app.world().get::<MorphBody>(part), Some(&MorphBody(root)));
+}
+
+/// Spawns the dolphin's scene from the asset server.
+fn spawn_dolphin(app: &mut App, bundle: impl Bundle) -> Entity {
+    let gltf = load_gltf(app, &assets().join("dolphin_564.glb")).expect("the dolphin comes with the repository");
+    let files = app.world().resource::<Assets<Gltf>>();
+    let scene = files.get(&gltf).and_then(|gltf| gltf.default_scene.clone());
+    let scene = scene.expect("the dolphin's file has a scene");
+    app.world_mut().spawn((WorldAssetRoot(scene), bundle)).id()
+}
+
+fn bodies(app: &mut App) -> Vec<Entity> {
+    let mut parts = app.world_mut().query_filtered::<&MorphBody, With<MorphCollider>>();
+    parts.iter(app.world()).map(|body| body.0).collect()
+}
+
+#[test]
+fn a_loaded_scene_collides_whether_the_component_comes_before_or_after_it() {
+    let mut app = app();
+    let early = spawn_dolphin(&mut app, MorphColliderScene::default());
+    settle(&mut app);
+    assert_eq!(bodies(&mut app), [early]);
+
+    let late = spawn_dolphin(&mut app, Transform::default());
+    settle(&mut app);
+    assert_eq!(bodies(&mut app), [early]);
+    app.world_mut().entity_mut(late).insert(MorphColliderScene {
+        events: true,
+        ..default()
+    });
+    app.update();
+    assert_eq!(diagnostics(&app).touching_pairs, 1, "they are in the same place");
+    let mut with_events = app
+        .world_mut()
+        .query_filtered::<&MorphBody, With<MorphCollisionEventsEnabled>>();
+    let with_events: Vec<_> = with_events.iter(app.world()).map(|body| body.0).collect();
+    assert_eq!(with_events, [late]);
+
+    let mut messages = Messages::default();
+    messages.read(&app);
+    app.world_mut().entity_mut(late).remove::<MorphColliderScene>();
+    app.update();
+    assert_eq!(bodies(&mut app), [early]);
+    assert_eq!(messages.read(&app).1.len(), 1);
+}

@@ -1,0 +1,179 @@
+//! What cannot be used is named in the log once, left out, and does no harm to the rest.
+
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::{Indices, PrimitiveTopology, morph::MorphAttributes};
+use bevy::prelude::*;
+use bevy_morph_collision::{ImportError, MorphTrees, morph_collision::ModelError};
+
+use crate::log::Errors;
+use crate::support::{
+    add_mesh, app, bevy_mesh, cube, diagnostics, move_to, settle, spawn, stretching_cube, touches, two_cubes,
+};
+
+fn empty(topology: PrimitiveTopology) -> Mesh {
+    Mesh::new(topology, RenderAssetUsages::default())
+}
+
+fn with_positions(positions: Vec<Vec3>) -> Mesh {
+    empty(PrimitiveTopology::TriangleList).with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, positions)
+}
+
+/// A mesh that moves its data to the renderer, after that has happened.
+fn extracted() -> Mesh {
+    let mut mesh = bevy_mesh(&cube());
+    mesh.take_gpu_data().expect("the data has not been taken before");
+    mesh
+}
+
+fn compressed() -> Mesh {
+    let mut mesh = bevy_mesh(&cube());
+    mesh.compress_positions().expect("a cube can be compressed");
+    mesh
+}
+
+/// As the glTF loader makes them of meshes without normals: vertices split, displacements not.
+fn split_with_names() -> Mesh {
+    let mut mesh = bevy_mesh(&stretching_cube());
+    mesh.set_morph_target_names(vec!["stretch".into()]);
+    mesh.duplicate_vertices();
+    mesh
+}
+
+/// Adds the mesh between two cubes that touch, and returns the reason why it is left out.
+fn refusal(mesh: Mesh) -> ImportError {
+    let mut found = None;
+    Errors::collect(|errors| {
+        let mut app = app();
+        let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
+        let good = add_mesh(&mut app, &cube());
+        let [a, broken, b] = [(&good, 0.0), (&mesh, 0.4), (&good, 0.8)].map(|(mesh, x)| spawn(&mut app, mesh, x));
+        app.world_mut().entity_mut(broken).insert(Name::new("broken thing"));
+        settle(&mut app);
+        app.update();
+
+        let logged = errors.take();
+        assert_eq!(logged.len(), 1, "{logged:?}");
+        found = app.world().resource::<MorphTrees>().error(mesh.id()).cloned();
+        let reason = found.as_ref().map(ToString::to_string).unwrap_or_default();
+        for part in ["broken thing", &mesh.id().to_string(), &reason] {
+            assert!(logged[0].contains(part), "{logged:?} does not name {part}");
+        }
+        assert_eq!(diagnostics(&app).colliders, 2);
+        assert!(touches(&app, a, b), "the others work on");
+    });
+    found.expect("the mesh is refused")
+}
+
+#[test]
+fn data_that_is_not_there_or_cannot_be_read_is_refused() {
+    assert_eq!(refusal(extracted()), ImportError::Extracted);
+    assert_eq!(
+        refusal(
+            empty(PrimitiveTopology::LineList).with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![Vec3::ZERO; 6])
+        ),
+        ImportError::Topology(PrimitiveTopology::LineList)
+    );
+    assert_eq!(
+        refusal(empty(PrimitiveTopology::TriangleList)),
+        ImportError::NoPositions
+    );
+    let refused = refusal(compressed());
+    assert!(
+        matches!(refused, ImportError::PositionFormat(format) if format.contains("Snorm16")),
+        "{refused}"
+    );
+}
+
+#[test]
+fn shapes_that_make_no_sense_are_refused() {
+    assert_eq!(
+        refusal(with_positions(vec![])),
+        ImportError::Model(ModelError::NoVertices)
+    );
+    let mesh = with_positions(vec![Vec3::ZERO; 3]).with_inserted_indices(Indices::U16(vec![]));
+    assert_eq!(refusal(mesh), ImportError::Model(ModelError::NoTriangles));
+    assert_eq!(
+        refusal(with_positions(vec![Vec3::ZERO; 5])),
+        ImportError::IncompleteTriangle(5)
+    );
+    let mesh = with_positions(vec![Vec3::ZERO; 3]).with_inserted_indices(Indices::U32(vec![0, 1, 3]));
+    assert!(matches!(
+        refusal(mesh),
+        ImportError::Model(ModelError::IndexOutOfRange {
+            triangle: 0,
+            corner: 2,
+            index: 3,
+            ..
+        })
+    ));
+    let refused = refusal(with_positions(vec![Vec3::ZERO, Vec3::X, Vec3::NAN]));
+    assert!(
+        matches!(refused, ImportError::Model(ModelError::BadCoordinate { vertex: 2, .. })),
+        "{refused}"
+    );
+}
+
+#[test]
+fn displacements_that_do_not_fit_the_vertices_are_refused() {
+    let mut mesh = bevy_mesh(&cube());
+    mesh.set_morph_targets(vec![MorphAttributes::default(); 9]);
+    assert!(matches!(
+        refusal(mesh),
+        ImportError::TargetLength {
+            displacements: 9,
+            vertices: 8,
+            ..
+        }
+    ));
+    assert!(matches!(
+        refusal(split_with_names()),
+        ImportError::TargetLength {
+            displacements: 8,
+            vertices: 36,
+            ..
+        }
+    ));
+}
+
+#[test]
+fn indices_of_any_kind_give_the_same_contact() {
+    let list = bevy_mesh(&cube());
+    let wide = list.indices().map(|indices| indices.iter().map(|i| i as u16).collect());
+    let narrow = list
+        .clone()
+        .with_inserted_indices(Indices::U16(wide.unwrap_or_default()));
+    let bare = list.clone().with_duplicated_vertices();
+    // One strip around the cube and over its ends, numbering other triangles, but touching the same.
+    let strip = empty(PrimitiveTopology::TriangleStrip)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, cube().positions)
+        .with_inserted_indices(Indices::U16(vec![2, 3, 6, 7, 5, 3, 1, 2, 0, 6, 4, 5, 0, 1]));
+    for mesh in [list, narrow, bare, strip] {
+        let mut app = app();
+        let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
+        let [a, b] = [0.0, 1.0].map(|x| spawn(&mut app, &mesh, x));
+        settle(&mut app);
+        assert!(touches(&app, a, b), "faces touch at x = 0.5");
+        let tree = app.world().resource::<MorphTrees>().get(mesh.id());
+        assert_eq!(tree.map(|tree| tree.model().triangle_count()), Some(12));
+        move_to(&mut app, b, 1.01);
+        app.update();
+        assert!(!touches(&app, a, b));
+    }
+}
+
+#[test]
+fn a_transform_that_is_not_finite_is_logged_once_and_leaves_its_collider_out() {
+    Errors::collect(|errors| {
+        let (mut app, [a, b]) = two_cubes(0.8);
+        move_to(&mut app, b, f32::NAN);
+        app.update();
+        app.update();
+        assert_eq!(errors.take().len(), 1);
+        assert!(!touches(&app, a, b));
+        assert_eq!(diagnostics(&app).colliders, 1);
+        move_to(&mut app, b, 0.8);
+        app.update();
+        assert!(touches(&app, a, b));
+        assert_eq!(errors.take(), [""; 0]);
+    });
+}

@@ -1,0 +1,193 @@
+//! Starts and ends, as messages and as entity events.
+
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+
+use crate::support::{Messages, add_mesh, app, cube, diagnostics, move_to, settle, spawn, touches, two_cubes};
+
+#[test]
+fn a_start_and_an_end_are_reported_once() {
+    let (mut app, [a, b]) = two_cubes(3.0);
+    let (first, second) = (a.min(b), a.max(b));
+    let mut messages = Messages::default();
+    assert_eq!(messages.read(&app), (vec![], vec![]));
+
+    move_to(&mut app, b, 0.8);
+    app.update();
+    let (starts, ends) = messages.read(&app);
+    let start = MorphCollisionStart {
+        collider1: first,
+        collider2: second,
+        body1: first,
+        body2: second,
+    };
+    assert_eq!((starts, ends.len()), (vec![start], 0));
+    assert!(touches(&app, a, b) && touches(&app, b, a));
+
+    app.update();
+    move_to(&mut app, b, 0.7);
+    app.update();
+    assert_eq!(messages.read(&app), (vec![], vec![]), "they still touch");
+
+    move_to(&mut app, b, 3.0);
+    app.update();
+    let (starts, ends) = messages.read(&app);
+    let end = MorphCollisionEnd {
+        collider1: first,
+        collider2: second,
+        body1: first,
+        body2: second,
+    };
+    assert_eq!((starts.len(), ends), (0, vec![end]));
+    app.update();
+    assert_eq!(messages.read(&app), (vec![], vec![]));
+}
+
+#[derive(Resource, Default, PartialEq, Debug)]
+struct Observed {
+    starts: Vec<MorphCollisionStart>,
+    ends: Vec<MorphCollisionEnd>,
+}
+
+fn observe(app: &mut App) {
+    app.init_resource::<Observed>()
+        .add_observer(|start: On<MorphCollisionStart>, mut observed: ResMut<Observed>| {
+            observed.starts.push(*start.event());
+        })
+        .add_observer(|end: On<MorphCollisionEnd>, mut observed: ResMut<Observed>| {
+            observed.ends.push(*end.event());
+        });
+}
+
+#[test]
+fn entity_events_are_opt_in_and_agree_with_the_messages() {
+    let (mut app, [a, b]) = two_cubes(3.0);
+    observe(&mut app);
+    move_to(&mut app, b, 0.8);
+    app.update();
+    assert_eq!(*app.world().resource::<Observed>(), Observed::default());
+
+    move_to(&mut app, b, 3.0);
+    app.world_mut().entity_mut(b).insert(MorphCollisionEventsEnabled);
+    app.update();
+    move_to(&mut app, b, 0.8);
+    app.update();
+    let seen_from_b = |observed: &Observed| {
+        let starts = observed
+            .starts
+            .iter()
+            .map(|e| [e.collider1, e.collider2, e.body1, e.body2]);
+        let ends = observed
+            .ends
+            .iter()
+            .map(|e| [e.collider1, e.collider2, e.body1, e.body2]);
+        assert!(starts.chain(ends).all(|event| event == [b, a, b, a]));
+        (observed.starts.len(), observed.ends.len())
+    };
+    assert_eq!(seen_from_b(app.world().resource::<Observed>()), (1, 1));
+
+    app.world_mut().entity_mut(a).insert(MorphCollisionEventsEnabled);
+    move_to(&mut app, b, 3.0);
+    app.update();
+    let ends = &app.world().resource::<Observed>().ends;
+    let targets: Vec<_> = ends.iter().skip(1).map(|end| end.collider1).collect();
+    assert_eq!(targets, [a.min(b), a.max(b)], "both are told");
+}
+
+#[test]
+fn an_observer_of_one_entity_hears_of_that_entity_alone() {
+    let (mut app, [a, b]) = two_cubes(3.0);
+    app.init_resource::<Observed>();
+    app.world_mut()
+        .entity_mut(a)
+        .insert(MorphCollisionEventsEnabled)
+        .observe(|start: On<MorphCollisionStart>, mut observed: ResMut<Observed>| observed.starts.push(*start.event()));
+    app.world_mut().entity_mut(b).insert(MorphCollisionEventsEnabled);
+    move_to(&mut app, b, 0.8);
+    app.update();
+    let starts = &app.world().resource::<Observed>().starts;
+    assert_eq!(starts.iter().map(|e| e.collider1).collect::<Vec<_>>(), [a]);
+}
+
+#[test]
+fn despawning_a_touching_collider_ends_the_contact() {
+    let (mut app, [a, b]) = two_cubes(0.8);
+    observe(&mut app);
+    app.world_mut().entity_mut(a).insert(MorphCollisionEventsEnabled);
+    app.world_mut().entity_mut(b).insert(MorphCollisionEventsEnabled);
+    let mut messages = Messages::default();
+    assert_eq!(messages.read(&app).0.len(), 1);
+
+    app.world_mut().despawn(b);
+    app.update();
+    let (_, ends) = messages.read(&app);
+    assert_eq!(
+        ends.iter().map(|e| (e.collider1, e.collider2)).collect::<Vec<_>>(),
+        [(a.min(b), a.max(b))]
+    );
+    let observed = app.world().resource::<Observed>();
+    assert_eq!(observed.ends.iter().map(|e| e.collider1).collect::<Vec<_>>(), [a]);
+    assert!(app.world().resource::<MorphCollisions>().is_empty());
+}
+
+#[test]
+fn removing_the_component_ends_the_contact_and_adding_it_starts_another() {
+    let (mut app, [a, b]) = two_cubes(0.8);
+    let mut messages = Messages::default();
+    messages.read(&app);
+
+    app.world_mut().entity_mut(a).remove::<MorphCollider>();
+    app.update();
+    assert_eq!(messages.read(&app).1.len(), 1);
+    assert_eq!(diagnostics(&app).colliders, 1);
+
+    app.world_mut().entity_mut(a).insert(MorphCollider::default());
+    app.update();
+    assert_eq!(messages.read(&app).0.len(), 1);
+    assert!(touches(&app, a, b));
+}
+
+#[test]
+fn the_collider_that_asks_for_more_decides_what_a_contact_tells() {
+    use CollisionMode::{All, Any, First};
+    let (mut app, [a, b]) = two_cubes(0.8);
+    let mut triangles_in = |mode_a, mode_b| {
+        app.world_mut().entity_mut(a).insert(MorphCollider { mode: mode_a });
+        app.world_mut().entity_mut(b).insert(MorphCollider { mode: mode_b });
+        app.update();
+        let contact = app.world().resource::<MorphCollisions>().get(b, a);
+        contact.map(|contact| (contact.mode, contact.triangles.len()))
+    };
+    assert_eq!(triangles_in(Any, Any), Some((Any, 0)));
+    assert_eq!(triangles_in(First, Any), Some((First, 1)));
+    let all = triangles_in(Any, All);
+    assert!(
+        all.is_some_and(|(mode, triangles)| mode == All && triangles > 1),
+        "{all:?}"
+    );
+}
+
+#[test]
+fn contacts_come_in_the_order_of_the_entities() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, &cube());
+    let places = [0.9, 0.1, 1.6, 0.5, 1.2];
+    let cubes = places.map(|x| spawn(&mut app, &mesh, x));
+    settle(&mut app);
+    let pairs: Vec<_> = app
+        .world()
+        .resource::<MorphCollisions>()
+        .iter()
+        .map(|contact| (contact.collider1, contact.collider2))
+        .collect();
+    let mut expected = Vec::new();
+    for (j, &b) in cubes.iter().enumerate() {
+        for (i, &a) in cubes[..j].iter().enumerate() {
+            if f32::abs(places[i] - places[j]) < 0.99 {
+                expected.push((a.min(b), a.max(b)));
+            }
+        }
+    }
+    expected.sort();
+    assert_eq!(pairs, expected);
+}

@@ -1,0 +1,117 @@
+//! An app, meshes made in code, and what happened in it.
+
+use std::path::{Path, PathBuf};
+
+use bevy::asset::RenderAssetUsages;
+use bevy::ecs::message::MessageCursor;
+use bevy::mesh::{Indices, PrimitiveTopology, morph::MeshMorphWeights, morph::MorphAttributes};
+use bevy::prelude::*;
+use bevy_morph_collision::{MorphTrees, prelude::*};
+use morph_collision_testkit::{mesh::MorphMesh, models::rigid};
+use morph_collision_workspace::app::{headless, ready};
+
+/// The folder of the models that come with the repository.
+pub(crate) fn assets() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
+}
+
+/// An app with all plugins, ready for its first frame.
+pub(crate) fn app() -> App {
+    let mut app = headless(&assets());
+    ready(&mut app);
+    app
+}
+
+/// Bevy's form of a mesh.
+pub(crate) fn bevy_mesh(mesh: &MorphMesh) -> Mesh {
+    let indices = mesh.triangles.as_flattened().to_vec();
+    let mut bevy = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, mesh.positions.clone())
+        .with_inserted_indices(Indices::U32(indices));
+    if !mesh.targets.is_empty() {
+        let difference = |&d: &Vec3| MorphAttributes::new(d, Vec3::ZERO, Vec3::ZERO);
+        bevy.set_morph_targets(mesh.targets.iter().flatten().map(difference).collect());
+    }
+    bevy
+}
+
+/// A cube with sides of 1 around the origin.
+pub(crate) fn cube() -> MorphMesh {
+    rigid::box_mesh(Vec3::splat(0.5))
+}
+
+/// The cube, with one target that stretches it by 1 towards `+X`.
+pub(crate) fn stretching_cube() -> MorphMesh {
+    let mut mesh = cube();
+    let stretch = |p: &Vec3| if p.x > 0.0 { Vec3::X } else { Vec3::ZERO };
+    mesh.targets = vec![mesh.positions.iter().map(stretch).collect()];
+    mesh.target_names = vec!["stretch".into()];
+    mesh
+}
+
+pub(crate) fn add_mesh(app: &mut App, mesh: &MorphMesh) -> Handle<Mesh> {
+    app.world_mut().resource_mut::<Assets<Mesh>>().add(bevy_mesh(mesh))
+}
+
+/// A collider along the x axis.
+pub(crate) fn spawn(app: &mut App, mesh: &Handle<Mesh>, x: f32) -> Entity {
+    let place = Transform::from_xyz(x, 0.0, 0.0);
+    let world = app.world_mut();
+    world
+        .spawn((Mesh3d(mesh.clone()), place, MorphCollider::default()))
+        .id()
+}
+
+/// Two cubes, the second at `x`, after a first frame.
+pub(crate) fn two_cubes(x: f32) -> (App, [Entity; 2]) {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, &cube());
+    let cubes = [spawn(&mut app, &mesh, 0.0), spawn(&mut app, &mesh, x)];
+    settle(&mut app);
+    (app, cubes)
+}
+
+pub(crate) fn move_to(app: &mut App, entity: Entity, x: f32) {
+    app.world_mut()
+        .entity_mut(entity)
+        .insert(Transform::from_xyz(x, 0.0, 0.0));
+}
+
+pub(crate) fn set_weight(app: &mut App, entity: Entity, weight: f32) {
+    let weights = MeshMorphWeights::Value { weights: vec![weight] };
+    app.world_mut().entity_mut(entity).insert(weights);
+}
+
+/// Runs frames until no tree is being built and all that are have been handed out.
+pub(crate) fn settle(app: &mut App) {
+    app.update();
+    while app.world().resource::<MorphTrees>().building() > 0 {
+        app.update();
+    }
+    app.update();
+}
+
+pub(crate) fn touches(app: &App, a: Entity, b: Entity) -> bool {
+    app.world().resource::<MorphCollisions>().contains(a, b)
+}
+
+pub(crate) fn diagnostics(app: &App) -> MorphCollisionDiagnostics {
+    *app.world().resource::<MorphCollisionDiagnostics>()
+}
+
+/// The messages since it was last asked, or since the beginning.
+#[derive(Default)]
+pub(crate) struct Messages {
+    starts: MessageCursor<MorphCollisionStart>,
+    ends: MessageCursor<MorphCollisionEnd>,
+}
+
+impl Messages {
+    pub(crate) fn read(&mut self, app: &App) -> (Vec<MorphCollisionStart>, Vec<MorphCollisionEnd>) {
+        let (starts, ends) = (app.world().resource(), app.world().resource());
+        (
+            self.starts.read(starts).copied().collect(),
+            self.ends.read(ends).copied().collect(),
+        )
+    }
+}

@@ -1,0 +1,132 @@
+//! One tree per mesh asset, as long as the mesh is what it was.
+
+use std::sync::Arc;
+
+use bevy::prelude::*;
+use bevy_morph_collision::{MorphTrees, prelude::*};
+
+use crate::log::Errors;
+use crate::support::{
+    add_mesh, bevy_mesh, cube, diagnostics, move_to, settle, spawn, stretching_cube, touches, two_cubes,
+};
+use morph_collision_testkit::models::rigid;
+
+fn mesh_of(app: &App, entity: Entity) -> AssetId<Mesh> {
+    app.world().get::<Mesh3d>(entity).expect("it has a mesh").id()
+}
+
+fn replace(app: &mut App, id: AssetId<Mesh>, mesh: Mesh) {
+    let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+    meshes.insert(id, mesh).expect("the mesh was there");
+}
+
+#[test]
+fn instances_of_a_mesh_share_one_tree() {
+    let (mut app, [a, b]) = two_cubes(0.8);
+    assert_eq!(app.world().resource::<MorphTrees>().iter().count(), 1);
+    let tree = app.world().resource::<MorphTrees>().get(mesh_of(&app, a)).cloned();
+    let tree = tree.expect("the tree is ready");
+    // One here, one in the resource, one in each instance.
+    assert_eq!(Arc::strong_count(&tree), 4);
+    app.world_mut().despawn(b);
+    assert_eq!(Arc::strong_count(&tree), 3);
+}
+
+#[test]
+fn a_modified_mesh_gets_a_new_tree() {
+    let (mut app, [a, b]) = two_cubes(1.5);
+    assert!(!touches(&app, a, b));
+    let mesh = mesh_of(&app, a);
+    replace(&mut app, mesh, bevy_mesh(&rigid::box_mesh(Vec3::splat(0.9))));
+    settle(&mut app);
+    assert!(touches(&app, a, b));
+    assert_eq!(app.world().resource::<MorphTrees>().iter().count(), 1);
+}
+
+#[test]
+fn a_mesh_may_come_back_with_other_targets() {
+    let (mut app, [a, b]) = two_cubes(1.2);
+    let mesh = mesh_of(&app, a);
+    replace(&mut app, mesh, bevy_mesh(&stretching_cube()));
+    settle(&mut app);
+    assert!(!touches(&app, a, b));
+    crate::support::set_weight(&mut app, a, 1.0);
+    app.update();
+    assert!(touches(&app, a, b));
+}
+
+#[test]
+fn a_mesh_that_breaks_keeps_its_last_good_tree() {
+    Errors::collect(|errors| {
+        let (mut app, [a, b]) = two_cubes(0.8);
+        let mesh = mesh_of(&app, a);
+        let mut broken = bevy_mesh(&cube());
+        broken.insert_attribute(Mesh::ATTRIBUTE_POSITION, vec![Vec3::NAN; 8]);
+        replace(&mut app, mesh, broken);
+        settle(&mut app);
+        assert!(touches(&app, a, b));
+        assert!(app.world().resource::<MorphTrees>().error(mesh).is_some());
+        let logged = errors.take();
+        assert_eq!(logged.len(), 1);
+        assert!(logged[0].contains("last good"), "{logged:?}");
+
+        replace(&mut app, mesh, bevy_mesh(&cube()));
+        settle(&mut app);
+        assert!(app.world().resource::<MorphTrees>().error(mesh).is_none());
+    });
+}
+
+#[test]
+fn a_removed_mesh_takes_its_tree_and_colliders_along() {
+    let (mut app, [a, b]) = two_cubes(0.8);
+    let mesh = mesh_of(&app, a);
+    app.world_mut().resource_mut::<Assets<Mesh>>().remove(mesh);
+    app.update();
+    app.update();
+    assert!(!touches(&app, a, b));
+    assert_eq!(diagnostics(&app).colliders, 0);
+    assert_eq!(app.world().resource::<MorphTrees>().iter().count(), 0);
+}
+
+#[test]
+fn a_mesh_nobody_shows_any_more_is_forgotten() {
+    let (mut app, cubes) = two_cubes(0.8);
+    for cube in cubes {
+        app.world_mut().despawn(cube);
+    }
+    for _ in 0..3 {
+        app.update();
+    }
+    assert_eq!(app.world().resource::<MorphTrees>().iter().count(), 0);
+}
+
+#[test]
+fn another_mesh_on_the_same_entity_is_taken_up() {
+    let (mut app, [a, b]) = two_cubes(1.2);
+    assert!(!touches(&app, a, b));
+    let large = add_mesh(&mut app, &rigid::box_mesh(Vec3::splat(1.0)));
+    app.world_mut().entity_mut(a).insert(Mesh3d(large));
+    settle(&mut app);
+    assert!(touches(&app, a, b));
+    app.world_mut().entity_mut(a).remove::<Mesh3d>();
+    app.update();
+    assert!(!touches(&app, a, b));
+}
+
+#[test]
+fn a_collider_waits_for_its_mesh() {
+    let (mut app, [a, _]) = two_cubes(5.0);
+    let handle = app.world().resource::<Assets<Mesh>>().reserve_handle();
+    let waiting = spawn(&mut app, &handle, 0.5);
+    settle(&mut app);
+    assert_eq!(diagnostics(&app).colliders, 2);
+    let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+    meshes
+        .insert(&handle, bevy_mesh(&cube()))
+        .expect("the handle is reserved");
+    settle(&mut app);
+    assert!(touches(&app, a, waiting));
+    move_to(&mut app, waiting, 2.5);
+    app.update();
+    assert_eq!(app.world().resource::<MorphCollisions>().len(), 0);
+}

@@ -39,7 +39,7 @@ pub fn headless(assets: &Path) -> App {
         MeshPlugin,
         GltfPlugin::default(),
         AnimationPlugin,
-        MorphCollisionPlugin::default(),
+        MorphCollisionPlugin,
     ))
     .insert_resource(TimeUpdateStrategy::ManualDuration(STEP));
     app

@@ -6,3 +6,8 @@ pub mod error;
 pub mod instances;
 pub mod report;
 pub mod touching;
+
+/// The README's snippets, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

@@ -12,7 +12,7 @@
 //!     App::new()
 //!         // With a window and a renderer this is `DefaultPlugins`.
 //!         .add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), bevy::mesh::MeshPlugin))
-//!         .add_plugins(MorphCollisionPlugin::default())
+//!         .add_plugins(MorphCollisionPlugin)
 //!         .add_systems(Startup, |mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>| {
 //!             let mesh = meshes.add(Sphere::new(1.0).mesh().ico(3).unwrap());
 //!             commands.spawn((Mesh3d(mesh.clone()), MorphCollider::default()));
@@ -72,16 +72,27 @@ pub mod prelude {
     pub use crate::{
         CollisionMode, MorphBody, MorphCollider, MorphColliderScene, MorphCollisionDiagnostics, MorphCollisionEnd,
         MorphCollisionEventsEnabled, MorphCollisionPlugin, MorphCollisionStart, MorphCollisionSystems, MorphCollisions,
-        MorphContact, TrianglePair,
+        MorphContact, MorphTreeOptions, TrianglePair,
     };
 }
 
 /// Detects collisions between [`MorphCollider`]s every frame.
-#[derive(Clone, Debug, Default)]
-pub struct MorphCollisionPlugin {
-    /// How trees are built, for all meshes.
-    pub build_options: BuildOptions,
-}
+///
+/// Insert [`MorphTreeOptions`] before the plugin to build trees in another way than the default one.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MorphCollisionPlugin;
+
+/// How trees are built, for all meshes. No answer depends on it.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_morph_collision::{BuildOptions, MorphCollisionPlugin, MorphTreeOptions};
+/// # let mut app = App::new();
+/// app.insert_resource(MorphTreeOptions(BuildOptions::default().with_leaf_size(8)));
+/// app.add_plugins(MorphCollisionPlugin);
+/// ```
+#[derive(Resource, Clone, Debug, Default)]
+pub struct MorphTreeOptions(pub BuildOptions);
 
 /// The stages of the plugin, in [`PostUpdate`], in this order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -100,7 +111,8 @@ pub enum MorphCollisionSystems {
 
 impl Plugin for MorphCollisionPlugin {
     fn build(&self, app: &mut App) {
-        app.insert_resource(MorphTrees::new(self.build_options.clone()))
+        let options = app.world_mut().get_resource_or_init::<MorphTreeOptions>().clone();
+        app.insert_resource(MorphTrees::new(options.0))
             .init_resource::<bounds::Candidates>()
             .init_resource::<MorphCollisions>()
             .init_resource::<MorphCollisionDiagnostics>()
@@ -153,3 +165,8 @@ impl Plugin for MorphCollisionPlugin {
         );
     }
 }
+
+/// The README's snippet, compiled.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

@@ -66,3 +66,8 @@ pub use pose::{ContainmentReport, ContainmentViolation, Pose, WeightsError};
 pub use query::{Body, PairQuery, PairStats, TrianglePair};
 pub use traverse::overlapping_pairs;
 pub use tree::{BuildError, BuildOptions, MorphBvh, PartitionShape, Split, VolumeKind};
+
+/// The README's snippet, run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

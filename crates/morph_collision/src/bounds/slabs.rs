@@ -103,6 +103,7 @@ impl<const H: usize> Volume for Slabs<H> {
     type Extent = Extent<H>;
 
     const LOOKS_AT_POINTS: bool = false;
+    const ROWS: usize = 2 * H;
 
     fn rows(&self) -> &[Lanes] {
         self.ends.as_flattened()
@@ -139,6 +140,12 @@ impl<const H: usize> Volume for Slabs<H> {
             min[i].add_scaled(weight, &low[i]);
             max[i].add_scaled(weight, &high[i]);
         }
+    }
+
+    fn quantize(&self, scale: f32, numbers: &mut Vec<i16>) {
+        let [min, max] = &self.ends;
+        numbers.extend(min.iter().flat_map(|row| row.0.map(|x| (x / scale).floor() as i16)));
+        numbers.extend(max.iter().flat_map(|row| row.0.map(|x| (x / scale).ceil() as i16)));
     }
 
     #[inline]
@@ -262,6 +269,19 @@ impl<const H: usize> Volume for Slabs<H> {
 
     fn size(one: &Slab<H>) -> f32 {
         (0..3).map(|i| one.max[i] - one.min[i]).sum()
+    }
+
+    fn hull(&self, lanes: u8) -> Slab<H> {
+        let [min, max] = &self.ends;
+        let of = |row: &Lanes, start: f32, best: fn(f32, f32) -> f32| {
+            (0..LANES)
+                .filter(|lane| lanes >> lane & 1 == 1)
+                .fold(start, |hull, lane| best(hull, row.0[lane]))
+        };
+        Slab {
+            min: std::array::from_fn(|i| of(&min[i], f32::INFINITY, f32::min)),
+            max: std::array::from_fn(|i| of(&max[i], f32::NEG_INFINITY, f32::max)),
+        }
     }
 
     fn contains(one: &Slab<H>, point: DVec3) -> bool {

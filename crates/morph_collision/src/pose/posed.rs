@@ -1,6 +1,7 @@
 use glam::Vec3;
 
-use super::blend::blend_group;
+use super::anchor::Anchor;
+use super::blend::{blend_group, move_anchored};
 use super::cache::Stamped;
 use crate::bounds::{Aabb, Slabs, Spheres, Volume};
 use crate::model::MorphModel;
@@ -29,6 +30,7 @@ pub(crate) struct Posed<'a, V> {
     pub(super) tables: &'a Tables<V>,
     pub(super) weights: &'a [f32],
     pub(super) spread: &'a [f32],
+    pub(super) anchor: Option<&'a Anchor<V>>,
     pub(super) volumes: &'a mut Stamped<V>,
     pub(super) vertices: &'a mut Stamped<Vec3>,
     pub(super) blended: &'a mut Blended,
@@ -88,7 +90,16 @@ impl<V: Volume> Posed<'_, V> {
         let children = self.topology.group(group);
         self.blended.volumes += children.children().len() as u64;
         let tables = self.tables.group(group);
-        let (mut volume, widening) = blend_group(tables, self.spread, &mut self.scratch.amounts);
+        let (mut volume, widening) = match self.anchor {
+            Some(anchor) => move_anchored(
+                tables,
+                &anchor.volumes[group],
+                &anchor.weights,
+                &anchor.differences,
+                self.weights,
+            ),
+            None => blend_group(tables, self.spread, &mut self.scratch.amounts),
+        };
         if tables.lanes != children.mask() {
             self.fit_leaves(group, tables.lanes, &mut volume, widening);
         }

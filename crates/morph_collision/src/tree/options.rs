@@ -5,6 +5,8 @@ use thiserror::Error;
 
 /// The kind of bounding volume a tree is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum VolumeKind {
     /// Axis-aligned boxes, in model space.
@@ -43,6 +45,8 @@ impl fmt::Display for VolumeKind {
 
 /// How a node's triangles are shared out among its children.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Split {
     /// The paper's: at the middle of the node's extents along its longest axes, all three for eight children.
@@ -109,6 +113,7 @@ impl FromStr for Split {
 
 /// The shape on which triangles are put together.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum PartitionShape {
     /// All weights zero.
@@ -124,6 +129,7 @@ pub enum PartitionShape {
 
 /// How to build a [`MorphBvh`](crate::MorphBvh).
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct BuildOptions {
     /// The kind of bounding volume.
@@ -146,6 +152,8 @@ pub struct BuildOptions {
     /// Whether leaves have tables. Without, their volumes are fitted to their blended vertices, tightly: less memory, more
     /// time where many leaves are looked at but few of their triangles.
     pub leaf_tables: bool,
+    /// Whether tables are kept in 16 bits per number, rounded outward: half the bytes, a little more time.
+    pub compact: bool,
 }
 
 impl BuildOptions {
@@ -222,6 +230,13 @@ impl BuildOptions {
         self
     }
 
+    /// Sets [`BuildOptions::compact`].
+    #[must_use]
+    pub fn with_compact(mut self, compact: bool) -> Self {
+        self.compact = compact;
+        self
+    }
+
     pub(super) fn check(&self, targets: usize) -> Result<(), BuildError> {
         if ![2, 4, 8].contains(&self.arity) {
             return Err(BuildError::Arity(self.arity));
@@ -265,6 +280,7 @@ impl Default for BuildOptions {
             reflected: false,
             in_betweens: false,
             leaf_tables: true,
+            compact: false,
         }
     }
 }

@@ -2,6 +2,8 @@
 
 mod body;
 mod pairs;
+mod self_pairs;
 
 pub use body::Body;
 pub use pairs::{PairQuery, PairStats, TrianglePair};
+pub use self_pairs::SelfQuery;

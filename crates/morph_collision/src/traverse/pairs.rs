@@ -88,6 +88,6 @@ fn descend<V: Volume, W: Walkable<Kind = V>>(
 }
 
 /// The set bits, last first, so that the first lane comes off the stack first.
-fn lanes_of(mask: u8) -> impl Iterator<Item = usize> {
+pub(super) fn lanes_of(mask: u8) -> impl Iterator<Item = usize> {
     (0..8).rev().filter(move |lane| mask >> lane & 1 == 1)
 }

@@ -3,3 +3,4 @@
 mod laziness;
 mod pairs;
 mod scenes;
+mod self_pairs;

@@ -63,7 +63,7 @@ pub use bounds::{Aabb, TransformError, WorldFromModel};
 pub use exact::{Triangle, triangles_intersect};
 pub use model::{ModelError, MorphModel, Subject};
 pub use pose::{ContainmentReport, ContainmentViolation, Pose, TreeQuality, WeightsError};
-pub use query::{Body, PairQuery, PairStats, SelfQuery, TrianglePair};
+pub use query::{Body, PairMemory, PairQuery, PairStats, Remember, SelfQuery, TrianglePair};
 pub use traverse::overlapping_pairs;
 pub use tree::{
     BrokenTree, BuildError, BuildOptions, BvhStats, LayoutError, MorphBvh, PartitionShape, Split, TreeLayout,

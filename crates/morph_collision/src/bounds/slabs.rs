@@ -267,6 +267,15 @@ impl<const H: usize> Volume for Slabs<H> {
         (0..H).all(|i| a.min[i] <= b.max[i] && b.min[i] <= a.max[i])
     }
 
+    fn gap(a: &Slab<H>, b: &Slab<H>) -> f64 {
+        let apart = |i: usize| {
+            let gap = (f64::from(a.min[i]) - f64::from(b.max[i])).max(f64::from(b.min[i]) - f64::from(a.max[i]));
+            // A direction with n coordinates of 1 is as long as the root of n.
+            gap / f64::from(length(H, i)).sqrt()
+        };
+        (0..H).map(apart).fold(f64::NEG_INFINITY, f64::max) * (1.0 - 8.0 * f64::EPSILON)
+    }
+
     fn size(one: &Slab<H>) -> f32 {
         (0..3).map(|i| one.max[i] - one.min[i]).sum()
     }

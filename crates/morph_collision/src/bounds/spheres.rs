@@ -183,6 +183,11 @@ impl Volume for Spheres {
         distance_squared * (1.0 - 8.0 * f32::EPSILON) - f32::MIN_POSITIVE <= reach * reach || reach > 1e18
     }
 
+    fn gap(a: &Sphere, b: &Sphere) -> f64 {
+        let distance = a.center.as_dvec3().distance(b.center.as_dvec3());
+        distance * (1.0 - 8.0 * f64::EPSILON) - (f64::from(a.radius) + f64::from(b.radius)) * (1.0 + 8.0 * f64::EPSILON)
+    }
+
     fn size(one: &Sphere) -> f32 {
         2.0 * one.radius
     }

@@ -59,6 +59,9 @@ pub(crate) trait Volume: Copy + Default + Debug + Send + Sync + 'static {
     fn overlap_mask(&self, other: &Self::One) -> u8;
     fn overlap(a: &Self::One, b: &Self::One) -> bool;
 
+    /// A lower bound of the distance between two volumes, 0 or less where they may overlap.
+    fn gap(a: &Self::One, b: &Self::One) -> f64;
+
     /// A length to tell which of two volumes is larger.
     fn size(one: &Self::One) -> f32;
     /// Whether a point lies in the volume or on its boundary, in `f64`.

@@ -14,7 +14,7 @@ mod weights;
 
 pub use containment::{ContainmentReport, ContainmentViolation};
 pub use instance::Pose;
-pub(crate) use posed::{AnyPosed, Blended, NodeRef, Posed, with_posed};
+pub(crate) use posed::{AnyPosed, Blended, NodeRef, Place, Posed, with_posed};
 pub use quality::TreeQuality;
 pub use weights::WeightsError;
 

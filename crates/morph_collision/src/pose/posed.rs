@@ -14,12 +14,19 @@ pub(crate) struct Blended {
     pub(crate) vertices: u64,
 }
 
-/// A node as a traversal holds it: which child, and where its volume is in the pose's cache.
+/// A node by the group that it is a child of; good for every pose of the tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Place {
+    pub(crate) group: u32,
+    pub(crate) lane: u8,
+}
+
+/// A node as a traversal holds it: its place, which child it is, and where its volume is in the pose's cache.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NodeRef {
     pub(crate) child: Child,
     pub(crate) slot: u32,
-    pub(crate) lane: u8,
+    pub(crate) place: Place,
 }
 
 /// A pose borrowed for a query, its kind of volume known: what traversals walk over.
@@ -136,7 +143,7 @@ impl<V: Volume> Posed<'_, V> {
 
     #[inline]
     pub(crate) fn volume(&self, node: NodeRef) -> V::One {
-        self.volumes.get(node.slot as usize).get(usize::from(node.lane))
+        self.volumes.get(node.slot as usize).get(usize::from(node.place.lane))
     }
 
     pub(crate) fn bounds(&mut self) -> Aabb {
@@ -149,7 +156,10 @@ impl<V: Volume> Posed<'_, V> {
         NodeRef {
             child: self.topology.group(group).children()[lane],
             slot: slot as u32,
-            lane: lane as u8,
+            place: Place {
+                group: group as u32,
+                lane: lane as u8,
+            },
         }
     }
 

@@ -6,6 +6,6 @@ mod sweep;
 mod within;
 
 pub(crate) use cull::{AsBoxes, Cull, Walkable};
-pub(crate) use pairs::{PairWalk, Stack};
+pub(crate) use pairs::{PairWalk, Stack, Trace};
 pub use sweep::overlapping_pairs;
 pub(crate) use within::walk_within;

@@ -237,6 +237,35 @@ impl BuildOptions {
         self
     }
 
+    /// Chooses [`BuildOptions::scales`] and [`BuildOptions::reflected`] for the weights a model will have: samples of its own
+    /// animations, say, one weight vector each.
+    ///
+    /// Weights that sum to at most 1 are bounded best by the references themselves, larger sums by references scaled up
+    /// to about half the sum (measured on captured faces, see `docs/performance.md`). Without samples nothing changes.
+    #[must_use]
+    pub fn fitted_to<W: AsRef<[f32]>>(mut self, samples: impl IntoIterator<Item = W>) -> Self {
+        let mut sums = Vec::new();
+        let mut negative = false;
+        for sample in samples {
+            let weights = sample.as_ref();
+            sums.push(weights.iter().copied().filter(|w| *w > 0.0).sum::<f32>());
+            // Exporters leave weights like -1e-7 behind, which are not worth a table.
+            negative |= weights.iter().any(|w| *w < -0.05);
+        }
+        sums.retain(|sum| sum.is_finite());
+        sums.sort_by(f32::total_cmp);
+        if let Some(&median) = sums.get(sums.len() / 2) {
+            let scale = if median <= 1.01 {
+                1.0
+            } else {
+                (0.5 * median).max(1.0).log2().round().exp2()
+            };
+            self.scales = vec![scale.min(1024.0)];
+            self.reflected = negative;
+        }
+        self
+    }
+
     pub(super) fn check(&self, targets: usize) -> Result<(), BuildError> {
         if ![2, 4, 8].contains(&self.arity) {
             return Err(BuildError::Arity(self.arity));

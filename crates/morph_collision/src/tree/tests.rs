@@ -131,3 +131,15 @@ fn corrupt_layouts_are_errors_or_valid_trees() {
         LayoutError::Version { found: 2 }
     );
 }
+
+#[test]
+fn scales_are_fitted_to_the_weights_a_model_will_have() {
+    let fitted = |samples: &[[f32; 3]]| BuildOptions::default().fitted_to(samples);
+    assert_eq!(fitted(&[[0.5, 0.5, -1e-7], [1.0, 6e-8, 0.0]]), BuildOptions::default());
+    let face = fitted(&[[3.0, 3.0, 2.0]; 5]);
+    assert_eq!((face.scales, face.reflected), (vec![4.0], false));
+    let signed = fitted(&[[0.3, -0.4, 0.2]]);
+    assert_eq!((signed.scales, signed.reflected), (vec![1.0], true));
+    assert_eq!(fitted(&[]), BuildOptions::default());
+    assert_eq!(fitted(&[[f32::INFINITY; 3]]), BuildOptions::default());
+}

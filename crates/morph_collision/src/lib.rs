@@ -62,10 +62,13 @@ mod tree;
 pub use bounds::{Aabb, TransformError, WorldFromModel};
 pub use exact::{Triangle, triangles_intersect};
 pub use model::{ModelError, MorphModel, Subject};
-pub use pose::{ContainmentReport, ContainmentViolation, Pose, WeightsError};
-pub use query::{Body, PairQuery, PairStats, TrianglePair};
+pub use pose::{ContainmentReport, ContainmentViolation, Pose, TreeQuality, WeightsError};
+pub use query::{Body, PairMemory, PairQuery, PairStats, Remember, SelfQuery, TrianglePair};
 pub use traverse::overlapping_pairs;
-pub use tree::{BuildError, BuildOptions, MorphBvh, PartitionShape, Split, VolumeKind};
+pub use tree::{
+    BrokenTree, BuildError, BuildOptions, BvhStats, LayoutError, MorphBvh, PartitionShape, Split, TreeLayout,
+    VolumeKind,
+};
 
 /// The README's snippet, run.
 #[cfg(doctest)]

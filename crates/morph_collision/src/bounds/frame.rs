@@ -21,12 +21,12 @@ const UNDERFLOW: f64 = 1e-42;
 /// An affine map from one body's space, for points within a magnitude.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frame {
-    pub(super) linear: DMat3,
-    pub(super) translation: DVec3,
+    pub(crate) linear: DMat3,
+    pub(crate) translation: DVec3,
     /// The largest absolute coordinates of what will be mapped.
-    pub(super) magnitude: DVec3,
+    pub(crate) magnitude: DVec3,
     /// How far the map may be off, and how far the points, per axis of the target.
-    pub(super) error: DVec3,
+    pub(crate) error: DVec3,
 }
 
 impl Frame {
@@ -45,6 +45,8 @@ impl Frame {
 pub(crate) struct Frames {
     pub(crate) a: Option<Frame>,
     pub(crate) b: Option<Frame>,
+    /// What a length in this frame is at least in A's space (in the world, where the frame is world space).
+    pub(crate) stretch: f64,
 }
 
 /// The frames that decide whether volumes of two placed bodies may meet: SAT-lite, both bodies' own axes.
@@ -57,12 +59,22 @@ pub(crate) fn frames_of(
     b: &Aabb,
 ) -> impl Iterator<Item = Frames> {
     let error = placement_error(world_from_a, a) + placement_error(world_from_b, b);
-    let in_a = relative(world_from_a, world_from_b, b, error).map(|b| Frames { a: None, b: Some(b) });
-    let in_b = relative(world_from_b, world_from_a, a, error).map(|a| Frames { a: Some(a), b: None });
+    let in_a = relative(world_from_a, world_from_b, b, error).map(|b| Frames {
+        a: None,
+        b: Some(b),
+        stretch: 1.0,
+    });
+    let in_b = relative(world_from_b, world_from_a, a, error).map(|a| Frames {
+        a: Some(a),
+        b: None,
+        // The Frobenius norm of the map to this frame is at least its largest stretch; the margin covers its error.
+        stretch: 0.9 / frobenius(a.linear),
+    });
     let origin = world_from_a.translation();
     let in_world = Frames {
         a: Some(to_world(world_from_a, origin, a, error)),
         b: Some(to_world(world_from_b, origin, b, error)),
+        stretch: 1.0,
     };
     let in_world = (in_a.is_none() && in_b.is_none()).then_some(in_world);
     in_a.into_iter().chain(in_b).chain(in_world)
@@ -127,6 +139,24 @@ fn relative(
             + error_of(reach)
             + 16.0 * U64 * (abs(inverse) * reach),
     })
+}
+
+/// `a_from_b` for points within the bodies' bounds, its error covering their placement too; `None` where A cannot be
+/// inverted.
+pub(crate) fn a_from_b(
+    world_from_a: &WorldFromModel,
+    a: &Aabb,
+    world_from_b: &WorldFromModel,
+    b: &Aabb,
+) -> Option<Frame> {
+    let error = placement_error(world_from_a, a) + placement_error(world_from_b, b);
+    relative(world_from_a, world_from_b, b, error)
+}
+
+/// At least as large as the largest stretch.
+pub(crate) fn frobenius(m: DMat3) -> f64 {
+    let squares = |c: DVec3| c.length_squared();
+    (squares(m.x_axis) + squares(m.y_axis) + squares(m.z_axis)).sqrt()
 }
 
 /// The inverse with the matrix scaled to around 1 first, so that tiny and huge bodies invert as well as any other.

@@ -13,7 +13,7 @@ mod transform;
 mod volume;
 
 pub use aabb::Aabb;
-pub(crate) use frame::{Frame, Frames, frames_of, world_bounds};
+pub(crate) use frame::{Frame, Frames, a_from_b, frames_of, frobenius, world_bounds};
 pub(crate) use lanes::{LANES, Lanes};
 pub(crate) use rounding::up;
 pub(crate) use slabs::{BoxLanes, Slab, Slabs};

@@ -103,6 +103,7 @@ impl<const H: usize> Volume for Slabs<H> {
     type Extent = Extent<H>;
 
     const LOOKS_AT_POINTS: bool = false;
+    const ROWS: usize = 2 * H;
 
     fn rows(&self) -> &[Lanes] {
         self.ends.as_flattened()
@@ -139,6 +140,12 @@ impl<const H: usize> Volume for Slabs<H> {
             min[i].add_scaled(weight, &low[i]);
             max[i].add_scaled(weight, &high[i]);
         }
+    }
+
+    fn quantize(&self, scale: f32, numbers: &mut Vec<i16>) {
+        let [min, max] = &self.ends;
+        numbers.extend(min.iter().flat_map(|row| row.0.map(|x| (x / scale).floor() as i16)));
+        numbers.extend(max.iter().flat_map(|row| row.0.map(|x| (x / scale).ceil() as i16)));
     }
 
     #[inline]
@@ -260,8 +267,30 @@ impl<const H: usize> Volume for Slabs<H> {
         (0..H).all(|i| a.min[i] <= b.max[i] && b.min[i] <= a.max[i])
     }
 
+    fn gap(a: &Slab<H>, b: &Slab<H>) -> f64 {
+        let apart = |i: usize| {
+            let gap = (f64::from(a.min[i]) - f64::from(b.max[i])).max(f64::from(b.min[i]) - f64::from(a.max[i]));
+            // A direction with n coordinates of 1 is as long as the root of n.
+            gap / f64::from(length(H, i)).sqrt()
+        };
+        (0..H).map(apart).fold(f64::NEG_INFINITY, f64::max) * (1.0 - 8.0 * f64::EPSILON)
+    }
+
     fn size(one: &Slab<H>) -> f32 {
         (0..3).map(|i| one.max[i] - one.min[i]).sum()
+    }
+
+    fn hull(&self, lanes: u8) -> Slab<H> {
+        let [min, max] = &self.ends;
+        let of = |row: &Lanes, start: f32, best: fn(f32, f32) -> f32| {
+            (0..LANES)
+                .filter(|lane| lanes >> lane & 1 == 1)
+                .fold(start, |hull, lane| best(hull, row.0[lane]))
+        };
+        Slab {
+            min: std::array::from_fn(|i| of(&min[i], f32::INFINITY, f32::min)),
+            max: std::array::from_fn(|i| of(&max[i], f32::NEG_INFINITY, f32::max)),
+        }
     }
 
     fn contains(one: &Slab<H>, point: DVec3) -> bool {

@@ -57,6 +57,7 @@ impl Volume for Spheres {
     type Extent = Extent<3>;
 
     const LOOKS_AT_POINTS: bool = true;
+    const ROWS: usize = 4;
 
     fn rows(&self) -> &[Lanes] {
         &self.rows
@@ -89,6 +90,20 @@ impl Volume for Spheres {
         y.add_scaled(weight, &slopes.rows[1]);
         z.add_scaled(weight, &slopes.rows[2]);
         radius.add_scaled(weight.abs(), &slopes.rows[3]);
+    }
+
+    /// Centres go to the nearest multiple, which the radius makes up for.
+    fn quantize(&self, scale: f32, numbers: &mut Vec<i16>) {
+        let [x, y, z, radius] = &self.rows;
+        numbers.extend(
+            [x, y, z]
+                .iter()
+                .flat_map(|row| row.0.map(|c| (c / scale).round() as i16)),
+        );
+        // Half a multiple per coordinate is less than one multiple of distance. Lanes that stay put stay so.
+        let still = |lane: usize| self.rows.iter().all(|row| row.0[lane] == 0.0);
+        let rounded = |lane: usize| (radius.0[lane] / scale).ceil() as i16 + 1;
+        numbers.extend((0..LANES).map(|lane| if still(lane) { 0 } else { rounded(lane) }));
     }
 
     /// Centre and radius may be off by the root of 3 times a coordinate's error each.
@@ -168,8 +183,28 @@ impl Volume for Spheres {
         distance_squared * (1.0 - 8.0 * f32::EPSILON) - f32::MIN_POSITIVE <= reach * reach || reach > 1e18
     }
 
+    fn gap(a: &Sphere, b: &Sphere) -> f64 {
+        let distance = a.center.as_dvec3().distance(b.center.as_dvec3());
+        distance * (1.0 - 8.0 * f64::EPSILON) - (f64::from(a.radius) + f64::from(b.radius)) * (1.0 + 8.0 * f64::EPSILON)
+    }
+
     fn size(one: &Sphere) -> f32 {
         2.0 * one.radius
+    }
+
+    fn hull(&self, lanes: u8) -> Sphere {
+        let spheres = || {
+            (0..LANES)
+                .filter(|lane| lanes >> lane & 1 == 1)
+                .map(|lane| self.get(lane))
+        };
+        let boxes = spheres().map(|sphere| Self::bounds(&sphere));
+        let center = boxes.fold(Aabb::EMPTY, |hull, bounds| hull.union(&bounds)).center();
+        let reach = |s: Sphere| s.center.as_dvec3().distance(center.as_dvec3()) + f64::from(s.radius);
+        Sphere {
+            center,
+            radius: up(spheres().map(reach).fold(0.0, f64::max) * (1.0 + 8.0 * f64::EPSILON)),
+        }
     }
 
     fn contains(one: &Sphere, point: DVec3) -> bool {

@@ -21,6 +21,8 @@ pub(crate) trait Volume: Copy + Default + Debug + Send + Sync + 'static {
 
     /// Whether [`Volume::base`] and [`Volume::slope`] look at the points, and not only at their extent.
     const LOOKS_AT_POINTS: bool;
+    /// Numbers per volume.
+    const ROWS: usize;
 
     fn rows(&self) -> &[Lanes];
     fn rows_mut(&mut self) -> &mut [Lanes];
@@ -38,6 +40,9 @@ pub(crate) trait Volume: Copy + Default + Debug + Send + Sync + 'static {
     /// Adds the interval of a displacement, scaled by a weight of any sign.
     fn add_interval(&mut self, weight: f32, slopes: &Self);
 
+    /// Appends the rows of slopes as multiples of `scale`, rounded outward; no number is above 32766 times `scale`.
+    fn quantize(&self, scale: f32, numbers: &mut Vec<i16>);
+
     /// Grows all eight so that they hold every point off by up to `by` per coordinate, and rows off by up to `by` times
     /// the length of their direction.
     fn widen(&mut self, by: f32);
@@ -54,10 +59,15 @@ pub(crate) trait Volume: Copy + Default + Debug + Send + Sync + 'static {
     fn overlap_mask(&self, other: &Self::One) -> u8;
     fn overlap(a: &Self::One, b: &Self::One) -> bool;
 
+    /// A lower bound of the distance between two volumes, 0 or less where they may overlap.
+    fn gap(a: &Self::One, b: &Self::One) -> f64;
+
     /// A length to tell which of two volumes is larger.
     fn size(one: &Self::One) -> f32;
     /// Whether a point lies in the volume or on its boundary, in `f64`.
     fn contains(one: &Self::One, point: DVec3) -> bool;
+    /// The smallest volume of this kind around the lanes in a mask, rounded outward.
+    fn hull(&self, lanes: u8) -> Self::One;
     /// A box around the volume.
     fn bounds(one: &Self::One) -> Aabb;
 

@@ -162,6 +162,25 @@ impl MorphModel {
             .count()
     }
 
+    /// A number that differs between meshes: of all positions, displacements and triangles (FNV-1a).
+    ///
+    /// The same on every machine. Cost: one pass over the mesh.
+    #[must_use]
+    pub fn fingerprint(&self) -> u64 {
+        let words = |v: &Vec3| v.to_array().map(f32::to_bits);
+        let positions = self.base.iter().flat_map(words);
+        let displacements = self.displacements.iter().flat_map(|d| {
+            let [x, y, z] = words(&d.delta);
+            [d.target, x, y, z]
+        });
+        let numbers = self.starts.iter().chain(self.triangles.iter().flatten()).copied();
+        let targets = std::iter::once(self.target_reach.len() as u32);
+        let all = positions.chain(displacements).chain(numbers).chain(targets);
+        all.fold(0xcbf2_9ce4_8422_2325, |hash, word| {
+            (hash ^ u64::from(word)).wrapping_mul(0x0100_0000_01b3)
+        })
+    }
+
     /// Bytes held on the heap.
     #[must_use]
     pub fn bytes(&self) -> usize {

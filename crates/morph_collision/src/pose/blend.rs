@@ -28,17 +28,49 @@ pub(super) fn blend_group<V: Volume>(tables: GroupTables<'_, V>, weights: &[f32]
     if tables.lanes != 0 && active > 0 {
         spend_budget(&tables, weights, amounts);
         let (rests, steps) = amounts.split_at(tables.targets.len());
-        for ((local, interval), &rest) in tables.targets.iter().zip(tables.intervals).zip(rests) {
+        for (i, (local, &rest)) in tables.targets.iter().zip(rests).enumerate() {
             if rest > 0.0 {
                 products += 1;
-                volume.add_interval(rest.copysign(weights[local.target as usize]), interval);
+                let weight = rest.copysign(weights[local.target as usize]);
+                tables.intervals.with(i, |slopes| volume.add_interval(weight, slopes));
             }
         }
-        for (reference, &amount) in tables.references.iter().zip(steps) {
+        for (i, &amount) in steps.iter().enumerate() {
             if amount > 0.0 {
                 products += 1;
-                volume.add_scaled(amount, reference);
+                tables.references.with(i, |slopes| volume.add_scaled(amount, slopes));
             }
+        }
+    }
+    let widening = widening(reach, active, products);
+    volume.widen(widening);
+    (volume, widening)
+}
+
+/// Volumes as [`blend_group`]'s, from an anchor's: tight at weights `w*`, moved by the interval form of `w - w*`.
+pub(super) fn move_anchored<V: Volume>(
+    tables: GroupTables<'_, V>,
+    anchored: &V,
+    anchor: &[f32],
+    differences: &[f32],
+    weights: &[f32],
+) -> (V, f32) {
+    let mut volume = *anchored;
+    let mut reach = tables.base_reach;
+    let (mut active, mut products) = (0, 0);
+    for (i, local) in tables.targets.iter().enumerate() {
+        // In-between targets are made of the others.
+        let k = local.target as usize;
+        let (Some(&difference), Some(&from), Some(&to)) = (differences.get(k), anchor.get(k), weights.get(k)) else {
+            continue;
+        };
+        active += u32::from(from != 0.0) + u32::from(to != 0.0);
+        reach += (from.abs() + to.abs() + difference.abs()) * local.reach;
+        if difference != 0.0 && tables.lanes != 0 {
+            products += 1;
+            tables
+                .intervals
+                .with(i, |slopes| volume.add_interval(difference, slopes));
         }
     }
     let widening = widening(reach, active, products);

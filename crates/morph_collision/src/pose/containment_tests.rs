@@ -55,10 +55,10 @@ fn options() -> impl Strategy<Value = BuildOptions> {
     ];
     (
         (0..VolumeKind::ALL.len(), 1_usize..4, 1_usize..5, 0..Split::ALL.len()),
-        (scales, any::<bool>(), any::<bool>(), any::<bool>()),
+        (scales, prop::array::uniform4(any::<bool>())),
     )
         .prop_map(
-            |((volume, arity, leaf_size, split), (scales, reflected, in_betweens, leaf_tables))| {
+            |((volume, arity, leaf_size, split), (scales, [reflected, in_betweens, leaf_tables, compact]))| {
                 BuildOptions::default()
                     .with_volume(VolumeKind::ALL[volume])
                     .with_arity(1 << arity)
@@ -68,6 +68,7 @@ fn options() -> impl Strategy<Value = BuildOptions> {
                     .with_reflected(reflected)
                     .with_in_betweens(in_betweens)
                     .with_leaf_tables(leaf_tables)
+                    .with_compact(compact)
             },
         )
 }
@@ -83,6 +84,25 @@ proptest! {
         let report = pose.check_containment();
         prop_assert!(report.checks >= 6 * bvh.model().triangle_count() as u64);
         prop_assert_eq!(report.first, None);
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(1024))]
+
+    #[test]
+    fn an_anchor_holds_every_vertex_while_weights_move_away_from_it(
+        model in models(), from in weights(), to in weights(), options in options(),
+    ) {
+        let bvh = Arc::new(MorphBvh::build(Arc::new(model), &options).unwrap());
+        let targets = bvh.model().target_count();
+        let mut pose = Pose::new(bvh);
+        pose.set_weights(&from[..targets]).unwrap();
+        pose.take_anchor();
+        prop_assert_eq!(pose.check_containment().first, None);
+        pose.set_weights(&to[..targets]).unwrap();
+        prop_assert!(pose.is_anchored());
+        prop_assert_eq!(pose.check_containment().first, None);
     }
 }
 

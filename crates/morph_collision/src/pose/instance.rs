@@ -1,7 +1,9 @@
+use std::num::NonZeroU32;
 use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::anchor::{Anchor, Rest, Resting};
 use super::cache::Stamped;
 use super::posed::{AnyPosed, Blended, Posed, Scratch, with_posed};
 use super::weights::{self, WeightsError};
@@ -23,6 +25,7 @@ pub struct Pose {
     spread: Vec<f32>,
     volumes: AnyCache,
     vertices: Stamped<Vec3>,
+    resting: Option<Resting>,
     blended: Blended,
     scratch: Scratch,
 }
@@ -32,6 +35,7 @@ pub struct Pose {
 struct Cache<V> {
     tables: Arc<Tables<V>>,
     volumes: Stamped<V>,
+    anchor: Option<Anchor<V>>,
 }
 
 #[derive(Clone, Debug)]
@@ -48,8 +52,33 @@ impl<V: Volume> Cache<V> {
         Self {
             tables: tables.clone(),
             volumes: Stamped::new(groups),
+            anchor: None,
         }
     }
+
+    fn next_epoch(&mut self, weights: &[f32]) {
+        self.volumes.next_epoch();
+        if let Some(anchor) = &mut self.anchor {
+            anchor.follow(weights);
+        }
+    }
+
+    fn bytes(&self) -> usize {
+        self.volumes.bytes() + self.anchor.as_ref().map_or(0, Anchor::bytes)
+    }
+}
+
+/// Evaluates an expression for the [`Cache`] in an [`AnyCache`], whatever its kind of volume.
+macro_rules! with_cache {
+    ($any:expr, $cache:ident => $body:expr) => {
+        match $any {
+            AnyCache::Aabb($cache) => $body,
+            AnyCache::Kdop14($cache) => $body,
+            AnyCache::Kdop18($cache) => $body,
+            AnyCache::Kdop26($cache) => $body,
+            AnyCache::Sphere($cache) => $body,
+        }
+    };
 }
 
 impl AnyCache {
@@ -61,26 +90,6 @@ impl AnyCache {
             AnyTables::Kdop18(tables) => Self::Kdop18(Cache::new(tables, groups)),
             AnyTables::Kdop26(tables) => Self::Kdop26(Cache::new(tables, groups)),
             AnyTables::Sphere(tables) => Self::Sphere(Cache::new(tables, groups)),
-        }
-    }
-
-    fn next_epoch(&mut self) {
-        match self {
-            Self::Aabb(cache) => cache.volumes.next_epoch(),
-            Self::Kdop14(cache) => cache.volumes.next_epoch(),
-            Self::Kdop18(cache) => cache.volumes.next_epoch(),
-            Self::Kdop26(cache) => cache.volumes.next_epoch(),
-            Self::Sphere(cache) => cache.volumes.next_epoch(),
-        }
-    }
-
-    fn bytes(&self) -> usize {
-        match self {
-            Self::Aabb(cache) => cache.volumes.bytes(),
-            Self::Kdop14(cache) => cache.volumes.bytes(),
-            Self::Kdop18(cache) => cache.volumes.bytes(),
-            Self::Kdop26(cache) => cache.volumes.bytes(),
-            Self::Sphere(cache) => cache.volumes.bytes(),
         }
     }
 }
@@ -97,6 +106,7 @@ impl Pose {
             spread,
             volumes: AnyCache::new(&bvh),
             vertices: Stamped::new(bvh.model().vertex_count()),
+            resting: None,
             blended: Blended::default(),
             scratch: Scratch::default(),
             bvh,
@@ -112,14 +122,72 @@ impl Pose {
     /// pose keeps the weights it had.
     pub fn set_weights(&mut self, weights: &[f32]) -> Result<bool, WeightsError> {
         weights::check(self.bvh.model(), weights)?;
-        if self.weights == weights {
-            return Ok(false);
+        let rest = self
+            .resting
+            .as_mut()
+            .map(|resting| resting.count(&self.weights, weights));
+        let changed = self.weights != weights;
+        if changed {
+            self.weights.copy_from_slice(weights);
+            weights::spread(self.bvh.columns(), weights, &mut self.spread);
+            with_cache!(&mut self.volumes, cache => cache.next_epoch(weights));
+            self.vertices.next_epoch();
         }
-        self.weights.copy_from_slice(weights);
-        weights::spread(self.bvh.columns(), weights, &mut self.spread);
-        self.volumes.next_epoch();
-        self.vertices.next_epoch();
-        Ok(true)
+        match rest {
+            Some(Rest::Moved) => self.drop_anchor(),
+            Some(Rest::Settled) => {
+                let reach = self.bvh.model().target_reach();
+                let settled = self
+                    .resting
+                    .as_ref()
+                    .and_then(|resting| resting.settled(weights, reach));
+                if let Some(settled) = settled {
+                    self.anchor_at(&settled);
+                }
+            }
+            Some(Rest::Unchanged) | None => {}
+        }
+        Ok(changed)
+    }
+
+    /// Fits all volumes tightly to the shape at the weights in force, and blends from there until the anchor is dropped.
+    ///
+    /// Worth it for weights that are set and then rest, such as a character's sliders: while they do, volumes are exact in
+    /// them. Other weights are then bounded by intervals. Cost: the whole mesh is blended once; memory: one volume per node.
+    pub fn take_anchor(&mut self) {
+        let weights = self.weights.clone();
+        self.anchor_at(&weights);
+    }
+
+    /// Goes back to blending from the tree's references.
+    pub fn drop_anchor(&mut self) {
+        let weights = &self.weights;
+        with_cache!(&mut self.volumes, cache => {
+            cache.anchor = None;
+            cache.next_epoch(weights);
+        });
+    }
+
+    /// Whether an anchor is in use.
+    #[must_use]
+    pub fn is_anchored(&self) -> bool {
+        with_cache!(&self.volumes, cache => cache.anchor.is_some())
+    }
+
+    /// Takes an anchor by itself once weights that make up most of the shape have not changed in so many calls of
+    /// [`Pose::set_weights`], and drops it when one of them moves; `None`, the default, never does.
+    pub fn anchor_after(&mut self, calls: Option<NonZeroU32>) {
+        let targets = self.weights.len();
+        self.resting = calls.map(|calls| Resting::new(calls.get(), targets));
+    }
+
+    fn anchor_at(&mut self, weights: &[f32]) {
+        let bvh = &self.bvh;
+        let in_force = &self.weights;
+        with_cache!(&mut self.volumes, cache => {
+            cache.anchor = Some(Anchor::fit(bvh.model(), bvh.topology(), weights));
+            cache.next_epoch(in_force);
+        });
     }
 
     /// The weights in force, one per target.
@@ -158,7 +226,8 @@ impl Pose {
     /// Bytes held on the heap, the shared tree's not included.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.weights) + size_of_val(&*self.spread) + self.volumes.bytes() + self.vertices.bytes()
+        let volumes = with_cache!(&self.volumes, cache => cache.bytes());
+        size_of_val(&*self.weights) + size_of_val(&*self.spread) + volumes + self.vertices.bytes()
     }
 
     pub(crate) fn posed(&mut self) -> AnyPosed<'_> {
@@ -168,6 +237,7 @@ impl Pose {
             spread,
             volumes,
             vertices,
+            resting: _,
             blended,
             scratch,
         } = self;
@@ -177,6 +247,7 @@ impl Pose {
                     model: bvh.model(),
                     topology: bvh.topology(),
                     tables: &$cache.tables,
+                    anchor: $cache.anchor.as_ref(),
                     weights,
                     spread,
                     volumes: &mut $cache.volumes,

@@ -1,18 +1,21 @@
 //! One instance: its weights, and what has been blended for them so far.
 //!
 //! A node's volume comes from one place, [`Posed::open`]: blended from tables (`blend`) or fitted to vertices, kept by
-//! stamp (`cache`).
+//! stamp (`cache`). Weights that rest can be given tight volumes (`anchor`).
 
+mod anchor;
 mod blend;
 mod cache;
 mod containment;
 mod instance;
 mod posed;
+mod quality;
 mod weights;
 
 pub use containment::{ContainmentReport, ContainmentViolation};
 pub use instance::Pose;
-pub(crate) use posed::{AnyPosed, Blended, NodeRef, Posed, with_posed};
+pub(crate) use posed::{AnyPosed, Blended, NodeRef, Place, Posed, with_posed};
+pub use quality::TreeQuality;
 pub use weights::WeightsError;
 
 #[cfg(test)]

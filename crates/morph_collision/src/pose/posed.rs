@@ -1,6 +1,7 @@
 use glam::Vec3;
 
-use super::blend::blend_group;
+use super::anchor::Anchor;
+use super::blend::{blend_group, move_anchored};
 use super::cache::Stamped;
 use crate::bounds::{Aabb, Slabs, Spheres, Volume};
 use crate::model::MorphModel;
@@ -13,12 +14,19 @@ pub(crate) struct Blended {
     pub(crate) vertices: u64,
 }
 
-/// A node as a traversal holds it: which child, and where its volume is in the pose's cache.
+/// A node by the group that it is a child of; good for every pose of the tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Place {
+    pub(crate) group: u32,
+    pub(crate) lane: u8,
+}
+
+/// A node as a traversal holds it: its place, which child it is, and where its volume is in the pose's cache.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NodeRef {
     pub(crate) child: Child,
     pub(crate) slot: u32,
-    pub(crate) lane: u8,
+    pub(crate) place: Place,
 }
 
 /// A pose borrowed for a query, its kind of volume known: what traversals walk over.
@@ -29,6 +37,7 @@ pub(crate) struct Posed<'a, V> {
     pub(super) tables: &'a Tables<V>,
     pub(super) weights: &'a [f32],
     pub(super) spread: &'a [f32],
+    pub(super) anchor: Option<&'a Anchor<V>>,
     pub(super) volumes: &'a mut Stamped<V>,
     pub(super) vertices: &'a mut Stamped<Vec3>,
     pub(super) blended: &'a mut Blended,
@@ -88,7 +97,16 @@ impl<V: Volume> Posed<'_, V> {
         let children = self.topology.group(group);
         self.blended.volumes += children.children().len() as u64;
         let tables = self.tables.group(group);
-        let (mut volume, widening) = blend_group(tables, self.spread, &mut self.scratch.amounts);
+        let (mut volume, widening) = match self.anchor {
+            Some(anchor) => move_anchored(
+                tables,
+                &anchor.volumes[group],
+                &anchor.weights,
+                &anchor.differences,
+                self.weights,
+            ),
+            None => blend_group(tables, self.spread, &mut self.scratch.amounts),
+        };
         if tables.lanes != children.mask() {
             self.fit_leaves(group, tables.lanes, &mut volume, widening);
         }
@@ -125,7 +143,7 @@ impl<V: Volume> Posed<'_, V> {
 
     #[inline]
     pub(crate) fn volume(&self, node: NodeRef) -> V::One {
-        self.volumes.get(node.slot as usize).get(usize::from(node.lane))
+        self.volumes.get(node.slot as usize).get(usize::from(node.place.lane))
     }
 
     pub(crate) fn bounds(&mut self) -> Aabb {
@@ -138,7 +156,10 @@ impl<V: Volume> Posed<'_, V> {
         NodeRef {
             child: self.topology.group(group).children()[lane],
             slot: slot as u32,
-            lane: lane as u8,
+            place: Place {
+                group: group as u32,
+                lane: lane as u8,
+            },
         }
     }
 

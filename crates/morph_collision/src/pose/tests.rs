@@ -70,3 +70,33 @@ fn refused_weights_leave_the_last_good_ones_in_force() {
 fn a_vertex_that_does_not_exist_is_none() {
     assert_eq!(lifted_triangle().source_vertex(3), None);
 }
+
+#[test]
+fn an_anchor_is_taken_when_weights_rest_and_dropped_when_they_move() {
+    let mut pose = lifted_triangle();
+    pose.anchor_after(std::num::NonZeroU32::new(3));
+    // Target 0 rests at 2 while target 1 moves a little.
+    for frame in 0..4 {
+        assert!(!pose.is_anchored(), "frame {frame}");
+        pose.set_weights(&[2.0, 0.01 * frame as f32]).unwrap();
+    }
+    assert!(pose.is_anchored());
+    let bounds = pose.bounds();
+    assert!(bounds.min.z > 1.999 && bounds.max.z < 2.001, "{bounds:?} is not tight");
+    pose.set_weights(&[2.0, 0.5]).unwrap();
+    assert!(pose.is_anchored());
+    assert!(pose.bounds().max.x >= 1.5);
+    pose.set_weights(&[1.5, 0.5]).unwrap();
+    assert!(!pose.is_anchored());
+}
+
+#[test]
+fn weights_that_rest_at_zero_or_matter_little_are_not_anchored() {
+    let mut pose = lifted_triangle();
+    pose.anchor_after(std::num::NonZeroU32::new(2));
+    for frame in 0..10 {
+        pose.set_weights(&[0.01, frame as f32]).unwrap();
+        pose.set_weights(&[0.0, frame as f32]).unwrap();
+        assert!(!pose.is_anchored());
+    }
+}

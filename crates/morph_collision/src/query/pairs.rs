@@ -1,6 +1,7 @@
 use std::ops::{AddAssign, ControlFlow};
 
 use super::body::{Body, world_triangle};
+use super::memory::PairMemory;
 use crate::bounds::{Volume, WorldFromModel, frames_of};
 use crate::exact::{Triangle, triangles_intersect};
 use crate::pose::{AnyPosed, with_posed};
@@ -87,20 +88,68 @@ impl PairQuery {
         b: Body<'_>,
         mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> PairStats {
+        self.dispatch(a, b, None, &mut visitor)
+    }
+
+    /// As [`PairQuery::visit`], with what is remembered of the same pair of bodies in earlier frames.
+    ///
+    /// The answer is the same; see [`PairMemory`] for when it is found faster.
+    pub fn visit_with(
+        &mut self,
+        memory: &mut PairMemory,
+        a: Body<'_>,
+        b: Body<'_>,
+        mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> PairStats {
+        if memory.proves_apart(&a, &b) {
+            return PairStats::default();
+        }
+        let mut touched = false;
+        memory.begin();
+        let Body {
+            pose: pose_a,
+            world_from_model: world_from_a,
+        } = a;
+        let Body {
+            pose: pose_b,
+            world_from_model: world_from_b,
+        } = b;
+        let bodies = (
+            Body::new(&mut *pose_a, world_from_a),
+            Body::new(&mut *pose_b, world_from_b),
+        );
+        let stats = self.dispatch(bodies.0, bodies.1, Some(memory), &mut |pair| {
+            touched = true;
+            visitor(pair)
+        });
+        memory.finish(
+            touched,
+            Body::new(pose_a, world_from_a),
+            Body::new(pose_b, world_from_b),
+        );
+        stats
+    }
+
+    fn dispatch(
+        &mut self,
+        a: Body<'_>,
+        b: Body<'_>,
+        memory: Option<&mut PairMemory>,
+        visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> PairStats {
         let places = Places {
             world_from_a: a.world_from_model,
             world_from_b: b.world_from_model,
         };
-        let visitor = &mut visitor;
         match (a.pose.posed(), b.pose.posed()) {
-            (AnyPosed::Aabb(mut a), AnyPosed::Aabb(mut b)) => self.walk(&mut a, &mut b, &places, visitor),
-            (AnyPosed::Kdop14(mut a), AnyPosed::Kdop14(mut b)) => self.walk(&mut a, &mut b, &places, visitor),
-            (AnyPosed::Kdop18(mut a), AnyPosed::Kdop18(mut b)) => self.walk(&mut a, &mut b, &places, visitor),
-            (AnyPosed::Kdop26(mut a), AnyPosed::Kdop26(mut b)) => self.walk(&mut a, &mut b, &places, visitor),
-            (AnyPosed::Sphere(mut a), AnyPosed::Sphere(mut b)) => self.walk(&mut a, &mut b, &places, visitor),
+            (AnyPosed::Aabb(mut a), AnyPosed::Aabb(mut b)) => self.walk(&mut a, &mut b, &places, memory, visitor),
+            (AnyPosed::Kdop14(mut a), AnyPosed::Kdop14(mut b)) => self.walk(&mut a, &mut b, &places, memory, visitor),
+            (AnyPosed::Kdop18(mut a), AnyPosed::Kdop18(mut b)) => self.walk(&mut a, &mut b, &places, memory, visitor),
+            (AnyPosed::Kdop26(mut a), AnyPosed::Kdop26(mut b)) => self.walk(&mut a, &mut b, &places, memory, visitor),
+            (AnyPosed::Sphere(mut a), AnyPosed::Sphere(mut b)) => self.walk(&mut a, &mut b, &places, memory, visitor),
             (mut a, mut b) => {
                 let (mut a, mut b) = (as_boxes(&mut a), as_boxes(&mut b));
-                self.walk(&mut a, &mut b, &places, visitor)
+                self.walk(&mut a, &mut b, &places, memory, visitor)
             }
         }
     }
@@ -110,20 +159,26 @@ impl PairQuery {
         a: &mut impl Walkable<Kind = V>,
         b: &mut impl Walkable<Kind = V>,
         places: &Places<'_>,
+        memory: Option<&mut PairMemory>,
         visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> PairStats {
         let before = [a.blended(), b.blended()];
         let culls = places.culls(a, b);
+        let (front, trace) = match memory {
+            Some(memory) => (&memory.front[..], Some(&mut memory.trace)),
+            None => (&[][..], None),
+        };
         let mut walk = PairWalk {
             a,
             b,
             culls: &culls,
             a_from_b_scale: places.a_from_b_scale(),
             node_tests: 0,
+            trace,
         };
         let mut triangle_tests = 0;
         let Self { stack, leaf_a, leaf_b } = self;
-        let _stopped_early = walk.run(stack, |a, b, of_a, of_b| {
+        let _stopped_early = walk.run(stack, front, |a, b, of_a, of_b| {
             leaf_a.read(a, places.world_from_a, of_a);
             leaf_b.read(b, places.world_from_b, of_b);
             for (triangle_a, corners_a) in &leaf_a.triangles {

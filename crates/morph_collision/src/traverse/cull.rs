@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::bounds::{BoxLanes, Frames, LANES, Slab, Volume};
-use crate::pose::{Blended, NodeRef, Posed};
+use crate::pose::{Blended, NodeRef, Place, Posed};
 use crate::tree::Topology;
 
 /// One of the two bodies of a pair.
@@ -18,6 +18,8 @@ pub(crate) enum Side {
 pub(crate) struct Cull<V: Volume> {
     a: Option<V::Map>,
     b: Option<V::Map>,
+    /// What a length in this frame is at least in A's space.
+    stretch: f64,
 }
 
 impl<V: Volume> Cull<V> {
@@ -30,7 +32,13 @@ impl<V: Volume> Cull<V> {
         Some(Self {
             a: map(&frames.a)?,
             b: map(&frames.b)?,
+            stretch: frames.stretch,
         })
+    }
+
+    /// A lower bound of the distance in A's space between two volumes, 0 or less where this frame does not part them.
+    pub(crate) fn gap(&self, a: &V::One, b: &V::One) -> f64 {
+        V::gap(&map_with::<V>(&self.a, a), &map_with::<V>(&self.b, b)) * self.stretch
     }
 
     /// Which of eight volumes of one side may share a point with a volume of the other, as far as this frame can tell.
@@ -55,9 +63,12 @@ impl<V: Volume> Cull<V> {
     }
 
     pub(crate) fn overlap(&self, a: &V::One, b: &V::One) -> bool {
-        let map = |map: &Option<V::Map>, one: &V::One| map.as_ref().map_or(*one, |map| V::map_one(map, one));
-        V::overlap(&map(&self.a, a), &map(&self.b, b))
+        V::overlap(&map_with::<V>(&self.a, a), &map_with::<V>(&self.b, b))
     }
+}
+
+fn map_with<V: Volume>(map: &Option<V::Map>, one: &V::One) -> V::One {
+    map.as_ref().map_or(*one, |map| V::map_one(map, one))
 }
 
 /// A posed tree whose nodes can be opened and compared as volumes of one kind.
@@ -86,7 +97,10 @@ pub(crate) trait Walkable {
         NodeRef {
             child: self.topology().group(group).children()[lane],
             slot: slot as u32,
-            lane: lane as u8,
+            place: Place {
+                group: group as u32,
+                lane: lane as u8,
+            },
         }
     }
 }

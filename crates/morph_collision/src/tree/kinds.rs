@@ -25,4 +25,14 @@ impl AnyTables {
             Self::Sphere(tables) => tables.bytes(),
         }
     }
+
+    pub(super) fn local_targets(&self) -> usize {
+        match self {
+            Self::Aabb(tables) => tables.local_targets(),
+            Self::Kdop14(tables) => tables.local_targets(),
+            Self::Kdop18(tables) => tables.local_targets(),
+            Self::Kdop26(tables) => tables.local_targets(),
+            Self::Sphere(tables) => tables.local_targets(),
+        }
+    }
 }

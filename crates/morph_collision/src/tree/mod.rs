@@ -9,16 +9,24 @@ mod bvh;
 mod columns;
 mod extents;
 mod kinds;
+mod layout;
 mod midpoint;
 mod options;
 mod partition;
 mod sah;
+mod slopes;
+mod stats;
 mod tables;
 mod topology;
 
 pub use bvh::MorphBvh;
 pub(crate) use columns::Columns;
 pub(crate) use kinds::AnyTables;
+pub use layout::{LayoutError, TreeLayout};
 pub use options::{BuildError, BuildOptions, PartitionShape, Split, VolumeKind};
+pub use stats::{BrokenTree, BvhStats};
 pub(crate) use tables::{GroupTables, Tables};
 pub(crate) use topology::{Child, ChildKind, Leaf, Topology};
+
+#[cfg(test)]
+mod tests;

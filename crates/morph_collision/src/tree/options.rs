@@ -5,6 +5,8 @@ use thiserror::Error;
 
 /// The kind of bounding volume a tree is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum VolumeKind {
     /// Axis-aligned boxes, in model space.
@@ -43,6 +45,8 @@ impl fmt::Display for VolumeKind {
 
 /// How a node's triangles are shared out among its children.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "kebab-case"))]
 #[non_exhaustive]
 pub enum Split {
     /// The paper's: at the middle of the node's extents along its longest axes, all three for eight children.
@@ -109,6 +113,7 @@ impl FromStr for Split {
 
 /// The shape on which triangles are put together.
 #[derive(Clone, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub enum PartitionShape {
     /// All weights zero.
@@ -124,6 +129,7 @@ pub enum PartitionShape {
 
 /// How to build a [`MorphBvh`](crate::MorphBvh).
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct BuildOptions {
     /// The kind of bounding volume.
@@ -146,6 +152,8 @@ pub struct BuildOptions {
     /// Whether leaves have tables. Without, their volumes are fitted to their blended vertices, tightly: less memory, more
     /// time where many leaves are looked at but few of their triangles.
     pub leaf_tables: bool,
+    /// Whether tables are kept in 16 bits per number, rounded outward: half the bytes, a little more time.
+    pub compact: bool,
 }
 
 impl BuildOptions {
@@ -222,6 +230,42 @@ impl BuildOptions {
         self
     }
 
+    /// Sets [`BuildOptions::compact`].
+    #[must_use]
+    pub fn with_compact(mut self, compact: bool) -> Self {
+        self.compact = compact;
+        self
+    }
+
+    /// Chooses [`BuildOptions::scales`] and [`BuildOptions::reflected`] for the weights a model will have: samples of its own
+    /// animations, say, one weight vector each.
+    ///
+    /// Weights that sum to at most 1 are bounded best by the references themselves, larger sums by references scaled up
+    /// to about half the sum (measured on captured faces, see `docs/performance.md`). Without samples nothing changes.
+    #[must_use]
+    pub fn fitted_to<W: AsRef<[f32]>>(mut self, samples: impl IntoIterator<Item = W>) -> Self {
+        let mut sums = Vec::new();
+        let mut negative = false;
+        for sample in samples {
+            let weights = sample.as_ref();
+            sums.push(weights.iter().copied().filter(|w| *w > 0.0).sum::<f32>());
+            // Exporters leave weights like -1e-7 behind, which are not worth a table.
+            negative |= weights.iter().any(|w| *w < -0.05);
+        }
+        sums.retain(|sum| sum.is_finite());
+        sums.sort_by(f32::total_cmp);
+        if let Some(&median) = sums.get(sums.len() / 2) {
+            let scale = if median <= 1.01 {
+                1.0
+            } else {
+                (0.5 * median).max(1.0).log2().round().exp2()
+            };
+            self.scales = vec![scale.min(1024.0)];
+            self.reflected = negative;
+        }
+        self
+    }
+
     pub(super) fn check(&self, targets: usize) -> Result<(), BuildError> {
         if ![2, 4, 8].contains(&self.arity) {
             return Err(BuildError::Arity(self.arity));
@@ -265,6 +309,7 @@ impl Default for BuildOptions {
             reflected: false,
             in_betweens: false,
             leaf_tables: true,
+            compact: false,
         }
     }
 }

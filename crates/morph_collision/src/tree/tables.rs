@@ -15,6 +15,7 @@ use std::ops::Range;
 
 use super::columns::{Columns, Shape};
 use super::extents::{NodeExtents, TargetExtents, local_targets};
+use super::slopes::{Slopes, SlopesView};
 use crate::bounds::Volume;
 use crate::model::MorphModel;
 
@@ -57,9 +58,9 @@ pub(crate) struct Tables<V> {
     headers: Vec<Header>,
     base: Vec<V>,
     targets: Vec<LocalTarget>,
-    intervals: Vec<V>,
+    intervals: Slopes<V>,
     steps: Vec<Step>,
-    references: Vec<V>,
+    references: Slopes<V>,
 }
 
 /// The tables of one group.
@@ -71,22 +72,22 @@ pub(crate) struct GroupTables<'a, V> {
     pub(crate) base_reach: f32,
     pub(crate) targets: &'a [LocalTarget],
     /// `X(inf)`, one per target.
-    pub(crate) intervals: &'a [V],
+    pub(crate) intervals: SlopesView<'a, V>,
     /// Most gain per budget first.
     pub(crate) steps: &'a [Step],
     /// `X(S)`, one per step, for a weight's magnitude.
-    pub(crate) references: &'a [V],
+    pub(crate) references: SlopesView<'a, V>,
 }
 
 impl<V: Volume> Tables<V> {
-    pub(super) fn new() -> Self {
+    pub(super) fn new(compact: bool) -> Self {
         Self {
             headers: Vec::new(),
             base: Vec::new(),
             targets: Vec::new(),
-            intervals: Vec::new(),
+            intervals: Slopes::new(compact),
             steps: Vec::new(),
-            references: Vec::new(),
+            references: Slopes::new(compact),
         }
     }
 
@@ -99,9 +100,9 @@ impl<V: Volume> Tables<V> {
             base: &self.base[group],
             base_reach: header.base_reach,
             targets: &self.targets[header.targets.clone()],
-            intervals: &self.intervals[header.intervals..header.intervals + intervals],
+            intervals: self.intervals.view(header.intervals..header.intervals + intervals),
             steps: &self.steps[header.steps.clone()],
-            references: &self.references[header.steps.clone()],
+            references: self.references.view(header.steps.clone()),
         }
     }
 
@@ -109,9 +110,14 @@ impl<V: Volume> Tables<V> {
         size_of_val(&*self.headers)
             + size_of_val(&*self.base)
             + size_of_val(&*self.targets)
-            + size_of_val(&*self.intervals)
+            + self.intervals.bytes()
             + size_of_val(&*self.steps)
-            + size_of_val(&*self.references)
+            + self.references.bytes()
+    }
+
+    /// Targets that move something in a group, summed over all groups.
+    pub(super) fn local_targets(&self) -> usize {
+        self.targets.len()
     }
 
     /// Makes room for the next group in preorder.

@@ -1,5 +1,7 @@
 //! Answers judged by brute force, over every way to build a tree, and the work they took.
 
 mod laziness;
+mod memory;
 mod pairs;
 mod scenes;
+mod self_pairs;

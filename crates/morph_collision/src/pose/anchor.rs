@@ -1,0 +1,130 @@
+//! Tight volumes for weights that rest.
+//!
+//! An anchor holds every volume of the tree fitted to the vertices at weights `w*`; a node at weights `w` is the anchor's
+//! volume moved by the interval form of `w - w*`. It is exact for weights that do not move: the sliders of a character
+//! that were set once cost nothing afterwards.
+
+use glam::Vec3;
+
+use crate::bounds::Volume;
+use crate::model::MorphModel;
+use crate::tree::{ChildKind, Topology};
+
+/// Tight volumes of all groups at some weights.
+#[derive(Clone, Debug)]
+pub(super) struct Anchor<V> {
+    pub(super) volumes: Vec<V>,
+    /// The weights they were fitted at, one per target of the model.
+    pub(super) weights: Vec<f32>,
+    /// The weights in force minus those.
+    pub(super) differences: Vec<f32>,
+}
+
+impl<V: Volume> Anchor<V> {
+    /// Fits every volume to the vertices at `weights`; `O(n)`.
+    pub(super) fn fit(model: &MorphModel, topology: &Topology, weights: &[f32]) -> Self {
+        let vertices: Vec<Vec3> = (0..model.vertex_count() as u32)
+            .map(|vertex| model.blend_vertex(vertex, weights))
+            .collect();
+        let mut volumes = vec![V::default(); topology.group_count()];
+        let mut points = Vec::new();
+        // Groups are in preorder: children come later.
+        for group in (0..volumes.len()).rev() {
+            for (lane, child) in topology.group(group).children().iter().enumerate() {
+                match child.kind() {
+                    ChildKind::Group(below) => {
+                        let hull = volumes[below].hull(topology.group(below).mask());
+                        volumes[group].set(lane, &hull);
+                    }
+                    ChildKind::Leaf(leaf) => {
+                        points.clear();
+                        for &triangle in topology.leaf_triangles(leaf) {
+                            let corners = model.triangle(triangle as usize);
+                            points.extend(corners.map(|vertex| vertices[vertex as usize]));
+                        }
+                        volumes[group].fit(lane, &points);
+                    }
+                }
+            }
+        }
+        Self {
+            volumes,
+            weights: weights.to_vec(),
+            differences: Vec::new(),
+        }
+    }
+
+    pub(super) fn follow(&mut self, weights: &[f32]) {
+        let anchored = self.weights.iter();
+        self.differences.clear();
+        self.differences
+            .extend(weights.iter().zip(anchored).map(|(w, anchored)| w - anchored));
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.volumes) + 2 * size_of_val(&*self.weights)
+    }
+}
+
+/// Which weights rest, told from one frame to the next.
+#[derive(Clone, Debug)]
+pub(super) struct Resting {
+    /// Frames after which a weight counts as resting.
+    after: u32,
+    frames: Vec<u32>,
+}
+
+/// What has become of the weights since the last frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Rest {
+    /// Nothing that an anchor should follow.
+    Unchanged,
+    /// A weight came to rest that most of the shape is made of.
+    Settled,
+    /// A weight that was resting moved.
+    Moved,
+}
+
+impl Resting {
+    pub(super) fn new(after: u32, targets: usize) -> Self {
+        Self {
+            after,
+            frames: vec![0; targets],
+        }
+    }
+
+    /// Counts one frame; `before` and `now` are its weights.
+    pub(super) fn count(&mut self, before: &[f32], now: &[f32]) -> Rest {
+        let mut rest = Rest::Unchanged;
+        for ((frames, before), now) in self.frames.iter_mut().zip(before).zip(now) {
+            if before != now {
+                if *frames >= self.after && *before != 0.0 {
+                    rest = Rest::Moved;
+                }
+                *frames = 0;
+            } else {
+                *frames = frames.saturating_add(1);
+                if *frames == self.after && *now != 0.0 && rest == Rest::Unchanged {
+                    rest = Rest::Settled;
+                }
+            }
+        }
+        rest
+    }
+
+    /// The weights that rest, zero for the others; `None` if the others move the shape more.
+    pub(super) fn settled(&self, weights: &[f32], reach: &[f32]) -> Option<Vec<f32>> {
+        let resting = |k: usize| self.frames[k] >= self.after;
+        let moved = |rests: bool| -> f32 {
+            (0..weights.len())
+                .filter(|&k| resting(k) == rests)
+                .map(|k| weights[k].abs() * reach[k])
+                .sum()
+        };
+        (moved(true) > moved(false)).then(|| {
+            (0..weights.len())
+                .map(|k| if resting(k) { weights[k] } else { 0.0 })
+                .collect()
+        })
+    }
+}

@@ -1,0 +1,118 @@
+use std::ops::ControlFlow;
+
+use glam::Vec3;
+
+use super::{PairStats, TrianglePair};
+use crate::bounds::Volume;
+use crate::exact::{Triangle, triangles_intersect};
+use crate::pose::{Pose, Posed, with_posed};
+use crate::traverse::{Stack, walk_within};
+use crate::tree::Leaf;
+
+/// Asks which triangles of one posed mesh intersect each other; holds the memory that queries reuse.
+///
+/// Two triangles count when they share a point but no vertex: neighbours along an edge or around a vertex always touch,
+/// and are left out even where they also cross elsewhere. Vertices are welded ones, so a seam in the mesh's own vertices does not
+/// make neighbours collide. The answer is exact over the posed `f32` vertices in model space, which makes it independent of
+/// where the body stands.
+///
+/// ```
+/// # use std::sync::Arc;
+/// # use glam::Vec3;
+/// # use morph_collision::{BuildOptions, MorphBvh, MorphModel, Pose, SelfQuery};
+/// // Two triangles apart; the target pushes the second through the first.
+/// let base = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::Z + Vec3::X, Vec3::Z * 2.0];
+/// let push = [Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, Vec3::NEG_Z * 1.5, Vec3::NEG_Z * 1.5, Vec3::NEG_Z * 1.5];
+/// let model = MorphModel::from_displacements(&base, &[[0, 1, 2], [3, 4, 5]], &[push])?;
+/// let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?));
+/// let mut query = SelfQuery::new();
+/// assert!(!query.any(&mut pose).0);
+/// pose.set_weights(&[1.0])?;
+/// assert!(query.any(&mut pose).0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Default)]
+pub struct SelfQuery {
+    stack: Stack,
+    leaf_a: Vec<(u32, [u32; 3], Triangle)>,
+    leaf_b: Vec<(u32, [u32; 3], Triangle)>,
+}
+
+impl SelfQuery {
+    /// A query with nothing allocated yet.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Appends every pair of intersecting triangles, the smaller number first, in the order of the walk.
+    pub fn all(&mut self, pose: &mut Pose, pairs: &mut Vec<TrianglePair>) -> PairStats {
+        self.visit(pose, |pair| {
+            pairs.push(pair);
+            ControlFlow::Continue(())
+        })
+    }
+
+    /// Whether any triangles intersect.
+    pub fn any(&mut self, pose: &mut Pose) -> (bool, PairStats) {
+        let mut any = false;
+        let stats = self.visit(pose, |_| {
+            any = true;
+            ControlFlow::Break(())
+        });
+        (any, stats)
+    }
+
+    /// Calls `visitor` for every pair of intersecting triangles, the smaller number first, until it breaks.
+    ///
+    /// Volumes and vertices that the query looks at are blended into the pose's cache.
+    pub fn visit(&mut self, pose: &mut Pose, mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>) -> PairStats {
+        with_posed!(pose.posed(), mut posed => self.walk(&mut posed, &mut visitor))
+    }
+
+    fn walk<V: Volume>(
+        &mut self,
+        posed: &mut Posed<'_, V>,
+        visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> PairStats {
+        let before = posed.blended();
+        let mut stats = PairStats::default();
+        let Self { stack, leaf_a, leaf_b } = self;
+        stats.node_tests = walk_within(posed, stack, |posed, a, b| {
+            read(posed, a, leaf_a);
+            if a != b {
+                read(posed, b, leaf_b);
+            }
+            for (i, (number_a, vertices_a, corners_a)) in leaf_a.iter().enumerate() {
+                let others = if a == b { &leaf_a[i + 1..] } else { &leaf_b[..] };
+                for (number_b, vertices_b, corners_b) in others {
+                    if vertices_a.iter().any(|vertex| vertices_b.contains(vertex)) {
+                        continue;
+                    }
+                    stats.triangle_tests += 1;
+                    if triangles_intersect(corners_a, corners_b) {
+                        visitor(TrianglePair {
+                            triangle_a: *number_a.min(number_b),
+                            triangle_b: *number_a.max(number_b),
+                        })?;
+                    }
+                }
+            }
+            ControlFlow::Continue(())
+        });
+        let after = posed.blended();
+        stats.volumes_blended = after.volumes - before.volumes;
+        stats.vertices_blended = after.vertices - before.vertices;
+        stats
+    }
+}
+
+/// A leaf's triangles: number, welded vertices and posed corners.
+fn read<V: Volume>(posed: &mut Posed<'_, V>, leaf: Leaf, triangles: &mut Vec<(u32, [u32; 3], Triangle)>) {
+    let topology = posed.topology;
+    triangles.clear();
+    for &number in topology.leaf_triangles(leaf) {
+        let vertices = posed.model.triangle(number as usize);
+        triangles.push((number, vertices, posed.corners(number).map(Vec3::as_dvec3)));
+    }
+}

@@ -1,0 +1,99 @@
+//! Columns of slopes, in full or in 16 bits per number.
+
+use std::ops::Range;
+
+use crate::bounds::{LANES, Volume};
+
+/// Slopes of eight volumes each, one column after the other.
+#[derive(Clone, Debug)]
+pub(crate) enum Slopes<V> {
+    Full(Vec<V>),
+    /// Rows of eight numbers, and a power of two per column that they are multiples of.
+    Compact {
+        numbers: Vec<i16>,
+        scales: Vec<f32>,
+    },
+}
+
+/// Some neighbouring columns.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum SlopesView<'a, V> {
+    Full(&'a [V]),
+    Compact { numbers: &'a [i16], scales: &'a [f32] },
+}
+
+impl<V: Volume> Slopes<V> {
+    pub(super) fn new(compact: bool) -> Self {
+        if compact {
+            Self::Compact {
+                numbers: Vec::new(),
+                scales: Vec::new(),
+            }
+        } else {
+            Self::Full(Vec::new())
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        match self {
+            Self::Full(columns) => columns.len(),
+            Self::Compact { scales, .. } => scales.len(),
+        }
+    }
+
+    pub(super) fn push(&mut self, column: V) {
+        match self {
+            Self::Full(columns) => columns.push(column),
+            Self::Compact { numbers, scales } => {
+                let scale = scale_of(&column);
+                column.quantize(scale, numbers);
+                scales.push(scale);
+            }
+        }
+    }
+
+    #[inline]
+    pub(super) fn view(&self, columns: Range<usize>) -> SlopesView<'_, V> {
+        match self {
+            Self::Full(all) => SlopesView::Full(&all[columns]),
+            Self::Compact { numbers, scales } => SlopesView::Compact {
+                numbers: &numbers[columns.start * V::ROWS * LANES..columns.end * V::ROWS * LANES],
+                scales: &scales[columns],
+            },
+        }
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        match self {
+            Self::Full(columns) => size_of_val(&**columns),
+            Self::Compact { numbers, scales } => size_of_val(&**numbers) + size_of_val(&**scales),
+        }
+    }
+}
+
+impl<V: Volume> SlopesView<'_, V> {
+    /// Gives column `i` to `each`, in full.
+    #[inline]
+    pub(crate) fn with(&self, i: usize, each: impl FnOnce(&V)) {
+        match self {
+            Self::Full(columns) => each(&columns[i]),
+            Self::Compact { numbers, scales } => {
+                let mut column = V::default();
+                let numbers = numbers[i * V::ROWS * LANES..].as_chunks::<LANES>().0;
+                for (row, numbers) in column.rows_mut().iter_mut().zip(numbers) {
+                    row.0 = numbers.map(|n| f32::from(n) * scales[i]);
+                }
+                each(&column);
+            }
+        }
+    }
+}
+
+/// The power of two of which the largest number is at most 32766 times as large.
+fn scale_of<V: Volume>(column: &V) -> f32 {
+    let numbers = column.rows().iter().flat_map(|row| row.0);
+    let largest = numbers.fold(0.0_f32, |largest, x| largest.max(x.abs()));
+    // Below 2^(e + 1) with the biased exponent e; 2^-13 of that is at most a 16000th of it. 1 is the smallest normal one.
+    let exponent = (largest.to_bits() >> 23).saturating_sub(13).max(1);
+    f32::from_bits(exponent << 23)
+}

@@ -1,0 +1,145 @@
+use std::sync::Arc;
+
+use morph_collision_testkit::models::{degenerate, dolphin, random};
+
+use super::*;
+use crate::model::MorphModel;
+
+fn model_of(mesh: &morph_collision_testkit::mesh::MorphMesh) -> Arc<MorphModel> {
+    Arc::new(MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap())
+}
+
+fn every_option() -> Vec<BuildOptions> {
+    let mut all = vec![BuildOptions::paper()];
+    for volume in VolumeKind::ALL {
+        for split in Split::ALL {
+            for arity in [2, 4, 8] {
+                all.push(
+                    BuildOptions::default()
+                        .with_volume(volume)
+                        .with_split(split)
+                        .with_arity(arity),
+                );
+            }
+        }
+        let base = BuildOptions::default().with_volume(volume);
+        all.push(base.clone().with_leaf_tables(false).with_compact(true));
+        all.push(base.with_scales([1.0, 8.0]).with_reflected(true).with_in_betweens(true));
+    }
+    all
+}
+
+#[test]
+fn every_tree_is_valid_and_has_the_arity_and_leaf_size_asked_for() {
+    let meshes = [
+        dolphin(0),
+        random::triangle_soup(3, 300, 2),
+        degenerate::all_equal(500),
+        degenerate::slivers(5, 64),
+    ];
+    for mesh in &meshes {
+        let model = model_of(mesh);
+        for options in every_option() {
+            let bvh = MorphBvh::build(model.clone(), &options).unwrap();
+            assert_eq!(bvh.validate(), Ok(()), "{} with {options:?}", mesh.name);
+            let stats = bvh.stats();
+            assert!(stats.mean_children <= options.arity as f64);
+            assert!(stats.mean_leaf_triangles <= options.leaf_size as f64);
+        }
+    }
+}
+
+#[test]
+fn options_out_of_range_are_refused_by_name() {
+    let model = model_of(&dolphin(0));
+    let error = |options: BuildOptions| MorphBvh::build(model.clone(), &options).unwrap_err();
+    let options = BuildOptions::default();
+    assert_eq!(error(options.clone().with_arity(3)), BuildError::Arity(3));
+    assert_eq!(error(options.clone().with_leaf_size(0)), BuildError::LeafSize(0));
+    assert_eq!(error(options.clone().with_scales([1.0, -2.0])), BuildError::Scale(-2.0));
+    assert_eq!(
+        error(options.clone().with_shape(PartitionShape::Target(2))),
+        BuildError::NoSuchTarget { target: 2, targets: 2 }
+    );
+    assert_eq!(
+        error(options.with_shape(PartitionShape::Weights(vec![1.0]))),
+        BuildError::ShapeWeights { given: 1, expected: 2 }
+    );
+}
+
+#[test]
+fn compact_tables_take_half_the_bytes() {
+    let model = model_of(&dolphin(1));
+    let bytes = |compact| {
+        let options = BuildOptions::default().with_compact(compact);
+        MorphBvh::build(model.clone(), &options).unwrap().stats().table_bytes as f64
+    };
+    assert!(bytes(true) < 0.7 * bytes(false));
+}
+
+#[test]
+fn a_tree_restored_from_its_layout_is_the_same_tree() {
+    let model = model_of(&dolphin(0));
+    for options in every_option() {
+        let bvh = MorphBvh::build(model.clone(), &options).unwrap();
+        let restored = MorphBvh::from_layout(model.clone(), &bvh.layout()).unwrap();
+        assert_eq!(restored.layout(), bvh.layout());
+        assert_eq!(restored.stats(), bvh.stats());
+        assert_eq!(restored.validate(), Ok(()));
+    }
+}
+
+#[test]
+fn a_layout_of_another_mesh_is_refused() {
+    let (small, large) = (model_of(&dolphin(0)), model_of(&dolphin(1)));
+    let layout = MorphBvh::build(small, &BuildOptions::default()).unwrap().layout();
+    assert!(matches!(
+        MorphBvh::from_layout(large, &layout),
+        Err(LayoutError::OtherMesh { .. })
+    ));
+}
+
+#[cfg(feature = "serde")]
+#[test]
+fn corrupt_layouts_are_errors_or_valid_trees() {
+    let model = model_of(&random::triangle_soup(9, 40, 2));
+    let layout = MorphBvh::build(model.clone(), &BuildOptions::default())
+        .unwrap()
+        .layout();
+    let json = serde_json::to_value(&layout).unwrap();
+    let (mut refused, mut accepted) = (0, 0);
+    for field in ["nodes", "triangles"] {
+        for place in 0..json[field].as_array().unwrap().len() {
+            for value in [0, 1, 2, 9, 41, u32::MAX] {
+                let mut broken = json.clone();
+                broken[field][place] = value.into();
+                match MorphBvh::from_layout(model.clone(), &serde_json::from_value(broken).unwrap()) {
+                    Ok(bvh) => {
+                        assert_eq!(bvh.validate(), Ok(()));
+                        accepted += 1;
+                    }
+                    Err(_) => refused += 1,
+                }
+            }
+        }
+    }
+    assert!(refused > accepted, "{refused} refused, {accepted} accepted");
+    let mut newer = json;
+    newer["version"] = 2.into();
+    assert_eq!(
+        MorphBvh::from_layout(model, &serde_json::from_value(newer).unwrap()).unwrap_err(),
+        LayoutError::Version { found: 2 }
+    );
+}
+
+#[test]
+fn scales_are_fitted_to_the_weights_a_model_will_have() {
+    let fitted = |samples: &[[f32; 3]]| BuildOptions::default().fitted_to(samples);
+    assert_eq!(fitted(&[[0.5, 0.5, -1e-7], [1.0, 6e-8, 0.0]]), BuildOptions::default());
+    let face = fitted(&[[3.0, 3.0, 2.0]; 5]);
+    assert_eq!((face.scales, face.reflected), (vec![4.0], false));
+    let signed = fitted(&[[0.3, -0.4, 0.2]]);
+    assert_eq!((signed.scales, signed.reflected), (vec![1.0], true));
+    assert_eq!(fitted(&[]), BuildOptions::default());
+    assert_eq!(fitted(&[[f32::INFINITY; 3]]), BuildOptions::default());
+}

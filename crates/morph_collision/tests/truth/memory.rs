@@ -1,0 +1,147 @@
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use glam::Affine3A;
+use morph_collision::{
+    Body, BuildOptions, MorphBvh, PairMemory, PairQuery, PairStats, Pose, Remember, TrianglePair, VolumeKind,
+    WorldFromModel,
+};
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::models::{dolphin, random};
+use morph_collision_testkit::scenes::dolphins;
+
+const SEPARATION: Remember = Remember {
+    separation: true,
+    front: false,
+};
+const FRONT: Remember = Remember {
+    separation: false,
+    front: true,
+};
+const BOTH: Remember = Remember {
+    separation: true,
+    front: true,
+};
+
+/// Frames of two bodies of a mesh: weights and place of each.
+type Frames = Vec<[(Vec<f32>, Affine3A); 2]>;
+
+/// Two dolphins swimming side by side, the second put a little aside.
+fn swimming(aside: f32) -> (MorphMesh, Frames) {
+    let frames = (0..200)
+        .map(|frame| {
+            [0, 1].map(|i| {
+                let mut place = dolphins::placement(i, 12, frame, 400);
+                place.translation.y += aside * i as f32;
+                (dolphins::weights(i, frame, 400).to_vec(), place)
+            })
+        })
+        .collect();
+    (dolphin(0), frames)
+}
+
+/// Blobs that turn, jump and change their weights wildly.
+fn jumping() -> (MorphMesh, Frames) {
+    let frames = (0..200)
+        .map(|frame| {
+            [0, 1].map(|i| {
+                let t = (frame * (i + 1)) as f32;
+                let weights = (0..4).map(|k| (t * 0.37 + k as f32).sin() * if frame % 7 == 0 { 3.0 } else { 0.5 });
+                let stretch = glam::Vec3::new(1.0, 1.0 + 0.3 * (t * 0.21).sin(), -1.0);
+                let place = Affine3A::from_scale_rotation_translation(
+                    stretch,
+                    glam::Quat::from_rotation_z(t * 0.01),
+                    glam::Vec3::X * (2.6 * i as f32 + 0.4 * (t * 0.13).cos()),
+                );
+                (weights.collect(), place)
+            })
+        })
+        .collect();
+    (random::random_blob(3, 1, 4, 0.3), frames)
+}
+
+/// The pairs of every frame, sorted, and the work they took.
+fn replay(
+    mesh: &MorphMesh,
+    frames: &Frames,
+    volume: VolumeKind,
+    memory: Option<&mut PairMemory>,
+    first_only: bool,
+) -> (Vec<Vec<TrianglePair>>, PairStats) {
+    let options = BuildOptions::default().with_volume(volume);
+    let bvh = Arc::new(MorphBvh::build(Arc::new(mesh.to_model().unwrap()), &options).unwrap());
+    let (mut a, mut b) = (Pose::new(bvh.clone()), Pose::new(bvh));
+    let (mut query, mut stats, mut memory) = (PairQuery::new(), PairStats::default(), memory);
+    let pairs = frames.iter().map(|[of_a, of_b]| {
+        a.set_weights(&of_a.0).unwrap();
+        b.set_weights(&of_b.0).unwrap();
+        let places = [of_a.1, of_b.1].map(|place| WorldFromModel::new(place).unwrap());
+        let (body_a, body_b) = (Body::new(&mut a, &places[0]), Body::new(&mut b, &places[1]));
+        let mut pairs = Vec::new();
+        let visitor = |pair| {
+            pairs.push(pair);
+            if first_only {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
+            }
+        };
+        stats += match &mut memory {
+            Some(memory) => query.visit_with(memory, body_a, body_b, visitor),
+            None => query.visit(body_a, body_b, visitor),
+        };
+        pairs.sort_unstable();
+        pairs
+    });
+    (pairs.collect(), stats)
+}
+
+#[test]
+fn what_is_remembered_changes_no_answer() {
+    for (mesh, frames) in [swimming(0.0), swimming(0.3), jumping()] {
+        for volume in VolumeKind::ALL {
+            let (plain, _) = replay(&mesh, &frames, volume, None, false);
+            assert!(plain.iter().any(|pairs| !pairs.is_empty()), "nothing to find");
+            assert!(plain.iter().any(Vec::is_empty), "nothing to skip");
+            for remember in [SEPARATION, FRONT, BOTH] {
+                let mut memory = PairMemory::new(remember);
+                let (with, _) = replay(&mesh, &frames, volume, Some(&mut memory), false);
+                assert!(with == plain, "{volume} remembering {remember:?}");
+                let mut memory = PairMemory::new(remember);
+                let (first, _) = replay(&mesh, &frames, volume, Some(&mut memory), true);
+                for (frame, (first, all)) in first.iter().zip(&plain).enumerate() {
+                    assert_eq!(first.is_empty(), all.is_empty(), "{volume}, frame {frame}");
+                    assert!(first.iter().all(|pair| all.contains(pair)));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_pair_that_stays_apart_is_seldom_looked_at() {
+    let (mesh, frames) = swimming(3.0);
+    let (plain, stats) = replay(&mesh, &frames, VolumeKind::Aabb, None, false);
+    assert!(plain.iter().all(Vec::is_empty));
+    let mut memory = PairMemory::new(SEPARATION);
+    let (_, remembering) = replay(&mesh, &frames, VolumeKind::Aabb, Some(&mut memory), false);
+    assert!(
+        memory.skipped() * 2 > frames.len() as u64,
+        "{} of {}",
+        memory.skipped(),
+        frames.len()
+    );
+    assert!(remembering.node_tests < stats.node_tests);
+}
+
+#[test]
+fn another_tree_is_noticed() {
+    let (mesh, frames) = swimming(3.0);
+    let mut memory = PairMemory::new(BOTH);
+    replay(&mesh, &frames[..5].to_vec(), VolumeKind::Aabb, Some(&mut memory), false);
+    // The same memory, but other trees and bodies that touch.
+    let (mesh, frames) = jumping();
+    let (plain, _) = replay(&mesh, &frames, VolumeKind::Aabb, None, false);
+    let (with, _) = replay(&mesh, &frames, VolumeKind::Aabb, Some(&mut memory), false);
+    assert!(with == plain);
+}

@@ -1,0 +1,92 @@
+use std::sync::Arc;
+
+use glam::Affine3A;
+use morph_collision::{BuildOptions, MorphBvh, Pose, SelfQuery, VolumeKind};
+use morph_collision_testkit::gltf_read::read_meshes;
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::models::{degenerate, dolphin, random};
+use morph_collision_testkit::oracle;
+
+use crate::scenes::shared_model;
+
+/// By brute force: the oracle's pairs of the mesh with itself, without those that share a welded vertex.
+fn truth(mesh: &MorphMesh, weights: &[f32]) -> Vec<(u32, u32)> {
+    let posed = oracle::posed_vertices(&mesh.positions, &mesh.targets, weights);
+    let world = oracle::world_vertices(&posed, &Affine3A::IDENTITY);
+    // Vertices are one when they agree in position and every displacement.
+    let same = |v: u32, w: u32| {
+        let (v, w) = (v as usize, w as usize);
+        mesh.positions[v] == mesh.positions[w] && mesh.targets.iter().all(|target| target[v] == target[w])
+    };
+    let mut pairs = oracle::intersecting_pairs(&world, &mesh.triangles, &world, &mesh.triangles);
+    pairs.retain(|&(a, b)| {
+        let (ta, tb) = (mesh.triangles[a as usize], mesh.triangles[b as usize]);
+        a < b && !ta.iter().any(|&v| tb.iter().any(|&w| same(v, w)))
+    });
+    pairs
+}
+
+fn agrees(mesh: &MorphMesh, weights: &[f32]) -> usize {
+    let truth = truth(mesh, weights);
+    let model = Arc::new(mesh.to_model().unwrap());
+    for volume in VolumeKind::ALL {
+        for leaf_size in [1, 4] {
+            let options = BuildOptions::default().with_volume(volume).with_leaf_size(leaf_size);
+            let mut pose = Pose::new(Arc::new(MorphBvh::build(model.clone(), &options).unwrap()));
+            pose.set_weights(weights).unwrap();
+            let mut pairs = Vec::new();
+            let stats = SelfQuery::new().all(&mut pose, &mut pairs);
+            let mut pairs: Vec<_> = pairs.iter().map(|p| (p.triangle_a, p.triangle_b)).collect();
+            pairs.sort_unstable();
+            assert_eq!(pairs, truth, "{} with {volume}, leaves of {leaf_size}", mesh.name);
+            let all = mesh.triangles.len() as u64;
+            assert!(stats.triangle_tests <= all * (all - 1) / 2);
+            assert_eq!(SelfQuery::new().any(&mut pose).0, !truth.is_empty());
+        }
+    }
+    truth.len()
+}
+
+#[test]
+fn self_intersections_agree_with_the_oracle() {
+    // The dolphin's fins stick in its body: it intersects itself in every pose.
+    assert!(agrees(&dolphin(0), &[0.3, 0.4]) > 0);
+    let blob = random::random_blob(4, 2, 5, 0.6);
+    assert_eq!(agrees(&blob, &[0.0; 5]), 0);
+    assert!(agrees(&blob, &[-3.0, 4.0, 2.0, -5.0, 3.0]) > 0);
+    assert!(agrees(&random::triangle_soup(5, 80, 2), &[0.5, -1.0]) > 0);
+    for mesh in [
+        degenerate::slivers(1, 40),
+        degenerate::zero_area(2, 40),
+        degenerate::coplanar_sheets(3, 4),
+    ] {
+        agrees(&mesh, &vec![0.5; mesh.targets.len()]);
+    }
+}
+
+#[test]
+fn vertices_split_along_seams_do_not_make_neighbours_collide() {
+    let mesh = degenerate::duplicated_vertices(&random::random_blob(4, 2, 5, 0.6));
+    assert_eq!(agrees(&mesh, &[0.0; 5]), 0);
+}
+
+#[test]
+fn a_face_that_moves_its_lips_and_tongue_agrees_with_the_oracle() {
+    let Some(path) = shared_model("mh_head_eyes_teeth_arkit52.glb") else {
+        return;
+    };
+    let mesh = read_meshes(&path).unwrap().swap_remove(0);
+    let weights: Vec<f32> = (0..mesh.targets.len())
+        .map(|k| if k % 3 == 0 { 0.7 } else { 0.0 })
+        .collect();
+    let truth = truth(&mesh, &weights);
+    let model = Arc::new(mesh.to_model().unwrap());
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(model, &BuildOptions::default()).unwrap()));
+    pose.set_weights(&weights).unwrap();
+    let mut pairs = Vec::new();
+    SelfQuery::new().all(&mut pose, &mut pairs);
+    let mut pairs: Vec<_> = pairs.iter().map(|p| (p.triangle_a, p.triangle_b)).collect();
+    pairs.sort_unstable();
+    assert!(!truth.is_empty());
+    assert_eq!(pairs, truth);
+}

@@ -62,7 +62,10 @@ mod tree;
 pub use bounds::{Aabb, TransformError, WorldFromModel};
 pub use exact::{Triangle, triangles_intersect};
 pub use model::{ModelError, MorphModel, Subject};
-pub use pose::{ContainmentReport, ContainmentViolation, Pose, WeightsError};
-pub use query::{Body, PairQuery, PairStats, TrianglePair};
+pub use pose::{ContainmentReport, ContainmentViolation, NoSuchVertex, Pose, WeightsError};
+pub use query::{
+    Ball, Body, BodyStats, ClosestPair, ClosestPoint, ConvexRegion, DistanceQuery, Facing, HalfSpace, InputError,
+    OverlapQuery, PairQuery, PairStats, PointQuery, Ray, RayHit, RayQuery, SurfaceAnchor, SurfaceFrame, TrianglePair,
+};
 pub use traverse::overlapping_pairs;
 pub use tree::{BuildError, BuildOptions, MorphBvh, PartitionShape, Split, VolumeKind};

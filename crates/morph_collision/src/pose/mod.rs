@@ -8,11 +8,13 @@ mod cache;
 mod containment;
 mod instance;
 mod posed;
+mod shape;
 mod weights;
 
 pub use containment::{ContainmentReport, ContainmentViolation};
 pub use instance::Pose;
 pub(crate) use posed::{AnyPosed, Blended, NodeRef, Posed, with_posed};
+pub use shape::NoSuchVertex;
 pub use weights::WeightsError;
 
 #[cfg(test)]

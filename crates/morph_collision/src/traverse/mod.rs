@@ -1,9 +1,11 @@
-//! Walks that cull: over one list of bodies, and over two trees. What happens at a pair of leaves is the caller's.
+//! Walks that cull: over one list of bodies, over one tree, and over two. What happens at the leaves is the caller's.
 
 mod cull;
+mod one;
 mod pairs;
 mod sweep;
 
-pub(crate) use cull::{AsBoxes, Cull, Walkable};
-pub(crate) use pairs::{PairWalk, Stack};
+pub(crate) use cull::{AsBoxes, Cull, Side, Walkable};
+pub(crate) use one::{OneWalk, Queue};
+pub(crate) use pairs::{Meeting, Opened, PairRule, PairWalk, Stack};
 pub use sweep::overlapping_pairs;

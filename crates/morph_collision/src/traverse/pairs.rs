@@ -1,45 +1,106 @@
 //! The one walk over two trees.
 
+use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
 use super::cull::{Cull, Side, Walkable};
-use crate::bounds::Volume;
+use crate::bounds::{LANES, Volume};
 use crate::pose::NodeRef;
 use crate::tree::{ChildKind, Leaf};
 
-/// Node pairs still to be looked at; reused between walks.
-pub(crate) type Stack = Vec<(NodeRef, NodeRef)>;
+/// Node pairs still to be looked at, with what the walk's rule says of them; reused between walks.
+pub(crate) type Stack<K = ()> = Vec<(K, NodeRef, NodeRef)>;
 
-/// A walk over the node pairs of two posed trees whose volumes may meet.
+/// Which node pairs a walk looks at, and in which order.
+pub(crate) trait PairRule<V: Volume> {
+    /// What decides about a pair; lower ones come first among the children of a node.
+    type Key: Copy + Default + PartialOrd;
+
+    /// The key of the two roots; `None` to look at nothing.
+    fn roots(&self, a: &V::One, b: &V::One) -> Option<Self::Key>;
+
+    /// The keys of an opened group's children against the other side's volume, and the lanes to look at.
+    fn children<W: Walkable<Kind = V>>(
+        &self,
+        tree: &W,
+        opened: Opened,
+        side: Side,
+        other: &V::One,
+        keys: &mut [Self::Key; LANES],
+    ) -> u8;
+
+    /// Whether a pair that comes off the stack is still worth looking at.
+    fn still_wanted(&self, key: Self::Key) -> bool;
+}
+
+/// A group whose volumes are made: where they are, and a bit per child.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Opened {
+    pub(crate) group: usize,
+    pub(crate) slot: usize,
+    pub(crate) mask: u8,
+}
+
+/// The rule of node pairs whose volumes may meet in every one of some frames.
+#[derive(Debug)]
+pub(crate) struct Meeting<'a, V: Volume>(pub(crate) &'a [Cull<V>]);
+
+impl<V: Volume> PairRule<V> for Meeting<'_, V> {
+    type Key = ();
+
+    fn roots(&self, a: &V::One, b: &V::One) -> Option<()> {
+        self.0.iter().all(|cull| cull.overlap(a, b)).then_some(())
+    }
+
+    #[inline]
+    fn children<W: Walkable<Kind = V>>(
+        &self,
+        tree: &W,
+        opened: Opened,
+        side: Side,
+        other: &V::One,
+        _keys: &mut [(); LANES],
+    ) -> u8 {
+        tree.overlap_mask(opened.slot, self.0, side, other, opened.mask)
+    }
+
+    #[inline]
+    fn still_wanted(&self, (): ()) -> bool {
+        true
+    }
+}
+
+/// A walk over the node pairs of two posed trees that a rule wants looked at, depth first.
 ///
 /// The children of the larger node are made, if they are not yet, and tested against the other node, eight at once (the
 /// paper's Sect. 3: descend the larger).
-pub(crate) struct PairWalk<'a, V: Volume, A, B> {
+pub(crate) struct PairWalk<'a, R, A, B> {
     pub(crate) a: &'a mut A,
     pub(crate) b: &'a mut B,
-    /// The frames to compare volumes in.
-    pub(crate) culls: &'a [Cull<V>],
+    pub(crate) rule: &'a R,
     /// Lengths in A's units per length in B's: to tell which of two nodes is larger.
     pub(crate) a_from_b_scale: f32,
     /// Volumes tested against volumes so far.
     pub(crate) node_tests: u64,
 }
 
-impl<V: Volume, A: Walkable<Kind = V>, B: Walkable<Kind = V>> PairWalk<'_, V, A, B> {
-    /// Calls `at_leaves` for every pair of leaves whose volumes may meet, until it breaks.
+impl<V: Volume, R: PairRule<V>, A: Walkable<Kind = V>, B: Walkable<Kind = V>> PairWalk<'_, R, A, B> {
+    /// Calls `at_leaves` for every pair of leaves that the rule wants, until it breaks.
     pub(crate) fn run(
         &mut self,
-        stack: &mut Stack,
+        stack: &mut Stack<R::Key>,
         mut at_leaves: impl FnMut(&mut A, &mut B, Leaf, Leaf) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         stack.clear();
         let (a, b) = (self.a.root(), self.b.root());
         self.node_tests += 1;
-        let (root_a, root_b) = (self.a.volume(a), self.b.volume(b));
-        if self.culls.iter().all(|cull| cull.overlap(&root_a, &root_b)) {
-            stack.push((a, b));
+        if let Some(key) = self.rule.roots(&self.a.volume(a), &self.b.volume(b)) {
+            stack.push((key, a, b));
         }
-        while let Some((a, b)) = stack.pop() {
+        while let Some((key, a, b)) = stack.pop() {
+            if !self.rule.still_wanted(key) {
+                continue;
+            }
             match (a.child.kind(), b.child.kind()) {
                 (ChildKind::Leaf(leaf_a), ChildKind::Leaf(leaf_b)) => at_leaves(self.a, self.b, leaf_a, leaf_b)?,
                 (ChildKind::Group(group), ChildKind::Leaf(_)) => self.descend_a(group, b, stack),
@@ -58,33 +119,47 @@ impl<V: Volume, A: Walkable<Kind = V>, B: Walkable<Kind = V>> PairWalk<'_, V, A,
         ControlFlow::Continue(())
     }
 
-    fn descend_a(&mut self, group: usize, b: NodeRef, stack: &mut Stack) {
-        let other = self.b.volume(b);
-        let (slot, mask) = descend(self.a, group, &other, self.culls, Side::A, &mut self.node_tests);
-        stack.extend(lanes_of(mask).map(|lane| (self.a.node(slot, group, lane), b)));
+    fn descend_a(&mut self, group: usize, b: NodeRef, stack: &mut Stack<R::Key>) {
+        let (other, mut keys) = (self.b.volume(b), [R::Key::default(); LANES]);
+        let opened = open(self.a, group, &mut self.node_tests);
+        let mask = self.rule.children(self.a, opened, Side::A, &other, &mut keys);
+        push(stack, mask, &keys, |lane| (self.a.node(opened.slot, group, lane), b));
     }
 
-    fn descend_b(&mut self, a: NodeRef, group: usize, stack: &mut Stack) {
-        let other = self.a.volume(a);
-        let (slot, mask) = descend(self.b, group, &other, self.culls, Side::B, &mut self.node_tests);
-        stack.extend(lanes_of(mask).map(|lane| (a, self.b.node(slot, group, lane))));
+    fn descend_b(&mut self, a: NodeRef, group: usize, stack: &mut Stack<R::Key>) {
+        let (other, mut keys) = (self.a.volume(a), [R::Key::default(); LANES]);
+        let opened = open(self.b, group, &mut self.node_tests);
+        let mask = self.rule.children(self.b, opened, Side::B, &other, &mut keys);
+        push(stack, mask, &keys, |lane| (a, self.b.node(opened.slot, group, lane)));
     }
 }
 
-/// Opens a group and tests its children against the other body's volume: the group's slot and the lanes that may meet it.
+/// Makes a group's volumes unless they are there.
 #[inline]
-fn descend<V: Volume, W: Walkable<Kind = V>>(
-    tree: &mut W,
-    group: usize,
-    other: &V::One,
-    culls: &[Cull<V>],
-    side: Side,
-    node_tests: &mut u64,
-) -> (usize, u8) {
+fn open(tree: &mut impl Walkable, group: usize, node_tests: &mut u64) -> Opened {
     let slot = tree.open(group);
     let mask = tree.topology().group(group).mask();
     *node_tests += u64::from(mask.count_ones());
-    (slot, tree.overlap_mask(slot, culls, side, other, mask))
+    Opened { group, slot, mask }
+}
+
+/// Pushes the lanes of a mask so that the lowest key comes off the stack first, among equals the first lane.
+#[inline]
+fn push<K: Copy + PartialOrd>(
+    stack: &mut Stack<K>,
+    mask: u8,
+    keys: &[K; LANES],
+    pair: impl Fn(usize) -> (NodeRef, NodeRef),
+) {
+    let first = stack.len();
+    stack.extend(lanes_of(mask).map(|lane| {
+        let (a, b) = pair(lane);
+        (keys[lane], a, b)
+    }));
+    // Keys without content need no order.
+    if size_of::<K>() > 0 {
+        stack[first..].sort_by(|x, y| y.0.partial_cmp(&x.0).unwrap_or(Ordering::Equal));
+    }
 }
 
 /// The set bits, last first, so that the first lane comes off the stack first.

@@ -62,8 +62,12 @@ mod tree;
 pub use bounds::{Aabb, TransformError, WorldFromModel};
 pub use exact::{Triangle, triangles_intersect};
 pub use model::{ModelError, MorphModel, Subject};
-pub use pose::{ContainmentReport, ContainmentViolation, Pose, TreeQuality, WeightsError};
-pub use query::{Body, PairMemory, PairQuery, PairStats, Remember, SelfQuery, TrianglePair};
+pub use pose::{ContainmentReport, ContainmentViolation, NoSuchVertex, Pose, TreeQuality, WeightsError};
+pub use query::{
+    Ball, Body, BodyStats, ClosestPair, ClosestPoint, ConvexRegion, DistanceQuery, Facing, HalfSpace, InputError,
+    OverlapQuery, PairMemory, PairQuery, PairStats, PointQuery, Ray, RayHit, RayQuery, Remember, SelfQuery,
+    SurfaceAnchor, SurfaceFrame, TrianglePair,
+};
 pub use traverse::overlapping_pairs;
 pub use tree::{
     BrokenTree, BuildError, BuildOptions, BvhStats, LayoutError, MorphBvh, PartitionShape, Split, TreeLayout,

@@ -58,6 +58,19 @@ pub(crate) fn frames_of(
     world_from_b: &WorldFromModel,
     b: &Aabb,
 ) -> impl Iterator<Item = Frames> {
+    let [a, b] = [a, b].map(|bounds| bounds.magnitude().as_dvec3());
+    let [in_a, in_b] = own_frames(world_from_a, a, world_from_b, b);
+    let in_world = (in_a.is_none() && in_b.is_none()).then(|| world_frames(world_from_a, a, world_from_b, b));
+    in_a.into_iter().chain(in_b).chain(in_world)
+}
+
+/// The frames that are the space of A, and that of B, where these can be inverted; for points within magnitudes.
+pub(super) fn own_frames(
+    world_from_a: &WorldFromModel,
+    a: DVec3,
+    world_from_b: &WorldFromModel,
+    b: DVec3,
+) -> [Option<Frames>; 2] {
     let error = placement_error(world_from_a, a) + placement_error(world_from_b, b);
     let in_a = relative(world_from_a, world_from_b, b, error).map(|b| Frames {
         a: None,
@@ -70,20 +83,25 @@ pub(crate) fn frames_of(
         // The Frobenius norm of the map to this frame is at least its largest stretch; the margin covers its error.
         stretch: 0.9 / frobenius(a.linear),
     });
+    [in_a, in_b]
+}
+
+/// World space moved to A's origin; for points within magnitudes.
+pub(super) fn world_frames(world_from_a: &WorldFromModel, a: DVec3, world_from_b: &WorldFromModel, b: DVec3) -> Frames {
+    let error = placement_error(world_from_a, a) + placement_error(world_from_b, b);
     let origin = world_from_a.translation();
-    let in_world = Frames {
+    Frames {
         a: Some(to_world(world_from_a, origin, a, error)),
         b: Some(to_world(world_from_b, origin, b, error)),
         stretch: 1.0,
-    };
-    let in_world = (in_a.is_none() && in_b.is_none()).then_some(in_world);
-    in_a.into_iter().chain(in_b).chain(in_world)
+    }
 }
 
 /// A box in world space around everything that [`WorldFromModel::transform_point`] makes of points in `bounds`.
 pub(crate) fn world_bounds(world_from_model: &WorldFromModel, bounds: &Aabb) -> Aabb {
-    let error = placement_error(world_from_model, bounds);
-    let frame = to_world(world_from_model, DVec3::ZERO, bounds, error);
+    let magnitude = bounds.magnitude().as_dvec3();
+    let error = placement_error(world_from_model, magnitude);
+    let frame = to_world(world_from_model, DVec3::ZERO, magnitude, error);
     match BoxLanes::map(&frame) {
         Some(map) => BoxLanes::bounds(&BoxLanes::map_one(&map, &Slab::of_box(bounds))),
         None => Aabb {
@@ -94,27 +112,32 @@ pub(crate) fn world_bounds(world_from_model: &WorldFromModel, bounds: &Aabb) -> 
 }
 
 /// The map to world space relative to `origin`, which keeps small bodies far from the world's origin sharp.
-fn to_world(world_from_model: &WorldFromModel, origin: DVec3, bounds: &Aabb, error: DVec3) -> Frame {
+fn to_world(world_from_model: &WorldFromModel, origin: DVec3, magnitude: DVec3, error: DVec3) -> Frame {
     let translation = world_from_model.translation() - origin;
     Frame {
         linear: world_from_model.linear(),
         translation,
-        magnitude: bounds.magnitude().as_dvec3(),
+        magnitude,
         error: error + 2.0 * U64 * translation.abs(),
     }
 }
 
-/// What [`WorldFromModel::transform_point`] may differ from the exact image of any point in the bounds, per world axis.
-fn placement_error(world_from_model: &WorldFromModel, bounds: &Aabb) -> DVec3 {
-    let reach = abs(world_from_model.linear()) * bounds.magnitude().as_dvec3() + world_from_model.translation().abs();
-    4.0 * U64 * reach
+/// What [`WorldFromModel::transform_point`] may differ from the exact image of any point within a magnitude, per world
+/// axis.
+fn placement_error(world_from_model: &WorldFromModel, magnitude: DVec3) -> DVec3 {
+    4.0 * U64 * world_reach(world_from_model, magnitude)
 }
 
-/// `target_from_source` for volumes within `bounds`; `None` where the target body cannot be inverted safely.
+/// The largest absolute world coordinates of points within a magnitude.
+pub(super) fn world_reach(world_from_model: &WorldFromModel, magnitude: DVec3) -> DVec3 {
+    abs(world_from_model.linear()) * magnitude + world_from_model.translation().abs()
+}
+
+/// `target_from_source` for volumes within a magnitude; `None` where the target body cannot be inverted safely.
 fn relative(
     world_from_target: &WorldFromModel,
     world_from_source: &WorldFromModel,
-    bounds: &Aabb,
+    magnitude: DVec3,
     world_error: DVec3,
 ) -> Option<Frame> {
     let linear = world_from_target.linear();
@@ -128,7 +151,6 @@ fn relative(
     let largest = column_maxima(abs(inverse));
     let error_of = |v: DVec3| DVec3::splat(1.1 * rho * largest.dot(v));
     let offset = world_from_source.translation() - world_from_target.translation();
-    let magnitude = bounds.magnitude().as_dvec3();
     let reach = abs(world_from_source.linear()) * magnitude + offset.abs();
     Some(Frame {
         linear: inverse * world_from_source.linear(),
@@ -149,6 +171,7 @@ pub(crate) fn a_from_b(
     world_from_b: &WorldFromModel,
     b: &Aabb,
 ) -> Option<Frame> {
+    let [a, b] = [a, b].map(|bounds| bounds.magnitude().as_dvec3());
     let error = placement_error(world_from_a, a) + placement_error(world_from_b, b);
     relative(world_from_a, world_from_b, b, error)
 }
@@ -173,7 +196,7 @@ fn inverse(linear: DMat3) -> Option<DMat3> {
     inverse.is_finite().then_some(inverse)
 }
 
-fn abs(m: DMat3) -> DMat3 {
+pub(super) fn abs(m: DMat3) -> DMat3 {
     DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs())
 }
 

@@ -5,18 +5,22 @@
 mod aabb;
 mod directions;
 mod frame;
+mod gap;
 mod lanes;
 mod rounding;
 mod slabs;
 mod spheres;
 mod transform;
 mod volume;
+mod world_query;
 
 pub use aabb::Aabb;
 pub(crate) use frame::{Frame, Frames, a_from_b, frames_of, frobenius, world_bounds};
+pub(crate) use gap::{Box64, GapFrame};
 pub(crate) use lanes::{LANES, Lanes};
-pub(crate) use rounding::up;
+pub(crate) use rounding::{down, up};
 pub(crate) use slabs::{BoxLanes, Slab, Slabs};
 pub(crate) use spheres::Spheres;
 pub use transform::{TransformError, WorldFromModel};
 pub(crate) use volume::{Points, Volume};
+pub(crate) use world_query::{ModelPlane, RayCull};

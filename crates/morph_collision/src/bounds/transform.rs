@@ -63,6 +63,16 @@ impl WorldFromModel {
         ((self.linear.x_axis * p.x + self.linear.y_axis * p.y) + self.linear.z_axis * p.z) + self.translation
     }
 
+    /// The world-space direction normal to what a model-space normal is normal to, with the length that an area-weighted
+    /// normal gets: by the matrix of cofactors, which needs no inverse and follows the winding through a mirroring.
+    ///
+    /// Zero for a surface that the map flattens to a line. Not exact: a few roundings of `f64`.
+    #[must_use]
+    pub fn transform_normal(&self, normal: DVec3) -> DVec3 {
+        let [x, y, z] = [self.linear.x_axis, self.linear.y_axis, self.linear.z_axis];
+        y.cross(z) * normal.x + z.cross(x) * normal.y + x.cross(y) * normal.z
+    }
+
     /// A typical stretch: the longest image of a unit axis.
     pub(crate) fn scale(&self) -> f64 {
         let m = self.linear;

@@ -10,12 +10,14 @@ mod containment;
 mod instance;
 mod posed;
 mod quality;
+mod shape;
 mod weights;
 
 pub use containment::{ContainmentReport, ContainmentViolation};
 pub use instance::Pose;
 pub(crate) use posed::{AnyPosed, Blended, NodeRef, Place, Posed, with_posed};
 pub use quality::TreeQuality;
+pub use shape::NoSuchVertex;
 pub use weights::WeightsError;
 
 #[cfg(test)]

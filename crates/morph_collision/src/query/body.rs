@@ -1,7 +1,7 @@
 use crate::bounds::WorldFromModel;
 use crate::exact::Triangle;
-use crate::pose::Pose;
-use crate::traverse::Walkable;
+use crate::pose::{AnyPosed, Pose, with_posed};
+use crate::traverse::{AsBoxes, Walkable};
 
 /// A posed mesh and where it stands, for the time of one query.
 #[derive(Debug)]
@@ -25,4 +25,9 @@ impl<'a> Body<'a> {
 pub(super) fn world_triangle(tree: &mut impl Walkable, world_from_model: &WorldFromModel, triangle: u32) -> Triangle {
     tree.corners(triangle)
         .map(|corner| world_from_model.transform_point(corner))
+}
+
+/// A posed tree of any kind as one of boxes.
+pub(super) fn as_boxes<'a>(posed: &'a mut AnyPosed<'_>) -> AsBoxes<'a> {
+    with_posed!(posed, posed => AsBoxes(posed))
 }

@@ -1,11 +1,25 @@
 //! What a user asks: each query is a walk and what it does at the leaves.
 
+mod anchor;
 mod body;
+mod distance;
+mod input;
 mod memory;
+mod one;
+mod overlap;
 mod pairs;
+mod point;
+mod ray;
 mod self_pairs;
 
+pub use anchor::{SurfaceAnchor, SurfaceFrame};
 pub use body::Body;
+pub use distance::{ClosestPair, DistanceQuery};
+pub use input::{Ball, ConvexRegion, HalfSpace, InputError, Ray};
 pub use memory::{PairMemory, Remember};
+pub use one::BodyStats;
+pub use overlap::OverlapQuery;
 pub use pairs::{PairQuery, PairStats, TrianglePair};
+pub use point::{ClosestPoint, PointQuery};
+pub use ray::{Facing, RayHit, RayQuery};
 pub use self_pairs::SelfQuery;

@@ -1,11 +1,11 @@
 use std::ops::{AddAssign, ControlFlow};
 
-use super::body::{Body, world_triangle};
+use super::body::{Body, as_boxes, world_triangle};
 use super::memory::PairMemory;
 use crate::bounds::{Volume, WorldFromModel, frames_of};
 use crate::exact::{Triangle, triangles_intersect};
-use crate::pose::{AnyPosed, with_posed};
-use crate::traverse::{AsBoxes, Cull, PairWalk, Stack, Walkable};
+use crate::pose::AnyPosed;
+use crate::traverse::{Cull, Meeting, PairWalk, Stack, Walkable};
 use crate::tree::Leaf;
 
 /// Two intersecting triangles, each by its number in its own mesh.
@@ -171,7 +171,7 @@ impl PairQuery {
         let mut walk = PairWalk {
             a,
             b,
-            culls: &culls,
+            rule: &Meeting(&culls),
             a_from_b_scale: places.a_from_b_scale(),
             node_tests: 0,
             trace,
@@ -227,13 +227,13 @@ impl Places<'_> {
 
 /// The triangles of a leaf in world space, by number.
 #[derive(Debug, Default)]
-struct LeafTriangles {
+pub(super) struct LeafTriangles {
     numbers: Vec<u32>,
-    triangles: Vec<(u32, Triangle)>,
+    pub(super) triangles: Vec<(u32, Triangle)>,
 }
 
 impl LeafTriangles {
-    fn read(&mut self, tree: &mut impl Walkable, world_from_model: &WorldFromModel, leaf: Leaf) {
+    pub(super) fn read(&mut self, tree: &mut impl Walkable, world_from_model: &WorldFromModel, leaf: Leaf) {
         self.numbers.clear();
         self.numbers.extend_from_slice(tree.topology().leaf_triangles(leaf));
         self.triangles.clear();
@@ -242,8 +242,4 @@ impl LeafTriangles {
                 .push((triangle, world_triangle(tree, world_from_model, triangle)));
         }
     }
-}
-
-fn as_boxes<'a>(posed: &'a mut AnyPosed<'_>) -> AsBoxes<'a> {
-    with_posed!(posed, posed => AsBoxes(posed))
 }

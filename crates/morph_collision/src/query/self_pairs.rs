@@ -6,7 +6,7 @@ use super::{PairStats, TrianglePair};
 use crate::bounds::Volume;
 use crate::exact::{Triangle, triangles_intersect};
 use crate::pose::{Pose, Posed, with_posed};
-use crate::traverse::{Stack, walk_within};
+use crate::traverse::{SelfStack, walk_within};
 use crate::tree::Leaf;
 
 /// Asks which triangles of one posed mesh intersect each other; holds the memory that queries reuse.
@@ -33,7 +33,7 @@ use crate::tree::Leaf;
 /// ```
 #[derive(Debug, Default)]
 pub struct SelfQuery {
-    stack: Stack,
+    stack: SelfStack,
     leaf_a: Vec<(u32, [u32; 3], Triangle)>,
     leaf_b: Vec<(u32, [u32; 3], Triangle)>,
 }

@@ -1,11 +1,14 @@
-//! Walks that cull: over one list of bodies, over two trees, and over a tree and itself. What happens at a pair of leaves is the caller's.
+//! Walks that cull: over one list of bodies, over one tree, over two, and over a tree and itself. What happens at the
+//! leaves is the caller's.
 
 mod cull;
+mod one;
 mod pairs;
 mod sweep;
 mod within;
 
-pub(crate) use cull::{AsBoxes, Cull, Walkable};
-pub(crate) use pairs::{PairWalk, Stack, Trace};
+pub(crate) use cull::{AsBoxes, Cull, Side, Walkable};
+pub(crate) use one::{OneWalk, Queue};
+pub(crate) use pairs::{Meeting, Opened, PairRule, PairWalk, Stack, Trace};
 pub use sweep::overlapping_pairs;
-pub(crate) use within::walk_within;
+pub(crate) use within::{SelfStack, walk_within};

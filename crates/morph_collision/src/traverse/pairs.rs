@@ -1,33 +1,101 @@
 //! The one walk over two trees.
 
+use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
 use super::cull::{Cull, Side, Walkable};
-use crate::bounds::Volume;
+use crate::bounds::{LANES, Volume};
 use crate::pose::{NodeRef, Place};
 use crate::tree::{ChildKind, Leaf};
 
-/// Node pairs still to be looked at; reused between walks.
-pub(crate) type Stack = Vec<(NodeRef, NodeRef)>;
+/// Node pairs still to be looked at, with what the walk's rule says of them; reused between walks.
+pub(crate) type Stack<K = ()> = Vec<(K, NodeRef, NodeRef)>;
+
+/// Which node pairs a walk looks at, and in which order.
+pub(crate) trait PairRule<V: Volume> {
+    /// What decides about a pair; lower ones come first among the children of a node.
+    type Key: Copy + Default + PartialOrd;
+
+    /// The key of two nodes to start from, usually the roots; `None` not to look at them.
+    fn start(&self, a: &V::One, b: &V::One) -> Option<Self::Key>;
+
+    /// The keys of an opened group's children against the other side's volume, and the lanes to look at.
+    fn children<W: Walkable<Kind = V>>(
+        &self,
+        tree: &W,
+        opened: Opened,
+        side: Side,
+        other: &V::One,
+        keys: &mut [Self::Key; LANES],
+    ) -> u8;
+
+    /// Whether a pair that comes off the stack is still worth looking at.
+    fn still_wanted(&self, key: Self::Key) -> bool;
+
+    /// A lower bound of the distance in A's space between two volumes that the rule does not want.
+    fn gap(&self, _a: &V::One, _b: &V::One) -> f64 {
+        0.0
+    }
+}
 
 /// What a walk leaves behind for the next frame.
 #[derive(Debug, Default)]
 pub(crate) struct Trace {
-    /// The node pairs at which the walk ended: apart, or leaves. Whatever they become, all leaf pairs are below them.
+    /// The node pairs at which the walk ended: not wanted, or leaves. Whatever they become, all leaf pairs are below them.
     pub(crate) front: Vec<(Place, Place)>,
-    /// A lower bound of the distance in A's space between the bodies' parts that were found apart.
+    /// A lower bound of the distance in A's space between the bodies' parts that were not wanted; 0 if leaves were.
     pub(crate) gap: f64,
 }
 
-/// A walk over the node pairs of two posed trees whose volumes may meet.
+/// A group whose volumes are made: where they are, and a bit per child.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Opened {
+    pub(crate) group: usize,
+    pub(crate) slot: usize,
+    pub(crate) mask: u8,
+}
+
+/// The rule of node pairs whose volumes may meet in every one of some frames.
+#[derive(Debug)]
+pub(crate) struct Meeting<'a, V: Volume>(pub(crate) &'a [Cull<V>]);
+
+impl<V: Volume> PairRule<V> for Meeting<'_, V> {
+    type Key = ();
+
+    fn start(&self, a: &V::One, b: &V::One) -> Option<()> {
+        self.0.iter().all(|cull| cull.overlap(a, b)).then_some(())
+    }
+
+    #[inline]
+    fn children<W: Walkable<Kind = V>>(
+        &self,
+        tree: &W,
+        opened: Opened,
+        side: Side,
+        other: &V::One,
+        _keys: &mut [(); LANES],
+    ) -> u8 {
+        tree.overlap_mask(opened.slot, self.0, side, other, opened.mask)
+    }
+
+    #[inline]
+    fn still_wanted(&self, (): ()) -> bool {
+        true
+    }
+
+    fn gap(&self, a: &V::One, b: &V::One) -> f64 {
+        self.0.iter().map(|cull| cull.gap(a, b)).fold(0.0, f64::max)
+    }
+}
+
+/// A walk over the node pairs of two posed trees that a rule wants looked at, depth first.
 ///
 /// The children of the larger node are made, if they are not yet, and tested against the other node, eight at once (the
 /// paper's Sect. 3: descend the larger).
-pub(crate) struct PairWalk<'a, V: Volume, A, B> {
+pub(crate) struct PairWalk<'a, R, A, B> {
     pub(crate) a: &'a mut A,
     pub(crate) b: &'a mut B,
-    /// The frames to compare volumes in.
-    pub(crate) culls: &'a [Cull<V>],
+    pub(crate) rule: &'a R,
     /// Lengths in A's units per length in B's: to tell which of two nodes is larger.
     pub(crate) a_from_b_scale: f32,
     /// Volumes tested against volumes so far.
@@ -36,13 +104,13 @@ pub(crate) struct PairWalk<'a, V: Volume, A, B> {
     pub(crate) trace: Option<&'a mut Trace>,
 }
 
-impl<V: Volume, A: Walkable<Kind = V>, B: Walkable<Kind = V>> PairWalk<'_, V, A, B> {
-    /// Calls `at_leaves` for every pair of leaves whose volumes may meet, until it breaks.
+impl<V: Volume, R: PairRule<V>, A: Walkable<Kind = V>, B: Walkable<Kind = V>> PairWalk<'_, R, A, B> {
+    /// Calls `at_leaves` for every pair of leaves that the rule wants, until it breaks.
     ///
     /// Starts from the roots, or from the front of an earlier walk over the same trees.
     pub(crate) fn run(
         &mut self,
-        stack: &mut Stack,
+        stack: &mut Stack<R::Key>,
         front: &[(Place, Place)],
         mut at_leaves: impl FnMut(&mut A, &mut B, Leaf, Leaf) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
@@ -52,15 +120,13 @@ impl<V: Volume, A: Walkable<Kind = V>, B: Walkable<Kind = V>> PairWalk<'_, V, A,
         for (done, (a, b)) in start.iter().enumerate() {
             let (a, b) = (node_at(self.a, *a), node_at(self.b, *b));
             self.node_tests += 1;
-            let (volume_a, volume_b) = (self.a.volume(a), self.b.volume(b));
-            if self.culls.iter().all(|cull| cull.overlap(&volume_a, &volume_b)) {
-                stack.push((a, b));
-            } else {
-                self.note_apart(a, b);
+            match self.rule.start(&self.a.volume(a), &self.b.volume(b)) {
+                Some(key) => stack.push((key, a, b)),
+                None => self.note_unwanted(a, b),
             }
             if self.drain(stack, &mut at_leaves).is_break() {
                 if let Some(trace) = &mut self.trace {
-                    trace.front.extend(stack.iter().map(|(a, b)| (a.place, b.place)));
+                    trace.front.extend(stack.iter().map(|(_, a, b)| (a.place, b.place)));
                     trace.front.extend(&start[done + 1..]);
                 }
                 return ControlFlow::Break(());
@@ -71,10 +137,14 @@ impl<V: Volume, A: Walkable<Kind = V>, B: Walkable<Kind = V>> PairWalk<'_, V, A,
 
     fn drain(
         &mut self,
-        stack: &mut Stack,
+        stack: &mut Stack<R::Key>,
         at_leaves: &mut impl FnMut(&mut A, &mut B, Leaf, Leaf) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        while let Some((a, b)) = stack.pop() {
+        while let Some((key, a, b)) = stack.pop() {
+            if !self.rule.still_wanted(key) {
+                self.note_unwanted(a, b);
+                continue;
+            }
             match (a.child.kind(), b.child.kind()) {
                 (ChildKind::Leaf(leaf_a), ChildKind::Leaf(leaf_b)) => {
                     if let Some(trace) = &mut self.trace {
@@ -99,32 +169,32 @@ impl<V: Volume, A: Walkable<Kind = V>, B: Walkable<Kind = V>> PairWalk<'_, V, A,
         ControlFlow::Continue(())
     }
 
-    fn descend_a(&mut self, group: usize, b: NodeRef, stack: &mut Stack) {
-        let other = self.b.volume(b);
-        let (slot, mask, apart) = descend(self.a, group, &other, self.culls, Side::A, &mut self.node_tests);
-        stack.extend(lanes_of(mask).map(|lane| (self.a.node(slot, group, lane), b)));
+    fn descend_a(&mut self, group: usize, b: NodeRef, stack: &mut Stack<R::Key>) {
+        let (other, mut keys) = (self.b.volume(b), [R::Key::default(); LANES]);
+        let opened = open(self.a, group, &mut self.node_tests);
+        let mask = self.rule.children(self.a, opened, Side::A, &other, &mut keys);
+        push(stack, mask, &keys, |lane| (self.a.node(opened.slot, group, lane), b));
         if self.trace.is_some() {
-            lanes_of(apart).for_each(|lane| self.note_apart(self.a.node(slot, group, lane), b));
+            lanes_of(opened.mask & !mask).for_each(|lane| self.note_unwanted(self.a.node(opened.slot, group, lane), b));
         }
     }
 
-    fn descend_b(&mut self, a: NodeRef, group: usize, stack: &mut Stack) {
-        let other = self.a.volume(a);
-        let (slot, mask, apart) = descend(self.b, group, &other, self.culls, Side::B, &mut self.node_tests);
-        stack.extend(lanes_of(mask).map(|lane| (a, self.b.node(slot, group, lane))));
+    fn descend_b(&mut self, a: NodeRef, group: usize, stack: &mut Stack<R::Key>) {
+        let (other, mut keys) = (self.a.volume(a), [R::Key::default(); LANES]);
+        let opened = open(self.b, group, &mut self.node_tests);
+        let mask = self.rule.children(self.b, opened, Side::B, &other, &mut keys);
+        push(stack, mask, &keys, |lane| (a, self.b.node(opened.slot, group, lane)));
         if self.trace.is_some() {
-            lanes_of(apart).for_each(|lane| self.note_apart(a, self.b.node(slot, group, lane)));
+            lanes_of(opened.mask & !mask).for_each(|lane| self.note_unwanted(a, self.b.node(opened.slot, group, lane)));
         }
     }
 
-    /// Two nodes were found apart.
-    fn note_apart(&mut self, a: NodeRef, b: NodeRef) {
+    /// The walk ends at two nodes that are no pair of leaves.
+    fn note_unwanted(&mut self, a: NodeRef, b: NodeRef) {
         let Some(trace) = &mut self.trace else { return };
         trace.front.push((a.place, b.place));
         if trace.gap > 0.0 {
-            let (volume_a, volume_b) = (self.a.volume(a), self.b.volume(b));
-            let gaps = self.culls.iter().map(|cull| cull.gap(&volume_a, &volume_b));
-            trace.gap = trace.gap.min(gaps.fold(0.0, f64::max));
+            trace.gap = trace.gap.min(self.rule.gap(&self.a.volume(a), &self.b.volume(b)));
         }
     }
 }
@@ -134,22 +204,32 @@ fn node_at(tree: &mut impl Walkable, place: Place) -> NodeRef {
     tree.node(slot, place.group as usize, usize::from(place.lane))
 }
 
-/// Opens a group and tests its children against the other body's volume: the group's slot, the lanes that may meet it, and
-/// those that are apart from it.
+/// Makes a group's volumes unless they are there.
 #[inline]
-fn descend<V: Volume, W: Walkable<Kind = V>>(
-    tree: &mut W,
-    group: usize,
-    other: &V::One,
-    culls: &[Cull<V>],
-    side: Side,
-    node_tests: &mut u64,
-) -> (usize, u8, u8) {
+fn open(tree: &mut impl Walkable, group: usize, node_tests: &mut u64) -> Opened {
     let slot = tree.open(group);
-    let children = tree.topology().group(group).mask();
-    *node_tests += u64::from(children.count_ones());
-    let mask = tree.overlap_mask(slot, culls, side, other, children);
-    (slot, mask, children & !mask)
+    let mask = tree.topology().group(group).mask();
+    *node_tests += u64::from(mask.count_ones());
+    Opened { group, slot, mask }
+}
+
+/// Pushes the lanes of a mask so that the lowest key comes off the stack first, among equals the first lane.
+#[inline]
+fn push<K: Copy + PartialOrd>(
+    stack: &mut Stack<K>,
+    mask: u8,
+    keys: &[K; LANES],
+    pair: impl Fn(usize) -> (NodeRef, NodeRef),
+) {
+    let first = stack.len();
+    stack.extend(lanes_of(mask).map(|lane| {
+        let (a, b) = pair(lane);
+        (keys[lane], a, b)
+    }));
+    // Keys without content need no order.
+    if size_of::<K>() > 0 {
+        stack[first..].sort_by(|x, y| y.0.partial_cmp(&x.0).unwrap_or(Ordering::Equal));
+    }
 }
 
 /// The set bits, last first, so that the first lane comes off the stack first.

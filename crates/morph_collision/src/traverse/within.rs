@@ -2,10 +2,13 @@
 
 use std::ops::ControlFlow;
 
-use super::pairs::{Stack, lanes_of};
+use super::pairs::lanes_of;
 use crate::bounds::{LANES, Volume};
 use crate::pose::{NodeRef, Posed};
 use crate::tree::{ChildKind, Leaf};
+
+/// Node pairs of one tree still to be looked at; reused between walks.
+pub(crate) type SelfStack = Vec<(NodeRef, NodeRef)>;
 
 /// Calls `at_leaves` for every pair of leaves of a posed tree whose volumes share a point, each leaf with itself included,
 /// until it breaks; returns how many volumes were tested against volumes.
@@ -13,7 +16,7 @@ use crate::tree::{ChildKind, Leaf};
 /// Subtrees whose volumes are apart are culled. No frame is involved: both sides are in the same model space.
 pub(crate) fn walk_within<V: Volume>(
     posed: &mut Posed<'_, V>,
-    stack: &mut Stack,
+    stack: &mut SelfStack,
     mut at_leaves: impl FnMut(&mut Posed<'_, V>, Leaf, Leaf) -> ControlFlow<()>,
 ) -> u64 {
     let mut tests = 0;
@@ -50,7 +53,7 @@ pub(crate) fn walk_within<V: Volume>(
 }
 
 /// Every child of a group with itself, and with every later one that its volume shares a point with.
-fn push_pairs_among<V: Volume>(posed: &mut Posed<'_, V>, group: usize, stack: &mut Stack) -> u64 {
+fn push_pairs_among<V: Volume>(posed: &mut Posed<'_, V>, group: usize, stack: &mut SelfStack) -> u64 {
     let slot = posed.open(group);
     let children = posed.topology.group(group).children().len();
     for lane in (0..children).rev() {
@@ -64,7 +67,7 @@ fn push_pairs_among<V: Volume>(posed: &mut Posed<'_, V>, group: usize, stack: &m
 }
 
 /// Every child of a group whose volume shares a point with another node's.
-fn push_pairs_with<V: Volume>(posed: &mut Posed<'_, V>, group: usize, other: NodeRef, stack: &mut Stack) -> u64 {
+fn push_pairs_with<V: Volume>(posed: &mut Posed<'_, V>, group: usize, other: NodeRef, stack: &mut SelfStack) -> u64 {
     let volume = posed.volume(other);
     let slot = posed.open(group);
     let children = posed.topology.group(group).mask();

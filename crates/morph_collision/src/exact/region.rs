@@ -1,0 +1,82 @@
+//! A closed triangle against an intersection of half-spaces, exact.
+
+use std::cmp::Ordering::{Equal, Greater, Less};
+
+use glam::DVec3;
+
+use super::Triangle;
+use super::expansion::Expansion;
+use super::number::{Approx, Number, Vector, cross, dot, vector};
+
+/// The points `x` with `normal . x + offset >= 0`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Plane {
+    pub(crate) normal: DVec3,
+    pub(crate) offset: f64,
+}
+
+/// Whether a closed triangle shares a point with the intersection of some half-spaces: exactly.
+///
+/// In barycentric coordinates the shared points are a bounded polygon, cut out by one line per half-space and one per
+/// edge. It has a point iff it has a corner: one where two of the lines cross on the right side of all others. That needs
+/// no special case for degenerate triangles or an empty region.
+pub(crate) fn triangle_meets_region(triangle: &Triangle, sides: &[Plane]) -> bool {
+    meets::<Approx>(triangle, sides)
+        .or_else(|| meets::<Expansion>(triangle, sides))
+        .unwrap_or(false)
+}
+
+/// `None` where the numbers do not suffice to decide.
+fn meets<N: Number>(triangle: &Triangle, sides: &[Plane]) -> Option<bool> {
+    let corners = triangle.map(vector::<N>);
+    let mut inside = [true; 3];
+    let mut cuts: Vec<Vector<N>> = Vec::new();
+    for side in sides {
+        let (normal, offset) = (vector(side.normal), N::new(side.offset));
+        let depths: [N; 3] = std::array::from_fn(|i| dot(&normal, &corners[i]).plus(&offset));
+        let signs = [depths[0].sign(), depths[1].sign(), depths[2].sign()];
+        if signs == [Some(Less); 3] {
+            return Some(false);
+        }
+        for (inside, sign) in inside.iter_mut().zip(signs) {
+            *inside &= sign? != Less;
+        }
+        if signs.contains(&Some(Less)) {
+            cuts.push(depths);
+        }
+    }
+    if inside.contains(&true) {
+        return Some(true);
+    }
+    let edges = [DVec3::X, DVec3::Y, DVec3::Z].map(vector::<N>);
+    cuts.extend(edges);
+    for (i, first) in cuts.iter().enumerate() {
+        for (j, second) in cuts[..i].iter().enumerate() {
+            // The two cuts themselves are kept exactly; asking again would only ask for the sign of zero.
+            let others = cuts.iter().enumerate().filter(|(k, _)| *k != i && *k != j);
+            if is_common_point(&cross(first, second), others.map(|(_, cut)| cut))? {
+                return Some(true);
+            }
+        }
+    }
+    Some(false)
+}
+
+/// Whether homogeneous barycentric coordinates are those of a point on the right side of every cut.
+fn is_common_point<'a, N: Number + 'a>(point: &Vector<N>, cuts: impl Iterator<Item = &'a Vector<N>>) -> Option<bool> {
+    let wrong = match point[0].plus(&point[1]).plus(&point[2]).sign()? {
+        Greater => Less,
+        Less => Greater,
+        // The lines are parallel.
+        Equal => return Some(false),
+    };
+    let mut decided = Some(true);
+    for cut in cuts {
+        match dot(cut, point).sign() {
+            Some(sign) if sign == wrong => return Some(false),
+            Some(_) => {}
+            None => decided = None,
+        }
+    }
+    decided
+}

@@ -1,0 +1,205 @@
+use std::cell::Cell;
+use std::ops::ControlFlow;
+
+use glam::DVec3;
+
+use super::body::{Body, as_boxes};
+use super::one::magnitude;
+use super::pairs::{LeafTriangles, PairStats};
+use crate::bounds::{Aabb, Box64, BoxLanes, GapFrame, LANES, Slab, Volume};
+use crate::exact::{Between, Triangle, closest_between};
+use crate::traverse::{Opened, PairRule, PairWalk, Side, Stack, Walkable};
+
+/// As in a point's projection: what may be closer by no more than distances may be off is looked at.
+const MARGIN: f64 = 1.0 + 1e-9;
+
+/// Closest points of two bodies' surfaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClosestPair {
+    /// A triangle of the first body.
+    pub triangle_a: u32,
+    /// A triangle of the second body.
+    pub triangle_b: u32,
+    /// The point on the first body's triangle, in world space.
+    pub point_a: DVec3,
+    /// The point on the second body's triangle, in world space.
+    pub point_b: DVec3,
+    /// The distance, in world units: 0 if and only if the triangles share a point, which is exact; otherwise off by a few
+    /// `f64` roundings of the triangles' sizes and the distance.
+    pub distance: f64,
+}
+
+/// Measures how far two bodies are apart; holds the memory that queries reuse.
+///
+/// The distance is that of the surfaces, so a body inside another one is not at distance 0. It does not depend on the
+/// trees, nor do the triangles and points while it is above 0; of intersecting triangles the walk takes the first pair.
+///
+/// ```
+/// # use std::sync::Arc;
+/// # use glam::{Affine3A, Vec3};
+/// # use morph_collision::*;
+/// # let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
+/// # let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?);
+/// let (mut a, mut b) = (Pose::new(bvh.clone()), Pose::new(bvh));
+/// a.set_weights(&[0.5])?; // lifts the triangle to z = 0.5
+/// let above = WorldFromModel::new(Affine3A::from_translation(Vec3::new(0.0, 0.0, 2.0)))?;
+/// let bodies = (Body::new(&mut a, &WorldFromModel::IDENTITY), Body::new(&mut b, &above));
+/// let (closest, _) = DistanceQuery::new().closest(bodies.0, bodies.1, f64::INFINITY);
+/// assert_eq!(closest.map(|pair| pair.distance), Some(1.5));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Default)]
+pub struct DistanceQuery {
+    stack: Stack<f64>,
+    leaf_a: LeafTriangles,
+    leaf_b: LeafTriangles,
+}
+
+impl DistanceQuery {
+    /// A query with nothing allocated yet.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Closest points of two bodies at most `max_distance` apart; `None` if they are farther apart, or it is negative or NaN.
+    ///
+    /// `max_distance` may be infinite; the smaller it is, the less is looked at.
+    pub fn closest(&mut self, a: Body<'_>, b: Body<'_>, max_distance: f64) -> (Option<ClosestPair>, PairStats) {
+        if max_distance.is_nan() || max_distance < 0.0 {
+            return (None, PairStats::default());
+        }
+        let (world_from_a, world_from_b) = (a.world_from_model, b.world_from_model);
+        let (mut posed_a, mut posed_b) = (a.pose.posed(), b.pose.posed());
+        let (mut a, mut b) = (as_boxes(&mut posed_a), as_boxes(&mut posed_b));
+        let before = [a.blended(), b.blended()];
+        let frames = GapFrame::list(world_from_a, magnitude(&mut a), world_from_b, magnitude(&mut b));
+        let rule = Closer {
+            frames: &frames,
+            limit: Cell::new(max_distance * max_distance * MARGIN),
+        };
+        let mut walk = PairWalk {
+            a: &mut a,
+            b: &mut b,
+            rule: &rule,
+            a_from_b_scale: (world_from_b.scale() / world_from_a.scale()) as f32,
+            node_tests: 0,
+            trace: None,
+        };
+        let mut closest: Option<ClosestPair> = None;
+        let mut closest_squared = f64::INFINITY;
+        let mut triangle_tests = 0;
+        let Self { stack, leaf_a, leaf_b } = self;
+        let _stopped_early = walk.run(stack, &[], |a, b, of_a, of_b| {
+            leaf_a.read(a, world_from_a, of_a);
+            leaf_b.read(b, world_from_b, of_b);
+            for (triangle_a, corners_a) in &leaf_a.triangles {
+                for (triangle_b, corners_b) in &leaf_b.triangles {
+                    if boxes_apart(corners_a, corners_b) > rule.limit.get() {
+                        continue;
+                    }
+                    triangle_tests += 1;
+                    let Between { on_a, on_b, squared } = closest_between(corners_a, corners_b);
+                    let found = ClosestPair {
+                        triangle_a: *triangle_a,
+                        triangle_b: *triangle_b,
+                        point_a: on_a,
+                        point_b: on_b,
+                        distance: squared.sqrt(),
+                    };
+                    let closer = closest.as_ref().is_none_or(|best| {
+                        squared < closest_squared || (squared == closest_squared && found.is_before(best))
+                    });
+                    if found.distance <= max_distance && closer {
+                        closest = Some(found);
+                        closest_squared = squared;
+                        if squared == 0.0 {
+                            return ControlFlow::Break(());
+                        }
+                        rule.limit.set((squared * MARGIN).min(rule.limit.get()));
+                    }
+                }
+            }
+            ControlFlow::Continue(())
+        });
+        let after = [walk.a.blended(), walk.b.blended()];
+        let stats = PairStats {
+            node_tests: walk.node_tests,
+            triangle_tests,
+            volumes_blended: after[0].volumes + after[1].volumes - before[0].volumes - before[1].volumes,
+            vertices_blended: after[0].vertices + after[1].vertices - before[0].vertices - before[1].vertices,
+        };
+        (closest, stats)
+    }
+}
+
+impl ClosestPair {
+    fn is_before(&self, other: &Self) -> bool {
+        (self.triangle_a, self.triangle_b) < (other.triangle_a, other.triangle_b)
+    }
+}
+
+/// The squared distance of two triangles' boxes, from below up to a rounding that the margin covers.
+fn boxes_apart(a: &Triangle, b: &Triangle) -> f64 {
+    let span = |t: &Triangle| (t[0].min(t[1]).min(t[2]), t[0].max(t[1]).max(t[2]));
+    let ((min_a, max_a), (min_b, max_b)) = (span(a), span(b));
+    (min_a - max_b).max(min_b - max_a).max(DVec3::ZERO).length_squared()
+}
+
+/// The rule of node pairs that may be closer than a limit, the closest first.
+struct Closer<'a> {
+    frames: &'a [GapFrame],
+    /// A squared world distance.
+    limit: Cell<f64>,
+}
+
+impl Closer<'_> {
+    fn squared(&self, a: &Box64, b: &Box64) -> f64 {
+        self.frames
+            .iter()
+            .map(|frame| frame.squared(&frame.image_of_a(a), &frame.image_of_b(b)))
+            .fold(0.0, f64::max)
+    }
+}
+
+impl PairRule<BoxLanes> for Closer<'_> {
+    type Key = f64;
+
+    fn start(&self, a: &Slab<3>, b: &Slab<3>) -> Option<f64> {
+        let squared = self.squared(&box_of(a), &box_of(b));
+        self.still_wanted(squared).then_some(squared)
+    }
+
+    fn children<W: Walkable<Kind = BoxLanes>>(
+        &self,
+        tree: &W,
+        opened: Opened,
+        side: Side,
+        other: &Slab<3>,
+        keys: &mut [f64; LANES],
+    ) -> u8 {
+        let other = box_of(other);
+        let mut wanted = 0;
+        for (lane, key) in keys.iter_mut().enumerate() {
+            if opened.mask >> lane & 1 == 0 {
+                continue;
+            }
+            let child = box_of(&tree.volume(tree.node(opened.slot, opened.group, lane)));
+            *key = match side {
+                Side::A => self.squared(&child, &other),
+                Side::B => self.squared(&other, &child),
+            };
+            wanted |= u8::from(self.still_wanted(*key)) << lane;
+        }
+        wanted
+    }
+
+    fn still_wanted(&self, squared: f64) -> bool {
+        squared <= self.limit.get()
+    }
+}
+
+fn box_of(slab: &Slab<3>) -> Box64 {
+    let bounds: Aabb = BoxLanes::bounds(slab);
+    Box64::of(&bounds)
+}

@@ -1,0 +1,83 @@
+use std::ops::{AddAssign, ControlFlow};
+
+use glam::DVec3;
+
+use super::body::world_triangle;
+use crate::bounds::{Box64, Volume, WorldFromModel};
+use crate::exact::Triangle;
+use crate::traverse::{AsBoxes, OneWalk, Queue, Walkable};
+
+/// What a query over one body had to do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct BodyStats {
+    /// Volumes tested against what was asked about.
+    pub node_tests: u64,
+    /// Triangles given to the test itself.
+    pub triangle_tests: u64,
+    /// Volumes blended; ones already blended for these weights are not counted again.
+    pub volumes_blended: u64,
+    /// Vertices blended, likewise.
+    pub vertices_blended: u64,
+}
+
+impl AddAssign for BodyStats {
+    fn add_assign(&mut self, other: Self) {
+        self.node_tests += other.node_tests;
+        self.triangle_tests += other.triangle_tests;
+        self.volumes_blended += other.volumes_blended;
+        self.vertices_blended += other.vertices_blended;
+    }
+}
+
+/// The memory of a query over one body, and the way it goes about it.
+#[derive(Debug, Default)]
+pub(super) struct OneBody {
+    queue: Queue,
+    numbers: Vec<u32>,
+}
+
+impl OneBody {
+    /// Calls `at_triangle` with the number and the world-space corners of every triangle in a leaf that `bound` lets through
+    /// at most at the limit, leaves with lower bounds first. It returns the new limit, or breaks.
+    pub(super) fn walk(
+        &mut self,
+        tree: &mut AsBoxes<'_>,
+        world_from_model: &WorldFromModel,
+        limit: f64,
+        bound: impl Fn(&Box64) -> Option<f64>,
+        mut at_triangle: impl FnMut(u32, &Triangle) -> ControlFlow<(), f64>,
+    ) -> BodyStats {
+        let before = tree.blended();
+        let mut walk = OneWalk { tree, node_tests: 0 };
+        let mut triangle_tests = 0;
+        let Self { queue, numbers } = self;
+        let _stopped_early = walk.run(
+            queue,
+            limit,
+            |bounds| bound(&Box64::of(bounds)),
+            |tree, leaf| {
+                numbers.clear();
+                numbers.extend_from_slice(tree.topology().leaf_triangles(leaf));
+                let mut limit = f64::INFINITY;
+                for &number in &*numbers {
+                    triangle_tests += 1;
+                    limit = at_triangle(number, &world_triangle(tree, world_from_model, number))?;
+                }
+                ControlFlow::Continue(limit)
+            },
+        );
+        let after = walk.tree.blended();
+        BodyStats {
+            node_tests: walk.node_tests,
+            triangle_tests,
+            volumes_blended: after.volumes - before.volumes,
+            vertices_blended: after.vertices - before.vertices,
+        }
+    }
+}
+
+/// The largest absolute model-space coordinates of a posed tree.
+pub(super) fn magnitude<V: Volume>(tree: &mut impl Walkable<Kind = V>) -> DVec3 {
+    let root = tree.root();
+    V::bounds(&tree.volume(root)).magnitude().as_dvec3()
+}

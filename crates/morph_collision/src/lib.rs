@@ -60,9 +60,11 @@ mod traverse;
 mod tree;
 
 pub use bounds::{Aabb, TransformError, WorldFromModel};
-pub use exact::{Triangle, triangles_intersect};
+pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect};
 pub use model::{ModelError, MorphModel, Subject};
 pub use pose::{ContainmentReport, ContainmentViolation, Pose, WeightsError};
-pub use query::{Body, PairQuery, PairStats, TrianglePair};
+pub use query::{Body, PairQuery, PairStats, SeparatingAxes, TrianglePair};
+pub use query::{ContactPoint, ContactQuery, Manifold, PairContact, Separation};
+pub use query::{PlacedShape, Shape, ShapeContact, ShapeError, ShapeQuery, WorldFromShape};
 pub use traverse::overlapping_pairs;
 pub use tree::{BuildError, BuildOptions, MorphBvh, PartitionShape, Split, VolumeKind};

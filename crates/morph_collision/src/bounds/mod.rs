@@ -3,6 +3,7 @@
 //! [`Volume`] says what a kind of bounding volume must be able to do; [`Slabs`] are boxes and k-DOPs, [`Spheres`] are spheres.
 
 mod aabb;
+mod cross_axes;
 mod directions;
 mod frame;
 mod lanes;
@@ -13,6 +14,7 @@ mod transform;
 mod volume;
 
 pub use aabb::Aabb;
+pub(crate) use cross_axes::{CrossAxes, FrameSide};
 pub(crate) use frame::{Frame, Frames, frames_of, world_bounds};
 pub(crate) use lanes::{LANES, Lanes};
 pub(crate) use rounding::up;

@@ -63,6 +63,19 @@ impl WorldFromModel {
         ((self.linear.x_axis * p.x + self.linear.y_axis * p.y) + self.linear.z_axis * p.z) + self.translation
     }
 
+    /// Whether it turns outward windings inward.
+    pub(crate) fn mirrors(&self) -> bool {
+        self.linear.determinant() < 0.0
+    }
+
+    /// The same place farther on.
+    pub(crate) fn translated(&self, by: DVec3) -> Self {
+        Self {
+            translation: self.translation + by,
+            ..*self
+        }
+    }
+
     /// A typical stretch: the longest image of a unit axis.
     pub(crate) fn scale(&self) -> f64 {
         let m = self.linear;

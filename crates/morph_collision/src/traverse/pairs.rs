@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::cull::{Cull, Side, Walkable};
+use super::cull::{CrossCull, Cull, Side, Walkable};
 use crate::bounds::Volume;
 use crate::pose::NodeRef;
 use crate::tree::{ChildKind, Leaf};
@@ -19,6 +19,8 @@ pub(crate) struct PairWalk<'a, V: Volume, A, B> {
     pub(crate) b: &'a mut B,
     /// The frames to compare volumes in.
     pub(crate) culls: &'a [Cull<V>],
+    /// Further axes to compare boxes along, if wanted.
+    pub(crate) cross: Option<&'a CrossCull>,
     /// Lengths in A's units per length in B's: to tell which of two nodes is larger.
     pub(crate) a_from_b_scale: f32,
     /// Volumes tested against volumes so far.
@@ -60,15 +62,32 @@ impl<V: Volume, A: Walkable<Kind = V>, B: Walkable<Kind = V>> PairWalk<'_, V, A,
 
     fn descend_a(&mut self, group: usize, b: NodeRef, stack: &mut Stack) {
         let other = self.b.volume(b);
-        let (slot, mask) = descend(self.a, group, &other, self.culls, Side::A, &mut self.node_tests);
+        let tests = Tests {
+            side: Side::A,
+            culls: self.culls,
+            cross: self.cross,
+        };
+        let (slot, mask) = descend(self.a, group, &other, &tests, &mut self.node_tests);
         stack.extend(lanes_of(mask).map(|lane| (self.a.node(slot, group, lane), b)));
     }
 
     fn descend_b(&mut self, a: NodeRef, group: usize, stack: &mut Stack) {
         let other = self.a.volume(a);
-        let (slot, mask) = descend(self.b, group, &other, self.culls, Side::B, &mut self.node_tests);
+        let tests = Tests {
+            side: Side::B,
+            culls: self.culls,
+            cross: self.cross,
+        };
+        let (slot, mask) = descend(self.b, group, &other, &tests, &mut self.node_tests);
         stack.extend(lanes_of(mask).map(|lane| (a, self.b.node(slot, group, lane))));
     }
+}
+
+/// How the children of one side are tested against a volume of the other.
+struct Tests<'a, V: Volume> {
+    side: Side,
+    culls: &'a [Cull<V>],
+    cross: Option<&'a CrossCull>,
 }
 
 /// Opens a group and tests its children against the other body's volume: the group's slot and the lanes that may meet it.
@@ -77,14 +96,19 @@ fn descend<V: Volume, W: Walkable<Kind = V>>(
     tree: &mut W,
     group: usize,
     other: &V::One,
-    culls: &[Cull<V>],
-    side: Side,
+    tests: &Tests<'_, V>,
     node_tests: &mut u64,
 ) -> (usize, u8) {
     let slot = tree.open(group);
     let mask = tree.topology().group(group).mask();
     *node_tests += u64::from(mask.count_ones());
-    (slot, tree.overlap_mask(slot, culls, side, other, mask))
+    let mut meeting = tree.overlap_mask(slot, tests.culls, tests.side, other, mask);
+    if let Some(cross) = tests.cross
+        && meeting != 0
+    {
+        meeting = cross.overlap_mask(tests.side, &tree.boxes(slot), &V::bounds(other), meeting);
+    }
+    (slot, meeting)
 }
 
 /// The set bits, last first, so that the first lane comes off the stack first.

@@ -7,16 +7,12 @@ use crate::exact::{
     Nearest, Segment, Triangle, closest_of_segments, closest_on_triangle, edges, plane_side, triangles_intersect,
 };
 
-/// A box in world space: its frame, and the corners that its exact answers are about.
+/// A box in world space, given by its frame; exact answers are about its eight corners as [`Cuboid::corners`] rounds them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cuboid {
     half: DVec3,
     rotation: DMat3,
     center: DVec3,
-    /// Corner `i` has the upper end along axis `k` where bit `k` is set.
-    corners: [DVec3; 8],
-    /// Half a world-space box's edges around the corners.
-    half_bounds: DVec3,
 }
 
 /// Each face as two triangles of corners; the diagonals are part of the definition.
@@ -40,20 +36,17 @@ const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 impl Cuboid {
     pub(super) fn new(half: DVec3, rotation: DMat3, center: DVec3) -> Self {
-        let corners = std::array::from_fn(|i| {
-            let sign = |bit: usize| if i & bit == 0 { -1.0 } else { 1.0 };
-            rotation * (half * DVec3::new(sign(1), sign(2), sign(4))) + center
-        });
-        let half_bounds = corners
-            .iter()
-            .fold(DVec3::ZERO, |half, corner| half.max((corner - center).abs()));
-        Self {
-            half,
-            rotation,
-            center,
-            corners,
-            half_bounds,
-        }
+        Self { half, rotation, center }
+    }
+
+    /// Corner `i` in the box's own frame: it has the upper end along axis `k` where bit `k` is set.
+    fn local_corner(&self, i: usize) -> DVec3 {
+        let sign = |bit: usize| if i & bit == 0 { -1.0 } else { 1.0 };
+        self.half * DVec3::new(sign(1), sign(2), sign(4))
+    }
+
+    fn corners(&self) -> [DVec3; 8] {
+        std::array::from_fn(|i| self.rotation * self.local_corner(i) + self.center)
     }
 
     fn local(&self, point: DVec3) -> DVec3 {
@@ -66,7 +59,7 @@ impl Cuboid {
     }
 
     pub(super) fn reach(&self) -> f64 {
-        (self.center.abs() + self.half_bounds).max_element() + self.half.element_sum()
+        self.center.abs().max_element() + self.half.element_sum()
     }
 
     /// The unit vector along which the signed distance grows at a point.
@@ -100,7 +93,8 @@ impl Cuboid {
     }
 
     fn faces(&self) -> impl Iterator<Item = Triangle> {
-        FACES.iter().map(|face| face.map(|corner| self.corners[corner]))
+        let corners = self.corners();
+        FACES.iter().map(move |face| face.map(|corner| corners[corner]))
     }
 
     /// Exact over the corners, the centre and the triangle; rounded local coordinates decide where they are clear enough.
@@ -175,14 +169,11 @@ impl Cuboid {
         for &corner in triangle {
             nearest.offer(corner.clamp(-self.half, self.half), corner);
         }
-        let corner = |i: usize| {
-            let sign = |bit: usize| if i & bit == 0 { -1.0 } else { 1.0 };
-            self.half * DVec3::new(sign(1), sign(2), sign(4))
-        };
         for i in 0..8 {
-            nearest.offer(corner(i), closest_on_triangle(corner(i), triangle));
+            let corner = self.local_corner(i);
+            nearest.offer(corner, closest_on_triangle(corner, triangle));
             for bit in [1, 2, 4].into_iter().filter(|bit| i & bit == 0) {
-                let of_box: Segment = [corner(i), corner(i | bit)];
+                let of_box: Segment = [corner, self.local_corner(i | bit)];
                 for of_triangle in edges(triangle) {
                     let (p, q) = closest_of_segments(of_box, of_triangle);
                     nearest.offer(p, q);

@@ -3,6 +3,7 @@
 //! [`Volume`] says what a kind of bounding volume must be able to do; [`Slabs`] are boxes and k-DOPs, [`Spheres`] are spheres.
 
 mod aabb;
+mod cross_axes;
 mod directions;
 mod frame;
 mod gap;
@@ -15,6 +16,7 @@ mod volume;
 mod world_query;
 
 pub use aabb::Aabb;
+pub(crate) use cross_axes::{CrossAxes, FrameSide};
 pub(crate) use frame::{Frame, Frames, a_from_b, frames_of, frobenius, world_bounds};
 pub(crate) use gap::{Box64, GapFrame};
 pub(crate) use lanes::{LANES, Lanes};

@@ -23,6 +23,14 @@ pub(crate) struct Slab<const H: usize> {
     pub(crate) max: [f32; H],
 }
 
+impl BoxLanes {
+    /// The lower and upper ends along an axis.
+    #[inline]
+    pub(super) fn along(&self, axis: usize) -> (&Lanes, &Lanes) {
+        (&self.ends[0][axis], &self.ends[1][axis])
+    }
+}
+
 impl Slab<3> {
     pub(crate) fn of_box(bounds: &Aabb) -> Self {
         Self {

@@ -73,6 +73,19 @@ impl WorldFromModel {
         y.cross(z) * normal.x + z.cross(x) * normal.y + x.cross(y) * normal.z
     }
 
+    /// Whether it turns outward windings inward.
+    pub(crate) fn mirrors(&self) -> bool {
+        self.linear.determinant() < 0.0
+    }
+
+    /// The same place farther on.
+    pub(crate) fn translated(&self, by: DVec3) -> Self {
+        Self {
+            translation: self.translation + by,
+            ..*self
+        }
+    }
+
     /// A typical stretch: the longest image of a unit axis.
     pub(crate) fn scale(&self) -> f64 {
         let m = self.linear;

@@ -1,13 +1,15 @@
 //! Exact answers over `f64` points: signs of determinants decide, never a rounded length.
 //!
 //! Orientation of given points comes from the `robust` crate (`predicates`); tests that need other polynomials are written
-//! once over a [`Number`](number::Number) and run with an error bound first, exactly where that leaves a sign open. What is a length
-//! (`closest`, `between`) is in `f64`, with a stated error.
+//! once over a [`Number`](number::Number) and run with an error bound first, exactly where that leaves a sign open. What is a
+//! point or a length (`closest`, `between`, `nearest`, `contact`) is in `f64`, with a stated error.
 
 mod between;
 mod closest;
+mod contact;
 mod edge_on;
 mod expansion;
+mod nearest;
 mod number;
 mod predicates;
 mod ray;
@@ -17,9 +19,16 @@ mod triangle;
 
 pub(crate) use between::{Between, closest_between};
 pub(crate) use closest::{OnTriangle, closest_on_triangle};
+pub(crate) use contact::common_segment;
+pub use contact::{TriangleContact, triangle_contact};
+pub(crate) use nearest::{
+    Nearest, closest_of_segment_and_triangle, closest_of_segments, closest_on_segment, edges, unit_normal,
+};
 pub(crate) use number::VALUE_ERROR;
+pub(crate) use predicates::plane_side;
 pub(crate) use ray::{Crossing, Line, ray_meets_triangle};
 pub(crate) use region::{Plane, triangle_meets_region};
+pub(crate) use segment::Segment;
 pub use triangle::{Triangle, triangles_intersect};
 
 #[cfg(test)]

@@ -8,15 +8,27 @@ use robust::{Coord, Coord3D};
 /// On which side of the plane through `a`, `b`, `c` the point `d` lies; `Equal` on it, or when the plane is none.
 #[inline]
 pub(crate) fn plane_side(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Ordering {
+    sign(plane_height(a, b, c, d))
+}
+
+/// A number with the sign of [`plane_side`], about in proportion to the height of `d` over the plane.
+#[inline]
+pub(crate) fn plane_height(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
     let point = |p: DVec3| Coord3D { x: p.x, y: p.y, z: p.z };
-    sign(robust::orient3d(point(a), point(b), point(c), point(d)))
+    robust::orient3d(point(a), point(b), point(c), point(d))
 }
 
 /// On which side of the line through `a`, `b` the point `c` lies; `Equal` on it, or when the line is none.
 #[inline]
 pub(crate) fn line_side(a: DVec2, b: DVec2, c: DVec2) -> Ordering {
+    sign(line_height(a, b, c))
+}
+
+/// A number with the sign of [`line_side`], about in proportion to the distance of `c` from the line.
+#[inline]
+pub(crate) fn line_height(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     let point = |p: DVec2| Coord { x: p.x, y: p.y };
-    sign(robust::orient2d(point(a), point(b), point(c)))
+    robust::orient2d(point(a), point(b), point(c))
 }
 
 /// Determinants of finite points are numbers; -0 is zero.

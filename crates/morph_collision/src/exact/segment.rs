@@ -46,6 +46,12 @@ pub(crate) fn all_on_one_side(sides: [Ordering; 3]) -> bool {
     sides.iter().all(|side| side.is_ge()) || sides.iter().all(|side| side.is_le())
 }
 
+/// Whether two segments cross in a point that is an end of neither.
+pub(crate) fn flat_segments_cross([p, q]: [DVec2; 2], [u, v]: [DVec2; 2]) -> bool {
+    let apart = |s: Ordering, t: Ordering| s != Equal && t != Equal && s != t;
+    apart(line_side(u, v, p), line_side(u, v, q)) && apart(line_side(p, q, u), line_side(p, q, v))
+}
+
 fn flat_segments_intersect([p, q]: [DVec2; 2], [u, v]: [DVec2; 2]) -> bool {
     let (up, uq) = (line_side(u, v, p), line_side(u, v, q));
     let (pu, pv) = (line_side(p, q, u), line_side(p, q, v));

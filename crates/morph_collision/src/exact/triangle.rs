@@ -31,13 +31,13 @@ pub fn triangles_intersect(a: &Triangle, b: &Triangle) -> bool {
 }
 
 /// A triangle and whether it spans a plane; the projection keeps that plane's points apart.
-struct Plane<'a> {
-    triangle: &'a Triangle,
-    projection: Option<Projection>,
+pub(super) struct Plane<'a> {
+    pub(super) triangle: &'a Triangle,
+    pub(super) projection: Option<Projection>,
 }
 
 impl<'a> Plane<'a> {
-    fn of(triangle: &'a Triangle) -> Self {
+    pub(super) fn of(triangle: &'a Triangle) -> Self {
         let [a, b, c] = *triangle;
         Self {
             triangle,
@@ -46,7 +46,7 @@ impl<'a> Plane<'a> {
     }
 
     /// All `Equal` when the triangle spans no plane.
-    fn sides(&self, points: &Triangle) -> [Ordering; 3] {
+    pub(super) fn sides(&self, points: &Triangle) -> [Ordering; 3] {
         let [a, b, c] = *self.triangle;
         match self.projection {
             Some(_) => points.map(|p| plane_side(a, b, c, p)),
@@ -55,7 +55,7 @@ impl<'a> Plane<'a> {
     }
 }
 
-fn strictly_one_side(sides: [Ordering; 3]) -> bool {
+pub(super) fn strictly_one_side(sides: [Ordering; 3]) -> bool {
     sides[0] != Equal && sides[0] == sides[1] && sides[1] == sides[2]
 }
 
@@ -85,7 +85,7 @@ fn segment_meets([p, q]: Segment, sides: [Ordering; 2], triangle: &Triangle, pro
 }
 
 /// The segment that a degenerate triangle is: its lexicographically first and last corner.
-fn hull_of_line(triangle: &Triangle) -> Segment {
+pub(super) fn hull_of_line(triangle: &Triangle) -> Segment {
     let mut corners = *triangle;
     corners.sort_by(|a, b| lexicographic(*a, *b));
     [corners[0], corners[2]]

@@ -2,6 +2,7 @@
 
 mod anchor;
 mod body;
+mod contact;
 mod distance;
 mod input;
 mod memory;
@@ -11,15 +12,18 @@ mod pairs;
 mod point;
 mod ray;
 mod self_pairs;
+mod shape;
 
 pub use anchor::{SurfaceAnchor, SurfaceFrame};
 pub use body::Body;
+pub use contact::{ContactPoint, ContactQuery, Manifold, PairContact, Separation};
 pub use distance::{ClosestPair, DistanceQuery};
 pub use input::{Ball, ConvexRegion, HalfSpace, InputError, Ray};
 pub use memory::{PairMemory, Remember};
 pub use one::BodyStats;
 pub use overlap::OverlapQuery;
-pub use pairs::{PairQuery, PairStats, TrianglePair};
+pub use pairs::{PairQuery, PairStats, SeparatingAxes, TrianglePair};
 pub use point::{ClosestPoint, PointQuery};
 pub use ray::{Facing, RayHit, RayQuery};
 pub use self_pairs::SelfQuery;
+pub use shape::{PlacedShape, Shape, ShapeContact, ShapeError, ShapeQuery, WorldFromShape};

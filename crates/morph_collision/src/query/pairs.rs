@@ -5,7 +5,7 @@ use super::memory::PairMemory;
 use crate::bounds::{Volume, WorldFromModel, frames_of};
 use crate::exact::{Triangle, triangles_intersect};
 use crate::pose::AnyPosed;
-use crate::traverse::{Cull, Meeting, PairWalk, Stack, Walkable};
+use crate::traverse::{CrossCull, Cull, Meeting, PairWalk, Stack, Walkable};
 use crate::tree::Leaf;
 
 /// Two intersecting triangles, each by its number in its own mesh.
@@ -39,6 +39,18 @@ impl AddAssign for PairStats {
     }
 }
 
+/// Along how many axes the nodes of two trees are compared; no answer depends on it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum SeparatingAxes {
+    /// The axes of both bodies: cheap, and usually enough.
+    #[default]
+    Lite,
+    /// And the nine products of an axis of one and an axis of the other, on the nodes' boxes: fewer nodes are looked at, each
+    /// at a higher price. Pays where blending them is dear (many active targets) and long boxes lie across each other.
+    Full,
+}
+
 /// Asks which triangles of two bodies intersect; holds the memory that queries reuse.
 ///
 /// The answer is exact over the posed vertices in world space, see the crate's introduction; touching counts. It does not
@@ -48,6 +60,7 @@ pub struct PairQuery {
     stack: Stack,
     leaf_a: LeafTriangles,
     leaf_b: LeafTriangles,
+    axes: SeparatingAxes,
 }
 
 impl PairQuery {
@@ -55,6 +68,13 @@ impl PairQuery {
     #[must_use]
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// The same query with other axes to compare nodes along.
+    #[must_use]
+    pub fn with_axes(mut self, axes: SeparatingAxes) -> Self {
+        self.axes = axes;
+        self
     }
 
     /// Appends every pair of intersecting triangles, in the order of the walk.
@@ -163,7 +183,7 @@ impl PairQuery {
         visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> PairStats {
         let before = [a.blended(), b.blended()];
-        let culls = places.culls(a, b);
+        let (culls, cross) = places.culls(a, b, self.axes);
         let (front, trace) = match memory {
             Some(memory) => (&memory.front[..], Some(&mut memory.trace)),
             None => (&[][..], None),
@@ -171,13 +191,18 @@ impl PairQuery {
         let mut walk = PairWalk {
             a,
             b,
-            rule: &Meeting(&culls),
+            rule: &Meeting {
+                culls: &culls,
+                cross: cross.as_ref(),
+            },
             a_from_b_scale: places.a_from_b_scale(),
             node_tests: 0,
             trace,
         };
         let mut triangle_tests = 0;
-        let Self { stack, leaf_a, leaf_b } = self;
+        let Self {
+            stack, leaf_a, leaf_b, ..
+        } = self;
         let _stopped_early = walk.run(stack, front, |a, b, of_a, of_b| {
             leaf_a.read(a, places.world_from_a, of_a);
             leaf_b.read(b, places.world_from_b, of_b);
@@ -211,13 +236,24 @@ struct Places<'a> {
 }
 
 impl Places<'_> {
-    fn culls<V: Volume>(&self, a: &mut impl Walkable<Kind = V>, b: &mut impl Walkable<Kind = V>) -> Vec<Cull<V>> {
+    fn culls<V: Volume>(
+        &self,
+        a: &mut impl Walkable<Kind = V>,
+        b: &mut impl Walkable<Kind = V>,
+        axes: SeparatingAxes,
+    ) -> (Vec<Cull<V>>, Option<CrossCull>) {
         let (root_a, root_b) = (a.root(), b.root());
         let bounds_a = V::bounds(&a.volume(root_a));
         let bounds_b = V::bounds(&b.volume(root_b));
-        frames_of(self.world_from_a, &bounds_a, self.world_from_b, &bounds_b)
-            .filter_map(|frames| Cull::new(&frames))
-            .collect()
+        let mut culls = Vec::with_capacity(2);
+        let mut cross = None;
+        for frames in frames_of(self.world_from_a, &bounds_a, self.world_from_b, &bounds_b) {
+            culls.extend(Cull::new(&frames));
+            if axes == SeparatingAxes::Full && cross.is_none() {
+                cross = CrossCull::new(&frames, &bounds_a, &bounds_b);
+            }
+        }
+        (culls, cross)
     }
 
     fn a_from_b_scale(&self) -> f32 {

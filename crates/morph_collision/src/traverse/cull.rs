@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::bounds::{BoxLanes, Frames, LANES, Slab, Volume};
+use crate::bounds::{Aabb, BoxLanes, CrossAxes, FrameSide, Frames, LANES, Slab, Volume};
 use crate::pose::{Blended, NodeRef, Place, Posed};
 use crate::tree::Topology;
 
@@ -71,6 +71,38 @@ fn map_with<V: Volume>(map: &Option<V::Map>, one: &V::One) -> V::One {
     map.as_ref().map_or(*one, |map| V::map_one(map, one))
 }
 
+/// The products of both bodies' axes, along which boxes that meet in every frame may still be apart.
+#[derive(Debug)]
+pub(crate) struct CrossCull {
+    axes: CrossAxes,
+    target: Side,
+}
+
+impl CrossCull {
+    /// In the space of a body that can be inverted; `None` if neither can. `a` and `b` are the bodies' whole bounds.
+    pub(crate) fn new(frames: &Frames, a: &Aabb, b: &Aabb) -> Option<Self> {
+        let (frame, bounds, target) = match (&frames.a, &frames.b) {
+            (None, Some(a_from_b)) => (a_from_b, a, Side::A),
+            (Some(b_from_a), None) => (b_from_a, b, Side::B),
+            _ => return None,
+        };
+        Some(Self {
+            axes: CrossAxes::new(frame, bounds),
+            target,
+        })
+    }
+
+    /// Which of eight boxes of one side, out of `mask`, may meet a box of the other.
+    pub(crate) fn overlap_mask(&self, side: Side, boxes: &BoxLanes, other: &Aabb, mask: u8) -> u8 {
+        let side = if side == self.target {
+            FrameSide::Target
+        } else {
+            FrameSide::Source
+        };
+        self.axes.overlap_mask(side, boxes, other, mask)
+    }
+}
+
 /// A posed tree whose nodes can be opened and compared as volumes of one kind.
 pub(crate) trait Walkable {
     type Kind: Volume;
@@ -91,6 +123,8 @@ pub(crate) trait Walkable {
         other: &<Self::Kind as Volume>::One,
         mask: u8,
     ) -> u8;
+    /// Boxes around the volumes in an opened group's slot.
+    fn boxes(&self, slot: usize) -> BoxLanes;
 
     #[inline]
     fn node(&self, slot: usize, group: usize, lane: usize) -> NodeRef {
@@ -148,6 +182,10 @@ impl<V: Volume> Walkable for Posed<'_, V> {
     #[inline]
     fn overlap_mask(&self, slot: usize, culls: &[Cull<V>], side: Side, other: &V::One, mask: u8) -> u8 {
         cull(self.volumes(slot), culls, side, other, mask)
+    }
+
+    fn boxes(&self, slot: usize) -> BoxLanes {
+        self.all_bounds(slot)
     }
 }
 
@@ -230,5 +268,9 @@ impl Walkable for AsBoxes<'_> {
 
     fn overlap_mask(&self, slot: usize, culls: &[Cull<BoxLanes>], side: Side, other: &Slab<3>, mask: u8) -> u8 {
         cull(&self.0.all_bounds(slot), culls, side, other, mask)
+    }
+
+    fn boxes(&self, slot: usize) -> BoxLanes {
+        self.0.all_bounds(slot)
     }
 }

@@ -7,7 +7,7 @@ mod pairs;
 mod sweep;
 mod within;
 
-pub(crate) use cull::{AsBoxes, Cull, Side, Walkable};
+pub(crate) use cull::{AsBoxes, CrossCull, Cull, Side, Walkable};
 pub(crate) use one::{OneWalk, Queue};
 pub(crate) use pairs::{Meeting, Opened, PairRule, PairWalk, Stack, Trace};
 pub use sweep::overlapping_pairs;

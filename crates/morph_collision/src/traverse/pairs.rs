@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
-use super::cull::{Cull, Side, Walkable};
+use super::cull::{CrossCull, Cull, Side, Walkable};
 use crate::bounds::{LANES, Volume};
 use crate::pose::{NodeRef, Place};
 use crate::tree::{ChildKind, Leaf};
@@ -57,13 +57,17 @@ pub(crate) struct Opened {
 
 /// The rule of node pairs whose volumes may meet in every one of some frames.
 #[derive(Debug)]
-pub(crate) struct Meeting<'a, V: Volume>(pub(crate) &'a [Cull<V>]);
+pub(crate) struct Meeting<'a, V: Volume> {
+    pub(crate) culls: &'a [Cull<V>],
+    /// Further axes to compare boxes along, if wanted.
+    pub(crate) cross: Option<&'a CrossCull>,
+}
 
 impl<V: Volume> PairRule<V> for Meeting<'_, V> {
     type Key = ();
 
     fn start(&self, a: &V::One, b: &V::One) -> Option<()> {
-        self.0.iter().all(|cull| cull.overlap(a, b)).then_some(())
+        self.culls.iter().all(|cull| cull.overlap(a, b)).then_some(())
     }
 
     #[inline]
@@ -75,7 +79,11 @@ impl<V: Volume> PairRule<V> for Meeting<'_, V> {
         other: &V::One,
         _keys: &mut [(); LANES],
     ) -> u8 {
-        tree.overlap_mask(opened.slot, self.0, side, other, opened.mask)
+        let mask = tree.overlap_mask(opened.slot, self.culls, side, other, opened.mask);
+        match self.cross {
+            Some(cross) if mask != 0 => cross.overlap_mask(side, &tree.boxes(opened.slot), &V::bounds(other), mask),
+            _ => mask,
+        }
     }
 
     #[inline]
@@ -84,7 +92,7 @@ impl<V: Volume> PairRule<V> for Meeting<'_, V> {
     }
 
     fn gap(&self, a: &V::One, b: &V::One) -> f64 {
-        self.0.iter().map(|cull| cull.gap(a, b)).fold(0.0, f64::max)
+        self.culls.iter().map(|cull| cull.gap(a, b)).fold(0.0, f64::max)
     }
 }
 

@@ -1,0 +1,214 @@
+use std::cmp::Ordering::{self, Equal};
+
+use glam::DVec3;
+
+use super::Triangle;
+use super::closest::closest_on_triangle;
+use super::nearest::{closest_of_segment_and_triangle, edges, lerp, unit_normal};
+use super::predicates::{Projection, line_height, line_side, plane_height, plane_side};
+use super::segment::{Segment, all_on_one_side, flat_segments_cross, lexicographic, segments_intersect};
+use super::triangle::{Plane, hull_of_line, strictly_one_side};
+
+/// Where two intersecting triangles meet.
+///
+/// That they meet, and which edges pierce which triangle, is decided exactly; coordinates are `f64`. The ends lie on both
+/// triangles but for about `1e-13` times the larger one's size and a few roundings of the coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TriangleContact {
+    /// The two points common to both triangles that are farthest apart, in lexicographic order.
+    ///
+    /// Of two triangles that cross, the ends of their line of intersection; the same point twice, up to rounding, where they
+    /// touch in one; a longest diagonal of the common area of two coplanar triangles.
+    pub segment: [DVec3; 2],
+    /// The direction in which the first triangle leaves the second: the unit vector along `n_b - n_a`, with the unit
+    /// normals `n_a`, `n_b` of triangles whose corners turn counter-clockwise seen from outside.
+    ///
+    /// Zero where that is zero: for two coplanar triangles that face the same way, and two without area.
+    pub normal: DVec3,
+}
+
+impl TriangleContact {
+    /// The middle of the segment.
+    #[must_use]
+    pub fn point(&self) -> DVec3 {
+        let [p, q] = self.segment;
+        p + (q - p) * 0.5
+    }
+
+    /// The length of the segment.
+    #[must_use]
+    pub fn length(&self) -> f64 {
+        let [p, q] = self.segment;
+        p.distance(q)
+    }
+}
+
+/// Where two closed triangles meet; `None` exactly when [`triangles_intersect`](crate::triangles_intersect) says they do
+/// not.
+///
+/// With the triangles exchanged the segment is the same and the normal the opposite.
+///
+/// ```
+/// use glam::DVec3;
+/// use morph_collision::triangle_contact;
+///
+/// let floor = [DVec3::ZERO, DVec3::X * 4.0, DVec3::Y * 4.0];
+/// let wall = [DVec3::new(1.0, 1.0, -1.0), DVec3::new(2.0, 1.0, -1.0), DVec3::new(1.0, 1.0, 1.0)];
+/// let contact = triangle_contact(&wall, &floor).expect("the wall stands in the floor");
+/// assert_eq!(contact.segment, [DVec3::new(1.0, 1.0, 0.0), DVec3::new(1.5, 1.0, 0.0)]);
+/// assert!(contact.normal.z > 0.0); // out of the floor, and away from the side that the wall faces
+/// ```
+#[must_use]
+pub fn triangle_contact(a: &Triangle, b: &Triangle) -> Option<TriangleContact> {
+    let segment = common_segment(a, b)?;
+    let normal = (unit_normal(b) - unit_normal(a)).normalize_or_zero();
+    Some(TriangleContact { segment, normal })
+}
+
+/// The two points common to both triangles that are farthest apart.
+///
+/// What two triangles have in common is convex, and each of its corners is a point where an edge of one meets the other.
+pub(crate) fn common_segment(a: &Triangle, b: &Triangle) -> Option<Segment> {
+    let (plane_a, plane_b) = (Plane::of(a), Plane::of(b));
+    let b_sides = plane_a.sides(b);
+    if strictly_one_side(b_sides) {
+        return None;
+    }
+    let a_sides = plane_b.sides(a);
+    if strictly_one_side(a_sides) {
+        return None;
+    }
+    let mut corners = Corners::default();
+    corners.add_edges(b, b_sides, &plane_a);
+    corners.add_edges(a, a_sides, &plane_b);
+    corners.farthest()
+}
+
+/// Corners of what two triangles have in common, some of them twice.
+#[derive(Default)]
+struct Corners {
+    /// At most four from each of six edges.
+    points: [DVec3; 24],
+    len: usize,
+}
+
+impl Corners {
+    fn add(&mut self, point: DVec3) {
+        if let Some(free) = self.points.get_mut(self.len) {
+            *free = point;
+            self.len += 1;
+        }
+    }
+
+    /// In lexicographic order first, so that it does not depend on which triangle was named first.
+    fn farthest(mut self) -> Option<Segment> {
+        let points = self.points.get_mut(..self.len)?;
+        points.sort_by(|p, q| lexicographic(*p, *q));
+        let mut farthest = [*points.first()?; 2];
+        let mut length = 0.0;
+        for (i, &p) in points.iter().enumerate() {
+            for &q in &points[i + 1..] {
+                let distance = p.distance_squared(q);
+                if distance > length {
+                    (length, farthest) = (distance, [p, q]);
+                }
+            }
+        }
+        Some(farthest)
+    }
+
+    /// Where the edges of `triangle`, whose corners lie on these sides of `plane`, meet the plane's triangle.
+    fn add_edges(&mut self, triangle: &Triangle, sides: [Ordering; 3], plane: &Plane<'_>) {
+        let sides = [[sides[0], sides[1]], [sides[1], sides[2]], [sides[2], sides[0]]];
+        for (edge, sides) in edges(triangle).into_iter().zip(sides) {
+            match plane.projection {
+                Some(projection) => self.add_edge(edge, sides, plane.triangle, projection),
+                None => self.add_collapsed(edge, plane.triangle),
+            }
+        }
+    }
+
+    fn add_edge(&mut self, edge: Segment, sides: [Ordering; 2], triangle: &Triangle, projection: Projection) {
+        let [a, b, c] = *triangle;
+        let [p, q] = edge;
+        if sides == [Equal, Equal] {
+            self.add_flat(edge, triangle, projection);
+        } else if sides[0] != sides[1]
+            && all_on_one_side([plane_side(p, q, a, b), plane_side(p, q, b, c), plane_side(p, q, c, a)])
+        {
+            self.add(match sides {
+                [Equal, _] => p,
+                [_, Equal] => q,
+                _ => crossing(edge, [p, q].map(|end| plane_height(a, b, c, end)), triangle),
+            });
+        }
+    }
+
+    /// An edge in the plane of the triangle: its ends inside, and where it crosses the triangle's edges.
+    fn add_flat(&mut self, edge: Segment, triangle: &Triangle, projection: Projection) {
+        let flat = |point| projection.apply(point);
+        let [a, b, c] = triangle.map(flat);
+        for end in edge {
+            let p = flat(end);
+            if all_on_one_side([line_side(a, b, p), line_side(b, c, p), line_side(c, a, p)]) {
+                self.add(end);
+            }
+        }
+        for side in edges(triangle) {
+            self.add_flat_crossing(edge, side, projection, triangle);
+        }
+    }
+
+    /// Where two segments cross each other inside, if they do.
+    fn add_flat_crossing(&mut self, edge: Segment, side: Segment, projection: Projection, triangle: &Triangle) {
+        let flat = |point| projection.apply(point);
+        let ([p, q], [u, v]) = (edge.map(flat), side.map(flat));
+        if flat_segments_cross([p, q], [u, v]) {
+            self.add(crossing(edge, [line_height(u, v, p), line_height(u, v, q)], triangle));
+        }
+    }
+
+    /// An edge and a triangle that is a segment or a point.
+    fn add_collapsed(&mut self, edge: Segment, triangle: &Triangle) {
+        let hull = hull_of_line(triangle);
+        if !segments_intersect(edge, hull) {
+            return;
+        }
+        let before = self.len;
+        for end in edge {
+            if segments_intersect([end; 2], hull) {
+                self.add(end);
+            }
+        }
+        for end in hull {
+            if segments_intersect([end; 2], edge) {
+                self.add(end);
+            }
+        }
+        if self.len == before
+            && let Some(projection) = Projection::keeping_apart(edge[0], edge[1], hull[0])
+        {
+            self.add_flat_crossing(edge, hull, projection, triangle);
+        }
+    }
+}
+
+/// Where an edge crosses a triangle, from the signed heights of its ends over the triangle's plane or edge.
+///
+/// Heights of an edge that lies nearly in the plane are mostly rounding, and so is where along itself it crosses. It is
+/// known that it does; so then the point of the edge that is closest to the triangle serves as well as any.
+fn crossing(edge: Segment, heights: [f64; 2], triangle: &Triangle) -> DVec3 {
+    const TOLERANCE: f64 = 1e-14;
+    let t = heights[0] / (heights[0] - heights[1]);
+    let point = lerp(edge, if t.is_finite() { t.clamp(0.0, 1.0) } else { 0.5 });
+    let size = triangle
+        .iter()
+        .map(|corner| corner.distance_squared(point))
+        .fold(edge[0].distance_squared(edge[1]), f64::max);
+    if point.distance_squared(closest_on_triangle(point, triangle)) <= TOLERANCE * TOLERANCE * size {
+        return point;
+    }
+    let other = closest_of_segment_and_triangle(edge, triangle).0;
+    let off = |p: DVec3| closest_on_triangle(p, triangle).squared;
+    if off(other) < off(point) { other } else { point }
+}

@@ -1,0 +1,230 @@
+use std::cmp::Ordering::Equal;
+
+use glam::{DMat3, DVec3};
+
+use super::solid::Closest;
+use crate::exact::{
+    Nearest, Segment, Triangle, closest_of_segments, closest_on_triangle, edges, plane_side, triangles_intersect,
+};
+
+/// A box in world space, given by its frame; exact answers are about its eight corners as [`Cuboid::corners`] rounds them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Cuboid {
+    half: DVec3,
+    rotation: DMat3,
+    center: DVec3,
+}
+
+/// Each face as two triangles of corners; the diagonals are part of the definition.
+const FACES: [[usize; 3]; 12] = [
+    [0, 4, 6],
+    [0, 6, 2],
+    [1, 3, 7],
+    [1, 7, 5],
+    [0, 1, 5],
+    [0, 5, 4],
+    [2, 6, 7],
+    [2, 7, 3],
+    [0, 2, 3],
+    [0, 3, 1],
+    [4, 5, 7],
+    [4, 7, 6],
+];
+
+/// The largest and smallest things that happen to a coordinate in this file are this share of all that takes part.
+const ROUNDING: f64 = 64.0 * f64::EPSILON;
+
+impl Cuboid {
+    pub(super) fn new(half: DVec3, rotation: DMat3, center: DVec3) -> Self {
+        Self { half, rotation, center }
+    }
+
+    /// Corner `i` in the box's own frame: it has the upper end along axis `k` where bit `k` is set.
+    fn local_corner(&self, i: usize) -> DVec3 {
+        let sign = |bit: usize| if i & bit == 0 { -1.0 } else { 1.0 };
+        self.half * DVec3::new(sign(1), sign(2), sign(4))
+    }
+
+    fn corners(&self) -> [DVec3; 8] {
+        std::array::from_fn(|i| self.rotation * self.local_corner(i) + self.center)
+    }
+
+    fn local(&self, point: DVec3) -> DVec3 {
+        self.rotation.transpose() * (point - self.center)
+    }
+
+    pub(super) fn support(&self, direction: DVec3) -> f64 {
+        let along = self.rotation.transpose() * direction;
+        direction.dot(self.center) + along.abs().dot(self.half)
+    }
+
+    pub(super) fn reach(&self) -> f64 {
+        self.center.abs().max_element() + self.half.element_sum()
+    }
+
+    /// The unit vector along which the signed distance grows at a point.
+    pub(super) fn outward(&self, point: DVec3) -> DVec3 {
+        let local = self.local(point);
+        let outside = local - local.clamp(-self.half, self.half);
+        let direction = outside.try_normalize().unwrap_or_else(|| self.nearest_face(local));
+        self.rotation * direction
+    }
+
+    /// The outward axis of the face nearest to a local point that is inside.
+    fn nearest_face(&self, local: DVec3) -> DVec3 {
+        let beyond = local.abs() - self.half;
+        let axis = if beyond.x >= beyond.y && beyond.x >= beyond.z {
+            0
+        } else if beyond.y >= beyond.z {
+            1
+        } else {
+            2
+        };
+        DVec3::AXES[axis] * local[axis].signum()
+    }
+
+    pub(super) fn signed_distance(&self, point: DVec3) -> f64 {
+        self.local_distance(self.local(point))
+    }
+
+    fn local_distance(&self, local: DVec3) -> f64 {
+        let beyond = local.abs() - self.half;
+        beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0)
+    }
+
+    fn faces(&self) -> impl Iterator<Item = Triangle> {
+        let corners = self.corners();
+        FACES.iter().map(move |face| face.map(|corner| corners[corner]))
+    }
+
+    /// Exact over the corners, the centre and the triangle; rounded local coordinates decide where they are clear enough.
+    pub(super) fn intersects(&self, triangle: &Triangle) -> bool {
+        let local = triangle.map(|corner| self.local(corner));
+        let reach = triangle
+            .iter()
+            .fold(self.reach(), |reach, p| reach.max(p.abs().max_element()));
+        let slack = ROUNDING * reach;
+        let (outer, inner) = (self.half + slack, self.half - slack);
+        let low = local[0].min(local[1]).min(local[2]);
+        let high = local[0].max(local[1]).max(local[2]);
+        if low.cmpgt(outer).any() || high.cmplt(-outer).any() {
+            return false;
+        }
+        if local.iter().any(|p| p.abs().cmplt(inner).all()) {
+            return true;
+        }
+        self.faces().any(|face| triangles_intersect(triangle, &face)) || self.holds(triangle[0])
+    }
+
+    /// Whether a point is in one of the twelve tetrahedra that the centre spans with the faces' triangles; exact.
+    ///
+    /// A tetrahedron without volume is left out: all it holds belongs to a face, or it belongs to a box that is flat.
+    fn holds(&self, point: DVec3) -> bool {
+        self.faces().any(|[a, b, c]| {
+            let apex = self.center;
+            let volume = plane_side(a, b, c, apex);
+            volume != Equal
+                && [
+                    plane_side(a, b, c, point),
+                    plane_side(a, b, point, apex),
+                    plane_side(a, point, c, apex),
+                    plane_side(point, b, c, apex),
+                ]
+                .into_iter()
+                .all(|side| side == Equal || side == volume)
+        })
+    }
+
+    pub(super) fn closest(&self, triangle: &Triangle) -> Closest {
+        let local = triangle.map(|corner| self.local(corner));
+        let intersects = self.intersects(triangle);
+        if !intersects {
+            let (on_box, on_triangle) = self.closest_outside(&local);
+            let distance = on_box.distance(on_triangle);
+            if let Some(normal) = (on_triangle - on_box).try_normalize() {
+                return self.world_closest(on_triangle, normal, distance);
+            }
+        }
+        let (deepest, distance) = self.deepest(&local);
+        let distance = if intersects {
+            distance.min(0.0)
+        } else {
+            f64::MIN_POSITIVE
+        };
+        self.world_closest(deepest, self.nearest_face(deepest), distance)
+    }
+
+    fn world_closest(&self, point: DVec3, normal: DVec3, distance: f64) -> Closest {
+        Closest {
+            point: self.rotation * point + self.center,
+            normal: self.rotation * normal,
+            distance,
+        }
+    }
+
+    /// The closest points of the box and a triangle that is outside, in local coordinates: a corner of one or an edge of each
+    /// takes part.
+    fn closest_outside(&self, triangle: &Triangle) -> (DVec3, DVec3) {
+        let mut nearest = Nearest::default();
+        for &corner in triangle {
+            nearest.offer(corner.clamp(-self.half, self.half), corner);
+        }
+        for i in 0..8 {
+            let corner = self.local_corner(i);
+            nearest.offer(corner, closest_on_triangle(corner, triangle).point);
+            for bit in [1, 2, 4].into_iter().filter(|bit| i & bit == 0) {
+                let of_box: Segment = [corner, self.local_corner(i | bit)];
+                for of_triangle in edges(triangle) {
+                    let (p, q) = closest_of_segments(of_box, of_triangle);
+                    nearest.offer(p, q);
+                }
+            }
+        }
+        nearest.points()
+    }
+
+    /// The point of a triangle that is deepest inside, in local coordinates, and its signed distance.
+    ///
+    /// Inside, that is the largest of six linear functions. On the triangle its minimum lies at a corner, on an edge where
+    /// two of them agree, or where three agree.
+    fn deepest(&self, triangle: &Triangle) -> (DVec3, f64) {
+        let [a, b, c] = *triangle;
+        let mut best = (a, self.local_distance(a));
+        let mut offer = |v: f64, w: f64| {
+            if v >= 0.0 && w >= 0.0 && v + w <= 1.0 {
+                let point = a + (b - a) * v + (c - a) * w;
+                let distance = self.local_distance(point);
+                if distance < best.1 {
+                    best = (point, distance);
+                }
+            }
+        };
+        offer(1.0, 0.0);
+        offer(0.0, 1.0);
+        // Face function i over the barycentric coordinates of b and c: at a, and how it grows along both.
+        let face = |i: usize| {
+            let sign = if i < 3 { 1.0 } else { -1.0 };
+            let along = |p: DVec3| sign * p[i % 3];
+            [along(a) - self.half[i % 3], along(b - a), along(c - a)]
+        };
+        let minus = |f: [f64; 3], g: [f64; 3]| [f[0] - g[0], f[1] - g[1], f[2] - g[2]];
+        for i in 0..6 {
+            for j in 0..i {
+                let [at_a, by_v, by_w] = minus(face(i), face(j));
+                offer(-at_a / by_v, 0.0);
+                offer(0.0, -at_a / by_w);
+                let w = (at_a + by_v) / (by_v - by_w);
+                offer(1.0 - w, w);
+                for k in 0..j {
+                    let [other_a, other_v, other_w] = minus(face(i), face(k));
+                    let turn = by_v * other_w - by_w * other_v;
+                    offer(
+                        (by_w * other_a - at_a * other_w) / turn,
+                        (at_a * other_v - by_v * other_a) / turn,
+                    );
+                }
+            }
+        }
+        best
+    }
+}

@@ -1,0 +1,110 @@
+use glam::DVec3;
+
+use super::cuboid::Cuboid;
+use super::placed::PlacedShape;
+use crate::exact::{
+    Segment, Triangle, closest_of_segment_and_triangle, closest_on_segment, common_segment, triangles_intersect,
+    unit_normal,
+};
+
+/// A shape in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Solid {
+    /// A ball or a capsule.
+    Round {
+        axis: Segment,
+        radius: f64,
+    },
+    Cuboid(Cuboid),
+    HalfSpace {
+        point: DVec3,
+        normal: DVec3,
+    },
+    Segment(Segment),
+}
+
+/// The point of a triangle with the smallest signed distance.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Closest {
+    pub(super) point: DVec3,
+    /// The unit vector along which the signed distance grows.
+    pub(super) normal: DVec3,
+    pub(super) distance: f64,
+}
+
+impl PlacedShape {
+    /// The signed distance of a point, in world units: negative inside, `f64`.
+    ///
+    /// Inside a cuboid it is the distance to the nearest face; a segment has no inside.
+    #[must_use]
+    pub fn signed_distance(&self, point: DVec3) -> f64 {
+        match &self.solid {
+            Solid::Round { axis, radius } => point.distance(closest_on_segment(point, *axis)) - radius,
+            Solid::Cuboid(cuboid) => cuboid.signed_distance(point),
+            Solid::HalfSpace { point: foot, normal } => (point - foot).dot(*normal),
+            Solid::Segment(segment) => point.distance(closest_on_segment(point, *segment)),
+        }
+    }
+
+    /// Whether a closed triangle, given in world space, shares a point with the shape.
+    ///
+    /// Exact for a segment with its `f64` ends, and for a cuboid: the solid that its eight `f64` corners and its `f64` centre
+    /// span, with each face as two triangles. For balls, capsules and half-spaces it is whether the triangle's signed
+    /// distance, as computed in `f64`, is at most 0.
+    #[must_use]
+    pub fn intersects(&self, triangle: &Triangle) -> bool {
+        match &self.solid {
+            Solid::Cuboid(cuboid) => cuboid.intersects(triangle),
+            Solid::Segment([p, q]) => triangles_intersect(triangle, &[*p, *q, *q]),
+            _ => self.closest(triangle).distance <= 0.0,
+        }
+    }
+
+    /// The point of a triangle with the smallest signed distance; at most 0 exactly where they intersect.
+    pub(super) fn closest(&self, triangle: &Triangle) -> Closest {
+        match &self.solid {
+            Solid::Round { axis, radius } => {
+                let mut closest = closest_to_segment(*axis, triangle);
+                closest.distance -= radius;
+                closest
+            }
+            Solid::Cuboid(cuboid) => cuboid.closest(triangle),
+            Solid::HalfSpace { point, normal } => {
+                let height = |corner: &DVec3| (corner - point).dot(*normal);
+                let lowest = triangle
+                    .iter()
+                    .min_by(|p, q| height(p).total_cmp(&height(q)))
+                    .unwrap_or(&triangle[0]);
+                Closest {
+                    point: *lowest,
+                    normal: *normal,
+                    distance: height(lowest),
+                }
+            }
+            Solid::Segment(segment) => closest_to_segment(*segment, triangle),
+        }
+    }
+}
+
+/// The distance is 0 exactly where they share a point.
+fn closest_to_segment(segment: Segment, triangle: &Triangle) -> Closest {
+    let [p, q] = segment;
+    if let Some([s, t]) = common_segment(triangle, &[p, q, q]) {
+        let point = s + (t - s) * 0.5;
+        // Out of the triangle towards the nearer end of the segment, so that the way out is the short one.
+        let normal = unit_normal(triangle);
+        let faces_middle = normal.dot(p - point + (q - point)) > 0.0;
+        return Closest {
+            point,
+            normal: if faces_middle { -normal } else { normal },
+            distance: 0.0,
+        };
+    }
+    let (on_segment, point) = closest_of_segment_and_triangle(segment, triangle);
+    let distance = point.distance(on_segment);
+    Closest {
+        point,
+        normal: (point - on_segment).try_normalize().unwrap_or(unit_normal(triangle)),
+        distance: distance.max(f64::MIN_POSITIVE),
+    }
+}

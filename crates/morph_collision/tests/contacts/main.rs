@@ -1,0 +1,9 @@
+//! Contacts of bodies with each other and with primitive shapes, against slow and independent twins.
+
+mod axes;
+mod bodies;
+mod manifold;
+mod shape_bodies;
+mod shape_triangles;
+mod signed_distance;
+mod triangles;

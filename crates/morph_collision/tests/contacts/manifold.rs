@@ -1,0 +1,216 @@
+//! Manifolds and separations of two bodies.
+
+use glam::{Affine3A, DVec3, Quat, Vec3};
+use morph_collision::{Body, BuildOptions, ContactQuery, Manifold, PairQuery, SeparatingAxes, WorldFromModel};
+use morph_collision_testkit::models::{dolphin, random, rigid};
+use morph_collision_testkit::oracle;
+
+use crate::bodies::{Placed, assorted, at};
+use crate::triangles::distance;
+
+fn manifold(a: &mut Placed, b: &mut Placed) -> Option<Manifold> {
+    ContactQuery::new().manifold(a.body(), b.body()).0
+}
+
+/// A bar that stands in a big box by 0.25, from the left.
+fn bar_in_wall(mirrored: bool) -> (Placed, Placed) {
+    let bar = rigid::box_mesh(Vec3::new(1.0, 0.5, 0.5));
+    let wall = rigid::box_mesh(Vec3::splat(4.0));
+    let flip = if mirrored { Vec3::new(-1.0, 1.0, 1.0) } else { Vec3::ONE };
+    let place = at(-4.75, 0.0, 0.0) * Affine3A::from_scale(flip);
+    (Placed::rigid(&bar, place), Placed::rigid(&wall, Affine3A::IDENTITY))
+}
+
+#[test]
+fn a_bar_leaves_a_wall_the_way_it_came_by_its_depth() {
+    for mirrored in [false, true] {
+        let (mut bar, mut wall) = bar_in_wall(mirrored);
+        let manifold = manifold(&mut bar, &mut wall).unwrap();
+        assert!(manifold.normal.distance(DVec3::NEG_X) < 1e-12, "{}", manifold.normal);
+        assert!((manifold.depth - 0.25).abs() < 1e-12, "{}", manifold.depth);
+        // The corners of the bar's cross-section.
+        assert_eq!(manifold.points().len(), 4);
+        for contact in manifold.points() {
+            let p = contact.point;
+            assert!((p.x + 4.0).abs() < 1e-12 && p.y.abs() == 0.5 && p.z.abs() == 0.5, "{p}");
+        }
+    }
+}
+
+#[test]
+fn separation_takes_a_bar_through_the_wall_where_that_is_the_way_asked_for() {
+    let (mut bar, mut wall) = bar_in_wall(false);
+    let mut query = ContactQuery::new();
+    let mut way = |direction| query.separation(bar.body(), wall.body(), direction, 64).unwrap();
+    for (direction, expected) in [
+        (DVec3::NEG_X, 0.25),
+        (DVec3::NEG_X * 1e-200, 0.25),
+        (DVec3::Y, 4.5),
+        // Into the wall until it is wholly inside: surfaces do not know that it is still in the way.
+        (DVec3::X, 1.75),
+    ] {
+        let separation = way(direction);
+        assert!(separation.complete, "{direction}: {separation:?}");
+        assert!(
+            (separation.distance - expected).abs() < 1e-9,
+            "{direction}: {separation:?}"
+        );
+    }
+    assert_eq!(query.separation(bar.body(), wall.body(), DVec3::ZERO, 64), None);
+    assert_eq!(query.separation(bar.body(), wall.body(), DVec3::NAN, 64), None);
+}
+
+#[test]
+fn bodies_apart_have_no_manifold_and_need_no_way() {
+    let mesh = rigid::box_mesh(Vec3::ONE);
+    let (mut a, mut b) = (
+        Placed::rigid(&mesh, at(0.0, 0.0, 0.0)),
+        Placed::rigid(&mesh, at(3.0, 0.0, 0.0)),
+    );
+    assert!(manifold(&mut a, &mut b).is_none());
+    let separation = ContactQuery::new().separation(a.body(), b.body(), DVec3::X, 8).unwrap();
+    assert!(separation.complete && separation.distance == 0.0 && separation.steps == 1);
+}
+
+/// Two finely tessellated bodies, deep in each other.
+fn deep_pairs() -> Vec<(Placed, Placed)> {
+    let options = BuildOptions::default();
+    let blob = random::random_blob(5, 3, 2, 0.3);
+    let turn = Quat::from_rotation_y(0.8) * Quat::from_rotation_x(0.3);
+    let mut pairs = Vec::new();
+    for (step, weights) in [([1.2, 0.3, 0.1], [0.2, 0.1]), ([0.5, -0.4, 0.6], [-0.3, 1.4])] {
+        let place = Affine3A::from_rotation_translation(turn, Vec3::from_array(step));
+        pairs.push((
+            Placed::new("blob a", &blob, &weights, Affine3A::IDENTITY, &options),
+            Placed::new("blob b", &blob, &[0.1, 0.4], place, &options),
+        ));
+    }
+    let place = Affine3A::from_rotation_translation(Quat::from_rotation_x(0.6), Vec3::new(0.2, 0.12, 0.05));
+    pairs.push((
+        Placed::new("dolphin a", &dolphin(0), &[0.2, 0.6], Affine3A::IDENTITY, &options),
+        Placed::new("dolphin b", &dolphin(0), &[0.0, 0.1], place, &options),
+    ));
+    pairs
+}
+
+#[test]
+fn bodies_touch_all_the_way_of_a_separation_and_not_after_it() {
+    for (mut a, mut b) in deep_pairs() {
+        let mut query = ContactQuery::new();
+        let normal = query.manifold(a.body(), b.body()).0.unwrap().normal;
+        for direction in [normal, DVec3::Y, DVec3::new(1.0, -1.0, 0.3).normalize()] {
+            let separation = query.separation(a.body(), b.body(), direction, 500).unwrap();
+            assert!(separation.complete, "{}: {separation:?}", a.name);
+            let mut touches = |way: f64| {
+                let moved = Affine3A::from_translation((direction * way).as_vec3());
+                let moved = WorldFromModel::new(moved).unwrap();
+                PairQuery::new().any(Body::new(&mut a.pose, &moved), b.body()).0
+            };
+            for i in 0..40 {
+                let way = separation.distance * f64::from(i) / 40.0;
+                assert!(touches(way), "parted at {way} of {separation:?}");
+            }
+            assert!(touches(separation.distance - 1e-5), "{separation:?}");
+            assert!(!touches(separation.distance + 1e-5), "{separation:?}");
+        }
+    }
+}
+
+#[test]
+fn the_first_step_of_a_separation_is_the_depth() {
+    for (mut a, mut b) in deep_pairs() {
+        let mut query = ContactQuery::new();
+        let manifold = query.manifold(a.body(), b.body()).0.unwrap();
+        let one = query.separation(a.body(), b.body(), manifold.normal, 1).unwrap();
+        assert!((one.distance - manifold.depth).abs() < 1e-12 && !one.complete);
+        assert!(manifold.depth > 0.0);
+    }
+}
+
+#[test]
+fn exchanging_the_bodies_turns_the_normal_and_nothing_else() {
+    let mut bodies = assorted();
+    let mut count = 0;
+    for i in 0..bodies.len() {
+        for j in 0..i {
+            let (left, right) = bodies.split_at_mut(i);
+            let (a, b) = (&mut left[j], &mut right[0]);
+            let name = format!("{} and {}", a.name, b.name);
+            let [there, back] = [manifold(a, b), manifold(b, a)];
+            assert_eq!(there.is_some(), back.is_some(), "{name}");
+            let (Some(there), Some(back)) = (there, back) else {
+                continue;
+            };
+            count += 1;
+            assert_eq!(there.normal, -back.normal, "{name}");
+            assert_eq!(there.depth, back.depth, "{name}");
+            assert_eq!(there.points().len(), back.points().len(), "{name}");
+            for (p, q) in there.points().iter().zip(back.points()) {
+                assert_eq!((p.point, p.depth), (q.point, q.depth), "{name}");
+            }
+        }
+    }
+    assert!(count > 100, "{count}");
+}
+
+#[test]
+fn points_lie_on_both_triangles_and_the_deepest_is_first() {
+    for (mut a, mut b) in deep_pairs() {
+        let manifold = manifold(&mut a, &mut b).unwrap();
+        assert!((manifold.normal.length() - 1.0).abs() < 1e-12);
+        assert_eq!(manifold.points()[0].depth, manifold.depth);
+        for contact in manifold.points() {
+            let of_a = &a.triangles[contact.pair.triangle_a as usize];
+            let of_b = &b.triangles[contact.pair.triangle_b as usize];
+            assert!(oracle::triangles_intersect(of_a, of_b));
+            assert!(distance(contact.point, of_a).max(distance(contact.point, of_b)) < 1e-12);
+            assert!(contact.depth <= manifold.depth);
+        }
+        let points = manifold.points();
+        for (i, p) in points.iter().enumerate() {
+            assert!(points[..i].iter().all(|q| q.point != p.point));
+        }
+    }
+}
+
+#[test]
+fn every_intersecting_pair_has_its_contact() {
+    for (mut a, mut b) in deep_pairs() {
+        let mut pairs = Vec::new();
+        PairQuery::new().all(a.body(), b.body(), &mut pairs);
+        let mut contacts = Vec::new();
+        let mut query = ContactQuery::with_pairs(PairQuery::new().with_axes(SeparatingAxes::Full));
+        query.all(a.body(), b.body(), &mut contacts);
+        let mut of_contacts: Vec<_> = contacts.iter().map(|contact| contact.pair).collect();
+        of_contacts.sort_unstable();
+        pairs.sort_unstable();
+        assert_eq!(of_contacts, pairs);
+        let manifold = manifold(&mut a, &mut b).unwrap();
+        assert_eq!(manifold.pair_count, pairs.len());
+    }
+}
+
+#[test]
+fn a_tip_is_pushed_back_out_of_the_face_it_pierces() {
+    // A ball that dips into a plate, whichever way the plate's triangles are cut.
+    let ball = random::random_blob(9, 3, 0, 0.0);
+    let plate = rigid::box_mesh(Vec3::new(3.0, 0.5, 3.0));
+    let mut plate = Placed::rigid(&plate, at(0.0, -0.5, 0.0));
+    let mut ball = Placed::rigid(&ball, at(0.2, 0.5, -0.1));
+    let lowest = ball
+        .triangles
+        .iter()
+        .flatten()
+        .map(|p| p.y)
+        .fold(f64::INFINITY, f64::min);
+    assert!(lowest < 0.0);
+    let found = manifold(&mut ball, &mut plate).unwrap();
+    assert!(found.normal.y > 0.9, "{}", found.normal);
+    let separation = ContactQuery::new()
+        .separation(ball.body(), plate.body(), DVec3::Y, 200)
+        .unwrap();
+    assert!(
+        (separation.distance + lowest).abs() < 1e-9,
+        "{separation:?}, lowest {lowest}"
+    );
+}

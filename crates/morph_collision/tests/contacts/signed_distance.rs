@@ -1,0 +1,140 @@
+//! Signed distances written out a second time, and a triangle's smallest by searching for it.
+
+use glam::{DMat3, DQuat, DVec2, DVec3, Quat, Vec3};
+use morph_collision::{PlacedShape, Shape, WorldFromShape};
+
+/// A shape and the same numbers for the twin.
+pub(crate) struct Twin {
+    pub(crate) shape: Shape,
+    pub(crate) placed: PlacedShape,
+    rotation: DMat3,
+    translation: DVec3,
+}
+
+impl Twin {
+    pub(crate) fn new(shape: Shape, rotation: Quat, translation: Vec3) -> Self {
+        let place = WorldFromShape::new(rotation, translation).unwrap();
+        let [x, y, z, w] = rotation.to_array().map(f64::from);
+        Self {
+            shape,
+            placed: PlacedShape::new(shape, &place).unwrap(),
+            rotation: DMat3::from_quat(DQuat::from_xyzw(x, y, z, w).normalize()),
+            translation: translation.as_dvec3(),
+        }
+    }
+
+    /// In the shape's own space, by the usual formulas.
+    pub(crate) fn of_point(&self, point: DVec3) -> f64 {
+        let p = self.rotation.transpose() * (point - self.translation);
+        match self.shape {
+            Shape::Ball { radius } => p.length() - f64::from(radius),
+            Shape::Capsule { half_length, radius } => {
+                let beyond = (p.y.abs() - f64::from(half_length)).max(0.0);
+                DVec3::new(p.x, beyond, p.z).length() - f64::from(radius)
+            }
+            Shape::Cuboid { half_extents } => {
+                let q = p.abs() - half_extents.as_dvec3();
+                q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
+            }
+            Shape::HalfSpace { normal } => p.dot(normal.as_dvec3().normalize()),
+            Shape::Segment { a, b } => {
+                let (a, b) = (a.as_dvec3(), b.as_dvec3());
+                let along = b - a;
+                let t = if along == DVec3::ZERO {
+                    0.0
+                } else {
+                    ((p - a).dot(along) / along.dot(along)).clamp(0.0, 1.0)
+                };
+                p.distance(a + along * t)
+            }
+        }
+    }
+
+    /// The smallest over a triangle: it is convex, so nested golden-section searches find it.
+    pub(crate) fn of_triangle(&self, [a, b, c]: &[DVec3; 3]) -> f64 {
+        smallest(|s| {
+            let (p, q) = (a.lerp(*b, s), a.lerp(*c, s));
+            smallest(|t| self.of_point(p.lerp(q, t)))
+        })
+    }
+}
+
+/// The minimum over 0..=1 of a convex function.
+fn smallest(f: impl Fn(f64) -> f64) -> f64 {
+    const RATIO: f64 = 0.618_033_988_749_895;
+    let (mut low, mut high) = (0.0, 1.0);
+    let mut best = f(low).min(f(high));
+    let (mut s, mut t) = (high - RATIO * (high - low), low + RATIO * (high - low));
+    let (mut at_s, mut at_t) = (f(s), f(t));
+    for _ in 0..64 {
+        best = best.min(at_s).min(at_t);
+        if at_s <= at_t {
+            (high, t, at_t) = (t, s, at_s);
+            s = high - RATIO * (high - low);
+            at_s = f(s);
+        } else {
+            (low, s, at_s) = (s, t, at_t);
+            t = low + RATIO * (high - low);
+            at_t = f(t);
+        }
+    }
+    best
+}
+
+/// Every kind of shape around a middle: small and large, round and flat, with everything inside, and collapsed to a point.
+pub(crate) fn around(middle: Vec3, radius: f32) -> Vec<Twin> {
+    let turns = [
+        Quat::IDENTITY,
+        Quat::from_rotation_x(0.7) * Quat::from_rotation_y(2.1) * Quat::from_rotation_z(-0.4),
+    ];
+    let offsets = [Vec3::ZERO, Vec3::new(0.4, -0.7, 0.5), Vec3::new(-1.4, 0.3, 0.9)];
+    let shapes = [
+        Shape::Ball { radius: 0.25 * radius },
+        Shape::Ball { radius: 20.0 * radius },
+        Shape::Ball { radius: 0.0 },
+        Shape::Capsule {
+            half_length: 0.6 * radius,
+            radius: 0.1 * radius,
+        },
+        Shape::Capsule {
+            half_length: 9.0 * radius,
+            radius: 0.01 * radius,
+        },
+        Shape::Cuboid {
+            half_extents: Vec3::new(0.3, 0.5, 0.2) * radius,
+        },
+        Shape::Cuboid {
+            half_extents: Vec3::new(9.0, 10.0, 11.0) * radius,
+        },
+        Shape::Cuboid {
+            half_extents: Vec3::new(0.8, 0.0, 0.4) * radius,
+        },
+        Shape::Cuboid {
+            half_extents: Vec3::ZERO,
+        },
+        Shape::HalfSpace {
+            normal: Vec3::new(0.3, 2.0, -0.5),
+        },
+        Shape::HalfSpace { normal: Vec3::NEG_Z },
+        Shape::Segment {
+            a: Vec3::new(-2.0, 0.1, 0.0) * radius,
+            b: Vec3::new(2.0, 0.0, -0.3) * radius,
+        },
+        Shape::Segment {
+            a: Vec3::ONE * radius,
+            b: Vec3::ONE * radius,
+        },
+    ];
+    let mut all = Vec::new();
+    for (i, shape) in shapes.into_iter().enumerate() {
+        for (j, offset) in offsets.into_iter().enumerate() {
+            all.push(Twin::new(shape, turns[(i + j) % 2], middle + offset * radius));
+        }
+    }
+    all
+}
+
+/// A 2D helper for tests that need a place in a triangle.
+pub(crate) fn in_triangle([a, b, c]: &[DVec3; 3], at: DVec2) -> DVec3 {
+    a + (b - a) * at.x + (c - a) * at.y
+}

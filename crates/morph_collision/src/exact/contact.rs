@@ -205,10 +205,10 @@ fn crossing(edge: Segment, heights: [f64; 2], triangle: &Triangle) -> DVec3 {
         .iter()
         .map(|corner| corner.distance_squared(point))
         .fold(edge[0].distance_squared(edge[1]), f64::max);
-    if point.distance_squared(closest_on_triangle(point, triangle)) <= TOLERANCE * TOLERANCE * size {
+    let off = |p: DVec3| closest_on_triangle(p, triangle).squared;
+    if off(point) <= TOLERANCE * TOLERANCE * size {
         return point;
     }
     let other = closest_of_segment_and_triangle(edge, triangle).0;
-    let off = |p: DVec3| closest_on_triangle(p, triangle).squared;
     if off(other) < off(point) { other } else { point }
 }

@@ -7,7 +7,7 @@ use super::closest::closest_on_triangle;
 use super::nearest::{closest_of_segment_and_triangle, edges, lerp, unit_normal};
 use super::predicates::{Projection, line_height, line_side, plane_height, plane_side};
 use super::segment::{Segment, all_on_one_side, flat_segments_cross, lexicographic, segments_intersect};
-use super::triangle::{Plane, hull_of_line, strictly_one_side};
+use super::triangle::{hull_of_line, projection_of, sides, strictly_one_side};
 
 /// Where two intersecting triangles meet.
 ///
@@ -69,18 +69,17 @@ pub fn triangle_contact(a: &Triangle, b: &Triangle) -> Option<TriangleContact> {
 ///
 /// What two triangles have in common is convex, and each of its corners is a point where an edge of one meets the other.
 pub(crate) fn common_segment(a: &Triangle, b: &Triangle) -> Option<Segment> {
-    let (plane_a, plane_b) = (Plane::of(a), Plane::of(b));
-    let b_sides = plane_a.sides(b);
+    let b_sides = sides(a, b);
     if strictly_one_side(b_sides) {
         return None;
     }
-    let a_sides = plane_b.sides(a);
+    let a_sides = sides(b, a);
     if strictly_one_side(a_sides) {
         return None;
     }
     let mut corners = Corners::default();
-    corners.add_edges(b, b_sides, &plane_a);
-    corners.add_edges(a, a_sides, &plane_b);
+    corners.add_edges(b, b_sides, a);
+    corners.add_edges(a, a_sides, b);
     corners.farthest()
 }
 
@@ -117,13 +116,14 @@ impl Corners {
         Some(farthest)
     }
 
-    /// Where the edges of `triangle`, whose corners lie on these sides of `plane`, meet the plane's triangle.
-    fn add_edges(&mut self, triangle: &Triangle, sides: [Ordering; 3], plane: &Plane<'_>) {
+    /// Where the edges of `triangle`, whose corners lie on these sides of the plane of `other`, meet `other`.
+    fn add_edges(&mut self, triangle: &Triangle, sides: [Ordering; 3], other: &Triangle) {
+        let projection = projection_of(other);
         let sides = [[sides[0], sides[1]], [sides[1], sides[2]], [sides[2], sides[0]]];
         for (edge, sides) in edges(triangle).into_iter().zip(sides) {
-            match plane.projection {
-                Some(projection) => self.add_edge(edge, sides, plane.triangle, projection),
-                None => self.add_collapsed(edge, plane.triangle),
+            match projection {
+                Some(projection) => self.add_edge(edge, sides, other, projection),
+                None => self.add_collapsed(edge, other),
             }
         }
     }

@@ -18,66 +18,60 @@ pub type Triangle = [DVec3; 3];
 /// segment-triangle tests decide, after two planes have rejected most pairs.
 #[must_use]
 pub fn triangles_intersect(a: &Triangle, b: &Triangle) -> bool {
-    let (plane_a, plane_b) = (Plane::of(a), Plane::of(b));
-    let b_sides = plane_a.sides(b);
+    if boxes_apart(a, b) {
+        return false;
+    }
+    let b_sides = sides(a, b);
     if strictly_one_side(b_sides) {
         return false;
     }
-    let a_sides = plane_b.sides(a);
+    let a_sides = sides(b, a);
     if strictly_one_side(a_sides) {
         return false;
     }
-    edges_meet(b, b_sides, &plane_a) || edges_meet(a, a_sides, &plane_b)
+    edges_meet(b, b_sides, a) || edges_meet(a, a_sides, b)
 }
 
-/// A triangle and whether it spans a plane; the projection keeps that plane's points apart.
-pub(super) struct Plane<'a> {
-    pub(super) triangle: &'a Triangle,
-    pub(super) projection: Option<Projection>,
+/// Whether the triangles' boxes are apart, which comparisons tell exactly.
+#[inline]
+fn boxes_apart(a: &Triangle, b: &Triangle) -> bool {
+    let (min_a, max_a) = (a[0].min(a[1]).min(a[2]), a[0].max(a[1]).max(a[2]));
+    let (min_b, max_b) = (b[0].min(b[1]).min(b[2]), b[0].max(b[1]).max(b[2]));
+    min_a.cmpgt(max_b).any() || min_b.cmpgt(max_a).any()
 }
 
-impl<'a> Plane<'a> {
-    pub(super) fn of(triangle: &'a Triangle) -> Self {
-        let [a, b, c] = *triangle;
-        Self {
-            triangle,
-            projection: Projection::keeping_apart(a, b, c),
-        }
-    }
+/// On which sides of the plane of the first triangle the corners of the second lie; all `Equal` when it spans no plane.
+pub(super) fn sides([a, b, c]: &Triangle, points: &Triangle) -> [Ordering; 3] {
+    points.map(|p| plane_side(*a, *b, *c, p))
+}
 
-    /// All `Equal` when the triangle spans no plane.
-    pub(super) fn sides(&self, points: &Triangle) -> [Ordering; 3] {
-        let [a, b, c] = *self.triangle;
-        match self.projection {
-            Some(_) => points.map(|p| plane_side(a, b, c, p)),
-            None => [Equal; 3],
-        }
-    }
+/// A projection that keeps the points of a triangle's plane apart; `None` when it spans no plane.
+pub(super) fn projection_of([a, b, c]: &Triangle) -> Option<Projection> {
+    Projection::keeping_apart(*a, *b, *c)
 }
 
 pub(super) fn strictly_one_side(sides: [Ordering; 3]) -> bool {
     sides[0] != Equal && sides[0] == sides[1] && sides[1] == sides[2]
 }
 
-/// Whether an edge of `triangle`, whose corners lie on these sides of `plane`, meets the plane's triangle.
-fn edges_meet(triangle: &Triangle, sides: [Ordering; 3], plane: &Plane<'_>) -> bool {
-    [(0, 1), (1, 2), (2, 0)].into_iter().any(|(i, j)| {
-        let edge = [triangle[i], triangle[j]];
-        match plane.projection {
-            Some(projection) => segment_meets(edge, [sides[i], sides[j]], plane.triangle, projection),
-            None => segments_intersect(edge, hull_of_line(plane.triangle)),
-        }
-    })
+/// Whether an edge of `triangle`, whose corners lie on these sides of the plane of `other`, meets `other`.
+fn edges_meet(triangle: &Triangle, sides: [Ordering; 3], other: &Triangle) -> bool {
+    [(0, 1), (1, 2), (2, 0)]
+        .into_iter()
+        .any(|(i, j)| segment_meets([triangle[i], triangle[j]], [sides[i], sides[j]], other))
 }
 
 /// A segment with its ends on known sides of a triangle's plane.
-fn segment_meets([p, q]: Segment, sides: [Ordering; 2], triangle: &Triangle, projection: Projection) -> bool {
+fn segment_meets([p, q]: Segment, sides: [Ordering; 2], triangle: &Triangle) -> bool {
     let [a, b, c] = *triangle;
     match sides {
-        [Equal, Equal] => {
-            let flat = |point| projection.apply(point);
-            flat_segment_meets_triangle([flat(p), flat(q)], triangle.map(flat))
-        }
+        [Equal, Equal] => match projection_of(triangle) {
+            Some(projection) => {
+                let flat = |point| projection.apply(point);
+                flat_segment_meets_triangle([flat(p), flat(q)], triangle.map(flat))
+            }
+            None => segments_intersect([p, q], hull_of_line(triangle)),
+        },
         [s, t] if s == t => false,
         // The line pierces the plane once; the triangle's edges see it on one side where it does so inside.
         _ => all_on_one_side([plane_side(p, q, a, b), plane_side(p, q, b, c), plane_side(p, q, c, a)]),

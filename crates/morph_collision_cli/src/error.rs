@@ -40,6 +40,8 @@ pub(crate) enum CliError {
         body: usize,
         reason: FrameError,
     },
+    #[error("{flag}: {reason}")]
+    Flag { flag: &'static str, reason: String },
     #[error("{}: cannot write: {reason}", file.display())]
     Write { file: PathBuf, reason: io::Error },
     #[error("cannot write to stdout: {0}")]

@@ -1,12 +1,13 @@
 //! `morph-collide`: try collision detection on morphing glTF models without writing a program.
 //!
 //! `inspect` shows what a model is made of and what tree it gets; `run` replays a scene of scripted bodies and reports
-//! which triangles meet. Results go to stdout, errors and progress to stderr; the exit code is 2 after an error.
+//! which triangles meet; `query` asks about one mesh in one shape. Results go to stdout, errors and progress to stderr; the exit code is 2 after an error.
 #![forbid(unsafe_code)]
 
 mod error;
 mod inspect;
 mod output;
+mod query;
 mod run;
 
 use std::process::ExitCode;
@@ -27,6 +28,7 @@ struct Cli {
 enum Command {
     Inspect(inspect::InspectArgs),
     Run(run::RunArgs),
+    Query(query::QueryArgs),
 }
 
 fn main() -> ExitCode {
@@ -45,6 +47,7 @@ fn main() -> ExitCode {
     let result = match &cli.command {
         Command::Inspect(args) => inspect::inspect(args),
         Command::Run(args) => run::run(args),
+        Command::Query(args) => query::query(args),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -152,7 +152,7 @@ impl Pose {
 
 /// Twice a posed triangle's area along its normal, in model space.
 fn area_normal<V: Volume>(posed: &mut Posed<'_, V>, triangle: u32) -> DVec3 {
-    let [a, b, c] = posed.corners(triangle).map(|corner| corner.as_dvec3());
+    let [a, b, c] = posed.corners(triangle).map(Vec3::as_dvec3);
     (b - a).cross(c - a)
 }
 

@@ -2,5 +2,6 @@
 
 mod bad_input;
 mod inspect;
+mod query;
 mod run;
 mod support;

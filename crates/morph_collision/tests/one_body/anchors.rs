@@ -1,0 +1,70 @@
+//! Anchors stay where they were put as shape and place change.
+
+use glam::{Affine3A, DVec3, Quat, Vec3};
+use morph_collision::{Ball, Body, PointQuery, Ray, RayQuery, SurfaceAnchor, WorldFromModel};
+
+use crate::bodies;
+use crate::reference::at;
+
+#[test]
+fn an_anchor_from_a_hit_or_a_projection_is_at_its_point_and_follows_it() {
+    for case in bodies::generated().into_iter().take(4) {
+        let place = case.world_from_model();
+        let mut pose = case.poses().swap_remove(0);
+        let center = place.transform_point(Vec3::ZERO);
+        for direction in [DVec3::X, DVec3::new(-1.0, 0.5, 0.2), DVec3::NEG_Z] {
+            let ray = Ray::new(center, direction, f64::INFINITY).unwrap();
+            let Some(hit) = RayQuery::new().closest(Body::new(&mut pose, &place), &ray).0 else {
+                continue;
+            };
+            let ball = Ball::unbounded(center + 10.0 * direction).unwrap();
+            let closest = PointQuery::new()
+                .closest(Body::new(&mut pose, &place), &ball)
+                .0
+                .unwrap();
+            for (anchor, point) in [
+                (SurfaceAnchor::from(&hit), hit.point),
+                (SurfaceAnchor::from(&closest), closest.point),
+            ] {
+                let here = anchor.point(Body::new(&mut pose, &place)).unwrap();
+                assert!(
+                    (here - point).length() < 1e-12 * (1.0 + point.length()),
+                    "{}",
+                    case.name
+                );
+
+                let mut moved = case.clone();
+                moved.weights.iter_mut().for_each(|weight| *weight = 0.5 - *weight);
+                moved.place = Affine3A::from_rotation_translation(Quat::from_rotation_x(1.0), Vec3::Y) * case.place;
+                let corners = moved.world_triangles()[anchor.triangle as usize];
+                let elsewhere = moved.world_from_model();
+                pose.set_weights(&moved.weights).unwrap();
+                let there = anchor.point(Body::new(&mut pose, &elsewhere)).unwrap();
+                assert!((there - at(anchor.barycentrics, &corners)).length() < 1e-12 * (1.0 + there.length()));
+                let frame = anchor.frame(Body::new(&mut pose, &elsewhere)).unwrap();
+                let [a, b, c] = corners;
+                let axes = frame.world_from_frame();
+                assert!((axes.transpose() * axes).abs_diff_eq(glam::DMat3::IDENTITY, 1e-12));
+                assert!(frame.normal.dot((b - a).cross(c - a)) > 0.0 && frame.tangent.dot(b - a) > 0.0);
+                assert!((axes.determinant() - 1.0).abs() < 1e-12);
+                assert_eq!(frame.point, there);
+                pose.set_weights(&case.weights).unwrap();
+            }
+        }
+    }
+}
+
+#[test]
+fn an_anchor_on_no_triangle_is_nowhere_and_one_without_area_has_no_frame() {
+    let mesh = morph_collision_testkit::models::degenerate::zero_area(2, 6);
+    let case = bodies::Case::new("zero area", mesh, vec![0.0], Affine3A::IDENTITY);
+    let mut pose = case.poses().swap_remove(0);
+    let place = WorldFromModel::IDENTITY;
+    let anchor = |triangle| SurfaceAnchor {
+        triangle,
+        barycentrics: [1.0, 0.0, 0.0],
+    };
+    assert_eq!(anchor(6).point(Body::new(&mut pose, &place)), None);
+    assert!(anchor(5).point(Body::new(&mut pose, &place)).is_some());
+    assert_eq!(anchor(5).frame(Body::new(&mut pose, &place)), None);
+}

@@ -1,0 +1,82 @@
+//! What is looked at, counted: walks that cull nothing would pass every other test.
+
+use glam::{Affine3A, DVec3, Quat, Vec3};
+use morph_collision::{
+    Aabb, Ball, Body, BodyStats, ConvexRegion, DistanceQuery, OverlapQuery, PointQuery, Pose, Ray, RayQuery,
+};
+use morph_collision_testkit::models::dolphin;
+
+use crate::bodies::Case;
+
+fn swimming(shift: f32) -> Case {
+    let turned = Quat::from_rotation_y(0.7) * Quat::from_rotation_x(0.3);
+    let place = Affine3A::from_scale_rotation_translation(Vec3::new(2.0, 0.5, 1.0), turned, Vec3::X * shift);
+    Case::new("dolphin", dolphin(2), vec![0.4, 0.0], place)
+}
+
+#[test]
+fn a_query_blends_a_small_part_of_the_tree() {
+    let case = swimming(0.0);
+    let place = case.world_from_model();
+    let center = place.transform_point(Vec3::ZERO);
+    let fresh = || -> Pose { case.poses().swap_remove(0) };
+    let nodes = fresh().bvh().node_count() as u64;
+    let small = |stats: BodyStats, what: &str| {
+        assert!(stats.volumes_blended * 12 < nodes, "{what}: {stats:?} of {nodes} nodes");
+        assert!(
+            stats.vertices_blended > 0 && stats.triangle_tests < 400,
+            "{what}: {stats:?}"
+        );
+        assert!(stats.node_tests >= stats.volumes_blended, "{what}: {stats:?}");
+    };
+    let ray = Ray::new(center + DVec3::new(0.1, 5.0, 0.0), DVec3::NEG_Y, f64::INFINITY).unwrap();
+    small(
+        RayQuery::new().closest(Body::new(&mut fresh(), &place), &ray).1,
+        "closest hit",
+    );
+    small(RayQuery::new().any(Body::new(&mut fresh(), &place), &ray).1, "any hit");
+    let ball = Ball::unbounded(center + DVec3::new(0.2, 0.4, 0.1)).unwrap();
+    small(
+        PointQuery::new().closest(Body::new(&mut fresh(), &place), &ball).1,
+        "projection",
+    );
+    let middle = (center + DVec3::new(0.4, 0.0, -0.3)).as_vec3();
+    let region = ConvexRegion::from_box(&Aabb {
+        min: middle - 0.05,
+        max: middle + 0.05,
+    });
+    let mut triangles = Vec::new();
+    let stats =
+        OverlapQuery::new().triangles_in_region(Body::new(&mut fresh(), &place), &region.unwrap(), &mut triangles);
+    assert!(stats.volumes_blended * 5 < nodes, "region: {stats:?} of {nodes} nodes");
+}
+
+#[test]
+fn a_miss_looks_at_the_root_only() {
+    let case = swimming(0.0);
+    let place = case.world_from_model();
+    let mut pose = case.poses().swap_remove(0);
+    let past = Ray::new(DVec3::new(0.0, 9.0, 0.0), DVec3::Y, f64::INFINITY).unwrap();
+    let (hit, stats) = RayQuery::new().closest(Body::new(&mut pose, &place), &past);
+    assert_eq!((hit, stats.node_tests, stats.vertices_blended), (None, 1, 0));
+    let far = Ball::new(DVec3::splat(50.0), 1.0).unwrap();
+    let (closest, stats) = PointQuery::new().closest(Body::new(&mut pose, &place), &far);
+    assert_eq!((closest, stats.node_tests, stats.vertices_blended), (None, 1, 0));
+}
+
+#[test]
+fn a_distance_looks_at_a_small_part_of_both_trees() {
+    let (a, b) = (swimming(0.0), swimming(5.0));
+    let (place_a, place_b) = (a.world_from_model(), b.world_from_model());
+    let (mut pose_a, mut pose_b) = (a.poses().swap_remove(0), b.poses().swap_remove(0));
+    let nodes = 2 * pose_a.bvh().node_count() as u64;
+    let mut query = DistanceQuery::new();
+    let bodies = (Body::new(&mut pose_a, &place_a), Body::new(&mut pose_b, &place_b));
+    let (closest, stats) = query.closest(bodies.0, bodies.1, f64::INFINITY);
+    assert!(closest.is_some());
+    assert!(stats.volumes_blended * 8 < nodes, "{stats:?} of {nodes} nodes");
+    let bodies = (Body::new(&mut pose_a, &place_a), Body::new(&mut pose_b, &place_b));
+    let (closest, stats) = query.closest(bodies.0, bodies.1, 0.01);
+    assert_eq!(closest, None);
+    assert!(stats.node_tests < 10 && stats.triangle_tests == 0, "{stats:?}");
+}

@@ -1,0 +1,245 @@
+//! Rays against every triangle by the exact oracle, to which a ray is a triangle with two corners that are the same.
+
+use std::ops::ControlFlow;
+
+use glam::DVec3;
+use morph_collision::{Body, Facing, Ray, RayHit, RayQuery};
+use morph_collision_testkit::oracle;
+
+use crate::bodies::{self, Case, Random, box_around, snap};
+use crate::reference::{Corners, at, point_triangle};
+
+/// A ray from `origin` to `origin + 2 direction`, which is exact: for coordinates up to 2^11.
+#[derive(Clone, Copy, Debug)]
+struct Shot {
+    origin: DVec3,
+    direction: DVec3,
+}
+
+const MAX_T: f64 = 2.0;
+
+impl Shot {
+    fn towards(origin: DVec3, target: DVec3) -> Self {
+        let origin = snap(origin, 0.5_f64.powi(10));
+        let direction = snap(target - origin, 0.5_f64.powi(40));
+        Self { origin, direction }
+    }
+
+    /// Whether the ray up to a share of its length meets a triangle.
+    fn meets(&self, triangle: &Corners, share: f64) -> bool {
+        let end = self.origin + self.direction * (MAX_T * share);
+        oracle::triangles_intersect(&[self.origin, end, end], triangle)
+    }
+}
+
+/// Rays at corners, edges, into the middle, and past; some from points of the surface.
+fn shots(triangles: &[Corners], count: usize, seed: u64) -> Vec<Shot> {
+    let mut random = Random(seed);
+    let bounds = box_around(triangles);
+    let mut shots = Vec::new();
+    while shots.len() < count {
+        let triangle = triangles[random.below(triangles.len())];
+        let target = match shots.len() % 5 {
+            0 => triangle[random.below(3)],
+            1 => 0.5 * (triangle[0] + triangle[1]),
+            2 => at([0.25, 0.5, 0.25], &triangle),
+            3 => random.around(bounds),
+            // Along an edge, within the triangle's plane.
+            _ => triangle[1] * 2.0 - triangle[0],
+        };
+        let origin = match shots.len() % 7 {
+            0 => snap(triangle[0], 0.5_f64.powi(10)),
+            _ => random.around(bounds),
+        };
+        let origin = if shots.len() % 5 == 4 { triangle[0] } else { origin };
+        let shot = Shot::towards(origin, target);
+        if shot.direction != DVec3::ZERO {
+            shots.push(shot);
+        }
+    }
+    shots
+}
+
+/// Checks one hit by itself: that it is on the ray and the triangle, and where the ray first meets it.
+fn check_hit(hit: &RayHit, shot: &Shot, triangle: &Corners, name: &str) {
+    let size = (triangle[0] - shot.origin)
+        .length()
+        .max((triangle[1] - triangle[0]).length())
+        .max((triangle[2] - triangle[0]).length());
+    let on_ray = shot.origin + shot.direction * hit.t;
+    assert!(
+        (hit.point - on_ray).length() <= 1e-9 * size,
+        "{name}: {hit:?} is off {shot:?}"
+    );
+    assert!((at(hit.barycentrics, triangle) - hit.point).length() <= 1e-12 * size.max(hit.point.length()));
+    assert!(hit.barycentrics.iter().all(|share| *share >= 0.0));
+    assert!((hit.barycentrics.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    assert!((hit.distance - hit.t * shot.direction.length()).abs() <= 1e-12 * hit.distance);
+    if hit.t > 1e-6 {
+        assert!(
+            !shot.meets(triangle, hit.t / MAX_T * (1.0 - 1e-6)),
+            "{name}: an earlier point than {hit:?}"
+        );
+    }
+    let [a, b, c] = *triangle;
+    let along = (b - a).cross(c - a).dot(shot.direction);
+    let certain = 1e-12 * (b - a).length() * (c - a).length() * shot.direction.length();
+    if along.abs() > certain {
+        let facing = if along < 0.0 { Facing::Front } else { Facing::Back };
+        assert_eq!(hit.facing, facing, "{name}: {hit:?}");
+    }
+    if hit.facing != Facing::EdgeOn && (b - a).cross(c - a).length() > 1e-6 * (b - a).length() * (c - a).length() {
+        assert!((hit.normal.length() - 1.0).abs() < 1e-12);
+        assert!(hit.normal.dot(b - a).abs() <= 1e-9 * (b - a).length());
+    }
+}
+
+fn agrees(case: &Case, count: usize) -> usize {
+    let triangles = case.world_triangles();
+    let place = case.world_from_model();
+    let mut poses = case.poses();
+    let mut query = RayQuery::new();
+    let mut found = 0;
+    for shot in shots(&triangles, count, 5) {
+        let ray = Ray::new(shot.origin, shot.direction, MAX_T).unwrap();
+        let truth: Vec<u32> = (0..triangles.len() as u32)
+            .filter(|&t| shot.meets(&triangles[t as usize], 1.0))
+            .collect();
+        found += truth.len();
+        let mut first: Option<Vec<RayHit>> = None;
+        for pose in &mut poses {
+            let mut hits = Vec::new();
+            query.all(Body::new(pose, &place), &ray, &mut hits);
+            let mut numbers: Vec<u32> = hits.iter().map(|hit| hit.triangle).collect();
+            assert!(hits.is_sorted_by(|a, b| (a.t, a.triangle) < (b.t, b.triangle)));
+            numbers.sort_unstable();
+            assert_eq!(numbers, truth, "{}: {shot:?}", case.name);
+            let (any, _) = query.any(Body::new(pose, &place), &ray);
+            assert_eq!(any, !truth.is_empty());
+            let (closest, _) = query.closest(Body::new(pose, &place), &ray);
+            assert_eq!(closest, hits.first().copied(), "{}: {shot:?}", case.name);
+            // Bit for bit, whatever the tree.
+            assert_eq!(first.get_or_insert_with(|| hits.clone()), &hits, "{}", case.name);
+        }
+        for hit in first.iter().flatten() {
+            check_hit(hit, &shot, &triangles[hit.triangle as usize], &case.name);
+        }
+    }
+    found
+}
+
+#[test]
+fn hits_agree_with_the_oracle_on_generated_bodies() {
+    let mut found = 0;
+    for case in bodies::generated() {
+        let here = agrees(&case, 40);
+        // Rays with few digits cannot be aimed at a line that has none in common with them.
+        let can_hit = case.name != "blob a slanted line";
+        assert!(here > 10 || !can_hit, "{}: {here} hits try nothing", case.name);
+        found += here;
+    }
+    assert!(found > 2000, "{found} hits");
+}
+
+#[test]
+fn hits_agree_with_the_oracle_on_real_models() {
+    for case in bodies::real() {
+        assert!(agrees(&case, 15) > 5, "{}", case.name);
+    }
+}
+
+/// A closed surface has no holes: from inside, a ray at any corner or edge gets out through something.
+#[test]
+fn no_ray_leaves_a_closed_surface_unseen() {
+    let blob = morph_collision_testkit::models::random::random_blob(3, 2, 2, 0.0);
+    for (name, place) in bodies::odd_places().into_iter().take(4) {
+        let case = Case::new(name, blob.clone(), vec![0.05, -0.05], place);
+        let triangles = case.world_triangles();
+        let center = case.world_from_model().transform_point(glam::Vec3::ZERO);
+        let mut pose = case.poses().swap_remove(0);
+        let place = case.world_from_model();
+        for [a, b, c] in triangles {
+            for target in [a, 0.5 * (a + b), a + (b - a) * 0.3, (a + b + c) / 3.0] {
+                let ray = Ray::new(center, target - center, f64::INFINITY).unwrap();
+                let (hit, _) = RayQuery::new().closest(Body::new(&mut pose, &place), &ray);
+                assert!(hit.is_some(), "{name}: towards {target}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_predicate_sees_through_what_it_rejects() {
+    let case = &bodies::generated()[1];
+    let triangles = case.world_triangles();
+    let place = case.world_from_model();
+    let mut rejected = 0;
+    for pose in &mut case.poses() {
+        for shot in shots(&triangles, 30, 9) {
+            let ray = Ray::new(shot.origin, shot.direction, f64::INFINITY).unwrap();
+            let mut hits = Vec::new();
+            RayQuery::new().all(Body::new(pose, &place), &ray, &mut hits);
+            let back = |hit: &RayHit| hit.facing == Facing::Back;
+            let expected = hits.iter().copied().find(back);
+            rejected += usize::from(expected != hits.first().copied());
+            let (closest, _) = RayQuery::new().closest_where(Body::new(pose, &place), &ray, back);
+            assert_eq!(closest, expected);
+        }
+    }
+    assert!(rejected > 10);
+}
+
+#[test]
+fn visiting_stops_when_told() {
+    let case = &bodies::generated()[0];
+    let mut pose = case.poses().swap_remove(0);
+    let ray = Ray::new(DVec3::new(0.5, 0.25, 5.0), DVec3::NEG_Z, f64::INFINITY).unwrap();
+    let mut visited = 0;
+    RayQuery::new().visit(Body::new(&mut pose, &case.world_from_model()), &ray, |_| {
+        visited += 1;
+        ControlFlow::Break(())
+    });
+    assert_eq!(visited, 1);
+}
+
+#[test]
+fn the_length_of_the_direction_scales_only_t() {
+    let case = &bodies::generated()[2];
+    let mut pose = case.poses().swap_remove(0);
+    let place = case.world_from_model();
+    let (origin, direction) = (DVec3::new(0.4, 0.3, 5.0), DVec3::new(0.01, 0.0, -1.0));
+    let mut cast = |factor: f64| {
+        let ray = Ray::new(origin, direction * factor, f64::INFINITY).unwrap();
+        RayQuery::new().closest(Body::new(&mut pose, &place), &ray).0.unwrap()
+    };
+    let one = cast(1.0);
+    for factor in [1024.0, 2_f64.powi(-600), 2_f64.powi(900)] {
+        let other = cast(factor);
+        assert_eq!(
+            (other.triangle, other.point, other.distance),
+            (one.triangle, one.point, one.distance)
+        );
+        assert_eq!(other.t * factor, one.t);
+    }
+}
+
+#[test]
+fn a_ray_from_far_away_hits_what_it_is_aimed_at() {
+    let case = &bodies::generated()[1];
+    let triangles = case.world_triangles();
+    let place = case.world_from_model();
+    for pose in &mut case.poses() {
+        for (number, triangle) in triangles.iter().enumerate().step_by(7) {
+            let origin = DVec3::new(1e9, -3e9, 2e9);
+            let target = at([0.3, 0.3, 0.4], triangle);
+            let ray = Ray::new(origin, target - origin, f64::INFINITY).unwrap();
+            let mut hits = Vec::new();
+            RayQuery::new().all(Body::new(pose, &place), &ray, &mut hits);
+            assert!(
+                hits.iter()
+                    .any(|hit| point_triangle(target, &triangles[hit.triangle as usize]) < 1e-5),
+                "{number}"
+            );
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Boxes and frusta against every triangle, by the exact oracle.
+
+use glam::{DVec3, Vec3};
+use morph_collision::{Aabb, Body, ConvexRegion, HalfSpace, OverlapQuery};
+use morph_collision_testkit::oracle;
+
+use crate::bodies::{self, Case, Random, box_around, snap};
+use crate::reference::Corners;
+
+fn ask(case: &Case, region: &ConvexRegion, truth: &[u32], what: &str) {
+    let place = case.world_from_model();
+    for pose in &mut case.poses() {
+        let mut found = Vec::new();
+        let mut query = OverlapQuery::new();
+        query.triangles_in_region(Body::new(pose, &place), region, &mut found);
+        assert_eq!(found, truth, "{}: {what}", case.name);
+        let (meets, _) = query.meets_region(Body::new(pose, &place), region);
+        assert_eq!(meets, !truth.is_empty());
+    }
+}
+
+fn numbers(triangles: &[Corners], test: impl Fn(&Corners) -> bool) -> Vec<u32> {
+    (0..triangles.len() as u32)
+        .filter(|t| test(&triangles[*t as usize]))
+        .collect()
+}
+
+/// A triangle meets a convex polyhedron if it meets its boundary, or lies inside.
+fn meets_polyhedron(triangle: &Corners, faces: &[Corners], holds: impl Fn(DVec3) -> bool) -> bool {
+    holds(triangle[0]) || faces.iter().any(|face| oracle::triangles_intersect(triangle, face))
+}
+
+fn faces_of_box(min: DVec3, max: DVec3) -> Vec<Corners> {
+    let corner = |i: usize| {
+        let take = |axis: usize| if i >> axis & 1 == 1 { max[axis] } else { min[axis] };
+        DVec3::new(take(0), take(1), take(2))
+    };
+    let quads = [
+        [0, 1, 3, 2],
+        [4, 5, 7, 6],
+        [0, 1, 5, 4],
+        [2, 3, 7, 6],
+        [0, 2, 6, 4],
+        [1, 3, 7, 5],
+    ];
+    quads
+        .iter()
+        .flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]].map(|t| t.map(corner)))
+        .collect()
+}
+
+#[test]
+fn boxes_meet_the_triangles_that_the_oracle_says() {
+    let mut found = 0;
+    for case in bodies::generated().into_iter().chain(bodies::real()) {
+        let triangles = case.world_triangles();
+        let bounds = box_around(&triangles);
+        let mut random = Random(23);
+        for i in 0..10 {
+            let triangle = triangles[random.below(triangles.len())];
+            // Touching a corner from outside, flat, a point, and any.
+            let center = if i % 2 == 0 {
+                triangle[random.below(3)]
+            } else {
+                random.around(bounds)
+            };
+            let center = center.as_vec3();
+            let size = (0.3 * (bounds.1 - bounds.0) * (random.point().abs())).as_vec3();
+            let (min, max) = match i % 5 {
+                0 => (center, center + size),
+                1 => (center - size, center),
+                2 => (center - size, center + size * Vec3::new(1.0, -1.0, 1.0)),
+                3 => (center, center),
+                _ => (center - size, center + size),
+            };
+            let bounds = Aabb {
+                min: min.min(max),
+                max: max.max(min),
+            };
+            let (low, high) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+            let faces = faces_of_box(low, high);
+            let holds = |p: DVec3| low.cmple(p).all() && p.cmple(high).all();
+            let truth = numbers(&triangles, |t| meets_polyhedron(t, &faces, holds));
+            found += truth.len();
+            ask(
+                &case,
+                &ConvexRegion::from_box(&bounds).unwrap(),
+                &truth,
+                &format!("{bounds:?}"),
+            );
+        }
+    }
+    assert!(found > 500, "{found}");
+}
+
+/// Four corners with few digits, so that the planes through them are exact in `f64`.
+fn tetrahedron(random: &mut Random, bounds: (DVec3, DVec3)) -> Option<([DVec3; 4], ConvexRegion)> {
+    let corners: [DVec3; 4] = std::array::from_fn(|_| snap(random.around(bounds), 1.0 / 64.0));
+    let mut sides = Vec::new();
+    for skipped in 0..4 {
+        let [a, b, c] = [1, 2, 3].map(|i| corners[(skipped + i) % 4]);
+        let normal = (b - a).cross(c - a);
+        let inward = normal.dot(corners[skipped] - a).signum() * normal;
+        if normal.dot(corners[skipped] - a) == 0.0 {
+            return None;
+        }
+        sides.push(HalfSpace::new(inward, -inward.dot(a)).unwrap());
+    }
+    Some((corners, ConvexRegion::from_half_spaces(&sides)))
+}
+
+#[test]
+fn frusta_meet_the_triangles_that_the_oracle_says() {
+    let mut found = 0;
+    for case in bodies::generated() {
+        let triangles = case.world_triangles();
+        let bounds = box_around(&triangles);
+        if bounds.1.abs().max_element() > 100.0 {
+            continue; // the planes would not be exact
+        }
+        let mut random = Random(29);
+        for _ in 0..8 {
+            let Some((corners, region)) = tetrahedron(&mut random, bounds) else {
+                continue;
+            };
+            let faces: Vec<Corners> = (0..4).map(|i| [1, 2, 3].map(|j| corners[(i + j) % 4])).collect();
+            // A corner far from every face is inside if a ray of barycentrics says so; near ones meet a face.
+            let holds = |p: DVec3| {
+                let det = |a: DVec3, b: DVec3, c: DVec3, d: DVec3| (b - a).cross(c - a).dot(d - a);
+                let [a, b, c, d] = corners;
+                let whole = det(a, b, c, d);
+                [det(p, b, c, d), det(a, p, c, d), det(a, b, p, d), det(a, b, c, p)]
+                    .iter()
+                    .all(|part| part / whole > 1e-12)
+            };
+            let truth = numbers(&triangles, |t| meets_polyhedron(t, &faces, holds));
+            found += truth.len();
+            ask(&case, &region, &truth, &format!("{corners:?}"));
+        }
+    }
+    assert!(found > 500, "{found}");
+}
+
+#[test]
+fn all_of_space_holds_everything_and_contradictions_hold_nothing() {
+    let case = &bodies::generated()[3];
+    let all: Vec<u32> = (0..case.mesh.triangles.len() as u32).collect();
+    ask(case, &ConvexRegion::from_half_spaces(&[]), &all, "all of space");
+    let up = HalfSpace::new(DVec3::Z, -0.1).unwrap();
+    let down = HalfSpace::new(DVec3::NEG_Z, -0.1).unwrap();
+    ask(case, &ConvexRegion::from_half_spaces(&[up, down]), &[], "nothing");
+}
+
+#[test]
+fn half_spaces_that_share_only_a_plane_hold_what_touches_it() {
+    let mesh = morph_collision_testkit::models::degenerate::coplanar_sheets(3, 2);
+    let count = mesh.triangles.len() as u32;
+    let case = Case::new("sheets", mesh, vec![0.0], glam::Affine3A::IDENTITY);
+    let sides = [DVec3::Z, DVec3::NEG_Z].map(|normal| HalfSpace::new(normal, 0.0).unwrap());
+    let all: Vec<u32> = (0..count).collect();
+    ask(&case, &ConvexRegion::from_half_spaces(&sides), &all, "the plane z = 0");
+}

@@ -1,0 +1,107 @@
+//! `morph-collide query`: ask about one mesh of a model in one shape.
+
+mod numbers;
+mod report;
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use clap::Args;
+use morph_collision::{Ball, Body, BuildOptions, MorphBvh, PointQuery, Pose, Ray, RayQuery, WorldFromModel};
+use morph_collision_testkit::gltf_read::read_meshes;
+use morph_collision_testkit::mesh::MorphMesh;
+
+use crate::error::{CliError, MeshError};
+use crate::output;
+use numbers::{Triple, Weights};
+use report::{PointReport, QueryReport, RayReport};
+
+/// Ask about one mesh of a glTF file in one shape: what a ray hits, or which point of its surface is closest.
+///
+/// Everything is in the mesh's own space.
+#[derive(Debug, Args)]
+pub(crate) struct QueryArgs {
+    /// A .glb or .gltf file.
+    model: PathBuf,
+    /// The mesh's index in the file.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    mesh: usize,
+    /// One weight per target, comma-separated; all zero where left out.
+    #[arg(long, value_name = "W,W,..", allow_hyphen_values = true)]
+    weights: Option<Weights>,
+    #[command(flatten)]
+    question: Question,
+    /// Print one JSON object instead of text.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What to find out: exactly one of these.
+#[derive(Debug, Args)]
+#[group(required = true, multiple = false)]
+struct Question {
+    /// Cast a ray from OX,OY,OZ along DX,DY,DZ and show every hit, the first one first.
+    #[arg(long, value_name = "OX,OY,OZ,DX,DY,DZ", allow_hyphen_values = true)]
+    ray: Option<Triple<2>>,
+    /// Show the point of the surface that is closest to X,Y,Z.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
+    point: Option<Triple<1>>,
+}
+
+/// Poses the mesh, asks, and prints the answer.
+pub(crate) fn query(args: &QueryArgs) -> Result<(), CliError> {
+    let mut pose = pose(args)?;
+    let body = Body::new(&mut pose, &WorldFromModel::IDENTITY);
+    if let Some(Triple([origin, direction])) = args.question.ray {
+        let ray = Ray::new(origin, direction, f64::INFINITY).map_err(|error| bad_flag("--ray", &error))?;
+        let mut hits = Vec::new();
+        let stats = RayQuery::new().all(body, &ray, &mut hits);
+        return show(args, &RayReport::new(&hits, stats));
+    }
+    if let Some(Triple([point])) = args.question.point {
+        let everywhere = Ball::unbounded(point).map_err(|error| bad_flag("--point", &error))?;
+        let (closest, stats) = PointQuery::new().closest(body, &everywhere);
+        return show(args, &PointReport::new(closest.as_ref(), stats));
+    }
+    Ok(())
+}
+
+fn show(args: &QueryArgs, report: &impl QueryReport) -> Result<(), CliError> {
+    if args.json {
+        output::print_json(report)
+    } else {
+        output::print(&report.text())
+    }
+}
+
+/// The mesh asked about, with its weights.
+fn pose(args: &QueryArgs) -> Result<Pose, CliError> {
+    let mut meshes = read_meshes(&args.model)?;
+    if args.mesh >= meshes.len() {
+        let reason = format!("{} has no mesh {}, only {}", args.model.display(), args.mesh, meshes.len());
+        return Err(bad_flag("--mesh", &reason));
+    }
+    let mesh = meshes.swap_remove(args.mesh);
+    let tree = build(&mesh).map_err(|reason| CliError::Mesh {
+        file: args.model.clone(),
+        mesh: args.mesh,
+        name: mesh.name,
+        reason,
+    })?;
+    let mut pose = Pose::new(Arc::new(tree));
+    if let Some(Weights(weights)) = &args.weights {
+        pose.set_weights(weights).map_err(|error| bad_flag("--weights", &error))?;
+    }
+    Ok(pose)
+}
+
+fn build(mesh: &MorphMesh) -> Result<MorphBvh, MeshError> {
+    Ok(MorphBvh::build(Arc::new(mesh.to_model()?), &BuildOptions::default())?)
+}
+
+fn bad_flag(flag: &'static str, reason: &impl ToString) -> CliError {
+    CliError::Flag {
+        flag,
+        reason: reason.to_string(),
+    }
+}

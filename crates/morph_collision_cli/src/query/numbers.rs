@@ -1,0 +1,56 @@
+//! Lists of numbers as flags give them: separated by commas.
+
+use std::str::FromStr;
+
+use glam::DVec3;
+
+/// `N` points or directions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Triple<const N: usize>(pub(super) [DVec3; N]);
+
+/// Any number of weights.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Weights(pub(super) Vec<f32>);
+
+fn parse<T: FromStr>(list: &str) -> Result<Vec<T>, String> {
+    let number = |(index, text): (usize, &str)| {
+        let text = text.trim();
+        text.parse().map_err(|_| format!("number {index} is \"{text}\""))
+    };
+    list.split(',').enumerate().map(number).collect()
+}
+
+impl<const N: usize> FromStr for Triple<N> {
+    type Err = String;
+
+    fn from_str(list: &str) -> Result<Self, String> {
+        let numbers: Vec<f64> = parse(list)?;
+        if numbers.len() != 3 * N {
+            return Err(format!("{} numbers, not {}", numbers.len(), 3 * N));
+        }
+        Ok(Self(std::array::from_fn(|i| DVec3::from_slice(&numbers[3 * i..]))))
+    }
+}
+
+impl FromStr for Weights {
+    type Err = String;
+
+    fn from_str(list: &str) -> Result<Self, String> {
+        parse(list).map(Self)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_are_read_and_wrong_ones_explained() {
+        let ray: Result<Triple<2>, _> = "1, -2,3e0,0,0,1".parse();
+        assert_eq!(ray, Ok(Triple([DVec3::new(1.0, -2.0, 3.0), DVec3::Z])));
+        assert_eq!("1,2".parse::<Triple<1>>(), Err("2 numbers, not 3".into()));
+        assert_eq!("1,x,3".parse::<Triple<1>>(), Err("number 1 is \"x\"".into()));
+        assert_eq!("".parse::<Weights>(), Err("number 0 is \"\"".into()));
+        assert_eq!("0.5,-1".parse(), Ok(Weights(vec![0.5, -1.0])));
+    }
+}

@@ -1,0 +1,141 @@
+//! Answers in the shape of their JSON, and as text.
+
+use std::fmt::Write;
+
+use morph_collision::{BodyStats, ClosestPoint, Facing, RayHit};
+use serde::Serialize;
+
+/// An answer that can be shown either way.
+pub(super) trait QueryReport: Serialize {
+    fn text(&self) -> String;
+}
+
+/// All hits of a ray, by ascending `t`.
+#[derive(Debug, Serialize)]
+pub(super) struct RayReport {
+    hits: Vec<HitReport>,
+    work: WorkReport,
+}
+
+#[derive(Debug, Serialize)]
+struct HitReport {
+    triangle: u32,
+    t: f64,
+    distance: f64,
+    point: [f64; 3],
+    barycentrics: [f64; 3],
+    /// Zero where the triangle has no area.
+    normal: [f64; 3],
+    /// `front`, `back` or `edge-on`.
+    facing: &'static str,
+}
+
+/// The point of the surface that is closest to a point.
+#[derive(Debug, Serialize)]
+pub(super) struct PointReport {
+    closest: Option<ClosestReport>,
+    work: WorkReport,
+}
+
+#[derive(Debug, Serialize)]
+struct ClosestReport {
+    triangle: u32,
+    distance: f64,
+    point: [f64; 3],
+    barycentrics: [f64; 3],
+}
+
+/// What the answer took.
+#[derive(Debug, Serialize)]
+struct WorkReport {
+    node_tests: u64,
+    triangle_tests: u64,
+    volumes_blended: u64,
+    vertices_blended: u64,
+}
+
+impl RayReport {
+    pub(super) fn new(hits: &[RayHit], stats: BodyStats) -> Self {
+        let hit = |hit: &RayHit| HitReport {
+            triangle: hit.triangle,
+            t: hit.t,
+            distance: hit.distance,
+            point: hit.point.to_array(),
+            barycentrics: hit.barycentrics,
+            normal: hit.normal.to_array(),
+            facing: match hit.facing {
+                Facing::Front => "front",
+                Facing::Back => "back",
+                Facing::EdgeOn => "edge-on",
+            },
+        };
+        Self {
+            hits: hits.iter().map(hit).collect(),
+            work: WorkReport::new(stats),
+        }
+    }
+}
+
+impl PointReport {
+    pub(super) fn new(closest: Option<&ClosestPoint>, stats: BodyStats) -> Self {
+        let closest = closest.map(|closest| ClosestReport {
+            triangle: closest.triangle,
+            distance: closest.distance,
+            point: closest.point.to_array(),
+            barycentrics: closest.barycentrics,
+        });
+        Self {
+            closest,
+            work: WorkReport::new(stats),
+        }
+    }
+}
+
+impl WorkReport {
+    fn new(stats: BodyStats) -> Self {
+        Self {
+            node_tests: stats.node_tests,
+            triangle_tests: stats.triangle_tests,
+            volumes_blended: stats.volumes_blended,
+            vertices_blended: stats.vertices_blended,
+        }
+    }
+
+    fn text(&self) -> String {
+        format!(
+            "looked at {} volumes and {} triangles; blended {} volumes and {} vertices\n",
+            self.node_tests, self.triangle_tests, self.volumes_blended, self.vertices_blended
+        )
+    }
+}
+
+impl QueryReport for RayReport {
+    fn text(&self) -> String {
+        let mut text = format!("{} hits\n", self.hits.len());
+        for hit in &self.hits {
+            let [x, y, z] = hit.point;
+            // Writing to a string cannot fail.
+            let _ = writeln!(
+                text,
+                "  triangle {} at t {:.6}, distance {:.6}, point {x:.6} {y:.6} {z:.6}, {}",
+                hit.triangle, hit.t, hit.distance, hit.facing
+            );
+        }
+        text + &self.work.text()
+    }
+}
+
+impl QueryReport for PointReport {
+    fn text(&self) -> String {
+        let found = match &self.closest {
+            Some(ClosestReport {
+                triangle,
+                distance,
+                point: [x, y, z],
+                ..
+            }) => format!("triangle {triangle}, distance {distance:.6}, point {x:.6} {y:.6} {z:.6}\n"),
+            None => "nothing\n".into(),
+        };
+        found + &self.work.text()
+    }
+}

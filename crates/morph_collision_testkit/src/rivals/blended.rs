@@ -3,13 +3,10 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, DVec3, Vec3};
-use morph_collision::{ModelError, Triangle, WeightsError, WorldFromModel};
+use morph_collision::{ModelError, Triangle, WorldFromModel};
 
-use super::PoseError;
+use super::{PoseError, WeightLimits};
 use crate::mesh::MorphMesh;
-
-/// The largest coordinate that a posed vertex may reach, as in the core.
-const LARGEST: f64 = 2e37;
 
 /// A mesh as blending whole likes it: welded, target by target, each with the vertices that it moves.
 #[derive(Debug)]
@@ -17,7 +14,7 @@ pub(super) struct WeldedMesh {
     pub(super) base: Vec<Vec3>,
     pub(super) triangles: Vec<[u32; 3]>,
     targets: Vec<Target>,
-    base_reach: f64,
+    limits: WeightLimits,
 }
 
 #[derive(Debug)]
@@ -25,8 +22,6 @@ struct Target {
     /// The vertices it moves, ascending; none where it moves them all.
     vertices: Option<Vec<u32>>,
     deltas: Vec<Vec3>,
-    /// The largest absolute coordinate of a displacement.
-    reach: f64,
 }
 
 impl WeldedMesh {
@@ -44,27 +39,9 @@ impl WeldedMesh {
         Ok(Self {
             triangles: (0..model.triangle_count()).map(|t| model.triangle(t)).collect(),
             targets: mesh.targets.iter().map(target).collect(),
-            base_reach: reach(&base),
+            limits: WeightLimits::of(mesh),
             base,
         })
-    }
-
-    fn check(&self, weights: &[f32]) -> Result<(), WeightsError> {
-        let (given, expected) = (weights.len(), self.targets.len());
-        if given != expected {
-            return Err(WeightsError::WrongCount { given, expected });
-        }
-        let mut reach = self.base_reach;
-        for (index, (&value, target)) in weights.iter().zip(&self.targets).enumerate() {
-            if !value.is_finite() {
-                return Err(WeightsError::NotFinite { index, value });
-            }
-            reach += f64::from(value.abs()) * target.reach;
-            if reach > LARGEST {
-                return Err(WeightsError::TooLarge { index, value });
-            }
-        }
-        Ok(())
     }
 
     /// Every vertex in model space: `f32`, ascending target order, zero weights left out, multiply then add.
@@ -101,17 +78,10 @@ impl Target {
             }
         }
         Self {
-            reach: reach(&deltas),
             vertices: (deltas.len() < count).then_some(vertices),
             deltas,
         }
     }
-}
-
-fn reach(vectors: &[Vec3]) -> f64 {
-    vectors
-        .iter()
-        .fold(0.0, |reach: f64, v| reach.max(f64::from(v.abs().max_element())))
 }
 
 /// A body's state that all rivals have.
@@ -137,7 +107,7 @@ impl BlendedBody {
     /// Takes weights and place; whether the weights differ from the ones before.
     pub(super) fn set(&mut self, weights: &[f32], affine: &Affine3A) -> Result<bool, PoseError> {
         let world_from_model = WorldFromModel::new(*affine)?;
-        self.mesh.check(weights)?;
+        self.mesh.limits.check(weights)?;
         (self.affine, self.world_from_model) = (*affine, world_from_model);
         if self.weights == weights {
             return Ok(false);

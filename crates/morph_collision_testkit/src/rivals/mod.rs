@@ -45,6 +45,7 @@ mod build;
 mod frames;
 mod hybrid;
 mod kind;
+mod limits;
 mod morph;
 mod octree;
 mod parry;
@@ -59,6 +60,7 @@ use morph_collision::{Aabb, BuildError, ModelError, PairStats, TransformError, T
 use thiserror::Error;
 
 pub use kind::{MethodKind, UnknownMethod};
+pub use limits::WeightLimits;
 
 /// How many intersecting pairs of triangles are wanted of two bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

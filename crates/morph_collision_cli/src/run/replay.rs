@@ -4,8 +4,8 @@ use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use morph_collision::{Aabb, PairStats, TrianglePair, overlapping_pairs};
-use morph_collision_testkit::rivals::{Method, Wanted};
+use morph_collision::{PairStats, TrianglePair};
+use morph_collision_testkit::rivals::{BroadPhase, Method, Wanted};
 
 use super::Mode;
 use super::bodies::Cast;
@@ -86,8 +86,7 @@ fn since(before: PairStats, after: PairStats) -> PairStats {
 /// Memory that frames reuse.
 #[derive(Default)]
 struct Scratch {
-    bounds: Vec<Option<Aabb>>,
-    candidates: Vec<(u32, u32)>,
+    broad_phase: BroadPhase,
     pairs: Vec<TrianglePair>,
     /// Of the latest frame, unsorted, its number not yet set.
     hits: Vec<Hit>,
@@ -96,14 +95,9 @@ struct Scratch {
 impl Scratch {
     /// Broad and narrow phase over bodies whose weights and places are set.
     fn collide(&mut self, method: &mut dyn Method, bodies: usize, wanted: Wanted) -> FrameCounts {
-        self.bounds.clear();
-        self.bounds.extend((0..bodies).map(|body| Some(method.world_bounds(body))));
-        self.candidates.clear();
-        overlapping_pairs(&self.bounds, &mut self.candidates);
-
         self.hits.clear();
         let mut counts = FrameCounts::default();
-        for &(body_a, body_b) in &self.candidates {
+        for &(body_a, body_b) in self.broad_phase.pairs(method, bodies) {
             self.pairs.clear();
             method.collide(body_a as usize, body_b as usize, wanted, &mut self.pairs);
             counts.body_pairs += u64::from(!self.pairs.is_empty());

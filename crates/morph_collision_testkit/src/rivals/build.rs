@@ -92,7 +92,7 @@ impl Descent<'_> {
         while parts < self.limits.arity {
             let start = |part: usize| if part == 0 { 0 } else { ends[part - 1] };
             let Some(largest) = (0..parts)
-                .filter(|&part| ends[part] - start(part) > self.limits.leaf_size)
+                .filter(|&part| ends[part] - start(part) > 1)
                 .max_by(|&p, &q| {
                     let weight = |part| self.weight(&items[start(part)..ends[part]]);
                     weight(p).total_cmp(&weight(q))

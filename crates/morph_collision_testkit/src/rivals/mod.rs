@@ -40,6 +40,7 @@
 mod blended;
 mod bottom_up;
 mod boxes;
+mod broad;
 mod brute_force;
 mod build;
 mod frames;
@@ -59,6 +60,7 @@ use glam::Affine3A;
 use morph_collision::{Aabb, BuildError, ModelError, PairStats, TransformError, TrianglePair, WeightsError};
 use thiserror::Error;
 
+pub use broad::BroadPhase;
 pub use kind::{MethodKind, UnknownMethod};
 pub use limits::WeightLimits;
 

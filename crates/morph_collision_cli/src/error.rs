@@ -3,8 +3,9 @@
 use std::io;
 use std::path::PathBuf;
 
-use morph_collision::{BuildError, ModelError, TransformError, WeightsError};
+use morph_collision::{BuildError, ModelError};
 use morph_collision_testkit::gltf_read::ReadError;
+use morph_collision_testkit::rivals::{PoseError, SetUpError};
 use morph_collision_testkit::scenes::SceneError;
 use thiserror::Error;
 
@@ -33,12 +34,14 @@ pub(crate) enum CliError {
         name: String,
         reason: MeshError,
     },
+    #[error(transparent)]
+    SetUp(SetUpError),
     #[error("{}: frame {frame}, body {body}: {reason}", scene.display())]
     Frame {
         scene: PathBuf,
         frame: usize,
         body: usize,
-        reason: FrameError,
+        reason: PoseError,
     },
     #[error("{flag}: {reason}")]
     Flag { flag: &'static str, reason: String },
@@ -61,13 +64,4 @@ pub(crate) enum MeshError {
     Model(#[from] ModelError),
     #[error(transparent)]
     Build(#[from] BuildError),
-}
-
-/// Why a body cannot be posed or placed in a frame.
-#[derive(Debug, Error)]
-pub(crate) enum FrameError {
-    #[error(transparent)]
-    Weights(#[from] WeightsError),
-    #[error(transparent)]
-    Transform(#[from] TransformError),
 }

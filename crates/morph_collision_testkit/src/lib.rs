@@ -6,6 +6,8 @@
 //! - [`scenes`]: scripted motion for them, and the JSON scene format.
 //! - [`assets`]: what lies in `assets/`, made of the above.
 //! - [`oracle`]: the same question answered by brute force in exact arithmetic.
+//! - [`moments`]: bodies in one moment, ordinary and odd, that every method has to agree on.
+//! - [`rivals`]: the same question answered by every other method that `morph_collision` is compared with.
 #![forbid(unsafe_code)]
 
 pub mod assets;
@@ -13,5 +15,7 @@ pub mod gltf_read;
 pub mod gltf_write;
 pub mod mesh;
 pub mod models;
+pub mod moments;
 pub mod oracle;
+pub mod rivals;
 pub mod scenes;

@@ -26,7 +26,7 @@ fn matrix() -> Vec<BuildOptions> {
 fn agrees(scene: &Scene, options: &[BuildOptions]) {
     let truth = scene.truth();
     for options in options {
-        let (answer, _) = scene.answer(options);
+        let (answer, _) = scenes::answer(scene, options);
         let missed = truth.iter().find(|pair| answer.binary_search(pair).is_err());
         let spurious = answer.iter().find(|pair| truth.binary_search(pair).is_err());
         assert!(

@@ -1,23 +1,26 @@
-//! From a scene file to bodies that can be posed: every file read once, every tree built once, every placement checked.
+//! From a scene file to bodies that can be posed: every file read once, every mesh set up once, every placement checked.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use morph_collision::{BuildOptions, MorphBvh, Pose, WorldFromModel};
+use glam::Affine3A;
+use morph_collision::WorldFromModel;
 use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::rivals::{Method, PoseError, SetUpError, WeightLimits};
 use morph_collision_testkit::scenes::{self, Scene};
 
-use crate::error::{CliError, FrameError, MeshError};
+use super::options::MethodArgs;
+use crate::error::CliError;
 
 /// The bodies of a scene and what each does in every frame.
 pub(crate) struct Cast {
     /// Named in errors.
     pub(crate) scene: PathBuf,
-    /// One pose per body; bodies of one mesh share its tree.
-    pub(crate) poses: Vec<Pose>,
+    /// Holds the bodies; those of one mesh share what is made of it.
+    pub(crate) method: Box<dyn Method>,
+    pub(crate) bodies: usize,
     /// One state per body in every frame.
     pub(crate) frames: Vec<Vec<BodyState>>,
 }
@@ -26,30 +29,29 @@ pub(crate) struct Cast {
 pub(crate) struct BodyState {
     /// One weight per target.
     pub(crate) weights: Vec<f32>,
-    pub(crate) world_from_model: WorldFromModel,
+    pub(crate) world_from_model: Affine3A,
 }
 
 impl Cast {
     /// Reads the models of a scene, `scene`, that was read from `path`, and checks all weights and placements.
-    pub(crate) fn load(path: &Path, scene: &Scene, options: &BuildOptions) -> Result<Self, CliError> {
-        let mut library = Library {
-            scene: path,
-            options,
-            files: HashMap::new(),
-            trees: HashMap::new(),
-        };
-        let mut trees = Vec::with_capacity(scene.bodies.len());
+    pub(crate) fn load(path: &Path, scene: &Scene, options: &MethodArgs) -> Result<Self, CliError> {
+        let mut library = Library::default();
+        let mut of_bodies = Vec::with_capacity(scene.bodies.len());
         for (body, spec) in scene.bodies.iter().enumerate() {
-            trees.push(library.tree(body, &spec.model_path(path), spec.mesh)?);
+            of_bodies.push(library.mesh(path, body, &spec.model_path(path), spec.mesh)?);
         }
-        let poses = || trees.iter().map(|tree| Pose::new(Arc::clone(tree))).collect::<Vec<_>>();
-        // Weights are tried on poses of their own, so that the replay starts with untouched ones.
-        let mut trial = poses();
+        let method = options
+            .method()
+            .set_up(&library.meshes, &of_bodies, &options.build())
+            .map_err(|error| library.blame(error))?;
+
+        let limits: Vec<WeightLimits> = library.meshes.iter().map(WeightLimits::of).collect();
         let mut frames = Vec::with_capacity(scene.frames.len());
         for (frame, states) in scene.frames.iter().enumerate() {
             let mut checked = Vec::with_capacity(states.len());
-            for (body, (state, pose)) in states.iter().zip(&mut trial).enumerate() {
-                let state = BodyState::check(state, pose).map_err(|reason| CliError::Frame {
+            for (body, (state, &mesh)) in states.iter().zip(&of_bodies).enumerate() {
+                let targets = library.meshes[mesh].targets.len();
+                let state = BodyState::check(state, targets, &limits[mesh]).map_err(|reason| CliError::Frame {
                     scene: path.into(),
                     frame,
                     body,
@@ -61,21 +63,23 @@ impl Cast {
         }
         Ok(Self {
             scene: path.into(),
-            poses: poses(),
+            method,
+            bodies: of_bodies.len(),
             frames,
         })
     }
 }
 
 impl BodyState {
-    fn check(state: &scenes::BodyState, pose: &mut Pose) -> Result<Self, FrameError> {
-        let world_from_model = WorldFromModel::new(state.world_from_model())?;
+    fn check(state: &scenes::BodyState, targets: usize, limits: &WeightLimits) -> Result<Self, PoseError> {
+        let world_from_model = state.world_from_model();
+        WorldFromModel::new(world_from_model)?;
         let weights = if state.weights.is_empty() {
-            vec![0.0; pose.weights().len()]
+            vec![0.0; targets]
         } else {
             state.weights.clone()
         };
-        pose.set_weights(&weights)?;
+        limits.check(&weights)?;
         Ok(Self {
             weights,
             world_from_model,
@@ -83,27 +87,29 @@ impl BodyState {
     }
 }
 
-/// Files and trees loaded so far.
-struct Library<'a> {
-    scene: &'a Path,
-    options: &'a BuildOptions,
+/// Files read and meshes used so far.
+#[derive(Default)]
+struct Library {
     files: HashMap<PathBuf, Vec<MorphMesh>>,
-    trees: HashMap<(PathBuf, usize), Arc<MorphBvh>>,
+    meshes: Vec<MorphMesh>,
+    /// Where each of the meshes is from: file and index.
+    origins: Vec<(PathBuf, usize)>,
 }
 
-impl Library<'_> {
-    /// The tree of a mesh of a model file; `body` is whom an error speaks of.
-    fn tree(&mut self, body: usize, model: &Path, mesh: usize) -> Result<Arc<MorphBvh>, CliError> {
-        let key = (model.to_path_buf(), mesh);
-        if let Some(tree) = self.trees.get(&key) {
-            return Ok(Arc::clone(tree));
+impl Library {
+    /// The index of a mesh of a model file; `scene` and `body` are whom an error speaks of.
+    fn mesh(&mut self, scene: &Path, body: usize, model: &Path, mesh: usize) -> Result<usize, CliError> {
+        let known = self.origins.iter().position(|(file, index)| file == model && *index == mesh);
+        if let Some(known) = known {
+            return Ok(known);
         }
         let meshes = match self.files.entry(model.to_path_buf()) {
             Entry::Occupied(read) => read.into_mut(),
             Entry::Vacant(unread) => unread.insert(read_meshes(model)?),
         };
-        let Some(source) = meshes.get(mesh) else {
-            let (scene, model, count) = (self.scene.into(), model.into(), meshes.len());
+        let count = meshes.len();
+        let Some(source) = meshes.get_mut(mesh) else {
+            let (scene, model) = (scene.into(), model.into());
             return Err(CliError::NoSuchMesh {
                 scene,
                 body,
@@ -112,21 +118,24 @@ impl Library<'_> {
                 count,
             });
         };
-        let tree = build(source, self.options).map_err(|reason| {
-            let (file, name) = (model.into(), source.name.clone());
-            CliError::Mesh {
-                file,
-                mesh,
-                name,
-                reason,
-            }
-        })?;
-        self.trees.insert(key, Arc::clone(&tree));
-        Ok(tree)
+        self.meshes.push(std::mem::take(source));
+        self.origins.push((model.to_path_buf(), mesh));
+        Ok(self.meshes.len() - 1)
     }
-}
 
-fn build(mesh: &MorphMesh, options: &BuildOptions) -> Result<Arc<MorphBvh>, MeshError> {
-    let model = Arc::new(mesh.to_model()?);
-    Ok(Arc::new(MorphBvh::build(model, options)?))
+    /// Says which file's mesh a method refuses.
+    fn blame(&self, error: SetUpError) -> CliError {
+        match error {
+            SetUpError::Model { mesh, reason } => {
+                let (file, index) = self.origins[mesh].clone();
+                CliError::Mesh {
+                    file,
+                    mesh: index,
+                    name: self.meshes[mesh].name.clone(),
+                    reason: reason.into(),
+                }
+            }
+            other => CliError::SetUp(other),
+        }
+    }
 }

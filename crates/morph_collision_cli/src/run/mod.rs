@@ -1,10 +1,11 @@
 //! `morph-collide run`: replay a scene of scripted bodies and report which triangles meet.
 //!
 //! ```text
-//! scene.json --bodies--> poses sharing trees --replay--> hits and times per frame --report, pairs_csv--> stdout, OUT.csv
+//! scene.json --bodies--> bodies of a method --replay--> hits and times per frame --report, pairs_csv--> stdout, OUT.csv
 //! ```
 
 mod bodies;
+mod options;
 mod pairs_csv;
 mod replay;
 mod report;
@@ -12,12 +13,13 @@ mod report;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use morph_collision::BuildOptions;
+use morph_collision_testkit::rivals::Wanted;
 use morph_collision_testkit::scenes::Scene;
 
 use crate::error::CliError;
 use crate::output;
 use bodies::Cast;
+use options::MethodArgs;
 use pairs_csv::PairsFile;
 use report::RunReport;
 
@@ -32,12 +34,11 @@ pub(crate) struct RunArgs {
     /// How much to find out about two bodies.
     #[arg(long, value_enum, default_value_t = Mode::All)]
     mode: Mode,
-    /// Most triangles in a leaf of a tree, 1 to 255.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
-    leaf: Option<u8>,
+    #[command(flatten)]
+    how: MethodArgs,
     /// Write the pairs to a CSV file: `frame,body_a,body_b,triangle_a,triangle_b`.
     ///
-    /// With the mode `any` no triangle is known, and its two columns are empty.
+    /// With the modes `first` and `any` one line per pair of bodies that touch.
     #[arg(long, value_name = "OUT.csv")]
     pairs: Option<PathBuf>,
     /// Print one JSON object instead of a summary.
@@ -56,14 +57,19 @@ enum Mode {
     Any,
 }
 
+impl Mode {
+    fn wanted(self) -> Wanted {
+        match self {
+            Self::All => Wanted::All,
+            Self::First | Self::Any => Wanted::First,
+        }
+    }
+}
+
 /// Loads, replays and reports a scene. Times leave loading and writing out.
 pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
     let scene = Scene::read(&args.scene)?;
-    let mut options = BuildOptions::default();
-    if let Some(leaf) = args.leaf {
-        options = options.with_leaf_size(usize::from(leaf));
-    }
-    let mut cast = Cast::load(&args.scene, &scene, &options)?;
+    let mut cast = Cast::load(&args.scene, &scene, &args.how)?;
     // Opened before the work, so that a path that cannot be written costs no replay.
     let pairs_file = args.pairs.as_deref().map(PairsFile::create).transpose()?;
 
@@ -72,7 +78,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
     if let Some(file) = pairs_file {
         file.write(&replay.hits)?;
     }
-    let report = RunReport::new(&replay, cast.poses.len(), args.mode);
+    let report = RunReport::new(&replay, cast.bodies, args.mode, args.how.method());
     if args.json {
         output::print_json(&report)
     } else {

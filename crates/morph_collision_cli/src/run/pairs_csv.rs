@@ -39,17 +39,9 @@ impl PairsFile {
 
 fn write_rows(mut out: impl Write, hits: &[Hit]) -> io::Result<()> {
     writeln!(out, "frame,body_a,body_b,triangle_a,triangle_b")?;
-    for Hit {
-        frame,
-        body_a,
-        body_b,
-        triangles,
-    } in hits
-    {
-        match triangles {
-            Some(pair) => writeln!(out, "{frame},{body_a},{body_b},{},{}", pair.triangle_a, pair.triangle_b)?,
-            None => writeln!(out, "{frame},{body_a},{body_b},,")?,
-        }
+    for hit in hits {
+        let Hit { frame, body_a, body_b, pair } = hit;
+        writeln!(out, "{frame},{body_a},{body_b},{},{}", pair.triangle_a, pair.triangle_b)?;
     }
     out.flush()
 }
@@ -61,23 +53,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_hit_whose_triangles_were_not_asked_for_leaves_their_columns_empty() {
-        let hit = |triangles| Hit {
+    fn a_header_and_a_line_per_hit() {
+        let hit = Hit {
             frame: 3,
             body_a: 0,
             body_b: 2,
-            triangles,
-        };
-        let mut text = Vec::new();
-        let hits = [
-            hit(Some(TrianglePair {
+            pair: TrianglePair {
                 triangle_a: 7,
                 triangle_b: 5,
-            })),
-            hit(None),
-        ];
-        assert!(write_rows(&mut text, &hits).is_ok());
-        let expected = "frame,body_a,body_b,triangle_a,triangle_b\n3,0,2,7,5\n3,0,2,,\n";
+            },
+        };
+        let mut text = Vec::new();
+        assert!(write_rows(&mut text, &[hit]).is_ok());
+        let expected = "frame,body_a,body_b,triangle_a,triangle_b\n3,0,2,7,5\n";
         assert_eq!(String::from_utf8_lossy(&text), expected);
     }
 }

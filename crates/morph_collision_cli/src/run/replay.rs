@@ -4,10 +4,11 @@ use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use morph_collision::{Body, PairQuery, PairStats, Pose, TrianglePair, overlapping_pairs};
+use morph_collision::{PairStats, TrianglePair};
+use morph_collision_testkit::rivals::{BroadPhase, Method, Wanted};
 
 use super::Mode;
-use super::bodies::{BodyState, Cast};
+use super::bodies::Cast;
 use crate::error::CliError;
 
 /// What a whole replay found and how long it took.
@@ -32,13 +33,13 @@ pub(crate) struct FrameCounts {
     pub(crate) time: Duration,
 }
 
-/// Two bodies that touch in a frame, `body_a < body_b`, and where; `None` if that was not asked for.
+/// Two bodies that touch in a frame, `body_a < body_b`, and a pair of triangles that meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Hit {
     pub(crate) frame: usize,
     pub(crate) body_a: u32,
     pub(crate) body_b: u32,
-    pub(crate) triangles: Option<TrianglePair>,
+    pub(crate) pair: TrianglePair,
 }
 
 /// Replays all frames. Hits are kept only if `keep_hits`, since there can be many.
@@ -46,94 +47,69 @@ pub(crate) fn replay(cast: &mut Cast, mode: Mode, keep_hits: bool) -> Result<Rep
     let progress = progress_bar(cast.frames.len());
     let mut replay = Replay::default();
     let mut scratch = Scratch::default();
+    let before = cast.method.work();
     for (frame, states) in cast.frames.iter().enumerate() {
         let start = Instant::now();
-        for (body, (pose, state)) in cast.poses.iter_mut().zip(states).enumerate() {
-            pose.set_weights(&state.weights).map_err(|error| CliError::Frame {
+        for (body, state) in states.iter().enumerate() {
+            let posed = cast.method.set_body(body, &state.weights, &state.world_from_model);
+            posed.map_err(|reason| CliError::Frame {
                 scene: cast.scene.clone(),
                 frame,
                 body,
-                reason: error.into(),
+                reason,
             })?;
         }
-        let (mut counts, stats) = scratch.collide(&mut cast.poses, states, mode);
+        let mut counts = scratch.collide(cast.method.as_mut(), cast.bodies, mode.wanted());
         counts.time = start.elapsed();
 
         replay.frames.push(counts);
-        replay.stats += stats;
         if keep_hits {
             scratch.hits.sort_unstable();
             replay.hits.extend(scratch.hits.iter().map(|hit| Hit { frame, ..*hit }));
         }
         progress.inc(1);
     }
+    replay.stats = since(before, cast.method.work());
     progress.finish_and_clear();
     Ok(replay)
+}
+
+fn since(before: PairStats, after: PairStats) -> PairStats {
+    PairStats {
+        node_tests: after.node_tests - before.node_tests,
+        triangle_tests: after.triangle_tests - before.triangle_tests,
+        volumes_blended: after.volumes_blended - before.volumes_blended,
+        vertices_blended: after.vertices_blended - before.vertices_blended,
+    }
 }
 
 /// Memory that frames reuse.
 #[derive(Default)]
 struct Scratch {
-    bounds: Vec<Option<morph_collision::Aabb>>,
-    candidates: Vec<(u32, u32)>,
-    query: PairQuery,
+    broad_phase: BroadPhase,
     pairs: Vec<TrianglePair>,
     /// Of the latest frame, unsorted, its number not yet set.
     hits: Vec<Hit>,
 }
 
 impl Scratch {
-    /// Broad and narrow phase over bodies whose weights are set.
-    fn collide(&mut self, poses: &mut [Pose], states: &[BodyState], mode: Mode) -> (FrameCounts, PairStats) {
-        self.bounds.clear();
-        self.bounds.extend(
-            poses
-                .iter_mut()
-                .zip(states)
-                .map(|(pose, state)| Some(pose.world_bounds(&state.world_from_model))),
-        );
-        self.candidates.clear();
-        overlapping_pairs(&self.bounds, &mut self.candidates);
-
+    /// Broad and narrow phase over bodies whose weights and places are set.
+    fn collide(&mut self, method: &mut dyn Method, bodies: usize, wanted: Wanted) -> FrameCounts {
         self.hits.clear();
-        let (mut counts, mut stats) = (FrameCounts::default(), PairStats::default());
-        for &(body_a, body_b) in &self.candidates {
-            // The pair is ascending, so that a lies before the split and b behind it.
-            let (a, b) = (body_a as usize, body_b as usize);
-            let (before, behind) = poses.split_at_mut(b);
-            let (body_of_a, body_of_b) = (
-                Body::new(&mut before[a], &states[a].world_from_model),
-                Body::new(&mut behind[0], &states[b].world_from_model),
-            );
-            let before_pair = self.hits.len();
-            let hit = |triangles| Hit {
+        let mut counts = FrameCounts::default();
+        for &(body_a, body_b) in self.broad_phase.pairs(method, bodies) {
+            self.pairs.clear();
+            method.collide(body_a as usize, body_b as usize, wanted, &mut self.pairs);
+            counts.body_pairs += u64::from(!self.pairs.is_empty());
+            self.hits.extend(self.pairs.iter().map(|&pair| Hit {
                 frame: 0,
                 body_a,
                 body_b,
-                triangles,
-            };
-            stats += match mode {
-                Mode::All => {
-                    self.pairs.clear();
-                    let stats = self.query.all(body_of_a, body_of_b, &mut self.pairs);
-                    self.hits.extend(self.pairs.iter().map(|&pair| hit(Some(pair))));
-                    stats
-                }
-                Mode::First => {
-                    let (pair, stats) = self.query.first(body_of_a, body_of_b);
-                    self.hits.extend(pair.map(|pair| hit(Some(pair))));
-                    stats
-                }
-                Mode::Any => {
-                    let (touching, stats) = self.query.any(body_of_a, body_of_b);
-                    self.hits.extend(touching.then(|| hit(None)));
-                    stats
-                }
-            };
-            counts.body_pairs += u64::from(self.hits.len() > before_pair);
+                pair,
+            }));
         }
         counts.pairs = self.hits.len() as u64;
-        (counts, stats)
+        counts
     }
 }
 

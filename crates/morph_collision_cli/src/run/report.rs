@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::time::Duration;
 
+use morph_collision_testkit::rivals::MethodKind;
 use serde::Serialize;
 
 use super::Mode;
@@ -13,6 +14,7 @@ use super::replay::Replay;
 pub(crate) struct RunReport {
     frames: usize,
     bodies: usize,
+    method: String,
     mode: &'static str,
     /// Per frame: pairs of triangles; with `first` and `any` one per pair of bodies that touch.
     pairs: Vec<u64>,
@@ -34,11 +36,12 @@ struct Spread {
 }
 
 impl RunReport {
-    pub(crate) fn new(replay: &Replay, bodies: usize, mode: Mode) -> Self {
+    pub(crate) fn new(replay: &Replay, bodies: usize, mode: Mode, method: MethodKind) -> Self {
         let stats = replay.stats;
         Self {
             frames: replay.frames.len(),
             bodies,
+            method: method.to_string(),
             mode: match mode {
                 Mode::All => "all",
                 Mode::First => "first",
@@ -74,6 +77,7 @@ impl RunReport {
         let Spread { median, mean, worst } = self.us_per_frame;
         writeln!(text, "frames              {}", self.frames)?;
         writeln!(text, "bodies              {}", self.bodies)?;
+        writeln!(text, "method              {}", self.method)?;
         write!(text, "frames touching     {}", touching.len())?;
         if let (Some(first), Some(last)) = (touching.first(), touching.last()) {
             write!(text, ", from {first} to {last}")?;

@@ -203,6 +203,10 @@ fn a_command_line_that_makes_no_sense_is_an_error_too() -> TestResult {
         &["frobnicate"],
         &["run", "a.json", "--mode", "some"],
         &["run", "a.json", "--leaf", "0"],
+        &["run", "a.json", "--arity", "3"],
+        &["run", "a.json", "--volume", "cube"],
+        &["run", "a.json", "--split", "in-two"],
+        &["run", "a.json", "--method", "magic"],
     ] {
         error_of(&morph_collide(args)?);
     }

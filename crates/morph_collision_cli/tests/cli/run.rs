@@ -245,13 +245,62 @@ fn first_gives_one_true_pair_per_touching_pair_of_bodies() -> TestResult {
 }
 
 #[test]
-fn any_names_the_touching_bodies_and_no_triangles() -> TestResult {
+fn any_names_the_touching_bodies_and_a_pair_of_triangles_as_first_does() -> TestResult {
     let scene = asset("scenes/two_dolphins.json");
-    let (first, _) = run(&scene, &["--mode", "first"])?;
+    let (first, of_first) = run(&scene, &["--mode", "first"])?;
     let (any, csv) = run(&scene, &["--mode", "any"])?;
     assert_eq!(any["body_pairs"], first["body_pairs"]);
-    assert_eq!(csv.lines().count() as u64 - 1, sum(&any, "body_pairs").unwrap_or(0));
-    assert!(csv.lines().skip(1).all(|line| line.ends_with(",0,1,,")), "{csv}");
+    assert_eq!(csv, of_first);
+    assert_eq!(rows(&csv)?.len() as u64, sum(&any, "body_pairs").unwrap_or(0));
+    Ok(())
+}
+
+#[test]
+fn every_method_and_every_tree_finds_the_same_pairs() -> TestResult {
+    let dir = tempdir()?;
+    let scene = mixed_scene(dir.path())?;
+    let expected = expected_rows(&scene)?;
+    let methods = [
+        "morph",
+        "bottom-up",
+        "hybrid",
+        "rebuild",
+        "octree",
+        "parry-trimesh",
+        "parry-bvh",
+        "parry-rebuild",
+        "brute-force",
+    ];
+    for method in methods {
+        let (report, csv) = run(&scene, &["--method", method])?;
+        assert_eq!(rows(&csv)?, expected, "{method}");
+        assert_eq!(report["method"], method);
+    }
+    for tree in [
+        ["--volume", "kdop14", "--arity", "2", "--split", "sah"],
+        ["--volume", "sphere", "--arity", "4", "--split", "midpoint"],
+        ["--volume", "kdop26", "--leaf", "9", "--split", "pose-sah"],
+    ] {
+        assert_eq!(rows(&run(&scene, &tree)?.1)?, expected, "{tree:?}");
+    }
+    Ok(())
+}
+
+#[test]
+fn the_tree_changes_the_work() -> TestResult {
+    let scene = asset("scenes/two_dolphins.json");
+    let work = |options: &[&str]| -> Result<Option<u64>, Box<dyn Error>> {
+        Ok(run(&scene, options)?.0["node_tests"].as_u64())
+    };
+    let default = work(&[])?;
+    for options in [
+        ["--volume", "kdop18"],
+        ["--arity", "2"],
+        ["--split", "midpoint"],
+        ["--method", "hybrid"],
+    ] {
+        assert_ne!(work(&options)?, default, "{options:?}");
+    }
     Ok(())
 }
 

@@ -1,0 +1,124 @@
+//! Times in interleaved rounds (A B C A B C), so that what disturbs the machine disturbs all alike.
+
+use std::time::Duration;
+
+use morph_collision::{BuildOptions, PairStats};
+use morph_collision_testkit::moments::AnswerError;
+use morph_collision_testkit::rivals::{BroadPhase, Method, MethodKind, Wanted};
+
+use super::clock::Stopwatch;
+use super::experiments::Experiment;
+
+/// One row of a table to be; the first of them is what the others are compared with.
+pub(crate) struct Contender {
+    pub(crate) label: String,
+    pub(crate) method: MethodKind,
+    pub(crate) options: BuildOptions,
+}
+
+/// What a contender did in one pass over all frames.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Pass {
+    pub(crate) work: PairStats,
+    pub(crate) pairs: u64,
+    /// Of one frame.
+    pub(crate) time: Duration,
+}
+
+/// A contender's passes: all pairs, and first pairs.
+pub(crate) struct Row {
+    pub(crate) label: String,
+    pub(crate) all: Pass,
+    pub(crate) first: Pass,
+}
+
+/// Measures every contender `rounds` times in both modes; times are medians.
+pub(crate) fn measure(
+    experiment: &Experiment,
+    contenders: &[Contender],
+    rounds: usize,
+) -> Result<Vec<Row>, AnswerError> {
+    let mut runners = Vec::with_capacity(contenders.len());
+    for contender in contenders {
+        let of_bodies = vec![0; experiment.bodies];
+        let method = contender
+            .method
+            .set_up(&experiment.meshes, &of_bodies, &contender.options)?;
+        runners.push(Runner {
+            method,
+            broad_phase: BroadPhase::default(),
+            pairs: Vec::new(),
+        });
+    }
+    let mut rows: Vec<Row> = contenders
+        .iter()
+        .map(|contender| Row {
+            label: contender.label.clone(),
+            all: Pass::default(),
+            first: Pass::default(),
+        })
+        .collect();
+    for wanted in [Wanted::All, Wanted::First] {
+        let mut times = vec![Vec::with_capacity(rounds); contenders.len()];
+        // Round 0 fills caches and grows memory; its time is thrown away.
+        for round in 0..=rounds {
+            for ((runner, row), times) in runners.iter_mut().zip(&mut rows).zip(&mut times) {
+                let pass = runner.pass(experiment, wanted)?;
+                match wanted {
+                    Wanted::All => row.all = pass,
+                    Wanted::First => row.first = pass,
+                }
+                if round > 0 {
+                    times.push(pass.time);
+                }
+            }
+        }
+        for (row, times) in rows.iter_mut().zip(&mut times) {
+            times.sort_unstable();
+            let median = times[times.len() / 2];
+            match wanted {
+                Wanted::All => row.all.time = median,
+                Wanted::First => row.first.time = median,
+            }
+        }
+    }
+    Ok(rows)
+}
+
+struct Runner {
+    method: Box<dyn Method>,
+    broad_phase: BroadPhase,
+    pairs: Vec<morph_collision::TrianglePair>,
+}
+
+impl Runner {
+    fn pass(&mut self, experiment: &Experiment, wanted: Wanted) -> Result<Pass, AnswerError> {
+        let method = self.method.as_mut();
+        let before = method.work();
+        let mut pairs = 0;
+        let start = Stopwatch::start();
+        for frame in &experiment.frames {
+            for (body, (weights, place)) in frame.iter().enumerate() {
+                method.set_body(body, weights, place)?;
+            }
+            for &(a, b) in self.broad_phase.pairs(method, experiment.bodies) {
+                self.pairs.clear();
+                method.collide(a as usize, b as usize, wanted, &mut self.pairs);
+                pairs += self.pairs.len() as u64;
+            }
+        }
+        let frames = experiment.frames.len().max(1) as u32;
+        let time = start.elapsed() / frames;
+        let after = method.work();
+        Ok(Pass {
+            work: PairStats {
+                node_tests: after.node_tests - before.node_tests,
+                triangle_tests: after.triangle_tests - before.triangle_tests,
+                volumes_blended: after.volumes_blended - before.volumes_blended,
+                vertices_blended: after.vertices_blended - before.vertices_blended,
+            },
+            pairs,
+            time,
+        })
+    }
+}

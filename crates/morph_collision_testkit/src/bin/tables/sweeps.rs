@@ -1,0 +1,76 @@
+//! What is compared with what.
+
+use morph_collision::{BuildOptions, Split, VolumeKind};
+use morph_collision_testkit::rivals::MethodKind;
+
+use super::experiments::Experiment;
+use super::measure::Contender;
+
+/// A table's place in the page, and its rows for an experiment.
+pub(crate) type Sweep = (&'static str, fn(&Experiment) -> Vec<Contender>);
+
+/// All tables.
+pub(crate) const ALL: [Sweep; 3] = [("options", options), ("shape", shape), ("methods", methods)];
+
+fn morph(label: impl Into<String>, options: BuildOptions) -> Contender {
+    Contender {
+        label: label.into(),
+        method: MethodKind::Morph,
+        options,
+    }
+}
+
+/// The defaults, and everything that differs from them in one option.
+fn options(_: &Experiment) -> Vec<Contender> {
+    let default = BuildOptions::default;
+    let mut rows = vec![morph("default", default())];
+    for kind in VolumeKind::ALL.into_iter().filter(|&kind| kind != default().volume) {
+        rows.push(morph(kind.to_string(), default().with_volume(kind)));
+    }
+    for arity in [2, 4, 8].into_iter().filter(|&arity| arity != default().arity) {
+        rows.push(morph(format!("arity {arity}"), default().with_arity(arity)));
+    }
+    for leaf in [1, 2, 4, 8].into_iter().filter(|&leaf| leaf != default().leaf_size) {
+        rows.push(morph(format!("leaf {leaf}"), default().with_leaf_size(leaf)));
+    }
+    for split in Split::ALL.into_iter().filter(|&split| split != default().split) {
+        rows.push(morph(split.to_string(), default().with_split(split)));
+    }
+    rows.push(morph("no leaf tables", default().with_leaf_tables(false)));
+    rows.push(morph("interval only", default().with_scales([])));
+    rows.push(morph("scale 4", default().with_scales([4.0])));
+    rows.push(morph("scales 1, 4", default().with_scales([1.0, 4.0])));
+    rows.push(morph("in-betweens", default().with_in_betweens(true)));
+    rows.push(morph("the paper's", BuildOptions::paper()));
+    rows
+}
+
+/// Options that depend on each other: kind of volume, leaf size and leaf tables.
+fn shape(_: &Experiment) -> Vec<Contender> {
+    let mut rows = vec![morph("default", BuildOptions::default())];
+    for kind in [VolumeKind::Aabb, VolumeKind::Kdop14, VolumeKind::Kdop18] {
+        for leaf in [1, 4, 8] {
+            for tables in [true, false] {
+                let label = format!("{kind}, leaf {leaf}{}", if tables { "" } else { ", no leaf tables" });
+                let options = BuildOptions::default().with_volume(kind).with_leaf_size(leaf);
+                rows.push(morph(label, options.with_leaf_tables(tables)));
+            }
+        }
+    }
+    rows
+}
+
+/// Every method; the oracle only where it comes to an end.
+fn methods(experiment: &Experiment) -> Vec<Contender> {
+    let mut rows = vec![morph("morph", BuildOptions::default()), morph("morph, the paper's tree", BuildOptions::paper())];
+    let small = experiment.meshes[0].triangles.len() < 1000;
+    let rivals = MethodKind::ALL.into_iter().filter(|&kind| {
+        kind != MethodKind::Morph && (small || kind != MethodKind::BruteForce)
+    });
+    rows.extend(rivals.map(|method| Contender {
+        label: method.to_string(),
+        method,
+        options: BuildOptions::default(),
+    }));
+    rows
+}

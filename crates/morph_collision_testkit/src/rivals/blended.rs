@@ -1,0 +1,134 @@
+//! Meshes whose vertices are all blended when the weights change: what every rival starts a frame with.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, DVec3, Vec3};
+use morph_collision::{ModelError, Triangle, WorldFromModel};
+
+use super::{PoseError, WeightLimits};
+use crate::mesh::MorphMesh;
+
+/// A mesh as blending whole likes it: welded, target by target, each with the vertices that it moves.
+#[derive(Debug)]
+pub(super) struct WeldedMesh {
+    pub(super) base: Vec<Vec3>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    targets: Vec<Target>,
+    limits: WeightLimits,
+}
+
+#[derive(Debug)]
+struct Target {
+    /// The vertices it moves, ascending; none where it moves them all.
+    vertices: Option<Vec<u32>>,
+    deltas: Vec<Vec3>,
+}
+
+impl WeldedMesh {
+    /// # Errors
+    /// As [`MorphMesh::to_model`].
+    pub(super) fn new(mesh: &MorphMesh) -> Result<Self, ModelError> {
+        let model = mesh.to_model()?;
+        let mut sources = vec![None; model.vertex_count()];
+        for (source, &welded) in model.welded_from_source().iter().enumerate() {
+            sources[welded as usize].get_or_insert(source);
+        }
+        let sources: Vec<usize> = sources.into_iter().flatten().collect();
+        let base: Vec<Vec3> = sources.iter().map(|&source| mesh.positions[source]).collect();
+        let target = |displacements: &Vec<Vec3>| Target::new(sources.iter().map(|&source| displacements[source]));
+        Ok(Self {
+            triangles: (0..model.triangle_count()).map(|t| model.triangle(t)).collect(),
+            targets: mesh.targets.iter().map(target).collect(),
+            limits: WeightLimits::of(mesh),
+            base,
+        })
+    }
+
+    /// Every vertex in model space: `f32`, ascending target order, zero weights left out, multiply then add.
+    pub(super) fn blend(&self, weights: &[f32], posed: &mut [Vec3]) {
+        posed.copy_from_slice(&self.base);
+        for (target, &weight) in self.targets.iter().zip(weights) {
+            if weight == 0.0 {
+                continue;
+            }
+            match &target.vertices {
+                None => {
+                    for (vertex, &delta) in posed.iter_mut().zip(&target.deltas) {
+                        *vertex += delta * weight;
+                    }
+                }
+                Some(moved) => {
+                    for (&vertex, &delta) in moved.iter().zip(&target.deltas) {
+                        posed[vertex as usize] += delta * weight;
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Target {
+    fn new(displacements: impl Iterator<Item = Vec3>) -> Self {
+        let (mut vertices, mut deltas, mut count) = (Vec::new(), Vec::new(), 0);
+        for (vertex, delta) in displacements.enumerate() {
+            count += 1;
+            if delta != Vec3::ZERO {
+                vertices.push(vertex as u32);
+                deltas.push(delta);
+            }
+        }
+        Self {
+            vertices: (deltas.len() < count).then_some(vertices),
+            deltas,
+        }
+    }
+}
+
+/// A body's state that all rivals have.
+#[derive(Clone, Debug)]
+pub(super) struct BlendedBody {
+    pub(super) mesh: Arc<WeldedMesh>,
+    weights: Vec<f32>,
+    pub(super) affine: Affine3A,
+    pub(super) world_from_model: WorldFromModel,
+}
+
+impl BlendedBody {
+    /// At rest, at the world's origin.
+    pub(super) fn new(mesh: Arc<WeldedMesh>) -> Self {
+        Self {
+            weights: vec![0.0; mesh.targets.len()],
+            mesh,
+            affine: Affine3A::IDENTITY,
+            world_from_model: WorldFromModel::IDENTITY,
+        }
+    }
+
+    /// Takes weights and place; whether the weights differ from the ones before.
+    pub(super) fn set(&mut self, weights: &[f32], affine: &Affine3A) -> Result<bool, PoseError> {
+        let world_from_model = WorldFromModel::new(*affine)?;
+        self.mesh.limits.check(weights)?;
+        (self.affine, self.world_from_model) = (*affine, world_from_model);
+        if self.weights == weights {
+            return Ok(false);
+        }
+        self.weights.copy_from_slice(weights);
+        Ok(true)
+    }
+
+    /// Blends all vertices.
+    pub(super) fn blend(&self, posed: &mut [Vec3]) {
+        self.mesh.blend(&self.weights, posed);
+    }
+
+    /// A triangle in world space; `posed` are the body's blended vertices.
+    #[inline]
+    pub(super) fn world_triangle(&self, posed: &[Vec3], triangle: [u32; 3]) -> Triangle {
+        triangle.map(|vertex| self.world_vertex(posed[vertex as usize]))
+    }
+
+    #[inline]
+    pub(super) fn world_vertex(&self, posed: Vec3) -> DVec3 {
+        self.world_from_model.transform_point(posed)
+    }
+}

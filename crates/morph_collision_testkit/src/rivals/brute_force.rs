@@ -1,0 +1,75 @@
+//! The oracle as a method: no tree, and a test of triangles in integers that shares nothing with the others.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, DVec3, Vec3};
+use morph_collision::{Aabb, PairStats, TrianglePair};
+
+use super::blended::{BlendedBody, WeldedMesh};
+use super::{Method, PoseError, Wanted};
+use crate::oracle::intersecting_pairs;
+
+/// Bodies with all their vertices in world space.
+#[derive(Debug)]
+pub(super) struct BruteForce {
+    bodies: Vec<Placed>,
+    work: PairStats,
+}
+
+#[derive(Debug)]
+struct Placed {
+    body: BlendedBody,
+    posed: Vec<Vec3>,
+    world: Vec<DVec3>,
+}
+
+impl BruteForce {
+    pub(super) fn new(meshes: &[Arc<WeldedMesh>], bodies: &[usize]) -> Self {
+        let placed = |&mesh: &usize| Placed {
+            body: BlendedBody::new(Arc::clone(&meshes[mesh])),
+            posed: meshes[mesh].base.clone(),
+            world: meshes[mesh].base.iter().map(|p| p.as_dvec3()).collect(),
+        };
+        Self {
+            bodies: bodies.iter().map(placed).collect(),
+            work: PairStats::default(),
+        }
+    }
+}
+
+impl Method for BruteForce {
+    fn set_body(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<(), PoseError> {
+        let Placed { body, posed, world } = &mut self.bodies[body];
+        if body.set(weights, world_from_model)? {
+            body.blend(posed);
+            self.work.vertices_blended += posed.len() as u64;
+        }
+        world.clear();
+        world.extend(posed.iter().map(|&vertex| body.world_vertex(vertex)));
+        Ok(())
+    }
+
+    fn world_bounds(&mut self, body: usize) -> Aabb {
+        let outward = |vertex: &DVec3| {
+            let nearest = vertex.as_vec3();
+            [nearest.map(f32::next_down), nearest.map(f32::next_up)]
+        };
+        Aabb::from_points(self.bodies[body].world.iter().flat_map(outward))
+    }
+
+    fn collide(&mut self, a: usize, b: usize, wanted: Wanted, pairs: &mut Vec<TrianglePair>) {
+        let (a, b) = (&self.bodies[a], &self.bodies[b]);
+        let (of_a, of_b) = (&a.body.mesh.triangles, &b.body.mesh.triangles);
+        self.work.triangle_tests += of_a.len() as u64 * of_b.len() as u64;
+        let found = intersecting_pairs(&a.world, of_a, &b.world, of_b).into_iter();
+        let limit = match wanted {
+            Wanted::All => usize::MAX,
+            Wanted::First => 1,
+        };
+        pairs.extend(found.take(limit).map(|(triangle_a, triangle_b)| TrianglePair { triangle_a, triangle_b }));
+    }
+
+    fn work(&self) -> PairStats {
+        self.work
+    }
+}

@@ -1,0 +1,96 @@
+//! Larsson and Akenine-Moller's hybrid (*Collision detection for continuously deforming bodies*, Eurographics 2001), which
+//! the morphing paper compares itself with: the upper half of the tree's levels is refitted bottom-up when the vertices
+//! have moved, the nodes below top-down when a walk gets there.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use morph_collision::BuildOptions;
+
+use super::blended::WeldedMesh;
+use super::bottom_up::{box_around, tree_at_rest};
+use super::boxes::Box8;
+use super::tree::{Child, Tree, VertexLists};
+use super::walk::Refit;
+
+/// Half of the boxes' levels follow at once, the rest on demand.
+#[derive(Clone, Debug)]
+pub(super) struct Hybrid {
+    tree: Arc<Tree>,
+    /// The vertices under every node that is refitted from its vertices: leaves, and all from the middle level down.
+    vertices: Arc<VertexLists>,
+    /// The groups above the middle level, children after their parents.
+    upper: Arc<Vec<u32>>,
+    /// Groups at this depth are the last to follow at once.
+    middle: u8,
+    boxes: Vec<Box8>,
+    /// The frame in which a group's boxes were made.
+    stamps: Vec<u32>,
+    frame: u32,
+}
+
+impl Hybrid {
+    /// Makes the boxes of a group; a child with a group of its own that is up to date takes its hull.
+    fn refit(&mut self, index: usize, posed: &[Vec3]) -> u64 {
+        let group = &self.tree.groups[index];
+        for (lane, &child) in group.children().iter().enumerate() {
+            let one = match child {
+                Child::Group(below) if group.depth < self.middle => {
+                    let below = below as usize;
+                    self.boxes[below].hull(self.tree.groups[below].children().len())
+                }
+                _ => box_around(self.vertices.of(index, lane), posed),
+            };
+            self.boxes[index].set(lane, &one);
+        }
+        self.stamps[index] = self.frame;
+        group.children().len() as u64
+    }
+}
+
+impl Refit for Hybrid {
+    fn new(mesh: &WeldedMesh, options: &BuildOptions) -> Self {
+        let tree = tree_at_rest(mesh, options);
+        let deepest = tree.groups.iter().map(|group| group.depth).max().unwrap_or(0);
+        let middle = deepest / 2;
+        let upper = (0..).zip(&tree.groups).filter(|(_, group)| group.depth <= middle);
+        Self {
+            upper: Arc::new(upper.map(|(index, _)| index).collect()),
+            vertices: Arc::new(VertexLists::new(&tree, &mesh.triangles, |group, child| {
+                group.depth >= middle || matches!(child, Child::Leaf(_))
+            })),
+            middle,
+            boxes: vec![Box8::default(); tree.groups.len()],
+            stamps: vec![0; tree.groups.len()],
+            frame: 0,
+            tree: Arc::new(tree),
+        }
+    }
+
+    fn update(&mut self, _: &WeldedMesh, posed: &[Vec3]) -> u64 {
+        self.frame = self.frame.wrapping_add(1);
+        if self.frame == 0 {
+            self.stamps.fill(0);
+            self.frame = 1;
+        }
+        let upper = Arc::clone(&self.upper);
+        upper.iter().rev().map(|&group| self.refit(group as usize, posed)).sum()
+    }
+
+    #[inline]
+    fn open(&mut self, group: usize, posed: &[Vec3]) -> u64 {
+        if self.stamps[group] == self.frame {
+            return 0;
+        }
+        self.refit(group, posed)
+    }
+
+    fn tree(&self) -> &Tree {
+        &self.tree
+    }
+
+    #[inline]
+    fn boxes(&self, group: usize) -> &Box8 {
+        &self.boxes[group]
+    }
+}

@@ -1,0 +1,137 @@
+//! The methods by name.
+
+use std::fmt;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use morph_collision::BuildOptions;
+use parry3d::shape::TriMesh;
+use thiserror::Error;
+
+use super::blended::WeldedMesh;
+use super::bottom_up::BottomUp;
+use super::brute_force::BruteForce;
+use super::hybrid::Hybrid;
+use super::morph::Morph;
+use super::octree::Octree;
+use super::parry::{Parry, Rebuilt, Refitted};
+use super::rebuild::Rebuild;
+use super::walk::Trees;
+use super::{Method, SetUpError};
+use crate::mesh::MorphMesh;
+
+/// A method, by name; what each does stands in the [module's table](super).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum MethodKind {
+    /// The one that this project is about.
+    #[default]
+    Morph,
+    /// Every box refitted, from the leaves up.
+    BottomUp,
+    /// The upper half refitted bottom-up, the lower half on demand.
+    Hybrid,
+    /// The tree built anew.
+    Rebuild,
+    /// An octree of the faces where two bodies' boxes overlap.
+    Octree,
+    /// Parry's triangle mesh with new vertices.
+    ParryTriMesh,
+    /// Parry's tree, refitted.
+    ParryBvh,
+    /// Parry's tree, built anew.
+    ParryRebuild,
+    /// All triangles against all, by the oracle.
+    BruteForce,
+}
+
+impl MethodKind {
+    /// All methods.
+    pub const ALL: [Self; 9] = [
+        Self::Morph,
+        Self::BottomUp,
+        Self::Hybrid,
+        Self::Rebuild,
+        Self::Octree,
+        Self::ParryTriMesh,
+        Self::ParryBvh,
+        Self::ParryRebuild,
+        Self::BruteForce,
+    ];
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Morph => "morph",
+            Self::BottomUp => "bottom-up",
+            Self::Hybrid => "hybrid",
+            Self::Rebuild => "rebuild",
+            Self::Octree => "octree",
+            Self::ParryTriMesh => "parry-trimesh",
+            Self::ParryBvh => "parry-bvh",
+            Self::ParryRebuild => "parry-rebuild",
+            Self::BruteForce => "brute-force",
+        }
+    }
+
+    /// Builds what is built once per mesh, and one body for each entry of `bodies`, the index of its mesh.
+    ///
+    /// `options` are for `morph`; `bottom-up` and `hybrid` take arity and leaf size from them, `rebuild` the leaf size.
+    ///
+    /// # Errors
+    /// A mesh that [`MorphMesh::to_model`] refuses, options out of range, or a body of a mesh that is not there.
+    pub fn set_up(
+        self,
+        meshes: &[MorphMesh],
+        bodies: &[usize],
+        options: &BuildOptions,
+    ) -> Result<Box<dyn Method>, SetUpError> {
+        if let Some(body) = bodies.iter().position(|&mesh| mesh >= meshes.len()) {
+            let (mesh, meshes) = (bodies[body], meshes.len());
+            return Err(SetUpError::NoSuchMesh { body, mesh, meshes });
+        }
+        let welded = || {
+            meshes
+                .iter()
+                .enumerate()
+                .map(|(mesh, source)| match WeldedMesh::new(source) {
+                    Ok(welded) => Ok(Arc::new(welded)),
+                    Err(reason) => Err(SetUpError::Model { mesh, reason }),
+                })
+                .collect::<Result<Vec<_>, _>>()
+        };
+        Ok(match self {
+            Self::Morph => Box::new(Morph::new(meshes, bodies, options)?),
+            Self::BottomUp => Box::new(Trees::<BottomUp>::new(&welded()?, bodies, options)),
+            Self::Hybrid => Box::new(Trees::<Hybrid>::new(&welded()?, bodies, options)),
+            Self::Rebuild => Box::new(Trees::<Rebuild>::new(&welded()?, bodies, options)),
+            Self::Octree => Box::new(Octree::new(&welded()?, bodies)),
+            Self::ParryTriMesh => Box::new(Parry::<TriMesh>::new(&welded()?, bodies)?),
+            Self::ParryBvh => Box::new(Parry::<Refitted>::new(&welded()?, bodies)?),
+            Self::ParryRebuild => Box::new(Parry::<Rebuilt>::new(&welded()?, bodies)?),
+            Self::BruteForce => Box::new(BruteForce::new(&welded()?, bodies)),
+        })
+    }
+}
+
+impl fmt::Display for MethodKind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// A name that no [`MethodKind`] has.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("unknown method '{name}', expected one of: {}", MethodKind::ALL.map(MethodKind::name).join(", "))]
+pub struct UnknownMethod {
+    name: String,
+}
+
+impl FromStr for MethodKind {
+    type Err = UnknownMethod;
+
+    fn from_str(name: &str) -> Result<Self, UnknownMethod> {
+        Self::ALL
+            .into_iter()
+            .find(|kind| kind.name() == name)
+            .ok_or_else(|| UnknownMethod { name: name.to_owned() })
+    }
+}

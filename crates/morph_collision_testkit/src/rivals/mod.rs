@@ -1,0 +1,139 @@
+//! The methods that `morph_collision` is compared with, over the same meshes and with the same answers.
+//!
+//! A [`Method`] holds the bodies of a scene. Every frame each body is given its weights and place, and then pairs of bodies
+//! are asked for their intersecting triangles. All methods decide triangles by the same exact test,
+//! [`morph_collision::triangles_intersect`], over the same vertices (only the oracle has a test of its own), so they must
+//! agree pair for pair and differ in nothing but the work:
+//!
+//! | [`MethodKind`] | what a frame costs before anything is asked | from |
+//! |---|---|---|
+//! | `morph` | nothing | this project |
+//! | `bottom-up` | every vertex blended, every box refitted | van den Bergen 1997 |
+//! | `hybrid` | every vertex blended, the upper half of the tree refitted, the rest when a walk gets there | Larsson, Akenine-Moller 2001 |
+//! | `rebuild` | every vertex blended, the tree built anew | |
+//! | `octree` | every vertex blended and placed in the world; an octree of faces for every pair of bodies | Smith et al. 1995 |
+//! | `parry-trimesh` | every vertex blended in place, the tree of a `TriMesh` refitted | Parry |
+//! | `parry-bvh` | every vertex blended, a bare `Bvh` refitted and put into a better order in memory | Parry |
+//! | `parry-rebuild` | every vertex blended, the `Bvh` built anew (binned) | Parry |
+//! | `brute-force` | every vertex blended and placed in the world | the oracle |
+//!
+//! What is fair is done for all of them: vertices are welded, targets with weight zero and vertices that a target leaves
+//! alone are skipped, and a body whose weights stay the same is not refitted. The three of our own make share one tree
+//! ([`tree`]), eight-wide like the core's, and one walk ([`walk`]) with the same SAT-lite culling ([`boxes`]).
+//!
+//! ```
+//! use glam::{Affine3A, Vec3};
+//! use morph_collision::BuildOptions;
+//! use morph_collision_testkit::models::dolphin;
+//! use morph_collision_testkit::rivals::{MethodKind, Wanted};
+//!
+//! let meshes = [dolphin(0)];
+//! let mut method = MethodKind::BottomUp.set_up(&meshes, &[0, 0], &BuildOptions::default())?;
+//! method.set_body(0, &[0.5, 0.0], &Affine3A::IDENTITY)?;
+//! method.set_body(1, &[0.0, 0.5], &Affine3A::from_translation(Vec3::new(0.0, 0.2, 0.1)))?;
+//! let mut pairs = Vec::new();
+//! method.collide(0, 1, Wanted::All, &mut pairs);
+//! assert!(!pairs.is_empty());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod blended;
+mod bottom_up;
+mod boxes;
+mod broad;
+mod brute_force;
+mod build;
+mod frames;
+mod hybrid;
+mod kind;
+mod limits;
+mod morph;
+mod octree;
+mod parry;
+mod rebuild;
+mod tree;
+mod walk;
+
+use std::fmt::Debug;
+
+use glam::Affine3A;
+use morph_collision::{Aabb, BuildError, ModelError, PairStats, TransformError, TrianglePair, WeightsError};
+use thiserror::Error;
+
+pub use broad::BroadPhase;
+pub use kind::{MethodKind, UnknownMethod};
+pub use limits::WeightLimits;
+
+/// How many intersecting pairs of triangles are wanted of two bodies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Wanted {
+    /// All of them.
+    All,
+    /// Any one.
+    First,
+}
+
+/// A way to find the intersecting triangles of morphing bodies; see [`MethodKind::set_up`].
+///
+/// Bodies are numbered as they were set up. They start with all weights zero at the world's origin.
+pub trait Method: Debug {
+    /// Gives a body its weights, one per target, and its place.
+    ///
+    /// # Errors
+    /// Weights that do not fit the mesh or a place that is not finite; the body then keeps what it had.
+    fn set_body(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<(), PoseError>;
+
+    /// A box in world space around a body, conservative: for a broad phase.
+    fn world_bounds(&mut self, body: usize) -> Aabb;
+
+    /// Appends the intersecting pairs of triangles of two bodies, in any order; at most one if only the first is wanted.
+    fn collide(&mut self, a: usize, b: usize, wanted: Wanted, pairs: &mut Vec<TrianglePair>);
+
+    /// The work done since it was set up; volumes refitted and built count as blended.
+    fn work(&self) -> PairStats;
+}
+
+/// Why a method cannot be set up over a mesh.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum SetUpError {
+    /// A mesh is no good.
+    #[error("mesh {mesh}: {reason}")]
+    Model {
+        /// Its index.
+        mesh: usize,
+        /// What is wrong.
+        reason: ModelError,
+    },
+    /// The options are no good.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+    /// Parry refuses a mesh.
+    #[error("mesh {mesh}: parry: {reason}")]
+    Parry {
+        /// Its index.
+        mesh: usize,
+        /// What Parry says.
+        reason: String,
+    },
+    /// A body names a mesh that is not there.
+    #[error("body {body} is of mesh {mesh}, there are {meshes}")]
+    NoSuchMesh {
+        /// The body.
+        body: usize,
+        /// The mesh that it names.
+        mesh: usize,
+        /// How many there are.
+        meshes: usize,
+    },
+}
+
+/// Why a body refuses a pose.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PoseError {
+    /// The weights.
+    #[error(transparent)]
+    Weights(#[from] WeightsError),
+    /// The place.
+    #[error(transparent)]
+    Transform(#[from] TransformError),
+}

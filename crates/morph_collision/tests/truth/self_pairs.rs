@@ -7,7 +7,7 @@ use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::{degenerate, dolphin, random};
 use morph_collision_testkit::oracle;
 
-use crate::scenes::shared_model;
+use morph_collision_testkit::moments::shared_model;
 
 /// By brute force: the oracle's pairs of the mesh with itself, without those that share a welded vertex.
 fn truth(mesh: &MorphMesh, weights: &[f32]) -> Vec<(u32, u32)> {

@@ -7,8 +7,8 @@ use crate::pose::{Place, Pose};
 use crate::traverse::Trace;
 use crate::tree::MorphBvh;
 
-/// What a [`PairMemory`] keeps from one frame to the next.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// What a [`PairMemory`] keeps from one frame to the next; nothing by default.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Remember {
     /// The distance by which a pair was proved apart. The pair is not looked at again until the bodies could have moved
     /// as far, by their weights and by their placements relative to each other. Needs a first body that can be inverted.

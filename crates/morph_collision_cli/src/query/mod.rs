@@ -7,16 +7,17 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
-use morph_collision::{Ball, Body, BuildOptions, MorphBvh, PointQuery, Pose, Ray, RayQuery, WorldFromModel};
+use morph_collision::{Ball, Body, BuildOptions, MorphBvh, PointQuery, Pose, Ray, RayQuery, SelfQuery, WorldFromModel};
 use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::mesh::MorphMesh;
 
 use crate::error::{CliError, MeshError};
 use crate::output;
 use numbers::{Triple, Weights};
-use report::{PointReport, QueryReport, RayReport};
+use report::{PointReport, QueryReport, RayReport, SelfReport};
 
-/// Ask about one mesh of a glTF file in one shape: what a ray hits, or which point of its surface is closest.
+/// Ask about one mesh of a glTF file in one shape: what a ray hits, which point of its surface is closest, or
+/// where it intersects itself.
 ///
 /// Everything is in the mesh's own space.
 #[derive(Debug, Args)]
@@ -46,11 +47,19 @@ struct Question {
     /// Show the point of the surface that is closest to X,Y,Z.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     point: Option<Triple<1>>,
+    /// Show every pair of triangles that share a point but no vertex.
+    #[arg(long = "self")]
+    of_itself: bool,
 }
 
 /// Poses the mesh, asks, and prints the answer.
 pub(crate) fn query(args: &QueryArgs) -> Result<(), CliError> {
     let mut pose = pose(args)?;
+    if args.question.of_itself {
+        let mut pairs = Vec::new();
+        let stats = SelfQuery::new().all(&mut pose, &mut pairs);
+        return show(args, &SelfReport::new(pairs, stats));
+    }
     let body = Body::new(&mut pose, &WorldFromModel::IDENTITY);
     if let Some(Triple([origin, direction])) = args.question.ray {
         let ray = Ray::new(origin, direction, f64::INFINITY).map_err(|error| bad_flag("--ray", &error))?;

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use morph_collision::{BodyStats, ClosestPoint, Facing, RayHit};
+use morph_collision::{ClosestPoint, Facing, PairStats, RayHit, TrianglePair};
 use serde::Serialize;
 
 /// An answer that can be shown either way.
@@ -45,6 +45,13 @@ struct ClosestReport {
     barycentrics: [f64; 3],
 }
 
+/// The pairs of triangles with which the mesh intersects itself, ascending.
+#[derive(Debug, Serialize)]
+pub(super) struct SelfReport {
+    pairs: Vec<[u32; 2]>,
+    work: WorkReport,
+}
+
 /// What the answer took.
 #[derive(Debug, Serialize)]
 struct WorkReport {
@@ -55,7 +62,7 @@ struct WorkReport {
 }
 
 impl RayReport {
-    pub(super) fn new(hits: &[RayHit], stats: BodyStats) -> Self {
+    pub(super) fn new(hits: &[RayHit], stats: PairStats) -> Self {
         let hit = |hit: &RayHit| HitReport {
             triangle: hit.triangle,
             t: hit.t,
@@ -77,7 +84,7 @@ impl RayReport {
 }
 
 impl PointReport {
-    pub(super) fn new(closest: Option<&ClosestPoint>, stats: BodyStats) -> Self {
+    pub(super) fn new(closest: Option<&ClosestPoint>, stats: PairStats) -> Self {
         let closest = closest.map(|closest| ClosestReport {
             triangle: closest.triangle,
             distance: closest.distance,
@@ -91,8 +98,18 @@ impl PointReport {
     }
 }
 
+impl SelfReport {
+    pub(super) fn new(mut pairs: Vec<TrianglePair>, stats: PairStats) -> Self {
+        pairs.sort_unstable();
+        Self {
+            pairs: pairs.iter().map(|pair| [pair.triangle_a, pair.triangle_b]).collect(),
+            work: WorkReport::new(stats),
+        }
+    }
+}
+
 impl WorkReport {
-    fn new(stats: BodyStats) -> Self {
+    fn new(stats: PairStats) -> Self {
         Self {
             node_tests: stats.node_tests,
             triangle_tests: stats.triangle_tests,
@@ -120,6 +137,16 @@ impl QueryReport for RayReport {
                 "  triangle {} at t {:.6}, distance {:.6}, point {x:.6} {y:.6} {z:.6}, {}",
                 hit.triangle, hit.t, hit.distance, hit.facing
             );
+        }
+        text + &self.work.text()
+    }
+}
+
+impl QueryReport for SelfReport {
+    fn text(&self) -> String {
+        let mut text = format!("{} pairs of triangles\n", self.pairs.len());
+        for [a, b] in &self.pairs {
+            let _ = writeln!(text, "  triangle {a} and triangle {b}");
         }
         text + &self.work.text()
     }

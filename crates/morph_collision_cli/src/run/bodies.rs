@@ -42,7 +42,7 @@ impl Cast {
         }
         let method = options
             .method()
-            .set_up(&library.meshes, &of_bodies, &options.build())
+            .set_up_tuned(&library.meshes, &of_bodies, &options.build(), options.tuning())
             .map_err(|error| library.blame(error))?;
 
         let limits: Vec<WeightLimits> = library.meshes.iter().map(WeightLimits::of).collect();

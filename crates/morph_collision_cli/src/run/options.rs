@@ -1,8 +1,8 @@
 //! How pairs are found: the method, and how its trees are built.
 
-use clap::Args;
-use morph_collision::{BuildOptions, Split, VolumeKind};
-use morph_collision_testkit::rivals::MethodKind;
+use clap::{Args, ValueEnum};
+use morph_collision::{BuildOptions, Remember, SeparatingAxes, Split, VolumeKind};
+use morph_collision_testkit::rivals::{MethodKind, MorphTuning};
 
 /// The options of `run` that change the work and never the answer; what is not given is as the library has it by default.
 #[derive(Debug, Args)]
@@ -22,11 +22,42 @@ pub(crate) struct MethodArgs {
     /// How morph shares triangles out among children: midpoint, sah or pose-sah.
     #[arg(long, value_name = "RULE")]
     split: Option<Split>,
+    /// Along which axes morph compares nodes: those of both bodies, or also their nine products, on boxes.
+    #[arg(long, value_enum, default_value_t = Sat::Lite)]
+    sat: Sat,
+    /// Let morph start each walk where the last one over the same two bodies ended.
+    #[arg(long)]
+    front: bool,
+    /// Let morph leave two bodies alone until they could have moved as far as they were last proved apart.
+    #[arg(long)]
+    separation: bool,
+}
+
+/// Axes that may separate two nodes.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+enum Sat {
+    /// The axes of both bodies.
+    Lite,
+    /// And the nine products of an axis of one and an axis of the other.
+    Full,
 }
 
 impl MethodArgs {
     pub(crate) fn method(&self) -> MethodKind {
         self.method
+    }
+
+    pub(crate) fn tuning(&self) -> MorphTuning {
+        MorphTuning {
+            axes: match self.sat {
+                Sat::Lite => SeparatingAxes::Lite,
+                Sat::Full => SeparatingAxes::Full,
+            },
+            remember: Remember {
+                separation: self.separation,
+                front: self.front,
+            },
+        }
     }
 
     pub(crate) fn build(&self) -> BuildOptions {

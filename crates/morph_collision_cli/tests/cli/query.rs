@@ -88,3 +88,15 @@ fn bad_input_names_the_flag() -> TestResult {
     assert!(message.contains("absent.glb"), "{message}");
     Ok(())
 }
+
+#[test]
+fn a_dolphin_intersects_itself_where_its_fins_stick_in_its_body() -> TestResult {
+    let answer = json(&asset("dolphin_564.glb"), &["--self", "--weights", "0.3,0"])?;
+    let pairs = answer["pairs"].as_array().ok_or("no list of pairs")?;
+    assert!(!pairs.is_empty());
+    assert!(pairs.iter().all(|pair| pair[0].as_u64() < pair[1].as_u64()));
+    let dir = tempdir()?;
+    let path = write_gltf(dir.path(), "triangle.gltf", &[RawMesh::triangle("Triangle")])?;
+    assert!(stdout_of(&query(&path, &["--self"])?).starts_with("0 pairs"));
+    Ok(())
+}

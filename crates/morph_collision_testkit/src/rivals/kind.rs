@@ -12,7 +12,7 @@ use super::blended::WeldedMesh;
 use super::bottom_up::BottomUp;
 use super::brute_force::BruteForce;
 use super::hybrid::Hybrid;
-use super::morph::Morph;
+use super::morph::{Morph, MorphTuning};
 use super::octree::Octree;
 use super::parry::{Parry, Rebuilt, Refitted};
 use super::rebuild::Rebuild;
@@ -84,6 +84,20 @@ impl MethodKind {
         bodies: &[usize],
         options: &BuildOptions,
     ) -> Result<Box<dyn Method>, SetUpError> {
+        self.set_up_tuned(meshes, bodies, options, MorphTuning::default())
+    }
+
+    /// As [`MethodKind::set_up`], with what only `morph` can be told.
+    ///
+    /// # Errors
+    /// As [`MethodKind::set_up`].
+    pub fn set_up_tuned(
+        self,
+        meshes: &[MorphMesh],
+        bodies: &[usize],
+        options: &BuildOptions,
+        tuning: MorphTuning,
+    ) -> Result<Box<dyn Method>, SetUpError> {
         if let Some(body) = bodies.iter().position(|&mesh| mesh >= meshes.len()) {
             let (mesh, meshes) = (bodies[body], meshes.len());
             return Err(SetUpError::NoSuchMesh { body, mesh, meshes });
@@ -99,7 +113,7 @@ impl MethodKind {
                 .collect::<Result<Vec<_>, _>>()
         };
         Ok(match self {
-            Self::Morph => Box::new(Morph::new(meshes, bodies, options)?),
+            Self::Morph => Box::new(Morph::new(meshes, bodies, options, tuning)?),
             Self::BottomUp => Box::new(Trees::<BottomUp>::new(&welded()?, bodies, options)),
             Self::Hybrid => Box::new(Trees::<Hybrid>::new(&welded()?, bodies, options)),
             Self::Rebuild => Box::new(Trees::<Rebuild>::new(&welded()?, bodies, options)),

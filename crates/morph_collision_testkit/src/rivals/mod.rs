@@ -63,6 +63,7 @@ use thiserror::Error;
 pub use broad::BroadPhase;
 pub use kind::{MethodKind, UnknownMethod};
 pub use limits::WeightLimits;
+pub use morph::MorphTuning;
 
 /// How many intersecting pairs of triangles are wanted of two bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

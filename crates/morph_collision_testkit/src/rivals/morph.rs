@@ -1,10 +1,13 @@
 //! The method that this project is about, as one of its kind.
 
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::Affine3A;
 use morph_collision::{
-    Aabb, Body, BuildOptions, MorphBvh, PairQuery, PairStats, Pose, TrianglePair, WorldFromModel,
+    Aabb, Body, BuildOptions, MorphBvh, PairMemory, PairQuery, PairStats, Pose, Remember, SeparatingAxes, TrianglePair,
+    WorldFromModel,
 };
 
 use super::{Method, PoseError, SetUpError, Wanted};
@@ -15,11 +18,28 @@ use crate::mesh::MorphMesh;
 pub(super) struct Morph {
     bodies: Vec<(Pose, WorldFromModel)>,
     query: PairQuery,
+    remember: Remember,
+    /// Of every pair of bodies that was asked about, if anything is to be remembered.
+    memories: BTreeMap<(usize, usize), PairMemory>,
     work: PairStats,
 }
 
+/// What `morph` can be told beside how to build its trees; no answer depends on it.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MorphTuning {
+    /// Along which axes nodes are compared.
+    pub axes: SeparatingAxes,
+    /// What is kept of a pair of bodies from frame to frame.
+    pub remember: Remember,
+}
+
 impl Morph {
-    pub(super) fn new(meshes: &[MorphMesh], bodies: &[usize], options: &BuildOptions) -> Result<Self, SetUpError> {
+    pub(super) fn new(
+        meshes: &[MorphMesh],
+        bodies: &[usize],
+        options: &BuildOptions,
+        tuning: MorphTuning,
+    ) -> Result<Self, SetUpError> {
         let mut trees = Vec::with_capacity(meshes.len());
         for (mesh, source) in meshes.iter().enumerate() {
             let model = source.to_model().map_err(|reason| SetUpError::Model { mesh, reason })?;
@@ -28,7 +48,9 @@ impl Morph {
         let pose = |&mesh: &usize| (Pose::new(Arc::clone(&trees[mesh])), WorldFromModel::IDENTITY);
         Ok(Self {
             bodies: bodies.iter().map(pose).collect(),
-            query: PairQuery::new(),
+            query: PairQuery::new().with_axes(tuning.axes),
+            remember: tuning.remember,
+            memories: BTreeMap::new(),
             work: PairStats::default(),
         })
     }
@@ -52,14 +74,20 @@ impl Method for Morph {
         let Ok([(pose_a, place_a), (pose_b, place_b)]) = self.bodies.get_disjoint_mut([a, b]) else {
             return;
         };
-        let (a, b) = (Body::new(pose_a, place_a), Body::new(pose_b, place_b));
-        self.work += match wanted {
-            Wanted::All => self.query.all(a, b, pairs),
-            Wanted::First => {
-                let (first, stats) = self.query.first(a, b);
-                pairs.extend(first);
-                stats
+        let (body_a, body_b) = (Body::new(pose_a, place_a), Body::new(pose_b, place_b));
+        let visitor = |pair| {
+            pairs.push(pair);
+            match wanted {
+                Wanted::All => ControlFlow::Continue(()),
+                Wanted::First => ControlFlow::Break(()),
             }
+        };
+        self.work += if self.remember == Remember::default() {
+            self.query.visit(body_a, body_b, visitor)
+        } else {
+            let remember = self.remember;
+            let memory = self.memories.entry((a, b)).or_insert_with(|| PairMemory::new(remember));
+            self.query.visit_with(memory, body_a, body_b, visitor)
         };
     }
 

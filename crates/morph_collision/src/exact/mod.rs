@@ -23,4 +23,6 @@ pub(crate) use region::{Plane, triangle_meets_region};
 pub use triangle::{Triangle, triangles_intersect};
 
 #[cfg(test)]
+mod one_body_tests;
+#[cfg(test)]
 mod tests;

@@ -1,7 +1,8 @@
 //! `morph-collide`: try collision detection on morphing glTF models without writing a program.
 //!
 //! `inspect` shows what a model is made of and what tree it gets; `run` replays a scene of scripted bodies and reports
-//! which triangles meet; `query` asks about one mesh in one shape. Results go to stdout, errors and progress to stderr; the exit code is 2 after an error.
+//! which triangles meet; `query` asks about one mesh in one shape. Results go to stdout, errors and progress to stderr; the
+//! exit code is 2 after an error.
 #![forbid(unsafe_code)]
 
 mod error;

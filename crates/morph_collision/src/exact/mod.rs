@@ -32,4 +32,6 @@ pub(crate) use segment::Segment;
 pub use triangle::{Triangle, triangles_intersect};
 
 #[cfg(test)]
+mod one_body_tests;
+#[cfg(test)]
 mod tests;

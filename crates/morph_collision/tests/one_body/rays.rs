@@ -37,9 +37,9 @@ fn shots(triangles: &[Corners], count: usize, seed: u64) -> Vec<Shot> {
     let mut random = Random(seed);
     let bounds = box_around(triangles);
     let mut shots = Vec::new();
-    while shots.len() < count {
+    for kind in 0..count {
         let triangle = triangles[random.below(triangles.len())];
-        let target = match shots.len() % 5 {
+        let target = match kind % 5 {
             0 => triangle[random.below(3)],
             1 => 0.5 * (triangle[0] + triangle[1]),
             2 => at([0.25, 0.5, 0.25], &triangle),
@@ -47,11 +47,11 @@ fn shots(triangles: &[Corners], count: usize, seed: u64) -> Vec<Shot> {
             // Along an edge, within the triangle's plane.
             _ => triangle[1] * 2.0 - triangle[0],
         };
-        let origin = match shots.len() % 7 {
+        let origin = match kind % 7 {
             0 => snap(triangle[0], 0.5_f64.powi(10)),
             _ => random.around(bounds),
         };
-        let origin = if shots.len() % 5 == 4 { triangle[0] } else { origin };
+        let origin = if kind % 5 == 4 { triangle[0] } else { origin };
         let shot = Shot::towards(origin, target);
         if shot.direction != DVec3::ZERO {
             shots.push(shot);

@@ -87,7 +87,12 @@ fn show(args: &QueryArgs, report: &impl QueryReport) -> Result<(), CliError> {
 fn pose(args: &QueryArgs) -> Result<Pose, CliError> {
     let mut meshes = read_meshes(&args.model)?;
     if args.mesh >= meshes.len() {
-        let reason = format!("{} has no mesh {}, only {}", args.model.display(), args.mesh, meshes.len());
+        let reason = format!(
+            "{} has no mesh {}, only {}",
+            args.model.display(),
+            args.mesh,
+            meshes.len()
+        );
         return Err(bad_flag("--mesh", &reason));
     }
     let mesh = meshes.swap_remove(args.mesh);
@@ -99,7 +104,8 @@ fn pose(args: &QueryArgs) -> Result<Pose, CliError> {
     })?;
     let mut pose = Pose::new(Arc::new(tree));
     if let Some(Weights(weights)) = &args.weights {
-        pose.set_weights(weights).map_err(|error| bad_flag("--weights", &error))?;
+        pose.set_weights(weights)
+            .map_err(|error| bad_flag("--weights", &error))?;
     }
     Ok(pose)
 }

@@ -34,13 +34,21 @@ fn a_ray_hits_the_shape_that_the_weights_make() -> TestResult {
     }
     let text = stdout_of(&query(&path, &["--ray", "0.25,0.25,-2,0,0,1"])?);
     assert!(text.contains("1 hits") && text.contains("back"), "{text}");
-    assert_eq!(json(&path, &["--ray", "9,9,2,0,0,-1"])?["hits"].as_array().map(Vec::len), Some(0));
+    assert_eq!(
+        json(&path, &["--ray", "9,9,2,0,0,-1"])?["hits"]
+            .as_array()
+            .map(Vec::len),
+        Some(0)
+    );
     Ok(())
 }
 
 #[test]
 fn hits_are_listed_along_the_ray() -> TestResult {
-    let answer = json(&asset("dolphin_564.glb"), &["--ray=0.1,3,0.01,0,-1,0", "--weights=0.3,0"])?;
+    let answer = json(
+        &asset("dolphin_564.glb"),
+        &["--ray=0.1,3,0.01,0,-1,0", "--weights=0.3,0"],
+    )?;
     let hits = answer["hits"].as_array().ok_or("no list of hits")?;
     let ts: Vec<_> = hits.iter().filter_map(|hit| hit["t"].as_f64()).collect();
     assert!(ts.len() >= 2 && ts.is_sorted(), "{ts:?}");

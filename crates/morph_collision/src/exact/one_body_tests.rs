@@ -1,0 +1,101 @@
+use glam::DVec3;
+use morph_collision_testkit::oracle;
+use proptest::prelude::*;
+
+use super::{Line, Plane, Triangle, closest_between, closest_on_triangle, ray_meets_triangle, triangle_meets_region};
+
+/// Points of a coarse grid, where rays in the plane of a triangle, through its corners and along its edges are common.
+fn grid_point() -> impl Strategy<Value = DVec3> {
+    prop::array::uniform3(-2_i8..3).prop_map(|c| DVec3::from_array(c.map(f64::from)))
+}
+
+fn grid_triangle() -> impl Strategy<Value = Triangle> {
+    prop::array::uniform3(grid_point())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(3000))]
+
+    #[test]
+    fn a_ray_meets_what_its_segment_meets_and_not_before(
+        origin in grid_point(), direction in grid_point(), max_t in 0_u8..4, triangle in grid_triangle(),
+    ) {
+        prop_assume!(direction != DVec3::ZERO);
+        let max_t = f64::from(max_t) * 0.5;
+        let meets = |t: f64| {
+            let end = origin + direction * t;
+            oracle::triangles_intersect(&[origin, end, end], &triangle)
+        };
+        match ray_meets_triangle(&Line { origin, direction, max_t }, &triangle) {
+            Some(crossing) => {
+                prop_assert!(meets(max_t));
+                prop_assert!(meets(crossing.t * (1.0 + 1e-9)));
+                prop_assert!(crossing.t == 0.0 || !meets(crossing.t * (1.0 - 1e-9)));
+            }
+            None => prop_assert!(!meets(max_t)),
+        }
+        let unlimited = ray_meets_triangle(&Line { origin, direction, max_t: f64::INFINITY }, &triangle);
+        prop_assert_eq!(unlimited.is_some(), meets(64.0));
+    }
+
+    #[test]
+    fn a_triangle_meets_the_box_that_the_oracle_says(a in grid_point(), b in grid_point(), triangle in grid_triangle()) {
+        let (min, max) = (a.min(b), a.max(b));
+        let planes: Vec<Plane> = (0..3)
+            .flat_map(|axis| {
+                let normal = DVec3::AXES[axis];
+                [
+                    Plane { normal, offset: -min[axis] },
+                    Plane { normal: -normal, offset: max[axis] },
+                ]
+            })
+            .collect();
+        let corner = |i: usize| DVec3::new(
+            if i & 1 == 1 { max.x } else { min.x },
+            if i & 2 == 2 { max.y } else { min.y },
+            if i & 4 == 4 { max.z } else { min.z },
+        );
+        let faces = [[0, 1, 2], [1, 3, 2], [4, 5, 6], [5, 7, 6], [0, 1, 4], [1, 5, 4], [2, 3, 6], [3, 7, 6], [0, 2, 4], [2, 6, 4], [1, 3, 5], [3, 7, 5]];
+        let inside = triangle.iter().any(|p| min.cmple(*p).all() && p.cmple(max).all());
+        let truth = inside || faces.iter().any(|face| oracle::triangles_intersect(&face.map(corner), &triangle));
+        prop_assert_eq!(triangle_meets_region(&triangle, &planes), truth);
+    }
+
+    #[test]
+    fn closest_points_of_two_triangles_lie_on_both(a in grid_triangle(), b in grid_triangle()) {
+        let between = closest_between(&a, &b);
+        prop_assert_eq!(between.squared == 0.0, oracle::triangles_intersect(&a, &b));
+        prop_assert!((between.on_a.distance(between.on_b) - between.squared.sqrt()).abs() < 1e-12);
+        prop_assert!(closest_on_triangle(between.on_a, &a).squared < 1e-24);
+        prop_assert!(closest_on_triangle(between.on_b, &b).squared < 1e-24);
+    }
+}
+
+#[test]
+fn the_inside_of_a_sliver_is_found() {
+    // Twice as far from its edges as from its inside, or nearly so; a billionth as wide as long.
+    for width in [1e-3, 1e-6, 1e-9, 1e-12] {
+        let sliver = [DVec3::ZERO, DVec3::X, DVec3::new(0.5, width, 0.0)];
+        let height = 0.01 * width;
+        let closest = closest_on_triangle(DVec3::new(0.5, 0.4 * width, height), &sliver);
+        assert!(
+            (closest.squared.sqrt() / height - 1.0).abs() < 1e-12,
+            "{width}: {closest:?}"
+        );
+    }
+}
+
+#[test]
+fn the_inside_of_nearly_parallel_edges_is_found() {
+    for slope in [1e-3, 1e-6, 1e-9] {
+        let height = 0.01 * slope;
+        let flat = |a: DVec3, b: DVec3| [a, b, b];
+        let first = flat(DVec3::new(-1.0, -slope, 0.0), DVec3::new(1.0, slope, 0.0));
+        let second = flat(DVec3::new(-1.0, slope, height), DVec3::new(1.0, -slope, height));
+        let between = closest_between(&first, &second);
+        assert!(
+            (between.squared.sqrt() / height - 1.0).abs() < 1e-12,
+            "{slope}: {between:?}"
+        );
+    }
+}

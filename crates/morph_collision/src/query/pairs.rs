@@ -46,8 +46,9 @@ pub enum SeparatingAxes {
     /// The axes of both bodies: cheap, and usually enough.
     #[default]
     Lite,
-    /// And the nine products of an axis of one and an axis of the other, on the nodes' boxes: fewer nodes are looked at, each
-    /// at a higher price. Pays where blending them is dear (many active targets) and long boxes lie across each other.
+    /// And the nine products of an axis of one and an axis of the other, on boxes around the nodes' volumes: fewer nodes and
+    /// triangles are looked at, each at a higher price. Most is saved where flat or long boxes lie across each other; measure
+    /// before you choose it.
     Full,
 }
 

@@ -40,6 +40,10 @@ fn a_cuboid_is_touched_to_the_last_bit() {
         ]
     };
     assert!(unit_cube().intersects(&edge_to_edge(1.0)));
+    // Points that are on no face, but a bit inside or outside.
+    let point = |x: f64| [DVec3::new(x, 0.25, 0.5); 3];
+    assert!(unit_cube().intersects(&point(1.0_f64.next_down())));
+    assert!(!unit_cube().intersects(&point(1.0_f64.next_up())));
     assert!(!unit_cube().intersects(&edge_to_edge(1.0_f64.next_up())));
 }
 
@@ -58,6 +62,7 @@ fn a_flat_cuboid_is_no_more_than_its_rectangle() {
     };
     assert!(plate.intersects(&coplanar(0.1)));
     assert!(plate.intersects(&coplanar(1.0)));
+    assert!(!plate.intersects(&coplanar(1.0_f64.next_up())));
     assert!(!plate.intersects(&coplanar(1.5)));
 }
 

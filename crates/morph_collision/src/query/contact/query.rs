@@ -2,9 +2,8 @@ use glam::DVec3;
 
 use super::manifold::{ContactPoint, Manifold};
 use super::parting::parting_distance;
-use crate::bounds::WorldFromModel;
 use crate::exact::{Triangle, TriangleContact, triangle_contact};
-use crate::pose::{Pose, with_posed};
+use crate::pose::with_posed;
 use crate::query::body::world_triangle;
 use crate::query::{Body, PairQuery, PairStats, TrianglePair};
 
@@ -61,6 +60,7 @@ pub struct Separation {
 pub struct ContactQuery {
     pairs: PairQuery,
     found: Vec<TrianglePair>,
+    corners: [Vec<Triangle>; 2],
     touching: Vec<Touching>,
     points: Vec<ContactPoint>,
 }
@@ -159,11 +159,10 @@ impl ContactQuery {
         let body_b = Body::new(b.pose, b.world_from_model);
         let stats = self.pairs.all(body_a, body_b, &mut self.found);
         self.touching.clear();
-        let of_a = self.found.iter().map(|pair| pair.triangle_a);
-        let corners_a = outward_triangles(a.pose, a.world_from_model, of_a);
-        let of_b = self.found.iter().map(|pair| pair.triangle_b);
-        let corners_b = outward_triangles(b.pose, b.world_from_model, of_b);
-        for ((&pair, a), b) in self.found.iter().zip(corners_a).zip(corners_b) {
+        let [corners_a, corners_b] = &mut self.corners;
+        read_outward(a, self.found.iter().map(|pair| pair.triangle_a), corners_a);
+        read_outward(b, self.found.iter().map(|pair| pair.triangle_b), corners_b);
+        for ((&pair, &a), &b) in self.found.iter().zip(&*corners_a).zip(&*corners_b) {
             // Always: the pair query asks the same predicates.
             if let Some(contact) = triangle_contact(&a, &b) {
                 self.touching.push(Touching { pair, a, b, contact });
@@ -179,18 +178,15 @@ impl ContactQuery {
     }
 }
 
-fn outward_triangles(
-    pose: &mut Pose,
-    world_from_model: &WorldFromModel,
-    triangles: impl Iterator<Item = u32>,
-) -> Vec<Triangle> {
+/// Corners of a body's triangles in world space; those of a mirrored one turned back.
+fn read_outward(body: &mut Body<'_>, triangles: impl Iterator<Item = u32>, corners: &mut Vec<Triangle>) {
+    let world_from_model = body.world_from_model;
     let mirrors = world_from_model.mirrors();
-    with_posed!(pose.posed(), mut posed => triangles
-        .map(|triangle| {
-            let [p, q, r] = world_triangle(&mut posed, world_from_model, triangle);
-            if mirrors { [p, r, q] } else { [p, q, r] }
-        })
-        .collect())
+    corners.clear();
+    with_posed!(body.pose.posed(), mut posed => corners.extend(triangles.map(|triangle| {
+        let [p, q, r] = world_triangle(&mut posed, world_from_model, triangle);
+        if mirrors { [p, r, q] } else { [p, q, r] }
+    })));
 }
 
 /// See [`Manifold::normal`].

@@ -1,8 +1,8 @@
 //! Scenes to judge answers on: those of the test kit, answered by this crate.
 
 use morph_collision::{BuildOptions, PairStats};
-pub(crate) use morph_collision_testkit::moments::{Moment as Scene, dolphins, generated, pass_through};
 use morph_collision_testkit::moments;
+pub(crate) use morph_collision_testkit::moments::{Moment as Scene, dolphins, generated, pass_through};
 use morph_collision_testkit::rivals::{MethodKind, Wanted};
 
 /// All intersecting triangle pairs through trees, and what it took.

@@ -3,9 +3,7 @@
 use std::sync::Arc;
 
 use glam::Affine3A;
-use morph_collision::{
-    Aabb, Body, BuildOptions, MorphBvh, PairQuery, PairStats, Pose, TrianglePair, WorldFromModel,
-};
+use morph_collision::{Aabb, Body, BuildOptions, MorphBvh, PairQuery, PairStats, Pose, TrianglePair, WorldFromModel};
 
 use super::{Method, PoseError, SetUpError, Wanted};
 use crate::mesh::MorphMesh;

@@ -40,3 +40,7 @@ demo-check:
 # Writes the models and scenes in assets/ again; they come out bit for bit as they are.
 assets:
     cargo run --release -p morph_collision_testkit --bin make_assets -- assets
+
+# Measures the tables of docs/performance.md again, in place.
+tables *ARGS:
+    cargo run --release -p morph_collision_testkit --bin tables -- {{ARGS}} docs/performance.md

@@ -232,10 +232,7 @@ pub fn shared_model(name: &str) -> Option<PathBuf> {
 ///
 /// # Errors
 /// A file that is there and cannot be read.
-pub fn from_shared_model(
-    name: &str,
-    weights: impl Fn(usize, usize) -> f32,
-) -> Result<Option<Moment>, Box<ReadError>> {
+pub fn from_shared_model(name: &str, weights: impl Fn(usize, usize) -> f32) -> Result<Option<Moment>, Box<ReadError>> {
     let Some(path) = shared_model(name) else {
         return Ok(None);
     };

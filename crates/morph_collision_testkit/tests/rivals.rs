@@ -8,7 +8,9 @@ use morph_collision_testkit::rivals::{MethodKind, Wanted};
 
 /// All but the oracle itself.
 fn methods() -> impl Iterator<Item = MethodKind> {
-    MethodKind::ALL.into_iter().filter(|kind| *kind != MethodKind::BruteForce)
+    MethodKind::ALL
+        .into_iter()
+        .filter(|kind| *kind != MethodKind::BruteForce)
 }
 
 fn answer(moment: &Moment, kind: MethodKind, options: &BuildOptions) -> (Vec<[u32; 4]>, PairStats) {
@@ -99,7 +101,9 @@ fn all_methods_agree_frame_after_frame_with_one_body_at_rest_now_and_then() {
     let frames: Vec<Moment> = [150, 155, 155, 160, 210].map(moments::dolphins).into();
     let (first, of_bodies) = (&frames[0], vec![0; frames[0].bodies.len()]);
     for kind in methods() {
-        let mut method = kind.set_up(&first.meshes, &of_bodies, &BuildOptions::default()).unwrap();
+        let mut method = kind
+            .set_up(&first.meshes, &of_bodies, &BuildOptions::default())
+            .unwrap();
         for frame in &frames {
             let mut found = Vec::new();
             for (body, (_, weights, place)) in frame.bodies.iter().enumerate() {
@@ -218,5 +222,8 @@ fn names_lead_back_to_their_methods() {
         assert_eq!(kind.to_string().parse(), Ok(kind));
     }
     let error = "octre".parse::<MethodKind>().unwrap_err().to_string();
-    assert!(error.contains("'octre'") && error.contains("octree, parry-trimesh"), "{error}");
+    assert!(
+        error.contains("'octre'") && error.contains("octree, parry-trimesh"),
+        "{error}"
+    );
 }

@@ -99,7 +99,10 @@ struct Library {
 impl Library {
     /// The index of a mesh of a model file; `scene` and `body` are whom an error speaks of.
     fn mesh(&mut self, scene: &Path, body: usize, model: &Path, mesh: usize) -> Result<usize, CliError> {
-        let known = self.origins.iter().position(|(file, index)| file == model && *index == mesh);
+        let known = self
+            .origins
+            .iter()
+            .position(|(file, index)| file == model && *index == mesh);
         if let Some(known) = known {
             return Ok(known);
         }

@@ -40,7 +40,12 @@ impl PairsFile {
 fn write_rows(mut out: impl Write, hits: &[Hit]) -> io::Result<()> {
     writeln!(out, "frame,body_a,body_b,triangle_a,triangle_b")?;
     for hit in hits {
-        let Hit { frame, body_a, body_b, pair } = hit;
+        let Hit {
+            frame,
+            body_a,
+            body_b,
+            pair,
+        } = hit;
         writeln!(out, "{frame},{body_a},{body_b},{},{}", pair.triangle_a, pair.triangle_b)?;
     }
     out.flush()

@@ -15,7 +15,8 @@ impl BroadPhase {
     /// The pairs of bodies `a < b`, ascending, whose boxes overlap; `bodies` is how many there are.
     pub fn pairs(&mut self, method: &mut dyn Method, bodies: usize) -> &[(u32, u32)] {
         self.bounds.clear();
-        self.bounds.extend((0..bodies).map(|body| Some(method.world_bounds(body))));
+        self.bounds
+            .extend((0..bodies).map(|body| Some(method.world_bounds(body))));
         self.candidates.clear();
         overlapping_pairs(&self.bounds, &mut self.candidates);
         &self.candidates

@@ -66,7 +66,11 @@ impl Method for BruteForce {
             Wanted::All => usize::MAX,
             Wanted::First => 1,
         };
-        pairs.extend(found.take(limit).map(|(triangle_a, triangle_b)| TrianglePair { triangle_a, triangle_b }));
+        pairs.extend(
+            found
+                .take(limit)
+                .map(|(triangle_a, triangle_b)| TrianglePair { triangle_a, triangle_b }),
+        );
     }
 
     fn work(&self) -> PairStats {

@@ -34,7 +34,7 @@ impl BoxMap {
         let largest = mapped.max_element() + slack.max_element() + column_maxima(abs(linear)).max_element();
         let fits = largest.is_finite() && largest < LARGEST;
         fits.then(|| Self {
-            columns: [linear.x_axis, linear.y_axis, linear.z_axis].map(|column| column.as_vec3a()),
+            columns: [linear.x_axis, linear.y_axis, linear.z_axis].map(DVec3::as_vec3a),
             translation: translation.as_vec3a(),
             slack: slack.as_vec3a() * 1.001,
         })

@@ -46,6 +46,8 @@ impl WeightLimits {
 }
 
 fn reach(vectors: &[Vec3]) -> f64 {
-    let largest = vectors.iter().fold(0.0_f32, |reach, v| reach.max(v.abs().max_element()));
+    let largest = vectors
+        .iter()
+        .fold(0.0_f32, |reach, v| reach.max(v.abs().max_element()));
     f64::from(largest)
 }

@@ -192,13 +192,13 @@ impl Division<'_> {
             return self.test(owned, a, b);
         }
         let middle = 0.5 * (extent.min + extent.max);
-        let lists = [self.sort(0, a, middle), self.sort(1, b, middle)];
+        let (of_a, of_b) = (self.sort(0, a, middle), self.sort(1, b, middle));
         // Where dividing leaves as many pairs as there were, it only makes copies of them.
-        let left: usize = (0..8).map(|octant| lists[0][octant].len() * lists[1][octant].len()).sum();
+        let left: usize = of_a.iter().zip(&of_b).map(|(a, b)| a.len() * b.len()).sum();
         if left >= pairs {
             return self.test(owned, a, b);
         }
-        for octant in 0..8 {
+        for (octant, (a, b)) in of_a.iter().zip(&of_b).enumerate() {
             let (mut extent, mut owned) = (*extent, *owned);
             for axis in 0..3 {
                 if octant >> axis & 1 == 0 {
@@ -209,7 +209,7 @@ impl Division<'_> {
                     owned.min[axis] = middle[axis];
                 }
             }
-            self.cell(&extent, &owned, &lists[0][octant], &lists[1][octant], depth + 1)?;
+            self.cell(&extent, &owned, a, b, depth + 1)?;
         }
         ControlFlow::Continue(())
     }

@@ -57,7 +57,11 @@ struct Bare {
 
 impl Bare {
     fn new(mesh: &WeldedMesh) -> Self {
-        let boxes: Vec<_> = mesh.triangles.iter().map(|corners| around(corners, &mesh.base)).collect();
+        let boxes: Vec<_> = mesh
+            .triangles
+            .iter()
+            .map(|corners| around(corners, &mesh.base))
+            .collect();
         Self {
             bvh: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
             workspace: BvhWorkspace::default(),
@@ -137,7 +141,9 @@ pub(super) struct Parry<T> {
 
 impl<T> fmt::Debug for Parry<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Parry").field("work", &self.work).finish_non_exhaustive()
+        f.debug_struct("Parry")
+            .field("work", &self.work)
+            .finish_non_exhaustive()
     }
 }
 
@@ -219,7 +225,12 @@ impl Latest {
         if self.0.is_some_and(|(latest, _)| latest != triangle) {
             self.0 = None;
         }
-        let make = || (triangle, body.world_triangle(posed, body.mesh.triangles[triangle as usize]));
+        let make = || {
+            (
+                triangle,
+                body.world_triangle(posed, body.mesh.triangles[triangle as usize]),
+            )
+        };
         &self.0.get_or_insert_with(make).1
     }
 }

@@ -124,7 +124,11 @@ impl<R: Refit> Trees<R> {
                 (Child::Group(group_a), Child::Group(group_b)) => {
                     let of_a = size(&a.box_of(node_a));
                     let of_b = size(&b.box_of(node_b)) * scale;
-                    if of_a >= of_b { (group_a, Side::A) } else { (group_b, Side::B) }
+                    if of_a >= of_b {
+                        (group_a, Side::A)
+                    } else {
+                        (group_b, Side::B)
+                    }
                 }
             };
             match side {

@@ -1,8 +1,10 @@
-//! The paper's two experiments, every n-th step of them.
+//! The paper's two experiments, every n-th step of them, and one that its weights do not cover.
 
-use glam::Affine3A;
+use std::f64::consts::TAU;
+
+use glam::{Affine3A, DQuat, DVec3};
 use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::{dolphin, pass_through_body};
+use morph_collision_testkit::models::{dolphin, pass_through_body, random::random_blob};
 use morph_collision_testkit::scenes::{dolphins, pass_through};
 
 /// A mesh, and what each body of it does in every frame.
@@ -14,10 +16,11 @@ pub(crate) struct Experiment {
 }
 
 impl Experiment {
-    /// The pass-through, and the dolphins at three resolutions.
+    /// The pass-through, the dolphins at three resolutions, and blobs with many targets.
     pub(crate) fn all(every: usize) -> Vec<Self> {
         let mut all = vec![Self::pass_through(every)];
         all.extend([0, 2, 3].map(|level| Self::dolphins(level, every)));
+        all.push(Self::blobs(every));
         all
     }
 
@@ -47,6 +50,29 @@ impl Experiment {
             meshes: [mesh],
             bodies: COUNT,
             frames: (0..FRAMES).step_by(every).map(frame).collect(),
+        }
+    }
+
+    /// Two bodies that graze each other, with local targets as a face has: most are active, weights have both signs, and
+    /// their sum is far beyond 1.
+    fn blobs(every: usize) -> Self {
+        let mesh = random_blob(7, 5, 40, 0.85);
+        let frame = |step: usize| {
+            let t = step as f64 / 400.0;
+            let body = |side: f64| {
+                let wave = |k: usize| (TAU * (t * (1 + k % 3) as f64 + 0.37 * k as f64 + 0.2 * side)).sin();
+                let weights = (0..mesh.targets.len()).map(|k| (0.1 + 0.4 * wave(k)) as f32).collect();
+                let turned = DQuat::from_rotation_y(side * TAU * 0.25 * t).as_quat();
+                let place = DVec3::new(side * (1.15 - 0.5 * t), 0.1 * side, 0.0).as_vec3();
+                (weights, Affine3A::from_rotation_translation(turned, place))
+            };
+            vec![body(-1.0), body(1.0)]
+        };
+        Self {
+            name: format!("Blobs, 2 x {} triangles with 40 targets", mesh.triangles.len()),
+            bodies: 2,
+            frames: (0..400).step_by(every).map(frame).collect(),
+            meshes: [mesh],
         }
     }
 }

@@ -42,7 +42,7 @@ fn main() -> ExitCode {
 }
 
 fn parse(mut words: impl Iterator<Item = String>) -> Option<Args> {
-    let (mut page, mut every, mut rounds) = (None, 10, 5);
+    let (mut page, mut every, mut rounds) = (None, 20, 5);
     while let Some(word) = words.next() {
         match word.as_str() {
             "--every" => every = words.next()?.parse().ok().filter(|&n| n > 0)?,

@@ -40,6 +40,10 @@ fn options(_: &Experiment) -> Vec<Contender> {
     rows.push(morph("interval only", default().with_scales([])));
     rows.push(morph("scale 4", default().with_scales([4.0])));
     rows.push(morph("scales 1, 4", default().with_scales([1.0, 4.0])));
+    rows.push(morph(
+        "scales 1, 4, reflected",
+        default().with_scales([1.0, 4.0]).with_reflected(true),
+    ));
     rows.push(morph("in-betweens", default().with_in_betweens(true)));
     rows.push(morph("the paper's", BuildOptions::paper()));
     rows
@@ -48,8 +52,8 @@ fn options(_: &Experiment) -> Vec<Contender> {
 /// Options that depend on each other: kind of volume, leaf size and leaf tables.
 fn shape(_: &Experiment) -> Vec<Contender> {
     let mut rows = vec![morph("default", BuildOptions::default())];
-    for kind in [VolumeKind::Aabb, VolumeKind::Kdop14, VolumeKind::Kdop18] {
-        for leaf in [1, 4, 8] {
+    for kind in [VolumeKind::Aabb, VolumeKind::Kdop18] {
+        for leaf in [1, 2, 4, 8] {
             for tables in [true, false] {
                 let label = format!("{kind}, leaf {leaf}{}", if tables { "" } else { ", no leaf tables" });
                 let options = BuildOptions::default().with_volume(kind).with_leaf_size(leaf);
@@ -62,11 +66,14 @@ fn shape(_: &Experiment) -> Vec<Contender> {
 
 /// Every method; the oracle only where it comes to an end.
 fn methods(experiment: &Experiment) -> Vec<Contender> {
-    let mut rows = vec![morph("morph", BuildOptions::default()), morph("morph, the paper's tree", BuildOptions::paper())];
+    let mut rows = vec![
+        morph("morph", BuildOptions::default()),
+        morph("morph, the paper's tree", BuildOptions::paper()),
+    ];
     let small = experiment.meshes[0].triangles.len() < 1000;
-    let rivals = MethodKind::ALL.into_iter().filter(|&kind| {
-        kind != MethodKind::Morph && (small || kind != MethodKind::BruteForce)
-    });
+    let rivals = MethodKind::ALL
+        .into_iter()
+        .filter(|&kind| kind != MethodKind::Morph && (small || kind != MethodKind::BruteForce));
     rows.extend(rivals.map(|method| Contender {
         label: method.to_string(),
         method,

@@ -4,7 +4,7 @@ use bevy::platform::time::Instant;
 use std::collections::BTreeMap;
 
 use bevy::prelude::*;
-use morph_collision::{Body, PairQuery, PairStats, TrianglePair};
+use morph_collision::{Body, PairQuery, QueryStats, TrianglePair};
 
 use crate::bounds::Candidates;
 use crate::collider::{ColliderState, CollisionMode};
@@ -131,9 +131,9 @@ fn contact(
     query: &mut PairQuery,
     (collider1, a): (Entity, &mut ColliderState),
     (collider2, b): (Entity, &mut ColliderState),
-) -> (Option<MorphContact>, PairStats) {
+) -> (Option<MorphContact>, QueryStats) {
     let (Some(pose_a), Some(at_a), Some(pose_b), Some(at_b)) = (&mut a.pose, &a.placed, &mut b.pose, &b.placed) else {
-        return (None, PairStats::default());
+        return (None, QueryStats::default());
     };
     let mode = at_a.mode.max(at_b.mode);
     let body_a = Body::new(pose_a, &at_a.world_from_model);

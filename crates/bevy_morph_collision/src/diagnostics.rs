@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use bevy::prelude::*;
-use morph_collision::PairStats;
+use morph_collision::QueryStats;
 
 /// What the plugin did in its last run. Counts are of that frame alone.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,7 +21,7 @@ pub struct MorphCollisionDiagnostics {
     pub nodes_total: u64,
     /// What broad and narrow phase had to do. Nothing is blended again while weights stay as they are.
     #[reflect(ignore)]
-    pub stats: PairStats,
+    pub stats: QueryStats,
     /// Time spent in the plugin's systems, but for building trees.
     pub duration: Duration,
 }

@@ -65,7 +65,7 @@ pub use diagnostics::MorphCollisionDiagnostics;
 pub use events::{MorphCollisionEnd, MorphCollisionEventsEnabled, MorphCollisionStart};
 pub use import::{ImportError, MorphTrees};
 pub use morph_collision;
-pub use morph_collision::{BuildOptions, PairStats, TrianglePair};
+pub use morph_collision::{BuildOptions, QueryStats, TrianglePair};
 
 /// What a program that uses the plugin needs by name.
 pub mod prelude {

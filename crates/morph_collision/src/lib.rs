@@ -64,10 +64,10 @@ pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect
 pub use model::{ModelError, MorphModel, Subject};
 pub use pose::{ContainmentReport, ContainmentViolation, NoSuchVertex, Pose, TreeQuality, WeightsError};
 pub use query::{
-    Ball, Body, BodyStats, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion, DistanceQuery, Facing,
-    HalfSpace, InputError, Manifold, OverlapQuery, PairContact, PairMemory, PairQuery, PairStats, PlacedShape,
-    PointQuery, Ray, RayHit, RayQuery, Remember, SelfQuery, SeparatingAxes, Separation, Shape, ShapeContact,
-    ShapeError, ShapeQuery, SurfaceAnchor, SurfaceFrame, TrianglePair, WorldFromShape,
+    Ball, Body, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion, DistanceQuery, Facing, HalfSpace,
+    InputError, Manifold, OverlapQuery, PairContact, PairMemory, PairQuery, PlacedShape, PointQuery, QueryStats, Ray,
+    RayHit, RayQuery, Remember, SelfQuery, SeparatingAxes, Separation, Shape, ShapeContact, ShapeError, ShapeQuery,
+    SurfaceAnchor, SurfaceFrame, TrianglePair, WorldFromShape,
 };
 pub use traverse::overlapping_pairs;
 pub use tree::{

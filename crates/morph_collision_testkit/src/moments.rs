@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glam::{Affine3A, Mat3, Quat, Vec3};
-use morph_collision::{BuildOptions, PairStats};
+use morph_collision::{BuildOptions, QueryStats};
 
 use crate::gltf_read::{ReadError, read_meshes};
 use crate::mesh::MorphMesh;
@@ -78,7 +78,7 @@ impl Moment {
         method: MethodKind,
         options: &BuildOptions,
         wanted: Wanted,
-    ) -> Result<(Vec<Touch>, PairStats), AnswerError> {
+    ) -> Result<(Vec<Touch>, QueryStats), AnswerError> {
         let of_bodies: Vec<usize> = self.bodies.iter().map(|(mesh, ..)| *mesh).collect();
         let mut method = method.set_up(&self.meshes, &of_bodies, options)?;
         for (body, (_, weights, place)) in self.bodies.iter().enumerate() {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use morph_collision::{BuildOptions, PairStats};
+use morph_collision::{BuildOptions, QueryStats};
 use morph_collision_testkit::moments::{self, Moment};
 use morph_collision_testkit::rivals::{MethodKind, Wanted};
 
@@ -13,7 +13,7 @@ fn methods() -> impl Iterator<Item = MethodKind> {
         .filter(|kind| *kind != MethodKind::BruteForce)
 }
 
-fn answer(moment: &Moment, kind: MethodKind, options: &BuildOptions) -> (Vec<[u32; 4]>, PairStats) {
+fn answer(moment: &Moment, kind: MethodKind, options: &BuildOptions) -> (Vec<[u32; 4]>, QueryStats) {
     moment.answer(kind, options, Wanted::All).unwrap()
 }
 

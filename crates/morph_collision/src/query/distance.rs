@@ -5,7 +5,8 @@ use glam::DVec3;
 
 use super::body::{Body, as_boxes};
 use super::one::magnitude;
-use super::pairs::{LeafTriangles, PairStats};
+use super::pairs::LeafTriangles;
+use super::stats::QueryStats;
 use crate::bounds::{Aabb, Box64, BoxLanes, GapFrame, LANES, Slab, Volume};
 use crate::exact::{Between, Triangle, closest_between};
 use crate::traverse::{Opened, PairRule, PairWalk, Side, Stack, Walkable};
@@ -65,9 +66,9 @@ impl DistanceQuery {
     /// Closest points of two bodies at most `max_distance` apart; `None` if they are farther apart, or it is negative or NaN.
     ///
     /// `max_distance` may be infinite; the smaller it is, the less is looked at.
-    pub fn closest(&mut self, a: Body<'_>, b: Body<'_>, max_distance: f64) -> (Option<ClosestPair>, PairStats) {
+    pub fn closest(&mut self, a: Body<'_>, b: Body<'_>, max_distance: f64) -> (Option<ClosestPair>, QueryStats) {
         if max_distance.is_nan() || max_distance < 0.0 {
-            return (None, PairStats::default());
+            return (None, QueryStats::default());
         }
         let (world_from_a, world_from_b) = (a.world_from_model, b.world_from_model);
         let (mut posed_a, mut posed_b) = (a.pose.posed(), b.pose.posed());
@@ -123,7 +124,7 @@ impl DistanceQuery {
             ControlFlow::Continue(())
         });
         let after = [walk.a.blended(), walk.b.blended()];
-        let stats = PairStats {
+        let stats = QueryStats {
             node_tests: walk.node_tests,
             triangle_tests,
             volumes_blended: after[0].volumes + after[1].volumes - before[0].volumes - before[1].volumes,

@@ -13,6 +13,7 @@ mod point;
 mod ray;
 mod self_pairs;
 mod shape;
+mod stats;
 
 pub use anchor::{SurfaceAnchor, SurfaceFrame};
 pub use body::Body;
@@ -20,10 +21,10 @@ pub use contact::{ContactPoint, ContactQuery, Manifold, PairContact, Separation}
 pub use distance::{ClosestPair, DistanceQuery};
 pub use input::{Ball, ConvexRegion, HalfSpace, InputError, Ray};
 pub use memory::{PairMemory, Remember};
-pub use one::BodyStats;
 pub use overlap::OverlapQuery;
-pub use pairs::{PairQuery, PairStats, SeparatingAxes, TrianglePair};
+pub use pairs::{PairQuery, SeparatingAxes, TrianglePair};
 pub use point::{ClosestPoint, PointQuery};
 pub use ray::{Facing, RayHit, RayQuery};
 pub use self_pairs::SelfQuery;
 pub use shape::{PlacedShape, Shape, ShapeContact, ShapeError, ShapeQuery, WorldFromShape};
+pub use stats::QueryStats;

@@ -1,33 +1,12 @@
-use std::ops::{AddAssign, ControlFlow};
+use std::ops::ControlFlow;
 
 use glam::DVec3;
 
 use super::body::world_triangle;
+use super::stats::QueryStats;
 use crate::bounds::{Box64, Volume, WorldFromModel};
 use crate::exact::Triangle;
 use crate::traverse::{AsBoxes, OneWalk, Queue, Walkable};
-
-/// What a query over one body had to do.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct BodyStats {
-    /// Volumes tested against what was asked about.
-    pub node_tests: u64,
-    /// Triangles given to the test itself.
-    pub triangle_tests: u64,
-    /// Volumes blended; ones already blended for these weights are not counted again.
-    pub volumes_blended: u64,
-    /// Vertices blended, likewise.
-    pub vertices_blended: u64,
-}
-
-impl AddAssign for BodyStats {
-    fn add_assign(&mut self, other: Self) {
-        self.node_tests += other.node_tests;
-        self.triangle_tests += other.triangle_tests;
-        self.volumes_blended += other.volumes_blended;
-        self.vertices_blended += other.vertices_blended;
-    }
-}
 
 /// The memory of a query over one body, and the way it goes about it.
 #[derive(Debug, Default)]
@@ -46,7 +25,7 @@ impl OneBody {
         limit: f64,
         bound: impl Fn(&Box64) -> Option<f64>,
         mut at_triangle: impl FnMut(u32, &Triangle) -> ControlFlow<(), f64>,
-    ) -> BodyStats {
+    ) -> QueryStats {
         let before = tree.blended();
         let mut walk = OneWalk { tree, node_tests: 0 };
         let mut triangle_tests = 0;
@@ -67,7 +46,7 @@ impl OneBody {
             },
         );
         let after = walk.tree.blended();
-        BodyStats {
+        QueryStats {
             node_tests: walk.node_tests,
             triangle_tests,
             volumes_blended: after.volumes - before.volumes,

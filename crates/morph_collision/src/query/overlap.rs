@@ -2,7 +2,8 @@ use std::ops::ControlFlow;
 
 use super::body::{Body, as_boxes};
 use super::input::{Ball, ConvexRegion};
-use super::one::{BodyStats, OneBody, magnitude};
+use super::one::{OneBody, magnitude};
+use super::stats::QueryStats;
 use crate::bounds::{Box64, ModelPlane};
 use crate::exact::triangle_meets_region;
 
@@ -39,7 +40,7 @@ impl OverlapQuery {
     }
 
     /// Whether any triangle shares a point with a region.
-    pub fn meets_region(&mut self, body: Body<'_>, region: &ConvexRegion) -> (bool, BodyStats) {
+    pub fn meets_region(&mut self, body: Body<'_>, region: &ConvexRegion) -> (bool, QueryStats) {
         let mut meets = false;
         let stats = self.region(body, region, |_| {
             meets = true;
@@ -54,7 +55,7 @@ impl OverlapQuery {
         body: Body<'_>,
         region: &ConvexRegion,
         triangles: &mut Vec<u32>,
-    ) -> BodyStats {
+    ) -> QueryStats {
         let start = triangles.len();
         let stats = self.region(body, region, |number| {
             triangles.push(number);
@@ -65,7 +66,7 @@ impl OverlapQuery {
     }
 
     /// Whether any triangle is within a ball.
-    pub fn meets_ball(&mut self, body: Body<'_>, ball: &Ball) -> (bool, BodyStats) {
+    pub fn meets_ball(&mut self, body: Body<'_>, ball: &Ball) -> (bool, QueryStats) {
         let mut meets = false;
         let stats = self.one.near(body, ball, |_, _| {
             meets = true;
@@ -75,7 +76,7 @@ impl OverlapQuery {
     }
 
     /// Appends the triangles at most the radius away from a ball's centre, ascending.
-    pub fn triangles_in_ball(&mut self, body: Body<'_>, ball: &Ball, triangles: &mut Vec<u32>) -> BodyStats {
+    pub fn triangles_in_ball(&mut self, body: Body<'_>, ball: &Ball, triangles: &mut Vec<u32>) -> QueryStats {
         let start = triangles.len();
         let stats = self.one.near(body, ball, |number, _| {
             triangles.push(number);
@@ -90,7 +91,7 @@ impl OverlapQuery {
         body: Body<'_>,
         region: &ConvexRegion,
         mut visitor: impl FnMut(u32) -> ControlFlow<()>,
-    ) -> BodyStats {
+    ) -> QueryStats {
         let mut posed = body.pose.posed();
         let mut tree = as_boxes(&mut posed);
         let magnitude = magnitude(&mut tree);

@@ -1,7 +1,8 @@
-use std::ops::{AddAssign, ControlFlow};
+use std::ops::ControlFlow;
 
 use super::body::{Body, as_boxes, world_triangle};
 use super::memory::PairMemory;
+use super::stats::QueryStats;
 use crate::bounds::{Volume, WorldFromModel, frames_of};
 use crate::exact::{Triangle, triangles_intersect};
 use crate::pose::AnyPosed;
@@ -15,28 +16,6 @@ pub struct TrianglePair {
     pub triangle_a: u32,
     /// A triangle of the second body.
     pub triangle_b: u32,
-}
-
-/// What a query had to do.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct PairStats {
-    /// Boxes tested against boxes.
-    pub node_tests: u64,
-    /// Pairs of triangles given to the exact test.
-    pub triangle_tests: u64,
-    /// Boxes blended; ones already blended for these weights are not counted again.
-    pub volumes_blended: u64,
-    /// Vertices blended, likewise.
-    pub vertices_blended: u64,
-}
-
-impl AddAssign for PairStats {
-    fn add_assign(&mut self, other: Self) {
-        self.node_tests += other.node_tests;
-        self.triangle_tests += other.triangle_tests;
-        self.volumes_blended += other.volumes_blended;
-        self.vertices_blended += other.vertices_blended;
-    }
 }
 
 /// Along how many axes the nodes of two trees are compared; no answer depends on it.
@@ -79,7 +58,7 @@ impl PairQuery {
     }
 
     /// Appends every pair of intersecting triangles, in the order of the walk.
-    pub fn all(&mut self, a: Body<'_>, b: Body<'_>, pairs: &mut Vec<TrianglePair>) -> PairStats {
+    pub fn all(&mut self, a: Body<'_>, b: Body<'_>, pairs: &mut Vec<TrianglePair>) -> QueryStats {
         self.visit(a, b, |pair| {
             pairs.push(pair);
             ControlFlow::Continue(())
@@ -87,7 +66,7 @@ impl PairQuery {
     }
 
     /// The first pair of intersecting triangles that the walk comes to.
-    pub fn first(&mut self, a: Body<'_>, b: Body<'_>) -> (Option<TrianglePair>, PairStats) {
+    pub fn first(&mut self, a: Body<'_>, b: Body<'_>) -> (Option<TrianglePair>, QueryStats) {
         let mut first = None;
         let stats = self.visit(a, b, |pair| {
             first = Some(pair);
@@ -97,7 +76,7 @@ impl PairQuery {
     }
 
     /// Whether any triangles intersect.
-    pub fn any(&mut self, a: Body<'_>, b: Body<'_>) -> (bool, PairStats) {
+    pub fn any(&mut self, a: Body<'_>, b: Body<'_>) -> (bool, QueryStats) {
         let (first, stats) = self.first(a, b);
         (first.is_some(), stats)
     }
@@ -108,7 +87,7 @@ impl PairQuery {
         a: Body<'_>,
         b: Body<'_>,
         mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>,
-    ) -> PairStats {
+    ) -> QueryStats {
         self.dispatch(a, b, None, &mut visitor)
     }
 
@@ -121,9 +100,9 @@ impl PairQuery {
         a: Body<'_>,
         b: Body<'_>,
         mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>,
-    ) -> PairStats {
+    ) -> QueryStats {
         if memory.proves_apart(&a, &b) {
-            return PairStats::default();
+            return QueryStats::default();
         }
         let mut touched = false;
         memory.begin();
@@ -157,7 +136,7 @@ impl PairQuery {
         b: Body<'_>,
         memory: Option<&mut PairMemory>,
         visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
-    ) -> PairStats {
+    ) -> QueryStats {
         let places = Places {
             world_from_a: a.world_from_model,
             world_from_b: b.world_from_model,
@@ -182,7 +161,7 @@ impl PairQuery {
         places: &Places<'_>,
         memory: Option<&mut PairMemory>,
         visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
-    ) -> PairStats {
+    ) -> QueryStats {
         let before = [a.blended(), b.blended()];
         let (culls, cross) = places.culls(a, b, self.axes);
         let (front, trace) = match memory {
@@ -221,7 +200,7 @@ impl PairQuery {
             ControlFlow::Continue(())
         });
         let after = [walk.a.blended(), walk.b.blended()];
-        PairStats {
+        QueryStats {
             node_tests: walk.node_tests,
             triangle_tests,
             volumes_blended: after[0].volumes + after[1].volumes - before[0].volumes - before[1].volumes,

@@ -4,7 +4,8 @@ use glam::DVec3;
 
 use super::body::{Body, as_boxes};
 use super::input::Ball;
-use super::one::{BodyStats, OneBody, magnitude};
+use super::one::{OneBody, magnitude};
+use super::stats::QueryStats;
 use crate::bounds::{Box64, GapFrame, WorldFromModel};
 use crate::exact::{OnTriangle, closest_on_triangle};
 
@@ -57,7 +58,7 @@ impl PointQuery {
 
     /// The point of the surface closest to the ball's centre, if any is in the ball; among equally close ones, that of the
     /// lowest triangle.
-    pub fn closest(&mut self, body: Body<'_>, ball: &Ball) -> (Option<ClosestPoint>, BodyStats) {
+    pub fn closest(&mut self, body: Body<'_>, ball: &Ball) -> (Option<ClosestPoint>, QueryStats) {
         let mut closest: Option<(u32, OnTriangle)> = None;
         let stats = self.one.near(body, ball, |number, foot| {
             let closer = closest.as_ref().is_none_or(|(triangle, best)| {
@@ -87,7 +88,7 @@ impl OneBody {
         body: Body<'_>,
         ball: &Ball,
         mut at_foot: impl FnMut(u32, &OnTriangle) -> ControlFlow<(), f64>,
-    ) -> BodyStats {
+    ) -> QueryStats {
         let mut posed = body.pose.posed();
         let mut tree = as_boxes(&mut posed);
         let center = Box64::point(ball.center);

@@ -5,7 +5,8 @@ use glam::DVec3;
 
 use super::body::{Body, as_boxes};
 use super::input::Ray;
-use super::one::{BodyStats, OneBody, magnitude};
+use super::one::{OneBody, magnitude};
+use super::stats::QueryStats;
 use crate::bounds::RayCull;
 use crate::exact::{Crossing, Triangle, VALUE_ERROR, closest_on_triangle, ray_meets_triangle};
 
@@ -80,7 +81,7 @@ impl RayQuery {
     }
 
     /// The first hit along the ray; among hits with the same `t`, that of the lowest triangle.
-    pub fn closest(&mut self, body: Body<'_>, ray: &Ray) -> (Option<RayHit>, BodyStats) {
+    pub fn closest(&mut self, body: Body<'_>, ray: &Ray) -> (Option<RayHit>, QueryStats) {
         self.closest_where(body, ray, |_| true)
     }
 
@@ -92,7 +93,7 @@ impl RayQuery {
         body: Body<'_>,
         ray: &Ray,
         mut accept: impl FnMut(&RayHit) -> bool,
-    ) -> (Option<RayHit>, BodyStats) {
+    ) -> (Option<RayHit>, QueryStats) {
         let mut closest: Option<(f64, RayHit)> = None;
         let stats = self.cast(body, ray, |number, crossing, triangle| {
             let closer = match &closest {
@@ -115,7 +116,7 @@ impl RayQuery {
     }
 
     /// Whether the ray hits anything.
-    pub fn any(&mut self, body: Body<'_>, ray: &Ray) -> (bool, BodyStats) {
+    pub fn any(&mut self, body: Body<'_>, ray: &Ray) -> (bool, QueryStats) {
         let mut any = false;
         let stats = self.cast(body, ray, |_, _, _| {
             any = true;
@@ -125,7 +126,7 @@ impl RayQuery {
     }
 
     /// Appends all hits, by ascending `t` and then triangle: one for every triangle that the ray meets.
-    pub fn all(&mut self, body: Body<'_>, ray: &Ray, hits: &mut Vec<RayHit>) -> BodyStats {
+    pub fn all(&mut self, body: Body<'_>, ray: &Ray, hits: &mut Vec<RayHit>) -> QueryStats {
         let start = hits.len();
         let stats = self.visit(body, ray, |hit| {
             hits.push(hit);
@@ -141,7 +142,7 @@ impl RayQuery {
         body: Body<'_>,
         ray: &Ray,
         mut visitor: impl FnMut(RayHit) -> ControlFlow<()>,
-    ) -> BodyStats {
+    ) -> QueryStats {
         self.cast(body, ray, |number, crossing, triangle| {
             match visitor(RayHit::new(ray, number, crossing, triangle)) {
                 ControlFlow::Continue(()) => Next::UpTo(f64::INFINITY),
@@ -155,7 +156,7 @@ impl RayQuery {
         body: Body<'_>,
         ray: &Ray,
         mut at_hit: impl FnMut(u32, &Crossing, &Triangle) -> Next,
-    ) -> BodyStats {
+    ) -> QueryStats {
         let mut posed = body.pose.posed();
         let mut tree = as_boxes(&mut posed);
         let line = &ray.line;

@@ -2,7 +2,7 @@ use std::ops::ControlFlow;
 
 use glam::Vec3;
 
-use super::{PairStats, TrianglePair};
+use super::{QueryStats, TrianglePair};
 use crate::bounds::Volume;
 use crate::exact::{Triangle, triangles_intersect};
 use crate::pose::{Pose, Posed, with_posed};
@@ -46,7 +46,7 @@ impl SelfQuery {
     }
 
     /// Appends every pair of intersecting triangles, the smaller number first, in the order of the walk.
-    pub fn all(&mut self, pose: &mut Pose, pairs: &mut Vec<TrianglePair>) -> PairStats {
+    pub fn all(&mut self, pose: &mut Pose, pairs: &mut Vec<TrianglePair>) -> QueryStats {
         self.visit(pose, |pair| {
             pairs.push(pair);
             ControlFlow::Continue(())
@@ -54,7 +54,7 @@ impl SelfQuery {
     }
 
     /// Whether any triangles intersect.
-    pub fn any(&mut self, pose: &mut Pose) -> (bool, PairStats) {
+    pub fn any(&mut self, pose: &mut Pose) -> (bool, QueryStats) {
         let mut any = false;
         let stats = self.visit(pose, |_| {
             any = true;
@@ -66,7 +66,7 @@ impl SelfQuery {
     /// Calls `visitor` for every pair of intersecting triangles, the smaller number first, until it breaks.
     ///
     /// Volumes and vertices that the query looks at are blended into the pose's cache.
-    pub fn visit(&mut self, pose: &mut Pose, mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>) -> PairStats {
+    pub fn visit(&mut self, pose: &mut Pose, mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>) -> QueryStats {
         with_posed!(pose.posed(), mut posed => self.walk(&mut posed, &mut visitor))
     }
 
@@ -74,9 +74,9 @@ impl SelfQuery {
         &mut self,
         posed: &mut Posed<'_, V>,
         visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
-    ) -> PairStats {
+    ) -> QueryStats {
         let before = posed.blended();
-        let mut stats = PairStats::default();
+        let mut stats = QueryStats::default();
         let Self { stack, leaf_a, leaf_b } = self;
         stats.node_tests = walk_within(posed, stack, |posed, a, b| {
             read(posed, a, leaf_a);

@@ -1,14 +1,14 @@
 //! More separating axes: the same pairs from fewer nodes.
 
 use glam::{Affine3A, Quat, Vec3};
-use morph_collision::{BuildOptions, PairQuery, PairStats, SeparatingAxes, VolumeKind};
+use morph_collision::{BuildOptions, PairQuery, QueryStats, SeparatingAxes, VolumeKind};
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::{dolphin, random, rigid};
 
 use crate::bodies::{Placed, odd_places};
 
 /// The sorted pairs with and without the cross axes, and the work of each.
-fn both(a: &mut Placed, b: &mut Placed) -> [PairStats; 2] {
+fn both(a: &mut Placed, b: &mut Placed) -> [QueryStats; 2] {
     let mut answers = [SeparatingAxes::Lite, SeparatingAxes::Full].map(|axes| {
         let mut pairs = Vec::new();
         let mut query = PairQuery::new().with_axes(axes);
@@ -46,8 +46,8 @@ fn the_pairs_are_the_same_in_odd_places_and_for_every_kind_of_volume() {
 }
 
 /// Work over a few poses of two bodies close to each other.
-fn total(mesh: &MorphMesh, weights: &[f32], step: Vec3) -> [PairStats; 2] {
-    let mut totals = [PairStats::default(); 2];
+fn total(mesh: &MorphMesh, weights: &[f32], step: Vec3) -> [QueryStats; 2] {
+    let mut totals = [QueryStats::default(); 2];
     for i in 0..12 {
         let i = i as f32;
         let turn = Quat::from_rotation_y(0.5 * i) * Quat::from_rotation_x(0.3 * i + 0.4) * Quat::from_rotation_z(0.2);

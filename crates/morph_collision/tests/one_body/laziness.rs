@@ -2,7 +2,7 @@
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
 use morph_collision::{
-    Aabb, Ball, Body, BodyStats, ConvexRegion, DistanceQuery, OverlapQuery, PointQuery, Pose, Ray, RayQuery,
+    Aabb, Ball, Body, ConvexRegion, DistanceQuery, OverlapQuery, PointQuery, Pose, QueryStats, Ray, RayQuery,
 };
 use morph_collision_testkit::models::dolphin;
 
@@ -21,7 +21,7 @@ fn a_query_blends_a_small_part_of_the_tree() {
     let center = place.transform_point(Vec3::ZERO);
     let fresh = || -> Pose { case.poses().swap_remove(0) };
     let nodes = fresh().bvh().node_count() as u64;
-    let small = |stats: BodyStats, what: &str| {
+    let small = |stats: QueryStats, what: &str| {
         assert!(stats.volumes_blended * 12 < nodes, "{what}: {stats:?} of {nodes} nodes");
         assert!(
             stats.vertices_blended > 0 && stats.triangle_tests < 400,

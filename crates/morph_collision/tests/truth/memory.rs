@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 use morph_collision::{
-    Body, BuildOptions, MorphBvh, PairMemory, PairQuery, PairStats, Pose, Remember, TrianglePair, VolumeKind,
+    Body, BuildOptions, MorphBvh, PairMemory, PairQuery, Pose, QueryStats, Remember, TrianglePair, VolumeKind,
     WorldFromModel,
 };
 use morph_collision_testkit::mesh::MorphMesh;
@@ -67,11 +67,11 @@ fn replay(
     volume: VolumeKind,
     memory: Option<&mut PairMemory>,
     first_only: bool,
-) -> (Vec<Vec<TrianglePair>>, PairStats) {
+) -> (Vec<Vec<TrianglePair>>, QueryStats) {
     let options = BuildOptions::default().with_volume(volume);
     let bvh = Arc::new(MorphBvh::build(Arc::new(mesh.to_model().unwrap()), &options).unwrap());
     let (mut a, mut b) = (Pose::new(bvh.clone()), Pose::new(bvh));
-    let (mut query, mut stats, mut memory) = (PairQuery::new(), PairStats::default(), memory);
+    let (mut query, mut stats, mut memory) = (PairQuery::new(), QueryStats::default(), memory);
     let pairs = frames.iter().map(|[of_a, of_b]| {
         a.set_weights(&of_a.0).unwrap();
         b.set_weights(&of_b.0).unwrap();

@@ -1,12 +1,12 @@
 //! Scenes to judge answers on: those of the test kit, answered by this crate.
 
-use morph_collision::{BuildOptions, PairStats};
+use morph_collision::{BuildOptions, QueryStats};
 use morph_collision_testkit::moments;
 pub(crate) use morph_collision_testkit::moments::{Moment as Scene, dolphins, generated, pass_through};
 use morph_collision_testkit::rivals::{MethodKind, Wanted};
 
 /// All intersecting triangle pairs through trees, and what it took.
-pub(crate) fn answer(scene: &Scene, options: &BuildOptions) -> (Vec<[u32; 4]>, PairStats) {
+pub(crate) fn answer(scene: &Scene, options: &BuildOptions) -> (Vec<[u32; 4]>, QueryStats) {
     scene.answer(MethodKind::Morph, options, Wanted::All).unwrap()
 }
 

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use morph_collision::{ClosestPoint, Facing, PairStats, RayHit, TrianglePair};
+use morph_collision::{ClosestPoint, Facing, QueryStats, RayHit, TrianglePair};
 use serde::Serialize;
 
 /// An answer that can be shown either way.
@@ -62,7 +62,7 @@ struct WorkReport {
 }
 
 impl RayReport {
-    pub(super) fn new(hits: &[RayHit], stats: PairStats) -> Self {
+    pub(super) fn new(hits: &[RayHit], stats: QueryStats) -> Self {
         let hit = |hit: &RayHit| HitReport {
             triangle: hit.triangle,
             t: hit.t,
@@ -84,7 +84,7 @@ impl RayReport {
 }
 
 impl PointReport {
-    pub(super) fn new(closest: Option<&ClosestPoint>, stats: PairStats) -> Self {
+    pub(super) fn new(closest: Option<&ClosestPoint>, stats: QueryStats) -> Self {
         let closest = closest.map(|closest| ClosestReport {
             triangle: closest.triangle,
             distance: closest.distance,
@@ -99,7 +99,7 @@ impl PointReport {
 }
 
 impl SelfReport {
-    pub(super) fn new(mut pairs: Vec<TrianglePair>, stats: PairStats) -> Self {
+    pub(super) fn new(mut pairs: Vec<TrianglePair>, stats: QueryStats) -> Self {
         pairs.sort_unstable();
         Self {
             pairs: pairs.iter().map(|pair| [pair.triangle_a, pair.triangle_b]).collect(),
@@ -109,7 +109,7 @@ impl SelfReport {
 }
 
 impl WorkReport {
-    fn new(stats: PairStats) -> Self {
+    fn new(stats: QueryStats) -> Self {
         Self {
             node_tests: stats.node_tests,
             triangle_tests: stats.triangle_tests,

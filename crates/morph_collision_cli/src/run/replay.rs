@@ -4,7 +4,7 @@ use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
-use morph_collision::{PairStats, TrianglePair};
+use morph_collision::{QueryStats, TrianglePair};
 use morph_collision_testkit::rivals::{BroadPhase, Method, Wanted};
 
 use super::Mode;
@@ -17,7 +17,7 @@ pub(crate) struct Replay {
     /// One entry per frame.
     pub(crate) frames: Vec<FrameCounts>,
     /// Summed over all frames.
-    pub(crate) stats: PairStats,
+    pub(crate) stats: QueryStats,
     /// Every hit in ascending order, if they were to be kept.
     pub(crate) hits: Vec<Hit>,
 }
@@ -74,8 +74,8 @@ pub(crate) fn replay(cast: &mut Cast, mode: Mode, keep_hits: bool) -> Result<Rep
     Ok(replay)
 }
 
-fn since(before: PairStats, after: PairStats) -> PairStats {
-    PairStats {
+fn since(before: QueryStats, after: QueryStats) -> QueryStats {
+    QueryStats {
         node_tests: after.node_tests - before.node_tests,
         triangle_tests: after.triangle_tests - before.triangle_tests,
         volumes_blended: after.volumes_blended - before.volumes_blended,

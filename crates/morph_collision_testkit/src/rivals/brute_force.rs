@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, DVec3, Vec3};
-use morph_collision::{Aabb, PairStats, TrianglePair};
+use morph_collision::{Aabb, QueryStats, TrianglePair};
 
 use super::blended::{BlendedBody, WeldedMesh};
 use super::{Method, PoseError, Wanted};
@@ -13,7 +13,7 @@ use crate::oracle::intersecting_pairs;
 #[derive(Debug)]
 pub(super) struct BruteForce {
     bodies: Vec<Placed>,
-    work: PairStats,
+    work: QueryStats,
 }
 
 #[derive(Debug)]
@@ -32,7 +32,7 @@ impl BruteForce {
         };
         Self {
             bodies: bodies.iter().map(placed).collect(),
-            work: PairStats::default(),
+            work: QueryStats::default(),
         }
     }
 }
@@ -73,7 +73,7 @@ impl Method for BruteForce {
         );
     }
 
-    fn work(&self) -> PairStats {
+    fn work(&self) -> QueryStats {
         self.work
     }
 }

@@ -57,7 +57,7 @@ mod walk;
 use std::fmt::Debug;
 
 use glam::Affine3A;
-use morph_collision::{Aabb, BuildError, ModelError, PairStats, TransformError, TrianglePair, WeightsError};
+use morph_collision::{Aabb, BuildError, ModelError, QueryStats, TransformError, TrianglePair, WeightsError};
 use thiserror::Error;
 
 pub use broad::BroadPhase;
@@ -91,7 +91,7 @@ pub trait Method: Debug {
     fn collide(&mut self, a: usize, b: usize, wanted: Wanted, pairs: &mut Vec<TrianglePair>);
 
     /// The work done since it was set up; volumes refitted and built count as blended.
-    fn work(&self) -> PairStats;
+    fn work(&self) -> QueryStats;
 }
 
 /// Why a method cannot be set up over a mesh.

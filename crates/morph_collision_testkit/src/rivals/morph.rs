@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 use morph_collision::{
-    Aabb, Body, BuildOptions, MorphBvh, PairMemory, PairQuery, PairStats, Pose, Remember, SeparatingAxes, TrianglePair,
-    WorldFromModel,
+    Aabb, Body, BuildOptions, MorphBvh, PairMemory, PairQuery, Pose, QueryStats, Remember, SeparatingAxes,
+    TrianglePair, WorldFromModel,
 };
 
 use super::{Method, PoseError, SetUpError, Wanted};
@@ -21,7 +21,7 @@ pub(super) struct Morph {
     remember: Remember,
     /// Of every pair of bodies that was asked about, if anything is to be remembered.
     memories: BTreeMap<(usize, usize), PairMemory>,
-    work: PairStats,
+    work: QueryStats,
 }
 
 /// What `morph` can be told beside how to build its trees; no answer depends on it.
@@ -51,7 +51,7 @@ impl Morph {
             query: PairQuery::new().with_axes(tuning.axes),
             remember: tuning.remember,
             memories: BTreeMap::new(),
-            work: PairStats::default(),
+            work: QueryStats::default(),
         })
     }
 }
@@ -91,7 +91,7 @@ impl Method for Morph {
         };
     }
 
-    fn work(&self) -> PairStats {
+    fn work(&self) -> QueryStats {
         self.work
     }
 }

@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::{Affine3A, DVec3, Vec3};
-use morph_collision::{Aabb, PairStats, TrianglePair, triangles_intersect};
+use morph_collision::{Aabb, QueryStats, TrianglePair, triangles_intersect};
 
 use super::blended::{BlendedBody, WeldedMesh};
 use super::{Method, PoseError, Wanted};
@@ -22,7 +22,7 @@ const DEEPEST: usize = 12;
 #[derive(Debug)]
 pub(super) struct Octree {
     bodies: Vec<WorldBody>,
-    work: PairStats,
+    work: QueryStats,
     faces: [Vec<u32>; 2],
 }
 
@@ -111,7 +111,7 @@ impl Octree {
         };
         Self {
             bodies: bodies.iter().map(at_rest).collect(),
-            work: PairStats::default(),
+            work: QueryStats::default(),
             faces: [Vec::new(), Vec::new()],
         }
     }
@@ -168,7 +168,7 @@ impl Method for Octree {
         let _stopped_early = division.cell(&overlap, &everywhere, of_a, of_b, 0);
     }
 
-    fn work(&self) -> PairStats {
+    fn work(&self) -> QueryStats {
         self.work
     }
 }
@@ -176,7 +176,7 @@ impl Method for Octree {
 /// One octree being divided; its cells live as long as the recursion is in them.
 struct Division<'a> {
     bodies: [&'a WorldBody; 2],
-    work: &'a mut PairStats,
+    work: &'a mut QueryStats,
     wanted: Wanted,
     pairs: &'a mut Vec<TrianglePair>,
 }

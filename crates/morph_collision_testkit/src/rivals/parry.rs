@@ -9,7 +9,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3, Vec3A};
-use morph_collision::{Aabb, PairStats, Triangle, TrianglePair, triangles_intersect};
+use morph_collision::{Aabb, QueryStats, Triangle, TrianglePair, triangles_intersect};
 use parry3d::bounding_volume;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhNode, BvhWorkspace};
 use parry3d::shape::{TriMesh, TriMeshBuilderError};
@@ -136,7 +136,7 @@ impl ParryTree for Rebuilt {
 /// A [`Method`] of bodies with trees of Parry's.
 pub(super) struct Parry<T> {
     bodies: Vec<(BlendedBody, T)>,
-    work: PairStats,
+    work: QueryStats,
 }
 
 impl<T> fmt::Debug for Parry<T> {
@@ -161,7 +161,7 @@ impl<T: ParryTree + Clone> Parry<T> {
         }
         Ok(Self {
             bodies: bodies.iter().map(|&mesh| at_rest[mesh].clone()).collect(),
-            work: PairStats::default(),
+            work: QueryStats::default(),
         })
     }
 }
@@ -211,7 +211,7 @@ impl<T: ParryTree> Method for Parry<T> {
         self.work.node_tests += node_tests.get();
     }
 
-    fn work(&self) -> PairStats {
+    fn work(&self) -> QueryStats {
         self.work
     }
 }

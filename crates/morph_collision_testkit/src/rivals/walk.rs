@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
-use morph_collision::{Aabb, BuildOptions, PairStats, Triangle, TrianglePair, triangles_intersect};
+use morph_collision::{Aabb, BuildOptions, QueryStats, Triangle, TrianglePair, triangles_intersect};
 
 use super::blended::{BlendedBody, WeldedMesh};
 use super::boxes::{Box3, Box8};
@@ -60,7 +60,7 @@ struct NodeRef {
 #[derive(Debug)]
 pub(super) struct Trees<R> {
     bodies: Vec<TreeBody<R>>,
-    work: PairStats,
+    work: QueryStats,
     stack: Vec<(NodeRef, NodeRef)>,
     leaves: [Vec<(u32, Triangle)>; 2],
 }
@@ -81,7 +81,7 @@ impl<R: Refit> Trees<R> {
             .collect();
         Self {
             bodies: bodies.iter().map(|&mesh| at_rest[mesh].clone()).collect(),
-            work: PairStats::default(),
+            work: QueryStats::default(),
             stack: Vec::new(),
             leaves: [Vec::new(), Vec::new()],
         }
@@ -151,7 +151,7 @@ fn descend<R: Refit>(
     other: &Box3,
     culls: &SatLite,
     side: Side,
-    work: &mut PairStats,
+    work: &mut QueryStats,
     mut push: impl FnMut(NodeRef),
 ) {
     work.volumes_blended += body.refit.open(group as usize, &body.posed);
@@ -221,7 +221,7 @@ impl<R: Refit> Method for Trees<R> {
         });
     }
 
-    fn work(&self) -> PairStats {
+    fn work(&self) -> QueryStats {
         self.work
     }
 }

@@ -5,7 +5,7 @@ use super::parting::parting_distance;
 use crate::exact::{Triangle, TriangleContact, triangle_contact};
 use crate::pose::with_posed;
 use crate::query::body::world_triangle;
-use crate::query::{Body, PairQuery, PairStats, TrianglePair};
+use crate::query::{Body, PairQuery, QueryStats, TrianglePair};
 
 /// Two intersecting triangles and where they meet.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,7 +91,7 @@ impl ContactQuery {
     }
 
     /// Appends a contact for every pair of intersecting triangles.
-    pub fn all(&mut self, mut a: Body<'_>, mut b: Body<'_>, contacts: &mut Vec<PairContact>) -> PairStats {
+    pub fn all(&mut self, mut a: Body<'_>, mut b: Body<'_>, contacts: &mut Vec<PairContact>) -> QueryStats {
         let stats = self.find(&mut a, &mut b);
         contacts.extend(self.touching.iter().map(|touching| PairContact {
             pair: touching.pair,
@@ -103,7 +103,7 @@ impl ContactQuery {
     /// What all contacts come to; `None` when no triangles intersect.
     ///
     /// Cost: a pair query, and in proportion to the intersecting pairs.
-    pub fn manifold(&mut self, mut a: Body<'_>, mut b: Body<'_>) -> (Option<Manifold>, PairStats) {
+    pub fn manifold(&mut self, mut a: Body<'_>, mut b: Body<'_>) -> (Option<Manifold>, QueryStats) {
         let stats = self.find(&mut a, &mut b);
         let normal = mean_normal(&self.touching);
         self.points.clear();
@@ -153,7 +153,7 @@ impl ContactQuery {
     }
 
     /// Fills `touching`, in an order that does not depend on which body was named first.
-    fn find(&mut self, a: &mut Body<'_>, b: &mut Body<'_>) -> PairStats {
+    fn find(&mut self, a: &mut Body<'_>, b: &mut Body<'_>) -> QueryStats {
         self.found.clear();
         let body_a = Body::new(a.pose, a.world_from_model);
         let body_b = Body::new(b.pose, b.world_from_model);

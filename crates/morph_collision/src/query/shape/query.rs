@@ -9,7 +9,7 @@ use crate::bounds::{Aabb, Volume};
 use crate::exact::Triangle;
 use crate::pose::{Posed, with_posed};
 use crate::query::body::world_triangle;
-use crate::query::{Body, PairStats};
+use crate::query::{Body, QueryStats};
 use crate::traverse::{OneWalk, Queue};
 
 /// The closest or deepest contact of a triangle with a shape, in world space and `f64`.
@@ -69,7 +69,7 @@ impl ShapeQuery {
     }
 
     /// Whether any triangle intersects the shape.
-    pub fn any(&mut self, body: Body<'_>, shape: &PlacedShape) -> (bool, PairStats) {
+    pub fn any(&mut self, body: Body<'_>, shape: &PlacedShape) -> (bool, QueryStats) {
         let mut any = false;
         let stats = self.visit(body, shape, |_| {
             any = true;
@@ -79,7 +79,7 @@ impl ShapeQuery {
     }
 
     /// Appends every triangle that intersects the shape, best first.
-    pub fn all(&mut self, body: Body<'_>, shape: &PlacedShape, triangles: &mut Vec<u32>) -> PairStats {
+    pub fn all(&mut self, body: Body<'_>, shape: &PlacedShape, triangles: &mut Vec<u32>) -> QueryStats {
         self.visit(body, shape, |triangle| {
             triangles.push(triangle);
             ControlFlow::Continue(())
@@ -92,7 +92,7 @@ impl ShapeQuery {
         body: Body<'_>,
         shape: &PlacedShape,
         mut visitor: impl FnMut(u32) -> ControlFlow<()>,
-    ) -> PairStats {
+    ) -> QueryStats {
         self.walk(body, shape, &Cell::new(0.0), &mut |triangle, corners| {
             if shape.intersects(corners) {
                 visitor(triangle)?;
@@ -110,7 +110,7 @@ impl ShapeQuery {
         shape: &PlacedShape,
         within: f64,
         contacts: &mut Vec<ShapeContact>,
-    ) -> PairStats {
+    ) -> QueryStats {
         self.walk(body, shape, &Cell::new(within), &mut |triangle, corners| {
             let contact = contact(shape, triangle, corners);
             if contact.distance <= within {
@@ -124,7 +124,7 @@ impl ShapeQuery {
     /// intersect. `None` if that is above `within`.
     ///
     /// Of triangles with the same distance it is the first by number.
-    pub fn closest(&mut self, body: Body<'_>, shape: &PlacedShape, within: f64) -> (Option<ShapeContact>, PairStats) {
+    pub fn closest(&mut self, body: Body<'_>, shape: &PlacedShape, within: f64) -> (Option<ShapeContact>, QueryStats) {
         let limit = Cell::new(within);
         let mut best: Option<ShapeContact> = None;
         let stats = self.walk(body, shape, &limit, &mut |triangle, corners| {
@@ -150,7 +150,7 @@ impl ShapeQuery {
         shape: &PlacedShape,
         limit: &Cell<f64>,
         at_triangle: &mut dyn FnMut(u32, &Triangle) -> ControlFlow<()>,
-    ) -> PairStats {
+    ) -> QueryStats {
         let world_from_model = body.world_from_model;
         with_posed!(body.pose.posed(), mut posed => {
             let bound = NodeBound::new(shape, world_from_model, &posed.bounds());
@@ -166,7 +166,7 @@ impl ShapeQuery {
         bound: &NodeBound<'_>,
         limit: &Cell<f64>,
         at_triangle: &mut dyn FnMut(&mut Posed<'_, V>, u32) -> ControlFlow<()>,
-    ) -> PairStats {
+    ) -> QueryStats {
         let before = posed.blended();
         let mut triangle_tests = 0;
         let Self { queue, numbers } = self;
@@ -186,7 +186,7 @@ impl ShapeQuery {
         });
         let node_tests = walk.node_tests;
         let after = posed.blended();
-        PairStats {
+        QueryStats {
             node_tests,
             triangle_tests,
             volumes_blended: after.volumes - before.volumes,

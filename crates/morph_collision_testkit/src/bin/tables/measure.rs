@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use morph_collision::{BuildOptions, PairStats};
+use morph_collision::{BuildOptions, QueryStats};
 use morph_collision_testkit::moments::AnswerError;
 use morph_collision_testkit::rivals::{BroadPhase, Method, MethodKind, Wanted};
 
@@ -19,7 +19,7 @@ pub(crate) struct Contender {
 /// What a contender did in one pass over all frames.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Pass {
-    pub(crate) work: PairStats,
+    pub(crate) work: QueryStats,
     pub(crate) pairs: u64,
     /// Of one frame.
     pub(crate) time: Duration,
@@ -111,7 +111,7 @@ impl Runner {
         let time = start.elapsed() / frames;
         let after = method.work();
         Ok(Pass {
-            work: PairStats {
+            work: QueryStats {
                 node_tests: after.node_tests - before.node_tests,
                 triangle_tests: after.triangle_tests - before.triangle_tests,
                 volumes_blended: after.volumes_blended - before.volumes_blended,

@@ -41,6 +41,10 @@ demo-check:
 assets:
     cargo run --release -p morph_collision_testkit --bin make_assets -- assets
 
+# Looks for vertices outside their blended volumes: at least CHECKS checks for each kind and form, ten million by default.
+containment *CHECKS:
+    cargo run --release -p morph_collision_testkit --bin containment -- {{CHECKS}}
+
 # Measures the tables of docs/performance.md again, in place.
 tables *ARGS:
     cargo run --release -p morph_collision_testkit --bin tables -- {{ARGS}} docs/performance.md

@@ -4,10 +4,9 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 use morph_collision::{Body, Facing, Ray, RayHit, RayQuery};
-use morph_collision_testkit::oracle;
 
 use crate::bodies::{self, Case, Random, box_around, snap};
-use crate::reference::{Corners, at, point_triangle};
+use crate::reference::{Corners, at, point_triangle, touch};
 
 /// A ray from `origin` to `origin + 2 direction`, which is exact: for coordinates up to 2^11.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +27,7 @@ impl Shot {
     /// Whether the ray up to a share of its length meets a triangle.
     fn meets(&self, triangle: &Corners, share: f64) -> bool {
         let end = self.origin + self.direction * (MAX_T * share);
-        oracle::triangles_intersect(&[self.origin, end, end], triangle)
+        touch(&[self.origin, end, end], triangle)
     }
 }
 

@@ -1,15 +1,14 @@
 //! Boxes and frusta against every triangle, by the exact oracle.
 
 use glam::{DVec3, Vec3};
-use morph_collision::{Aabb, Body, ConvexRegion, HalfSpace, OverlapQuery};
-use morph_collision_testkit::oracle;
+use morph_collision::{Aabb, Body, ConvexRegion, HalfSpace, OverlapQuery, Pose};
 
 use crate::bodies::{self, Case, Random, box_around, snap};
-use crate::reference::Corners;
+use crate::reference::{Corners, touch};
 
-fn ask(case: &Case, region: &ConvexRegion, truth: &[u32], what: &str) {
+fn ask(case: &Case, poses: &mut [Pose], region: &ConvexRegion, truth: &[u32], what: &str) {
     let place = case.world_from_model();
-    for pose in &mut case.poses() {
+    for pose in poses {
         let mut found = Vec::new();
         let mut query = OverlapQuery::new();
         query.triangles_in_region(Body::new(pose, &place), region, &mut found);
@@ -27,7 +26,7 @@ fn numbers(triangles: &[Corners], test: impl Fn(&Corners) -> bool) -> Vec<u32> {
 
 /// A triangle meets a convex polyhedron if it meets its boundary, or lies inside.
 fn meets_polyhedron(triangle: &Corners, faces: &[Corners], holds: impl Fn(DVec3) -> bool) -> bool {
-    holds(triangle[0]) || faces.iter().any(|face| oracle::triangles_intersect(triangle, face))
+    holds(triangle[0]) || faces.iter().any(|face| touch(triangle, face))
 }
 
 fn faces_of_box(min: DVec3, max: DVec3) -> Vec<Corners> {
@@ -55,6 +54,7 @@ fn boxes_meet_the_triangles_that_the_oracle_says() {
     for case in bodies::generated().into_iter().chain(bodies::real()) {
         let triangles = case.world_triangles();
         let bounds = box_around(&triangles);
+        let mut poses = case.poses();
         let mut random = Random(23);
         for i in 0..10 {
             let triangle = triangles[random.below(triangles.len())];
@@ -84,6 +84,7 @@ fn boxes_meet_the_triangles_that_the_oracle_says() {
             found += truth.len();
             ask(
                 &case,
+                &mut poses,
                 &ConvexRegion::from_box(&bounds).unwrap(),
                 &truth,
                 &format!("{bounds:?}"),
@@ -118,6 +119,7 @@ fn frusta_meet_the_triangles_that_the_oracle_says() {
         if bounds.1.abs().max_element() > 100.0 {
             continue; // the planes would not be exact
         }
+        let mut poses = case.poses();
         let mut random = Random(29);
         for _ in 0..8 {
             let Some((corners, region)) = tetrahedron(&mut random, bounds) else {
@@ -135,7 +137,7 @@ fn frusta_meet_the_triangles_that_the_oracle_says() {
             };
             let truth = numbers(&triangles, |t| meets_polyhedron(t, &faces, holds));
             found += truth.len();
-            ask(&case, &region, &truth, &format!("{corners:?}"));
+            ask(&case, &mut poses, &region, &truth, &format!("{corners:?}"));
         }
     }
     assert!(found > 500, "{found}");
@@ -144,11 +146,24 @@ fn frusta_meet_the_triangles_that_the_oracle_says() {
 #[test]
 fn all_of_space_holds_everything_and_contradictions_hold_nothing() {
     let case = &bodies::generated()[3];
+    let mut poses = case.poses();
     let all: Vec<u32> = (0..case.mesh.triangles.len() as u32).collect();
-    ask(case, &ConvexRegion::from_half_spaces(&[]), &all, "all of space");
+    ask(
+        case,
+        &mut poses,
+        &ConvexRegion::from_half_spaces(&[]),
+        &all,
+        "all of space",
+    );
     let up = HalfSpace::new(DVec3::Z, -0.1).unwrap();
     let down = HalfSpace::new(DVec3::NEG_Z, -0.1).unwrap();
-    ask(case, &ConvexRegion::from_half_spaces(&[up, down]), &[], "nothing");
+    ask(
+        case,
+        &mut poses,
+        &ConvexRegion::from_half_spaces(&[up, down]),
+        &[],
+        "nothing",
+    );
 }
 
 #[test]
@@ -156,7 +171,14 @@ fn half_spaces_that_share_only_a_plane_hold_what_touches_it() {
     let mesh = morph_collision_testkit::models::degenerate::coplanar_sheets(3, 2);
     let count = mesh.triangles.len() as u32;
     let case = Case::new("sheets", mesh, vec![0.0], glam::Affine3A::IDENTITY);
+    let mut poses = case.poses();
     let sides = [DVec3::Z, DVec3::NEG_Z].map(|normal| HalfSpace::new(normal, 0.0).unwrap());
     let all: Vec<u32> = (0..count).collect();
-    ask(&case, &ConvexRegion::from_half_spaces(&sides), &all, "the plane z = 0");
+    ask(
+        &case,
+        &mut poses,
+        &ConvexRegion::from_half_spaces(&sides),
+        &all,
+        "the plane z = 0",
+    );
 }

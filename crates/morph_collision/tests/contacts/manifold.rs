@@ -18,7 +18,10 @@ fn bar_in_wall(mirrored: bool) -> (Placed, Placed) {
     let wall = rigid::box_mesh(Vec3::splat(4.0));
     let flip = if mirrored { Vec3::new(-1.0, 1.0, 1.0) } else { Vec3::ONE };
     let place = at(-4.75, 0.0, 0.0) * Affine3A::from_scale(flip);
-    (Placed::rigid(&bar, place), Placed::rigid(&wall, Affine3A::IDENTITY))
+    (
+        Placed::rigid(&bar, place),
+        Placed::rigid(&wall, Affine3A::from_scale(flip)),
+    )
 }
 
 #[test]

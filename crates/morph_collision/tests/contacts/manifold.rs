@@ -18,7 +18,10 @@ fn bar_in_wall(mirrored: bool) -> (Placed, Placed) {
     let wall = rigid::box_mesh(Vec3::splat(4.0));
     let flip = if mirrored { Vec3::new(-1.0, 1.0, 1.0) } else { Vec3::ONE };
     let place = at(-4.75, 0.0, 0.0) * Affine3A::from_scale(flip);
-    (Placed::rigid(&bar, place), Placed::rigid(&wall, Affine3A::IDENTITY))
+    (
+        Placed::rigid(&bar, place),
+        Placed::rigid(&wall, Affine3A::from_scale(flip)),
+    )
 }
 
 #[test]
@@ -58,6 +61,26 @@ fn separation_takes_a_bar_through_the_wall_where_that_is_the_way_asked_for() {
     }
     assert_eq!(query.separation(bar.body(), wall.body(), DVec3::ZERO, 64), None);
     assert_eq!(query.separation(bar.body(), wall.body(), DVec3::NAN, 64), None);
+}
+
+#[test]
+fn two_crossed_edges_are_parted_by_what_they_overlap() {
+    // Square bars turned onto an edge, one along x with an edge down, one along z with an edge up.
+    let above = Affine3A::from_translation(Vec3::Y * 1.3) * Affine3A::from_rotation_x(std::f32::consts::FRAC_PI_4);
+    let mut a = Placed::rigid(&rigid::box_mesh(Vec3::new(2.0, 0.5, 0.5)), above);
+    let below = Affine3A::from_rotation_z(std::f32::consts::FRAC_PI_4);
+    let mut b = Placed::rigid(&rigid::box_mesh(Vec3::new(0.5, 0.5, 2.0)), below);
+    let heights = |placed: &Placed| placed.triangles.iter().flatten().map(|p| p.y).collect::<Vec<_>>();
+    let low = heights(&a).into_iter().fold(f64::INFINITY, f64::min);
+    let high = heights(&b).into_iter().fold(f64::NEG_INFINITY, f64::max);
+    let found = manifold(&mut a, &mut b).unwrap();
+    assert!(found.normal.distance(DVec3::Y) < 1e-6, "{}", found.normal);
+    assert!(
+        (found.depth - (high - low)).abs() < 1e-6,
+        "{} instead of {}",
+        found.depth,
+        high - low
+    );
 }
 
 #[test]

@@ -44,6 +44,23 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! # What can be asked
+//!
+//! | of | by |
+//! |---|---|
+//! | two bodies: which triangles intersect | [`PairQuery`], with [`PairMemory`] from frame to frame |
+//! | two bodies: where they touch, how deep, which way out | [`ContactQuery`], [`triangle_contact`] |
+//! | two bodies: how far apart | [`DistanceQuery`] |
+//! | many bodies: which boxes overlap | [`overlapping_pairs`] |
+//! | a body and a ball, capsule, cuboid, half-space or segment | [`ShapeQuery`] |
+//! | one body: what a ray hits | [`RayQuery`] |
+//! | one body: the closest point, what is in a ball, box or frustum | [`PointQuery`], [`OverlapQuery`] |
+//! | one body: where it intersects itself | [`SelfQuery`] |
+//! | a place on the surface that follows the shape | [`SurfaceAnchor`] |
+//! | bounds, positions and normals of a shape | [`Pose`] |
+//!
+//! How a tree is built ([`BuildOptions`]) never changes an answer; `docs/performance.md` in the repository says what each option is worth.
+//!
 //! # What an answer means
 //!
 //! A posed vertex is the `f32` blend of base and displacements in ascending target order, taken to world space in `f64`

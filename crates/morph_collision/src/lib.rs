@@ -89,7 +89,7 @@ pub use query::{
 pub use traverse::overlapping_pairs;
 pub use tree::{
     BrokenTree, BuildError, BuildOptions, BvhStats, LayoutError, MorphBvh, PartitionShape, Split, TreeLayout,
-    VolumeKind,
+    UnknownName, VolumeKind,
 };
 
 /// The README's snippet, run.

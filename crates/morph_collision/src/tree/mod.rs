@@ -6,6 +6,7 @@
 
 mod build;
 mod bvh;
+mod choices;
 mod columns;
 mod extents;
 mod kinds;
@@ -20,10 +21,11 @@ mod tables;
 mod topology;
 
 pub use bvh::MorphBvh;
+pub use choices::{PartitionShape, Split, UnknownName, VolumeKind};
 pub(crate) use columns::Columns;
 pub(crate) use kinds::AnyTables;
 pub use layout::{LayoutError, TreeLayout};
-pub use options::{BuildError, BuildOptions, PartitionShape, Split, VolumeKind};
+pub use options::{BuildError, BuildOptions};
 pub use stats::{BrokenTree, BvhStats};
 pub(crate) use tables::{GroupTables, Tables};
 pub(crate) use topology::{Child, ChildKind, Leaf, Topology};

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glam::{Affine3A, Mat3, Quat, Vec3};
-use morph_collision::{BuildOptions, QueryStats};
+use morph_collision::{Aabb, BuildOptions, QueryStats};
 
 use crate::gltf_read::{ReadError, read_meshes};
 use crate::mesh::MorphMesh;
@@ -205,14 +205,14 @@ pub fn generated() -> Vec<Moment> {
     all
 }
 
-/// Two copies of a mesh, slightly turned and apart, with given weights each: `weights(body, target)`.
+/// Two copies of a mesh, slightly turned about its middle and apart, with given weights each: `weights(body, target)`.
 pub fn of_two(mesh: &MorphMesh, weights: impl Fn(usize, usize) -> f32) -> Moment {
-    let radius = mesh.positions.iter().map(|p| p.length()).fold(0.0, f32::max);
+    let bounds = Aabb::from_points(mesh.positions.iter().copied());
+    let (middle, radius) = (bounds.center(), 0.5 * bounds.size().length());
+    let turned = Quat::from_rotation_y(0.4) * Quat::from_rotation_x(0.1);
+    let offset = Vec3::new(0.35, 0.05, 0.1) * radius;
+    let place = Affine3A::from_rotation_translation(turned, middle + offset) * Affine3A::from_translation(-middle);
     let targets = mesh.targets.len();
-    let place = Affine3A::from_rotation_translation(
-        Quat::from_rotation_y(0.4) * Quat::from_rotation_x(0.1),
-        Vec3::new(0.35, 0.05, 0.1) * radius,
-    );
     let weights = |body| (0..targets).map(|target| weights(body, target)).collect::<Vec<f32>>();
     let bodies = [(weights(0), Affine3A::IDENTITY), (weights(1), place)];
     Moment::pair(&mesh.name, mesh, bodies)

@@ -19,7 +19,7 @@
 //!
 //! What is fair is done for all of them: vertices are welded, targets with weight zero and vertices that a target leaves
 //! alone are skipped, and a body whose weights stay the same is not refitted. The three of our own make share one tree
-//! ([`tree`]), eight-wide like the core's, and one walk ([`walk`]) with the same SAT-lite culling ([`boxes`]).
+//! (`tree`), eight-wide like the core's, and one walk (`walk`) with the same SAT-lite culling (`boxes`, `frames`).
 //!
 //! ```
 //! use glam::{Affine3A, Vec3};

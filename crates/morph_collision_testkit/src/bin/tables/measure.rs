@@ -21,8 +21,10 @@ pub(crate) struct Contender {
 pub(crate) struct Pass {
     pub(crate) work: QueryStats,
     pub(crate) pairs: u64,
-    /// Of one frame.
+    /// Of one frame; of a row, the median.
     pub(crate) time: Duration,
+    /// Of a row: the median of its time over the first row's in the same round.
+    pub(crate) ratio: f64,
 }
 
 /// A contender's passes: all pairs, and first pairs.
@@ -32,7 +34,7 @@ pub(crate) struct Row {
     pub(crate) first: Pass,
 }
 
-/// Measures every contender `rounds` times in both modes; times are medians.
+/// Measures every contender `rounds` times in both modes.
 pub(crate) fn measure(
     experiment: &Experiment,
     contenders: &[Contender],
@@ -73,16 +75,27 @@ pub(crate) fn measure(
                 }
             }
         }
-        for (row, times) in rows.iter_mut().zip(&mut times) {
-            times.sort_unstable();
-            let median = times[times.len() / 2];
-            match wanted {
-                Wanted::All => row.all.time = median,
-                Wanted::First => row.first.time = median,
-            }
+        for (row, own) in rows.iter_mut().zip(&times) {
+            let pass = match wanted {
+                Wanted::All => &mut row.all,
+                Wanted::First => &mut row.first,
+            };
+            let ratios = own
+                .iter()
+                .zip(&times[0])
+                .map(|(own, base)| own.as_secs_f64() / base.as_secs_f64());
+            pass.ratio = median(ratios);
+            pass.time = Duration::from_secs_f64(median(own.iter().map(Duration::as_secs_f64)));
         }
     }
     Ok(rows)
+}
+
+/// The middle one, or 0 of none.
+fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
 }
 
 struct Runner {
@@ -119,6 +132,7 @@ impl Runner {
             },
             pairs,
             time,
+            ratio: 1.0,
         })
     }
 }

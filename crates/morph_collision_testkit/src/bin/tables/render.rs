@@ -33,7 +33,7 @@ fn write_table(text: &mut String, experiment: &Experiment, rows: &[Row]) -> std:
     writeln!(text, "|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|")?;
     for row in rows {
         write!(text, "| {} ", row.label)?;
-        for (pass, base) in [(&row.all, &base.all), (&row.first, &base.first)] {
+        for pass in [&row.all, &row.first] {
             let work = pass.work;
             for count in [
                 work.volumes_blended,
@@ -43,7 +43,7 @@ fn write_table(text: &mut String, experiment: &Experiment, rows: &[Row]) -> std:
             ] {
                 write!(text, "| {:.0} ", count as f64 / frames)?;
             }
-            write!(text, "| {:.2} ", micros(pass) / micros(base))?;
+            write!(text, "| {:.2} ", pass.ratio)?;
         }
         writeln!(text, "|")?;
     }

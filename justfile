@@ -31,9 +31,9 @@ demo *ARGS:
 demo-check:
     #!/usr/bin/env bash
     set -euo pipefail
-    cargo run --release --example dolphins -- --json > target/dolphins.json
-    cat target/dolphins.json
-    grep -Eq '"events_started": *[1-9]' target/dolphins.json
+    summary=$(cargo run --release --example dolphins -- --json)
+    echo "$summary"
+    grep -Eq '"events_started": *[1-9]' <<< "$summary"
     cargo run --release -p morph_collision_cli -- inspect assets/dolphin_564.glb
     cargo run --release -p morph_collision_cli -- run assets/scenes/two_dolphins.json
 

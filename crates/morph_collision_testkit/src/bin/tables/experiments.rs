@@ -24,6 +24,20 @@ impl Experiment {
         all
     }
 
+    /// The first 100 steps of the pass-through, of the small and large dolphins, and of two neighbours, one after the other.
+    pub(crate) fn consecutive() -> Vec<Self> {
+        let mut all = vec![
+            Self::pass_through(1),
+            Self::dolphins(0, 1),
+            Self::dolphins(3, 1),
+            Self::neighbours(),
+        ];
+        for experiment in &mut all {
+            experiment.frames.truncate(100);
+        }
+        all
+    }
+
     fn pass_through(every: usize) -> Self {
         use pass_through::{STEPS, placements, weights};
         let frame = |step| {
@@ -50,6 +64,27 @@ impl Experiment {
             meshes: [mesh],
             bodies: COUNT,
             frames: (0..FRAMES).step_by(every).map(frame).collect(),
+        }
+    }
+
+    /// Two bodies that breathe and turn slowly side by side, a little apart though their boxes overlap.
+    fn neighbours() -> Self {
+        let mesh = pass_through_body();
+        let frame = |step: usize| {
+            let t = step as f64 / 60.0;
+            let body = |side: f64| {
+                let breath = (0.03 + 0.02 * (TAU * 0.25 * t + side).sin()) as f32;
+                let turned = DQuat::from_rotation_y(0.02 * side * t).as_quat();
+                let place = DVec3::splat(0.68 * side).as_vec3();
+                (vec![breath, 0.0], Affine3A::from_rotation_translation(turned, place))
+            };
+            vec![body(-1.0), body(1.0)]
+        };
+        Self {
+            name: format!("Neighbours, 2 x {} triangles", mesh.triangles.len()),
+            bodies: 2,
+            frames: (0..400).map(frame).collect(),
+            meshes: [mesh],
         }
     }
 

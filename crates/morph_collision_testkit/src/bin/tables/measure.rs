@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use morph_collision::{BuildOptions, QueryStats};
 use morph_collision_testkit::moments::AnswerError;
-use morph_collision_testkit::rivals::{BroadPhase, Method, MethodKind, Wanted};
+use morph_collision_testkit::rivals::{BroadPhase, Method, MethodKind, MorphTuning, Wanted};
 
 use super::clock::Stopwatch;
 use super::experiments::Experiment;
@@ -14,6 +14,7 @@ pub(crate) struct Contender {
     pub(crate) label: String,
     pub(crate) method: MethodKind,
     pub(crate) options: BuildOptions,
+    pub(crate) tuning: MorphTuning,
 }
 
 /// What a contender did in one pass over all frames.
@@ -43,9 +44,10 @@ pub(crate) fn measure(
     let mut runners = Vec::with_capacity(contenders.len());
     for contender in contenders {
         let of_bodies = vec![0; experiment.bodies];
-        let method = contender
-            .method
-            .set_up(&experiment.meshes, &of_bodies, &contender.options)?;
+        let method =
+            contender
+                .method
+                .set_up_tuned(&experiment.meshes, &of_bodies, &contender.options, contender.tuning)?;
         runners.push(Runner {
             method,
             broad_phase: BroadPhase::default(),

@@ -1,22 +1,51 @@
 //! What is compared with what.
 
-use morph_collision::{BuildOptions, Split, VolumeKind};
-use morph_collision_testkit::rivals::MethodKind;
+use morph_collision::{BuildOptions, Remember, SeparatingAxes, Split, VolumeKind};
+use morph_collision_testkit::rivals::{MethodKind, MorphTuning};
 
 use super::experiments::Experiment;
 use super::measure::Contender;
 
-/// A table's place in the page, and its rows for an experiment.
-pub(crate) type Sweep = (&'static str, fn(&Experiment) -> Vec<Contender>);
+/// A table.
+pub(crate) struct Sweep {
+    /// Its place in the page.
+    pub(crate) name: &'static str,
+    /// Its rows for an experiment.
+    pub(crate) rows: fn(&Experiment) -> Vec<Contender>,
+    /// Whether it is about what one frame has of the one before, and so needs every frame.
+    pub(crate) consecutive: bool,
+}
 
 /// All tables.
-pub(crate) const ALL: [Sweep; 3] = [("options", options), ("shape", shape), ("methods", methods)];
+pub(crate) const ALL: [Sweep; 4] = [
+    Sweep {
+        name: "options",
+        rows: options,
+        consecutive: false,
+    },
+    Sweep {
+        name: "shape",
+        rows: shape,
+        consecutive: false,
+    },
+    Sweep {
+        name: "memory",
+        rows: memory,
+        consecutive: true,
+    },
+    Sweep {
+        name: "methods",
+        rows: methods,
+        consecutive: false,
+    },
+];
 
 fn morph(label: impl Into<String>, options: BuildOptions) -> Contender {
     Contender {
         label: label.into(),
         method: MethodKind::Morph,
         options,
+        tuning: MorphTuning::default(),
     }
 }
 
@@ -44,6 +73,7 @@ fn options(_: &Experiment) -> Vec<Contender> {
         "scales 1, 4, reflected",
         default().with_scales([1.0, 4.0]).with_reflected(true),
     ));
+    rows.push(morph("16-bit tables", default().with_compact(true)));
     rows.push(morph("in-betweens", default().with_in_betweens(true)));
     rows.push(morph("the paper's", BuildOptions::paper()));
     rows
@@ -72,6 +102,24 @@ fn shape(_: &Experiment) -> Vec<Contender> {
     rows
 }
 
+/// What is kept from frame to frame, and the full separating-axis test.
+fn memory(_: &Experiment) -> Vec<Contender> {
+    let row = |label: &str, axes, separation, front| Contender {
+        tuning: MorphTuning {
+            axes,
+            remember: Remember { separation, front },
+        },
+        ..morph(label, BuildOptions::default())
+    };
+    vec![
+        row("default", SeparatingAxes::Lite, false, false),
+        row("full SAT", SeparatingAxes::Full, false, false),
+        row("separation", SeparatingAxes::Lite, true, false),
+        row("front", SeparatingAxes::Lite, false, true),
+        row("separation and front", SeparatingAxes::Lite, true, true),
+    ]
+}
+
 /// Every method; the oracle only where it comes to an end.
 fn methods(experiment: &Experiment) -> Vec<Contender> {
     let mut rows = vec![
@@ -86,6 +134,7 @@ fn methods(experiment: &Experiment) -> Vec<Contender> {
         label: method.to_string(),
         method,
         options: BuildOptions::default(),
+        tuning: MorphTuning::default(),
     }));
     rows
 }

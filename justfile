@@ -4,7 +4,7 @@ default:
     @just --list
 
 # Everything that must hold before a change lands.
-ci: fmt-check clippy test doc demo-check
+ci: fmt-check clippy test test-features doc demo-check
 
 # Formats the code.
 fmt:
@@ -19,6 +19,10 @@ clippy:
 # The README's test command.
 test:
     cargo test --workspace
+
+# What only features have.
+test-features:
+    cargo test -p morph_collision --features serde --lib tree::
 
 doc:
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps

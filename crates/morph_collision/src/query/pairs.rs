@@ -75,6 +75,16 @@ impl PairQuery {
         (first, stats)
     }
 
+    /// How many pairs of triangles intersect.
+    pub fn count(&mut self, a: Body<'_>, b: Body<'_>) -> (u64, QueryStats) {
+        let mut count = 0;
+        let stats = self.visit(a, b, |_| {
+            count += 1;
+            ControlFlow::Continue(())
+        });
+        (count, stats)
+    }
+
     /// Whether any triangles intersect.
     pub fn any(&mut self, a: Body<'_>, b: Body<'_>) -> (bool, QueryStats) {
         let (first, stats) = self.first(a, b);

@@ -110,6 +110,8 @@ fn bodies_of_different_kinds_of_volume_give_the_same_pairs() {
             let [(a, place_a), (b, place_b)] = &mut bodies;
             let mut pairs = Vec::new();
             PairQuery::new().all(Body::new(a, place_a), Body::new(b, place_b), &mut pairs);
+            let (count, _) = PairQuery::new().count(Body::new(a, place_a), Body::new(b, place_b));
+            assert_eq!(count, pairs.len() as u64);
             let mut pairs: Vec<_> = pairs.iter().map(|p| [0, 1, p.triangle_a, p.triangle_b]).collect();
             pairs.sort_unstable();
             assert_eq!(pairs, truth, "{kind_a} against {kind_b}");

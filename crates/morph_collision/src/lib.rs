@@ -77,7 +77,7 @@ mod traverse;
 mod tree;
 
 pub use bounds::{Aabb, TransformError, WorldFromModel};
-pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect};
+pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect, triangles_intersect_filtered};
 pub use model::{ModelError, MorphModel, Subject};
 pub use pose::{ContainmentReport, ContainmentViolation, NoSuchVertex, Pose, TreeQuality, WeightsError};
 pub use query::{

@@ -4,7 +4,7 @@ use super::body::{Body, as_boxes, world_triangle};
 use super::memory::PairMemory;
 use super::stats::QueryStats;
 use crate::bounds::{Volume, WorldFromModel, frames_of};
-use crate::exact::{Triangle, triangles_intersect};
+use crate::exact::{Triangle, triangles_intersect_counting};
 use crate::pose::AnyPosed;
 use crate::traverse::{CrossCull, Cull, Meeting, PairWalk, Stack, Walkable};
 use crate::tree::Leaf;
@@ -189,7 +189,7 @@ impl PairQuery {
             node_tests: 0,
             trace,
         };
-        let mut triangle_tests = 0;
+        let (mut triangle_tests, mut undecided_by_filter) = (0, 0);
         let Self {
             stack, leaf_a, leaf_b, ..
         } = self;
@@ -199,7 +199,7 @@ impl PairQuery {
             for (triangle_a, corners_a) in &leaf_a.triangles {
                 for (triangle_b, corners_b) in &leaf_b.triangles {
                     triangle_tests += 1;
-                    if triangles_intersect(corners_a, corners_b) {
+                    if triangles_intersect_counting(corners_a, corners_b, &mut undecided_by_filter) {
                         visitor(TrianglePair {
                             triangle_a: *triangle_a,
                             triangle_b: *triangle_b,
@@ -213,6 +213,7 @@ impl PairQuery {
         QueryStats {
             node_tests: walk.node_tests,
             triangle_tests,
+            undecided_by_filter,
             volumes_blended: after[0].volumes + after[1].volumes - before[0].volumes - before[1].volumes,
             vertices_blended: after[0].vertices + after[1].vertices - before[0].vertices - before[1].vertices,
         }

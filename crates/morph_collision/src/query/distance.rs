@@ -4,8 +4,8 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use super::body::{Body, as_boxes};
+use super::leaves::Leaves;
 use super::one::magnitude;
-use super::pairs::LeafTriangles;
 use super::stats::QueryStats;
 use crate::bounds::{Aabb, Box64, BoxLanes, GapFrame, LANES, Slab, Volume};
 use crate::exact::{Between, Triangle, closest_between};
@@ -52,8 +52,8 @@ pub struct ClosestPair {
 #[derive(Debug, Default)]
 pub struct DistanceQuery {
     stack: Stack<f64>,
-    leaf_a: LeafTriangles,
-    leaf_b: LeafTriangles,
+    leaves_a: Leaves,
+    leaves_b: Leaves,
 }
 
 impl DistanceQuery {
@@ -90,12 +90,18 @@ impl DistanceQuery {
         let mut closest: Option<ClosestPair> = None;
         let mut closest_squared = f64::INFINITY;
         let mut triangle_tests = 0;
-        let Self { stack, leaf_a, leaf_b } = self;
+        let Self {
+            stack,
+            leaves_a,
+            leaves_b,
+        } = self;
+        leaves_a.begin(walk.a.topology().leaf_count(), world_from_a.translation());
+        leaves_b.begin(walk.b.topology().leaf_count(), world_from_a.translation());
         let _stopped_early = walk.run(stack, &[], |a, b, of_a, of_b| {
-            leaf_a.read(a, world_from_a, of_a);
-            leaf_b.read(b, world_from_b, of_b);
-            for (triangle_a, corners_a) in &leaf_a.triangles {
-                for (triangle_b, corners_b) in &leaf_b.triangles {
+            let block_a = leaves_a.read(a, world_from_a, of_a);
+            let block_b = leaves_b.read(b, world_from_b, of_b);
+            for (triangle_a, corners_a) in leaves_a.triangles(&block_a) {
+                for (triangle_b, corners_b) in leaves_b.triangles(&block_b) {
                     if boxes_apart(corners_a, corners_b) > rule.limit.get() {
                         continue;
                     }

@@ -6,6 +6,7 @@ mod body;
 mod contact;
 mod distance;
 mod input;
+mod leaves;
 mod memory;
 mod one;
 mod overlap;

@@ -1,12 +1,13 @@
 use std::ops::ControlFlow;
 
-use super::body::{Body, with_walkable_pair, world_triangle};
+use glam::DVec3;
+
+use super::body::{Body, with_walkable_pair};
+use super::leaves::{LeafTests, Leaves, intersecting_pairs};
 use super::memory::PairMemory;
 use super::stats::QueryStats;
 use crate::bounds::{Volume, WorldFromModel, frames_of};
-use crate::exact::{Triangle, triangles_intersect_counting};
 use crate::traverse::{CrossCull, Cull, Meeting, PairWalk, Stack, Walkable};
-use crate::tree::Leaf;
 
 /// Two intersecting triangles, each by its number in its own mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -37,8 +38,8 @@ pub enum SeparatingAxes {
 #[derive(Debug, Default)]
 pub struct PairQuery {
     stack: Stack,
-    leaf_a: LeafTriangles,
-    leaf_b: LeafTriangles,
+    leaves_a: Leaves,
+    leaves_b: Leaves,
     axes: SeparatingAxes,
 }
 
@@ -178,31 +179,25 @@ impl PairQuery {
             node_tests: 0,
             trace,
         };
-        let (mut triangle_tests, mut undecided_by_filter) = (0, 0);
+        let mut tests = LeafTests::default();
         let Self {
-            stack, leaf_a, leaf_b, ..
+            stack,
+            leaves_a,
+            leaves_b,
+            ..
         } = self;
+        leaves_a.begin(walk.a.topology().leaf_count(), places.origin());
+        leaves_b.begin(walk.b.topology().leaf_count(), places.origin());
         let _stopped_early = walk.run(stack, front, |a, b, of_a, of_b| {
-            leaf_a.read(a, places.world_from_a, of_a);
-            leaf_b.read(b, places.world_from_b, of_b);
-            for (triangle_a, corners_a) in &leaf_a.triangles {
-                for (triangle_b, corners_b) in &leaf_b.triangles {
-                    triangle_tests += 1;
-                    if triangles_intersect_counting(corners_a, corners_b, &mut undecided_by_filter) {
-                        visitor(TrianglePair {
-                            triangle_a: *triangle_a,
-                            triangle_b: *triangle_b,
-                        })?;
-                    }
-                }
-            }
-            ControlFlow::Continue(())
+            let block_a = leaves_a.read(a, places.world_from_a, of_a);
+            let block_b = leaves_b.read(b, places.world_from_b, of_b);
+            intersecting_pairs((leaves_a, &block_a), (leaves_b, &block_b), &mut tests, visitor)
         });
         let after = [walk.a.blended(), walk.b.blended()];
         QueryStats {
             node_tests: walk.node_tests,
-            triangle_tests,
-            undecided_by_filter,
+            triangle_tests: tests.triangles,
+            undecided_by_filter: tests.undecided_by_filter,
             ..QueryStats::blending(before, after)
         }
     }
@@ -235,26 +230,12 @@ impl Places<'_> {
         (culls, cross)
     }
 
+    /// A point near both bodies when they touch.
+    pub(super) fn origin(&self) -> DVec3 {
+        self.world_from_a.translation()
+    }
+
     pub(super) fn a_from_b_scale(&self) -> f32 {
         (self.world_from_b.scale() / self.world_from_a.scale()) as f32
-    }
-}
-
-/// The triangles of a leaf in world space, by number.
-#[derive(Debug, Default)]
-pub(super) struct LeafTriangles {
-    numbers: Vec<u32>,
-    pub(super) triangles: Vec<(u32, Triangle)>,
-}
-
-impl LeafTriangles {
-    pub(super) fn read(&mut self, tree: &mut impl Walkable, world_from_model: &WorldFromModel, leaf: Leaf) {
-        self.numbers.clear();
-        self.numbers.extend_from_slice(tree.topology().leaf_triangles(leaf));
-        self.triangles.clear();
-        for &triangle in &self.numbers {
-            self.triangles
-                .push((triangle, world_triangle(tree, world_from_model, triangle)));
-        }
     }
 }

@@ -81,6 +81,10 @@ impl Topology {
         &self.groups[group]
     }
 
+    pub(crate) fn leaf_count(&self) -> usize {
+        self.leaf_starts.len() - 1
+    }
+
     /// The triangles of a leaf, as the model numbers them.
     #[inline]
     pub(crate) fn leaf_triangles(&self, leaf: Leaf) -> &[u32] {

@@ -3,13 +3,13 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use super::super::body::with_walkable_pair;
-use super::super::pairs::{LeafTriangles, Places};
-use super::super::{Body, QueryStats, SeparatingAxes, TrianglePair};
+use super::super::leaves::{LeafTests, Leaves, intersecting_pairs};
+use super::super::pairs::Places;
+use super::super::{Body, QueryStats, SeparatingAxes};
 use super::answer::{ApproximatePairs, ApproximateTouch, MeshPart, PartPair};
 use super::limits::Approximation;
 use super::rule::{Approximating, Settled, Spans};
 use crate::bounds::Volume;
-use crate::exact::triangles_intersect_counting;
 use crate::traverse::{Meeting, PairWalk, Stack, Walkable};
 use crate::tree::{Child, MorphBvh};
 
@@ -41,8 +41,8 @@ use crate::tree::{Child, MorphBvh};
 #[derive(Debug, Default)]
 pub struct ApproximateQuery {
     stack: Stack,
-    leaf_a: LeafTriangles,
-    leaf_b: LeafTriangles,
+    leaves_a: Leaves,
+    leaves_b: Leaves,
 }
 
 impl ApproximateQuery {
@@ -112,27 +112,29 @@ impl ApproximateQuery {
             node_tests: 0,
             trace: None,
         };
-        let Self { stack, leaf_a, leaf_b } = self;
+        let Self {
+            stack,
+            leaves_a,
+            leaves_b,
+        } = self;
+        leaves_a.begin(walk.a.topology().leaf_count(), places.origin());
+        leaves_b.begin(walk.b.topology().leaf_count(), places.origin());
         let mut touching = Vec::new();
-        let mut undecided_by_filter = 0;
-        let stopped = walk.run(stack, &[], |a, b, of_a, of_b| {
-            leaf_a.read(a, places.world_from_a, of_a);
-            leaf_b.read(b, places.world_from_b, of_b);
-            for (triangle_a, corners_a) in &leaf_a.triangles {
-                for (triangle_b, corners_b) in &leaf_b.triangles {
-                    rule.triangle_tests.set(rule.triangle_tests.get() + 1);
-                    if triangles_intersect_counting(corners_a, corners_b, &mut undecided_by_filter) {
-                        touching.push(TrianglePair {
-                            triangle_a: *triangle_a,
-                            triangle_b: *triangle_b,
-                        });
-                        if task.first {
-                            return ControlFlow::Break(());
-                        }
-                    }
-                }
+        let mut found = |pair| {
+            touching.push(pair);
+            if task.first {
+                ControlFlow::Break(())
+            } else {
+                ControlFlow::Continue(())
             }
-            ControlFlow::Continue(())
+        };
+        let mut tests = LeafTests::default();
+        let stopped = walk.run(stack, &[], |a, b, of_a, of_b| {
+            let block_a = leaves_a.read(a, places.world_from_a, of_a);
+            let block_b = leaves_b.read(b, places.world_from_b, of_b);
+            let flow = intersecting_pairs((leaves_a, &block_a), (leaves_b, &block_b), &mut tests, &mut found);
+            rule.triangle_tests.set(tests.triangles);
+            flow
         });
         // A walk that a found pair ended has answered its question.
         let left = if stopped.is_break() { &[][..] } else { &stack[..] };
@@ -156,8 +158,8 @@ impl ApproximateQuery {
             undecided,
             stats: QueryStats {
                 node_tests: walk.node_tests,
-                triangle_tests: rule.triangle_tests.get(),
-                undecided_by_filter,
+                triangle_tests: tests.triangles,
+                undecided_by_filter: tests.undecided_by_filter,
                 ..QueryStats::blending(before, [walk.a.blended(), walk.b.blended()])
             },
         }

@@ -8,6 +8,8 @@
 //! - [`oracle`]: the same question answered by brute force in exact arithmetic.
 //! - [`moments`]: bodies in one moment, ordinary and odd, that every method has to agree on.
 //! - [`rivals`]: the same question answered by every other method that `morph_collision` is compared with.
+//! - [`verify`]: the answers of trees against brute force, over situations drawn at random.
+//! - [`stress`]: the same over generated trouble, family by family, and bad input at every door.
 #![forbid(unsafe_code)]
 
 pub mod assets;
@@ -19,3 +21,5 @@ pub mod moments;
 pub mod oracle;
 pub mod rivals;
 pub mod scenes;
+pub mod stress;
+pub mod verify;

@@ -13,52 +13,52 @@ const REPEATS: usize = 5;
 /// Ordinary cases, of which the median counts.
 const ORDINARY: u64 = 15;
 
-/// Seconds and pairs of triangles tested.
+/// Seconds and intersecting pairs of triangles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pace {
     seconds: f64,
-    tests: f64,
+    pairs: f64,
 }
 
 impl Pace {
     /// Of a first answer: nothing is blended before. `None` if the situation is refused.
     pub(super) fn of(trees: &Trees, situation: &Situation) -> Option<Self> {
         let mut seconds = Vec::with_capacity(REPEATS);
-        let mut tests = 0.0;
+        let mut pairs = 0.0;
         for _ in 0..REPEATS {
             let mut fresh = trees.at_rest();
             let start = Instant::now();
             fresh.set(situation).ok()?;
-            tests = fresh.answer().stats.triangle_tests as f64;
+            pairs = fresh.answer().pairs.len() as f64;
             seconds.push(start.elapsed().as_secs_f64());
         }
         Some(Self {
             seconds: median(seconds),
-            tests,
+            pairs,
         })
     }
 
     /// Of the ordinary family with one kind of volume.
     pub(super) fn ordinary(volume: VolumeKind, seed: u64) -> Option<Self> {
         let options = BuildOptions::default().with_volume(volume);
-        let (mut seconds, mut tests) = (Vec::new(), Vec::new());
+        let (mut seconds, mut pairs) = (Vec::new(), Vec::new());
         for index in 0..ORDINARY {
             let case = Case::new(Family::Ordinary, index, seed);
             let trees = Trees::build([&case.meshes[0], &case.meshes[1]], &options).ok()?;
             let pace = Self::of(&trees, &case.situation)?;
             seconds.push(pace.seconds);
-            tests.push(pace.tests);
+            pairs.push(pace.pairs);
         }
         Some(Self {
             seconds: median(seconds),
-            tests: median(tests),
+            pairs: median(pairs),
         })
     }
 
-    /// How many times slower than an ordinary answer with as many tests of triangles; with fewer than the ordinary case has,
-    /// than the ordinary case.
+    /// How many times slower than an ordinary answer of as many pairs; with fewer pairs than the ordinary case has, than the
+    /// ordinary case.
     pub(super) fn slowdown(&self, ordinary: &Self) -> f64 {
-        let share = (self.tests / ordinary.tests.max(1.0)).max(1.0);
+        let share = (self.pairs / ordinary.pairs.max(1.0)).max(1.0);
         self.seconds / (ordinary.seconds * share).max(f64::MIN_POSITIVE)
     }
 }

@@ -22,7 +22,7 @@ pub struct FamilyReport {
     pub unexpected: u64,
     /// Cases that ended in a panic.
     pub panics: u64,
-    /// The slowest case, as a multiple of an ordinary one with as many tests of triangles.
+    /// The slowest case, as a multiple of an ordinary one with as many intersecting pairs.
     pub worst_slowdown: f64,
     /// The first thing that went wrong.
     pub first: Option<String>,

@@ -152,7 +152,7 @@ fn model(case: &Case, spoil: impl FnOnce(&mut crate::mesh::MorphMesh), names: &[
     refused(mesh.to_model(), names)
 }
 
-fn refused<T, E: Display>(result: Result<T, E>, names: &[&str]) -> Result<(), String> {
+pub(super) fn refused<T, E: Display>(result: Result<T, E>, names: &[&str]) -> Result<(), String> {
     let Err(error) = result else {
         return Err(format!("accepted what is bad in {}", names.join(", ")));
     };

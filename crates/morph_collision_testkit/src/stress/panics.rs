@@ -2,9 +2,11 @@
 
 use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 
+type Hook = Box<dyn Fn(&PanicHookInfo<'_>) + Sync + Send + 'static>;
+
 /// While this lives panics print nothing. It stands for the whole process, so only a program should hold one.
 pub struct Silence {
-    hook: Option<Box<dyn Fn(&PanicHookInfo<'_>) + Sync + Send + 'static>>,
+    hook: Option<Hook>,
 }
 
 impl std::fmt::Debug for Silence {

@@ -41,3 +41,11 @@ fn a_panic_is_caught_with_what_it_says() {
     let caught = panics::caught(|| std::panic::panic_any("first".to_owned()));
     assert_eq!(caught, Err::<(), _>("first".to_owned()));
 }
+
+#[test]
+fn what_is_accepted_or_not_named_is_told() {
+    let told = |result: Result<(), &str>| door::refused(result, &["weight 3"]).err().unwrap_or_default();
+    assert_eq!(told(Err("weight 3 is NaN")), "");
+    assert!(told(Ok(())).contains("accepted"));
+    assert!(told(Err("something is NaN")).contains("does not name"));
+}

@@ -7,6 +7,7 @@
 //! - [`assets`]: what lies in `assets/`, made of the above.
 //! - [`oracle`]: the same question answered by brute force in exact arithmetic.
 //! - [`moments`]: bodies in one moment, ordinary and odd, that every method has to agree on.
+//! - [`near_degenerate`]: pairs of triangles that rounded arithmetic gets wrong.
 //! - [`rivals`]: the same question answered by every other method that `morph_collision` is compared with.
 //! - [`verify`]: the answers of trees against brute force, over situations drawn at random.
 //! - [`stress`]: the same over generated trouble, family by family, and bad input at every door.
@@ -18,6 +19,7 @@ pub mod gltf_write;
 pub mod mesh;
 pub mod models;
 pub mod moments;
+pub mod near_degenerate;
 pub mod oracle;
 pub mod rivals;
 pub mod scenes;

@@ -20,7 +20,7 @@ pub(crate) use cross_axes::{CrossAxes, FrameSide};
 pub(crate) use frame::{Frame, Frames, a_from_b, frames_of, frobenius, world_bounds};
 pub(crate) use gap::{Box64, GapFrame};
 pub(crate) use lanes::{LANES, Lanes};
-pub(crate) use rounding::{down, up};
+pub(crate) use rounding::{U64, down, up};
 pub(crate) use slabs::{BoxLanes, Slab, Slabs};
 pub(crate) use spheres::Spheres;
 pub use transform::{TransformError, WorldFromModel};

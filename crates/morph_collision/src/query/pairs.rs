@@ -1,11 +1,10 @@
 use std::ops::ControlFlow;
 
-use super::body::{Body, as_boxes, world_triangle};
+use super::body::{Body, with_walkable_pair, world_triangle};
 use super::memory::PairMemory;
 use super::stats::QueryStats;
 use crate::bounds::{Volume, WorldFromModel, frames_of};
 use crate::exact::{Triangle, triangles_intersect_counting};
-use crate::pose::AnyPosed;
 use crate::traverse::{CrossCull, Cull, Meeting, PairWalk, Stack, Walkable};
 use crate::tree::Leaf;
 
@@ -151,17 +150,7 @@ impl PairQuery {
             world_from_a: a.world_from_model,
             world_from_b: b.world_from_model,
         };
-        match (a.pose.posed(), b.pose.posed()) {
-            (AnyPosed::Aabb(mut a), AnyPosed::Aabb(mut b)) => self.walk(&mut a, &mut b, &places, memory, visitor),
-            (AnyPosed::Kdop14(mut a), AnyPosed::Kdop14(mut b)) => self.walk(&mut a, &mut b, &places, memory, visitor),
-            (AnyPosed::Kdop18(mut a), AnyPosed::Kdop18(mut b)) => self.walk(&mut a, &mut b, &places, memory, visitor),
-            (AnyPosed::Kdop26(mut a), AnyPosed::Kdop26(mut b)) => self.walk(&mut a, &mut b, &places, memory, visitor),
-            (AnyPosed::Sphere(mut a), AnyPosed::Sphere(mut b)) => self.walk(&mut a, &mut b, &places, memory, visitor),
-            (mut a, mut b) => {
-                let (mut a, mut b) = (as_boxes(&mut a), as_boxes(&mut b));
-                self.walk(&mut a, &mut b, &places, memory, visitor)
-            }
-        }
+        with_walkable_pair!(a.pose.posed(), b.pose.posed(), (a, b) => self.walk(&mut a, &mut b, &places, memory, visitor))
     }
 
     fn walk<V: Volume>(
@@ -214,20 +203,19 @@ impl PairQuery {
             node_tests: walk.node_tests,
             triangle_tests,
             undecided_by_filter,
-            volumes_blended: after[0].volumes + after[1].volumes - before[0].volumes - before[1].volumes,
-            vertices_blended: after[0].vertices + after[1].vertices - before[0].vertices - before[1].vertices,
+            ..QueryStats::blending(before, after)
         }
     }
 }
 
 /// Where the two bodies of a query stand.
-struct Places<'a> {
-    world_from_a: &'a WorldFromModel,
-    world_from_b: &'a WorldFromModel,
+pub(super) struct Places<'a> {
+    pub(super) world_from_a: &'a WorldFromModel,
+    pub(super) world_from_b: &'a WorldFromModel,
 }
 
 impl Places<'_> {
-    fn culls<V: Volume>(
+    pub(super) fn culls<V: Volume>(
         &self,
         a: &mut impl Walkable<Kind = V>,
         b: &mut impl Walkable<Kind = V>,
@@ -247,7 +235,7 @@ impl Places<'_> {
         (culls, cross)
     }
 
-    fn a_from_b_scale(&self) -> f32 {
+    pub(super) fn a_from_b_scale(&self) -> f32 {
         (self.world_from_b.scale() / self.world_from_a.scale()) as f32
     }
 }

@@ -101,8 +101,7 @@ impl SelfQuery {
             ControlFlow::Continue(())
         });
         let after = posed.blended();
-        stats.volumes_blended = after.volumes - before.volumes;
-        stats.vertices_blended = after.vertices - before.vertices;
+        stats += QueryStats::blending([before], [after]);
         stats
     }
 }

@@ -1,5 +1,7 @@
 use std::ops::{AddAssign, Sub};
 
+use crate::pose::Blended;
+
 /// What a query had to do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct QueryStats {
@@ -13,6 +15,18 @@ pub struct QueryStats {
     pub volumes_blended: u64,
     /// Vertices blended, likewise.
     pub vertices_blended: u64,
+}
+
+impl QueryStats {
+    /// What was blended on each of some bodies between two readings.
+    pub(super) fn blending<const N: usize>(before: [Blended; N], after: [Blended; N]) -> Self {
+        let mut stats = Self::default();
+        for (before, after) in before.into_iter().zip(after) {
+            stats.volumes_blended += after.volumes - before.volumes;
+            stats.vertices_blended += after.vertices - before.vertices;
+        }
+        stats
+    }
 }
 
 impl AddAssign for QueryStats {

@@ -189,9 +189,7 @@ impl ShapeQuery {
         QueryStats {
             node_tests,
             triangle_tests,
-            undecided_by_filter: 0,
-            volumes_blended: after.volumes - before.volumes,
-            vertices_blended: after.vertices - before.vertices,
+            ..QueryStats::blending([before], [after])
         }
     }
 }

@@ -76,9 +76,11 @@ fn two_models_and_other_trees_are_verified_too() -> TestResult {
 #[test]
 fn bad_input_is_named() -> TestResult {
     let dir = tempdir()?;
-    let mut broken = RawMesh::triangle("Broken");
-    broken.indices = vec![0, 1, 7];
-    let path = write_gltf(dir.path(), "two.gltf", &[RawMesh::triangle("Good"), broken])?;
+    let path = write_gltf(
+        dir.path(),
+        "two.gltf",
+        &[RawMesh::triangle("One"), RawMesh::triangle("Two")],
+    )?;
     let second = path.display().to_string();
     for (flags, names) in [
         (&["--mesh", "2"][..], &["--mesh", "two.gltf", "2"][..]),
@@ -95,6 +97,14 @@ fn bad_input_is_named() -> TestResult {
     }
     let message = error_of(&verify(&dir.path().join("absent.glb"), &[])?);
     assert!(message.contains("absent.glb"), "{message}");
+    let mut huge = RawMesh::triangle("Huge");
+    huge.positions[2] = [0.0, 3e37, 0.0];
+    let huge = write_gltf(dir.path(), "huge.gltf", &[huge])?.display().to_string();
+    let message = error_of(&verify(&path, &[&huge])?);
+    assert!(
+        message.contains("huge.gltf") && message.contains("vertex 2"),
+        "{message}"
+    );
     Ok(())
 }
 

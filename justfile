@@ -49,6 +49,33 @@ assets:
 containment *CHECKS:
     cargo run --release -p morph_collision_testkit --bin containment -- {{CHECKS}}
 
+# Compares the answers about every model in assets/ and ../shared/models with brute force: FRAMES situations each (30 by
+# default), every kind of volume, three seeds.
+verify FRAMES="30":
+    #!/usr/bin/env bash
+    set -euo pipefail
+    for model in assets/*.glb ../shared/models/*.glb ../shared/models/*.gltf; do
+        test -f "$model" || continue
+        for seed in 1 2 3; do
+            echo "$model"
+            cargo run --quiet --release -p morph_collision_cli -- verify "$model" --frames {{FRAMES}} --seed $seed
+        done
+    done
+
+# Generated trouble: CASES cases (200 by default) of every family, three seeds.
+stress CASES="200":
+    #!/usr/bin/env bash
+    set -euo pipefail
+    for seed in 1 2 3; do
+        cargo run --quiet --release -p morph_collision_cli -- stress --cases {{CASES}} --seed $seed
+    done
+
+# A short form of both, for CI.
+verify-short:
+    cargo run --release -p morph_collision_cli -- verify assets/dolphin_564.glb --frames 50
+    cargo run --release -p morph_collision_cli -- verify assets/dolphin_2256.glb assets/pass_through_20480.glb --frames 10
+    cargo run --release -p morph_collision_cli -- stress --cases 54
+
 # Measures the tables of docs/performance.md again, in place.
 tables *ARGS:
     cargo run --release -p morph_collision_testkit --bin tables -- {{ARGS}} docs/performance.md

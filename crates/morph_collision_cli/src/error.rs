@@ -43,6 +43,14 @@ pub(crate) enum CliError {
         body: usize,
         reason: PoseError,
     },
+    /// A situation drawn for `verify` that the mesh does not bear: its coordinates are too large.
+    #[error("{}: mesh {mesh} \"{name}\": {reason}", file.display())]
+    Situation {
+        file: PathBuf,
+        mesh: usize,
+        name: String,
+        reason: PoseError,
+    },
     #[error("{flag}: {reason}")]
     Flag { flag: &'static str, reason: String },
     #[error("{}: cannot write: {reason}", file.display())]

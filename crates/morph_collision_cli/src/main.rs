@@ -1,15 +1,21 @@
 //! `morph-collide`: try collision detection on morphing glTF models without writing a program.
 //!
 //! `inspect` shows what a model is made of and what tree it gets; `run` replays a scene of scripted bodies and reports
-//! which triangles meet; `query` asks about one mesh in one shape. Results go to stdout, errors and progress to stderr; the
-//! exit code is 2 after an error.
+//! which triangles meet; `query` asks about one mesh in one shape; `verify` compares a model's answers with brute force, and
+//! `stress` those for generated trouble. Results go to stdout, errors and progress to stderr; the exit code is 2 after an
+//! error, and 1 where `verify` or `stress` found something wrong.
 #![forbid(unsafe_code)]
 
 mod error;
 mod inspect;
+mod model_file;
 mod output;
+mod progress;
 mod query;
 mod run;
+mod stress;
+mod tree_options;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -30,6 +36,17 @@ enum Command {
     Inspect(inspect::InspectArgs),
     Run(run::RunArgs),
     Query(query::QueryArgs),
+    Verify(verify::VerifyArgs),
+    Stress(stress::StressArgs),
+}
+
+/// What a command that ran to its end came to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Verdict {
+    /// Nothing is wrong.
+    Clean,
+    /// An answer is not what it should be.
+    FoundWrong,
 }
 
 fn main() -> ExitCode {
@@ -45,13 +62,17 @@ fn main() -> ExitCode {
             return ExitCode::SUCCESS;
         }
     };
+    let clean = |()| Verdict::Clean;
     let result = match &cli.command {
-        Command::Inspect(args) => inspect::inspect(args),
-        Command::Run(args) => run::run(args),
-        Command::Query(args) => query::query(args),
+        Command::Inspect(args) => inspect::inspect(args).map(clean),
+        Command::Run(args) => run::run(args).map(clean),
+        Command::Query(args) => query::query(args).map(clean),
+        Command::Verify(args) => verify::verify(args),
+        Command::Stress(args) => stress::stress(args),
     };
     match result {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(Verdict::Clean) => ExitCode::SUCCESS,
+        Ok(Verdict::FoundWrong) => ExitCode::FAILURE,
         Err(CliError::Stdout(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
         Err(error) => {
             output::complain(format_args!("error: {error}"));

@@ -9,6 +9,8 @@
 //! - [`moments`]: bodies in one moment, ordinary and odd, that every method has to agree on.
 //! - [`near_degenerate`]: pairs of triangles that rounded arithmetic gets wrong.
 //! - [`rivals`]: the same question answered by every other method that `morph_collision` is compared with.
+//! - [`verify`]: the answers of trees against brute force, over situations drawn at random.
+//! - [`stress`]: the same over generated trouble, family by family, and bad input at every door.
 #![forbid(unsafe_code)]
 
 pub mod assets;
@@ -21,3 +23,5 @@ pub mod near_degenerate;
 pub mod oracle;
 pub mod rivals;
 pub mod scenes;
+pub mod stress;
+pub mod verify;

@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 use clap::Args;
 use morph_collision::{Ball, Body, BuildOptions, MorphBvh, PointQuery, Pose, Ray, RayQuery, SelfQuery, WorldFromModel};
-use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::mesh::MorphMesh;
 
 use crate::error::{CliError, MeshError};
+use crate::model_file::read_mesh;
 use crate::output;
 use numbers::{Triple, Weights};
 use report::{PointReport, QueryReport, RayReport, SelfReport};
@@ -85,17 +85,7 @@ fn show(args: &QueryArgs, report: &impl QueryReport) -> Result<(), CliError> {
 
 /// The mesh asked about, with its weights.
 fn pose(args: &QueryArgs) -> Result<Pose, CliError> {
-    let mut meshes = read_meshes(&args.model)?;
-    if args.mesh >= meshes.len() {
-        let reason = format!(
-            "{} has no mesh {}, only {}",
-            args.model.display(),
-            args.mesh,
-            meshes.len()
-        );
-        return Err(bad_flag("--mesh", &reason));
-    }
-    let mesh = meshes.swap_remove(args.mesh);
+    let mesh = read_mesh(&args.model, args.mesh, "--mesh")?;
     let tree = build(&mesh).map_err(|reason| CliError::Mesh {
         file: args.model.clone(),
         mesh: args.mesh,

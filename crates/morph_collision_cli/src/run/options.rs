@@ -1,8 +1,10 @@
 //! How pairs are found: the method, and how its trees are built.
 
 use clap::{Args, ValueEnum};
-use morph_collision::{BuildOptions, Remember, SeparatingAxes, Split, VolumeKind};
+use morph_collision::{BuildOptions, Remember, SeparatingAxes, VolumeKind};
 use morph_collision_testkit::rivals::{MethodKind, MorphTuning};
+
+use crate::tree_options::TreeArgs;
 
 /// The options of `run` that change the work and never the answer; what is not given is as the library has it by default.
 #[derive(Debug, Args)]
@@ -13,15 +15,8 @@ pub(crate) struct MethodArgs {
     /// Bounding volumes of morph: aabb, kdop14, kdop18, kdop26 or sphere.
     #[arg(long, value_name = "KIND")]
     volume: Option<VolumeKind>,
-    /// Most children of a node of a tree of ours: 2, 4 or 8.
-    #[arg(long, value_name = "N", value_parser = arity)]
-    arity: Option<usize>,
-    /// Most triangles in a leaf of a tree of ours, 1 to 255.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
-    leaf: Option<u8>,
-    /// How morph shares triangles out among children: midpoint, sah or pose-sah.
-    #[arg(long, value_name = "RULE")]
-    split: Option<Split>,
+    #[command(flatten)]
+    tree: TreeArgs,
     /// Along which axes morph compares nodes: those of both bodies, or also their nine products, on boxes.
     #[arg(long, value_enum, default_value_t = Sat::Lite)]
     sat: Sat,
@@ -61,28 +56,10 @@ impl MethodArgs {
     }
 
     pub(crate) fn build(&self) -> BuildOptions {
-        let mut options = BuildOptions::default();
-        if let Some(volume) = self.volume {
-            options = options.with_volume(volume);
+        let options = self.tree.build();
+        match self.volume {
+            Some(volume) => options.with_volume(volume),
+            None => options,
         }
-        if let Some(arity) = self.arity {
-            options = options.with_arity(arity);
-        }
-        if let Some(leaf) = self.leaf {
-            options = options.with_leaf_size(usize::from(leaf));
-        }
-        if let Some(split) = self.split {
-            options = options.with_split(split);
-        }
-        options
-    }
-}
-
-fn arity(text: &str) -> Result<usize, String> {
-    match text {
-        "2" => Ok(2),
-        "4" => Ok(4),
-        "8" => Ok(8),
-        _ => Err("it must be 2, 4 or 8".to_owned()),
     }
 }

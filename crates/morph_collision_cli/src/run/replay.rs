@@ -1,15 +1,14 @@
 //! The frame loop: weights, broad phase, narrow phase, and a stopwatch around the three.
 
-use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressStyle};
 use morph_collision::{QueryStats, TrianglePair};
 use morph_collision_testkit::rivals::{BroadPhase, Method, Wanted};
 
 use super::Mode;
 use super::bodies::Cast;
 use crate::error::CliError;
+use crate::progress;
 
 /// What a whole replay found and how long it took.
 #[derive(Debug, Default)]
@@ -44,7 +43,7 @@ pub(crate) struct Hit {
 
 /// Replays all frames. Hits are kept only if `keep_hits`, since there can be many.
 pub(crate) fn replay(cast: &mut Cast, mode: Mode, keep_hits: bool) -> Result<Replay, CliError> {
-    let progress = progress_bar(cast.frames.len());
+    let progress = progress::bar("frame", cast.frames.len() as u64);
     let mut replay = Replay::default();
     let mut scratch = Scratch::default();
     let before = cast.method.work();
@@ -101,17 +100,5 @@ impl Scratch {
         }
         counts.pairs = self.hits.len() as u64;
         counts
-    }
-}
-
-/// A live bar on stderr, or nothing where nobody watches.
-fn progress_bar(frames: usize) -> ProgressBar {
-    if !io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    let bar = ProgressBar::new(frames as u64);
-    match ProgressStyle::with_template("frame {pos}/{len} [{bar:40}] {eta} left") {
-        Ok(style) => bar.with_style(style),
-        Err(_) => bar,
     }
 }

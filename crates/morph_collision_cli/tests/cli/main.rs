@@ -4,4 +4,6 @@ mod bad_input;
 mod inspect;
 mod query;
 mod run;
+mod stress;
 mod support;
+mod verify;

@@ -5,9 +5,11 @@
 //! ```
 //!
 //! Nothing here uses the crate `morph_collision`: the definition of a posed vertex, of two triangles that share a point and
-//! of a set of pairs is written out a second time, with no tree, no volume and no floating-point predicate, so that an
-//! agreement of both means something. Exactness comes from integers: every `f64` is a whole number of some power of two.
+//! of a set of pairs is written out a second time, with no tree, no volume and no predicate in common, so that an
+//! agreement of both means something. Exactness comes from integers: every `f64` is a whole number of some power of two. Whole
+//! meshes would take too long so; [`intersecting_pairs`] leaves out integers where `f64` arithmetic with a bound on its error is sure.
 
+mod certain;
 mod pairs;
 mod scene;
 mod triangles;

@@ -2,12 +2,14 @@
 
 use glam::DVec3;
 
+use super::certain::certainly;
 use super::triangles_intersect;
 
 /// All pairs `(triangle of a, triangle of b)` that share a point, in ascending order.
 ///
-/// Vertices are in world space. Every pair whose `f64` boxes overlap is decided exactly, the boxes themselves by comparing
-/// coordinates, which is exact too. Quadratic but for a sort along x.
+/// Vertices are in world space. Every pair whose `f64` boxes overlap is decided exactly, in integers unless error-bounded
+/// `f64` arithmetic is sure; the boxes themselves by comparing coordinates, which is exact too. Quadratic but for a sort
+/// along x.
 ///
 /// # Panics
 ///
@@ -22,12 +24,23 @@ pub fn intersecting_pairs(
     let mut boxed_b = boxed_triangles(b, b_triangles);
     boxed_b.sort_by(|p, q| p.min.x.total_cmp(&q.min.x));
 
+    // How far along x each of b and all before it reach.
+    let mut reach = f64::NEG_INFINITY;
+    let reaches: Vec<f64> = boxed_b
+        .iter()
+        .map(|triangle| {
+            reach = reach.max(triangle.max.x);
+            reach
+        })
+        .collect();
+
     let mut pairs = Vec::new();
     for triangle_a in &boxed_a {
-        // From the first of b that starts beyond this one's end, none can reach it.
-        let candidates = boxed_b.partition_point(|triangle_b| triangle_b.min.x <= triangle_a.max.x);
-        for triangle_b in &boxed_b[..candidates] {
-            if triangle_a.box_overlaps(triangle_b) && triangles_intersect(&triangle_a.vertices, &triangle_b.vertices) {
+        // Before the first of b that reaches this one's start none can, and none from the first that starts beyond its end.
+        let first = reaches.partition_point(|reach| *reach < triangle_a.min.x);
+        let end = boxed_b.partition_point(|triangle_b| triangle_b.min.x <= triangle_a.max.x);
+        for triangle_b in boxed_b.get(first..end).unwrap_or_default() {
+            if triangle_a.box_overlaps(triangle_b) && triangle_a.meets(triangle_b) {
                 pairs.push((triangle_a.index, triangle_b.index));
             }
         }
@@ -48,6 +61,11 @@ impl BoxedTriangle {
     /// Closed boxes: touching is overlapping.
     fn box_overlaps(&self, other: &Self) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+
+    fn meets(&self, other: &Self) -> bool {
+        certainly(&self.vertices, &other.vertices)
+            .unwrap_or_else(|| triangles_intersect(&self.vertices, &other.vertices))
     }
 }
 

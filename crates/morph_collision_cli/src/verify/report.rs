@@ -1,0 +1,267 @@
+//! What a comparison comes to, as JSON and as text.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use morph_collision::VolumeKind;
+use morph_collision_testkit::verify::{Counts, Finding, Trouble, Verification};
+use serde::Serialize;
+
+use crate::Verdict;
+
+/// The JSON of `verify`. Frames and pairs of triangles are counted once, all else over all kinds of volume.
+#[derive(Debug, Serialize)]
+pub(super) struct VerifyReport {
+    bodies: [WhichMesh; 2],
+    seed: u64,
+    #[serde(flatten)]
+    total: CountsReport,
+    volumes: Vec<VolumeReport>,
+    /// The smallest wrong answer found.
+    reproduction: Option<ReproductionReport>,
+}
+
+/// A mesh of a file.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct WhichMesh {
+    pub(super) model: PathBuf,
+    pub(super) mesh: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct VolumeReport {
+    volume: String,
+    #[serde(flatten)]
+    counts: CountsReport,
+}
+
+#[derive(Debug, Serialize)]
+struct CountsReport {
+    frames: u64,
+    pairs_truth: u64,
+    missed: u64,
+    spurious: u64,
+    undecided_by_filter: u64,
+    containment_checks: u64,
+    containment_violations: u64,
+}
+
+/// Everything that is needed to see a wrong answer again; numbers are written so that reading them gives the same bits.
+#[derive(Debug, Serialize)]
+struct ReproductionReport {
+    volume: String,
+    /// `missed`, `spurious` or `outside`.
+    trouble: &'static str,
+    /// One of each body; none where a vertex is outside a volume.
+    triangles: Option<[u32; 2]>,
+    /// The body and the welded vertex, where it is outside a volume.
+    body_and_vertex: Option<(usize, u32)>,
+    weights: [Vec<f32>; 2],
+    /// Column by column, the translation last.
+    world_from_model: [[f32; 12]; 2],
+    /// The corners of both triangles.
+    world: Option<[[[f64; 3]; 3]; 2]>,
+}
+
+impl VerifyReport {
+    pub(super) fn new(bodies: [WhichMesh; 2], volumes: &[VolumeKind], seed: u64, verification: &Verification) -> Self {
+        let mut total = Counts::default();
+        verification.counts.iter().for_each(|counts| total += *counts);
+        if let Some(first) = verification.counts.first() {
+            (total.frames, total.pairs_truth) = (first.frames, first.pairs_truth);
+        }
+        let volume = |(volume, counts): (&VolumeKind, &Counts)| VolumeReport {
+            volume: volume.to_string(),
+            counts: CountsReport::new(counts),
+        };
+        let reproduction = verification.smallest.as_ref();
+        Self {
+            bodies,
+            seed,
+            total: CountsReport::new(&total),
+            volumes: volumes.iter().zip(&verification.counts).map(volume).collect(),
+            reproduction: reproduction.map(|finding| ReproductionReport::new(volumes[finding.source], finding)),
+        }
+    }
+
+    pub(super) fn verdict(&self) -> Verdict {
+        let total = &self.total;
+        if total.missed + total.spurious + total.containment_violations == 0 {
+            Verdict::Clean
+        } else {
+            Verdict::FoundWrong
+        }
+    }
+
+    pub(super) fn text(&self) -> String {
+        let mut text = String::new();
+        // Writing to a string cannot fail.
+        let _ = self.write_text(&mut text);
+        text
+    }
+
+    fn write_text(&self, text: &mut String) -> std::fmt::Result {
+        let total = &self.total;
+        writeln!(
+            text,
+            "{} frames of seed {}, {} pairs",
+            total.frames, self.seed, total.pairs_truth
+        )?;
+        writeln!(
+            text,
+            "{:8} {:>8} {:>8} {:>12} {:>14} {:>10}",
+            "volume", "missed", "spurious", "undecided", "containment", "outside"
+        )?;
+        for row in &self.volumes {
+            let CountsReport {
+                missed,
+                spurious,
+                undecided_by_filter,
+                ..
+            } = row.counts;
+            let CountsReport {
+                containment_checks,
+                containment_violations,
+                ..
+            } = row.counts;
+            writeln!(
+                text,
+                "{:8} {missed:8} {spurious:8} {undecided_by_filter:12} {containment_checks:14} {containment_violations:10}",
+                row.volume
+            )?;
+        }
+        match &self.reproduction {
+            Some(reproduction) => reproduction.write_text(&self.bodies, text),
+            None => Ok(()),
+        }
+    }
+}
+
+impl CountsReport {
+    fn new(counts: &Counts) -> Self {
+        Self {
+            frames: counts.frames,
+            pairs_truth: counts.pairs_truth,
+            missed: counts.missed,
+            spurious: counts.spurious,
+            undecided_by_filter: counts.undecided_by_filter,
+            containment_checks: counts.containment_checks,
+            containment_violations: counts.containment_violations,
+        }
+    }
+}
+
+impl ReproductionReport {
+    fn new(volume: VolumeKind, finding: &Finding) -> Self {
+        let reproduction = &finding.reproduction;
+        let (trouble, triangles, body_and_vertex) = match reproduction.trouble {
+            Trouble::Missed(a, b) => ("missed", Some([a, b]), None),
+            Trouble::Spurious(a, b) => ("spurious", Some([a, b]), None),
+            Trouble::Outside { body, vertex } => ("outside", None, Some((body, vertex))),
+        };
+        Self {
+            volume: volume.to_string(),
+            trouble,
+            triangles,
+            body_and_vertex,
+            weights: reproduction.situation.weights.clone(),
+            world_from_model: reproduction.situation.places.map(|place| place.to_cols_array()),
+            world: reproduction
+                .world
+                .map(|of_both| of_both.map(|corners| corners.map(|corner| corner.to_array()))),
+        }
+    }
+
+    fn write_text(&self, bodies: &[WhichMesh; 2], text: &mut String) -> std::fmt::Result {
+        writeln!(
+            text,
+            "\nthe smallest that differs: {} with {}",
+            self.trouble, self.volume
+        )?;
+        for (body, which) in bodies.iter().enumerate() {
+            writeln!(text, "body {body}: {} mesh {}", which.model.display(), which.mesh)?;
+            writeln!(text, "  weights {:?}", self.weights[body])?;
+            writeln!(text, "  world_from_model {:?}", self.world_from_model[body])?;
+            if let (Some(triangles), Some(world)) = (&self.triangles, &self.world) {
+                writeln!(text, "  triangle {}: {:?}", triangles[body], world[body])?;
+            }
+        }
+        match self.body_and_vertex {
+            Some((body, vertex)) => writeln!(
+                text,
+                "welded vertex {vertex} of body {body} is outside a volume above it"
+            ),
+            None => Ok(()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Affine3A, DVec3};
+    use morph_collision_testkit::verify::{Reproduction, Situation};
+
+    use super::*;
+
+    fn found(trouble: Trouble) -> VerifyReport {
+        let counts = Counts {
+            frames: 5,
+            pairs_truth: 7,
+            missed: 2,
+            ..Counts::default()
+        };
+        let reproduction = Reproduction {
+            trouble,
+            situation: Situation {
+                weights: [vec![0.1], vec![-1.5e-7]],
+                places: [Affine3A::IDENTITY; 2],
+            },
+            world: Some([[DVec3::splat(0.1); 3]; 2]),
+        };
+        let verification = Verification {
+            counts: vec![counts; 2],
+            smallest: Some(Finding {
+                source: 1,
+                reproduction,
+            }),
+        };
+        let which = WhichMesh {
+            model: "a.glb".into(),
+            mesh: 3,
+        };
+        let volumes = [VolumeKind::Aabb, VolumeKind::Sphere];
+        VerifyReport::new([which.clone(), which], &volumes, 9, &verification)
+    }
+
+    #[test]
+    fn what_differs_is_written_in_full() {
+        let report = found(Trouble::Missed(4, 6));
+        assert_eq!(report.verdict(), Verdict::FoundWrong);
+        assert_eq!(
+            (report.total.frames, report.total.pairs_truth, report.total.missed),
+            (5, 7, 4)
+        );
+        let text = report.text();
+        for part in [
+            "missed with sphere",
+            "a.glb mesh 3",
+            "[-1.5e-7]",
+            "triangle 6",
+            "0.1, 0.1",
+        ] {
+            assert!(text.contains(part), "no {part:?} in: {text}");
+        }
+        let outside = found(Trouble::Outside { body: 1, vertex: 8 }).text();
+        assert!(outside.contains("vertex 8 of body 1"), "{outside}");
+    }
+
+    #[test]
+    fn numbers_come_back_bit_for_bit() -> Result<(), serde_json::Error> {
+        let json: serde_json::Value = serde_json::from_str(&serde_json::to_string(&found(Trouble::Spurious(0, 0)))?)?;
+        let weight = json["reproduction"]["weights"][1][0].as_f64().unwrap_or(0.0) as f32;
+        assert_eq!(weight.to_bits(), (-1.5e-7_f32).to_bits());
+        let corner = json["reproduction"]["world"][0][0][0].as_f64();
+        assert_eq!(corner, Some(0.1));
+        Ok(())
+    }
+}

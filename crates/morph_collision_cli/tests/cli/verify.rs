@@ -1,0 +1,116 @@
+//! `verify` compares trees with brute force.
+
+use std::error::Error;
+use std::path::Path;
+
+use serde_json::Value;
+use tempfile::tempdir;
+
+use crate::support::{RawMesh, TestResult, asset, error_of, morph_collide, stdout_of, write_gltf};
+
+fn verify(model: &Path, flags: &[&str]) -> Result<std::process::Output, Box<dyn Error>> {
+    let mut args = vec!["verify".as_ref(), model.as_os_str()];
+    args.extend(flags.iter().map(AsRef::<std::ffi::OsStr>::as_ref));
+    morph_collide(args)
+}
+
+fn json(model: &Path, flags: &[&str]) -> Result<Value, Box<dyn Error>> {
+    let flags = [flags, &["--json"]].concat();
+    Ok(serde_json::from_str(&stdout_of(&verify(model, &flags)?))?)
+}
+
+#[test]
+fn a_dolphin_is_verified_with_every_kind_of_volume() -> TestResult {
+    let report = json(&asset("dolphin_564.glb"), &["--frames", "12", "--seed", "3"])?;
+    assert_eq!((&report["frames"], &report["seed"]), (&12.into(), &3.into()));
+    assert!(report["pairs_truth"].as_u64() > Some(20), "{report}");
+    assert!(report["containment_checks"].as_u64() > Some(100_000));
+    for count in ["missed", "spurious", "containment_violations"] {
+        assert_eq!(report[count], 0, "{count}");
+    }
+    assert!(report["undecided_by_filter"].is_u64());
+    assert!(report["reproduction"].is_null());
+    let volumes = report["volumes"].as_array().ok_or("no list of volumes")?;
+    let names: Vec<_> = volumes.iter().filter_map(|row| row["volume"].as_str()).collect();
+    assert_eq!(names, ["aabb", "kdop14", "kdop18", "kdop26", "sphere"]);
+    for row in volumes {
+        assert_eq!(
+            (&row["frames"], &row["pairs_truth"]),
+            (&report["frames"], &report["pairs_truth"])
+        );
+    }
+    Ok(())
+}
+
+#[test]
+fn the_seed_decides_the_situations() -> TestResult {
+    let model = asset("dolphin_564.glb");
+    let of_seed = |seed| json(&model, &["--frames", "8", "--volume", "sphere", "--seed", seed]);
+    assert_eq!(of_seed("1")?, of_seed("1")?);
+    assert_ne!(of_seed("1")?["pairs_truth"], of_seed("2")?["pairs_truth"]);
+    Ok(())
+}
+
+#[test]
+fn two_models_and_other_trees_are_verified_too() -> TestResult {
+    let dir = tempdir()?;
+    let two = [RawMesh::triangle("One"), RawMesh::triangle("Two")];
+    let path = write_gltf(dir.path(), "two.gltf", &two)?;
+    let dolphin = asset("dolphin_564.glb").display().to_string();
+    let flags = [
+        &*dolphin, "--mesh", "1", "--frames", "20", "--arity", "2", "--leaf", "1", "--split", "sah",
+    ];
+    let report = json(&path, &flags)?;
+    assert_eq!(report["bodies"][0]["mesh"], 1);
+    assert_eq!(report["bodies"][1]["model"], *dolphin);
+    assert!(report["pairs_truth"].as_u64() > Some(0), "{report}");
+    assert_eq!(report["missed"], 0);
+    let text = stdout_of(&verify(&path, &["--frames", "5", "--volume", "kdop18"])?);
+    assert!(
+        text.starts_with("5 frames of seed 1") && text.contains("kdop18") && !text.contains("aabb"),
+        "{text}"
+    );
+    Ok(())
+}
+
+#[test]
+fn bad_input_is_named() -> TestResult {
+    let dir = tempdir()?;
+    let path = write_gltf(
+        dir.path(),
+        "two.gltf",
+        &[RawMesh::triangle("One"), RawMesh::triangle("Two")],
+    )?;
+    let second = path.display().to_string();
+    for (flags, names) in [
+        (&["--mesh", "2"][..], &["--mesh", "two.gltf", "2"][..]),
+        (&["--mesh2", "1"], &["MODEL2"]),
+        (&[&second, "--mesh2", "5"], &["--mesh2", "two.gltf"]),
+        (&["--volume", "cube"], &["--volume", "cube"]),
+        (&["--arity", "3"], &["--arity"]),
+        (&["--frames", "-1"], &["-1"]),
+    ] {
+        let message = error_of(&verify(&path, flags)?);
+        for name in names {
+            assert!(message.contains(name), "no {name:?} in: {message}");
+        }
+    }
+    let message = error_of(&verify(&dir.path().join("absent.glb"), &[])?);
+    assert!(message.contains("absent.glb"), "{message}");
+    let mut huge = RawMesh::triangle("Huge");
+    huge.positions[2] = [0.0, 3e37, 0.0];
+    let huge = write_gltf(dir.path(), "huge.gltf", &[huge])?.display().to_string();
+    let message = error_of(&verify(&path, &[&huge])?);
+    assert!(
+        message.contains("huge.gltf") && message.contains("vertex 2"),
+        "{message}"
+    );
+    Ok(())
+}
+
+#[test]
+fn no_frames_are_nothing_wrong() -> TestResult {
+    let report = json(&asset("dolphin_564.glb"), &["--frames", "0"])?;
+    assert_eq!((&report["frames"], &report["pairs_truth"]), (&0.into(), &0.into()));
+    Ok(())
+}

@@ -1,0 +1,169 @@
+//! What each family is made of.
+
+use glam::{Affine3A, DVec3, Mat3, Quat, Vec3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use super::{Family, geometry};
+use crate::mesh::MorphMesh;
+use crate::models::{degenerate, random};
+use crate::verify::Situation;
+
+/// Two meshes in a situation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Case {
+    /// One mesh per body.
+    pub meshes: [MorphMesh; 2],
+    /// Their weights and places.
+    pub situation: Situation,
+}
+
+impl Case {
+    /// Case number `index` of a family; the same for the same seed.
+    #[must_use]
+    pub fn new(family: Family, index: u64, seed: u64) -> Self {
+        let mixed = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ index.wrapping_mul(0xd1b5_4a32_d192_ed03);
+        let rng = &mut Pcg64Mcg::seed_from_u64(mixed ^ (family as u64) << 56);
+        match family {
+            Family::Ordinary | Family::BadInput => ordinary(rng),
+            Family::Scale => {
+                let scale = 10.0_f32.powf(rng.random_range(-30.0..=30.0));
+                scaled(rng, scale)
+            }
+            Family::FarOut => far_out(rng),
+            Family::LastPlace => geometry::last_place(rng, index),
+            Family::Coplanar => geometry::coplanar(rng),
+            Family::Slivers => slivers(rng, index),
+            Family::ZeroArea => zero_area(rng, index),
+            Family::Duplicated => geometry::duplicated(rng),
+            Family::LargeWeights => {
+                let [a, b] = blobs(rng, 4);
+                let largest = 10.0_f32.powf(rng.random_range(1.0..=6.0));
+                weighted(rng, [a, b], -largest..=largest)
+            }
+            Family::ManyTargets => {
+                let meshes = blobs(rng, 256);
+                weighted(rng, meshes, -0.1..=0.2)
+            }
+            Family::Cancelling => geometry::cancelling(rng),
+            Family::Mirrored => linear(rng, |rng| {
+                rotation(rng) * Mat3::from_diagonal(Vec3::new(1.0, 1.0, -1.0))
+            }),
+            Family::Sheared => linear(rng, |rng| {
+                let [x, y, z] = std::array::from_fn(|_| rng.random_range(-3.0..=3.0));
+                rotation(rng) * Mat3::from_cols(Vec3::X, Vec3::new(x, 1.0, 0.0), Vec3::new(y, z, 1.0))
+            }),
+            Family::Flattened => linear(rng, |rng| {
+                let mut scale = Vec3::ONE;
+                scale[rng.random_range(0..3_usize)] = 0.0;
+                scale[rng.random_range(0..3_usize)] = rng.random_range(0..2_i32) as f32;
+                // Half of them along the world's axes, so that what is flattened meets in one plane.
+                let turn = if rng.random_bool(0.5) {
+                    Mat3::IDENTITY
+                } else {
+                    rotation(rng)
+                };
+                turn * Mat3::from_diagonal(scale)
+            }),
+            Family::NotOrthonormal => linear(rng, geometry::any_columns),
+            Family::Denormals => geometry::denormals(rng, index),
+        }
+    }
+}
+
+/// Two blobs of 80 triangles.
+pub(super) fn blobs(rng: &mut Pcg64Mcg, targets: usize) -> [MorphMesh; 2] {
+    [0, 1].map(|_| random::random_blob(rng.random(), 1, targets, 0.5))
+}
+
+fn ordinary(rng: &mut Pcg64Mcg) -> Case {
+    let meshes = blobs(rng, 4);
+    weighted(rng, meshes, 0.0..=0.4)
+}
+
+/// Random weights, random turns, and overlapping more or less.
+pub(super) fn weighted(rng: &mut Pcg64Mcg, meshes: [MorphMesh; 2], range: std::ops::RangeInclusive<f32>) -> Case {
+    let weights = [0, 1].map(|body: usize| {
+        let targets = meshes[body].targets.len();
+        (0..targets).map(|_| rng.random_range(range.clone())).collect()
+    });
+    let places = [0, 1].map(|_| Affine3A::from_mat3(rotation(rng)));
+    overlapping(rng, meshes, Situation { weights, places })
+}
+
+/// Moves the second body to somewhere in the first or near it.
+pub(super) fn overlapping(rng: &mut Pcg64Mcg, meshes: [MorphMesh; 2], mut situation: Situation) -> Case {
+    let apart = direction(rng) * rng.random_range(0.0..0.7);
+    situation.bring_together([&meshes[0], &meshes[1]], apart);
+    Case { meshes, situation }
+}
+
+fn linear(rng: &mut Pcg64Mcg, mut matrix: impl FnMut(&mut Pcg64Mcg) -> Mat3) -> Case {
+    let Case { meshes, mut situation } = ordinary(rng);
+    situation.places = [0, 1].map(|_| Affine3A::from_mat3(matrix(rng)));
+    if rng.random_bool(0.5) {
+        situation.places[0] = Affine3A::IDENTITY;
+    }
+    overlapping(rng, meshes, situation)
+}
+
+/// Everything in the model `scale` times as large, and the bodies together again.
+pub(super) fn scaled(rng: &mut Pcg64Mcg, scale: f32) -> Case {
+    let Case { mut meshes, situation } = ordinary(rng);
+    for mesh in &mut meshes {
+        let vectors = mesh.positions.iter_mut().chain(mesh.targets.iter_mut().flatten());
+        vectors.for_each(|vector| *vector *= scale);
+    }
+    overlapping(rng, meshes, situation)
+}
+
+fn far_out(rng: &mut Pcg64Mcg) -> Case {
+    let Case { meshes, mut situation } = ordinary(rng);
+    let size = situation.sizes([&meshes[0], &meshes[1]]);
+    situation.places[0].translation = (direction(rng) * 1e7 * size).as_vec3().into();
+    overlapping(rng, meshes, situation)
+}
+
+/// Slivers through a blob, or on themselves.
+fn slivers(rng: &mut Pcg64Mcg, index: u64) -> Case {
+    let slivers = degenerate::slivers(rng.random(), 60);
+    if index.is_multiple_of(2) {
+        let [blob, _] = blobs(rng, 1);
+        return weighted(rng, [slivers, blob], -1.0..=1.0);
+    }
+    let weights = vec![rng.random_range(-1.0..=1.0)];
+    let place = Affine3A::from_mat3(rotation(rng));
+    let meshes = [slivers.clone(), slivers];
+    let situation = Situation {
+        weights: [weights.clone(), weights],
+        places: [place; 2],
+    };
+    Case { meshes, situation }
+}
+
+fn zero_area(rng: &mut Pcg64Mcg, index: u64) -> Case {
+    let degenerate = degenerate::zero_area(rng.random(), 60);
+    let other = match index % 3 {
+        0 => degenerate::zero_area(rng.random(), 60),
+        1 => degenerate::all_equal(20),
+        _ => random::triangle_soup(rng.random(), 60, 1),
+    };
+    let mut case = weighted(rng, [degenerate, other], -1.0..=1.0);
+    if rng.random_bool(0.5) {
+        // On the common grid, where touching is frequent.
+        case.situation = Situation {
+            weights: [0, 1].map(|_| vec![rng.random_range(-4..=4_i32) as f32 / 4.0]),
+            places: [Affine3A::IDENTITY; 2],
+        };
+    }
+    case
+}
+
+pub(super) fn rotation(rng: &mut Pcg64Mcg) -> Mat3 {
+    let mut turn = || rng.random_range(-3.2..3.2_f32);
+    Mat3::from_quat(Quat::from_rotation_x(turn()) * Quat::from_rotation_y(turn()) * Quat::from_rotation_z(turn()))
+}
+
+pub(super) fn direction(rng: &mut Pcg64Mcg) -> DVec3 {
+    DVec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0))).normalize_or(DVec3::X)
+}

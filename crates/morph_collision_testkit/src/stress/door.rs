@@ -1,0 +1,164 @@
+//! Every door at which numbers come in, and something bad at each.
+
+use std::fmt::Display;
+use std::path::Path;
+
+use glam::{Affine3A, DVec3, Quat, Vec3};
+use morph_collision::{
+    Aabb, Ball, BuildOptions, ConvexRegion, HalfSpace, MorphBvh, PartitionShape, PlacedShape, Ray, Shape,
+    WorldFromModel, WorldFromShape,
+};
+use rand::RngExt;
+use rand_pcg::Pcg64Mcg;
+
+use super::Case;
+use crate::scenes::Scene;
+use crate::verify::{AnswerSource, Situation, Trees};
+
+/// How many doors there are.
+pub const DOORS: u64 = 27;
+
+/// Hands something bad in at a door, at random places; `trees` are in the case's situation, and stay in it.
+///
+/// # Errors
+/// What is wrong: the bad input was accepted, or the error does not name it.
+pub fn knock(door: u64, rng: &mut Pcg64Mcg, case: &Case, trees: &mut Trees) -> Result<(), String> {
+    let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY][rng.random_range(0..3_usize)];
+    // Where infinity is as good as any number.
+    let not_positive = [f32::NAN, f32::NEG_INFINITY][rng.random_range(0..2_usize)];
+    let axis = rng.random_range(0..3_usize);
+    let with = |value: f32| {
+        let mut vector = Vec3::ONE;
+        vector[axis] = value;
+        vector
+    };
+    let shape = |shape: Shape| PlacedShape::new(shape, &WorldFromShape::IDENTITY);
+    let weights = &case.situation.weights[0];
+    let target = rng.random_range(0..weights.len().max(1));
+    match door % DOORS {
+        0 => model(case, |mesh| mesh.positions[7] = with(bad), &["base", "vertex 7"]),
+        1 => model(case, |mesh| mesh.positions[7] = with(1e38), &["base", "vertex 7"]),
+        2 => {
+            let names = format!("target {target}");
+            model(case, |mesh| mesh.targets[target][5] = with(bad), &[&names, "vertex 5"])
+        }
+        3 => model(
+            case,
+            |mesh| mesh.triangles[3][1] = 999,
+            &["triangle 3, corner 1", "999"],
+        ),
+        4 => model(
+            case,
+            |mesh| mesh.targets[target].truncate(9),
+            &[&format!("target {target}"), "9 vertices"],
+        ),
+        5 => model(case, |mesh| mesh.triangles.clear(), &["no triangles"]),
+        6 | 7 => {
+            let mut bad_weights = weights.clone();
+            bad_weights[target] = if door % DOORS == 6 { bad } else { 3e38 };
+            // Which of several weights takes the sum out of range is told; a single one is itself.
+            refused(trees.poses()[0].set_weights(&bad_weights), &["weight "])
+        }
+        8 => refused(trees.poses()[0].set_weights(&weights[1..]), &["3 weights", "4 targets"]),
+        9 | 10 => {
+            let (column, mut entries) = (rng.random_range(0..4_usize), Affine3A::IDENTITY.to_cols_array());
+            entries[column * 3 + axis] = bad;
+            let place = Affine3A::from_cols_array(&entries);
+            let names = format!("column {column}, row {axis}");
+            if door % DOORS == 9 {
+                return refused(WorldFromModel::new(place), &[&names]);
+            }
+            let situation = Situation {
+                places: [place, Affine3A::IDENTITY],
+                ..case.situation.clone()
+            };
+            refused(trees.set(&situation), &[&names])
+        }
+        11 => refused(
+            Ray::new(with(bad).as_dvec3(), DVec3::X, 1.0),
+            &["origin", &format!("coordinate {axis}")],
+        ),
+        12 => refused(Ray::new(DVec3::ZERO, with(bad).as_dvec3(), 1.0), &["direction"]),
+        13 => refused(Ray::new(DVec3::ZERO, DVec3::X, not_positive.into()), &["max_t"]),
+        14 => refused(
+            Ball::new(with(bad).as_dvec3(), 1.0),
+            &["center", &format!("coordinate {axis}")],
+        ),
+        15 => refused(Ball::new(DVec3::ZERO, not_positive.into()), &["radius"]),
+        16 => refused(HalfSpace::new(with(bad).as_dvec3(), 1.0), &["normal"]),
+        17 => refused(HalfSpace::new(DVec3::X, bad.into()), &["offset"]),
+        18 => refused(
+            ConvexRegion::from_box(&Aabb {
+                min: with(bad),
+                max: Vec3::ONE,
+            }),
+            &["min"],
+        ),
+        19 => refused(shape(Shape::Ball { radius: bad }), &["radius"]),
+        20 => {
+            let capsule = Shape::Capsule {
+                half_length: bad,
+                radius: 1.0,
+            };
+            refused(shape(capsule), &["half length"])
+        }
+        21 => refused(
+            shape(Shape::Cuboid {
+                half_extents: with(bad),
+            }),
+            &["half extents"],
+        ),
+        22 => refused(shape(Shape::HalfSpace { normal: with(bad) }), &["normal"]),
+        23 => {
+            let segment = Shape::Segment {
+                a: with(bad),
+                b: Vec3::ONE,
+            };
+            refused(shape(segment), &["segment"])
+        }
+        24 => {
+            let rotation = Quat::from_xyzw(0.0, bad, 0.0, 1.0);
+            refused(WorldFromShape::new(rotation, Vec3::ONE), &["rotation"])?;
+            refused(WorldFromShape::new(Quat::IDENTITY, with(bad)), &["translation"])
+        }
+        25 => {
+            let model = std::sync::Arc::clone(trees.poses()[0].bvh().model());
+            let scales = BuildOptions::default().with_scales([1.0, bad]);
+            refused(MorphBvh::build(std::sync::Arc::clone(&model), &scales), &["scale"])?;
+            let mut shape = weights.clone();
+            shape[target] = bad;
+            let shape = BuildOptions::default().with_shape(PartitionShape::Weights(shape));
+            refused(MorphBvh::build(model, &shape), &[&format!("weight {target}")])
+        }
+        _ => {
+            let scene = |weight: &str| {
+                let json = format!(
+                    "{{\"bodies\": [{{\"model\": \"a.glb\"}}],\n\"frames\": [[{{\"weights\": [0, {weight}]}}]]}}"
+                );
+                refused(
+                    Scene::parse(json.as_bytes(), Path::new("scene.json")),
+                    &["scene.json", "line 2"],
+                )
+            };
+            ["NaN", "Infinity", "1e39", "-1e999"].into_iter().try_for_each(scene)
+        }
+    }
+}
+
+/// The mesh with something broken in it must not become a model.
+fn model(case: &Case, spoil: impl FnOnce(&mut crate::mesh::MorphMesh), names: &[&str]) -> Result<(), String> {
+    let mut mesh = case.meshes[0].clone();
+    spoil(&mut mesh);
+    refused(mesh.to_model(), names)
+}
+
+pub(super) fn refused<T, E: Display>(result: Result<T, E>, names: &[&str]) -> Result<(), String> {
+    let Err(error) = result else {
+        return Err(format!("accepted what is bad in {}", names.join(", ")));
+    };
+    let message = error.to_string();
+    match names.iter().find(|name| !message.contains(**name)) {
+        Some(name) => Err(format!("\"{message}\" does not name \"{name}\"")),
+        None => Ok(()),
+    }
+}

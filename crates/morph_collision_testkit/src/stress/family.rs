@@ -1,0 +1,93 @@
+use std::fmt;
+
+/// A sort of trouble.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// None: what the others are compared with.
+    Ordinary,
+    /// Models of sizes from 1e-30 to 1e30.
+    Scale,
+    /// Bodies ten million sizes from the origin.
+    FarOut,
+    /// Gaps and overlaps of 1 to a million units in the last place.
+    LastPlace,
+    /// Sheets in one plane.
+    Coplanar,
+    /// Triangles a millionth as wide as they are long.
+    Slivers,
+    /// Triangles that are points or segments.
+    ZeroArea,
+    /// Every corner a vertex of its own, and vertices that no triangle uses.
+    Duplicated,
+    /// Weights up to a million of either sign.
+    LargeWeights,
+    /// 256 targets.
+    ManyTargets,
+    /// Large displacements that sum to nearly nothing.
+    Cancelling,
+    /// Mirrored bodies.
+    Mirrored,
+    /// Sheared bodies.
+    Sheared,
+    /// Bodies with scale 0 along an axis or two.
+    Flattened,
+    /// Columns of any length at any angle, nearly dependent ones included.
+    NotOrthonormal,
+    /// Coordinates, weights and places among the subnormal numbers.
+    Denormals,
+    /// NaN, infinity and what is out of range, at every door.
+    BadInput,
+}
+
+impl Family {
+    /// All of them.
+    pub const ALL: [Self; 17] = [
+        Self::Ordinary,
+        Self::Scale,
+        Self::FarOut,
+        Self::LastPlace,
+        Self::Coplanar,
+        Self::Slivers,
+        Self::ZeroArea,
+        Self::Duplicated,
+        Self::LargeWeights,
+        Self::ManyTargets,
+        Self::Cancelling,
+        Self::Mirrored,
+        Self::Sheared,
+        Self::Flattened,
+        Self::NotOrthonormal,
+        Self::Denormals,
+        Self::BadInput,
+    ];
+
+    /// Its name in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ordinary => "ordinary",
+            Self::Scale => "scale",
+            Self::FarOut => "far-out",
+            Self::LastPlace => "last-place",
+            Self::Coplanar => "coplanar",
+            Self::Slivers => "slivers",
+            Self::ZeroArea => "zero-area",
+            Self::Duplicated => "duplicated",
+            Self::LargeWeights => "large-weights",
+            Self::ManyTargets => "many-targets",
+            Self::Cancelling => "cancelling",
+            Self::Mirrored => "mirrored",
+            Self::Sheared => "sheared",
+            Self::Flattened => "flattened",
+            Self::NotOrthonormal => "not-orthonormal",
+            Self::Denormals => "denormals",
+            Self::BadInput => "bad-input",
+        }
+    }
+}
+
+impl fmt::Display for Family {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}

@@ -1,0 +1,23 @@
+//! Generated trouble: what breaks collision code, family by family, and how the trees fare.
+//!
+//! ```text
+//! Family --case--> meshes, Situation --judge--> Counts, errors, panics, slowdown -> FamilyReport
+//!        --door--> bad input         --refused, by name?--> the last good state still answers right
+//! ```
+
+mod case;
+mod door;
+mod family;
+mod geometry;
+mod pace;
+mod panics;
+mod run;
+
+#[cfg(test)]
+mod tests;
+
+pub use case::Case;
+pub use door::{DOORS, knock};
+pub use family::Family;
+pub use panics::Silence;
+pub use run::{FamilyReport, stress};

@@ -1,0 +1,70 @@
+//! How long an answer takes, next to an ordinary one.
+
+use std::time::Instant;
+
+use morph_collision::{BuildOptions, VolumeKind};
+
+use super::{Case, Family};
+use crate::verify::{AnswerSource, Situation, Trees};
+
+/// Repetitions, of which the median counts.
+const REPEATS: usize = 5;
+
+/// Ordinary cases, of which the median counts.
+const ORDINARY: u64 = 15;
+
+/// Seconds and intersecting pairs of triangles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pace {
+    seconds: f64,
+    pairs: f64,
+}
+
+impl Pace {
+    /// Of a first answer: nothing is blended before. `None` if the situation is refused.
+    pub(super) fn of(trees: &Trees, situation: &Situation) -> Option<Self> {
+        let mut seconds = Vec::with_capacity(REPEATS);
+        let mut pairs = 0.0;
+        for _ in 0..REPEATS {
+            let mut fresh = trees.at_rest();
+            let start = Instant::now();
+            fresh.set(situation).ok()?;
+            pairs = fresh.answer().pairs.len() as f64;
+            seconds.push(start.elapsed().as_secs_f64());
+        }
+        Some(Self {
+            seconds: median(seconds),
+            pairs,
+        })
+    }
+
+    /// Of the ordinary family with one kind of volume.
+    pub(super) fn ordinary(volume: VolumeKind, seed: u64) -> Option<Self> {
+        let options = BuildOptions::default().with_volume(volume);
+        let (mut seconds, mut pairs) = (Vec::new(), Vec::new());
+        for index in 0..ORDINARY {
+            let case = Case::new(Family::Ordinary, index, seed);
+            let trees = Trees::build([&case.meshes[0], &case.meshes[1]], &options).ok()?;
+            let pace = Self::of(&trees, &case.situation)?;
+            seconds.push(pace.seconds);
+            pairs.push(pace.pairs);
+        }
+        Some(Self {
+            seconds: median(seconds),
+            pairs: median(pairs),
+        })
+    }
+
+    /// How many times slower than an ordinary answer of as many pairs; with fewer pairs than the ordinary case has, than the
+    /// ordinary case.
+    pub(super) fn slowdown(&self, ordinary: &Self) -> f64 {
+        let share = (self.pairs / ordinary.pairs.max(1.0)).max(1.0);
+        self.seconds / (ordinary.seconds * share).max(f64::MIN_POSITIVE)
+    }
+}
+
+/// 0 where there is nothing.
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}

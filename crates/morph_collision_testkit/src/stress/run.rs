@@ -1,0 +1,136 @@
+use morph_collision::{BuildOptions, VolumeKind};
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
+
+use super::pace::Pace;
+use super::panics::caught;
+use super::{Case, Family, knock};
+use crate::verify::{AnswerSource, Counts, Trees, judge};
+
+/// How a family fared.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FamilyReport {
+    /// The family.
+    pub family: Family,
+    /// Cases tried.
+    pub cases: u64,
+    /// Answers against the truth, and volumes against vertices.
+    pub counts: Counts,
+    /// Bad input that was turned away by name.
+    pub errors_reported: u64,
+    /// Bad input that was accepted or not named, and good input that was refused.
+    pub unexpected: u64,
+    /// Cases that ended in a panic.
+    pub panics: u64,
+    /// The slowest case, as a multiple of an ordinary one with as many intersecting pairs.
+    pub worst_slowdown: f64,
+    /// The first thing that went wrong.
+    pub first: Option<String>,
+}
+
+impl FamilyReport {
+    /// Whether nothing went wrong.
+    #[must_use]
+    pub fn is_clean(&self) -> bool {
+        self.counts.differences() + self.unexpected + self.panics == 0
+    }
+}
+
+/// Tries `cases` cases of every family, the kinds of volume in turn; `progress` is called after each.
+///
+/// The cases are the same for the same seed; only times differ. Panics are caught; who wants them silent holds a
+/// [`Silence`](super::Silence).
+pub fn stress(cases: u64, seed: u64, mut progress: impl FnMut()) -> Vec<FamilyReport> {
+    let ordinary = VolumeKind::ALL.map(|volume| caught(|| Pace::ordinary(volume, seed)).ok().flatten());
+    let family = |family| {
+        let mut report = FamilyReport::new(family);
+        for index in 0..cases {
+            report.take(index, seed, &ordinary);
+            progress();
+        }
+        report
+    };
+    Family::ALL.map(family).to_vec()
+}
+
+/// What one case comes to.
+#[derive(Debug, Default)]
+struct Outcome {
+    counts: Counts,
+    errors_reported: u64,
+    unexpected: Option<String>,
+    slowdown: f64,
+    trouble: Option<String>,
+}
+
+impl FamilyReport {
+    fn new(family: Family) -> Self {
+        Self {
+            family,
+            cases: 0,
+            counts: Counts::default(),
+            errors_reported: 0,
+            unexpected: 0,
+            panics: 0,
+            worst_slowdown: 0.0,
+            first: None,
+        }
+    }
+
+    fn take(&mut self, index: u64, seed: u64, ordinary: &[Option<Pace>; 5]) {
+        let kind = (index % VolumeKind::ALL.len() as u64) as usize;
+        let family = self.family;
+        let outcome = caught(|| tried(family, index, seed, VolumeKind::ALL[kind], ordinary[kind].as_ref()));
+        self.cases += 1;
+        let trouble = match outcome {
+            Ok(outcome) => {
+                self.counts += outcome.counts;
+                self.errors_reported += outcome.errors_reported;
+                self.unexpected += u64::from(outcome.unexpected.is_some());
+                self.worst_slowdown = self.worst_slowdown.max(outcome.slowdown);
+                outcome.trouble.or(outcome.unexpected)
+            }
+            Err(message) => {
+                self.panics += 1;
+                Some(format!("panic: {message}"))
+            }
+        };
+        if self.first.is_none() {
+            let volume = VolumeKind::ALL[kind];
+            self.first = trouble.map(|trouble| format!("{family}, case {index} of seed {seed}, {volume}: {trouble}"));
+        }
+    }
+}
+
+fn tried(family: Family, index: u64, seed: u64, volume: VolumeKind, ordinary: Option<&Pace>) -> Outcome {
+    let case = Case::new(family, index, seed);
+    let meshes = [&case.meshes[0], &case.meshes[1]];
+    let mut outcome = Outcome::default();
+    let mut trees = match Trees::build(meshes, &BuildOptions::default().with_volume(volume)) {
+        Ok(trees) => trees,
+        Err(error) => {
+            outcome.unexpected = Some(format!("refused: {error}"));
+            return outcome;
+        }
+    };
+    if let Err(error) = trees.set(&case.situation) {
+        outcome.unexpected = Some(format!("refused: {error}"));
+        return outcome;
+    }
+    if family == Family::BadInput {
+        // Some of the last good state is in the caches, then something bad comes in.
+        trees.touches();
+        let rng = &mut Pcg64Mcg::seed_from_u64(seed ^ index << 32);
+        match knock(index, rng, &case, &mut trees) {
+            Ok(()) => outcome.errors_reported = 1,
+            Err(complaint) => outcome.unexpected = Some(complaint),
+        }
+    }
+    let (counts, trouble) = judge(&case.situation.truth(meshes), &mut trees);
+    outcome.counts = counts;
+    outcome.trouble = trouble.map(|trouble| format!("{trouble:?}"));
+    if let (Some(pace), Some(ordinary)) = (Pace::of(&trees, &case.situation), ordinary) {
+        outcome.slowdown = pace.slowdown(ordinary);
+    }
+    outcome
+}

@@ -1,0 +1,129 @@
+use std::cmp::Ordering;
+use std::ops::AddAssign;
+
+use super::AnswerSource;
+
+/// What a comparison came to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Situations compared.
+    pub frames: u64,
+    /// Pairs of triangles that intersect.
+    pub pairs_truth: u64,
+    /// Those that were not answered.
+    pub missed: u64,
+    /// Pairs that were answered and do not intersect, or were answered before.
+    pub spurious: u64,
+    /// Pairs of triangles that the tree's own error-bounded filter could not decide.
+    pub undecided_by_filter: u64,
+    /// How often a vertex was looked for in a volume that should hold it.
+    pub containment_checks: u64,
+    /// How often it was outside.
+    pub containment_violations: u64,
+}
+
+impl Counts {
+    /// How often the answer was not what it should be; 0 is what there should be.
+    #[must_use]
+    pub fn differences(&self) -> u64 {
+        self.missed + self.spurious + self.containment_violations
+    }
+}
+
+impl AddAssign for Counts {
+    fn add_assign(&mut self, other: Self) {
+        self.frames += other.frames;
+        self.pairs_truth += other.pairs_truth;
+        self.missed += other.missed;
+        self.spurious += other.spurious;
+        self.undecided_by_filter += other.undecided_by_filter;
+        self.containment_checks += other.containment_checks;
+        self.containment_violations += other.containment_violations;
+    }
+}
+
+/// One thing that is wrong with an answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Trouble {
+    /// A pair of triangles that intersect and were not answered.
+    Missed(u32, u32),
+    /// A pair of triangles that was answered and does not intersect, or was answered twice.
+    Spurious(u32, u32),
+    /// A vertex of a body, 0 or 1, is outside a volume above it.
+    Outside {
+        /// The body.
+        body: usize,
+        /// The welded vertex.
+        vertex: u32,
+    },
+}
+
+/// Compares an answer about the situation that a source is in with the truth, which is ascending; with the first trouble.
+pub fn judge(truth: &[(u32, u32)], source: &mut impl AnswerSource) -> (Counts, Option<Trouble>) {
+    let answer = source.answer();
+    let (missed, spurious) = differences(truth, &answer.pairs);
+    let mut counts = Counts {
+        frames: 1,
+        pairs_truth: truth.len() as u64,
+        missed: missed.len() as u64,
+        spurious: spurious.len() as u64,
+        undecided_by_filter: answer.stats.undecided_by_filter,
+        ..Counts::default()
+    };
+    let missed = missed.first().map(|&(a, b)| Trouble::Missed(a, b));
+    let spurious = spurious.first().map(|&(a, b)| Trouble::Spurious(a, b));
+    let mut trouble = missed.or(spurious);
+    for body in 0..2 {
+        let report = source.containment(body);
+        counts.containment_checks += report.checks;
+        counts.containment_violations += report.violations;
+        let outside = report.first.map(|violation| Trouble::Outside {
+            body,
+            vertex: violation.vertex,
+        });
+        trouble = trouble.or(outside);
+    }
+    (counts, trouble)
+}
+
+pub(super) type Pairs = Vec<(u32, u32)>;
+
+/// What is only in the first of two ascending lists, and what is only in the second.
+pub(super) fn differences(truth: &[(u32, u32)], answer: &[(u32, u32)]) -> (Pairs, Pairs) {
+    let (mut missed, mut spurious) = (Vec::new(), Vec::new());
+    let (mut truth, mut answer) = (truth.iter().copied().peekable(), answer.iter().copied().peekable());
+    loop {
+        let order = match (truth.peek(), answer.peek()) {
+            (Some(of_truth), Some(of_answer)) => of_truth.cmp(of_answer),
+            (Some(_), None) => Ordering::Less,
+            (None, Some(_)) => Ordering::Greater,
+            (None, None) => return (missed, spurious),
+        };
+        match order {
+            Ordering::Less => missed.extend(truth.next()),
+            Ordering::Greater => spurious.extend(answer.next()),
+            Ordering::Equal => {
+                truth.next();
+                answer.next();
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lists_are_compared_pair_for_pair() {
+        let truth = [(0, 1), (0, 2), (3, 0), (5, 5)];
+        assert_eq!(differences(&truth, &truth), (vec![], vec![]));
+        let answer = [(0, 0), (0, 2), (0, 2), (3, 0), (9, 9)];
+        assert_eq!(
+            differences(&truth, &answer),
+            (vec![(0, 1), (5, 5)], vec![(0, 0), (0, 2), (9, 9)])
+        );
+        assert_eq!(differences(&[], &answer[..1]), (vec![], vec![(0, 0)]));
+        assert_eq!(differences(&truth[..1], &[]), (vec![(0, 1)], vec![]));
+    }
+}

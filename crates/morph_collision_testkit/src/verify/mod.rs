@@ -1,0 +1,27 @@
+//! A tree's answers against brute force, over two bodies in every sort of shape and place.
+//!
+//! ```text
+//! Draw --situations (search: nearly touching)--> Situation --truth--> pairs \
+//!                                               AnswerSource (Trees) --> pairs -- judge --> Counts, Reproduction (shrink)
+//! ```
+//!
+//! Who answers is behind a trait, [`AnswerSource`], so that the comparison itself can be tried on answers known to be wrong.
+
+mod draw;
+mod judge;
+mod run;
+mod search;
+mod shrink;
+mod situation;
+mod source;
+
+#[cfg(test)]
+mod tests;
+
+pub use draw::Draw;
+pub use judge::{Counts, Trouble, judge};
+pub use run::{Finding, Verification, verify};
+pub use search::nearly_touching;
+pub use shrink::{Reproduction, shrink};
+pub use situation::{Meshes, Situation};
+pub use source::{Answer, AnswerSource, Trees};

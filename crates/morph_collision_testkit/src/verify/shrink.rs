@@ -1,0 +1,136 @@
+//! Making a wrong answer small enough to be looked at.
+
+use glam::{Affine3A, DVec3};
+
+use super::judge::differences;
+use super::{AnswerSource, Meshes, Situation, Trouble};
+
+/// A wrong answer, as small as it could be made: all that is needed to see it again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reproduction {
+    /// What is wrong.
+    pub trouble: Trouble,
+    /// With these weights and places.
+    pub situation: Situation,
+    /// The corners of the two triangles in world space; `None` where a vertex is outside a volume.
+    pub world: Option<[[DVec3; 3]; 2]>,
+}
+
+impl Reproduction {
+    /// How much there is to look at: weights that are not zero, and entries of the places that are not the identity's.
+    #[must_use]
+    pub fn size(&self) -> usize {
+        let identity = Affine3A::IDENTITY.to_cols_array();
+        let weights = self
+            .situation
+            .weights
+            .iter()
+            .flatten()
+            .filter(|weight| **weight != 0.0)
+            .count();
+        let odd = |place: &Affine3A| {
+            place
+                .to_cols_array()
+                .iter()
+                .zip(identity)
+                .filter(|(x, y)| **x != *y)
+                .count()
+        };
+        weights + self.situation.places.iter().map(odd).sum::<usize>()
+    }
+}
+
+/// Sets weights to zero and entries of the places to the identity's, one after another, while the same sort of trouble stays.
+pub fn shrink(
+    meshes: Meshes<'_>,
+    source: &mut impl AnswerSource,
+    situation: &Situation,
+    mut trouble: Trouble,
+) -> Reproduction {
+    let mut smallest = situation.clone();
+    loop {
+        let before = smallest.clone();
+        for simpler in steps(meshes) {
+            let mut tried = smallest.clone();
+            simpler.take(&mut tried);
+            if tried != smallest
+                && let Some(found) = still(meshes, source, &tried, trouble)
+            {
+                (smallest, trouble) = (tried, found);
+            }
+        }
+        if smallest == before {
+            break;
+        }
+    }
+    let world = match trouble {
+        Trouble::Missed(a, b) | Trouble::Spurious(a, b) => Some([
+            smallest.world_triangle(meshes, 0, a),
+            smallest.world_triangle(meshes, 1, b),
+        ]),
+        Trouble::Outside { .. } => None,
+    };
+    Reproduction {
+        trouble,
+        situation: smallest,
+        world,
+    }
+}
+
+/// One simplification.
+enum Step {
+    Weight { body: usize, target: usize },
+    Place { body: usize },
+    Entry { body: usize, entry: usize },
+}
+
+fn steps(meshes: Meshes<'_>) -> impl Iterator<Item = Step> {
+    (0..2).flat_map(move |body| {
+        let weights = (0..meshes[body].targets.len()).map(move |target| Step::Weight { body, target });
+        let entries = (0..12).map(move |entry| Step::Entry { body, entry });
+        weights.chain(std::iter::once(Step::Place { body })).chain(entries)
+    })
+}
+
+impl Step {
+    fn take(&self, situation: &mut Situation) {
+        match *self {
+            Self::Weight { body, target } => situation.weights[body][target] = 0.0,
+            Self::Place { body } => situation.places[body] = Affine3A::IDENTITY,
+            Self::Entry { body, entry } => {
+                let mut entries = situation.places[body].to_cols_array();
+                entries[entry] = Affine3A::IDENTITY.to_cols_array()[entry];
+                situation.places[body] = Affine3A::from_cols_array(&entries);
+            }
+        }
+    }
+}
+
+/// The same trouble in another situation, or the like with other triangles; `None` if there is none.
+fn still(
+    meshes: Meshes<'_>,
+    source: &mut impl AnswerSource,
+    situation: &Situation,
+    trouble: Trouble,
+) -> Option<Trouble> {
+    source.set(situation).ok()?;
+    if let Trouble::Outside { body, .. } = trouble {
+        let vertex = source.containment(body).first?.vertex;
+        return Some(Trouble::Outside { body, vertex });
+    }
+    let answer = source.answer().pairs;
+    let times = |pair| answer.iter().filter(|answered| **answered == pair).count();
+    let of_pair = match trouble {
+        Trouble::Missed(a, b) => times((a, b)) == 0 && situation.truth_of(meshes, (a, b)),
+        Trouble::Spurious(a, b) => times((a, b)) > usize::from(situation.truth_of(meshes, (a, b))),
+        Trouble::Outside { .. } => false,
+    };
+    if of_pair {
+        return Some(trouble);
+    }
+    let (missed, spurious) = differences(&situation.truth(meshes), &answer);
+    match trouble {
+        Trouble::Missed(..) => missed.first().map(|&(a, b)| Trouble::Missed(a, b)),
+        _ => spurious.first().map(|&(a, b)| Trouble::Spurious(a, b)),
+    }
+}

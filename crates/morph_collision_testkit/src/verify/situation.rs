@@ -1,0 +1,94 @@
+use glam::{Affine3A, DVec3, Vec3};
+
+use crate::mesh::MorphMesh;
+use crate::oracle::{intersecting_pairs, posed_vertices, triangles_intersect, world_vertices};
+
+/// The meshes of the two bodies.
+pub type Meshes<'a> = [&'a MorphMesh; 2];
+
+/// The shapes and places of two bodies.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Situation {
+    /// One weight per target, of each body.
+    pub weights: [Vec<f32>; 2],
+    /// `world_from_model` of each body.
+    pub places: [Affine3A; 2],
+}
+
+impl Situation {
+    /// All intersecting pairs of triangles by brute force, ascending.
+    ///
+    /// # Panics
+    /// If there is not one weight per target.
+    pub fn truth(&self, meshes: Meshes<'_>) -> Vec<(u32, u32)> {
+        let [a, b] = [0, 1].map(|body| {
+            let mesh = meshes[body];
+            let posed = posed_vertices(&mesh.positions, &mesh.targets, &self.weights[body]);
+            world_vertices(&posed, &self.places[body])
+        });
+        intersecting_pairs(&a, &meshes[0].triangles, &b, &meshes[1].triangles)
+    }
+
+    /// Whether two triangles intersect, in integers.
+    ///
+    /// # Panics
+    /// If there is not one weight per target, or no such triangle.
+    pub fn truth_of(&self, meshes: Meshes<'_>, (triangle_a, triangle_b): (u32, u32)) -> bool {
+        let a = self.world_triangle(meshes, 0, triangle_a);
+        let b = self.world_triangle(meshes, 1, triangle_b);
+        triangles_intersect(&a, &b)
+    }
+
+    /// The corners of a body's triangle in world space.
+    ///
+    /// # Panics
+    /// If there is not one weight per target, or no such triangle.
+    pub fn world_triangle(&self, meshes: Meshes<'_>, body: usize, triangle: u32) -> [DVec3; 3] {
+        let mesh = meshes[body];
+        let corners = mesh.triangles[triangle as usize];
+        let of = |values: &[Vec3]| corners.map(|vertex| values[vertex as usize]).to_vec();
+        let targets: Vec<Vec<Vec3>> = mesh.targets.iter().map(|target| of(target)).collect();
+        let posed = posed_vertices(&of(&mesh.positions), &targets, &self.weights[body]);
+        let world = world_vertices(&posed, &self.places[body]);
+        [world[0], world[1], world[2]]
+    }
+
+    /// The world-space box around the vertices that a body's triangles use: its least and largest coordinates.
+    ///
+    /// # Panics
+    /// If there is not one weight per target.
+    pub fn world_box(&self, meshes: Meshes<'_>, body: usize) -> (DVec3, DVec3) {
+        let mesh = meshes[body];
+        let posed = posed_vertices(&mesh.positions, &mesh.targets, &self.weights[body]);
+        let world = world_vertices(&posed, &self.places[body]);
+        let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let used = mesh.triangles.iter().flatten().filter_map(|&v| world.get(v as usize));
+        used.fold(empty, |(min, max), &p| (min.min(p), max.max(p)))
+    }
+
+    /// The sum of the radii of the balls around both bodies' world-space boxes.
+    ///
+    /// # Panics
+    /// If there is not one weight per target.
+    pub fn sizes(&self, meshes: Meshes<'_>) -> f64 {
+        let radius = |body| {
+            let (min, max) = self.world_box(meshes, body);
+            (max - min).length() * 0.5
+        };
+        radius(0) + radius(1)
+    }
+
+    /// Moves the second body so that the middle of its box is `apart` from the first one's, in units of [`Situation::sizes`],
+    /// as far as the translation's `f32` allow.
+    ///
+    /// # Panics
+    /// If there is not one weight per target.
+    pub fn bring_together(&mut self, meshes: Meshes<'_>, apart: DVec3) {
+        let [middle_a, middle_b] = [0, 1].map(|body| {
+            let (min, max) = self.world_box(meshes, body);
+            (min + max) * 0.5
+        });
+        let translation = self.places[1].translation.as_dvec3() + (middle_a - middle_b) + apart * self.sizes(meshes);
+        self.places[1].translation = translation.as_vec3().into();
+    }
+}

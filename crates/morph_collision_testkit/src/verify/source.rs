@@ -1,0 +1,122 @@
+use std::sync::Arc;
+
+use morph_collision::{
+    Body, BuildOptions, ContainmentReport, MorphBvh, PairQuery, Pose, QueryStats, TrianglePair, WorldFromModel,
+};
+
+use super::{Meshes, Situation};
+use crate::rivals::{PoseError, SetUpError};
+
+/// All intersecting pairs of triangles, as somebody says.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Answer {
+    /// `(triangle of the first body, triangle of the second)`, ascending; a pair that was found twice stands there twice.
+    pub pairs: Vec<(u32, u32)>,
+    /// What it took.
+    pub stats: QueryStats,
+}
+
+/// Who answers about two bodies: what is to be verified.
+pub trait AnswerSource {
+    /// Brings both bodies into a shape and place.
+    ///
+    /// # Errors
+    /// Weights or places that are refused; what was before stays.
+    fn set(&mut self, situation: &Situation) -> Result<(), PoseError>;
+
+    /// All intersecting pairs.
+    fn answer(&mut self) -> Answer;
+
+    /// Whether any triangles intersect.
+    fn touches(&mut self) -> bool;
+
+    /// Whether the volumes of a body, 0 or 1, hold its vertices.
+    fn containment(&mut self, body: usize) -> ContainmentReport;
+}
+
+/// The trees of this project, of one kind each.
+#[derive(Debug)]
+pub struct Trees {
+    poses: [Pose; 2],
+    places: [WorldFromModel; 2],
+    query: PairQuery,
+    pairs: Vec<TrianglePair>,
+}
+
+impl Trees {
+    /// Builds the trees of two meshes; two references to one mesh share a tree.
+    ///
+    /// # Errors
+    /// A mesh or options that are refused.
+    pub fn build(meshes: Meshes<'_>, options: &BuildOptions) -> Result<Self, SetUpError> {
+        let tree = |mesh: usize| {
+            let model = meshes[mesh].to_model();
+            let model = model.map_err(|reason| SetUpError::Model { mesh, reason })?;
+            Ok::<_, SetUpError>(Arc::new(MorphBvh::build(Arc::new(model), options)?))
+        };
+        let a = tree(0)?;
+        let b = if std::ptr::eq(meshes[0], meshes[1]) {
+            Arc::clone(&a)
+        } else {
+            tree(1)?
+        };
+        Ok(Self {
+            poses: [Pose::new(a), Pose::new(b)],
+            places: [WorldFromModel::IDENTITY; 2],
+            query: PairQuery::new(),
+            pairs: Vec::new(),
+        })
+    }
+
+    /// The same trees with poses at rest, in which nothing is blended yet.
+    #[must_use]
+    pub fn at_rest(&self) -> Self {
+        Self {
+            poses: [0, 1].map(|body| Pose::new(Arc::clone(self.poses[body].bvh()))),
+            places: [WorldFromModel::IDENTITY; 2],
+            query: PairQuery::new(),
+            pairs: Vec::new(),
+        }
+    }
+
+    /// The two poses.
+    pub fn poses(&mut self) -> &mut [Pose; 2] {
+        &mut self.poses
+    }
+}
+
+impl AnswerSource for Trees {
+    fn set(&mut self, situation: &Situation) -> Result<(), PoseError> {
+        let [a, b] = situation.places;
+        let places = [WorldFromModel::new(a)?, WorldFromModel::new(b)?];
+        for (pose, weights) in self.poses.iter_mut().zip(&situation.weights) {
+            pose.set_weights(weights)?;
+        }
+        self.places = places;
+        Ok(())
+    }
+
+    fn answer(&mut self) -> Answer {
+        let [a, b] = &mut self.poses;
+        self.pairs.clear();
+        let [at_a, at_b] = &self.places;
+        let stats = self.query.all(Body::new(a, at_a), Body::new(b, at_b), &mut self.pairs);
+        let mut pairs: Vec<_> = self
+            .pairs
+            .iter()
+            .map(|pair| (pair.triangle_a, pair.triangle_b))
+            .collect();
+        pairs.sort_unstable();
+        Answer { pairs, stats }
+    }
+
+    fn touches(&mut self) -> bool {
+        let [a, b] = &mut self.poses;
+        let [at_a, at_b] = &self.places;
+        self.query.any(Body::new(a, at_a), Body::new(b, at_b)).0
+    }
+
+    fn containment(&mut self, body: usize) -> ContainmentReport {
+        self.poses[body].check_containment()
+    }
+}

@@ -78,7 +78,7 @@ mod query;
 mod traverse;
 mod tree;
 
-pub use bounds::{Aabb, TransformError, WorldFromModel};
+pub use bounds::{Aabb, Kernel, TransformError, WorldFromModel};
 pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect, triangles_intersect_filtered};
 pub use model::{ModelError, MorphModel, Subject};
 pub use pose::{

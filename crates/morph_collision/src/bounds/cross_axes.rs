@@ -1,8 +1,10 @@
+use fearless_simd::f32x8;
+use fearless_simd::prelude::*;
 use glam::{DVec3, Vec3};
 
 use super::frame::{LARGEST, MAP_ROUNDINGS};
 use super::rounding::{U32, down, up};
-use super::{Aabb, BoxLanes, Frame, LANES, Lanes};
+use super::{Aabb, BoxLanes, Frame, Lanes};
 
 /// The nine products of an axis of one body and one of another, along which their boxes may be apart when they are along no
 /// axis of either (Gottschalk, Lin and Manocha 1996).
@@ -57,12 +59,20 @@ impl CrossAxes {
     }
 
     /// Which of eight boxes of one side, out of `mask`, may meet a box of the other.
-    pub(crate) fn overlap_mask(&self, side: FrameSide, boxes: &BoxLanes, other: &Aabb, mut mask: u8) -> u8 {
+    #[inline(always)]
+    pub(crate) fn overlap_mask<S: Simd>(
+        &self,
+        simd: S,
+        side: FrameSide,
+        boxes: &BoxLanes,
+        other: &Aabb,
+        mut mask: u8,
+    ) -> u8 {
         for axis in &self.axes {
             if mask == 0 {
                 break;
             }
-            mask &= axis.overlap_mask(side, boxes, other);
+            mask &= axis.overlap_mask(simd, side, boxes, other);
         }
         mask
     }
@@ -84,8 +94,8 @@ impl CrossAxis {
         })
     }
 
-    #[inline]
-    fn overlap_mask(&self, side: FrameSide, boxes: &BoxLanes, other: &Aabb) -> u8 {
+    #[inline(always)]
+    fn overlap_mask<S: Simd>(&self, simd: S, side: FrameSide, boxes: &BoxLanes, other: &Aabb) -> u8 {
         let (own, others) = match side {
             FrameSide::Target => (self.target, self.source),
             FrameSide::Source => (self.source, self.target),
@@ -104,20 +114,17 @@ impl CrossAxis {
         for (k, along) in own.to_array().into_iter().enumerate() {
             let (low, high) = boxes.along(k);
             let (low, high) = if along < 0.0 { (high, low) } else { (low, high) };
-            min.add_scaled(along, low);
-            max.add_scaled(along, high);
+            min.add_scaled(simd, along, low);
+            max.add_scaled(simd, along, high);
         }
         // The offset belongs to the source's ends.
         let (below, above) = match side {
             FrameSide::Target => (other_min + self.offset_min, other_max + self.offset_max),
             FrameSide::Source => (other_min - self.offset_max, other_max - self.offset_min),
         };
-        let mut mask = 0;
-        for lane in 0..LANES {
-            // Not "apart", so that what is not a number overlaps.
-            let apart = max.0[lane] < below || above < min.0[lane];
-            mask |= u8::from(!apart) << lane;
-        }
-        mask
+        let apart =
+            max.load(simd).simd_lt(f32x8::splat(simd, below)) | min.load(simd).simd_gt(f32x8::splat(simd, above));
+        // Not "apart", so that what is not a number overlaps.
+        !(apart.to_bitmask() as u8)
     }
 }

@@ -1,3 +1,6 @@
+use fearless_simd::f32x8;
+use fearless_simd::prelude::*;
+
 /// Children of a node at most, and the width of every kernel.
 pub(crate) const LANES: usize = 8;
 
@@ -7,22 +10,19 @@ pub(crate) const LANES: usize = 8;
 pub(crate) struct Lanes(pub(crate) [f32; LANES]);
 
 impl Lanes {
-    pub(crate) const fn splat(value: f32) -> Self {
-        Self([value; LANES])
+    #[inline(always)]
+    pub(crate) fn load<S: Simd>(&self, simd: S) -> f32x8<S> {
+        f32x8::from_slice(simd, &self.0)
     }
 
     /// `self += a * x`, lane by lane, multiply then add.
-    #[inline]
-    pub(crate) fn add_scaled(&mut self, a: f32, x: &Self) {
-        for (sum, x) in self.0.iter_mut().zip(&x.0) {
-            *sum += a * x;
-        }
+    #[inline(always)]
+    pub(crate) fn add_scaled<S: Simd>(&mut self, simd: S, a: f32, x: &Self) {
+        (self.load(simd) + x.load(simd) * f32x8::splat(simd, a)).store_slice(&mut self.0);
     }
 
-    #[inline]
-    pub(crate) fn add(&mut self, value: f32) {
-        for sum in &mut self.0 {
-            *sum += value;
-        }
+    #[inline(always)]
+    pub(crate) fn add<S: Simd>(&mut self, simd: S, value: f32) {
+        (self.load(simd) + f32x8::splat(simd, value)).store_slice(&mut self.0);
     }
 }

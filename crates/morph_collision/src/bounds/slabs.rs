@@ -1,3 +1,5 @@
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, mask32x8};
 use glam::{DVec3, Vec3};
 
 use super::directions::{along, decompose, direction, length};
@@ -92,9 +94,18 @@ impl<const H: usize> Extent<H> {
 /// A k-DOP's way to another frame: each end is an offset and at most three ends of the source.
 #[derive(Clone, Debug)]
 pub(crate) struct SlabMap<const H: usize> {
-    terms: [[(usize, f32); 3]; H],
+    terms: [[Term; 3]; H],
     offset_min: [f32; H],
     offset_max: [f32; H],
+}
+
+/// What an end of the source adds to both ends of a slab.
+#[derive(Clone, Copy, Debug, Default)]
+struct Term {
+    /// Which of the source's ends, lower ones first, goes to the lower end, and which to the upper one.
+    low: usize,
+    high: usize,
+    amount: f32,
 }
 
 impl<const H: usize> Default for Slabs<H> {
@@ -139,14 +150,14 @@ impl<const H: usize> Volume for Slabs<H> {
     }
 
     /// A negative weight takes the lower end by the largest displacement and the upper end by the smallest.
-    #[inline]
-    fn add_interval(&mut self, weight: f32, slopes: &Self) {
+    #[inline(always)]
+    fn add_interval<S: Simd>(&mut self, simd: S, weight: f32, slopes: &Self) {
         let [min, max] = &mut self.ends;
         let [low, high] = &slopes.ends;
         let (low, high) = if weight < 0.0 { (high, low) } else { (low, high) };
         for i in 0..H {
-            min[i].add_scaled(weight, &low[i]);
-            max[i].add_scaled(weight, &high[i]);
+            min[i].add_scaled(simd, weight, &low[i]);
+            max[i].add_scaled(simd, weight, &high[i]);
         }
     }
 
@@ -156,12 +167,12 @@ impl<const H: usize> Volume for Slabs<H> {
         numbers.extend(max.iter().flat_map(|row| row.0.map(|x| (x / scale).ceil() as i16)));
     }
 
-    #[inline]
-    fn widen(&mut self, by: f32) {
+    #[inline(always)]
+    fn widen<S: Simd>(&mut self, simd: S, by: f32) {
         let [min, max] = &mut self.ends;
         for i in 0..H {
-            min[i].add(-by * length(H, i));
-            max[i].add(by * length(H, i));
+            min[i].add(simd, -by * length(H, i));
+            max[i].add(simd, by * length(H, i));
         }
     }
 
@@ -188,7 +199,7 @@ impl<const H: usize> Volume for Slabs<H> {
 
     fn map(frame: &Frame) -> Option<SlabMap<H>> {
         let mut map = SlabMap {
-            terms: [[(0, 0.0); 3]; H],
+            terms: [[Term::default(); 3]; H],
             offset_min: [0.0; H],
             offset_max: [0.0; H],
         };
@@ -209,66 +220,61 @@ impl<const H: usize> Volume for Slabs<H> {
             if !largest.is_finite() || largest > LARGEST {
                 return None;
             }
-            map.terms[i] = terms.map(|(j, amount)| (j, amount as f32));
+            // A negative amount takes the upper end to the lower one.
+            map.terms[i] = terms.map(|(j, amount)| Term {
+                low: if amount < 0.0 { H + j } else { j },
+                high: if amount < 0.0 { j } else { H + j },
+                amount: amount as f32,
+            });
             map.offset_min[i] = down(offset - slack);
             map.offset_max[i] = up(offset + slack);
         }
         Some(map)
     }
 
+    #[inline]
     fn map_one(map: &SlabMap<H>, one: &Slab<H>) -> Slab<H> {
+        let end = |i: usize| if i < H { one.min[i] } else { one.max[i - H] };
         let mut mapped = Slab {
             min: map.offset_min,
             max: map.offset_max,
         };
         for i in 0..H {
-            for &(j, amount) in &map.terms[i] {
-                let (low, high) = if amount < 0.0 {
-                    (one.max[j], one.min[j])
-                } else {
-                    (one.min[j], one.max[j])
-                };
-                mapped.min[i] += amount * low;
-                mapped.max[i] += amount * high;
+            for term in &map.terms[i] {
+                mapped.min[i] += term.amount * end(term.low);
+                mapped.max[i] += term.amount * end(term.high);
             }
         }
         mapped
     }
 
-    #[inline]
-    fn map_all(map: &SlabMap<H>, all: &Self) -> Self {
-        let [min, max] = &all.ends;
-        let mut mapped = Self {
-            ends: [map.offset_min.map(Lanes::splat), map.offset_max.map(Lanes::splat)],
-        };
-        let [mapped_min, mapped_max] = &mut mapped.ends;
-        for i in 0..H {
-            for &(j, amount) in &map.terms[i] {
-                let (low, high) = if amount < 0.0 {
-                    (&max[j], &min[j])
-                } else {
-                    (&min[j], &max[j])
-                };
-                mapped_min[i].add_scaled(amount, low);
-                mapped_max[i].add_scaled(amount, high);
-            }
-        }
-        mapped
-    }
-
-    #[inline]
-    fn overlap_mask(&self, other: &Slab<H>) -> u8 {
+    #[inline(always)]
+    fn overlap_mask<S: Simd>(&self, simd: S, other: &Slab<H>) -> u8 {
         let [min, max] = &self.ends;
-        let mut mask = 0;
-        for lane in 0..LANES {
-            let mut overlap = true;
-            for i in 0..H {
-                overlap &= min[i].0[lane] <= other.max[i];
-                overlap &= other.min[i] <= max[i].0[lane];
-            }
-            mask |= u8::from(overlap) << lane;
+        let mut overlap = mask32x8::splat(simd, true);
+        for i in 0..H {
+            overlap = overlap & min[i].load(simd).simd_le(f32x8::splat(simd, other.max[i]));
+            overlap = overlap & max[i].load(simd).simd_ge(f32x8::splat(simd, other.min[i]));
         }
-        mask
+        overlap.to_bitmask() as u8
+    }
+
+    #[inline(always)]
+    fn mapped_overlap_mask<S: Simd>(&self, simd: S, map: &SlabMap<H>, other: &Slab<H>) -> u8 {
+        let ends = self.ends.as_flattened();
+        let mut overlap = mask32x8::splat(simd, true);
+        for i in 0..H {
+            let mut min = f32x8::splat(simd, map.offset_min[i]);
+            let mut max = f32x8::splat(simd, map.offset_max[i]);
+            for term in &map.terms[i] {
+                let amount = f32x8::splat(simd, term.amount);
+                min = min + ends[term.low].load(simd) * amount;
+                max = max + ends[term.high].load(simd) * amount;
+            }
+            overlap = overlap & min.simd_le(f32x8::splat(simd, other.max[i]));
+            overlap = overlap & max.simd_ge(f32x8::splat(simd, other.min[i]));
+        }
+        overlap.to_bitmask() as u8
     }
 
     fn overlap(a: &Slab<H>, b: &Slab<H>) -> bool {

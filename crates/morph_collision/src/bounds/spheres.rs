@@ -1,3 +1,5 @@
+use fearless_simd::f32x8;
+use fearless_simd::prelude::*;
 use glam::{DVec3, Vec3};
 
 use super::frame::{LARGEST, MAP_ROUNDINGS};
@@ -51,6 +53,19 @@ fn radius_around(center: DVec3, points: Points<'_>) -> f64 {
     squared.sqrt() * (1.0 + 8.0 * f64::EPSILON) + 16.0 * f64::EPSILON * reach
 }
 
+/// As [`Spheres::overlap`], eight at a time.
+#[inline(always)]
+fn meeting<S: Simd>(simd: S, [x, y, z]: [f32x8<S>; 3], radius: f32x8<S>, other: &Sphere) -> u8 {
+    let x = x - f32x8::splat(simd, other.center.x);
+    let y = y - f32x8::splat(simd, other.center.y);
+    let z = z - f32x8::splat(simd, other.center.z);
+    let distance_squared = x * x + y * y + z * z;
+    let reach = radius + f32x8::splat(simd, other.radius);
+    let below = distance_squared * f32x8::splat(simd, 1.0 - 8.0 * f32::EPSILON) - f32x8::splat(simd, f32::MIN_POSITIVE);
+    let overlap = below.simd_le(reach * reach) | reach.simd_gt(f32x8::splat(simd, 1e18));
+    overlap.to_bitmask() as u8
+}
+
 impl Volume for Spheres {
     type One = Sphere;
     type Map = SphereMap;
@@ -83,13 +98,13 @@ impl Volume for Spheres {
     }
 
     /// The centre follows the middle of the displacements, the radius grows with the weight's magnitude.
-    #[inline]
-    fn add_interval(&mut self, weight: f32, slopes: &Self) {
+    #[inline(always)]
+    fn add_interval<S: Simd>(&mut self, simd: S, weight: f32, slopes: &Self) {
         let [x, y, z, radius] = &mut self.rows;
-        x.add_scaled(weight, &slopes.rows[0]);
-        y.add_scaled(weight, &slopes.rows[1]);
-        z.add_scaled(weight, &slopes.rows[2]);
-        radius.add_scaled(weight.abs(), &slopes.rows[3]);
+        x.add_scaled(simd, weight, &slopes.rows[0]);
+        y.add_scaled(simd, weight, &slopes.rows[1]);
+        z.add_scaled(simd, weight, &slopes.rows[2]);
+        radius.add_scaled(simd, weight.abs(), &slopes.rows[3]);
     }
 
     /// Centres go to the nearest multiple, which the radius makes up for.
@@ -107,9 +122,9 @@ impl Volume for Spheres {
     }
 
     /// Centre and radius may be off by the root of 3 times a coordinate's error each.
-    #[inline]
-    fn widen(&mut self, by: f32) {
-        self.rows[3].add(4.0 * by);
+    #[inline(always)]
+    fn widen<S: Simd>(&mut self, simd: S, by: f32) {
+        self.rows[3].add(simd, 4.0 * by);
     }
 
     fn fit(&mut self, lane: usize, points: &[Vec3]) {
@@ -151,27 +166,31 @@ impl Volume for Spheres {
         }
     }
 
-    #[inline]
-    fn map_all(map: &SphereMap, all: &Self) -> Self {
-        let mut mapped = Self::default();
-        for (axis, row) in map.rows.iter().enumerate() {
-            mapped.rows[axis] = Lanes::splat(map.translation[axis]);
-            for source in 0..3 {
-                mapped.rows[axis].add_scaled(row[source], &all.rows[source]);
-            }
-        }
-        mapped.rows[3] = Lanes::splat(map.slack);
-        mapped.rows[3].add_scaled(map.stretch, &all.rows[3]);
-        mapped
+    #[inline(always)]
+    fn overlap_mask<S: Simd>(&self, simd: S, other: &Sphere) -> u8 {
+        let [x, y, z, radius] = &self.rows;
+        meeting(
+            simd,
+            [x.load(simd), y.load(simd), z.load(simd)],
+            radius.load(simd),
+            other,
+        )
     }
 
-    #[inline]
-    fn overlap_mask(&self, other: &Sphere) -> u8 {
-        let mut mask = 0;
-        for lane in 0..LANES {
-            mask |= u8::from(Self::overlap(&self.get(lane), other)) << lane;
+    #[inline(always)]
+    fn mapped_overlap_mask<S: Simd>(&self, simd: S, map: &SphereMap, other: &Sphere) -> u8 {
+        let [x, y, z, radius] = &self.rows;
+        let source = [x.load(simd), y.load(simd), z.load(simd)];
+        let mut center = source;
+        for axis in 0..3 {
+            let mut along = f32x8::splat(simd, map.translation[axis]);
+            for k in 0..3 {
+                along = along + source[k] * f32x8::splat(simd, map.rows[axis][k]);
+            }
+            center[axis] = along;
         }
-        mask
+        let radius = f32x8::splat(simd, map.slack) + radius.load(simd) * f32x8::splat(simd, map.stretch);
+        meeting(simd, center, radius, other)
     }
 
     /// Rounded in favour of an overlap; sums that overflow or underflow are one, too.

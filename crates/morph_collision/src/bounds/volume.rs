@@ -1,5 +1,6 @@
 use std::fmt::Debug;
 
+use fearless_simd::Simd;
 use glam::{DVec3, Vec3};
 
 use super::{Aabb, Frame, Lanes};
@@ -30,22 +31,22 @@ pub(crate) trait Volume: Copy + Default + Debug + Send + Sync + 'static {
     fn set(&mut self, lane: usize, one: &Self::One);
 
     /// `self += a * slopes` for `a >= 0`.
-    #[inline]
-    fn add_scaled(&mut self, a: f32, slopes: &Self) {
+    #[inline(always)]
+    fn add_scaled<S: Simd>(&mut self, simd: S, a: f32, slopes: &Self) {
         for (sum, slope) in self.rows_mut().iter_mut().zip(slopes.rows()) {
-            sum.add_scaled(a, slope);
+            sum.add_scaled(simd, a, slope);
         }
     }
 
     /// Adds the interval of a displacement, scaled by a weight of any sign.
-    fn add_interval(&mut self, weight: f32, slopes: &Self);
+    fn add_interval<S: Simd>(&mut self, simd: S, weight: f32, slopes: &Self);
 
     /// Appends the rows of slopes as multiples of `scale`, rounded outward; no number is above 32766 times `scale`.
     fn quantize(&self, scale: f32, numbers: &mut Vec<i16>);
 
     /// Grows all eight so that they hold every point off by up to `by` per coordinate, and rows off by up to `by` times
     /// the length of their direction.
-    fn widen(&mut self, by: f32);
+    fn widen<S: Simd>(&mut self, simd: S, by: f32);
 
     /// Makes one lane the smallest volume around some points, rounded outward.
     fn fit(&mut self, lane: usize, points: &[Vec3]);
@@ -53,10 +54,11 @@ pub(crate) trait Volume: Copy + Default + Debug + Send + Sync + 'static {
     /// The map to a frame for volumes within the frame's source bounds; `None` where `f32` cannot hold it.
     fn map(frame: &Frame) -> Option<Self::Map>;
     fn map_one(map: &Self::Map, one: &Self::One) -> Self::One;
-    fn map_all(map: &Self::Map, all: &Self) -> Self;
 
     /// The lanes that may share a point with `other`, as a bit mask; touching counts.
-    fn overlap_mask(&self, other: &Self::One) -> u8;
+    fn overlap_mask<S: Simd>(&self, simd: S, other: &Self::One) -> u8;
+    /// As [`Volume::overlap_mask`] for the volumes that a map makes of these.
+    fn mapped_overlap_mask<S: Simd>(&self, simd: S, map: &Self::Map, other: &Self::One) -> u8;
     fn overlap(a: &Self::One, b: &Self::One) -> bool;
 
     /// A lower bound of the distance between two volumes, 0 or less where they may overlap.

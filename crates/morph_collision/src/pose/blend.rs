@@ -1,6 +1,8 @@
 //! The blended volumes of a group of children: the paper's Eq. 3 within the budget, interval arithmetic beyond it, and an
 //! outward widening for every rounding on the way.
 
+use fearless_simd::Simd;
+
 use crate::bounds::Volume;
 use crate::tree::GroupTables;
 
@@ -12,8 +14,13 @@ const U: f32 = f32::EPSILON / 2.0;
 ///
 /// `amounts` is scratch memory. Cost: one pass over the group's local targets and steps, one multiply-add of eight lanes
 /// per row for each of them that gets some weight.
-#[inline]
-pub(super) fn blend_group<V: Volume>(tables: GroupTables<'_, V>, weights: &[f32], amounts: &mut Vec<f32>) -> (V, f32) {
+#[inline(always)]
+pub(super) fn blend_group<S: Simd, V: Volume>(
+    simd: S,
+    tables: GroupTables<'_, V>,
+    weights: &[f32],
+    amounts: &mut Vec<f32>,
+) -> (V, f32) {
     let mut reach = tables.base_reach;
     let mut active = 0_u32;
     amounts.clear();
@@ -23,7 +30,7 @@ pub(super) fn blend_group<V: Volume>(tables: GroupTables<'_, V>, weights: &[f32]
         reach += magnitude * local.reach;
         active += u32::from(magnitude > 0.0);
     }
-    let mut volume = *tables.base;
+    let (mut volume, mut room) = (*tables.base, V::default());
     let mut products = active;
     if tables.lanes != 0 && active > 0 {
         spend_budget(&tables, weights, amounts);
@@ -32,30 +39,32 @@ pub(super) fn blend_group<V: Volume>(tables: GroupTables<'_, V>, weights: &[f32]
             if rest > 0.0 {
                 products += 1;
                 let weight = rest.copysign(weights[local.target as usize]);
-                tables.intervals.with(i, |slopes| volume.add_interval(weight, slopes));
+                volume.add_interval(simd, weight, tables.intervals.column(i, &mut room));
             }
         }
         for (i, &amount) in steps.iter().enumerate() {
             if amount > 0.0 {
                 products += 1;
-                tables.references.with(i, |slopes| volume.add_scaled(amount, slopes));
+                volume.add_scaled(simd, amount, tables.references.column(i, &mut room));
             }
         }
     }
     let widening = widening(reach, active, products);
-    volume.widen(widening);
+    volume.widen(simd, widening);
     (volume, widening)
 }
 
 /// Volumes as [`blend_group`]'s, from an anchor's: tight at weights `w*`, moved by the interval form of `w - w*`.
-pub(super) fn move_anchored<V: Volume>(
+#[inline(always)]
+pub(super) fn move_anchored<S: Simd, V: Volume>(
+    simd: S,
     tables: GroupTables<'_, V>,
     anchored: &V,
     anchor: &[f32],
     differences: &[f32],
     weights: &[f32],
 ) -> (V, f32) {
-    let mut volume = *anchored;
+    let (mut volume, mut room) = (*anchored, V::default());
     let mut reach = tables.base_reach;
     let (mut active, mut products) = (0, 0);
     for (i, local) in tables.targets.iter().enumerate() {
@@ -68,20 +77,18 @@ pub(super) fn move_anchored<V: Volume>(
         reach += (from.abs() + to.abs() + difference.abs()) * local.reach;
         if difference != 0.0 && tables.lanes != 0 {
             products += 1;
-            tables
-                .intervals
-                .with(i, |slopes| volume.add_interval(difference, slopes));
+            volume.add_interval(simd, difference, tables.intervals.column(i, &mut room));
         }
     }
     let widening = widening(reach, active, products);
-    volume.widen(widening);
+    volume.widen(simd, widening);
     (volume, widening)
 }
 
 /// Moves weight from the intervals to the scaled references, most gain per cost first, until the budget is spent.
 ///
 /// `amounts` holds the weight left to each interval, and gets one more entry per step: the weight at its reference.
-#[inline]
+#[inline(always)]
 fn spend_budget<V: Volume>(tables: &GroupTables<'_, V>, weights: &[f32], amounts: &mut Vec<f32>) {
     let targets = tables.targets.len();
     // What is spent stays below 1 in exact arithmetic: a step rounds at most four times, each time by at most U.
@@ -108,7 +115,7 @@ fn spend_budget<V: Volume>(tables: &GroupTables<'_, V>, weights: &[f32], amounts
 /// product and once per sum, and once more when it is widened; moving weight from one product to another rounds once per
 /// product; the split over in-betweens rounds twice, `reach` itself `m + 1` times relative to itself. Each is at most
 /// `U * reach`. Products that underflow add half the smallest subnormal each.
-#[inline]
+#[inline(always)]
 fn widening(reach: f32, active: u32, products: u32) -> f32 {
     let roundings = (active + 2 * products + 8) as f32;
     // 1.03 covers the products of rounding errors for up to 65535 targets.

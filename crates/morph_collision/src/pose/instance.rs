@@ -7,7 +7,7 @@ use super::anchor::{Anchor, Rest, Resting};
 use super::cache::Stamped;
 use super::posed::{AnyPosed, Blended, Posed, Scratch, with_posed};
 use super::weights::{self, WeightsError};
-use crate::bounds::{Aabb, Slabs, Spheres, Volume, WorldFromModel, world_bounds};
+use crate::bounds::{Aabb, Kernel, Slabs, Spheres, Volume, WorldFromModel, world_bounds};
 use crate::tree::{AnyTables, MorphBvh, Tables};
 
 /// One instance of a morphing mesh: its weights, and the volumes and vertices blended for them so far.
@@ -246,6 +246,7 @@ impl Pose {
             blended,
             scratch,
         } = self;
+        let level = Kernel::level();
         macro_rules! posed {
             ($cache:expr) => {
                 Posed {
@@ -259,6 +260,7 @@ impl Pose {
                     vertices,
                     blended,
                     scratch,
+                    level,
                 }
             };
         }

@@ -1,9 +1,10 @@
+use fearless_simd::Level;
 use glam::Vec3;
 
 use super::anchor::Anchor;
 use super::blend::{blend_group, move_anchored};
 use super::cache::Stamped;
-use crate::bounds::{Aabb, Slabs, Spheres, Volume};
+use crate::bounds::{Aabb, Slabs, Spheres, Volume, with_simd};
 use crate::model::MorphModel;
 use crate::tree::{Child, ChildKind, Tables, Topology};
 
@@ -42,6 +43,8 @@ pub(crate) struct Posed<'a, V> {
     pub(super) vertices: &'a mut Stamped<Vec3>,
     pub(super) blended: &'a mut Blended,
     pub(super) scratch: &'a mut Scratch,
+    /// The instructions to blend and to compare with.
+    pub(crate) level: Level,
 }
 
 /// Memory that blending reuses.
@@ -98,14 +101,15 @@ impl<V: Volume> Posed<'_, V> {
         self.blended.volumes += children.children().len() as u64;
         let tables = self.tables.group(group);
         let (mut volume, widening) = match self.anchor {
-            Some(anchor) => move_anchored(
+            Some(anchor) => with_simd!(self.level, simd => move_anchored(
+                simd,
                 tables,
                 &anchor.volumes[group],
                 &anchor.weights,
                 &anchor.differences,
                 self.weights,
-            ),
-            None => blend_group(tables, self.spread, &mut self.scratch.amounts),
+            )),
+            None => with_simd!(self.level, simd => blend_group(simd, tables, self.spread, &mut self.scratch.amounts)),
         };
         if tables.lanes != children.mask() {
             self.fit_leaves(group, tables.lanes, &mut volume, widening);
@@ -130,7 +134,7 @@ impl<V: Volume> Posed<'_, V> {
             }
         }
         self.scratch.points = points;
-        fitted.widen(widening);
+        with_simd!(self.level, simd => fitted.widen(simd, widening));
         for lane in (0..topology.group(group).children().len()).filter(|lane| with_tables >> lane & 1 == 0) {
             volume.set(lane, &fitted.get(lane));
         }

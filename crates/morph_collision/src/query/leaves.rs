@@ -2,11 +2,12 @@
 
 use std::ops::{ControlFlow, Range};
 
+use fearless_simd::{Level, Simd};
 use glam::DVec3;
 
 use super::body::world_triangle;
 use super::pairs::TrianglePair;
-use crate::bounds::{BoxLanes, LANES, Slab, Volume, WorldFromModel};
+use crate::bounds::{BoxLanes, LANES, Slab, Volume, WorldFromModel, with_simd};
 use crate::exact::{Triangle, triangles_intersect_counting};
 use crate::traverse::Walkable;
 use crate::tree::Leaf;
@@ -97,27 +98,44 @@ fn rounded_box([a, b, c]: &Triangle, origin: DVec3) -> Slab<3> {
     }
 }
 
-/// What testing the triangles of leaves took.
-#[derive(Clone, Copy, Debug, Default)]
+/// What testing the triangles of leaves takes, and took.
+#[derive(Debug, Default)]
 pub(super) struct LeafTests {
+    /// Per triangle of the one leaf, which of each eight of the other have boxes that meet its own.
+    near: Vec<u8>,
     pub(super) triangles: u64,
     pub(super) undecided_by_filter: u64,
+}
+
+impl LeafTests {
+    /// Counts from 0 again; keeps the memory.
+    pub(super) fn begin(&mut self) {
+        self.triangles = 0;
+        self.undecided_by_filter = 0;
+    }
 }
 
 /// Calls `visitor` for every pair of intersecting triangles of two leaves, until it breaks.
 #[inline]
 pub(super) fn intersecting_pairs(
+    level: Level,
     (leaves_a, a): (&Leaves, &Block),
     (leaves_b, b): (&Leaves, &Block),
     tests: &mut LeafTests,
     visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     let (of_a, of_b) = (leaves_a.triangles(a), leaves_b.triangles(b));
-    for (i, (triangle_a, corners_a)) in of_a.iter().enumerate() {
-        tests.triangles += of_b.len() as u64;
-        let box_a = leaves_a.boxes[a.boxes.start + i / LANES].get(i % LANES);
-        for (boxes_b, of_b) in leaves_b.boxes[b.boxes.clone()].iter().zip(of_b.chunks(LANES)) {
-            let mut near = boxes_b.overlap_mask(&box_a) & (u8::MAX >> (LANES - of_b.len()));
+    let (boxes_a, boxes_b) = (&leaves_a.boxes[a.boxes.clone()], &leaves_b.boxes[b.boxes.clone()]);
+    tests.triangles += (of_a.len() * of_b.len()) as u64;
+    tests.near.clear();
+    let any = with_simd!(level, simd => near_boxes(simd, boxes_a, of_a.len(), boxes_b, of_b.len(), &mut tests.near));
+    if !any {
+        return ControlFlow::Continue(());
+    }
+    let rows = tests.near.chunks_exact(boxes_b.len());
+    for ((triangle_a, corners_a), row) in of_a.iter().zip(rows) {
+        for (near, of_b) in row.iter().zip(of_b.chunks(LANES)) {
+            let mut near = *near;
             while near != 0 {
                 let (triangle_b, corners_b) = &of_b[near.trailing_zeros() as usize];
                 near &= near - 1;
@@ -131,4 +149,27 @@ pub(super) fn intersecting_pairs(
         }
     }
     ControlFlow::Continue(())
+}
+
+/// Appends, for each of `count_a` boxes, a mask of the `count_b` others that it meets per eight of them; says if any does.
+#[inline(always)]
+fn near_boxes<S: Simd>(
+    simd: S,
+    boxes_a: &[BoxLanes],
+    count_a: usize,
+    boxes_b: &[BoxLanes],
+    count_b: usize,
+    near: &mut Vec<u8>,
+) -> bool {
+    let mut any = 0;
+    for i in 0..count_a {
+        let box_a = boxes_a[i / LANES].get(i % LANES);
+        for (j, boxes) in boxes_b.iter().enumerate() {
+            let lanes = u8::MAX >> (LANES - (count_b - j * LANES).min(LANES));
+            let mask = boxes.overlap_mask(simd, &box_a) & lanes;
+            any |= mask;
+            near.push(mask);
+        }
+    }
+    any != 0
 }

@@ -40,6 +40,7 @@ pub struct PairQuery {
     stack: Stack,
     leaves_a: Leaves,
     leaves_b: Leaves,
+    tests: LeafTests,
     axes: SeparatingAxes,
 }
 
@@ -179,19 +180,21 @@ impl PairQuery {
             node_tests: 0,
             trace,
         };
-        let mut tests = LeafTests::default();
+        let level = walk.a.level();
         let Self {
             stack,
             leaves_a,
             leaves_b,
+            tests,
             ..
         } = self;
+        tests.begin();
         leaves_a.begin(walk.a.topology().leaf_count(), places.origin());
         leaves_b.begin(walk.b.topology().leaf_count(), places.origin());
         let _stopped_early = walk.run(stack, front, |a, b, of_a, of_b| {
             let block_a = leaves_a.read(a, places.world_from_a, of_a);
             let block_b = leaves_b.read(b, places.world_from_b, of_b);
-            intersecting_pairs((leaves_a, &block_a), (leaves_b, &block_b), &mut tests, visitor)
+            intersecting_pairs(level, (leaves_a, &block_a), (leaves_b, &block_b), tests, visitor)
         });
         let after = [walk.a.blended(), walk.b.blended()];
         QueryStats {

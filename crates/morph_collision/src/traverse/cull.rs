@@ -1,8 +1,9 @@
 //! Volumes of two bodies compared in one frame.
 
+use fearless_simd::{Level, Simd};
 use glam::Vec3;
 
-use crate::bounds::{Aabb, BoxLanes, CrossAxes, FrameSide, Frames, LANES, Slab, Volume};
+use crate::bounds::{Aabb, BoxLanes, CrossAxes, FrameSide, Frames, LANES, Slab, Volume, with_simd};
 use crate::pose::{Blended, NodeRef, Place, Posed};
 use crate::tree::Topology;
 
@@ -42,8 +43,8 @@ impl<V: Volume> Cull<V> {
     }
 
     /// Which of eight volumes of one side may share a point with a volume of the other, as far as this frame can tell.
-    #[inline]
-    pub(crate) fn overlap_mask(&self, side: Side, volumes: &V, other: &V::One) -> u8 {
+    #[inline(always)]
+    fn overlap_mask<S: Simd>(&self, simd: S, side: Side, volumes: &V, other: &V::One) -> u8 {
         let (own, others) = match side {
             Side::A => (&self.a, &self.b),
             Side::B => (&self.b, &self.a),
@@ -57,8 +58,8 @@ impl<V: Volume> Cull<V> {
             None => other,
         };
         match own {
-            Some(map) => V::map_all(map, volumes).overlap_mask(other),
-            None => volumes.overlap_mask(other),
+            Some(map) => volumes.mapped_overlap_mask(simd, map, other),
+            None => volumes.overlap_mask(simd, other),
         }
     }
 
@@ -93,13 +94,13 @@ impl CrossCull {
     }
 
     /// Which of eight boxes of one side, out of `mask`, may meet a box of the other.
-    pub(crate) fn overlap_mask(&self, side: Side, boxes: &BoxLanes, other: &Aabb, mask: u8) -> u8 {
+    pub(crate) fn overlap_mask(&self, level: Level, side: Side, boxes: &BoxLanes, other: &Aabb, mask: u8) -> u8 {
         let side = if side == self.target {
             FrameSide::Target
         } else {
             FrameSide::Source
         };
-        self.axes.overlap_mask(side, boxes, other, mask)
+        with_simd!(level, simd => self.axes.overlap_mask(simd, side, boxes, other, mask))
     }
 }
 
@@ -125,6 +126,8 @@ pub(crate) trait Walkable {
     ) -> u8;
     /// Boxes around the volumes in an opened group's slot.
     fn boxes(&self, slot: usize) -> BoxLanes;
+    /// The instructions to compare with.
+    fn level(&self) -> Level;
 
     #[inline]
     fn node(&self, slot: usize, group: usize, lane: usize) -> NodeRef {
@@ -139,13 +142,13 @@ pub(crate) trait Walkable {
     }
 }
 
-#[inline]
-fn cull<V: Volume>(volumes: &V, culls: &[Cull<V>], side: Side, other: &V::One, mut mask: u8) -> u8 {
+#[inline(always)]
+fn cull<S: Simd, V: Volume>(simd: S, volumes: &V, culls: &[Cull<V>], side: Side, other: &V::One, mut mask: u8) -> u8 {
     for cull in culls {
         if mask == 0 {
             break;
         }
-        mask &= cull.overlap_mask(side, volumes, other);
+        mask &= cull.overlap_mask(simd, side, volumes, other);
     }
     mask
 }
@@ -181,11 +184,15 @@ impl<V: Volume> Walkable for Posed<'_, V> {
 
     #[inline]
     fn overlap_mask(&self, slot: usize, culls: &[Cull<V>], side: Side, other: &V::One, mask: u8) -> u8 {
-        cull(self.volumes(slot), culls, side, other, mask)
+        with_simd!(self.level, simd => cull(simd, self.volumes(slot), culls, side, other, mask))
     }
 
     fn boxes(&self, slot: usize) -> BoxLanes {
         self.all_bounds(slot)
+    }
+
+    fn level(&self) -> Level {
+        self.level
     }
 }
 
@@ -202,6 +209,7 @@ pub(crate) trait Boxes {
     fn open(&mut self, group: usize) -> usize;
     fn bounds(&self, node: NodeRef) -> Slab<3>;
     fn all_bounds(&self, slot: usize) -> BoxLanes;
+    fn level(&self) -> Level;
 }
 
 impl<V: Volume> Boxes for Posed<'_, V> {
@@ -237,6 +245,10 @@ impl<V: Volume> Boxes for Posed<'_, V> {
         }
         boxes
     }
+
+    fn level(&self) -> Level {
+        self.level
+    }
 }
 
 impl Walkable for AsBoxes<'_> {
@@ -267,10 +279,15 @@ impl Walkable for AsBoxes<'_> {
     }
 
     fn overlap_mask(&self, slot: usize, culls: &[Cull<BoxLanes>], side: Side, other: &Slab<3>, mask: u8) -> u8 {
-        cull(&self.0.all_bounds(slot), culls, side, other, mask)
+        let boxes = self.0.all_bounds(slot);
+        with_simd!(self.0.level(), simd => cull(simd, &boxes, culls, side, other, mask))
     }
 
     fn boxes(&self, slot: usize) -> BoxLanes {
         self.0.all_bounds(slot)
+    }
+
+    fn level(&self) -> Level {
+        self.0.level()
     }
 }

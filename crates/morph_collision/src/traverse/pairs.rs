@@ -96,7 +96,9 @@ impl<V: Volume> PairRule<V> for Meeting<'_, V> {
     ) -> u8 {
         let mask = tree.overlap_mask(opened.slot, self.culls, side, other, opened.mask);
         match self.cross {
-            Some(cross) if mask != 0 => cross.overlap_mask(side, &tree.boxes(opened.slot), &V::bounds(other), mask),
+            Some(cross) if mask != 0 => {
+                cross.overlap_mask(tree.level(), side, &tree.boxes(opened.slot), &V::bounds(other), mask)
+            }
             _ => mask,
         }
     }

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::pairs::lanes_of;
-use crate::bounds::{LANES, Volume};
+use crate::bounds::{LANES, Volume, with_simd};
 use crate::pose::{NodeRef, Posed};
 use crate::tree::{ChildKind, Leaf};
 
@@ -59,7 +59,8 @@ fn push_pairs_among<V: Volume>(posed: &mut Posed<'_, V>, group: usize, stack: &m
     for lane in (0..children).rev() {
         let node = posed.node(slot, group, lane);
         let later = posed.topology.group(group).mask() & lanes_after(lane);
-        let mask = posed.volumes(slot).overlap_mask(&posed.volume(node)) & later;
+        let volume = posed.volume(node);
+        let mask = with_simd!(posed.level, simd => posed.volumes(slot).overlap_mask(simd, &volume)) & later;
         stack.extend(lanes_of(mask).map(|other| (node, posed.node(slot, group, other))));
         stack.push((node, node));
     }
@@ -71,7 +72,7 @@ fn push_pairs_with<V: Volume>(posed: &mut Posed<'_, V>, group: usize, other: Nod
     let volume = posed.volume(other);
     let slot = posed.open(group);
     let children = posed.topology.group(group).mask();
-    let mask = posed.volumes(slot).overlap_mask(&volume) & children;
+    let mask = with_simd!(posed.level, simd => posed.volumes(slot).overlap_mask(simd, &volume)) & children;
     stack.extend(lanes_of(mask).map(|lane| (posed.node(slot, group, lane), other)));
     u64::from(children.count_ones())
 }

@@ -72,18 +72,19 @@ impl<V: Volume> Slopes<V> {
 }
 
 impl<V: Volume> SlopesView<'_, V> {
-    /// Gives column `i` to `each`, in full.
-    #[inline]
-    pub(crate) fn with(&self, i: usize, each: impl FnOnce(&V)) {
+    /// Column `i` in full; one in 16 bits is expanded into `room`.
+    #[inline(always)]
+    pub(crate) fn column<'b>(&'b self, i: usize, room: &'b mut V) -> &'b V {
         match self {
-            Self::Full(columns) => each(&columns[i]),
+            Self::Full(columns) => &columns[i],
             Self::Compact { numbers, scales } => {
-                let mut column = V::default();
                 let numbers = numbers[i * V::ROWS * LANES..].as_chunks::<LANES>().0;
-                for (row, numbers) in column.rows_mut().iter_mut().zip(numbers) {
-                    row.0 = numbers.map(|n| f32::from(n) * scales[i]);
+                for (row, numbers) in room.rows_mut().iter_mut().zip(numbers) {
+                    for (value, number) in row.0.iter_mut().zip(numbers) {
+                        *value = f32::from(*number) * scales[i];
+                    }
                 }
-                each(&column);
+                room
             }
         }
     }

@@ -204,8 +204,8 @@ fn validate_tables<V: Volume>(tables: &Tables<V>, topology: &Topology) -> Result
         };
         check(table.base);
         let columns = if table.lanes == 0 { 0 } else { table.targets.len() };
-        (0..columns).for_each(|i| table.intervals.with(i, &mut check));
-        (0..table.steps.len()).for_each(|i| table.references.with(i, &mut check));
+        (0..columns).for_each(|i| check(table.intervals.column(i, &mut V::default())));
+        (0..table.steps.len()).for_each(|i| check(table.references.column(i, &mut V::default())));
         if let Some(value) = bad {
             let value = value.to_string();
             return Err(BrokenTree::Table { group, value });

@@ -43,6 +43,7 @@ pub struct ApproximateQuery {
     stack: Stack,
     leaves_a: Leaves,
     leaves_b: Leaves,
+    tests: LeafTests,
 }
 
 impl ApproximateQuery {
@@ -116,7 +117,9 @@ impl ApproximateQuery {
             stack,
             leaves_a,
             leaves_b,
+            tests,
         } = self;
+        tests.begin();
         leaves_a.begin(walk.a.topology().leaf_count(), places.origin());
         leaves_b.begin(walk.b.topology().leaf_count(), places.origin());
         let mut touching = Vec::new();
@@ -128,11 +131,11 @@ impl ApproximateQuery {
                 ControlFlow::Continue(())
             }
         };
-        let mut tests = LeafTests::default();
+        let level = walk.a.level();
         let stopped = walk.run(stack, &[], |a, b, of_a, of_b| {
             let block_a = leaves_a.read(a, places.world_from_a, of_a);
             let block_b = leaves_b.read(b, places.world_from_b, of_b);
-            let flow = intersecting_pairs((leaves_a, &block_a), (leaves_b, &block_b), &mut tests, &mut found);
+            let flow = intersecting_pairs(level, (leaves_a, &block_a), (leaves_b, &block_b), tests, &mut found);
             rule.triangle_tests.set(tests.triangles);
             flow
         });

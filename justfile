@@ -4,7 +4,7 @@ default:
     @just --list
 
 # Everything that must hold before a change lands.
-ci: fmt-check clippy test test-features doc demo-check
+ci: fmt-check clippy test test-features determinism doc demo-check
 
 # Formats the code.
 fmt:
@@ -23,6 +23,11 @@ test:
 # What only features have.
 test-features:
     cargo test -p morph_collision --features serde --lib tree::
+
+# The same bits in debug and release, for every kind of volume, on any number of threads.
+determinism:
+    cargo test -p morph_collision_testkit --test determinism
+    cargo test -p morph_collision_testkit --test determinism --release
 
 doc:
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps

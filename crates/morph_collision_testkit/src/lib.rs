@@ -7,10 +7,12 @@
 //! - [`assets`]: what lies in `assets/`, made of the above.
 //! - [`oracle`]: the same question answered by brute force in exact arithmetic.
 //! - [`moments`]: bodies in one moment, ordinary and odd, that every method has to agree on.
+//! - [`fuzzing`]: what the fuzz targets do with bytes.
 //! - [`rivals`]: the same question answered by every other method that `morph_collision` is compared with.
 #![forbid(unsafe_code)]
 
 pub mod assets;
+pub mod fuzzing;
 pub mod gltf_read;
 pub mod gltf_write;
 pub mod mesh;

@@ -9,6 +9,7 @@
 //! - [`moments`]: bodies in one moment, ordinary and odd, that every method has to agree on.
 //! - [`fuzzing`]: what the fuzz targets do with bytes.
 //! - [`rivals`]: the same question answered by every other method that `morph_collision` is compared with.
+//! - [`search`]: hill climbing, to look for the worst rounding.
 #![forbid(unsafe_code)]
 
 pub mod assets;
@@ -21,3 +22,4 @@ pub mod moments;
 pub mod oracle;
 pub mod rivals;
 pub mod scenes;
+pub mod search;

@@ -8,6 +8,8 @@ mod directions;
 mod frame;
 mod gap;
 mod lanes;
+#[cfg(test)]
+mod probe;
 mod rounding;
 mod slabs;
 mod spheres;
@@ -20,9 +22,14 @@ pub(crate) use cross_axes::{CrossAxes, FrameSide};
 pub(crate) use frame::{Frame, Frames, a_from_b, frames_of, frobenius, world_bounds};
 pub(crate) use gap::{Box64, GapFrame};
 pub(crate) use lanes::{LANES, Lanes};
+#[cfg(test)]
+pub(crate) use probe::{ExactPoint, Probe};
 pub(crate) use rounding::{down, up};
 pub(crate) use slabs::{BoxLanes, Slab, Slabs};
 pub(crate) use spheres::Spheres;
 pub use transform::{TransformError, WorldFromModel};
 pub(crate) use volume::{Points, Volume};
 pub(crate) use world_query::{ModelPlane, RayCull};
+
+#[cfg(test)]
+mod rounding_tests;

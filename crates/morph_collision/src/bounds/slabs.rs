@@ -93,8 +93,8 @@ impl<const H: usize> Extent<H> {
 #[derive(Clone, Debug)]
 pub(crate) struct SlabMap<const H: usize> {
     terms: [[(usize, f32); 3]; H],
-    offset_min: [f32; H],
-    offset_max: [f32; H],
+    pub(super) offset_min: [f32; H],
+    pub(super) offset_max: [f32; H],
 }
 
 impl<const H: usize> Default for Slabs<H> {

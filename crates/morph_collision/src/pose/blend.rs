@@ -14,6 +14,14 @@ const U: f32 = f32::EPSILON / 2.0;
 /// per row for each of them that gets some weight.
 #[inline]
 pub(super) fn blend_group<V: Volume>(tables: GroupTables<'_, V>, weights: &[f32], amounts: &mut Vec<f32>) -> (V, f32) {
+    let (mut volume, widening) = evaluate(tables, weights, amounts);
+    volume.widen(widening);
+    (volume, widening)
+}
+
+/// The same before it is widened, and by how much it is to be.
+#[inline]
+pub(super) fn evaluate<V: Volume>(tables: GroupTables<'_, V>, weights: &[f32], amounts: &mut Vec<f32>) -> (V, f32) {
     let mut reach = tables.base_reach;
     let mut active = 0_u32;
     amounts.clear();
@@ -42,13 +50,24 @@ pub(super) fn blend_group<V: Volume>(tables: GroupTables<'_, V>, weights: &[f32]
             }
         }
     }
-    let widening = widening(reach, active, products);
-    volume.widen(widening);
-    (volume, widening)
+    (volume, widening(reach, active, products))
 }
 
 /// Volumes as [`blend_group`]'s, from an anchor's: tight at weights `w*`, moved by the interval form of `w - w*`.
 pub(super) fn move_anchored<V: Volume>(
+    tables: GroupTables<'_, V>,
+    anchored: &V,
+    anchor: &[f32],
+    differences: &[f32],
+    weights: &[f32],
+) -> (V, f32) {
+    let (mut volume, widening) = evaluate_anchored(tables, anchored, anchor, differences, weights);
+    volume.widen(widening);
+    (volume, widening)
+}
+
+/// The same before it is widened, and by how much it is to be.
+pub(super) fn evaluate_anchored<V: Volume>(
     tables: GroupTables<'_, V>,
     anchored: &V,
     anchor: &[f32],
@@ -73,9 +92,7 @@ pub(super) fn move_anchored<V: Volume>(
                 .with(i, |slopes| volume.add_interval(difference, slopes));
         }
     }
-    let widening = widening(reach, active, products);
-    volume.widen(widening);
-    (volume, widening)
+    (volume, widening(reach, active, products))
 }
 
 /// Moves weight from the intervals to the scaled references, most gain per cost first, until the budget is spent.

@@ -7,12 +7,16 @@
 //! Nothing here uses the crate `morph_collision`: the definition of a posed vertex, of two triangles that share a point and
 //! of a set of pairs is written out a second time, with no tree, no volume and no floating-point predicate, so that an
 //! agreement of both means something. Exactness comes from integers: every `f64` is a whole number of some power of two.
+//!
+//! [`Dyadic`] is that number, to measure roundings with.
 
+mod dyadic;
 mod pairs;
 mod scene;
 mod triangles;
 mod vertex;
 
+pub use dyadic::Dyadic;
 pub use pairs::intersecting_pairs;
 pub use scene::{BodyPairs, BodyPose, scene_pairs};
 pub use triangles::triangles_intersect;

@@ -58,6 +58,8 @@
 //! | one body: where it intersects itself | [`SelfQuery`] |
 //! | a place on the surface that follows the shape | [`SurfaceAnchor`] |
 //! | bounds, positions and normals of a shape | [`Pose`] |
+//! | two bodies, within a tolerance or a budget of work | [`ApproximateQuery`] |
+//! | anything, of a shape that may be off by a length | [`ApproximatePose`] |
 //!
 //! How a tree is built ([`BuildOptions`]) never changes an answer; `docs/performance.md` in the repository says what each option is worth.
 //!
@@ -77,13 +79,17 @@ mod traverse;
 mod tree;
 
 pub use bounds::{Aabb, TransformError, WorldFromModel};
-pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect};
+pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect, triangles_intersect_filtered};
 pub use model::{ModelError, MorphModel, Subject};
-pub use pose::{ContainmentReport, ContainmentViolation, NoSuchVertex, Pose, TreeQuality, WeightsError};
+pub use pose::{
+    Approximate, ApproximatePose, ContainmentReport, ContainmentViolation, NoSuchVertex, Pose, TreeQuality,
+    WeightsError,
+};
 pub use query::{
-    Ball, Body, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion, DistanceQuery, Facing, HalfSpace,
-    InputError, Manifold, OverlapQuery, PairContact, PairMemory, PairQuery, PlacedShape, PointQuery, QueryStats, Ray,
-    RayHit, RayQuery, Remember, SelfQuery, SeparatingAxes, Separation, Shape, ShapeContact, ShapeError, ShapeQuery,
+    ApproximatePairs, ApproximateQuery, ApproximateTouch, Approximation, Ball, Body, ClosestPair, ClosestPoint,
+    ContactPoint, ContactQuery, ConvexRegion, DistanceQuery, Facing, HalfSpace, InputError, Manifold, MeshPart,
+    OverlapQuery, PairContact, PairMemory, PairQuery, PartPair, PlacedShape, PointQuery, QueryStats, Ray, RayHit,
+    RayQuery, Remember, SelfQuery, SeparatingAxes, Separation, Shape, ShapeContact, ShapeError, ShapeQuery,
     SurfaceAnchor, SurfaceFrame, TrianglePair, WorldFromShape,
 };
 pub use traverse::overlapping_pairs;

@@ -8,6 +8,7 @@
 //! - [`oracle`]: the same question answered by brute force in exact arithmetic.
 //! - [`moments`]: bodies in one moment, ordinary and odd, that every method has to agree on.
 //! - [`fuzzing`]: what the fuzz targets do with bytes.
+//! - [`near_degenerate`]: pairs of triangles that rounded arithmetic gets wrong.
 //! - [`rivals`]: the same question answered by every other method that `morph_collision` is compared with.
 //! - [`search`]: hill climbing, to look for the worst rounding.
 #![forbid(unsafe_code)]
@@ -19,6 +20,7 @@ pub mod gltf_write;
 pub mod mesh;
 pub mod models;
 pub mod moments;
+pub mod near_degenerate;
 pub mod oracle;
 pub mod rivals;
 pub mod scenes;

@@ -24,7 +24,7 @@ pub(crate) use gap::{Box64, GapFrame};
 pub(crate) use lanes::{LANES, Lanes};
 #[cfg(test)]
 pub(crate) use probe::{ExactPoint, Probe};
-pub(crate) use rounding::{down, up};
+pub(crate) use rounding::{U64, down, up};
 pub(crate) use slabs::{BoxLanes, Slab, Slabs};
 pub(crate) use spheres::Spheres;
 pub use transform::{TransformError, WorldFromModel};

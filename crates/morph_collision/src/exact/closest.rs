@@ -1,9 +1,11 @@
 //! Closest points of a point and a triangle, in `f64`: a length is rounded, and says so.
 
+use std::cmp::Ordering;
+
 use glam::DVec3;
 
 use super::Triangle;
-use super::expansion::Expansion;
+use super::dyadic::Dyadic;
 use super::number::{Number, difference, dot};
 
 /// The point of a triangle that is closest to some point.
@@ -105,11 +107,14 @@ pub(super) fn plane_coordinates(
 /// Solves the two normal equations without rounding.
 #[cold]
 fn exact_plane_coordinates(r: (DVec3, DVec3), u: (DVec3, DVec3), v: (DVec3, DVec3)) -> Option<[f64; 2]> {
-    let [r, u, v] = [r, u, v].map(|(from, to)| difference::<Expansion>(to, from));
+    let [r, u, v] = [r, u, v].map(|(from, to)| difference::<Dyadic>(to, from));
     let (uu, uv, vv) = (dot(&u, &u), dot(&u, &v), dot(&v, &v));
     let (ru, rv) = (dot(&r, &u), dot(&r, &v));
-    let determinant = uu.times(&vv).minus(&uv.times(&uv)).estimate();
-    let y = ru.times(&vv).minus(&rv.times(&uv)).estimate() / determinant;
-    let z = rv.times(&uu).minus(&ru.times(&uv)).estimate() / determinant;
-    (determinant > 0.0 && y.is_finite() && z.is_finite()).then_some([y, z])
+    let determinant = uu.times(&vv).minus(&uv.times(&uv));
+    if determinant.order() != Ordering::Greater {
+        return None;
+    }
+    let y = ru.times(&vv).minus(&rv.times(&uv)).over(&determinant);
+    let z = rv.times(&uu).minus(&ru.times(&uv)).over(&determinant);
+    (y.is_finite() && z.is_finite()).then_some([y, z])
 }

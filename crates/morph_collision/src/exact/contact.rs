@@ -2,12 +2,12 @@ use std::cmp::Ordering::{self, Equal};
 
 use glam::DVec3;
 
-use super::Triangle;
+use super::between::closest_between;
 use super::closest::closest_on_triangle;
 use super::nearest::{closest_of_segment_and_triangle, edges, lerp, unit_normal};
 use super::predicates::{Projection, line_height, line_side, plane_height, plane_side};
-use super::segment::{Segment, all_on_one_side, flat_segments_cross, lexicographic, segments_intersect};
-use super::triangle::{hull_of_line, projection_of, sides, strictly_one_side};
+use super::segment::{Segment, all_on_one_side, flat_segments_cross, lexicographic, segments_intersect, sorted};
+use super::triangle::{Triangle, hull_of_line, projection_of, sides, strictly_one_side, triangles_intersect};
 
 /// Where two intersecting triangles meet.
 ///
@@ -60,9 +60,35 @@ impl TriangleContact {
 /// ```
 #[must_use]
 pub fn triangle_contact(a: &Triangle, b: &Triangle) -> Option<TriangleContact> {
-    let segment = common_segment(a, b)?;
+    if !triangles_intersect(a, b) {
+        return None;
+    }
+    // Lengths and determinants need room in both directions; scaling by a power of two loses nothing that they would show.
+    let scale = power_of_two_near(
+        a.iter()
+            .chain(b)
+            .map(|corner| corner.abs().max_element())
+            .fold(0.0, f64::max),
+    );
+    let [a, b] = [a, b].map(|triangle| triangle.map(|corner| corner / scale));
+    let (a, b) = (&a, &b);
+    let segment = common_segment(a, b).unwrap_or_else(|| {
+        let between = closest_between(a, b);
+        sorted([between.on_a, between.on_b])
+    });
+    let segment = segment.map(|end| end * scale);
     let normal = (unit_normal(b) - unit_normal(a)).normalize_or_zero();
     Some(TriangleContact { segment, normal })
+}
+
+/// A power of two by which lengths like `largest` become ordinary; 1 where they are.
+fn power_of_two_near(largest: f64) -> f64 {
+    const ORDINARY: std::ops::Range<f64> = 1e-60..1e60;
+    if largest == 0.0 || ORDINARY.contains(&largest) {
+        return 1.0;
+    }
+    // Short of the ends of the range, so that neither it nor its inverse is subnormal.
+    2.0_f64.powi((largest.log2() as i32).clamp(-1000, 1000))
 }
 
 /// The two points common to both triangles that are farthest apart.

@@ -5,7 +5,7 @@ use std::cmp::Ordering::{Equal, Greater, Less};
 use glam::DVec3;
 
 use super::Triangle;
-use super::expansion::Expansion;
+use super::dyadic::Dyadic;
 use super::number::{Number, Vector, cross_coordinate, difference, vector};
 use super::predicates::{Projection, line_side};
 use super::ray::{Crossing, Line};
@@ -43,7 +43,7 @@ fn starts_inside(origin: DVec3, triangle: &Triangle) -> bool {
 
 /// Where a ray first meets a closed segment in one plane with it.
 fn segment(line: &Line, p: DVec3, q: DVec3) -> Option<f64> {
-    let direction: Vector<Expansion> = vector(line.direction);
+    let direction: Vector<Dyadic> = vector(line.direction);
     let (to_p, to_q, edge) = (difference(p, line.origin), difference(q, line.origin), difference(q, p));
     for axis in 0..3 {
         let speed = cross_coordinate(&direction, &edge, axis);
@@ -57,7 +57,7 @@ fn segment(line: &Line, p: DVec3, q: DVec3) -> Option<f64> {
         }
         return parameter(&cross_coordinate(&to_p, &edge, axis), &speed, line.max_t);
     }
-    let off_the_line = |to: &Vector<Expansion>| (0..3).any(|i| cross_coordinate(&direction, to, i).order() != Equal);
+    let off_the_line = |to: &Vector<Dyadic>| (0..3).any(|i| cross_coordinate(&direction, to, i).order() != Equal);
     if off_the_line(&to_p) {
         return None;
     }
@@ -74,25 +74,25 @@ fn segment(line: &Line, p: DVec3, q: DVec3) -> Option<f64> {
     if behind[0] || behind[1] {
         return Some(0.0);
     }
-    let [t_p, t_q] = ends.map(|end| end.estimate() / speed.estimate());
+    let [t_p, t_q] = ends.map(|end| end.over(speed));
     Some(t_p.min(t_q))
 }
 
 /// `distance / speed` if it lies within 0 and `max_t`.
-fn parameter(distance: &Expansion, speed: &Expansion, max_t: f64) -> Option<f64> {
+fn parameter(distance: &Dyadic, speed: &Dyadic, max_t: f64) -> Option<f64> {
     let inside = !is_behind(distance, speed) && !is_beyond(distance, speed, max_t);
-    inside.then(|| distance.estimate() / speed.estimate())
+    inside.then(|| distance.over(speed))
 }
 
 /// Whether `distance / speed` is below 0.
-fn is_behind(distance: &Expansion, speed: &Expansion) -> bool {
+fn is_behind(distance: &Dyadic, speed: &Dyadic) -> bool {
     matches!((distance.order(), speed.order()), (Less, Greater) | (Greater, Less))
 }
 
 /// Whether `distance / speed` is above `max_t`.
-fn is_beyond(distance: &Expansion, speed: &Expansion, max_t: f64) -> bool {
+fn is_beyond(distance: &Dyadic, speed: &Dyadic, max_t: f64) -> bool {
     max_t.is_finite() && {
-        let rest = speed.times(&Expansion::new(max_t)).minus(distance);
+        let rest = speed.times(&Dyadic::new(max_t)).minus(distance);
         is_behind(&rest, speed)
     }
 }

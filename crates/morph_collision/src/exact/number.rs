@@ -10,7 +10,7 @@ const U: f64 = f64::EPSILON / 2.0;
 /// A number that knows whether its sign is certain.
 ///
 /// A test is a function of [`Number`]s that returns `None` as soon as it needs a sign or value that is not certain;
-/// it is run with [`Approx`], and, after a `None`, with [`Expansion`](super::expansion::Expansion), which always is.
+/// it is run with [`Approx`], and, after a `None`, with [`Dyadic`](super::dyadic::Dyadic), which always is.
 pub(crate) trait Number: Clone {
     fn new(value: f64) -> Self;
     fn difference(a: f64, b: f64) -> Self;
@@ -18,11 +18,11 @@ pub(crate) trait Number: Clone {
     fn minus(&self, other: &Self) -> Self;
     fn times(&self, other: &Self) -> Self;
     fn sign(&self) -> Option<Ordering>;
-    /// The value to a relative error of at most [`VALUE_ERROR`].
-    fn value(&self) -> Option<f64>;
+    /// The quotient to a relative error of at most three [`VALUE_ERROR`]s.
+    fn ratio(&self, divisor: &Self) -> Option<f64>;
 }
 
-/// The largest relative error of a [`Number::value`].
+/// The largest relative error of a dividend or divisor of [`Number::ratio`].
 pub(crate) const VALUE_ERROR: f64 = 1e-12;
 
 /// An `f64` and a bound on how far it is off the exact value.
@@ -84,8 +84,9 @@ impl Number for Approx {
     }
 
     #[inline]
-    fn value(&self) -> Option<f64> {
-        (self.error <= self.value.abs() * VALUE_ERROR).then_some(self.value)
+    fn ratio(&self, divisor: &Self) -> Option<f64> {
+        let is_known = |n: &Self| n.error <= n.value.abs() * VALUE_ERROR;
+        (is_known(self) && is_known(divisor)).then(|| self.value / divisor.value)
     }
 }
 

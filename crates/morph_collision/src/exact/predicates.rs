@@ -1,17 +1,24 @@
-//! Signs of orientation determinants, adaptive and exact (Shewchuk 1997), through the `robust` crate.
+//! Signs of orientation determinants, exact for all finite points: by the adaptive predicates of the `robust` crate
+//! (Shewchuk 1997) where their products stay in range, in whole numbers elsewhere.
 
 use std::cmp::Ordering;
 
 use glam::{DVec2, DVec3};
 use robust::{Coord, Coord3D};
 
+use super::dyadic::Dyadic;
+use super::number::{Vector, cross, cross_coordinate, difference, dot};
+
 /// On which side of the plane through `a`, `b`, `c` the point `d` lies; `Equal` on it, or when the plane is none.
 #[inline]
 pub(crate) fn plane_side(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Ordering {
+    if !in_range([a, b, c, d].iter().flat_map(DVec3::to_array)) {
+        return plane_determinant(a, b, c, d).order();
+    }
     sign(plane_height(a, b, c, d))
 }
 
-/// A number with the sign of [`plane_side`], about in proportion to the height of `d` over the plane.
+/// A number about in proportion to the height of `d` over the plane; it has the sign of [`plane_side`] for points in range.
 #[inline]
 pub(crate) fn plane_height(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
     let point = |p: DVec3| Coord3D { x: p.x, y: p.y, z: p.z };
@@ -21,14 +28,41 @@ pub(crate) fn plane_height(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
 /// On which side of the line through `a`, `b` the point `c` lies; `Equal` on it, or when the line is none.
 #[inline]
 pub(crate) fn line_side(a: DVec2, b: DVec2, c: DVec2) -> Ordering {
+    if !in_range([a, b, c].iter().flat_map(DVec2::to_array)) {
+        return line_determinant(a, b, c).order();
+    }
     sign(line_height(a, b, c))
 }
 
-/// A number with the sign of [`line_side`], about in proportion to the distance of `c` from the line.
+/// A number about in proportion to the distance of `c` from the line; it has the sign of [`line_side`] for points in range.
 #[inline]
 pub(crate) fn line_height(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     let point = |p: DVec2| Coord { x: p.x, y: p.y };
     robust::orient2d(point(a), point(b), point(c))
+}
+
+/// Whether products of three differences of these coordinates, and all parts of them, are `f64` that neither overflow nor
+/// underflow: each is 0 or between `2^-277` and `2^300` in size, and so a whole multiple of `2^-330`.
+///
+/// Bodies' corners in world space are whole multiples of `2^-298` below `2^256` whatever the mesh and its place, so that
+/// only tiny ones are sent the long way, and needlessly.
+#[inline]
+fn in_range(mut coordinates: impl Iterator<Item = f64>) -> bool {
+    const LEAST: f64 = f64::from_bits((1023 - 277) << 52);
+    const MOST: f64 = f64::from_bits((1023 + 300) << 52);
+    coordinates.all(|c| c == 0.0 || (LEAST..=MOST).contains(&c.abs()))
+}
+
+#[cold]
+fn plane_determinant(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Dyadic {
+    let [a, b, c]: [Vector<Dyadic>; 3] = [a, b, c].map(|corner| difference(corner, d));
+    dot(&a, &cross(&b, &c))
+}
+
+#[cold]
+fn line_determinant(a: DVec2, b: DVec2, c: DVec2) -> Dyadic {
+    let [a, b] = [a, b].map(|end| difference(end.extend(0.0), c.extend(0.0)));
+    cross_coordinate(&a, &b, 2)
 }
 
 /// Determinants of finite points are numbers; -0 is zero.

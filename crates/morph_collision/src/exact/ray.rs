@@ -5,8 +5,8 @@ use std::cmp::Ordering::{self, Equal, Greater, Less};
 use glam::DVec3;
 
 use super::Triangle;
+use super::dyadic::Dyadic;
 use super::edge_on::edge_on;
-use super::expansion::Expansion;
 use super::number::{Approx, Number, cross, difference, dot, vector};
 
 /// The points `origin + t direction` for real `t` from 0 to `max_t`, which may be infinite.
@@ -35,7 +35,7 @@ pub(crate) struct Crossing {
 pub(crate) fn ray_meets_triangle(line: &Line, triangle: &Triangle) -> Option<Crossing> {
     match crossing::<Approx>(line, triangle) {
         Some(decided) => decided,
-        None => crossing::<Expansion>(line, triangle).flatten(),
+        None => crossing::<Dyadic>(line, triangle).flatten(),
     }
 }
 
@@ -67,11 +67,7 @@ fn crossing<N: Number>(line: &Line, triangle: &Triangle) -> Option<Option<Crossi
         }
     }
     Some(Some(Crossing {
-        t: if ahead == Equal {
-            0.0
-        } else {
-            height.value()? / speed.value()?
-        },
+        t: if ahead == Equal { 0.0 } else { height.ratio(&speed)? },
         along_normal: turn,
     }))
 }

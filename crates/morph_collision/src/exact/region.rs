@@ -5,7 +5,7 @@ use std::cmp::Ordering::{Equal, Greater, Less};
 use glam::DVec3;
 
 use super::Triangle;
-use super::expansion::Expansion;
+use super::dyadic::Dyadic;
 use super::number::{Approx, Number, Vector, cross, dot, vector};
 
 /// The points `x` with `normal . x + offset >= 0`.
@@ -22,7 +22,7 @@ pub(crate) struct Plane {
 /// no special case for degenerate triangles or an empty region.
 pub(crate) fn triangle_meets_region(triangle: &Triangle, sides: &[Plane]) -> bool {
     meets::<Approx>(triangle, sides)
-        .or_else(|| meets::<Expansion>(triangle, sides))
+        .or_else(|| meets::<Dyadic>(triangle, sides))
         .unwrap_or(false)
 }
 

@@ -1,7 +1,7 @@
 use glam::DVec3;
 use proptest::prelude::*;
 
-use super::{Triangle, triangles_intersect};
+use super::{Triangle, triangle_contact, triangles_intersect, triangles_intersect_filtered};
 
 const fn v(x: f64, y: f64, z: f64) -> DVec3 {
     DVec3::new(x, y, z)
@@ -75,5 +75,82 @@ proptest! {
     fn it_agrees_with_the_oracle(a in grid_triangles(), b in grid_triangles()) {
         let truth = morph_collision_testkit::oracle::triangles_intersect(&a, &b);
         prop_assert_eq!(triangles_intersect(&a, &b), truth);
+    }
+}
+
+/// Corners in general position, some of them a few roundings away from a plane or an edge of the other triangle.
+fn close_triangles() -> impl Strategy<Value = [Triangle; 2]> {
+    let point = || prop::array::uniform3(-1.0..1.0_f64).prop_map(DVec3::from_array);
+    let nudge = || prop::array::uniform3(-4_i8..5).prop_map(|c| DVec3::from_array(c.map(f64::from)) * 1e-16);
+    let triangle = || prop::array::uniform3(point());
+    (triangle(), triangle(), point(), nudge(), 0_u8..3).prop_map(|(a, mut b, at, nudge, how)| {
+        let on_a = a[0] + (a[1] - a[0]) * at.x + (a[2] - a[0]) * at.y;
+        match how {
+            0 => {}
+            1 => b[0] = on_a + nudge,
+            // An edge through a point of an edge.
+            _ => b[0] = b[1] + (a[0].lerp(a[1], at.z.abs()) + nudge - b[1]) * 2.0,
+        }
+        [a, b]
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(3000))]
+
+    #[test]
+    fn the_filter_says_what_the_oracle_says_or_nothing([a, b] in close_triangles()) {
+        let truth = morph_collision_testkit::oracle::triangles_intersect(&a, &b);
+        prop_assert!(triangles_intersect_filtered(&a, &b).is_none_or(|decided| decided == truth));
+        prop_assert_eq!(triangles_intersect(&a, &b), truth);
+    }
+
+    #[test]
+    fn nothing_changes_with_the_scale(a in grid_triangles(), b in grid_triangles(), power in -1074_i32..1020) {
+        let scaled = |triangle: &Triangle| triangle.map(|p| p * 2.0_f64.powi(power / 2) * 2.0_f64.powi(power - power / 2));
+        prop_assert_eq!(triangles_intersect(&scaled(&a), &scaled(&b)), triangles_intersect(&a, &b));
+        let [far, near] = [triangle_contact(&scaled(&a), &scaled(&b)), triangle_contact(&a, &b)];
+        prop_assert_eq!(far.is_some(), near.is_some());
+        if let (Some(far), Some(near)) = (far, near) {
+            let back = far.segment.map(|p| p / 2.0_f64.powi(power / 2) / 2.0_f64.powi(power - power / 2));
+            let off = back[0].distance(near.segment[0]).max(back[1].distance(near.segment[1]));
+            prop_assert!(power < -1000 || off < 1e-12, "{far:?} {near:?}");
+        }
+    }
+
+    #[test]
+    fn coordinates_of_all_sizes_in_one_pair_are_answered_exactly(
+        a in prop::array::uniform3(prop::array::uniform3((-2_i8..3, -1070_i32..1000))),
+        b in prop::array::uniform3(prop::array::uniform3((-2_i8..3, -1070_i32..1000))),
+    ) {
+        let number = |(digit, power): (i8, i32)| f64::from(digit) * 2.0_f64.powi(power / 2) * 2.0_f64.powi(power - power / 2);
+        let [a, b] = [a, b].map(|corners| corners.map(|corner| DVec3::from_array(corner.map(number))));
+        prop_assert_eq!(triangles_intersect(&a, &b), morph_collision_testkit::oracle::triangles_intersect(&a, &b));
+    }
+}
+
+#[test]
+fn the_filter_decides_what_is_in_general_position() {
+    let through = [v(1.0, 1.0, -1.0), v(1.1, 1.0, 1.0), v(2.0, 1.2, 1.0)];
+    assert_eq!(triangles_intersect_filtered(&FLAT, &through), Some(true));
+    assert_eq!(triangles_intersect_filtered(&through, &FLAT), Some(true));
+    let beside = through.map(|p| p + v(3.0, 3.0, 0.0));
+    assert_eq!(triangles_intersect_filtered(&FLAT, &beside), Some(false));
+    let above = through.map(|p| p + v(0.0, 0.0, 1.5));
+    assert_eq!(triangles_intersect_filtered(&FLAT, &above), Some(false));
+    assert_eq!(triangles_intersect_filtered(&FLAT, &FLAT), None);
+}
+
+#[test]
+fn triangles_that_are_not_finite_meet_nothing() {
+    for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        for axis in 0..3 {
+            let mut broken = FLAT;
+            broken[1][axis] = value;
+            for (a, b) in [(&broken, &FLAT), (&FLAT, &broken), (&broken, &broken)] {
+                assert!(!triangles_intersect(a, b), "{a:?} {b:?}");
+                assert!(triangle_contact(a, b).is_none());
+            }
+        }
     }
 }

@@ -2,23 +2,44 @@ use std::cmp::Ordering::{self, Equal};
 
 use glam::DVec3;
 
+use super::filter::triangles_intersect_filtered;
 use super::predicates::{Projection, plane_side};
 use super::segment::{Segment, all_on_one_side, flat_segment_meets_triangle, lexicographic, segments_intersect};
 
 /// Three corners in any order and winding; they may be on one line, or all the same.
 pub type Triangle = [DVec3; 3];
 
-/// Whether two closed triangles share a point: exactly, for any finite coordinates whose products stay in range.
+/// Whether two closed triangles share a point: exactly, for any finite coordinates.
 ///
 /// Touching in a single point counts; coplanar triangles and triangles degenerate to a segment or a point are answered like
-/// any other. The answer does not depend on the order of the triangles or of their corners.
+/// any other. The answer does not depend on the order of the triangles or of their corners. A triangle with a coordinate
+/// that is not finite is no set of points and meets nothing.
 ///
+/// Cost: most pairs are decided by [`triangles_intersect_filtered`](crate::triangles_intersect_filtered), the others by
+/// adaptive predicates; coordinates beyond about `1e-83` to `1e90` in size take arithmetic in whole numbers.
+#[must_use]
+pub fn triangles_intersect(a: &Triangle, b: &Triangle) -> bool {
+    triangles_intersect_counting(a, b, &mut 0)
+}
+
+/// As [`triangles_intersect`]; counts the pairs that the filter leaves open.
+#[inline]
+pub(crate) fn triangles_intersect_counting(a: &Triangle, b: &Triangle, undecided: &mut u64) -> bool {
+    if boxes_apart(a, b) {
+        return false;
+    }
+    triangles_intersect_filtered(a, b).unwrap_or_else(|| {
+        *undecided += 1;
+        exactly_intersect(a, b)
+    })
+}
+
 /// If the triangles share a point, then an edge of one meets the other: an intersection segment ends where an edge pierces
 /// the other triangle, and of two coplanar triangles either edges cross or one holds all edges of the other. So six
 /// segment-triangle tests decide, after two planes have rejected most pairs.
-#[must_use]
-pub fn triangles_intersect(a: &Triangle, b: &Triangle) -> bool {
-    if boxes_apart(a, b) {
+#[cold]
+fn exactly_intersect(a: &Triangle, b: &Triangle) -> bool {
+    if !a.iter().chain(b).all(|corner| corner.is_finite()) {
         return false;
     }
     let b_sides = sides(a, b);

@@ -223,6 +223,11 @@ impl Pose {
         Some(with_posed!(self.posed(), mut posed => posed.vertex(welded)))
     }
 
+    /// How far any vertex can be, in model space, from where it was with other weights, of which there is one per target.
+    pub(crate) fn moved_at_most(&self, before: &[f32]) -> f64 {
+        weights::displacement(self.bvh.model(), before, &self.weights)
+    }
+
     /// Bytes held on the heap, the shared tree's not included.
     #[must_use]
     pub fn bytes(&self) -> usize {

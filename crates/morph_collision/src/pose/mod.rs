@@ -4,6 +4,7 @@
 //! stamp (`cache`). Weights that rest can be given tight volumes (`anchor`).
 
 mod anchor;
+mod approximate;
 mod blend;
 mod cache;
 mod containment;
@@ -13,6 +14,7 @@ mod quality;
 mod shape;
 mod weights;
 
+pub use approximate::{Approximate, ApproximatePose};
 pub use containment::{ContainmentReport, ContainmentViolation};
 pub use instance::Pose;
 pub(crate) use posed::{AnyPosed, Blended, NodeRef, Place, Posed, with_posed};

@@ -54,6 +54,27 @@ pub(super) fn check(model: &MorphModel, weights: &[f32]) -> Result<(), WeightsEr
     Ok(())
 }
 
+/// How far any posed vertex can be from where it is with other weights, in model space: `sum |dw_k| D_k`, and what both
+/// blends round.
+pub(super) fn displacement(model: &MorphModel, before: &[f32], after: &[f32]) -> f64 {
+    let mut moved = 0.0;
+    let mut reach = f64::from(model.base_reach());
+    let mut active = 2.0;
+    for ((before, after), target) in before.iter().zip(after).zip(model.target_reach()) {
+        let (before, after, target) = (f64::from(*before), f64::from(*after), f64::from(*target));
+        moved += (after - before).abs() * target;
+        reach += before.abs().max(after.abs()) * target;
+        active += f64::from(u8::from(before != 0.0 || after != 0.0));
+    }
+    let rounded = if moved == 0.0 {
+        0.0
+    } else {
+        2.0 * active * f64::from(f32::EPSILON) * reach
+    };
+    // Reaches are per coordinate.
+    3_f64.sqrt() * (moved + rounded)
+}
+
 /// The weights of a tree's targets: the model's, or, where exactly two consecutive ones are active and the tree has the
 /// reference between them, as much of that as they share.
 pub(super) fn spread(columns: &Columns, weights: &[f32], spread: &mut Vec<f32>) {

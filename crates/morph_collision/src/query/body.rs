@@ -31,3 +31,24 @@ pub(super) fn world_triangle(tree: &mut impl Walkable, world_from_model: &WorldF
 pub(super) fn as_boxes<'a>(posed: &'a mut AnyPosed<'_>) -> AsBoxes<'a> {
     with_posed!(posed, posed => AsBoxes(posed))
 }
+
+/// Evaluates an expression for two posed trees as walkable ones of one kind: as they are, or, where kinds differ, as boxes.
+macro_rules! with_walkable_pair {
+    ($a:expr, $b:expr, ($x:ident, $y:ident) => $body:expr) => {
+        match ($a, $b) {
+            ($crate::pose::AnyPosed::Aabb(mut $x), $crate::pose::AnyPosed::Aabb(mut $y)) => $body,
+            ($crate::pose::AnyPosed::Kdop14(mut $x), $crate::pose::AnyPosed::Kdop14(mut $y)) => $body,
+            ($crate::pose::AnyPosed::Kdop18(mut $x), $crate::pose::AnyPosed::Kdop18(mut $y)) => $body,
+            ($crate::pose::AnyPosed::Kdop26(mut $x), $crate::pose::AnyPosed::Kdop26(mut $y)) => $body,
+            ($crate::pose::AnyPosed::Sphere(mut $x), $crate::pose::AnyPosed::Sphere(mut $y)) => $body,
+            (mut a, mut b) => {
+                let (mut $x, mut $y) = (
+                    $crate::query::body::as_boxes(&mut a),
+                    $crate::query::body::as_boxes(&mut b),
+                );
+                $body
+            }
+        }
+    };
+}
+pub(super) use with_walkable_pair;

@@ -127,8 +127,7 @@ impl DistanceQuery {
         let stats = QueryStats {
             node_tests: walk.node_tests,
             triangle_tests,
-            volumes_blended: after[0].volumes + after[1].volumes - before[0].volumes - before[1].volumes,
-            vertices_blended: after[0].vertices + after[1].vertices - before[0].vertices - before[1].vertices,
+            ..QueryStats::blending(before, after)
         };
         (closest, stats)
     }

@@ -192,7 +192,7 @@ fn check_direction(what: &'static str, value: DVec3) -> Result<(), InputError> {
     Ok(())
 }
 
-fn check_length(what: &'static str, value: f64) -> Result<(), InputError> {
+pub(super) fn check_length(what: &'static str, value: f64) -> Result<(), InputError> {
     if value.is_nan() || value < 0.0 {
         return Err(InputError::BadNumber {
             what,

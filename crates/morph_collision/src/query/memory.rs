@@ -3,7 +3,7 @@ use std::sync::Arc;
 
 use super::body::Body;
 use crate::bounds::{Aabb, Frame, a_from_b, frobenius};
-use crate::pose::{Place, Pose};
+use crate::pose::Place;
 use crate::traverse::Trace;
 use crate::tree::MorphBvh;
 
@@ -164,32 +164,11 @@ impl Proof {
         let (center, half) = (0.5 * (min + max), 0.5 * (max - min));
         let rigid =
             (linear * center + (now.translation - before.translation)).length() + frobenius(linear) * half.length();
-        let morphed_a = morphed(a.pose, &self.weights[0]);
-        let morphed_b = frobenius(now.linear) * morphed(b.pose, &self.weights[1]);
+        let morphed_a = a.pose.moved_at_most(&self.weights[0]);
+        let morphed_b = frobenius(now.linear) * b.pose.moved_at_most(&self.weights[1]);
         // Vertices that left the bounds by morphing may be placed less exactly; by far less than this.
         let error = 2.0 * (before.error.length() + now.error.length());
         // The margin covers the roundings of these few sums.
         (rigid + morphed_a + morphed_b + error) * (1.0 + 1e-9) < self.distance
     }
-}
-
-/// How far any vertex can be from where it was in model space: `sum |dw_k| D_k`, and what both blends round.
-fn morphed(now: &Pose, before: &[f32]) -> f64 {
-    let model = now.bvh().model();
-    let mut moved = 0.0;
-    let mut reach = f64::from(model.base_reach());
-    let mut active = 2.0;
-    for ((before, after), target) in before.iter().zip(now.weights()).zip(model.target_reach()) {
-        let (before, after, target) = (f64::from(*before), f64::from(*after), f64::from(*target));
-        moved += (after - before).abs() * target;
-        reach += before.abs().max(after.abs()) * target;
-        active += f64::from(u8::from(before != 0.0 || after != 0.0));
-    }
-    let rounded = if moved == 0.0 {
-        0.0
-    } else {
-        2.0 * active * f64::from(f32::EPSILON) * reach
-    };
-    // Reaches are per coordinate.
-    3_f64.sqrt() * (moved + rounded)
 }

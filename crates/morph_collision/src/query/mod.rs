@@ -1,6 +1,7 @@
 //! What a user asks: each query is a walk and what it does at the leaves.
 
 mod anchor;
+mod approximate;
 mod body;
 mod contact;
 mod distance;
@@ -16,6 +17,7 @@ mod shape;
 mod stats;
 
 pub use anchor::{SurfaceAnchor, SurfaceFrame};
+pub use approximate::{ApproximatePairs, ApproximateQuery, ApproximateTouch, Approximation, MeshPart, PartPair};
 pub use body::Body;
 pub use contact::{ContactPoint, ContactQuery, Manifold, PairContact, Separation};
 pub use distance::{ClosestPair, DistanceQuery};

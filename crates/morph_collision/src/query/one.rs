@@ -49,8 +49,7 @@ impl OneBody {
         QueryStats {
             node_tests: walk.node_tests,
             triangle_tests,
-            volumes_blended: after.volumes - before.volumes,
-            vertices_blended: after.vertices - before.vertices,
+            ..QueryStats::blending([before], [after])
         }
     }
 }

@@ -1,11 +1,10 @@
 use std::ops::ControlFlow;
 
-use super::body::{Body, as_boxes, world_triangle};
+use super::body::{Body, with_walkable_pair, world_triangle};
 use super::memory::PairMemory;
 use super::stats::QueryStats;
 use crate::bounds::{Volume, WorldFromModel, frames_of};
-use crate::exact::{Triangle, triangles_intersect};
-use crate::pose::AnyPosed;
+use crate::exact::{Triangle, triangles_intersect_counting};
 use crate::traverse::{CrossCull, Cull, Meeting, PairWalk, Stack, Walkable};
 use crate::tree::Leaf;
 
@@ -151,17 +150,7 @@ impl PairQuery {
             world_from_a: a.world_from_model,
             world_from_b: b.world_from_model,
         };
-        match (a.pose.posed(), b.pose.posed()) {
-            (AnyPosed::Aabb(mut a), AnyPosed::Aabb(mut b)) => self.walk(&mut a, &mut b, &places, memory, visitor),
-            (AnyPosed::Kdop14(mut a), AnyPosed::Kdop14(mut b)) => self.walk(&mut a, &mut b, &places, memory, visitor),
-            (AnyPosed::Kdop18(mut a), AnyPosed::Kdop18(mut b)) => self.walk(&mut a, &mut b, &places, memory, visitor),
-            (AnyPosed::Kdop26(mut a), AnyPosed::Kdop26(mut b)) => self.walk(&mut a, &mut b, &places, memory, visitor),
-            (AnyPosed::Sphere(mut a), AnyPosed::Sphere(mut b)) => self.walk(&mut a, &mut b, &places, memory, visitor),
-            (mut a, mut b) => {
-                let (mut a, mut b) = (as_boxes(&mut a), as_boxes(&mut b));
-                self.walk(&mut a, &mut b, &places, memory, visitor)
-            }
-        }
+        with_walkable_pair!(a.pose.posed(), b.pose.posed(), (a, b) => self.walk(&mut a, &mut b, &places, memory, visitor))
     }
 
     fn walk<V: Volume>(
@@ -189,7 +178,7 @@ impl PairQuery {
             node_tests: 0,
             trace,
         };
-        let mut triangle_tests = 0;
+        let (mut triangle_tests, mut undecided_by_filter) = (0, 0);
         let Self {
             stack, leaf_a, leaf_b, ..
         } = self;
@@ -199,7 +188,7 @@ impl PairQuery {
             for (triangle_a, corners_a) in &leaf_a.triangles {
                 for (triangle_b, corners_b) in &leaf_b.triangles {
                     triangle_tests += 1;
-                    if triangles_intersect(corners_a, corners_b) {
+                    if triangles_intersect_counting(corners_a, corners_b, &mut undecided_by_filter) {
                         visitor(TrianglePair {
                             triangle_a: *triangle_a,
                             triangle_b: *triangle_b,
@@ -213,20 +202,20 @@ impl PairQuery {
         QueryStats {
             node_tests: walk.node_tests,
             triangle_tests,
-            volumes_blended: after[0].volumes + after[1].volumes - before[0].volumes - before[1].volumes,
-            vertices_blended: after[0].vertices + after[1].vertices - before[0].vertices - before[1].vertices,
+            undecided_by_filter,
+            ..QueryStats::blending(before, after)
         }
     }
 }
 
 /// Where the two bodies of a query stand.
-struct Places<'a> {
-    world_from_a: &'a WorldFromModel,
-    world_from_b: &'a WorldFromModel,
+pub(super) struct Places<'a> {
+    pub(super) world_from_a: &'a WorldFromModel,
+    pub(super) world_from_b: &'a WorldFromModel,
 }
 
 impl Places<'_> {
-    fn culls<V: Volume>(
+    pub(super) fn culls<V: Volume>(
         &self,
         a: &mut impl Walkable<Kind = V>,
         b: &mut impl Walkable<Kind = V>,
@@ -246,7 +235,7 @@ impl Places<'_> {
         (culls, cross)
     }
 
-    fn a_from_b_scale(&self) -> f32 {
+    pub(super) fn a_from_b_scale(&self) -> f32 {
         (self.world_from_b.scale() / self.world_from_a.scale()) as f32
     }
 }

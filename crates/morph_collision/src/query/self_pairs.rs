@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::{QueryStats, TrianglePair};
 use crate::bounds::Volume;
-use crate::exact::{Triangle, triangles_intersect};
+use crate::exact::{Triangle, triangles_intersect_counting};
 use crate::pose::{Pose, Posed, with_posed};
 use crate::traverse::{SelfStack, walk_within};
 use crate::tree::Leaf;
@@ -90,7 +90,7 @@ impl SelfQuery {
                         continue;
                     }
                     stats.triangle_tests += 1;
-                    if triangles_intersect(corners_a, corners_b) {
+                    if triangles_intersect_counting(corners_a, corners_b, &mut stats.undecided_by_filter) {
                         visitor(TrianglePair {
                             triangle_a: *number_a.min(number_b),
                             triangle_b: *number_a.max(number_b),
@@ -101,8 +101,7 @@ impl SelfQuery {
             ControlFlow::Continue(())
         });
         let after = posed.blended();
-        stats.volumes_blended = after.volumes - before.volumes;
-        stats.vertices_blended = after.vertices - before.vertices;
+        stats += QueryStats::blending([before], [after]);
         stats
     }
 }

@@ -32,6 +32,21 @@ pub(crate) trait PairRule<V: Volume> {
     /// Whether a pair that comes off the stack is still worth looking at.
     fn still_wanted(&self, key: Self::Key) -> bool;
 
+    /// Whether the walk may take the next pair off the stack; if not it ends there, and what it leaves stays on the stack.
+    #[inline]
+    fn goes_on(&self, _node_tests: u64) -> bool {
+        true
+    }
+
+    /// Whether [`PairRule::settles`] is to be asked.
+    const SETTLES: bool = false;
+
+    /// Whether a pair that comes off the stack is answered as it is, so that nothing below it is looked at.
+    #[inline]
+    fn settles(&self, _a: (NodeRef, &V::One), _b: (NodeRef, &V::One)) -> bool {
+        false
+    }
+
     /// A lower bound of the distance in A's space between two volumes that the rule does not want.
     fn gap(&self, _a: &V::One, _b: &V::One) -> f64 {
         0.0
@@ -148,9 +163,13 @@ impl<V: Volume, R: PairRule<V>, A: Walkable<Kind = V>, B: Walkable<Kind = V>> Pa
         stack: &mut Stack<R::Key>,
         at_leaves: &mut impl FnMut(&mut A, &mut B, Leaf, Leaf) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        while let Some((key, a, b)) = stack.pop() {
+        while !stack.is_empty() && self.rule.goes_on(self.node_tests) {
+            let Some((key, a, b)) = stack.pop() else { break };
             if !self.rule.still_wanted(key) {
                 self.note_unwanted(a, b);
+                continue;
+            }
+            if R::SETTLES && self.rule.settles((a, &self.a.volume(a)), (b, &self.b.volume(b))) {
                 continue;
             }
             match (a.child.kind(), b.child.kind()) {

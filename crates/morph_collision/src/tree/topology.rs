@@ -87,6 +87,28 @@ impl Topology {
         &self.triangles[self.leaf_range(leaf)]
     }
 
+    /// Where the triangles below a node stand in [`Topology::triangles_at`]. Cost: the depth of the tree.
+    pub(crate) fn range_below(&self, node: Child) -> Range<usize> {
+        let end = |pick: fn(&[Child]) -> Option<&Child>| {
+            let mut node = node;
+            loop {
+                match node.kind() {
+                    ChildKind::Leaf(leaf) => return self.leaf_range(leaf),
+                    ChildKind::Group(group) => match pick(self.group(group).children()) {
+                        Some(child) => node = *child,
+                        None => return 0..0,
+                    },
+                }
+            }
+        };
+        end(<[Child]>::first).start..end(<[Child]>::last).end
+    }
+
+    /// The model's triangle numbers in a range of the order of leaves.
+    pub(crate) fn triangles_at(&self, range: Range<usize>) -> &[u32] {
+        &self.triangles[range]
+    }
+
     pub(super) fn leaf_range(&self, leaf: Leaf) -> Range<usize> {
         self.leaf_starts[leaf.0] as usize..self.leaf_starts[leaf.0 + 1] as usize
     }

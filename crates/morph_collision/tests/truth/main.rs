@@ -1,5 +1,6 @@
 //! Answers judged by brute force, over every way to build a tree, and the work they took.
 
+mod approximate;
 mod laziness;
 mod memory;
 mod pairs;

@@ -69,18 +69,9 @@ pub(crate) fn replay(cast: &mut Cast, mode: Mode, keep_hits: bool) -> Result<Rep
         }
         progress.inc(1);
     }
-    replay.stats = since(before, cast.method.work());
+    replay.stats = cast.method.work() - before;
     progress.finish_and_clear();
     Ok(replay)
-}
-
-fn since(before: QueryStats, after: QueryStats) -> QueryStats {
-    QueryStats {
-        node_tests: after.node_tests - before.node_tests,
-        triangle_tests: after.triangle_tests - before.triangle_tests,
-        volumes_blended: after.volumes_blended - before.volumes_blended,
-        vertices_blended: after.vertices_blended - before.vertices_blended,
-    }
 }
 
 /// Memory that frames reuse.

@@ -40,6 +40,10 @@ impl<'a> Draw<'a> {
         self.0.arbitrary().unwrap_or(0)
     }
 
+    pub(super) fn bits64(&mut self) -> u64 {
+        self.0.arbitrary().unwrap_or(0)
+    }
+
     /// Any `f32`, mostly from a coarse grid on which coincidences are common.
     pub(super) fn number(&mut self) -> f32 {
         match self.byte() % 10 {

@@ -4,16 +4,16 @@ use super::draw::Draw;
 use crate::oracle;
 
 /// Two triangles of whole or nearly whole coordinates, all scaled by a power of two: corners on corners, edges and planes,
-/// or a few units in the last place beside them.
+/// or a few units in the last place beside them. Now and then any numbers at all.
 ///
 /// # Panics
 /// If the core and the oracle differ, or the order of triangles or corners matters.
 pub fn triangles(data: &[u8]) {
     let mut draw = Draw::new(data);
-    // Where products of three coordinates neither underflow nor overflow.
-    let scale = 2_f64.powi(match draw.byte() % 4 {
+    let scale = 2_f64.powi(match draw.byte() % 8 {
         0 => -240,
         1 => 280,
+        2 => i32::from(draw.signed()) % 1023,
         _ => 0,
     });
     let mut corners: Vec<DVec3> = Vec::with_capacity(6);
@@ -33,6 +33,8 @@ pub fn triangles(data: &[u8]) {
         (reversed(a), reversed(b)),
     ] {
         assert_eq!(morph_collision::triangles_intersect(&a, &b), truth, "{a:?} {b:?}");
+        let filtered = morph_collision::triangles_intersect_filtered(&a, &b);
+        assert!(filtered.is_none_or(|answer| answer == truth), "filter of {a:?} {b:?}");
         let contact = morph_collision::triangle_contact(&a, &b);
         assert_eq!(contact.is_some(), truth, "contact of {a:?} {b:?}");
     }
@@ -66,17 +68,15 @@ fn corner(draw: &mut Draw<'_>, before: &[DVec3]) -> DVec3 {
 }
 
 fn coordinate(draw: &mut Draw<'_>) -> f64 {
-    match draw.byte() % 4 {
-        0 | 1 => f64::from(draw.whole()),
-        2 => f64::from(draw.whole()) / 3.0,
+    match draw.byte() % 8 {
+        0..4 => f64::from(draw.whole()),
+        4 | 5 => f64::from(draw.whole()) / 3.0,
+        6 if draw.byte() % 8 == 0 => f64::from_bits(draw.bits64()),
         _ => f64::from(draw.signed()) * 2_f64.powi(draw.whole() * 4),
     }
 }
 
-/// Zero stays, so that no number is far below the others.
+/// A number some units in the last place farther from zero, or nearer.
 fn nudged(value: f64, by: i64) -> f64 {
-    if value == 0.0 {
-        return value;
-    }
     f64::from_bits(value.to_bits().wrapping_add_signed(by))
 }

@@ -189,8 +189,7 @@ impl ShapeQuery {
         QueryStats {
             node_tests,
             triangle_tests,
-            volumes_blended: after.volumes - before.volumes,
-            vertices_blended: after.vertices - before.vertices,
+            ..QueryStats::blending([before], [after])
         }
     }
 }

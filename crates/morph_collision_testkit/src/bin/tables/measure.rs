@@ -124,14 +124,8 @@ impl Runner {
         }
         let frames = experiment.frames.len().max(1) as u32;
         let time = start.elapsed() / frames;
-        let after = method.work();
         Ok(Pass {
-            work: QueryStats {
-                node_tests: after.node_tests - before.node_tests,
-                triangle_tests: after.triangle_tests - before.triangle_tests,
-                volumes_blended: after.volumes_blended - before.volumes_blended,
-                vertices_blended: after.vertices_blended - before.vertices_blended,
-            },
+            work: method.work() - before,
             pairs,
             time,
             ratio: 1.0,

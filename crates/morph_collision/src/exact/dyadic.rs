@@ -1,0 +1,162 @@
+//! Exact arithmetic on whole multiples of powers of two, which all `f64` are.
+
+use std::cmp::Ordering;
+
+use dashu_int::ops::BitTest;
+use dashu_int::{IBig, Sign};
+
+use super::number::Number;
+
+/// The real number `mantissa * 2^exponent`: any sum, difference and product of finite `f64` is one, whatever its size.
+///
+/// This is where the few cases end up that [`Approx`](super::number::Approx) cannot decide.
+#[derive(Clone, Debug)]
+pub(crate) struct Dyadic {
+    mantissa: IBig,
+    exponent: i64,
+}
+
+impl Dyadic {
+    pub(crate) fn order(&self) -> Ordering {
+        match (self.mantissa.is_zero(), self.mantissa.sign()) {
+            (true, _) => Ordering::Equal,
+            (false, Sign::Positive) => Ordering::Greater,
+            (false, Sign::Negative) => Ordering::Less,
+        }
+    }
+
+    /// The quotient of two of them to a few roundings, also where they are no `f64` themselves.
+    pub(crate) fn over(&self, divisor: &Self) -> f64 {
+        let ((a, a_exponent), (b, b_exponent)) = (self.leading(), divisor.leading());
+        scaled(a / b, a_exponent - b_exponent)
+    }
+
+    /// The first 62 bits as a rounded `f64`, and the power of two that it is to be multiplied with.
+    fn leading(&self) -> (f64, i64) {
+        const KEPT: usize = 62;
+        let dropped = self.mantissa.bit_len().saturating_sub(KEPT);
+        let leading = i64::try_from(&self.mantissa >> dropped).unwrap_or(0);
+        (leading as f64, self.exponent + dropped as i64)
+    }
+
+    fn combined(&self, other: &Self, add: impl Fn(IBig, IBig) -> IBig) -> Self {
+        let exponent = match (self.mantissa.is_zero(), other.mantissa.is_zero()) {
+            (true, _) => other.exponent,
+            (_, true) => self.exponent,
+            _ => self.exponent.min(other.exponent),
+        };
+        // Only a zero's exponent can be below.
+        let [a, b] = [self, other].map(|n| &n.mantissa << (n.exponent - exponent).max(0) as usize);
+        Self {
+            mantissa: add(a, b),
+            exponent,
+        }
+    }
+}
+
+impl Number for Dyadic {
+    /// Of a finite value.
+    fn new(value: f64) -> Self {
+        const FRACTION_BITS: u32 = 52;
+        let bits = value.to_bits();
+        let biased = (bits >> FRACTION_BITS & 0x7ff) as i64;
+        let fraction = (bits & ((1 << FRACTION_BITS) - 1)) as i64;
+        let (magnitude, exponent) = match biased {
+            0 => (fraction, -1074),
+            _ => (fraction | 1 << FRACTION_BITS, biased - 1075),
+        };
+        let mantissa = if value < 0.0 { -magnitude } else { magnitude };
+        Self {
+            mantissa: mantissa.into(),
+            exponent,
+        }
+    }
+
+    fn difference(a: f64, b: f64) -> Self {
+        Self::new(a).minus(&Self::new(b))
+    }
+
+    fn plus(&self, other: &Self) -> Self {
+        self.combined(other, |a, b| a + b)
+    }
+
+    fn minus(&self, other: &Self) -> Self {
+        self.combined(other, |a, b| a - b)
+    }
+
+    fn times(&self, other: &Self) -> Self {
+        Self {
+            mantissa: &self.mantissa * &other.mantissa,
+            exponent: self.exponent + other.exponent,
+        }
+    }
+
+    fn sign(&self) -> Option<Ordering> {
+        Some(self.order())
+    }
+
+    fn ratio(&self, divisor: &Self) -> Option<f64> {
+        Some(self.over(divisor))
+    }
+}
+
+/// `value * 2^exponent`, in steps that stay in range as long as the result does.
+fn scaled(value: f64, exponent: i64) -> f64 {
+    const STEP: i64 = 500;
+    let (mut value, mut rest) = (value, exponent.clamp(-5000, 5000));
+    while rest != 0 {
+        let step = rest.clamp(-STEP, STEP);
+        value *= 2.0_f64.powi(step as i32);
+        rest -= step;
+    }
+    value
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Whole numbers up to 2^40 and their products of three fit `i128`.
+    fn whole() -> impl Strategy<Value = i64> {
+        prop_oneof![-4_i64..5, -(1_i64 << 40)..(1_i64 << 40)]
+    }
+
+    proptest! {
+        #[test]
+        fn polynomials_of_whole_numbers_are_exact_at_any_scale(
+            a in whole(), b in whole(), c in whole(), d in whole(), power in -1000_i32..950,
+        ) {
+            let unit = 2.0_f64.powi(power);
+            let [x, y, z, w] = [a, b, c, d].map(|n| Dyadic::new(n as f64 * unit));
+            let value = x.times(&y).times(&z).minus(&w.times(&x).times(&y));
+            let [a, b, c, d] = [a, b, c, d].map(i128::from);
+            let truth = a * b * c - d * a * b;
+            prop_assert_eq!(value.order(), truth.cmp(&0));
+            let cube = Dyadic::new(unit).times(&Dyadic::new(unit)).times(&Dyadic::new(unit));
+            prop_assert!((value.over(&cube) - truth as f64).abs() <= (truth as f64).abs() * 4.0 * f64::EPSILON);
+        }
+
+        #[test]
+        fn differences_keep_what_rounding_would_lose(a in -1e10..1e10, b in -1e-300..1e-300) {
+            let difference = Dyadic::difference(a, b).plus(&Dyadic::new(b));
+            prop_assert_eq!(difference.minus(&Dyadic::new(a)).order(), Ordering::Equal);
+        }
+    }
+
+    #[test]
+    fn every_finite_number_is_one() {
+        for value in [0.0, -0.0, 1.0, -3.5, 5e-324, -f64::MIN_POSITIVE, f64::MAX, 0.1] {
+            let same = Dyadic::new(value).over(&Dyadic::new(1.0));
+            assert_eq!(same, value);
+        }
+    }
+
+    #[test]
+    fn quotients_out_of_range_are_infinite_or_zero() {
+        let (large, small) = (Dyadic::new(f64::MAX), Dyadic::new(5e-324));
+        assert_eq!(large.over(&small), f64::INFINITY);
+        assert_eq!(small.over(&large), 0.0);
+    }
+}

@@ -57,3 +57,11 @@ containment *CHECKS:
 # Measures the tables of docs/performance.md again, in place.
 tables *ARGS:
     cargo run --release -p morph_collision_testkit --bin tables -- {{ARGS}} docs/performance.md
+
+# Judges nearly degenerate pairs of triangles in exact arithmetic: a million of them by default.
+triangles *ARGS:
+    cargo run --release -p morph_collision_testkit --bin triangles -- {{ARGS}}
+
+# Which lines the tests of the core and the test kit run, for the folders of exact tests and poses (cargo install cargo-llvm-cov).
+coverage:
+    cargo llvm-cov --summary-only -p morph_collision -p morph_collision_testkit 2> /dev/null | grep -E "^(Filename|(morph_collision/src/)?(exact|pose)/)"

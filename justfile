@@ -54,6 +54,29 @@ assets:
 containment *CHECKS:
     cargo run --release -p morph_collision_testkit --bin containment -- {{CHECKS}}
 
+# Fuzzes each target for 20 seconds, regressions first (cargo install cargo-fuzz --locked; a C++ compiler).
+fuzz-short: (fuzz "20")
+
+# Fuzzes each target for SECONDS, one after the other, regressions first.
+fuzz SECONDS:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    # Nothing here is unsafe, so no sanitizer, and then any toolchain will do.
+    cargo fuzz build --sanitizer none
+    for target in $(cargo fuzz list); do
+        mkdir -p "fuzz/corpus/$target" "fuzz/regressions/$target"
+        regressions=(fuzz/regressions/"$target"/*)
+        if [ -e "${regressions[0]}" ]; then
+            cargo fuzz run --sanitizer none "$target" "${regressions[@]}"
+        fi
+        dictionary=()
+        if [ -e "fuzz/dictionaries/$target.txt" ]; then dictionary=(-dict="fuzz/dictionaries/$target.txt"); fi
+        # New inputs go to the first folder, which is not kept.
+        mkdir -p "fuzz/target/corpus/$target"
+        cargo fuzz run --sanitizer none "$target" "fuzz/target/corpus/$target" "fuzz/corpus/$target" -- \
+            -max_total_time={{SECONDS}} -max_len=4096 -print_final_stats=1 "${dictionary[@]}"
+    done
+
 # Measures the tables of docs/performance.md again, in place.
 tables *ARGS:
     cargo run --release -p morph_collision_testkit --bin tables -- {{ARGS}} docs/performance.md

@@ -71,7 +71,7 @@ fn coordinate(draw: &mut Draw<'_>) -> f64 {
     match draw.byte() % 8 {
         0..4 => f64::from(draw.whole()),
         4 | 5 => f64::from(draw.whole()) / 3.0,
-        6 if draw.byte() % 8 == 0 => f64::from_bits(draw.bits64()),
+        6 if draw.byte().is_multiple_of(8) => f64::from_bits(draw.bits64()),
         _ => f64::from(draw.signed()) * 2_f64.powi(draw.whole() * 4),
     }
 }

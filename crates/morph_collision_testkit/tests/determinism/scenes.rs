@@ -108,7 +108,8 @@ fn signed() -> Scene {
     let wander = |seed: u32| (seed.wrapping_mul(0x9e37_79b1) >> 16) as f32 / 32768.0 - 1.0;
     let bodies = |frame: u32| {
         let body = |i: u32| {
-            let weight = |k| wander(1 + frame * 97 + k * 13 + i * 1009) * if frame % 3 == 0 { 2.0 } else { 0.4 };
+            let weight =
+                |k| wander(1 + frame * 97 + k * 13 + i * 1009) * if frame.is_multiple_of(3) { 2.0 } else { 0.4 };
             let columns = std::array::from_fn(|c| {
                 let diagonal = if c % 4 == 0 { 1.0 } else { 0.0 };
                 diagonal + 0.5 * wander(7 + frame * 31 + c as u32 * 17 + i * 4099)

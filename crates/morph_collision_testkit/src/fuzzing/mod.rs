@@ -5,8 +5,8 @@
 //! | [`pairs()`] | two small meshes, tree options, weights and placements | the oracle's pairs; no vertex outside its volume |
 //! | [`triangles()`] | two triangles, mostly near-degenerate | the oracle's answer, in any order of corners |
 //! | [`layout()`] | a serialised tree | an error, or a tree that answers right |
-//! | [`scene`] | a JSON scene | an error, or a scene that is written as it was read |
-//! | [`gltf`] | a glTF file | an error, or meshes |
+//! | [`scene()`] | a JSON scene | an error, or a scene that is written as it was read |
+//! | [`gltf()`] | a glTF file | an error, or meshes |
 //!
 //! A function panics where that does not hold. Any bytes are a case; bytes that end early count as zeros.
 

@@ -4,7 +4,7 @@ default:
     @just --list
 
 # Everything that must hold before a change lands.
-ci: fmt-check clippy test test-features doc demo-check
+ci: fmt-check clippy test test-features determinism doc demo-check
 
 # Formats the code.
 fmt:
@@ -23,6 +23,11 @@ test:
 # What only features have.
 test-features:
     cargo test -p morph_collision --features serde --lib tree::
+
+# The same bits in debug and release, for every kind of volume, on any number of threads.
+determinism:
+    cargo test -p morph_collision_testkit --test determinism
+    cargo test -p morph_collision_testkit --test determinism --release
 
 doc:
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
@@ -75,6 +80,29 @@ verify-short:
     cargo run --release -p morph_collision_cli -- verify assets/dolphin_564.glb --frames 50
     cargo run --release -p morph_collision_cli -- verify assets/dolphin_2256.glb assets/pass_through_20480.glb --frames 10
     cargo run --release -p morph_collision_cli -- stress --cases 54
+
+# Fuzzes each target for 20 seconds, regressions first (cargo install cargo-fuzz --locked; a C++ compiler).
+fuzz-short: (fuzz "20")
+
+# Fuzzes each target for SECONDS, one after the other, regressions first.
+fuzz SECONDS:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    # Nothing here is unsafe, so no sanitizer, and then any toolchain will do.
+    cargo fuzz build --sanitizer none
+    for target in $(cargo fuzz list); do
+        mkdir -p "fuzz/corpus/$target" "fuzz/regressions/$target"
+        regressions=(fuzz/regressions/"$target"/*)
+        if [ -e "${regressions[0]}" ]; then
+            cargo fuzz run --sanitizer none "$target" "${regressions[@]}"
+        fi
+        dictionary=()
+        if [ -e "fuzz/dictionaries/$target.txt" ]; then dictionary=(-dict="fuzz/dictionaries/$target.txt"); fi
+        # New inputs go to the first folder, which is not kept.
+        mkdir -p "fuzz/target/corpus/$target"
+        cargo fuzz run --sanitizer none "$target" "fuzz/target/corpus/$target" "fuzz/corpus/$target" -- \
+            -max_total_time={{SECONDS}} -max_len=4096 -print_final_stats=1 "${dictionary[@]}"
+    done
 
 # Measures the tables of docs/performance.md again, in place.
 tables *ARGS:

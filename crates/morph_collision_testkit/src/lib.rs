@@ -7,13 +7,16 @@
 //! - [`assets`]: what lies in `assets/`, made of the above.
 //! - [`oracle`]: the same question answered by brute force in exact arithmetic.
 //! - [`moments`]: bodies in one moment, ordinary and odd, that every method has to agree on.
+//! - [`fuzzing`]: what the fuzz targets do with bytes.
 //! - [`near_degenerate`]: pairs of triangles that rounded arithmetic gets wrong.
 //! - [`rivals`]: the same question answered by every other method that `morph_collision` is compared with.
 //! - [`verify`]: the answers of trees against brute force, over situations drawn at random.
 //! - [`stress`]: the same over generated trouble, family by family, and bad input at every door.
+//! - [`search`]: hill climbing, to look for the worst rounding.
 #![forbid(unsafe_code)]
 
 pub mod assets;
+pub mod fuzzing;
 pub mod gltf_read;
 pub mod gltf_write;
 pub mod mesh;
@@ -23,5 +26,6 @@ pub mod near_degenerate;
 pub mod oracle;
 pub mod rivals;
 pub mod scenes;
+pub mod search;
 pub mod stress;
 pub mod verify;

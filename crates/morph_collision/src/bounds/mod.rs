@@ -9,6 +9,8 @@ mod frame;
 mod gap;
 mod kernel;
 mod lanes;
+#[cfg(test)]
+mod probe;
 mod rounding;
 mod slabs;
 mod spheres;
@@ -23,9 +25,14 @@ pub(crate) use gap::{Box64, GapFrame};
 pub use kernel::Kernel;
 pub(crate) use kernel::with_simd;
 pub(crate) use lanes::{LANES, Lanes};
+#[cfg(test)]
+pub(crate) use probe::{ExactPoint, Probe};
 pub(crate) use rounding::{U64, down, up};
 pub(crate) use slabs::{BoxLanes, Slab, Slabs};
 pub(crate) use spheres::Spheres;
 pub use transform::{TransformError, WorldFromModel};
 pub(crate) use volume::{Points, Volume};
 pub(crate) use world_query::{ModelPlane, RayCull};
+
+#[cfg(test)]
+mod rounding_tests;

@@ -95,8 +95,8 @@ impl<const H: usize> Extent<H> {
 #[derive(Clone, Debug)]
 pub(crate) struct SlabMap<const H: usize> {
     terms: [[Term; 3]; H],
-    offset_min: [f32; H],
-    offset_max: [f32; H],
+    pub(super) offset_min: [f32; H],
+    pub(super) offset_max: [f32; H],
 }
 
 /// What an end of the source adds to both ends of a slab.

@@ -9,4 +9,6 @@ pub use morph_model::MorphModel;
 pub(crate) use morph_model::{Displacement, LARGEST};
 
 #[cfg(test)]
+mod rounding_tests;
+#[cfg(test)]
 mod tests;

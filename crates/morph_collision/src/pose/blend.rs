@@ -21,6 +21,19 @@ pub(super) fn blend_group<S: Simd, V: Volume>(
     weights: &[f32],
     amounts: &mut Vec<f32>,
 ) -> (V, f32) {
+    let (mut volume, widening) = evaluate(simd, tables, weights, amounts);
+    volume.widen(simd, widening);
+    (volume, widening)
+}
+
+/// The same before it is widened, and by how much it is to be.
+#[inline(always)]
+pub(super) fn evaluate<S: Simd, V: Volume>(
+    simd: S,
+    tables: GroupTables<'_, V>,
+    weights: &[f32],
+    amounts: &mut Vec<f32>,
+) -> (V, f32) {
     let mut reach = tables.base_reach;
     let mut active = 0_u32;
     amounts.clear();
@@ -49,14 +62,27 @@ pub(super) fn blend_group<S: Simd, V: Volume>(
             }
         }
     }
-    let widening = widening(reach, active, products);
-    volume.widen(simd, widening);
-    (volume, widening)
+    (volume, widening(reach, active, products))
 }
 
 /// Volumes as [`blend_group`]'s, from an anchor's: tight at weights `w*`, moved by the interval form of `w - w*`.
 #[inline(always)]
 pub(super) fn move_anchored<S: Simd, V: Volume>(
+    simd: S,
+    tables: GroupTables<'_, V>,
+    anchored: &V,
+    anchor: &[f32],
+    differences: &[f32],
+    weights: &[f32],
+) -> (V, f32) {
+    let (mut volume, widening) = evaluate_anchored(simd, tables, anchored, anchor, differences, weights);
+    volume.widen(simd, widening);
+    (volume, widening)
+}
+
+/// The same before it is widened, and by how much it is to be.
+#[inline(always)]
+pub(super) fn evaluate_anchored<S: Simd, V: Volume>(
     simd: S,
     tables: GroupTables<'_, V>,
     anchored: &V,
@@ -80,9 +106,7 @@ pub(super) fn move_anchored<S: Simd, V: Volume>(
             volume.add_interval(simd, difference, tables.intervals.column(i, &mut room));
         }
     }
-    let widening = widening(reach, active, products);
-    volume.widen(simd, widening);
-    (volume, widening)
+    (volume, widening(reach, active, products))
 }
 
 /// Moves weight from the intervals to the scaled references, most gain per cost first, until the budget is spent.

@@ -25,4 +25,6 @@ pub use weights::WeightsError;
 #[cfg(test)]
 mod containment_tests;
 #[cfg(test)]
+mod rounding_tests;
+#[cfg(test)]
 mod tests;

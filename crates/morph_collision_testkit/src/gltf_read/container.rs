@@ -31,17 +31,22 @@ impl Container {
             path: path.to_owned(),
             source,
         })?;
+        Self::parse(&bytes, path, Some(path.parent().unwrap_or(Path::new(""))))
+    }
+
+    /// From a file's bytes; buffers in other files are looked for in `directory`, and refused without one.
+    pub(super) fn parse(bytes: &[u8], path: &Path, directory: Option<&Path>) -> Result<Self, ReadError> {
         let not_gltf = |reason: String| ReadError::NotGltf {
             path: path.to_owned(),
             reason,
         };
 
         let (json, blob) = if bytes.starts_with(b"glTF") {
-            check_glb_length(&bytes).map_err(not_gltf)?;
-            let glb = Glb::from_slice(&bytes).map_err(|error| not_gltf(error.to_string()))?;
+            check_glb_length(bytes).map_err(not_gltf)?;
+            let glb = Glb::from_slice(bytes).map_err(|error| not_gltf(error.to_string()))?;
             (glb.json.into_owned(), glb.bin.map(std::borrow::Cow::into_owned))
         } else {
-            (bytes, None)
+            (bytes.to_vec(), None)
         };
         let root: json::Root = json::deserialize::from_slice(&json).map_err(|error| not_gltf(error.to_string()))?;
         check_extensions(path, &root)?;
@@ -50,8 +55,7 @@ impl Container {
         // Not validated as a whole: the rules that matter are checked where they matter, and `validate` itself indexes
         // out of bounds on a POSITION accessor that does not exist.
         let document = Document::from_json_without_validation(root);
-        let base = path.parent().map(Path::to_owned).unwrap_or_default();
-        let buffers = gltf::import_buffers(&document, Some(&base), blob).map_err(|error| ReadError::Buffer {
+        let buffers = gltf::import_buffers(&document, directory, blob).map_err(|error| ReadError::Buffer {
             path: path.to_owned(),
             reason: error.to_string(),
         })?;

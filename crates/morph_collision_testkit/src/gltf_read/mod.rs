@@ -31,7 +31,18 @@ use crate::mesh::MorphMesh;
 /// # Errors
 /// [`ReadError`] names the file, and the mesh, primitive and accessor, or the animation, that is at fault.
 pub fn read_meshes(path: &Path) -> Result<Vec<MorphMesh>, ReadError> {
-    let container = Container::open(path)?;
+    meshes_of(&Container::open(path)?, path)
+}
+
+/// As [`read_meshes`] from a file's bytes; buffers must be within them. `path` is only for messages.
+///
+/// # Errors
+/// As [`read_meshes`].
+pub fn parse_meshes(bytes: &[u8], path: &Path) -> Result<Vec<MorphMesh>, ReadError> {
+    meshes_of(&Container::parse(bytes, path, None)?, path)
+}
+
+fn meshes_of(container: &Container, path: &Path) -> Result<Vec<MorphMesh>, ReadError> {
     let accessors = Accessors::new(container.root(), container.buffers());
     let mut meshes = Vec::new();
     for (index, mesh) in container.root().meshes.iter().enumerate() {

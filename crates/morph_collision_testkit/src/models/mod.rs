@@ -19,4 +19,4 @@ mod tube;
 
 pub use self::dolphin::{dolphin, swim_weights};
 pub(crate) use self::grid::round6;
-pub use self::pass_through::pass_through_body;
+pub use self::pass_through::{pass_through_body, pass_through_body_at};

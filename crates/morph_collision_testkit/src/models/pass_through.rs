@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use super::{grid, icosphere};
 use crate::mesh::{MorphMesh, WeightAnimation};
 
-/// Four triangles per level for each of the icosahedron's twenty: 20480.
+/// Of the paper's body: four triangles per level for each of the icosahedron's twenty, 20480.
 const LEVEL: u32 = 5;
 
 /// Seconds from one reference to the next in the clip "morph".
@@ -16,7 +16,12 @@ const LEG: f32 = 1.5;
 /// The base "start" is a smooth blob; the targets are "middle", a star with twelve spikes, and "end", a flattened
 /// peanut along `y`. The clip "morph" loops through start, middle, end, middle; two neighbours at a time are active.
 pub fn pass_through_body() -> MorphMesh {
-    let (directions, triangles) = icosphere::icosphere(LEVEL);
+    pass_through_body_at(LEVEL)
+}
+
+/// The same body with `20 * 4^level` triangles.
+pub fn pass_through_body_at(level: u32) -> MorphMesh {
+    let (directions, triangles) = icosphere::icosphere(level);
     let spikes = icosphere::icosahedron_corners();
     let reference =
         |shape: &dyn Fn(DVec3) -> DVec3| directions.iter().map(|&n| grid::snap(shape(n))).collect::<Vec<Vec3>>();

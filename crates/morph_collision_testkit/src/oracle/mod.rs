@@ -8,13 +8,17 @@
 //! of a set of pairs is written out a second time, with no tree, no volume and no predicate in common, so that an
 //! agreement of both means something. Exactness comes from integers: every `f64` is a whole number of some power of two. Whole
 //! meshes would take too long so; [`intersecting_pairs`] leaves out integers where `f64` arithmetic with a bound on its error is sure.
+//!
+//! [`Dyadic`] is that number, to measure roundings with.
 
 mod certain;
+mod dyadic;
 mod pairs;
 mod scene;
 mod triangles;
 mod vertex;
 
+pub use dyadic::Dyadic;
 pub use pairs::intersecting_pairs;
 pub use scene::{BodyPairs, BodyPose, scene_pairs};
 pub use triangles::triangles_intersect;

@@ -14,6 +14,8 @@ use std::cmp::Ordering;
 use glam::DVec3;
 use num_bigint::{BigInt, Sign};
 
+use super::dyadic::mantissa_and_exponent;
+
 /// A vector of integers.
 type Vector = [BigInt; 3];
 
@@ -45,28 +47,6 @@ fn to_integers(a: &[DVec3; 3], b: &[DVec3; 3]) -> ([Vector; 3], [Vector; 3]) {
     };
     let convert = |vertices: &[DVec3; 3]| vertices.map(|vertex| vertex.to_array().map(integer));
     (convert(a), convert(b))
-}
-
-/// `mantissa * 2^exponent == value`, with trailing zero bits taken out so that integers stay small.
-fn mantissa_and_exponent(value: f64) -> (i64, i32) {
-    let bits = value.to_bits();
-    let biased = ((bits >> 52) & 0x7ff) as i32;
-    let fraction = (bits & ((1 << 52) - 1)) as i64;
-    // Denormals have no implicit leading bit and share the exponent of the smallest normal numbers.
-    let (magnitude, exponent) = if biased == 0 {
-        (fraction, -1074)
-    } else {
-        (fraction | (1 << 52), biased - 1075)
-    };
-    if magnitude == 0 {
-        return (0, 0);
-    }
-    let zeros = magnitude.trailing_zeros();
-    let magnitude = magnitude >> zeros;
-    (
-        if value < 0.0 { -magnitude } else { magnitude },
-        exponent + zeros as i32,
-    )
 }
 
 /// Whether one of the directions tried strictly separates the triangles; `false` says nothing.

@@ -1,0 +1,184 @@
+//! How near the errors of placements and of volumes in another body's space come to their bounds, in exact arithmetic.
+
+use glam::{Affine3A, Vec3};
+use morph_collision_testkit::oracle::Dyadic;
+use morph_collision_testkit::search::Climb;
+use rand::RngExt;
+
+use super::probe::{ExactPoint, Image, Probe};
+use super::{Aabb, Slabs, Spheres, WorldFromModel, a_from_b};
+
+/// `3 v (|M| |p| + |t|) (1 + 3 v)` per coordinate.
+fn placement_bound(place: &Affine3A, magnitude: [Dyadic; 3]) -> ExactPoint {
+    let three_v = || Dyadic::from(3.0_f64) * Dyadic::power_of_two(-53);
+    std::array::from_fn(|row| {
+        let products = (0..3).map(|c| Dyadic::from(place.matrix3.col(c)[row].abs()) * magnitude[c].clone());
+        let reach = products.sum::<Dyadic>() + Dyadic::from(place.translation[row].abs());
+        three_v() * reach * (Dyadic::from(1.0_f64) + three_v())
+    })
+}
+
+fn exact_image(place: &Affine3A, p: &ExactPoint) -> ExactPoint {
+    std::array::from_fn(|row| {
+        let products = (0..3).map(|c| Dyadic::from(place.matrix3.col(c)[row]) * p[c].clone());
+        products.sum::<Dyadic>() + Dyadic::from(place.translation[row])
+    })
+}
+
+fn place_of(numbers: &[f32]) -> Affine3A {
+    let mut columns = [0.0; 12];
+    columns.copy_from_slice(&numbers[..12]);
+    Affine3A::from_cols_array(&columns)
+}
+
+/// Error over bound of one placed point.
+fn placement_ratio(numbers: &[f32]) -> Option<f64> {
+    let place = place_of(numbers);
+    let checked = WorldFromModel::new(place).ok()?;
+    let p = Vec3::from_slice(&numbers[12..15]);
+    if !p.is_finite() || p.abs().max_element() > 2e37 {
+        return None;
+    }
+    let placed = checked.transform_point(p);
+    let point = p.to_array().map(Dyadic::from);
+    let bound = placement_bound(&place, point.clone().map(Dyadic::abs));
+    let exact = exact_image(&place, &point);
+    let ratio = |i: usize| {
+        let error = (Dyadic::from(placed[i]) - exact[i].clone()).abs();
+        assert!(error <= bound[i], "{numbers:?}, coordinate {i}");
+        error.ratio(&bound[i])
+    };
+    Some(ratio(0).max(ratio(1)).max(ratio(2)))
+}
+
+#[test]
+fn a_placed_vertex_is_off_by_nearly_its_bound_and_never_by_more() {
+    let climb = Climb {
+        seed: 1,
+        starts: 12,
+        steps: 400,
+    };
+    let (ratio, _) = climb.highest(
+        |i, rng| {
+            let scale = 2_f32.powi(rng.random_range(-60..60));
+            let mut numbers: Vec<f32> = (0..15).map(|_| rng.random_range(-1.0..1.0) * scale).collect();
+            if i % 2 == 0 {
+                // One product near 1, and what is added to it just above half a unit in its last place, over and over.
+                let tiny = 2_f32.powi(-53) * 1.01;
+                numbers = vec![1.01; 15];
+                numbers[3..6].fill(tiny);
+                numbers[6..9].fill(tiny);
+                numbers[9..12].fill(tiny);
+            }
+            numbers
+        },
+        placement_ratio,
+    );
+    println!("placed vertex: {ratio:.3} of the bound");
+    assert!(ratio >= 0.5, "the bound is lazy, or the search is: {ratio}");
+}
+
+/// The inverse of the linear part times its determinant, and that, positive.
+fn adjugate(place: &Affine3A) -> ([ExactPoint; 3], Dyadic) {
+    let m = |row: usize, column: usize| Dyadic::from(place.matrix3.col(column)[row]);
+    // Entry (row, column) is the cofactor of (column, row).
+    let cofactor = |row: usize, column: usize| {
+        let [r, s] = [(column + 1) % 3, (column + 2) % 3];
+        let [c, d] = [(row + 1) % 3, (row + 2) % 3];
+        m(r, c) * m(s, d) - m(r, d) * m(s, c)
+    };
+    let rows: [ExactPoint; 3] = std::array::from_fn(|row| std::array::from_fn(|column| cofactor(row, column)));
+    let determinant = (0..3).map(|i| rows[0][i].clone() * m(i, 0)).sum::<Dyadic>();
+    if determinant.is_negative() {
+        return (rows.map(|row| row.map(|x| -x)), -determinant);
+    }
+    (rows, determinant)
+}
+
+/// The share of its slack that the map `a_from_b` needs at a point of B.
+fn map_ratio<V: Probe>(numbers: &[f32]) -> Option<f64> {
+    let (place_a, place_b) = (place_of(numbers), place_of(&numbers[12..]));
+    let [world_from_a, world_from_b] = [WorldFromModel::new(place_a).ok()?, WorldFromModel::new(place_b).ok()?];
+    // Few bits, so that the point's own volume is exact.
+    let q = Vec3::from_slice(&numbers[24..27]).clamp(Vec3::NEG_ONE, Vec3::ONE);
+    let q = (q * 4096.0).round() / 4096.0;
+    let (rows, determinant) = adjugate(&place_a);
+    if determinant == Dyadic::zero() {
+        return None;
+    }
+    let exact_q = q.to_array().map(Dyadic::from);
+    let world_q = exact_image(&place_b, &exact_q);
+    let scaled: ExactPoint = std::array::from_fn(|row| {
+        (0..3)
+            .map(|c| rows[row][c].clone() * (world_q[c].clone() - Dyadic::from(place_a.translation[c])))
+            .sum()
+    });
+    let reach_a = scaled.clone().map(|x| x.abs().ratio(&determinant) * (1.0 + 1e-6));
+    if reach_a.iter().any(|x| !(0.0..1e30).contains(x)) {
+        return None;
+    }
+    let bounds_a = Aabb {
+        min: Vec3::from_array(reach_a.map(|x| -super::up(x))),
+        max: Vec3::from_array(reach_a.map(super::up)),
+    };
+    let bounds_b = Aabb { min: q, max: q };
+    let frame = a_from_b(&world_from_a, &bounds_a, &world_from_b, &bounds_b)?;
+    let map = V::map(&frame)?;
+    let error_a = placement_bound(&place_a, reach_a.map(Dyadic::from));
+    let error_b = placement_bound(&place_b, exact_q.map(Dyadic::abs));
+    let image = Image {
+        determinant,
+        scaled,
+        scaled_offset: (rows, std::array::from_fn(|i| error_a[i].clone() + error_b[i].clone())),
+    };
+    let used = V::slack_used(&map, &V::at(q), &image);
+    assert!(used <= 1.0, "{used} of the slack: {numbers:?}");
+    Some(used)
+}
+
+/// Bodies near the origin, where `f32` loses most, and far from it, where the placements do.
+fn search_map<V: Probe>(name: &str) {
+    for (where_, range) in [("near", -8..3), ("far", 36..60)] {
+        let climb = Climb {
+            seed: 2,
+            starts: 6,
+            steps: 250,
+        };
+        let (ratio, _) = climb.highest(
+            |_, rng| {
+                let distance = 2_f32.powi(rng.random_range(range.clone()));
+                let mut numbers: Vec<f32> = (0..27).map(|_| rng.random_range(-1.0..1.0)).collect();
+                for body in [0, 12] {
+                    // Well away from singular.
+                    (0..3).for_each(|i| numbers[body + 4 * i] += 2.0);
+                    numbers[body + 9..body + 12].iter_mut().for_each(|t| *t *= distance);
+                }
+                // The same place but for a little, so that they may touch.
+                for i in 9..12 {
+                    numbers[12 + i] = numbers[i];
+                }
+                numbers
+            },
+            map_ratio::<V>,
+        );
+        println!("{name} in another body's space, {where_}: {ratio:.3} of the slack");
+        assert!(ratio >= 0.01, "the slack is lazy, or the search is: {ratio}");
+    }
+}
+
+#[test]
+fn boxes_need_much_of_their_slack_in_another_space_and_never_more() {
+    search_map::<Slabs<3>>("box");
+}
+
+#[test]
+fn dops_need_much_of_their_slack_in_another_space_and_never_more() {
+    search_map::<Slabs<7>>("14-DOP");
+    search_map::<Slabs<9>>("18-DOP");
+    search_map::<Slabs<13>>("26-DOP");
+}
+
+#[test]
+fn spheres_need_much_of_their_slack_in_another_space_and_never_more() {
+    search_map::<Spheres>("sphere");
+}

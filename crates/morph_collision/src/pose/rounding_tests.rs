@@ -1,0 +1,193 @@
+//! How near the errors of blended volumes and of the vertices in them come to the widening, in exact arithmetic.
+
+use std::sync::Arc;
+
+use fearless_simd::Simd;
+use glam::Vec3;
+use morph_collision_testkit::oracle::Dyadic;
+use morph_collision_testkit::search::Climb;
+use rand::RngExt;
+
+use super::blend::{blend_group, evaluate, evaluate_anchored, move_anchored};
+use super::{AnyPosed, Pose, Posed};
+use crate::bounds::{ExactPoint, Probe, with_simd};
+use crate::model::MorphModel;
+use crate::tree::{BuildOptions, MorphBvh, VolumeKind};
+
+const VERTICES: usize = 2;
+
+/// A way to make a volume.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Form {
+    Intervals,
+    References,
+    Ladder,
+    InBetweens,
+    Anchored,
+}
+
+impl Form {
+    const ALL: [Self; 5] = [
+        Self::Intervals,
+        Self::References,
+        Self::Ladder,
+        Self::InBetweens,
+        Self::Anchored,
+    ];
+
+    fn options(self, volume: VolumeKind) -> BuildOptions {
+        let options = BuildOptions::default().with_volume(volume);
+        match self {
+            Self::Intervals => options.with_scales([]),
+            Self::References | Self::Anchored => options,
+            Self::Ladder => options.with_scales([1.0, 4.0]).with_reflected(true),
+            Self::InBetweens => options.with_in_betweens(true),
+        }
+    }
+}
+
+/// The share of the root's widening that its vertices need: the rounded ones and the exact ones.
+///
+/// `numbers` are the vertices' base coordinates, then for each target its weight, the anchor's, and the displacements.
+fn ratio(form: Form, volume: VolumeKind, numbers: &[f32]) -> Option<f64> {
+    let (base, targets) = numbers.split_at(3 * VERTICES);
+    let vectors = |numbers: &[f32]| numbers.chunks_exact(3).map(Vec3::from_slice).collect::<Vec<_>>();
+    let displacements: Vec<_> = targets
+        .chunks_exact(2 + 3 * VERTICES)
+        .map(|t| vectors(&t[2..]))
+        .collect();
+    let weights = |which: usize| -> Vec<f32> { targets.chunks_exact(2 + 3 * VERTICES).map(|t| t[which]).collect() };
+    let model = MorphModel::from_displacements(&vectors(base), &[[0, 1, 1]], &displacements).ok()?;
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &form.options(volume)).ok()?));
+    if form == Form::Anchored {
+        pose.set_weights(&weights(1)).ok()?;
+        pose.take_anchor();
+    }
+    pose.set_weights(&weights(0)).ok()?;
+    let share = match pose.posed() {
+        AnyPosed::Aabb(posed) => share(&posed),
+        AnyPosed::Kdop14(posed) => share(&posed),
+        AnyPosed::Kdop18(posed) => share(&posed),
+        AnyPosed::Kdop26(posed) => share(&posed),
+        AnyPosed::Sphere(posed) => share(&posed),
+    };
+    assert!(
+        share.is_some_and(|share| share <= 1.0),
+        "{form:?} {volume} {share:?}: {numbers:?}"
+    );
+    share
+}
+
+/// `None` where a vertex is outside.
+fn share<V: Probe>(posed: &Posed<'_, V>) -> Option<f64> {
+    with_simd!(posed.level, simd => share_with(simd, posed))
+}
+
+fn share_with<S: Simd, V: Probe>(simd: S, posed: &Posed<'_, V>) -> Option<f64> {
+    let tables = posed.tables.group(0);
+    let mut amounts = Vec::new();
+    let (bare, widened, by) = match posed.anchor {
+        None => {
+            let (bare, by) = evaluate(simd, tables, posed.spread, &mut amounts);
+            (bare, blend_group(simd, tables, posed.spread, &mut amounts).0, by)
+        }
+        Some(anchor) => {
+            let (volume, from, moved) = (&anchor.volumes[0], &anchor.weights, &anchor.differences);
+            let (bare, by) = evaluate_anchored(simd, tables, volume, from, moved, posed.weights);
+            (
+                bare,
+                move_anchored(simd, tables, volume, from, moved, posed.weights).0,
+                by,
+            )
+        }
+    };
+    let mut share = f64::NEG_INFINITY;
+    for vertex in 0..posed.model.vertex_count() as u32 {
+        let rounded = posed
+            .model
+            .blend_vertex(vertex, posed.weights)
+            .to_array()
+            .map(Dyadic::from);
+        for point in [rounded, exact_vertex(posed, vertex)] {
+            if !V::holds(&widened.get(0), &point) {
+                return None;
+            }
+            share = share.max(V::lack(&bare.get(0), &point) / f64::from(by));
+        }
+    }
+    Some(share)
+}
+
+fn exact_vertex<V: Probe>(posed: &Posed<'_, V>, vertex: u32) -> ExactPoint {
+    let base = posed.model.base(vertex);
+    std::array::from_fn(|axis| {
+        let moved = posed.model.displacements(vertex).iter().map(|d| {
+            let weight = posed.weights[d.target as usize];
+            Dyadic::from(weight) * Dyadic::from(d.delta[axis])
+        });
+        moved.sum::<Dyadic>() + Dyadic::from(base[axis])
+    })
+}
+
+fn search(volume: VolumeKind) {
+    for form in Form::ALL {
+        let mut highest = f64::NEG_INFINITY;
+        for targets in [2, 12] {
+            let climb = Climb {
+                seed: 3,
+                starts: 4,
+                steps: 180,
+            };
+            let (found, _) = climb.highest(
+                |i, rng| {
+                    let scale = 2_f32.powi(rng.random_range(-40..40));
+                    let mut numbers: Vec<f32> = (0..3 * VERTICES).map(|_| rng.random_range(-1.0..1.0)).collect();
+                    // Products just above half a unit in the last place of the base: every sum rounds up.
+                    let one_way = i % 2 == 0;
+                    if one_way {
+                        numbers.fill(1.0);
+                    }
+                    for _ in 0..targets {
+                        numbers.push(rng.random_range(0.0..1.0));
+                        numbers.push(rng.random_range(-1.0..1.0));
+                        numbers.extend((0..3 * VERTICES).map(|_| rng.random_range(-1.0..1.0)));
+                        if one_way {
+                            let target = numbers.len() - 2 - 3 * VERTICES;
+                            numbers[target..].fill(2_f32.powi(-24) * 1.01);
+                            numbers[target] = 1.0;
+                            numbers[target + 1] = 0.5;
+                        }
+                    }
+                    let stride = 2 + 3 * VERTICES;
+                    for (i, x) in numbers.iter_mut().enumerate() {
+                        if i < 3 * VERTICES || (i - 3 * VERTICES) % stride >= 2 {
+                            *x *= scale;
+                        }
+                    }
+                    numbers
+                },
+                |numbers| ratio(form, volume, numbers),
+            );
+            highest = highest.max(found);
+        }
+        println!("{volume}, {form:?}: {highest:.3} of the widening");
+        assert!(highest >= 0.01, "the widening is lazy, or the search is: {highest}");
+    }
+}
+
+#[test]
+fn boxes_need_much_of_their_widening_and_never_more() {
+    search(VolumeKind::Aabb);
+}
+
+#[test]
+fn dops_need_much_of_their_widening_and_never_more() {
+    for volume in [VolumeKind::Kdop14, VolumeKind::Kdop18, VolumeKind::Kdop26] {
+        search(volume);
+    }
+}
+
+#[test]
+fn spheres_need_much_of_their_widening_and_never_more() {
+    search(VolumeKind::Sphere);
+}

@@ -1,0 +1,116 @@
+//! Numbers, meshes and options from bytes, steered to where things go wrong.
+
+use arbitrary::Unstructured;
+use glam::{Affine3A, Vec3};
+use morph_collision::{BuildOptions, Split, VolumeKind};
+
+use crate::mesh::MorphMesh;
+
+/// Bytes that are read as choices; past their end every choice is the first one.
+pub(super) struct Draw<'a>(Unstructured<'a>);
+
+impl<'a> Draw<'a> {
+    pub(super) fn new(data: &'a [u8]) -> Self {
+        Self(Unstructured::new(data))
+    }
+
+    pub(super) fn byte(&mut self) -> u8 {
+        self.0.arbitrary().unwrap_or(0)
+    }
+
+    pub(super) fn flag(&mut self) -> bool {
+        self.byte() & 1 == 1
+    }
+
+    /// A number from `from` to `to`, both included.
+    pub(super) fn among(&mut self, from: usize, to: usize) -> usize {
+        self.0.int_in_range(from..=to).unwrap_or(from)
+    }
+
+    /// A small whole number.
+    pub(super) fn whole(&mut self) -> i32 {
+        i32::from(self.byte() as i8) / 16
+    }
+
+    pub(super) fn signed(&mut self) -> i16 {
+        self.0.arbitrary().unwrap_or(0)
+    }
+
+    fn bits(&mut self) -> u32 {
+        self.0.arbitrary().unwrap_or(0)
+    }
+
+    pub(super) fn bits64(&mut self) -> u64 {
+        self.0.arbitrary().unwrap_or(0)
+    }
+
+    /// Any `f32`, mostly from a coarse grid on which coincidences are common.
+    pub(super) fn number(&mut self) -> f32 {
+        match self.byte() % 10 {
+            0..4 => self.whole() as f32 / 4.0,
+            4 | 5 => f32::from(self.signed()) / 256.0,
+            6 => self.whole() as f32 * 2_f32.powi(i32::from(self.byte() as i8)),
+            7 | 8 => nudged(self.whole() as f32 / 4.0, i32::from(self.byte() as i8)),
+            _ => f32::from_bits(self.bits()),
+        }
+    }
+
+    fn vector(&mut self) -> Vec3 {
+        Vec3::from_array(std::array::from_fn(|_| self.number()))
+    }
+
+    /// A mesh of at most six triangles, eight vertices and four targets; it may not be valid.
+    pub(super) fn mesh(&mut self) -> MorphMesh {
+        let vertices = self.among(1, 8);
+        let positions = (0..vertices).map(|_| self.vector()).collect();
+        let triangles = (0..self.among(1, 6)).map(|_| std::array::from_fn(|_| self.among(0, vertices - 1) as u32));
+        let mut mesh = MorphMesh::rigid("fuzz", positions, triangles.collect());
+        for _ in 0..self.among(0, 4) {
+            let displacement = |draw: &mut Self| if draw.flag() { draw.vector() } else { Vec3::ZERO };
+            mesh.targets.push((0..vertices).map(|_| displacement(self)).collect());
+        }
+        mesh
+    }
+
+    pub(super) fn weights(&mut self, targets: usize) -> Vec<f32> {
+        (0..targets).map(|_| self.number()).collect()
+    }
+
+    /// A translation, a placement along axes, or any affine.
+    pub(super) fn place(&mut self) -> Affine3A {
+        match self.byte() % 4 {
+            0 => Affine3A::from_translation(self.vector()),
+            1 => Affine3A::from_translation(self.vector()) * Affine3A::from_scale(self.vector()),
+            _ => Affine3A::from_cols_array(&std::array::from_fn(|_| self.number())),
+        }
+    }
+
+    pub(super) fn options(&mut self) -> BuildOptions {
+        let scales = match self.byte() % 5 {
+            0 => vec![1.0],
+            1 => Vec::new(),
+            2 => vec![1.0, 4.0, 64.0],
+            3 => vec![2.0],
+            _ => vec![self.number()],
+        };
+        let (volume, split) = (VolumeKind::ALL[self.among(0, 4)], Split::ALL[self.among(0, 2)]);
+        BuildOptions::default()
+            .with_volume(volume)
+            .with_split(split)
+            .with_scales(scales)
+            .with_arity([2, 4, 8][self.among(0, 2)])
+            .with_leaf_size(self.among(1, 4))
+            .with_reflected(self.flag())
+            .with_in_betweens(self.flag())
+            .with_leaf_tables(self.flag())
+            .with_compact(self.flag())
+    }
+}
+
+/// A number some units in the last place farther from zero, or nearer; zero stays.
+fn nudged(value: f32, by: i32) -> f32 {
+    if value == 0.0 {
+        return value;
+    }
+    f32::from_bits(value.to_bits().wrapping_add_signed(by))
+}

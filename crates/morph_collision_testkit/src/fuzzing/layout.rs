@@ -1,0 +1,76 @@
+use std::sync::{Arc, LazyLock};
+
+use glam::{Affine3A, Vec3};
+use morph_collision::{Body, MorphBvh, MorphModel, PairQuery, Pose, TreeLayout, WorldFromModel};
+use serde_json::Value;
+
+use super::pairs::{sorted, truth};
+use crate::mesh::MorphMesh;
+use crate::models::{degenerate, random};
+
+/// Meshes whose layouts are read.
+static MESHES: LazyLock<[(MorphMesh, Arc<MorphModel>); 4]> = LazyLock::new(|| {
+    let one = MorphMesh::rigid("one", vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]);
+    let meshes = [
+        one,
+        random::triangle_soup(3, 12, 2),
+        degenerate::all_equal(5),
+        random::random_blob(4, 0, 3, 0.3),
+    ];
+    meshes.map(|mesh| {
+        let model = mesh.to_model().expect("generated meshes are valid");
+        (mesh, Arc::new(model))
+    })
+});
+
+/// A tree's layout as JSON, after one byte that says of which mesh: refused, or a tree that answers right.
+///
+/// With the byte's upper bit unset version and fingerprint are put right first, so that the rest is looked at.
+///
+/// # Panics
+/// If a restored tree answers wrong.
+pub fn layout(data: &[u8]) {
+    let Some((&first, json)) = data.split_first() else {
+        return;
+    };
+    let (mesh, model) = &MESHES[usize::from(first & 3)];
+    let Ok(mut value) = serde_json::from_slice::<Value>(json) else {
+        return;
+    };
+    if first & 128 == 0
+        && let Value::Object(fields) = &mut value
+    {
+        fields.insert("version".to_owned(), 1.into());
+        fields.insert("fingerprint".to_owned(), model.fingerprint().into());
+    }
+    let Ok(layout) = serde_json::from_value::<TreeLayout>(value) else {
+        return;
+    };
+    let bvh = match MorphBvh::from_layout(model.clone(), &layout) {
+        Ok(bvh) => Arc::new(bvh),
+        Err(error) => {
+            assert!(!error.to_string().is_empty());
+            return;
+        }
+    };
+    assert_eq!(bvh.layout(), layout, "a tree has the layout it was restored from");
+    let mut poses = [Pose::new(bvh.clone()), Pose::new(bvh)];
+    for (i, pose) in poses.iter_mut().enumerate() {
+        let weights: Vec<f32> = (0..pose.weights().len())
+            .map(|k| 0.6 * k as f32 - 0.4 * i as f32)
+            .collect();
+        pose.set_weights(&weights).expect("the weights are small");
+        let report = pose.check_containment();
+        assert_eq!(report.first, None, "a vertex outside its volume");
+    }
+    let places = [
+        Affine3A::IDENTITY,
+        Affine3A::from_translation(Vec3::new(0.125, 0.25, 0.0)),
+    ];
+    let truth = truth([mesh, mesh], &poses, [&places[0], &places[1]]);
+    let [world_from_a, world_from_b] = places.map(|place| WorldFromModel::new(place).expect("the place is finite"));
+    let [a, b] = &mut poses;
+    let mut found = Vec::new();
+    PairQuery::new().all(Body::new(a, &world_from_a), Body::new(b, &world_from_b), &mut found);
+    assert_eq!(sorted(&found), truth);
+}

@@ -1,0 +1,34 @@
+//! What the fuzz targets in `fuzz/` do with the bytes they are given; here so that plain tests replay what fuzzing found.
+//!
+//! | target | bytes are | must hold |
+//! |---|---|---|
+//! | [`pairs()`] | two small meshes, tree options, weights and placements | the oracle's pairs; no vertex outside its volume |
+//! | [`triangles()`] | two triangles, mostly near-degenerate | the oracle's answer, in any order of corners |
+//! | [`layout()`] | a serialised tree | an error, or a tree that answers right |
+//! | [`scene()`] | a JSON scene | an error, or a scene that is written as it was read |
+//! | [`gltf()`] | a glTF file | an error, or meshes |
+//!
+//! A function panics where that does not hold. Any bytes are a case; bytes that end early count as zeros.
+
+mod draw;
+mod files;
+mod layout;
+mod pairs;
+mod triangles;
+
+pub use files::{gltf, scene};
+pub use layout::layout;
+pub use pairs::pairs;
+pub use triangles::triangles;
+
+/// A target's name and what it does with bytes.
+pub type Target = (&'static str, fn(&[u8]));
+
+/// All targets.
+pub const TARGETS: [Target; 5] = [
+    ("pairs", pairs),
+    ("triangles", triangles),
+    ("layout", layout),
+    ("scene", scene),
+    ("gltf", gltf),
+];

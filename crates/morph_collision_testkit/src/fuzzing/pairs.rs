@@ -1,0 +1,103 @@
+use std::sync::Arc;
+
+use glam::Affine3A;
+use morph_collision::{
+    Body, MorphBvh, PairMemory, PairQuery, Pose, Remember, SeparatingAxes, TrianglePair, WorldFromModel,
+};
+
+use super::draw::Draw;
+use crate::mesh::MorphMesh;
+use crate::oracle;
+
+/// Two small meshes, posed and placed a few times: every way to ask for their pairs against the oracle, and every vertex
+/// against the volumes above it.
+///
+/// # Panics
+/// If an answer is wrong.
+pub fn pairs(data: &[u8]) {
+    let mut draw = Draw::new(data);
+    let options = [draw.options(), draw.options()];
+    let same = draw.flag();
+    let mesh_a = draw.mesh();
+    let mesh_b = if same { mesh_a.clone() } else { draw.mesh() };
+    let meshes = [&mesh_a, &mesh_b];
+    let mut poses = Vec::new();
+    for (mesh, options) in meshes.into_iter().zip(&options) {
+        let Ok(model) = mesh.to_model() else { return };
+        let Ok(bvh) = MorphBvh::build(Arc::new(model), options) else {
+            return;
+        };
+        poses.push(Pose::new(Arc::new(bvh)));
+    }
+    let mut memory = PairMemory::new(Remember {
+        separation: true,
+        front: true,
+    });
+    let axes = if draw.flag() {
+        SeparatingAxes::Full
+    } else {
+        SeparatingAxes::Lite
+    };
+    let mut query = PairQuery::new().with_axes(axes);
+    for _ in 0..draw.among(1, 3) {
+        let mut places = Vec::new();
+        for pose in &mut poses {
+            let place = draw.place();
+            // Refused weights leave the ones before in force.
+            let _refused = pose.set_weights(&draw.weights(pose.weights().len()));
+            if draw.flag() {
+                pose.take_anchor();
+            }
+            let Ok(checked) = WorldFromModel::new(place) else {
+                return;
+            };
+            places.push((place, checked));
+        }
+        let [(place_a, world_from_a), (place_b, world_from_b)] = &places[..] else {
+            return;
+        };
+        let truth = truth(meshes, &poses, [place_a, place_b]);
+        let (before, after) = poses.split_at_mut(1);
+        let (a, b) = (&mut before[0], &mut after[0]);
+
+        let mut found = Vec::new();
+        query.all(Body::new(a, world_from_a), Body::new(b, world_from_b), &mut found);
+        assert_eq!(sorted(&found), truth, "all");
+        let mut remembered = Vec::new();
+        query.visit_with(
+            &mut memory,
+            Body::new(a, world_from_a),
+            Body::new(b, world_from_b),
+            |pair| {
+                remembered.push(pair);
+                std::ops::ControlFlow::Continue(())
+            },
+        );
+        assert_eq!(sorted(&remembered), truth, "with a memory");
+        found.clear();
+        query.all(Body::new(b, world_from_b), Body::new(a, world_from_a), &mut found);
+        let mut swapped: Vec<_> = found.iter().map(|pair| (pair.triangle_b, pair.triangle_a)).collect();
+        swapped.sort_unstable();
+        assert_eq!(swapped, truth, "the other way round");
+        for pose in [a, b] {
+            let report = pose.check_containment();
+            assert_eq!(report.first, None, "weights {:?}", pose.weights());
+        }
+    }
+}
+
+/// The oracle's pairs of two posed bodies, ascending.
+pub(super) fn truth(meshes: [&MorphMesh; 2], poses: &[Pose], places: [&Affine3A; 2]) -> Vec<(u32, u32)> {
+    let world = |i: usize| {
+        let mesh = meshes[i];
+        let posed = oracle::posed_vertices(&mesh.positions, &mesh.targets, poses[i].weights());
+        oracle::world_vertices(&posed, places[i])
+    };
+    oracle::intersecting_pairs(&world(0), &meshes[0].triangles, &world(1), &meshes[1].triangles)
+}
+
+pub(super) fn sorted(pairs: &[TrianglePair]) -> Vec<(u32, u32)> {
+    let mut sorted: Vec<_> = pairs.iter().map(|pair| (pair.triangle_a, pair.triangle_b)).collect();
+    sorted.sort_unstable();
+    sorted
+}

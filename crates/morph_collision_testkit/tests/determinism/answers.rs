@@ -1,0 +1,252 @@
+//! The answers of a scene, shared out among threads with poses of their own, hashed and merged in order.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use morph_collision::{
+    Body, BuildOptions, ContactQuery, DistanceQuery, MorphBvh, PairQuery, Pose, Ray, RayHit, RayQuery, SelfQuery,
+    TrianglePair, WorldFromModel,
+};
+
+use crate::Run;
+use crate::hash::Hash;
+use crate::scenes::Scene;
+
+/// What is hashed apart, so that a difference says where it is.
+pub(crate) const COLUMNS: [&str; 6] = ["vertices", "pairs", "self", "contacts", "distances", "rays"];
+const VERTICES: usize = 0;
+const PAIRS: usize = 1;
+const SELF: usize = 2;
+const CONTACTS: usize = 3;
+const DISTANCES: usize = 4;
+const RAYS: usize = 5;
+
+/// Hashes of answers, and what goes with them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Answers {
+    pub(crate) hashes: [Hash; COLUMNS.len()],
+    /// The pairs that the walks came to first, which depend on the tree.
+    pub(crate) firsts: Hash,
+    pub(crate) pair_count: usize,
+}
+
+impl Answers {
+    const NONE: Self = Self {
+        hashes: [Hash::EMPTY; COLUMNS.len()],
+        firsts: Hash::EMPTY,
+        pair_count: 0,
+    };
+
+    fn append(&mut self, other: &Self) {
+        for (all, one) in self.hashes.iter_mut().zip(&other.hashes) {
+            all.u64(one.value());
+        }
+        self.firsts.u64(other.firsts.value());
+        self.pair_count += other.pair_count;
+    }
+}
+
+/// A question: about one body, or about two, in a frame.
+#[derive(Clone, Copy)]
+struct Item {
+    frame: usize,
+    a: usize,
+    b: Option<usize>,
+}
+
+/// All answers of a scene.
+pub(crate) fn of(scene: &Scene, run: Run) -> Answers {
+    run.kernel.choose();
+    let options = BuildOptions::default().with_volume(run.volume);
+    let trees: Vec<Arc<MorphBvh>> = scene
+        .meshes
+        .iter()
+        .map(|mesh| {
+            let model = mesh.to_model().expect("the model is valid");
+            Arc::new(MorphBvh::build(Arc::new(model), &options).expect("the options are"))
+        })
+        .collect();
+    let items = items(scene);
+    let mut answers: Vec<(usize, Answers)> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..run.threads)
+            .map(|thread| {
+                let (items, trees) = (&items, &trees);
+                scope.spawn(move || {
+                    let mut worker = Worker::new(scene, trees);
+                    let mine = items.iter().enumerate().skip(thread).step_by(run.threads);
+                    mine.map(|(i, item)| (i, worker.answer(item))).collect::<Vec<_>>()
+                })
+            })
+            .collect();
+        let joined = threads.into_iter().map(|thread| thread.join().expect("no panic"));
+        joined.flatten().collect()
+    });
+    answers.sort_by_key(|(i, _)| *i);
+    let mut all = Answers::NONE;
+    answers.iter().for_each(|(_, one)| all.append(one));
+    all
+}
+
+fn items(scene: &Scene) -> Vec<Item> {
+    let mut items = Vec::new();
+    for (frame, bodies) in scene.frames.iter().enumerate() {
+        for a in 0..bodies.len() {
+            items.push(Item { frame, a, b: None });
+            items.extend((a + 1..bodies.len()).map(|b| Item { frame, a, b: Some(b) }));
+        }
+    }
+    items
+}
+
+/// A thread's poses and queries; what they remember of one item must not show in the next.
+struct Worker<'a> {
+    scene: &'a Scene,
+    poses: Vec<Pose>,
+    pairs: PairQuery,
+    within: SelfQuery,
+    contacts: ContactQuery,
+    distances: DistanceQuery,
+    rays: RayQuery,
+}
+
+impl<'a> Worker<'a> {
+    fn new(scene: &'a Scene, trees: &[Arc<MorphBvh>]) -> Self {
+        Self {
+            scene,
+            poses: scene.frames[0]
+                .iter()
+                .map(|(mesh, ..)| Pose::new(trees[*mesh].clone()))
+                .collect(),
+            pairs: PairQuery::new(),
+            within: SelfQuery::new(),
+            contacts: ContactQuery::new(),
+            distances: DistanceQuery::new(),
+            rays: RayQuery::new(),
+        }
+    }
+
+    fn answer(&mut self, item: &Item) -> Answers {
+        let place = self.pose(item, item.a);
+        let mut answers = Answers::NONE;
+        match item.b {
+            None => self.one(item.a, &place, &mut answers),
+            Some(b) => {
+                let place_b = self.pose(item, b);
+                self.two([item.a, b], [&place, &place_b], &mut answers);
+            }
+        }
+        answers
+    }
+
+    fn pose(&mut self, item: &Item, body: usize) -> WorldFromModel {
+        let (_, weights, place) = &self.scene.frames[item.frame][body];
+        self.poses[body].set_weights(weights).expect("the weights are valid");
+        WorldFromModel::new(*place).expect("the place is finite")
+    }
+
+    fn one(&mut self, body: usize, place: &WorldFromModel, answers: &mut Answers) {
+        let pose = &mut self.poses[body];
+        // Before the vertices are blended as a whole: queries blend what they look at.
+        let mut hits = Vec::new();
+        for ray in rays(place) {
+            hits.clear();
+            self.rays.all(Body::new(pose, place), &ray, &mut hits);
+            let (closest, _) = self.rays.closest(Body::new(pose, place), &ray);
+            assert_eq!(closest.as_ref().map(|hit| hit.t), hits.first().map(|hit| hit.t));
+            let hash = &mut answers.hashes[RAYS];
+            hash.u64(hits.len() as u64);
+            hits.iter().for_each(|hit| hash_hit(hash, hit));
+        }
+        let mut pairs = Vec::new();
+        self.within.all(pose, &mut pairs);
+        hash_pairs(&mut answers.hashes[SELF], &mut pairs);
+
+        let mut positions = Vec::new();
+        pose.source_positions(&mut positions);
+        for position in positions {
+            answers.hashes[VERTICES].vertex(position);
+            answers.hashes[VERTICES].world_vertex(place.transform_point(position));
+        }
+    }
+
+    fn two(&mut self, [a, b]: [usize; 2], [place_a, place_b]: [&WorldFromModel; 2], answers: &mut Answers) {
+        let (before, after) = self.poses.split_at_mut(b);
+        let (pose_a, pose_b) = (&mut before[a], &mut after[0]);
+        macro_rules! bodies {
+            () => {
+                (Body::new(pose_a, place_a), Body::new(pose_b, place_b))
+            };
+        }
+        let (a, b) = bodies!();
+        let (first, _) = self.pairs.first(a, b);
+        let (a, b) = bodies!();
+        let mut pairs = Vec::new();
+        self.pairs.all(a, b, &mut pairs);
+        hash_pairs(&mut answers.hashes[PAIRS], &mut pairs);
+        answers.pair_count = pairs.len();
+        assert_eq!(first.is_some(), !pairs.is_empty());
+        if let Some(first) = first {
+            assert!(pairs.contains(&first), "{first:?} is first and not among all");
+            hash_pairs(&mut answers.firsts, &mut [first]);
+        }
+
+        let (a, b) = bodies!();
+        let (manifold, _) = self.contacts.manifold(a, b);
+        let hash = &mut answers.hashes[CONTACTS];
+        if let Some(manifold) = manifold {
+            hash.u64(manifold.pair_count as u64);
+            hash.numbers(manifold.normal.to_array());
+            hash.number(manifold.depth);
+            for point in manifold.points() {
+                hash.numbers(point.point.to_array());
+                hash.number(point.depth);
+                hash_pairs(hash, &mut [point.pair]);
+            }
+        }
+
+        let (a, b) = bodies!();
+        let (closest, _) = self.distances.closest(a, b, f64::INFINITY);
+        let closest = closest.expect("no distance is beyond infinity");
+        let hash = &mut answers.hashes[DISTANCES];
+        hash.number(closest.distance);
+        // Which common point of two bodies that touch comes first depends on the tree.
+        if closest.distance > 0.0 {
+            hash.u32(closest.triangle_a);
+            hash.u32(closest.triangle_b);
+            hash.numbers(closest.point_a.to_array());
+            hash.numbers(closest.point_b.to_array());
+        }
+    }
+}
+
+fn hash_pairs(hash: &mut Hash, pairs: &mut [TrianglePair]) {
+    pairs.sort_unstable();
+    hash.u64(pairs.len() as u64);
+    for pair in pairs {
+        hash.u32(pair.triangle_a);
+        hash.u32(pair.triangle_b);
+    }
+}
+
+fn hash_hit(hash: &mut Hash, hit: &RayHit) {
+    hash.u32(hit.triangle);
+    hash.numbers([hit.t, hit.distance]);
+    hash.numbers(hit.barycentrics);
+    hash.numbers(hit.point.to_array());
+    hash.numbers(hit.normal.to_array());
+}
+
+/// Towards the body's origin and past it, from a few sides.
+fn rays(place: &WorldFromModel) -> [Ray; 4] {
+    let origin = place.transform_point(glam::Vec3::ZERO);
+    [
+        ([3.0, 0.5, 0.25], [0.0, 0.0, 0.0]),
+        ([0.25, -4.0, 1.0], [0.125, 0.0, 0.25]),
+        ([-2.0, 2.0, 2.0], [-0.25, 0.125, 0.0]),
+        ([0.0, 0.0, 0.0], [0.0, 0.75, 0.5]),
+    ]
+    .map(|(from, towards)| {
+        let (from, towards) = (DVec3::from_array(from), DVec3::from_array(towards));
+        Ray::new(origin + from, towards - from, f64::INFINITY).expect("the ray is finite")
+    })
+}

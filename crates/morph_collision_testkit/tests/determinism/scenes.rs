@@ -1,0 +1,127 @@
+//! What is hashed: the two scripted scenes with few triangles, and odd moments of random and degenerate models.
+
+use glam::{Affine3A, Vec3};
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::models::{dolphin, pass_through_body_at, random};
+use morph_collision_testkit::moments::{self, MomentBody};
+use morph_collision_testkit::scenes::{dolphins, pass_through};
+
+use crate::hash::Hash;
+
+/// Meshes, and where bodies of them are in each frame; body `i` is of the same mesh in all.
+#[derive(Debug)]
+pub(crate) struct Scene {
+    pub(crate) name: String,
+    pub(crate) meshes: Vec<MorphMesh>,
+    pub(crate) frames: Vec<Vec<MomentBody>>,
+}
+
+impl Scene {
+    fn new(name: String, meshes: Vec<MorphMesh>, mut frames: Vec<Vec<MomentBody>>) -> Self {
+        for (_, weights, place) in frames.iter_mut().flatten() {
+            weights.iter_mut().for_each(snap);
+            let mut columns = place.to_cols_array();
+            columns.iter_mut().for_each(snap);
+            *place = Affine3A::from_cols_array(&columns);
+        }
+        Self { name, meshes, frames }
+    }
+
+    /// Of all that goes in, to tell other answers from other questions.
+    pub(crate) fn hash(&self) -> u64 {
+        let mut hash = Hash::EMPTY;
+        for mesh in &self.meshes {
+            let vectors = mesh.positions.iter().chain(mesh.targets.iter().flatten());
+            vectors.for_each(|v| hash.vertex(*v));
+            mesh.triangles.iter().flatten().for_each(|vertex| hash.u32(*vertex));
+        }
+        for (mesh, weights, place) in self.frames.iter().flatten() {
+            hash.u64(*mesh as u64);
+            let numbers = weights.iter().copied().chain(place.to_cols_array());
+            numbers.for_each(|number| hash.u32(number.to_bits()));
+        }
+        hash.value()
+    }
+}
+
+/// Machines differ in the last bits of sines; multiples of 2^-14 hide it, and leave numbers beyond 2^9 as they are.
+fn snap(number: &mut f32) {
+    const GRID: f32 = 16384.0;
+    if number.abs() < 512.0 {
+        *number = (*number * GRID).round() / GRID;
+    }
+}
+
+/// Moments that are covered by others, or in which every triangle meets every other, which takes long.
+const LEFT_OUT: [&str; 4] = [
+    "dolphins, frame 60",
+    "dolphins, frame 200",
+    "blobs both a line",
+    "blobs both a point",
+];
+
+/// All scenes, in the order of the file.
+pub(crate) fn all() -> Vec<Scene> {
+    let mut scenes = vec![swimming(), passing(), signed()];
+    scenes.extend(
+        moments::generated()
+            .into_iter()
+            .filter(|moment| !LEFT_OUT.contains(&moment.name.as_str()))
+            .map(|moment| Scene::new(moment.name, moment.meshes, vec![moment.bodies])),
+    );
+    scenes
+}
+
+fn swimming() -> Scene {
+    use dolphins::{COUNT, FRAMES, placement, weights};
+    let bodies = |frame| {
+        let body = |i| {
+            let weights = weights(i, frame, FRAMES).to_vec();
+            (0, weights, placement(i, COUNT, frame, FRAMES))
+        };
+        (0..COUNT).map(body).collect()
+    };
+    let frames = (0..FRAMES).step_by(80).map(bodies).collect();
+    Scene::new("12 dolphins".to_owned(), vec![dolphin(0)], frames)
+}
+
+fn passing() -> Scene {
+    use pass_through::{STEPS, placements, weights};
+    let bodies = |step| {
+        let weights = weights(step, STEPS).to_vec();
+        placements(step, STEPS)
+            .map(|place| (0, weights.clone(), place))
+            .to_vec()
+    };
+    let frames = (40..STEPS).step_by(20).map(bodies).collect();
+    Scene::new("pass-through".to_owned(), vec![pass_through_body_at(2)], frames)
+}
+
+/// Blobs with 24 targets each, whose weights have any sign and sum and mostly all move.
+fn signed() -> Scene {
+    const TARGETS: u32 = 24;
+    let meshes = vec![
+        random::random_blob(21, 2, TARGETS as usize, 0.6),
+        random::random_blob(22, 1, TARGETS as usize, 0.0),
+    ];
+    // Multiples of an odd number wander through -1..1 without a sine.
+    let wander = |seed: u32| (seed.wrapping_mul(0x9e37_79b1) >> 16) as f32 / 32768.0 - 1.0;
+    let bodies = |frame: u32| {
+        let body = |i: u32| {
+            let weight =
+                |k| wander(1 + frame * 97 + k * 13 + i * 1009) * if frame.is_multiple_of(3) { 2.0 } else { 0.4 };
+            let columns = std::array::from_fn(|c| {
+                let diagonal = if c % 4 == 0 { 1.0 } else { 0.0 };
+                diagonal + 0.5 * wander(7 + frame * 31 + c as u32 * 17 + i * 4099)
+            });
+            let place = Affine3A::from_cols_array(&columns);
+            (
+                (i % 2) as usize,
+                (0..TARGETS).map(weight).collect(),
+                Affine3A::from_translation(Vec3::X * (0.7 * i as f32)) * place,
+            )
+        };
+        (0..3).map(body).collect()
+    };
+    Scene::new("signed weights".to_owned(), meshes, (0..6).map(bodies).collect())
+}

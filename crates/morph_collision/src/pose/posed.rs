@@ -184,8 +184,8 @@ impl<V: Volume> Posed<'_, V> {
     /// A triangle's posed corners, in model space.
     #[inline]
     pub(crate) fn corners(&mut self, triangle: u32) -> [Vec3; 3] {
-        let corners = self.model.triangle(triangle as usize);
-        corners.map(|vertex| self.vertex(vertex))
+        let [a, b, c] = self.model.triangle(triangle as usize);
+        [self.vertex(a), self.vertex(b), self.vertex(c)]
     }
 
     pub(crate) fn blended(&self) -> Blended {

@@ -23,8 +23,12 @@ impl<'a> Body<'a> {
 /// A triangle's corners in world space.
 #[inline]
 pub(super) fn world_triangle(tree: &mut impl Walkable, world_from_model: &WorldFromModel, triangle: u32) -> Triangle {
-    tree.corners(triangle)
-        .map(|corner| world_from_model.transform_point(corner))
+    let [a, b, c] = tree.corners(triangle);
+    [
+        world_from_model.transform_point(a),
+        world_from_model.transform_point(b),
+        world_from_model.transform_point(c),
+    ]
 }
 
 /// A posed tree of any kind as one of boxes.

@@ -251,10 +251,13 @@ fn push<K: Copy + PartialOrd>(
     pair: impl Fn(usize) -> (NodeRef, NodeRef),
 ) {
     let first = stack.len();
-    stack.extend(lanes_of(mask).map(|lane| {
+    let mut left = mask;
+    while left != 0 {
+        let lane = left.ilog2() as usize;
+        left &= !(1 << lane);
         let (a, b) = pair(lane);
-        (keys[lane], a, b)
-    }));
+        stack.push((keys[lane], a, b));
+    }
     // Keys without content need no order.
     if size_of::<K>() > 0 {
         stack[first..].sort_by(|x, y| y.0.partial_cmp(&x.0).unwrap_or(Ordering::Equal));

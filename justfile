@@ -4,7 +4,7 @@ default:
     @just --list
 
 # Everything that must hold before a change lands.
-ci: fmt-check clippy test test-features determinism doc demo-check
+ci: fmt-check clippy test test-features determinism doc demo-check verify-short fuzz-short
 
 # Formats the code.
 fmt:

@@ -1,0 +1,83 @@
+//! How far a GPU's blend may be from ours: fused, or in another order, it stays within what docs/numerics.md says.
+
+use glam::Vec3;
+use morph_collision_testkit::gltf_read::read_meshes;
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::models::random::random_blob;
+use morph_collision_testkit::moments::shared_model;
+use morph_collision_testkit::oracle::posed_vertices;
+
+/// Targets in a given order, multiply and add fused.
+fn fused<'a>(base: &[Vec3], terms: impl Iterator<Item = (f32, &'a Vec<Vec3>)>) -> Vec<Vec3> {
+    let mut posed = base.to_vec();
+    for (weight, target) in terms {
+        for (vertex, displacement) in posed.iter_mut().zip(target) {
+            *vertex = Vec3::from_array(std::array::from_fn(|axis| {
+                weight.mul_add(displacement[axis], vertex[axis])
+            }));
+        }
+    }
+    posed
+}
+
+fn largest(points: &[Vec3]) -> f64 {
+    f64::from(points.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max))
+}
+
+/// The largest difference of a coordinate in any other blend of a mesh, in units of twice the vertex bound, and of the mesh's
+/// largest coordinate.
+fn differences(mesh: &MorphMesh, weights: &[f32]) -> [f64; 2] {
+    let ours = posed_vertices(&mesh.positions, &mesh.targets, weights);
+    let active = || weights.iter().copied().zip(&mesh.targets).filter(|term| term.0 != 0.0);
+    let backwards: Vec<_> = active().collect();
+    let others = [
+        fused(&mesh.positions, active()),
+        fused(&mesh.positions, backwards.into_iter().rev()),
+    ];
+    let moved: f64 = active()
+        .map(|(weight, target)| f64::from(weight.abs()) * largest(target))
+        .sum();
+    let reach = largest(&mesh.positions) + moved;
+    let bound = 2.0 * (active().count() + 1) as f64 * f64::from(f32::EPSILON / 2.0) * reach * 1.01;
+    let apart = |other: &Vec<Vec3>| {
+        let each = ours
+            .iter()
+            .zip(other)
+            .map(|(p, q)| (p.as_dvec3() - q.as_dvec3()).abs().max_element());
+        each.fold(0.0, f64::max)
+    };
+    let apart = others.iter().map(apart).fold(0.0, f64::max);
+    [apart / bound, apart / largest(&mesh.positions)]
+}
+
+#[test]
+fn a_fused_or_reversed_blend_is_within_twice_the_vertex_bound() {
+    let mut largest = 0.0_f64;
+    for seed in 0..20 {
+        let mesh = random_blob(seed, 2, 24, 0.2);
+        let weights: Vec<f32> = (0..24).map(|k| ((seed * 31 + k * 7) as f32).sin() * 1.7).collect();
+        let [of_bound, _] = differences(&mesh, &weights);
+        assert!(of_bound <= 1.0, "seed {seed}: {of_bound}");
+        largest = largest.max(of_bound);
+    }
+    assert!(largest > 0.01, "{largest}: the blends are hardly different");
+}
+
+#[test]
+fn on_captured_faces_the_difference_is_a_few_last_places() {
+    for name in ["mh_head_eyes_teeth_arkit52_dao.glb", "ict_face_skin.glb"] {
+        let Some(path) = shared_model(name) else { continue };
+        let mesh = read_meshes(&path)
+            .unwrap()
+            .into_iter()
+            .max_by_key(|mesh| mesh.targets.len());
+        let mesh = mesh.expect("it has a mesh");
+        let (mut of_bound, mut of_size) = (0.0_f64, 0.0_f64);
+        for weights in mesh.animations[0].weights.iter().step_by(10) {
+            let [bound, size] = differences(&mesh, weights);
+            (of_bound, of_size) = (of_bound.max(bound), of_size.max(size));
+        }
+        println!("{name}: {of_bound:.4} of the bound, {of_size:.1e} of the largest coordinate");
+        assert!(of_bound <= 1.0 && of_size < 1e-6);
+    }
+}

@@ -28,15 +28,13 @@ pub(super) fn edge_on(line: &Line, triangle: &Triangle) -> Option<Crossing> {
     first.map(|t| Crossing { t, along_normal: Equal })
 }
 
-/// For an origin in the triangle's plane; `false` for a triangle without a plane, whose edges speak for it.
+/// For an origin in the triangle's plane, as it is where a line meets all three edges' lines and not in one point; `false` for a triangle
+/// without a plane, whose edges speak for it.
 fn starts_inside(origin: DVec3, triangle: &Triangle) -> bool {
     let [a, b, c] = *triangle;
     let Some(projection) = Projection::keeping_apart(a, b, c) else {
         return false;
     };
-    if super::predicates::plane_side(a, b, c, origin) != Equal {
-        return false;
-    }
     let [a, b, c, o] = [a, b, c, origin].map(|p| projection.apply(p));
     all_on_one_side([line_side(a, b, o), line_side(b, c, o), line_side(c, a, o)])
 }

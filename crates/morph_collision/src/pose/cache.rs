@@ -54,3 +54,25 @@ impl<T> Stamped<T> {
         size_of_val(&*self.stamps) + self.slots.capacity() * size_of::<T>()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn old_values_stay_forgotten_when_epochs_begin_again() {
+        let mut values = Stamped::new(2);
+        values.insert(0, 'a');
+        values.epoch = u32::MAX;
+        values.insert(1, 'b');
+        assert_eq!(
+            (values.find(0), values.find(1).map(|slot| *values.get(slot))),
+            (None, Some('b'))
+        );
+        // The stamp of 'a' is that of the epoch that comes next.
+        values.next_epoch();
+        assert_eq!((values.find(0), values.find(1)), (None, None));
+        values.insert(1, 'c');
+        assert_eq!(values.find(1).map(|slot| *values.get(slot)), Some('c'));
+    }
+}

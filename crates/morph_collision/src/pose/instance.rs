@@ -223,6 +223,13 @@ impl Pose {
         Some(with_posed!(self.posed(), mut posed => posed.vertex(welded)))
     }
 
+    /// Other weights under volumes that were blended for these: what a bug would do.
+    #[cfg(test)]
+    pub(super) fn pretend_weights(&mut self, weights: &[f32]) {
+        self.weights.copy_from_slice(weights);
+        self.vertices.next_epoch();
+    }
+
     /// How far any vertex can be, in model space, from where it was with other weights, of which there is one per target.
     pub(crate) fn moved_at_most(&self, before: &[f32]) -> f64 {
         weights::displacement(self.bvh.model(), before, &self.weights)

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::{Blended, Pose, WeightsError, with_posed};
 use crate::model::MorphModel;
-use crate::tree::{BuildOptions, MorphBvh};
+use crate::tree::{BuildOptions, MorphBvh, VolumeKind};
 
 fn lifted_triangle() -> Pose {
     let base = [Vec3::ZERO, Vec3::X, Vec3::Y];
@@ -99,4 +99,58 @@ fn weights_that_rest_at_zero_or_matter_little_are_not_anchored() {
         pose.set_weights(&[0.0, frame as f32]).unwrap();
         assert!(!pose.is_anchored());
     }
+}
+
+#[test]
+fn a_tree_is_as_tight_as_it_is_measured_to_be() {
+    let mesh = morph_collision_testkit::models::dolphin(0);
+    let model = Arc::new(MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap());
+    // No sphere is the smallest around a node's vertices, so a blended one may be smaller than a fitted one.
+    for volume in VolumeKind::ALL
+        .into_iter()
+        .filter(|volume| *volume != VolumeKind::Sphere)
+    {
+        let options = BuildOptions::default().with_volume(volume);
+        let mut pose = Pose::new(Arc::new(MorphBvh::build(model.clone(), &options).unwrap()));
+        let rest = pose.quality();
+        assert!(rest.tight_cost > 1.0 && rest.looseness() >= 1.0, "{volume}: {rest:?}");
+        pose.set_weights(&[0.4, 0.7]).unwrap();
+        let bent = pose.quality();
+        assert!(
+            bent.looseness() > rest.looseness(),
+            "{volume}: {bent:?} against {rest:?}"
+        );
+        pose.take_anchor();
+        assert!(pose.quality().looseness() < 1.001, "{volume}");
+    }
+    let point = MorphModel::from_displacements(&[Vec3::X; 3], &[[0, 1, 2]], &[] as &[[Vec3; 3]]).unwrap();
+    let bvh = MorphBvh::build(Arc::new(point), &BuildOptions::default()).unwrap();
+    assert_eq!(Pose::new(Arc::new(bvh)).quality().cost, 0.0);
+}
+
+#[test]
+fn memory_grows_with_what_was_visited() {
+    let mut pose = lifted_triangle();
+    let before = pose.bytes();
+    pose.tight_bounds();
+    pose.bounds();
+    let visited = pose.bytes();
+    assert!(visited > before);
+    pose.take_anchor();
+    pose.bounds();
+    assert!(pose.bytes() > visited);
+}
+
+#[test]
+fn a_volume_that_holds_too_little_is_found() {
+    let mut pose = lifted_triangle();
+    pose.set_weights(&[0.5, 0.0]).unwrap();
+    assert_eq!(pose.check_containment().violations, 0);
+    // Volumes of other weights under these ones.
+    pose.bounds();
+    pose.pretend_weights(&[2.0, 0.0]);
+    let report = pose.check_containment();
+    let first = report.first.expect("a vertex is outside");
+    assert_eq!(report.violations, report.checks);
+    assert_eq!((first.depth, first.position.z), (0, 2.0));
 }

@@ -51,6 +51,14 @@ pub(super) type Term = (usize, f64);
 /// `v` as a sum of at most three directions of the k-DOP, the ones around it, so that the bound
 /// `max v.q <= sum |coefficient| * (the slab's end)` is as tight as the k-DOP allows.
 pub(super) fn decompose(slabs: usize, v: DVec3) -> [Term; 3] {
+    match slabs {
+        FIRST_EDGE => [(0, v.x), (1, v.y), (2, v.z)],
+        _ => around(slabs, v),
+    }
+}
+
+/// The terms of a k-DOP that has more directions than the axes.
+fn around(slabs: usize, v: DVec3) -> [Term; 3] {
     let mut order = [0, 1, 2];
     order.sort_by(|&i, &j| v[j].abs().total_cmp(&v[i].abs()));
     let [i, j, k] = order;
@@ -81,8 +89,7 @@ pub(super) fn decompose(slabs: usize, v: DVec3) -> [Term; 3] {
             edge(i, k, 0.5 * (a + c - b)),
             edge(j, k, 0.5 * (b + c - a)),
         ],
-        13 => [axis(i, a - b), edge(i, j, b - c), corner(false, c)],
-        _ => [axis(i, a), axis(j, b), axis(k, c)],
+        _ => [axis(i, a - b), edge(i, j, b - c), corner(false, c)],
     }
 }
 

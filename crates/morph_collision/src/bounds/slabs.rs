@@ -253,8 +253,8 @@ impl<const H: usize> Volume for Slabs<H> {
         let [min, max] = &self.ends;
         let mut overlap = mask32x8::splat(simd, true);
         for i in 0..H {
-            overlap = overlap & min[i].load(simd).simd_le(f32x8::splat(simd, other.max[i]));
-            overlap = overlap & max[i].load(simd).simd_ge(f32x8::splat(simd, other.min[i]));
+            overlap &= min[i].load(simd).simd_le(f32x8::splat(simd, other.max[i]));
+            overlap &= max[i].load(simd).simd_ge(f32x8::splat(simd, other.min[i]));
         }
         overlap.to_bitmask() as u8
     }
@@ -268,11 +268,11 @@ impl<const H: usize> Volume for Slabs<H> {
             let mut max = f32x8::splat(simd, map.offset_max[i]);
             for term in &map.terms[i] {
                 let amount = f32x8::splat(simd, term.amount);
-                min = min + ends[term.low].load(simd) * amount;
-                max = max + ends[term.high].load(simd) * amount;
+                min += ends[term.low].load(simd) * amount;
+                max += ends[term.high].load(simd) * amount;
             }
-            overlap = overlap & min.simd_le(f32x8::splat(simd, other.max[i]));
-            overlap = overlap & max.simd_ge(f32x8::splat(simd, other.min[i]));
+            overlap &= min.simd_le(f32x8::splat(simd, other.max[i]));
+            overlap &= max.simd_ge(f32x8::splat(simd, other.min[i]));
         }
         overlap.to_bitmask() as u8
     }

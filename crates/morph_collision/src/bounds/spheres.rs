@@ -182,12 +182,11 @@ impl Volume for Spheres {
         let [x, y, z, radius] = &self.rows;
         let source = [x.load(simd), y.load(simd), z.load(simd)];
         let mut center = source;
-        for axis in 0..3 {
-            let mut along = f32x8::splat(simd, map.translation[axis]);
-            for k in 0..3 {
-                along = along + source[k] * f32x8::splat(simd, map.rows[axis][k]);
-            }
-            center[axis] = along;
+        for ((center, row), offset) in center.iter_mut().zip(&map.rows).zip(map.translation.to_array()) {
+            *center = f32x8::splat(simd, offset)
+                + source[0] * f32x8::splat(simd, row.x)
+                + source[1] * f32x8::splat(simd, row.y)
+                + source[2] * f32x8::splat(simd, row.z);
         }
         let radius = f32x8::splat(simd, map.slack) + radius.load(simd) * f32x8::splat(simd, map.stretch);
         meeting(simd, center, radius, other)

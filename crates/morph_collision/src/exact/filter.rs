@@ -18,11 +18,42 @@ use super::Triangle;
 #[must_use]
 #[inline]
 pub fn triangles_intersect_filtered(a: &Triangle, b: &Triangle) -> Option<bool> {
-    let b_sides = Plane::of(a).sides(b);
+    facets_intersect(&Facet::new(*a), &Facet::new(*b))
+}
+
+/// A triangle with what the filter needs of it in every pair.
+#[derive(Clone, Debug)]
+pub(crate) struct Facet {
+    pub(crate) corners: Triangle,
+    plane: Plane,
+}
+
+impl Facet {
+    #[inline]
+    pub(crate) fn new(corners: Triangle) -> Self {
+        Self {
+            plane: Plane::of(&corners),
+            corners,
+        }
+    }
+}
+
+#[inline]
+pub(super) fn facets_intersect(
+    Facet {
+        corners: a,
+        plane: a_plane,
+    }: &Facet,
+    Facet {
+        corners: b,
+        plane: b_plane,
+    }: &Facet,
+) -> Option<bool> {
+    let b_sides = a_plane.sides(b);
     if strictly_one_side(b_sides) {
         return Some(false);
     }
-    let a_sides = Plane::of(b).sides(a);
+    let a_sides = b_plane.sides(a);
     if strictly_one_side(a_sides) {
         return Some(false);
     }
@@ -50,6 +81,7 @@ fn strictly_one_side(sides: [Ordering; 3]) -> bool {
 }
 
 /// The plane through a triangle.
+#[derive(Clone, Debug)]
 struct Plane {
     origin: DVec3,
     normal: DVec3,

@@ -23,6 +23,7 @@ pub(crate) use between::{Between, closest_between};
 pub(crate) use closest::{OnTriangle, closest_on_triangle};
 pub(crate) use contact::common_segment;
 pub use contact::{TriangleContact, triangle_contact};
+pub(crate) use filter::Facet;
 pub use filter::triangles_intersect_filtered;
 pub(crate) use nearest::{
     Nearest, closest_of_segment_and_triangle, closest_of_segments, closest_on_segment, edges, unit_normal,
@@ -32,8 +33,8 @@ pub(crate) use predicates::plane_side;
 pub(crate) use ray::{Crossing, Line, ray_meets_triangle};
 pub(crate) use region::{Plane, triangle_meets_region};
 pub(crate) use segment::Segment;
-pub(crate) use triangle::triangles_intersect_counting;
 pub use triangle::{Triangle, triangles_intersect};
+pub(crate) use triangle::{facets_intersect_counting, triangles_intersect_counting};
 
 #[cfg(test)]
 mod one_body_tests;

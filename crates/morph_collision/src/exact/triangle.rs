@@ -2,7 +2,7 @@ use std::cmp::Ordering::{self, Equal};
 
 use glam::DVec3;
 
-use super::filter::triangles_intersect_filtered;
+use super::filter::{Facet, facets_intersect};
 use super::predicates::{Projection, plane_side};
 use super::segment::{Segment, all_on_one_side, flat_segment_meets_triangle, lexicographic, segments_intersect};
 
@@ -25,12 +25,15 @@ pub fn triangles_intersect(a: &Triangle, b: &Triangle) -> bool {
 /// As [`triangles_intersect`]; counts the pairs that the filter leaves open.
 #[inline]
 pub(crate) fn triangles_intersect_counting(a: &Triangle, b: &Triangle, undecided: &mut u64) -> bool {
-    if boxes_apart(a, b) {
-        return false;
-    }
-    triangles_intersect_filtered(a, b).unwrap_or_else(|| {
+    !boxes_apart(a, b) && facets_intersect_counting(&Facet::new(*a), &Facet::new(*b), undecided)
+}
+
+/// As [`triangles_intersect_counting`], for triangles whose boxes were compared.
+#[inline]
+pub(crate) fn facets_intersect_counting(a: &Facet, b: &Facet, undecided: &mut u64) -> bool {
+    facets_intersect(a, b).unwrap_or_else(|| {
         *undecided += 1;
-        exactly_intersect(a, b)
+        exactly_intersect(&a.corners, &b.corners)
     })
 }
 

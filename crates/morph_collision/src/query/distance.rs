@@ -8,7 +8,7 @@ use super::leaves::Leaves;
 use super::one::magnitude;
 use super::stats::QueryStats;
 use crate::bounds::{Aabb, Box64, BoxLanes, GapFrame, LANES, Slab, Volume};
-use crate::exact::{Between, Triangle, closest_between};
+use crate::exact::{Between, Facet, Triangle, closest_between};
 use crate::traverse::{Opened, PairRule, PairWalk, Side, Stack, Walkable};
 
 /// As in a point's projection: what may be closer by no more than distances may be off is looked at.
@@ -100,8 +100,8 @@ impl DistanceQuery {
         let _stopped_early = walk.run(stack, &[], |a, b, of_a, of_b| {
             let block_a = leaves_a.read(a, world_from_a, of_a);
             let block_b = leaves_b.read(b, world_from_b, of_b);
-            for (triangle_a, corners_a) in leaves_a.triangles(&block_a) {
-                for (triangle_b, corners_b) in leaves_b.triangles(&block_b) {
+            for (triangle_a, Facet { corners: corners_a, .. }) in leaves_a.triangles(&block_a) {
+                for (triangle_b, Facet { corners: corners_b, .. }) in leaves_b.triangles(&block_b) {
                     if boxes_apart(corners_a, corners_b) > rule.limit.get() {
                         continue;
                     }

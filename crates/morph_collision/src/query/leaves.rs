@@ -8,7 +8,7 @@ use glam::DVec3;
 use super::body::world_triangle;
 use super::pairs::TrianglePair;
 use crate::bounds::{BoxLanes, LANES, Slab, Volume, WorldFromModel, with_simd};
-use crate::exact::{Triangle, triangles_intersect_counting};
+use crate::exact::{Facet, Triangle, facets_intersect_counting};
 use crate::traverse::Walkable;
 use crate::tree::Leaf;
 
@@ -22,7 +22,7 @@ pub(super) struct Leaves {
     origin: DVec3,
     blocks: Vec<Block>,
     numbers: Vec<u32>,
-    triangles: Vec<(u32, Triangle)>,
+    triangles: Vec<(u32, Facet)>,
     boxes: Vec<BoxLanes>,
 }
 
@@ -76,7 +76,7 @@ impl Leaves {
             if let Some(boxes) = self.boxes.last_mut() {
                 boxes.set(lane, &rounded_box(&triangle, self.origin));
             }
-            self.triangles.push((number, triangle));
+            self.triangles.push((number, Facet::new(triangle)));
         }
         Block {
             triangles: first..self.triangles.len(),
@@ -84,8 +84,8 @@ impl Leaves {
         }
     }
 
-    /// The numbers and corners of a leaf's triangles.
-    pub(super) fn triangles(&self, block: &Block) -> &[(u32, Triangle)] {
+    /// A leaf's triangles, with their numbers.
+    pub(super) fn triangles(&self, block: &Block) -> &[(u32, Facet)] {
         &self.triangles[block.triangles.clone()]
     }
 }
@@ -133,13 +133,13 @@ pub(super) fn intersecting_pairs(
         return ControlFlow::Continue(());
     }
     let rows = tests.near.chunks_exact(boxes_b.len());
-    for ((triangle_a, corners_a), row) in of_a.iter().zip(rows) {
+    for ((triangle_a, facet_a), row) in of_a.iter().zip(rows) {
         for (near, of_b) in row.iter().zip(of_b.chunks(LANES)) {
             let mut near = *near;
             while near != 0 {
-                let (triangle_b, corners_b) = &of_b[near.trailing_zeros() as usize];
+                let (triangle_b, facet_b) = &of_b[near.trailing_zeros() as usize];
                 near &= near - 1;
-                if triangles_intersect_counting(corners_a, corners_b, &mut tests.undecided_by_filter) {
+                if facets_intersect_counting(facet_a, facet_b, &mut tests.undecided_by_filter) {
                     visitor(TrianglePair {
                         triangle_a: *triangle_a,
                         triangle_b: *triangle_b,

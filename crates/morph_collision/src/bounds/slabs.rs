@@ -234,15 +234,17 @@ impl<const H: usize> Volume for Slabs<H> {
 
     #[inline]
     fn map_one(map: &SlabMap<H>, one: &Slab<H>) -> Slab<H> {
-        let end = |i: usize| if i < H { one.min[i] } else { one.max[i - H] };
         let mut mapped = Slab {
             min: map.offset_min,
             max: map.offset_max,
         };
         for i in 0..H {
             for term in &map.terms[i] {
-                mapped.min[i] += term.amount * end(term.low);
-                mapped.max[i] += term.amount * end(term.high);
+                let slab = term.low.min(term.high);
+                let (x, y) = (term.amount * one.min[slab], term.amount * one.max[slab]);
+                let (low, high) = if x < y { (x, y) } else { (y, x) };
+                mapped.min[i] += low;
+                mapped.max[i] += high;
             }
         }
         mapped

@@ -102,11 +102,14 @@ impl Plane {
 
     /// On which sides some corners lie; `Equal` where that is not certain.
     #[inline]
-    fn sides(&self, corners: &Triangle) -> [Ordering; 3] {
-        corners.map(|corner| {
-            let to = corner - self.origin;
-            certain_sign(self.normal.dot(to), self.size * largest(to))
-        })
+    fn sides(&self, [a, b, c]: &Triangle) -> [Ordering; 3] {
+        [self.side(*a), self.side(*b), self.side(*c)]
+    }
+
+    #[inline]
+    fn side(&self, corner: DVec3) -> Ordering {
+        let to = corner - self.origin;
+        certain_sign(self.normal.dot(to), self.size * largest(to))
     }
 }
 

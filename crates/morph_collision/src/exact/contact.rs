@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::between::closest_between;
 use super::closest::closest_on_triangle;
 use super::nearest::{closest_of_segment_and_triangle, edges, lerp, unit_normal};
-use super::predicates::{Projection, line_height, line_side, plane_height, plane_side};
+use super::predicates::{Projection, line_crossing, line_height, line_side, plane_crossing, plane_height, plane_side};
 use super::segment::{Segment, all_on_one_side, flat_segments_cross, lexicographic, segments_intersect, sorted};
 use super::triangle::{Triangle, hull_of_line, projection_of, sides, strictly_one_side, triangles_intersect};
 
@@ -165,7 +165,10 @@ impl Corners {
             self.add(match sides {
                 [Equal, _] => p,
                 [_, Equal] => q,
-                _ => crossing(edge, [p, q].map(|end| plane_height(a, b, c, end)), triangle),
+                _ => {
+                    let heights = [p, q].map(|end| plane_height(a, b, c, end));
+                    crossing(edge, heights, || plane_crossing(*triangle, edge), triangle)
+                }
             });
         }
     }
@@ -190,7 +193,8 @@ impl Corners {
         let flat = |point| projection.apply(point);
         let ([p, q], [u, v]) = (edge.map(flat), side.map(flat));
         if flat_segments_cross([p, q], [u, v]) {
-            self.add(crossing(edge, [line_height(u, v, p), line_height(u, v, q)], triangle));
+            let heights = [line_height(u, v, p), line_height(u, v, q)];
+            self.add(crossing(edge, heights, || line_crossing([u, v], [p, q]), triangle));
         }
     }
 
@@ -221,12 +225,13 @@ impl Corners {
 
 /// Where an edge crosses a triangle, from the signed heights of its ends over the triangle's plane or edge.
 ///
-/// Heights of an edge that lies nearly in the plane are mostly rounding, and so is where along itself it crosses. It is
-/// known that it does; so then the point of the edge that is closest to the triangle serves as well as any.
-fn crossing(edge: Segment, heights: [f64; 2], triangle: &Triangle) -> DVec3 {
+/// Heights of an edge that lies nearly in the plane are mostly rounding. Where the point they lead to is off, `exactly` tells
+/// where along itself the edge crosses; and if that is still off, the point of the edge that is closest to the triangle's own
+/// edges may serve better.
+fn crossing(edge: Segment, heights: [f64; 2], exactly: impl FnOnce() -> f64, triangle: &Triangle) -> DVec3 {
     const TOLERANCE: f64 = 1e-14;
-    let t = heights[0] / (heights[0] - heights[1]);
-    let point = lerp(edge, if t.is_finite() { t.clamp(0.0, 1.0) } else { 0.5 });
+    let at = |t: f64| lerp(edge, if t.is_finite() { t.clamp(0.0, 1.0) } else { 0.5 });
+    let point = at(heights[0] / (heights[0] - heights[1]));
     let size = triangle
         .iter()
         .map(|corner| corner.distance_squared(point))
@@ -235,6 +240,8 @@ fn crossing(edge: Segment, heights: [f64; 2], triangle: &Triangle) -> DVec3 {
     if off(point) <= TOLERANCE * TOLERANCE * size {
         return point;
     }
-    let other = closest_of_segment_and_triangle(edge, triangle).0;
-    if off(other) < off(point) { other } else { point }
+    let others = [at(exactly()), closest_of_segment_and_triangle(edge, triangle).0];
+    others
+        .into_iter()
+        .fold(point, |best, other| if off(other) < off(best) { other } else { best })
 }

@@ -7,7 +7,7 @@ use glam::{DVec2, DVec3};
 use robust::{Coord, Coord3D};
 
 use super::dyadic::Dyadic;
-use super::number::{Vector, cross, cross_coordinate, difference, dot};
+use super::number::{Number, Vector, cross, cross_coordinate, difference, dot};
 
 /// On which side of the plane through `a`, `b`, `c` the point `d` lies; `Equal` on it, or when the plane is none.
 #[inline]
@@ -23,6 +23,22 @@ pub(crate) fn plane_side(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Ordering {
 pub(crate) fn plane_height(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
     let point = |p: DVec3| Coord3D { x: p.x, y: p.y, z: p.z };
     robust::orient3d(point(a), point(b), point(c), point(d))
+}
+
+/// Where the segment from `p` to `q` crosses the plane, as a share of its length: to a few roundings, however flat the angle.
+#[cold]
+pub(crate) fn plane_crossing([a, b, c]: [DVec3; 3], [p, q]: [DVec3; 2]) -> f64 {
+    share(plane_determinant(a, b, c, p), plane_determinant(a, b, c, q))
+}
+
+/// Where the segment from `p` to `q` crosses the line through `a` and `b`, likewise.
+#[cold]
+pub(crate) fn line_crossing([a, b]: [DVec2; 2], [p, q]: [DVec2; 2]) -> f64 {
+    share(line_determinant(a, b, p), line_determinant(a, b, q))
+}
+
+fn share(first: Dyadic, second: Dyadic) -> f64 {
+    first.over(&first.minus(&second))
 }
 
 /// On which side of the line through `a`, `b` the point `c` lies; `Equal` on it, or when the line is none.

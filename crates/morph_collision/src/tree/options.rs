@@ -177,7 +177,7 @@ impl Default for BuildOptions {
         Self {
             volume: VolumeKind::Aabb,
             arity: 8,
-            leaf_size: 4,
+            leaf_size: 8,
             split: Split::PoseSah,
             shape: PartitionShape::Base,
             scales: vec![1.0],

@@ -2,12 +2,13 @@
 
 use glam::DVec3;
 use morph_collision::{Triangle, triangle_contact, triangles_intersect};
+use morph_collision_testkit::oracle::Dyadic;
 use proptest::prelude::*;
 
-/// How far a point is from a triangle: to its plane where it is above it, else to the nearest edge.
+/// How far a point is from a triangle: to its plane where it is above it, else to the nearest edge. What is above what, and
+/// how far, is told in exact arithmetic, so that it is right for slivers too.
 pub(crate) fn distance(point: DVec3, triangle: &Triangle) -> f64 {
     let [a, b, c] = *triangle;
-    let normal = (b - a).cross(c - a);
     let to_edge = |p: DVec3, q: DVec3| {
         let length = p.distance(q);
         let t = if length > 0.0 {
@@ -17,12 +18,38 @@ pub(crate) fn distance(point: DVec3, triangle: &Triangle) -> f64 {
         };
         point.distance(p + (q - p) * t.clamp(0.0, 1.0))
     };
-    let mut nearest = to_edge(a, b).min(to_edge(b, c)).min(to_edge(c, a));
-    let above = |p: DVec3, q: DVec3| normal.dot((q - p).cross(point - p)) > 0.0;
-    if above(a, b) && above(b, c) && above(c, a) {
-        nearest = nearest.min((point - a).dot(normal.normalize()).abs());
+    let nearest = to_edge(a, b).min(to_edge(b, c)).min(to_edge(c, a));
+    let normal = cross(&between(a, b), &between(a, c));
+    let turns = |p: DVec3, q: DVec3| dot(&normal, &cross(&between(p, q), &between(p, point)));
+    let squared = dot(&normal, &normal);
+    let flat = squared.to_f64() == 0.0;
+    if flat
+        || [(a, b), (b, c), (c, a)]
+            .into_iter()
+            .any(|(p, q)| turns(p, q).is_negative())
+    {
+        return nearest;
     }
-    nearest
+    let height = dot(&normal, &between(a, point));
+    (height.clone() * height).ratio(&squared).sqrt().min(nearest)
+}
+
+type Exact = [Dyadic; 3];
+
+fn between(p: DVec3, q: DVec3) -> Exact {
+    std::array::from_fn(|axis| Dyadic::from(q[axis]) - Dyadic::from(p[axis]))
+}
+
+fn dot(u: &Exact, v: &Exact) -> Dyadic {
+    let product = |axis: usize| u[axis].clone() * v[axis].clone();
+    product(0) + product(1) + product(2)
+}
+
+fn cross(u: &Exact, v: &Exact) -> Exact {
+    std::array::from_fn(|axis| {
+        let (i, j) = ((axis + 1) % 3, (axis + 2) % 3);
+        u[i].clone() * v[j].clone() - u[j].clone() * v[i].clone()
+    })
 }
 
 fn size(a: &Triangle, b: &Triangle) -> f64 {
@@ -127,6 +154,23 @@ proptest! {
             prop_assert!((contact.length() - expected).abs() < 1e-10, "{} instead of {}", contact.length(), expected);
         }
     }
+}
+
+#[test]
+fn the_segment_of_a_sliver_lies_on_it() {
+    // A needle 1e-11 wide, nearly in the plane of the other.
+    let a = [
+        DVec3::new(0.6447184474778741, -0.8604314716034048, 0.7616577696765111),
+        DVec3::new(0.0728806576514003, -0.03622116999678277, 0.694048568644351),
+        DVec3::new(0.3893378019740189, -0.35005961410275044, -0.9849006241900528),
+    ];
+    let b = [
+        DVec3::new(-0.20665682246054579, 0.4498800204356024, -0.3425358368899393),
+        DVec3::new(-0.3133168628993695, 0.6161618886447859, -0.5065631442517832),
+        DVec3::new(0.355503398496639, -0.4265363646562734, 0.5219148814896737),
+    ];
+    assert!(triangles_intersect(&a, &b));
+    lies_on_both(&a, &b).unwrap();
 }
 
 #[test]

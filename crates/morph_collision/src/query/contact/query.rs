@@ -170,7 +170,9 @@ impl ContactQuery {
         }
         let key = |touching: &Touching| {
             let TriangleContact { segment, normal } = touching.contact;
-            [segment[0], segment[1], normal.abs()].map(|v| v.to_array())
+            let TrianglePair { triangle_a, triangle_b } = touching.pair;
+            let numbers = [triangle_a.min(triangle_b), triangle_a.max(triangle_b)];
+            ([segment[0], segment[1], normal.abs()].map(|v| v.to_array()), numbers)
         };
         self.touching
             .sort_by(|s, t| key(s).partial_cmp(&key(t)).unwrap_or(std::cmp::Ordering::Equal));

@@ -59,7 +59,7 @@ fn options(_: &Experiment) -> Vec<Contender> {
     for arity in [2, 4, 8].into_iter().filter(|&arity| arity != default().arity) {
         rows.push(morph(format!("arity {arity}"), default().with_arity(arity)));
     }
-    for leaf in [1, 2, 4, 8].into_iter().filter(|&leaf| leaf != default().leaf_size) {
+    for leaf in [1, 2, 4, 8, 16].into_iter().filter(|&leaf| leaf != default().leaf_size) {
         rows.push(morph(format!("leaf {leaf}"), default().with_leaf_size(leaf)));
     }
     for split in Split::ALL.into_iter().filter(|&split| split != default().split) {
@@ -83,7 +83,7 @@ fn options(_: &Experiment) -> Vec<Contender> {
 fn shape(_: &Experiment) -> Vec<Contender> {
     let mut rows = vec![morph("default", BuildOptions::default())];
     for kind in [VolumeKind::Aabb, VolumeKind::Kdop18] {
-        for leaf in [1, 2, 4, 8] {
+        for leaf in [2, 4, 8, 16] {
             for tables in [true, false] {
                 let options = BuildOptions::default().with_volume(kind).with_leaf_size(leaf);
                 let options = options.with_leaf_tables(tables);
@@ -133,7 +133,8 @@ fn methods(experiment: &Experiment) -> Vec<Contender> {
     rows.extend(rivals.map(|method| Contender {
         label: method.to_string(),
         method,
-        options: BuildOptions::default(),
+        // What suits walks that test triangles one by one.
+        options: BuildOptions::default().with_leaf_size(4),
         tuning: MorphTuning::default(),
     }));
     rows

@@ -88,10 +88,12 @@ impl Manifold {
 
         let upright = (q - p).cross(r - p).normalize_or_zero();
         let outside = |c: &ContactPoint| {
-            [(p, q), (q, r), (r, p)]
-                .map(|(from, to)| (c.point - from).cross(to - from).dot(upright))
-                .into_iter()
-                .fold(0.0, f64::max)
+            let mut farthest = 0.0;
+            for (from, to) in [(p, q), (q, r), (r, p)] {
+                let out = (c.point - from).cross(to - from).dot(upright);
+                farthest = if out > farthest { out } else { farthest };
+            }
+            farthest
         };
         if let Some(fourth) = best(points, outside).filter(|c| outside(c) > SAME * extent * extent) {
             self.add(fourth);

@@ -28,8 +28,8 @@ pub(super) fn edge_on(line: &Line, triangle: &Triangle) -> Option<Crossing> {
     first.map(|t| Crossing { t, along_normal: Equal })
 }
 
-/// For an origin in the triangle's plane, as it is where a line meets all three edges' lines and not in one point; `false` for a triangle
-/// without a plane, whose edges speak for it.
+/// For an origin in the triangle's plane, as it is for a line that meets or passes all three edges in their planes; `false` for a
+/// triangle without a plane, whose edges speak for it.
 fn starts_inside(origin: DVec3, triangle: &Triangle) -> bool {
     let [a, b, c] = *triangle;
     let Some(projection) = Projection::keeping_apart(a, b, c) else {

@@ -33,8 +33,11 @@ pub(crate) trait PairRule<V: Volume> {
         keys: &mut [Self::Key; LANES],
     ) -> u8;
 
-    /// Whether [`PairRule::both`] may be asked: keys then need no order.
-    const BOTH: bool = false;
+    /// Whether [`PairRule::both`] may be asked: keys need no order, and a step of the walk may be a large one.
+    #[inline]
+    fn takes_both(&self) -> bool {
+        false
+    }
 
     /// For each lane of `rows`, a mask of A's children, which ones of B's it is to be looked at with.
     #[inline]
@@ -118,7 +121,10 @@ impl<V: Volume> PairRule<V> for Meeting<'_, V> {
         }
     }
 
-    const BOTH: bool = true;
+    #[inline(always)]
+    fn takes_both(&self) -> bool {
+        true
+    }
 
     #[inline(always)]
     fn both<T: Walkable<Kind = V>>(
@@ -225,7 +231,7 @@ impl<V: Volume, R: PairRule<V>, T: Walkable<Kind = V>> PairWalk<'_, R, T> {
                     let size_a = V::size(&self.a.volume(a));
                     let size_b = V::size(&self.b.volume(b)) * self.a_from_b_scale;
                     let alike = size_a < ALIKE * size_b && size_b < ALIKE * size_a;
-                    if alike && R::BOTH && self.trace.is_none() {
+                    if alike && self.trace.is_none() && self.rule.takes_both() {
                         self.descend_both(group_a, (group_b, b), stack);
                     } else if size_a >= size_b {
                         self.descend_a(group_a, b, stack);

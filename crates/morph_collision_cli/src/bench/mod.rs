@@ -22,8 +22,8 @@ use crate::{Verdict, output, progress};
 use report::BenchReport;
 use scenes::BenchScene;
 
-/// Rounds in which times are split; shares need no more.
-const SPLIT_ROUNDS: usize = 2;
+/// Rounds in which times are split; shares need no more, and rebuilding takes its time.
+const SPLIT_ROUNDS: usize = 1;
 
 /// Measure morph against every other method on this machine: the paper's scenes, or your own models.
 ///

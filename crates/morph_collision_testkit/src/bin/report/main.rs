@@ -6,6 +6,7 @@
 //! ```
 
 mod document;
+mod plot;
 mod render;
 mod sections;
 mod sweeps;

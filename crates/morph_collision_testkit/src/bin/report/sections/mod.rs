@@ -1,5 +1,7 @@
 //! The places of the page and what fills them, a file each for those that are more than a sweep.
 
+mod paper;
+
 use std::error::Error;
 use std::path::PathBuf;
 
@@ -46,6 +48,18 @@ pub(crate) const SECTIONS: &[Section] = &[
     Section {
         name: "methods",
         make: |context, _| sweep(context, "methods", &Experiment::tuning(context.every), sweeps::methods),
+    },
+    Section {
+        name: "steps",
+        make: paper::steps,
+    },
+    Section {
+        name: "resolution",
+        make: paper::resolution,
+    },
+    Section {
+        name: "claims",
+        make: paper::claims,
     },
 ];
 

@@ -9,10 +9,10 @@ use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
 
-/// One panel beside the other.
+/// Panels, two in a row.
 pub(crate) struct Figure {
     /// The files' name, without extension.
-    pub(crate) name: &'static str,
+    pub(crate) name: String,
     pub(crate) panels: Vec<Panel>,
 }
 
@@ -71,18 +71,20 @@ impl Figure {
                 }
             }
         }
-        std::fs::write(folder.join(self.name).with_extension("csv"), csv)?;
-        let svg = folder.join(self.name).with_extension("svg");
+        std::fs::write(folder.join(&self.name).with_extension("csv"), csv)?;
+        let svg = folder.join(&self.name).with_extension("svg");
         self.draw(&svg).map_err(|error| format!("{}: {error}", svg.display()))?;
         let path = |extension| format!("plots/{}.{extension}", self.name);
         Ok(format!("![{alt}]({})\n\n([data]({}))\n", path("svg"), path("csv")))
     }
 
     fn draw(&self, file: &Path) -> Result<(), Box<dyn Error>> {
-        let columns = self.panels.len();
-        let root = SVGBackend::new(file, (PANEL.0 * columns as u32, PANEL.1)).into_drawing_area();
+        let columns = self.panels.len().clamp(1, 2);
+        let rows = self.panels.len().div_ceil(columns);
+        let size = (PANEL.0 * columns as u32, PANEL.1 * rows as u32);
+        let root = SVGBackend::new(file, size).into_drawing_area();
         root.fill(&WHITE)?;
-        for (area, panel) in root.split_evenly((1, columns)).iter().zip(&self.panels) {
+        for (area, panel) in root.split_evenly((rows, columns)).iter().zip(&self.panels) {
             panel.draw(area)?;
         }
         root.present()?;

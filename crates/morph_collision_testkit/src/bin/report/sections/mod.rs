@@ -1,6 +1,8 @@
 //! The places of the page and what fills them, a file each for those that are more than a sweep.
 
+mod error;
 mod paper;
+mod scale;
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -25,8 +27,10 @@ pub(crate) struct Context {
 /// A place of the page, and how to fill it: of the context, and of what stands there.
 pub(crate) struct Section {
     pub(crate) name: &'static str,
-    pub(crate) make: fn(&Context, &str) -> Result<String, Box<dyn Error>>,
+    pub(crate) make: Make,
 }
+
+type Make = fn(&Context, &str) -> Result<String, Box<dyn Error>>;
 
 /// All of them.
 pub(crate) const SECTIONS: &[Section] = &[
@@ -60,6 +64,14 @@ pub(crate) const SECTIONS: &[Section] = &[
     Section {
         name: "claims",
         make: paper::claims,
+    },
+    Section {
+        name: "error",
+        make: error::error,
+    },
+    Section {
+        name: "scale",
+        make: scale::scale,
     },
 ];
 

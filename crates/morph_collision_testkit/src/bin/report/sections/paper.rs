@@ -61,7 +61,10 @@ pub(crate) fn steps(context: &Context, _: &str) -> Result<String, Box<dyn Error>
             series: series.collect(),
         });
     }
-    let figure = Figure { name: "steps", panels };
+    let figure = Figure {
+        name: "steps".to_owned(),
+        panels,
+    };
     let shown = figure.write(&context.plots, "Time of every step of the pass-through")?;
     Ok(format!(
         "\n{shown}\nThe paper's Fig. 5: two bodies of 20480 triangles pass right through each other. Each point is one step's time, the median of {} \
@@ -118,7 +121,7 @@ pub(crate) fn resolution(context: &Context, _: &str) -> Result<String, Box<dyn E
         });
     }
     let figure = Figure {
-        name: "resolution",
+        name: "resolution".to_owned(),
         panels,
     };
     let shown = figure.write(&context.plots, "Time against the number of triangles, twelve dolphins")?;

@@ -105,9 +105,9 @@ fuzz SECONDS:
             -max_total_time={{SECONDS}} -max_len=4096 -print_final_stats=1 "${dictionary[@]}"
     done
 
-# Measures the tables of docs/performance.md again, in place.
-tables *ARGS:
-    cargo run --release -p morph_collision_testkit --bin tables -- {{ARGS}} docs/performance.md
+# Makes every table and plot of docs/performance.md again, in place: --quick for rough ones, --only PLACE for one.
+report *ARGS:
+    cargo run --release -p morph_collision_testkit --bin report -- {{ARGS}} docs/performance.md
 
 # Judges nearly degenerate pairs of triangles in exact arithmetic: a million of them by default.
 triangles *ARGS:

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use morph_collision::{BuildError, ModelError};
 use morph_collision_testkit::gltf_read::ReadError;
+use morph_collision_testkit::moments::AnswerError;
 use morph_collision_testkit::rivals::{PoseError, SetUpError};
 use morph_collision_testkit::scenes::SceneError;
 use thiserror::Error;
@@ -51,6 +52,9 @@ pub(crate) enum CliError {
         name: String,
         reason: PoseError,
     },
+    /// A scene of `bench`: a model's file or a name.
+    #[error("{scene}: {reason}")]
+    Bench { scene: String, reason: AnswerError },
     #[error("{flag}: {reason}")]
     Flag { flag: &'static str, reason: String },
     #[error("{}: cannot write: {reason}", file.display())]

@@ -2,10 +2,11 @@
 //!
 //! `inspect` shows what a model is made of and what tree it gets; `run` replays a scene of scripted bodies and reports
 //! which triangles meet; `query` asks about one mesh in one shape; `verify` compares a model's answers with brute force, and
-//! `stress` those for generated trouble. Results go to stdout, errors and progress to stderr; the exit code is 2 after an
-//! error, and 1 where `verify` or `stress` found something wrong.
+//! `stress` those for generated trouble; `bench` measures it against other methods. Results go to stdout, errors and progress to stderr; the exit code is 2 after an
+//! error, and 1 where `verify`, `stress` or `bench` found something wrong.
 #![forbid(unsafe_code)]
 
+mod bench;
 mod error;
 mod inspect;
 mod model_file;
@@ -38,6 +39,7 @@ enum Command {
     Query(query::QueryArgs),
     Verify(verify::VerifyArgs),
     Stress(stress::StressArgs),
+    Bench(bench::BenchArgs),
 }
 
 /// What a command that ran to its end came to.
@@ -69,6 +71,7 @@ fn main() -> ExitCode {
         Command::Query(args) => query::query(args).map(clean),
         Command::Verify(args) => verify::verify(args),
         Command::Stress(args) => stress::stress(args),
+        Command::Bench(args) => bench::bench(args),
     };
     match result {
         Ok(Verdict::Clean) => ExitCode::SUCCESS,

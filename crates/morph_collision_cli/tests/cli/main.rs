@@ -1,6 +1,7 @@
 //! Drives the `morph-collide` binary as a user would: with files, and by its output and exit code.
 
 mod bad_input;
+mod bench;
 mod inspect;
 mod query;
 mod run;

@@ -38,6 +38,8 @@ pub(super) fn box_around(vertices: &[u32], posed: &[Vec3]) -> Box3 {
 }
 
 impl Refit for BottomUp {
+    const LAZY: bool = false;
+
     fn new(mesh: &WeldedMesh, options: &BuildOptions) -> Self {
         let tree = tree_at_rest(mesh, options);
         let is_leaf = |child| matches!(child, Child::Leaf(_));

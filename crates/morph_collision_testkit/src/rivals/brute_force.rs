@@ -38,7 +38,7 @@ impl BruteForce {
 }
 
 impl Method for BruteForce {
-    fn set_body(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<(), PoseError> {
+    fn blend(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<bool, PoseError> {
         let Placed { body, posed, world } = &mut self.bodies[body];
         if body.set(weights, world_from_model)? {
             body.blend(posed);
@@ -46,7 +46,13 @@ impl Method for BruteForce {
         }
         world.clear();
         world.extend(posed.iter().map(|&vertex| body.world_vertex(vertex)));
-        Ok(())
+        Ok(false)
+    }
+
+    fn refit(&mut self, _: usize) {}
+
+    fn is_lazy(&self) -> bool {
+        false
     }
 
     fn world_bounds(&mut self, body: usize) -> Aabb {

@@ -49,6 +49,8 @@ impl Hybrid {
 }
 
 impl Refit for Hybrid {
+    const LAZY: bool = true;
+
     fn new(mesh: &WeldedMesh, options: &BuildOptions) -> Self {
         let tree = tree_at_rest(mesh, options);
         let deepest = tree.groups.iter().map(|group| group.depth).max().unwrap_or(0);

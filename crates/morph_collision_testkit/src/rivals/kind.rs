@@ -5,7 +5,6 @@ use std::str::FromStr;
 use std::sync::Arc;
 
 use morph_collision::BuildOptions;
-use parry3d::shape::TriMesh;
 use thiserror::Error;
 
 use super::blended::WeldedMesh;
@@ -14,8 +13,9 @@ use super::brute_force::BruteForce;
 use super::hybrid::Hybrid;
 use super::morph::{Morph, MorphTuning};
 use super::octree::Octree;
-use super::parry::{Parry, Rebuilt, Refitted};
+use super::parry::{Meshed, Parry, Rebuilt, Refitted};
 use super::rebuild::Rebuild;
+use super::rigid_floor::RigidFloor;
 use super::walk::Trees;
 use super::{Method, SetUpError};
 use crate::mesh::MorphMesh;
@@ -26,6 +26,8 @@ pub enum MethodKind {
     /// The one that this project is about.
     #[default]
     Morph,
+    /// The same over meshes frozen in every shape beforehand.
+    RigidFloor,
     /// Every box refitted, from the leaves up.
     BottomUp,
     /// The upper half refitted bottom-up, the lower half on demand.
@@ -46,8 +48,9 @@ pub enum MethodKind {
 
 impl MethodKind {
     /// All methods.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::Morph,
+        Self::RigidFloor,
         Self::BottomUp,
         Self::Hybrid,
         Self::Rebuild,
@@ -61,6 +64,7 @@ impl MethodKind {
     const fn name(self) -> &'static str {
         match self {
             Self::Morph => "morph",
+            Self::RigidFloor => "rigid-floor",
             Self::BottomUp => "bottom-up",
             Self::Hybrid => "hybrid",
             Self::Rebuild => "rebuild",
@@ -74,7 +78,7 @@ impl MethodKind {
 
     /// Builds what is built once per mesh, and one body for each entry of `bodies`, the index of its mesh.
     ///
-    /// `options` are for `morph`; `bottom-up` and `hybrid` take arity and leaf size from them, `rebuild` the leaf size.
+    /// `options` are for `morph` and `rigid-floor`; `bottom-up` and `hybrid` take arity and leaf size from them, `rebuild` the leaf size.
     ///
     /// # Errors
     /// A mesh that [`MorphMesh::to_model`] refuses, options out of range, or a body of a mesh that is not there.
@@ -114,11 +118,12 @@ impl MethodKind {
         };
         Ok(match self {
             Self::Morph => Box::new(Morph::new(meshes, bodies, options, tuning)?),
+            Self::RigidFloor => Box::new(RigidFloor::new(meshes, bodies, options)?),
             Self::BottomUp => Box::new(Trees::<BottomUp>::new(&welded()?, bodies, options)),
             Self::Hybrid => Box::new(Trees::<Hybrid>::new(&welded()?, bodies, options)),
             Self::Rebuild => Box::new(Trees::<Rebuild>::new(&welded()?, bodies, options)),
             Self::Octree => Box::new(Octree::new(&welded()?, bodies)),
-            Self::ParryTriMesh => Box::new(Parry::<TriMesh>::new(&welded()?, bodies)?),
+            Self::ParryTriMesh => Box::new(Parry::<Meshed>::new(&welded()?, bodies)?),
             Self::ParryBvh => Box::new(Parry::<Refitted>::new(&welded()?, bodies)?),
             Self::ParryRebuild => Box::new(Parry::<Rebuilt>::new(&welded()?, bodies)?),
             Self::BruteForce => Box::new(BruteForce::new(&welded()?, bodies)),

@@ -8,6 +8,7 @@
 //! | [`MethodKind`] | what a frame costs before anything is asked | from |
 //! |---|---|---|
 //! | `morph` | nothing | this project |
+//! | `rigid-floor` | nothing: every shape has a tree of its own, made beforehand; a floor, not a rival | |
 //! | `bottom-up` | every vertex blended, every box refitted | van den Bergen 1997 |
 //! | `hybrid` | every vertex blended, the upper half of the tree refitted, the rest when a walk gets there | Larsson, Akenine-Moller 2001 |
 //! | `rebuild` | every vertex blended, the tree built anew | |
@@ -51,6 +52,7 @@ mod morph;
 mod octree;
 mod parry;
 mod rebuild;
+mod rigid_floor;
 mod tree;
 mod walk;
 
@@ -78,11 +80,38 @@ pub enum Wanted {
 ///
 /// Bodies are numbered as they were set up. They start with all weights zero at the world's origin.
 pub trait Method: Debug {
-    /// Gives a body its weights, one per target, and its place.
+    /// Makes ready, at no price to the method, what it is not judged by; only `rigid-floor` has anything of the kind. Says
+    /// whether there was something to do.
+    ///
+    /// # Errors
+    /// Weights that do not fit the mesh.
+    fn prepare(&mut self, _body: usize, _weights: &[f32]) -> Result<bool, PoseError> {
+        Ok(false)
+    }
+
+    /// Gives a body its weights, one per target, and its place: [`Method::blend`], and [`Method::refit`] if need be.
     ///
     /// # Errors
     /// Weights that do not fit the mesh or a place that is not finite; the body then keeps what it had.
-    fn set_body(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<(), PoseError>;
+    fn set_body(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<(), PoseError> {
+        if self.blend(body, weights, world_from_model)? {
+            self.refit(body);
+        }
+        Ok(())
+    }
+
+    /// The first half of [`Method::set_body`]: takes weights and place, and blends the vertices that have to follow at
+    /// once. Says whether the volumes have to follow, too.
+    ///
+    /// # Errors
+    /// As [`Method::set_body`].
+    fn blend(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<bool, PoseError>;
+
+    /// The second half: makes the volumes follow that have to follow at once.
+    fn refit(&mut self, body: usize);
+
+    /// Whether anything is left to follow when a query looks at it.
+    fn is_lazy(&self) -> bool;
 
     /// A box in world space around a body, conservative: for a broad phase.
     fn world_bounds(&mut self, body: usize) -> Aabb;

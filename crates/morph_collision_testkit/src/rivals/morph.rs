@@ -57,12 +57,18 @@ impl Morph {
 }
 
 impl Method for Morph {
-    fn set_body(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<(), PoseError> {
+    fn blend(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<bool, PoseError> {
         let world_from_model = WorldFromModel::new(*world_from_model)?;
         let (pose, place) = &mut self.bodies[body];
         pose.set_weights(weights)?;
         *place = world_from_model;
-        Ok(())
+        Ok(false)
+    }
+
+    fn refit(&mut self, _: usize) {}
+
+    fn is_lazy(&self) -> bool {
+        true
     }
 
     fn world_bounds(&mut self, body: usize) -> Aabb {

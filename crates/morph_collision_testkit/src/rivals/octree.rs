@@ -118,15 +118,23 @@ impl Octree {
 }
 
 impl Method for Octree {
-    fn set_body(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<(), PoseError> {
+    /// Places vertices whatever the weights did.
+    fn blend(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<bool, PoseError> {
         let body = &mut self.bodies[body];
         if body.body.set(weights, world_from_model)? {
             body.body.blend(&mut body.posed);
             self.work.vertices_blended += body.posed.len() as u64;
         }
-        body.place();
+        Ok(true)
+    }
+
+    fn refit(&mut self, body: usize) {
+        self.bodies[body].place();
         self.work.volumes_blended += 1;
-        Ok(())
+    }
+
+    fn is_lazy(&self) -> bool {
+        true
     }
 
     fn world_bounds(&mut self, body: usize) -> Aabb {

@@ -22,28 +22,54 @@ use super::{Method, PoseError, SetUpError, Wanted};
 /// A tree of Parry's with a leaf per triangle, and the vertices it stands for.
 pub(super) trait ParryTree: Sized {
     fn new(mesh: &WeldedMesh) -> Result<Self, TriMeshBuilderError>;
-    /// Blends the vertices and makes the tree follow.
-    fn update(&mut self, body: &BlendedBody);
+    /// Blends the vertices.
+    fn blend(&mut self, body: &BlendedBody);
+    /// Makes the tree follow them.
+    fn refit(&mut self, mesh: &WeldedMesh);
+    /// Both, in the best way there is.
+    fn update(&mut self, body: &BlendedBody) {
+        self.blend(body);
+        self.refit(&body.mesh);
+    }
     fn bvh(&self) -> &Bvh;
     fn posed(&self) -> &[Vec3];
 }
 
+/// A mesh of Parry's, and vertices blended for it where blending is timed by itself.
+#[derive(Clone)]
+pub(super) struct Meshed {
+    mesh: TriMesh,
+    blended: Vec<Vec3>,
+}
+
 /// `update_vertices` is `set_vertices` without a copy.
-impl ParryTree for TriMesh {
+impl ParryTree for Meshed {
     fn new(mesh: &WeldedMesh) -> Result<Self, TriMeshBuilderError> {
-        Self::new(mesh.base.clone(), mesh.triangles.clone())
+        Ok(Self {
+            mesh: TriMesh::new(mesh.base.clone(), mesh.triangles.clone())?,
+            blended: mesh.base.clone(),
+        })
+    }
+
+    fn blend(&mut self, body: &BlendedBody) {
+        body.blend(&mut self.blended);
+    }
+
+    fn refit(&mut self, _: &WeldedMesh) {
+        let Self { mesh, blended } = self;
+        mesh.update_vertices(|posed| posed.copy_from_slice(blended));
     }
 
     fn update(&mut self, body: &BlendedBody) {
-        self.update_vertices(|posed| body.blend(posed));
+        self.mesh.update_vertices(|posed| body.blend(posed));
     }
 
     fn bvh(&self) -> &Bvh {
-        Self::bvh(self)
+        self.mesh.bvh()
     }
 
     fn posed(&self) -> &[Vec3] {
-        self.vertices()
+        self.mesh.vertices()
     }
 }
 
@@ -69,9 +95,8 @@ impl Bare {
         }
     }
 
-    fn move_leaves(&mut self, body: &BlendedBody) {
-        body.blend(&mut self.posed);
-        for (triangle, corners) in (0..).zip(&body.mesh.triangles) {
+    fn move_leaves(&mut self, mesh: &WeldedMesh) {
+        for (triangle, corners) in (0..).zip(&mesh.triangles) {
             self.bvh
                 .insert_or_update_partially(around(corners, &self.posed), triangle, 0.0);
         }
@@ -96,8 +121,12 @@ impl ParryTree for Refitted {
         Ok(Self(Bare::new(mesh)))
     }
 
-    fn update(&mut self, body: &BlendedBody) {
-        self.0.move_leaves(body);
+    fn blend(&mut self, body: &BlendedBody) {
+        body.blend(&mut self.0.posed);
+    }
+
+    fn refit(&mut self, mesh: &WeldedMesh) {
+        self.0.move_leaves(mesh);
         self.0.bvh.refit(&mut self.0.workspace);
     }
 
@@ -119,8 +148,12 @@ impl ParryTree for Rebuilt {
         Ok(Self(Bare::new(mesh)))
     }
 
-    fn update(&mut self, body: &BlendedBody) {
-        self.0.move_leaves(body);
+    fn blend(&mut self, body: &BlendedBody) {
+        body.blend(&mut self.0.posed);
+    }
+
+    fn refit(&mut self, mesh: &WeldedMesh) {
+        self.0.move_leaves(mesh);
         self.0.bvh.rebuild(&mut self.0.workspace, BvhBuildStrategy::Binned);
     }
 
@@ -171,11 +204,28 @@ impl<T: ParryTree> Method for Parry<T> {
         let (body, tree) = &mut self.bodies[body];
         if body.set(weights, world_from_model)? {
             tree.update(body);
-            self.work.vertices_blended += tree.posed().len() as u64;
-            // Parry's tree is binary, with a triangle per leaf.
-            self.work.volumes_blended += 2 * body.mesh.triangles.len() as u64 - 1;
+            self.work += work_of_update(&body.mesh);
         }
         Ok(())
+    }
+
+    fn blend(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<bool, PoseError> {
+        let (body, tree) = &mut self.bodies[body];
+        let changed = body.set(weights, world_from_model)?;
+        if changed {
+            tree.blend(body);
+        }
+        Ok(changed)
+    }
+
+    fn refit(&mut self, body: usize) {
+        let (body, tree) = &mut self.bodies[body];
+        tree.refit(&body.mesh);
+        self.work += work_of_update(&body.mesh);
+    }
+
+    fn is_lazy(&self) -> bool {
+        false
     }
 
     fn world_bounds(&mut self, body: usize) -> Aabb {
@@ -213,6 +263,15 @@ impl<T: ParryTree> Method for Parry<T> {
 
     fn work(&self) -> QueryStats {
         self.work
+    }
+}
+
+/// All vertices, and all boxes: Parry's tree is binary, with a triangle per leaf.
+fn work_of_update(mesh: &WeldedMesh) -> QueryStats {
+    QueryStats {
+        vertices_blended: mesh.base.len() as u64,
+        volumes_blended: 2 * mesh.triangles.len() as u64 - 1,
+        ..QueryStats::default()
     }
 }
 

@@ -19,6 +19,8 @@ pub(super) struct Rebuild {
 }
 
 impl Refit for Rebuild {
+    const LAZY: bool = false;
+
     fn new(_: &WeldedMesh, options: &BuildOptions) -> Self {
         Self {
             builder: Builder::default(),

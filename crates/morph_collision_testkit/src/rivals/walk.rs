@@ -19,6 +19,8 @@ pub(super) trait Refit: Debug + Clone {
     fn new(mesh: &WeldedMesh, options: &BuildOptions) -> Self;
     /// All vertices have moved; returns how many boxes were made.
     fn update(&mut self, mesh: &WeldedMesh, posed: &[Vec3]) -> u64;
+    /// Whether [`Refit::open`] ever makes any.
+    const LAZY: bool;
     /// The children of a group are about to be looked at; returns how many boxes were made.
     fn open(&mut self, group: usize, posed: &[Vec3]) -> u64;
     fn tree(&self) -> &Tree;
@@ -195,14 +197,23 @@ fn test_leaves(
 }
 
 impl<R: Refit> Method for Trees<R> {
-    fn set_body(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<(), PoseError> {
-        let TreeBody { body, posed, refit } = &mut self.bodies[body];
-        if body.set(weights, world_from_model)? {
+    fn blend(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<bool, PoseError> {
+        let TreeBody { body, posed, .. } = &mut self.bodies[body];
+        let changed = body.set(weights, world_from_model)?;
+        if changed {
             body.blend(posed);
             self.work.vertices_blended += posed.len() as u64;
-            self.work.volumes_blended += refit.update(&body.mesh, posed);
         }
-        Ok(())
+        Ok(changed)
+    }
+
+    fn refit(&mut self, body: usize) {
+        let TreeBody { body, posed, refit } = &mut self.bodies[body];
+        self.work.volumes_blended += refit.update(&body.mesh, posed);
+    }
+
+    fn is_lazy(&self) -> bool {
+        R::LAZY
     }
 
     fn world_bounds(&mut self, body: usize) -> Aabb {

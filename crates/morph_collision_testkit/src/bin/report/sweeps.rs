@@ -1,47 +1,25 @@
 //! What is compared with what.
 
 use morph_collision::{BuildOptions, Remember, SeparatingAxes, Split, VolumeKind};
-use morph_collision_testkit::rivals::{MethodKind, MorphTuning};
+use morph_collision_testkit::bench::{Contender, Experiment};
+use morph_collision_testkit::rivals::{MethodKind, MorphTuning, SetUpError};
 
-use super::experiments::Experiment;
-use super::measure::Contender;
-
-/// A table.
-pub(crate) struct Sweep {
-    /// Its place in the page.
-    pub(crate) name: &'static str,
-    /// Its rows for an experiment.
-    pub(crate) rows: fn(&Experiment) -> Vec<Contender>,
-    /// Whether it is about what one frame has of the one before, and so needs every frame.
-    pub(crate) consecutive: bool,
+/// One row of a table to be; the first of them is what the others are compared with.
+pub(crate) struct Candidate {
+    pub(crate) label: String,
+    pub(crate) method: MethodKind,
+    pub(crate) options: BuildOptions,
+    pub(crate) tuning: MorphTuning,
 }
 
-/// All tables.
-pub(crate) const ALL: [Sweep; 4] = [
-    Sweep {
-        name: "options",
-        rows: options,
-        consecutive: false,
-    },
-    Sweep {
-        name: "shape",
-        rows: shape,
-        consecutive: false,
-    },
-    Sweep {
-        name: "memory",
-        rows: memory,
-        consecutive: true,
-    },
-    Sweep {
-        name: "methods",
-        rows: methods,
-        consecutive: false,
-    },
-];
+impl Candidate {
+    pub(crate) fn set_up(&self, experiment: &Experiment) -> Result<Contender, SetUpError> {
+        Contender::set_up(&self.label, self.method, experiment, &self.options, self.tuning)
+    }
+}
 
-fn morph(label: impl Into<String>, options: BuildOptions) -> Contender {
-    Contender {
+pub(crate) fn morph(label: impl Into<String>, options: BuildOptions) -> Candidate {
+    Candidate {
         label: label.into(),
         method: MethodKind::Morph,
         options,
@@ -50,7 +28,7 @@ fn morph(label: impl Into<String>, options: BuildOptions) -> Contender {
 }
 
 /// The defaults, and everything that differs from them in one option.
-fn options(_: &Experiment) -> Vec<Contender> {
+pub(crate) fn options(_: &Experiment) -> Vec<Candidate> {
     let default = BuildOptions::default;
     let mut rows = vec![morph("default", default())];
     for kind in VolumeKind::ALL.into_iter().filter(|&kind| kind != default().volume) {
@@ -80,7 +58,7 @@ fn options(_: &Experiment) -> Vec<Contender> {
 }
 
 /// Options that depend on each other: kind of volume, leaf size and leaf tables.
-fn shape(_: &Experiment) -> Vec<Contender> {
+pub(crate) fn shape(_: &Experiment) -> Vec<Candidate> {
     let mut rows = vec![morph("default", BuildOptions::default())];
     for kind in [VolumeKind::Aabb, VolumeKind::Kdop18] {
         for leaf in [2, 4, 8, 16] {
@@ -103,8 +81,8 @@ fn shape(_: &Experiment) -> Vec<Contender> {
 }
 
 /// What is kept from frame to frame, and the full separating-axis test.
-fn memory(_: &Experiment) -> Vec<Contender> {
-    let row = |label: &str, axes, separation, front| Contender {
+pub(crate) fn memory(_: &Experiment) -> Vec<Candidate> {
+    let row = |label: &str, axes, separation, front| Candidate {
         tuning: MorphTuning {
             axes,
             remember: Remember { separation, front },
@@ -121,20 +99,24 @@ fn memory(_: &Experiment) -> Vec<Contender> {
 }
 
 /// Every method; the oracle only where it comes to an end.
-fn methods(experiment: &Experiment) -> Vec<Contender> {
+pub(crate) fn methods(experiment: &Experiment) -> Vec<Candidate> {
     let mut rows = vec![
         morph("morph", BuildOptions::default()),
         morph("morph, the paper's tree", BuildOptions::paper()),
     ];
-    let small = experiment.meshes[0].triangles.len() < 1000;
+    let small = experiment.mesh.triangles.len() < 1000;
     let rivals = MethodKind::ALL
         .into_iter()
         .filter(|&kind| kind != MethodKind::Morph && (small || kind != MethodKind::BruteForce));
-    rows.extend(rivals.map(|method| Contender {
+    let options = |method| match method {
+        MethodKind::RigidFloor => BuildOptions::default(),
+        // What suits walks that test triangles one by one.
+        _ => BuildOptions::default().with_leaf_size(4),
+    };
+    rows.extend(rivals.map(|method| Candidate {
         label: method.to_string(),
         method,
-        // What suits walks that test triangles one by one.
-        options: BuildOptions::default().with_leaf_size(4),
+        options: options(method),
         tuning: MorphTuning::default(),
     }));
     rows

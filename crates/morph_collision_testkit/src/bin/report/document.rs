@@ -1,6 +1,7 @@
-//! A Markdown page with places for tables, marked by comments: `<!-- table: NAME -->` to `<!-- end -->`.
+//! A Markdown page with places for tables and plots, marked by comments: `<!-- table: NAME -->` to `<!-- end -->`.
 
 use std::io;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// A page being changed.
@@ -10,11 +11,20 @@ pub(crate) struct Page {
 }
 
 impl Page {
-    pub(crate) fn read(path: &Path) -> io::Result<Self> {
+    pub(crate) fn read(path: &Path) -> Result<Self, String> {
+        let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
         Ok(Self {
             path: path.to_owned(),
-            text: std::fs::read_to_string(path)?,
+            text,
         })
+    }
+
+    /// What stands between a place's markers.
+    ///
+    /// # Errors
+    /// When the page has no such place.
+    pub(crate) fn content(&self, name: &str) -> Result<&str, String> {
+        Ok(&self.text[self.place(name)?])
     }
 
     /// Puts a text between a place's markers.
@@ -22,12 +32,17 @@ impl Page {
     /// # Errors
     /// When the page has no such place.
     pub(crate) fn replace(&mut self, name: &str, content: &str) -> Result<(), String> {
+        let place = self.place(name)?;
+        self.text.replace_range(place, content);
+        Ok(())
+    }
+
+    fn place(&self, name: &str) -> Result<Range<usize>, String> {
         let opening = format!("<!-- table: {name} -->\n");
         let missing = || format!("{}: there is no place for \"{name}\"", self.path.display());
         let start = self.text.find(&opening).ok_or_else(missing)? + opening.len();
         let length = self.text[start..].find("<!-- end -->").ok_or_else(missing)?;
-        self.text.replace_range(start..start + length, content);
-        Ok(())
+        Ok(start..start + length)
     }
 
     pub(crate) fn write(&self) -> io::Result<()> {

@@ -1,0 +1,170 @@
+//! `morph-collide bench`: this machine's times of morph and of every other method.
+//!
+//! ```text
+//! flags, models --scenes--> experiments --testkit's bench--> rows --report--> tables or JSON on stdout
+//! ```
+
+mod report;
+mod scenes;
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use indicatif::ProgressBar;
+use morph_collision::BuildOptions;
+use morph_collision_testkit::bench::{self, Disagreement, Entrant, Plan, Row, disagreement, measure};
+use morph_collision_testkit::moments::AnswerError;
+use morph_collision_testkit::rivals::Wanted;
+
+use crate::error::CliError;
+use crate::tree_options::TreeArgs;
+use crate::{Verdict, output, progress};
+use report::BenchReport;
+use scenes::BenchScene;
+
+/// Rounds in which times are split; shares need no more, and rebuilding takes its time.
+const SPLIT_ROUNDS: usize = 1;
+
+/// Measure morph against every other method on this machine: the paper's scenes, or your own models.
+///
+/// Methods take turns for N rounds, each running every frame of a scene on one thread pinned to a core; a round before them is thrown
+/// away. Times are microseconds per frame, medians over the rounds; ratios to morph are medians of the ratios within a round. All methods
+/// have to find the same pairs (mode `first`: the same touching bodies); otherwise the exit code is 1.
+///
+/// A frame's time is that of weights and places, broad phase and queries. `blend`, `refit` and `query` are measured in passes of their
+/// own and scaled to come to the undisturbed total. Blending vertices and refitting volumes are timed apart where a method does
+/// them at once. Where it does them when a query gets there (morph, the hybrid's lower half), each frame is asked twice: the second time is
+/// `query`, what the first took more is `refit`; morph's `blend` is setting weights. The second time finds processor caches warm, so
+/// that `refit` of these methods is an upper estimate.
+///
+/// rigid-floor is no rival: it is morph's tree over meshes frozen in each frame's shape beforehand, of which only placing and queries are
+/// timed, with warm caches.
+#[derive(Debug, Args)]
+pub(crate) struct BenchArgs {
+    /// .glb or .gltf files, a scene each: bodies of the mesh with most triangles, close together and moving. The paper's scenes if none.
+    models: Vec<PathBuf>,
+    /// How many bodies of each model.
+    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u16).range(2..))]
+    bodies: u16,
+    /// Rounds that count.
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
+    rounds: u16,
+    /// Every how many of a scene's 400 steps a frame is taken.
+    #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..))]
+    every: u16,
+    /// Only this scene; may be given again.
+    ///
+    /// One of: pass-through-20480, dolphins-564, dolphins-9024, dolphins-36096, or a model's file name without extension.
+    #[arg(long = "scene", value_name = "NAME")]
+    scenes: Vec<String>,
+    /// Only this method beside morph; may be given again.
+    #[arg(long = "method", value_name = "NAME", value_parser = entrant)]
+    methods: Vec<&'static str>,
+    /// Only all pairs of triangles, or only one for each pair of bodies; both where left out.
+    #[arg(long, value_enum)]
+    mode: Option<Mode>,
+    #[command(flatten)]
+    tree: TreeArgs,
+    /// Print one JSON object instead of tables.
+    #[arg(long)]
+    json: bool,
+}
+
+/// How much to find out about two bodies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Mode {
+    /// Every pair of triangles that meet.
+    All,
+    /// One pair of triangles that meet.
+    First,
+}
+
+impl Mode {
+    fn wanted(self) -> Wanted {
+        match self {
+            Self::All => Wanted::All,
+            Self::First => Wanted::First,
+        }
+    }
+}
+
+fn entrant(name: &str) -> Result<&'static str, String> {
+    let known = Entrant::ALL.iter().find(|entrant| entrant.name == name);
+    known.map(|entrant| entrant.name).ok_or_else(|| {
+        format!(
+            "expected one of: {}",
+            Entrant::ALL.map(|entrant| entrant.name).join(", ")
+        )
+    })
+}
+
+/// A scene's rows in a mode.
+pub(crate) struct Measured<'a> {
+    scene: &'a BenchScene,
+    mode: Mode,
+    rows: Vec<Row>,
+}
+
+/// Measures and reports.
+pub(crate) fn bench(args: &BenchArgs) -> Result<Verdict, CliError> {
+    let scenes = scenes::scenes(args)?;
+    let modes = args.mode.map_or(vec![Mode::All, Mode::First], |mode| vec![mode]);
+    let wanted =
+        |entrant: &Entrant| entrant.name == "morph" || args.methods.is_empty() || args.methods.contains(&entrant.name);
+    let entrants: Vec<Entrant> = Entrant::ALL.into_iter().filter(wanted).collect();
+    if bench::pin().is_none() {
+        output::complain("cannot pin this thread to a core; going on without, times will vary more");
+    }
+    let rounds = usize::from(args.rounds);
+    let plan = |mode: Mode| Plan {
+        wanted: mode.wanted(),
+        rounds,
+        split_rounds: SPLIT_ROUNDS.min(rounds),
+    };
+    let passes: usize = modes.iter().map(|&mode| plan(mode).passes()).sum();
+    let bar = progress::bar("pass", (scenes.len() * entrants.len() * passes) as u64);
+    let mut measured = Vec::new();
+    let mut wrong: Option<Disagreement> = None;
+    for scene in &scenes {
+        for &mode in &modes {
+            let rows =
+                run(scene, &entrants, &args.tree.build(), plan(mode), &bar).map_err(|reason| CliError::Bench {
+                    scene: scene.origin.clone(),
+                    reason,
+                })?;
+            wrong = wrong.or_else(|| disagreement(&scene.experiment, &rows, mode.wanted()));
+            measured.push(Measured { scene, mode, rows });
+        }
+    }
+    bar.finish_and_clear();
+    let report = BenchReport::new(&measured, rounds);
+    if args.json {
+        output::print_json(&report)?;
+    } else {
+        output::print(&report.text())?;
+    }
+    match wrong {
+        None => Ok(Verdict::Clean),
+        Some(disagreement) => {
+            output::complain(format_args!("methods disagree: {disagreement}"));
+            Ok(Verdict::FoundWrong)
+        }
+    }
+}
+
+fn run(
+    scene: &BenchScene,
+    entrants: &[Entrant],
+    ours: &BuildOptions,
+    plan: Plan,
+    bar: &ProgressBar,
+) -> Result<Vec<Row>, AnswerError> {
+    let experiment = &scene.experiment;
+    let contenders = entrants.iter().map(|entrant| entrant.set_up(experiment, ours));
+    Ok(measure(
+        experiment,
+        contenders.collect::<Result<_, _>>()?,
+        plan,
+        || bar.inc(1),
+    )?)
+}

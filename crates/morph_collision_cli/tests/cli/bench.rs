@@ -1,0 +1,121 @@
+//! `bench` measures methods against each other; no test says how fast anything is.
+
+use std::error::Error;
+
+use serde_json::Value;
+
+use crate::support::{TestResult, asset, command, error_of, morph_collide};
+
+/// The shortest run there is of something.
+fn bench(args: &[&str]) -> Result<Value, Box<dyn Error>> {
+    let args = [&["bench", "--json", "--rounds", "1", "--every", "200"], args].concat();
+    // Where the thread cannot be pinned stderr says so, and nothing else is different.
+    let output = command().args(args).output()?;
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    Ok(serde_json::from_slice(&output.stdout)?)
+}
+
+fn list<'a>(value: &'a Value, key: &str) -> Result<&'a Vec<Value>, String> {
+    value[key]
+        .as_array()
+        .ok_or_else(|| format!("no list of {key} in {value}"))
+}
+
+#[test]
+fn every_method_has_a_row_and_all_find_the_same_pairs() -> TestResult {
+    let report = bench(&["--scene", "dolphins-564"])?;
+    assert!(report["cpu"].is_string() && report["kernel"].is_string() && report["rounds"] == 1);
+    let scenes = list(&report, "scenes")?;
+    let modes: Vec<_> = scenes.iter().map(|scene| &scene["mode"]).collect();
+    assert_eq!(modes, ["all", "first"]);
+    for scene in scenes {
+        assert_eq!(scene["name"], "dolphins-564");
+        assert!(scene["bodies"] == 12 && scene["triangles"] == 564, "{scene}");
+        let methods = list(scene, "methods")?;
+        let names: Vec<_> = methods.iter().filter_map(|method| method["name"].as_str()).collect();
+        assert_eq!(names[0], "morph");
+        for name in [
+            "rigid-floor",
+            "hybrid",
+            "hybrid-binary",
+            "bottom-up",
+            "rebuild",
+            "parry-trimesh",
+            "parry-bvh",
+        ] {
+            assert!(names.contains(&name), "no {name} in {names:?}");
+        }
+        for method in methods {
+            assert_eq!(method["pairs"], methods[0]["pairs"], "{method}");
+            for time in ["blend_us", "refit_us", "query_us", "total_us"] {
+                assert!(
+                    method[time].as_f64().is_some_and(|time| time >= 0.0),
+                    "{time} in {method}"
+                );
+            }
+        }
+        assert!(methods[0]["pairs"].as_u64() > Some(0));
+    }
+    Ok(())
+}
+
+#[test]
+fn models_scenes_methods_and_modes_can_be_chosen() -> TestResult {
+    let model = asset("dolphin_564.glb");
+    let model = model.to_str().ok_or("not UTF-8")?;
+    let report = bench(&[model, "--bodies", "3", "--method", "hybrid", "--mode", "first"])?;
+    let scenes = list(&report, "scenes")?;
+    assert_eq!(scenes.len(), 1);
+    assert!(
+        scenes[0]["name"] == "dolphin_564" && scenes[0]["bodies"] == 3,
+        "{report}"
+    );
+    let names: Vec<_> = list(&scenes[0], "methods")?
+        .iter()
+        .map(|method| &method["name"])
+        .collect();
+    assert_eq!(names, ["morph", "hybrid"]);
+    Ok(())
+}
+
+#[test]
+fn the_tables_say_what_the_numbers_are() -> TestResult {
+    let args = [
+        "bench",
+        "--scene",
+        "dolphins-564",
+        "--method",
+        "hybrid",
+        "--rounds",
+        "1",
+        "--every",
+        "200",
+    ];
+    let output = morph_collide(args)?;
+    let text = String::from_utf8(output.stdout)?;
+    assert!(
+        text.contains("microseconds per frame") && text.contains("/ morph"),
+        "{text}"
+    );
+    Ok(())
+}
+
+#[test]
+fn wrong_names_and_files_are_told_and_what_there_is() -> TestResult {
+    let error = |args: &[&str]| Ok::<_, Box<dyn Error>>(error_of(&morph_collide([&["bench"], args].concat())?));
+    let scene = error(&["--scene", "dolphin-564"])?;
+    assert!(
+        scene.contains("'dolphin-564'") && scene.contains("dolphins-564, dolphins-9024"),
+        "{scene}"
+    );
+    let method = error(&["--method", "hybird"])?;
+    assert!(
+        method.contains("'hybird'") && method.contains("hybrid-binary"),
+        "{method}"
+    );
+    let model = error(&["absent.glb"])?;
+    assert!(model.contains("absent.glb"), "{model}");
+    let rounds = error(&["--rounds", "0"])?;
+    assert!(rounds.contains("--rounds"), "{rounds}");
+    Ok(())
+}

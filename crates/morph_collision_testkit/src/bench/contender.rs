@@ -1,0 +1,97 @@
+//! What is measured against what.
+
+use morph_collision::BuildOptions;
+
+use super::Experiment;
+use crate::rivals::{Method, MethodKind, MorphTuning, SetUpError};
+
+/// A method that is ready for an experiment's bodies.
+#[derive(Debug)]
+pub struct Contender {
+    /// Its name in tables.
+    pub name: String,
+    /// It, holding the bodies.
+    pub method: Box<dyn Method>,
+}
+
+impl Contender {
+    /// Sets a method up for an experiment's bodies.
+    ///
+    /// # Errors
+    /// As [`MethodKind::set_up`].
+    pub fn set_up(
+        name: impl Into<String>,
+        kind: MethodKind,
+        experiment: &Experiment,
+        options: &BuildOptions,
+        tuning: MorphTuning,
+    ) -> Result<Self, SetUpError> {
+        let of_bodies = vec![0; experiment.bodies];
+        let meshes = std::slice::from_ref(&experiment.mesh);
+        Ok(Self {
+            name: name.into(),
+            method: kind.set_up_tuned(meshes, &of_bodies, options, tuning)?,
+        })
+    }
+}
+
+/// A method as a benchmark enters it: by a name of its own, with the trees that suit it.
+#[derive(Clone, Copy, Debug)]
+pub struct Entrant {
+    /// Its name.
+    pub name: &'static str,
+    kind: MethodKind,
+    trees: Trees,
+}
+
+/// How an entrant's trees are built.
+#[derive(Clone, Copy, Debug)]
+enum Trees {
+    /// As the user wants ours.
+    Ours,
+    /// With at most so many children, and so many triangles in a leaf.
+    Own { arity: usize, leaf_size: usize },
+}
+
+/// Eight-wide with four triangles in a leaf: what walks like best that test triangles one by one (`docs/performance.md`).
+const WIDE: Trees = Trees::Own { arity: 8, leaf_size: 4 };
+
+/// Of 1, 2, 4 and 8 triangles in a leaf 4 suits binary trees best, too: 0.66 to 0.98 of the time of 1 over the experiments.
+const BINARY: Trees = Trees::Own { arity: 2, leaf_size: 4 };
+
+impl Entrant {
+    /// All that a benchmark runs, ours first; the octree and brute force are not in it, being far behind.
+    pub const ALL: [Self; 9] = [
+        Self::new("morph", MethodKind::Morph, Trees::Ours),
+        Self::new("rigid-floor", MethodKind::RigidFloor, Trees::Ours),
+        Self::new("hybrid", MethodKind::Hybrid, WIDE),
+        Self::new("hybrid-binary", MethodKind::Hybrid, BINARY),
+        Self::new("bottom-up", MethodKind::BottomUp, WIDE),
+        Self::new("rebuild", MethodKind::Rebuild, WIDE),
+        Self::new("parry-trimesh", MethodKind::ParryTriMesh, WIDE),
+        Self::new("parry-bvh", MethodKind::ParryBvh, WIDE),
+        Self::new("parry-rebuild", MethodKind::ParryRebuild, WIDE),
+    ];
+
+    const fn new(name: &'static str, kind: MethodKind, trees: Trees) -> Self {
+        Self { name, kind, trees }
+    }
+
+    /// Whether it is no rival but the price of the same bodies if they did not morph.
+    #[must_use]
+    pub fn is_floor(&self) -> bool {
+        self.kind == MethodKind::RigidFloor
+    }
+
+    /// Sets it up; `ours` is for our trees.
+    ///
+    /// # Errors
+    /// As [`MethodKind::set_up`].
+    pub fn set_up(&self, experiment: &Experiment, ours: &BuildOptions) -> Result<Contender, SetUpError> {
+        let options = match self.trees {
+            Trees::Ours => ours.clone(),
+            Trees::Own { arity, leaf_size } => BuildOptions::default().with_arity(arity).with_leaf_size(leaf_size),
+        };
+        Contender::set_up(self.name, self.kind, experiment, &options, MorphTuning::default())
+    }
+}

@@ -1,0 +1,187 @@
+//! The paper's two experiments, every n-th step of them, and some that its weights do not cover.
+
+use std::f64::consts::TAU;
+
+use glam::{Affine3A, DQuat, DVec3};
+
+use crate::mesh::MorphMesh;
+use crate::models::{dolphin, pass_through_body_at, random::random_blob};
+use crate::scenes::{dolphins, pass_through};
+
+/// What every body does in a step: weights and place.
+pub type Frame = Vec<(Vec<f32>, Affine3A)>;
+
+/// A mesh, and what each body of it does in every frame.
+#[derive(Clone, Debug)]
+pub struct Experiment {
+    /// A short name, as commands take it.
+    pub name: String,
+    /// A heading.
+    pub title: String,
+    /// The mesh of all bodies.
+    pub mesh: MorphMesh,
+    /// How many bodies there are.
+    pub bodies: usize,
+    /// The frames.
+    pub frames: Vec<Frame>,
+    /// Which step of the script each frame is.
+    pub steps: Vec<usize>,
+}
+
+/// The names of the paper's experiments, as [`Experiment::paper`] has them.
+const PAPER: [&str; 4] = ["pass-through-20480", "dolphins-564", "dolphins-9024", "dolphins-36096"];
+
+impl Experiment {
+    /// The pass-through, and the dolphins at three resolutions; every how many steps a frame is taken is at least 1.
+    #[must_use]
+    pub fn paper(every: usize) -> Vec<Self> {
+        PAPER
+            .into_iter()
+            .filter_map(|name| Self::of_paper(name, every))
+            .collect()
+    }
+
+    /// One of the paper's experiments, by name.
+    #[must_use]
+    pub fn of_paper(name: &str, every: usize) -> Option<Self> {
+        match name {
+            "pass-through-20480" => Some(Self::pass_through(5, every)),
+            "dolphins-564" => Some(Self::dolphins(0, every)),
+            "dolphins-2256" => Some(Self::dolphins(1, every)),
+            "dolphins-9024" => Some(Self::dolphins(2, every)),
+            "dolphins-36096" => Some(Self::dolphins(3, every)),
+            _ => None,
+        }
+    }
+
+    /// The names that [`Experiment::paper`] has.
+    #[must_use]
+    pub fn paper_names() -> &'static [&'static str] {
+        &PAPER
+    }
+
+    /// The paper's experiments and the blobs: what options are compared on.
+    #[must_use]
+    pub fn tuning(every: usize) -> Vec<Self> {
+        let mut all = Self::paper(every);
+        all.push(Self::blobs(every));
+        all
+    }
+
+    /// The first `steps` steps of the pass-through, of the small and large dolphins, and of two neighbours, one after the other.
+    #[must_use]
+    pub fn consecutive(steps: usize) -> Vec<Self> {
+        let mut all = vec![
+            Self::pass_through(5, 1),
+            Self::dolphins(0, 1),
+            Self::dolphins(3, 1),
+            Self::neighbours(),
+        ];
+        for experiment in &mut all {
+            experiment.frames.truncate(steps);
+            experiment.steps.truncate(steps);
+        }
+        all
+    }
+
+    /// Frames from the steps of a script.
+    pub(super) fn scripted(
+        name: String,
+        title: String,
+        mesh: MorphMesh,
+        bodies: usize,
+        (steps, every): (usize, usize),
+        frame: impl Fn(usize) -> Frame,
+    ) -> Self {
+        let steps: Vec<usize> = (0..steps).step_by(every.max(1)).collect();
+        Self {
+            name,
+            title,
+            mesh,
+            bodies,
+            frames: steps.iter().map(|&step| frame(step)).collect(),
+            steps,
+        }
+    }
+
+    /// The paper's first experiment with bodies of `20 * 4^level` triangles; the paper's level is 5.
+    #[must_use]
+    pub fn pass_through(level: u32, every: usize) -> Self {
+        use pass_through::{STEPS, placements, weights};
+        let mesh = pass_through_body_at(level);
+        let triangles = mesh.triangles.len();
+        let (name, title) = (
+            format!("pass-through-{triangles}"),
+            format!("Pass-through, 2 x {triangles} triangles"),
+        );
+        Self::scripted(name, title, mesh, 2, (STEPS, every), |step| {
+            let weights = weights(step, STEPS).to_vec();
+            placements(step, STEPS).map(|place| (weights.clone(), place)).to_vec()
+        })
+    }
+
+    /// The paper's second experiment with bodies of `564 * 4^level` triangles.
+    #[must_use]
+    pub fn dolphins(level: u32, every: usize) -> Self {
+        Self::many_dolphins(dolphins::COUNT, level, every)
+    }
+
+    /// The same with any number of dolphins, as close together.
+    #[must_use]
+    pub fn many_dolphins(count: usize, level: u32, every: usize) -> Self {
+        use dolphins::{FRAMES, placement, weights};
+        let mesh = dolphin(level);
+        let triangles = mesh.triangles.len();
+        let (name, title) = (
+            format!("dolphins-{triangles}"),
+            format!("Dolphins, {count} x {triangles} triangles"),
+        );
+        Self::scripted(name, title, mesh, count, (FRAMES, every), |frame| {
+            let body = |i| (weights(i, frame, FRAMES).to_vec(), placement(i, count, frame, FRAMES));
+            (0..count).map(body).collect()
+        })
+    }
+
+    /// Two bodies that breathe and turn slowly side by side, a little apart though their boxes overlap.
+    #[must_use]
+    pub fn neighbours() -> Self {
+        let mesh = pass_through_body_at(5);
+        let title = format!("Neighbours, 2 x {} triangles", mesh.triangles.len());
+        Self::scripted("neighbours".to_owned(), title, mesh, 2, (400, 1), |step| {
+            let t = step as f64 / 60.0;
+            let body = |side: f64| {
+                let breath = (0.03 + 0.02 * (TAU * 0.25 * t + side).sin()) as f32;
+                let turned = DQuat::from_rotation_y(0.02 * side * t).as_quat();
+                let place = DVec3::splat(0.68 * side).as_vec3();
+                (vec![breath, 0.0], Affine3A::from_rotation_translation(turned, place))
+            };
+            vec![body(-1.0), body(1.0)]
+        })
+    }
+
+    /// Two bodies that graze each other, with local targets as a face has: most are active, weights have both signs, and
+    /// their sum is far beyond 1.
+    #[must_use]
+    pub fn blobs(every: usize) -> Self {
+        let mesh = random_blob(7, 5, 40, 0.85);
+        Self::grazing("blobs", mesh, every)
+    }
+
+    /// The blobs' motion for two bodies of any mesh of radius about 1.
+    #[must_use]
+    pub fn grazing(name: &str, mesh: MorphMesh, every: usize) -> Self {
+        let targets = mesh.targets.len();
+        let title = format!("Blobs, 2 x {} triangles with {targets} targets", mesh.triangles.len());
+        Self::scripted(name.to_owned(), title, mesh, 2, (400, every), |step| {
+            let t = step as f64 / 400.0;
+            let body = |side: f64| {
+                let wave = |k: usize| (TAU * (t * (1 + k % 3) as f64 + 0.37 * k as f64 + 0.2 * side)).sin();
+                let weights = (0..targets).map(|k| (0.1 + 0.4 * wave(k)) as f32).collect();
+                let turned = DQuat::from_rotation_y(side * TAU * 0.25 * t).as_quat();
+                let place = DVec3::new(side * (1.15 - 0.5 * t), 0.1 * side, 0.0).as_vec3();
+                (weights, Affine3A::from_rotation_translation(turned, place))
+            };
+            vec![body(-1.0), body(1.0)]
+        })
+    }
+}

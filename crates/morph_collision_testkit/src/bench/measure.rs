@@ -1,0 +1,244 @@
+//! Interleaved rounds, and what they come to.
+
+use std::time::Duration;
+
+use morph_collision::QueryStats;
+use thiserror::Error;
+
+use super::runner::{Found, Pass, Runner, SplitPass};
+use super::{Contender, Experiment};
+use crate::rivals::{PoseError, Wanted};
+
+/// How much to measure.
+#[derive(Clone, Copy, Debug)]
+pub struct Plan {
+    /// What is asked of two bodies.
+    pub wanted: Wanted,
+    /// Rounds that count; one more is run before them.
+    pub rounds: usize,
+    /// Rounds more in which times are split; 0 for no [`Parts`].
+    pub split_rounds: usize,
+}
+
+impl Plan {
+    /// How often a contender runs all frames.
+    #[must_use]
+    pub fn passes(&self) -> usize {
+        1 + self.rounds + self.split_rounds
+    }
+}
+
+/// What a contender did and how long it took.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Its name.
+    pub name: String,
+    /// The work of one pass over all frames.
+    pub work: QueryStats,
+    /// What was found, per frame.
+    pub found: Vec<Found>,
+    /// Seconds a frame on average; the median over the rounds.
+    pub time: f64,
+    /// Seconds of each frame, medians over the rounds.
+    pub frame_times: Vec<f64>,
+    /// The median of its time over the first contender's in the same round.
+    pub ratio: f64,
+    /// What the time was spent on, if that was to be known.
+    pub parts: Option<Parts>,
+}
+
+impl Row {
+    /// Pairs of triangles of all frames of a pass.
+    #[must_use]
+    pub fn pairs(&self) -> u64 {
+        self.found.iter().map(|found| found.pairs).sum()
+    }
+}
+
+/// Seconds a frame by what they were spent on; see [how times are split](super).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Parts {
+    /// Weights, places, and vertices that follow at once.
+    pub blend: f64,
+    /// Volumes (lazy methods: and vertices) that follow.
+    pub refit: f64,
+    /// Broad phase and queries.
+    pub query: f64,
+}
+
+impl Parts {
+    /// Medians over passes, scaled to come to `total`.
+    fn of(passes: &[SplitPass], total: f64) -> Option<Self> {
+        let part = |of: fn(&SplitPass) -> Duration| median(passes.iter().map(|pass| of(pass).as_secs_f64()));
+        let (blend, refit, query) = (part(|p| p.blend), part(|p| p.refit), part(|p| p.query));
+        let sum = blend + refit + query;
+        let scale = total / sum;
+        (sum > 0.0).then_some(Self {
+            blend: blend * scale,
+            refit: refit * scale,
+            query: query * scale,
+        })
+    }
+}
+
+/// Measures contenders against the first of them. `progress` is called after every pass.
+///
+/// # Errors
+/// Weights or places that a method refuses.
+pub fn measure(
+    experiment: &Experiment,
+    contenders: Vec<Contender>,
+    plan: Plan,
+    mut progress: impl FnMut(),
+) -> Result<Vec<Row>, PoseError> {
+    let mut runners: Vec<Runner> = contenders.into_iter().map(Runner::new).collect();
+    let mut passes = vec![Vec::with_capacity(plan.rounds); runners.len()];
+    for round in 0..=plan.rounds {
+        for (runner, own) in runners.iter_mut().zip(&mut passes) {
+            let pass = runner.pass(experiment, plan.wanted)?;
+            if round > 0 {
+                own.push(pass);
+            }
+            progress();
+        }
+    }
+    let mut splits = vec![Vec::with_capacity(plan.split_rounds); runners.len()];
+    for _ in 0..plan.split_rounds {
+        for (runner, own) in runners.iter_mut().zip(&mut splits) {
+            own.push(runner.split_pass(experiment, plan.wanted)?);
+            progress();
+        }
+    }
+    let totals: Vec<Vec<f64>> = passes.iter().map(|own| own.iter().map(seconds).collect()).collect();
+    let rows = runners.into_iter().zip(passes).zip(&splits).zip(&totals);
+    Ok(rows
+        .map(|(((runner, mut own), split), times)| {
+            let frames = experiment.frames.len();
+            let time = median(times.iter().copied());
+            let of_frame = |frame: usize| median(own.iter().map(|pass| pass.times[frame].as_secs_f64()));
+            let frame_times = (0..frames).map(of_frame).collect();
+            let last = own.pop().unwrap_or_default();
+            Row {
+                name: runner.name,
+                work: last.work,
+                found: last.found,
+                time,
+                frame_times,
+                ratio: median(times.iter().zip(&totals[0]).map(|(own, first)| own / first)),
+                parts: Parts::of(split, time),
+            }
+        })
+        .collect())
+}
+
+/// A pass's seconds a frame.
+fn seconds(pass: &Pass) -> f64 {
+    pass.times.iter().sum::<Duration>().as_secs_f64() / pass.times.len().max(1) as f64
+}
+
+/// The middle one, or 0 of none.
+pub fn median(values: impl Iterator<Item = f64>) -> f64 {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// Two methods that found different things; one of them is wrong.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+#[error("{scene}, step {step}: {other} finds {found} {what}, {first} finds {expected}")]
+pub struct Disagreement {
+    scene: String,
+    step: usize,
+    first: String,
+    other: String,
+    what: &'static str,
+    expected: u64,
+    found: u64,
+}
+
+/// The first frame in which a row does not agree with the first row: on all pairs of triangles, or on how many pairs of
+/// bodies touch if only first pairs were wanted.
+#[must_use]
+pub fn disagreement(experiment: &Experiment, rows: &[Row], wanted: Wanted) -> Option<Disagreement> {
+    let (first, others) = rows.split_first()?;
+    let (what, count): (_, fn(&Found) -> u64) = match wanted {
+        Wanted::All => ("pairs of triangles", |found| found.pairs),
+        Wanted::First => ("touching pairs of bodies", |found| found.touching),
+    };
+    others.iter().find_map(|other| {
+        let counts = first.found.iter().map(count).zip(other.found.iter().map(count));
+        let (frame, (expected, found)) = counts.enumerate().find(|(_, (expected, found))| expected != found)?;
+        Some(Disagreement {
+            scene: experiment.name.clone(),
+            step: experiment.steps[frame],
+            first: first.name.clone(),
+            other: other.name.clone(),
+            what,
+            expected,
+            found,
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Entrant;
+    use super::*;
+    use morph_collision::BuildOptions;
+
+    fn rows(wanted: Wanted) -> Result<(Experiment, Vec<Row>), Box<dyn std::error::Error>> {
+        let experiment = Experiment::dolphins(0, 200);
+        let contenders = Entrant::ALL
+            .iter()
+            .map(|entrant| entrant.set_up(&experiment, &BuildOptions::default()));
+        let plan = Plan {
+            wanted,
+            rounds: 1,
+            split_rounds: 1,
+        };
+        let rows = measure(&experiment, contenders.collect::<Result<_, _>>()?, plan, || ())?;
+        Ok((experiment, rows))
+    }
+
+    #[test]
+    fn entrants_agree_and_parts_come_to_the_total() -> Result<(), Box<dyn std::error::Error>> {
+        for wanted in [Wanted::All, Wanted::First] {
+            let (experiment, rows) = rows(wanted)?;
+            assert_eq!(disagreement(&experiment, &rows, wanted), None);
+            for row in &rows {
+                assert_eq!(row.frame_times.len(), 2);
+                let parts = row.parts.ok_or("no parts")?;
+                let sum = parts.blend + parts.refit + parts.query;
+                assert!((sum - row.time).abs() <= 1e-9 * row.time, "{row:?}");
+            }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn a_wrong_count_is_told_with_its_step() -> Result<(), Box<dyn std::error::Error>> {
+        let (experiment, mut rows) = rows(Wanted::All)?;
+        rows[3].found[1].pairs += 1;
+        let told = disagreement(&experiment, &rows, Wanted::All).map(|found| found.to_string());
+        let told = told.ok_or("nothing found")?;
+        assert!(
+            told.starts_with("dolphins-564, step 200: hybrid-binary finds"),
+            "{told}"
+        );
+        Ok(())
+    }
+
+    #[test]
+    fn a_frame_is_new_in_every_round_even_if_there_is_only_one() -> Result<(), Box<dyn std::error::Error>> {
+        let experiment = Experiment::dolphins(0, 400);
+        let morph = Entrant::ALL[0].set_up(&experiment, &BuildOptions::default())?;
+        let plan = Plan {
+            wanted: Wanted::All,
+            rounds: 2,
+            split_rounds: 0,
+        };
+        let rows = measure(&experiment, vec![morph], plan, || ())?;
+        assert!(rows[0].work.volumes_blended > 0, "{:?}", rows[0]);
+        Ok(())
+    }
+}

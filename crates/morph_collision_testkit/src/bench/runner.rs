@@ -1,0 +1,158 @@
+//! One contender running an experiment's frames.
+
+use std::time::Duration;
+
+use morph_collision::{QueryStats, TrianglePair};
+
+use super::{Contender, Experiment, Frame, Stopwatch};
+use crate::rivals::{BroadPhase, Method, PoseError, Wanted};
+
+/// A contender, and memory that its frames reuse.
+#[derive(Debug)]
+pub(super) struct Runner {
+    pub(super) name: String,
+    method: Box<dyn Method>,
+    broad_phase: BroadPhase,
+    pairs: Vec<TrianglePair>,
+    /// Bodies whose volumes have to follow.
+    moved: Vec<usize>,
+    /// What the stopwatch shows of nothing.
+    idle: Duration,
+}
+
+/// What a contender did in one pass over all frames; lists have an entry per frame.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pass {
+    pub(super) work: QueryStats,
+    pub(super) found: Vec<Found>,
+    pub(super) times: Vec<Duration>,
+}
+
+/// What was found in a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Found {
+    /// Pairs of triangles.
+    pub pairs: u64,
+    /// Pairs of bodies of which there is at least one.
+    pub touching: u64,
+}
+
+/// Time by what it was spent on, of all frames of a pass.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct SplitPass {
+    pub(super) blend: Duration,
+    pub(super) refit: Duration,
+    pub(super) query: Duration,
+}
+
+impl Runner {
+    pub(super) fn new(contender: Contender) -> Self {
+        Self {
+            name: contender.name,
+            method: contender.method,
+            broad_phase: BroadPhase::default(),
+            pairs: Vec::new(),
+            moved: Vec::new(),
+            idle: Stopwatch::idle(),
+        }
+    }
+
+    /// Every frame as a whole.
+    pub(super) fn pass(&mut self, experiment: &Experiment, wanted: Wanted) -> Result<Pass, PoseError> {
+        self.begin(experiment)?;
+        let mut pass = Pass::default();
+        for frame in &experiment.frames {
+            self.prepare(frame, wanted)?;
+            let before = self.method.work();
+            let clock = Stopwatch::start();
+            self.set_bodies(frame)?;
+            let found = self.ask(frame, wanted);
+            pass.times.push(self.since(clock));
+            pass.found.push(found);
+            pass.work += self.method.work() - before;
+        }
+        Ok(pass)
+    }
+
+    /// Every frame in parts.
+    pub(super) fn split_pass(&mut self, experiment: &Experiment, wanted: Wanted) -> Result<SplitPass, PoseError> {
+        self.begin(experiment)?;
+        let mut split = SplitPass::default();
+        for frame in &experiment.frames {
+            self.prepare(frame, wanted)?;
+            self.moved.clear();
+            let clock = Stopwatch::start();
+            for (body, (weights, place)) in frame.iter().enumerate() {
+                if self.method.blend(body, weights, place)? {
+                    self.moved.push(body);
+                }
+            }
+            split.blend += self.since(clock);
+            let clock = Stopwatch::start();
+            for &body in &self.moved {
+                self.method.refit(body);
+            }
+            split.refit += self.since(clock);
+            let mut query = self.time_asking(frame, wanted);
+            if self.method.is_lazy() {
+                let again = self.time_asking(frame, wanted).min(query);
+                split.refit += query - again;
+                query = again;
+            }
+            split.query += query;
+        }
+        Ok(split)
+    }
+
+    /// Gives bodies weights that the first frame changes: else a pass of one frame would find everything done.
+    fn begin(&mut self, experiment: &Experiment) -> Result<(), PoseError> {
+        for (body, (weights, place)) in experiment.frames.iter().take(1).flatten().enumerate() {
+            let others: Vec<f32> = weights.iter().map(|weight| 0.5 * weight + 0.125).collect();
+            self.method.set_body(body, &others, place)?;
+        }
+        Ok(())
+    }
+
+    /// Runs the frame once if anything had to be prepared for it.
+    fn prepare(&mut self, frame: &Frame, wanted: Wanted) -> Result<(), PoseError> {
+        let mut prepared = false;
+        for (body, (weights, _)) in frame.iter().enumerate() {
+            prepared |= self.method.prepare(body, weights)?;
+        }
+        if prepared {
+            self.set_bodies(frame)?;
+            self.ask(frame, wanted);
+        }
+        Ok(())
+    }
+
+    fn set_bodies(&mut self, frame: &Frame) -> Result<(), PoseError> {
+        for (body, (weights, place)) in frame.iter().enumerate() {
+            self.method.set_body(body, weights, place)?;
+        }
+        Ok(())
+    }
+
+    /// Broad phase and queries.
+    fn ask(&mut self, frame: &Frame, wanted: Wanted) -> Found {
+        let method = self.method.as_mut();
+        let mut found = Found::default();
+        for &(a, b) in self.broad_phase.pairs(method, frame.len()) {
+            self.pairs.clear();
+            method.collide(a as usize, b as usize, wanted, &mut self.pairs);
+            found.pairs += self.pairs.len() as u64;
+            found.touching += u64::from(!self.pairs.is_empty());
+        }
+        found
+    }
+
+    fn time_asking(&mut self, frame: &Frame, wanted: Wanted) -> Duration {
+        let clock = Stopwatch::start();
+        self.ask(frame, wanted);
+        self.since(clock)
+    }
+
+    fn since(&self, clock: Stopwatch) -> Duration {
+        clock.elapsed().saturating_sub(self.idle)
+    }
+}

@@ -1,0 +1,103 @@
+//! Makes every table and plot of `docs/performance.md` again, in place:
+//! `cargo run --release -p morph_collision_testkit --bin report -- docs/performance.md`.
+//!
+//! ```text
+//! a section: experiments --testkit's bench--> rows --render, plot--> Markdown, SVG, CSV --document--> the page, docs/plots/
+//! ```
+
+mod document;
+mod plot;
+mod render;
+mod sections;
+mod sweeps;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use morph_collision_testkit::bench;
+
+use sections::{Context, SECTIONS};
+
+const USAGE: &str = "usage: report [--quick] [--every N] [--rounds N] [--only PLACE]... PAGE.md";
+
+/// What the command line says.
+struct Args {
+    page: PathBuf,
+    /// Every how many steps of the experiments one is taken.
+    every: usize,
+    rounds: usize,
+    quick: bool,
+    /// The places of the page to fill; all if empty.
+    only: Vec<String>,
+}
+
+fn main() -> ExitCode {
+    let args = match parse(std::env::args().skip(1)) {
+        Ok(args) => args,
+        Err(error) => {
+            eprintln!("{error}\n{USAGE}");
+            return ExitCode::FAILURE;
+        }
+    };
+    match run(&args) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn parse(mut words: impl Iterator<Item = String>) -> Result<Args, String> {
+    let (mut page, mut every, mut rounds, mut quick, mut only) = (None, None, None, false, Vec::new());
+    let number = |flag: &str, word: Option<String>| {
+        let value = word.and_then(|word| word.parse().ok()).filter(|&n: &usize| n > 0);
+        value.ok_or_else(|| format!("{flag} wants a number above 0"))
+    };
+    while let Some(word) = words.next() {
+        match word.as_str() {
+            "--quick" => quick = true,
+            "--every" => every = Some(number("--every", words.next())?),
+            "--rounds" => rounds = Some(number("--rounds", words.next())?),
+            "--only" => {
+                let name = words.next().unwrap_or_default();
+                if !SECTIONS.iter().any(|section| section.name == name) {
+                    let names: Vec<_> = SECTIONS.iter().map(|section| section.name).collect();
+                    return Err(format!("--only '{name}': expected one of: {}", names.join(", ")));
+                }
+                only.push(name);
+            }
+            _ if word.starts_with('-') => return Err(format!("unknown flag {word}")),
+            _ => page = Some(PathBuf::from(word)),
+        }
+    }
+    Ok(Args {
+        page: page.ok_or("which page?")?,
+        every: every.unwrap_or(if quick { 50 } else { 20 }),
+        rounds: rounds.unwrap_or(if quick { 1 } else { 5 }),
+        quick,
+        only,
+    })
+}
+
+fn run(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
+    // Read before anything is measured, so that a wrong path costs nothing.
+    let mut page = document::Page::read(&args.page)?;
+    if bench::pin().is_none() {
+        eprintln!("cannot pin this thread to a core; times will vary more");
+    }
+    page.replace("machine", &render::machine(args.every, args.rounds))?;
+    let context = Context {
+        every: args.every,
+        rounds: args.rounds,
+        quick: args.quick,
+        plots: args.page.with_file_name("plots"),
+    };
+    let wanted = |name: &str| args.only.is_empty() || args.only.iter().any(|only| only == name);
+    for section in SECTIONS.iter().filter(|section| wanted(section.name)) {
+        let old = page.content(section.name)?.to_owned();
+        page.replace(section.name, &(section.make)(&context, &old)?)?;
+        page.write()?;
+    }
+    Ok(())
+}

@@ -1,0 +1,114 @@
+//! The places of the page and what fills them, a file each for those that are more than a sweep.
+
+mod error;
+mod paper;
+mod scale;
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use morph_collision_testkit::bench::{Experiment, Plan, Row, disagreement, measure};
+use morph_collision_testkit::rivals::Wanted;
+
+use super::render;
+use super::sweeps::{self, Candidate};
+
+/// What every section needs to know.
+pub(crate) struct Context {
+    /// Every how many steps of an experiment one is taken.
+    pub(crate) every: usize,
+    pub(crate) rounds: usize,
+    /// Whether a rough answer will do.
+    pub(crate) quick: bool,
+    /// The folder for plots and their data, beside the page.
+    pub(crate) plots: PathBuf,
+}
+
+/// A place of the page, and how to fill it: of the context, and of what stands there.
+pub(crate) struct Section {
+    pub(crate) name: &'static str,
+    pub(crate) make: Make,
+}
+
+type Make = fn(&Context, &str) -> Result<String, Box<dyn Error>>;
+
+/// All of them.
+pub(crate) const SECTIONS: &[Section] = &[
+    Section {
+        name: "options",
+        make: |context, _| sweep(context, "options", &Experiment::tuning(context.every), sweeps::options),
+    },
+    Section {
+        name: "shape",
+        make: |context, _| sweep(context, "shape", &Experiment::tuning(context.every), sweeps::shape),
+    },
+    Section {
+        name: "memory",
+        make: |context, _| {
+            let steps = if context.quick { 60 } else { 100 };
+            sweep(context, "memory", &Experiment::consecutive(steps), sweeps::memory)
+        },
+    },
+    Section {
+        name: "methods",
+        make: |context, _| sweep(context, "methods", &Experiment::tuning(context.every), sweeps::methods),
+    },
+    Section {
+        name: "steps",
+        make: paper::steps,
+    },
+    Section {
+        name: "resolution",
+        make: paper::resolution,
+    },
+    Section {
+        name: "claims",
+        make: paper::claims,
+    },
+    Section {
+        name: "error",
+        make: error::error,
+    },
+    Section {
+        name: "scale",
+        make: scale::scale,
+    },
+];
+
+/// A table per experiment.
+fn sweep(
+    context: &Context,
+    name: &str,
+    experiments: &[Experiment],
+    rows: fn(&Experiment) -> Vec<Candidate>,
+) -> Result<String, Box<dyn Error>> {
+    let mut text = String::new();
+    for experiment in experiments {
+        eprintln!("{name}: {}", experiment.title);
+        let candidates = rows(experiment);
+        let all = race(experiment, &candidates, Wanted::All, context.rounds)?;
+        let first = race(experiment, &candidates, Wanted::First, context.rounds)?;
+        text += &render::table(experiment, &all, &first);
+    }
+    Ok(text)
+}
+
+/// Measures candidates, which have to agree.
+pub(crate) fn race(
+    experiment: &Experiment,
+    candidates: &[Candidate],
+    wanted: Wanted,
+    rounds: usize,
+) -> Result<Vec<Row>, Box<dyn Error>> {
+    let contenders = candidates.iter().map(|candidate| candidate.set_up(experiment));
+    let plan = Plan {
+        wanted,
+        rounds,
+        split_rounds: 0,
+    };
+    let rows = measure(experiment, contenders.collect::<Result<_, _>>()?, plan, || ())?;
+    match disagreement(experiment, &rows, wanted) {
+        None => Ok(rows),
+        Some(wrong) => Err(wrong.into()),
+    }
+}

@@ -1,0 +1,158 @@
+//! What collision would cost if nothing morphed: for every shape the very tree of `morph`, over that shape alone.
+//!
+//! A body's mesh is frozen at its weights: the blended positions become the base of a mesh without targets, and the tree
+//! over it has the topology of the morphing one, with tight volumes that never have to follow anything. [`Method::prepare`]
+//! makes it, so that a measurement can leave that out; what remains is to place bodies and to ask. No method that lets
+//! shapes change can be expected below it.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use glam::{Affine3A, Vec3};
+use morph_collision::{
+    Aabb, Body, BuildOptions, MorphBvh, MorphModel, PairQuery, Pose, QueryStats, TreeLayout, TrianglePair,
+    WeightsError, WorldFromModel,
+};
+use serde_json::Value;
+
+use super::{Method, PoseError, SetUpError, Wanted, WeightLimits};
+use crate::mesh::MorphMesh;
+
+/// Bodies of frozen meshes.
+#[derive(Debug)]
+pub(super) struct RigidFloor {
+    kinds: Vec<Kind>,
+    bodies: Vec<FrozenBody>,
+    query: PairQuery,
+    work: QueryStats,
+}
+
+/// A mesh that can be frozen.
+#[derive(Debug)]
+struct Kind {
+    mesh: MorphMesh,
+    limits: WeightLimits,
+    /// The morphing tree's, as JSON: only in that form can it be handed to another mesh.
+    layout: Value,
+}
+
+#[derive(Clone, Debug)]
+struct FrozenBody {
+    kind: usize,
+    weights: Vec<f32>,
+    pose: Pose,
+    place: WorldFromModel,
+}
+
+impl Kind {
+    fn new(index: usize, mesh: &MorphMesh, options: &BuildOptions) -> Result<Self, SetUpError> {
+        let model = mesh.to_model();
+        let model = model.map_err(|reason| SetUpError::Model { mesh: index, reason })?;
+        let layout = MorphBvh::build(Arc::new(model), options)?.layout();
+        // Numbers, strings and lists always become JSON.
+        let mut layout = serde_json::to_value(layout).unwrap_or_default();
+        // What it was split on may be a target, of which a frozen mesh has none; nothing is split again.
+        layout["options"]["shape"] = "Base".into();
+        Ok(Self {
+            mesh: mesh.clone(),
+            limits: WeightLimits::of(mesh),
+            layout,
+        })
+    }
+
+    /// A body of the shape at some weights that the limits allow.
+    fn freeze(&self, weights: &[f32]) -> Result<Pose, WeightsError> {
+        let mut layout = self.layout.clone();
+        let frozen = || {
+            let positions = self.mesh.posed(weights);
+            let model = MorphModel::from_displacements::<[Vec3; 0]>(&positions, &self.mesh.triangles, &[]).ok()?;
+            layout["fingerprint"] = model.fingerprint().into();
+            let layout: TreeLayout = serde_json::from_value(layout).ok()?;
+            MorphBvh::from_layout(Arc::new(model), &layout).ok()
+        };
+        // Blended vertices may reach farther than those of a mesh may; all else fits.
+        let largest = || (0..).zip(weights).max_by(|x, y| x.1.abs().total_cmp(&y.1.abs()));
+        let bvh = frozen().ok_or_else(|| {
+            let (index, &value) = largest().unwrap_or((0, &0.0));
+            WeightsError::TooLarge { index, value }
+        })?;
+        Ok(Pose::new(Arc::new(bvh)))
+    }
+}
+
+impl RigidFloor {
+    pub(super) fn new(meshes: &[MorphMesh], bodies: &[usize], options: &BuildOptions) -> Result<Self, SetUpError> {
+        let (mut kinds, mut at_rest) = (Vec::with_capacity(meshes.len()), Vec::with_capacity(meshes.len()));
+        for (kind, mesh) in meshes.iter().enumerate() {
+            let frozen = Kind::new(kind, mesh, options)?;
+            let weights = vec![0.0; mesh.targets.len()];
+            // A base that was accepted a moment ago.
+            let Ok(pose) = frozen.freeze(&weights) else { continue };
+            let place = WorldFromModel::IDENTITY;
+            at_rest.push(FrozenBody {
+                kind,
+                weights,
+                pose,
+                place,
+            });
+            kinds.push(frozen);
+        }
+        Ok(Self {
+            kinds,
+            bodies: bodies.iter().map(|&kind| at_rest[kind].clone()).collect(),
+            query: PairQuery::new(),
+            work: QueryStats::default(),
+        })
+    }
+}
+
+impl Method for RigidFloor {
+    fn prepare(&mut self, body: usize, weights: &[f32]) -> Result<bool, PoseError> {
+        let body = &mut self.bodies[body];
+        let kind = &self.kinds[body.kind];
+        kind.limits.check(weights)?;
+        if body.weights == weights {
+            return Ok(false);
+        }
+        body.pose = kind.freeze(weights)?;
+        body.weights.copy_from_slice(weights);
+        Ok(true)
+    }
+
+    /// Freezes the mesh here if that was not prepared.
+    fn blend(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<bool, PoseError> {
+        let place = WorldFromModel::new(*world_from_model)?;
+        self.prepare(body, weights)?;
+        self.bodies[body].place = place;
+        Ok(false)
+    }
+
+    fn refit(&mut self, _: usize) {}
+
+    fn is_lazy(&self) -> bool {
+        false
+    }
+
+    fn world_bounds(&mut self, body: usize) -> Aabb {
+        let body = &mut self.bodies[body];
+        body.pose.world_bounds(&body.place)
+    }
+
+    fn collide(&mut self, a: usize, b: usize, wanted: Wanted, pairs: &mut Vec<TrianglePair>) {
+        let Ok([a, b]) = self.bodies.get_disjoint_mut([a, b]) else {
+            return;
+        };
+        let (body_a, body_b) = (Body::new(&mut a.pose, &a.place), Body::new(&mut b.pose, &b.place));
+        self.work += self.query.visit(body_a, body_b, |pair| {
+            pairs.push(pair);
+            match wanted {
+                Wanted::All => ControlFlow::Continue(()),
+                Wanted::First => ControlFlow::Break(()),
+            }
+        });
+    }
+
+    fn work(&self) -> QueryStats {
+        self.work
+    }
+}

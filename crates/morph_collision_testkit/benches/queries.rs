@@ -1,0 +1,108 @@
+//! Times of the queries: `just bench`, or `cargo bench -p morph_collision_testkit --bench queries -- NAME` for some.
+//!
+//! Queries of one name end in `anew` where everything has to be blended and in `again` where nothing has.
+#![allow(missing_docs, reason = "what criterion's macros make")]
+
+mod two;
+
+use std::hint::black_box;
+use std::sync::Arc;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use morph_collision::{BuildOptions, ContactQuery, DistanceQuery, MorphBvh, PairQuery, RayQuery};
+
+use two::{Scene, Two};
+
+/// Benchmarks a question of two bodies, with everything to be blended and with nothing.
+fn ask<T>(criterion: &mut Criterion, name: &str, scene: Scene, mut question: impl FnMut(&mut Two) -> T) {
+    let mut two = Two::new(scene);
+    criterion.bench_function(&format!("{name}/anew"), |bencher| {
+        bencher.iter(|| {
+            two.forget();
+            question(&mut two)
+        });
+    });
+    criterion.bench_function(&format!("{name}/again"), |bencher| bencher.iter(|| question(&mut two)));
+}
+
+fn pairs(criterion: &mut Criterion) {
+    for (name, scene) in Scene::TOUCHING {
+        let (mut query, mut pairs) = (PairQuery::new(), Vec::new());
+        ask(criterion, &format!("pairs/all/{name}"), scene, |two| {
+            pairs.clear();
+            let (a, b) = two.bodies();
+            query.all(a, b, &mut pairs);
+            pairs.len()
+        });
+        let mut query = PairQuery::new();
+        ask(criterion, &format!("pairs/first/{name}"), scene, |two| {
+            let (a, b) = two.bodies();
+            query.first(a, b).0
+        });
+    }
+}
+
+fn contacts(criterion: &mut Criterion) {
+    for (name, scene) in Scene::TOUCHING {
+        let (mut query, mut contacts) = (ContactQuery::new(), Vec::new());
+        ask(criterion, &format!("contacts/all/{name}"), scene, |two| {
+            contacts.clear();
+            let (a, b) = two.bodies();
+            query.all(a, b, &mut contacts);
+            contacts.len()
+        });
+        let mut query = ContactQuery::new();
+        ask(criterion, &format!("contacts/manifold/{name}"), scene, |two| {
+            let (a, b) = two.bodies();
+            query.manifold(a, b).0.is_some()
+        });
+    }
+}
+
+fn distance(criterion: &mut Criterion) {
+    let mut query = DistanceQuery::new();
+    ask(criterion, "distance/apart", Scene::Apart, |two| {
+        let (a, b) = two.bodies();
+        query.closest(a, b, f64::INFINITY).0
+    });
+}
+
+fn ray(criterion: &mut Criterion) {
+    let mut query = RayQuery::new();
+    let ray = Two::new(Scene::Apart).ray();
+    ask(criterion, "ray/closest", Scene::Apart, |two| {
+        query.closest(two.bodies().0, &ray).0
+    });
+}
+
+fn pose(criterion: &mut Criterion) {
+    let mut two = Two::new(Scene::PassThroughDeep);
+    // Twice on each of two bodies.
+    criterion.bench_function("pose/set_weights, four times", |bencher| bencher.iter(|| two.forget()));
+    criterion.bench_function("pose/world_bounds/anew", |bencher| {
+        bencher.iter(|| {
+            two.forget();
+            two.poses[0].world_bounds(&two.places[0])
+        });
+    });
+}
+
+fn build(criterion: &mut Criterion) {
+    for (name, scene) in [
+        ("pass-through-20480", Scene::PassThroughDeep),
+        ("dolphin-9024", Scene::DolphinsDeep),
+    ] {
+        let two = Two::new(scene);
+        let mut group = criterion.benchmark_group("build");
+        group.sample_size(10);
+        group.bench_function(format!("model/{name}"), |bencher| {
+            bencher.iter(|| two.mesh.to_model().is_ok());
+        });
+        group.bench_function(format!("tree/{name}"), |bencher| {
+            bencher.iter(|| MorphBvh::build(Arc::clone(black_box(&two.model())), &BuildOptions::default()).is_ok());
+        });
+    }
+}
+
+criterion_group!(benches, pairs, contacts, distance, ray, pose, build);
+criterion_main!(benches);

@@ -5,13 +5,20 @@
 
 mod two;
 
-use std::hint::black_box;
 use std::sync::Arc;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use morph_collision::{BuildOptions, ContactQuery, DistanceQuery, MorphBvh, PairQuery, RayQuery};
+use morph_collision_testkit::models::{dolphin, pass_through_body};
 
 use two::{Scene, Two};
+
+const TOUCHING: [(&str, Scene); 4] = [
+    ("pass-through-20480-deep", Scene::PassThroughDeep),
+    ("pass-through-20480-shallow", Scene::PassThroughShallow),
+    ("dolphins-9024-deep", Scene::DolphinsDeep),
+    ("dolphins-9024-shallow", Scene::DolphinsShallow),
+];
 
 /// Benchmarks a question of two bodies, with everything to be blended and with nothing.
 fn ask<T>(criterion: &mut Criterion, name: &str, scene: Scene, mut question: impl FnMut(&mut Two) -> T) {
@@ -26,7 +33,7 @@ fn ask<T>(criterion: &mut Criterion, name: &str, scene: Scene, mut question: imp
 }
 
 fn pairs(criterion: &mut Criterion) {
-    for (name, scene) in Scene::TOUCHING {
+    for (name, scene) in TOUCHING {
         let (mut query, mut pairs) = (PairQuery::new(), Vec::new());
         ask(criterion, &format!("pairs/all/{name}"), scene, |two| {
             pairs.clear();
@@ -43,7 +50,7 @@ fn pairs(criterion: &mut Criterion) {
 }
 
 fn contacts(criterion: &mut Criterion) {
-    for (name, scene) in Scene::TOUCHING {
+    for (name, scene) in TOUCHING {
         let (mut query, mut contacts) = (ContactQuery::new(), Vec::new());
         ask(criterion, &format!("contacts/all/{name}"), scene, |two| {
             contacts.clear();
@@ -88,18 +95,16 @@ fn pose(criterion: &mut Criterion) {
 }
 
 fn build(criterion: &mut Criterion) {
-    for (name, scene) in [
-        ("pass-through-20480", Scene::PassThroughDeep),
-        ("dolphin-9024", Scene::DolphinsDeep),
+    let mut group = criterion.benchmark_group("build");
+    group.sample_size(10);
+    for (name, mesh) in [
+        ("pass-through-20480", pass_through_body()),
+        ("dolphin-9024", dolphin(2)),
     ] {
-        let two = Two::new(scene);
-        let mut group = criterion.benchmark_group("build");
-        group.sample_size(10);
-        group.bench_function(format!("model/{name}"), |bencher| {
-            bencher.iter(|| two.mesh.to_model().is_ok());
-        });
+        group.bench_function(format!("model/{name}"), |bencher| bencher.iter(|| mesh.to_model()));
+        let model = Arc::new(mesh.to_model().expect("a generated mesh"));
         group.bench_function(format!("tree/{name}"), |bencher| {
-            bencher.iter(|| MorphBvh::build(Arc::clone(black_box(&two.model())), &BuildOptions::default()).is_ok());
+            bencher.iter(|| MorphBvh::build(Arc::clone(&model), &BuildOptions::default()));
         });
     }
 }

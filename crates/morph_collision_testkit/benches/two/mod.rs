@@ -5,7 +5,6 @@ use std::sync::Arc;
 use glam::DVec3;
 use morph_collision::{Body, BuildOptions, MorphBvh, MorphModel, PairQuery, Pose, Ray, WorldFromModel};
 use morph_collision_testkit::bench::Experiment;
-use morph_collision_testkit::mesh::MorphMesh;
 
 /// Where two bodies are in the pass-through, or two of the dolphins.
 #[derive(Clone, Copy, Debug)]
@@ -23,16 +22,10 @@ pub(crate) enum Scene {
 }
 
 impl Scene {
-    pub(crate) const TOUCHING: [(&'static str, Self); 4] = [
-        ("pass-through-20480-deep", Self::PassThroughDeep),
-        ("pass-through-20480-shallow", Self::PassThroughShallow),
-        ("dolphins-9024-deep", Self::DolphinsDeep),
-        ("dolphins-9024-shallow", Self::DolphinsShallow),
-    ];
-
     fn step(self) -> usize {
         match self {
-            Self::PassThroughDeep | Self::DolphinsDeep | Self::DolphinsShallow => 200,
+            Self::PassThroughDeep => 200,
+            Self::DolphinsDeep | Self::DolphinsShallow => 160,
             Self::PassThroughShallow => 50,
             Self::Apart => 20,
         }
@@ -49,7 +42,6 @@ impl Scene {
 /// Two bodies of a mesh.
 #[derive(Clone, Debug)]
 pub(crate) struct Two {
-    pub(crate) mesh: MorphMesh,
     pub(crate) poses: [Pose; 2],
     pub(crate) places: [WorldFromModel; 2],
     pub(crate) weights: [Vec<f32>; 2],
@@ -74,7 +66,6 @@ impl Two {
             let (weights, places): (Vec<_>, Vec<_>) = [body(a), body(b)].into_iter().unzip();
             let weights: [Vec<f32>; 2] = [weights[0].clone(), weights[1].clone()];
             let mut two = Self {
-                mesh: experiment.mesh.clone(),
                 poses: [Pose::new(Arc::clone(&bvh)), Pose::new(Arc::clone(&bvh))],
                 places: [places[0], places[1]],
                 other_weights: weights
@@ -123,8 +114,7 @@ impl Two {
         Ray::new(from, middle - from, f64::INFINITY).expect("a ray of finite numbers")
     }
 
-    /// The mesh as the door to the library takes it.
-    #[allow(dead_code, reason = "one kind of benchmark builds trees")]
+    /// What their tree is built over.
     pub(crate) fn model(&self) -> Arc<MorphModel> {
         Arc::clone(self.poses[0].bvh().model())
     }

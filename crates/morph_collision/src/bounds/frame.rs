@@ -51,17 +51,32 @@ pub(crate) struct Frames {
 
 /// The frames that decide whether volumes of two placed bodies may meet: SAT-lite, both bodies' own axes.
 ///
-/// `a` and `b` are the bodies' whole model-space bounds. World space serves where neither body can be inverted.
-pub(crate) fn frames_of(
-    world_from_a: &WorldFromModel,
+/// `a` and `b` are the bodies' whole model-space bounds. World space serves where neither body can be inverted. Each frame is
+/// made when it is asked for.
+pub(crate) fn frames_of<'a>(
+    world_from_a: &'a WorldFromModel,
     a: &Aabb,
-    world_from_b: &WorldFromModel,
+    world_from_b: &'a WorldFromModel,
     b: &Aabb,
-) -> impl Iterator<Item = Frames> {
+) -> impl Iterator<Item = Frames> + 'a {
     let [a, b] = [a, b].map(|bounds| bounds.magnitude().as_dvec3());
-    let [in_a, in_b] = own_frames(world_from_a, a, world_from_b, b);
-    let in_world = (in_a.is_none() && in_b.is_none()).then(|| world_frames(world_from_a, a, world_from_b, b));
-    in_a.into_iter().chain(in_b).chain(in_world)
+    let error = placement_error(world_from_a, a) + placement_error(world_from_b, b);
+    let (mut step, mut found) = (0, false);
+    std::iter::from_fn(move || {
+        loop {
+            step += 1;
+            let frames = match step {
+                1 => in_a(world_from_a, world_from_b, b, error),
+                2 => in_b(world_from_a, a, world_from_b, error),
+                3 if !found => Some(world_frames(world_from_a, a, world_from_b, b)),
+                _ => return None,
+            };
+            if frames.is_some() {
+                found = true;
+                return frames;
+            }
+        }
+    })
 }
 
 /// The frames that are the space of A, and that of B, where these can be inverted; for points within magnitudes.
@@ -72,18 +87,28 @@ pub(super) fn own_frames(
     b: DVec3,
 ) -> [Option<Frames>; 2] {
     let error = placement_error(world_from_a, a) + placement_error(world_from_b, b);
-    let in_a = relative(world_from_a, world_from_b, b, error).map(|b| Frames {
+    [
+        in_a(world_from_a, world_from_b, b, error),
+        in_b(world_from_a, a, world_from_b, error),
+    ]
+}
+
+fn in_a(world_from_a: &WorldFromModel, world_from_b: &WorldFromModel, b: DVec3, error: DVec3) -> Option<Frames> {
+    Some(Frames {
         a: None,
-        b: Some(b),
+        b: Some(relative(world_from_a, world_from_b, b, error)?),
         stretch: 1.0,
-    });
-    let in_b = relative(world_from_b, world_from_a, a, error).map(|a| Frames {
-        a: Some(a),
-        b: None,
+    })
+}
+
+fn in_b(world_from_a: &WorldFromModel, a: DVec3, world_from_b: &WorldFromModel, error: DVec3) -> Option<Frames> {
+    let a = relative(world_from_b, world_from_a, a, error)?;
+    Some(Frames {
         // The Frobenius norm of the map to this frame is at least its largest stretch; the margin covers its error.
         stretch: 0.9 / frobenius(a.linear),
-    });
-    [in_a, in_b]
+        a: Some(a),
+        b: None,
+    })
 }
 
 /// World space moved to A's origin; for points within magnitudes.
@@ -140,15 +165,11 @@ fn relative(
     magnitude: DVec3,
     world_error: DVec3,
 ) -> Option<Frame> {
-    let linear = world_from_target.linear();
-    let inverse = inverse(linear)?;
-    // inverse * linear = I - R gives |linear^-1 - inverse| <= |R| / (1 - |R|) |inverse|, with R's own rounding in it.
-    let residual = abs(DMat3::IDENTITY - inverse * linear);
-    let rho = norm(residual) + 8.0 * U64 * norm(abs(inverse) * abs(linear));
-    if !rho.is_finite() || rho > 1.0 / 16.0 {
-        return None;
-    }
-    let largest = column_maxima(abs(inverse));
+    let Inverse {
+        linear: inverse,
+        residual: rho,
+        largest,
+    } = *world_from_target.inverse()?;
     let error_of = |v: DVec3| DVec3::splat(1.1 * rho * largest.dot(v));
     let offset = world_from_source.translation() - world_from_target.translation();
     let reach = abs(world_from_source.linear()) * magnitude + offset.abs();
@@ -180,6 +201,37 @@ pub(crate) fn a_from_b(
 pub(crate) fn frobenius(m: DMat3) -> f64 {
     let squares = |c: DVec3| c.length_squared();
     (squares(m.x_axis) + squares(m.y_axis) + squares(m.z_axis)).sqrt()
+}
+
+/// The inverse of a linear map, with what is known of its error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Inverse {
+    linear: DMat3,
+    /// The largest row sum of the identity minus the product with what it inverts, from above.
+    residual: f64,
+    /// The largest absolute entry of each column.
+    largest: DVec3,
+}
+
+impl Inverse {
+    pub(super) const IDENTITY: Self = Self {
+        linear: DMat3::IDENTITY,
+        residual: 8.0 * U64,
+        largest: DVec3::ONE,
+    };
+
+    /// `None` where it is not safe.
+    pub(super) fn of(linear: DMat3) -> Option<Self> {
+        let inverse = inverse(linear)?;
+        // inverse * linear = I - R gives |linear^-1 - inverse| <= |R| / (1 - |R|) |inverse|, with R's own rounding in it.
+        let residual = abs(DMat3::IDENTITY - inverse * linear);
+        let residual = norm(residual) + 8.0 * U64 * norm(abs(inverse) * abs(linear));
+        (residual.is_finite() && residual <= 1.0 / 16.0).then(|| Self {
+            linear: inverse,
+            residual,
+            largest: column_maxima(abs(inverse)),
+        })
+    }
 }
 
 /// The inverse with the matrix scaled to around 1 first, so that tiny and huge bodies invert as well as any other.

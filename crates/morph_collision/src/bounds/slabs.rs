@@ -25,11 +25,47 @@ pub(crate) struct Slab<const H: usize> {
     pub(crate) max: [f32; H],
 }
 
+impl<const H: usize> Default for Slab<H> {
+    fn default() -> Self {
+        Self {
+            min: [0.0; H],
+            max: [0.0; H],
+        }
+    }
+}
+
 impl BoxLanes {
     /// The lower and upper ends along an axis.
     #[inline]
     pub(super) fn along(&self, axis: usize) -> (&Lanes, &Lanes) {
         (&self.ends[0][axis], &self.ends[1][axis])
+    }
+}
+
+impl BoxLanes {
+    /// Makes these the boxes between corners.
+    #[inline(always)]
+    pub(crate) fn store<S: Simd>(&mut self, min: [f32x8<S>; 3], max: [f32x8<S>; 3]) {
+        for (rows, corner) in self.ends.iter_mut().zip([min, max]) {
+            for (row, coordinate) in rows.iter_mut().zip(corner) {
+                coordinate.store_slice(&mut row.0);
+            }
+        }
+    }
+}
+
+impl BoxLanes {
+    /// The box around all eight.
+    #[inline(always)]
+    pub(crate) fn hull_of_all(&self) -> Slab<3> {
+        let [mins, maxs] = &self.ends;
+        let mut hull = Slab::default();
+        for i in 0..3 {
+            let ([a, b, c, d, e, f, g, h], [p, q, r, s, t, u, v, w]) = (mins[i].0, maxs[i].0);
+            hull.min[i] = a.min(b).min(c.min(d)).min(e.min(f).min(g.min(h)));
+            hull.max[i] = p.max(q).max(r.max(s)).max(t.max(u).max(v.max(w)));
+        }
+        hull
     }
 }
 
@@ -103,8 +139,8 @@ pub(crate) struct SlabMap<const H: usize> {
 #[derive(Clone, Copy, Debug, Default)]
 struct Term {
     /// Which of the source's ends, lower ones first, goes to the lower end, and which to the upper one.
-    low: usize,
-    high: usize,
+    low: u8,
+    high: u8,
     amount: f32,
 }
 
@@ -132,13 +168,17 @@ impl<const H: usize> Volume for Slabs<H> {
         self.ends.as_flattened_mut()
     }
 
-    #[inline]
+    #[inline(always)]
     fn get(&self, lane: usize) -> Slab<H> {
-        let [min, max] = &self.ends;
-        Slab {
-            min: std::array::from_fn(|i| min[i].0[lane]),
-            max: std::array::from_fn(|i| max[i].0[lane]),
+        let [mins, maxs] = &self.ends;
+        // Cut off rather than checked for every row.
+        let lane = lane % LANES;
+        let mut one = Slab::default();
+        for i in 0..H {
+            one.min[i] = mins[i].0[lane];
+            one.max[i] = maxs[i].0[lane];
         }
+        one
     }
 
     fn set(&mut self, lane: usize, one: &Slab<H>) {
@@ -203,27 +243,43 @@ impl<const H: usize> Volume for Slabs<H> {
             offset_min: [0.0; H],
             offset_max: [0.0; H],
         };
+        let rows = frame.linear.transpose();
         for i in 0..H {
-            let normal = DVec3::from_array(direction(H, i).map(f64::from));
-            let terms = decompose(H, frame.linear.transpose() * normal);
-            let offset = normal.dot(frame.translation);
-            // Ends along a slab are as large as its direction allows.
-            let end = |j: usize| {
-                DVec3::from_array(direction(H, j).map(f64::from))
-                    .abs()
-                    .dot(frame.magnitude)
+            let (row, offset, error) = if i < 3 {
+                (rows.col(i), frame.translation[i], frame.error[i])
+            } else {
+                let normal = DVec3::from_array(direction(H, i).map(f64::from));
+                (
+                    rows * normal,
+                    normal.dot(frame.translation),
+                    normal.abs().dot(frame.error),
+                )
             };
-            let reach = offset.abs() + terms.iter().map(|&(j, amount)| amount.abs() * end(j)).sum::<f64>();
+            let terms = if H == 3 {
+                [(0, row.x), (1, row.y), (2, row.z)]
+            } else {
+                decompose(H, row)
+            };
+            // Ends along a slab are as large as its direction allows.
+            let end = |j: usize| match j {
+                0..3 => frame.magnitude[j],
+                _ => {
+                    let direction = DVec3::from_array(direction(H, j).map(f64::from));
+                    direction.abs().dot(frame.magnitude)
+                }
+            };
+            let [x, y, z] = terms.map(|(j, amount)| amount.abs() * end(j));
+            let reach = offset.abs() + x + y + z;
             let underflow = frame.underflow() * f64::from(length(H, i));
-            let slack = normal.abs().dot(frame.error) + MAP_ROUNDINGS * U32 * reach + underflow;
+            let slack = error + MAP_ROUNDINGS * U32 * reach + underflow;
             let largest = terms.iter().map(|term| term.1.abs()).fold(reach + slack, f64::max);
             if !largest.is_finite() || largest > LARGEST {
                 return None;
             }
             // A negative amount takes the upper end to the lower one.
             map.terms[i] = terms.map(|(j, amount)| Term {
-                low: if amount < 0.0 { H + j } else { j },
-                high: if amount < 0.0 { j } else { H + j },
+                low: if amount < 0.0 { H + j } else { j } as u8,
+                high: if amount < 0.0 { j } else { H + j } as u8,
                 amount: amount as f32,
             });
             map.offset_min[i] = down(offset - slack);
@@ -240,12 +296,31 @@ impl<const H: usize> Volume for Slabs<H> {
         };
         for i in 0..H {
             for term in &map.terms[i] {
-                let slab = term.low.min(term.high);
+                let slab = usize::from(term.low.min(term.high));
                 let (x, y) = (term.amount * one.min[slab], term.amount * one.max[slab]);
                 let (low, high) = if x < y { (x, y) } else { (y, x) };
                 mapped.min[i] += low;
                 mapped.max[i] += high;
             }
+        }
+        mapped
+    }
+
+    #[inline(always)]
+    fn map_all<S: Simd>(&self, simd: S, map: &SlabMap<H>) -> Self {
+        let ends = self.ends.as_flattened();
+        let mut mapped = Self::default();
+        let [mins, maxs] = &mut mapped.ends;
+        for i in 0..H {
+            let mut min = f32x8::splat(simd, map.offset_min[i]);
+            let mut max = f32x8::splat(simd, map.offset_max[i]);
+            for term in &map.terms[i] {
+                let amount = f32x8::splat(simd, term.amount);
+                min += ends[usize::from(term.low)].load(simd) * amount;
+                max += ends[usize::from(term.high)].load(simd) * amount;
+            }
+            min.store_slice(&mut mins[i].0);
+            max.store_slice(&mut maxs[i].0);
         }
         mapped
     }
@@ -257,24 +332,6 @@ impl<const H: usize> Volume for Slabs<H> {
         for i in 0..H {
             overlap &= min[i].load(simd).simd_le(f32x8::splat(simd, other.max[i]));
             overlap &= max[i].load(simd).simd_ge(f32x8::splat(simd, other.min[i]));
-        }
-        overlap.to_bitmask() as u8
-    }
-
-    #[inline(always)]
-    fn mapped_overlap_mask<S: Simd>(&self, simd: S, map: &SlabMap<H>, other: &Slab<H>) -> u8 {
-        let ends = self.ends.as_flattened();
-        let mut overlap = mask32x8::splat(simd, true);
-        for i in 0..H {
-            let mut min = f32x8::splat(simd, map.offset_min[i]);
-            let mut max = f32x8::splat(simd, map.offset_max[i]);
-            for term in &map.terms[i] {
-                let amount = f32x8::splat(simd, term.amount);
-                min += ends[term.low].load(simd) * amount;
-                max += ends[term.high].load(simd) * amount;
-            }
-            overlap &= min.simd_le(f32x8::splat(simd, other.max[i]));
-            overlap &= max.simd_ge(f32x8::splat(simd, other.min[i]));
         }
         overlap.to_bitmask() as u8
     }

@@ -82,9 +82,11 @@ impl Volume for Spheres {
         &mut self.rows
     }
 
-    #[inline]
+    #[inline(always)]
     fn get(&self, lane: usize) -> Sphere {
-        let [x, y, z, radius] = self.rows.map(|row| row.0[lane]);
+        let [x, y, z, radius] = &self.rows;
+        let lane = lane % LANES;
+        let [x, y, z, radius] = [x.0[lane], y.0[lane], z.0[lane], radius.0[lane]];
         Sphere {
             center: Vec3::new(x, y, z),
             radius,
@@ -167,6 +169,23 @@ impl Volume for Spheres {
     }
 
     #[inline(always)]
+    fn map_all<S: Simd>(&self, simd: S, map: &SphereMap) -> Self {
+        let [x, y, z, radius] = &self.rows;
+        let source = [x.load(simd), y.load(simd), z.load(simd)];
+        let mut mapped = Self::default();
+        for (i, (row, offset)) in map.rows.iter().zip(map.translation.to_array()).enumerate() {
+            let center = source[0] * f32x8::splat(simd, row.x)
+                + source[1] * f32x8::splat(simd, row.y)
+                + source[2] * f32x8::splat(simd, row.z)
+                + f32x8::splat(simd, offset);
+            center.store_slice(&mut mapped.rows[i].0);
+        }
+        let radius = radius.load(simd) * f32x8::splat(simd, map.stretch) + f32x8::splat(simd, map.slack);
+        radius.store_slice(&mut mapped.rows[3].0);
+        mapped
+    }
+
+    #[inline(always)]
     fn overlap_mask<S: Simd>(&self, simd: S, other: &Sphere) -> u8 {
         let [x, y, z, radius] = &self.rows;
         meeting(
@@ -175,21 +194,6 @@ impl Volume for Spheres {
             radius.load(simd),
             other,
         )
-    }
-
-    #[inline(always)]
-    fn mapped_overlap_mask<S: Simd>(&self, simd: S, map: &SphereMap, other: &Sphere) -> u8 {
-        let [x, y, z, radius] = &self.rows;
-        let source = [x.load(simd), y.load(simd), z.load(simd)];
-        let mut center = source;
-        for ((center, row), offset) in center.iter_mut().zip(&map.rows).zip(map.translation.to_array()) {
-            *center = f32x8::splat(simd, offset)
-                + source[0] * f32x8::splat(simd, row.x)
-                + source[1] * f32x8::splat(simd, row.y)
-                + source[2] * f32x8::splat(simd, row.z);
-        }
-        let radius = f32x8::splat(simd, map.slack) + radius.load(simd) * f32x8::splat(simd, map.stretch);
-        meeting(simd, center, radius, other)
     }
 
     /// Rounded in favour of an overlap; sums that overflow or underflow are one, too.

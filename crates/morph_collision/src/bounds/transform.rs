@@ -1,6 +1,8 @@
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 use thiserror::Error;
 
+use super::frame::Inverse;
+
 /// Where a body stands: a validated affine map from its model space to world space.
 ///
 /// Any finite affine will do: non-uniform scale, shear, mirroring, even scale 0 along an axis.
@@ -8,6 +10,9 @@ use thiserror::Error;
 pub struct WorldFromModel {
     linear: DMat3,
     translation: DVec3,
+    /// Found once, since every pair of bodies needs it.
+    inverse: Option<Inverse>,
+    scale: f64,
 }
 
 /// Why an affine map cannot place a body.
@@ -26,11 +31,19 @@ pub enum TransformError {
     },
 }
 
+impl Default for WorldFromModel {
+    fn default() -> Self {
+        Self::IDENTITY
+    }
+}
+
 impl WorldFromModel {
     /// Model space is world space.
     pub const IDENTITY: Self = Self {
         linear: DMat3::IDENTITY,
         translation: DVec3::ZERO,
+        inverse: Some(Inverse::IDENTITY),
+        scale: 1.0,
     };
 
     /// Validates an affine map.
@@ -47,9 +60,12 @@ impl WorldFromModel {
             }
         }
         let [x, y, z, t] = columns.map(|c| Vec3::from_array(c).as_dvec3());
+        let linear = DMat3::from_cols(x, y, z);
         Ok(Self {
-            linear: DMat3::from_cols(x, y, z),
+            linear,
             translation: t,
+            inverse: Inverse::of(linear),
+            scale: x.length().max(y.length()).max(z.length()),
         })
     }
 
@@ -88,8 +104,12 @@ impl WorldFromModel {
 
     /// A typical stretch: the longest image of a unit axis.
     pub(crate) fn scale(&self) -> f64 {
-        let m = self.linear;
-        m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length())
+        self.scale
+    }
+
+    /// `None` for a map that cannot be inverted safely.
+    pub(super) fn inverse(&self) -> Option<&Inverse> {
+        self.inverse.as_ref()
     }
 
     pub(crate) fn linear(&self) -> DMat3 {

@@ -55,10 +55,11 @@ pub(crate) trait Volume: Copy + Default + Debug + Send + Sync + 'static {
     fn map(frame: &Frame) -> Option<Self::Map>;
     fn map_one(map: &Self::Map, one: &Self::One) -> Self::One;
 
+    /// As [`Volume::map_one`], lane by lane; what lanes without a child become is of no matter.
+    fn map_all<S: Simd>(&self, simd: S, map: &Self::Map) -> Self;
+
     /// The lanes that may share a point with `other`, as a bit mask; touching counts.
     fn overlap_mask<S: Simd>(&self, simd: S, other: &Self::One) -> u8;
-    /// As [`Volume::overlap_mask`] for the volumes that a map makes of these.
-    fn mapped_overlap_mask<S: Simd>(&self, simd: S, map: &Self::Map, other: &Self::One) -> u8;
     fn overlap(a: &Self::One, b: &Self::One) -> bool;
 
     /// A lower bound of the distance between two volumes, 0 or less where they may overlap.

@@ -4,7 +4,7 @@
 use fearless_simd::Simd;
 
 use crate::bounds::Volume;
-use crate::tree::GroupTables;
+use crate::tree::{CornerLanes, GroupTables, PatchColumns};
 
 /// Half a unit in the last place of 1.
 const U: f32 = f32::EPSILON / 2.0;
@@ -107,6 +107,22 @@ pub(super) fn evaluate_anchored<S: Simd, V: Volume>(
         }
     }
     (volume, widening(reach, active, products))
+}
+
+/// The posed corners of a patch from its base corners: `f32`, ascending target order, zero weights left out, multiply then
+/// add, as [`MorphModel::blend_vertex`](crate::model::MorphModel::blend_vertex). A displacement of zero, which a vertex has
+/// that others in the patch are moved without, changes no value.
+#[inline(always)]
+pub(super) fn blend_patch<S: Simd>(simd: S, patch: PatchColumns<'_>, weights: &[f32], corners: &mut CornerLanes) {
+    for (&target, displacement) in patch.targets.iter().zip(patch.displacements) {
+        let weight = weights[target as usize];
+        if weight == 0.0 {
+            continue;
+        }
+        for (row, delta) in corners.as_flattened_mut().iter_mut().zip(displacement.as_flattened()) {
+            row.add_scaled(simd, weight, delta);
+        }
+    }
 }
 
 /// Moves weight from the intervals to the scaled references, most gain per cost first, until the budget is spent.

@@ -260,6 +260,7 @@ impl Pose {
                     model: bvh.model(),
                     topology: bvh.topology(),
                     tables: &$cache.tables,
+                    leaf_lanes: bvh.leaf_lanes(),
                     anchor: $cache.anchor.as_ref(),
                     weights,
                     spread,

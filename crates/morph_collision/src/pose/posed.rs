@@ -2,11 +2,11 @@ use fearless_simd::Level;
 use glam::Vec3;
 
 use super::anchor::Anchor;
-use super::blend::{blend_group, move_anchored};
+use super::blend::{blend_group, blend_patch, move_anchored};
 use super::cache::Stamped;
-use crate::bounds::{Aabb, Slabs, Spheres, Volume, with_simd};
+use crate::bounds::{Aabb, LANES, Slabs, Spheres, Volume, with_simd};
 use crate::model::MorphModel;
-use crate::tree::{Child, ChildKind, Tables, Topology};
+use crate::tree::{Child, ChildKind, CornerLanes, Leaf, LeafLanes, Tables, Topology, in_lanes, put};
 
 /// How much a pose has blended in its life.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,6 +36,7 @@ pub(crate) struct Posed<'a, V> {
     pub(crate) model: &'a MorphModel,
     pub(crate) topology: &'a Topology,
     pub(super) tables: &'a Tables<V>,
+    pub(super) leaf_lanes: Option<&'a LeafLanes>,
     pub(super) weights: &'a [f32],
     pub(super) spread: &'a [f32],
     pub(super) anchor: Option<&'a Anchor<V>>,
@@ -85,18 +86,16 @@ impl<V: Volume> Posed<'_, V> {
     }
 
     /// Makes a group's volumes unless they are there; returns the slot to read them from.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn open(&mut self, group: usize) -> usize {
         match self.volumes.find(group) {
             Some(slot) => slot,
-            None => {
-                let volume = self.make(group);
-                self.volumes.insert(group, volume)
-            }
+            None => self.make(group),
         }
     }
 
-    fn make(&mut self, group: usize) -> V {
+    #[inline(never)]
+    fn make(&mut self, group: usize) -> usize {
         let children = self.topology.group(group);
         self.blended.volumes += children.children().len() as u64;
         let tables = self.tables.group(group);
@@ -114,7 +113,7 @@ impl<V: Volume> Posed<'_, V> {
         if tables.lanes != children.mask() {
             self.fit_leaves(group, tables.lanes, &mut volume, widening);
         }
-        volume
+        self.volumes.insert(group, volume)
     }
 
     /// Fits the lanes without tables, which are leaves, to their blended vertices.
@@ -168,17 +167,20 @@ impl<V: Volume> Posed<'_, V> {
     }
 
     /// A posed welded vertex, blended unless it is.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn vertex(&mut self, vertex: u32) -> Vec3 {
         match self.vertices.find(vertex as usize) {
             Some(slot) => *self.vertices.get(slot),
-            None => {
-                self.blended.vertices += 1;
-                let position = self.model.blend_vertex(vertex, self.weights);
-                self.vertices.insert(vertex as usize, position);
-                position
-            }
+            None => self.blend_vertex(vertex),
         }
+    }
+
+    #[inline(never)]
+    fn blend_vertex(&mut self, vertex: u32) -> Vec3 {
+        self.blended.vertices += 1;
+        let position = self.model.blend_vertex(vertex, self.weights);
+        self.vertices.insert(vertex as usize, position);
+        position
     }
 
     /// A triangle's posed corners, in model space.
@@ -186,6 +188,46 @@ impl<V: Volume> Posed<'_, V> {
     pub(crate) fn corners(&mut self, triangle: u32) -> [Vec3; 3] {
         let [a, b, c] = self.model.triangle(triangle as usize);
         [self.vertex(a), self.vertex(b), self.vertex(c)]
+    }
+
+    /// Appends the posed vertices of a leaf, in model space.
+    #[inline]
+    pub(crate) fn leaf_vertices(&mut self, leaf: Leaf, posed: &mut Vec<Vec3>) {
+        let vertices = self.topology.leaf_mesh(leaf).vertices;
+        posed.extend(vertices.iter().map(|&vertex| self.vertex(vertex)));
+    }
+
+    /// Appends the posed corners of a leaf's triangles, in model space, eight triangles at a time.
+    #[inline]
+    pub(crate) fn leaf_corners(&mut self, leaf: Leaf, posed: &mut Vec<CornerLanes>) {
+        let mesh = self.topology.leaf_mesh(leaf);
+        let Some(lanes) = self.leaf_lanes else {
+            return self.gather_corners(leaf, posed);
+        };
+        self.blended.vertices += mesh.vertices.len() as u64;
+        for patch in lanes.patches(leaf.0, mesh.triangles.len()) {
+            posed.push(*patch.base);
+            if let Some(corners) = posed.last_mut() {
+                with_simd!(self.level, simd => blend_patch(simd, patch, self.weights, corners));
+            }
+        }
+    }
+
+    fn gather_corners(&mut self, leaf: Leaf, posed: &mut Vec<CornerLanes>) {
+        let mesh = self.topology.leaf_mesh(leaf);
+        let mut points = std::mem::take(&mut self.scratch.points);
+        points.clear();
+        self.leaf_vertices(leaf, &mut points);
+        for triangles in mesh.corners.chunks(LANES) {
+            let mut lanes = CornerLanes::default();
+            for (lane, corners) in in_lanes(triangles) {
+                for (corner, place) in corners.into_iter().enumerate() {
+                    put(&mut lanes, lane, corner, points[usize::from(place)]);
+                }
+            }
+            posed.push(lanes);
+        }
+        self.scratch.points = points;
     }
 
     pub(crate) fn blended(&self) -> Blended {

@@ -8,7 +8,8 @@ use super::leaves::Leaves;
 use super::one::magnitude;
 use super::stats::QueryStats;
 use crate::bounds::{Aabb, Box64, BoxLanes, GapFrame, LANES, Slab, Volume};
-use crate::exact::{Between, Facet, Triangle, closest_between};
+use crate::exact::{Between, Triangle, closest_between};
+use crate::pose::NodeRef;
 use crate::traverse::{Opened, PairRule, PairWalk, Side, Stack, Walkable};
 
 /// As in a point's projection: what may be closer by no more than distances may be off is looked at.
@@ -95,21 +96,23 @@ impl DistanceQuery {
             leaves_a,
             leaves_b,
         } = self;
-        leaves_a.begin(walk.a.topology().leaf_count(), world_from_a.translation());
-        leaves_b.begin(walk.b.topology().leaf_count(), world_from_a.translation());
+        leaves_a.begin(walk.a.topology().leaf_count());
+        leaves_b.begin(walk.b.topology().leaf_count());
         let _stopped_early = walk.run(stack, &[], |a, b, of_a, of_b| {
             let block_a = leaves_a.read(a, world_from_a, of_a);
             let block_b = leaves_b.read(b, world_from_b, of_b);
-            for (triangle_a, Facet { corners: corners_a, .. }) in leaves_a.triangles(&block_a) {
-                for (triangle_b, Facet { corners: corners_b, .. }) in leaves_b.triangles(&block_b) {
-                    if boxes_apart(corners_a, corners_b) > rule.limit.get() {
+            let triangles_a = leaves_a.triangles(a.topology(), of_a, block_a);
+            let triangles_b = leaves_b.triangles(b.topology(), of_b, block_b);
+            for (triangle_a, corners_a) in triangles_a.iter() {
+                for (triangle_b, corners_b) in triangles_b.iter() {
+                    if boxes_apart(&corners_a, &corners_b) > rule.limit.get() {
                         continue;
                     }
                     triangle_tests += 1;
-                    let Between { on_a, on_b, squared } = closest_between(corners_a, corners_b);
+                    let Between { on_a, on_b, squared } = closest_between(&corners_a, &corners_b);
                     let found = ClosestPair {
-                        triangle_a: *triangle_a,
-                        triangle_b: *triangle_b,
+                        triangle_a,
+                        triangle_b,
                         point_a: on_a,
                         point_b: on_b,
                         distance: squared.sqrt(),
@@ -176,15 +179,14 @@ impl PairRule<BoxLanes> for Closer<'_> {
         self.still_wanted(squared).then_some(squared)
     }
 
-    fn children<W: Walkable<Kind = BoxLanes>>(
+    fn children<T: Walkable<Kind = BoxLanes>>(
         &self,
-        tree: &W,
-        opened: Opened,
         side: Side,
-        other: &Slab<3>,
+        (tree, opened): (&T, Opened),
+        (other, node): (&T, NodeRef),
         keys: &mut [f64; LANES],
     ) -> u8 {
-        let other = box_of(other);
+        let other = box_of(&other.volume(node));
         let mut wanted = 0;
         for (lane, key) in keys.iter_mut().enumerate() {
             if opened.mask >> lane & 1 == 0 {

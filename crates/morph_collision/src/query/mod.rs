@@ -11,6 +11,8 @@ mod memory;
 mod one;
 mod overlap;
 mod pairs;
+mod patch;
+mod patches;
 mod point;
 mod ray;
 mod self_pairs;

@@ -1,13 +1,12 @@
 use std::ops::ControlFlow;
 
-use glam::DVec3;
-
 use super::body::{Body, with_walkable_pair};
-use super::leaves::{LeafTests, Leaves, intersecting_pairs};
 use super::memory::PairMemory;
+use super::patch::Neighbourhood;
+use super::patches::{LeafTests, Patches, intersecting_pairs};
 use super::stats::QueryStats;
 use crate::bounds::{Volume, WorldFromModel, frames_of};
-use crate::traverse::{CrossCull, Cull, Meeting, PairWalk, Stack, Walkable};
+use crate::traverse::{AnyCulls, CrossCull, Culls, Meeting, PairWalk, Stack, Walkable};
 
 /// Two intersecting triangles, each by its number in its own mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -38,9 +37,9 @@ pub enum SeparatingAxes {
 #[derive(Debug, Default)]
 pub struct PairQuery {
     stack: Stack,
-    leaves_a: Leaves,
-    leaves_b: Leaves,
-    tests: LeafTests,
+    culls: AnyCulls,
+    leaves_a: Patches,
+    leaves_b: Patches,
     axes: SeparatingAxes,
 }
 
@@ -155,16 +154,24 @@ impl PairQuery {
         with_walkable_pair!(a.pose.posed(), b.pose.posed(), (a, b) => self.walk(&mut a, &mut b, &places, memory, visitor))
     }
 
-    fn walk<V: Volume>(
+    fn walk<V: Volume, T: Walkable<Kind = V>>(
         &mut self,
-        a: &mut impl Walkable<Kind = V>,
-        b: &mut impl Walkable<Kind = V>,
+        a: &mut T,
+        b: &mut T,
         places: &Places<'_>,
         memory: Option<&mut PairMemory>,
         visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> QueryStats {
         let before = [a.blended(), b.blended()];
-        let (culls, cross) = places.culls(a, b, self.axes);
+        let Self {
+            stack,
+            culls,
+            leaves_a,
+            leaves_b,
+            axes,
+        } = self;
+        let culls = culls.of::<V>();
+        let cross = places.begin(a, b, *axes, culls, [leaves_a, leaves_b]);
         let (front, trace) = match memory {
             Some(memory) => (&memory.front[..], Some(&mut memory.trace)),
             None => (&[][..], None),
@@ -173,7 +180,7 @@ impl PairQuery {
             a,
             b,
             rule: &Meeting {
-                culls: &culls,
+                culls: culls.into(),
                 cross: cross.as_ref(),
             },
             a_from_b_scale: places.a_from_b_scale(),
@@ -181,20 +188,10 @@ impl PairQuery {
             trace,
         };
         let level = walk.a.level();
-        let Self {
-            stack,
-            leaves_a,
-            leaves_b,
-            tests,
-            ..
-        } = self;
-        tests.begin();
-        leaves_a.begin(walk.a.topology().leaf_count(), places.origin());
-        leaves_b.begin(walk.b.topology().leaf_count(), places.origin());
+        let mut tests = LeafTests::default();
         let _stopped_early = walk.run(stack, front, |a, b, of_a, of_b| {
-            let block_a = leaves_a.read(a, places.world_from_a, of_a);
-            let block_b = leaves_b.read(b, places.world_from_b, of_b);
-            intersecting_pairs(level, (leaves_a, &block_a), (leaves_b, &block_b), tests, visitor)
+            let (block_a, block_b) = (leaves_a.read(a, of_a), leaves_b.read(b, of_b));
+            intersecting_pairs(level, (leaves_a, block_a), (leaves_b, block_b), &mut tests, visitor)
         });
         let after = [walk.a.blended(), walk.b.blended()];
         QueryStats {
@@ -213,29 +210,35 @@ pub(super) struct Places<'a> {
 }
 
 impl Places<'_> {
-    pub(super) fn culls<V: Volume>(
+    /// Prepares what compares nodes and what reads leaves; the further axes if they are wanted and there are any.
+    pub(super) fn begin<V: Volume, T: Walkable<Kind = V>>(
         &self,
-        a: &mut impl Walkable<Kind = V>,
-        b: &mut impl Walkable<Kind = V>,
+        a: &mut T,
+        b: &mut T,
         axes: SeparatingAxes,
-    ) -> (Vec<Cull<V>>, Option<CrossCull>) {
+        culls: &mut Culls<V>,
+        [leaves_a, leaves_b]: [&mut Patches; 2],
+    ) -> Option<CrossCull> {
         let (root_a, root_b) = (a.root(), b.root());
-        let bounds_a = V::bounds(&a.volume(root_a));
-        let bounds_b = V::bounds(&b.volume(root_b));
-        let mut culls = Vec::with_capacity(2);
+        let (root_a, root_b) = (a.volume(root_a), b.volume(root_b));
+        let (bounds_a, bounds_b) = (V::bounds(&root_a), V::bounds(&root_b));
         let mut cross = None;
+        culls.begin();
         for frames in frames_of(self.world_from_a, &bounds_a, self.world_from_b, &bounds_b) {
-            culls.extend(Cull::new(&frames));
+            // One that parts the bodies is enough.
+            if !culls.push(&frames, &root_a, &root_b) {
+                break;
+            }
             if axes == SeparatingAxes::Full && cross.is_none() {
                 cross = CrossCull::new(&frames, &bounds_a, &bounds_b);
             }
         }
-        (culls, cross)
-    }
-
-    /// A point near both bodies when they touch.
-    pub(super) fn origin(&self) -> DVec3 {
-        self.world_from_a.translation()
+        // Near both bodies when they touch.
+        let size = self.world_from_a.scale() * f64::from(bounds_a.size().max_element());
+        let neighbourhood = Neighbourhood::new(self.world_from_a.translation(), size);
+        leaves_a.begin(a.topology().leaf_count(), self.world_from_a, neighbourhood);
+        leaves_b.begin(b.topology().leaf_count(), self.world_from_b, neighbourhood);
+        cross
     }
 
     pub(super) fn a_from_b_scale(&self) -> f32 {

@@ -5,10 +5,12 @@ mod cull;
 mod one;
 mod pairs;
 mod sweep;
+mod walkable;
 mod within;
 
-pub(crate) use cull::{AsBoxes, CrossCull, Cull, Side, Walkable};
+pub(crate) use cull::{AnyCulls, CrossCull, Culls, Side};
 pub(crate) use one::{OneWalk, Queue};
 pub(crate) use pairs::{Meeting, Opened, PairRule, PairWalk, Stack, Trace};
 pub use sweep::overlapping_pairs;
+pub(crate) use walkable::{AsBoxes, Walkable};
 pub(crate) use within::{SelfStack, walk_within};

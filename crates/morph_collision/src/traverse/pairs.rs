@@ -1,12 +1,17 @@
 //! The one walk over two trees.
 
+use std::cell::RefCell;
 use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
-use super::cull::{CrossCull, Cull, Side, Walkable};
-use crate::bounds::{LANES, Volume};
+use super::cull::{CrossCull, Culls, Side};
+use super::walkable::Walkable;
+use crate::bounds::{LANES, Volume, with_simd};
 use crate::pose::{NodeRef, Place};
 use crate::tree::{ChildKind, Leaf};
+
+/// Nodes whose sizes differ by less than this are descended together.
+const ALIKE: f32 = 3.0;
 
 /// Node pairs still to be looked at, with what the walk's rule says of them; reused between walks.
 pub(crate) type Stack<K = ()> = Vec<(K, NodeRef, NodeRef)>;
@@ -19,15 +24,26 @@ pub(crate) trait PairRule<V: Volume> {
     /// The key of two nodes to start from, usually the roots; `None` not to look at them.
     fn start(&self, a: &V::One, b: &V::One) -> Option<Self::Key>;
 
-    /// The keys of an opened group's children against the other side's volume, and the lanes to look at.
-    fn children<W: Walkable<Kind = V>>(
+    /// The keys of an opened group's children against a node of the other side's tree, and the lanes to look at.
+    fn children<T: Walkable<Kind = V>>(
         &self,
-        tree: &W,
-        opened: Opened,
         side: Side,
-        other: &V::One,
+        own: (&T, Opened),
+        other: (&T, NodeRef),
         keys: &mut [Self::Key; LANES],
     ) -> u8;
+
+    /// Whether [`PairRule::both`] may be asked: keys need no order, and a step of the walk may be a large one.
+    #[inline]
+    fn takes_both(&self) -> bool {
+        false
+    }
+
+    /// For each lane of `rows`, a mask of A's children, which ones of B's it is to be looked at with.
+    #[inline]
+    fn both<T: Walkable<Kind = V>>(&self, _a: (&T, Opened), _b: (&T, Opened), _rows: u8) -> [u8; LANES] {
+        [0; LANES]
+    }
 
     /// Whether a pair that comes off the stack is still worth looking at.
     fn still_wanted(&self, key: Self::Key) -> bool;
@@ -73,7 +89,7 @@ pub(crate) struct Opened {
 /// The rule of node pairs whose volumes may meet in every one of some frames.
 #[derive(Debug)]
 pub(crate) struct Meeting<'a, V: Volume> {
-    pub(crate) culls: &'a [Cull<V>],
+    pub(crate) culls: RefCell<&'a mut Culls<V>>,
     /// Further axes to compare boxes along, if wanted.
     pub(crate) cross: Option<&'a CrossCull>,
 }
@@ -82,25 +98,52 @@ impl<V: Volume> PairRule<V> for Meeting<'_, V> {
     type Key = ();
 
     fn start(&self, a: &V::One, b: &V::One) -> Option<()> {
-        self.culls.iter().all(|cull| cull.overlap(a, b)).then_some(())
+        self.culls.borrow().overlap(a, b).then_some(())
     }
 
-    #[inline]
-    fn children<W: Walkable<Kind = V>>(
+    #[inline(always)]
+    fn children<T: Walkable<Kind = V>>(
         &self,
-        tree: &W,
-        opened: Opened,
         side: Side,
-        other: &V::One,
+        (tree, opened): (&T, Opened),
+        (other, node): (&T, NodeRef),
         _keys: &mut [(); LANES],
     ) -> u8 {
-        let mask = tree.overlap_mask(opened.slot, self.culls, side, other, opened.mask);
+        let mut culls = self.culls.borrow_mut();
+        let own = (tree, opened.slot, opened.mask);
+        let mask = with_simd!(tree.level(), simd => culls.overlap_mask(simd, side, own, (other, node)));
         match self.cross {
             Some(cross) if mask != 0 => {
-                cross.overlap_mask(tree.level(), side, &tree.boxes(opened.slot), &V::bounds(other), mask)
+                let bounds = V::bounds(&other.volume(node));
+                cross.overlap_mask(tree.level(), side, &tree.boxes(opened.slot), &bounds, mask)
             }
             _ => mask,
         }
+    }
+
+    #[inline(always)]
+    fn takes_both(&self) -> bool {
+        true
+    }
+
+    #[inline(always)]
+    fn both<T: Walkable<Kind = V>>(
+        &self,
+        (tree_a, a): (&T, Opened),
+        (tree_b, b): (&T, Opened),
+        rows: u8,
+    ) -> [u8; LANES] {
+        let mut culls = self.culls.borrow_mut();
+        let mut masks = [0; LANES];
+        with_simd!(tree_a.level(), simd => culls.overlap_rows(simd, (tree_a, a.slot, rows), (tree_b, b.slot, b.mask), &mut masks));
+        if let Some(cross) = self.cross {
+            let boxes = tree_b.boxes(b.slot);
+            for lane in lanes_of(rows) {
+                let bounds = V::bounds(&tree_a.volume(tree_a.node(a.slot, a.group, lane)));
+                masks[lane] = cross.overlap_mask(tree_a.level(), Side::B, &boxes, &bounds, masks[lane]);
+            }
+        }
+        masks
     }
 
     #[inline]
@@ -109,7 +152,7 @@ impl<V: Volume> PairRule<V> for Meeting<'_, V> {
     }
 
     fn gap(&self, a: &V::One, b: &V::One) -> f64 {
-        self.culls.iter().map(|cull| cull.gap(a, b)).fold(0.0, f64::max)
+        self.culls.borrow().gap(a, b)
     }
 }
 
@@ -117,9 +160,9 @@ impl<V: Volume> PairRule<V> for Meeting<'_, V> {
 ///
 /// The children of the larger node are made, if they are not yet, and tested against the other node, eight at once (the
 /// paper's Sect. 3: descend the larger).
-pub(crate) struct PairWalk<'a, R, A, B> {
-    pub(crate) a: &'a mut A,
-    pub(crate) b: &'a mut B,
+pub(crate) struct PairWalk<'a, R, T> {
+    pub(crate) a: &'a mut T,
+    pub(crate) b: &'a mut T,
     pub(crate) rule: &'a R,
     /// Lengths in A's units per length in B's: to tell which of two nodes is larger.
     pub(crate) a_from_b_scale: f32,
@@ -129,7 +172,7 @@ pub(crate) struct PairWalk<'a, R, A, B> {
     pub(crate) trace: Option<&'a mut Trace>,
 }
 
-impl<V: Volume, R: PairRule<V>, A: Walkable<Kind = V>, B: Walkable<Kind = V>> PairWalk<'_, R, A, B> {
+impl<V: Volume, R: PairRule<V>, T: Walkable<Kind = V>> PairWalk<'_, R, T> {
     /// Calls `at_leaves` for every pair of leaves that the rule wants, until it breaks.
     ///
     /// Starts from the roots, or from the front of an earlier walk over the same trees.
@@ -137,7 +180,7 @@ impl<V: Volume, R: PairRule<V>, A: Walkable<Kind = V>, B: Walkable<Kind = V>> Pa
         &mut self,
         stack: &mut Stack<R::Key>,
         front: &[(Place, Place)],
-        mut at_leaves: impl FnMut(&mut A, &mut B, Leaf, Leaf) -> ControlFlow<()>,
+        mut at_leaves: impl FnMut(&mut T, &mut T, Leaf, Leaf) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         stack.clear();
         let root = Place { group: 0, lane: 0 };
@@ -163,7 +206,7 @@ impl<V: Volume, R: PairRule<V>, A: Walkable<Kind = V>, B: Walkable<Kind = V>> Pa
     fn drain(
         &mut self,
         stack: &mut Stack<R::Key>,
-        at_leaves: &mut impl FnMut(&mut A, &mut B, Leaf, Leaf) -> ControlFlow<()>,
+        at_leaves: &mut impl FnMut(&mut T, &mut T, Leaf, Leaf) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         while !stack.is_empty() && self.rule.goes_on(self.node_tests) {
             let Some((key, a, b)) = stack.pop() else { break };
@@ -187,7 +230,10 @@ impl<V: Volume, R: PairRule<V>, A: Walkable<Kind = V>, B: Walkable<Kind = V>> Pa
                 (ChildKind::Group(group_a), ChildKind::Group(group_b)) => {
                     let size_a = V::size(&self.a.volume(a));
                     let size_b = V::size(&self.b.volume(b)) * self.a_from_b_scale;
-                    if size_a >= size_b {
+                    let alike = size_a < ALIKE * size_b && size_b < ALIKE * size_a;
+                    if alike && self.trace.is_none() && self.rule.takes_both() {
+                        self.descend_both(group_a, (group_b, b), stack);
+                    } else if size_a >= size_b {
                         self.descend_a(group_a, b, stack);
                     } else {
                         self.descend_b(a, group_b, stack);
@@ -198,23 +244,56 @@ impl<V: Volume, R: PairRule<V>, A: Walkable<Kind = V>, B: Walkable<Kind = V>> Pa
         ControlFlow::Continue(())
     }
 
+    #[inline(always)]
     fn descend_a(&mut self, group: usize, b: NodeRef, stack: &mut Stack<R::Key>) {
-        let (other, mut keys) = (self.b.volume(b), [R::Key::default(); LANES]);
+        let mut keys = [R::Key::default(); LANES];
         let opened = open(self.a, group, &mut self.node_tests);
-        let mask = self.rule.children(self.a, opened, Side::A, &other, &mut keys);
+        let mask = self
+            .rule
+            .children(Side::A, (&*self.a, opened), (&*self.b, b), &mut keys);
         push(stack, mask, &keys, |lane| (self.a.node(opened.slot, group, lane), b));
         if self.trace.is_some() {
             lanes_of(opened.mask & !mask).for_each(|lane| self.note_unwanted(self.a.node(opened.slot, group, lane), b));
         }
     }
 
+    #[inline(always)]
     fn descend_b(&mut self, a: NodeRef, group: usize, stack: &mut Stack<R::Key>) {
-        let (other, mut keys) = (self.a.volume(a), [R::Key::default(); LANES]);
+        let mut keys = [R::Key::default(); LANES];
         let opened = open(self.b, group, &mut self.node_tests);
-        let mask = self.rule.children(self.b, opened, Side::B, &other, &mut keys);
+        let mask = self
+            .rule
+            .children(Side::B, (&*self.b, opened), (&*self.a, a), &mut keys);
         push(stack, mask, &keys, |lane| (a, self.b.node(opened.slot, group, lane)));
         if self.trace.is_some() {
             lanes_of(opened.mask & !mask).for_each(|lane| self.note_unwanted(a, self.b.node(opened.slot, group, lane)));
+        }
+    }
+
+    /// The children of two nodes of about the same size against each other; as many tests as one after the other, but one
+    /// step of the walk.
+    #[inline(always)]
+    fn descend_both(&mut self, group_a: usize, (group_b, b): (usize, NodeRef), stack: &mut Stack<R::Key>) {
+        let mut keys = [R::Key::default(); LANES];
+        let opened_a = open(self.a, group_a, &mut self.node_tests);
+        let rows = self
+            .rule
+            .children(Side::A, (&*self.a, opened_a), (&*self.b, b), &mut keys);
+        if rows == 0 {
+            return;
+        }
+        let slot = self.b.open(group_b);
+        let group = self.b.topology().group(group_b);
+        let opened_b = Opened {
+            group: group_b,
+            slot,
+            mask: group.mask(),
+        };
+        self.node_tests += u64::from(rows.count_ones()) * u64::from(opened_b.mask.count_ones());
+        let masks = self.rule.both((&*self.a, opened_a), (&*self.b, opened_b), rows);
+        for lane in lanes_of(rows) {
+            let a = self.a.node(opened_a.slot, group_a, lane);
+            push(stack, masks[lane], &keys, |lane| (a, self.b.node(slot, group_b, lane)));
         }
     }
 
@@ -234,7 +313,7 @@ fn node_at(tree: &mut impl Walkable, place: Place) -> NodeRef {
 }
 
 /// Makes a group's volumes unless they are there.
-#[inline]
+#[inline(always)]
 fn open(tree: &mut impl Walkable, group: usize, node_tests: &mut u64) -> Opened {
     let slot = tree.open(group);
     let mask = tree.topology().group(group).mask();
@@ -243,13 +322,14 @@ fn open(tree: &mut impl Walkable, group: usize, node_tests: &mut u64) -> Opened 
 }
 
 /// Pushes the lanes of a mask so that the lowest key comes off the stack first, among equals the first lane.
-#[inline]
+#[inline(always)]
 fn push<K: Copy + PartialOrd>(
     stack: &mut Stack<K>,
     mask: u8,
     keys: &[K; LANES],
     pair: impl Fn(usize) -> (NodeRef, NodeRef),
 ) {
+    stack.reserve(LANES);
     let first = stack.len();
     let mut left = mask;
     while left != 0 {

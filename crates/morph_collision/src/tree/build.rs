@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::extents::NodeExtents;
 use super::partition::Partition;
 use super::topology::{Child, ChildKind, Group};
-use super::{AnyTables, BuildError, BuildOptions, Columns, MorphBvh, Tables, Topology, VolumeKind};
+use super::{AnyTables, BuildError, BuildOptions, Columns, LeafLanes, MorphBvh, Tables, Topology, VolumeKind};
 use crate::bounds::Volume;
 use crate::model::MorphModel;
 
@@ -92,6 +92,7 @@ pub(super) fn build_over(
         VolumeKind::Sphere => make.tree(triangles, splits, AnyTables::Sphere),
     };
     MorphBvh {
+        leaf_lanes: LeafLanes::new(&model, &topology).map(Arc::new),
         model,
         topology: Arc::new(topology),
         columns,
@@ -137,12 +138,7 @@ impl Make<'_> {
         let mut builder = Builder {
             make: self,
             splits,
-            topology: Topology {
-                groups: Vec::new(),
-                leaf_starts: vec![0],
-                triangles: Vec::new(),
-                depth: 0,
-            },
+            topology: Topology::new(),
             tables: Tables::<V>::new(self.options.compact),
         };
         let above_root = builder.reserve();
@@ -188,19 +184,11 @@ impl<V: Volume, S: Splits> Builder<'_, V, S> {
     }
 
     fn leaf(&mut self, triangles: &[u32]) -> (Child, NodeExtents<V>) {
-        let mut vertices: Vec<u32> = triangles
-            .iter()
-            .flat_map(|&t| self.make.model.triangle(t as usize))
-            .collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        let starts = &mut self.topology.leaf_starts;
-        let leaf = starts.len() - 1;
-        starts.push(starts[leaf] + triangles.len() as u32);
-        (
-            Child::leaf(leaf),
-            NodeExtents::of_vertices(self.make.model, self.make.columns, vertices),
-        )
+        let Make { model, columns, .. } = self.make;
+        let corners: Vec<[u32; 3]> = triangles.iter().map(|&t| model.triangle(t as usize)).collect();
+        let leaf = self.topology.push_leaf(&corners);
+        let vertices = self.topology.leaf_vertices(leaf).to_vec();
+        (Child::leaf(leaf.0), NodeExtents::of_vertices(model, columns, vertices))
     }
 
     /// Takes the next place in preorder for a group whose children are not known yet.

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use super::build::build;
-use super::{AnyTables, BuildError, BuildOptions, Columns, Topology};
+use super::{AnyTables, BuildError, BuildOptions, Columns, LeafLanes, Topology};
 use crate::model::MorphModel;
 
 /// A bounding-volume tree for every pose of a [`MorphModel`]: immutable, shared by all instances of the mesh.
@@ -18,6 +18,7 @@ pub struct MorphBvh {
     pub(super) topology: Arc<Topology>,
     pub(super) columns: Columns,
     pub(super) tables: AnyTables,
+    pub(super) leaf_lanes: Option<Arc<LeafLanes>>,
     pub(super) options: BuildOptions,
 }
 
@@ -63,7 +64,8 @@ impl MorphBvh {
     /// Bytes held on the heap, the model's not included.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.topology.bytes() + self.tables.bytes()
+        let leaf_lanes = self.leaf_lanes.as_ref().map_or(0, |lanes| lanes.bytes());
+        self.topology.bytes() + self.tables.bytes() + leaf_lanes
     }
 
     pub(crate) fn topology(&self) -> &Topology {
@@ -72,6 +74,10 @@ impl MorphBvh {
 
     pub(crate) fn tables(&self) -> &AnyTables {
         &self.tables
+    }
+
+    pub(crate) fn leaf_lanes(&self) -> Option<&LeafLanes> {
+        self.leaf_lanes.as_deref()
     }
 
     pub(crate) fn columns(&self) -> &Columns {

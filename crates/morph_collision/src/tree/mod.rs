@@ -1,7 +1,8 @@
 //! The immutable tree: which triangles are together, and what blends into a volume for each node.
 //!
 //! `partition` (with `midpoint` and `sah`) decides the `topology` on one or several shapes, `extents` measures every node
-//! on the shapes that `columns` names, `tables` turns extents into what a pose blends, `kinds` lets the kind of volume be
+//! on the shapes that `columns` names, `tables` turns extents into what a pose blends,
+//! `leaf_lanes` lays out the leaves' triangles for the exact tests, `kinds` lets the kind of volume be
 //! chosen at run time, and `build` puts all of it together in preorder.
 
 mod build;
@@ -11,6 +12,7 @@ mod columns;
 mod extents;
 mod kinds;
 mod layout;
+mod leaf_lanes;
 mod midpoint;
 mod options;
 mod partition;
@@ -25,10 +27,11 @@ pub use choices::{PartitionShape, Split, UnknownName, VolumeKind};
 pub(crate) use columns::Columns;
 pub(crate) use kinds::AnyTables;
 pub use layout::{LayoutError, TreeLayout};
+pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, in_lanes, put};
 pub use options::{BuildError, BuildOptions};
 pub use stats::{BrokenTree, BvhStats};
 pub(crate) use tables::{GroupTables, Tables};
-pub(crate) use topology::{Child, ChildKind, Leaf, Topology};
+pub(crate) use topology::{Child, ChildKind, Leaf, LeafMesh, Topology};
 
 #[cfg(test)]
 mod tests;

@@ -54,6 +54,7 @@ impl Shape {
 pub(super) struct Partition {
     split: Split,
     arity: usize,
+    leaf_size: usize,
     shape: Shape,
     /// What [`Split::PoseSah`] looks at beside `shape`.
     others: Vec<Shape>,
@@ -75,6 +76,7 @@ impl Partition {
         Self {
             split: options.split,
             arity: options.arity,
+            leaf_size: options.leaf_size,
             shape: Shape::chosen(model, &options.shape),
             others,
         }
@@ -87,7 +89,14 @@ impl Partition {
     pub(super) fn split(&self, triangles: &mut [u32]) -> Vec<usize> {
         let counts = match self.split {
             Split::Midpoint => midpoint::split(&self.shape, self.arity, triangles),
-            Split::Sah | Split::PoseSah => sah::split(&self.shape, &self.others, self.arity, triangles),
+            Split::Sah | Split::PoseSah => {
+                let rule = sah::Rule {
+                    shape: &self.shape,
+                    others: &self.others,
+                    leaf_size: self.leaf_size,
+                };
+                sah::split(&rule, self.arity, triangles)
+            }
         };
         if counts.len() > 1 {
             return counts;

@@ -1,7 +1,9 @@
-//! Binned surface-area heuristic, over one shape or summed over several.
+//! Surface-area heuristic, over one shape or summed over several: binned, and by a sweep over all planes where few triangles
+//! are left.
 //!
 //! Planes are placed on the first shape; what a split costs is summed over all of them. A node gets more than two children
-//! by splitting the costliest child again.
+//! by splitting the costliest child again, but no child that can be a leaf. Triangles cost by the leaf they fill, whole or
+//! not, since a leaf is tested as a whole; so leaves come out nearly full.
 
 use std::ops::Range;
 
@@ -9,10 +11,20 @@ use super::partition::Shape;
 use crate::bounds::Aabb;
 
 const BINS: usize = 16;
+/// Up to so many leaves' triangles are swept.
+const SWEPT_LEAVES: usize = 8;
+
+/// What triangles are put together by.
+pub(super) struct Rule<'a> {
+    pub(super) shape: &'a Shape,
+    /// Further shapes that costs are summed over.
+    pub(super) others: &'a [Shape],
+    pub(super) leaf_size: usize,
+}
 
 /// Reorders the triangles child by child; the children's lengths, a single one if their midpoints are all the same.
-pub(super) fn split(shape: &Shape, others: &[Shape], arity: usize, triangles: &mut [u32]) -> Vec<usize> {
-    let mut parts = vec![Part::new(shape, others, triangles, 0..triangles.len())];
+pub(super) fn split(rule: &Rule<'_>, arity: usize, triangles: &mut [u32]) -> Vec<usize> {
+    let mut parts = vec![Part::new(rule, triangles, 0..triangles.len())];
     while parts.len() < arity {
         let Some(costliest) = (0..parts.len())
             .filter(|&i| parts[i].divisible)
@@ -21,11 +33,11 @@ pub(super) fn split(shape: &Shape, others: &[Shape], arity: usize, triangles: &m
             break;
         };
         let range = parts[costliest].range.clone();
-        match halve(shape, others, &mut triangles[range.clone()]) {
+        match rule.halve(&mut triangles[range.clone()]) {
             Some(count) => {
                 let middle = range.start + count;
                 let halves = [range.start..middle, middle..range.end];
-                let halves = halves.map(|half| Part::new(shape, others, triangles, half));
+                let halves = halves.map(|half| Part::new(rule, triangles, half));
                 parts.splice(costliest..=costliest, halves);
             }
             None => parts[costliest].divisible = false,
@@ -42,19 +54,15 @@ struct Part {
 }
 
 impl Part {
-    fn new(shape: &Shape, others: &[Shape], triangles: &[u32], range: Range<usize>) -> Self {
+    fn new(rule: &Rule<'_>, triangles: &[u32], range: Range<usize>) -> Self {
         let part = &triangles[range.clone()];
-        let area: f64 = shapes(shape, others).map(|shape| half_area(&hull(shape, part))).sum();
+        let area: f64 = rule.shapes().map(|shape| half_area(&hull(shape, part))).sum();
         Self {
-            cost: area * part.len() as f64,
-            divisible: part.len() > 1,
+            cost: area * rule.leaves(part.len()),
+            divisible: part.len() > rule.leaf_size,
             range,
         }
     }
-}
-
-fn shapes<'a>(shape: &'a Shape, others: &'a [Shape]) -> impl Iterator<Item = &'a Shape> + Clone {
-    std::iter::once(shape).chain(others)
 }
 
 fn hull(shape: &Shape, triangles: &[u32]) -> Aabb {
@@ -69,55 +77,97 @@ fn half_area(bounds: &Aabb) -> f64 {
     s.x * s.y + s.y * s.z + s.z * s.x
 }
 
-/// Sorts the triangles to two sides of the best plane; how many are on the first side, `None` if no plane parts them.
-fn halve(shape: &Shape, others: &[Shape], triangles: &mut [u32]) -> Option<usize> {
-    let spread = Aabb::from_points(triangles.iter().map(|&t| shape.midpoints[t as usize]));
-    let mut best: Option<(f64, usize, usize)> = None;
-    for axis in 0..3 {
-        let Some(binning) = Binning::new(&spread, axis) else {
-            continue;
-        };
-        let mut counts = [0_usize; BINS];
-        for &t in &*triangles {
-            counts[binning.bin(shape, t)] += 1;
-        }
-        let mut costs = [0.0; BINS];
-        for measured in shapes(shape, others) {
-            let mut bins = [Aabb::EMPTY; BINS];
-            for &t in &*triangles {
-                let bin = &mut bins[binning.bin(shape, t)];
-                *bin = bin.union(&measured.bounds[t as usize]);
-            }
-            add_costs(&bins, &counts, &mut costs);
-        }
-        // The plane before bin `i`; both sides hold something because the first and last bins do.
-        for (i, &cost) in costs.iter().enumerate().skip(1) {
-            if best.is_none_or(|(least, ..)| cost < least) {
-                best = Some((cost, axis, i));
-            }
-        }
+impl Rule<'_> {
+    fn shapes(&self) -> impl Iterator<Item = &Shape> + Clone {
+        std::iter::once(self.shape).chain(self.others)
     }
-    let (_, axis, plane) = best?;
-    let binning = Binning::new(&spread, axis)?;
-    let first_side = |t: u32| binning.bin(shape, t) < plane;
-    let count = triangles.iter().filter(|&&t| first_side(t)).count();
-    triangles.sort_by_key(|&t| !first_side(t));
-    Some(count)
-}
 
-/// Adds area times count of both sides for the plane before each bin.
-fn add_costs(bins: &[Aabb; BINS], counts: &[usize; BINS], costs: &mut [f64; BINS]) {
-    let (mut hull, mut count) = (Aabb::EMPTY, 0);
-    for i in 1..BINS {
-        hull = hull.union(&bins[i - 1]);
-        count += counts[i - 1];
-        costs[i] += half_area(&hull) * count as f64;
+    /// How many leaves so many triangles fill, the last one perhaps not wholly.
+    fn leaves(&self, triangles: usize) -> f64 {
+        triangles.div_ceil(self.leaf_size) as f64
     }
-    let (mut hull, mut count) = (Aabb::EMPTY, 0);
-    for i in (1..BINS).rev() {
-        hull = hull.union(&bins[i]);
-        count += counts[i];
-        costs[i] += half_area(&hull) * count as f64;
+
+    /// Sorts the triangles to two sides of the best plane; how many are on the first side, `None` if no plane parts them.
+    fn halve(&self, triangles: &mut [u32]) -> Option<usize> {
+        if triangles.len() <= SWEPT_LEAVES * self.leaf_size {
+            self.halve_swept(triangles)
+        } else {
+            self.halve_binned(triangles)
+        }
+    }
+
+    /// Between every two triangles along each axis; ties are kept in order.
+    fn halve_swept(&self, triangles: &mut [u32]) -> Option<usize> {
+        let mut best: Option<(f64, usize, Vec<u32>)> = None;
+        let mut costs = vec![0.0; triangles.len()];
+        for axis in 0..3 {
+            let mut sorted = triangles.to_vec();
+            let midpoint = |t: &u32| self.shape.midpoints[*t as usize][axis];
+            sorted.sort_by(|s, t| midpoint(s).total_cmp(&midpoint(t)));
+            costs.fill(0.0);
+            for shape in self.shapes() {
+                self.add_costs(sorted.iter().map(|&t| (shape.bounds[t as usize], 1)), &mut costs);
+            }
+            let least = costs.iter().enumerate().skip(1).min_by(|(_, a), (_, b)| a.total_cmp(b));
+            if let Some((count, &cost)) = least
+                && best.as_ref().is_none_or(|(least, ..)| cost < *least)
+            {
+                best = Some((cost, count, sorted));
+            }
+        }
+        let (_, count, sorted) = best?;
+        triangles.copy_from_slice(&sorted);
+        Some(count)
+    }
+
+    /// Between equal bins along each axis.
+    fn halve_binned(&self, triangles: &mut [u32]) -> Option<usize> {
+        let spread = Aabb::from_points(triangles.iter().map(|&t| self.shape.midpoints[t as usize]));
+        let mut best: Option<(f64, usize, usize)> = None;
+        for axis in 0..3 {
+            let Some(binning) = Binning::new(&spread, axis) else {
+                continue;
+            };
+            let bins: Vec<u8> = triangles.iter().map(|&t| binning.bin(self.shape, t) as u8).collect();
+            let mut costs = [0.0; BINS];
+            for shape in self.shapes() {
+                let mut boxes = [(Aabb::EMPTY, 0); BINS];
+                for (&t, &bin) in triangles.iter().zip(&bins) {
+                    let (bounds, count) = &mut boxes[usize::from(bin)];
+                    *bounds = bounds.union(&shape.bounds[t as usize]);
+                    *count += 1;
+                }
+                self.add_costs(boxes.into_iter(), &mut costs);
+            }
+            // The plane before bin `i`; both sides hold something because the first and last bins do.
+            for (i, &cost) in costs.iter().enumerate().skip(1) {
+                if best.is_none_or(|(least, ..)| cost < least) {
+                    best = Some((cost, axis, i));
+                }
+            }
+        }
+        let (_, axis, plane) = best?;
+        let binning = Binning::new(&spread, axis)?;
+        let first_side = |t: u32| binning.bin(self.shape, t) < plane;
+        let count = triangles.iter().filter(|&&t| first_side(t)).count();
+        triangles.sort_by_key(|&t| !first_side(t));
+        Some(count)
+    }
+
+    /// Adds area times leaves of both sides for the plane before each box, of so many triangles.
+    fn add_costs(&self, boxes: impl DoubleEndedIterator<Item = (Aabb, usize)> + Clone, costs: &mut [f64]) {
+        let sides = |(hull, count): &mut (Aabb, usize), (bounds, more): (Aabb, usize)| {
+            (*hull, *count) = (hull.union(&bounds), *count + more);
+            Some((*hull, *count))
+        };
+        let cost = |(hull, count): (Aabb, usize)| half_area(&hull) * self.leaves(count);
+        let none = (Aabb::EMPTY, 0);
+        for (sum, side) in costs.iter_mut().skip(1).zip(boxes.clone().scan(none, sides)) {
+            *sum += cost(side);
+        }
+        for (sum, side) in costs.iter_mut().rev().zip(boxes.rev().scan(none, sides)) {
+            *sum += cost(side);
+        }
     }
 }
 

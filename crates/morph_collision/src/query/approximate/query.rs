@@ -3,14 +3,14 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use super::super::body::with_walkable_pair;
-use super::super::leaves::{LeafTests, Leaves, intersecting_pairs};
 use super::super::pairs::Places;
+use super::super::patches::{LeafTests, Patches, intersecting_pairs};
 use super::super::{Body, QueryStats, SeparatingAxes};
 use super::answer::{ApproximatePairs, ApproximateTouch, MeshPart, PartPair};
 use super::limits::Approximation;
 use super::rule::{Approximating, Settled, Spans};
 use crate::bounds::Volume;
-use crate::traverse::{Meeting, PairWalk, Stack, Walkable};
+use crate::traverse::{AnyCulls, Meeting, PairWalk, Stack, Walkable};
 use crate::tree::{Child, MorphBvh};
 
 /// Asks which triangles of two bodies intersect, within a tolerance or a budget; holds the memory that queries reuse.
@@ -41,9 +41,9 @@ use crate::tree::{Child, MorphBvh};
 #[derive(Debug, Default)]
 pub struct ApproximateQuery {
     stack: Stack,
-    leaves_a: Leaves,
-    leaves_b: Leaves,
-    tests: LeafTests,
+    culls: AnyCulls,
+    leaves_a: Patches,
+    leaves_b: Patches,
 }
 
 impl ApproximateQuery {
@@ -85,18 +85,20 @@ impl ApproximateQuery {
         with_walkable_pair!(a.pose.posed(), b.pose.posed(), (a, b) => self.walk(&mut a, &mut b, &task))
     }
 
-    fn walk<V: Volume>(
-        &mut self,
-        a: &mut impl Walkable<Kind = V>,
-        b: &mut impl Walkable<Kind = V>,
-        task: &Task<'_>,
-    ) -> ApproximatePairs {
+    fn walk<V: Volume, T: Walkable<Kind = V>>(&mut self, a: &mut T, b: &mut T, task: &Task<'_>) -> ApproximatePairs {
         let places = &task.places;
         let before = [a.blended(), b.blended()];
-        let (culls, _) = places.culls(a, b, SeparatingAxes::Lite);
+        let Self {
+            stack,
+            culls,
+            leaves_a,
+            leaves_b,
+        } = self;
+        let culls = culls.of::<V>();
+        places.begin(a, b, SeparatingAxes::Lite, culls, [leaves_a, leaves_b]);
         let rule = Approximating {
             meeting: Meeting {
-                culls: &culls,
+                culls: culls.into(),
                 cross: None,
             },
             limits: *task.limits,
@@ -113,15 +115,7 @@ impl ApproximateQuery {
             node_tests: 0,
             trace: None,
         };
-        let Self {
-            stack,
-            leaves_a,
-            leaves_b,
-            tests,
-        } = self;
-        tests.begin();
-        leaves_a.begin(walk.a.topology().leaf_count(), places.origin());
-        leaves_b.begin(walk.b.topology().leaf_count(), places.origin());
+        let mut tests = LeafTests::default();
         let mut touching = Vec::new();
         let mut found = |pair| {
             touching.push(pair);
@@ -133,9 +127,8 @@ impl ApproximateQuery {
         };
         let level = walk.a.level();
         let stopped = walk.run(stack, &[], |a, b, of_a, of_b| {
-            let block_a = leaves_a.read(a, places.world_from_a, of_a);
-            let block_b = leaves_b.read(b, places.world_from_b, of_b);
-            let flow = intersecting_pairs(level, (leaves_a, &block_a), (leaves_b, &block_b), tests, &mut found);
+            let (block_a, block_b) = (leaves_a.read(a, of_a), leaves_b.read(b, of_b));
+            let flow = intersecting_pairs(level, (leaves_a, block_a), (leaves_b, block_b), &mut tests, &mut found);
             rule.triangle_tests.set(tests.triangles);
             flow
         });

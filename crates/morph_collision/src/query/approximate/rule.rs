@@ -32,15 +32,24 @@ impl<V: Volume> PairRule<V> for Approximating<'_, V> {
     }
 
     #[inline]
-    fn children<W: Walkable<Kind = V>>(
+    fn children<T: Walkable<Kind = V>>(
         &self,
-        tree: &W,
-        opened: Opened,
         side: Side,
-        other: &V::One,
+        own: (&T, Opened),
+        other: (&T, NodeRef),
         keys: &mut [(); LANES],
     ) -> u8 {
-        self.meeting.children(tree, opened, side, other, keys)
+        self.meeting.children(side, own, other, keys)
+    }
+
+    /// A budget is kept to within a few tests.
+    fn takes_both(&self) -> bool {
+        self.limits.budget.is_none()
+    }
+
+    #[inline]
+    fn both<T: Walkable<Kind = V>>(&self, a: (&T, Opened), b: (&T, Opened), rows: u8) -> [u8; LANES] {
+        self.meeting.both(a, b, rows)
     }
 
     #[inline]

@@ -1,0 +1,153 @@
+//! The leaves of two bodies against each other: what the filter of their patches leaves over is decided exactly.
+
+use std::ops::{ControlFlow, Range};
+
+use fearless_simd::Level;
+use glam::Vec3;
+
+use super::leaves::LeafStamps;
+use super::pairs::TrianglePair;
+use super::patch::{Neighbourhood, Patch};
+use crate::bounds::{LANES, Lanes, WorldFromModel, with_simd};
+use crate::exact::{Facet, Triangle, facets_intersect_counting};
+use crate::traverse::Walkable;
+use crate::tree::{CornerLanes, Leaf};
+
+/// The leaves of one body that a query has read, as patches of up to eight triangles; the memory is reused by the next query.
+#[derive(Debug, Default)]
+pub(super) struct Patches {
+    stamps: LeafStamps,
+    blocks: Vec<Block>,
+    neighbourhood: Neighbourhood,
+    world_from_model: WorldFromModel,
+    /// In model space, and the same near both bodies; both by patch.
+    posed: Vec<CornerLanes>,
+    placed: Vec<Patch>,
+    /// By patch and lane.
+    numbers: Vec<[u32; LANES]>,
+}
+
+/// A leaf that was read: its patches.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Block {
+    first: u32,
+    triangles: u32,
+}
+
+impl Block {
+    fn patches(&self) -> Range<usize> {
+        let first = self.first as usize;
+        first..first + (self.triangles as usize).div_ceil(LANES)
+    }
+}
+
+impl Patches {
+    /// Forgets the leaves of the query before.
+    pub(super) fn begin(&mut self, leaves: usize, world_from_model: &WorldFromModel, neighbourhood: Neighbourhood) {
+        self.stamps.begin(leaves);
+        self.world_from_model = *world_from_model;
+        self.neighbourhood = neighbourhood;
+        self.blocks.clear();
+        self.posed.clear();
+        self.placed.clear();
+        self.numbers.clear();
+    }
+
+    /// A leaf's block; its corners are blended and placed at the first call.
+    #[inline]
+    pub(super) fn read(&mut self, tree: &mut impl Walkable, leaf: Leaf) -> Block {
+        match self.stamps.find(leaf) {
+            Some(block) => self.blocks[block],
+            None => self.place(tree, leaf),
+        }
+    }
+
+    #[inline(never)]
+    fn place(&mut self, tree: &mut impl Walkable, leaf: Leaf) -> Block {
+        let first = self.posed.len();
+        tree.leaf_corners(leaf, &mut self.posed);
+        let level = tree.level();
+        let triangles = tree.topology().leaf_mesh(leaf).triangles;
+        for (posed, numbers) in self.posed[first..].iter().zip(triangles.chunks(LANES)) {
+            self.placed.push(Patch::default());
+            if let Some(patch) = self.placed.last_mut() {
+                with_simd!(level, simd => patch.place(simd, posed, numbers.len(), &self.world_from_model, &self.neighbourhood));
+            }
+            let mut room = [0; LANES];
+            room[..numbers.len()].copy_from_slice(numbers);
+            self.numbers.push(room);
+        }
+        let block = Block {
+            first: first as u32,
+            triangles: triangles.len() as u32,
+        };
+        self.stamps.insert(leaf, self.blocks.len());
+        self.blocks.push(block);
+        block
+    }
+
+    /// The number of a triangle and its corners in world space.
+    #[inline(always)]
+    fn triangle(&self, patch: usize, lane: usize) -> (u32, Triangle) {
+        let [a, b, c] = &self.posed[patch];
+        let lane = lane % LANES;
+        let corner = |[x, y, z]: &[Lanes; 3]| {
+            let posed = Vec3::new(x.0[lane], y.0[lane], z.0[lane]);
+            self.world_from_model.transform_point(posed)
+        };
+        (self.numbers[patch][lane], [corner(a), corner(b), corner(c)])
+    }
+}
+
+/// What testing the triangles of leaves took.
+#[derive(Debug, Default)]
+pub(super) struct LeafTests {
+    pub(super) triangles: u64,
+    pub(super) undecided_by_filter: u64,
+}
+
+/// Calls `visitor` for every pair of intersecting triangles of two leaves, until it breaks.
+#[inline]
+pub(super) fn intersecting_pairs(
+    level: Level,
+    (of_a, block_a): (&Patches, Block),
+    (of_b, block_b): (&Patches, Block),
+    tests: &mut LeafTests,
+    visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    tests.triangles += u64::from(block_a.triangles) * u64::from(block_b.triangles);
+    for a in block_a.patches() {
+        for b in block_b.patches() {
+            let (patch_a, patch_b) = (&of_a.placed[a], &of_b.placed[b]);
+            let mut rows = [0; LANES];
+            if with_simd!(level, simd => patch_a.near(simd, patch_b, &mut rows)) {
+                decide((of_a, a), (of_b, b), rows, tests, visitor)?;
+            }
+        }
+    }
+    ControlFlow::Continue(())
+}
+
+/// The exact test of what may meet: in each row the triangles of B that one of A is near to.
+#[inline(never)]
+fn decide(
+    (of_a, a): (&Patches, usize),
+    (of_b, b): (&Patches, usize),
+    rows: [u8; LANES],
+    tests: &mut LeafTests,
+    visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    for (lane, &row) in rows.iter().enumerate().filter(|(_, row)| **row != 0) {
+        let (triangle_a, corners_a) = of_a.triangle(a, lane);
+        let facet_a = Facet::new(corners_a);
+        let mut near = row;
+        while near != 0 {
+            let (triangle_b, corners_b) = of_b.triangle(b, near.trailing_zeros() as usize);
+            near &= near - 1;
+            if facets_intersect_counting(&facet_a, &Facet::new(corners_b), &mut tests.undecided_by_filter) {
+                visitor(TrianglePair { triangle_a, triangle_b })?;
+            }
+        }
+    }
+    ControlFlow::Continue(())
+}

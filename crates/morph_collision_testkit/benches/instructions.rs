@@ -6,6 +6,7 @@
 mod two;
 
 use std::hint::black_box;
+use std::sync::Arc;
 
 use gungraun::prelude::*;
 use morph_collision::{BuildOptions, ContactQuery, DistanceQuery, MorphBvh, PairQuery, Ray, RayQuery};
@@ -84,7 +85,7 @@ fn world_bounds(mut two: Two) -> (Two, f32) {
 #[library_benchmark(setup = Two::new)]
 #[bench::dolphin(Scene::DolphinsDeep)]
 fn build(two: Two) -> (Two, bool) {
-    let built = MorphBvh::build(two.model(), &BuildOptions::default());
+    let built = MorphBvh::build(Arc::clone(two.poses[0].bvh().model()), &BuildOptions::default());
     (two, black_box(built).is_ok())
 }
 

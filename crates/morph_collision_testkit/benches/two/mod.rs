@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use morph_collision::{Body, BuildOptions, MorphBvh, MorphModel, PairQuery, Pose, Ray, WorldFromModel};
+use morph_collision::{Body, BuildOptions, MorphBvh, PairQuery, Pose, Ray, WorldFromModel};
 use morph_collision_testkit::bench::Experiment;
 
 /// Where two bodies are in the pass-through, or two of the dolphins.
@@ -112,10 +112,5 @@ impl Two {
         let middle = bounds.center().as_dvec3();
         let from = middle + DVec3::new(3.0, 2.0, 1.0);
         Ray::new(from, middle - from, f64::INFINITY).expect("a ray of finite numbers")
-    }
-
-    /// What their tree is built over.
-    pub(crate) fn model(&self) -> Arc<MorphModel> {
-        Arc::clone(self.poses[0].bvh().model())
     }
 }

@@ -115,6 +115,8 @@ fn wrong_names_and_files_are_told_and_what_there_is() -> TestResult {
     );
     let model = error(&["absent.glb"])?;
     assert!(model.contains("absent.glb"), "{model}");
+    let bodies = error(&["--bodies", "3"])?;
+    assert!(bodies.contains("MODELS"), "{bodies}");
     let rounds = error(&["--rounds", "0"])?;
     assert!(rounds.contains("--rounds"), "{rounds}");
     Ok(())

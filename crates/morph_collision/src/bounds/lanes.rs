@@ -15,6 +15,20 @@ impl Lanes {
         f32x8::from_slice(simd, &self.0)
     }
 
+    /// The least of the eight.
+    #[inline(always)]
+    pub(crate) fn least(&self) -> f32 {
+        let [a, b, c, d, e, f, g, h] = self.0;
+        a.min(b).min(c.min(d)).min(e.min(f).min(g.min(h)))
+    }
+
+    /// The greatest of the eight.
+    #[inline(always)]
+    pub(crate) fn most(&self) -> f32 {
+        let [a, b, c, d, e, f, g, h] = self.0;
+        a.max(b).max(c.max(d)).max(e.max(f).max(g.max(h)))
+    }
+
     /// `self += a * x`, lane by lane, multiply then add.
     #[inline(always)]
     pub(crate) fn add_scaled<S: Simd>(&mut self, simd: S, a: f32, x: &Self) {

@@ -61,9 +61,8 @@ impl BoxLanes {
         let [mins, maxs] = &self.ends;
         let mut hull = Slab::default();
         for i in 0..3 {
-            let ([a, b, c, d, e, f, g, h], [p, q, r, s, t, u, v, w]) = (mins[i].0, maxs[i].0);
-            hull.min[i] = a.min(b).min(c.min(d)).min(e.min(f).min(g.min(h)));
-            hull.max[i] = p.max(q).max(r.max(s)).max(t.max(u).max(v.max(w)));
+            hull.min[i] = mins[i].least();
+            hull.max[i] = maxs[i].most();
         }
         hull
     }
@@ -237,6 +236,34 @@ impl<const H: usize> Volume for Slabs<H> {
         }
     }
 
+    #[inline(always)]
+    fn fit_corners<S: Simd>(&mut self, simd: S, lane: usize, corners: &[[[Lanes; 3]; 3]]) {
+        let [mins, maxs] = &mut self.ends;
+        for i in 0..H {
+            let mut low = f32x8::splat(simd, f32::INFINITY);
+            let mut high = f32x8::splat(simd, f32::NEG_INFINITY);
+            for [x, y, z] in corners.as_flattened() {
+                let (x, y, z) = (x.load(simd), y.load(simd), z.load(simd));
+                let [along, error] = if i < 3 {
+                    [[x, y, z][i], f32x8::splat(simd, 0.0)]
+                } else {
+                    let [a, b, c] = direction(H, i).map(f32::from);
+                    let sum = x * f32x8::splat(simd, a) + y * f32x8::splat(simd, b) + z * f32x8::splat(simd, c);
+                    // Two sums, each off by at most half a unit in the last place.
+                    let magnitude = x.abs() + y.abs() + z.abs();
+                    [sum, magnitude * f32x8::splat(simd, 2.0 * f32::EPSILON)]
+                };
+                low = low.min(along - error);
+                high = high.max(along + error);
+            }
+            let (mut lows, mut highs) = (Lanes::default(), Lanes::default());
+            low.store_slice(&mut lows.0);
+            high.store_slice(&mut highs.0);
+            mins[i].0[lane % LANES] = lows.least();
+            maxs[i].0[lane % LANES] = highs.most();
+        }
+    }
+
     fn map(frame: &Frame) -> Option<SlabMap<H>> {
         let mut map = SlabMap {
             terms: [[Term::default(); 3]; H],
@@ -255,33 +282,35 @@ impl<const H: usize> Volume for Slabs<H> {
                     normal.abs().dot(frame.error),
                 )
             };
-            let terms = if H == 3 {
-                [(0, row.x), (1, row.y), (2, row.z)]
-            } else {
-                decompose(H, row)
-            };
             // Ends along a slab are as large as its direction allows.
-            let end = |j: usize| match j {
-                0..3 => frame.magnitude[j],
-                _ => {
+            let (terms, reach) = if H == 3 {
+                ([(0, row.x), (1, row.y), (2, row.z)], row.abs().dot(frame.magnitude))
+            } else {
+                let terms = decompose(H, row);
+                let end = |j: usize| {
                     let direction = DVec3::from_array(direction(H, j).map(f64::from));
                     direction.abs().dot(frame.magnitude)
-                }
+                };
+                (terms, terms.iter().map(|&(j, amount)| amount.abs() * end(j)).sum())
             };
-            let [x, y, z] = terms.map(|(j, amount)| amount.abs() * end(j));
-            let reach = offset.abs() + x + y + z;
+            let reach = reach + offset.abs();
             let underflow = frame.underflow() * f64::from(length(H, i));
             let slack = error + MAP_ROUNDINGS * U32 * reach + underflow;
-            let largest = terms.iter().map(|term| term.1.abs()).fold(reach + slack, f64::max);
-            if !largest.is_finite() || largest > LARGEST {
+            let [(_, x), (_, y), (_, z)] = terms;
+            // Not "beyond", so that what is not a number is.
+            let within = reach + slack <= LARGEST && x.abs() <= LARGEST && y.abs() <= LARGEST && z.abs() <= LARGEST;
+            if !within {
                 return None;
             }
-            // A negative amount takes the upper end to the lower one.
-            map.terms[i] = terms.map(|(j, amount)| Term {
-                low: if amount < 0.0 { H + j } else { j } as u8,
-                high: if amount < 0.0 { j } else { H + j } as u8,
-                amount: amount as f32,
-            });
+            for (entry, (j, amount)) in map.terms[i].iter_mut().zip(terms) {
+                // A negative amount takes the upper end to the lower one.
+                let (low, high) = if amount < 0.0 { (H + j, j) } else { (j, H + j) };
+                *entry = Term {
+                    low: low as u8,
+                    high: high as u8,
+                    amount: amount as f32,
+                };
+            }
             map.offset_min[i] = down(offset - slack);
             map.offset_max[i] = up(offset + slack);
         }
@@ -296,11 +325,10 @@ impl<const H: usize> Volume for Slabs<H> {
         };
         for i in 0..H {
             for term in &map.terms[i] {
-                let slab = usize::from(term.low.min(term.high));
+                let slab = usize::from(term.low) % H;
                 let (x, y) = (term.amount * one.min[slab], term.amount * one.max[slab]);
-                let (low, high) = if x < y { (x, y) } else { (y, x) };
-                mapped.min[i] += low;
-                mapped.max[i] += high;
+                mapped.min[i] += x.min(y);
+                mapped.max[i] += x.max(y);
             }
         }
         mapped

@@ -3,7 +3,7 @@ use std::fmt::Debug;
 use fearless_simd::Simd;
 use glam::{DVec3, Vec3};
 
-use super::{Aabb, Frame, Lanes};
+use super::{Aabb, Frame, LANES, Lanes};
 
 /// Points to measure: as many passes over them as a volume needs.
 pub(crate) type Points<'a> = &'a dyn Fn(&mut dyn FnMut(DVec3));
@@ -50,6 +50,16 @@ pub(crate) trait Volume: Copy + Default + Debug + Send + Sync + 'static {
 
     /// Makes one lane the smallest volume around some points, rounded outward.
     fn fit(&mut self, lane: usize, points: &[Vec3]);
+
+    /// As [`Volume::fit`], around the corners of triangles side by side; every lane holds one.
+    #[inline(always)]
+    fn fit_corners<S: Simd>(&mut self, _simd: S, lane: usize, corners: &[[[Lanes; 3]; 3]]) {
+        let mut points = Vec::with_capacity(3 * LANES * corners.len());
+        for [x, y, z] in corners.iter().flatten() {
+            points.extend((0..LANES).map(|lane| Vec3::new(x.0[lane], y.0[lane], z.0[lane])));
+        }
+        self.fit(lane, &points);
+    }
 
     /// The map to a frame for volumes within the frame's source bounds; `None` where `f32` cannot hold it.
     fn map(frame: &Frame) -> Option<Self::Map>;

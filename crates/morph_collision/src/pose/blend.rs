@@ -20,10 +20,11 @@ pub(super) fn blend_group<S: Simd, V: Volume>(
     tables: GroupTables<'_, V>,
     weights: &[f32],
     amounts: &mut Vec<f32>,
-) -> (V, f32) {
-    let (mut volume, widening) = evaluate(simd, tables, weights, amounts);
+    volume: &mut V,
+) -> f32 {
+    let widening = evaluate(simd, tables, weights, amounts, volume);
     volume.widen(simd, widening);
-    (volume, widening)
+    widening
 }
 
 /// The same before it is widened, and by how much it is to be.
@@ -33,7 +34,8 @@ pub(super) fn evaluate<S: Simd, V: Volume>(
     tables: GroupTables<'_, V>,
     weights: &[f32],
     amounts: &mut Vec<f32>,
-) -> (V, f32) {
+    volume: &mut V,
+) -> f32 {
     let mut reach = tables.base_reach;
     let mut active = 0_u32;
     amounts.clear();
@@ -43,7 +45,8 @@ pub(super) fn evaluate<S: Simd, V: Volume>(
         reach += magnitude * local.reach;
         active += u32::from(magnitude > 0.0);
     }
-    let (mut volume, mut room) = (*tables.base, V::default());
+    *volume = *tables.base;
+    let mut room = V::default();
     let mut products = active;
     if tables.lanes != 0 && active > 0 {
         spend_budget(&tables, weights, amounts);
@@ -62,7 +65,7 @@ pub(super) fn evaluate<S: Simd, V: Volume>(
             }
         }
     }
-    (volume, widening(reach, active, products))
+    widening(reach, active, products)
 }
 
 /// Volumes as [`blend_group`]'s, from an anchor's: tight at weights `w*`, moved by the interval form of `w - w*`.
@@ -74,10 +77,11 @@ pub(super) fn move_anchored<S: Simd, V: Volume>(
     anchor: &[f32],
     differences: &[f32],
     weights: &[f32],
-) -> (V, f32) {
-    let (mut volume, widening) = evaluate_anchored(simd, tables, anchored, anchor, differences, weights);
+    volume: &mut V,
+) -> f32 {
+    let widening = evaluate_anchored(simd, tables, anchored, anchor, differences, weights, volume);
     volume.widen(simd, widening);
-    (volume, widening)
+    widening
 }
 
 /// The same before it is widened, and by how much it is to be.
@@ -89,8 +93,10 @@ pub(super) fn evaluate_anchored<S: Simd, V: Volume>(
     anchor: &[f32],
     differences: &[f32],
     weights: &[f32],
-) -> (V, f32) {
-    let (mut volume, mut room) = (*anchored, V::default());
+    volume: &mut V,
+) -> f32 {
+    *volume = *anchored;
+    let mut room = V::default();
     let mut reach = tables.base_reach;
     let (mut active, mut products) = (0, 0);
     for (i, local) in tables.targets.iter().enumerate() {
@@ -106,7 +112,7 @@ pub(super) fn evaluate_anchored<S: Simd, V: Volume>(
             volume.add_interval(simd, difference, tables.intervals.column(i, &mut room));
         }
     }
-    (volume, widening(reach, active, products))
+    widening(reach, active, products)
 }
 
 /// The posed corners of a patch from its base corners: `f32`, ascending target order, zero weights left out, multiply then

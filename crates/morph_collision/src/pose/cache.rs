@@ -50,6 +50,11 @@ impl<T> Stamped<T> {
         &self.slots[slot]
     }
 
+    #[inline]
+    pub(super) fn get_mut(&mut self, slot: usize) -> &mut T {
+        &mut self.slots[slot]
+    }
+
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.stamps) + self.slots.capacity() * size_of::<T>()
     }

@@ -190,6 +190,15 @@ impl Pose {
         });
     }
 
+    /// Fits all volumes tightly to the shape at the weights in force, at once, until other weights are set.
+    ///
+    /// Pays where a query is going to look at most of the tree: two bodies deep in each other of which all pairs are wanted.
+    /// Otherwise leave it to queries to blend what they look at; `docs/performance.md` compares both. Cost: every vertex is
+    /// blended and every volume fitted, `O(n)`.
+    pub fn refit(&mut self) {
+        with_posed!(self.posed(), mut posed => posed.refit());
+    }
+
     /// The weights in force, one per target.
     #[must_use]
     pub fn weights(&self) -> &[f32] {

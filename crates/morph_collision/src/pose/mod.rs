@@ -11,6 +11,7 @@ mod containment;
 mod instance;
 mod posed;
 mod quality;
+mod refit;
 mod shape;
 mod weights;
 

@@ -52,6 +52,7 @@ pub(crate) struct Posed<'a, V> {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scratch {
     pub(super) amounts: Vec<f32>,
+    pub(super) corners: Vec<CornerLanes>,
     pub(super) points: Vec<Vec3>,
 }
 
@@ -99,7 +100,9 @@ impl<V: Volume> Posed<'_, V> {
         let children = self.topology.group(group);
         self.blended.volumes += children.children().len() as u64;
         let tables = self.tables.group(group);
-        let (mut volume, widening) = match self.anchor {
+        let slot = self.volumes.insert(group, V::default());
+        let volume = self.volumes.get_mut(slot);
+        let widening = match self.anchor {
             Some(anchor) => with_simd!(self.level, simd => move_anchored(
                 simd,
                 tables,
@@ -107,18 +110,25 @@ impl<V: Volume> Posed<'_, V> {
                 &anchor.weights,
                 &anchor.differences,
                 self.weights,
+                volume,
             )),
-            None => with_simd!(self.level, simd => blend_group(simd, tables, self.spread, &mut self.scratch.amounts)),
+            None => with_simd!(self.level, simd => blend_group(
+                simd,
+                tables,
+                self.spread,
+                &mut self.scratch.amounts,
+                volume,
+            )),
         };
         if tables.lanes != children.mask() {
-            self.fit_leaves(group, tables.lanes, &mut volume, widening);
+            self.fit_leaves(group, slot, tables.lanes, widening);
         }
-        self.volumes.insert(group, volume)
+        slot
     }
 
     /// Fits the lanes without tables, which are leaves, to their blended vertices.
     #[cold]
-    fn fit_leaves(&mut self, group: usize, with_tables: u8, volume: &mut V, widening: f32) {
+    fn fit_leaves(&mut self, group: usize, slot: usize, with_tables: u8, widening: f32) {
         let topology = self.topology;
         let mut fitted = V::default();
         let mut points = std::mem::take(&mut self.scratch.points);
@@ -135,7 +145,7 @@ impl<V: Volume> Posed<'_, V> {
         self.scratch.points = points;
         with_simd!(self.level, simd => fitted.widen(simd, widening));
         for lane in (0..topology.group(group).children().len()).filter(|lane| with_tables >> lane & 1 == 0) {
-            volume.set(lane, &fitted.get(lane));
+            self.volumes.get_mut(slot).set(lane, &fitted.get(lane));
         }
     }
 

@@ -86,19 +86,16 @@ fn share<V: Probe>(posed: &Posed<'_, V>) -> Option<f64> {
 fn share_with<S: Simd, V: Probe>(simd: S, posed: &Posed<'_, V>) -> Option<f64> {
     let tables = posed.tables.group(0);
     let mut amounts = Vec::new();
-    let (bare, widened, by) = match posed.anchor {
+    let (mut bare, mut widened) = (V::default(), V::default());
+    let by = match posed.anchor {
         None => {
-            let (bare, by) = evaluate(simd, tables, posed.spread, &mut amounts);
-            (bare, blend_group(simd, tables, posed.spread, &mut amounts).0, by)
+            blend_group(simd, tables, posed.spread, &mut amounts, &mut widened);
+            evaluate(simd, tables, posed.spread, &mut amounts, &mut bare)
         }
         Some(anchor) => {
             let (volume, from, moved) = (&anchor.volumes[0], &anchor.weights, &anchor.differences);
-            let (bare, by) = evaluate_anchored(simd, tables, volume, from, moved, posed.weights);
-            (
-                bare,
-                move_anchored(simd, tables, volume, from, moved, posed.weights).0,
-                by,
-            )
+            move_anchored(simd, tables, volume, from, moved, posed.weights, &mut widened);
+            evaluate_anchored(simd, tables, volume, from, moved, posed.weights, &mut bare)
         }
     };
     let mut share = f64::NEG_INFINITY;

@@ -84,6 +84,7 @@ impl DistanceQuery {
             a: &mut a,
             b: &mut b,
             rule: &rule,
+            roots_meet: false,
             a_from_b_scale: (world_from_b.scale() / world_from_a.scale()) as f32,
             node_tests: 0,
             trace: None,

@@ -171,7 +171,7 @@ impl PairQuery {
             axes,
         } = self;
         let culls = culls.of::<V>();
-        let cross = places.begin(a, b, *axes, culls, [leaves_a, leaves_b]);
+        let (roots_meet, cross) = places.begin(a, b, *axes, culls, [leaves_a, leaves_b]);
         let (front, trace) = match memory {
             Some(memory) => (&memory.front[..], Some(&mut memory.trace)),
             None => (&[][..], None),
@@ -183,6 +183,7 @@ impl PairQuery {
                 culls: culls.into(),
                 cross: cross.as_ref(),
             },
+            roots_meet,
             a_from_b_scale: places.a_from_b_scale(),
             node_tests: 0,
             trace,
@@ -210,7 +211,8 @@ pub(super) struct Places<'a> {
 }
 
 impl Places<'_> {
-    /// Prepares what compares nodes and what reads leaves; the further axes if they are wanted and there are any.
+    /// Prepares what compares nodes and what reads leaves. Says whether the roots may meet, and gives the further axes if they
+    /// are wanted and there are any.
     pub(super) fn begin<V: Volume, T: Walkable<Kind = V>>(
         &self,
         a: &mut T,
@@ -218,15 +220,16 @@ impl Places<'_> {
         axes: SeparatingAxes,
         culls: &mut Culls<V>,
         [leaves_a, leaves_b]: [&mut Patches; 2],
-    ) -> Option<CrossCull> {
+    ) -> (bool, Option<CrossCull>) {
         let (root_a, root_b) = (a.root(), b.root());
         let (root_a, root_b) = (a.volume(root_a), b.volume(root_b));
         let (bounds_a, bounds_b) = (V::bounds(&root_a), V::bounds(&root_b));
-        let mut cross = None;
+        let (mut roots_meet, mut cross) = (true, None);
         culls.begin();
         for frames in frames_of(self.world_from_a, &bounds_a, self.world_from_b, &bounds_b) {
             // One that parts the bodies is enough.
-            if !culls.push(&frames, &root_a, &root_b) {
+            roots_meet = culls.push(&frames, &root_a, &root_b);
+            if !roots_meet {
                 break;
             }
             if axes == SeparatingAxes::Full && cross.is_none() {
@@ -238,7 +241,7 @@ impl Places<'_> {
         let neighbourhood = Neighbourhood::new(self.world_from_a.translation(), size);
         leaves_a.begin(a.topology().leaf_count(), self.world_from_a, neighbourhood);
         leaves_b.begin(b.topology().leaf_count(), self.world_from_b, neighbourhood);
-        cross
+        (roots_meet, cross)
     }
 
     pub(super) fn a_from_b_scale(&self) -> f32 {

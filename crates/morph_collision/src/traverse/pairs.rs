@@ -164,6 +164,8 @@ pub(crate) struct PairWalk<'a, R, T> {
     pub(crate) a: &'a mut T,
     pub(crate) b: &'a mut T,
     pub(crate) rule: &'a R,
+    /// Whether the roots are known to be a pair to look at, with the default key.
+    pub(crate) roots_meet: bool,
     /// Lengths in A's units per length in B's: to tell which of two nodes is larger.
     pub(crate) a_from_b_scale: f32,
     /// Volumes tested against volumes so far.
@@ -188,7 +190,9 @@ impl<V: Volume, R: PairRule<V>, T: Walkable<Kind = V>> PairWalk<'_, R, T> {
         for (done, (a, b)) in start.iter().enumerate() {
             let (a, b) = (node_at(self.a, *a), node_at(self.b, *b));
             self.node_tests += 1;
-            match self.rule.start(&self.a.volume(a), &self.b.volume(b)) {
+            let known = (front.is_empty() && self.roots_meet).then(R::Key::default);
+            let key = known.or_else(|| self.rule.start(&self.a.volume(a), &self.b.volume(b)));
+            match key {
                 Some(key) => stack.push((key, a, b)),
                 None => self.note_unwanted(a, b),
             }

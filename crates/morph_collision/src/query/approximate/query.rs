@@ -95,7 +95,7 @@ impl ApproximateQuery {
             leaves_b,
         } = self;
         let culls = culls.of::<V>();
-        places.begin(a, b, SeparatingAxes::Lite, culls, [leaves_a, leaves_b]);
+        let (roots_meet, _) = places.begin(a, b, SeparatingAxes::Lite, culls, [leaves_a, leaves_b]);
         let rule = Approximating {
             meeting: Meeting {
                 culls: culls.into(),
@@ -111,6 +111,7 @@ impl ApproximateQuery {
             a,
             b,
             rule: &rule,
+            roots_meet,
             a_from_b_scale: places.a_from_b_scale(),
             node_tests: 0,
             trace: None,

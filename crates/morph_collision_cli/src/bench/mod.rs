@@ -35,10 +35,11 @@ const SPLIT_ROUNDS: usize = 1;
 /// A frame's time is that of weights and places, broad phase and queries. `blend`, `refit` and `query` are measured in passes of their
 /// own and scaled to come to the undisturbed total. Blending vertices and refitting volumes are timed apart where a method does
 /// them at once. Where it does them when a query gets there (morph, the hybrid's lower half), each frame is asked twice: the second time is
-/// `query`, what the first took more is `refit`; morph's `blend` is setting weights. The second time finds processor caches warm, so
-/// that `refit` of these methods is an upper estimate.
+/// `query`, what the first took more is `refit`; the second time finds processor caches warm, so
+/// that `refit` of these methods is an upper estimate. For morph and morph-eager `blend` is setting weights, and vertices are blended in `refit`.
 ///
-/// rigid-floor is no rival: it is morph's tree over meshes frozen in each frame's shape beforehand, of which only placing and queries are
+/// morph-eager blends every vertex and fits every volume at once, by the same code: its distance to morph is what the method gains, its
+/// distance to bottom-up what the engineering does. rigid-floor is no rival: it is morph's tree over meshes frozen in each frame's shape beforehand, of which only placing and queries are
 /// timed, with warm caches.
 #[derive(Debug, Args)]
 pub(crate) struct BenchArgs {

@@ -35,6 +35,7 @@ fn every_method_has_a_row_and_all_find_the_same_pairs() -> TestResult {
         let names: Vec<_> = methods.iter().filter_map(|method| method["name"].as_str()).collect();
         assert_eq!(names[0], "morph");
         for name in [
+            "morph-eager",
             "rigid-floor",
             "hybrid",
             "hybrid-binary",

@@ -109,6 +109,14 @@ fuzz SECONDS:
 report *ARGS:
     cargo run --release -p morph_collision_testkit --bin report -- {{ARGS}} docs/performance.md
 
+# Times the library's queries on this machine: all, or those whose name contains NAME.
+bench *NAME:
+    cargo bench -p morph_collision_testkit --bench queries -- {{NAME}}
+
+# Counts the instructions that queries take (valgrind, and gungraun-runner of the same version as gungraun).
+bench-instructions *ARGS:
+    cargo bench -p morph_collision_testkit --bench instructions -- {{ARGS}}
+
 # Judges nearly degenerate pairs of triangles in exact arithmetic: a million of them by default.
 triangles *ARGS:
     cargo run --release -p morph_collision_testkit --bin triangles -- {{ARGS}}

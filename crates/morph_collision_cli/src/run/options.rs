@@ -9,7 +9,7 @@ use crate::tree_options::TreeArgs;
 /// The options of `run` that change the work and never the answer; what is not given is as the library has it by default.
 #[derive(Debug, Args)]
 pub(crate) struct MethodArgs {
-    /// How to find pairs: morph, rigid-floor, bottom-up, hybrid, rebuild, octree, parry-trimesh, parry-bvh, parry-rebuild or brute-force.
+    /// How to find pairs: morph, morph-eager, rigid-floor, bottom-up, hybrid, rebuild, octree, parry-trimesh, parry-bvh, parry-rebuild or brute-force.
     #[arg(long, value_name = "NAME", default_value_t)]
     method: MethodKind,
     /// Bounding volumes of morph: aabb, kdop14, kdop18, kdop26 or sphere.

@@ -35,6 +35,7 @@ fn every_method_has_a_row_and_all_find_the_same_pairs() -> TestResult {
         let names: Vec<_> = methods.iter().filter_map(|method| method["name"].as_str()).collect();
         assert_eq!(names[0], "morph");
         for name in [
+            "morph-eager",
             "rigid-floor",
             "hybrid",
             "hybrid-binary",
@@ -115,6 +116,8 @@ fn wrong_names_and_files_are_told_and_what_there_is() -> TestResult {
     );
     let model = error(&["absent.glb"])?;
     assert!(model.contains("absent.glb"), "{model}");
+    let bodies = error(&["--bodies", "3"])?;
+    assert!(bodies.contains("MODELS"), "{bodies}");
     let rounds = error(&["--rounds", "0"])?;
     assert!(rounds.contains("--rounds"), "{rounds}");
     Ok(())

@@ -61,8 +61,9 @@ const BINARY: Trees = Trees::Own { arity: 2, leaf_size: 4 };
 
 impl Entrant {
     /// All that a benchmark runs, ours first; the octree and brute force are not in it, being far behind.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::new("morph", MethodKind::Morph, Trees::Ours),
+        Self::new("morph-eager", MethodKind::MorphEager, Trees::Ours),
         Self::new("rigid-floor", MethodKind::RigidFloor, Trees::Ours),
         Self::new("hybrid", MethodKind::Hybrid, WIDE),
         Self::new("hybrid-binary", MethodKind::Hybrid, BINARY),

@@ -164,19 +164,19 @@ impl Experiment {
     #[must_use]
     pub fn blobs(every: usize) -> Self {
         let mesh = random_blob(7, 5, 40, 0.85);
-        Self::grazing("blobs", mesh, every)
+        Self::grazing("blobs", mesh, 1.0, every)
     }
 
-    /// The blobs' motion for two bodies of any mesh of radius about 1.
+    /// The blobs' motion for two bodies of any mesh of radius about 1; weights are `share` of theirs.
     #[must_use]
-    pub fn grazing(name: &str, mesh: MorphMesh, every: usize) -> Self {
+    pub fn grazing(name: &str, mesh: MorphMesh, share: f64, every: usize) -> Self {
         let targets = mesh.targets.len();
         let title = format!("Blobs, 2 x {} triangles with {targets} targets", mesh.triangles.len());
         Self::scripted(name.to_owned(), title, mesh, 2, (400, every), |step| {
             let t = step as f64 / 400.0;
             let body = |side: f64| {
                 let wave = |k: usize| (TAU * (t * (1 + k % 3) as f64 + 0.37 * k as f64 + 0.2 * side)).sin();
-                let weights = (0..targets).map(|k| (0.1 + 0.4 * wave(k)) as f32).collect();
+                let weights = (0..targets).map(|k| (share * (0.1 + 0.4 * wave(k))) as f32).collect();
                 let turned = DQuat::from_rotation_y(side * TAU * 0.25 * t).as_quat();
                 let place = DVec3::new(side * (1.15 - 0.5 * t), 0.1 * side, 0.0).as_vec3();
                 (weights, Affine3A::from_rotation_translation(turned, place))

@@ -218,7 +218,7 @@ mod tests {
     #[test]
     fn a_wrong_count_is_told_with_its_step() -> Result<(), Box<dyn std::error::Error>> {
         let (experiment, mut rows) = rows(Wanted::All)?;
-        rows[3].found[1].pairs += 1;
+        rows[4].found[1].pairs += 1;
         let told = disagreement(&experiment, &rows, Wanted::All).map(|found| found.to_string());
         let told = told.ok_or("nothing found")?;
         assert!(

@@ -23,9 +23,10 @@
 //! that of [`Method::refit`](crate::rivals::Method::refit) of all bodies, *query* the rest: broad phase and pairs.
 //! Methods that let volumes or vertices follow when a query looks at them ([`Method::is_lazy`](crate::rivals::Method::is_lazy)) are asked the
 //! same frame twice: the second time nothing is left to follow, so that its time is *query*, and what the first took more
-//! counts as *refit*; so for `morph`, *blend* is setting weights, and blending of volumes and vertices is *refit*. The second
+//! counts as *refit*. The second
 //! time also finds processor caches warm, which makes *refit* of lazy methods an upper estimate. Parts
-//! are then scaled, so that they come to the undisturbed total.
+//! are then scaled, so that they come to the undisturbed total. For `morph` and `morph-eager` *blend* is setting weights, and vertices are blended in
+//! *refit*.
 
 mod clock;
 mod contender;

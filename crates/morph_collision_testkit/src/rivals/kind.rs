@@ -11,7 +11,7 @@ use super::blended::WeldedMesh;
 use super::bottom_up::BottomUp;
 use super::brute_force::BruteForce;
 use super::hybrid::Hybrid;
-use super::morph::{Morph, MorphTuning};
+use super::morph::{Follow, Morph, MorphTuning};
 use super::octree::Octree;
 use super::parry::{Meshed, Parry, Rebuilt, Refitted};
 use super::rebuild::Rebuild;
@@ -26,6 +26,8 @@ pub enum MethodKind {
     /// The one that this project is about.
     #[default]
     Morph,
+    /// The same with all volumes fitted to the vertices at once.
+    MorphEager,
     /// The same over meshes frozen in every shape beforehand.
     RigidFloor,
     /// Every box refitted, from the leaves up.
@@ -48,8 +50,9 @@ pub enum MethodKind {
 
 impl MethodKind {
     /// All methods.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Morph,
+        Self::MorphEager,
         Self::RigidFloor,
         Self::BottomUp,
         Self::Hybrid,
@@ -64,6 +67,7 @@ impl MethodKind {
     const fn name(self) -> &'static str {
         match self {
             Self::Morph => "morph",
+            Self::MorphEager => "morph-eager",
             Self::RigidFloor => "rigid-floor",
             Self::BottomUp => "bottom-up",
             Self::Hybrid => "hybrid",
@@ -78,7 +82,7 @@ impl MethodKind {
 
     /// Builds what is built once per mesh, and one body for each entry of `bodies`, the index of its mesh.
     ///
-    /// `options` are for `morph` and `rigid-floor`; `bottom-up` and `hybrid` take arity and leaf size from them, `rebuild` the leaf size.
+    /// `options` are for `morph`, `morph-eager` and `rigid-floor`; `bottom-up` and `hybrid` take arity and leaf size from them, `rebuild` the leaf size.
     ///
     /// # Errors
     /// A mesh that [`MorphMesh::to_model`] refuses, options out of range, or a body of a mesh that is not there.
@@ -117,7 +121,8 @@ impl MethodKind {
                 .collect::<Result<Vec<_>, _>>()
         };
         Ok(match self {
-            Self::Morph => Box::new(Morph::new(meshes, bodies, options, tuning)?),
+            Self::Morph => Box::new(Morph::new(Follow::Lazily, meshes, bodies, options, tuning)?),
+            Self::MorphEager => Box::new(Morph::new(Follow::AtOnce, meshes, bodies, options, tuning)?),
             Self::RigidFloor => Box::new(RigidFloor::new(meshes, bodies, options)?),
             Self::BottomUp => Box::new(Trees::<BottomUp>::new(&welded()?, bodies, options)),
             Self::Hybrid => Box::new(Trees::<Hybrid>::new(&welded()?, bodies, options)),

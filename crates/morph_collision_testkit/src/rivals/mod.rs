@@ -8,6 +8,7 @@
 //! | [`MethodKind`] | what a frame costs before anything is asked | from |
 //! |---|---|---|
 //! | `morph` | nothing | this project |
+//! | `morph-eager` | every vertex blended, every volume fitted to them, by this project's own code: what is method and what is engineering | |
 //! | `rigid-floor` | nothing: every shape has a tree of its own, made beforehand; a floor, not a rival | |
 //! | `bottom-up` | every vertex blended, every box refitted | van den Bergen 1997 |
 //! | `hybrid` | every vertex blended, the upper half of the tree refitted, the rest when a walk gets there | Larsson, Akenine-Moller 2001 |

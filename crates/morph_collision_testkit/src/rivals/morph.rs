@@ -17,6 +17,7 @@ use crate::mesh::MorphMesh;
 #[derive(Debug)]
 pub(super) struct Morph {
     bodies: Vec<(Pose, WorldFromModel)>,
+    follow: Follow,
     query: PairQuery,
     remember: Remember,
     /// Of every pair of bodies that was asked about, if anything is to be remembered.
@@ -33,8 +34,18 @@ pub struct MorphTuning {
     pub remember: Remember,
 }
 
+/// When volumes and vertices follow new weights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Follow {
+    /// Blended when a query looks at them.
+    Lazily,
+    /// All of them fitted at once, tightly.
+    AtOnce,
+}
+
 impl Morph {
     pub(super) fn new(
+        follow: Follow,
         meshes: &[MorphMesh],
         bodies: &[usize],
         options: &BuildOptions,
@@ -48,6 +59,7 @@ impl Morph {
         let pose = |&mesh: &usize| (Pose::new(Arc::clone(&trees[mesh])), WorldFromModel::IDENTITY);
         Ok(Self {
             bodies: bodies.iter().map(pose).collect(),
+            follow,
             query: PairQuery::new().with_axes(tuning.axes),
             remember: tuning.remember,
             memories: BTreeMap::new(),
@@ -60,15 +72,20 @@ impl Method for Morph {
     fn blend(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<bool, PoseError> {
         let world_from_model = WorldFromModel::new(*world_from_model)?;
         let (pose, place) = &mut self.bodies[body];
-        pose.set_weights(weights)?;
+        let changed = pose.set_weights(weights)?;
         *place = world_from_model;
-        Ok(false)
+        Ok(changed && self.follow == Follow::AtOnce)
     }
 
-    fn refit(&mut self, _: usize) {}
+    fn refit(&mut self, body: usize) {
+        let pose = &mut self.bodies[body].0;
+        pose.refit();
+        self.work.volumes_blended += pose.bvh().node_count() as u64;
+        self.work.vertices_blended += pose.bvh().model().vertex_count() as u64;
+    }
 
     fn is_lazy(&self) -> bool {
-        true
+        self.follow == Follow::Lazily
     }
 
     fn world_bounds(&mut self, body: usize) -> Aabb {

@@ -109,7 +109,7 @@ pub(crate) fn methods(experiment: &Experiment) -> Vec<Candidate> {
         .into_iter()
         .filter(|&kind| kind != MethodKind::Morph && (small || kind != MethodKind::BruteForce));
     let options = |method| match method {
-        MethodKind::RigidFloor => BuildOptions::default(),
+        MethodKind::MorphEager | MethodKind::RigidFloor => BuildOptions::default(),
         // What suits walks that test triangles one by one.
         _ => BuildOptions::default().with_leaf_size(4),
     };

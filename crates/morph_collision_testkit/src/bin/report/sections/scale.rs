@@ -45,6 +45,12 @@ struct Growth {
     sizes: Vec<(usize, Experiment)>,
 }
 
+const DENSE: &str = "targets, each of which moves every vertex";
+const SPARSE: &str = "targets, each of which moves 15 % of the vertices";
+
+/// So many targets have weights of full size; of more, each has less, so that their sum stays.
+const FULL_WEIGHTS: f64 = 16.0;
+
 fn growths(context: &Context) -> Vec<Growth> {
     let every = context.every;
     let counts: &[usize] = if context.quick {
@@ -62,10 +68,11 @@ fn growths(context: &Context) -> Vec<Growth> {
         let experiment = Experiment::pass_through(level, 2 * every);
         (experiment.mesh.triangles.len(), experiment)
     };
-    let of_targets = |sparsity: f32| {
+    let of_targets = |sparsity: f32, most: f64| {
         let blob = move |&targets: &usize| {
             let mesh = random_blob(7, 5, targets, sparsity);
-            (targets, Experiment::grazing("blobs", mesh, 2 * every))
+            let share = (most / targets as f64).min(1.0);
+            (targets, Experiment::grazing("blobs", mesh, share, 2 * every))
         };
         targets.iter().map(blob).collect()
     };
@@ -85,13 +92,23 @@ fn growths(context: &Context) -> Vec<Growth> {
         },
         Growth {
             what: "Dense targets: two grazing bodies of 20480 triangles",
-            axis: "targets, each of which moves every vertex",
-            sizes: of_targets(0.0),
+            axis: DENSE,
+            sizes: of_targets(0.0, FULL_WEIGHTS),
         },
         Growth {
             what: "Sparse targets: the same bodies",
-            axis: "targets, each of which moves 15 % of the vertices",
-            sizes: of_targets(0.85),
+            axis: SPARSE,
+            sizes: of_targets(0.85, FULL_WEIGHTS),
+        },
+        Growth {
+            what: "Dense targets, the sum of weights growing along",
+            axis: DENSE,
+            sizes: of_targets(0.0, f64::INFINITY),
+        },
+        Growth {
+            what: "Sparse targets, the sum of weights growing along",
+            axis: SPARSE,
+            sizes: of_targets(0.85, f64::INFINITY),
         },
     ]
 }
@@ -116,7 +133,8 @@ pub(crate) fn scale(context: &Context, _: &str) -> Result<String, Box<dyn Error>
     Ok(format!(
         "\n{shown}\nTime of a frame while one number grows; both axes are logarithmic. The hybrid is the eight-wide one. In the tables, *power* is the exponent \
          of growth, fitted by least squares over all sizes but a single body. *Fitted* is `BuildOptions::fitted_to` the weights of the frames. Memory is that of the mesh (base and displacements), of the tree that all bodies share, and of one body's pose \
-         after it was asked for all pairs. Building is our default tree, with its tables, next to Parry's binned tree over the same triangles at rest, in turns.\n{text}"
+         after it was asked for all pairs. Building is our default tree, with its tables, next to Parry's binned tree over the same triangles at rest, in turns. All targets are active, at weights of both signs; \
+         sizes of 16 of them sum to about 4, and stay there with more targets, or grow along where that is said, to about 70.\n{text}"
     ))
 }
 

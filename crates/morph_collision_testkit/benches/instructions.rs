@@ -1,0 +1,106 @@
+//! How many instructions the queries take, which other work of the machine does not change: `just bench-instructions`.
+//!
+//! Needs valgrind and gungraun-runner of the version of the crate `gungraun` (CONTRIBUTING.md). Everything has to be blended in each of them.
+#![allow(missing_docs, unused_qualifications, reason = "what gungraun's macros make")]
+
+mod two;
+
+use std::hint::black_box;
+use std::sync::Arc;
+
+use gungraun::prelude::*;
+use morph_collision::{BuildOptions, ContactQuery, DistanceQuery, MorphBvh, PairQuery, Ray, RayQuery};
+
+use two::{Scene, Two};
+
+fn with_ray() -> (Two, Ray) {
+    let mut two = Two::new(Scene::Apart);
+    let ray = two.ray();
+    two.forget();
+    (two, ray)
+}
+
+#[library_benchmark(setup = Two::new)]
+#[bench::pass_through_deep(Scene::PassThroughDeep)]
+#[bench::pass_through_shallow(Scene::PassThroughShallow)]
+#[bench::dolphins_deep(Scene::DolphinsDeep)]
+#[bench::dolphins_shallow(Scene::DolphinsShallow)]
+fn all_pairs(mut two: Two) -> (Two, usize) {
+    let mut pairs = Vec::with_capacity(4096);
+    let (a, b) = two.bodies();
+    PairQuery::new().all(a, b, &mut pairs);
+    (two, black_box(pairs).len())
+}
+
+#[library_benchmark(setup = Two::new)]
+#[bench::pass_through_deep(Scene::PassThroughDeep)]
+#[bench::pass_through_shallow(Scene::PassThroughShallow)]
+#[bench::dolphins_deep(Scene::DolphinsDeep)]
+#[bench::dolphins_shallow(Scene::DolphinsShallow)]
+fn first_pair(mut two: Two) -> (Two, bool) {
+    let (a, b) = two.bodies();
+    let found = PairQuery::new().first(a, b).0.is_some();
+    (two, black_box(found))
+}
+
+#[library_benchmark(setup = Two::new)]
+#[bench::pass_through_shallow(Scene::PassThroughShallow)]
+#[bench::dolphins_deep(Scene::DolphinsDeep)]
+fn contacts(mut two: Two) -> (Two, usize) {
+    let mut contacts = Vec::with_capacity(4096);
+    let (a, b) = two.bodies();
+    ContactQuery::new().all(a, b, &mut contacts);
+    (two, black_box(contacts).len())
+}
+
+#[library_benchmark(setup = Two::new)]
+#[bench::apart(Scene::Apart)]
+fn distance(mut two: Two) -> (Two, bool) {
+    let (a, b) = two.bodies();
+    let found = DistanceQuery::new().closest(a, b, f64::INFINITY).0.is_some();
+    (two, black_box(found))
+}
+
+#[library_benchmark]
+#[bench::closest(with_ray())]
+fn ray((mut two, ray): (Two, Ray)) -> (Two, bool) {
+    let found = RayQuery::new().closest(two.bodies().0, &ray).0.is_some();
+    (two, black_box(found))
+}
+
+#[library_benchmark(setup = Two::new)]
+#[bench::four_times(Scene::PassThroughDeep)]
+fn set_weights(mut two: Two) -> Two {
+    two.forget();
+    two
+}
+
+#[library_benchmark(setup = Two::new)]
+#[bench::pass_through(Scene::PassThroughDeep)]
+fn world_bounds(mut two: Two) -> (Two, f32) {
+    let bounds = two.poses[0].world_bounds(&two.places[0]);
+    (two, black_box(bounds).size().x)
+}
+
+#[library_benchmark(setup = Two::new)]
+#[bench::dolphin(Scene::DolphinsDeep)]
+fn build(two: Two) -> (Two, bool) {
+    let built = MorphBvh::build(Arc::clone(two.poses[0].bvh().model()), &BuildOptions::default());
+    (two, black_box(built).is_ok())
+}
+
+library_benchmark_group!(
+    name = queries,
+    benchmarks = [
+        all_pairs,
+        first_pair,
+        contacts,
+        distance,
+        ray,
+        set_weights,
+        world_bounds,
+        build
+    ]
+);
+
+main!(library_benchmark_groups = queries);

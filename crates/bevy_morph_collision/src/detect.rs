@@ -4,11 +4,12 @@ use bevy::platform::time::Instant;
 use std::collections::BTreeMap;
 
 use bevy::prelude::*;
-use morph_collision::{Body, PairQuery, QueryStats, TrianglePair};
+use morph_collision::{BatchQuery, Body, PairTask, Pose, TrianglePair, Wanted};
 
 use crate::bounds::Candidates;
-use crate::collider::{ColliderState, CollisionMode};
+use crate::collider::{ColliderState, CollisionMode, Placement};
 use crate::diagnostics::MorphCollisionDiagnostics;
+use crate::workers::TaskPoolWorkers;
 
 /// The colliders that touch, as of the last run of [`NarrowPhase`](crate::MorphCollisionSystems::NarrowPhase).
 #[derive(Resource, Debug, Default)]
@@ -88,77 +89,114 @@ fn only_in<'a>(contacts: &'a Contacts, others: &'a Contacts) -> impl Iterator<It
         .map(|(_, contact)| contact)
 }
 
-/// Asks for every candidate pair whether, and where, it touches.
+/// What the narrow phase keeps for its memory.
+#[derive(Default)]
+pub(crate) struct Scratch {
+    query: BatchQuery,
+    /// What is asked, and of which colliders in which mode.
+    tasks: Vec<PairTask>,
+    asked: Vec<((Entity, Entity), CollisionMode)>,
+}
+
+/// Asks for every candidate pair whether, and where, it touches: all pairs at once, on Bevy's threads.
 ///
 /// A pair of which neither collider changed has the answer it had.
 pub(crate) fn find_contacts(
     candidates: Res<Candidates>,
-    mut colliders: Query<&mut ColliderState>,
+    mut colliders: Query<(Entity, &mut ColliderState)>,
     mut collisions: ResMut<MorphCollisions>,
-    mut query: Local<PairQuery>,
+    mut scratch: Local<Scratch>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
     let start = Instant::now();
-    let collisions = &mut *collisions;
-    collisions.previous = std::mem::take(&mut collisions.current);
+    let MorphCollisions { current, previous } = &mut *collisions;
+    *previous = std::mem::take(current);
+    let Scratch { query, tasks, asked } = &mut *scratch;
+    tasks.clear();
+    asked.clear();
+
+    let mut placed: Vec<_> = colliders
+        .iter_mut()
+        .filter_map(|(entity, state)| Placed::new(entity, state.into_inner()))
+        .collect();
+    placed.sort_unstable_by_key(|collider| collider.entity);
+    let place = |entity: Entity| placed.binary_search_by_key(&entity, |collider| collider.entity).ok();
     for &(collider1, collider2) in &candidates.pairs {
-        let Ok([mut a, mut b]) = colliders.get_many_mut([collider1, collider2]) else {
+        let (Some(a), Some(b)) = (place(collider1), place(collider2)) else {
             continue;
         };
-        let (a, b) = (&mut *a, &mut *b);
-        let contact = if a.changed || b.changed {
-            let (contact, stats) = contact(&mut query, (collider1, a), (collider2, b));
-            diagnostics.stats += stats;
-            contact
-        } else {
-            collisions.previous.get(&(collider1, collider2)).cloned()
-        };
-        if let Some(contact) = contact {
-            diagnostics.triangle_pairs += contact.triangles.len() as u64;
-            collisions.current.insert((collider1, collider2), contact);
+        let pair = (collider1, collider2);
+        if placed[a].changed || placed[b].changed {
+            let mode = placed[a].placement.mode.max(placed[b].placement.mode);
+            let wanted = match mode {
+                CollisionMode::All => Wanted::All,
+                CollisionMode::First | CollisionMode::Any => Wanted::First,
+            };
+            tasks.push(PairTask { a, b, wanted });
+            asked.push((pair, mode));
+        } else if let Some(contact) = previous.get(&pair) {
+            current.insert(pair, contact.clone());
         }
     }
-    diagnostics.touching_pairs = collisions.current.len() as u64;
-    for mut state in &mut colliders {
+
+    let body_of = |task: usize| placed[task].placement.body;
+    let bodies_of: Vec<_> = tasks.iter().map(|task| (body_of(task.a), body_of(task.b))).collect();
+    let mut bodies: Vec<_> = placed.into_iter().map(Placed::into_body).collect();
+    let answers = query.run(&mut bodies, tasks, &TaskPoolWorkers);
+    diagnostics.stats += answers.stats;
+    for ((found, &(pair, mode)), (body1, body2)) in answers.iter().zip(&*asked).zip(bodies_of) {
+        if found.is_empty() {
+            continue;
+        }
+        let mut triangles = match mode {
+            CollisionMode::Any => Vec::new(),
+            CollisionMode::First | CollisionMode::All => found.to_vec(),
+        };
+        triangles.sort_unstable();
+        let contact = MorphContact {
+            collider1: pair.0,
+            collider2: pair.1,
+            body1,
+            body2,
+            triangles,
+            mode,
+        };
+        current.insert(pair, contact);
+    }
+    diagnostics.triangle_pairs += current
+        .values()
+        .map(|contact| contact.triangles.len() as u64)
+        .sum::<u64>();
+    diagnostics.touching_pairs = current.len() as u64;
+    for (_, mut state) in &mut colliders {
         // What took part and is looked at from now on as it is; what did not will be new when it comes back.
         state.changed = state.placed.is_none();
     }
     diagnostics.duration += start.elapsed();
 }
 
-/// The contact of two placed colliders, if they touch.
-fn contact(
-    query: &mut PairQuery,
-    (collider1, a): (Entity, &mut ColliderState),
-    (collider2, b): (Entity, &mut ColliderState),
-) -> (Option<MorphContact>, QueryStats) {
-    let (Some(pose_a), Some(at_a), Some(pose_b), Some(at_b)) = (&mut a.pose, &a.placed, &mut b.pose, &b.placed) else {
-        return (None, QueryStats::default());
-    };
-    let mode = at_a.mode.max(at_b.mode);
-    let body_a = Body::new(pose_a, &at_a.world_from_model);
-    let body_b = Body::new(pose_b, &at_b.world_from_model);
-    let mut triangles = Vec::new();
-    let (touches, stats) = match mode {
-        CollisionMode::All => {
-            let stats = query.all(body_a, body_b, &mut triangles);
-            triangles.sort_unstable();
-            (!triangles.is_empty(), stats)
-        }
-        CollisionMode::First => {
-            let (first, stats) = query.first(body_a, body_b);
-            triangles.extend(first);
-            (first.is_some(), stats)
-        }
-        CollisionMode::Any => query.any(body_a, body_b),
-    };
-    let contact = touches.then_some(MorphContact {
-        collider1,
-        collider2,
-        body1: at_a.body,
-        body2: at_b.body,
-        triangles,
-        mode,
-    });
-    (contact, stats)
+/// A collider that takes part.
+struct Placed<'a> {
+    entity: Entity,
+    changed: bool,
+    placement: &'a Placement,
+    pose: &'a mut Pose,
+}
+
+impl<'a> Placed<'a> {
+    fn new(entity: Entity, state: &'a mut ColliderState) -> Option<Self> {
+        let ColliderState {
+            pose, placed, changed, ..
+        } = state;
+        Some(Self {
+            entity,
+            changed: *changed,
+            placement: placed.as_ref()?,
+            pose: pose.as_mut()?,
+        })
+    }
+
+    fn into_body(self) -> Body<'a> {
+        Body::new(self.pose, &self.placement.world_from_model)
+    }
 }

@@ -53,6 +53,7 @@ mod diagnostics;
 mod events;
 mod import;
 mod weights;
+mod workers;
 
 use bevy::app::AnimationSystems;
 use bevy::asset::AssetEventSystems;
@@ -66,6 +67,7 @@ pub use events::{MorphCollisionEnd, MorphCollisionEventsEnabled, MorphCollisionS
 pub use import::{ImportError, MorphTrees};
 pub use morph_collision;
 pub use morph_collision::{BuildOptions, QueryStats, TrianglePair};
+pub use workers::TaskPoolWorkers;
 
 /// What a program that uses the plugin needs by name.
 pub mod prelude {

@@ -51,6 +51,7 @@
 //! | two bodies: which triangles intersect | [`PairQuery`], with [`PairMemory`] from frame to frame |
 //! | two bodies: where they touch, how deep, which way out | [`ContactQuery`], [`triangle_contact`] |
 //! | two bodies: how far apart | [`DistanceQuery`] |
+//! | many pairs of bodies at once, on several threads | [`BatchQuery`], on [`Workers`] |
 //! | many bodies: which boxes overlap | [`overlapping_pairs`] |
 //! | a body and a ball, capsule, cuboid, half-space or segment | [`ShapeQuery`] |
 //! | one body: what a ray hits | [`RayQuery`] |
@@ -85,12 +86,15 @@ pub use pose::{
     Approximate, ApproximatePose, ContainmentReport, ContainmentViolation, NoSuchVertex, Pose, TreeQuality,
     WeightsError,
 };
+#[cfg(feature = "rayon")]
+pub use query::RayonWorkers;
 pub use query::{
-    ApproximatePairs, ApproximateQuery, ApproximateTouch, Approximation, Ball, Body, ClosestPair, ClosestPoint,
-    ContactPoint, ContactQuery, ConvexRegion, DistanceQuery, Facing, HalfSpace, InputError, Manifold, MeshPart,
-    OverlapQuery, PairContact, PairMemory, PairQuery, PartPair, PlacedShape, PointQuery, QueryStats, Ray, RayHit,
-    RayQuery, Remember, SelfQuery, SeparatingAxes, Separation, Shape, ShapeContact, ShapeError, ShapeQuery,
-    SurfaceAnchor, SurfaceFrame, TrianglePair, WorldFromShape,
+    ApproximatePairs, ApproximateQuery, ApproximateTouch, Approximation, Ball, BatchAnswers, BatchQuery, Body,
+    ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion, DistanceQuery, Facing, HalfSpace, InputError,
+    Manifold, MeshPart, OneThread, OverlapQuery, PairContact, PairMemory, PairQuery, PairTask, PartPair, PlacedShape,
+    PointQuery, QueryStats, Ray, RayHit, RayQuery, Remember, SelfQuery, SeparatingAxes, Separation, Shape,
+    ShapeContact, ShapeError, ShapeQuery, SurfaceAnchor, SurfaceFrame, ThreadWorkers, TrianglePair, Wanted, Workers,
+    WorldFromShape,
 };
 pub use traverse::overlapping_pairs;
 pub use tree::{

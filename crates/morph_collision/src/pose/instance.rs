@@ -28,6 +28,8 @@ pub struct Pose {
     resting: Option<Resting>,
     blended: Blended,
     scratch: Scratch,
+    /// Whether the volumes in the cache are those of a refit.
+    refitted: bool,
 }
 
 /// The volumes made so far, beside the tables they are made from.
@@ -109,6 +111,7 @@ impl Pose {
             resting: None,
             blended: Blended::default(),
             scratch: Scratch::default(),
+            refitted: false,
             bvh,
         }
     }
@@ -132,6 +135,7 @@ impl Pose {
             weights::spread(self.bvh.columns(), weights, &mut self.spread);
             with_cache!(&mut self.volumes, cache => cache.next_epoch(weights));
             self.vertices.next_epoch();
+            self.refitted = false;
         }
         match rest {
             Some(Rest::Moved) => self.drop_anchor(),
@@ -197,6 +201,13 @@ impl Pose {
     /// blended and every volume fitted, `O(n)`.
     pub fn refit(&mut self) {
         with_posed!(self.posed(), mut posed => posed.refit());
+        self.refitted = true;
+    }
+
+    /// Whether volumes are made from the tree's references alone, so that any other pose of it makes the same for the same
+    /// weights.
+    pub(crate) fn blends_from_references(&self) -> bool {
+        !self.refitted && !self.is_anchored()
     }
 
     /// The weights in force, one per target.
@@ -261,6 +272,7 @@ impl Pose {
             resting: _,
             blended,
             scratch,
+            refitted: _,
         } = self;
         let level = Kernel::level();
         macro_rules! posed {

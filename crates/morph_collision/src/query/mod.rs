@@ -2,6 +2,7 @@
 
 mod anchor;
 mod approximate;
+mod batch;
 mod body;
 mod contact;
 mod distance;
@@ -21,6 +22,9 @@ mod stats;
 
 pub use anchor::{SurfaceAnchor, SurfaceFrame};
 pub use approximate::{ApproximatePairs, ApproximateQuery, ApproximateTouch, Approximation, MeshPart, PartPair};
+#[cfg(feature = "rayon")]
+pub use batch::RayonWorkers;
+pub use batch::{BatchAnswers, BatchQuery, OneThread, PairTask, ThreadWorkers, Wanted, Workers};
 pub use body::Body;
 pub use contact::{ContactPoint, ContactQuery, Manifold, PairContact, Separation};
 pub use distance::{ClosestPair, DistanceQuery};

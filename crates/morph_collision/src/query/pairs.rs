@@ -6,6 +6,7 @@ use super::patch::Neighbourhood;
 use super::patches::{LeafTests, Patches, intersecting_pairs};
 use super::stats::QueryStats;
 use crate::bounds::{Volume, WorldFromModel, frames_of};
+use crate::pose::Place;
 use crate::traverse::{AnyCulls, CrossCull, Culls, Meeting, PairWalk, Stack, Walkable};
 
 /// Two intersecting triangles, each by its number in its own mesh.
@@ -98,7 +99,34 @@ impl PairQuery {
         b: Body<'_>,
         mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> QueryStats {
-        self.dispatch(a, b, None, &mut visitor)
+        self.dispatch(a, b, Start::Roots, &mut visitor)
+    }
+
+    /// As [`PairQuery::visit`], from some node pairs on.
+    pub(super) fn visit_from(
+        &mut self,
+        front: &[(Place, Place)],
+        a: Body<'_>,
+        b: Body<'_>,
+        mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> QueryStats {
+        if front.is_empty() {
+            return QueryStats::default();
+        }
+        self.dispatch(a, b, Start::Front(front), &mut visitor)
+    }
+
+    /// The node pairs that the walk comes to from the roots, in its order, once there are so many: each can be walked from by
+    /// itself.
+    pub(super) fn front(
+        &mut self,
+        a: Body<'_>,
+        b: Body<'_>,
+        least: usize,
+        front: &mut Vec<(Place, Place)>,
+    ) -> QueryStats {
+        let mut nothing = |_| ControlFlow::Continue(());
+        self.dispatch(a, b, Start::Expand(least, front), &mut nothing)
     }
 
     /// As [`PairQuery::visit`], with what is remembered of the same pair of bodies in earlier frames.
@@ -128,7 +156,7 @@ impl PairQuery {
             Body::new(&mut *pose_a, world_from_a),
             Body::new(&mut *pose_b, world_from_b),
         );
-        let stats = self.dispatch(bodies.0, bodies.1, Some(memory), &mut |pair| {
+        let stats = self.dispatch(bodies.0, bodies.1, Start::Memory(memory), &mut |pair| {
             touched = true;
             visitor(pair)
         });
@@ -144,14 +172,14 @@ impl PairQuery {
         &mut self,
         a: Body<'_>,
         b: Body<'_>,
-        memory: Option<&mut PairMemory>,
+        start: Start<'_>,
         visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> QueryStats {
         let places = Places {
             world_from_a: a.world_from_model,
             world_from_b: b.world_from_model,
         };
-        with_walkable_pair!(a.pose.posed(), b.pose.posed(), (a, b) => self.walk(&mut a, &mut b, &places, memory, visitor))
+        with_walkable_pair!(a.pose.posed(), b.pose.posed(), (a, b) => self.walk(&mut a, &mut b, &places, start, visitor))
     }
 
     fn walk<V: Volume, T: Walkable<Kind = V>>(
@@ -159,7 +187,7 @@ impl PairQuery {
         a: &mut T,
         b: &mut T,
         places: &Places<'_>,
-        memory: Option<&mut PairMemory>,
+        start: Start<'_>,
         visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> QueryStats {
         let before = [a.blended(), b.blended()];
@@ -172,9 +200,11 @@ impl PairQuery {
         } = self;
         let culls = culls.of::<V>();
         let (roots_meet, cross) = places.begin(a, b, *axes, culls, [leaves_a, leaves_b]);
-        let (front, trace) = match memory {
-            Some(memory) => (&memory.front[..], Some(&mut memory.trace)),
-            None => (&[][..], None),
+        let (front, trace, expand) = match start {
+            Start::Roots => (&[][..], None, None),
+            Start::Memory(memory) => (&memory.front[..], Some(&mut memory.trace), None),
+            Start::Front(front) => (front, None, None),
+            Start::Expand(least, front) => (&[][..], None, Some((least, front))),
         };
         let mut walk = PairWalk {
             a,
@@ -190,10 +220,14 @@ impl PairQuery {
         };
         let level = walk.a.level();
         let mut tests = LeafTests::default();
-        let _stopped_early = walk.run(stack, front, |a, b, of_a, of_b| {
-            let (block_a, block_b) = (leaves_a.read(a, of_a), leaves_b.read(b, of_b));
-            intersecting_pairs(level, (leaves_a, block_a), (leaves_b, block_b), &mut tests, visitor)
-        });
+        if let Some((least, front)) = expand {
+            *front = walk.front(stack, least);
+        } else {
+            let _stopped_early = walk.run(stack, front, |a, b, of_a, of_b| {
+                let (block_a, block_b) = (leaves_a.read(a, of_a), leaves_b.read(b, of_b));
+                intersecting_pairs(level, (leaves_a, block_a), (leaves_b, block_b), &mut tests, visitor)
+            });
+        }
         let after = [walk.a.blended(), walk.b.blended()];
         QueryStats {
             node_tests: walk.node_tests,
@@ -202,6 +236,16 @@ impl PairQuery {
             ..QueryStats::blending(before, after)
         }
     }
+}
+
+/// What a walk starts from, and what becomes of it.
+enum Start<'a> {
+    Roots,
+    /// The front of the walk before; what this one leaves goes there.
+    Memory(&'a mut PairMemory),
+    Front(&'a [(Place, Place)]),
+    /// The roots; it only goes on until there are so many node pairs, which go there.
+    Expand(usize, &'a mut Vec<(Place, Place)>),
 }
 
 /// Where the two bodies of a query stand.

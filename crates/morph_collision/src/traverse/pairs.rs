@@ -229,23 +229,62 @@ impl<V: Volume, R: PairRule<V>, T: Walkable<Kind = V>> PairWalk<'_, R, T> {
                     }
                     at_leaves(self.a, self.b, leaf_a, leaf_b)?;
                 }
-                (ChildKind::Group(group), ChildKind::Leaf(_)) => self.descend_a(group, b, stack),
-                (ChildKind::Leaf(_), ChildKind::Group(group)) => self.descend_b(a, group, stack),
-                (ChildKind::Group(group_a), ChildKind::Group(group_b)) => {
-                    let size_a = V::size(&self.a.volume(a));
-                    let size_b = V::size(&self.b.volume(b)) * self.a_from_b_scale;
-                    let alike = size_a < ALIKE * size_b && size_b < ALIKE * size_a;
-                    if alike && self.trace.is_none() && self.rule.takes_both() {
-                        self.descend_both(group_a, (group_b, b), stack);
-                    } else if size_a >= size_b {
-                        self.descend_a(group_a, b, stack);
-                    } else {
-                        self.descend_b(a, group_b, stack);
-                    }
-                }
+                _ => self.descend(a, b, stack),
             }
         }
         ControlFlow::Continue(())
+    }
+
+    /// The node pairs that a walk from the roots comes to, in its order, once there are so many or no more.
+    pub(crate) fn front(&mut self, stack: &mut Stack<R::Key>, least: usize) -> Vec<(Place, Place)> {
+        let (root_a, root_b) = (self.a.root(), self.b.root());
+        let mut front = if self.roots_meet {
+            vec![(root_a, root_b)]
+        } else {
+            Vec::new()
+        };
+        let both_leaves = |(a, b): &(NodeRef, NodeRef)| {
+            matches!(
+                (a.child.kind(), b.child.kind()),
+                (ChildKind::Leaf(_), ChildKind::Leaf(_))
+            )
+        };
+        while front.len() < least && !front.iter().all(both_leaves) {
+            let mut next = Vec::new();
+            for pair in front {
+                if both_leaves(&pair) {
+                    next.push(pair);
+                    continue;
+                }
+                stack.clear();
+                self.descend(pair.0, pair.1, stack);
+                next.extend(stack.drain(..).rev().map(|(_, a, b)| (a, b)));
+            }
+            front = next;
+        }
+        front.into_iter().map(|(a, b)| (a.place, b.place)).collect()
+    }
+
+    /// Pushes the pairs below two nodes, of which one at least is no leaf, that are to be looked at.
+    #[inline(always)]
+    fn descend(&mut self, a: NodeRef, b: NodeRef, stack: &mut Stack<R::Key>) {
+        match (a.child.kind(), b.child.kind()) {
+            (ChildKind::Leaf(_), ChildKind::Leaf(_)) => {}
+            (ChildKind::Group(group), ChildKind::Leaf(_)) => self.descend_a(group, b, stack),
+            (ChildKind::Leaf(_), ChildKind::Group(group)) => self.descend_b(a, group, stack),
+            (ChildKind::Group(group_a), ChildKind::Group(group_b)) => {
+                let size_a = V::size(&self.a.volume(a));
+                let size_b = V::size(&self.b.volume(b)) * self.a_from_b_scale;
+                let alike = size_a < ALIKE * size_b && size_b < ALIKE * size_a;
+                if alike && self.trace.is_none() && self.rule.takes_both() {
+                    self.descend_both(group_a, (group_b, b), stack);
+                } else if size_a >= size_b {
+                    self.descend_a(group_a, b, stack);
+                } else {
+                    self.descend_b(a, group_b, stack);
+                }
+            }
+        }
     }
 
     #[inline(always)]

@@ -1,6 +1,7 @@
 //! Answers judged by brute force, over every way to build a tree, and the work they took.
 
 mod approximate;
+mod batch;
 mod laziness;
 mod memory;
 mod pairs;

@@ -1,0 +1,270 @@
+use std::iter;
+use std::ops::{ControlFlow, Range};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use super::plan::{LargeSide, PairTask, Plan, Unit, Wanted};
+use super::schedule::Schedule;
+use super::workers::Workers;
+use crate::pose::Pose;
+use crate::query::{Body, PairQuery, QueryStats, SeparatingAxes, TrianglePair};
+
+/// Asks many pairs of bodies for their intersecting triangles, on several threads; holds the memory that queries reuse.
+///
+/// What it finds is what [`PairQuery`] finds, in the same order, on any number of threads. Pairs that share no body are looked
+/// at at the same time; where there are few, large ones are cut into parts.
+///
+/// ```
+/// # use std::sync::Arc;
+/// # use glam::{Affine3A, Vec3};
+/// # use morph_collision::*;
+/// # let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
+/// # let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?);
+/// let mut poses = [Pose::new(bvh.clone()), Pose::new(bvh.clone()), Pose::new(bvh)];
+/// poses[1].set_weights(&[2.0])?; // lifts the triangle to z = 2
+/// let mut bodies: Vec<Body<'_>> = poses.iter_mut().map(|pose| Body::new(pose, &WorldFromModel::IDENTITY)).collect();
+/// let tasks = [(0, 1), (0, 2)].map(|(a, b)| PairTask { a, b, wanted: Wanted::All });
+///
+/// let mut query = BatchQuery::new();
+/// let answers = query.run(&mut bodies, &tasks, &OneThread);
+/// assert!(answers.get(0).is_empty());
+/// assert_eq!(answers.get(1).len(), 1);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Default)]
+pub struct BatchQuery {
+    axes: SeparatingAxes,
+    /// By worker, so that each finds its memory again.
+    workers: Vec<Mutex<Worker>>,
+    found: Vec<TrianglePair>,
+    ends: Vec<usize>,
+}
+
+/// So few pairs are done sooner than another thread wakes up.
+const FEW: usize = 16;
+
+/// What a worker has of its own.
+#[derive(Debug, Default)]
+struct Worker {
+    query: PairQuery,
+    /// For parts of large pairs.
+    poses: [Option<Pose>; 2],
+    /// By unit, where its pairs are in `found`.
+    done: Vec<(usize, Range<usize>)>,
+    found: Vec<TrianglePair>,
+    stats: QueryStats,
+}
+
+/// What a [`BatchQuery`] found, by task.
+#[derive(Clone, Copy, Debug)]
+pub struct BatchAnswers<'a> {
+    found: &'a [TrianglePair],
+    ends: &'a [usize],
+    /// What it took, all threads together. Volumes and vertices that parts of a large pair share are counted for each.
+    pub stats: QueryStats,
+}
+
+impl<'a> BatchAnswers<'a> {
+    /// What a task found; nothing if there is no such task.
+    #[must_use]
+    pub fn get(&self, task: usize) -> &'a [TrianglePair] {
+        let Some(&end) = self.ends.get(task) else { return &[] };
+        let start = task.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.found[start..end]
+    }
+
+    /// What every task found, in order.
+    pub fn iter(&self) -> impl Iterator<Item = &'a [TrianglePair]> {
+        let answers = *self;
+        (0..self.ends.len()).map(move |task| answers.get(task))
+    }
+}
+
+impl BatchQuery {
+    /// A query with nothing allocated yet.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The same query with other axes to compare nodes along.
+    #[must_use]
+    pub fn with_axes(mut self, axes: SeparatingAxes) -> Self {
+        self.axes = axes;
+        self.workers.clear();
+        self
+    }
+
+    /// Does every task.
+    pub fn run(&mut self, bodies: &mut [Body<'_>], tasks: &[PairTask], workers: &dyn Workers) -> BatchAnswers<'_> {
+        let count = workers.count().max(1);
+        let axes = self.axes;
+        let worker = || {
+            Mutex::new(Worker {
+                query: PairQuery::new().with_axes(axes),
+                ..Worker::default()
+            })
+        };
+        if self.workers.len() < count {
+            self.workers.resize_with(count, worker);
+        }
+        for worker in &mut self.workers {
+            unlocked(worker).begin();
+        }
+        let plan = Plan::new(bodies, tasks, count, &mut unlocked(&mut self.workers[0]).query);
+        let batch = Batch::new(bodies, tasks, &plan);
+        let own = &self.workers;
+        let work = |worker: usize| {
+            // A number out of range has nothing to do: the others do it all.
+            if let Some(worker) = own.get(worker) {
+                batch.work(&mut worker.lock().unwrap_or_else(PoisonError::into_inner));
+            }
+        };
+        if plan.larges.is_empty() && plan.units.len() < FEW {
+            work(0);
+        } else {
+            workers.run(&work);
+        }
+        self.gather(&plan, tasks.len())
+    }
+
+    /// Puts what the workers found in the order of tasks and units.
+    fn gather(&mut self, plan: &Plan, tasks: usize) -> BatchAnswers<'_> {
+        let mut by_unit = vec![None; plan.units.len()];
+        let mut stats = plan.stats;
+        for (index, worker) in self.workers.iter_mut().enumerate() {
+            let worker = unlocked(worker);
+            stats += worker.stats;
+            for (unit, range) in worker.done.drain(..) {
+                by_unit[unit] = Some((index, range));
+            }
+        }
+        self.found.clear();
+        self.ends.clear();
+        for (unit, place) in plan.units.iter().zip(by_unit) {
+            let task = plan.task_of(unit);
+            self.ends
+                .extend(iter::repeat_n(self.found.len(), task.saturating_sub(self.ends.len())));
+            let Some((worker, range)) = place else { continue };
+            self.found
+                .extend_from_slice(&unlocked(&mut self.workers[worker]).found[range]);
+        }
+        self.ends.resize(tasks, self.found.len());
+        BatchAnswers {
+            found: &self.found,
+            ends: &self.ends,
+            stats,
+        }
+    }
+}
+
+fn unlocked(worker: &mut Mutex<Worker>) -> &mut Worker {
+    worker.get_mut().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A batch while it is worked on.
+struct Batch<'a, 'b> {
+    /// Locked without waiting: the schedule keeps units apart that need the same one.
+    bodies: Vec<Mutex<&'a mut Body<'b>>>,
+    tasks: &'a [PairTask],
+    plan: &'a Plan,
+    schedule: Schedule,
+}
+
+impl<'a, 'b> Batch<'a, 'b> {
+    fn new(bodies: &'a mut [Body<'b>], tasks: &'a [PairTask], plan: &'a Plan) -> Self {
+        Self {
+            schedule: Schedule::new(plan.units.len(), bodies.len()),
+            bodies: bodies.iter_mut().map(Mutex::new).collect(),
+            tasks,
+            plan,
+        }
+    }
+
+    /// Does units until none is left.
+    fn work(&self, worker: &mut Worker) {
+        let bodies_of = |unit: usize| match self.plan.units[unit] {
+            Unit::Whole(task) => Some([self.tasks[task].a, self.tasks[task].b]),
+            Unit::Part { .. } => None,
+        };
+        while let Some(index) = self.schedule.take(bodies_of) {
+            let start = worker.found.len();
+            match self.plan.units[index] {
+                Unit::Whole(task) => self.whole(&self.tasks[task], worker),
+                Unit::Part { large, part } => self.part(large, part, worker),
+            }
+            worker.done.push((index, start..worker.found.len()));
+            if let Some(bodies) = bodies_of(index) {
+                self.schedule.free(bodies);
+            }
+        }
+    }
+
+    fn whole(&self, task: &PairTask, worker: &mut Worker) {
+        let [mut a, mut b] =
+            [task.a, task.b].map(|body| self.bodies[body].lock().unwrap_or_else(PoisonError::into_inner));
+        let Worker {
+            query, found, stats, ..
+        } = worker;
+        let (a, b) = (&mut **a, &mut **b);
+        let bodies = (
+            Body::new(&mut *a.pose, a.world_from_model),
+            Body::new(&mut *b.pose, b.world_from_model),
+        );
+        *stats += query.visit(bodies.0, bodies.1, |pair| {
+            found.push(pair);
+            match task.wanted {
+                Wanted::All => ControlFlow::Continue(()),
+                Wanted::First => ControlFlow::Break(()),
+            }
+        });
+    }
+
+    /// All pairs of a part.
+    fn part(&self, large: usize, part: usize, worker: &mut Worker) {
+        let large = &self.plan.larges[large];
+        let Worker {
+            query,
+            poses: [pose_a, pose_b],
+            found,
+            stats,
+            ..
+        } = worker;
+        let [side_a, side_b] = &large.sides;
+        let bodies = (
+            Body::new(side_a.pose(pose_a), &side_a.world_from_model),
+            Body::new(side_b.pose(pose_b), &side_b.world_from_model),
+        );
+        *stats += query.visit_from(large.front(part), bodies.0, bodies.1, |pair| {
+            found.push(pair);
+            ControlFlow::Continue(())
+        });
+    }
+}
+
+impl LargeSide {
+    /// A cache of the worker's for this body; one that is there already keeps what it has blended if it can.
+    fn pose<'p>(&self, room: &'p mut Option<Pose>) -> &'p mut Pose {
+        let kept = room.take().filter(|pose| Arc::ptr_eq(pose.bvh(), &self.bvh));
+        let pose = room.insert(kept.unwrap_or_else(|| Pose::new(self.bvh.clone())));
+        // Always taken: the body's own pose has taken them.
+        let _ = pose.set_weights(&self.weights);
+        pose
+    }
+}
+
+impl Worker {
+    fn begin(&mut self) {
+        self.done.clear();
+        self.found.clear();
+        self.stats = QueryStats::default();
+    }
+}
+
+impl Plan {
+    fn task_of(&self, unit: &Unit) -> usize {
+        match *unit {
+            Unit::Whole(task) => task,
+            Unit::Part { large, .. } => self.larges[large].task,
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! Batches on any number of threads against one query at a time.
+
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+
+use crate::scenes::{self, Scene};
+use morph_collision::{
+    BatchQuery, Body, BuildOptions, MorphBvh, OneThread, PairQuery, PairTask, Pose, ThreadWorkers, TrianglePair,
+    Wanted, Workers, WorldFromModel,
+};
+
+struct Bodies {
+    poses: Vec<Pose>,
+    places: Vec<WorldFromModel>,
+}
+
+impl Bodies {
+    fn new(scene: &Scene) -> Self {
+        let trees: Vec<_> = scene
+            .meshes
+            .iter()
+            .map(|mesh| {
+                let model = Arc::new(mesh.to_model().unwrap());
+                Arc::new(MorphBvh::build(model, &BuildOptions::default()).unwrap())
+            })
+            .collect();
+        let pose = |(mesh, weights, _): &(usize, Vec<f32>, _)| {
+            let mut pose = Pose::new(trees[*mesh].clone());
+            pose.set_weights(weights).unwrap();
+            pose
+        };
+        Self {
+            poses: scene.bodies.iter().map(pose).collect(),
+            places: scene
+                .bodies
+                .iter()
+                .map(|(.., place)| WorldFromModel::new(*place).unwrap())
+                .collect(),
+        }
+    }
+
+    fn tasks(&self, wanted: Wanted) -> Vec<PairTask> {
+        let count = self.poses.len();
+        let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
+        pairs.map(|(a, b)| PairTask { a, b, wanted }).collect()
+    }
+
+    fn one_by_one(&mut self, tasks: &[PairTask]) -> Vec<Vec<TrianglePair>> {
+        let mut query = PairQuery::new();
+        let answer = |task: &PairTask| {
+            let [a, b] = self.poses.get_disjoint_mut([task.a, task.b]).unwrap();
+            let (a, b) = (Body::new(a, &self.places[task.a]), Body::new(b, &self.places[task.b]));
+            let mut found = Vec::new();
+            match task.wanted {
+                Wanted::All => {
+                    query.all(a, b, &mut found);
+                }
+                Wanted::First => found.extend(query.first(a, b).0),
+            }
+            found
+        };
+        tasks.iter().map(answer).collect()
+    }
+
+    fn batch(&mut self, query: &mut BatchQuery, tasks: &[PairTask], workers: &dyn Workers) -> Vec<Vec<TrianglePair>> {
+        let bodies = self.poses.iter_mut().zip(&self.places);
+        let mut bodies: Vec<_> = bodies.map(|(pose, place)| Body::new(pose, place)).collect();
+        let answers = query.run(&mut bodies, tasks, workers);
+        answers.iter().map(<[TrianglePair]>::to_vec).collect()
+    }
+}
+
+fn threads(count: usize) -> ThreadWorkers {
+    ThreadWorkers {
+        threads: NonZeroUsize::new(count).unwrap(),
+    }
+}
+
+/// Calls that come one after the other, as the trait allows.
+struct OneAfterTheOther;
+
+impl Workers for OneAfterTheOther {
+    fn count(&self) -> usize {
+        3
+    }
+
+    fn run(&self, work: &(dyn Fn(usize) + Sync)) {
+        (0..3).for_each(work);
+    }
+}
+
+#[test]
+fn any_number_of_threads_finds_what_one_query_at_a_time_finds_in_the_same_order() {
+    let mut touching = 0;
+    // Many bodies; and two large ones, whose pair is cut into parts.
+    for scene in [
+        scenes::dolphins(200),
+        scenes::pass_through(200),
+        scenes::pass_through(45),
+    ] {
+        for wanted in [Wanted::All, Wanted::First] {
+            let mut bodies = Bodies::new(&scene);
+            let tasks = bodies.tasks(wanted);
+            let expected = bodies.one_by_one(&tasks);
+            touching += expected.iter().map(Vec::len).sum::<usize>();
+            let mut query = BatchQuery::new();
+            let workers: [&dyn Workers; 5] = [&OneThread, &threads(2), &threads(3), &threads(8), &OneAfterTheOther];
+            for workers in workers {
+                // Fresh caches, and ones that are full.
+                for mut bodies in [Bodies::new(&scene), Bodies::new(&scene)] {
+                    let found = bodies.batch(&mut query, &tasks, workers);
+                    assert_eq!(
+                        found,
+                        expected,
+                        "{}, {wanted:?}, {} threads",
+                        scene.name,
+                        workers.count()
+                    );
+                    assert_eq!(bodies.batch(&mut query, &tasks, workers), expected);
+                }
+            }
+        }
+    }
+    assert!(touching > 1000, "{touching}");
+}
+
+#[test]
+fn tight_volumes_change_no_answer() {
+    let mut bodies = Bodies::new(&scenes::pass_through(200));
+    let tasks = bodies.tasks(Wanted::All);
+    let sorted = |found: Vec<Vec<TrianglePair>>| {
+        let mut pairs = found.concat();
+        pairs.sort_unstable();
+        pairs
+    };
+    let expected = sorted(bodies.one_by_one(&tasks));
+    let (loose, _) = work(&mut bodies, &tasks);
+    for pose in &mut bodies.poses {
+        pose.refit();
+    }
+    let (tight, found) = work(&mut bodies, &tasks);
+    assert_eq!(sorted(found), expected);
+    assert!(tight < loose, "{tight} node tests, {loose} before");
+    // Other weights, and the same again: what was tight is forgotten.
+    for pose in &mut bodies.poses {
+        let weights = pose.weights().to_vec();
+        pose.set_weights(&vec![0.0; weights.len()]).unwrap();
+        pose.set_weights(&weights).unwrap();
+    }
+    assert_eq!(work(&mut bodies, &tasks).0, loose);
+}
+
+fn work(bodies: &mut Bodies, tasks: &[PairTask]) -> (u64, Vec<Vec<TrianglePair>>) {
+    let each = bodies.poses.iter_mut().zip(&bodies.places);
+    let mut placed: Vec<_> = each.map(|(pose, place)| Body::new(pose, place)).collect();
+    let mut query = BatchQuery::new();
+    let answers = query.run(&mut placed, tasks, &threads(2));
+    (
+        answers.stats.node_tests,
+        answers.iter().map(<[TrianglePair]>::to_vec).collect(),
+    )
+}
+
+#[test]
+fn tasks_that_make_no_sense_find_nothing_and_the_others_are_done() {
+    let mut bodies = Bodies::new(&scenes::pass_through(200));
+    let wanted = Wanted::All;
+    let tasks = [(0, 0), (0, 1), (1, 7), (7, 8)].map(|(a, b)| PairTask { a, b, wanted });
+    let expected = bodies.one_by_one(&tasks[1..2]);
+    for workers in [1, 2, 5] {
+        let found = bodies.batch(&mut BatchQuery::new(), &tasks, &threads(workers));
+        assert_eq!(found[1], expected[0]);
+        assert!(found[0].is_empty() && found[2].is_empty() && found[3].is_empty());
+    }
+    let mut query = BatchQuery::new();
+    let answers = query.run(&mut [], &tasks, &OneThread);
+    assert_eq!(answers.iter().count(), 4);
+    assert!(answers.get(1).is_empty() && answers.get(99).is_empty());
+}

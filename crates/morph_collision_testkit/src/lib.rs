@@ -6,7 +6,7 @@
 //! - [`scenes`]: scripted motion for them, and the JSON scene format.
 //! - [`assets`]: what lies in `assets/`, made of the above.
 //! - [`oracle`]: the same question answered by brute force in exact arithmetic.
-//! - [`bench`]: every method timed against every other one.
+//! - [`mod@bench`]: every method timed against every other one.
 //! - [`moments`]: bodies in one moment, ordinary and odd, that every method has to agree on.
 //! - [`fuzzing`]: what the fuzz targets do with bytes.
 //! - [`near_degenerate`]: pairs of triangles that rounded arithmetic gets wrong.

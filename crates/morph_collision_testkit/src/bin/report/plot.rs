@@ -67,6 +67,7 @@ impl Figure {
         for panel in &self.panels {
             for series in &panel.series {
                 for (x, y) in &series.points {
+                    let (x, y) = (short(*x), short(*y));
                     writeln!(csv, "\"{}\",\"{}\",{x},{y}", panel.title, series.name)?;
                 }
             }
@@ -185,6 +186,11 @@ fn round_beyond(value: f64, up: bool) -> f64 {
     } else {
         steps.into_iter().rfind(|step| *step <= value).unwrap_or(value)
     }
+}
+
+/// To five digits: more are noise.
+fn short(value: f64) -> f64 {
+    format!("{value:.4e}").parse().unwrap_or(value)
 }
 
 /// A tick's number, short.

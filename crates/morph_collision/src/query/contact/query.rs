@@ -171,7 +171,8 @@ impl ContactQuery {
         let key = |touching: &Touching| {
             let TriangleContact { segment, normal } = touching.contact;
             let TrianglePair { triangle_a, triangle_b } = touching.pair;
-            let numbers = [triangle_a.min(triangle_b), triangle_a.max(triangle_b)];
+            // Of two equal shapes on top of each other each pair comes twice, both ways round.
+            let numbers = [triangle_a.min(triangle_b), triangle_a.max(triangle_b), triangle_a];
             ([segment[0], segment[1], normal.abs()].map(|v| v.to_array()), numbers)
         };
         self.touching

@@ -5,7 +5,7 @@ use super::body::Body;
 use crate::bounds::{Aabb, Frame, a_from_b, frobenius};
 use crate::pose::Place;
 use crate::traverse::Trace;
-use crate::tree::MorphBvh;
+use crate::tree::{Leaf, MorphBvh};
 
 /// What a [`PairMemory`] keeps from one frame to the next; nothing by default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,6 +15,9 @@ pub struct Remember {
     pub separation: bool,
     /// Where the last walk ended (its front), so that the next one starts there instead of at the roots.
     pub front: bool,
+    /// The two leaves whose triangles intersected when one pair was asked for: they are tried before anything else. For
+    /// [`PairQuery::first_with`](crate::PairQuery::first_with).
+    pub witness: bool,
 }
 
 /// Walks in a row that may start from a front before one starts from the roots again: a front only ever grows.
@@ -34,7 +37,7 @@ const FRONT_WALKS: u32 = 16;
 /// # let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?);
 /// let (mut a, mut b) = (Pose::new(bvh.clone()), Pose::new(bvh));
 /// let above = WorldFromModel::new(Affine3A::from_translation(Vec3::Z * 2.0))?;
-/// let mut memory = PairMemory::new(Remember { separation: true, front: false });
+/// let mut memory = PairMemory::new(Remember { separation: true, ..Remember::default() });
 /// let mut query = PairQuery::new();
 /// for frame in 0..20 {
 ///     a.set_weights(&[0.1 * frame as f32])?; // rises from 0 to 1.9
@@ -52,6 +55,8 @@ pub struct PairMemory {
     pub(super) trace: Trace,
     front_walks: u32,
     proof: Option<Proof>,
+    /// The leaves whose triangles intersected last.
+    pub(super) witness: Option<(Leaf, Leaf)>,
     skipped: u64,
 }
 
@@ -75,6 +80,7 @@ impl PairMemory {
             trace: Trace::default(),
             front_walks: 0,
             proof: None,
+            witness: None,
             skipped: 0,
         }
     }
@@ -97,10 +103,25 @@ impl PairMemory {
         self.front.clear();
         self.front_walks = 0;
         self.proof = None;
+        self.witness = None;
+    }
+
+    /// The leaves to try first, if it is about these trees and they are wanted.
+    pub(super) fn witness_of(&mut self, a: &Body<'_>, b: &Body<'_>) -> Option<(Leaf, Leaf)> {
+        self.meet(a, b);
+        self.witness.filter(|_| self.remember.witness)
     }
 
     /// Whether the bodies cannot have met since they were proved apart.
     pub(super) fn proves_apart(&mut self, a: &Body<'_>, b: &Body<'_>) -> bool {
+        self.meet(a, b);
+        let apart = self.proof.as_ref().is_some_and(|proof| proof.holds(a, b));
+        self.skipped += u64::from(apart);
+        apart
+    }
+
+    /// Forgets what was about other trees.
+    fn meet(&mut self, a: &Body<'_>, b: &Body<'_>) {
         let trees = [a.pose.bvh(), b.pose.bvh()];
         let same = self
             .trees
@@ -109,11 +130,7 @@ impl PairMemory {
         if !same {
             self.clear();
             self.trees = Some(trees.map(Arc::clone));
-            return false;
         }
-        let apart = self.proof.as_ref().is_some_and(|proof| proof.holds(a, b));
-        self.skipped += u64::from(apart);
-        apart
     }
 
     /// Before a walk.

@@ -8,6 +8,7 @@ use super::stats::QueryStats;
 use crate::bounds::{Volume, WorldFromModel, frames_of};
 use crate::pose::Place;
 use crate::traverse::{AnyCulls, CrossCull, Culls, Meeting, PairWalk, Stack, Walkable};
+use crate::tree::Leaf;
 
 /// Two intersecting triangles, each by its number in its own mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -168,6 +169,38 @@ impl PairQuery {
         stats
     }
 
+    /// A pair of intersecting triangles if there is any: of the leaves in which one was found the last time, if they still
+    /// have one, and otherwise the first that the walk comes to.
+    ///
+    /// See [`PairMemory`] for what it remembers; without [`Remember::witness`](crate::Remember) it is [`PairQuery::first`].
+    pub fn first_with(
+        &mut self,
+        memory: &mut PairMemory,
+        a: Body<'_>,
+        b: Body<'_>,
+    ) -> (Option<TrianglePair>, QueryStats) {
+        let mut first = None;
+        let mut visitor = |pair| {
+            first = Some(pair);
+            ControlFlow::Break(())
+        };
+        let mut stats = QueryStats::default();
+        if let Some(leaves) = memory.witness_of(&a, &b) {
+            let (a, b) = (
+                Body::new(a.pose, a.world_from_model),
+                Body::new(b.pose, b.world_from_model),
+            );
+            stats += self.dispatch(a, b, Start::Leaves(leaves), &mut visitor);
+        }
+        if first.is_none() {
+            stats += self.visit_with(memory, a, b, |pair| {
+                first = Some(pair);
+                ControlFlow::Break(())
+            });
+        }
+        (first, stats)
+    }
+
     fn dispatch(
         &mut self,
         a: Body<'_>,
@@ -198,39 +231,55 @@ impl PairQuery {
             leaves_b,
             axes,
         } = self;
-        let culls = culls.of::<V>();
-        let (roots_meet, cross) = places.begin(a, b, *axes, culls, [leaves_a, leaves_b]);
-        let (front, trace, expand) = match start {
-            Start::Roots => (&[][..], None, None),
-            Start::Memory(memory) => (&memory.front[..], Some(&mut memory.trace), None),
-            Start::Front(front) => (front, None, None),
-            Start::Expand(least, front) => (&[][..], None, Some((least, front))),
+        let level = a.level();
+        let (mut tests, mut node_tests, mut stopped_at) = (LeafTests::default(), 0, None);
+        places.begin_leaves(a, b, [leaves_a, leaves_b]);
+        let mut at_leaves = |a: &mut T, b: &mut T, of_a, of_b| {
+            let (block_a, block_b) = (leaves_a.read(a, of_a), leaves_b.read(b, of_b));
+            let flow = intersecting_pairs(level, (leaves_a, block_a), (leaves_b, block_b), &mut tests, visitor);
+            if flow.is_break() {
+                stopped_at = Some((of_a, of_b));
+            }
+            flow
         };
-        let mut walk = PairWalk {
-            a,
-            b,
-            rule: &Meeting {
-                culls: culls.into(),
-                cross: cross.as_ref(),
-            },
-            roots_meet,
-            a_from_b_scale: places.a_from_b_scale(),
-            node_tests: 0,
-            trace,
-        };
-        let level = walk.a.level();
-        let mut tests = LeafTests::default();
-        if let Some((least, front)) = expand {
-            *front = walk.front(stack, least);
+        if let Start::Leaves((of_a, of_b)) = start {
+            let _only_these = at_leaves(a, b, of_a, of_b);
         } else {
-            let _stopped_early = walk.run(stack, front, |a, b, of_a, of_b| {
-                let (block_a, block_b) = (leaves_a.read(a, of_a), leaves_b.read(b, of_b));
-                intersecting_pairs(level, (leaves_a, block_a), (leaves_b, block_b), &mut tests, visitor)
-            });
+            let culls = culls.of::<V>();
+            let (roots_meet, cross) = places.begin_culls(a, b, *axes, culls);
+            let mut walk = PairWalk {
+                a: &mut *a,
+                b: &mut *b,
+                rule: &Meeting {
+                    culls: culls.into(),
+                    cross: cross.as_ref(),
+                },
+                roots_meet,
+                a_from_b_scale: places.a_from_b_scale(),
+                node_tests: 0,
+                trace: None,
+            };
+            let _stopped_early = match start {
+                Start::Roots | Start::Leaves(_) => walk.run(stack, &[], at_leaves),
+                Start::Front(front) => walk.run(stack, front, at_leaves),
+                Start::Expand(least, front) => {
+                    *front = walk.front(stack, least);
+                    ControlFlow::Continue(())
+                }
+                Start::Memory(PairMemory {
+                    front, trace, witness, ..
+                }) => {
+                    walk.trace = Some(trace);
+                    let flow = walk.run(stack, front, at_leaves);
+                    *witness = stopped_at;
+                    flow
+                }
+            };
+            node_tests = walk.node_tests;
         }
-        let after = [walk.a.blended(), walk.b.blended()];
+        let after = [a.blended(), b.blended()];
         QueryStats {
-            node_tests: walk.node_tests,
+            node_tests,
             triangle_tests: tests.triangles,
             undecided_by_filter: tests.undecided_by_filter,
             ..QueryStats::blending(before, after)
@@ -244,6 +293,8 @@ enum Start<'a> {
     /// The front of the walk before; what this one leaves goes there.
     Memory(&'a mut PairMemory),
     Front(&'a [(Place, Place)]),
+    /// No walk: these leaves alone.
+    Leaves((Leaf, Leaf)),
     /// The roots; it only goes on until there are so many node pairs, which go there.
     Expand(usize, &'a mut Vec<(Place, Place)>),
 }
@@ -255,15 +306,14 @@ pub(super) struct Places<'a> {
 }
 
 impl Places<'_> {
-    /// Prepares what compares nodes and what reads leaves. Says whether the roots may meet, and gives the further axes if they
-    /// are wanted and there are any.
-    pub(super) fn begin<V: Volume, T: Walkable<Kind = V>>(
+    /// Prepares what compares nodes. Says whether the roots may meet, and gives the further axes if they are wanted and there
+    /// are any.
+    pub(super) fn begin_culls<V: Volume, T: Walkable<Kind = V>>(
         &self,
         a: &mut T,
         b: &mut T,
         axes: SeparatingAxes,
         culls: &mut Culls<V>,
-        [leaves_a, leaves_b]: [&mut Patches; 2],
     ) -> (bool, Option<CrossCull>) {
         let (root_a, root_b) = (a.root(), b.root());
         let (root_a, root_b) = (a.volume(root_a), b.volume(root_b));
@@ -280,12 +330,18 @@ impl Places<'_> {
                 cross = CrossCull::new(&frames, &bounds_a, &bounds_b);
             }
         }
+        (roots_meet, cross)
+    }
+
+    /// Prepares what reads leaves.
+    pub(super) fn begin_leaves<T: Walkable>(&self, a: &mut T, b: &mut T, [leaves_a, leaves_b]: [&mut Patches; 2]) {
+        let root = a.root();
+        let bounds = T::Kind::bounds(&a.volume(root));
         // Near both bodies when they touch.
-        let size = self.world_from_a.scale() * f64::from(bounds_a.size().max_element());
+        let size = self.world_from_a.scale() * f64::from(bounds.size().max_element());
         let neighbourhood = Neighbourhood::new(self.world_from_a.translation(), size);
         leaves_a.begin(a.topology().leaf_count(), self.world_from_a, neighbourhood);
         leaves_b.begin(b.topology().leaf_count(), self.world_from_b, neighbourhood);
-        (roots_meet, cross)
     }
 
     pub(super) fn a_from_b_scale(&self) -> f32 {

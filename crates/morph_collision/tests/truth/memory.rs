@@ -13,14 +13,22 @@ use morph_collision_testkit::scenes::dolphins;
 const SEPARATION: Remember = Remember {
     separation: true,
     front: false,
+    witness: false,
 };
 const FRONT: Remember = Remember {
     separation: false,
     front: true,
+    witness: false,
 };
-const BOTH: Remember = Remember {
+const WITNESS: Remember = Remember {
+    separation: false,
+    front: false,
+    witness: true,
+};
+const ALL: Remember = Remember {
     separation: true,
     front: true,
+    witness: true,
 };
 
 /// Frames of two bodies of a mesh: weights and place of each.
@@ -80,16 +88,16 @@ fn replay(
         let mut pairs = Vec::new();
         let visitor = |pair| {
             pairs.push(pair);
-            if first_only {
-                ControlFlow::Break(())
-            } else {
-                ControlFlow::Continue(())
-            }
+            ControlFlow::Continue(())
         };
-        stats += match &mut memory {
-            Some(memory) => query.visit_with(memory, body_a, body_b, visitor),
-            None => query.visit(body_a, body_b, visitor),
+        let (first, work) = match (&mut memory, first_only) {
+            (Some(memory), true) => query.first_with(memory, body_a, body_b),
+            (None, true) => query.first(body_a, body_b),
+            (Some(memory), false) => (None, query.visit_with(memory, body_a, body_b, visitor)),
+            (None, false) => (None, query.visit(body_a, body_b, visitor)),
         };
+        pairs.extend(first);
+        stats += work;
         pairs.sort_unstable();
         pairs
     });
@@ -103,7 +111,7 @@ fn what_is_remembered_changes_no_answer() {
             let (plain, _) = replay(&mesh, &frames, volume, None, false);
             assert!(plain.iter().any(|pairs| !pairs.is_empty()), "nothing to find");
             assert!(plain.iter().any(Vec::is_empty), "nothing to skip");
-            for remember in [SEPARATION, FRONT, BOTH] {
+            for remember in [SEPARATION, FRONT, WITNESS, ALL] {
                 let mut memory = PairMemory::new(remember);
                 let (with, _) = replay(&mesh, &frames, volume, Some(&mut memory), false);
                 assert!(with == plain, "{volume} remembering {remember:?}");
@@ -135,9 +143,20 @@ fn a_pair_that_stays_apart_is_seldom_looked_at() {
 }
 
 #[test]
+fn a_pair_that_goes_on_touching_is_found_where_it_touched() {
+    let (mesh, frames) = swimming(0.0);
+    let (plain, stats) = replay(&mesh, &frames, VolumeKind::Aabb, None, true);
+    let mut memory = PairMemory::new(WITNESS);
+    let (with, remembering) = replay(&mesh, &frames, VolumeKind::Aabb, Some(&mut memory), true);
+    let touching = |pairs: &[Vec<TrianglePair>]| pairs.iter().map(|pairs| !pairs.is_empty()).collect::<Vec<_>>();
+    assert_eq!(touching(&with), touching(&plain));
+    assert!(remembering.node_tests < stats.node_tests, "{remembering:?}, {stats:?}");
+}
+
+#[test]
 fn another_tree_is_noticed() {
     let (mesh, frames) = swimming(3.0);
-    let mut memory = PairMemory::new(BOTH);
+    let mut memory = PairMemory::new(ALL);
     replay(&mesh, &frames[..5].to_vec(), VolumeKind::Aabb, Some(&mut memory), false);
     // The same memory, but other trees and bodies that touch.
     let (mesh, frames) = jumping();

@@ -23,6 +23,9 @@ pub(crate) struct MethodArgs {
     /// Let morph start each walk where the last one over the same two bodies ended.
     #[arg(long)]
     front: bool,
+    /// Let morph try the leaves first in which it found a pair the last time, where only first pairs are wanted.
+    #[arg(long)]
+    witness: bool,
     /// Let morph leave two bodies alone until they could have moved as far as they were last proved apart.
     #[arg(long)]
     separation: bool,
@@ -51,6 +54,7 @@ impl MethodArgs {
             remember: Remember {
                 separation: self.separation,
                 front: self.front,
+                witness: self.witness,
             },
         }
     }

@@ -68,18 +68,20 @@ impl Experiment {
         all
     }
 
-    /// The first `steps` steps of the pass-through, of the small and large dolphins, and of two neighbours, one after the other.
+    /// The first `steps` steps of the pass-through, of the small and large dolphins, and of two neighbours, one after the other
+    /// and `rate` frames for every two of them: with the paper's 60 steps a second, 1 is 30 frames a second and 8 is 240.
     #[must_use]
-    pub fn consecutive(steps: usize) -> Vec<Self> {
+    pub fn consecutive(steps: usize, rate: usize) -> Vec<Self> {
         let mut all = vec![
-            Self::pass_through(5, 1),
-            Self::dolphins(0, 1),
-            Self::dolphins(3, 1),
-            Self::neighbours(),
+            Self::pass_through_in(5, pass_through::STEPS * rate / 2, 1),
+            Self::dolphins_in(dolphins::COUNT, 0, dolphins::FRAMES * rate / 2, 1),
+            Self::dolphins_in(dolphins::COUNT, 3, dolphins::FRAMES * rate / 2, 1),
+            Self::neighbours(rate),
         ];
         for experiment in &mut all {
-            experiment.frames.truncate(steps);
-            experiment.steps.truncate(steps);
+            experiment.frames.truncate(steps * rate / 2);
+            experiment.steps.truncate(steps * rate / 2);
+            experiment.title += &format!(", {} frames a second", 30 * rate);
         }
         all
     }
@@ -107,16 +109,20 @@ impl Experiment {
     /// The paper's first experiment with bodies of `20 * 4^level` triangles; the paper's level is 5.
     #[must_use]
     pub fn pass_through(level: u32, every: usize) -> Self {
-        use pass_through::{STEPS, placements, weights};
+        Self::pass_through_in(level, pass_through::STEPS, every)
+    }
+
+    fn pass_through_in(level: u32, steps: usize, every: usize) -> Self {
+        use pass_through::{placements, weights};
         let mesh = pass_through_body_at(level);
         let triangles = mesh.triangles.len();
         let (name, title) = (
             format!("pass-through-{triangles}"),
             format!("Pass-through, 2 x {triangles} triangles"),
         );
-        Self::scripted(name, title, mesh, 2, (STEPS, every), |step| {
-            let weights = weights(step, STEPS).to_vec();
-            placements(step, STEPS).map(|place| (weights.clone(), place)).to_vec()
+        Self::scripted(name, title, mesh, 2, (steps, every), |step| {
+            let weights = weights(step, steps).to_vec();
+            placements(step, steps).map(|place| (weights.clone(), place)).to_vec()
         })
     }
 
@@ -129,26 +135,30 @@ impl Experiment {
     /// The same with any number of dolphins, as close together.
     #[must_use]
     pub fn many_dolphins(count: usize, level: u32, every: usize) -> Self {
-        use dolphins::{FRAMES, placement, weights};
+        Self::dolphins_in(count, level, dolphins::FRAMES, every)
+    }
+
+    fn dolphins_in(count: usize, level: u32, frames: usize, every: usize) -> Self {
+        use dolphins::{placement, weights};
         let mesh = dolphin(level);
         let triangles = mesh.triangles.len();
         let (name, title) = (
             format!("dolphins-{triangles}"),
             format!("Dolphins, {count} x {triangles} triangles"),
         );
-        Self::scripted(name, title, mesh, count, (FRAMES, every), |frame| {
-            let body = |i| (weights(i, frame, FRAMES).to_vec(), placement(i, count, frame, FRAMES));
+        Self::scripted(name, title, mesh, count, (frames, every), |frame| {
+            let body = |i| (weights(i, frame, frames).to_vec(), placement(i, count, frame, frames));
             (0..count).map(body).collect()
         })
     }
 
-    /// Two bodies that breathe and turn slowly side by side, a little apart though their boxes overlap.
+    /// Two bodies that breathe and turn slowly side by side, a little apart though their boxes overlap; `30 * rate` frames a second.
     #[must_use]
-    pub fn neighbours() -> Self {
+    pub fn neighbours(rate: usize) -> Self {
         let mesh = pass_through_body_at(5);
         let title = format!("Neighbours, 2 x {} triangles", mesh.triangles.len());
-        Self::scripted("neighbours".to_owned(), title, mesh, 2, (400, 1), |step| {
-            let t = step as f64 / 60.0;
+        Self::scripted("neighbours".to_owned(), title, mesh, 2, (200 * rate, 1), |step| {
+            let t = step as f64 / (30 * rate) as f64;
             let body = |side: f64| {
                 let breath = (0.03 + 0.02 * (TAU * 0.25 * t + side).sin()) as f32;
                 let turned = DQuat::from_rotation_y(0.02 * side * t).as_quat();

@@ -32,6 +32,7 @@ pub fn pairs(data: &[u8]) {
     let mut memory = PairMemory::new(Remember {
         separation: true,
         front: true,
+        witness: true,
     });
     let axes = if draw.flag() {
         SeparatingAxes::Full
@@ -74,6 +75,17 @@ pub fn pairs(data: &[u8]) {
             },
         );
         assert_eq!(sorted(&remembered), truth, "with a memory");
+        // Twice: the second time there is a witness, if there is a pair.
+        for _ in 0..2 {
+            let (a, b) = (Body::new(a, world_from_a), Body::new(b, world_from_b));
+            let (first, _) = query.first_with(&mut memory, a, b);
+            let first: Vec<_> = first.into_iter().collect();
+            assert_eq!(first.is_empty(), truth.is_empty(), "first with a memory");
+            assert!(
+                sorted(&first).iter().all(|pair| truth.contains(pair)),
+                "first with a memory"
+            );
+        }
         found.clear();
         query.all(Body::new(b, world_from_b), Body::new(a, world_from_a), &mut found);
         let mut swapped: Vec<_> = found.iter().map(|pair| (pair.triangle_b, pair.triangle_a)).collect();

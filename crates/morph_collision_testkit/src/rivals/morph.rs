@@ -98,19 +98,29 @@ impl Method for Morph {
             return;
         };
         let (body_a, body_b) = (Body::new(pose_a, place_a), Body::new(pose_b, place_b));
-        let visitor = |pair| {
+        let Self {
+            query,
+            memories,
+            remember,
+            ..
+        } = self;
+        let memory = (*remember != Remember::default())
+            .then(|| memories.entry((a, b)).or_insert_with(|| PairMemory::new(*remember)));
+        let push = |pair| {
             pairs.push(pair);
-            match wanted {
-                Wanted::All => ControlFlow::Continue(()),
-                Wanted::First => ControlFlow::Break(()),
-            }
+            ControlFlow::Continue(())
         };
-        self.work += if self.remember == Remember::default() {
-            self.query.visit(body_a, body_b, visitor)
-        } else {
-            let remember = self.remember;
-            let memory = self.memories.entry((a, b)).or_insert_with(|| PairMemory::new(remember));
-            self.query.visit_with(memory, body_a, body_b, visitor)
+        self.work += match (wanted, memory) {
+            (Wanted::All, None) => query.visit(body_a, body_b, push),
+            (Wanted::All, Some(memory)) => query.visit_with(memory, body_a, body_b, push),
+            (Wanted::First, memory) => {
+                let (first, stats) = match memory {
+                    None => query.first(body_a, body_b),
+                    Some(memory) => query.first_with(memory, body_a, body_b),
+                };
+                pairs.extend(first);
+                stats
+            }
         };
     }
 

@@ -95,7 +95,8 @@ impl ApproximateQuery {
             leaves_b,
         } = self;
         let culls = culls.of::<V>();
-        let (roots_meet, _) = places.begin(a, b, SeparatingAxes::Lite, culls, [leaves_a, leaves_b]);
+        let (roots_meet, _) = places.begin_culls(a, b, SeparatingAxes::Lite, culls);
+        places.begin_leaves(a, b, [leaves_a, leaves_b]);
         let rule = Approximating {
             meeting: Meeting {
                 culls: culls.into(),

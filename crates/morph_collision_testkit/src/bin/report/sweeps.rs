@@ -82,19 +82,24 @@ pub(crate) fn shape(_: &Experiment) -> Vec<Candidate> {
 
 /// What is kept from frame to frame, and the full separating-axis test.
 pub(crate) fn memory(_: &Experiment) -> Vec<Candidate> {
-    let row = |label: &str, axes, separation, front| Candidate {
-        tuning: MorphTuning {
-            axes,
-            remember: Remember { separation, front },
-        },
+    let row = |label: &str, axes, remember| Candidate {
+        tuning: MorphTuning { axes, remember },
         ..morph(label, BuildOptions::default())
     };
+    let lite = SeparatingAxes::Lite;
+    let remember = |separation, front, witness| Remember {
+        separation,
+        front,
+        witness,
+    };
     vec![
-        row("default", SeparatingAxes::Lite, false, false),
-        row("full SAT", SeparatingAxes::Full, false, false),
-        row("separation", SeparatingAxes::Lite, true, false),
-        row("front", SeparatingAxes::Lite, false, true),
-        row("separation and front", SeparatingAxes::Lite, true, true),
+        row("default", lite, Remember::default()),
+        row("full SAT", SeparatingAxes::Full, Remember::default()),
+        row("witness", lite, remember(false, false, true)),
+        row("separation", lite, remember(true, false, false)),
+        row("separation and witness", lite, remember(true, false, true)),
+        row("front", lite, remember(false, true, false)),
+        row("separation and front", lite, remember(true, true, false)),
     ]
 }
 

@@ -46,7 +46,11 @@ pub(crate) const SECTIONS: &[Section] = &[
         name: "memory",
         make: |context, _| {
             let steps = if context.quick { 60 } else { 100 };
-            sweep(context, "memory", &Experiment::consecutive(steps), sweeps::memory)
+            let experiments: Vec<_> = [1, 2, 8]
+                .into_iter()
+                .flat_map(|rate| Experiment::consecutive(steps, rate))
+                .collect();
+            sweep(context, "memory", &experiments, sweeps::memory)
         },
     },
     Section {

@@ -213,7 +213,7 @@ fn stamps(context: &Context, experiment: &Experiment, tree: &BuildOptions) -> Re
         context.rounds,
     )?
     .remove(0);
-    let mut neighbours = Experiment::neighbours();
+    let mut neighbours = Experiment::neighbours(2);
     neighbours.frames.truncate(100);
     let plan = Plan {
         wanted: Wanted::All,

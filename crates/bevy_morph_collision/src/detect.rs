@@ -4,7 +4,7 @@ use bevy::platform::time::Instant;
 use std::collections::BTreeMap;
 
 use bevy::prelude::*;
-use morph_collision::{BatchQuery, Body, PairTask, Pose, TrianglePair, Wanted};
+use morph_collision::{BatchQuery, Body, PairMemory, PairTask, Pose, Remember, TrianglePair, Wanted};
 
 use crate::bounds::Candidates;
 use crate::collider::{ColliderState, CollisionMode, Placement};
@@ -93,9 +93,11 @@ fn only_in<'a>(contacts: &'a Contacts, others: &'a Contacts) -> impl Iterator<It
 #[derive(Default)]
 pub(crate) struct Scratch {
     query: BatchQuery,
-    /// What is asked, and of which colliders in which mode.
-    tasks: Vec<PairTask>,
+    /// Which colliders are asked about, and in which mode.
     asked: Vec<((Entity, Entity), CollisionMode)>,
+    /// Of pairs that were asked for one pair of triangles: where it was. In the order of the pairs, and the next ones.
+    memories: Vec<((Entity, Entity), PairMemory)>,
+    next_memories: Vec<((Entity, Entity), PairMemory)>,
 }
 
 /// Asks for every candidate pair whether, and where, it touches: all pairs at once, on Bevy's threads.
@@ -111,8 +113,12 @@ pub(crate) fn find_contacts(
     let start = Instant::now();
     let MorphCollisions { current, previous } = &mut *collisions;
     *previous = std::mem::take(current);
-    let Scratch { query, tasks, asked } = &mut *scratch;
-    tasks.clear();
+    let Scratch {
+        query,
+        asked,
+        memories,
+        next_memories,
+    } = &mut *scratch;
     asked.clear();
 
     let mut placed: Vec<_> = colliders
@@ -121,6 +127,7 @@ pub(crate) fn find_contacts(
         .collect();
     placed.sort_unstable_by_key(|collider| collider.entity);
     let place = |entity: Entity| placed.binary_search_by_key(&entity, |collider| collider.entity).ok();
+    let mut places = Vec::new();
     for &(collider1, collider2) in &candidates.pairs {
         let (Some(a), Some(b)) = (place(collider1), place(collider2)) else {
             continue;
@@ -128,21 +135,30 @@ pub(crate) fn find_contacts(
         let pair = (collider1, collider2);
         if placed[a].changed || placed[b].changed {
             let mode = placed[a].placement.mode.max(placed[b].placement.mode);
-            let wanted = match mode {
-                CollisionMode::All => Wanted::All,
-                CollisionMode::First | CollisionMode::Any => Wanted::First,
-            };
-            tasks.push(PairTask { a, b, wanted });
             asked.push((pair, mode));
+            places.push((a, b));
         } else if let Some(contact) = previous.get(&pair) {
             current.insert(pair, contact.clone());
         }
     }
 
-    let body_of = |task: usize| placed[task].placement.body;
-    let bodies_of: Vec<_> = tasks.iter().map(|task| (body_of(task.a), body_of(task.b))).collect();
+    remember(asked, memories, next_memories);
+    let mut left = memories.iter_mut();
+    let mut tasks: Vec<_> = asked
+        .iter()
+        .zip(&places)
+        .map(|(&(_, mode), &(a, b))| match mode {
+            CollisionMode::All => PairTask::new(a, b, Wanted::All),
+            CollisionMode::First | CollisionMode::Any => PairTask {
+                memory: left.next().map(|(_, memory)| memory),
+                ..PairTask::new(a, b, Wanted::First)
+            },
+        })
+        .collect();
+    let body_of = |place: usize| placed[place].placement.body;
+    let bodies_of: Vec<_> = places.iter().map(|&(a, b)| (body_of(a), body_of(b))).collect();
     let mut bodies: Vec<_> = placed.into_iter().map(Placed::into_body).collect();
-    let answers = query.run(&mut bodies, tasks, &TaskPoolWorkers);
+    let answers = query.run(&mut bodies, &mut tasks, &TaskPoolWorkers);
     diagnostics.stats += answers.stats;
     for ((found, &(pair, mode)), (body1, body2)) in answers.iter().zip(&*asked).zip(bodies_of) {
         if found.is_empty() {
@@ -173,6 +189,24 @@ pub(crate) fn find_contacts(
         state.changed = state.placed.is_none();
     }
     diagnostics.duration += start.elapsed();
+}
+
+/// Makes `memories` those of the pairs that are asked for one pair of triangles, in their order: the ones there are, and new
+/// ones. Both are sorted.
+fn remember(
+    asked: &[((Entity, Entity), CollisionMode)],
+    memories: &mut Vec<((Entity, Entity), PairMemory)>,
+    next: &mut Vec<((Entity, Entity), PairMemory)>,
+) {
+    let mut known = memories.drain(..).peekable();
+    next.clear();
+    for &(pair, _) in asked.iter().filter(|(_, mode)| *mode != CollisionMode::All) {
+        while known.next_if(|(other, _)| *other < pair).is_some() {}
+        let memory = known.next_if(|(other, _)| *other == pair);
+        next.push(memory.unwrap_or_else(|| (pair, PairMemory::new(Remember::default()))));
+    }
+    drop(known);
+    std::mem::swap(memories, next);
 }
 
 /// A collider that takes part.

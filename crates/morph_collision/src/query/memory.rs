@@ -7,8 +7,8 @@ use crate::pose::Place;
 use crate::traverse::Trace;
 use crate::tree::{Leaf, MorphBvh};
 
-/// What a [`PairMemory`] keeps from one frame to the next; nothing by default.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// What a [`PairMemory`] keeps from one frame to the next; by default the witness, which wins wherever it was measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Remember {
     /// The distance by which a pair was proved apart. The pair is not looked at again until the bodies could have moved
     /// as far, by their weights and by their placements relative to each other. Needs a first body that can be inverted.
@@ -18,6 +18,24 @@ pub struct Remember {
     /// The two leaves whose triangles intersected when one pair was asked for: they are tried before anything else. For
     /// [`PairQuery::first_with`](crate::PairQuery::first_with).
     pub witness: bool,
+}
+
+impl Remember {
+    /// Nothing at all.
+    pub const NOTHING: Self = Self {
+        separation: false,
+        front: false,
+        witness: false,
+    };
+}
+
+impl Default for Remember {
+    fn default() -> Self {
+        Self {
+            witness: true,
+            ..Self::NOTHING
+        }
+    }
 }
 
 /// Walks in a row that may start from a front before one starts from the roots again: a front only ever grows.
@@ -49,7 +67,7 @@ const FRONT_WALKS: u32 = 16;
 /// ```
 #[derive(Debug)]
 pub struct PairMemory {
-    remember: Remember,
+    pub(super) remember: Remember,
     trees: Option<[Arc<MorphBvh>; 2]>,
     pub(super) front: Vec<(Place, Place)>,
     pub(super) trace: Trace,

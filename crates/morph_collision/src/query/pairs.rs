@@ -267,9 +267,14 @@ impl PairQuery {
                     ControlFlow::Continue(())
                 }
                 Start::Memory(PairMemory {
-                    front, trace, witness, ..
+                    remember,
+                    front,
+                    trace,
+                    witness,
+                    ..
                 }) => {
-                    walk.trace = Some(trace);
+                    // Tracing takes time.
+                    walk.trace = (remember.front || remember.separation).then_some(trace);
                     let flow = walk.run(stack, front, at_leaves);
                     *witness = stopped_at;
                     flow

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use crate::scenes::{self, Scene};
 use morph_collision::{
-    BatchQuery, Body, BuildOptions, MorphBvh, OneThread, PairQuery, PairTask, Pose, ThreadWorkers, TrianglePair,
-    Wanted, Workers, WorldFromModel,
+    BatchQuery, Body, BuildOptions, MorphBvh, OneThread, PairMemory, PairQuery, PairTask, Pose, Remember,
+    ThreadWorkers, TrianglePair, Wanted, Workers, WorldFromModel,
 };
 
 struct Bodies {
@@ -39,15 +39,15 @@ impl Bodies {
         }
     }
 
-    fn tasks(&self, wanted: Wanted) -> Vec<PairTask> {
+    fn tasks(&self, wanted: Wanted) -> Vec<PairTask<'static>> {
         let count = self.poses.len();
         let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
-        pairs.map(|(a, b)| PairTask { a, b, wanted }).collect()
+        pairs.map(|(a, b)| PairTask::new(a, b, wanted)).collect()
     }
 
-    fn one_by_one(&mut self, tasks: &[PairTask]) -> Vec<Vec<TrianglePair>> {
+    fn one_by_one(&mut self, tasks: &[PairTask<'_>]) -> Vec<Vec<TrianglePair>> {
         let mut query = PairQuery::new();
-        let answer = |task: &PairTask| {
+        let answer = |task: &PairTask<'_>| {
             let [a, b] = self.poses.get_disjoint_mut([task.a, task.b]).unwrap();
             let (a, b) = (Body::new(a, &self.places[task.a]), Body::new(b, &self.places[task.b]));
             let mut found = Vec::new();
@@ -62,7 +62,12 @@ impl Bodies {
         tasks.iter().map(answer).collect()
     }
 
-    fn batch(&mut self, query: &mut BatchQuery, tasks: &[PairTask], workers: &dyn Workers) -> Vec<Vec<TrianglePair>> {
+    fn batch(
+        &mut self,
+        query: &mut BatchQuery,
+        tasks: &mut [PairTask<'_>],
+        workers: &dyn Workers,
+    ) -> Vec<Vec<TrianglePair>> {
         let bodies = self.poses.iter_mut().zip(&self.places);
         let mut bodies: Vec<_> = bodies.map(|(pose, place)| Body::new(pose, place)).collect();
         let answers = query.run(&mut bodies, tasks, workers);
@@ -100,7 +105,7 @@ fn any_number_of_threads_finds_what_one_query_at_a_time_finds_in_the_same_order(
     ] {
         for wanted in [Wanted::All, Wanted::First] {
             let mut bodies = Bodies::new(&scene);
-            let tasks = bodies.tasks(wanted);
+            let mut tasks = bodies.tasks(wanted);
             let expected = bodies.one_by_one(&tasks);
             touching += expected.iter().map(Vec::len).sum::<usize>();
             let mut query = BatchQuery::new();
@@ -108,7 +113,7 @@ fn any_number_of_threads_finds_what_one_query_at_a_time_finds_in_the_same_order(
             for workers in workers {
                 // Fresh caches, and ones that are full.
                 for mut bodies in [Bodies::new(&scene), Bodies::new(&scene)] {
-                    let found = bodies.batch(&mut query, &tasks, workers);
+                    let found = bodies.batch(&mut query, &mut tasks, workers);
                     assert_eq!(
                         found,
                         expected,
@@ -116,7 +121,7 @@ fn any_number_of_threads_finds_what_one_query_at_a_time_finds_in_the_same_order(
                         scene.name,
                         workers.count()
                     );
-                    assert_eq!(bodies.batch(&mut query, &tasks, workers), expected);
+                    assert_eq!(bodies.batch(&mut query, &mut tasks, workers), expected);
                 }
             }
         }
@@ -127,18 +132,18 @@ fn any_number_of_threads_finds_what_one_query_at_a_time_finds_in_the_same_order(
 #[test]
 fn tight_volumes_change_no_answer() {
     let mut bodies = Bodies::new(&scenes::pass_through(200));
-    let tasks = bodies.tasks(Wanted::All);
+    let mut tasks = bodies.tasks(Wanted::All);
     let sorted = |found: Vec<Vec<TrianglePair>>| {
         let mut pairs = found.concat();
         pairs.sort_unstable();
         pairs
     };
     let expected = sorted(bodies.one_by_one(&tasks));
-    let (loose, _) = work(&mut bodies, &tasks);
+    let (loose, _) = work(&mut bodies, &mut tasks);
     for pose in &mut bodies.poses {
         pose.refit();
     }
-    let (tight, found) = work(&mut bodies, &tasks);
+    let (tight, found) = work(&mut bodies, &mut tasks);
     assert_eq!(sorted(found), expected);
     assert!(tight < loose, "{tight} node tests, {loose} before");
     // Other weights, and the same again: what was tight is forgotten.
@@ -147,10 +152,10 @@ fn tight_volumes_change_no_answer() {
         pose.set_weights(&vec![0.0; weights.len()]).unwrap();
         pose.set_weights(&weights).unwrap();
     }
-    assert_eq!(work(&mut bodies, &tasks).0, loose);
+    assert_eq!(work(&mut bodies, &mut tasks).0, loose);
 }
 
-fn work(bodies: &mut Bodies, tasks: &[PairTask]) -> (u64, Vec<Vec<TrianglePair>>) {
+fn work(bodies: &mut Bodies, tasks: &mut [PairTask<'_>]) -> (u64, Vec<Vec<TrianglePair>>) {
     let each = bodies.poses.iter_mut().zip(&bodies.places);
     let mut placed: Vec<_> = each.map(|(pose, place)| Body::new(pose, place)).collect();
     let mut query = BatchQuery::new();
@@ -165,15 +170,43 @@ fn work(bodies: &mut Bodies, tasks: &[PairTask]) -> (u64, Vec<Vec<TrianglePair>>
 fn tasks_that_make_no_sense_find_nothing_and_the_others_are_done() {
     let mut bodies = Bodies::new(&scenes::pass_through(200));
     let wanted = Wanted::All;
-    let tasks = [(0, 0), (0, 1), (1, 7), (7, 8)].map(|(a, b)| PairTask { a, b, wanted });
+    let mut tasks = [(0, 0), (0, 1), (1, 7), (7, 8)].map(|(a, b)| PairTask::new(a, b, wanted));
     let expected = bodies.one_by_one(&tasks[1..2]);
     for workers in [1, 2, 5] {
-        let found = bodies.batch(&mut BatchQuery::new(), &tasks, &threads(workers));
+        let found = bodies.batch(&mut BatchQuery::new(), &mut tasks, &threads(workers));
         assert_eq!(found[1], expected[0]);
         assert!(found[0].is_empty() && found[2].is_empty() && found[3].is_empty());
     }
     let mut query = BatchQuery::new();
-    let answers = query.run(&mut [], &tasks, &OneThread);
+    let answers = query.run(&mut [], &mut tasks, &OneThread);
     assert_eq!(answers.iter().count(), 4);
     assert!(answers.get(1).is_empty() && answers.get(99).is_empty());
+}
+
+#[test]
+fn memories_are_used_and_change_no_answer() {
+    let mut memories: Vec<PairMemory> = Vec::new();
+    let mut query = BatchQuery::new();
+    let mut touching = 0;
+    for frame in 200..230 {
+        let scene = scenes::dolphins(frame);
+        let mut bodies = Bodies::new(&scene);
+        let tasks = bodies.tasks(Wanted::First);
+        let plain = bodies.one_by_one(&tasks);
+        memories.resize_with(tasks.len(), || PairMemory::new(Remember::default()));
+        let mut remembering: Vec<_> = tasks
+            .iter()
+            .zip(&mut memories)
+            .map(|(task, memory)| PairTask {
+                memory: Some(memory),
+                ..PairTask::new(task.a, task.b, task.wanted)
+            })
+            .collect();
+        let found = Bodies::new(&scene).batch(&mut query, &mut remembering, &threads(3));
+        for (found, plain) in found.iter().zip(&plain) {
+            assert_eq!(found.is_empty(), plain.is_empty());
+            touching += plain.len();
+        }
+    }
+    assert!(touching > 10, "{touching}");
 }

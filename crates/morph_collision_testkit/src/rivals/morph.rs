@@ -26,7 +26,7 @@ pub(super) struct Morph {
 }
 
 /// What `morph` can be told beside how to build its trees; no answer depends on it.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct MorphTuning {
     /// Along which axes nodes are compared.
     pub axes: SeparatingAxes,
@@ -41,6 +41,16 @@ pub(super) enum Follow {
     Lazily,
     /// All of them fitted at once, tightly.
     AtOnce,
+}
+
+impl Default for MorphTuning {
+    /// Nothing is kept: each frame by itself.
+    fn default() -> Self {
+        Self {
+            axes: SeparatingAxes::default(),
+            remember: Remember::NOTHING,
+        }
+    }
 }
 
 impl Morph {
@@ -104,7 +114,7 @@ impl Method for Morph {
             remember,
             ..
         } = self;
-        let memory = (*remember != Remember::default())
+        let memory = (*remember != Remember::NOTHING)
             .then(|| memories.entry((a, b)).or_insert_with(|| PairMemory::new(*remember)));
         let push = |pair| {
             pairs.push(pair);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::bounds::WorldFromModel;
 use crate::pose::Place;
-use crate::query::{Body, PairQuery, QueryStats};
+use crate::query::{Body, PairMemory, PairQuery, QueryStats};
 use crate::tree::MorphBvh;
 
 /// How many intersecting pairs of triangles are wanted of two bodies.
@@ -19,14 +19,30 @@ pub enum Wanted {
 }
 
 /// Two bodies of a batch, by their places in it, and what is wanted of them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct PairTask {
+#[derive(Debug)]
+pub struct PairTask<'m> {
     /// The first body.
     pub a: usize,
     /// The second one. A task with bodies that are not there, or with one body twice, finds nothing.
     pub b: usize,
     /// What is wanted.
     pub wanted: Wanted,
+    /// What is remembered of these two bodies, if anything; what [`PairQuery::first_with`] and [`PairQuery::visit_with`] do with
+    /// it. A first pair may then be another one than without.
+    pub memory: Option<&'m mut PairMemory>,
+}
+
+impl PairTask<'_> {
+    /// Without a memory.
+    #[must_use]
+    pub fn new(a: usize, b: usize, wanted: Wanted) -> Self {
+        Self {
+            a,
+            b,
+            wanted,
+            memory: None,
+        }
+    }
 }
 
 /// A pair with fewer triangles than this, both bodies together, is one unit; so is one of which only the first intersecting
@@ -81,7 +97,7 @@ pub(super) struct Plan {
 
 impl Plan {
     /// Cuts large pairs into parts if there are too few tasks to keep the workers busy.
-    pub(super) fn new(bodies: &mut [Body<'_>], tasks: &[PairTask], workers: usize, query: &mut PairQuery) -> Self {
+    pub(super) fn new(bodies: &mut [Body<'_>], tasks: &[PairTask<'_>], workers: usize, query: &mut PairQuery) -> Self {
         let mut plan = Self::default();
         for (index, task) in tasks.iter().enumerate() {
             let Ok([a, b]) = bodies.get_disjoint_mut([task.a, task.b]) else {
@@ -91,6 +107,7 @@ impl Plan {
             let cut = workers > 1
                 && tasks.len() < 2 * workers
                 && task.wanted == Wanted::All
+                && task.memory.is_none()
                 && triangles.iter().sum::<usize>() >= LARGE
                 && a.pose.blends_from_references()
                 && b.pose.blends_from_references();

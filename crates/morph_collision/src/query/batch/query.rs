@@ -1,6 +1,6 @@
 use std::iter;
 use std::ops::{ControlFlow, Range};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::plan::{LargeSide, PairTask, Plan, Unit, Wanted};
 use super::schedule::Schedule;
@@ -22,10 +22,10 @@ use crate::query::{Body, PairQuery, QueryStats, SeparatingAxes, TrianglePair};
 /// let mut poses = [Pose::new(bvh.clone()), Pose::new(bvh.clone()), Pose::new(bvh)];
 /// poses[1].set_weights(&[2.0])?; // lifts the triangle to z = 2
 /// let mut bodies: Vec<Body<'_>> = poses.iter_mut().map(|pose| Body::new(pose, &WorldFromModel::IDENTITY)).collect();
-/// let tasks = [(0, 1), (0, 2)].map(|(a, b)| PairTask { a, b, wanted: Wanted::All });
+/// let mut tasks = [(0, 1), (0, 2)].map(|(a, b)| PairTask::new(a, b, Wanted::All));
 ///
 /// let mut query = BatchQuery::new();
-/// let answers = query.run(&mut bodies, &tasks, &OneThread);
+/// let answers = query.run(&mut bodies, &mut tasks, &OneThread);
 /// assert!(answers.get(0).is_empty());
 /// assert_eq!(answers.get(1).len(), 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -95,7 +95,12 @@ impl BatchQuery {
     }
 
     /// Does every task.
-    pub fn run(&mut self, bodies: &mut [Body<'_>], tasks: &[PairTask], workers: &dyn Workers) -> BatchAnswers<'_> {
+    pub fn run(
+        &mut self,
+        bodies: &mut [Body<'_>],
+        tasks: &mut [PairTask<'_>],
+        workers: &dyn Workers,
+    ) -> BatchAnswers<'_> {
         let count = workers.count().max(1);
         let axes = self.axes;
         let worker = || {
@@ -111,12 +116,13 @@ impl BatchQuery {
             unlocked(worker).begin();
         }
         let plan = Plan::new(bodies, tasks, count, &mut unlocked(&mut self.workers[0]).query);
+        let count_of_tasks = tasks.len();
         let batch = Batch::new(bodies, tasks, &plan);
         let own = &self.workers;
         let work = |worker: usize| {
             // A number out of range has nothing to do: the others do it all.
             if let Some(worker) = own.get(worker) {
-                batch.work(&mut worker.lock().unwrap_or_else(PoisonError::into_inner));
+                batch.work(&mut locked(worker));
             }
         };
         if plan.larges.is_empty() && plan.units.len() < FEW {
@@ -124,7 +130,7 @@ impl BatchQuery {
         } else {
             workers.run(&work);
         }
-        self.gather(&plan, tasks.len())
+        self.gather(&plan, count_of_tasks)
     }
 
     /// Puts what the workers found in the order of tasks and units.
@@ -157,25 +163,33 @@ impl BatchQuery {
     }
 }
 
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 fn unlocked(worker: &mut Mutex<Worker>) -> &mut Worker {
     worker.get_mut().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A batch while it is worked on.
-struct Batch<'a, 'b> {
+struct Batch<'a, 'b, 'm> {
     /// Locked without waiting: the schedule keeps units apart that need the same one.
     bodies: Vec<Mutex<&'a mut Body<'b>>>,
-    tasks: &'a [PairTask],
+    /// The bodies of each task.
+    pairs: Vec<[usize; 2]>,
+    /// Locked without waiting: a task is done once.
+    tasks: Vec<Mutex<&'a mut PairTask<'m>>>,
     plan: &'a Plan,
     schedule: Schedule,
 }
 
-impl<'a, 'b> Batch<'a, 'b> {
-    fn new(bodies: &'a mut [Body<'b>], tasks: &'a [PairTask], plan: &'a Plan) -> Self {
+impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
+    fn new(bodies: &'a mut [Body<'b>], tasks: &'a mut [PairTask<'m>], plan: &'a Plan) -> Self {
         Self {
             schedule: Schedule::new(plan.units.len(), bodies.len()),
             bodies: bodies.iter_mut().map(Mutex::new).collect(),
-            tasks,
+            pairs: tasks.iter().map(|task| [task.a, task.b]).collect(),
+            tasks: tasks.iter_mut().map(Mutex::new).collect(),
             plan,
         }
     }
@@ -183,13 +197,13 @@ impl<'a, 'b> Batch<'a, 'b> {
     /// Does units until none is left.
     fn work(&self, worker: &mut Worker) {
         let bodies_of = |unit: usize| match self.plan.units[unit] {
-            Unit::Whole(task) => Some([self.tasks[task].a, self.tasks[task].b]),
+            Unit::Whole(task) => Some(self.pairs[task]),
             Unit::Part { .. } => None,
         };
         while let Some(index) = self.schedule.take(bodies_of) {
             let start = worker.found.len();
             match self.plan.units[index] {
-                Unit::Whole(task) => self.whole(&self.tasks[task], worker),
+                Unit::Whole(task) => self.whole(task, worker),
                 Unit::Part { large, part } => self.part(large, part, worker),
             }
             worker.done.push((index, start..worker.found.len()));
@@ -199,24 +213,33 @@ impl<'a, 'b> Batch<'a, 'b> {
         }
     }
 
-    fn whole(&self, task: &PairTask, worker: &mut Worker) {
-        let [mut a, mut b] =
-            [task.a, task.b].map(|body| self.bodies[body].lock().unwrap_or_else(PoisonError::into_inner));
+    fn whole(&self, task: usize, worker: &mut Worker) {
+        let [mut a, mut b] = self.pairs[task].map(|body| locked(&self.bodies[body]));
+        let mut task = locked(&self.tasks[task]);
         let Worker {
             query, found, stats, ..
         } = worker;
         let (a, b) = (&mut **a, &mut **b);
-        let bodies = (
+        let (a, b) = (
             Body::new(&mut *a.pose, a.world_from_model),
             Body::new(&mut *b.pose, b.world_from_model),
         );
-        *stats += query.visit(bodies.0, bodies.1, |pair| {
+        let mut push = |pair| {
             found.push(pair);
-            match task.wanted {
-                Wanted::All => ControlFlow::Continue(()),
-                Wanted::First => ControlFlow::Break(()),
+            ControlFlow::Continue(())
+        };
+        *stats += match (task.wanted, &mut task.memory) {
+            (Wanted::All, None) => query.visit(a, b, push),
+            (Wanted::All, Some(memory)) => query.visit_with(memory, a, b, push),
+            (Wanted::First, memory) => {
+                let (first, stats) = match memory {
+                    None => query.first(a, b),
+                    Some(memory) => query.first_with(memory, a, b),
+                };
+                let _ = first.map(&mut push);
+                stats
             }
-        });
+        };
     }
 
     /// All pairs of a part.

@@ -93,8 +93,8 @@ pub(crate) fn memory(_: &Experiment) -> Vec<Candidate> {
         witness,
     };
     vec![
-        row("default", lite, Remember::default()),
-        row("full SAT", SeparatingAxes::Full, Remember::default()),
+        row("default", lite, Remember::NOTHING),
+        row("full SAT", SeparatingAxes::Full, Remember::NOTHING),
         row("witness", lite, remember(false, false, true)),
         row("separation", lite, remember(true, false, false)),
         row("separation and witness", lite, remember(true, false, true)),

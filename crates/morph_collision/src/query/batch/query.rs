@@ -42,6 +42,9 @@ pub struct BatchQuery {
 /// So few pairs are done sooner than another thread wakes up.
 const FEW: usize = 16;
 
+/// Pairs that a worker takes from the schedule at a time, at most.
+const MOST_AT_ONCE: usize = 8;
+
 /// What a worker has of its own.
 #[derive(Debug, Default)]
 struct Worker {
@@ -117,7 +120,7 @@ impl BatchQuery {
         }
         let plan = Plan::new(bodies, tasks, count, &mut unlocked(&mut self.workers[0]).query);
         let count_of_tasks = tasks.len();
-        let batch = Batch::new(bodies, tasks, &plan);
+        let batch = Batch::new(bodies, tasks, &plan, count);
         let own = &self.workers;
         let work = |worker: usize| {
             // A number out of range has nothing to do: the others do it all.
@@ -181,11 +184,13 @@ struct Batch<'a, 'b, 'm> {
     tasks: Vec<Mutex<&'a mut PairTask<'m>>>,
     plan: &'a Plan,
     schedule: Schedule,
+    workers: usize,
 }
 
 impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
-    fn new(bodies: &'a mut [Body<'b>], tasks: &'a mut [PairTask<'m>], plan: &'a Plan) -> Self {
+    fn new(bodies: &'a mut [Body<'b>], tasks: &'a mut [PairTask<'m>], plan: &'a Plan, workers: usize) -> Self {
         Self {
+            workers,
             schedule: Schedule::new(plan.units.len(), bodies.len()),
             bodies: bodies.iter_mut().map(Mutex::new).collect(),
             pairs: tasks.iter().map(|task| [task.a, task.b]).collect(),
@@ -200,16 +205,18 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
             Unit::Whole(task) => Some(self.pairs[task]),
             Unit::Part { .. } => None,
         };
-        while let Some(index) = self.schedule.take(bodies_of) {
-            let start = worker.found.len();
-            match self.plan.units[index] {
-                Unit::Whole(task) => self.whole(task, worker),
-                Unit::Part { large, part } => self.part(large, part, worker),
+        let most = (self.plan.units.len() / (4 * self.workers)).clamp(1, MOST_AT_ONCE);
+        let mut units = Vec::with_capacity(most);
+        while self.schedule.take(most, bodies_of, &mut units) {
+            for &index in &units {
+                let start = worker.found.len();
+                match self.plan.units[index] {
+                    Unit::Whole(task) => self.whole(task, worker),
+                    Unit::Part { large, part } => self.part(large, part, worker),
+                }
+                worker.done.push((index, start..worker.found.len()));
             }
-            worker.done.push((index, start..worker.found.len()));
-            if let Some(bodies) = bodies_of(index) {
-                self.schedule.free(bodies);
-            }
+            self.schedule.free(units.drain(..).filter_map(bodies_of));
         }
     }
 

@@ -28,31 +28,47 @@ impl Schedule {
         }
     }
 
-    /// The next unit whose bodies are free, which then are busy; waits while there are only others. `None` when none is left.
-    pub(super) fn take(&self, bodies_of: impl Fn(usize) -> Option<[usize; 2]>) -> Option<usize> {
-        let mut state = self.lock();
+    /// The next units, up to so many, whose bodies are free, which then are busy: one, and those after it of the same first
+    /// body, whose cache stays where it is. Waits while there are only others; says if there are any.
+    pub(super) fn take(
+        &self,
+        most: usize,
+        bodies_of: impl Fn(usize) -> Option<[usize; 2]>,
+        units: &mut Vec<usize>,
+    ) -> bool {
+        let mut guard = self.lock();
         loop {
-            if state.left.is_empty() {
-                return None;
+            let State { left, busy } = &mut *guard;
+            if left.is_empty() {
+                return false;
             }
-            let free = |&unit: &usize| bodies_of(unit).is_none_or(|[a, b]| !state.busy[a] && !state.busy[b]);
-            if let Some(place) = state.left.iter().rposition(free) {
-                let unit = state.left.swap_remove(place);
-                if let Some([a, b]) = bodies_of(unit) {
-                    state.busy[a] = true;
-                    state.busy[b] = true;
+            let free = |&unit: &usize| bodies_of(unit).is_none_or(|[a, b]| !busy[a] && !busy[b]);
+            let Some(place) = left.iter().rposition(free) else {
+                guard = self.freed.wait(guard).unwrap_or_else(PoisonError::into_inner);
+                continue;
+            };
+            let mut first = place;
+            if let Some([a, b]) = bodies_of(left[place]) {
+                (busy[a], busy[b]) = (true, true);
+                while first > 0 && place - first + 1 < most {
+                    match bodies_of(left[first - 1]) {
+                        Some([same, other]) if same == a && !busy[other] => busy[other] = true,
+                        _ => break,
+                    }
+                    first -= 1;
                 }
-                return Some(unit);
             }
-            state = self.freed.wait(state).unwrap_or_else(PoisonError::into_inner);
+            units.extend(left.drain(first..=place).rev());
+            return true;
         }
     }
 
-    /// Frees the bodies of a unit that is done.
-    pub(super) fn free(&self, [a, b]: [usize; 2]) {
+    /// Frees bodies of units that are done.
+    pub(super) fn free(&self, bodies: impl Iterator<Item = [usize; 2]>) {
         let mut state = self.lock();
-        state.busy[a] = false;
-        state.busy[b] = false;
+        for [a, b] in bodies {
+            (state.busy[a], state.busy[b]) = (false, false);
+        }
         drop(state);
         self.freed.notify_all();
     }

@@ -16,7 +16,7 @@ use std::process::ExitCode;
 
 use morph_collision_testkit::bench;
 
-use sections::{Context, SECTIONS};
+use sections::{Context, SECTIONS, Section};
 
 const USAGE: &str = "usage: report [--quick] [--every N] [--rounds N] [--only PLACE]... PAGE.md";
 
@@ -83,9 +83,6 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Args, String> {
 fn run(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
     // Read before anything is measured, so that a wrong path costs nothing.
     let mut page = document::Page::read(&args.page)?;
-    if bench::pin().is_none() {
-        eprintln!("cannot pin this thread to a core; times will vary more");
-    }
     page.replace("machine", &render::machine(args.every, args.rounds))?;
     let context = Context {
         every: args.every,
@@ -94,10 +91,21 @@ fn run(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
         plots: args.page.with_file_name("plots"),
     };
     let wanted = |name: &str| args.only.is_empty() || args.only.iter().any(|only| only == name);
-    for section in SECTIONS.iter().filter(|section| wanted(section.name)) {
-        let old = page.content(section.name)?.to_owned();
-        page.replace(section.name, &(section.make)(&context, &old)?)?;
-        page.write()?;
+    let (on_all_cores, on_one): (Vec<_>, Vec<_>) = SECTIONS
+        .iter()
+        .filter(|section| wanted(section.name))
+        .partition(|section| section.uses_all_cores());
+    let mut fill = |sections: &[&Section]| -> Result<(), Box<dyn std::error::Error>> {
+        for section in sections {
+            let old = page.content(section.name)?.to_owned();
+            page.replace(section.name, &(section.make)(&context, &old)?)?;
+            page.write()?;
+        }
+        Ok(())
+    };
+    fill(&on_all_cores)?;
+    if bench::pin().is_none() {
+        eprintln!("cannot pin this thread to a core; times will vary more");
     }
-    Ok(())
+    fill(&on_one)
 }

@@ -1,8 +1,10 @@
 //! The places of the page and what fills them, a file each for those that are more than a sweep.
 
 mod error;
+mod kernels;
 mod paper;
 mod scale;
+mod threads;
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -28,6 +30,13 @@ pub(crate) struct Context {
 pub(crate) struct Section {
     pub(crate) name: &'static str,
     pub(crate) make: Make,
+}
+
+impl Section {
+    /// Whether it is about several cores, and so not to be kept on one.
+    pub(crate) fn uses_all_cores(&self) -> bool {
+        self.name == "threads"
+    }
 }
 
 type Make = fn(&Context, &str) -> Result<String, Box<dyn Error>>;
@@ -72,6 +81,14 @@ pub(crate) const SECTIONS: &[Section] = &[
     Section {
         name: "error",
         make: error::error,
+    },
+    Section {
+        name: "kernels",
+        make: kernels::kernels,
+    },
+    Section {
+        name: "threads",
+        make: threads::threads,
     },
     Section {
         name: "scale",

@@ -22,7 +22,7 @@ test:
 
 # What only features have.
 test-features:
-    cargo test -p morph_collision --features serde --lib tree::
+    cargo test -p morph_collision --features serde,rayon --lib --test truth -- tree:: batch::
 
 # The same bits in debug and release, for every kind of volume, on any number of threads.
 determinism:

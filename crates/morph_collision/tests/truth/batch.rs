@@ -81,6 +81,16 @@ fn threads(count: usize) -> ThreadWorkers {
     }
 }
 
+#[cfg(feature = "rayon")]
+fn rayon() -> Option<&'static dyn Workers> {
+    Some(&morph_collision::RayonWorkers)
+}
+
+#[cfg(not(feature = "rayon"))]
+fn rayon() -> Option<&'static dyn Workers> {
+    None
+}
+
 /// Calls that come one after the other, as the trait allows.
 struct OneAfterTheOther;
 
@@ -109,8 +119,10 @@ fn any_number_of_threads_finds_what_one_query_at_a_time_finds_in_the_same_order(
             let expected = bodies.one_by_one(&tasks);
             touching += expected.iter().map(Vec::len).sum::<usize>();
             let mut query = BatchQuery::new();
-            let workers: [&dyn Workers; 5] = [&OneThread, &threads(2), &threads(3), &threads(8), &OneAfterTheOther];
-            for workers in workers {
+            let (two, three, eight) = (threads(2), threads(3), threads(8));
+            let mut all: Vec<&dyn Workers> = vec![&OneThread, &two, &three, &eight, &OneAfterTheOther];
+            all.extend(rayon());
+            for workers in all {
                 // Fresh caches, and ones that are full.
                 for mut bodies in [Bodies::new(&scene), Bodies::new(&scene)] {
                     let found = bodies.batch(&mut query, &mut tasks, workers);

@@ -153,30 +153,34 @@ fn situation(rng: &mut Pcg64Mcg, family: Family, size: f32) -> ([Placed; 2], Nei
     } else {
         Vec3::ZERO
     };
-    let stretch = linear
-        .x_axis
-        .length()
-        .max(linear.y_axis.length())
-        .max(linear.z_axis.length());
-    let world_size = f64::from(size) * f64::from(stretch);
+    let pairs: Vec<_> = (0..rng.random_range(1..=LANES)).map(|_| family.pair(rng)).collect();
+    let mut posed = [0, 1].map(|side| -> Vec<[Vec3; 3]> {
+        let corners = |pair: &[Triangle; 2]| pair[side].map(|p| p.as_vec3() + shift);
+        pairs.iter().map(corners).collect()
+    });
+    // Within what a pose may be, also when turned.
+    let reach = posed
+        .iter()
+        .flatten()
+        .flatten()
+        .fold(1.0, |reach, p| p.abs().max_element().max(reach));
+    let size = size.min(1e37 / 64.0 / reach);
+    let stretch = [linear.x_axis, linear.y_axis, linear.z_axis].map(Vec3A::length);
+    let world_size = f64::from(size) * f64::from(stretch.into_iter().fold(0.0, f32::max));
     let translation = match rng.random_range(0..3) {
         0 => DVec3::ZERO,
         1 => vector(rng).as_dvec3() * world_size,
         _ => vector(rng).as_dvec3() * world_size * 1e6,
     };
-    let mut posed = [Vec::new(), Vec::new()];
-    let pairs = rng.random_range(1..=LANES);
-    for _ in 0..pairs {
-        for (posed, triangle) in posed.iter_mut().zip(family.pair(rng)) {
-            posed.push(triangle.map(|p| (p.as_vec3() + shift) * size));
-        }
+    for point in posed.iter_mut().flatten().flatten() {
+        *point *= size;
     }
+    let [posed, mut others] = posed;
     // Patches of different lengths.
-    posed[1].truncate(rng.random_range(1..=LANES));
-    let [a, b] = posed;
-    let b = turned(rng, &b, linear, translation);
+    others.truncate(rng.random_range(1..=LANES));
+    let b = turned(rng, &others, linear, translation);
     let a = Placed {
-        posed: a,
+        posed,
         place: world_from(linear, translation),
     };
     let near = a.place.transform_point(a.posed[0][0]);

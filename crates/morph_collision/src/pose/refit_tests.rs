@@ -60,7 +60,7 @@ fn refitted(rng: &mut Pcg64Mcg, volume: VolumeKind) -> Pose {
 fn each_volume<V: Volume>(
     posed: &mut Posed<'_, V>,
     group: usize,
-    visit: &mut dyn FnMut(&V::One, &[Vec3], bool),
+    visit: &mut impl FnMut(&V::One, &[Vec3], bool),
 ) -> Vec<Vec3> {
     let slot = posed.open(group);
     let topology = posed.topology;
@@ -115,7 +115,6 @@ fn refitted_boxes_are_the_boxes_of_the_posed_vertices() {
             assert_eq!((volume.min, volume.max), (tight.min.to_array(), tight.max.to_array()));
             leaves += u32::from(is_leaf);
         });
-        drop(posed);
         assert_eq!(pose.bounds(), pose.tight_bounds());
     }
     assert!(leaves > 1000, "{leaves}");

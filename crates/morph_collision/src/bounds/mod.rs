@@ -10,6 +10,8 @@ mod gap;
 mod kernel;
 mod lanes;
 #[cfg(test)]
+mod levels;
+#[cfg(test)]
 mod probe;
 mod rounding;
 mod slabs;
@@ -25,6 +27,8 @@ pub(crate) use gap::{Box64, GapFrame};
 pub use kernel::Kernel;
 pub(crate) use kernel::with_simd;
 pub(crate) use lanes::{LANES, Lanes};
+#[cfg(test)]
+pub(crate) use levels::levels;
 #[cfg(test)]
 pub(crate) use probe::{ExactPoint, Probe};
 pub(crate) use rounding::{U64, down, up};

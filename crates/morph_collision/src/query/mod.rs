@@ -37,3 +37,6 @@ pub use ray::{Facing, RayHit, RayQuery};
 pub use self_pairs::SelfQuery;
 pub use shape::{PlacedShape, Shape, ShapeContact, ShapeError, ShapeQuery, WorldFromShape};
 pub use stats::QueryStats;
+
+#[cfg(test)]
+mod patch_tests;

@@ -34,4 +34,6 @@ pub(crate) use tables::{GroupTables, Tables};
 pub(crate) use topology::{Child, ChildKind, Leaf, LeafMesh, Topology};
 
 #[cfg(test)]
+mod sah_tests;
+#[cfg(test)]
 mod tests;

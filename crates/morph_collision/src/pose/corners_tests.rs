@@ -1,0 +1,134 @@
+//! Corners that are blended side by side against the definition of a posed vertex, bit for bit but for the sign of a zero.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use super::{Pose, Posed, with_posed};
+use crate::bounds::{LANES, Lanes, Volume, levels};
+use crate::model::MorphModel;
+use crate::tree::{BuildOptions, Leaf, MorphBvh, Split};
+
+/// Coordinates of many sizes, some of them zero of either sign.
+fn vector(rng: &mut Pcg64Mcg) -> Vec3 {
+    let mut coordinate = || match rng.random_range(0..8) {
+        0 => 0.0,
+        1 => -0.0,
+        _ => rng.random_range(-1.0..1.0_f32) * 2_f32.powi(rng.random_range(-30..3)),
+    };
+    Vec3::new(coordinate(), coordinate(), coordinate())
+}
+
+/// Random triangles over random vertices, of which each target moves such a share.
+fn model(rng: &mut Pcg64Mcg, triangles: usize, targets: usize, moved: f64) -> Arc<MorphModel> {
+    let vertices = rng.random_range(3..=triangles + 2);
+    let base: Vec<Vec3> = (0..vertices).map(|_| vector(rng)).collect();
+    let corner = |rng: &mut Pcg64Mcg| rng.random_range(0..vertices as u32);
+    let triangles: Vec<[u32; 3]> = (0..triangles)
+        .map(|_| [corner(rng), corner(rng), corner(rng)])
+        .collect();
+    let displacement = |rng: &mut Pcg64Mcg| {
+        if rng.random_bool(moved) {
+            vector(rng)
+        } else {
+            Vec3::ZERO
+        }
+    };
+    let targets: Vec<Vec<Vec3>> = (0..targets)
+        .map(|_| (0..vertices).map(|_| displacement(rng)).collect())
+        .collect();
+    Arc::new(MorphModel::from_displacements(&base, &triangles, &targets).unwrap())
+}
+
+/// Zero of either sign, one, within and beyond these, negative, tiny and huge.
+fn weights(rng: &mut Pcg64Mcg, targets: usize) -> Vec<f32> {
+    let mut weight = || match rng.random_range(0..8) {
+        0 | 1 => 0.0,
+        2 => -0.0,
+        3 => 1.0,
+        4 => rng.random_range(-1e-6..1e-6),
+        5 => rng.random_range(-1e6..1e6),
+        _ => rng.random_range(-3.0..3.0),
+    };
+    (0..targets).map(|_| weight()).collect()
+}
+
+/// How the corners of a tree's leaves are to come about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Way {
+    SideBySide,
+    Gathered,
+}
+
+fn judge(rng: &mut Pcg64Mcg, model: &Arc<MorphModel>, leaf_size: usize, way: Way) {
+    // Full leaves.
+    let options = BuildOptions::default().with_leaf_size(leaf_size).with_split(Split::Sah);
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(model.clone(), &options).unwrap()));
+    for _ in 0..4 {
+        pose.set_weights(&weights(rng, model.target_count())).unwrap();
+        with_posed!(pose.posed(), mut posed => judge_posed(&mut posed, way));
+    }
+}
+
+fn judge_posed<V: Volume>(posed: &mut Posed<'_, V>, way: Way) {
+    assert_eq!(posed.leaf_lanes.is_some(), way == Way::SideBySide);
+    let topology = posed.topology;
+    for &level in levels() {
+        posed.level = level;
+        for leaf in 0..topology.leaf_count() {
+            // What is there already stays.
+            let mut patches = vec![[[Lanes::default(); 3]; 3]];
+            posed.leaf_corners(Leaf(leaf), &mut patches);
+            assert_eq!(patches.remove(0), [[Lanes::default(); 3]; 3]);
+            let triangles = topology.leaf_triangles(Leaf(leaf));
+            assert_eq!(patches.len(), triangles.len().div_ceil(LANES));
+            for (patch, triangles) in patches.iter().zip(triangles.chunks(LANES)) {
+                for lane in 0..LANES {
+                    // Lanes beyond the last triangle repeat it.
+                    let triangle = triangles[lane.min(triangles.len() - 1)];
+                    let vertices = posed.model.triangle(triangle as usize);
+                    for ([x, y, z], vertex) in patch.iter().zip(vertices) {
+                        let corner = Vec3::new(x.0[lane], y.0[lane], z.0[lane]);
+                        let expected = posed.model.blend_vertex(vertex, posed.weights);
+                        // Equal numbers that are not zero are the same bits.
+                        assert_eq!(corner, expected, "leaf {leaf}, lane {lane}, vertex {vertex}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn corners_blended_side_by_side_are_the_posed_vertices() {
+    let mut rng = Pcg64Mcg::seed_from_u64(1);
+    for (targets, moved) in [(0, 0.0), (1, 1.0), (8, 1.0), (8, 0.3), (60, 0.004)] {
+        for leaf_size in [8, 8, 20, 255] {
+            let triangles = rng.random_range(60..300);
+            let model = model(&mut rng, triangles, targets, moved);
+            judge(&mut rng, &model, leaf_size, Way::SideBySide);
+        }
+    }
+}
+
+#[test]
+fn corners_gathered_one_by_one_are_the_posed_vertices() {
+    let mut rng = Pcg64Mcg::seed_from_u64(2);
+    // Leaves too small, or more targets in each than are worth it.
+    for (leaf_size, targets, moved) in [(1, 3, 1.0), (2, 3, 0.3), (3, 0, 0.0), (8, 9, 1.0), (20, 60, 0.5)] {
+        for _ in 0..4 {
+            let triangles = rng.random_range(60..300);
+            let model = model(&mut rng, triangles, targets, moved);
+            judge(&mut rng, &model, leaf_size, Way::Gathered);
+        }
+    }
+}
+
+#[test]
+fn a_single_triangle_has_its_corners_in_every_lane() {
+    let mut rng = Pcg64Mcg::seed_from_u64(3);
+    let model = model(&mut rng, 1, 3, 0.5);
+    judge(&mut rng, &model, 8, Way::Gathered);
+}

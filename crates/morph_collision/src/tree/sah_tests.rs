@@ -1,0 +1,134 @@
+//! What the surface-area splits have to keep to: every child gets something, and leaves come out nearly full.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use morph_collision_testkit::models::{degenerate, dolphin, random};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use super::partition::Shape;
+use super::sah::{Rule, split};
+use super::*;
+use crate::bounds::Aabb;
+use crate::model::MorphModel;
+
+fn shape(triangles: &[[Vec3; 3]]) -> Shape {
+    Shape {
+        midpoints: triangles.iter().map(|[a, b, c]| (*a + *b + *c) / 3.0).collect(),
+        bounds: triangles.iter().map(|t| Aabb::from_points(*t)).collect(),
+    }
+}
+
+/// Splits all triangles; they all are there once after it, and no child is empty.
+fn judge(shape: &Shape, others: &[Shape], about: &str) {
+    let count = shape.midpoints.len();
+    for leaf_size in [1, 3, 8, 255] {
+        let rule = Rule {
+            shape,
+            others,
+            leaf_size,
+        };
+        for arity in [2, 4, 8] {
+            let mut triangles: Vec<u32> = (0..count as u32).collect();
+            let lengths = split(&rule, arity, &mut triangles);
+            let about = format!("{about}, {count} triangles, {leaf_size} to a leaf, arity {arity}: {lengths:?}");
+            assert!(!lengths.contains(&0) && lengths.len() <= arity, "{about}");
+            assert_eq!(lengths.iter().sum::<usize>(), count, "{about}");
+            triangles.sort_unstable();
+            assert!(triangles.into_iter().eq(0..count as u32), "{about}");
+        }
+    }
+}
+
+#[test]
+fn no_split_makes_an_empty_child() {
+    let mut rng = Pcg64Mcg::seed_from_u64(1);
+    let mut point = |size: f32| Vec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0_f32) * size));
+    let base = [point(1.0), point(1.0), point(1.0)];
+    for count in [1, 2, 7, 8, 9, 16, 17, 63, 64, 65, 300, 2100] {
+        let of = |corner: &mut dyn FnMut(usize) -> [Vec3; 3]| shape(&(0..count).map(&mut *corner).collect::<Vec<_>>());
+        let shapes = [
+            ("identical", of(&mut |_| base)),
+            ("points", of(&mut |_| [base[0]; 3])),
+            (
+                "all but one identical",
+                of(&mut |i| if i == 0 { [Vec3::X; 3] } else { base }),
+            ),
+            (
+                "two heaps",
+                of(&mut |i| base.map(|p| if i % 2 == 0 { p } else { p + Vec3::X })),
+            ),
+            ("in a row", of(&mut |i| base.map(|p| p + Vec3::X * i as f32))),
+            (
+                "ever farther",
+                of(&mut |i| base.map(|p| p + Vec3::X * 1.5_f32.powi((i % 150) as i32))),
+            ),
+            (
+                "neighbouring numbers",
+                of(&mut |i| [Vec3::splat(f32::from_bits(0x3f80_0000 + (i % 3) as u32)); 3]),
+            ),
+            ("huge", of(&mut |i| base.map(|p| p * 1e37 * (1.0 - i as f32 / 5000.0)))),
+            ("tiny", of(&mut |i| base.map(|p| p * 1e-44 * i as f32))),
+            ("anywhere", of(&mut |_| [point(1.0), point(1.0), point(1.0)])),
+        ];
+        for (name, shape) in &shapes {
+            judge(shape, &[], name);
+        }
+        // Costs over several shapes, planes on one.
+        let [(_, identical), .., (_, anywhere)] = &shapes;
+        judge(identical, &[copy(anywhere)], "identical at the base only");
+        judge(anywhere, &[copy(identical)], "identical at a target");
+    }
+}
+
+fn copy(shape: &Shape) -> Shape {
+    Shape {
+        midpoints: shape.midpoints.clone(),
+        bounds: shape.bounds.clone(),
+    }
+}
+
+#[test]
+fn leaves_of_smooth_meshes_are_nearly_full() {
+    for mesh in [
+        random::random_blob(1, 4, 0, 0.0),
+        random::random_blob(2, 4, 3, 0.5),
+        dolphin(1),
+    ] {
+        let model = MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap();
+        let model = Arc::new(model);
+        for split in [Split::Sah, Split::PoseSah] {
+            let options = BuildOptions::default().with_split(split).with_leaf_size(8);
+            let bvh = MorphBvh::build(model.clone(), &options).unwrap();
+            let fill = bvh.stats().mean_leaf_triangles / 8.0;
+            println!("{}, {split}: {fill:.2} full", mesh.name);
+            assert!(fill >= 0.6, "{}, {split}: {fill}", mesh.name);
+        }
+    }
+}
+
+#[test]
+fn identical_triangles_make_nearly_full_leaves_and_a_tree_that_is_not_deep() {
+    let triangle = [Vec3::ZERO, Vec3::X, Vec3::new(0.0, 1.0, 1.0)];
+    let no_targets: [[Vec3; 3]; 0] = [];
+    let model = Arc::new(MorphModel::from_displacements(&triangle, &[[0, 1, 2]; 5000], &no_targets).unwrap());
+    for split in [Split::Sah, Split::PoseSah] {
+        let bvh = MorphBvh::build(model.clone(), &BuildOptions::default().with_split(split)).unwrap();
+        assert_eq!(bvh.validate(), Ok(()));
+        let stats = bvh.stats();
+        assert!(stats.mean_leaf_triangles >= 0.6 * 8.0 && stats.depth <= 6, "{stats:?}");
+    }
+}
+
+#[test]
+fn triangles_that_are_all_the_same_point_make_a_tree_that_is_not_deep() {
+    // No plane costs anything, so leaves need not be full.
+    let mesh = degenerate::all_equal(5000);
+    let model = Arc::new(MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap());
+    for split in [Split::Sah, Split::PoseSah] {
+        let bvh = MorphBvh::build(model.clone(), &BuildOptions::default().with_split(split)).unwrap();
+        assert_eq!(bvh.validate(), Ok(()));
+        assert!(bvh.depth() <= 6, "{}", bvh.depth());
+    }
+}

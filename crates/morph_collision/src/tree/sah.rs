@@ -108,7 +108,13 @@ impl Rule<'_> {
             for shape in self.shapes() {
                 self.add_costs(sorted.iter().map(|&t| (shape.bounds[t as usize], 1)), &mut costs);
             }
-            let least = costs.iter().enumerate().skip(1).min_by(|(_, a), (_, b)| a.total_cmp(b));
+            // Where all cost the same, as without any area, in the middle.
+            let imbalance = |count: usize| (2 * count).abs_diff(costs.len());
+            let least = costs
+                .iter()
+                .enumerate()
+                .skip(1)
+                .min_by(|(i, a), (j, b)| a.total_cmp(b).then(imbalance(*i).cmp(&imbalance(*j))));
             if let Some((count, &cost)) = least
                 && best.as_ref().is_none_or(|(least, ..)| cost < *least)
             {

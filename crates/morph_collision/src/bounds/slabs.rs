@@ -324,8 +324,9 @@ impl<const H: usize> Volume for Slabs<H> {
             max: map.offset_max,
         };
         for i in 0..H {
-            for term in &map.terms[i] {
-                let slab = usize::from(term.low) % H;
+            for (j, term) in map.terms[i].iter().enumerate() {
+                // A box has a term for each axis, in order.
+                let slab = if H == 3 { j } else { usize::from(term.low) % H };
                 let (x, y) = (term.amount * one.min[slab], term.amount * one.max[slab]);
                 mapped.min[i] += x.min(y);
                 mapped.max[i] += x.max(y);

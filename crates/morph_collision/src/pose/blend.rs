@@ -37,32 +37,45 @@ pub(super) fn evaluate<S: Simd, V: Volume>(
     volume: &mut V,
 ) -> f32 {
     let mut reach = tables.base_reach;
-    let mut active = 0_u32;
-    amounts.clear();
+    let (mut active, mut sum, mut least) = (0_u32, 0.0_f32, 0.0_f32);
     for local in tables.targets {
-        let magnitude = weights[local.target as usize].abs();
-        amounts.push(magnitude);
+        let weight = weights[local.target as usize];
+        let magnitude = weight.abs();
         reach += magnitude * local.reach;
         active += u32::from(magnitude > 0.0);
+        (sum, least) = (sum + magnitude, least.min(weight));
     }
     *volume = *tables.base;
+    if tables.lanes == 0 || active == 0 {
+        return widening(reach, active, active);
+    }
     let mut room = V::default();
-    let mut products = active;
-    if tables.lanes != 0 && active > 0 {
-        spend_budget(&tables, weights, amounts);
-        let (rests, steps) = amounts.split_at(tables.targets.len());
-        for (i, (local, &rest)) in tables.targets.iter().zip(rests).enumerate() {
-            if rest > 0.0 {
-                products += 1;
-                let weight = rest.copysign(weights[local.target as usize]);
-                volume.add_interval(simd, weight, tables.intervals.column(i, &mut room));
+    if tables.whole_weights && least >= 0.0 && sum <= room_for(&tables) {
+        // The budget holds all weights: each goes to its reference as it is.
+        for (i, step) in tables.steps.iter().enumerate() {
+            let weight = weights[tables.targets[step.local as usize].target as usize];
+            if weight > 0.0 {
+                volume.add_scaled(simd, weight, tables.references.column(i, &mut room));
             }
         }
-        for (i, &amount) in steps.iter().enumerate() {
-            if amount > 0.0 {
-                products += 1;
-                volume.add_scaled(simd, amount, tables.references.column(i, &mut room));
-            }
+        return widening(reach, active, 2 * active);
+    }
+    let mut products = active;
+    amounts.clear();
+    amounts.extend(tables.targets.iter().map(|local| weights[local.target as usize].abs()));
+    spend_budget(&tables, weights, amounts);
+    let (rests, steps) = amounts.split_at(tables.targets.len());
+    for (i, (local, &rest)) in tables.targets.iter().zip(rests).enumerate() {
+        if rest > 0.0 {
+            products += 1;
+            let weight = rest.copysign(weights[local.target as usize]);
+            volume.add_interval(simd, weight, tables.intervals.column(i, &mut room));
+        }
+    }
+    for (i, &amount) in steps.iter().enumerate() {
+        if amount > 0.0 {
+            products += 1;
+            volume.add_scaled(simd, amount, tables.references.column(i, &mut room));
         }
     }
     widening(reach, active, products)
@@ -137,8 +150,7 @@ pub(super) fn blend_patch<S: Simd>(simd: S, patch: PatchColumns<'_>, weights: &[
 #[inline(always)]
 fn spend_budget<V: Volume>(tables: &GroupTables<'_, V>, weights: &[f32], amounts: &mut Vec<f32>) {
     let targets = tables.targets.len();
-    // What is spent stays below 1 in exact arithmetic: a step rounds at most four times, each time by at most U.
-    let mut budget = (1.0 - tables.steps.len() as f32 * (4.0 * U)).max(0.0);
+    let mut budget = room_for(tables);
     for step in tables.steps {
         let local = step.local as usize;
         let source = step.after.map_or(local, |earlier| targets + earlier as usize);
@@ -153,6 +165,13 @@ fn spend_budget<V: Volume>(tables: &GroupTables<'_, V>, weights: &[f32], amounts
         amounts[source] -= amount;
         amounts.push(amount);
     }
+}
+
+/// The budget in `f32`. What is spent stays below 1 in exact arithmetic: a step rounds at most four times, each time by at most
+/// `U`.
+#[inline(always)]
+fn room_for<V>(tables: &GroupTables<'_, V>) -> f32 {
+    (1.0 - tables.steps.len() as f32 * (4.0 * U)).max(0.0)
 }
 
 /// How far volumes and vertices may be off their exact values, together, per coordinate.

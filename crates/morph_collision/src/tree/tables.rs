@@ -40,6 +40,13 @@ pub(crate) struct Step {
     pub(crate) negative: bool,
 }
 
+impl Step {
+    /// Takes a positive weight from the interval to the reference at scale 1. No target has two of these.
+    fn is_whole(&self) -> bool {
+        !self.negative && self.after.is_none() && self.cost == 1.0
+    }
+}
+
 /// Where the tables of a group are.
 #[derive(Clone, Debug)]
 struct Header {
@@ -50,6 +57,7 @@ struct Header {
     steps: Range<usize>,
     /// Lanes that have tables.
     lanes: u8,
+    whole_weights: bool,
 }
 
 /// The tables of all groups, one after the other.
@@ -75,6 +83,9 @@ pub(crate) struct GroupTables<'a, V> {
     pub(crate) intervals: SlopesView<'a, V>,
     /// Most gain per budget first.
     pub(crate) steps: &'a [Step],
+    /// Whether every target has one step, to the reference at scale 1 for positive weights: weights that the budget holds are then
+    /// taken as they are.
+    pub(crate) whole_weights: bool,
     /// `X(S)`, one per step, for a weight's magnitude.
     pub(crate) references: SlopesView<'a, V>,
 }
@@ -102,6 +113,7 @@ impl<V: Volume> Tables<V> {
             targets: &self.targets[header.targets.clone()],
             intervals: self.intervals.view(header.intervals..header.intervals + intervals),
             steps: &self.steps[header.steps.clone()],
+            whole_weights: header.whole_weights,
             references: self.references.view(header.steps.clone()),
         }
     }
@@ -128,6 +140,7 @@ impl<V: Volume> Tables<V> {
             intervals: 0,
             steps: 0..0,
             lanes: 0,
+            whole_weights: false,
         });
         self.base.push(V::default());
     }
@@ -183,6 +196,7 @@ impl<V: Volume> Tables<V> {
             base_reach: children.iter().fold(0.0, |reach, c| reach.max(c.base_reach)),
             targets: targets..self.targets.len(),
             intervals,
+            whole_weights: ladders.len() == locals.len() && ladders.iter().all(|rung| rung.step.is_whole()),
             steps: steps..self.steps.len(),
             lanes,
         };

@@ -6,7 +6,8 @@ use morph_collision_testkit::near_degenerate::Family;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::patch::{Neighbourhood, Patch};
+use super::neighbourhood::Neighbourhood;
+use super::patch::Patch;
 use crate::bounds::{LANES, WorldFromModel, levels, with_simd};
 use crate::exact::{Triangle, triangles_intersect};
 use crate::tree::{CornerLanes, in_lanes, put};

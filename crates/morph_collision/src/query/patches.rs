@@ -6,8 +6,9 @@ use fearless_simd::Level;
 use glam::Vec3;
 
 use super::leaves::LeafStamps;
+use super::neighbourhood::Neighbourhood;
 use super::pairs::TrianglePair;
-use super::patch::{Neighbourhood, Patch};
+use super::patch::Patch;
 use crate::bounds::{LANES, Lanes, WorldFromModel, with_simd};
 use crate::exact::{Facet, Triangle, facets_intersect_counting};
 use crate::traverse::Walkable;

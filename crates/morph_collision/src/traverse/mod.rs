@@ -2,6 +2,7 @@
 //! leaves is the caller's.
 
 mod cull;
+mod meeting;
 mod one;
 mod pairs;
 mod sweep;
@@ -9,8 +10,9 @@ mod walkable;
 mod within;
 
 pub(crate) use cull::{AnyCulls, CrossCull, Culls, Side};
+pub(crate) use meeting::Meeting;
 pub(crate) use one::{OneWalk, Queue};
-pub(crate) use pairs::{Meeting, Opened, PairRule, PairWalk, Stack, Trace};
+pub(crate) use pairs::{Opened, PairRule, PairWalk, Stack, Trace};
 pub use sweep::overlapping_pairs;
 pub(crate) use walkable::{AsBoxes, Walkable};
 pub(crate) use within::{SelfStack, walk_within};

@@ -3,8 +3,8 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use super::super::body::with_walkable_pair;
-use super::super::pairs::Places;
 use super::super::patches::{LeafTests, Patches, intersecting_pairs};
+use super::super::places::Places;
 use super::super::{Body, QueryStats, SeparatingAxes};
 use super::answer::{ApproximatePairs, ApproximateTouch, MeshPart, PartPair};
 use super::limits::Approximation;

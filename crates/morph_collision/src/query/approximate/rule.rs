@@ -2,7 +2,7 @@ use std::cell::{Cell, RefCell};
 
 use glam::{DMat3, DVec3};
 
-use super::super::pairs::Places;
+use super::super::places::Places;
 use super::limits::Approximation;
 use crate::bounds::{LANES, U64, Volume, WorldFromModel};
 use crate::pose::NodeRef;

@@ -1,7 +1,7 @@
 //! How near the errors of intervals along the filter's axes come to the doubt, in exact arithmetic.
 
 use fearless_simd::Level;
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 use morph_collision_testkit::oracle::Dyadic;
 use morph_collision_testkit::search::Climb;
 use rand::RngExt;

@@ -14,6 +14,7 @@ mod levels;
 #[cfg(test)]
 mod probe;
 mod rounding;
+mod slab_map;
 mod slabs;
 mod spheres;
 mod transform;

@@ -6,7 +6,8 @@ use glam::Vec3;
 use morph_collision_testkit::oracle::Dyadic;
 
 use super::directions::{direction, length};
-use super::slabs::{Slab, SlabMap};
+use super::slab_map::SlabMap;
+use super::slabs::Slab;
 use super::spheres::{Sphere, SphereMap};
 use super::{Slabs, Spheres, Volume};
 

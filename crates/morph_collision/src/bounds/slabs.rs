@@ -2,9 +2,9 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};
 use glam::{DVec3, Vec3};
 
-use super::directions::{along, decompose, direction, length};
-use super::frame::{LARGEST, MAP_ROUNDINGS};
-use super::rounding::{U32, down, up};
+use super::directions::{along, direction, length};
+use super::rounding::{down, up};
+use super::slab_map::SlabMap;
 use super::{Aabb, Frame, LANES, Lanes, Points, Volume};
 
 /// Eight k-DOPs of `H` slabs: boxes (3), 14-DOPs (7), 18-DOPs (9) or 26-DOPs (13).
@@ -124,23 +124,6 @@ impl<const H: usize> Extent<H> {
     fn pad(&self) -> f64 {
         8.0 * f64::EPSILON * self.reach
     }
-}
-
-/// A k-DOP's way to another frame: each end is an offset and at most three ends of the source.
-#[derive(Clone, Debug)]
-pub(crate) struct SlabMap<const H: usize> {
-    terms: [[Term; 3]; H],
-    pub(super) offset_min: [f32; H],
-    pub(super) offset_max: [f32; H],
-}
-
-/// What an end of the source adds to both ends of a slab.
-#[derive(Clone, Copy, Debug, Default)]
-struct Term {
-    /// Which of the source's ends, lower ones first, goes to the lower end, and which to the upper one.
-    low: u8,
-    high: u8,
-    amount: f32,
 }
 
 impl<const H: usize> Default for Slabs<H> {
@@ -265,93 +248,19 @@ impl<const H: usize> Volume for Slabs<H> {
     }
 
     fn map(frame: &Frame) -> Option<SlabMap<H>> {
-        let mut map = SlabMap {
-            terms: [[Term::default(); 3]; H],
-            offset_min: [0.0; H],
-            offset_max: [0.0; H],
-        };
-        let rows = frame.linear.transpose();
-        for i in 0..H {
-            let (row, offset, error) = if i < 3 {
-                (rows.col(i), frame.translation[i], frame.error[i])
-            } else {
-                let normal = DVec3::from_array(direction(H, i).map(f64::from));
-                (
-                    rows * normal,
-                    normal.dot(frame.translation),
-                    normal.abs().dot(frame.error),
-                )
-            };
-            // Ends along a slab are as large as its direction allows.
-            let (terms, reach) = if H == 3 {
-                ([(0, row.x), (1, row.y), (2, row.z)], row.abs().dot(frame.magnitude))
-            } else {
-                let terms = decompose(H, row);
-                let end = |j: usize| {
-                    let direction = DVec3::from_array(direction(H, j).map(f64::from));
-                    direction.abs().dot(frame.magnitude)
-                };
-                (terms, terms.iter().map(|&(j, amount)| amount.abs() * end(j)).sum())
-            };
-            let reach = reach + offset.abs();
-            let underflow = frame.underflow() * f64::from(length(H, i));
-            let slack = error + MAP_ROUNDINGS * U32 * reach + underflow;
-            let [(_, x), (_, y), (_, z)] = terms;
-            // Not "beyond", so that what is not a number is.
-            let within = reach + slack <= LARGEST && x.abs() <= LARGEST && y.abs() <= LARGEST && z.abs() <= LARGEST;
-            if !within {
-                return None;
-            }
-            for (entry, (j, amount)) in map.terms[i].iter_mut().zip(terms) {
-                // A negative amount takes the upper end to the lower one.
-                let (low, high) = if amount < 0.0 { (H + j, j) } else { (j, H + j) };
-                *entry = Term {
-                    low: low as u8,
-                    high: high as u8,
-                    amount: amount as f32,
-                };
-            }
-            map.offset_min[i] = down(offset - slack);
-            map.offset_max[i] = up(offset + slack);
-        }
-        Some(map)
+        SlabMap::new(frame)
     }
 
     #[inline]
     fn map_one(map: &SlabMap<H>, one: &Slab<H>) -> Slab<H> {
-        let mut mapped = Slab {
-            min: map.offset_min,
-            max: map.offset_max,
-        };
-        for i in 0..H {
-            for (j, term) in map.terms[i].iter().enumerate() {
-                // A box has a term for each axis, in order.
-                let slab = if H == 3 { j } else { usize::from(term.low) % H };
-                let (x, y) = (term.amount * one.min[slab], term.amount * one.max[slab]);
-                mapped.min[i] += x.min(y);
-                mapped.max[i] += x.max(y);
-            }
-        }
-        mapped
+        map.one(one)
     }
 
     #[inline(always)]
     fn map_all<S: Simd>(&self, simd: S, map: &SlabMap<H>) -> Self {
-        let ends = self.ends.as_flattened();
-        let mut mapped = Self::default();
-        let [mins, maxs] = &mut mapped.ends;
-        for i in 0..H {
-            let mut min = f32x8::splat(simd, map.offset_min[i]);
-            let mut max = f32x8::splat(simd, map.offset_max[i]);
-            for term in &map.terms[i] {
-                let amount = f32x8::splat(simd, term.amount);
-                min += ends[usize::from(term.low)].load(simd) * amount;
-                max += ends[usize::from(term.high)].load(simd) * amount;
-            }
-            min.store_slice(&mut mins[i].0);
-            max.store_slice(&mut maxs[i].0);
+        Self {
+            ends: map.all(simd, &self.ends),
         }
-        mapped
     }
 
     #[inline(always)]

@@ -1,0 +1,57 @@
+//! What a query of two bodies begins with.
+
+use super::neighbourhood::Neighbourhood;
+use super::pairs::SeparatingAxes;
+use super::patches::Patches;
+use crate::bounds::{Volume, WorldFromModel, frames_of};
+use crate::traverse::{CrossCull, Culls, Walkable};
+
+/// Where the two bodies of a query stand.
+pub(super) struct Places<'a> {
+    pub(super) world_from_a: &'a WorldFromModel,
+    pub(super) world_from_b: &'a WorldFromModel,
+}
+
+impl Places<'_> {
+    /// Prepares what compares nodes. Says whether the roots may meet, and gives the further axes if they are wanted and there
+    /// are any.
+    pub(super) fn begin_culls<V: Volume, T: Walkable<Kind = V>>(
+        &self,
+        a: &mut T,
+        b: &mut T,
+        axes: SeparatingAxes,
+        culls: &mut Culls<V>,
+    ) -> (bool, Option<CrossCull>) {
+        let (root_a, root_b) = (a.root(), b.root());
+        let (root_a, root_b) = (a.volume(root_a), b.volume(root_b));
+        let (bounds_a, bounds_b) = (V::bounds(&root_a), V::bounds(&root_b));
+        let (mut roots_meet, mut cross) = (true, None);
+        culls.begin();
+        for frames in frames_of(self.world_from_a, &bounds_a, self.world_from_b, &bounds_b) {
+            // One that parts the bodies is enough.
+            roots_meet = culls.push(&frames, &root_a, &root_b);
+            if !roots_meet {
+                break;
+            }
+            if axes == SeparatingAxes::Full && cross.is_none() {
+                cross = CrossCull::new(&frames, &bounds_a, &bounds_b);
+            }
+        }
+        (roots_meet, cross)
+    }
+
+    /// Prepares what reads leaves.
+    pub(super) fn begin_leaves<T: Walkable>(&self, a: &mut T, b: &mut T, [leaves_a, leaves_b]: [&mut Patches; 2]) {
+        let root = a.root();
+        let bounds = T::Kind::bounds(&a.volume(root));
+        // Near both bodies when they touch.
+        let size = self.world_from_a.scale() * f64::from(bounds.size().max_element());
+        let neighbourhood = Neighbourhood::new(self.world_from_a.translation(), size);
+        leaves_a.begin(a.topology().leaf_count(), self.world_from_a, neighbourhood);
+        leaves_b.begin(b.topology().leaf_count(), self.world_from_b, neighbourhood);
+    }
+
+    pub(super) fn a_from_b_scale(&self) -> f32 {
+        (self.world_from_b.scale() / self.world_from_a.scale()) as f32
+    }
+}

@@ -196,7 +196,8 @@ impl<V: Volume> Tables<V> {
             base_reach: children.iter().fold(0.0, |reach, c| reach.max(c.base_reach)),
             targets: targets..self.targets.len(),
             intervals,
-            whole_weights: ladders.len() == locals.len() && ladders.iter().all(|rung| rung.step.is_whole()),
+            // A second step of a target comes after the first.
+            whole_weights: self.steps.len() - steps == locals.len() && self.steps[steps..].iter().all(Step::is_whole),
             steps: steps..self.steps.len(),
             lanes,
         };

@@ -170,6 +170,7 @@ impl Pose {
             cache.anchor = None;
             cache.next_epoch(weights);
         });
+        self.refitted = false;
     }
 
     /// Whether an anchor is in use.
@@ -192,6 +193,7 @@ impl Pose {
             cache.anchor = Some(Anchor::fit(bvh.model(), bvh.topology(), weights));
             cache.next_epoch(in_force);
         });
+        self.refitted = false;
     }
 
     /// Fits all volumes tightly to the shape at the weights in force, at once, until other weights are set.

@@ -63,7 +63,7 @@ pub(super) enum Unit {
 /// A pair that is done in parts.
 #[derive(Debug)]
 pub(super) struct Large {
-    pub(super) task: usize,
+    task: usize,
     pub(super) sides: [LargeSide; 2],
     /// Where a walk comes to from the roots, in its order.
     front: Vec<(Place, Place)>,
@@ -118,6 +118,14 @@ impl Plan {
             }
         }
         plan
+    }
+
+    /// Which task a unit is of.
+    pub(super) fn task_of(&self, unit: &Unit) -> usize {
+        match *unit {
+            Unit::Whole(task) => task,
+            Unit::Part { large, .. } => self.larges[large].task,
+        }
     }
 
     fn cut(&mut self, task: usize, [a, b]: [&mut Body<'_>; 2], parts: usize, query: &mut PairQuery) {

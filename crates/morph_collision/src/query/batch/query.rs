@@ -289,12 +289,3 @@ impl Worker {
         self.stats = QueryStats::default();
     }
 }
-
-impl Plan {
-    fn task_of(&self, unit: &Unit) -> usize {
-        match *unit {
-            Unit::Whole(task) => task,
-            Unit::Part { large, .. } => self.larges[large].task,
-        }
-    }
-}

@@ -1,19 +1,21 @@
-//! Up to eight triangles side by side in `f32`, and which of them certainly share no point with those of another patch.
+//! Up to eight triangles side by side in `f32`, and what is certain of them and those of another patch.
 //!
-//! Nothing here says that triangles meet. Two of them are turned away where an axis is found along which they are apart by
-//! more than every rounding on the way, and any axis will do: how well it was chosen decides the speed alone. The axes are
-//! the world's, both normals, and the two products of edges of which one parts triangles that reach through each
-//! other's planes (Guigue and Devillers 2003).
+//! Two of them are turned away where an axis is found along which they are apart by more than every rounding on the way, and
+//! any axis will do: how well it was chosen decides the speed alone. The axes are the world's, both normals, and the two
+//! products of edges of which one parts triangles that reach through each other's planes (Guigue and Devillers 2003). Where
+//! all the signs that these depend on are beyond doubt and none parts two triangles, they meet.
 
+use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, mask32x8};
 
+use self::vectors::{Corners, cross, dot, one, sub};
+use self::verdict::Doubt;
 use super::neighbourhood::{Neighbourhood, Placement};
 use crate::bounds::{BoxLanes, LANES, Lanes, Slab, Volume, WorldFromModel};
 use crate::tree::CornerLanes;
 
-type Vector<S> = [f32x8<S>; 3];
-type Corners<S> = [Vector<S>; 3];
+mod vectors;
+mod verdict;
 
 /// Up to eight triangles as structure of arrays.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,10 +29,22 @@ pub(super) struct Patch {
     /// What the triangle spans along its own normal.
     low: Lanes,
     high: Lanes,
+    /// The longest side of each triangle's box, and the same for a normal whose largest coordinate is 1.
+    span: Lanes,
+    tilt: Lanes,
     /// The largest absolute coordinate, or infinite where products would leave `f32`.
     reach: f32,
     /// A bit per triangle.
     lanes: u8,
+}
+
+/// The pairs of triangles of two patches: in each row a bit for each triangle of the other one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct PatchPairs {
+    /// Those that may meet.
+    pub(super) near: [u8; LANES],
+    /// Those of them that do.
+    pub(super) meet: [u8; LANES],
 }
 
 impl Patch {
@@ -63,6 +77,8 @@ impl Patch {
             least[i] = a[i].min(b[i]).min(c[i]);
             most[i] = a[i].max(b[i]).max(c[i]);
         }
+        let size = sub(most, least);
+        let span = size[0].max(size[1]).max(size[2]);
         self.boxes.store(least, most);
         self.hull = self.boxes.hull_of_all();
         let Slab { min, max } = &self.hull;
@@ -83,12 +99,14 @@ impl Patch {
         }
         heights[0].min(heights[1]).min(heights[2]).store_slice(&mut self.low.0);
         heights[0].max(heights[1]).max(heights[2]).store_slice(&mut self.high.0);
+        span.store_slice(&mut self.span.0);
+        (span * inverse).store_slice(&mut self.tilt.0);
     }
 
-    /// For each triangle of `self`, which ones of `other` may meet it; says if any may.
+    /// What may be of the pairs of triangles; says if any may meet.
     #[inline(always)]
-    pub(super) fn near<S: Simd>(&self, simd: S, other: &Self, rows: &mut [u8; LANES]) -> bool {
-        *rows = [0; LANES];
+    pub(super) fn compare<S: Simd>(&self, simd: S, other: &Self, pairs: &mut PatchPairs) -> bool {
+        *pairs = PatchPairs::default();
         let mut own = self.boxes.overlap_mask(simd, &other.hull) & self.lanes;
         if own == 0 {
             return false;
@@ -104,48 +122,14 @@ impl Patch {
             own &= own - 1;
             let mut near = other.boxes.overlap_mask(simd, &self.boxes.get(lane)) & others;
             if near != 0 {
-                near &= !other.apart(simd, self, lane, &doubt, near);
+                let verdict = other.judge(simd, self, lane, &doubt, near);
+                near &= !verdict.apart;
+                pairs.near[lane] = near;
+                pairs.meet[lane] = near & verdict.meet;
+                any |= near;
             }
-            rows[lane] = near;
-            any |= near;
         }
         any != 0
-    }
-
-    /// Which of these triangles, out of `near`, are certainly apart from one of another patch.
-    #[inline(always)]
-    fn apart<S: Simd>(&self, simd: S, other: &Self, lane: usize, doubt: &Doubt<S>, near: u8) -> u8 {
-        let own = self.load(simd);
-        let theirs = other.splat(simd, lane);
-
-        // Their plane.
-        let [x, y, z] = &other.normals;
-        let normal = [one(simd, x, lane), one(simd, y, lane), one(simd, z, lane)];
-        let (low, high) = (one(simd, &other.low, lane), one(simd, &other.high, lane));
-        let heights = [dot(normal, own[0]), dot(normal, own[1]), dot(normal, own[2])];
-        let (mut apart, own_sides) = split(heights, low, high, doubt.of_normals);
-
-        // Our planes.
-        let [x, y, z] = &self.normals;
-        let normal = [x.load(simd), y.load(simd), z.load(simd)];
-        let heights = [dot(normal, theirs[0]), dot(normal, theirs[1]), dot(normal, theirs[2])];
-        let (apart_too, their_sides) = split(heights, self.low.load(simd), self.high.load(simd), doubt.of_normals);
-        apart |= apart_too;
-        let by_planes = apart.to_bitmask() as u8;
-        if near & !by_planes == 0 {
-            return by_planes;
-        }
-
-        // The edges from the corners that are alone on their sides; the pairs that count depend on which sides these are.
-        let [p, q, r] = lone_first(own, own_sides);
-        let [u, v, w] = lone_first(theirs, their_sides);
-        let [s0, s1, s2] = own_sides;
-        let [t0, t1, t2] = their_sides;
-        let odd = s0 ^ s1 ^ s2 ^ t0 ^ t1 ^ t2;
-        let (v, w) = (choose(odd, w, v), choose(odd, v, w));
-        apart |= parted(cross(sub(q, p), sub(v, u)), [p, q, r], [u, v, w], doubt);
-        apart |= parted(cross(sub(r, p), sub(w, u)), [p, q, r], [u, v, w], doubt);
-        apart.to_bitmask() as u8
     }
 
     #[inline(always)]
@@ -168,108 +152,6 @@ impl Patch {
             [one(simd, &c[0], lane), one(simd, &c[1], lane), one(simd, &c[2], lane)],
         ]
     }
-}
-
-/// By how much intervals along an axis may come out farther apart than they are.
-///
-/// A coordinate is rounded once when it is taken to the neighbourhood, and a height three times more, each time by at most
-/// `2^-24` of the axis' sum of coordinates times the reach; two heights make 8 of these, their comparison and the bound's own
-/// rounding 3 more. Products that underflow add less than `FLOOR`.
-struct Doubt<S: Simd> {
-    per_length: f32x8<S>,
-    floor: f32x8<S>,
-    /// For axes whose coordinates are at most 1.
-    of_normals: f32x8<S>,
-}
-
-impl<S: Simd> Doubt<S> {
-    #[inline(always)]
-    fn new(simd: S, reach: f32) -> Self {
-        const ROUNDINGS: f32 = 16.0 * (f32::EPSILON / 2.0);
-        const FLOOR: f32 = 1e-30;
-        let per_length = ROUNDINGS * reach;
-        Self {
-            per_length: f32x8::splat(simd, per_length),
-            floor: f32x8::splat(simd, FLOOR),
-            of_normals: f32x8::splat(simd, 3.01 * per_length + FLOOR),
-        }
-    }
-}
-
-/// Where three heights are all beyond an interval, and which of them are above its middle.
-#[inline(always)]
-fn split<S: Simd>(
-    [a, b, c]: Vector<S>,
-    low: f32x8<S>,
-    high: f32x8<S>,
-    doubt: f32x8<S>,
-) -> (mask32x8<S>, [mask32x8<S>; 3]) {
-    let apart = a.min(b).min(c).simd_gt(high + doubt) | a.max(b).max(c).simd_lt(low - doubt);
-    // Twice the height, so that nothing is halved.
-    let middle = low + high;
-    (
-        apart,
-        [
-            (a + a).simd_gt(middle),
-            (b + b).simd_gt(middle),
-            (c + c).simd_gt(middle),
-        ],
-    )
-}
-
-/// Where two triangles are apart along an axis.
-#[inline(always)]
-fn parted<S: Simd>(axis: Vector<S>, a: Corners<S>, b: Corners<S>, doubt: &Doubt<S>) -> mask32x8<S> {
-    let (a0, a1, a2) = (dot(axis, a[0]), dot(axis, a[1]), dot(axis, a[2]));
-    let (b0, b1, b2) = (dot(axis, b[0]), dot(axis, b[1]), dot(axis, b[2]));
-    let error = (axis[0].abs() + axis[1].abs() + axis[2].abs()) * doubt.per_length + doubt.floor;
-    let above = a0.min(a1).min(a2) - b0.max(b1).max(b2);
-    let below = b0.min(b1).min(b2) - a0.max(a1).max(a2);
-    above.max(below).simd_gt(error)
-}
-
-/// A triangle turned so that the corner that is alone on its side comes first.
-#[inline(always)]
-fn lone_first<S: Simd>([a, b, c]: Corners<S>, [sa, sb, sc]: [mask32x8<S>; 3]) -> Corners<S> {
-    let (b_alone, c_alone) = (!(sa ^ sc), !(sa ^ sb));
-    [
-        choose(c_alone, c, choose(b_alone, b, a)),
-        choose(c_alone, a, choose(b_alone, c, b)),
-        choose(c_alone, b, choose(b_alone, a, c)),
-    ]
-}
-
-#[inline(always)]
-fn choose<S: Simd>(mask: mask32x8<S>, yes: Vector<S>, no: Vector<S>) -> Vector<S> {
-    [
-        mask.select(yes[0], no[0]),
-        mask.select(yes[1], no[1]),
-        mask.select(yes[2], no[2]),
-    ]
-}
-
-#[inline(always)]
-fn one<S: Simd>(simd: S, row: &Lanes, lane: usize) -> f32x8<S> {
-    f32x8::splat(simd, row.0[lane % LANES])
-}
-
-#[inline(always)]
-fn sub<S: Simd>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
-    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
-}
-
-#[inline(always)]
-fn cross<S: Simd>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
-}
-
-#[inline(always)]
-fn dot<S: Simd>(a: Vector<S>, b: Vector<S>) -> f32x8<S> {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
-//! The filter of patches against the exact test: no pair that intersects is turned away, and few others are left over.
+//! The filter of patches against the exact test: no pair that intersects is turned away and none that does not is said to;
+//! few others are left over.
 
 use fearless_simd::Level;
 use glam::{Affine3A, DVec3, Mat3A, Vec3, Vec3A};
@@ -7,7 +8,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::neighbourhood::Neighbourhood;
-use super::patch::Patch;
+use super::patch::{Patch, PatchPairs};
 use crate::bounds::{LANES, WorldFromModel, levels, with_simd};
 use crate::exact::{Triangle, triangles_intersect};
 use crate::tree::{CornerLanes, in_lanes, put};
@@ -43,24 +44,30 @@ struct Tally {
     intersecting: usize,
     apart: usize,
     turned_away: usize,
+    /// Intersecting ones of which the filter is certain.
+    met: usize,
 }
 
 impl Tally {
-    /// Compares every pair of triangles; all kernels have to say the same, and all that intersect have to be left over.
+    /// Compares every pair of triangles; all kernels have to say the same, and nothing that is not so.
     fn judge(&mut self, a: &Placed, b: &Placed, neighbourhood: &Neighbourhood, about: &str) {
         let mut first = None;
         for &level in levels() {
             let (patch_a, patch_b) = (a.patch(level, neighbourhood), b.patch(level, neighbourhood));
-            let mut rows = [0xff; LANES];
-            let any = with_simd!(level, simd => patch_a.near(simd, &patch_b, &mut rows));
-            assert_eq!(any, rows != [0; LANES], "{about}");
-            assert_eq!(*first.get_or_insert(rows), rows, "{about}: kernels differ");
+            let mut pairs = PatchPairs {
+                near: [0xff; LANES],
+                meet: [0xff; LANES],
+            };
+            let any = with_simd!(level, simd => patch_a.compare(simd, &patch_b, &mut pairs));
+            assert_eq!(any, pairs.near != [0; LANES], "{about}");
+            assert_eq!(*first.get_or_insert(pairs), pairs, "{about}: kernels differ");
         }
-        let rows = first.unwrap_or_default();
+        let pairs = first.unwrap_or_default();
         let (world_a, world_b) = (a.world(), b.world());
-        for (i, row) in rows.into_iter().enumerate() {
+        for i in 0..LANES {
             for j in 0..LANES {
-                let near = row >> j & 1 == 1;
+                let [near, meets] = [pairs.near, pairs.meet].map(|rows| rows[i] >> j & 1 == 1);
+                assert!(near || !meets, "{about}: {i} and {j}");
                 let (Some(triangle_a), Some(triangle_b)) = (world_a.get(i), world_b.get(j)) else {
                     assert!(!near, "{about}: {i} and {j}, of which one is no triangle");
                     continue;
@@ -68,7 +75,9 @@ impl Tally {
                 if triangles_intersect(triangle_a, triangle_b) {
                     self.intersecting += 1;
                     assert!(near, "{about}: turned away {triangle_a:?} and {triangle_b:?}");
+                    self.met += usize::from(meets);
                 } else {
+                    assert!(!meets, "{about}: said to meet {triangle_a:?} and {triangle_b:?}");
                     self.apart += 1;
                     self.turned_away += usize::from(!near);
                 }
@@ -302,11 +311,11 @@ fn every_number_of_triangles_has_rows_and_bits_of_its_own() {
                     };
                     placed.patch(*level, &Neighbourhood::default())
                 });
-                let mut rows = [0; LANES];
-                assert!(with_simd!(*level, simd => a.near(simd, &b, &mut rows)));
+                let mut pairs = PatchPairs::default();
+                assert!(with_simd!(*level, simd => a.compare(simd, &b, &mut pairs)));
                 let all = u8::MAX >> (LANES - of_b);
                 let expected: [u8; LANES] = std::array::from_fn(|i| if i < of_a { all } else { 0 });
-                assert_eq!(rows, expected, "{of_a} and {of_b}");
+                assert_eq!(pairs.near, expected, "{of_a} and {of_b}");
             }
         }
     }
@@ -363,6 +372,7 @@ fn nearly_all_pairs_of_two_surfaces_that_are_apart_are_turned_away() {
             near.intersecting += tally.intersecting;
             near.apart += tally.apart;
             near.turned_away += tally.turned_away;
+            near.met += tally.met;
         }
     }
     println!("two surfaces: {:.5} of {near:?}", near.share());

@@ -8,7 +8,7 @@ use glam::Vec3;
 use super::leaves::LeafStamps;
 use super::neighbourhood::Neighbourhood;
 use super::pairs::TrianglePair;
-use super::patch::Patch;
+use super::patch::{Patch, PatchPairs};
 use crate::bounds::{LANES, Lanes, WorldFromModel, with_simd};
 use crate::exact::{Facet, Triangle, facets_intersect_counting};
 use crate::traverse::Walkable;
@@ -87,16 +87,16 @@ impl Patches {
         block
     }
 
-    /// The number of a triangle and its corners in world space.
+    /// The corners of a triangle in world space.
     #[inline(always)]
-    fn triangle(&self, patch: usize, lane: usize) -> (u32, Triangle) {
+    fn triangle(&self, patch: usize, lane: usize) -> Triangle {
         let [a, b, c] = &self.posed[patch];
         let lane = lane % LANES;
         let corner = |[x, y, z]: &[Lanes; 3]| {
             let posed = Vec3::new(x.0[lane], y.0[lane], z.0[lane]);
             self.world_from_model.transform_point(posed)
         };
-        (self.numbers[patch][lane], [corner(a), corner(b), corner(c)])
+        [corner(a), corner(b), corner(c)]
     }
 }
 
@@ -120,35 +120,43 @@ pub(super) fn intersecting_pairs(
     for a in block_a.patches() {
         for b in block_b.patches() {
             let (patch_a, patch_b) = (&of_a.placed[a], &of_b.placed[b]);
-            let mut rows = [0; LANES];
-            if with_simd!(level, simd => patch_a.near(simd, patch_b, &mut rows)) {
-                decide((of_a, a), (of_b, b), rows, tests, visitor)?;
+            let mut pairs = PatchPairs::default();
+            if with_simd!(level, simd => patch_a.compare(simd, patch_b, &mut pairs)) {
+                report((of_a, a), (of_b, b), &pairs, tests, visitor)?;
             }
         }
     }
     ControlFlow::Continue(())
 }
 
-/// The exact test of what may meet: in each row the triangles of B that one of A is near to.
+/// Gives the pairs that meet to the visitor; what the filter leaves open is decided exactly.
 #[inline(never)]
-fn decide(
+fn report(
     (of_a, a): (&Patches, usize),
     (of_b, b): (&Patches, usize),
-    rows: [u8; LANES],
+    pairs: &PatchPairs,
     tests: &mut LeafTests,
     visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    for (lane, &row) in rows.iter().enumerate().filter(|(_, row)| **row != 0) {
-        let (triangle_a, corners_a) = of_a.triangle(a, lane);
-        let facet_a = Facet::new(corners_a);
-        let mut near = row;
+    let (numbers_a, numbers_b) = (&of_a.numbers[a], &of_b.numbers[b]);
+    for (lane_a, triangle_a) in numbers_a.iter().enumerate() {
+        let mut near = pairs.near[lane_a];
         while near != 0 {
-            let (triangle_b, corners_b) = of_b.triangle(b, near.trailing_zeros() as usize);
+            let lane_b = near.trailing_zeros() as usize;
             near &= near - 1;
-            if facets_intersect_counting(&facet_a, &Facet::new(corners_b), &mut tests.undecided_by_filter) {
-                visitor(TrianglePair { triangle_a, triangle_b })?;
+            let certain = pairs.meet[lane_a] >> lane_b & 1 == 1;
+            if certain || decide(of_a.triangle(a, lane_a), of_b.triangle(b, lane_b), tests) {
+                visitor(TrianglePair {
+                    triangle_a: *triangle_a,
+                    triangle_b: numbers_b[lane_b],
+                })?;
             }
         }
     }
     ControlFlow::Continue(())
+}
+
+#[inline(never)]
+fn decide(a: Triangle, b: Triangle, tests: &mut LeafTests) -> bool {
+    facets_intersect_counting(&Facet::new(a), &Facet::new(b), &mut tests.undecided_by_filter)
 }

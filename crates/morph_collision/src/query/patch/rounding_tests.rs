@@ -6,6 +6,8 @@ use morph_collision_testkit::oracle::Dyadic;
 use morph_collision_testkit::search::Climb;
 use rand::RngExt;
 
+use super::vectors::Vector;
+use super::verdict::{Along, Doubt, Sides, lone_first};
 use super::*;
 use crate::bounds::{levels, with_simd};
 use crate::tree::put;

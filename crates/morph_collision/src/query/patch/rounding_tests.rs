@@ -7,9 +7,9 @@ use morph_collision_testkit::search::Climb;
 use rand::RngExt;
 
 use super::vectors::Vector;
-use super::verdict::{Along, Doubt, Sides, lone_first};
+use super::verdict::{Along as Parted, Doubt, Sides, lone_first};
 use super::*;
-use crate::bounds::{levels, with_simd};
+use crate::bounds::{Slabs, Volume, levels, with_simd};
 use crate::tree::put;
 
 /// An axis of the filter, as far as `f32` got with it: along it one triangle looks to be beyond the other by `gap`.
@@ -100,12 +100,13 @@ impl Pair {
 fn look_along<S: Simd>(simd: S, a: &Patch, b: &Patch, all: &mut Vec<Along>) {
     let doubt = Doubt::new(simd, a.reach.max(b.reach));
     let (own, theirs) = (a.load(simd), b.load(simd));
-    let mut sides = Vec::new();
+    let mut above = Vec::new();
     for (plane, corners, a_has_plane) in [(b, &own, false), (a, &theirs, true)] {
         let axis = plane.normals.map(|row| row.load(simd));
-        let heights = [dot(axis, corners[0]), dot(axis, corners[1]), dot(axis, corners[2])];
         let (low, high) = (plane.low.load(simd), plane.high.load(simd));
-        sides.push(split(heights, low, high, doubt.of_normals).1);
+        let sides = Sides::new(axis, *corners, low, high);
+        above.push(sides.above());
+        let heights = sides.heights;
         let [least, most] = least_and_most(heights);
         let bound = doubt.of_normals;
         // Compared with `high + doubt` and `low - doubt`, rounded.
@@ -122,16 +123,15 @@ fn look_along<S: Simd>(simd: S, a: &Patch, b: &Patch, all: &mut Vec<Along>) {
             });
         }
     }
-    let [p, q, r] = lone_first(own, sides[0]);
-    let [u, v, w] = lone_first(theirs, sides[1]);
+    let [p, q, r] = lone_first(own, above[0]);
+    let [u, v, w] = lone_first(theirs, above[1]);
     let [from_p, from_u] = [[sub(q, p), sub(r, p)], [sub(v, u), sub(w, u)]];
     for edge in from_p {
         for other in from_u {
             let axis = cross(edge, other);
             let [a_least, a_most] = least_and_most([dot(axis, own[0]), dot(axis, own[1]), dot(axis, own[2])]);
             let [b_least, b_most] = least_and_most([dot(axis, theirs[0]), dot(axis, theirs[1]), dot(axis, theirs[2])]);
-            // As `parted` has it.
-            let error = (axis[0].abs() + axis[1].abs() + axis[2].abs()) * doubt.per_length + doubt.floor;
+            let error = Parted::new(axis, own, theirs, &doubt).error;
             for (gap, a_beyond) in [(a_least - b_most, true), (b_least - a_most, false)] {
                 all.push(Along {
                     axis: axis.map(first),
@@ -142,6 +142,63 @@ fn look_along<S: Simd>(simd: S, a: &Patch, b: &Patch, all: &mut Vec<Along>) {
             }
         }
     }
+}
+
+/// The largest share of what they allow for that the heights and products need by which triangles are said to meet.
+#[inline(always)]
+fn certainty<S: Simd>(simd: S, pair: &Pair) -> f64 {
+    let [a, b] = &pair.patches;
+    let doubt = Doubt::new(simd, a.reach.max(b.reach));
+    let (own, theirs) = (a.load(simd), b.load(simd));
+    let spans = a.span.load(simd) + b.span.load(simd);
+    let mut most = 0.0_f64;
+    for (plane, corners, exact_plane, exact) in
+        [(b, own, &pair.exact[1], &pair.exact[0]), (a, theirs, &pair.exact[0], &pair.exact[1])]
+    {
+        let normal = plane.normals.map(|row| row.load(simd));
+        let (low, high) = (plane.low.load(simd), plane.high.load(simd));
+        let sides = Sides::new(normal, corners, low, high);
+        let allowed = first(doubt.of_sides + doubt.of_tilts * spans * plane.tilt.load(simd) + (high - low));
+        let [p, q, r] = exact_plane;
+        let exact_normal = exact_cross(&exact_sub(q, p), &exact_sub(r, p));
+        let largest = exact_normal.iter().map(|n| n.to_f64().abs()).fold(0.0, f64::max);
+        let scale = Dyadic::from(2.0 / largest);
+        for (height, corner) in sides.heights.into_iter().zip(exact) {
+            let height = first(height + height - (low + high));
+            let exact = exact_dot(&exact_normal, &exact_sub(corner, p)) * scale.clone();
+            most = most.max((Dyadic::from(height) - exact).abs().ratio(&allowed.into()));
+        }
+    }
+    for (i, j) in CORNERS {
+        for (k, l) in CORNERS {
+            let (p, q, u, v) = (own[i], own[j], theirs[k], theirs[l]);
+            let along = Parted::new(cross(sub(q, p), sub(v, u)), [p; 3], [u; 3], &doubt);
+            let allowed = first(along.error + doubt.of_products * (spans * spans));
+            let [exact_a, exact_b] = &pair.exact;
+            let (p, q, u, v) = (&exact_a[i], &exact_a[j], &exact_b[k], &exact_b[l]);
+            let axis = exact_cross(&exact_sub(q, p), &exact_sub(v, u));
+            let exact = exact_dot(&axis, &exact_sub(u, p));
+            most = most.max((Dyadic::from(first(along.step)) - exact).abs().ratio(&allowed.into()));
+        }
+    }
+    most
+}
+
+const CORNERS: [(usize, usize); 6] = [(0, 1), (0, 2), (1, 0), (1, 2), (2, 0), (2, 1)];
+
+fn exact_sub(a: &[Dyadic; 3], b: &[Dyadic; 3]) -> [Dyadic; 3] {
+    std::array::from_fn(|i| a[i].clone() - b[i].clone())
+}
+
+fn exact_dot(a: &[Dyadic; 3], b: &[Dyadic; 3]) -> Dyadic {
+    a.iter().zip(b).map(|(a, b)| a.clone() * b.clone()).sum()
+}
+
+fn exact_cross(a: &[Dyadic; 3], b: &[Dyadic; 3]) -> [Dyadic; 3] {
+    std::array::from_fn(|i| {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        a[j].clone() * b[k].clone() - a[k].clone() * b[j].clone()
+    })
 }
 
 #[inline(always)]
@@ -200,4 +257,46 @@ fn intervals_need_much_of_the_doubt_and_never_more() {
     );
     println!("triangles side by side: {share:.3} of the doubt");
     assert!(share >= 0.01, "the doubt is lazy, or the search is: {share}");
+}
+
+#[test]
+fn what_says_that_triangles_meet_needs_less_than_it_allows_for() {
+    let level = levels()[0];
+    let climb = Climb {
+        seed: 8,
+        starts: 16,
+        steps: 300,
+    };
+    let (share, _) = climb.highest(
+        |i, rng| {
+            // Triangles of some size about a point, in their own space or a little turned.
+            let size = [1.0, 0.1, 1e-2, 1e-4][i % 4];
+            let mut numbers: Vec<f32> = (0..18).map(|_| rng.random_range(-1.0..1.0) * size).collect();
+            let center: [f32; 3] = std::array::from_fn(|_| rng.random_range(-1.0..1.0));
+            for corner in numbers.chunks_exact_mut(3) {
+                corner.iter_mut().zip(center).for_each(|(x, c)| *x += c);
+            }
+            numbers.extend([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+            if i % 3 == 0 {
+                numbers[18..33].iter_mut().for_each(|x| *x += rng.random_range(-0.1..0.1));
+            }
+            numbers
+        },
+        |numbers| {
+            let pair = Pair::new(level, numbers)?;
+            let [a, b] = &pair.patches;
+            let reach = a.reach.max(b.reach);
+            // Edges that rounding does not drown, as with every triangle whose sides are clear.
+            let least = 21.0 * f32::EPSILON / 2.0 * reach;
+            let edges = a.span.0[0].min(b.span.0[0]) > least && a.tilt.0[0].min(b.tilt.0[0]) > 0.0;
+            if !edges || !Slabs::<3>::overlap(&a.hull, &b.hull) || !reach.is_finite() {
+                return None;
+            }
+            let share = with_simd!(level, simd => certainty(simd, &pair));
+            assert!(share <= 1.0, "{share} of what is allowed for: {numbers:?}");
+            Some(share)
+        },
+    );
+    println!("triangles that meet: {share:.3} of what is allowed for");
+    assert!(share >= 0.01, "the bound is lazy, or the search is: {share}");
 }

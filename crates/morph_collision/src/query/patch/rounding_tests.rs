@@ -152,9 +152,10 @@ fn certainty<S: Simd>(simd: S, pair: &Pair) -> f64 {
     let (own, theirs) = (a.load(simd), b.load(simd));
     let spans = a.span.load(simd) + b.span.load(simd);
     let mut most = 0.0_f64;
-    for (plane, corners, exact_plane, exact) in
-        [(b, own, &pair.exact[1], &pair.exact[0]), (a, theirs, &pair.exact[0], &pair.exact[1])]
-    {
+    for (plane, corners, exact_plane, exact) in [
+        (b, own, &pair.exact[1], &pair.exact[0]),
+        (a, theirs, &pair.exact[0], &pair.exact[1]),
+    ] {
         let normal = plane.normals.map(|row| row.load(simd));
         let (low, high) = (plane.low.load(simd), plane.high.load(simd));
         let sides = Sides::new(normal, corners, low, high);
@@ -276,9 +277,13 @@ fn what_says_that_triangles_meet_needs_less_than_it_allows_for() {
             for corner in numbers.chunks_exact_mut(3) {
                 corner.iter_mut().zip(center).for_each(|(x, c)| *x += c);
             }
-            numbers.extend([1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+            numbers.extend([
+                1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0,
+            ]);
             if i % 3 == 0 {
-                numbers[18..33].iter_mut().for_each(|x| *x += rng.random_range(-0.1..0.1));
+                numbers[18..33]
+                    .iter_mut()
+                    .for_each(|x| *x += rng.random_range(-0.1..0.1));
             }
             numbers
         },

@@ -1,18 +1,30 @@
-//! What a frame cost, and on what.
+//! What a run cost, and on what.
 
 use std::time::Duration;
 
 use bevy::prelude::*;
 use morph_collision::QueryStats;
 
-/// What the plugin did in its last run. Counts are of that frame alone.
+/// What the plugin did in its last run. Counts are of that run alone.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, Debug, Default, Clone, PartialEq)]
 pub struct MorphCollisionDiagnostics {
     /// Colliders that took part.
     pub colliders: u64,
-    /// Pairs of colliders of different bodies whose world bounds overlapped.
+    /// Pairs of colliders whose world bounds overlapped; the others are apart and not counted.
+    pub overlapping_pairs: u64,
+    /// Overlapping pairs that are parts of one body.
+    pub skipped_same_body: u64,
+    /// Overlapping pairs that [`MorphCollisionLayers`](crate::MorphCollisionLayers) keep apart.
+    pub skipped_layers: u64,
+    /// Overlapping pairs of [passive](crate::CollisionMode::Passive) colliders.
+    pub skipped_passive: u64,
+    /// Overlapping pairs of two [shapes](crate::MorphShape).
+    pub skipped_rigid: u64,
+    /// Overlapping pairs that were left: different bodies that care about each other.
     pub candidate_pairs: u64,
+    /// Candidate pairs of which neither collider changed, so that the answer is that of the run before.
+    pub skipped_unchanged: u64,
     /// Pairs of colliders that touched.
     pub touching_pairs: u64,
     /// Triangle pairs listed in [`MorphCollisions`](crate::MorphCollisions).
@@ -26,6 +38,55 @@ pub struct MorphCollisionDiagnostics {
     pub duration: Duration,
 }
 
-pub(crate) fn begin_frame(mut diagnostics: ResMut<MorphCollisionDiagnostics>) {
+pub(crate) fn begin_run(mut diagnostics: ResMut<MorphCollisionDiagnostics>) {
     *diagnostics = MorphCollisionDiagnostics::default();
+}
+
+#[cfg(feature = "diagnostics")]
+pub use store::MorphCollisionDiagnosticsPlugin;
+
+/// The same numbers among Bevy's own.
+#[cfg(feature = "diagnostics")]
+mod store {
+    use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
+    use bevy::prelude::*;
+
+    use super::MorphCollisionDiagnostics;
+
+    /// Puts [`MorphCollisionDiagnostics`] into Bevy's `DiagnosticsStore`, frame by frame.
+    #[derive(Clone, Copy, Debug, Default)]
+    pub struct MorphCollisionDiagnosticsPlugin;
+
+    impl MorphCollisionDiagnosticsPlugin {
+        /// Time spent in the plugin's systems, in milliseconds.
+        pub const DURATION: DiagnosticPath = DiagnosticPath::const_new("morph_collision/duration");
+        /// Candidate pairs.
+        pub const CANDIDATE_PAIRS: DiagnosticPath = DiagnosticPath::const_new("morph_collision/candidate_pairs");
+        /// Touching pairs.
+        pub const TOUCHING_PAIRS: DiagnosticPath = DiagnosticPath::const_new("morph_collision/touching_pairs");
+        /// Volumes blended.
+        pub const VOLUMES_BLENDED: DiagnosticPath = DiagnosticPath::const_new("morph_collision/volumes_blended");
+        /// Pairs of triangles compared.
+        pub const TRIANGLE_TESTS: DiagnosticPath = DiagnosticPath::const_new("morph_collision/triangle_tests");
+    }
+
+    impl Plugin for MorphCollisionDiagnosticsPlugin {
+        fn build(&self, app: &mut App) {
+            for path in [Self::CANDIDATE_PAIRS, Self::TOUCHING_PAIRS, Self::VOLUMES_BLENDED, Self::TRIANGLE_TESTS] {
+                app.register_diagnostic(Diagnostic::new(path));
+            }
+            app.register_diagnostic(Diagnostic::new(Self::DURATION).with_suffix(" ms"))
+                .add_systems(Last, store);
+        }
+    }
+
+    fn store(ours: Option<Res<MorphCollisionDiagnostics>>, mut theirs: Diagnostics) {
+        use MorphCollisionDiagnosticsPlugin as Paths;
+        let Some(ours) = ours else { return };
+        theirs.add_measurement(&Paths::DURATION, || ours.duration.as_secs_f64() * 1e3);
+        theirs.add_measurement(&Paths::CANDIDATE_PAIRS, || ours.candidate_pairs as f64);
+        theirs.add_measurement(&Paths::TOUCHING_PAIRS, || ours.touching_pairs as f64);
+        theirs.add_measurement(&Paths::VOLUMES_BLENDED, || ours.stats.volumes_blended as f64);
+        theirs.add_measurement(&Paths::TRIANGLE_TESTS, || ours.stats.triangle_tests as f64);
+    }
 }

@@ -3,15 +3,16 @@
 use bevy::platform::time::Instant;
 
 use bevy::prelude::*;
+use tracing::debug_span;
 
-use crate::detect::{MorphCollisions, MorphContact};
+use crate::contacts::{MorphCollisions, MorphContact};
 use crate::diagnostics::MorphCollisionDiagnostics;
 
-/// Two colliders touch that did not in the frame before.
+/// Two colliders touch that did not in the run before.
 ///
 /// As a [`Message`] it is sent once per pair, `collider1 < collider2`. As an [`EntityEvent`] it is triggered for each of the
 /// two that has [`MorphCollisionEventsEnabled`], which is then `collider1`.
-#[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct MorphCollisionStart {
     /// A collider; the target of the entity event.
@@ -23,9 +24,13 @@ pub struct MorphCollisionStart {
     pub body1: Entity,
     /// The body of `collider2`.
     pub body2: Entity,
+    /// Where they touch, in world space; see [`MorphContact::point`].
+    pub point: Vec3,
+    /// The direction in which `collider1` leaves `collider2` there; see [`MorphContact::normal`].
+    pub normal: Vec3,
 }
 
-/// Two colliders touch no more that did in the frame before.
+/// Two colliders touch no more that did in the run before.
 ///
 /// Sent as [`MorphCollisionStart`] is. Also sent when a collider was despawned, so the entities need not exist any more, or
 /// when it was left out because its mesh or transform became unusable.
@@ -48,7 +53,28 @@ pub struct MorphCollisionEnd {
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 pub struct MorphCollisionEventsEnabled;
 
-/// Compares this frame's contacts with the last frame's: first what ended, then what started, both in ascending order.
+/// Put on a collider to have the colliders that it touches listed, ascending; kept by the plugin.
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
+#[reflect(Component, Debug, Default, Clone, PartialEq)]
+pub struct MorphCollidingEntities(Vec<Entity>);
+
+impl MorphCollidingEntities {
+    /// Whether a collider is among them.
+    #[must_use]
+    pub fn contains(&self, collider: Entity) -> bool {
+        self.0.binary_search(&collider).is_ok()
+    }
+}
+
+impl std::ops::Deref for MorphCollidingEntities {
+    type Target = [Entity];
+
+    fn deref(&self) -> &[Entity] {
+        &self.0
+    }
+}
+
+/// Tells of this run's changes: first what ended, then what started, both in ascending order.
 pub(crate) fn report_changes(
     collisions: Res<MorphCollisions>,
     enabled: Query<(), With<MorphCollisionEventsEnabled>>,
@@ -58,8 +84,9 @@ pub(crate) fn report_changes(
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
     let start = Instant::now();
+    let _span = debug_span!("morph_collision::events").entered();
     for contact in collisions.ended() {
-        let [first, second] = both_ways(contact).map(|[collider1, collider2, body1, body2]| MorphCollisionEnd {
+        let [first, second] = both_ways(contact).map(|([collider1, collider2, body1, body2], _)| MorphCollisionEnd {
             collider1,
             collider2,
             body1,
@@ -73,11 +100,13 @@ pub(crate) fn report_changes(
         }
     }
     for contact in collisions.started() {
-        let [first, second] = both_ways(contact).map(|[collider1, collider2, body1, body2]| MorphCollisionStart {
+        let [first, second] = both_ways(contact).map(|([collider1, collider2, body1, body2], normal)| MorphCollisionStart {
             collider1,
             collider2,
             body1,
             body2,
+            point: contact.point,
+            normal,
         });
         starts.write(first);
         for event in [first, second] {
@@ -89,17 +118,48 @@ pub(crate) fn report_changes(
     diagnostics.duration += start.elapsed();
 }
 
-/// Colliders and bodies as seen from either side.
-fn both_ways(contact: &MorphContact) -> [[Entity; 4]; 2] {
+/// Colliders, bodies and the normal as seen from either side.
+fn both_ways(contact: &MorphContact) -> [([Entity; 4], Vec3); 2] {
     let &MorphContact {
         collider1,
         collider2,
         body1,
         body2,
+        normal,
         ..
     } = contact;
     [
-        [collider1, collider2, body1, body2],
-        [collider2, collider1, body2, body1],
+        ([collider1, collider2, body1, body2], normal),
+        ([collider2, collider1, body2, body1], -normal),
     ]
+}
+
+/// Brings [`MorphCollidingEntities`] up to date where contacts started or ended, and where they are new.
+pub(crate) fn list_colliding_entities(
+    collisions: Res<MorphCollisions>,
+    mut lists: Query<(Entity, &mut MorphCollidingEntities)>,
+    fresh: Query<Entity, Added<MorphCollidingEntities>>,
+) {
+    for contact in collisions.ended() {
+        for collider in [contact.collider1, contact.collider2] {
+            if let (Ok((_, mut list)), Some(other)) = (lists.get_mut(collider), contact.other(collider)) {
+                list.0.retain(|&entity| entity != other);
+            }
+        }
+    }
+    for contact in collisions.started() {
+        for collider in [contact.collider1, contact.collider2] {
+            if let (Ok((_, mut list)), Some(other)) = (lists.get_mut(collider), contact.other(collider)) {
+                if let Err(place) = list.0.binary_search(&other) {
+                    list.0.insert(place, other);
+                }
+            }
+        }
+    }
+    for collider in &fresh {
+        if let Ok((_, mut list)) = lists.get_mut(collider) {
+            list.0 = collisions.of(collider).filter_map(|contact| contact.other(collider)).collect();
+            list.0.sort_unstable();
+        }
+    }
 }

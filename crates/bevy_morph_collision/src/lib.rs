@@ -29,15 +29,27 @@
 //!
 //! # The pipeline
 //!
-//! Everything runs in [`PostUpdate`], after animation and transform propagation, in the order of [`MorphCollisionSystems`]:
+//! Trees are kept in [`PostUpdate`], and so by default is the rest, after animation and transform propagation; it can run
+//! in another schedule ([`MorphCollisionPlugin::in_schedule`]). In the order of [`MorphCollisionSystems`]:
 //!
-//! 1. **Import** (`import`, `collider`): parts of a [`MorphColliderScene`] become colliders; meshes become trees.
+//! 1. **Import** (`scene`, `import`): parts of a [`MorphColliderScene`] become colliders; meshes become trees.
 //! 2. **Weights** (`weights`): every collider's pose takes the weights in force.
-//! 3. **Broad phase** (`bounds`): boxes around whole colliders in world space; pairs whose boxes overlap go on.
-//! 4. **Narrow phase** (`detect`): exact triangle pairs, into [`MorphCollisions`].
-//! 5. **Events** (`events`): what started and ended since the last frame.
+//! 3. **Broad phase** (`broad_phase`): boxes around whole colliders in world space; pairs whose boxes overlap, and which
+//!    [`MorphCollisionLayers`] and [`CollisionMode`]s let through, go on.
+//! 4. **Narrow phase** (`narrow_phase`, `contacts`): exact triangle pairs and contacts, into [`MorphCollisions`].
+//! 5. **Events** (`events`): what started and ended since the last run; [`MorphCollidingEntities`].
+//! 6. **Anchors** (`anchors`): entities with a [`MorphSurfaceAnchor`] go where their triangle went.
 //!
-//! Each stage adds to [`MorphCollisionDiagnostics`].
+//! Each stage adds to [`MorphCollisionDiagnostics`]. Where nothing changed nothing is done: weights and places are compared by
+//! value, a pair of which neither collider changed keeps its answer, and a frame in which none did costs a look at each.
+//!
+//! Beside the pipeline, each by itself:
+//!
+//! - [`MorphSpatialQuery`] (`spatial`): rays, overlaps, closest points, contacts, posed vertices, for any system.
+//! - [`MorphBoundsPlugin`] (`bounds`): the `Aabb` that Bevy culls morphing meshes by.
+//! - `MorphPickingPlugin` (`picking`, feature `picking`): pointers hit what is drawn.
+//! - `MorphGizmosPlugin` (`gizmos`, feature `gizmos`): volumes, contacts, touching triangles, drawn.
+//! - `MorphCollisionDiagnosticsPlugin` (feature `diagnostics`): the counts in Bevy's `DiagnosticsStore`.
 //!
 //! # What it needs
 //!
@@ -46,129 +58,69 @@
 //! logged once as an error with the mesh's and the entity's name, and only that entity is left out.
 #![forbid(unsafe_code)]
 
+mod anchors;
 mod bounds;
+mod broad_phase;
 mod collider;
-mod detect;
+mod contacts;
 mod diagnostics;
 mod events;
+#[cfg(feature = "gizmos")]
+mod gizmos;
 mod import;
+mod layers;
+mod narrow_phase;
+#[cfg(feature = "picking")]
+mod picking;
+mod plugin;
+mod scene;
+mod settings;
+mod shape;
+mod spatial;
 mod weights;
 mod workers;
 
-use bevy::app::AnimationSystems;
-use bevy::asset::AssetEventSystems;
-use bevy::prelude::*;
-use bevy::transform::TransformSystems;
-
-pub use collider::{CollisionMode, MorphBody, MorphCollider, MorphColliderScene};
-pub use detect::{MorphCollisions, MorphContact};
+pub use anchors::MorphSurfaceAnchor;
+pub use bounds::{MorphBoundsPlugin, MorphBoundsSystems};
+pub use collider::{CollisionMode, MorphBody, MorphCollider, MorphColliderDisabled};
+pub use contacts::{MorphCollisions, MorphContact, MorphContactPoint};
 pub use diagnostics::MorphCollisionDiagnostics;
-pub use events::{MorphCollisionEnd, MorphCollisionEventsEnabled, MorphCollisionStart};
-pub use import::{ImportError, MorphTrees};
+#[cfg(feature = "diagnostics")]
+pub use diagnostics::MorphCollisionDiagnosticsPlugin;
+pub use events::{MorphCollidingEntities, MorphCollisionEnd, MorphCollisionEventsEnabled, MorphCollisionStart};
+#[cfg(feature = "gizmos")]
+pub use gizmos::{MorphGizmos, MorphGizmosPlugin};
+pub use import::{ImportError, MorphTreeOptions, MorphTreeSettings, MorphTrees, MorphVolume};
+pub use layers::MorphCollisionLayers;
 pub use morph_collision;
-pub use morph_collision::{BuildOptions, QueryStats, TrianglePair};
+pub use morph_collision::{BuildOptions, Facing, InputError, QueryStats, TrianglePair};
+#[cfg(feature = "picking")]
+pub use picking::{MorphPick, MorphPickingPlugin, MorphPickingSettings};
+pub use plugin::{MorphCollisionIn, MorphCollisionPlugin, MorphCollisionSystems};
+pub use scene::MorphColliderScene;
+pub use settings::MorphCollisionSettings;
+pub use shape::MorphShape;
+pub use spatial::{
+    MorphClosestPoints, MorphContacts, MorphProjection, MorphQueryFilter, MorphRayHit, MorphSpatialQuery,
+};
 pub use workers::TaskPoolWorkers;
 
 /// What a program that uses the plugin needs by name.
 pub mod prelude {
     pub use crate::{
-        CollisionMode, MorphBody, MorphCollider, MorphColliderScene, MorphCollisionDiagnostics, MorphCollisionEnd,
-        MorphCollisionEventsEnabled, MorphCollisionPlugin, MorphCollisionStart, MorphCollisionSystems, MorphCollisions,
-        MorphContact, MorphTreeOptions, TrianglePair,
+        CollisionMode, MorphBody, MorphBoundsPlugin, MorphCollider, MorphColliderDisabled, MorphColliderScene,
+        MorphCollidingEntities, MorphCollisionDiagnostics, MorphCollisionEnd, MorphCollisionEventsEnabled,
+        MorphCollisionLayers, MorphCollisionPlugin, MorphCollisionSettings, MorphCollisionStart, MorphCollisionSystems,
+        MorphCollisions, MorphContact, MorphQueryFilter, MorphRayHit, MorphShape, MorphSpatialQuery, MorphSurfaceAnchor,
+        MorphTreeOptions, MorphTreeSettings, TrianglePair,
     };
+    #[cfg(feature = "gizmos")]
+    pub use crate::{MorphGizmos, MorphGizmosPlugin};
+    #[cfg(feature = "picking")]
+    pub use crate::{MorphPick, MorphPickingPlugin};
 }
 
-/// Detects collisions between [`MorphCollider`]s every frame.
-///
-/// Insert [`MorphTreeOptions`] before the plugin to build trees in another way than the default one.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct MorphCollisionPlugin;
-
-/// How trees are built, for all meshes. No answer depends on it.
-///
-/// ```
-/// # use bevy::prelude::*;
-/// # use bevy_morph_collision::{BuildOptions, MorphCollisionPlugin, MorphTreeOptions};
-/// # let mut app = App::new();
-/// app.insert_resource(MorphTreeOptions(BuildOptions::default().with_leaf_size(8)));
-/// app.add_plugins(MorphCollisionPlugin);
-/// ```
-#[derive(Resource, Clone, Debug, Default)]
-pub struct MorphTreeOptions(pub BuildOptions);
-
-/// The stages of the plugin, in [`PostUpdate`], in this order.
-#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum MorphCollisionSystems {
-    /// Finds new colliders, builds the trees of their meshes and hands them out.
-    Import,
-    /// Reads the morph weights in force.
-    Weights,
-    /// Places colliders in the world and finds the pairs whose boxes overlap.
-    BroadPhase,
-    /// Finds the triangles that intersect.
-    NarrowPhase,
-    /// Reports what started and ended.
-    Events,
-}
-
-impl Plugin for MorphCollisionPlugin {
-    fn build(&self, app: &mut App) {
-        let options = app.world_mut().get_resource_or_init::<MorphTreeOptions>().clone();
-        app.insert_resource(MorphTrees::new(options.0))
-            .init_resource::<bounds::Candidates>()
-            .init_resource::<MorphCollisions>()
-            .init_resource::<MorphCollisionDiagnostics>()
-            .add_message::<MorphCollisionStart>()
-            .add_message::<MorphCollisionEnd>()
-            .register_type::<MorphCollider>()
-            .register_type::<MorphColliderScene>()
-            .register_type::<MorphBody>()
-            .register_type::<CollisionMode>()
-            .register_type::<MorphCollisionEventsEnabled>()
-            .register_type::<MorphCollisionStart>()
-            .register_type::<MorphCollisionEnd>()
-            .register_type::<MorphCollisionDiagnostics>()
-            .add_observer(collider::forget_collider)
-            .add_observer(collider::forget_scene);
-
-        use MorphCollisionSystems as Stage;
-        app.configure_sets(
-            PostUpdate,
-            (
-                Stage::Import,
-                Stage::Weights,
-                Stage::BroadPhase,
-                Stage::NarrowPhase,
-                Stage::Events,
-            )
-                .chain()
-                .after(AnimationSystems)
-                .after(TransformSystems::Propagate)
-                .after(AssetEventSystems),
-        )
-        .add_systems(
-            PostUpdate,
-            (
-                (
-                    diagnostics::begin_frame,
-                    collider::add_scene_parts,
-                    import::follow_asset_events,
-                    import::request_trees,
-                    import::finish_trees,
-                    import::hand_out_trees,
-                )
-                    .chain()
-                    .in_set(Stage::Import),
-                weights::read_weights.in_set(Stage::Weights),
-                bounds::find_candidates.in_set(Stage::BroadPhase),
-                detect::find_contacts.in_set(Stage::NarrowPhase),
-                events::report_changes.in_set(Stage::Events),
-            ),
-        );
-    }
-}
-
-/// The README's snippet, compiled.
+/// The README's snippets, compiled.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -4,7 +4,7 @@ use bevy::platform::time::Instant;
 
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
-use tracing::error;
+use tracing::{debug_span, error};
 
 use crate::collider::{ColliderState, MorphCollider};
 use crate::diagnostics::MorphCollisionDiagnostics;
@@ -15,13 +15,15 @@ use crate::diagnostics::MorphCollisionDiagnostics;
 /// [`MeshMorphWeights`] a mesh is drawn, and collides, in its rest pose. Weights that do not fit are logged once, until they
 /// fit again, and the last good ones stay in force.
 pub(crate) fn read_weights(
-    mut colliders: Query<(NameOrEntity, &mut ColliderState, Option<&MeshMorphWeights>), With<MorphCollider>>,
+    mut colliders: Query<(Entity, &mut ColliderState, Option<&MeshMorphWeights>), With<MorphCollider>>,
+    names: Query<NameOrEntity>,
     shared: Query<&MorphWeights>,
     mut rest: Local<Vec<f32>>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
     let start = Instant::now();
-    for (name, mut state, weights) in &mut colliders {
+    let _span = debug_span!("morph_collision::weights").entered();
+    for (entity, mut state, weights) in &mut colliders {
         let state = &mut *state;
         let Some(pose) = &mut state.pose else { continue };
         let targets = pose.weights().len();
@@ -52,6 +54,7 @@ pub(crate) fn read_weights(
             }
             Err(error) if !state.bad_weights => {
                 state.bad_weights = true;
+                let name = names.get(entity).map(|name| name.to_string()).unwrap_or_default();
                 error!("morph weights of entity `{name}` cannot be used: {error}; the last good ones stay in force");
             }
             Err(_) => {}

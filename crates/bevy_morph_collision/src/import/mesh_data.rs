@@ -117,6 +117,24 @@ fn read_targets(mesh: &Mesh, vertices: usize) -> Result<Vec<Vec<Vec3>>, ImportEr
     Ok(displacements.chunks_exact(vertices).map(of_target).collect())
 }
 
+/// The vertices of a triangle, by the number that contacts and hits name it with.
+pub(crate) fn triangle_corners(mesh: &Mesh, triangle: u32) -> Option<[u32; 3]> {
+    let vertices = mesh.try_attribute(Mesh::ATTRIBUTE_POSITION.id).ok()?.len();
+    let indices = mesh.try_indices_option().ok()?;
+    let place = triangle as usize;
+    match mesh.primitive_topology() {
+        PrimitiveTopology::TriangleList => {
+            let corner = |i: usize| match indices {
+                Some(indices) => indices.iter().nth(3 * place + i).map(|index| index as u32),
+                None => (3 * place + i < vertices).then_some((3 * place + i) as u32),
+            };
+            Some([corner(0)?, corner(1)?, corner(2)?])
+        }
+        PrimitiveTopology::TriangleStrip => strip_triangles(indices, vertices).get(place).copied(),
+        _ => None,
+    }
+}
+
 /// Triangle `t` has the indices `3 t`, `3 t + 1` and `3 t + 2`.
 fn list_triangles(indices: Option<&Indices>, vertices: usize) -> Result<Vec<[u32; 3]>, ImportError> {
     let indices = all_indices(indices, vertices);
@@ -169,6 +187,22 @@ mod tests {
         assert_eq!(strip_triangles(Some(&restarted), 6), [[0, 1, 2], [3, 4, 5]]);
         let stitched = Indices::U32(vec![0, 1, 2, 2, 2, 3, 3, 4, 5]);
         assert_eq!(strip_triangles(Some(&stitched), 6), [[0, 1, 2], [3, 4, 5]]);
+    }
+
+    #[test]
+    fn a_triangle_has_the_vertices_that_the_tree_was_built_of() {
+        use bevy::asset::RenderAssetUsages;
+        let mesh = |topology| {
+            Mesh::new(topology, RenderAssetUsages::default())
+                .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0_f32; 3]; 6])
+        };
+        let list = mesh(PrimitiveTopology::TriangleList);
+        assert_eq!(triangle_corners(&list, 1), Some([3, 4, 5]));
+        assert_eq!(triangle_corners(&list, 2), None);
+        let indexed = list.with_inserted_indices(Indices::U16(vec![5, 4, 3, 2, 1, 0]));
+        assert_eq!(triangle_corners(&indexed, 1), Some([2, 1, 0]));
+        let strip = mesh(PrimitiveTopology::TriangleStrip);
+        assert_eq!(triangle_corners(&strip, 1), Some([2, 1, 3]));
     }
 
     #[test]

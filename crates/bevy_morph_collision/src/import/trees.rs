@@ -10,6 +10,7 @@ use morph_collision::{BuildOptions, MorphBvh, Pose};
 use tracing::error;
 
 use super::mesh_data::{ImportError, MeshData};
+use super::tree_settings::{MorphTreeOptions, MorphTreeSettings};
 use crate::collider::{ColliderState, MorphCollider};
 use crate::diagnostics::MorphCollisionDiagnostics;
 
@@ -19,9 +20,17 @@ use crate::diagnostics::MorphCollisionDiagnostics;
 /// the mesh asset. If a modified mesh cannot be used, the tree of its last good state stays in force.
 #[derive(Resource, Default)]
 pub struct MorphTrees {
-    options: BuildOptions,
-    of_mesh: HashMap<AssetId<Mesh>, MeshTree>,
+    of_mesh: HashMap<TreeKey, MeshTree>,
+    /// Asked for, and not begun yet, because the mesh is not loaded.
+    waiting: Vec<(TreeKey, Entity)>,
+    /// Another number whenever a tree came or went.
+    version: u64,
+    /// Whether what colliders show has to be looked through anew.
+    stale: bool,
 }
+
+/// A mesh, and settings if it has its own.
+pub(crate) type TreeKey = (AssetId<Mesh>, Option<MorphTreeSettings>);
 
 /// What is known of one mesh.
 struct MeshTree {
@@ -33,30 +42,30 @@ struct MeshTree {
 }
 
 impl MorphTrees {
-    pub(crate) fn new(options: BuildOptions) -> Self {
-        Self {
-            options,
-            ..Self::default()
-        }
-    }
-
-    /// The tree of a mesh, if one is ready.
+    /// The tree of a mesh without settings of its own, if it is ready.
     #[must_use]
     pub fn get(&self, mesh: AssetId<Mesh>) -> Option<&Arc<MorphBvh>> {
-        self.of_mesh.get(&mesh)?.tree.as_ref()
+        self.with_settings(mesh, None)
+    }
+
+    /// The tree of a mesh with settings of its own, if it is ready.
+    #[must_use]
+    pub fn with_settings(&self, mesh: AssetId<Mesh>, settings: Option<MorphTreeSettings>) -> Option<&Arc<MorphBvh>> {
+        self.of_mesh.get(&(mesh, settings))?.tree.as_ref()
     }
 
     /// Why the mesh in its current state could not be used; the error is in the log, too.
     #[must_use]
     pub fn error(&self, mesh: AssetId<Mesh>) -> Option<&ImportError> {
-        self.of_mesh.get(&mesh)?.error.as_ref()
+        let mut entries = self.of_mesh.iter().filter(|((of, _), _)| *of == mesh);
+        entries.find_map(|(_, entry)| entry.error.as_ref())
     }
 
-    /// The trees that are ready, in no particular order.
+    /// The trees that are ready, in no particular order; a mesh may have several, with different settings.
     pub fn iter(&self) -> impl Iterator<Item = (AssetId<Mesh>, &Arc<MorphBvh>)> {
         self.of_mesh
             .iter()
-            .filter_map(|(&mesh, entry)| Some((mesh, entry.tree.as_ref()?)))
+            .filter_map(|(&(mesh, _), entry)| Some((mesh, entry.tree.as_ref()?)))
     }
 
     /// How many trees are being built in the background right now.
@@ -64,14 +73,25 @@ impl MorphTrees {
     pub fn building(&self) -> usize {
         self.of_mesh.values().filter(|entry| entry.building.is_some()).count()
     }
+
+    /// Sees to it that a tree will be there once its mesh is loaded.
+    pub(crate) fn request(&mut self, key: TreeKey, asked_by: Entity) {
+        if !self.of_mesh.contains_key(&key) && !self.waiting.iter().any(|(waiting, _)| *waiting == key) {
+            self.waiting.push((key, asked_by));
+        }
+    }
+
+    pub(crate) fn is_stale(&self) -> bool {
+        self.stale
+    }
 }
 
 impl std::fmt::Debug for MorphTrees {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("MorphTrees")
-            .field("options", &self.options)
             .field("trees", &self.iter().count())
             .field("building", &self.building())
+            .field("waiting", &self.waiting.len())
             .finish()
     }
 }
@@ -80,60 +100,94 @@ impl std::fmt::Debug for MorphTrees {
 pub(crate) fn follow_asset_events(
     mut events: MessageReader<AssetEvent<Mesh>>,
     mut trees: ResMut<MorphTrees>,
+    options: Res<MorphTreeOptions>,
     meshes: Res<Assets<Mesh>>,
     complaints: Complaints,
 ) {
     for event in events.read() {
+        let trees = &mut *trees;
         match *event {
             AssetEvent::Modified { id } => {
-                let trees = &mut *trees;
-                if let (Some(entry), Some(mesh)) = (trees.of_mesh.get_mut(&id), meshes.get(id)) {
-                    entry.start(id, mesh, &trees.options, &complaints);
+                let Some(mesh) = meshes.get(id) else { continue };
+                for (key, entry) in trees.of_mesh.iter_mut().filter(|((of, _), _)| *of == id) {
+                    entry.start(key, mesh, &options.0, &complaints);
                 }
             }
             AssetEvent::Removed { id } | AssetEvent::Unused { id } => {
-                trees.of_mesh.remove(&id);
+                let before = trees.of_mesh.len();
+                trees.of_mesh.retain(|(of, _), _| *of != id);
+                trees.version += (before - trees.of_mesh.len()) as u64;
+                trees.waiting.retain(|((of, _), _)| *of != id);
+                // Whoever still shows it may get it back under the same name.
+                trees.stale = true;
             }
-            AssetEvent::Added { .. } | AssetEvent::LoadedWithDependencies { .. } => {}
+            AssetEvent::Added { .. } => trees.stale = true,
+            AssetEvent::LoadedWithDependencies { .. } => {}
         }
     }
 }
 
-/// Meshes that a collider shows for the first time are read and their trees begun, as soon as they are loaded.
+/// What a collider has to do with a tree.
+type Shows = (Entity, &'static Mesh3d, Option<&'static MorphTreeSettings>);
+
+/// Colliders that show another mesh than before, or want another tree of it.
+type ShowsAnew = Or<(Added<MorphCollider>, Changed<Mesh3d>, Changed<MorphTreeSettings>)>;
+
+/// Trees of meshes that a collider shows for the first time are asked for.
 pub(crate) fn request_trees(
-    colliders: Query<(Entity, &Mesh3d), With<MorphCollider>>,
+    anew: Query<Shows, (With<MorphCollider>, ShowsAnew)>,
+    all: Query<Shows, With<MorphCollider>>,
+    mut unset: RemovedComponents<MorphTreeSettings>,
     mut trees: ResMut<MorphTrees>,
+) {
+    let every = trees.stale | (unset.read().count() > 0);
+    let mut request = |(entity, mesh, settings): (Entity, &Mesh3d, Option<&MorphTreeSettings>)| {
+        trees.request((mesh.id(), settings.copied()), entity);
+    };
+    if every {
+        all.iter().for_each(&mut request);
+    } else {
+        anew.iter().for_each(&mut request);
+    }
+}
+
+/// Meshes that were asked for are read and their trees begun, as soon as they are loaded.
+pub(crate) fn start_trees(
+    mut trees: ResMut<MorphTrees>,
+    options: Res<MorphTreeOptions>,
     meshes: Res<Assets<Mesh>>,
     complaints: Complaints,
 ) {
-    for (entity, mesh) in &colliders {
-        let id = mesh.id();
-        if trees.of_mesh.contains_key(&id) {
-            continue;
-        }
-        let Some(mesh) = meshes.get(id) else { continue };
+    trees.stale = false;
+    if trees.waiting.is_empty() {
+        return;
+    }
+    let MorphTrees { of_mesh, waiting, .. } = &mut *trees;
+    waiting.retain(|&(key, asked_by)| {
+        let Some(mesh) = meshes.get(key.0) else { return true };
         let mut entry = MeshTree {
             tree: None,
             building: None,
             error: None,
-            asked_by: entity,
+            asked_by,
         };
-        entry.start(id, mesh, &trees.options, &complaints);
-        trees.of_mesh.insert(id, entry);
-    }
+        entry.start(&key, mesh, &options.0, &complaints);
+        of_mesh.insert(key, entry);
+        false
+    });
 }
 
 impl MeshTree {
     /// Reads the mesh and begins a tree in the background; what was being built before is dropped.
-    fn start(&mut self, id: AssetId<Mesh>, mesh: &Mesh, options: &BuildOptions, complaints: &Complaints) {
+    fn start(&mut self, key: &TreeKey, mesh: &Mesh, options: &BuildOptions, complaints: &Complaints) {
         self.building = None;
         match MeshData::read(mesh) {
             Ok(data) => {
-                let options = options.clone();
+                let options = key.1.map_or_else(|| options.clone(), |settings| settings.over(options));
                 let pool = AsyncComputeTaskPool::get_or_init(Default::default);
                 self.building = Some(pool.spawn(async move { data.build(&options) }));
             }
-            Err(error) => self.fail(id, error, complaints),
+            Err(error) => self.fail(key.0, error, complaints),
         }
     }
 
@@ -145,11 +199,13 @@ impl MeshTree {
 
 /// Trees that are done replace the ones before.
 pub(crate) fn finish_trees(mut trees: ResMut<MorphTrees>, complaints: Complaints) {
-    for (&id, entry) in &mut trees.of_mesh {
+    let MorphTrees { of_mesh, version, .. } = trees.bypass_change_detection();
+    for (&(id, _), entry) in of_mesh {
         let Some(result) = entry.building.as_mut().and_then(check_ready) else {
             continue;
         };
         entry.building = None;
+        *version += 1;
         match result {
             Ok(tree) => {
                 entry.tree = Some(Arc::new(tree));
@@ -162,32 +218,50 @@ pub(crate) fn finish_trees(mut trees: ResMut<MorphTrees>, complaints: Complaints
 
 /// Colliders whose mesh or tree is another one than before get a new pose, or none while there is no tree.
 pub(crate) fn hand_out_trees(
-    mut colliders: Query<(Option<&Mesh3d>, &mut ColliderState), With<MorphCollider>>,
+    mut anew: ParamSet<(
+        Query<(Option<&Mesh3d>, Option<&MorphTreeSettings>, &mut ColliderState), (With<MorphCollider>, ShowsAnew)>,
+        Query<(Option<&Mesh3d>, Option<&MorphTreeSettings>, &mut ColliderState), With<MorphCollider>>,
+    )>,
+    mut unset: RemovedComponents<MorphTreeSettings>,
+    mut undone: RemovedComponents<Mesh3d>,
     trees: Res<MorphTrees>,
+    mut version: Local<u64>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
     let start = Instant::now();
-    for (mesh, mut state) in &mut colliders {
-        let tree = mesh.and_then(|mesh| trees.get(mesh.id()));
-        let current = state.pose.as_ref().map(Pose::bvh);
-        let is_current = match (tree, current) {
+    let every = unset.read().count() + undone.read().count() > 0 || *version != trees.version;
+    *version = trees.version;
+    let hand_out = |(mesh, settings, state): (Option<&Mesh3d>, Option<&MorphTreeSettings>, Mut<ColliderState>)| {
+        let tree = mesh.and_then(|mesh| trees.with_settings(mesh.id(), settings.copied()));
+        state.into_inner().take_tree(tree);
+    };
+    if every {
+        anew.p1().iter_mut().for_each(hand_out);
+    } else {
+        anew.p0().iter_mut().for_each(hand_out);
+    }
+    diagnostics.duration += start.elapsed();
+}
+
+impl ColliderState {
+    fn take_tree(&mut self, tree: Option<&Arc<MorphBvh>>) {
+        let is_current = match (tree, self.pose.as_ref().map(Pose::bvh)) {
             (Some(tree), Some(current)) => Arc::ptr_eq(tree, current),
             (None, None) => true,
             _ => false,
         };
         if is_current {
-            continue;
+            return;
         }
         let mut pose = tree.map(|tree| Pose::new(tree.clone()));
-        if let (Some(pose), Some(before)) = (&mut pose, &state.pose) {
+        if let (Some(pose), Some(before)) = (&mut pose, &self.pose) {
             // The last good weights stay in force if the ones to come are bad; another number of targets starts at rest.
             let _fits = pose.set_weights(before.weights());
         }
-        state.pose = pose;
-        state.reposed = true;
-        state.changed = true;
+        self.pose = pose;
+        self.reposed = true;
+        self.changed = true;
     }
-    diagnostics.duration += start.elapsed();
 }
 
 /// Says in the log which mesh is unusable, who asked for it and why.

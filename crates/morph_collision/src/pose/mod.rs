@@ -13,6 +13,7 @@ mod posed;
 mod quality;
 mod refit;
 mod shape;
+mod visit;
 mod weights;
 
 pub use approximate::{Approximate, ApproximatePose};

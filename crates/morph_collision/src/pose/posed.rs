@@ -95,6 +95,11 @@ impl<V: Volume> Posed<'_, V> {
         }
     }
 
+    /// Whether a group's volumes are there.
+    pub(super) fn is_open(&self, group: usize) -> bool {
+        self.volumes.find(group).is_some()
+    }
+
     #[inline(never)]
     fn make(&mut self, group: usize) -> usize {
         let children = self.topology.group(group);

@@ -1,0 +1,132 @@
+//! Entities that stick to a posed surface.
+
+use bevy::prelude::*;
+use morph_collision::{Body, SurfaceAnchor};
+
+use crate::collider::{ColliderState, Form};
+use crate::spatial::MorphRayHit;
+
+/// Keeps this entity on a place of a collider's surface as the shape morphs and moves: for decals, hats, particles.
+///
+/// The entity's [`Transform`] is written every run, relative to its parent if it has one, and the [`GlobalTransform`]s of the
+/// entity and of what hangs on it with it, so that all are right in the same frame. Its scale stays. While there is no
+/// such triangle, or no such collider, nothing is written.
+#[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Component, Debug, Clone, PartialEq)]
+#[require(Transform)]
+pub struct MorphSurfaceAnchor {
+    /// The collider to whose mesh it sticks.
+    #[entities]
+    pub collider: Entity,
+    /// The triangle's number in the mesh.
+    pub triangle: u32,
+    /// The weights of the triangle's corners.
+    pub barycentrics: Vec3,
+    /// How far out of the surface, along its normal, in world units.
+    pub offset: f32,
+    /// Whether the entity turns with the surface: its +Y along the normal, its +X along the triangle's first edge.
+    pub align: bool,
+}
+
+impl MorphSurfaceAnchor {
+    /// On the surface, turning with it.
+    #[must_use]
+    pub fn new(collider: Entity, triangle: u32, barycentrics: Vec3) -> Self {
+        Self {
+            collider,
+            triangle,
+            barycentrics,
+            offset: 0.0,
+            align: true,
+        }
+    }
+
+    /// Where a ray hit.
+    #[must_use]
+    pub fn at(hit: &MorphRayHit) -> Self {
+        Self::new(hit.entity, hit.triangle, hit.barycentrics)
+    }
+
+    /// The same, out of the surface.
+    #[must_use]
+    pub fn with_offset(mut self, offset: f32) -> Self {
+        self.offset = offset;
+        self
+    }
+}
+
+/// Brings every anchored entity to its place.
+pub(crate) fn follow_surfaces(
+    anchors: Query<(Entity, &MorphSurfaceAnchor, Option<&ChildOf>)>,
+    mut colliders: Query<&mut ColliderState>,
+    mut transforms: Query<(&mut Transform, &mut GlobalTransform)>,
+    children: Query<&Children>,
+) {
+    for (entity, anchor, parent) in &anchors {
+        let Some(world) = colliders.get_mut(anchor.collider).ok().and_then(|mut state| place(anchor, &mut state)) else {
+            continue;
+        };
+        let parent = parent.and_then(|parent| transforms.get(parent.parent()).ok());
+        let world_from_parent = parent.map_or(GlobalTransform::IDENTITY, |(_, world)| *world);
+        let Ok((mut local, mut global)) = transforms.get_mut(entity) else { continue };
+        let (_, turned, _) = global.to_scale_rotation_translation();
+        let rotation = world.rotation.unwrap_or(turned);
+        let wanted = GlobalTransform::from(Transform::from_translation(world.point).with_rotation(rotation));
+        let relative = wanted.reparented_to(&world_from_parent);
+        let mut next = Transform { scale: local.scale, ..relative };
+        if world.rotation.is_none() {
+            next.rotation = local.rotation;
+        }
+        if next != *local && next.is_finite() {
+            *local = next;
+            *global = world_from_parent * next;
+            let below = *global;
+            spread(entity, below, &children, &mut transforms);
+        }
+    }
+}
+
+/// Where an anchor is, and how it is turned if it is.
+struct Anchored {
+    point: Vec3,
+    rotation: Option<Quat>,
+}
+
+fn place(anchor: &MorphSurfaceAnchor, state: &mut ColliderState) -> Option<Anchored> {
+    let Form::Mesh(world_from_model) = state.placed?.form else { return None };
+    let pose = state.pose.as_mut()?;
+    let on_surface = SurfaceAnchor {
+        triangle: anchor.triangle,
+        barycentrics: anchor.barycentrics.as_dvec3().to_array(),
+    };
+    let Some(frame) = on_surface.frame(Body::new(pose, &world_from_model)) else {
+        // A triangle without area has a place still.
+        let point = on_surface.point(Body::new(pose, &world_from_model))?.as_vec3();
+        return Some(Anchored { point, rotation: None });
+    };
+    let rotation = Mat3::from_cols(
+        frame.tangent.as_vec3(),
+        frame.normal.as_vec3(),
+        -frame.bitangent.as_vec3(),
+    );
+    Some(Anchored {
+        point: (frame.point + frame.normal * f64::from(anchor.offset)).as_vec3(),
+        rotation: anchor.align.then(|| Quat::from_mat3(&rotation).normalize()),
+    })
+}
+
+/// Global transforms below an entity that moved after transforms were propagated.
+fn spread(
+    entity: Entity,
+    world: GlobalTransform,
+    children: &Query<&Children>,
+    transforms: &mut Query<(&mut Transform, &mut GlobalTransform)>,
+) {
+    for child in children.get(entity).into_iter().flatten().copied() {
+        if let Ok((local, mut global)) = transforms.get_mut(child) {
+            *global = world * *local;
+            let below = *global;
+            spread(child, below, children, transforms);
+        }
+    }
+}

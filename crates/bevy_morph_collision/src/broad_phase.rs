@@ -1,0 +1,197 @@
+//! Where colliders are in the world, and which of them are close enough to look at.
+
+use bevy::platform::time::Instant;
+
+use bevy::ecs::query::QueryData;
+use bevy::prelude::*;
+use morph_collision::{Aabb, TransformError, WorldFromModel, overlapping_pairs};
+use tracing::{debug_span, error};
+
+use crate::collider::{ColliderState, CollisionMode, Form, MorphBody, MorphCollider, MorphColliderDisabled, Placement};
+use crate::diagnostics::MorphCollisionDiagnostics;
+use crate::layers::MorphCollisionLayers;
+use crate::shape::MorphShape;
+
+/// Pairs for the narrow phase, each in ascending order of entities, and sorted.
+#[derive(Resource, Default)]
+pub(crate) struct Candidates {
+    pub(crate) pairs: Vec<(Entity, Entity)>,
+    /// Whether any collider changed, came or went since the run before.
+    pub(crate) changed: bool,
+    run: u32,
+    // Kept for their memory, and for runs in which nothing changes.
+    colliders: Vec<(Entity, Placement)>,
+    bounds: Vec<Option<Aabb>>,
+    overlaps: Vec<(u32, u32)>,
+    counts: Counts,
+}
+
+/// What became of overlapping boxes.
+#[derive(Clone, Copy, Default)]
+struct Counts {
+    overlaps: u64,
+    same_body: u64,
+    layers: u64,
+    passive: u64,
+    rigid: u64,
+    nodes: u64,
+}
+
+/// What decides if and where a collider takes part.
+#[derive(QueryData)]
+#[query_data(mutable)]
+pub(crate) struct Participant {
+    entity: Entity,
+    collider: &'static MorphCollider,
+    layers: &'static MorphCollisionLayers,
+    state: &'static mut ColliderState,
+    transform: Ref<'static, GlobalTransform>,
+    body: Option<&'static MorphBody>,
+    shape: Option<Ref<'static, MorphShape>>,
+    is_disabled: Has<MorphColliderDisabled>,
+}
+
+/// Places every collider and pairs those of different bodies whose world bounds overlap.
+///
+/// Only the root volume of each tree is refitted for this, and only where something changed. A transform that is not finite is
+/// logged once, until it is finite again, and leaves its collider out.
+pub(crate) fn find_candidates(
+    mut colliders: Query<Participant>,
+    names: Query<NameOrEntity>,
+    mut candidates: ResMut<Candidates>,
+    mut diagnostics: ResMut<MorphCollisionDiagnostics>,
+) {
+    let start = Instant::now();
+    let _span = debug_span!("morph_collision::broad_phase").entered();
+    let candidates = &mut *candidates;
+    candidates.run = candidates.run.wrapping_add(1);
+    let mut present = 0;
+    let mut changed = false;
+    for mut participant in &mut colliders {
+        let stale = participant.state.seen.wrapping_add(1) != candidates.run;
+        let reposed = participant.state.reposed && participant.state.pose.is_some();
+        diagnostics.stats.volumes_blended += u64::from(reposed);
+        let place = participant.place(stale);
+        let state = &mut *participant.state;
+        state.seen = candidates.run;
+        let bad_place = place.is_err();
+        let placed = place.unwrap_or_else(|error| {
+            if !state.bad_place {
+                let name = names.get(participant.entity).map(|name| name.to_string());
+                error!("entity `{}` is left out of collisions: {error}", name.unwrap_or_default());
+            }
+            None
+        });
+        state.bad_place = bad_place;
+        state.changed |= stale || placed != state.placed;
+        changed |= state.changed && (placed.is_some() || state.placed.is_some());
+        state.placed = placed;
+        present += usize::from(placed.is_some());
+    }
+    candidates.changed = changed || present != candidates.colliders.len();
+    if candidates.changed {
+        candidates.sweep(&colliders);
+    }
+
+    let Counts { overlaps, same_body, layers, passive, rigid, nodes } = candidates.counts;
+    diagnostics.nodes_total = nodes;
+    diagnostics.colliders = candidates.colliders.len() as u64;
+    diagnostics.overlapping_pairs = overlaps;
+    diagnostics.skipped_same_body = same_body;
+    diagnostics.skipped_layers = layers;
+    diagnostics.skipped_passive = passive;
+    diagnostics.skipped_rigid = rigid;
+    diagnostics.candidate_pairs = candidates.pairs.len() as u64;
+    diagnostics.duration += start.elapsed();
+}
+
+impl ParticipantItem<'_, '_> {
+    /// Where a collider is now; `None` if it takes no part.
+    fn place(&mut self, stale: bool) -> Result<Option<Placement>, BadPlace> {
+        if self.is_disabled {
+            return Ok(None);
+        }
+        let state = &mut *self.state;
+        let settled = !stale && !state.reposed && !self.transform.is_changed();
+        let settled = settled && !self.shape.as_ref().is_some_and(Ref::is_changed);
+        let before = state.placed.filter(|_| settled).map(|placed| (placed.form, placed.bounds));
+        let (form, bounds) = match (&mut state.pose, &self.shape, before) {
+            (Some(_), _, Some((form @ Form::Mesh(_), bounds))) => (form, bounds),
+            (None, Some(_), Some((form @ Form::Shape(_), bounds))) => (form, bounds),
+            (Some(pose), ..) => {
+                let world_from_model = WorldFromModel::new(self.transform.affine())?;
+                (Form::Mesh(world_from_model), pose.world_bounds(&world_from_model))
+            }
+            (None, Some(shape), _) => {
+                let (shape, bounds) = shape.place(&self.transform)?;
+                (Form::Shape(shape), bounds)
+            }
+            (None, None, _) => return Ok(None),
+        };
+        let margin = self.collider.margin;
+        if !(0.0..1e30).contains(&margin) {
+            return Err(BadPlace::Margin(margin));
+        }
+        // A pose keeps its root volume as long as its weights stay.
+        state.reposed = false;
+        Ok(Some(Placement {
+            form,
+            body: self.body.map_or(self.entity, |body| body.0),
+            mode: self.collider.mode,
+            layers: *self.layers,
+            margin,
+            bounds,
+        }))
+    }
+}
+
+/// Why a collider is nowhere.
+#[derive(Debug, thiserror::Error)]
+enum BadPlace {
+    #[error(transparent)]
+    Transform(#[from] TransformError),
+    #[error("its shape: {0}")]
+    Shape(#[from] morph_collision::ShapeError),
+    #[error("its margin is {0}, it must be a finite number that is not negative")]
+    Margin(f32),
+}
+
+impl Candidates {
+    fn sweep(&mut self, colliders: &Query<Participant>) {
+        self.counts = Counts::default();
+        self.colliders.clear();
+        for participant in colliders {
+            if let Some(placed) = participant.state.placed {
+                self.colliders.push((participant.entity, placed));
+                self.counts.nodes += participant.state.pose.as_ref().map_or(0, |pose| pose.bvh().node_count() as u64);
+            }
+        }
+        self.colliders.sort_unstable_by_key(|&(entity, _)| entity);
+
+        self.bounds.clear();
+        let bounds = self.colliders.iter().map(|(_, placed)| Some(placed.bounds_with_margin()));
+        self.bounds.extend(bounds);
+        self.overlaps.clear();
+        overlapping_pairs(&self.bounds, &mut self.overlaps);
+
+        self.pairs.clear();
+        let counts = &mut self.counts;
+        counts.overlaps = self.overlaps.len() as u64;
+        for &(i, j) in &self.overlaps {
+            let ((a, placed_a), (b, placed_b)) = (&self.colliders[i as usize], &self.colliders[j as usize]);
+            let skipped = if placed_a.body == placed_b.body {
+                &mut counts.same_body
+            } else if !placed_a.layers.interacts_with(placed_b.layers) {
+                &mut counts.layers
+            } else if placed_a.mode.max(placed_b.mode) == CollisionMode::Passive {
+                &mut counts.passive
+            } else if matches!((placed_a.form, placed_b.form), (Form::Shape(_), Form::Shape(_))) {
+                &mut counts.rigid
+            } else {
+                self.pairs.push((*a, *b));
+                continue;
+            };
+            *skipped += 1;
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Who touches whom.
+
+use std::collections::BTreeMap;
+
+use bevy::prelude::*;
+use morph_collision::TrianglePair;
+
+use crate::collider::CollisionMode;
+
+/// The colliders that touch, as of the last run of [`NarrowPhase`](crate::MorphCollisionSystems::NarrowPhase).
+///
+/// As a system parameter: `Res<MorphCollisions>`.
+#[derive(Resource, Debug, Default)]
+pub struct MorphCollisions {
+    pub(crate) current: BTreeMap<(Entity, Entity), MorphContact>,
+    /// Of this run.
+    pub(crate) started: Vec<(Entity, Entity)>,
+    pub(crate) ended: Vec<MorphContact>,
+}
+
+/// Two colliders that touch, `collider1 < collider2`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MorphContact {
+    /// The first collider.
+    pub collider1: Entity,
+    /// The second collider.
+    pub collider2: Entity,
+    /// The body of the first: its [`MorphBody`](crate::MorphBody), or itself.
+    pub body1: Entity,
+    /// The body of the second.
+    pub body2: Entity,
+    /// What was asked for.
+    pub mode: CollisionMode,
+    /// A point at which they touch, in world space; between the closest points where only their margins do. In mode
+    /// [`Contacts`](CollisionMode::Contacts) the deepest, otherwise that of the first pair of triangles found.
+    pub point: Vec3,
+    /// The direction in which the first collider leaves the second there, a unit vector; zero if there is none.
+    pub normal: Vec3,
+    /// 0 if they touch, otherwise how far they are apart within their margins, in world units.
+    pub distance: f32,
+    /// Intersecting triangles, `triangle_a` of `collider1` and `triangle_b` of `collider2`, sorted; of a
+    /// [`MorphShape`](crate::MorphShape) it is [`MorphContact::NO_TRIANGLE`].
+    ///
+    /// How many are listed is up to the [`CollisionMode`]. A triangle's number is its place in the mesh's index buffer,
+    /// divided by 3; in a triangle strip, its place among the triangles that name three different vertices.
+    pub triangles: Vec<TrianglePair>,
+    /// In mode [`Contacts`](CollisionMode::Contacts): up to four points of contact, the deepest first.
+    pub points: Vec<MorphContactPoint>,
+}
+
+/// A point at which two colliders touch.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MorphContactPoint {
+    /// In world space.
+    pub point: Vec3,
+    /// How far the triangles that meet there have to be moved along [`MorphContact::normal`] until they part, in world units.
+    pub depth: f32,
+    /// The two triangles.
+    pub triangles: TrianglePair,
+}
+
+impl MorphContact {
+    /// The triangle of a collider that has none.
+    pub const NO_TRIANGLE: u32 = u32::MAX;
+
+    /// The other collider of the pair, if `collider` is one.
+    #[must_use]
+    pub fn other(&self, collider: Entity) -> Option<Entity> {
+        match collider {
+            _ if collider == self.collider1 => Some(self.collider2),
+            _ if collider == self.collider2 => Some(self.collider1),
+            _ => None,
+        }
+    }
+}
+
+impl MorphCollisions {
+    /// The contacts, in ascending order of their colliders.
+    pub fn iter(&self) -> impl Iterator<Item = &MorphContact> {
+        self.current.values()
+    }
+
+    /// The contacts of one collider, in ascending order. Looks through all contacts.
+    pub fn of(&self, collider: Entity) -> impl Iterator<Item = &MorphContact> {
+        self.iter().filter(move |contact| contact.other(collider).is_some())
+    }
+
+    /// Whether two colliders touch; their order does not matter.
+    #[must_use]
+    pub fn contains(&self, a: Entity, b: Entity) -> bool {
+        self.get(a, b).is_some()
+    }
+
+    /// The contact of two colliders; their order does not matter, the contact has its own.
+    #[must_use]
+    pub fn get(&self, a: Entity, b: Entity) -> Option<&MorphContact> {
+        self.current.get(&(a.min(b), a.max(b)))
+    }
+
+    /// The number of contacts.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.current.len()
+    }
+
+    /// Whether nothing touches.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.current.is_empty()
+    }
+
+    /// Contacts that are new in this run.
+    pub fn started(&self) -> impl Iterator<Item = &MorphContact> {
+        self.started.iter().filter_map(|pair| self.current.get(pair))
+    }
+
+    /// Contacts of the run before that are no more.
+    pub fn ended(&self) -> impl Iterator<Item = &MorphContact> {
+        self.ended.iter()
+    }
+}

@@ -1,0 +1,117 @@
+//! Debug drawing: what the collision code believes, drawn over what is rendered.
+
+use bevy::gizmos::AppGizmoBuilder;
+use bevy::gizmos::config::{GizmoConfigGroup, GizmoConfigStore};
+use bevy::gizmos::gizmos::Gizmos;
+use bevy::prelude::*;
+use morph_collision::Body;
+
+use crate::collider::{ColliderState, Form};
+use crate::contacts::MorphCollisions;
+use crate::narrow_phase::world_triangle;
+use crate::plugin::MorphCollisionSystems;
+
+/// Draws volumes, contacts and touching triangles, as [`MorphGizmos`] says; through Bevy's gizmos, so it needs a renderer with
+/// `bevy_gizmos_render` to be seen.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MorphGizmosPlugin;
+
+/// What [`MorphGizmosPlugin`] draws: a gizmo group of Bevy's, to be changed in its `GizmoConfigStore`.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy::gizmos::config::GizmoConfigStore;
+/// # use bevy_morph_collision::MorphGizmos;
+/// fn look_deeper(mut store: ResMut<GizmoConfigStore>) {
+///     store.config_mut::<MorphGizmos>().1.depth = Some(3);
+/// }
+/// # bevy::ecs::system::assert_is_system(look_deeper);
+/// ```
+#[derive(GizmoConfigGroup, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Default)]
+pub struct MorphGizmos {
+    /// Boxes around each collider's nodes this deep below the root (leaves above it included), which are refitted for it; none if
+    /// `None`.
+    pub depth: Option<usize>,
+    /// The colour of a node that some query refitted for the weights in force, before the drawing did.
+    pub refitted: Color,
+    /// The colour of a node that only the drawing refitted.
+    pub resting: Color,
+    /// The outline of touching triangles.
+    pub triangles: Option<Color>,
+    /// Points of contact, and normals from them.
+    pub contacts: Option<Color>,
+    /// How long normals are drawn, in world units.
+    pub normal_length: f32,
+}
+
+impl Default for MorphGizmos {
+    fn default() -> Self {
+        Self {
+            depth: None,
+            refitted: Color::srgb(1.0, 0.5, 0.1),
+            resting: Color::srgb(0.3, 0.5, 0.9),
+            triangles: Some(Color::srgb(1.0, 0.1, 0.1)),
+            contacts: Some(Color::srgb(1.0, 1.0, 0.2)),
+            normal_length: 0.1,
+        }
+    }
+}
+
+impl Plugin for MorphGizmosPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_gizmo_group::<MorphGizmos>()
+            .add_systems(PostUpdate, draw.after(MorphCollisionSystems::Events));
+    }
+}
+
+/// Draws what is asked for.
+fn draw(
+    mut gizmos: Gizmos<MorphGizmos>,
+    store: Res<GizmoConfigStore>,
+    collisions: Res<MorphCollisions>,
+    mut colliders: Query<(&mut ColliderState, &GlobalTransform)>,
+) {
+    let (config, style) = store.config::<MorphGizmos>();
+    if !config.enabled {
+        return;
+    }
+    if let Some(depth) = style.depth {
+        for (mut state, place) in &mut colliders {
+            let ColliderState { pose: Some(pose), placed: Some(_), .. } = &mut *state else { continue };
+            pose.visit_bounds(depth, |bounds, was_fresh| {
+                let color = if was_fresh { style.refitted } else { style.resting };
+                let cube = Transform::from_translation(bounds.center()).with_scale(bounds.size());
+                gizmos.cube(*place * cube, color);
+            });
+        }
+    }
+    for contact in collisions.iter() {
+        if let Some(color) = style.triangles {
+            for pair in &contact.triangles {
+                let sides = [(contact.collider1, pair.triangle_a), (contact.collider2, pair.triangle_b)];
+                for (collider, triangle) in sides {
+                    let state = colliders.get_mut(collider).ok();
+                    if let Some([a, b, c]) = state.and_then(|(mut state, _)| corners(&mut state, triangle)) {
+                        gizmos.linestrip([a, b, c, a], color);
+                    }
+                }
+            }
+        }
+        if let Some(color) = style.contacts {
+            let deepest = [contact.point];
+            let others = contact.points.iter().map(|point| point.point);
+            for point in deepest.into_iter().chain(others.skip(1)) {
+                gizmos.arrow(point, point + contact.normal * style.normal_length, color);
+            }
+        }
+    }
+}
+
+/// The corners of a triangle of a mesh; shapes have none.
+fn corners(state: &mut ColliderState, triangle: u32) -> Option<[Vec3; 3]> {
+    let ColliderState { pose, placed, .. } = state;
+    let Form::Mesh(place) = &placed.as_ref()?.form else { return None };
+    let corners = world_triangle(&mut Body::new(pose.as_mut()?, place), triangle)?;
+    Some(corners.map(|corner| corner.as_vec3()))
+}

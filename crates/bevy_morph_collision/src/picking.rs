@@ -1,0 +1,134 @@
+//! Picking: what is drawn is what is hit.
+
+use bevy::camera::Camera;
+use bevy::camera::visibility::RenderLayers;
+use bevy::picking::PickingSystems;
+use bevy::picking::backend::ray::RayMap;
+use bevy::picking::backend::{HitData, PointerHits};
+use bevy::picking::prelude::Pickable;
+use bevy::prelude::*;
+use tracing::debug;
+
+use crate::spatial::{MorphQueryFilter, MorphRayHit, MorphSpatialQuery};
+
+/// A picking backend for Bevy: pointers hit [`MorphCollider`](crate::MorphCollider)s as they are morphed.
+///
+/// Heeds [`Pickable`], [`RenderLayers`] and visibility. Each hit carries a [`MorphPick`]; read it with `HitData::extra_as`.
+///
+/// Bevy's own `MeshPickingPlugin` picks morphing meshes in their rest pose. Leave it out, or set
+/// `MeshPickingSettings::require_markers` and mark only what does not morph.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_morph_collision::MorphPick;
+/// fn print_what_was_clicked(click: On<Pointer<Click>>) {
+///     if let Some(pick) = click.hit.extra_as::<MorphPick>() {
+///         println!("triangle {} at {:?}", pick.triangle, pick.uv);
+///     }
+/// }
+/// # let mut world = World::new();
+/// # world.add_observer(print_what_was_clicked);
+/// ```
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MorphPickingPlugin;
+
+/// Settings of [`MorphPickingPlugin`].
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, Debug, Default, Clone, PartialEq)]
+pub struct MorphPickingSettings {
+    /// Whether only colliders with a [`Pickable`] component are hit.
+    pub require_pickable: bool,
+}
+
+/// What a hit of [`MorphPickingPlugin`] tells beyond Bevy's [`HitData`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MorphPick {
+    /// The triangle's number in its mesh.
+    pub triangle: u32,
+    /// The weights of the triangle's corners at the point.
+    pub barycentrics: Vec3,
+    /// The texture coordinates there, if the mesh has any.
+    pub uv: Option<Vec2>,
+}
+
+impl From<&MorphRayHit> for MorphPick {
+    fn from(hit: &MorphRayHit) -> Self {
+        Self {
+            triangle: hit.triangle,
+            barycentrics: hit.barycentrics,
+            uv: hit.uv,
+        }
+    }
+}
+
+impl Plugin for MorphPickingPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<MorphPickingSettings>()
+            .register_type::<MorphPickingSettings>()
+            .add_systems(PreUpdate, hit_colliders.in_set(PickingSystems::Backend));
+    }
+}
+
+/// What decides if a collider can be picked.
+type PickedBy = (
+    Option<&'static Pickable>,
+    Option<&'static RenderLayers>,
+    Option<&'static ViewVisibility>,
+);
+
+/// Casts a ray for every pointer and camera.
+fn hit_colliders(
+    settings: Res<MorphPickingSettings>,
+    rays: Res<RayMap>,
+    cameras: Query<(&Camera, Option<&RenderLayers>)>,
+    colliders: Query<PickedBy>,
+    mut spatial: MorphSpatialQuery,
+    mut hits: MessageWriter<PointerHits>,
+) {
+    let everything = RenderLayers::default();
+    for (&id, &ray) in rays.iter() {
+        let Ok((camera, camera_layers)) = cameras.get(id.camera) else { continue };
+        if !camera.is_active {
+            continue;
+        }
+        let camera_layers = camera_layers.unwrap_or(&everything);
+        let mut passed: Vec<Entity> = Vec::new();
+        let mut picks = Vec::new();
+        // Each collider's first hit, nearest first, up to one that lets nothing through.
+        loop {
+            let can_pick = |entity: Entity| {
+                let Ok((pickable, layers, visible)) = colliders.get(entity) else { return false };
+                pickable.map_or(!settings.require_pickable, |pickable| pickable.is_hoverable)
+                    && camera_layers.intersects(layers.unwrap_or(&everything))
+                    && visible.is_none_or(|visible| visible.get())
+                    && !passed.contains(&entity)
+            };
+            let filter = MorphQueryFilter::default();
+            let hit = spatial.cast_ray_where(ray.origin, ray.direction, f32::INFINITY, &filter, can_pick);
+            let hit = match hit {
+                Ok(Some(hit)) => hit,
+                Ok(None) => break,
+                Err(error) => {
+                    debug!("a pointer's ray cannot be cast: {error}");
+                    break;
+                }
+            };
+            let data = HitData::new_with_extra(
+                id.camera,
+                hit.distance,
+                Some(hit.point),
+                Some(hit.normal),
+                MorphPick::from(&hit),
+            );
+            picks.push((hit.entity, data));
+            passed.push(hit.entity);
+            let pickable = colliders.get(hit.entity).ok().and_then(|(pickable, ..)| pickable);
+            if pickable.is_none_or(|pickable| pickable.should_block_lower) {
+                break;
+            }
+        }
+        if !picks.is_empty() {
+            hits.write(PointerHits::new(id.pointer, picks, camera.order as f32));
+        }
+    }
+}

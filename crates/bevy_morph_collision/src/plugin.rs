@@ -1,0 +1,178 @@
+//! What runs when.
+
+use bevy::app::AnimationSystems;
+use bevy::asset::AssetEventSystems;
+use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
+use bevy::prelude::*;
+use bevy::transform::TransformSystems;
+use bevy::transform::systems::{mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms};
+
+use crate::contacts::MorphCollisions;
+use crate::diagnostics::MorphCollisionDiagnostics;
+use crate::events::{MorphCollidingEntities, MorphCollisionEnd, MorphCollisionEventsEnabled, MorphCollisionStart};
+use crate::import::{MorphTreeOptions, MorphTreeSettings, MorphTrees, MorphVolume};
+use crate::{
+    CollisionMode, MorphBody, MorphCollider, MorphColliderDisabled, MorphColliderScene, MorphCollisionLayers,
+    MorphCollisionSettings, MorphShape, MorphSurfaceAnchor,
+};
+use crate::{anchors, broad_phase, collider, diagnostics, events, import, narrow_phase, scene, settings, weights};
+
+/// Detects collisions between [`MorphCollider`]s every frame, in [`PostUpdate`].
+///
+/// Insert [`MorphTreeOptions`] before the plugin to build trees in another way than the default one.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MorphCollisionPlugin;
+
+/// Detects collisions in a schedule of one's choice; see [`MorphCollisionPlugin::in_schedule`].
+#[derive(Clone, Copy, Debug)]
+pub struct MorphCollisionIn {
+    schedule: InternedScheduleLabel,
+}
+
+impl MorphCollisionPlugin {
+    /// The same plugin in another schedule than [`PostUpdate`], usually [`FixedPostUpdate`].
+    ///
+    /// Transforms are propagated there first, so that what moved in [`FixedUpdate`] is where it was moved to. Morph weights
+    /// are those that the last frame's animation left.
+    ///
+    /// ```
+    /// # use bevy::prelude::*;
+    /// # use bevy_morph_collision::MorphCollisionPlugin;
+    /// # let mut app = App::new();
+    /// app.add_plugins(MorphCollisionPlugin.in_schedule(FixedPostUpdate));
+    /// ```
+    #[must_use]
+    pub fn in_schedule(self, schedule: impl ScheduleLabel) -> MorphCollisionIn {
+        MorphCollisionIn {
+            schedule: schedule.intern(),
+        }
+    }
+}
+
+/// The stages of the plugin, in this order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum MorphCollisionSystems {
+    /// Finds new colliders and builds the trees of their meshes; always in [`PostUpdate`].
+    Import,
+    /// Reads the morph weights in force.
+    Weights,
+    /// Places colliders in the world and finds the pairs whose boxes overlap.
+    BroadPhase,
+    /// Finds the triangles that intersect.
+    NarrowPhase,
+    /// Reports what started and ended.
+    Events,
+    /// Brings anchored entities to their places.
+    Anchors,
+}
+
+/// Builds the trees that others ask for.
+pub(crate) struct TreesPlugin;
+
+impl Plugin for TreesPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<MorphTreeOptions>()
+            .init_resource::<MorphTrees>()
+            .configure_sets(
+                PostUpdate,
+                MorphCollisionSystems::Import
+                    .after(AnimationSystems)
+                    .after(TransformSystems::Propagate)
+                    .after(AssetEventSystems),
+            )
+            .add_systems(
+                PostUpdate,
+                (import::follow_asset_events, import::start_trees, import::finish_trees)
+                    .chain()
+                    .in_set(MorphCollisionSystems::Import),
+            );
+    }
+}
+
+impl Plugin for MorphCollisionPlugin {
+    fn build(&self, app: &mut App) {
+        build(app, PostUpdate.intern());
+    }
+}
+
+impl Plugin for MorphCollisionIn {
+    fn build(&self, app: &mut App) {
+        build(app, self.schedule);
+    }
+
+    fn name(&self) -> &str {
+        // There is one plugin, whatever its schedule.
+        std::any::type_name::<MorphCollisionPlugin>()
+    }
+}
+
+fn build(app: &mut App, schedule: InternedScheduleLabel) {
+    if !app.is_plugin_added::<TreesPlugin>() {
+        app.add_plugins(TreesPlugin);
+    }
+    app.init_resource::<broad_phase::Candidates>()
+        .init_resource::<MorphCollisions>()
+        .init_resource::<MorphCollisionDiagnostics>()
+        .init_resource::<MorphCollisionSettings>()
+        .add_message::<MorphCollisionStart>()
+        .add_message::<MorphCollisionEnd>()
+        .add_observer(collider::forget_collider)
+        .add_observer(scene::forget_scene);
+    register_types(app);
+
+    use MorphCollisionSystems as Stage;
+    let stages = || (Stage::Weights, Stage::BroadPhase, Stage::NarrowPhase, Stage::Events, Stage::Anchors);
+    app.configure_sets(schedule, stages().chain().run_if(settings::is_running));
+    if schedule == PostUpdate.intern() {
+        app.configure_sets(schedule, stages().after(Stage::Import));
+    } else {
+        let propagate = (mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms);
+        app.add_systems(
+            schedule,
+            propagate.chain().before(Stage::Weights).run_if(settings::is_running),
+        );
+    }
+    app.add_systems(
+        PostUpdate,
+        (
+            (scene::add_scene_parts, scene::add_every_morphing_mesh, import::request_trees)
+                .chain()
+                .after(import::follow_asset_events)
+                .before(import::start_trees),
+        )
+            .in_set(Stage::Import),
+    )
+    .add_systems(
+        schedule,
+        (
+            (diagnostics::begin_run, import::hand_out_trees, weights::read_weights)
+                .chain()
+                .in_set(Stage::Weights),
+            broad_phase::find_candidates.in_set(Stage::BroadPhase),
+            narrow_phase::find_contacts.in_set(Stage::NarrowPhase),
+            (events::report_changes, events::list_colliding_entities)
+                .chain()
+                .in_set(Stage::Events),
+            anchors::follow_surfaces.in_set(Stage::Anchors),
+        ),
+    );
+}
+
+fn register_types(app: &mut App) {
+    app.register_type::<MorphCollider>()
+        .register_type::<MorphColliderDisabled>()
+        .register_type::<MorphColliderScene>()
+        .register_type::<MorphCollisionLayers>()
+        .register_type::<MorphBody>()
+        .register_type::<MorphShape>()
+        .register_type::<MorphSurfaceAnchor>()
+        .register_type::<MorphTreeSettings>()
+        .register_type::<MorphVolume>()
+        .register_type::<CollisionMode>()
+        .register_type::<MorphCollidingEntities>()
+        .register_type::<MorphCollisionEventsEnabled>()
+        .register_type::<MorphCollisionStart>()
+        .register_type::<MorphCollisionEnd>()
+        .register_type::<MorphCollisionSettings>()
+        .register_type::<MorphCollisionDiagnostics>();
+}

@@ -1,0 +1,86 @@
+use bevy::prelude::*;
+use morph_collision::{Facing, Manifold, TrianglePair};
+
+use crate::contacts::MorphContactPoint;
+
+/// Where a ray meets a collider.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MorphRayHit {
+    /// The collider.
+    pub entity: Entity,
+    /// The distance from the ray's origin, in world units.
+    pub distance: f32,
+    /// The point on the surface, in world space.
+    pub point: Vec3,
+    /// The triangle's unit normal by its winding in world space; zero where it has no area.
+    pub normal: Vec3,
+    /// Which side of the triangle the ray sees.
+    pub facing: Facing,
+    /// The triangle's number in its mesh; see [`MorphContact::triangles`](crate::MorphContact::triangles).
+    pub triangle: u32,
+    /// The weights of the triangle's corners at the point.
+    pub barycentrics: Vec3,
+    /// The texture coordinates there, if the mesh has `Mesh::ATTRIBUTE_UV_0`.
+    pub uv: Option<Vec2>,
+}
+
+/// The point of a collider's surface that is closest to some point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MorphProjection {
+    /// The collider.
+    pub entity: Entity,
+    /// The distance, in world units.
+    pub distance: f32,
+    /// The point on the surface, in world space.
+    pub point: Vec3,
+    /// The triangle's unit normal by its winding in world space; zero where it has no area.
+    pub normal: Vec3,
+    /// The triangle's number in its mesh.
+    pub triangle: u32,
+    /// The weights of the triangle's corners at the point.
+    pub barycentrics: Vec3,
+    /// The texture coordinates there, if the mesh has `Mesh::ATTRIBUTE_UV_0`.
+    pub uv: Option<Vec2>,
+}
+
+/// Closest points of two colliders' surfaces.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MorphClosestPoints {
+    /// On the first collider, in world space.
+    pub point1: Vec3,
+    /// On the second one.
+    pub point2: Vec3,
+    /// The distance, in world units: 0 if and only if they touch.
+    pub distance: f32,
+    /// The triangles that the points are on.
+    pub triangles: TrianglePair,
+}
+
+/// Where two colliders meet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MorphContacts {
+    /// The direction in which the first collider leaves the second; see [`Manifold::normal`].
+    pub normal: Vec3,
+    /// A lower bound of the way that parts them; see [`Manifold::depth`].
+    pub depth: f32,
+    /// How many pairs of triangles intersect.
+    pub pair_count: usize,
+    /// At most four, the deepest first.
+    pub points: Vec<MorphContactPoint>,
+}
+
+impl From<&Manifold> for MorphContacts {
+    fn from(manifold: &Manifold) -> Self {
+        let points = manifold.points().iter().map(|point| MorphContactPoint {
+            point: point.point.as_vec3(),
+            depth: point.depth as f32,
+            triangles: point.pair,
+        });
+        Self {
+            normal: manifold.normal.as_vec3(),
+            depth: manifold.depth as f32,
+            pair_count: manifold.pair_count,
+            points: points.collect(),
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! Questions about colliders, asked by systems: world space in, world space out.
+
+mod answer;
+mod filter;
+mod query;
+
+pub use answer::{MorphClosestPoints, MorphContacts, MorphProjection, MorphRayHit};
+pub use filter::MorphQueryFilter;
+pub use query::MorphSpatialQuery;

@@ -15,13 +15,9 @@ fn a_start_and_an_end_are_reported_once() {
     move_to(&mut app, b, 0.8);
     app.update();
     let (starts, ends) = messages.read(&app);
-    let start = MorphCollisionStart {
-        collider1: first,
-        collider2: second,
-        body1: first,
-        body2: second,
-    };
-    assert_eq!((starts, ends.len()), (vec![start], 0));
+    let who = |start: &MorphCollisionStart| [start.collider1, start.collider2, start.body1, start.body2];
+    let starts: Vec<_> = starts.iter().map(who).collect();
+    assert_eq!((starts, ends.len()), (vec![[first, second, first, second]], 0));
     assert!(touches(&app, a, b) && touches(&app, b, a));
 
     app.update();
@@ -152,8 +148,8 @@ fn the_collider_that_asks_for_more_decides_what_a_contact_tells() {
     use CollisionMode::{All, Any, First};
     let (mut app, [a, b]) = two_cubes(0.8);
     let mut triangles_in = |mode_a, mode_b| {
-        app.world_mut().entity_mut(a).insert(MorphCollider { mode: mode_a });
-        app.world_mut().entity_mut(b).insert(MorphCollider { mode: mode_b });
+        app.world_mut().entity_mut(a).insert(MorphCollider::new(mode_a));
+        app.world_mut().entity_mut(b).insert(MorphCollider::new(mode_b));
         app.update();
         let contact = app.world().resource::<MorphCollisions>().get(b, a);
         contact.map(|contact| (contact.mode, contact.triangles.len()))
@@ -190,4 +186,57 @@ fn contacts_come_in_the_order_of_the_entities() {
     }
     expected.sort();
     assert_eq!(pairs, expected);
+}
+
+#[test]
+fn a_start_tells_where_and_which_way() {
+    let (mut app, [a, b]) = two_cubes(3.0);
+    observe(&mut app);
+    for cube in [a, b] {
+        app.world_mut().entity_mut(cube).insert(MorphCollisionEventsEnabled);
+    }
+    let mut messages = Messages::default();
+    messages.read(&app);
+    move_to(&mut app, b, 0.9);
+    app.update();
+    let (starts, _) = messages.read(&app);
+    let start = starts[0];
+    // The cubes overlap between x = 0.4 and 0.5.
+    assert!(
+        (0.399..=0.5).contains(&start.point.x) && start.point.yz().abs().max_element() <= 0.5,
+        "{start:?}"
+    );
+    assert!((start.normal.length() - 1.0).abs() < 1e-5, "{start:?}");
+    let observed = &app.world().resource::<Observed>().starts;
+    let seen_from = |cube: Entity| observed.iter().find(|start| start.collider1 == cube).unwrap();
+    assert_eq!(seen_from(a).normal, -seen_from(b).normal);
+    assert_eq!(seen_from(a).point, seen_from(b).point);
+}
+
+#[test]
+fn colliding_entities_are_listed_where_that_is_asked_for() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, &cube());
+    let [a, b, c] = [0.0, 0.8, 1.6].map(|x| spawn(&mut app, &mesh, x));
+    app.world_mut().entity_mut(b).insert(MorphCollidingEntities::default());
+    settle(&mut app);
+    let listed = |app: &App, cube: Entity| {
+        app.world()
+            .get::<MorphCollidingEntities>(cube)
+            .map(|list| list.to_vec())
+    };
+    assert_eq!(listed(&app, b), Some(vec![a.min(c), a.max(c)]));
+    assert_eq!(listed(&app, a), None);
+
+    // Late, it is filled with what touches already.
+    app.world_mut().entity_mut(a).insert(MorphCollidingEntities::default());
+    app.update();
+    assert_eq!(listed(&app, a), Some(vec![b]));
+
+    move_to(&mut app, a, -5.0);
+    app.update();
+    assert_eq!((listed(&app, a), listed(&app, b)), (Some(vec![]), Some(vec![c])));
+    app.world_mut().despawn(c);
+    app.update();
+    assert_eq!(listed(&app, b), Some(vec![]));
 }

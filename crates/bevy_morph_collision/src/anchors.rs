@@ -63,17 +63,26 @@ pub(crate) fn follow_surfaces(
     children: Query<&Children>,
 ) {
     for (entity, anchor, parent) in &anchors {
-        let Some(world) = colliders.get_mut(anchor.collider).ok().and_then(|mut state| place(anchor, &mut state)) else {
+        let Some(world) = colliders
+            .get_mut(anchor.collider)
+            .ok()
+            .and_then(|mut state| place(anchor, &mut state))
+        else {
             continue;
         };
         let parent = parent.and_then(|parent| transforms.get(parent.parent()).ok());
         let world_from_parent = parent.map_or(GlobalTransform::IDENTITY, |(_, world)| *world);
-        let Ok((mut local, mut global)) = transforms.get_mut(entity) else { continue };
+        let Ok((mut local, mut global)) = transforms.get_mut(entity) else {
+            continue;
+        };
         let (_, turned, _) = global.to_scale_rotation_translation();
         let rotation = world.rotation.unwrap_or(turned);
         let wanted = GlobalTransform::from(Transform::from_translation(world.point).with_rotation(rotation));
         let relative = wanted.reparented_to(&world_from_parent);
-        let mut next = Transform { scale: local.scale, ..relative };
+        let mut next = Transform {
+            scale: local.scale,
+            ..relative
+        };
         if world.rotation.is_none() {
             next.rotation = local.rotation;
         }
@@ -93,7 +102,9 @@ struct Anchored {
 }
 
 fn place(anchor: &MorphSurfaceAnchor, state: &mut ColliderState) -> Option<Anchored> {
-    let Form::Mesh(world_from_model) = state.placed?.form else { return None };
+    let Form::Mesh(world_from_model) = state.placed?.form else {
+        return None;
+    };
     let pose = state.pose.as_mut()?;
     let on_surface = SurfaceAnchor {
         triangle: anchor.triangle,

@@ -1,7 +1,7 @@
 //! Culling: the [`Aabb`] of morphing meshes.
 
-use bevy::asset::AssetEventSystems;
 use bevy::app::AnimationSystems;
+use bevy::asset::AssetEventSystems;
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{NoAutoAabb, NoFrustumCulling, VisibilitySystems, calculate_bounds};
 use bevy::ecs::entity::EntityHashMap;
@@ -58,7 +58,11 @@ impl Plugin for MorphBoundsPlugin {
         .add_systems(
             PostUpdate,
             (
-                request_trees_to_cull.before(crate::MorphCollisionSystems::Import),
+                request_trees_to_cull
+                    .in_set(crate::MorphCollisionSystems::Import)
+                    .after(crate::import::follow_asset_events)
+                    .before(crate::import::start_trees)
+                    .ambiguous_with(crate::import::request_trees),
                 update_bounds.in_set(MorphBoundsSystems::Bounds),
                 draw_again.in_set(MorphBoundsSystems::Redraw),
             ),
@@ -80,9 +84,11 @@ fn request_trees_to_cull(
     mut trees: ResMut<MorphTrees>,
 ) {
     if trees.is_stale() {
-        all.iter().for_each(|(entity, mesh)| trees.request((mesh.id(), None), entity));
+        all.iter()
+            .for_each(|(entity, mesh)| trees.request((mesh.id(), None), entity));
     } else if !anew.is_empty() {
-        anew.iter().for_each(|(entity, mesh)| trees.request((mesh.id(), None), entity));
+        anew.iter()
+            .for_each(|(entity, mesh)| trees.request((mesh.id(), None), entity));
     }
 }
 
@@ -99,7 +105,9 @@ fn update_bounds(
     poses.retain(|&(mesh, settings), _| trees.with_settings(mesh, settings).is_some());
     for (mesh, weights, mut aabb) in &mut meshes {
         let key = (mesh.id(), None);
-        let Some(tree) = trees.with_settings(key.0, None) else { continue };
+        let Some(tree) = trees.with_settings(key.0, None) else {
+            continue;
+        };
         let weights = match weights {
             MeshMorphWeights::Value { weights } => weights.as_slice(),
             &MeshMorphWeights::Reference(source) => match shared.get(source) {
@@ -141,7 +149,9 @@ fn draw_again(
         left.insert(entity, FRAMES);
     }
     left.retain(|&entity, frames| {
-        let Ok((_, visible, mut aabb)) = meshes.get_mut(entity) else { return false };
+        let Ok((_, visible, mut aabb)) = meshes.get_mut(entity) else {
+            return false;
+        };
         if visible.get() {
             aabb.set_changed();
         }

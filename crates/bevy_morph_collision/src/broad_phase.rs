@@ -78,7 +78,10 @@ pub(crate) fn find_candidates(
         let placed = place.unwrap_or_else(|error| {
             if !state.bad_place {
                 let name = names.get(participant.entity).map(|name| name.to_string());
-                error!("entity `{}` is left out of collisions: {error}", name.unwrap_or_default());
+                error!(
+                    "entity `{}` is left out of collisions: {error}",
+                    name.unwrap_or_default()
+                );
             }
             None
         });
@@ -93,7 +96,14 @@ pub(crate) fn find_candidates(
         candidates.sweep(&colliders);
     }
 
-    let Counts { overlaps, same_body, layers, passive, rigid, nodes } = candidates.counts;
+    let Counts {
+        overlaps,
+        same_body,
+        layers,
+        passive,
+        rigid,
+        nodes,
+    } = candidates.counts;
     diagnostics.nodes_total = nodes;
     diagnostics.colliders = candidates.colliders.len() as u64;
     diagnostics.overlapping_pairs = overlaps;
@@ -114,7 +124,10 @@ impl ParticipantItem<'_, '_> {
         let state = &mut *self.state;
         let settled = !stale && !state.reposed && !self.transform.is_changed();
         let settled = settled && !self.shape.as_ref().is_some_and(Ref::is_changed);
-        let before = state.placed.filter(|_| settled).map(|placed| (placed.form, placed.bounds));
+        let before = state
+            .placed
+            .filter(|_| settled)
+            .map(|placed| (placed.form, placed.bounds));
         let (form, bounds) = match (&mut state.pose, &self.shape, before) {
             (Some(_), _, Some((form @ Form::Mesh(_), bounds))) => (form, bounds),
             (None, Some(_), Some((form @ Form::Shape(_), bounds))) => (form, bounds),
@@ -163,13 +176,20 @@ impl Candidates {
         for participant in colliders {
             if let Some(placed) = participant.state.placed {
                 self.colliders.push((participant.entity, placed));
-                self.counts.nodes += participant.state.pose.as_ref().map_or(0, |pose| pose.bvh().node_count() as u64);
+                self.counts.nodes += participant
+                    .state
+                    .pose
+                    .as_ref()
+                    .map_or(0, |pose| pose.bvh().node_count() as u64);
             }
         }
         self.colliders.sort_unstable_by_key(|&(entity, _)| entity);
 
         self.bounds.clear();
-        let bounds = self.colliders.iter().map(|(_, placed)| Some(placed.bounds_with_margin()));
+        let bounds = self
+            .colliders
+            .iter()
+            .map(|(_, placed)| Some(placed.bounds_with_margin()));
         self.bounds.extend(bounds);
         self.overlaps.clear();
         overlapping_pairs(&self.bounds, &mut self.overlaps);

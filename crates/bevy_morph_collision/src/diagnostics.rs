@@ -72,7 +72,12 @@ mod store {
 
     impl Plugin for MorphCollisionDiagnosticsPlugin {
         fn build(&self, app: &mut App) {
-            for path in [Self::CANDIDATE_PAIRS, Self::TOUCHING_PAIRS, Self::VOLUMES_BLENDED, Self::TRIANGLE_TESTS] {
+            for path in [
+                Self::CANDIDATE_PAIRS,
+                Self::TOUCHING_PAIRS,
+                Self::VOLUMES_BLENDED,
+                Self::TRIANGLE_TESTS,
+            ] {
                 app.register_diagnostic(Diagnostic::new(path));
             }
             app.register_diagnostic(Diagnostic::new(Self::DURATION).with_suffix(" ms"))

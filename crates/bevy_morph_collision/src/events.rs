@@ -100,14 +100,15 @@ pub(crate) fn report_changes(
         }
     }
     for contact in collisions.started() {
-        let [first, second] = both_ways(contact).map(|([collider1, collider2, body1, body2], normal)| MorphCollisionStart {
-            collider1,
-            collider2,
-            body1,
-            body2,
-            point: contact.point,
-            normal,
-        });
+        let [first, second] =
+            both_ways(contact).map(|([collider1, collider2, body1, body2], normal)| MorphCollisionStart {
+                collider1,
+                collider2,
+                body1,
+                body2,
+                point: contact.point,
+                normal,
+            });
         starts.write(first);
         for event in [first, second] {
             if enabled.contains(event.collider1) {
@@ -138,7 +139,6 @@ fn both_ways(contact: &MorphContact) -> [([Entity; 4], Vec3); 2] {
 pub(crate) fn list_colliding_entities(
     collisions: Res<MorphCollisions>,
     mut lists: Query<(Entity, &mut MorphCollidingEntities)>,
-    fresh: Query<Entity, Added<MorphCollidingEntities>>,
 ) {
     for contact in collisions.ended() {
         for collider in [contact.collider1, contact.collider2] {
@@ -156,9 +156,12 @@ pub(crate) fn list_colliding_entities(
             }
         }
     }
-    for collider in &fresh {
-        if let Ok((_, mut list)) = lists.get_mut(collider) {
-            list.0 = collisions.of(collider).filter_map(|contact| contact.other(collider)).collect();
+    for (collider, mut list) in &mut lists {
+        if list.is_added() {
+            list.0 = collisions
+                .of(collider)
+                .filter_map(|contact| contact.other(collider))
+                .collect();
             list.0.sort_unstable();
         }
     }

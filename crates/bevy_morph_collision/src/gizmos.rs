@@ -78,7 +78,14 @@ fn draw(
     }
     if let Some(depth) = style.depth {
         for (mut state, place) in &mut colliders {
-            let ColliderState { pose: Some(pose), placed: Some(_), .. } = &mut *state else { continue };
+            let ColliderState {
+                pose: Some(pose),
+                placed: Some(_),
+                ..
+            } = &mut *state
+            else {
+                continue;
+            };
             pose.visit_bounds(depth, |bounds, was_fresh| {
                 let color = if was_fresh { style.refitted } else { style.resting };
                 let cube = Transform::from_translation(bounds.center()).with_scale(bounds.size());
@@ -89,7 +96,10 @@ fn draw(
     for contact in collisions.iter() {
         if let Some(color) = style.triangles {
             for pair in &contact.triangles {
-                let sides = [(contact.collider1, pair.triangle_a), (contact.collider2, pair.triangle_b)];
+                let sides = [
+                    (contact.collider1, pair.triangle_a),
+                    (contact.collider2, pair.triangle_b),
+                ];
                 for (collider, triangle) in sides {
                     let state = colliders.get_mut(collider).ok();
                     if let Some([a, b, c]) = state.and_then(|(mut state, _)| corners(&mut state, triangle)) {
@@ -111,7 +121,9 @@ fn draw(
 /// The corners of a triangle of a mesh; shapes have none.
 fn corners(state: &mut ColliderState, triangle: u32) -> Option<[Vec3; 3]> {
     let ColliderState { pose, placed, .. } = state;
-    let Form::Mesh(place) = &placed.as_ref()?.form else { return None };
+    let Form::Mesh(place) = &placed.as_ref()?.form else {
+        return None;
+    };
     let corners = world_triangle(&mut Body::new(pose.as_mut()?, place), triangle)?;
     Some(corners.map(|corner| corner.as_vec3()))
 }

@@ -46,7 +46,10 @@ mod tests {
 
     #[test]
     fn both_have_to_agree() {
-        let (player, wall) = (MorphCollisionLayers::new(0b01, 0b10), MorphCollisionLayers::new(0b10, 0b11));
+        let (player, wall) = (
+            MorphCollisionLayers::new(0b01, 0b10),
+            MorphCollisionLayers::new(0b10, 0b11),
+        );
         assert!(player.interacts_with(wall) && wall.interacts_with(player));
         assert!(!player.interacts_with(player));
         let ghost = MorphCollisionLayers::new(0b01, 0b100);

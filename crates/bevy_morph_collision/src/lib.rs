@@ -111,8 +111,8 @@ pub mod prelude {
         CollisionMode, MorphBody, MorphBoundsPlugin, MorphCollider, MorphColliderDisabled, MorphColliderScene,
         MorphCollidingEntities, MorphCollisionDiagnostics, MorphCollisionEnd, MorphCollisionEventsEnabled,
         MorphCollisionLayers, MorphCollisionPlugin, MorphCollisionSettings, MorphCollisionStart, MorphCollisionSystems,
-        MorphCollisions, MorphContact, MorphQueryFilter, MorphRayHit, MorphShape, MorphSpatialQuery, MorphSurfaceAnchor,
-        MorphTreeOptions, MorphTreeSettings, TrianglePair,
+        MorphCollisions, MorphContact, MorphQueryFilter, MorphRayHit, MorphShape, MorphSpatialQuery,
+        MorphSurfaceAnchor, MorphTreeOptions, MorphTreeSettings, TrianglePair,
     };
     #[cfg(feature = "gizmos")]
     pub use crate::{MorphGizmos, MorphGizmosPlugin};

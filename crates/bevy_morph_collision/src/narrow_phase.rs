@@ -73,7 +73,10 @@ pub(crate) fn find_contacts(
     } else {
         diagnostics.skipped_unchanged = candidates.pairs.len() as u64;
     }
-    let triangles = collisions.current.values().map(|contact| contact.triangles.len() as u64);
+    let triangles = collisions
+        .current
+        .values()
+        .map(|contact| contact.triangles.len() as u64);
     diagnostics.triangle_pairs = triangles.sum();
     diagnostics.touching_pairs = collisions.current.len() as u64;
     diagnostics.duration += start.elapsed();
@@ -82,7 +85,11 @@ pub(crate) fn find_contacts(
 impl MorphCollisions {
     /// Takes over what was found, in whatever order, and drops what is no candidate any more.
     fn replace(&mut self, candidates: &[Pair], answers: &mut Vec<(Pair, Option<MorphContact>)>) {
-        let Self { current, started, ended } = self;
+        let Self {
+            current,
+            started,
+            ended,
+        } = self;
         for contact in current.extract_if(.., |pair, _| candidates.binary_search(pair).is_err()) {
             ended.push(contact.1);
         }
@@ -143,7 +150,9 @@ impl Scratch {
             }
         }
         for (asked, shape, shape_first) in with_shapes {
-            let contact = self.queries.with_shape(&mut placed, asked, &shape, shape_first, diagnostics);
+            let contact = self
+                .queries
+                .with_shape(&mut placed, asked, &shape, shape_first, diagnostics);
             self.answers.push((asked.pair, contact));
         }
         self.ask_meshes(&mut placed, diagnostics);
@@ -151,18 +160,29 @@ impl Scratch {
     }
 
     fn ask_meshes(&mut self, placed: &mut [Placed<'_>], diagnostics: &mut MorphCollisionDiagnostics) {
-        let Self { queries, batch, asked, memories, next_memories, answers } = self;
+        let Self {
+            queries,
+            batch,
+            asked,
+            memories,
+            next_memories,
+            answers,
+        } = self;
         remember(asked, memories, next_memories);
         let mut left = memories.iter_mut();
         let mut tasks: Vec<_> = asked
             .iter()
-            .map(|&Asked { places: (a, b), mode, .. }| match wants_all(mode) {
-                true => PairTask::new(a, b, Wanted::All),
-                false => PairTask {
-                    memory: left.next().map(|(_, memory)| memory),
-                    ..PairTask::new(a, b, Wanted::First)
+            .map(
+                |&Asked {
+                     places: (a, b), mode, ..
+                 }| match wants_all(mode) {
+                    true => PairTask::new(a, b, Wanted::All),
+                    false => PairTask {
+                        memory: left.next().map(|(_, memory)| memory),
+                        ..PairTask::new(a, b, Wanted::First)
+                    },
                 },
-            })
+            )
             .collect();
         // Shapes are in no task, but have a place.
         let mut spare = Vec::new();
@@ -202,7 +222,9 @@ impl Queries {
         diagnostics: &mut MorphCollisionDiagnostics,
     ) -> Option<MorphContact> {
         let (a, b) = asked.places;
-        let Ok([a, b]) = placed.get_disjoint_mut([a, b]) else { return None };
+        let Ok([a, b]) = placed.get_disjoint_mut([a, b]) else {
+            return None;
+        };
         let margin = f64::from(a.placement.margin) + f64::from(b.placement.margin);
         let mut contact = MorphContact::of(asked, a, b);
         if triangles.is_empty() {
@@ -229,11 +251,13 @@ impl Queries {
             diagnostics.stats += stats;
             if let Some(manifold) = manifold {
                 contact.normal = manifold.normal.as_vec3();
-                contact.points.extend(manifold.points().iter().map(|point| MorphContactPoint {
-                    point: point.point.as_vec3(),
-                    depth: point.depth as f32,
-                    triangles: point.pair,
-                }));
+                contact
+                    .points
+                    .extend(manifold.points().iter().map(|point| MorphContactPoint {
+                        point: point.point.as_vec3(),
+                        depth: point.depth as f32,
+                        triangles: point.pair,
+                    }));
                 contact.point = contact.points.first().map_or(contact.point, |deepest| deepest.point);
             }
         }
@@ -254,13 +278,21 @@ impl Queries {
         diagnostics: &mut MorphCollisionDiagnostics,
     ) -> Option<MorphContact> {
         let (a, b) = asked.places;
-        let Ok([a, b]) = placed.get_disjoint_mut([a, b]) else { return None };
+        let Ok([a, b]) = placed.get_disjoint_mut([a, b]) else {
+            return None;
+        };
         let margin = f64::from(a.placement.margin) + f64::from(b.placement.margin);
         let mut contact = MorphContact::of(asked, a, b);
         let mesh = if shape_first { b } else { a };
         let pair = |triangle: u32| match shape_first {
-            true => TrianglePair { triangle_a: MorphContact::NO_TRIANGLE, triangle_b: triangle },
-            false => TrianglePair { triangle_a: triangle, triangle_b: MorphContact::NO_TRIANGLE },
+            true => TrianglePair {
+                triangle_a: MorphContact::NO_TRIANGLE,
+                triangle_b: triangle,
+            },
+            false => TrianglePair {
+                triangle_a: triangle,
+                triangle_b: MorphContact::NO_TRIANGLE,
+            },
         };
         // Out of the shape towards the mesh is how the mesh leaves it.
         let turn = if shape_first { -1.0 } else { 1.0 };
@@ -346,7 +378,9 @@ struct Placed<'a> {
 
 impl<'a> Placed<'a> {
     fn new(entity: Entity, state: &'a mut ColliderState) -> Option<Self> {
-        let ColliderState { pose, placed, changed, .. } = state;
+        let ColliderState {
+            pose, placed, changed, ..
+        } = state;
         Some(Self {
             entity,
             changed: *changed,

@@ -87,7 +87,9 @@ fn hit_colliders(
 ) {
     let everything = RenderLayers::default();
     for (&id, &ray) in rays.iter() {
-        let Ok((camera, camera_layers)) = cameras.get(id.camera) else { continue };
+        let Ok((camera, camera_layers)) = cameras.get(id.camera) else {
+            continue;
+        };
         if !camera.is_active {
             continue;
         }
@@ -97,7 +99,9 @@ fn hit_colliders(
         // Each collider's first hit, nearest first, up to one that lets nothing through.
         loop {
             let can_pick = |entity: Entity| {
-                let Ok((pickable, layers, visible)) = colliders.get(entity) else { return false };
+                let Ok((pickable, layers, visible)) = colliders.get(entity) else {
+                    return false;
+                };
                 pickable.map_or(!settings.require_pickable, |pickable| pickable.is_hoverable)
                     && camera_layers.intersects(layers.unwrap_or(&everything))
                     && visible.is_none_or(|visible| visible.get())

@@ -2,7 +2,9 @@
 
 use bevy::app::AnimationSystems;
 use bevy::asset::AssetEventSystems;
+use bevy::camera::visibility::VisibilitySystems;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
+use bevy::mesh::mark_3d_meshes_as_changed_if_their_assets_changed;
 use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 use bevy::transform::systems::{mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms};
@@ -78,7 +80,8 @@ impl Plugin for TreesPlugin {
                 MorphCollisionSystems::Import
                     .after(AnimationSystems)
                     .after(TransformSystems::Propagate)
-                    .after(AssetEventSystems),
+                    .after(AssetEventSystems)
+                    .after(mark_3d_meshes_as_changed_if_their_assets_changed),
             )
             .add_systems(
                 PostUpdate,
@@ -121,10 +124,27 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
     register_types(app);
 
     use MorphCollisionSystems as Stage;
-    let stages = || (Stage::Weights, Stage::BroadPhase, Stage::NarrowPhase, Stage::Events, Stage::Anchors);
+    let stages = || {
+        (
+            Stage::Weights,
+            Stage::BroadPhase,
+            Stage::NarrowPhase,
+            Stage::Events,
+            Stage::Anchors,
+        )
+    };
     app.configure_sets(schedule, stages().chain().run_if(settings::is_running));
     if schedule == PostUpdate.intern() {
-        app.configure_sets(schedule, stages().after(Stage::Import));
+        use VisibilitySystems::{CalculateBounds, CheckVisibility, UpdateFrusta};
+        app.configure_sets(schedule, stages().after(Stage::Import))
+            .configure_sets(
+                schedule,
+                // Cameras and models may be anchored.
+                Stage::Anchors
+                    .before(CalculateBounds)
+                    .before(UpdateFrusta)
+                    .before(CheckVisibility),
+            );
     } else {
         let propagate = (mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms);
         app.add_systems(
@@ -134,12 +154,14 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
     }
     app.add_systems(
         PostUpdate,
-        (
-            (scene::add_scene_parts, scene::add_every_morphing_mesh, import::request_trees)
-                .chain()
-                .after(import::follow_asset_events)
-                .before(import::start_trees),
+        ((
+            scene::add_scene_parts,
+            scene::add_every_morphing_mesh,
+            import::request_trees,
         )
+            .chain()
+            .after(import::follow_asset_events)
+            .before(import::start_trees),)
             .in_set(Stage::Import),
     )
     .add_systems(

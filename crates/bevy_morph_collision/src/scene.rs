@@ -109,7 +109,10 @@ fn is_named(part: Entity, root: Entity, wanted: &[String], names: &Query<&Name>,
     let mut done = false;
     wanted.is_empty()
         || path.any(|entity| {
-            let is_one = !done && names.get(entity).is_ok_and(|name| wanted.iter().any(|w| w == name.as_str()));
+            let is_one = !done
+                && names
+                    .get(entity)
+                    .is_ok_and(|name| wanted.iter().any(|w| w == name.as_str()));
             done |= entity == root;
             is_one
         })
@@ -128,7 +131,9 @@ pub(crate) fn add_every_morphing_mesh(
     bodies: Query<(), With<MorphBody>>,
     parents: Query<&ChildOf>,
 ) {
-    let Some(collider) = settings.every_morphing_mesh else { return };
+    let Some(collider) = settings.every_morphing_mesh else {
+        return;
+    };
     let mut add = |mesh: Entity| {
         let mut entity = commands.entity(mesh);
         entity.insert(collider);

@@ -88,8 +88,13 @@ mod tests {
         let place = GlobalTransform::from(place);
         let shapes = [
             MorphShape::Ball { radius: 0.5 },
-            MorphShape::Capsule { half_length: 2.0, radius: 0.25 },
-            MorphShape::Cuboid { half_extents: Vec3::new(1.0, 2.0, 0.1) },
+            MorphShape::Capsule {
+                half_length: 2.0,
+                radius: 0.25,
+            },
+            MorphShape::Cuboid {
+                half_extents: Vec3::new(1.0, 2.0, 0.1),
+            },
         ];
         for shape in shapes {
             let (placed, bounds) = shape.place(&place).unwrap();

@@ -51,7 +51,13 @@ pub enum MorphVolume {
 
 impl Default for MorphTreeSettings {
     fn default() -> Self {
-        let BuildOptions { arity, leaf_size, in_betweens, compact, .. } = BuildOptions::default();
+        let BuildOptions {
+            arity,
+            leaf_size,
+            in_betweens,
+            compact,
+            ..
+        } = BuildOptions::default();
         Self {
             volume: MorphVolume::default(),
             arity: arity as u8,

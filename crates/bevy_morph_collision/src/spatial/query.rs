@@ -99,7 +99,9 @@ impl MorphSpatialQuery<'_, '_> {
             if !predicate(entity) {
                 continue;
             }
-            let Ok((_, mut state, _)) = self.colliders.get_mut(entity) else { continue };
+            let Ok((_, mut state, _)) = self.colliders.get_mut(entity) else {
+                continue;
+            };
             let Some(body) = body(&mut state) else { continue };
             let hit = self.queries.ray.closest(body, &ray).0;
             if let Some(hit) = hit.filter(|hit| best.is_none_or(|(_, before)| hit.distance < before.distance)) {
@@ -147,7 +149,12 @@ impl MorphSpatialQuery<'_, '_> {
     ///
     /// # Errors
     /// Numbers that are not finite; a negative radius.
-    pub fn overlap_ball(&mut self, center: Vec3, radius: f32, filter: &MorphQueryFilter) -> Result<Vec<Entity>, InputError> {
+    pub fn overlap_ball(
+        &mut self,
+        center: Vec3,
+        radius: f32,
+        filter: &MorphQueryFilter,
+    ) -> Result<Vec<Entity>, InputError> {
         let ball = Ball::new(center.as_dvec3(), f64::from(radius))?;
         let near = self.near(filter, |bounds| (away(bounds, center) <= radius).then_some(0.0));
         Ok(self.meeting(near, |queries, body| queries.overlap.meets_ball(body, &ball).0))
@@ -190,13 +197,17 @@ impl MorphSpatialQuery<'_, '_> {
         } else {
             Ball::new(point.as_dvec3(), f64::from(max_distance))?
         };
-        let near = self.near(filter, |bounds| Some(away(bounds, point)).filter(|&away| away <= max_distance));
+        let near = self.near(filter, |bounds| {
+            Some(away(bounds, point)).filter(|&away| away <= max_distance)
+        });
         let mut best: Option<(Entity, ClosestPoint)> = None;
         for &(at_least, entity) in &near {
             if best.is_some_and(|(_, closest)| f64::from(at_least) > closest.distance) {
                 break;
             }
-            let Ok((_, mut state, _)) = self.colliders.get_mut(entity) else { continue };
+            let Ok((_, mut state, _)) = self.colliders.get_mut(entity) else {
+                continue;
+            };
             let Some(body) = body(&mut state) else { continue };
             let closest = self.queries.point.closest(body, &ball).0;
             if let Some(closest) = closest.filter(|new| best.is_none_or(|(_, old)| new.distance < old.distance)) {
@@ -298,7 +309,9 @@ impl MorphSpatialQuery<'_, '_> {
     ) -> Vec<Entity> {
         let mut met = Vec::new();
         for &(_, entity) in &near {
-            let Ok((_, mut state, _)) = self.colliders.get_mut(entity) else { continue };
+            let Ok((_, mut state, _)) = self.colliders.get_mut(entity) else {
+                continue;
+            };
             if body(&mut state).is_some_and(|body| meets(&mut self.queries, body)) {
                 met.push(entity);
             }
@@ -368,7 +381,10 @@ fn enters(bounds: &Aabb, origin: Vec3, direction: Vec3, max_distance: f32) -> Op
     let slack = f64::from(size) * 1e-6;
     for i in 0..3 {
         let (origin, direction) = (f64::from(origin[i]), f64::from(direction[i]));
-        let (low, high) = (f64::from(bounds.min[i]) - slack - origin, f64::from(bounds.max[i]) + slack - origin);
+        let (low, high) = (
+            f64::from(bounds.min[i]) - slack - origin,
+            f64::from(bounds.max[i]) + slack - origin,
+        );
         if direction == 0.0 {
             if low > 0.0 || high < 0.0 {
                 return None;

@@ -1,0 +1,114 @@
+//! Entities that stick to a morphing surface.
+
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+
+use crate::support::{add_mesh, app, move_to, set_weight, settle, spawn, stretching_cube};
+
+/// A stretching cube, and its triangle that faces +X.
+fn cube_and_side() -> (App, Entity, u32) {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, &stretching_cube());
+    let cube = spawn(&mut app, &mesh, 0.0);
+    settle(&mut app);
+    let shape = stretching_cube();
+    let faces_x = |t: &[u32; 3]| t.iter().all(|&corner| shape.positions[corner as usize].x > 0.0);
+    let side = shape.triangles.iter().position(faces_x).expect("a cube has that side");
+    (app, cube, side as u32)
+}
+
+fn place_of(app: &App, entity: Entity) -> Vec3 {
+    app.world().get::<GlobalTransform>(entity).unwrap().translation()
+}
+
+#[test]
+fn a_hat_goes_with_the_morph_and_with_the_body_in_the_same_frame() {
+    let (mut app, cube, side) = cube_and_side();
+    let anchor = MorphSurfaceAnchor::new(cube, side, Vec3::splat(1.0 / 3.0)).with_offset(0.25);
+    let hat = app.world_mut().spawn(anchor).id();
+    let feather = app
+        .world_mut()
+        .spawn((Transform::from_xyz(0.0, 0.5, 0.0), ChildOf(hat)))
+        .id();
+    for (weight, x) in [(0.0, 0.0), (1.0, 0.0), (-0.25, 2.0), (2.0, -3.0)] {
+        set_weight(&mut app, cube, weight);
+        move_to(&mut app, cube, x);
+        app.update();
+        let surface = x + 0.5 + weight;
+        assert!(
+            (place_of(&app, hat).x - (surface + 0.25)).abs() < 1e-5,
+            "{:?}",
+            place_of(&app, hat)
+        );
+        // +Y of the hat is out of the surface: +X.
+        assert!(
+            (place_of(&app, feather).x - (surface + 0.75)).abs() < 1e-5,
+            "{:?}",
+            place_of(&app, feather)
+        );
+    }
+}
+
+#[test]
+fn a_child_of_the_body_is_placed_relative_to_it() {
+    let (mut app, cube, side) = cube_and_side();
+    let mut anchor = MorphSurfaceAnchor::new(cube, side, Vec3::X);
+    anchor.align = false;
+    let scaled = Transform::from_xyz(1.0, 2.0, 3.0)
+        .with_rotation(Quat::from_rotation_y(0.7))
+        .with_scale(Vec3::splat(2.0));
+    app.world_mut().entity_mut(cube).insert(scaled);
+    let decal = (anchor, Transform::from_scale(Vec3::splat(0.1)), ChildOf(cube));
+    let decal = app.world_mut().spawn(decal).id();
+    set_weight(&mut app, cube, 0.5);
+    app.update();
+    app.update();
+    let shape = stretching_cube();
+    let corner = shape.triangles[side as usize][0];
+    let expected = shape.posed(&[0.5])[corner as usize];
+    let local = app.world().get::<Transform>(decal).unwrap();
+    assert!(local.translation.distance(expected) < 1e-5, "{local:?}");
+    assert_eq!((local.scale, local.rotation), (Vec3::splat(0.1), Quat::IDENTITY));
+    assert!(place_of(&app, decal).distance(scaled.transform_point(expected)) < 1e-5);
+}
+
+#[test]
+fn an_anchor_without_a_surface_stays_where_it_is() {
+    let (mut app, cube, _) = cube_and_side();
+    let nobody = app.world_mut().spawn_empty().id();
+    let at = Transform::from_xyz(7.0, 8.0, 9.0);
+    for anchor in [
+        MorphSurfaceAnchor::new(cube, 999, Vec3::X),
+        MorphSurfaceAnchor::new(nobody, 0, Vec3::X),
+    ] {
+        let stuck = app.world_mut().spawn((anchor, at)).id();
+        app.update();
+        assert_eq!(app.world().get::<Transform>(stuck), Some(&at));
+    }
+}
+
+#[test]
+fn an_anchor_at_rest_is_not_written() {
+    let (mut app, cube, side) = cube_and_side();
+    app.world_mut()
+        .spawn(MorphSurfaceAnchor::new(cube, side, Vec3::splat(1.0 / 3.0)));
+    app.update();
+    app.update();
+    #[derive(Resource, Default)]
+    struct Written(usize);
+    app.init_resource::<Written>().add_systems(
+        Last,
+        |moved: Query<(), (With<MorphSurfaceAnchor>, Changed<Transform>)>, mut written: ResMut<Written>| {
+            written.0 += moved.iter().count();
+        },
+    );
+    app.update();
+    let first = app.world().resource::<Written>().0;
+    for _ in 0..3 {
+        app.update();
+    }
+    assert_eq!(app.world().resource::<Written>().0, first);
+    set_weight(&mut app, cube, 1.0);
+    app.update();
+    assert_eq!(app.world().resource::<Written>().0, first + 1);
+}

@@ -1,0 +1,138 @@
+//! The `Aabb` that Bevy culls by.
+
+use bevy::camera::primitives::Aabb;
+use bevy::camera::visibility::{NoAutoAabb, NoCpuCulling, NoFrustumCulling, VisibilityPlugin};
+use bevy::mesh::morph::MeshMorphWeights;
+use bevy::prelude::*;
+use bevy_morph_collision::{MorphTrees, prelude::*};
+use morph_collision_workspace::app::{headless, ready};
+
+use crate::support::{add_mesh, assets, set_weight, settle, stretching_cube};
+
+fn app() -> App {
+    let mut app = headless(&assets());
+    app.add_plugins((VisibilityPlugin, MorphBoundsPlugin));
+    ready(&mut app);
+    app
+}
+
+fn spawn(app: &mut App, bundle: impl Bundle) -> Entity {
+    let mesh = add_mesh(app, &stretching_cube());
+    let weights = MeshMorphWeights::Value { weights: vec![0.0] };
+    app.world_mut().spawn((Mesh3d(mesh), weights, bundle)).id()
+}
+
+fn reach(app: &App, entity: Entity) -> f32 {
+    app.world().get::<Aabb>(entity).unwrap().max().x
+}
+
+#[test]
+fn the_box_follows_the_morph_without_any_collider() {
+    let mut app = app();
+    let cube = spawn(&mut app, ());
+    settle(&mut app);
+    assert!(app.world().get::<MorphCollider>(cube).is_none());
+    for weight in [0.0, 1.0, 3.0, -0.5, 0.25] {
+        set_weight(&mut app, cube, weight);
+        app.update();
+        let reach = reach(&app, cube);
+        let expected = 0.5 + weight;
+        // For negative weights a box is conservative.
+        let slack = if weight < 0.0 { -weight } else { 0.0 };
+        assert!(
+            (expected..expected + slack + 1e-4).contains(&reach),
+            "{reach} at {weight}"
+        );
+    }
+}
+
+#[test]
+fn bounds_work_alone() {
+    let mut app = App::new();
+    app.add_plugins((
+        MinimalPlugins,
+        TransformPlugin,
+        AssetPlugin::default(),
+        bevy::mesh::MeshPlugin,
+        VisibilityPlugin,
+        MorphBoundsPlugin,
+    ));
+    ready(&mut app);
+    let cube = spawn(&mut app, ());
+    settle(&mut app);
+    set_weight(&mut app, cube, 2.0);
+    app.update();
+    assert!((reach(&app, cube) - 2.5).abs() < 1e-4);
+}
+
+#[test]
+fn who_opted_out_keeps_the_box_it_has() {
+    let mut app = app();
+    let own = Aabb::from_min_max(Vec3::splat(-9.0), Vec3::splat(9.0));
+    let cubes = [
+        spawn(&mut app, (NoAutoAabb, own)),
+        spawn(&mut app, (NoFrustumCulling, own)),
+    ];
+    settle(&mut app);
+    for cube in cubes {
+        set_weight(&mut app, cube, 2.0);
+        app.update();
+        assert_eq!(app.world().get::<Aabb>(cube), Some(&own));
+    }
+}
+
+#[test]
+fn boxes_that_stay_are_not_written_and_bad_weights_change_nothing() {
+    let mut app = app();
+    let cube = spawn(&mut app, ());
+    settle(&mut app);
+    set_weight(&mut app, cube, 1.0);
+    app.update();
+    app.update();
+    let changed = |app: &App| app.world().entity(cube).get_ref::<Aabb>().unwrap().last_changed();
+    let before = changed(&app);
+    for _ in 0..4 {
+        app.update();
+    }
+    assert_eq!(changed(&app), before);
+    set_weight(&mut app, cube, f32::NAN);
+    app.update();
+    assert!((reach(&app, cube) - 1.5).abs() < 1e-4);
+}
+
+#[test]
+fn two_entities_with_one_mesh_have_boxes_of_their_own() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, &stretching_cube());
+    let mut spawn = |weight: f32| {
+        let weights = MeshMorphWeights::Value { weights: vec![weight] };
+        app.world_mut().spawn((Mesh3d(mesh.clone()), weights)).id()
+    };
+    let cubes = [spawn(1.0), spawn(2.0), spawn(0.25)];
+    settle(&mut app);
+    assert_eq!(app.world().resource::<MorphTrees>().iter().count(), 1);
+    for (cube, expected) in cubes.into_iter().zip([1.5, 2.5, 0.75]) {
+        assert!((reach(&app, cube) - expected).abs() < 1e-4);
+    }
+}
+
+#[test]
+fn what_comes_into_view_is_flagged_for_two_frames_more() {
+    let mut app = app();
+    let cube = spawn(&mut app, (NoCpuCulling, Visibility::Hidden));
+    settle(&mut app);
+    app.update();
+    let changed = |app: &App| app.world().entity(cube).get_ref::<Aabb>().unwrap().last_changed();
+    let hidden = changed(&app);
+    app.update();
+    assert_eq!(changed(&app), hidden);
+    app.world_mut().entity_mut(cube).insert(Visibility::Visible);
+    let mut flagged = Vec::new();
+    let mut before = hidden;
+    for _ in 0..5 {
+        app.update();
+        flagged.push(changed(&app) != before);
+        before = changed(&app);
+    }
+    assert_eq!(flagged, [true, true, false, false, false]);
+}

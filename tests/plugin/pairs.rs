@@ -1,0 +1,289 @@
+//! Which pairs are looked at: layers, modes, margins, pauses; and what a run in which nothing changes costs.
+
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::mesh::morph::MeshMorphWeights;
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+
+use crate::support::{
+    Messages, add_mesh, app, cube, diagnostics, move_to, settle, spawn, stretching_cube, touches, two_cubes,
+};
+
+#[test]
+fn layers_decide_who_is_compared() {
+    let (mut app, [a, b]) = two_cubes(0.8);
+    assert!(touches(&app, a, b));
+    app.world_mut()
+        .entity_mut(a)
+        .insert(MorphCollisionLayers::new(0b01, 0b10));
+    app.world_mut()
+        .entity_mut(b)
+        .insert(MorphCollisionLayers::new(0b01, 0b11));
+    app.update();
+    let run = diagnostics(&app);
+    assert!(!touches(&app, a, b));
+    assert_eq!(
+        (run.overlapping_pairs, run.skipped_layers, run.candidate_pairs),
+        (1, 1, 0)
+    );
+    app.world_mut()
+        .entity_mut(b)
+        .insert(MorphCollisionLayers::new(0b10, 0b11));
+    app.update();
+    assert!(touches(&app, a, b));
+}
+
+#[test]
+fn two_passive_colliders_are_never_compared_and_one_is_when_the_other_asks() {
+    let (mut app, [a, b]) = two_cubes(0.8);
+    for cube in [a, b] {
+        app.world_mut()
+            .entity_mut(cube)
+            .insert(MorphCollider::new(CollisionMode::Passive));
+    }
+    app.update();
+    assert!(!touches(&app, a, b));
+    assert_eq!(diagnostics(&app).skipped_passive, 1);
+    app.world_mut()
+        .entity_mut(b)
+        .insert(MorphCollider::new(CollisionMode::Any));
+    app.update();
+    assert!(touches(&app, a, b));
+}
+
+#[test]
+fn a_disabled_collider_is_left_out_and_comes_back() {
+    let (mut app, [a, b]) = two_cubes(0.8);
+    let mut messages = Messages::default();
+    messages.read(&app);
+    app.world_mut().entity_mut(a).insert(MorphColliderDisabled);
+    app.update();
+    assert!(!touches(&app, a, b));
+    assert_eq!(messages.read(&app).1.len(), 1);
+    app.world_mut().entity_mut(a).remove::<MorphColliderDisabled>();
+    app.update();
+    assert_eq!(messages.read(&app).0.len(), 1);
+    assert!(touches(&app, a, b));
+}
+
+#[test]
+fn a_disabled_entity_is_left_out_and_comes_back_where_it_was() {
+    let (mut app, [a, b]) = two_cubes(0.8);
+    app.world_mut().entity_mut(a).insert(Disabled);
+    app.update();
+    assert!(!touches(&app, a, b));
+    app.update();
+    app.world_mut().entity_mut(a).remove::<Disabled>();
+    app.update();
+    assert!(
+        touches(&app, a, b),
+        "nothing moved meanwhile, and still they are compared"
+    );
+}
+
+#[test]
+fn a_collider_that_gets_another_parent_goes_with_it_in_the_same_frame() {
+    let (mut app, [a, b]) = two_cubes(0.8);
+    let far = app.world_mut().spawn(Transform::from_xyz(9.0, 0.0, 0.0)).id();
+    app.update();
+    app.world_mut().entity_mut(b).insert(ChildOf(far));
+    app.update();
+    assert!(!touches(&app, a, b));
+    app.world_mut().entity_mut(b).remove::<ChildOf>();
+    app.update();
+    assert!(touches(&app, a, b));
+}
+
+#[test]
+fn within_their_margins_colliders_count_as_touching() {
+    let (mut app, [a, b]) = two_cubes(1.25);
+    assert!(!touches(&app, a, b));
+    let collider = |margin| MorphCollider::default().with_margin(margin);
+    app.world_mut().entity_mut(a).insert(collider(0.2));
+    app.update();
+    assert!(!touches(&app, a, b), "0.25 apart");
+    app.world_mut().entity_mut(b).insert(collider(0.125));
+    app.update();
+    let contact = app.world().resource::<MorphCollisions>().get(a, b).cloned().unwrap();
+    assert!(
+        (contact.distance - 0.25).abs() < 1e-6 && contact.triangles.is_empty(),
+        "{contact:?}"
+    );
+    assert!((contact.point.x - 0.625).abs() < 1e-6, "{contact:?}");
+    let away = if contact.collider1 == a { -1.0 } else { 1.0 };
+    assert!(contact.normal.distance(Vec3::X * away) < 1e-6, "{contact:?}");
+
+    move_to(&mut app, b, 0.9);
+    app.update();
+    let contact = app.world().resource::<MorphCollisions>().get(a, b).cloned().unwrap();
+    assert!(contact.distance == 0.0 && !contact.triangles.is_empty(), "{contact:?}");
+}
+
+#[test]
+fn a_bad_margin_is_logged_and_leaves_the_collider_out() {
+    crate::log::Errors::collect(|errors| {
+        let (mut app, [a, b]) = two_cubes(0.8);
+        app.world_mut()
+            .entity_mut(a)
+            .insert(MorphCollider::default().with_margin(f32::NAN));
+        app.update();
+        app.update();
+        let logged = errors.take();
+        assert!(logged.len() == 1 && logged[0].contains("margin is NaN"), "{logged:?}");
+        assert!(!touches(&app, a, b));
+    });
+}
+
+#[test]
+fn contacts_have_points_with_depths_the_deepest_first() {
+    let (mut app, [a, b]) = two_cubes(0.9);
+    app.world_mut()
+        .entity_mut(a)
+        .insert(MorphCollider::new(CollisionMode::Contacts));
+    app.update();
+    let contact = app.world().resource::<MorphCollisions>().get(a, b).cloned().unwrap();
+    assert!((1..=4).contains(&contact.points.len()), "{contact:?}");
+    assert!(contact.points.is_sorted_by(|x, y| x.depth >= y.depth), "{contact:?}");
+    assert_eq!(contact.point, contact.points[0].point);
+    for point in &contact.points {
+        assert!((0.399..=0.5).contains(&point.point.x), "{contact:?}");
+        assert!(contact.triangles.contains(&point.triangles));
+    }
+}
+
+#[test]
+fn paused_nothing_is_looked_at_and_contacts_stay() {
+    let (mut app, [a, b]) = two_cubes(0.8);
+    let mut messages = Messages::default();
+    messages.read(&app);
+    app.world_mut().resource_mut::<MorphCollisionSettings>().paused = true;
+    move_to(&mut app, b, 5.0);
+    app.update();
+    assert!(touches(&app, a, b));
+    assert_eq!(messages.read(&app), (vec![], vec![]));
+    app.world_mut().resource_mut::<MorphCollisionSettings>().paused = false;
+    app.update();
+    assert!(!touches(&app, a, b));
+    assert_eq!(messages.read(&app).1.len(), 1);
+}
+
+#[test]
+fn every_morphing_mesh_can_be_made_a_collider() {
+    let mut app = app();
+    let (morphing, rigid) = (add_mesh(&mut app, &stretching_cube()), add_mesh(&mut app, &cube()));
+    let root = app.world_mut().spawn(Transform::default()).id();
+    let weights = || MeshMorphWeights::Value { weights: vec![0.0] };
+    let mut part = |mesh: &Handle<Mesh>| {
+        app.world_mut()
+            .spawn((Mesh3d(mesh.clone()), weights(), ChildOf(root)))
+            .id()
+    };
+    let parts = [part(&morphing), part(&morphing)];
+    app.world_mut().spawn(Mesh3d(rigid));
+    app.update();
+    assert_eq!(diagnostics(&app).colliders, 0);
+
+    let collider = MorphCollider::new(CollisionMode::First);
+    app.world_mut()
+        .resource_mut::<MorphCollisionSettings>()
+        .every_morphing_mesh = Some(collider);
+    settle(&mut app);
+    for part in parts {
+        assert_eq!(app.world().get::<MorphCollider>(part), Some(&collider));
+        assert_eq!(app.world().get::<MorphBody>(part), Some(&MorphBody(root)));
+    }
+    let run = diagnostics(&app);
+    assert_eq!((run.colliders, run.skipped_same_body, run.touching_pairs), (2, 1, 0));
+
+    let late = app.world_mut().spawn((Mesh3d(morphing), weights())).id();
+    settle(&mut app);
+    assert!(app.world().get::<MorphCollider>(late).is_some());
+    assert_eq!(diagnostics(&app).touching_pairs, 2);
+}
+
+#[test]
+fn a_run_in_which_nothing_changes_compares_nothing() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, &stretching_cube());
+    let cubes = [0.0, 0.5, 1.0, 9.0].map(|x| spawn(&mut app, &mesh, x));
+    settle(&mut app);
+    app.update();
+    let run = diagnostics(&app);
+    assert_eq!(
+        (run.candidate_pairs, run.skipped_unchanged, run.touching_pairs),
+        (3, 3, 3)
+    );
+    assert_eq!(run.stats, default());
+
+    // The one far away concerns nobody.
+    move_to(&mut app, cubes[3], 8.0);
+    app.update();
+    let run = diagnostics(&app);
+    assert_eq!((run.candidate_pairs, run.skipped_unchanged), (3, 3));
+    move_to(&mut app, cubes[2], 1.25);
+    app.update();
+    let run = diagnostics(&app);
+    assert_eq!(
+        (run.candidate_pairs, run.skipped_unchanged, run.touching_pairs),
+        (2, 1, 2)
+    );
+    assert!(run.stats.triangle_tests > 0);
+}
+
+#[test]
+fn colliders_can_have_trees_of_their_own() {
+    let (mut app, [a, b]) = two_cubes(0.8);
+    let settings = MorphTreeSettings {
+        volume: bevy_morph_collision::MorphVolume::Kdop18,
+        leaf_size: 2,
+        ..default()
+    };
+    app.world_mut().entity_mut(a).insert(settings);
+    settle(&mut app);
+    assert!(touches(&app, a, b), "trees of different kinds");
+    let trees = app.world().resource::<bevy_morph_collision::MorphTrees>();
+    assert_eq!(trees.iter().count(), 2);
+    let mesh = app.world().get::<Mesh3d>(a).unwrap().id();
+    let own = trees.with_settings(mesh, Some(settings)).unwrap();
+    assert!(own.node_count() > trees.get(mesh).unwrap().node_count());
+
+    app.world_mut()
+        .entity_mut(a)
+        .insert(MorphTreeSettings { arity: 3, ..settings });
+    crate::log::Errors::collect(|errors| {
+        settle(&mut app);
+        let logged = errors.take();
+        assert!(logged.len() == 1 && logged[0].contains("arity"), "{logged:?}");
+    });
+    assert!(!touches(&app, a, b), "there is no such tree");
+    app.world_mut().entity_mut(a).remove::<MorphTreeSettings>();
+    settle(&mut app);
+    assert!(touches(&app, a, b));
+}
+
+#[test]
+fn a_scene_may_name_its_parts() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, &cube());
+    let scene = MorphColliderScene {
+        only_morphing: false,
+        only_named: vec!["hull".into(), "sail".into()],
+        layers: MorphCollisionLayers::new(2, 4),
+        ..default()
+    };
+    let root = app.world_mut().spawn((scene, Name::new("mast"))).id();
+    let mut part = |name: &str, parent| {
+        let part = (Name::new(name.to_string()), Mesh3d(mesh.clone()), ChildOf(parent));
+        app.world_mut().spawn(part).id()
+    };
+    let hull = part("hull", root);
+    let plank = part("plank", hull);
+    let mast = part("mast", root);
+    app.update();
+    let is_collider = |part| app.world().get::<MorphCollider>(part).is_some();
+    assert_eq!([hull, plank, mast].map(is_collider), [true, true, false]);
+    assert_eq!(
+        app.world().get::<MorphCollisionLayers>(plank),
+        Some(&MorphCollisionLayers::new(2, 4))
+    );
+}

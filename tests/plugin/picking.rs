@@ -1,0 +1,118 @@
+//! The picking backend: pointers' rays against posed meshes.
+
+use bevy::camera::visibility::RenderLayers;
+use bevy::ecs::message::MessageCursor;
+use bevy::picking::backend::PointerHits;
+use bevy::picking::backend::ray::{RayId, RayMap};
+use bevy::picking::pointer::PointerId;
+use bevy::prelude::*;
+use bevy_morph_collision::MorphPickingSettings;
+use bevy_morph_collision::prelude::*;
+
+use morph_collision_workspace::app::{headless, ready};
+
+use crate::support::{add_mesh, assets, set_weight, settle, spawn, stretching_cube};
+
+struct Picked {
+    app: App,
+    camera: Entity,
+    cubes: [Entity; 2],
+    hits: MessageCursor<PointerHits>,
+}
+
+impl Picked {
+    /// Two stretching cubes at 0 and 4, and a pointer whose ray comes from +X.
+    fn new() -> Self {
+        let mut app = headless(&assets());
+        app.init_resource::<RayMap>()
+            .add_message::<PointerHits>()
+            .add_plugins(MorphPickingPlugin);
+        ready(&mut app);
+        let mesh = add_mesh(&mut app, &stretching_cube());
+        let cubes = [spawn(&mut app, &mesh, 0.0), spawn(&mut app, &mesh, 4.0)];
+        let camera = app.world_mut().spawn(Camera { order: 3, ..default() }).id();
+        settle(&mut app);
+        let ray = Ray3d::new(Vec3::new(9.0, 0.1, 0.2), Dir3::NEG_X);
+        let id = RayId::new(camera, PointerId::Mouse);
+        app.world_mut().resource_mut::<RayMap>().map.insert(id, ray);
+        let mut picked = Self {
+            app,
+            camera,
+            cubes,
+            hits: MessageCursor::default(),
+        };
+        picked.read();
+        picked
+    }
+
+    fn read(&mut self) -> Vec<PointerHits> {
+        self.hits.read(self.app.world().resource()).cloned().collect()
+    }
+
+    /// What the pointer is over in the next frame, nearest first.
+    fn over(&mut self) -> Vec<(Entity, f32)> {
+        self.app.update();
+        let hits = self.read();
+        assert!(hits.len() <= 1);
+        let picks = hits.into_iter().flat_map(|hits| hits.picks);
+        picks.map(|(entity, hit)| (entity, hit.depth)).collect()
+    }
+}
+
+#[test]
+fn the_morphed_surface_is_hit() {
+    let mut picked = Picked::new();
+    let [_, b] = picked.cubes;
+    assert_eq!(picked.over(), [(b, 4.5)]);
+    set_weight(&mut picked.app, b, 2.0);
+    // Picking comes first in a frame: it sees what the last frame drew.
+    picked.app.update();
+    picked.read();
+    picked.app.update();
+    let hits = picked.read().remove(0);
+    assert_eq!((hits.pointer, hits.order), (PointerId::Mouse, 3.0));
+    let (entity, hit) = &hits.picks[0];
+    assert_eq!((*entity, hit.depth, hit.camera), (b, 2.5, picked.camera));
+    assert_eq!(
+        (hit.position, hit.normal),
+        (Some(Vec3::new(6.5, 0.1, 0.2)), Some(Vec3::X))
+    );
+    let pick = hit.extra_as::<MorphPick>().expect("it tells more");
+    assert!(pick.triangle < 12 && (pick.barycentrics.element_sum() - 1.0).abs() < 1e-6);
+    assert_eq!(pick.uv, None, "the cube has none");
+}
+
+#[test]
+fn pickable_says_what_is_hovered_and_what_blocks() {
+    let mut picked = Picked::new();
+    let [a, b] = picked.cubes;
+    let through = Pickable {
+        should_block_lower: false,
+        is_hoverable: true,
+    };
+    picked.app.world_mut().entity_mut(b).insert(through);
+    assert_eq!(picked.over(), [(b, 4.5), (a, 8.5)]);
+    picked.app.world_mut().entity_mut(b).insert(Pickable::IGNORE);
+    assert_eq!(picked.over(), [(a, 8.5)]);
+    picked
+        .app
+        .world_mut()
+        .resource_mut::<MorphPickingSettings>()
+        .require_pickable = true;
+    assert_eq!(picked.over(), []);
+    picked.app.world_mut().entity_mut(a).insert(Pickable::default());
+    assert_eq!(picked.over(), [(a, 8.5)]);
+}
+
+#[test]
+fn render_layers_and_visibility_are_heeded() {
+    let mut picked = Picked::new();
+    let [a, b] = picked.cubes;
+    picked.app.world_mut().entity_mut(b).insert(RenderLayers::layer(5));
+    assert_eq!(picked.over(), [(a, 8.5)]);
+    let camera = picked.camera;
+    picked.app.world_mut().entity_mut(camera).insert(RenderLayers::layer(5));
+    assert_eq!(picked.over(), [(b, 4.5)]);
+    picked.app.world_mut().entity_mut(b).insert(ViewVisibility::HIDDEN);
+    assert_eq!(picked.over(), []);
+}

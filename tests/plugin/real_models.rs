@@ -1,0 +1,310 @@
+//! Models as they are loaded: what opens, what slaps, what is picked, and boxes around all of it.
+
+use std::path::{Path, PathBuf};
+
+use bevy::camera::primitives::Aabb;
+use bevy::camera::visibility::VisibilityPlugin;
+use bevy::ecs::system::RunSystemOnce;
+use bevy::gltf::Gltf;
+use bevy::mesh::morph::{MeshMorphWeights, MorphAttributes, MorphWeights};
+use bevy::prelude::*;
+use bevy::world_serialization::WorldInstanceReady;
+use bevy_morph_collision::prelude::*;
+use morph_collision_workspace::app::{headless, load_gltf, ready, update_until};
+
+use crate::support::{Messages, assets, settle, touches};
+
+/// A model from outside the repository, if that folder is there.
+fn shared(name: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("../shared/models")
+        .join(name);
+    if !path.is_file() {
+        println!("skipped: {} is not there", path.display());
+        return None;
+    }
+    path.canonicalize().ok()
+}
+
+/// An app with a model in it, culled and colliding; and the model's clips.
+fn with_model(file: &Path) -> (App, Vec<Handle<AnimationClip>>) {
+    let mut app = headless(file.parent().unwrap());
+    app.add_plugins((VisibilityPlugin, MorphBoundsPlugin));
+    ready(&mut app);
+    let gltf = load_gltf(&mut app, file).expect("the model can be loaded");
+    let (scene, clips) = {
+        let gltf = app.world().resource::<Assets<Gltf>>().get(&gltf).unwrap();
+        (gltf.scenes[0].clone(), gltf.animations.clone())
+    };
+    #[derive(Resource, Default)]
+    struct IsThere(bool);
+    app.init_resource::<IsThere>();
+    app.world_mut()
+        .add_observer(|_: On<WorldInstanceReady>, mut is_there: ResMut<IsThere>| is_there.0 = true);
+    app.world_mut().spawn((
+        WorldAssetRoot(scene),
+        Visibility::default(),
+        MorphColliderScene::default(),
+    ));
+    update_until(&mut app, file, |world| Ok(world.resource::<IsThere>().0)).expect("the scene is spawned");
+    settle(&mut app);
+    (app, clips)
+}
+
+/// Every morphing mesh with what it shows.
+fn morphing(app: &mut App) -> Vec<Entity> {
+    let mut meshes = app
+        .world_mut()
+        .query_filtered::<Entity, (With<Mesh3d>, With<MeshMorphWeights>)>();
+    meshes.iter(app.world()).collect()
+}
+
+fn weights_of(app: &App, mesh: Entity) -> Vec<f32> {
+    match app.world().get::<MeshMorphWeights>(mesh).unwrap() {
+        MeshMorphWeights::Value { weights } => weights.clone(),
+        MeshMorphWeights::Reference(source) => app.world().get::<MorphWeights>(*source).unwrap().weights().to_vec(),
+    }
+}
+
+/// Sets a weight, by name, of every mesh that has such a target.
+fn set_target(app: &mut App, name: &str, weight: f32) {
+    let mut set = 0;
+    for mesh in morphing(app) {
+        let world = app.world();
+        let handle = world.get::<Mesh3d>(mesh).unwrap();
+        let asset = world.resource::<Assets<Mesh>>().get(&handle.0).unwrap();
+        let Some(target) = asset
+            .morph_target_names()
+            .and_then(|names| names.iter().position(|n| n == name))
+        else {
+            continue;
+        };
+        let Some(&MeshMorphWeights::Reference(source)) = world.get::<MeshMorphWeights>(mesh) else {
+            continue;
+        };
+        app.world_mut().get_mut::<MorphWeights>(source).unwrap().weights_mut()[target] = weight;
+        set += 1;
+    }
+    assert!(set > 0, "no mesh has a target {name}");
+}
+
+/// Posed vertices of a mesh in its own space, blended one by one from what Bevy draws.
+fn posed(app: &App, mesh: Entity) -> Vec<Vec3> {
+    let weights = weights_of(app, mesh);
+    let handle = app.world().get::<Mesh3d>(mesh).unwrap();
+    let asset = app.world().resource::<Assets<Mesh>>().get(&handle.0).unwrap();
+    let positions = asset
+        .attribute(Mesh::ATTRIBUTE_POSITION)
+        .and_then(|p| p.as_float3())
+        .unwrap();
+    let displacements: &[MorphAttributes] = asset.try_morph_targets().ok().unwrap();
+    let mut posed: Vec<Vec3> = positions.iter().map(|&p| Vec3::from_array(p)).collect();
+    let vertices = posed.len();
+    for (target, weight) in weights.iter().enumerate() {
+        for (vertex, p) in posed.iter_mut().enumerate() {
+            *p += *weight * displacements[target * vertices + vertex].position;
+        }
+    }
+    posed
+}
+
+#[test]
+fn the_box_holds_every_posed_vertex_on_every_frame_of_every_clip() {
+    let mut files = vec![assets().join("dolphin_564.glb")];
+    let names = [
+        "AnimatedMorphCube.gltf",
+        "AnimatedMorphSphere.gltf",
+        "MorphStressTest.gltf",
+        "SimpleMorph.gltf",
+        "mh_head_eyes_teeth_arkit52_dao.glb",
+        "ict_face_skin.glb",
+    ];
+    files.extend(names.iter().filter_map(|name| shared(name)));
+    for file in files {
+        let (mut app, clips) = with_model(&file);
+        assert!(!clips.is_empty(), "{} has a clip", file.display());
+        let meshes = morphing(&mut app);
+        let mut moved = 0;
+        for clip in clips {
+            let duration = app
+                .world()
+                .resource::<Assets<AnimationClip>>()
+                .get(&clip)
+                .unwrap()
+                .duration();
+            let (graph, node) = AnimationGraph::from_clip(clip);
+            let graph = app.world_mut().resource_mut::<Assets<AnimationGraph>>().add(graph);
+            let mut players = app.world_mut().query::<(Entity, &mut AnimationPlayer)>();
+            let mut found = Vec::new();
+            for (entity, mut player) in players.iter_mut(app.world_mut()) {
+                player.stop_all();
+                player.play(node);
+                found.push(entity);
+            }
+            for player in found {
+                app.world_mut()
+                    .entity_mut(player)
+                    .insert(AnimationGraphHandle(graph.clone()));
+            }
+            let mut before = Vec::new();
+            // Up to ten seconds of it.
+            for frame in 0..=((duration * 60.0) as usize).min(600) {
+                app.update();
+                for &mesh in &meshes {
+                    let weights = weights_of(&app, mesh);
+                    moved += usize::from(weights != before);
+                    before = weights;
+                    let aabb = app.world().get::<Aabb>(mesh).unwrap();
+                    let (min, max) = (Vec3::from(aabb.min()), Vec3::from(aabb.max()));
+                    for p in posed(&app, mesh) {
+                        let holds = p.cmpge(min).all() && p.cmple(max).all();
+                        assert!(holds, "{}, frame {frame}: {p} is not in {aabb:?}", file.display());
+                    }
+                }
+            }
+        }
+        assert!(moved > 4, "{} hardly moves", file.display());
+    }
+}
+
+#[test]
+fn a_tail_slaps_a_ball() {
+    let (mut app, _) = with_model(&assets().join("dolphin_564.glb"));
+    let dolphin = morphing(&mut app)[0];
+    // Where the vertex is that the morph moves most, and where it would be.
+    let targets = weights_of(&app, dolphin).len();
+    let set = |app: &mut App, target: usize, weight: f32| {
+        let Some(&MeshMorphWeights::Reference(source)) = app.world().get::<MeshMorphWeights>(dolphin) else {
+            panic!("a glTF's meshes refer to their node's weights")
+        };
+        let mut weights = app.world_mut().get_mut::<MorphWeights>(source).unwrap();
+        weights.weights_mut().fill(0.0);
+        weights.weights_mut()[target] = weight;
+        app.update();
+    };
+    let mut farthest = (0.0, 0, 0);
+    set(&mut app, 0, 0.0);
+    let rest = posed(&app, dolphin);
+    for target in 0..targets {
+        set(&mut app, target, 1.0);
+        for (vertex, (p, q)) in posed(&app, dolphin).iter().zip(&rest).enumerate() {
+            if p.distance(*q) > farthest.0 {
+                farthest = (p.distance(*q), target, vertex);
+            }
+        }
+    }
+    let (way, target, vertex) = farthest;
+    set(&mut app, target, 1.0);
+    let tip = posed(&app, dolphin)[vertex];
+    let place = *app.world().get::<GlobalTransform>(dolphin).unwrap();
+    let ball = Transform::from_translation(place.transform_point(tip));
+    let shape = MorphShape::Ball { radius: way * 0.05 };
+    let ball = app
+        .world_mut()
+        .spawn((shape, MorphCollider::new(CollisionMode::Contacts), ball))
+        .id();
+    set(&mut app, target, 0.0);
+    assert!(!touches(&app, dolphin, ball), "at rest the tail is elsewhere");
+    let mut messages = Messages::default();
+    messages.read(&app);
+    let mut started = Vec::new();
+    for step in 0..=10 {
+        set(&mut app, target, step as f32 / 10.0);
+        started.extend(messages.read(&app).0.into_iter().map(|start| (step, start)));
+    }
+    assert_eq!(started.len(), 1, "{started:?}");
+    let (step, start) = started[0];
+    assert!(step > 2, "only when it gets there");
+    assert!(
+        start.point.distance(place.transform_point(tip)) < way * 0.2,
+        "{start:?}"
+    );
+}
+
+#[test]
+fn a_mouth_opens_onto_a_ball() {
+    let Some(file) = shared("mh_head_eyes_teeth_arkit52.glb") else {
+        return;
+    };
+    let (mut app, _) = with_model(&file);
+    let meshes = morphing(&mut app);
+    let in_world = |app: &App| -> Vec<Vec3> {
+        let of = |&mesh: &Entity| {
+            let place = *app.world().get::<GlobalTransform>(mesh).unwrap();
+            posed(app, mesh).into_iter().map(move |p| place.transform_point(p))
+        };
+        meshes.iter().flat_map(of).collect()
+    };
+    let closed = in_world(&app);
+    set_target(&mut app, "jawOpen", 1.0);
+    app.update();
+    let open = in_world(&app);
+    set_target(&mut app, "jawOpen", 0.0);
+    app.update();
+    // Where the jaw comes to that is farthest from everything while the mouth is closed.
+    let way = |i: usize| closed[i].distance(open[i]);
+    let mut moved: Vec<usize> = (0..closed.len()).collect();
+    moved.sort_by(|&i, &j| way(j).total_cmp(&way(i)));
+    let room = |i: usize| closed.iter().map(|p| p.distance(open[i])).fold(f32::INFINITY, f32::min);
+    let rooms = moved.iter().take(300).map(|&i| (room(i), open[i]));
+    let (room, place) = rooms.max_by(|x, y| x.0.total_cmp(&y.0)).unwrap();
+    let shape = MorphShape::Ball { radius: room * 0.2 };
+    let ball = app.world_mut().spawn((shape, Transform::from_translation(place))).id();
+    settle(&mut app);
+    let touched = |app: &App| app.world().resource::<MorphCollisions>().of(ball).count() > 0;
+    assert!(!touched(&app), "the mouth is closed");
+    let mut opened = Vec::new();
+    for step in 0..=10 {
+        set_target(&mut app, "jawOpen", step as f32 / 10.0);
+        app.update();
+        opened.push(touched(&app));
+    }
+    assert!(opened[10] && !opened[0] && opened.is_sorted(), "{opened:?}");
+}
+
+#[test]
+fn a_smile_is_picked_where_it_is_drawn() {
+    let Some(file) = shared("mh_head_eyes_teeth_arkit52.glb") else {
+        return;
+    };
+    let (mut app, _) = with_model(&file);
+    let cast = |app: &mut App, origin: Vec3, direction: Dir3| {
+        let system = move |mut spatial: MorphSpatialQuery| {
+            spatial.cast_ray(origin, direction, f32::INFINITY, &MorphQueryFilter::default())
+        };
+        app.world_mut().run_system_once(system).unwrap().unwrap()
+    };
+    let rest: Vec<Vec<Vec3>> = morphing(&mut app).iter().map(|&mesh| posed(&app, mesh)).collect();
+    for name in ["mouthSmileLeft", "mouthSmileRight"] {
+        set_target(&mut app, name, 1.0);
+    }
+    app.update();
+    let mut tried = 0;
+    for (mesh, rest) in morphing(&mut app).into_iter().zip(rest) {
+        let place = *app.world().get::<GlobalTransform>(mesh).unwrap();
+        let smile = posed(&app, mesh);
+        // Of the vertices that the smile moves most: a ray aimed at one hits it where it is, or what is before it.
+        let mut moved: Vec<usize> = (0..smile.len()).collect();
+        moved.sort_by(|&i, &j| smile[j].distance(rest[j]).total_cmp(&smile[i].distance(rest[i])));
+        for &vertex in moved.iter().take(2000).step_by(40) {
+            let way = smile[vertex].distance(rest[vertex]);
+            if way < 1e-4 {
+                break;
+            }
+            let target = place.transform_point(smile[vertex]);
+            for direction in [Dir3::NEG_Z, Dir3::Z, Dir3::NEG_Y, Dir3::Y, Dir3::NEG_X, Dir3::X] {
+                let far = 100.0 * target.length();
+                let hit = cast(&mut app, target - direction * far, direction).expect("something is there");
+                assert!(
+                    hit.distance <= far * (1.0 + 1e-5),
+                    "what is drawn there is hit, or something before it"
+                );
+                if hit.distance >= far * (1.0 - 1e-5) && hit.entity == mesh {
+                    tried += 1;
+                    break;
+                }
+            }
+        }
+    }
+    assert!(tried >= 5, "{tried} vertices of the smile were in sight");
+}

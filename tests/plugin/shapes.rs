@@ -1,0 +1,166 @@
+//! Rigid primitive shapes against morphing meshes.
+
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+
+use crate::support::{add_mesh, app, cube, diagnostics, set_weight, settle, spawn, stretching_cube, touches};
+
+fn spawn_shape(app: &mut App, shape: MorphShape, place: Transform) -> Entity {
+    app.world_mut().spawn((shape, place)).id()
+}
+
+#[test]
+fn a_morph_reaches_a_ball_and_lets_go_of_it() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, &stretching_cube());
+    let cube = spawn(&mut app, &mesh, 0.0);
+    let ball = spawn_shape(
+        &mut app,
+        MorphShape::Ball { radius: 0.5 },
+        Transform::from_xyz(1.75, 0.0, 0.0),
+    );
+    settle(&mut app);
+    assert!(!touches(&app, cube, ball));
+    set_weight(&mut app, cube, 1.0);
+    app.update();
+    let contact = app
+        .world()
+        .resource::<MorphCollisions>()
+        .get(cube, ball)
+        .cloned()
+        .unwrap();
+    // The face at x = 1.5, the ball from 1.25 on.
+    assert!(
+        contact.normal.x.abs() > 0.99 && contact.point.yz().length() < 0.6,
+        "{contact:?}"
+    );
+    let of_cube = if contact.collider1 == cube { -1.0 } else { 1.0 };
+    assert!(contact.normal.x * of_cube > 0.0, "{contact:?}");
+    for pair in &contact.triangles {
+        let (mesh, shape) = if contact.collider1 == cube {
+            (pair.triangle_a, pair.triangle_b)
+        } else {
+            (pair.triangle_b, pair.triangle_a)
+        };
+        assert!(mesh < 12 && shape == MorphContact::NO_TRIANGLE);
+    }
+    set_weight(&mut app, cube, 0.5);
+    app.update();
+    assert!(!touches(&app, cube, ball));
+}
+
+#[test]
+fn every_shape_stands_where_its_transform_says() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, &cube());
+    let cube = spawn(&mut app, &mesh, 0.0);
+    let shapes = [
+        (
+            MorphShape::Ball { radius: 0.5 },
+            Transform::from_xyz(0.0, 0.95, 0.0),
+            Transform::from_xyz(0.0, 1.05, 0.0),
+        ),
+        (
+            MorphShape::Capsule {
+                half_length: 1.0,
+                radius: 0.25,
+            },
+            // Lying, and standing.
+            Transform::from_xyz(0.0, 0.7, 0.0).with_rotation(Quat::from_rotation_z(1.57)),
+            Transform::from_xyz(0.0, 1.8, 0.0),
+        ),
+        (
+            MorphShape::Cuboid {
+                half_extents: Vec3::splat(0.5),
+            },
+            Transform::from_xyz(1.9, 0.0, 0.0).with_scale(Vec3::new(3.0, 0.1, 0.1)),
+            Transform::from_xyz(1.1, 0.0, 0.0),
+        ),
+        (
+            MorphShape::HalfSpace { normal: Vec3::Y },
+            Transform::from_xyz(100.0, -0.45, -50.0),
+            Transform::from_xyz(0.0, -0.55, 0.0),
+        ),
+    ];
+    for (shape, near, far) in shapes {
+        let entity = spawn_shape(&mut app, shape, near);
+        settle(&mut app);
+        assert!(touches(&app, cube, entity), "{shape:?} at {near:?}");
+        app.world_mut().entity_mut(entity).insert(far);
+        app.update();
+        assert!(!touches(&app, cube, entity), "{shape:?} at {far:?}");
+        app.world_mut().despawn(entity);
+    }
+}
+
+#[test]
+fn contacts_with_shapes_have_points_and_margins() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, &cube());
+    let cube = spawn(&mut app, &mesh, 0.0);
+    let floor = spawn_shape(
+        &mut app,
+        MorphShape::HalfSpace { normal: Vec3::Y },
+        Transform::from_xyz(0.0, -0.4, 0.0),
+    );
+    app.world_mut()
+        .entity_mut(floor)
+        .insert(MorphCollider::new(CollisionMode::Contacts));
+    settle(&mut app);
+    let contact = app
+        .world()
+        .resource::<MorphCollisions>()
+        .get(cube, floor)
+        .cloned()
+        .unwrap();
+    assert!((contact.points[0].depth - 0.1).abs() < 1e-6, "{contact:?}");
+    let up = if contact.collider1 == cube {
+        Vec3::Y
+    } else {
+        Vec3::NEG_Y
+    };
+    assert!(contact.normal.distance(up) < 1e-6, "{contact:?}");
+
+    let low = Transform::from_xyz(0.0, -0.7, 0.0);
+    app.world_mut()
+        .entity_mut(floor)
+        .insert((low, MorphCollider::default().with_margin(0.25)));
+    app.update();
+    let contact = app
+        .world()
+        .resource::<MorphCollisions>()
+        .get(cube, floor)
+        .cloned()
+        .unwrap();
+    assert!(
+        (contact.distance - 0.2).abs() < 1e-6 && contact.triangles.is_empty(),
+        "{contact:?}"
+    );
+}
+
+#[test]
+fn two_shapes_are_left_to_physics() {
+    let mut app = app();
+    for _ in 0..2 {
+        spawn_shape(&mut app, MorphShape::Ball { radius: 1.0 }, Transform::default());
+    }
+    app.update();
+    let run = diagnostics(&app);
+    assert_eq!((run.colliders, run.skipped_rigid, run.touching_pairs), (2, 1, 0));
+}
+
+#[test]
+fn a_bad_shape_is_logged_with_its_name() {
+    crate::log::Errors::collect(|errors| {
+        let mut app = app();
+        let ball = spawn_shape(&mut app, MorphShape::Ball { radius: -1.0 }, Transform::default());
+        app.world_mut().entity_mut(ball).insert(Name::new("bubble"));
+        app.update();
+        app.update();
+        let logged = errors.take();
+        assert!(
+            logged.len() == 1 && logged[0].contains("bubble") && logged[0].contains("radius"),
+            "{logged:?}"
+        );
+    });
+}

@@ -4,7 +4,7 @@ default:
     @just --list
 
 # Everything that must hold before a change lands.
-ci: fmt-check clippy test test-features determinism doc demo-check verify-short fuzz-short
+ci: fmt-check clippy test test-features features determinism doc demo-check verify-short fuzz-short
 
 # Formats the code.
 fmt:
@@ -23,6 +23,13 @@ test:
 # What only features have.
 test-features:
     cargo test -p morph_collision --features serde,rayon --lib --test truth -- tree:: batch::
+
+# Each feature of the published crates by itself.
+features:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    for feature in serde rayon; do cargo check -p morph_collision --no-default-features --features "$feature"; done
+    for feature in "" picking gizmos diagnostics; do cargo check -p bevy_morph_collision --no-default-features --features "$feature"; done
 
 # The same bits in debug and release, for every kind of volume, on any number of threads.
 determinism:

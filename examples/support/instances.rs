@@ -27,6 +27,8 @@ pub struct Instances {
     pub triangles: usize,
     /// Morph targets; of several parts, the most that one has.
     pub targets: usize,
+    /// The longest side of a body's box, at rest.
+    length: f32,
     /// The centre of a body, and the size of the lanes relative to the dolphins'.
     fit: (Vec3, f32),
     animated: bool,
@@ -128,9 +130,16 @@ impl Instances {
             roots,
             triangles,
             targets,
+            length: size.max_element(),
             fit: (hull.center(), thickness / THICKNESS_ON_LANES),
             animated: false,
         })
+    }
+
+    /// The longest side of a body's box, at rest, in world units.
+    #[must_use]
+    pub fn length(&self) -> f32 {
+        self.length
     }
 
     /// Every instance plays the clip in a loop, each from another moment on.

@@ -50,7 +50,7 @@ fn the_plugins_add_no_ambiguous_order_of_systems() {
     careless
         .add_plugins(MorphCollisionPlugin)
         .add_systems(PostUpdate, |mut collisions: ResMut<MorphCollisions>| {
-            collisions.set_changed()
+            collisions.set_changed();
         });
     assert!(ambiguities(&mut careless) > before);
 }

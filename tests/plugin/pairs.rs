@@ -287,3 +287,45 @@ fn a_scene_may_name_its_parts() {
         Some(&MorphCollisionLayers::new(2, 4))
     );
 }
+
+#[test]
+fn a_separation_cache_changes_no_answer_and_skips_what_stays_apart() {
+    // Two stretching cubes close to each other, that drift and now and then touch.
+    let run = |separation_cache: bool| {
+        let mut app = app();
+        app.world_mut()
+            .resource_mut::<MorphCollisionSettings>()
+            .separation_cache = separation_cache;
+        let mesh = add_mesh(&mut app, &stretching_cube());
+        let [a, b] = [0.0, 1.9].map(|x| spawn(&mut app, &mesh, x));
+        // Turned, their boxes overlap long before they touch.
+        let turned = Quat::from_rotation_z(0.785);
+        settle(&mut app);
+        let (mut found, mut tests) = (Vec::new(), 0);
+        for frame in 0..200 {
+            let drift = 0.9 + 0.15 * (frame as f32 * 0.03).sin();
+            let place = Transform::from_xyz(drift, 0.9, 0.0).with_rotation(turned);
+            app.world_mut().entity_mut(b).insert(place);
+            crate::support::set_weight(&mut app, a, -0.1 * (frame as f32 * 0.02).cos());
+            app.update();
+            let run = diagnostics(&app);
+            tests += run.stats.node_tests;
+            found.push(app.world().resource::<MorphCollisions>().get(a, b).cloned());
+        }
+        (found, tests)
+    };
+    let ((with, few), (without, many)) = (run(true), run(false));
+    assert_eq!(
+        with.iter().map(Option::is_some).collect::<Vec<_>>(),
+        without.iter().map(Option::is_some).collect::<Vec<_>>()
+    );
+    let pairs = |found: &[Option<MorphContact>]| -> Vec<_> {
+        found
+            .iter()
+            .map(|contact| contact.as_ref().map(|contact| contact.triangles.clone()))
+            .collect()
+    };
+    assert_eq!(pairs(&with), pairs(&without));
+    assert!(with.iter().any(Option::is_some) && with.iter().any(Option::is_none));
+    assert!(few < many, "{few} node tests with, {many} without");
+}

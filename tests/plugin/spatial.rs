@@ -263,10 +263,10 @@ fn rays_at_a_crowd_find_what_brute_force_finds() {
             let world: Vec<DVec3> = posed.iter().map(|p| affine.transform_point3(*p).as_dvec3()).collect();
             for triangle in &shape.triangles {
                 let [a, b, c] = triangle.map(|corner| world[corner as usize]);
-                if let Some(t) = moeller_trumbore(origin.as_dvec3(), direction.as_dvec3(), [a, b, c]) {
-                    if t < best.0 {
-                        best = (t, Some(*entity));
-                    }
+                if let Some(t) = moeller_trumbore(origin.as_dvec3(), direction.as_dvec3(), [a, b, c])
+                    && t < best.0
+                {
+                    best = (t, Some(*entity));
                 }
             }
         }

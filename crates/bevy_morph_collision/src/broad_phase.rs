@@ -124,22 +124,23 @@ impl ParticipantItem<'_, '_> {
         let state = &mut *self.state;
         let settled = !stale && !state.reposed && !self.transform.is_changed();
         let settled = settled && !self.shape.as_ref().is_some_and(Ref::is_changed);
-        let before = state
-            .placed
-            .filter(|_| settled)
-            .map(|placed| (placed.form, placed.bounds));
-        let (form, bounds) = match (&mut state.pose, &self.shape, before) {
-            (Some(_), _, Some((form @ Form::Mesh(_), bounds))) => (form, bounds),
-            (None, Some(_), Some((form @ Form::Shape(_), bounds))) => (form, bounds),
-            (Some(pose), ..) => {
+        let before = state.placed.filter(|_| settled);
+        let kept = match before.map(|placed| placed.form) {
+            Some(Form::Mesh(_)) => state.pose.is_some(),
+            Some(Form::Shape(_)) => state.pose.is_none() && self.shape.is_some(),
+            None => false,
+        };
+        let (form, bounds) = match (before, &mut state.pose, &self.shape) {
+            (Some(Placement { form, bounds, .. }), ..) if kept => (form, bounds),
+            (_, Some(pose), _) => {
                 let world_from_model = WorldFromModel::new(self.transform.affine())?;
                 (Form::Mesh(world_from_model), pose.world_bounds(&world_from_model))
             }
-            (None, Some(shape), _) => {
+            (_, None, Some(shape)) => {
                 let (shape, bounds) = shape.place(&self.transform)?;
                 (Form::Shape(shape), bounds)
             }
-            (None, None, _) => return Ok(None),
+            (_, None, None) => return Ok(None),
         };
         let margin = self.collider.margin;
         if !(0.0..1e30).contains(&margin) {

@@ -10,11 +10,15 @@ use crate::collider::CollisionMode;
 /// The colliders that touch, as of the last run of [`NarrowPhase`](crate::MorphCollisionSystems::NarrowPhase).
 ///
 /// As a system parameter: `Res<MorphCollisions>`.
-#[derive(Resource, Debug, Default)]
+#[derive(Resource, Reflect, Debug, Default)]
+#[reflect(Resource, Debug, Default)]
 pub struct MorphCollisions {
+    #[reflect(ignore)]
     pub(crate) current: BTreeMap<(Entity, Entity), MorphContact>,
     /// Of this run.
+    #[reflect(ignore)]
     pub(crate) started: Vec<(Entity, Entity)>,
+    #[reflect(ignore)]
     pub(crate) ended: Vec<MorphContact>,
 }
 

@@ -149,10 +149,10 @@ pub(crate) fn list_colliding_entities(
     }
     for contact in collisions.started() {
         for collider in [contact.collider1, contact.collider2] {
-            if let (Ok((_, mut list)), Some(other)) = (lists.get_mut(collider), contact.other(collider)) {
-                if let Err(place) = list.0.binary_search(&other) {
-                    list.0.insert(place, other);
-                }
+            if let (Ok((_, mut list)), Some(other)) = (lists.get_mut(collider), contact.other(collider))
+                && let Err(place) = list.0.binary_search(&other)
+            {
+                list.0.insert(place, other);
             }
         }
     }

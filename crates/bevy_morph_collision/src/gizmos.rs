@@ -3,6 +3,7 @@
 use bevy::gizmos::AppGizmoBuilder;
 use bevy::gizmos::config::{GizmoConfigGroup, GizmoConfigStore};
 use bevy::gizmos::gizmos::Gizmos;
+use bevy::math::DVec3;
 use bevy::prelude::*;
 use morph_collision::Body;
 
@@ -125,5 +126,5 @@ fn corners(state: &mut ColliderState, triangle: u32) -> Option<[Vec3; 3]> {
         return None;
     };
     let corners = world_triangle(&mut Body::new(pose.as_mut()?, place), triangle)?;
-    Some(corners.map(|corner| corner.as_vec3()))
+    Some(corners.map(DVec3::as_vec3))
 }

@@ -57,6 +57,8 @@
 //! (`RenderAssetUsages::MAIN_WORLD`, which is the default) with uncompressed positions. Data that cannot be used is
 //! logged once as an error with the mesh's and the entity's name, and only that entity is left out.
 #![forbid(unsafe_code)]
+// Systems say in their parameters what they ask for.
+#![allow(clippy::type_complexity, clippy::too_many_arguments)]
 
 mod anchors;
 mod bounds;

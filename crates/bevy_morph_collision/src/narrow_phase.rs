@@ -13,6 +13,7 @@ use crate::broad_phase::Candidates;
 use crate::collider::{ColliderState, CollisionMode, Form, Placement};
 use crate::contacts::{MorphCollisions, MorphContact, MorphContactPoint};
 use crate::diagnostics::MorphCollisionDiagnostics;
+use crate::settings::MorphCollisionSettings;
 use crate::workers::TaskPoolWorkers;
 
 type Pair = (Entity, Entity);
@@ -24,7 +25,8 @@ pub(crate) struct Scratch {
     batch: BatchQuery,
     /// Pairs of meshes that are asked about.
     asked: Vec<Asked>,
-    /// Of pairs that were asked for one pair of triangles: where it was. In the order of the pairs, and the next ones.
+    /// What is remembered of pairs, and of which ones; in the order of the pairs, and the next ones.
+    remember: Remember,
     memories: Vec<(Pair, PairMemory)>,
     next_memories: Vec<(Pair, PairMemory)>,
     answers: Vec<(Pair, Option<MorphContact>)>,
@@ -52,6 +54,7 @@ pub(crate) fn find_contacts(
     mut candidates: ResMut<Candidates>,
     mut colliders: Query<(Entity, &mut ColliderState)>,
     mut collisions: ResMut<MorphCollisions>,
+    settings: Res<MorphCollisionSettings>,
     mut scratch: Local<Scratch>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
@@ -63,6 +66,7 @@ pub(crate) fn find_contacts(
     if std::mem::take(&mut candidates.changed) {
         let scratch = &mut *scratch;
         scratch.answers.clear();
+        scratch.set_remember(&settings);
         let unchanged = scratch.ask(&candidates.pairs, &mut colliders, &mut diagnostics);
         diagnostics.skipped_unchanged = unchanged;
         collisions.replace(&candidates.pairs, &mut scratch.answers);
@@ -112,6 +116,17 @@ impl MorphCollisions {
 }
 
 impl Scratch {
+    fn set_remember(&mut self, settings: &MorphCollisionSettings) {
+        let remember = Remember {
+            separation: settings.separation_cache,
+            ..Remember::default()
+        };
+        if self.remember != remember {
+            self.remember = remember;
+            self.memories.clear();
+        }
+    }
+
     /// Asks about pairs with a collider that changed; says how many have none.
     fn ask(
         &mut self,
@@ -163,24 +178,26 @@ impl Scratch {
         let Self {
             queries,
             batch,
+            remember,
             asked,
             memories,
             next_memories,
             answers,
         } = self;
-        remember(asked, memories, next_memories);
+        keep_memories(asked, *remember, memories, next_memories);
         let mut left = memories.iter_mut();
         let mut tasks: Vec<_> = asked
             .iter()
             .map(
                 |&Asked {
                      places: (a, b), mode, ..
-                 }| match wants_all(mode) {
-                    true => PairTask::new(a, b, Wanted::All),
-                    false => PairTask {
-                        memory: left.next().map(|(_, memory)| memory),
-                        ..PairTask::new(a, b, Wanted::First)
-                    },
+                 }| {
+                    let wanted = if wants_all(mode) { Wanted::All } else { Wanted::First };
+                    let mut task = PairTask::new(a, b, wanted);
+                    if has_memory(mode, *remember) {
+                        task.memory = left.next().map(|(_, memory)| memory);
+                    }
+                    task
                 },
             )
             .collect();
@@ -354,15 +371,24 @@ pub(crate) fn world_triangle(body: &mut Body<'_>, triangle: u32) -> Option<morph
     ])
 }
 
-/// Makes `memories` those of the pairs that are asked for one pair of triangles, in their order: the ones there are, and new
-/// ones. Both are sorted.
-fn remember(asked: &[Asked], memories: &mut Vec<(Pair, PairMemory)>, next: &mut Vec<(Pair, PairMemory)>) {
+/// Whether something is remembered of a pair: always where one pair of triangles is asked for.
+fn has_memory(mode: CollisionMode, remember: Remember) -> bool {
+    remember.separation || !wants_all(mode)
+}
+
+/// Makes `memories` those of the pairs that have one, in their order: the ones there are, and new ones. Both are sorted.
+fn keep_memories(
+    asked: &[Asked],
+    remember: Remember,
+    memories: &mut Vec<(Pair, PairMemory)>,
+    next: &mut Vec<(Pair, PairMemory)>,
+) {
     let mut known = memories.drain(..).peekable();
     next.clear();
-    for &Asked { pair, .. } in asked.iter().filter(|asked| !wants_all(asked.mode)) {
+    for &Asked { pair, .. } in asked.iter().filter(|asked| has_memory(asked.mode, remember)) {
         while known.next_if(|(other, _)| *other < pair).is_some() {}
         let memory = known.next_if(|(other, _)| *other == pair);
-        next.push(memory.unwrap_or_else(|| (pair, PairMemory::new(Remember::default()))));
+        next.push(memory.unwrap_or_else(|| (pair, PairMemory::new(remember))));
     }
     drop(known);
     std::mem::swap(memories, next);

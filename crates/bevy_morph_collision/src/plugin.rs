@@ -196,5 +196,8 @@ fn register_types(app: &mut App) {
         .register_type::<MorphCollisionStart>()
         .register_type::<MorphCollisionEnd>()
         .register_type::<MorphCollisionSettings>()
-        .register_type::<MorphCollisionDiagnostics>();
+        .register_type::<MorphCollisionDiagnostics>()
+        .register_type::<MorphCollisions>()
+        .register_type::<MorphTrees>()
+        .register_type::<MorphTreeOptions>();
 }

@@ -10,6 +10,9 @@ use crate::collider::MorphCollider;
 pub struct MorphCollisionSettings {
     /// Nothing is looked at and nothing is reported; contacts stay as they are, and spatial queries answer from the last run.
     pub paused: bool,
+    /// How far pairs are apart is measured, and they are left alone until they could have come that far. Gains where bodies stay
+    /// close to each other and seldom touch, costs where they touch; off by default (`docs/tried.md`). No answer depends on it.
+    pub separation_cache: bool,
     /// Every mesh with morph weights becomes such a collider without being asked; all that hang on one root of the hierarchy
     /// are one body.
     pub every_morphing_mesh: Option<MorphCollider>,

@@ -12,8 +12,9 @@ use morph_collision::{BuildOptions, VolumeKind};
 /// app.insert_resource(MorphTreeOptions(BuildOptions::default().with_leaf_size(8)));
 /// app.add_plugins(MorphCollisionPlugin);
 /// ```
-#[derive(Resource, Clone, Debug, Default)]
-pub struct MorphTreeOptions(pub BuildOptions);
+#[derive(Resource, Reflect, Clone, Debug, Default)]
+#[reflect(Resource, Clone, Debug, Default)]
+pub struct MorphTreeOptions(#[reflect(ignore)] pub BuildOptions);
 
 /// On a collider: how the tree of its mesh is built, where it is not as [`MorphTreeOptions`] say. Colliders with equal settings
 /// share a tree. No answer depends on it.

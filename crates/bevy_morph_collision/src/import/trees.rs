@@ -18,14 +18,19 @@ use crate::diagnostics::MorphCollisionDiagnostics;
 ///
 /// A tree is built when the first collider with a loaded mesh asks for it, again when the mesh is modified, and dropped with
 /// the mesh asset. If a modified mesh cannot be used, the tree of its last good state stays in force.
-#[derive(Resource, Default)]
+#[derive(Resource, Reflect, Default)]
+#[reflect(Resource, Debug, Default)]
 pub struct MorphTrees {
+    #[reflect(ignore)]
     of_mesh: HashMap<TreeKey, MeshTree>,
     /// Asked for, and not begun yet, because the mesh is not loaded.
+    #[reflect(ignore)]
     waiting: Vec<(TreeKey, Entity)>,
     /// Another number whenever a tree came or went.
+    #[reflect(ignore)]
     version: u64,
     /// Whether what colliders show has to be looked through anew.
+    #[reflect(ignore)]
     stale: bool,
 }
 

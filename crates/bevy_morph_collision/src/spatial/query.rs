@@ -1,6 +1,7 @@
 use bevy::camera::primitives::Frustum;
 use bevy::ecs::system::SystemParam;
 use bevy::math::DVec3;
+use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use morph_collision::{
     Aabb, Ball, Body, ClosestPoint, ContactQuery, ConvexRegion, DistanceQuery, HalfSpace, InputError, OverlapQuery,
@@ -129,10 +130,10 @@ impl MorphSpatialQuery<'_, '_> {
         for &(_, entity) in &near {
             let mut hits = std::mem::take(&mut self.queries.hits);
             hits.clear();
-            if let Ok((_, mut state, _)) = self.colliders.get_mut(entity) {
-                if let Some(body) = body(&mut state) {
-                    self.queries.ray.all(body, &ray, &mut hits);
-                }
+            if let Ok((_, mut state, _)) = self.colliders.get_mut(entity)
+                && let Some(body) = body(&mut state)
+            {
+                self.queries.ray.all(body, &ray, &mut hits);
             }
             all.extend(hits.iter().map(|hit| self.ray_hit(entity, hit)));
             self.queries.hits = hits;
@@ -285,7 +286,7 @@ impl MorphSpatialQuery<'_, '_> {
     #[must_use]
     pub fn posed_triangle(&mut self, collider: Entity, triangle: u32) -> Option<[Vec3; 3]> {
         let (_, mut state, _) = self.colliders.get_mut(collider).ok()?;
-        Some(world_triangle(&mut body(&mut state)?, triangle)?.map(|corner| corner.as_vec3()))
+        Some(world_triangle(&mut body(&mut state)?, triangle)?.map(DVec3::as_vec3))
     }
 
     /// The colliders that pass a filter and for whose bounds something can be said, lowest first.
@@ -347,9 +348,8 @@ impl MorphSpatialQuery<'_, '_> {
         let (_, _, mesh) = self.colliders.get(entity).ok()?;
         let mesh = self.meshes.as_ref()?.get(mesh?)?;
         let corners = triangle_corners(mesh, triangle)?;
-        let uvs = match mesh.try_attribute(Mesh::ATTRIBUTE_UV_0.id).ok()? {
-            bevy::mesh::VertexAttributeValues::Float32x2(uvs) => uvs,
-            _ => return None,
+        let VertexAttributeValues::Float32x2(uvs) = mesh.try_attribute(Mesh::ATTRIBUTE_UV_0.id).ok()? else {
+            return None;
         };
         let mut uv = Vec2::ZERO;
         for (corner, weight) in corners.into_iter().zip(barycentrics.to_array()) {

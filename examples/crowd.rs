@@ -1,0 +1,215 @@
+//! A thousand morphing bodies with collision on: what a frame costs while nothing moves, while all move apart from each
+//! other, and in a dense crowd.
+//!
+//! Through everything that a game would use: the asset server, the glTF loader, Bevy's animation and the collision plugin. Without a
+//! window; `--help` lists the options.
+
+use std::f32::consts::TAU;
+use std::fmt;
+use std::io::{self, Write};
+use std::path::PathBuf;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use bevy::log::LogPlugin;
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use clap::Parser;
+use indicatif::{ProgressBar, ProgressStyle};
+use morph_collision_workspace::{app, error::ExampleError, instances::Instances};
+use serde::Serialize;
+
+/// A crowd of morphing bodies, idle, apart and dense, and what each costs.
+#[derive(Parser)]
+struct Options {
+    /// Bodies in the crowd.
+    #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(2..=20_000))]
+    instances: u32,
+    /// Frames that each of the three is timed for.
+    #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    frames: u32,
+    /// Any glTF or glb file with morph targets, in place of the dolphins.
+    #[arg(long)]
+    model: Option<PathBuf>,
+    /// Without a window, which is the only way so far.
+    #[arg(long)]
+    headless: bool,
+    /// Print nothing but the result, as one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Medians of what frames cost.
+#[derive(Serialize)]
+struct Report {
+    instances: usize,
+    idle: Cost,
+    apart: Cost,
+    dense: Cost,
+}
+
+#[derive(Serialize)]
+struct Cost {
+    /// The whole of `App::update`, in microseconds.
+    frame_us: f64,
+    /// The plugin's systems alone.
+    plugin_us: f64,
+    /// Bodies that touch.
+    pairs: u64,
+}
+
+fn main() -> ExitCode {
+    match run(&Options::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(options: &Options) -> Result<(), ExampleError> {
+    // There is no other way yet; the flag says so in scripts.
+    let _always = options.headless;
+    let count = options.instances as usize;
+    let model = options.model.clone().unwrap_or_else(|| {
+        let assets = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/assets"));
+        assets.join("dolphin_564.glb")
+    });
+    let file = app::locate(&model)?;
+    let mut app = app::headless(file.parent().unwrap_or(&file));
+    app.add_plugins(LogPlugin {
+        filter: "error,bevy_asset=off".into(),
+        ..LogPlugin::default()
+    });
+    app::ready(&mut app);
+    let instances = Instances::spawn(&mut app, &file, count, false)?;
+    // Touching or not is what is asked.
+    let mut parts = app.world_mut().query::<&mut MorphCollider>();
+    for mut collider in parts.iter_mut(app.world_mut()) {
+        *collider = MorphCollider::new(CollisionMode::Any);
+    }
+
+    let progress = progress_bar(3 * u64::from(options.frames));
+    let mut crowd = Crowd {
+        app,
+        instances,
+        frames: options.frames,
+        progress,
+    };
+    let apart = crowd.time(Some(2.0));
+    let dense = crowd.time(Some(0.5));
+    // In the same crowd, standing still.
+    crowd.pause_animation();
+    let idle = crowd.time(None);
+    crowd.progress.finish_and_clear();
+
+    let report = Report {
+        instances: count,
+        idle,
+        apart,
+        dense,
+    };
+    let text = match options.json {
+        // Numbers and plain names always have a JSON form.
+        true => serde_json::to_string(&report).unwrap_or_default(),
+        false => report.to_string(),
+    };
+    if writeln!(io::stdout().lock(), "{text}").is_err() {
+        std::process::exit(0);
+    }
+    Ok(())
+}
+
+struct Crowd {
+    app: App,
+    instances: Instances,
+    frames: u32,
+    progress: ProgressBar,
+}
+
+impl Crowd {
+    /// Medians over some frames, after a few that are not counted. `spacing` is that of the bodies in body lengths; `None` leaves
+    /// them where they are.
+    fn time(&mut self, spacing: Option<f32>) -> Cost {
+        let (mut frames, mut plugin, mut pairs) = (Vec::new(), Vec::new(), Vec::new());
+        for frame in 0..5 + self.frames {
+            if let Some(spacing) = spacing {
+                self.place(frame, spacing);
+            }
+            let start = Instant::now();
+            self.app.update();
+            let took = start.elapsed();
+            if frame < 5 {
+                continue;
+            }
+            let diagnostics = self.app.world().resource::<MorphCollisionDiagnostics>();
+            frames.push(took.as_secs_f64() * 1e6);
+            plugin.push(diagnostics.duration.as_secs_f64() * 1e6);
+            pairs.push(diagnostics.touching_pairs as f64);
+            self.progress.inc(1);
+        }
+        Cost {
+            frame_us: median(frames),
+            plugin_us: median(plugin),
+            pairs: median(pairs) as u64,
+        }
+    }
+
+    /// Bodies on a cubic grid, turning and bobbing each in its own time.
+    fn place(&mut self, frame: u32, spacing: f32) {
+        let roots = &self.instances.roots;
+        let side = (roots.len() as f32).cbrt().ceil() as usize;
+        let step = spacing * self.instances.length();
+        for (i, &root) in roots.iter().enumerate() {
+            let cell = Vec3::new((i % side) as f32, (i / side % side) as f32, (i / side / side) as f32);
+            let phase = 0.61 * i as f32 + frame as f32 / 60.0;
+            let bob = Vec3::new(phase.sin(), (1.3 * phase).cos(), (0.7 * phase).sin()) * 0.1 * step;
+            if let Some(mut transform) = self.app.world_mut().get_mut::<Transform>(root) {
+                transform.translation = cell * step + bob;
+                transform.rotation = Quat::from_rotation_y(phase * TAU / 8.0);
+            }
+        }
+    }
+
+    fn pause_animation(&mut self) {
+        let mut players = self.app.world_mut().query::<&mut AnimationPlayer>();
+        for mut player in players.iter_mut(self.app.world_mut()) {
+            player.pause_all();
+        }
+    }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(0.0)
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{} morphing bodies; medians per frame", self.instances)?;
+        writeln!(
+            f,
+            "{:8} {:>12} {:>12} {:>10}",
+            "", "frame, us", "plugin, us", "touching"
+        )?;
+        for (name, cost) in [("idle", &self.idle), ("apart", &self.apart), ("dense", &self.dense)] {
+            writeln!(
+                f,
+                "{name:8} {:12.0} {:12.1} {:10}",
+                cost.frame_us, cost.plugin_us, cost.pairs
+            )?;
+        }
+        write!(
+            f,
+            "idle takes {:.2} % of dense",
+            100.0 * self.idle.plugin_us / self.dense.plugin_us
+        )
+    }
+}
+
+/// A line on the terminal, if there is one.
+fn progress_bar(frames: u64) -> ProgressBar {
+    let style = ProgressStyle::with_template("frame {pos}/{len} {wide_bar} {per_sec}");
+    ProgressBar::new(frames).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
+}

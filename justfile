@@ -47,10 +47,13 @@ demo *ARGS:
 demo-check:
     #!/usr/bin/env bash
     set -euo pipefail
-    cargo build --workspace --example dolphins
+    cargo build --workspace --example dolphins --example crowd
     summary=$("${CARGO_TARGET_DIR:-target}/debug/examples/dolphins" --json)
     echo "$summary"
     grep -Eq '"events_started": *[1-9]' <<< "$summary"
+    crowd=$("${CARGO_TARGET_DIR:-target}/debug/examples/crowd" --headless --instances 60 --frames 5 --json)
+    echo "$crowd"
+    grep -Eq '"dense":.*"pairs": *[1-9]' <<< "$crowd"
     cargo run --release -p morph_collision_cli -- inspect assets/dolphin_564.glb
     cargo run --release -p morph_collision_cli -- run assets/scenes/two_dolphins.json
 

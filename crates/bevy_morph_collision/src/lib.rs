@@ -29,7 +29,7 @@
 //!
 //! # The pipeline
 //!
-//! Trees are kept in [`PostUpdate`], and so by default is the rest, after animation and transform propagation; it can run
+//! Trees are kept in [`PostUpdate`](bevy::prelude::PostUpdate), and so by default is the rest, after animation and transform propagation; it can run
 //! in another schedule ([`MorphCollisionPlugin::in_schedule`]). In the order of [`MorphCollisionSystems`]:
 //!
 //! 1. **Import** (`scene`, `import`): parts of a [`MorphColliderScene`] become colliders; meshes become trees.

@@ -21,7 +21,7 @@ use crate::spatial::{MorphQueryFilter, MorphRayHit, MorphSpatialQuery};
 /// ```
 /// # use bevy::prelude::*;
 /// # use bevy_morph_collision::MorphPick;
-/// fn print_what_was_clicked(click: On<Pointer<Click>>) {
+/// fn print_what_was_clicked(click: On<PointerClick>) {
 ///     if let Some(pick) = click.hit.extra_as::<MorphPick>() {
 ///         println!("triangle {} at {:?}", pick.triangle, pick.uv);
 ///     }

@@ -35,7 +35,7 @@ use crate::narrow_phase::world_triangle;
 ///     }
 ///     Ok(())
 /// }
-/// # bevy::ecs::system::assert_is_system(what_is_below);
+/// # App::new().add_systems(Update, what_is_below);
 /// ```
 #[derive(SystemParam)]
 pub struct MorphSpatialQuery<'w, 's> {

@@ -49,34 +49,36 @@ pub(crate) struct Frames {
     pub(crate) stretch: f64,
 }
 
-/// The frames that decide whether volumes of two placed bodies may meet: SAT-lite, both bodies' own axes.
+/// The frames that decide whether volumes of two placed bodies may meet: SAT-lite, both bodies' own axes. Each is made when it is
+/// asked for; `visit` says whether to go on.
 ///
-/// `a` and `b` are the bodies' whole model-space bounds. World space serves where neither body can be inverted. Each frame is
-/// made when it is asked for.
-pub(crate) fn frames_of<'a>(
-    world_from_a: &'a WorldFromModel,
+/// `a` and `b` are the bodies' whole model-space bounds. World space serves where neither body can be inverted.
+#[inline]
+pub(crate) fn visit_frames(
+    world_from_a: &WorldFromModel,
     a: &Aabb,
-    world_from_b: &'a WorldFromModel,
+    world_from_b: &WorldFromModel,
     b: &Aabb,
-) -> impl Iterator<Item = Frames> + 'a {
-    let [a, b] = [a, b].map(|bounds| bounds.magnitude().as_dvec3());
+    mut visit: impl FnMut(&Frames) -> bool,
+) {
+    let [a, b] = [a.magnitude().as_dvec3(), b.magnitude().as_dvec3()];
     let error = placement_error(world_from_a, a) + placement_error(world_from_b, b);
-    let (mut step, mut found) = (0, false);
-    std::iter::from_fn(move || {
-        loop {
-            step += 1;
-            let frames = match step {
-                1 => in_a(world_from_a, world_from_b, b, error),
-                2 => in_b(world_from_a, a, world_from_b, error),
-                3 if !found => Some(world_frames(world_from_a, a, world_from_b, b)),
-                _ => return None,
-            };
-            if frames.is_some() {
-                found = true;
-                return frames;
-            }
+    let mut found = false;
+    if let Some(frames) = in_a(world_from_a, world_from_b, b, error) {
+        found = true;
+        if !visit(&frames) {
+            return;
         }
-    })
+    }
+    if let Some(frames) = in_b(world_from_a, a, world_from_b, error) {
+        found = true;
+        if !visit(&frames) {
+            return;
+        }
+    }
+    if !found {
+        visit(&world_frames(world_from_a, a, world_from_b, b));
+    }
 }
 
 /// The frames that are the space of A, and that of B, where these can be inverted; for points within magnitudes.

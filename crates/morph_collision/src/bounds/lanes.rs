@@ -4,6 +4,18 @@ use fearless_simd::prelude::*;
 /// Children of a node at most, and the width of every kernel.
 pub(crate) const LANES: usize = 8;
 
+/// The lesser of two numbers, in one instruction: `f32::min` takes three, for what is not a number.
+#[inline(always)]
+pub(crate) fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The greater of two numbers.
+#[inline(always)]
+pub(crate) fn greater(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
+}
+
 /// One number of eight volumes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]
@@ -15,18 +27,21 @@ impl Lanes {
         f32x8::from_slice(simd, &self.0)
     }
 
-    /// The least of the eight.
+    /// The least of eight numbers.
     #[inline(always)]
     pub(crate) fn least(&self) -> f32 {
         let [a, b, c, d, e, f, g, h] = self.0;
-        a.min(b).min(c.min(d)).min(e.min(f).min(g.min(h)))
+        lesser(lesser(lesser(a, b), lesser(c, d)), lesser(lesser(e, f), lesser(g, h)))
     }
 
-    /// The greatest of the eight.
+    /// The greatest of eight numbers.
     #[inline(always)]
     pub(crate) fn most(&self) -> f32 {
         let [a, b, c, d, e, f, g, h] = self.0;
-        a.max(b).max(c.max(d)).max(e.max(f).max(g.max(h)))
+        greater(
+            greater(greater(a, b), greater(c, d)),
+            greater(greater(e, f), greater(g, h)),
+        )
     }
 
     /// `self += a * x`, lane by lane, multiply then add.

@@ -19,3 +19,37 @@ pub(crate) fn down(value: f64) -> f32 {
 pub(crate) fn up(value: f64) -> f32 {
     -down(-value)
 }
+
+/// Two `f32` of which one is below a value and the other above, within three units in the last place; without a branch.
+#[inline(always)]
+pub(crate) fn around(low: f64, high: f64) -> (f32, f32) {
+    // The nearest is off by half a unit at most, and the step is at least one.
+    let (low, high) = (low as f32, high as f32);
+    let step = |value: f32| value.abs() * f32::EPSILON + f32::MIN_POSITIVE;
+    (low - step(low), high + step(high))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn around_is_outward_and_near() {
+        let mut value = 1e-44_f64;
+        while value < 1e37 {
+            for value in [value, -value, value.next_up(), 0.0] {
+                let (low, high) = around(value, value);
+                assert!(f64::from(low) < value && value < f64::from(high), "{value}");
+                assert!(
+                    low >= down(value).next_down().next_down() - 2.0 * f32::MIN_POSITIVE,
+                    "{value}"
+                );
+                assert!(
+                    high <= up(value).next_up().next_up() + 2.0 * f32::MIN_POSITIVE,
+                    "{value}"
+                );
+            }
+            value *= 1.000_37;
+        }
+    }
+}

@@ -6,7 +6,8 @@ use glam::DVec3;
 
 use super::directions::{decompose, direction, length};
 use super::frame::{LARGEST, MAP_ROUNDINGS};
-use super::rounding::{U32, down, up};
+use super::lanes::{greater, lesser};
+use super::rounding::{U32, around};
 use super::slabs::Slab;
 use super::{Frame, Lanes};
 
@@ -36,6 +37,8 @@ impl<const H: usize> SlabMap<H> {
             offset_max: [0.0; H],
         };
         let rows = frame.linear.transpose();
+        // Of everything, so that one comparison finds what is too large, or not a number.
+        let mut sum = 0.0;
         for i in 0..H {
             let (row, offset, error) = if i < 3 {
                 (rows.col(i), frame.translation[i], frame.error[i])
@@ -62,24 +65,20 @@ impl<const H: usize> SlabMap<H> {
             let underflow = frame.underflow() * f64::from(length(H, i));
             let slack = error + MAP_ROUNDINGS * U32 * reach + underflow;
             let [(_, x), (_, y), (_, z)] = terms;
-            // Not "beyond", so that what is not a number is.
-            let within = reach + slack <= LARGEST && x.abs() <= LARGEST && y.abs() <= LARGEST && z.abs() <= LARGEST;
-            if !within {
-                return None;
-            }
+            sum += reach + slack + x.abs() + y.abs() + z.abs();
             for (entry, (j, amount)) in map.terms[i].iter_mut().zip(terms) {
                 // A negative amount takes the upper end to the lower one.
-                let (low, high) = if amount < 0.0 { (H + j, j) } else { (j, H + j) };
+                let negative = usize::from(amount < 0.0);
                 *entry = Term {
-                    low: low as u8,
-                    high: high as u8,
+                    low: (j + H * negative) as u8,
+                    high: (j + H - H * negative) as u8,
                     amount: amount as f32,
                 };
             }
-            map.offset_min[i] = down(offset - slack);
-            map.offset_max[i] = up(offset + slack);
+            (map.offset_min[i], map.offset_max[i]) = around(offset - slack, offset + slack);
         }
-        Some(map)
+        // Not "beyond", so that what is not a number is.
+        (sum <= LARGEST).then_some(map)
     }
 
     /// One k-DOP.
@@ -94,8 +93,8 @@ impl<const H: usize> SlabMap<H> {
                 // A box has a term for each axis, in order.
                 let slab = if H == 3 { j } else { usize::from(term.low) % H };
                 let (x, y) = (term.amount * one.min[slab], term.amount * one.max[slab]);
-                mapped.min[i] += x.min(y);
-                mapped.max[i] += x.max(y);
+                mapped.min[i] += lesser(x, y);
+                mapped.max[i] += greater(x, y);
             }
         }
         mapped
@@ -103,10 +102,9 @@ impl<const H: usize> SlabMap<H> {
 
     /// Eight of them, by their lower and upper ends.
     #[inline(always)]
-    pub(super) fn all<S: Simd>(&self, simd: S, ends: &[[Lanes; H]; 2]) -> [[Lanes; H]; 2] {
+    pub(super) fn all<S: Simd>(&self, simd: S, ends: &[[Lanes; H]; 2], mapped: &mut [[Lanes; H]; 2]) {
         let ends = ends.as_flattened();
-        let mut mapped = [[Lanes::default(); H]; 2];
-        let [mins, maxs] = &mut mapped;
+        let [mins, maxs] = mapped;
         for i in 0..H {
             let mut min = f32x8::splat(simd, self.offset_min[i]);
             let mut max = f32x8::splat(simd, self.offset_max[i]);
@@ -118,6 +116,5 @@ impl<const H: usize> SlabMap<H> {
             min.store_slice(&mut mins[i].0);
             max.store_slice(&mut maxs[i].0);
         }
-        mapped
     }
 }

@@ -257,10 +257,8 @@ impl<const H: usize> Volume for Slabs<H> {
     }
 
     #[inline(always)]
-    fn map_all<S: Simd>(&self, simd: S, map: &SlabMap<H>) -> Self {
-        Self {
-            ends: map.all(simd, &self.ends),
-        }
+    fn map_all<S: Simd>(&self, simd: S, map: &SlabMap<H>, mapped: &mut Self) {
+        map.all(simd, &self.ends, &mut mapped.ends);
     }
 
     #[inline(always)]

@@ -169,10 +169,9 @@ impl Volume for Spheres {
     }
 
     #[inline(always)]
-    fn map_all<S: Simd>(&self, simd: S, map: &SphereMap) -> Self {
+    fn map_all<S: Simd>(&self, simd: S, map: &SphereMap, mapped: &mut Self) {
         let [x, y, z, radius] = &self.rows;
         let source = [x.load(simd), y.load(simd), z.load(simd)];
-        let mut mapped = Self::default();
         for (i, (row, offset)) in map.rows.iter().zip(map.translation.to_array()).enumerate() {
             let center = source[0] * f32x8::splat(simd, row.x)
                 + source[1] * f32x8::splat(simd, row.y)
@@ -182,7 +181,6 @@ impl Volume for Spheres {
         }
         let radius = radius.load(simd) * f32x8::splat(simd, map.stretch) + f32x8::splat(simd, map.slack);
         radius.store_slice(&mut mapped.rows[3].0);
-        mapped
     }
 
     #[inline(always)]

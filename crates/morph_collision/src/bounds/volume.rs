@@ -66,7 +66,7 @@ pub(crate) trait Volume: Copy + Default + Debug + Send + Sync + 'static {
     fn map_one(map: &Self::Map, one: &Self::One) -> Self::One;
 
     /// As [`Volume::map_one`], lane by lane; what lanes without a child become is of no matter.
-    fn map_all<S: Simd>(&self, simd: S, map: &Self::Map) -> Self;
+    fn map_all<S: Simd>(&self, simd: S, map: &Self::Map, mapped: &mut Self);
 
     /// The lanes that may share a point with `other`, as a bit mask; touching counts.
     fn overlap_mask<S: Simd>(&self, simd: S, other: &Self::One) -> u8;

@@ -221,7 +221,7 @@ impl<V: Volume> Posed<'_, V> {
         };
         self.blended.vertices += mesh.vertices.len() as u64;
         for patch in lanes.patches(leaf.0, mesh.triangles.len()) {
-            posed.push(*patch.base);
+            posed.extend_from_slice(std::slice::from_ref(patch.base));
             if let Some(corners) = posed.last_mut() {
                 with_simd!(self.level, simd => blend_patch(simd, patch, self.weights, corners));
             }

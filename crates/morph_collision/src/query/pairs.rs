@@ -233,6 +233,17 @@ impl PairQuery {
         } = self;
         let level = a.level();
         let (mut tests, mut node_tests, mut stopped_at) = (LeafTests::default(), 0, None);
+        let culls = culls.of::<V>();
+        let (roots_meet, cross) = match start {
+            Start::Leaves(_) => (true, None),
+            _ => places.begin_culls(a, b, *axes, culls),
+        };
+        if !roots_meet && matches!(start, Start::Roots | Start::Front(_)) {
+            return QueryStats {
+                node_tests: 1,
+                ..QueryStats::blending(before, [a.blended(), b.blended()])
+            };
+        }
         places.begin_leaves(a, b, [leaves_a, leaves_b]);
         let mut at_leaves = |a: &mut T, b: &mut T, of_a, of_b| {
             let (block_a, block_b) = (leaves_a.read(a, of_a), leaves_b.read(b, of_b));
@@ -245,8 +256,6 @@ impl PairQuery {
         if let Start::Leaves((of_a, of_b)) = start {
             let _only_these = at_leaves(a, b, of_a, of_b);
         } else {
-            let culls = culls.of::<V>();
-            let (roots_meet, cross) = places.begin_culls(a, b, *axes, culls);
             let mut walk = PairWalk {
                 a: &mut *a,
                 b: &mut *b,

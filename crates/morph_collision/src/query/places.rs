@@ -3,7 +3,7 @@
 use super::neighbourhood::Neighbourhood;
 use super::pairs::SeparatingAxes;
 use super::patches::Patches;
-use crate::bounds::{Volume, WorldFromModel, frames_of};
+use crate::bounds::{Volume, WorldFromModel, visit_frames};
 use crate::traverse::{CrossCull, Culls, Walkable};
 
 /// Where the two bodies of a query stand.
@@ -27,16 +27,14 @@ impl Places<'_> {
         let (bounds_a, bounds_b) = (V::bounds(&root_a), V::bounds(&root_b));
         let (mut roots_meet, mut cross) = (true, None);
         culls.begin();
-        for frames in frames_of(self.world_from_a, &bounds_a, self.world_from_b, &bounds_b) {
+        visit_frames(self.world_from_a, &bounds_a, self.world_from_b, &bounds_b, |frames| {
             // One that parts the bodies is enough.
-            roots_meet = culls.push(&frames, &root_a, &root_b);
-            if !roots_meet {
-                break;
+            roots_meet = culls.push(frames, &root_a, &root_b);
+            if roots_meet && axes == SeparatingAxes::Full && cross.is_none() {
+                cross = CrossCull::new(frames, &bounds_a, &bounds_b);
             }
-            if axes == SeparatingAxes::Full && cross.is_none() {
-                cross = CrossCull::new(&frames, &bounds_a, &bounds_b);
-            }
-        }
+            roots_meet
+        });
         (roots_meet, cross)
     }
 

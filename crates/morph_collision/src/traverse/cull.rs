@@ -69,7 +69,7 @@ impl<V: Volume> View<V> {
         }
         let Some(map) = &self.map else { return };
         let mut room = V::default();
-        self.mapped[slot] = tree.volumes(slot, &mut room).map_all(simd, map);
+        tree.volumes(slot, &mut room).map_all(simd, map, &mut self.mapped[slot]);
         self.stamps[slot] = query;
     }
 

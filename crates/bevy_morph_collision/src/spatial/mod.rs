@@ -2,7 +2,10 @@
 
 mod answer;
 mod filter;
+mod overlaps;
+mod points;
 mod query;
+mod rays;
 
 pub use answer::{MorphClosestPoints, MorphContacts, MorphProjection, MorphRayHit};
 pub use filter::MorphQueryFilter;

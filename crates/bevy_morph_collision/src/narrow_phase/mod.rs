@@ -1,17 +1,24 @@
 //! Which triangles intersect, and where colliders touch.
+//!
+//! The system asks for all pairs of meshes at once (`mod`), with what is remembered of each (`memories`), and tells what was found as
+//! contacts (`touch`).
+
+mod memories;
+mod touch;
 
 use bevy::platform::time::Instant;
 
 use bevy::prelude::*;
-use morph_collision::{
-    BatchQuery, Body, ContactQuery, DistanceQuery, PairMemory, PairTask, PlacedShape, Pose, Remember, ShapeContact,
-    ShapeQuery, SurfaceAnchor, TrianglePair, Wanted, triangle_contact,
-};
+use morph_collision::{BatchQuery, Body, PairMemory, PairTask, Pose, Remember, TrianglePair, Wanted};
 use tracing::debug_span;
+
+use self::memories::{has_memory, keep_memories};
+pub(crate) use self::touch::world_triangle;
+use self::touch::{Touch, wants_all};
 
 use crate::broad_phase::Candidates;
 use crate::collider::{ColliderState, CollisionMode, Form, Placement};
-use crate::contacts::{MorphCollisions, MorphContact, MorphContactPoint};
+use crate::contacts::{MorphCollisions, MorphContact};
 use crate::diagnostics::MorphCollisionDiagnostics;
 use crate::settings::MorphCollisionSettings;
 use crate::workers::TaskPoolWorkers;
@@ -21,7 +28,7 @@ type Pair = (Entity, Entity);
 /// What the narrow phase keeps for its memory.
 #[derive(Default)]
 pub(crate) struct Scratch {
-    queries: Queries,
+    touch: Touch,
     batch: BatchQuery,
     /// Pairs of meshes that are asked about.
     asked: Vec<Asked>,
@@ -30,13 +37,6 @@ pub(crate) struct Scratch {
     memories: Vec<(Pair, PairMemory)>,
     next_memories: Vec<(Pair, PairMemory)>,
     answers: Vec<(Pair, Option<MorphContact>)>,
-}
-
-#[derive(Default)]
-struct Queries {
-    contact: ContactQuery,
-    distance: DistanceQuery,
-    shape: ShapeQuery,
 }
 
 /// Two colliders, by their places among those that take part.
@@ -166,7 +166,7 @@ impl Scratch {
         }
         for (asked, shape, shape_first) in with_shapes {
             let contact = self
-                .queries
+                .touch
                 .with_shape(&mut placed, asked, &shape, shape_first, diagnostics);
             self.answers.push((asked.pair, contact));
         }
@@ -176,7 +176,7 @@ impl Scratch {
 
     fn ask_meshes(&mut self, placed: &mut [Placed<'_>], diagnostics: &mut MorphCollisionDiagnostics) {
         let Self {
-            queries,
+            touch,
             batch,
             remember,
             asked,
@@ -188,18 +188,16 @@ impl Scratch {
         let mut left = memories.iter_mut();
         let mut tasks: Vec<_> = asked
             .iter()
-            .map(
-                |&Asked {
-                     places: (a, b), mode, ..
-                 }| {
-                    let wanted = if wants_all(mode) { Wanted::All } else { Wanted::First };
-                    let mut task = PairTask::new(a, b, wanted);
-                    if has_memory(mode, *remember) {
-                        task.memory = left.next().map(|(_, memory)| memory);
-                    }
-                    task
-                },
-            )
+            .map(|asked| {
+                let (a, b) = asked.places;
+                let mode = asked.mode;
+                let wanted = if wants_all(mode) { Wanted::All } else { Wanted::First };
+                let mut task = PairTask::new(a, b, wanted);
+                if has_memory(mode, *remember) {
+                    task.memory = left.next().map(|(_, memory)| memory);
+                }
+                task
+            })
             .collect();
         // Shapes are in no task, but have a place.
         let mut spare = Vec::new();
@@ -219,179 +217,10 @@ impl Scratch {
         spare.extend(found.iter().map(<[TrianglePair]>::to_vec));
         drop(bodies);
         for (&asked, triangles) in asked.iter().zip(spare) {
-            let contact = queries.with_mesh(placed, asked, triangles, diagnostics);
+            let contact = touch.with_mesh(placed, asked, triangles, diagnostics);
             answers.push((asked.pair, contact));
         }
     }
-}
-
-fn wants_all(mode: CollisionMode) -> bool {
-    matches!(mode, CollisionMode::All | CollisionMode::Contacts)
-}
-
-impl Queries {
-    /// The contact of two meshes of which these triangles intersect.
-    fn with_mesh(
-        &mut self,
-        placed: &mut [Placed<'_>],
-        asked: Asked,
-        mut triangles: Vec<TrianglePair>,
-        diagnostics: &mut MorphCollisionDiagnostics,
-    ) -> Option<MorphContact> {
-        let (a, b) = asked.places;
-        let Ok([a, b]) = placed.get_disjoint_mut([a, b]) else {
-            return None;
-        };
-        let margin = f64::from(a.placement.margin) + f64::from(b.placement.margin);
-        let mut contact = MorphContact::of(asked, a, b);
-        if triangles.is_empty() {
-            if margin == 0.0 {
-                return None;
-            }
-            let (closest, stats) = self.distance.closest(a.body()?, b.body()?, margin);
-            diagnostics.stats += stats;
-            let closest = closest?;
-            contact.point = closest.point_a.midpoint(closest.point_b).as_vec3();
-            contact.normal = (closest.point_a - closest.point_b).normalize_or_zero().as_vec3();
-            contact.distance = closest.distance as f32;
-            return Some(contact);
-        }
-        let first = triangles[0];
-        let corners_a = world_triangle(&mut a.body()?, first.triangle_a)?;
-        let corners_b = world_triangle(&mut b.body()?, first.triangle_b)?;
-        if let Some(met) = triangle_contact(&corners_a, &corners_b) {
-            contact.point = met.point().as_vec3();
-            contact.normal = met.normal.as_vec3();
-        }
-        if asked.mode == CollisionMode::Contacts {
-            let (manifold, stats) = self.contact.manifold(a.body()?, b.body()?);
-            diagnostics.stats += stats;
-            if let Some(manifold) = manifold {
-                contact.normal = manifold.normal.as_vec3();
-                contact
-                    .points
-                    .extend(manifold.points().iter().map(|point| MorphContactPoint {
-                        point: point.point.as_vec3(),
-                        depth: point.depth as f32,
-                        triangles: point.pair,
-                    }));
-                contact.point = contact.points.first().map_or(contact.point, |deepest| deepest.point);
-            }
-        }
-        if asked.mode != CollisionMode::Any {
-            triangles.sort_unstable();
-            contact.triangles = triangles;
-        }
-        Some(contact)
-    }
-
-    /// The contact of a mesh and a shape.
-    fn with_shape(
-        &mut self,
-        placed: &mut [Placed<'_>],
-        asked: Asked,
-        shape: &PlacedShape,
-        shape_first: bool,
-        diagnostics: &mut MorphCollisionDiagnostics,
-    ) -> Option<MorphContact> {
-        let (a, b) = asked.places;
-        let Ok([a, b]) = placed.get_disjoint_mut([a, b]) else {
-            return None;
-        };
-        let margin = f64::from(a.placement.margin) + f64::from(b.placement.margin);
-        let mut contact = MorphContact::of(asked, a, b);
-        let mesh = if shape_first { b } else { a };
-        let pair = |triangle: u32| match shape_first {
-            true => TrianglePair {
-                triangle_a: MorphContact::NO_TRIANGLE,
-                triangle_b: triangle,
-            },
-            false => TrianglePair {
-                triangle_a: triangle,
-                triangle_b: MorphContact::NO_TRIANGLE,
-            },
-        };
-        // Out of the shape towards the mesh is how the mesh leaves it.
-        let turn = if shape_first { -1.0 } else { 1.0 };
-        let (closest, stats) = self.shape.closest(mesh.body()?, shape, margin);
-        diagnostics.stats += stats;
-        let closest: ShapeContact = closest?;
-        contact.point = closest.point_on_triangle.midpoint(closest.point_on_shape).as_vec3();
-        contact.normal = (closest.normal * turn).as_vec3();
-        contact.distance = closest.distance.max(0.0) as f32;
-        let touches = closest.distance <= 0.0;
-        if touches && asked.mode == CollisionMode::First {
-            contact.triangles.push(pair(closest.triangle));
-        }
-        if touches && wants_all(asked.mode) {
-            let mut met = Vec::new();
-            diagnostics.stats += self.shape.contacts(mesh.body()?, shape, 0.0, &mut met);
-            contact.triangles = met.iter().map(|met| pair(met.triangle)).collect();
-            contact.triangles.sort_unstable();
-            if asked.mode == CollisionMode::Contacts {
-                met.sort_by(|x, y| x.distance.total_cmp(&y.distance).then(x.triangle.cmp(&y.triangle)));
-                contact.points.extend(met.iter().take(4).map(|met| MorphContactPoint {
-                    point: met.point_on_triangle.as_vec3(),
-                    depth: -met.distance as f32,
-                    triangles: pair(met.triangle),
-                }));
-            }
-        }
-        Some(contact)
-    }
-}
-
-impl MorphContact {
-    fn of(asked: Asked, a: &Placed<'_>, b: &Placed<'_>) -> Self {
-        Self {
-            collider1: asked.pair.0,
-            collider2: asked.pair.1,
-            body1: a.placement.body,
-            body2: b.placement.body,
-            mode: asked.mode,
-            point: Vec3::ZERO,
-            normal: Vec3::ZERO,
-            distance: 0.0,
-            triangles: Vec::new(),
-            points: Vec::new(),
-        }
-    }
-}
-
-/// A triangle's corners in world space.
-pub(crate) fn world_triangle(body: &mut Body<'_>, triangle: u32) -> Option<morph_collision::Triangle> {
-    let mut corner = |barycentrics| {
-        let anchor = SurfaceAnchor { triangle, barycentrics };
-        anchor.point(Body::new(body.pose, body.world_from_model))
-    };
-    Some([
-        corner([1.0, 0.0, 0.0])?,
-        corner([0.0, 1.0, 0.0])?,
-        corner([0.0, 0.0, 1.0])?,
-    ])
-}
-
-/// Whether something is remembered of a pair: always where one pair of triangles is asked for.
-fn has_memory(mode: CollisionMode, remember: Remember) -> bool {
-    remember.separation || !wants_all(mode)
-}
-
-/// Makes `memories` those of the pairs that have one, in their order: the ones there are, and new ones. Both are sorted.
-fn keep_memories(
-    asked: &[Asked],
-    remember: Remember,
-    memories: &mut Vec<(Pair, PairMemory)>,
-    next: &mut Vec<(Pair, PairMemory)>,
-) {
-    let mut known = memories.drain(..).peekable();
-    next.clear();
-    for &Asked { pair, .. } in asked.iter().filter(|asked| has_memory(asked.mode, remember)) {
-        while known.next_if(|(other, _)| *other < pair).is_some() {}
-        let memory = known.next_if(|(other, _)| *other == pair);
-        next.push(memory.unwrap_or_else(|| (pair, PairMemory::new(remember))));
-    }
-    drop(known);
-    std::mem::swap(memories, next);
 }
 
 /// A collider that takes part.

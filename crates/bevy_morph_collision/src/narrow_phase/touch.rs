@@ -1,0 +1,167 @@
+//! What a contact tells of two colliders that touch.
+
+use bevy::prelude::*;
+use morph_collision::{
+    Body, ContactQuery, DistanceQuery, PlacedShape, ShapeContact, ShapeQuery, SurfaceAnchor, TrianglePair,
+    triangle_contact,
+};
+
+use super::{Asked, Placed};
+use crate::collider::CollisionMode;
+use crate::contacts::{MorphContact, MorphContactPoint};
+use crate::diagnostics::MorphCollisionDiagnostics;
+
+/// The queries that look at what touches.
+#[derive(Default)]
+pub(super) struct Touch {
+    contact: ContactQuery,
+    distance: DistanceQuery,
+    shape: ShapeQuery,
+}
+
+/// Whether every pair of triangles is asked for.
+pub(super) fn wants_all(mode: CollisionMode) -> bool {
+    matches!(mode, CollisionMode::All | CollisionMode::Contacts)
+}
+
+impl Touch {
+    /// The contact of two meshes of which these triangles intersect.
+    pub(super) fn with_mesh(
+        &mut self,
+        placed: &mut [Placed<'_>],
+        asked: Asked,
+        mut triangles: Vec<TrianglePair>,
+        diagnostics: &mut MorphCollisionDiagnostics,
+    ) -> Option<MorphContact> {
+        let (a, b) = asked.places;
+        let Ok([a, b]) = placed.get_disjoint_mut([a, b]) else {
+            return None;
+        };
+        let margin = f64::from(a.placement.margin) + f64::from(b.placement.margin);
+        let mut contact = MorphContact::of(asked, a, b);
+        if triangles.is_empty() {
+            if margin == 0.0 {
+                return None;
+            }
+            let (closest, stats) = self.distance.closest(a.body()?, b.body()?, margin);
+            diagnostics.stats += stats;
+            let closest = closest?;
+            contact.point = closest.point_a.midpoint(closest.point_b).as_vec3();
+            contact.normal = (closest.point_a - closest.point_b).normalize_or_zero().as_vec3();
+            contact.distance = closest.distance as f32;
+            return Some(contact);
+        }
+        let first = triangles[0];
+        let corners_a = world_triangle(&mut a.body()?, first.triangle_a)?;
+        let corners_b = world_triangle(&mut b.body()?, first.triangle_b)?;
+        if let Some(met) = triangle_contact(&corners_a, &corners_b) {
+            contact.point = met.point().as_vec3();
+            contact.normal = met.normal.as_vec3();
+        }
+        if asked.mode == CollisionMode::Contacts {
+            let (manifold, stats) = self.contact.manifold(a.body()?, b.body()?);
+            diagnostics.stats += stats;
+            if let Some(manifold) = manifold {
+                contact.normal = manifold.normal.as_vec3();
+                contact
+                    .points
+                    .extend(manifold.points().iter().map(|point| MorphContactPoint {
+                        point: point.point.as_vec3(),
+                        depth: point.depth as f32,
+                        triangles: point.pair,
+                    }));
+                contact.point = contact.points.first().map_or(contact.point, |deepest| deepest.point);
+            }
+        }
+        if asked.mode != CollisionMode::Any {
+            triangles.sort_unstable();
+            contact.triangles = triangles;
+        }
+        Some(contact)
+    }
+
+    /// The contact of a mesh and a shape.
+    pub(super) fn with_shape(
+        &mut self,
+        placed: &mut [Placed<'_>],
+        asked: Asked,
+        shape: &PlacedShape,
+        shape_first: bool,
+        diagnostics: &mut MorphCollisionDiagnostics,
+    ) -> Option<MorphContact> {
+        let (a, b) = asked.places;
+        let Ok([a, b]) = placed.get_disjoint_mut([a, b]) else {
+            return None;
+        };
+        let margin = f64::from(a.placement.margin) + f64::from(b.placement.margin);
+        let mut contact = MorphContact::of(asked, a, b);
+        let mesh = if shape_first { b } else { a };
+        let pair = |triangle: u32| match shape_first {
+            true => TrianglePair {
+                triangle_a: MorphContact::NO_TRIANGLE,
+                triangle_b: triangle,
+            },
+            false => TrianglePair {
+                triangle_a: triangle,
+                triangle_b: MorphContact::NO_TRIANGLE,
+            },
+        };
+        // Out of the shape towards the mesh is how the mesh leaves it.
+        let turn = if shape_first { -1.0 } else { 1.0 };
+        let (closest, stats) = self.shape.closest(mesh.body()?, shape, margin);
+        diagnostics.stats += stats;
+        let closest: ShapeContact = closest?;
+        contact.point = closest.point_on_triangle.midpoint(closest.point_on_shape).as_vec3();
+        contact.normal = (closest.normal * turn).as_vec3();
+        contact.distance = closest.distance.max(0.0) as f32;
+        let touches = closest.distance <= 0.0;
+        if touches && asked.mode == CollisionMode::First {
+            contact.triangles.push(pair(closest.triangle));
+        }
+        if touches && wants_all(asked.mode) {
+            let mut met = Vec::new();
+            diagnostics.stats += self.shape.contacts(mesh.body()?, shape, 0.0, &mut met);
+            contact.triangles = met.iter().map(|met| pair(met.triangle)).collect();
+            contact.triangles.sort_unstable();
+            if asked.mode == CollisionMode::Contacts {
+                met.sort_by(|x, y| x.distance.total_cmp(&y.distance).then(x.triangle.cmp(&y.triangle)));
+                contact.points.extend(met.iter().take(4).map(|met| MorphContactPoint {
+                    point: met.point_on_triangle.as_vec3(),
+                    depth: -met.distance as f32,
+                    triangles: pair(met.triangle),
+                }));
+            }
+        }
+        Some(contact)
+    }
+}
+
+impl MorphContact {
+    fn of(asked: Asked, a: &Placed<'_>, b: &Placed<'_>) -> Self {
+        Self {
+            collider1: asked.pair.0,
+            collider2: asked.pair.1,
+            body1: a.placement.body,
+            body2: b.placement.body,
+            mode: asked.mode,
+            point: Vec3::ZERO,
+            normal: Vec3::ZERO,
+            distance: 0.0,
+            triangles: Vec::new(),
+            points: Vec::new(),
+        }
+    }
+}
+
+/// A triangle's corners in world space.
+pub(crate) fn world_triangle(body: &mut Body<'_>, triangle: u32) -> Option<morph_collision::Triangle> {
+    let mut corner = |barycentrics| {
+        let anchor = SurfaceAnchor { triangle, barycentrics };
+        anchor.point(Body::new(body.pose, body.world_from_model))
+    };
+    Some([
+        corner([1.0, 0.0, 0.0])?,
+        corner([0.0, 1.0, 0.0])?,
+        corner([0.0, 0.0, 1.0])?,
+    ])
+}

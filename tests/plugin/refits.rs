@@ -64,3 +64,25 @@ fn a_contact_at_rest_is_not_looked_at_again() {
     app.update();
     assert!(diagnostics(&app).stats.triangle_tests > 0);
 }
+
+#[test]
+fn a_paused_animation_costs_nothing() {
+    let mut app = app();
+    let instances = dolphins(&mut app, "dolphin_564.glb", 3);
+    // In one place, so that all are compared, and playing from different moments.
+    app.update();
+    app.update();
+    assert!(diagnostics(&app).stats.volumes_blended > 0 && diagnostics(&app).touching_pairs > 0);
+    let mut players = app.world_mut().query::<&mut AnimationPlayer>();
+    assert_eq!(players.iter(app.world()).count(), instances.roots.len());
+    for mut player in players.iter_mut(app.world_mut()) {
+        player.pause_all();
+    }
+    app.update();
+    for _ in 0..3 {
+        app.update();
+        let run = diagnostics(&app);
+        assert_eq!(run.stats, default());
+        assert_eq!((run.candidate_pairs, run.skipped_unchanged), (3, 3));
+    }
+}

@@ -2,6 +2,7 @@
 
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
 
 use crate::log::Errors;
 use crate::support::{add_mesh, app, cube, set_weight, settle, spawn, stretching_cube, touches};
@@ -93,4 +94,25 @@ fn weights_on_a_mesh_without_targets_mean_nothing() {
         app.update();
         assert_eq!(errors.take(), [""; 0]);
     });
+}
+
+#[test]
+fn primitives_under_one_node_share_its_weights() {
+    let (mut app, [a, b]) = cubes_apart();
+    let weights = MorphWeights::new(vec![0.0], None).expect("one weight is not too many");
+    let node = app.world_mut().spawn((weights, Transform::default())).id();
+    let mesh = add_mesh(&mut app, &stretching_cube());
+    let other = spawn(&mut app, &mesh, 0.0);
+    for primitive in [a, other] {
+        let shared = (MeshMorphWeights::Reference(node), ChildOf(node), MorphBody(node));
+        app.world_mut().entity_mut(primitive).insert(shared);
+    }
+    settle(&mut app);
+    assert!(!touches(&app, a, b) && !touches(&app, other, b));
+    if let Some(mut weights) = app.world_mut().get_mut::<MorphWeights>(node) {
+        weights.weights_mut()[0] = 1.0;
+    }
+    app.update();
+    assert!(touches(&app, a, b) && touches(&app, other, b));
+    assert!(!touches(&app, a, other), "they are one body");
 }

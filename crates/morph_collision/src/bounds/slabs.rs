@@ -262,6 +262,17 @@ impl<const H: usize> Volume for Slabs<H> {
     }
 
     #[inline(always)]
+    fn depths<S: Simd>(&self, simd: S, other: &Slab<H>, depths: &mut [f32; LANES]) {
+        let [min, max] = &self.ends;
+        let mut depth = f32x8::splat(simd, f32::INFINITY);
+        for i in 0..3 {
+            depth = depth.min(max[i].load(simd) - f32x8::splat(simd, other.min[i]));
+            depth = depth.min(f32x8::splat(simd, other.max[i]) - min[i].load(simd));
+        }
+        depth.store_slice(depths);
+    }
+
+    #[inline(always)]
     fn overlap_mask<S: Simd>(&self, simd: S, other: &Slab<H>) -> u8 {
         let [min, max] = &self.ends;
         let mut overlap = mask32x8::splat(simd, true);

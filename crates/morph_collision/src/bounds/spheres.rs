@@ -184,6 +184,16 @@ impl Volume for Spheres {
     }
 
     #[inline(always)]
+    fn depths<S: Simd>(&self, simd: S, other: &Sphere, depths: &mut [f32; LANES]) {
+        let [x, y, z, radius] = &self.rows;
+        let x = x.load(simd) - f32x8::splat(simd, other.center.x);
+        let y = y.load(simd) - f32x8::splat(simd, other.center.y);
+        let z = z.load(simd) - f32x8::splat(simd, other.center.z);
+        let apart = (x * x + y * y + z * z).sqrt();
+        (radius.load(simd) + f32x8::splat(simd, other.radius) - apart).store_slice(depths);
+    }
+
+    #[inline(always)]
     fn overlap_mask<S: Simd>(&self, simd: S, other: &Sphere) -> u8 {
         let [x, y, z, radius] = &self.rows;
         meeting(

@@ -68,6 +68,9 @@ pub(crate) trait Volume: Copy + Default + Debug + Send + Sync + 'static {
     /// As [`Volume::map_one`], lane by lane; what lanes without a child become is of no matter.
     fn map_all<S: Simd>(&self, simd: S, map: &Self::Map, mapped: &mut Self);
 
+    /// How far each lane reaches into `other`, about: where intersections are the more likely the deeper.
+    fn depths<S: Simd>(&self, simd: S, other: &Self::One, depths: &mut [f32; LANES]);
+
     /// The lanes that may share a point with `other`, as a bit mask; touching counts.
     fn overlap_mask<S: Simd>(&self, simd: S, other: &Self::One) -> u8;
     fn overlap(a: &Self::One, b: &Self::One) -> bool;

@@ -87,6 +87,7 @@ impl DistanceQuery {
             roots_meet: false,
             a_from_b_scale: (world_from_b.scale() / world_from_a.scale()) as f32,
             node_tests: 0,
+            deepest_first: false,
             trace: None,
         };
         let mut closest: Option<ClosestPair> = None;

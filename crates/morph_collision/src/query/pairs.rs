@@ -43,6 +43,8 @@ pub struct PairQuery {
     leaves_a: Patches,
     leaves_b: Patches,
     axes: SeparatingAxes,
+    /// Whether the query that runs ends with the first pair.
+    only_first: bool,
 }
 
 impl PairQuery {
@@ -67,13 +69,15 @@ impl PairQuery {
         })
     }
 
-    /// The first pair of intersecting triangles that the walk comes to.
+    /// The first pair of intersecting triangles that a walk comes to which looks first where nodes reach deepest into each other.
     pub fn first(&mut self, a: Body<'_>, b: Body<'_>) -> (Option<TrianglePair>, QueryStats) {
         let mut first = None;
+        self.only_first = true;
         let stats = self.visit(a, b, |pair| {
             first = Some(pair);
             ControlFlow::Break(())
         });
+        self.only_first = false;
         (first, stats)
     }
 
@@ -193,10 +197,12 @@ impl PairQuery {
             stats += self.dispatch(a, b, Start::Leaves(leaves), &mut visitor);
         }
         if first.is_none() {
+            self.only_first = true;
             stats += self.visit_with(memory, a, b, |pair| {
                 first = Some(pair);
                 ControlFlow::Break(())
             });
+            self.only_first = false;
         }
         (first, stats)
     }
@@ -230,6 +236,7 @@ impl PairQuery {
             leaves_a,
             leaves_b,
             axes,
+            only_first,
         } = self;
         let level = a.level();
         let (mut tests, mut node_tests, mut stopped_at) = (LeafTests::default(), 0, None);
@@ -265,6 +272,7 @@ impl PairQuery {
                 },
                 roots_meet,
                 a_from_b_scale: places.a_from_b_scale(),
+                deepest_first: *only_first,
                 node_tests: 0,
                 trace: None,
             };

@@ -212,6 +212,31 @@ impl<V: Volume> Culls<V> {
     }
 }
 
+impl<V: Volume> Culls<V> {
+    /// How far each volume in an opened group's slot of one side reaches into a node of the other, about; both were compared.
+    #[inline(always)]
+    pub(super) fn depths<S: Simd, T: Walkable<Kind = V>>(
+        &self,
+        simd: S,
+        side: Side,
+        (own, slot): (&T, usize),
+        (other, other_slot, lane): (&T, usize, usize),
+        depths: &mut [f32; LANES],
+    ) {
+        let Some(cull) = self.culls[..self.len].first() else {
+            return;
+        };
+        let (own_view, other_view) = match side {
+            Side::A => (&cull.a, &cull.b),
+            Side::B => (&cull.b, &cull.a),
+        };
+        let (mut room, mut other_room) = (V::default(), V::default());
+        let volumes = own_view.volumes(slot, own, &mut room);
+        let other = other_view.volumes(other_slot, other, &mut other_room);
+        volumes.depths(simd, &other.get(lane), depths);
+    }
+}
+
 /// [`Culls`] of the kind of volume that was compared last.
 #[derive(Debug, Default)]
 pub(crate) struct AnyCulls(Option<Box<dyn Any + Send + Sync>>);

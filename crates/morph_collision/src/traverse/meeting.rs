@@ -68,6 +68,21 @@ impl<V: Volume> PairRule<V> for Meeting<'_, V> {
         masks
     }
 
+    #[inline(always)]
+    fn depths<T: Walkable<Kind = V>>(
+        &self,
+        side: Side,
+        (tree, slot): (&T, usize),
+        (other, other_slot, lane): (&T, usize, usize),
+    ) -> [f32; LANES] {
+        let culls = self.culls.borrow();
+        let mut depths = [0.0; LANES];
+        let own = (tree, slot);
+        let other = (other, other_slot, lane);
+        with_simd!(tree.level(), simd => culls.depths(simd, side, own, other, &mut depths));
+        depths
+    }
+
     #[inline]
     fn still_wanted(&self, (): ()) -> bool {
         true

@@ -44,6 +44,18 @@ pub(crate) trait PairRule<V: Volume> {
         [0; LANES]
     }
 
+    /// How far each child in an opened group's slot reaches into a node of the other side's tree, about, by its slot and lane; both
+    /// were looked at.
+    #[inline]
+    fn depths<T: Walkable<Kind = V>>(
+        &self,
+        _side: Side,
+        _own: (&T, usize),
+        _other: (&T, usize, usize),
+    ) -> [f32; LANES] {
+        [0.0; LANES]
+    }
+
     /// Whether a pair that comes off the stack is still worth looking at.
     fn still_wanted(&self, key: Self::Key) -> bool;
 
@@ -97,6 +109,9 @@ pub(crate) struct PairWalk<'a, R, T> {
     pub(crate) roots_meet: bool,
     /// Lengths in A's units per length in B's: to tell which of two nodes is larger.
     pub(crate) a_from_b_scale: f32,
+    /// Whether pairs that reach deeper into each other come first among the children of a node: where the first intersection
+    /// ends the walk.
+    pub(crate) deepest_first: bool,
     /// Volumes tested against volumes so far.
     pub(crate) node_tests: u64,
     /// Filled if it is there.
@@ -223,7 +238,15 @@ impl<V: Volume, R: PairRule<V>, T: Walkable<Kind = V>> PairWalk<'_, R, T> {
         let mask = self
             .rule
             .children(Side::A, (&*self.a, opened), (&*self.b, b), &mut keys);
+        let first = stack.len();
         push(stack, mask, &keys, |lane| (self.a.node(opened.slot, group, lane), b));
+        if self.deepest_first && mask & mask.wrapping_sub(1) != 0 {
+            let other = (&*self.b, b.slot as usize, usize::from(b.place.lane));
+            let depths = self.rule.depths(Side::A, (&*self.a, opened.slot), other);
+            sort_by_depth(&mut stack[first..], |(_, a, _)| {
+                depths[usize::from(a.place.lane) % LANES]
+            });
+        }
         if self.trace.is_some() {
             lanes_of(opened.mask & !mask).for_each(|lane| self.note_unwanted(self.a.node(opened.slot, group, lane), b));
         }
@@ -236,7 +259,15 @@ impl<V: Volume, R: PairRule<V>, T: Walkable<Kind = V>> PairWalk<'_, R, T> {
         let mask = self
             .rule
             .children(Side::B, (&*self.b, opened), (&*self.a, a), &mut keys);
+        let first = stack.len();
         push(stack, mask, &keys, |lane| (a, self.b.node(opened.slot, group, lane)));
+        if self.deepest_first && mask & mask.wrapping_sub(1) != 0 {
+            let other = (&*self.a, a.slot as usize, usize::from(a.place.lane));
+            let depths = self.rule.depths(Side::B, (&*self.b, opened.slot), other);
+            sort_by_depth(&mut stack[first..], |(_, _, b)| {
+                depths[usize::from(b.place.lane) % LANES]
+            });
+        }
         if self.trace.is_some() {
             lanes_of(opened.mask & !mask).for_each(|lane| self.note_unwanted(a, self.b.node(opened.slot, group, lane)));
         }
@@ -263,9 +294,20 @@ impl<V: Volume, R: PairRule<V>, T: Walkable<Kind = V>> PairWalk<'_, R, T> {
         };
         self.node_tests += u64::from(rows.count_ones()) * u64::from(opened_b.mask.count_ones());
         let masks = self.rule.both((&*self.a, opened_a), (&*self.b, opened_b), rows);
+        let first = stack.len();
         for lane in lanes_of(rows) {
             let a = self.a.node(opened_a.slot, group_a, lane);
             push(stack, masks[lane], &keys, |lane| (a, self.b.node(slot, group_b, lane)));
+        }
+        if self.deepest_first && stack.len() > first + 1 {
+            let mut depths = [[0.0; LANES]; LANES];
+            for lane in lanes_of(rows).filter(|&lane| masks[lane] != 0) {
+                let other = (&*self.a, opened_a.slot, lane);
+                depths[lane] = self.rule.depths(Side::B, (&*self.b, slot), other);
+            }
+            sort_by_depth(&mut stack[first..], |(_, a, b)| {
+                depths[usize::from(a.place.lane) % LANES][usize::from(b.place.lane) % LANES]
+            });
         }
     }
 
@@ -313,6 +355,20 @@ fn push<K: Copy + PartialOrd>(
     // Keys without content need no order.
     if size_of::<K>() > 0 {
         stack[first..].sort_by(|x, y| y.0.partial_cmp(&x.0).unwrap_or(Ordering::Equal));
+    }
+}
+
+/// The deepest last, so that it comes off the stack first; equals stay in order.
+fn sort_by_depth<K: Copy>(pairs: &mut [(K, NodeRef, NodeRef)], depth: impl Fn(&(K, NodeRef, NodeRef)) -> f32) {
+    // By insertion: they are few.
+    for place in 1..pairs.len() {
+        let (pair, deep) = (pairs[place], depth(&pairs[place]));
+        let mut hole = place;
+        while hole > 0 && depth(&pairs[hole - 1]) > deep {
+            pairs[hole] = pairs[hole - 1];
+            hole -= 1;
+        }
+        pairs[hole] = pair;
     }
 }
 

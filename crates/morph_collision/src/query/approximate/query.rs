@@ -115,6 +115,7 @@ impl ApproximateQuery {
             roots_meet,
             a_from_b_scale: places.a_from_b_scale(),
             node_tests: 0,
+            deepest_first: false,
             trace: None,
         };
         let mut tests = LeafTests::default();

@@ -45,3 +45,49 @@ fn a_node_is_blended_once_however_many_bodies_meet_it() {
     assert!(stats.volumes_blended < 12 * bvh.node_count() as u64);
     assert!(stats.vertices_blended <= 12 * bvh.model().vertex_count() as u64);
 }
+
+#[test]
+fn a_first_pair_is_looked_for_where_bodies_reach_deepest_into_each_other() {
+    use morph_collision::{Body, MorphBvh, PairQuery, Pose, QueryStats, WorldFromModel};
+    use std::ops::ControlFlow;
+
+    let model = std::sync::Arc::new(pass_through(0).meshes[0].to_model().unwrap());
+    let bvh = std::sync::Arc::new(MorphBvh::build(model, &BuildOptions::default()).unwrap());
+    let (mut first, mut in_order) = (QueryStats::default(), QueryStats::default());
+    for frame in (60..340).step_by(20) {
+        let scene = pass_through(frame);
+        let place = |body: usize| WorldFromModel::new(scene.bodies[body].2).unwrap();
+        let places = [place(0), place(1)];
+        let mut query = PairQuery::new();
+        let mut ask = |deepest_first: bool| {
+            let mut poses = [0, 1].map(|body: usize| {
+                let mut pose = Pose::new(bvh.clone());
+                pose.set_weights(&scene.bodies[body].1).unwrap();
+                pose
+            });
+            let [a, b] = &mut poses;
+            let (a, b) = (Body::new(a, &places[0]), Body::new(b, &places[1]));
+            if deepest_first {
+                let (found, stats) = query.first(a, b);
+                (found.is_some(), stats)
+            } else {
+                let mut found = false;
+                let stats = query.visit(a, b, |_| {
+                    found = true;
+                    ControlFlow::Break(())
+                });
+                (found, stats)
+            }
+        };
+        let (one, other) = (ask(true), ask(false));
+        assert_eq!(one.0, other.0, "frame {frame}");
+        first += one.1;
+        in_order += other.1;
+    }
+    let much_less = |less: u64, more: u64| less * 4 < more * 3;
+    assert!(
+        much_less(first.volumes_blended, in_order.volumes_blended)
+            && much_less(first.triangle_tests, in_order.triangle_tests),
+        "{first:?} and {in_order:?}"
+    );
+}

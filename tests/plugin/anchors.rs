@@ -112,3 +112,55 @@ fn an_anchor_at_rest_is_not_written() {
     app.update();
     assert_eq!(app.world().resource::<Written>().0, first + 1);
 }
+
+#[test]
+fn on_a_stretched_or_mirrored_body_up_is_still_along_the_normal() {
+    let (mut app, cube, side) = cube_and_side();
+    for scale in [
+        Vec3::new(1.0, 3.0, 1.0),
+        Vec3::new(-1.0, 1.0, 2.0),
+        Vec3::new(0.5, -2.0, -1.0),
+    ] {
+        let body = Transform::from_xyz(1.0, 2.0, 3.0)
+            .with_rotation(Quat::from_euler(EulerRot::XYZ, 0.4, 0.9, -0.3))
+            .with_scale(scale);
+        app.world_mut().entity_mut(cube).insert(body);
+        // A parent that stretches across the surface's directions.
+        let parent = Transform::from_rotation(Quat::from_rotation_z(0.8)).with_scale(scale.yzx());
+        let parent = app.world_mut().spawn(parent).id();
+        for parent in [cube, parent] {
+            let anchor = MorphSurfaceAnchor::new(cube, side, Vec3::splat(1.0 / 3.0));
+            let hat = app.world_mut().spawn((anchor, ChildOf(parent))).id();
+            app.update();
+            let shape = stretching_cube();
+            let corners = shape.triangles[side as usize].map(|corner| shape.positions[corner as usize]);
+            let [a, b, c] = corners.map(|corner| body.transform_point(corner));
+            let normal = (b - a).cross(c - a).normalize();
+            let place = app.world().get::<GlobalTransform>(hat).unwrap().affine();
+            let up = place.transform_vector3(Vec3::Y).normalize();
+            assert!(up.distance(normal) < 1e-4, "{up} is not {normal} at {scale}");
+            assert!(Vec3::from(place.translation).distance((a + b + c) / 3.0) < 1e-4);
+            let local = app.world().get::<Transform>(hat).unwrap();
+            assert!((local.rotation.length() - 1.0).abs() < 1e-5 && local.scale == Vec3::ONE);
+            app.world_mut().despawn(hat);
+        }
+    }
+}
+
+#[test]
+fn an_anchor_below_an_anchor_is_right_in_the_same_frame() {
+    let (mut app, cube, side) = cube_and_side();
+    let at = |barycentrics| MorphSurfaceAnchor::new(cube, side, barycentrics);
+    // The one below comes into the world first.
+    let below = app.world_mut().spawn(at(Vec3::X)).id();
+    let above = app.world_mut().spawn(at(Vec3::Y)).id();
+    app.world_mut().entity_mut(below).insert(ChildOf(above));
+    for weight in [0.5, 1.5, -0.25] {
+        set_weight(&mut app, cube, weight);
+        app.update();
+        let shape = stretching_cube();
+        let [first, second, _] = shape.triangles[side as usize].map(|corner| shape.posed(&[weight])[corner as usize]);
+        assert!(place_of(&app, above).distance(second) < 1e-5);
+        assert!(place_of(&app, below).distance(first) < 1e-5);
+    }
+}

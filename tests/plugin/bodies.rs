@@ -126,3 +126,58 @@ fn a_loaded_scene_collides_whether_the_component_comes_before_or_after_it() {
     assert_eq!(bodies(&mut app), [early]);
     assert_eq!(messages.read(&app).1.len(), 1);
 }
+
+#[test]
+fn a_scene_takes_back_what_it_gave_and_no_more() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, &cube());
+    let scene = MorphColliderScene {
+        only_morphing: false,
+        events: true,
+        ..default()
+    };
+    let root = app.world_mut().spawn(scene).id();
+    let made = app.world_mut().spawn((Mesh3d(mesh.clone()), ChildOf(root))).id();
+    let own = (
+        Mesh3d(mesh.clone()),
+        MorphCollider::new(CollisionMode::First),
+        ChildOf(root),
+    );
+    let own = app.world_mut().spawn(own).id();
+    let hitbox = (MorphShape::Ball { radius: 1.0 }, MorphBody(root));
+    let hitbox = app.world_mut().spawn(hitbox).id();
+    settle(&mut app);
+    assert!(app.world().get::<MorphCollider>(made).is_some());
+    app.world_mut().entity_mut(root).remove::<MorphColliderScene>();
+    app.update();
+    let world = app.world();
+    assert!(world.get::<MorphCollider>(made).is_none() && world.get::<MorphCollisionEventsEnabled>(made).is_none());
+    assert_eq!(
+        world.get::<MorphCollider>(own),
+        Some(&MorphCollider::new(CollisionMode::First))
+    );
+    assert_eq!(world.get::<MorphBody>(own), None);
+    assert!(world.get::<MorphCollider>(hitbox).is_some() && world.get::<MorphBody>(hitbox) == Some(&MorphBody(root)));
+}
+
+#[test]
+fn a_part_goes_over_to_the_scene_that_it_is_hung_on() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, &cube());
+    let scene = || MorphColliderScene {
+        only_morphing: false,
+        ..default()
+    };
+    let knights = [0, 1].map(|_| app.world_mut().spawn(scene()).id());
+    let sword = app.world_mut().spawn((Mesh3d(mesh), ChildOf(knights[0]))).id();
+    settle(&mut app);
+    let body = |app: &App| app.world().get::<MorphBody>(sword).copied();
+    assert_eq!(body(&app), Some(MorphBody(knights[0])));
+    app.world_mut().entity_mut(sword).insert(ChildOf(knights[1]));
+    app.update();
+    assert_eq!(body(&app), Some(MorphBody(knights[1])));
+    app.world_mut().entity_mut(sword).remove::<ChildOf>();
+    app.update();
+    assert_eq!(body(&app), None);
+    assert!(app.world().get::<MorphCollider>(sword).is_none());
+}

@@ -136,3 +136,17 @@ fn what_comes_into_view_is_flagged_for_two_frames_more() {
     }
     assert_eq!(flagged, [true, true, false, false, false]);
 }
+
+#[test]
+fn without_weights_the_box_is_that_of_the_mesh_at_rest() {
+    let mut app = app();
+    let cube = spawn(&mut app, ());
+    settle(&mut app);
+    set_weight(&mut app, cube, 2.0);
+    app.update();
+    assert!((reach(&app, cube) - 2.5).abs() < 1e-4);
+    app.world_mut().entity_mut(cube).remove::<MeshMorphWeights>();
+    app.update();
+    app.update();
+    assert!((reach(&app, cube) - 0.5).abs() < 1e-6);
+}

@@ -240,3 +240,29 @@ fn colliding_entities_are_listed_where_that_is_asked_for() {
     app.update();
     assert_eq!(listed(&app, b), Some(vec![]));
 }
+
+#[test]
+fn a_list_is_right_after_its_collider_was_disabled_or_the_list_replaced() {
+    let (mut app, [a, b]) = two_cubes(0.8);
+    app.world_mut().entity_mut(a).insert(MorphCollidingEntities::default());
+    app.update();
+    let listed = |app: &App| app.world().get::<MorphCollidingEntities>(a).map(|list| list.to_vec());
+    assert_eq!(listed(&app), Some(vec![b]));
+    app.world_mut()
+        .entity_mut(a)
+        .insert(bevy::ecs::entity_disabling::Disabled);
+    app.update();
+    move_to(&mut app, a, 9.0);
+    app.world_mut()
+        .entity_mut(a)
+        .remove::<bevy::ecs::entity_disabling::Disabled>();
+    app.update();
+    assert_eq!(listed(&app), Some(vec![]));
+    move_to(&mut app, a, 0.0);
+    app.update();
+    assert_eq!(listed(&app), Some(vec![b]));
+    app.update();
+    app.world_mut().entity_mut(a).insert(MorphCollidingEntities::default());
+    app.update();
+    assert_eq!(listed(&app), Some(vec![b]));
+}

@@ -329,3 +329,48 @@ fn a_separation_cache_changes_no_answer_and_skips_what_stays_apart() {
     assert!(with.iter().any(Option::is_some) && with.iter().any(Option::is_none));
     assert!(few < many, "{few} node tests with, {many} without");
 }
+
+#[test]
+fn a_collider_that_was_made_disabled_takes_part_once_it_is_enabled() {
+    let (mut app, [a, _]) = two_cubes(5.0);
+    let mesh = app.world().get::<Mesh3d>(a).unwrap().0.clone();
+    let pooled = spawn(&mut app, &mesh, 0.5);
+    app.world_mut().entity_mut(pooled).insert(Disabled);
+    for _ in 0..4 {
+        app.update();
+    }
+    assert!(!touches(&app, a, pooled));
+    app.world_mut().entity_mut(pooled).remove::<Disabled>();
+    app.update();
+    assert!(touches(&app, a, pooled));
+
+    // What is shown is swapped while nobody looks.
+    let mut small = cube();
+    small.positions.iter_mut().for_each(|p| *p *= 0.1);
+    let small = add_mesh(&mut app, &small);
+    app.world_mut().entity_mut(pooled).insert(Disabled);
+    app.update();
+    app.world_mut().entity_mut(pooled).insert(Mesh3d(small));
+    move_to(&mut app, pooled, 0.6);
+    for _ in 0..4 {
+        app.update();
+    }
+    app.world_mut().entity_mut(pooled).remove::<Disabled>();
+    settle(&mut app);
+    assert!(!touches(&app, a, pooled), "it ends at 0.55");
+}
+
+#[test]
+fn a_mesh_that_goes_during_a_pause_is_missed_afterwards() {
+    let (mut app, [a, b]) = two_cubes(0.8);
+    app.world_mut().resource_mut::<MorphCollisionSettings>().paused = true;
+    app.update();
+    app.world_mut().entity_mut(b).remove::<Mesh3d>();
+    for _ in 0..5 {
+        app.update();
+    }
+    app.world_mut().resource_mut::<MorphCollisionSettings>().paused = false;
+    app.update();
+    assert!(!touches(&app, a, b));
+    assert_eq!(diagnostics(&app).colliders, 1);
+}

@@ -116,3 +116,15 @@ fn render_layers_and_visibility_are_heeded() {
     picked.app.world_mut().entity_mut(b).insert(ViewVisibility::HIDDEN);
     assert_eq!(picked.over(), []);
 }
+
+#[test]
+fn a_shell_is_not_picked_from_inside_unless_asked_for() {
+    let mut picked = Picked::new();
+    let [a, b] = picked.cubes;
+    let id = RayId::new(picked.camera, PointerId::Mouse);
+    let inside = Ray3d::new(Vec3::new(4.0, 0.1, 0.2), Dir3::NEG_X);
+    picked.app.world_mut().resource_mut::<RayMap>().map.insert(id, inside);
+    assert_eq!(picked.over(), [(a, 3.5)]);
+    picked.app.world_mut().resource_mut::<MorphPickingSettings>().back_faces = true;
+    assert_eq!(picked.over(), [(b, 0.5)]);
+}

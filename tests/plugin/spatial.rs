@@ -97,6 +97,10 @@ fn layers_and_disabled_colliders_are_heeded() {
     assert_eq!(first(&mut app, MorphQueryFilter::on_layers(0b100)), Some(c));
     assert_eq!(first(&mut app, MorphQueryFilter::on_layers(0b011)), Some(a));
     assert_eq!(first(&mut app, MorphQueryFilter::on_layers(0)), None);
+    // What collides with nothing can be seen.
+    app.world_mut().entity_mut(c).insert(MorphCollisionLayers::NONE);
+    app.update();
+    assert_eq!(first(&mut app, any()), Some(c));
 }
 
 #[test]
@@ -289,4 +293,28 @@ fn moeller_trumbore(origin: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> O
     let y = direction.dot(q);
     let t = v.dot(q);
     (determinant != 0.0 && x >= 0.0 && y >= 0.0 && x + y <= 1.0 && t >= 0.0).then_some(t)
+}
+
+#[test]
+fn rays_may_pass_through_what_they_see_from_behind() {
+    let (mut app, [_, b, c]) = three();
+    let cast = |app: &mut App, only_front: bool| {
+        let filter = MorphQueryFilter { only_front, ..any() };
+        // From the middle of the second cube.
+        let hit = ask(app, move |s| {
+            s.cast_ray(Vec3::new(3.0, 0.1, 0.2), Dir3::X, 100.0, &filter)
+        });
+        hit.unwrap().map(|hit| (hit.entity, hit.distance))
+    };
+    assert_eq!(cast(&mut app, false), Some((b, 0.5)));
+    assert_eq!(cast(&mut app, true), Some((c, 2.5)));
+    let filter = MorphQueryFilter {
+        only_front: true,
+        ..any()
+    };
+    let hits = ask(&mut app, move |s| {
+        s.ray_hits(Vec3::new(3.0, 0.1, 0.2), Dir3::X, 100.0, &filter)
+    })
+    .unwrap();
+    assert_eq!(hits.iter().map(|hit| hit.distance).collect::<Vec<_>>(), [2.5]);
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use bevy::prelude::*;
+use bevy_morph_collision::morph_collision::{MorphBvh, Pose};
 use bevy_morph_collision::{MorphTrees, prelude::*};
 
 use crate::log::Errors;
@@ -129,4 +130,33 @@ fn a_collider_waits_for_its_mesh() {
     move_to(&mut app, waiting, 2.5);
     app.update();
     assert_eq!(app.world().resource::<MorphCollisions>().len(), 0);
+}
+
+#[test]
+fn a_mesh_that_is_modified_every_frame_still_gets_trees() {
+    let (mut app, [a, _]) = two_cubes(5.0);
+    let mesh = mesh_of(&app, a);
+    let reach = |app: &App| {
+        app.world()
+            .resource::<MorphTrees>()
+            .get(mesh)
+            .map(|tree| reach_at_rest(tree).to_bits())
+    };
+    let mut trees = std::collections::HashSet::new();
+    for frame in 0..200 {
+        let size = 0.5 + 0.001 * frame as f32;
+        replace(&mut app, mesh, bevy_mesh(&rigid::box_mesh(Vec3::splat(size))));
+        app.update();
+        trees.extend(reach(&app));
+    }
+    assert!(trees.len() > 2, "{} trees", trees.len());
+    settle(&mut app);
+    let tree = app.world().resource::<MorphTrees>().get(mesh).unwrap().clone();
+    let reach = reach_at_rest(&tree);
+    assert!((reach - 0.699).abs() < 1e-4, "the last one is in force: {reach}");
+}
+
+/// How far a mesh at rest reaches.
+fn reach_at_rest(tree: &Arc<MorphBvh>) -> f32 {
+    Pose::new(tree.clone()).bounds().max.x
 }

@@ -55,14 +55,17 @@ impl MorphSurfaceAnchor {
     }
 }
 
-/// Brings every anchored entity to its place.
+/// Brings every anchored entity to its place, those above others in the hierarchy first.
 pub(crate) fn follow_surfaces(
     anchors: Query<(Entity, &MorphSurfaceAnchor, Option<&ChildOf>)>,
     mut colliders: Query<&mut ColliderState>,
     mut transforms: Query<(&mut Transform, &mut GlobalTransform)>,
+    parents: Query<&ChildOf>,
     children: Query<&Children>,
 ) {
-    for (entity, anchor, parent) in &anchors {
+    let mut anchored: Vec<_> = anchors.iter().collect();
+    anchored.sort_by_cached_key(|&(entity, ..)| (parents.iter_ancestors(entity).count(), entity));
+    for (entity, anchor, parent) in anchored {
         let Some(world) = colliders
             .get_mut(anchor.collider)
             .ok()
@@ -75,16 +78,15 @@ pub(crate) fn follow_surfaces(
         let Ok((mut local, mut global)) = transforms.get_mut(entity) else {
             continue;
         };
-        let (_, turned, _) = global.to_scale_rotation_translation();
-        let rotation = world.rotation.unwrap_or(turned);
-        let wanted = GlobalTransform::from(Transform::from_translation(world.point).with_rotation(rotation));
-        let relative = wanted.reparented_to(&world_from_parent);
-        let mut next = Transform {
-            scale: local.scale,
-            ..relative
-        };
-        if world.rotation.is_none() {
-            next.rotation = local.rotation;
+        let parent_from_world = world_from_parent.affine().inverse();
+        let mut next = *local;
+        next.translation = parent_from_world.transform_point3(world.point);
+        if let Some([tangent, normal]) = world.axes {
+            // The parent may be stretched or mirrored: what it makes of +Y is along the normal.
+            let [x, y] = [tangent, normal].map(|axis| parent_from_world.transform_vector3(axis));
+            let y = y.normalize_or_zero();
+            let x = (x - y * y.dot(x)).normalize_or_zero();
+            next.rotation = Quat::from_mat3(&Mat3::from_cols(x, y, x.cross(y))).normalize();
         }
         if next != *local && next.is_finite() {
             *local = next;
@@ -95,10 +97,10 @@ pub(crate) fn follow_surfaces(
     }
 }
 
-/// Where an anchor is, and how it is turned if it is.
+/// Where an anchor is, and the surface's tangent and normal if it turns with them.
 struct Anchored {
     point: Vec3,
-    rotation: Option<Quat>,
+    axes: Option<[Vec3; 2]>,
 }
 
 fn place(anchor: &MorphSurfaceAnchor, state: &mut ColliderState) -> Option<Anchored> {
@@ -113,16 +115,11 @@ fn place(anchor: &MorphSurfaceAnchor, state: &mut ColliderState) -> Option<Ancho
     let Some(frame) = on_surface.frame(Body::new(pose, &world_from_model)) else {
         // A triangle without area has a place still.
         let point = on_surface.point(Body::new(pose, &world_from_model))?.as_vec3();
-        return Some(Anchored { point, rotation: None });
+        return Some(Anchored { point, axes: None });
     };
-    let rotation = Mat3::from_cols(
-        frame.tangent.as_vec3(),
-        frame.normal.as_vec3(),
-        -frame.bitangent.as_vec3(),
-    );
     Some(Anchored {
         point: (frame.point + frame.normal * f64::from(anchor.offset)).as_vec3(),
-        rotation: anchor.align.then(|| Quat::from_mat3(&rotation).normalize()),
+        axes: anchor.align.then(|| [frame.tangent.as_vec3(), frame.normal.as_vec3()]),
     })
 }
 

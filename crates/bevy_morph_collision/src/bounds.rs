@@ -55,6 +55,7 @@ impl Plugin for MorphBoundsPlugin {
                 MorphBoundsSystems::Redraw.after(VisibilitySystems::MarkNewlyHiddenEntitiesInvisible),
             ),
         )
+        .add_observer(forget_morphed_bounds)
         .add_systems(
             PostUpdate,
             (
@@ -105,7 +106,7 @@ fn update_bounds(
     poses.retain(|&(mesh, settings), _| trees.with_settings(mesh, settings).is_some());
     for (mesh, weights, mut aabb) in &mut meshes {
         let key = (mesh.id(), None);
-        let Some(tree) = trees.with_settings(key.0, None) else {
+        let Some(tree) = trees.up_to_date(key) else {
             continue;
         };
         let weights = match weights {
@@ -136,6 +137,17 @@ fn current<'a>(poses: &'a mut Poses, key: TreeKey, tree: &Arc<MorphBvh>) -> &'a 
         *pose = Pose::new(tree.clone());
     }
     pose
+}
+
+/// Without weights a mesh is drawn at rest: Bevy calculates its box again.
+fn forget_morphed_bounds(
+    removed: On<Remove<MeshMorphWeights>>,
+    culled: Query<(), (With<Mesh3d>, Without<NoAutoAabb>, Without<NoFrustumCulling>)>,
+    mut commands: Commands,
+) {
+    if culled.contains(removed.entity) {
+        commands.entity(removed.entity).try_remove::<Aabb>();
+    }
 }
 
 /// Flags morphing meshes that came into view for two more frames, so that Bevy takes over their weights.

@@ -171,6 +171,11 @@ enum BadPlace {
 }
 
 impl Candidates {
+    /// The number of the last run.
+    pub(crate) fn run(&self) -> u32 {
+        self.run
+    }
+
     fn sweep(&mut self, colliders: &Query<Participant>) {
         self.counts = Counts::default();
         self.colliders.clear();

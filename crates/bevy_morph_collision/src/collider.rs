@@ -3,6 +3,7 @@
 use bevy::prelude::*;
 use morph_collision::{Aabb, PlacedShape, Pose, WorldFromModel};
 
+use crate::import::TreeKey;
 use crate::layers::MorphCollisionLayers;
 
 /// Makes the [`Mesh3d`] of this entity, or its [`MorphShape`](crate::MorphShape), collide: the mesh at its current morph
@@ -69,7 +70,9 @@ pub struct MorphBody(#[entities] pub Entity);
 /// The plugin's state of one collider.
 #[derive(Component, Default)]
 pub(crate) struct ColliderState {
-    /// The instance of the mesh's tree; none while there is no tree.
+    /// Which tree it has, or waits for.
+    pub(crate) tree: Option<TreeKey>,
+    /// The instance of that tree; none while there is none.
     pub(crate) pose: Option<Pose>,
     /// How it took part in the last run; none if it did not.
     pub(crate) placed: Option<Placement>,

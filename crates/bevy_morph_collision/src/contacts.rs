@@ -20,6 +20,9 @@ pub struct MorphCollisions {
     pub(crate) started: Vec<(Entity, Entity)>,
     #[reflect(ignore)]
     pub(crate) ended: Vec<MorphContact>,
+    /// Whether anything was compared in this run.
+    #[reflect(ignore)]
+    pub(crate) compared: bool,
 }
 
 /// Two colliders that touch, `collider1 < collider2`.

@@ -2,6 +2,7 @@
 
 use bevy::platform::time::Instant;
 
+use bevy::ecs::entity::EntityHashMap;
 use bevy::prelude::*;
 use tracing::debug_span;
 
@@ -135,34 +136,30 @@ fn both_ways(contact: &MorphContact) -> [([Entity; 4], Vec3); 2] {
     ]
 }
 
-/// Brings [`MorphCollidingEntities`] up to date where contacts started or ended, and where they are new.
+/// Brings [`MorphCollidingEntities`] up to date where anything was compared, or the component is new.
 pub(crate) fn list_colliding_entities(
     collisions: Res<MorphCollisions>,
     mut lists: Query<(Entity, &mut MorphCollidingEntities)>,
 ) {
-    for contact in collisions.ended() {
-        for collider in [contact.collider1, contact.collider2] {
-            if let (Ok((_, mut list)), Some(other)) = (lists.get_mut(collider), contact.other(collider)) {
-                list.0.retain(|&entity| entity != other);
-            }
-        }
+    if !collisions.compared && !lists.iter_mut().any(|(_, list)| list.is_changed()) {
+        return;
     }
-    for contact in collisions.started() {
-        for collider in [contact.collider1, contact.collider2] {
-            if let (Ok((_, mut list)), Some(other)) = (lists.get_mut(collider), contact.other(collider))
-                && let Err(place) = list.0.binary_search(&other)
-            {
-                list.0.insert(place, other);
+    let mut touching: EntityHashMap<Vec<Entity>> = lists.iter().map(|(collider, _)| (collider, Vec::new())).collect();
+    for contact in collisions.iter() {
+        for (collider, other) in [
+            (contact.collider1, contact.collider2),
+            (contact.collider2, contact.collider1),
+        ] {
+            if let Some(list) = touching.get_mut(&collider) {
+                list.push(other);
             }
         }
     }
     for (collider, mut list) in &mut lists {
-        if list.is_added() {
-            list.0 = collisions
-                .of(collider)
-                .filter_map(|contact| contact.other(collider))
-                .collect();
-            list.0.sort_unstable();
+        let mut now = touching.remove(&collider).unwrap_or_default();
+        now.sort_unstable();
+        if list.0 != now {
+            list.0 = now;
         }
     }
 }

@@ -38,6 +38,8 @@ pub struct MorphPickingPlugin;
 pub struct MorphPickingSettings {
     /// Whether only colliders with a [`Pickable`] component are hit.
     pub require_pickable: bool,
+    /// Whether triangles are hit from behind, too: for materials that are drawn from both sides.
+    pub back_faces: bool,
 }
 
 /// What a hit of [`MorphPickingPlugin`] tells beyond Bevy's [`HitData`].
@@ -107,7 +109,10 @@ fn hit_colliders(
                     && visible.is_none_or(|visible| visible.get())
                     && !passed.contains(&entity)
             };
-            let filter = MorphQueryFilter::default();
+            let filter = MorphQueryFilter {
+                only_front: !settings.back_faces,
+                ..default()
+            };
             let hit = spatial.cast_ray_where(ray.origin, ray.direction, f32::INFINITY, &filter, can_pick);
             let hit = match hit {
                 Ok(Some(hit)) => hit,

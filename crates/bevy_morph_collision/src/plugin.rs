@@ -117,10 +117,12 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .init_resource::<MorphCollisions>()
         .init_resource::<MorphCollisionDiagnostics>()
         .init_resource::<MorphCollisionSettings>()
+        .init_resource::<scene::LookAgain>()
         .add_message::<MorphCollisionStart>()
         .add_message::<MorphCollisionEnd>()
         .add_observer(collider::forget_collider)
-        .add_observer(scene::forget_scene);
+        .add_observer(scene::forget_scene)
+        .add_observer(scene::look_again);
     register_types(app);
 
     use MorphCollisionSystems as Stage;

@@ -1,6 +1,7 @@
 //! Scenes whose meshes become colliders by themselves.
 
 use bevy::ecs::entity::EntityHashSet;
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 
@@ -44,6 +45,24 @@ impl Default for MorphColliderScene {
     }
 }
 
+/// What a scene gave to one of its parts, and takes back.
+#[derive(Component)]
+pub(crate) struct ScenePart {
+    root: Entity,
+    collider: bool,
+    body: bool,
+    events: bool,
+}
+
+/// Set when something came into the world unnoticed by change detection: all scenes are looked through.
+#[derive(Resource, Default)]
+pub(crate) struct LookAgain(bool);
+
+/// What is enabled again may have changed meanwhile.
+pub(crate) fn look_again(_: On<Remove<Disabled>>, mut look_again: ResMut<LookAgain>) {
+    look_again.0 = true;
+}
+
 /// What may be a new part of a scene, or lead to one.
 type PartNews = Or<(Added<Mesh3d>, Added<MeshMorphWeights>, Changed<ChildOf>, Changed<Name>)>;
 
@@ -58,23 +77,47 @@ pub(crate) fn add_scene_parts(
     mut commands: Commands,
     scenes: Query<&MorphColliderScene>,
     changed_scenes: Query<Entity, Changed<MorphColliderScene>>,
+    all_scenes: Query<Entity, With<MorphColliderScene>>,
+    look_again: Res<LookAgain>,
     news: Query<Entity, PartNews>,
     names: Query<&Name>,
     parents: Query<&ChildOf>,
     children: Query<&Children>,
     meshes: Query<PartHas, With<Mesh3d>>,
+    parts: Query<(Entity, &ScenePart)>,
+    mut orphaned: RemovedComponents<ChildOf>,
 ) {
+    let moved = !news.is_empty() || orphaned.read().count() > 0;
+    if moved || look_again.0 {
+        // Parts that hang on another scene now, or on none.
+        for (part, of) in parts
+            .iter()
+            .filter(|(part, of)| scene_root(*part, &scenes, &parents) != Some(of.root))
+        {
+            of.take_back(commands.entity(part));
+        }
+    }
     if scenes.is_empty() {
         return;
     }
     let mut roots: EntityHashSet = changed_scenes.iter().collect();
     roots.extend(news.iter().filter_map(|part| scene_root(part, &scenes, &parents)));
+    if look_again.0 {
+        roots.extend(&all_scenes);
+    }
     for root in roots {
         let Ok(scene) = scenes.get(root) else { continue };
         for part in std::iter::once(root).chain(children.iter_descendants(root)) {
-            let Ok((morphs, is_collider, has_body)) = meshes.get(part) else {
+            let Ok((morphs, mut is_collider, mut has_body)) = meshes.get(part) else {
                 continue;
             };
+            let before = parts.get(part).ok().map(|(_, before)| before);
+            if let Some(before) = before.filter(|before| before.root != root) {
+                // Taken back above.
+                (is_collider, has_body) = (is_collider && !before.collider, has_body && !before.body);
+            } else if before.is_some() {
+                continue;
+            }
             // A scene within a scene is a body of its own.
             if scene_root(part, &scenes, &parents) != Some(root) || (scene.only_morphing && !morphs && !is_collider) {
                 continue;
@@ -83,15 +126,36 @@ pub(crate) fn add_scene_parts(
                 continue;
             }
             let mut part = commands.entity(part);
+            part.try_insert(ScenePart {
+                root,
+                collider: !is_collider,
+                body: !has_body,
+                events: !is_collider && scene.events,
+            });
             if !is_collider {
-                part.insert((scene.collider, scene.layers));
+                part.try_insert((scene.collider, scene.layers));
                 if scene.events {
-                    part.insert(MorphCollisionEventsEnabled);
+                    part.try_insert(MorphCollisionEventsEnabled);
                 }
             }
             if !has_body {
-                part.insert(MorphBody(root));
+                part.try_insert(MorphBody(root));
             }
+        }
+    }
+}
+
+impl ScenePart {
+    fn take_back(&self, mut part: EntityCommands<'_>) {
+        part.try_remove::<Self>();
+        if self.collider {
+            part.try_remove::<(MorphCollider, MorphCollisionLayers)>();
+        }
+        if self.body {
+            part.try_remove::<MorphBody>();
+        }
+        if self.events {
+            part.try_remove::<MorphCollisionEventsEnabled>();
         }
     }
 }
@@ -126,37 +190,37 @@ type LooseMorphs = (With<Mesh3d>, Without<MorphCollider>);
 pub(crate) fn add_every_morphing_mesh(
     mut commands: Commands,
     settings: Res<MorphCollisionSettings>,
+    mut look_again: ResMut<LookAgain>,
     fresh: Query<Entity, (LooseMorphs, Or<(Added<Mesh3d>, Added<MeshMorphWeights>)>)>,
     all: Query<Entity, (LooseMorphs, With<MeshMorphWeights>)>,
     bodies: Query<(), With<MorphBody>>,
     parents: Query<&ChildOf>,
 ) {
+    let again = std::mem::take(&mut look_again.bypass_change_detection().0);
     let Some(collider) = settings.every_morphing_mesh else {
         return;
     };
     let mut add = |mesh: Entity| {
         let mut entity = commands.entity(mesh);
-        entity.insert(collider);
+        entity.try_insert(collider);
         if !bodies.contains(mesh) {
-            entity.insert(MorphBody(parents.root_ancestor(mesh)));
+            entity.try_insert(MorphBody(parents.root_ancestor(mesh)));
         }
     };
-    if settings.is_changed() {
+    if settings.is_changed() || again {
         all.iter().for_each(&mut add);
     } else {
         fresh.iter().filter(|&mesh| all.contains(mesh)).for_each(&mut add);
     }
 }
 
-/// Parts of a scene that collides no longer are ordinary meshes again.
+/// Parts of a scene that collides no longer are what they were before it.
 pub(crate) fn forget_scene(
     removed: On<Remove<MorphColliderScene>>,
-    parts: Query<(Entity, &MorphBody), With<MorphCollider>>,
+    parts: Query<(Entity, &ScenePart)>,
     mut commands: Commands,
 ) {
-    for (part, _) in parts.iter().filter(|(_, body)| body.0 == removed.entity) {
-        commands
-            .entity(part)
-            .try_remove::<(MorphCollider, MorphBody, MorphCollisionEventsEnabled)>();
+    for (part, of) in parts.iter().filter(|(_, of)| of.root == removed.entity) {
+        of.take_back(commands.entity(part));
     }
 }

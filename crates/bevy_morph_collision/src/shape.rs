@@ -1,5 +1,6 @@
 //! Rigid primitive shapes as colliders.
 
+use bevy::math::Mat3A;
 use bevy::prelude::*;
 use morph_collision::{Aabb, PlacedShape, Shape, ShapeError, WorldFromShape};
 
@@ -8,7 +9,7 @@ use crate::collider::MorphCollider;
 /// A rigid primitive shape that collides with morphing and rigid meshes, in place of a [`Mesh3d`].
 ///
 /// Shapes are solid, and stand where the [`GlobalTransform`] says. A box takes its scale axis by axis, a capsule's length that
-/// along y; radii take the largest scale of the axes they are round about. Shear is left out. Two shapes never
+/// along y; radii take the largest scale of the axes they are round about. What is sheared keeps its right angles. Two shapes never
 /// collide with each other: that is a physics engine's work. Spatial queries look at meshes only.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, Clone, PartialEq)]
@@ -41,8 +42,8 @@ pub enum MorphShape {
 impl MorphShape {
     /// The shape in world space, and a box around it.
     pub(crate) fn place(&self, transform: &GlobalTransform) -> Result<(PlacedShape, Aabb), ShapeError> {
-        let (scale, rotation, translation) = transform.to_scale_rotation_translation();
-        let scale = scale.abs();
+        let (scale, rotation) = scale_and_rotation(transform.affine().matrix3);
+        let translation = transform.translation();
         let place = WorldFromShape::new(rotation, translation)?;
         let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| rotation * axis);
         let (shape, half) = match *self {
@@ -71,6 +72,21 @@ impl MorphShape {
         };
         Ok((shape, bounds))
     }
+}
+
+/// The lengths of the axes, and the rotation that takes them nearest to where they are in turn: the first one exactly, the second
+/// as far as it is across the first. A mirrored third axis is as good for shapes that are symmetric.
+fn scale_and_rotation(linear: Mat3A) -> (Vec3, Quat) {
+    let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis].map(Vec3::from);
+    let scale = Vec3::new(x.length(), y.length(), z.length());
+    let x = x
+        .try_normalize()
+        .unwrap_or_else(|| y.cross(z).try_normalize().unwrap_or(Vec3::X));
+    let across = |v: Vec3| (v - x * x.dot(v)).try_normalize();
+    let y = across(y)
+        .or_else(|| across(z.cross(x)))
+        .unwrap_or_else(|| x.any_orthonormal_vector());
+    (scale, Quat::from_mat3(&Mat3::from_cols(x, y, x.cross(y))).normalize())
 }
 
 #[cfg(test)]
@@ -115,6 +131,32 @@ mod tests {
                 assert!(nearest > 0.0, "{shape:?} reaches through its box by {nearest}");
                 assert!(nearest < 0.1, "{shape:?}'s box is {nearest} away");
             }
+        }
+    }
+
+    #[test]
+    fn sheared_flattened_and_mirrored_places_have_a_rotation() {
+        let turned = Mat3A::from_quat(Quat::from_euler(EulerRot::XYZ, 0.5, 1.0, -0.7));
+        let scaled = |x: f32, y: f32, z: f32| Mat3A::from_diagonal(Vec3::new(x, y, z));
+        for linear in [
+            scaled(1.0, 3.0, 1.0) * turned,
+            scaled(1.0, 1.3, 1.0) * turned * scaled(-1.0, 1.0, 2.0),
+            scaled(0.0, 1.0, 1.0) * turned,
+            turned * scaled(0.0, 1.0, 1.0),
+            turned * scaled(1.0, 0.0, 0.0),
+            Mat3A::ZERO,
+        ] {
+            let (scale, rotation) = scale_and_rotation(linear);
+            assert!(
+                (rotation.length() - 1.0).abs() < 1e-5 && scale.is_finite(),
+                "{linear:?}"
+            );
+            if scale.x > 0.0 {
+                let x = Vec3::from(linear.x_axis).normalize();
+                assert!((rotation * Vec3::X).distance(x) < 1e-5, "{linear:?}");
+            }
+            let place = GlobalTransform::from(Affine3A::from_mat3_translation(linear.into(), Vec3::ONE));
+            assert!(MorphShape::Ball { radius: 1.0 }.place(&place).is_ok());
         }
     }
 

@@ -11,6 +11,7 @@ use tracing::error;
 
 use super::mesh_data::{ImportError, MeshData};
 use super::tree_settings::{MorphTreeOptions, MorphTreeSettings};
+use crate::broad_phase::Candidates;
 use crate::collider::{ColliderState, MorphCollider};
 use crate::diagnostics::MorphCollisionDiagnostics;
 
@@ -41,6 +42,8 @@ pub(crate) type TreeKey = (AssetId<Mesh>, Option<MorphTreeSettings>);
 struct MeshTree {
     tree: Option<Arc<MorphBvh>>,
     building: Option<Task<Result<MorphBvh, ImportError>>>,
+    /// Whether the mesh was modified after what is being built was read.
+    outdated: bool,
     error: Option<ImportError>,
     /// The collider that asked first, for messages.
     asked_by: Entity,
@@ -89,6 +92,13 @@ impl MorphTrees {
     pub(crate) fn is_stale(&self) -> bool {
         self.stale
     }
+
+    /// The tree of a mesh as it is now, if there is one: none while a modified mesh is being built, or could not be.
+    pub(crate) fn up_to_date(&self, key: TreeKey) -> Option<&Arc<MorphBvh>> {
+        let entry = self.of_mesh.get(&key)?;
+        let current = entry.building.is_none() && entry.error.is_none();
+        entry.tree.as_ref().filter(|_| current)
+    }
 }
 
 impl std::fmt::Debug for MorphTrees {
@@ -115,7 +125,11 @@ pub(crate) fn follow_asset_events(
             AssetEvent::Modified { id } => {
                 let Some(mesh) = meshes.get(id) else { continue };
                 for (key, entry) in trees.of_mesh.iter_mut().filter(|((of, _), _)| *of == id) {
-                    entry.start(key, mesh, &options.0, &complaints);
+                    // A mesh that is modified all the time still gets trees.
+                    entry.outdated = entry.building.is_some();
+                    if !entry.outdated {
+                        entry.start(key, mesh, &options.0, &complaints);
+                    }
                 }
             }
             AssetEvent::Removed { id } | AssetEvent::Unused { id } => {
@@ -132,27 +146,23 @@ pub(crate) fn follow_asset_events(
     }
 }
 
-/// What a collider has to do with a tree.
-type Shows = (Entity, &'static Mesh3d, Option<&'static MorphTreeSettings>);
+/// What decides which tree a collider has.
+type Shows = (Option<&'static Mesh3d>, Option<&'static MorphTreeSettings>);
 
-/// Colliders that show another mesh than before, or want another tree of it.
-type ShowsAnew = Or<(Added<MorphCollider>, Changed<Mesh3d>, Changed<MorphTreeSettings>)>;
+fn key_of((mesh, settings): (Option<&Mesh3d>, Option<&MorphTreeSettings>)) -> Option<TreeKey> {
+    mesh.map(|mesh| (mesh.id(), settings.copied()))
+}
 
-/// Trees of meshes that a collider shows for the first time are asked for.
+/// Trees that a collider has not had yet are asked for.
 pub(crate) fn request_trees(
-    anew: Query<Shows, (With<MorphCollider>, ShowsAnew)>,
-    all: Query<Shows, With<MorphCollider>>,
-    mut unset: RemovedComponents<MorphTreeSettings>,
+    colliders: Query<(Entity, Shows, &ColliderState), With<MorphCollider>>,
     mut trees: ResMut<MorphTrees>,
 ) {
-    let every = trees.stale | (unset.read().count() > 0);
-    let mut request = |(entity, mesh, settings): (Entity, &Mesh3d, Option<&MorphTreeSettings>)| {
-        trees.request((mesh.id(), settings.copied()), entity);
-    };
-    if every {
-        all.iter().for_each(&mut request);
-    } else {
-        anew.iter().for_each(&mut request);
+    for (entity, shows, state) in &colliders {
+        let key = key_of(shows);
+        if let Some(key) = key.filter(|_| trees.stale || key != state.tree) {
+            trees.request(key, entity);
+        }
     }
 }
 
@@ -173,6 +183,7 @@ pub(crate) fn start_trees(
         let mut entry = MeshTree {
             tree: None,
             building: None,
+            outdated: false,
             error: None,
             asked_by,
         };
@@ -183,7 +194,7 @@ pub(crate) fn start_trees(
 }
 
 impl MeshTree {
-    /// Reads the mesh and begins a tree in the background; what was being built before is dropped.
+    /// Reads the mesh and begins a tree in the background.
     fn start(&mut self, key: &TreeKey, mesh: &Mesh, options: &BuildOptions, complaints: &Complaints) {
         self.building = None;
         match MeshData::read(mesh) {
@@ -203,9 +214,14 @@ impl MeshTree {
 }
 
 /// Trees that are done replace the ones before.
-pub(crate) fn finish_trees(mut trees: ResMut<MorphTrees>, complaints: Complaints) {
+pub(crate) fn finish_trees(
+    mut trees: ResMut<MorphTrees>,
+    options: Res<MorphTreeOptions>,
+    meshes: Res<Assets<Mesh>>,
+    complaints: Complaints,
+) {
     let MorphTrees { of_mesh, version, .. } = trees.bypass_change_detection();
-    for (&(id, _), entry) in of_mesh {
+    for (key, entry) in of_mesh {
         let Some(result) = entry.building.as_mut().and_then(check_ready) else {
             continue;
         };
@@ -216,40 +232,47 @@ pub(crate) fn finish_trees(mut trees: ResMut<MorphTrees>, complaints: Complaints
                 entry.tree = Some(Arc::new(tree));
                 entry.error = None;
             }
-            Err(error) => entry.fail(id, error, &complaints),
+            Err(error) => entry.fail(key.0, error, &complaints),
+        }
+        if std::mem::take(&mut entry.outdated)
+            && let Some(mesh) = meshes.get(key.0)
+        {
+            entry.start(key, mesh, &options.0, &complaints);
         }
     }
 }
 
 /// Colliders whose mesh or tree is another one than before get a new pose, or none while there is no tree.
+///
+/// Mesh and settings are compared by value: this may run less often than changes are remembered, and not while an entity is disabled.
 pub(crate) fn hand_out_trees(
-    mut anew: ParamSet<(
-        Query<(Option<&Mesh3d>, Option<&MorphTreeSettings>, &mut ColliderState), (With<MorphCollider>, ShowsAnew)>,
-        Query<(Option<&Mesh3d>, Option<&MorphTreeSettings>, &mut ColliderState), With<MorphCollider>>,
-    )>,
-    mut unset: RemovedComponents<MorphTreeSettings>,
-    mut undone: RemovedComponents<Mesh3d>,
-    trees: Res<MorphTrees>,
+    mut colliders: Query<(Entity, Shows, &mut ColliderState), With<MorphCollider>>,
+    candidates: Res<Candidates>,
+    mut trees: ResMut<MorphTrees>,
     mut version: Local<u64>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
     let start = Instant::now();
-    let every = unset.read().count() + undone.read().count() > 0 || *version != trees.version;
+    let every = *version != trees.version;
     *version = trees.version;
-    let hand_out = |(mesh, settings, state): (Option<&Mesh3d>, Option<&MorphTreeSettings>, Mut<ColliderState>)| {
-        let tree = mesh.and_then(|mesh| trees.with_settings(mesh.id(), settings.copied()));
-        state.into_inner().take_tree(tree);
-    };
-    if every {
-        anew.p1().iter_mut().for_each(hand_out);
-    } else {
-        anew.p0().iter_mut().for_each(hand_out);
+    for (entity, shows, mut state) in &mut colliders {
+        let key = key_of(shows);
+        let was_away = state.seen != candidates.run();
+        if !every && !was_away && state.tree == key {
+            continue;
+        }
+        if let Some(key) = key.filter(|_| was_away) {
+            trees.request(key, entity);
+        }
+        let tree = key.and_then(|(mesh, settings)| trees.with_settings(mesh, settings));
+        state.take_tree(key, tree);
     }
     diagnostics.duration += start.elapsed();
 }
 
 impl ColliderState {
-    fn take_tree(&mut self, tree: Option<&Arc<MorphBvh>>) {
+    fn take_tree(&mut self, key: Option<TreeKey>, tree: Option<&Arc<MorphBvh>>) {
+        self.tree = key;
         let is_current = match (tree, self.pose.as_ref().map(Pose::bvh)) {
             (Some(tree), Some(current)) => Arc::ptr_eq(tree, current),
             (None, None) => true,

@@ -63,7 +63,8 @@ pub(crate) fn find_contacts(
     let collisions = &mut *collisions;
     collisions.started.clear();
     collisions.ended.clear();
-    if std::mem::take(&mut candidates.changed) {
+    collisions.compared = std::mem::take(&mut candidates.changed);
+    if collisions.compared {
         let scratch = &mut *scratch;
         scratch.answers.clear();
         scratch.set_remember(&settings);
@@ -93,6 +94,7 @@ impl MorphCollisions {
             current,
             started,
             ended,
+            ..
         } = self;
         for contact in current.extract_if(.., |pair, _| candidates.binary_search(pair).is_err()) {
             ended.push(contact.1);

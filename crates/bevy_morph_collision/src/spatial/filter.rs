@@ -2,22 +2,24 @@ use bevy::prelude::*;
 
 use crate::layers::MorphCollisionLayers;
 
-/// Which colliders a spatial query looks at; by default all.
+/// Which colliders a spatial query looks at; by default all, whatever they collide with.
 #[derive(Clone, Debug, Default)]
 pub struct MorphQueryFilter {
-    /// The query's own layers: it looks at the colliders that it [interacts with](MorphCollisionLayers::interacts_with).
-    pub layers: MorphCollisionLayers,
+    /// Only colliders on at least one of these layers, a bit each; what they themselves collide with does not matter.
+    pub layers: Option<u32>,
     /// Colliders to leave out, and bodies with all their colliders.
     pub excluded: Vec<Entity>,
+    /// Whether rays pass through triangles that they see from behind.
+    pub only_front: bool,
 }
 
 impl MorphQueryFilter {
-    /// Only colliders on one of some layers, which they may keep to themselves.
+    /// Only colliders on at least one of some layers.
     #[must_use]
     pub fn on_layers(memberships: u32) -> Self {
         Self {
-            layers: MorphCollisionLayers::new(u32::MAX, memberships),
-            excluded: Vec::new(),
+            layers: Some(memberships),
+            ..Self::default()
         }
     }
 
@@ -29,6 +31,7 @@ impl MorphQueryFilter {
     }
 
     pub(super) fn takes(&self, collider: Entity, body: Entity, layers: MorphCollisionLayers) -> bool {
-        self.layers.interacts_with(layers) && !self.excluded.iter().any(|&out| out == collider || out == body)
+        self.layers.is_none_or(|wanted| wanted & layers.memberships != 0)
+            && !self.excluded.iter().any(|&out| out == collider || out == body)
     }
 }

@@ -2,7 +2,7 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use morph_collision::{Aabb, InputError, Ray, RayHit};
+use morph_collision::{Aabb, Facing, InputError, Ray, RayHit};
 
 use super::query::body;
 use super::{MorphQueryFilter, MorphRayHit, MorphSpatialQuery};
@@ -48,7 +48,7 @@ impl MorphSpatialQuery<'_, '_> {
                 continue;
             };
             let Some(body) = body(&mut state) else { continue };
-            let hit = self.queries.ray.closest(body, &ray).0;
+            let hit = self.queries.ray.closest_where(body, &ray, |hit| filter.sees(hit)).0;
             if let Some(hit) = hit.filter(|hit| best.is_none_or(|(_, before)| hit.distance < before.distance)) {
                 best = Some((entity, hit));
             }
@@ -79,7 +79,8 @@ impl MorphSpatialQuery<'_, '_> {
             {
                 self.queries.ray.all(body, &ray, &mut hits);
             }
-            all.extend(hits.iter().map(|hit| self.ray_hit(entity, hit)));
+            let seen = hits.iter().filter(|hit| filter.sees(hit));
+            all.extend(seen.map(|hit| self.ray_hit(entity, hit)));
             self.queries.hits = hits;
         }
         self.queries.near = near;
@@ -132,4 +133,10 @@ fn enters(bounds: &Aabb, origin: Vec3, direction: Vec3, max_distance: f32) -> Op
     }
     // Below what is rounded.
     (first <= last + slack).then_some(((first - slack) * (1.0 - 1e-6)) as f32)
+}
+
+impl MorphQueryFilter {
+    fn sees(&self, hit: &RayHit) -> bool {
+        !self.only_front || hit.facing != Facing::Back
+    }
 }

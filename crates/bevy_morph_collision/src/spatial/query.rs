@@ -18,7 +18,7 @@ use crate::narrow_phase::world_triangle;
 /// [disabled](crate::MorphColliderDisabled), or whose mesh is not loaded yet, are not there. Primitive shapes are not
 /// looked at.
 ///
-/// A number that is not finite is an [`InputError`].
+/// A number that is not finite is an [`InputError`](morph_collision::InputError).
 ///
 /// ```
 /// # use bevy::prelude::*;

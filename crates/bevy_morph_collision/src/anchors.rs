@@ -1,9 +1,12 @@
 //! Entities that stick to a posed surface.
 
+use bevy::platform::time::Instant;
+
 use bevy::prelude::*;
 use morph_collision::{Body, SurfaceAnchor};
 
 use crate::collider::{ColliderState, Form};
+use crate::diagnostics::MorphCollisionDiagnostics;
 use crate::spatial::MorphRayHit;
 
 /// Keeps this entity on a place of a collider's surface as the shape morphs and moves: for decals, hats, particles.
@@ -62,7 +65,9 @@ pub(crate) fn follow_surfaces(
     mut transforms: Query<(&mut Transform, &mut GlobalTransform)>,
     parents: Query<&ChildOf>,
     children: Query<&Children>,
+    mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
+    let start = Instant::now();
     let mut anchored: Vec<_> = anchors.iter().collect();
     anchored.sort_by_cached_key(|&(entity, ..)| (parents.iter_ancestors(entity).count(), entity));
     for (entity, anchor, parent) in anchored {
@@ -95,6 +100,7 @@ pub(crate) fn follow_surfaces(
             spread(entity, below, &children, &mut transforms);
         }
     }
+    diagnostics.duration += start.elapsed();
 }
 
 /// Where an anchor is, and the surface's tangent and normal if it turns with them.

@@ -38,8 +38,15 @@ pub struct MorphCollisionDiagnostics {
     pub duration: Duration,
 }
 
-pub(crate) fn begin_run(mut diagnostics: ResMut<MorphCollisionDiagnostics>) {
-    *diagnostics = MorphCollisionDiagnostics::default();
+/// Time spent on colliders and scenes since the last run began: they are looked through in every frame, before it or without it.
+#[derive(Resource, Default)]
+pub(crate) struct Preparation(pub(crate) Duration);
+
+pub(crate) fn begin_run(mut diagnostics: ResMut<MorphCollisionDiagnostics>, mut preparation: ResMut<Preparation>) {
+    *diagnostics = MorphCollisionDiagnostics {
+        duration: std::mem::take(&mut preparation.0),
+        ..default()
+    };
 }
 
 #[cfg(feature = "diagnostics")]

@@ -140,10 +140,12 @@ fn both_ways(contact: &MorphContact) -> [([Entity; 4], Vec3); 2] {
 pub(crate) fn list_colliding_entities(
     collisions: Res<MorphCollisions>,
     mut lists: Query<(Entity, &mut MorphCollidingEntities)>,
+    mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
     if !collisions.compared && !lists.iter_mut().any(|(_, list)| list.is_changed()) {
         return;
     }
+    let start = Instant::now();
     let mut touching: EntityHashMap<Vec<Entity>> = lists.iter().map(|(collider, _)| (collider, Vec::new())).collect();
     for contact in collisions.iter() {
         for (collider, other) in [
@@ -162,4 +164,5 @@ pub(crate) fn list_colliding_entities(
             list.0 = now;
         }
     }
+    diagnostics.duration += start.elapsed();
 }

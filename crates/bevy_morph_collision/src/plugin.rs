@@ -117,6 +117,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .init_resource::<MorphCollisions>()
         .init_resource::<MorphCollisionDiagnostics>()
         .init_resource::<MorphCollisionSettings>()
+        .init_resource::<diagnostics::Preparation>()
         .init_resource::<scene::LookAgain>()
         .add_message::<MorphCollisionStart>()
         .add_message::<MorphCollisionEnd>()

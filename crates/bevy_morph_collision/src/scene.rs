@@ -1,11 +1,14 @@
 //! Scenes whose meshes become colliders by themselves.
 
+use bevy::platform::time::Instant;
+
 use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 
 use crate::collider::{MorphBody, MorphCollider};
+use crate::diagnostics::Preparation;
 use crate::events::MorphCollisionEventsEnabled;
 use crate::layers::MorphCollisionLayers;
 use crate::settings::MorphCollisionSettings;
@@ -86,7 +89,9 @@ pub(crate) fn add_scene_parts(
     meshes: Query<PartHas, With<Mesh3d>>,
     parts: Query<(Entity, &ScenePart)>,
     mut orphaned: RemovedComponents<ChildOf>,
+    mut preparation: ResMut<Preparation>,
 ) {
+    let start = Instant::now();
     let moved = !news.is_empty() || orphaned.read().count() > 0;
     if moved || look_again.0 {
         // Parts that hang on another scene now, or on none.
@@ -97,11 +102,10 @@ pub(crate) fn add_scene_parts(
             of.take_back(commands.entity(part));
         }
     }
-    if scenes.is_empty() {
-        return;
-    }
     let mut roots: EntityHashSet = changed_scenes.iter().collect();
-    roots.extend(news.iter().filter_map(|part| scene_root(part, &scenes, &parents)));
+    if !scenes.is_empty() {
+        roots.extend(news.iter().filter_map(|part| scene_root(part, &scenes, &parents)));
+    }
     if look_again.0 {
         roots.extend(&all_scenes);
     }
@@ -143,6 +147,7 @@ pub(crate) fn add_scene_parts(
             }
         }
     }
+    preparation.0 += start.elapsed();
 }
 
 impl ScenePart {

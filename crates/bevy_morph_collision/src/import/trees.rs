@@ -13,7 +13,7 @@ use super::mesh_data::{ImportError, MeshData};
 use super::tree_settings::{MorphTreeOptions, MorphTreeSettings};
 use crate::broad_phase::Candidates;
 use crate::collider::{ColliderState, MorphCollider};
-use crate::diagnostics::MorphCollisionDiagnostics;
+use crate::diagnostics::{MorphCollisionDiagnostics, Preparation};
 
 /// The collision trees of all meshes that a collider has asked for.
 ///
@@ -157,13 +157,16 @@ fn key_of((mesh, settings): (Option<&Mesh3d>, Option<&MorphTreeSettings>)) -> Op
 pub(crate) fn request_trees(
     colliders: Query<(Entity, Shows, &ColliderState), With<MorphCollider>>,
     mut trees: ResMut<MorphTrees>,
+    mut preparation: ResMut<Preparation>,
 ) {
+    let start = Instant::now();
     for (entity, shows, state) in &colliders {
         let key = key_of(shows);
         if let Some(key) = key.filter(|_| trees.stale || key != state.tree) {
             trees.request(key, entity);
         }
     }
+    preparation.0 += start.elapsed();
 }
 
 /// Meshes that were asked for are read and their trees begun, as soon as they are loaded.

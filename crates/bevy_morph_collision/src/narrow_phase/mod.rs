@@ -201,8 +201,7 @@ impl Scratch {
                 task
             })
             .collect();
-        // Shapes are in no task, but have a place.
-        let mut spare = Vec::new();
+        // Shapes have a place, but are in no task.
         let mut bodies: Vec<Body<'_>> = Vec::new();
         let mut place_of = vec![usize::MAX; placed.len()];
         for (place, collider) in placed.iter_mut().enumerate() {
@@ -216,9 +215,8 @@ impl Scratch {
         }
         let found = batch.run(&mut bodies, &mut tasks, &TaskPoolWorkers);
         diagnostics.stats += found.stats;
-        spare.extend(found.iter().map(<[TrianglePair]>::to_vec));
-        drop(bodies);
-        for (&asked, triangles) in asked.iter().zip(spare) {
+        let found: Vec<Vec<TrianglePair>> = found.iter().map(<[_]>::to_vec).collect();
+        for (&asked, triangles) in asked.iter().zip(found) {
             let contact = touch.with_mesh(placed, asked, triangles, diagnostics);
             answers.push((asked.pair, contact));
         }

@@ -49,6 +49,7 @@
 //! - [`MorphBoundsPlugin`] (`bounds`): the `Aabb` that Bevy culls morphing meshes by.
 //! - `MorphPickingPlugin` (`picking`, feature `picking`): pointers hit what is drawn.
 //! - `MorphGizmosPlugin` (`gizmos`, feature `gizmos`): volumes, contacts, touching triangles, drawn.
+//! - `MorphRapierPlugin` (`rapier`, feature `rapier`): rigid bodies of `bevy_rapier3d` feel the surface.
 //! - `MorphCollisionDiagnosticsPlugin` (feature `diagnostics`): the counts in Bevy's `DiagnosticsStore`.
 //!
 //! # What it needs
@@ -75,6 +76,8 @@ mod narrow_phase;
 #[cfg(feature = "picking")]
 mod picking;
 mod plugin;
+#[cfg(feature = "rapier")]
+mod rapier;
 mod scene;
 mod settings;
 mod shape;
@@ -99,6 +102,11 @@ pub use morph_collision::{BuildOptions, Facing, InputError, QueryStats, Triangle
 #[cfg(feature = "picking")]
 pub use picking::{MorphPick, MorphPickingPlugin, MorphPickingSettings};
 pub use plugin::{MorphCollisionIn, MorphCollisionPlugin, MorphCollisionSystems};
+#[cfg(feature = "rapier")]
+pub use rapier::{
+    MorphQueryDispatcher, MorphRapierCollider, MorphRapierDiagnostics, MorphRapierIn, MorphRapierPlugin,
+    MorphRapierSystems, MorphSurface,
+};
 pub use scene::MorphColliderScene;
 pub use settings::MorphCollisionSettings;
 pub use shape::MorphShape;
@@ -120,6 +128,8 @@ pub mod prelude {
     pub use crate::{MorphGizmos, MorphGizmosPlugin};
     #[cfg(feature = "picking")]
     pub use crate::{MorphPick, MorphPickingPlugin};
+    #[cfg(feature = "rapier")]
+    pub use crate::{MorphRapierCollider, MorphRapierDiagnostics, MorphRapierPlugin};
 }
 
 /// The README's snippets, compiled.

@@ -4,6 +4,7 @@ use bevy::platform::time::Instant;
 
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
+use morph_collision::Pose;
 use tracing::{debug_span, error};
 
 use crate::collider::{ColliderState, MorphCollider};
@@ -26,27 +27,10 @@ pub(crate) fn read_weights(
     for (entity, mut state, weights) in &mut colliders {
         let state = &mut *state;
         let Some(pose) = &mut state.pose else { continue };
-        let targets = pose.weights().len();
-        if targets == 0 {
+        if pose.weights().is_empty() {
             continue;
         }
-        let given = match weights {
-            Some(MeshMorphWeights::Value { weights }) => Ok(weights.as_slice()),
-            Some(&MeshMorphWeights::Reference(source)) => match shared.get(source) {
-                Ok(weights) => Ok(weights.weights()),
-                Err(_) => Err(source),
-            },
-            None => {
-                rest.resize(targets, 0.0);
-                rest.fill(0.0);
-                Ok(rest.as_slice())
-            }
-        };
-        let outcome = match given {
-            Ok(given) => pose.set_weights(given).map_err(|error| error.to_string()),
-            Err(source) => Err(format!("entity {source}, which it refers to, has no MorphWeights")),
-        };
-        match outcome {
+        match take_weights(pose, weights, &shared, &mut rest) {
             Ok(changed) => {
                 state.bad_weights = false;
                 state.reposed |= changed;
@@ -61,4 +45,26 @@ pub(crate) fn read_weights(
         }
     }
     diagnostics.duration += start.elapsed();
+}
+
+/// Gives a pose the weights that its mesh is drawn with; says whether they are others than before, or what is wrong with them.
+pub(crate) fn take_weights(
+    pose: &mut Pose,
+    weights: Option<&MeshMorphWeights>,
+    shared: &Query<&MorphWeights>,
+    rest: &mut Vec<f32>,
+) -> Result<bool, String> {
+    let given = match weights {
+        Some(MeshMorphWeights::Value { weights }) => weights.as_slice(),
+        Some(&MeshMorphWeights::Reference(source)) => match shared.get(source) {
+            Ok(weights) => weights.weights(),
+            Err(_) => return Err(format!("entity {source}, which it refers to, has no MorphWeights")),
+        },
+        None => {
+            rest.clear();
+            rest.resize(pose.weights().len(), 0.0);
+            rest
+        }
+    };
+    pose.set_weights(given).map_err(|error| error.to_string())
 }

@@ -245,6 +245,20 @@ impl Pose {
         Some(with_posed!(self.posed(), mut posed => posed.vertex(welded)))
     }
 
+    /// A vertex as the model numbers it after welding ([`MorphModel::triangle`](crate::MorphModel::triangle)), posed, in model
+    /// space; `None` if there is no such vertex.
+    pub fn vertex(&mut self, vertex: u32) -> Option<Vec3> {
+        let exists = (vertex as usize) < self.bvh.model().vertex_count();
+        exists.then(|| with_posed!(self.posed(), mut posed => posed.vertex(vertex)))
+    }
+
+    /// The corners of a triangle, posed, in model space; `None` if there is no such triangle.
+    pub fn triangle(&mut self, triangle: u32) -> Option<[Vec3; 3]> {
+        let exists = (triangle as usize) < self.bvh.model().triangle_count();
+        let corners = exists.then(|| self.bvh.model().triangle(triangle as usize))?;
+        Some(with_posed!(self.posed(), mut posed => corners.map(|corner| posed.vertex(corner))))
+    }
+
     /// Other weights under volumes that were blended for these: what a bug would do.
     #[cfg(test)]
     pub(super) fn pretend_weights(&mut self, weights: &[f32]) {

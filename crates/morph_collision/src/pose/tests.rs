@@ -64,11 +64,16 @@ fn refused_weights_leave_the_last_good_ones_in_force() {
     ));
     assert_eq!(pose.weights(), [0.25, 1.0]);
     assert_eq!(pose.source_vertex(1), Some(Vec3::new(2.0, 0.0, 0.25)));
+    let [_, second, _] = pose.triangle(0).unwrap();
+    assert_eq!(second, Vec3::new(2.0, 0.0, 0.25));
+    assert_eq!(pose.vertex(pose.bvh().model().triangle(0)[1]), Some(second));
 }
 
 #[test]
 fn a_vertex_that_does_not_exist_is_none() {
     assert_eq!(lifted_triangle().source_vertex(3), None);
+    assert_eq!(lifted_triangle().vertex(3), None);
+    assert_eq!(lifted_triangle().triangle(1), None);
 }
 
 #[test]

@@ -19,6 +19,7 @@ mod partition;
 mod sah;
 mod slopes;
 mod stats;
+mod subtrees;
 mod tables;
 mod topology;
 

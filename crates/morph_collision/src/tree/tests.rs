@@ -143,3 +143,25 @@ fn scales_are_fitted_to_the_weights_a_model_will_have() {
     assert_eq!(fitted(&[]), BuildOptions::default());
     assert_eq!(fitted(&[[f32::INFINITY; 3]]), BuildOptions::default());
 }
+
+#[test]
+fn subtrees_hold_every_triangle_once() {
+    let model = model_of(&dolphin(1));
+    for arity in [2, 8] {
+        let bvh = MorphBvh::build(model.clone(), &BuildOptions::default().with_arity(arity)).unwrap();
+        for most in [0, 1, 16, 100, usize::MAX] {
+            let parts = bvh.subtrees(most);
+            let mut all: Vec<u32> = parts.concat();
+            all.sort_unstable();
+            assert_eq!(all, (0..model.triangle_count() as u32).collect::<Vec<_>>());
+            let leaf = bvh.options().leaf_size;
+            assert!(
+                parts
+                    .iter()
+                    .all(|part| !part.is_empty() && part.len() <= most.max(leaf))
+            );
+        }
+        assert_eq!(bvh.subtrees(usize::MAX).len(), 1);
+        assert_eq!(bvh.subtrees(0).len(), bvh.leaf_count());
+    }
+}

@@ -1,0 +1,162 @@
+//! Where a surface is and was: the end of the step to come, of the last one, and of the one before.
+
+use std::sync::Arc;
+
+use bevy::math::{Affine3A, DVec3};
+use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::prelude::*;
+use bevy_rapier3d::parry::math::Pose as Place;
+use bevy_rapier3d::rapier::dynamics::{RigidBodySet, RigidBodyType};
+use bevy_rapier3d::rapier::geometry::Collider as RapierCollider;
+use morph_collision::{Aabb, MorphBvh, Pose, TransformError, WorldFromModel};
+
+use super::surface::MorphSurface;
+use crate::weights::take_weights;
+
+/// A mesh at one moment.
+pub(super) struct Moment {
+    pub(super) pose: Pose,
+    pub(super) world_from_model: WorldFromModel,
+}
+
+impl Moment {
+    /// Vertices in world space.
+    pub(super) fn vertices(&mut self, vertices: &[u32], into: &mut Vec<DVec3>) {
+        posed_vertices(&mut self.pose, &self.world_from_model, vertices, into);
+    }
+}
+
+fn posed_vertices(pose: &mut Pose, place: &WorldFromModel, vertices: &[u32], into: &mut Vec<DVec3>) {
+    into.clear();
+    let vertices = vertices.iter().filter_map(|&vertex| pose.vertex(vertex));
+    into.extend(vertices.map(|vertex| place.transform_point(vertex)));
+}
+
+/// A surface's last moments. What is now is in the [`MorphSurface`] that Rapier has.
+pub(super) struct Following {
+    pub(super) surface: MorphSurface,
+    /// Where it is at the end of the step to come.
+    pub(super) world_from_model: WorldFromModel,
+    /// Where it was one step earlier, if it moves; otherwise anything.
+    pub(super) before: Moment,
+    /// Where it was two steps earlier, if it moved then, too; otherwise anything.
+    pub(super) past: Moment,
+    /// Whether it moves during the step to come.
+    pub(super) moves: bool,
+    /// The length of the last step if it moved during it.
+    pub(super) moved_for: Option<f32>,
+    last_step: f32,
+    rest: Vec<f32>,
+    complaint: Option<String>,
+}
+
+impl Following {
+    /// At rest for now; where it is, the first step will tell.
+    pub(super) fn new(bvh: &Arc<MorphBvh>, weights: &[f32]) -> Self {
+        let moment = || {
+            let mut pose = Pose::new(bvh.clone());
+            // They are those of a pose of the same tree.
+            let _fits = pose.set_weights(weights);
+            pose
+        };
+        let still = |pose| Moment {
+            pose,
+            world_from_model: WorldFromModel::IDENTITY,
+        };
+        Self {
+            surface: MorphSurface::new(moment(), WorldFromModel::IDENTITY),
+            world_from_model: WorldFromModel::IDENTITY,
+            before: still(moment()),
+            past: still(moment()),
+            moves: false,
+            moved_for: None,
+            last_step: 0.0,
+            rest: Vec::new(),
+            complaint: None,
+        }
+    }
+
+    /// Goes on to the end of a step of `dt` seconds. What cannot be used is said once, and what was stays.
+    pub(super) fn advance(
+        &mut self,
+        weights: Option<&MeshMorphWeights>,
+        shared: &Query<&MorphWeights>,
+        places: Result<(WorldFromModel, WorldFromModel), TransformError>,
+        dt: f32,
+    ) -> Result<(), String> {
+        let first = self.last_step == 0.0;
+        self.moved_for = self.moves.then_some(self.last_step);
+        self.last_step = dt;
+        self.moves = false;
+        let mut posed = self.surface.lock();
+        // The oldest pose is used again for the newest.
+        let taken = take_weights(&mut self.past.pose, weights, shared, &mut self.rest);
+        if taken.is_err() {
+            let _fits = self.past.pose.set_weights(posed.pose.weights());
+        }
+        let complaint = taken.err().or(places.as_ref().err().map(ToString::to_string));
+        let (world_from_model, collider_from_model) =
+            places.unwrap_or((self.world_from_model, posed.collider_from_model));
+
+        let same_weights = self.past.pose.weights() == posed.pose.weights();
+        if !same_weights || world_from_model != self.world_from_model {
+            self.moves = !first;
+            std::mem::swap(&mut self.past, &mut self.before);
+            // `before` is the new moment now, and the last one changes places with it.
+            std::mem::swap(&mut self.before.pose, &mut posed.pose);
+            self.before.world_from_model = self.world_from_model;
+            self.world_from_model = world_from_model;
+        }
+        posed.collider_from_model = collider_from_model;
+        drop(posed);
+        if self.complaint == complaint {
+            return Ok(());
+        }
+        self.complaint = complaint;
+        self.complaint.clone().map_or(Ok(()), Err)
+    }
+
+    /// A box around the surface during the step to come.
+    pub(super) fn bounds(&mut self) -> Aabb {
+        let now = self.surface.lock().pose.world_bounds(&self.world_from_model);
+        if !self.moves {
+            return now;
+        }
+        let Moment { pose, world_from_model } = &mut self.before;
+        now.union(&pose.world_bounds(world_from_model))
+    }
+
+    /// Vertices in world space at the end of the step to come.
+    pub(super) fn vertices(&mut self, vertices: &[u32], into: &mut Vec<DVec3>) {
+        posed_vertices(&mut self.surface.lock().pose, &self.world_from_model, vertices, into);
+    }
+}
+
+/// Where a collider's mesh will be at the end of a step, in the world and as the collider sees it.
+pub(super) fn places(
+    collider: &RapierCollider,
+    bodies: &RigidBodySet,
+    entity: &GlobalTransform,
+    dt: f32,
+) -> Result<(WorldFromModel, WorldFromModel), TransformError> {
+    let affine = entity.affine();
+    let (_, rotation, translation) = entity.to_scale_rotation_translation();
+    // Rapier's collider has the entity's place and rotation; what is left is scale and shear.
+    let collider_from_model = Affine3A::from_rotation_translation(rotation, translation).inverse() * affine;
+    let in_body = collider.position_wrt_parent().copied();
+    let body = collider.parent().and_then(|body| bodies.get(body)).zip(in_body);
+    let Some((body, in_body)) = body else {
+        // As the entity stands, to the last bit: that is where it is drawn.
+        return Ok((WorldFromModel::new(affine)?, WorldFromModel::new(collider_from_model)?));
+    };
+    let place: Place = match body.body_type() {
+        RigidBodyType::KinematicPositionBased => *body.next_position(),
+        RigidBodyType::KinematicVelocityBased => body.predict_position_using_velocity(dt),
+        _ => *body.position(),
+    } * in_body;
+    let world_from_collider = Affine3A::from_rotation_translation(place.rotation, place.translation);
+    Ok((
+        WorldFromModel::new(world_from_collider * collider_from_model)?,
+        WorldFromModel::new(collider_from_model)?,
+    ))
+}

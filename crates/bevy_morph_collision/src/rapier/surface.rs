@@ -1,0 +1,211 @@
+//! A morphing mesh as a shape of Parry's.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use bevy::math::Vec3;
+use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};
+use bevy_rapier3d::parry::mass_properties::MassProperties;
+use bevy_rapier3d::parry::math::{Real, Vector};
+use bevy_rapier3d::parry::query::{PointProjection, Ray, RayCast, RayIntersection};
+use bevy_rapier3d::parry::shape::{FeatureId, Shape, ShapeType, Triangle, TypedShape};
+use morph_collision::{
+    Ball, Body, ConvexRegion, Facing, InputError, OverlapQuery, PointQuery, Pose, RayQuery, WorldFromModel,
+};
+
+use super::triangles::{Triangles, nowhere};
+
+/// The surface of a morphing mesh, for Rapier: the shape of the [`Collider`](bevy_rapier3d::prelude::Collider) of a
+/// [`MorphRapierCollider`](crate::MorphRapierCollider).
+///
+/// Rays and closest points are answered by the mesh's own tree, refitted where they look. Everything else is answered by
+/// [`MorphQueryDispatcher`](crate::MorphQueryDispatcher), which gathers the triangles near the other shape. Like a `TriMesh`
+/// it has no inside. Clones show the same mesh in the same pose.
+#[derive(Clone)]
+pub struct MorphSurface {
+    posed: Arc<Mutex<Posed>>,
+}
+
+/// What a surface is made of at the moment.
+pub(super) struct Posed {
+    pub(super) pose: Pose,
+    /// From the mesh to the collider, which has a place and a rotation of its own: scale and shear.
+    pub(super) collider_from_model: WorldFromModel,
+    queries: Queries,
+}
+
+#[derive(Default)]
+struct Queries {
+    ray: RayQuery,
+    point: PointQuery,
+    overlap: OverlapQuery,
+    found: Vec<u32>,
+}
+
+impl MorphSurface {
+    pub(super) fn new(pose: Pose, collider_from_model: WorldFromModel) -> Self {
+        let posed = Posed {
+            pose,
+            collider_from_model,
+            queries: Queries::default(),
+        };
+        Self {
+            posed: Arc::new(Mutex::new(posed)),
+        }
+    }
+
+    pub(super) fn lock(&self) -> MutexGuard<'_, Posed> {
+        // A query that panicked has at worst left its own scratch unfinished.
+        self.posed.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl std::fmt::Debug for MorphSurface {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("MorphSurface").finish_non_exhaustive()
+    }
+}
+
+impl Posed {
+    /// The triangles that meet a box in the collider's space.
+    pub(super) fn triangles_in(&mut self, region: &Aabb) -> Triangles {
+        let Self {
+            pose,
+            collider_from_model,
+            queries,
+        } = self;
+        queries.found.clear();
+        let bounds = morph_collision::Aabb {
+            min: region.mins,
+            max: region.maxs,
+        };
+        if let Ok(region) = ConvexRegion::from_box(&bounds) {
+            let body = Body::new(pose, collider_from_model);
+            queries.overlap.triangles_in_region(body, &region, &mut queries.found);
+        }
+        self.gather()
+    }
+
+    /// All of them.
+    pub(super) fn all_triangles(&mut self) -> Triangles {
+        self.queries.found.clear();
+        self.queries
+            .found
+            .extend(0..self.pose.bvh().model().triangle_count() as u32);
+        self.gather()
+    }
+
+    fn gather(&mut self) -> Triangles {
+        let Self {
+            pose,
+            collider_from_model,
+            queries,
+        } = self;
+        let (mut numbers, mut corners) = (Vec::new(), Vec::new());
+        for &number in &queries.found {
+            let Some(triangle) = pose.triangle(number) else {
+                continue;
+            };
+            let triangle = triangle.map(|corner| collider_from_model.transform_point(corner).as_vec3());
+            if triangle.iter().all(|corner| corner.is_finite()) {
+                numbers.push(number);
+                corners.push(Triangle::from(triangle));
+            }
+        }
+        Triangles::new(numbers, corners)
+    }
+
+    pub(super) fn bounds(&mut self) -> Aabb {
+        let bounds = self.pose.world_bounds(&self.collider_from_model);
+        // A box that is not finite would be quarantined, collider and all.
+        let finite = |v: Vec3| v.clamp(Vec3::splat(-1e18), Vec3::splat(1e18));
+        Aabb::new(finite(bounds.min), finite(bounds.max))
+    }
+
+    fn ray(&mut self, ray: &Ray, max_time_of_impact: Real) -> Result<Option<RayIntersection>, InputError> {
+        let (origin, direction) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
+        let asked = morph_collision::Ray::new(origin, direction, f64::from(max_time_of_impact))?;
+        let body = Body::new(&mut self.pose, &self.collider_from_model);
+        let hit = self.queries.ray.closest(body, &asked).0;
+        Ok(hit.map(|hit| {
+            // As a triangle of Parry's answers: the normal of the side that was hit, and which side it was.
+            let (side, feature) = match hit.facing {
+                Facing::Back => (-1.0, FeatureId::Face(1)),
+                _ => (1.0, FeatureId::Face(0)),
+            };
+            let mut intersection = RayIntersection::new(hit.t as Real, side * hit.normal.as_vec3(), feature);
+            intersection.subshape = hit.triangle;
+            intersection
+        }))
+    }
+
+    fn project(&mut self, point: Vector) -> Option<PointProjection> {
+        let ball = Ball::unbounded(point.as_dvec3()).ok()?;
+        let body = Body::new(&mut self.pose, &self.collider_from_model);
+        let closest = self.queries.point.closest(body, &ball).0?;
+        Some(PointProjection::new(false, closest.point.as_vec3()).with_subshape(closest.triangle))
+    }
+}
+
+impl RayCast for MorphSurface {
+    fn cast_local_ray_and_get_normal(
+        &self,
+        ray: &Ray,
+        max_time_of_impact: Real,
+        _solid: bool,
+    ) -> Option<RayIntersection> {
+        self.lock().ray(ray, max_time_of_impact).ok().flatten()
+    }
+}
+
+impl bevy_rapier3d::parry::query::PointQuery for MorphSurface {
+    fn project_local_point(&self, point: Vector, _solid: bool) -> PointProjection {
+        self.lock().project(point).unwrap_or_else(|| nowhere(point))
+    }
+
+    fn project_local_point_and_get_feature(&self, point: Vector) -> (PointProjection, FeatureId) {
+        (self.project_local_point(point, false), FeatureId::Unknown)
+    }
+}
+
+impl Shape for MorphSurface {
+    fn compute_local_aabb(&self) -> Aabb {
+        self.lock().bounds()
+    }
+
+    fn compute_local_bounding_sphere(&self) -> BoundingSphere {
+        self.compute_local_aabb().bounding_sphere()
+    }
+
+    fn clone_dyn(&self) -> Box<dyn Shape> {
+        Box::new(self.clone())
+    }
+
+    /// The scale of the entity is in the surface already.
+    fn scale_dyn(&self, _scale: Vector, _num_subdivisions: u32) -> Option<Box<dyn Shape>> {
+        Some(self.clone_dyn())
+    }
+
+    /// Of the volume that the surface encloses in its pose. Cost: linear in the size of the mesh.
+    fn mass_properties(&self, density: Real) -> MassProperties {
+        if density == 0.0 {
+            return MassProperties::default();
+        }
+        self.lock().all_triangles().enclosed_mass(density)
+    }
+
+    fn shape_type(&self) -> ShapeType {
+        ShapeType::Custom
+    }
+
+    fn as_typed_shape(&self) -> TypedShape<'_> {
+        TypedShape::Custom(self)
+    }
+
+    fn ccd_thickness(&self) -> Real {
+        0.0
+    }
+
+    fn ccd_angular_thickness(&self) -> Real {
+        std::f32::consts::FRAC_PI_4
+    }
+}

@@ -1,0 +1,233 @@
+//! A few triangles of a mesh as a shape that Parry's own algorithms can work with.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};
+use bevy_rapier3d::parry::mass_properties::MassProperties;
+use bevy_rapier3d::parry::math::{Pose, Real, Vector};
+use bevy_rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
+use bevy_rapier3d::parry::query::details::NormalConstraints;
+use bevy_rapier3d::parry::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
+use bevy_rapier3d::parry::shape::{CompositeShape, FeatureId, Shape, ShapeType, Triangle, TypedShape};
+
+/// Triangles under the numbers that the mesh knows them by; these are its sub-shapes.
+///
+/// Gathered anew whenever something asks what is near it: there are never many.
+#[derive(Clone)]
+pub(super) struct Triangles {
+    /// Ascending.
+    numbers: Vec<u32>,
+    corners: Vec<Triangle>,
+    bvh: Bvh,
+}
+
+impl Triangles {
+    /// Of triangles in ascending order of their numbers.
+    pub(super) fn new(numbers: Vec<u32>, corners: Vec<Triangle>) -> Self {
+        let leaves = numbers.iter().zip(&corners);
+        let leaves = leaves.map(|(&number, corners)| (number as usize, corners.local_aabb()));
+        let bvh = Bvh::from_iter(BvhBuildStrategy::Binned, leaves);
+        Self { numbers, corners, bvh }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.numbers.is_empty()
+    }
+
+    /// Of the volume that they enclose; of none, nothing.
+    pub(super) fn enclosed_mass(&self, density: Real) -> MassProperties {
+        let vertices: Vec<Vector> = self.corners.iter().flat_map(|t| [t.a, t.b, t.c]).collect();
+        let indices: Vec<[u32; 3]> = (0..self.corners.len() as u32)
+            .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
+            .collect();
+        MassProperties::from_trimesh(density, &vertices, &indices)
+    }
+
+    fn triangle(&self, number: u32) -> Option<&Triangle> {
+        let place = self.numbers.binary_search(&number).ok()?;
+        self.corners.get(place)
+    }
+}
+
+impl CompositeShape for Triangles {
+    fn map_part_at(&self, shape_id: u32, f: &mut dyn FnMut(Option<&Pose>, &dyn Shape, Option<&dyn NormalConstraints>)) {
+        if let Some(triangle) = self.triangle(shape_id) {
+            f(None, triangle, None);
+        }
+    }
+
+    fn bvh(&self) -> &Bvh {
+        &self.bvh
+    }
+
+    fn is_deformable(&self) -> bool {
+        true
+    }
+}
+
+impl RayCast for Triangles {
+    fn cast_local_ray_and_get_normal(
+        &self,
+        ray: &Ray,
+        max_time_of_impact: Real,
+        solid: bool,
+    ) -> Option<RayIntersection> {
+        let hits = self
+            .numbers
+            .iter()
+            .zip(&self.corners)
+            .filter_map(|(&subshape, triangle)| {
+                let hit = triangle.cast_local_ray_and_get_normal(ray, max_time_of_impact, solid)?;
+                Some(RayIntersection { subshape, ..hit })
+            });
+        hits.min_by(|a, b| a.time_of_impact.total_cmp(&b.time_of_impact))
+    }
+}
+
+impl PointQuery for Triangles {
+    fn project_local_point(&self, point: Vector, solid: bool) -> PointProjection {
+        let places = self.numbers.iter().zip(&self.corners).map(|(&number, triangle)| {
+            let place = triangle.project_local_point(point, solid).with_subshape(number);
+            (place.point.distance_squared(point), place)
+        });
+        let closest = places.min_by(|a, b| a.0.total_cmp(&b.0));
+        closest.map_or_else(|| nowhere(point), |(_, place)| place)
+    }
+
+    fn project_local_point_and_get_feature(&self, point: Vector) -> (PointProjection, FeatureId) {
+        (self.project_local_point(point, false), FeatureId::Unknown)
+    }
+}
+
+/// The projection on a shape that has no points.
+pub(super) fn nowhere(point: Vector) -> PointProjection {
+    // As far away as can be said: `distance_to_point` and filters by distance leave it out.
+    PointProjection::new(false, point + Vector::MAX)
+}
+
+impl Shape for Triangles {
+    fn compute_local_aabb(&self) -> Aabb {
+        self.bvh.root_aabb()
+    }
+
+    fn compute_local_bounding_sphere(&self) -> BoundingSphere {
+        self.compute_local_aabb().bounding_sphere()
+    }
+
+    fn clone_dyn(&self) -> Box<dyn Shape> {
+        Box::new(self.clone())
+    }
+
+    fn scale_dyn(&self, scale: Vector, _num_subdivisions: u32) -> Option<Box<dyn Shape>> {
+        let scaled = self.corners.iter().map(|triangle| triangle.scaled(scale)).collect();
+        Some(Box::new(Self::new(self.numbers.clone(), scaled)))
+    }
+
+    fn mass_properties(&self, _density: Real) -> MassProperties {
+        MassProperties::default()
+    }
+
+    fn shape_type(&self) -> ShapeType {
+        ShapeType::Custom
+    }
+
+    fn as_typed_shape(&self) -> TypedShape<'_> {
+        TypedShape::Custom(self)
+    }
+
+    fn ccd_thickness(&self) -> Real {
+        0.0
+    }
+
+    fn ccd_angular_thickness(&self) -> Real {
+        std::f32::consts::FRAC_PI_4
+    }
+
+    fn as_composite_shape(&self) -> Option<&(dyn CompositeShape + Sync)> {
+        Some(self)
+    }
+}
+
+/// The part of a surface that pushes bodies during a step, and is not there for anyone else.
+#[derive(Clone)]
+pub(super) struct Patch {
+    pub(super) triangles: Triangles,
+    /// Whether a step is going on, in which patches exist.
+    pub(super) stepping: Arc<AtomicBool>,
+}
+
+impl Patch {
+    /// The triangles, while they exist.
+    pub(super) fn present(&self) -> Option<&Triangles> {
+        self.stepping.load(Ordering::Acquire).then_some(&self.triangles)
+    }
+}
+
+impl RayCast for Patch {
+    fn cast_local_ray_and_get_normal(
+        &self,
+        ray: &Ray,
+        max_time_of_impact: Real,
+        solid: bool,
+    ) -> Option<RayIntersection> {
+        self.present()?
+            .cast_local_ray_and_get_normal(ray, max_time_of_impact, solid)
+    }
+}
+
+impl PointQuery for Patch {
+    fn project_local_point(&self, point: Vector, solid: bool) -> PointProjection {
+        let present = self.present();
+        present.map_or_else(
+            || nowhere(point),
+            |triangles| triangles.project_local_point(point, solid),
+        )
+    }
+
+    fn project_local_point_and_get_feature(&self, point: Vector) -> (PointProjection, FeatureId) {
+        (self.project_local_point(point, false), FeatureId::Unknown)
+    }
+}
+
+impl Shape for Patch {
+    fn compute_local_aabb(&self) -> Aabb {
+        self.triangles.compute_local_aabb()
+    }
+
+    fn compute_local_bounding_sphere(&self) -> BoundingSphere {
+        self.triangles.compute_local_bounding_sphere()
+    }
+
+    fn clone_dyn(&self) -> Box<dyn Shape> {
+        Box::new(self.clone())
+    }
+
+    fn scale_dyn(&self, _scale: Vector, _num_subdivisions: u32) -> Option<Box<dyn Shape>> {
+        None
+    }
+
+    fn mass_properties(&self, _density: Real) -> MassProperties {
+        MassProperties::default()
+    }
+
+    fn shape_type(&self) -> ShapeType {
+        ShapeType::Custom
+    }
+
+    fn as_typed_shape(&self) -> TypedShape<'_> {
+        TypedShape::Custom(self)
+    }
+
+    fn ccd_thickness(&self) -> Real {
+        0.0
+    }
+
+    fn ccd_angular_thickness(&self) -> Real {
+        std::f32::consts::FRAC_PI_4
+    }
+
+    fn as_composite_shape(&self) -> Option<&(dyn CompositeShape + Sync)> {
+        self.present().map(|triangles| triangles as _)
+    }
+}

@@ -4,6 +4,7 @@ pub mod app;
 mod displacements;
 pub mod error;
 pub mod instances;
+pub mod physics;
 pub mod report;
 pub mod touching;
 

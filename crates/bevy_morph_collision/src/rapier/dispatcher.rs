@@ -7,7 +7,7 @@ use bevy_rapier3d::parry::query::{
     ClosestPoints, Contact, ContactManifold, ContactManifoldsWorkspace, DefaultQueryDispatcher, NonlinearRigidMotion,
     PersistentQueryDispatcher, QueryDispatcher, ShapeCastHit, ShapeDistance, ShapeIntersection, Unsupported,
 };
-use bevy_rapier3d::parry::shape::Shape;
+use bevy_rapier3d::parry::shape::{Shape, SubShapeId};
 
 use super::surface::MorphSurface;
 use super::triangles::{Patch, Triangles};
@@ -78,6 +78,15 @@ impl Gathered {
         empty(&self.first) || empty(&self.second)
     }
 
+    /// The sub-shapes of an answer as meshes number their triangles.
+    fn name(&self, subshape1: &mut SubShapeId, subshape2: &mut SubShapeId) {
+        for (triangles, subshape) in [(&self.first, subshape1), (&self.second, subshape2)] {
+            if let Some(triangles) = triangles {
+                *subshape = triangles.number(*subshape);
+            }
+        }
+    }
+
     fn shapes<'a>(&'a self, g1: &'a dyn Shape, g2: &'a dyn Shape) -> (&'a dyn Shape, &'a dyn Shape) {
         (
             self.first.as_ref().map_or(g1, |triangles| triangles),
@@ -91,7 +100,7 @@ fn widening<T>(
     pos12: &Pose,
     g1: &dyn Shape,
     g2: &dyn Shape,
-    mut ask: impl FnMut(&dyn Shape, &dyn Shape) -> Result<T, Unsupported>,
+    ask: impl Fn(&Gathered, &dyn Shape, &dyn Shape) -> Result<T, Unsupported>,
     distance: impl Fn(&T) -> Real,
 ) -> Option<Result<T, Unsupported>> {
     let all: Aabb = g1.compute_local_aabb().merged(&g2.compute_aabb(pos12));
@@ -101,7 +110,7 @@ fn widening<T>(
         let near = Gathered::near(pos12, g1, g2, reach)?;
         if !near.nothing() {
             let (near1, near2) = near.shapes(g1, g2);
-            match ask(near1, near2) {
+            match ask(&near, near1, near2) {
                 // Whatever was left out is farther away than this.
                 Ok(answer) if distance(&answer) <= reach => return Some(Ok(answer)),
                 Ok(_) => {}
@@ -112,7 +121,7 @@ fn widening<T>(
     }
     let whole = Gathered::whole(g1, g2)?;
     let (whole1, whole2) = whole.shapes(g1, g2);
-    Some(ask(whole1, whole2))
+    Some(ask(&whole, whole1, whole2))
 }
 
 impl QueryDispatcher for MorphQueryDispatcher {
@@ -138,12 +147,19 @@ impl QueryDispatcher for MorphQueryDispatcher {
             return Ok(apart);
         }
         let (g1, g2) = near.shapes(g1, g2);
-        DefaultQueryDispatcher.intersection_test(pos12, g1, g2)
+        let mut answer = DefaultQueryDispatcher.intersection_test(pos12, g1, g2)?;
+        near.name(&mut answer.subshape1, &mut answer.subshape2);
+        Ok(answer)
     }
 
     fn distance(&self, pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> Result<ShapeDistance, Unsupported> {
-        let ask = |g1: &dyn Shape, g2: &dyn Shape| DefaultQueryDispatcher.distance(pos12, g1, g2);
-        widening(pos12, g1, g2, ask, |answer| answer.distance).unwrap_or_else(|| ask(g1, g2))
+        let ask = |near: &Gathered, g1: &dyn Shape, g2: &dyn Shape| {
+            let mut answer = DefaultQueryDispatcher.distance(pos12, g1, g2)?;
+            near.name(&mut answer.subshape1, &mut answer.subshape2);
+            Ok(answer)
+        };
+        let answer = widening(pos12, g1, g2, ask, |answer| answer.distance);
+        answer.unwrap_or_else(|| DefaultQueryDispatcher.distance(pos12, g1, g2))
     }
 
     fn contact(
@@ -170,13 +186,16 @@ impl QueryDispatcher for MorphQueryDispatcher {
         g2: &dyn Shape,
         max_dist: Real,
     ) -> Result<ClosestPoints, Unsupported> {
-        let ask = |g1: &dyn Shape, g2: &dyn Shape| DefaultQueryDispatcher.closest_points(pos12, g1, g2, max_dist);
+        let ask = |_: &Gathered, g1: &dyn Shape, g2: &dyn Shape| {
+            DefaultQueryDispatcher.closest_points(pos12, g1, g2, max_dist)
+        };
         let distance = |answer: &ClosestPoints| match answer {
             ClosestPoints::Intersecting => 0.0,
             ClosestPoints::WithinMargin(p1, p2) => p1.distance(pos12.transform_point(*p2)),
             ClosestPoints::Disjoint => Real::MAX,
         };
-        widening(pos12, g1, g2, ask, distance).unwrap_or_else(|| ask(g1, g2))
+        let answer = widening(pos12, g1, g2, ask, distance);
+        answer.unwrap_or_else(|| DefaultQueryDispatcher.closest_points(pos12, g1, g2, max_dist))
     }
 
     fn cast_shapes(
@@ -195,7 +214,11 @@ impl QueryDispatcher for MorphQueryDispatcher {
             return Ok(None);
         }
         let (g1, g2) = near.shapes(g1, g2);
-        DefaultQueryDispatcher.cast_shapes(pos12, local_vel12, g1, g2, options)
+        let mut hit = DefaultQueryDispatcher.cast_shapes(pos12, local_vel12, g1, g2, options)?;
+        if let Some(hit) = &mut hit {
+            near.name(&mut hit.subshape1, &mut hit.subshape2);
+        }
+        Ok(hit)
     }
 
     fn cast_shapes_nonlinear(
@@ -224,7 +247,11 @@ impl QueryDispatcher for MorphQueryDispatcher {
             return ask(g1, g2);
         };
         let (g1, g2) = whole.shapes(g1, g2);
-        ask(g1, g2)
+        let mut hit = ask(g1, g2)?;
+        if let Some(hit) = &mut hit {
+            whole.name(&mut hit.subshape1, &mut hit.subshape2);
+        }
+        Ok(hit)
     }
 }
 

@@ -9,30 +9,32 @@ use bevy_rapier3d::parry::math::{Pose, Real, Vector};
 use bevy_rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
 use bevy_rapier3d::parry::query::details::NormalConstraints;
 use bevy_rapier3d::parry::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
-use bevy_rapier3d::parry::shape::{CompositeShape, FeatureId, Shape, ShapeType, Triangle, TypedShape};
+use bevy_rapier3d::parry::shape::{CompositeShape, FeatureId, Shape, ShapeType, SubShapeId, Triangle, TypedShape};
 
-/// Triangles under the numbers that the mesh knows them by; these are its sub-shapes.
-///
-/// Gathered anew whenever something asks what is near it: there are never many.
+/// Triangles of a mesh, gathered anew whenever something asks what is near it: there are never many. Their sub-shapes are
+/// numbered from 0, since Parry's trees have room for every number up to the largest.
 #[derive(Clone)]
 pub(super) struct Triangles {
-    /// Ascending.
+    /// As the mesh numbers them.
     numbers: Vec<u32>,
     corners: Vec<Triangle>,
     bvh: Bvh,
 }
 
 impl Triangles {
-    /// Of triangles in ascending order of their numbers.
     pub(super) fn new(numbers: Vec<u32>, corners: Vec<Triangle>) -> Self {
-        let leaves = numbers.iter().zip(&corners);
-        let leaves = leaves.map(|(&number, corners)| (number as usize, corners.local_aabb()));
-        let bvh = Bvh::from_iter(BvhBuildStrategy::Binned, leaves);
+        let leaves: Vec<Aabb> = corners.iter().map(Triangle::local_aabb).collect();
+        let bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves);
         Self { numbers, corners, bvh }
     }
 
     pub(super) fn is_empty(&self) -> bool {
         self.numbers.is_empty()
+    }
+
+    /// The mesh's number of a sub-shape.
+    pub(super) fn number(&self, subshape: SubShapeId) -> SubShapeId {
+        self.numbers.get(subshape as usize).copied().unwrap_or(0)
     }
 
     /// Of the volume that they enclose; of none, nothing.
@@ -43,16 +45,11 @@ impl Triangles {
             .collect();
         MassProperties::from_trimesh(density, &vertices, &indices)
     }
-
-    fn triangle(&self, number: u32) -> Option<&Triangle> {
-        let place = self.numbers.binary_search(&number).ok()?;
-        self.corners.get(place)
-    }
 }
 
 impl CompositeShape for Triangles {
     fn map_part_at(&self, shape_id: u32, f: &mut dyn FnMut(Option<&Pose>, &dyn Shape, Option<&dyn NormalConstraints>)) {
-        if let Some(triangle) = self.triangle(shape_id) {
+        if let Some(triangle) = self.corners.get(shape_id as usize) {
             f(None, triangle, None);
         }
     }

@@ -34,6 +34,7 @@ mod experiment;
 mod machine;
 mod measure;
 mod of_model;
+mod page;
 mod runner;
 
 pub use clock::Stopwatch;
@@ -41,4 +42,5 @@ pub use contender::{Contender, Entrant};
 pub use experiment::{Experiment, Frame};
 pub use machine::{cpu, pin};
 pub use measure::{Disagreement, Parts, Plan, Row, disagreement, measure, median};
+pub use page::Page;
 pub use runner::Found;

@@ -2,10 +2,9 @@
 //! `cargo run --release -p morph_collision_testkit --bin report -- docs/performance.md`.
 //!
 //! ```text
-//! a section: experiments --testkit's bench--> rows --render, plot--> Markdown, SVG, CSV --document--> the page, docs/plots/
+//! a section: experiments --testkit's bench--> rows --render, plot--> Markdown, SVG, CSV --bench's Page--> the page, docs/plots/
 //! ```
 
-mod document;
 mod plot;
 mod render;
 mod sections;
@@ -14,7 +13,7 @@ mod sweeps;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use morph_collision_testkit::bench;
+use morph_collision_testkit::bench::{self, Page};
 
 use sections::{Context, SECTIONS, Section};
 
@@ -82,7 +81,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Args, String> {
 
 fn run(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
     // Read before anything is measured, so that a wrong path costs nothing.
-    let mut page = document::Page::read(&args.page)?;
+    let mut page = Page::read(&args.page)?;
     page.replace("machine", &render::machine(args.every, args.rounds))?;
     let context = Context {
         every: args.every,

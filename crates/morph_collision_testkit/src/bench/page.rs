@@ -5,13 +5,18 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// A page being changed.
-pub(crate) struct Page {
+#[derive(Clone, Debug)]
+pub struct Page {
     path: PathBuf,
     text: String,
 }
 
 impl Page {
-    pub(crate) fn read(path: &Path) -> Result<Self, String> {
+    /// A page that is there.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub fn read(path: &Path) -> Result<Self, String> {
         let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
         Ok(Self {
             path: path.to_owned(),
@@ -23,7 +28,7 @@ impl Page {
     ///
     /// # Errors
     /// When the page has no such place.
-    pub(crate) fn content(&self, name: &str) -> Result<&str, String> {
+    pub fn content(&self, name: &str) -> Result<&str, String> {
         Ok(&self.text[self.place(name)?])
     }
 
@@ -31,7 +36,7 @@ impl Page {
     ///
     /// # Errors
     /// When the page has no such place.
-    pub(crate) fn replace(&mut self, name: &str, content: &str) -> Result<(), String> {
+    pub fn replace(&mut self, name: &str, content: &str) -> Result<(), String> {
         let place = self.place(name)?;
         self.text.replace_range(place, content);
         Ok(())
@@ -45,7 +50,11 @@ impl Page {
         Ok(start..start + length)
     }
 
-    pub(crate) fn write(&self) -> io::Result<()> {
+    /// Puts the page back in its place.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn write(&self) -> io::Result<()> {
         std::fs::write(&self.path, &self.text)
     }
 }

@@ -1,0 +1,82 @@
+//! Rigid bodies on morphing surfaces: scenes that the examples and tests share, and the ways to make a surface collide.
+
+mod rivals;
+
+use std::path::Path;
+
+use bevy::asset::RenderAssetUsages;
+use bevy::mesh::morph::MorphAttributes;
+use bevy::mesh::{Indices, PrimitiveTopology};
+use bevy::prelude::*;
+use bevy_morph_collision::{MorphTrees, prelude::*};
+use bevy_rapier3d::prelude::*;
+use morph_collision_testkit::{mesh::MorphMesh, models::rigid};
+
+pub use rivals::{Method, Surface};
+
+/// The length of a step.
+pub const DT: f32 = 1.0 / 60.0;
+
+/// An app with physics in steps of [`DT`], one for each frame, ready for its first.
+#[must_use]
+pub fn app(assets: &Path) -> App {
+    let mut app = crate::app::headless(assets);
+    app.add_plugins((RapierPhysicsPlugin::<NoUserData>::default(), MorphRapierPlugin))
+        .insert_resource(TimestepMode::Fixed { dt: DT, substeps: 1 });
+    crate::app::ready(&mut app);
+    app
+}
+
+/// A level sheet of 8 by 8 around the origin, with a target that lifts it by 1 and one that moves it by 1 along `+X`.
+#[must_use]
+pub fn sheet(cells: u32) -> MorphMesh {
+    let mut mesh = rigid::grid(8.0, cells);
+    mesh.targets = vec![vec![Vec3::Y; mesh.positions.len()], vec![Vec3::X; mesh.positions.len()]];
+    mesh.target_names = vec!["rise".into(), "slide".into()];
+    mesh
+}
+
+/// Bevy's form of a mesh.
+#[must_use]
+pub fn bevy_mesh(mesh: &MorphMesh) -> Mesh {
+    let indices = mesh.triangles.as_flattened().to_vec();
+    let mut bevy = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, mesh.positions.clone())
+        .with_inserted_indices(Indices::U32(indices));
+    if !mesh.targets.is_empty() {
+        let difference = |&d: &Vec3| MorphAttributes::new(d, Vec3::ZERO, Vec3::ZERO);
+        bevy.set_morph_targets(mesh.targets.iter().flatten().map(difference).collect());
+    }
+    bevy
+}
+
+/// Runs frames until every tree is there and in physics.
+pub fn settle(app: &mut App) {
+    app.update();
+    while app.world().resource::<MorphTrees>().building() > 0 {
+        app.update();
+    }
+    app.update();
+    app.update();
+}
+
+/// A dynamic body.
+pub fn body(app: &mut App, collider: Collider, at: Vec3) -> Entity {
+    let place = Transform::from_translation(at);
+    let body = (RigidBody::Dynamic, collider, place, Velocity::default());
+    app.world_mut().spawn(body).id()
+}
+
+/// Where a body is, and how fast.
+#[must_use]
+pub fn state(app: &App, body: Entity) -> (Vec3, Vec3) {
+    let body = app.world().entity(body);
+    (
+        body.get::<Transform>()
+            .map(|place| place.translation)
+            .unwrap_or_default(),
+        body.get::<Velocity>()
+            .map(|velocity| velocity.linear)
+            .unwrap_or_default(),
+    )
+}

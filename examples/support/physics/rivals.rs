@@ -1,0 +1,172 @@
+//! This plugin, and what a game can do by itself to make a morphing mesh collide in Rapier.
+
+use bevy::mesh::morph::MeshMorphWeights;
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use bevy_rapier3d::plugin::context::RapierContextColliders;
+use bevy_rapier3d::prelude::*;
+use morph_collision_testkit::mesh::MorphMesh;
+
+use super::bevy_mesh;
+
+/// A way to make a morphing mesh collide.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    /// [`MorphRapierCollider`].
+    Ours,
+    /// Every vertex blended, `set_vertices` on Rapier's own copy of a `TriMesh`: in place.
+    InPlace,
+    /// Every vertex blended, `set_vertices` on the `Collider` component, which copies the mesh.
+    Component,
+    /// Every vertex blended, a new `TriMesh` each time.
+    NewMesh,
+    /// A soft body of which all particles are pinned, moved to every vertex blended.
+    SoftBody,
+}
+
+impl Method {
+    /// All of them, ours first.
+    pub const ALL: [Self; 5] = [
+        Self::Ours,
+        Self::InPlace,
+        Self::Component,
+        Self::NewMesh,
+        Self::SoftBody,
+    ];
+
+    /// How tables call it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ours => "`MorphRapierCollider`",
+            Self::InPlace => "`set_vertices` in place",
+            Self::Component => "`set_vertices` on the component",
+            Self::NewMesh => "new `TriMesh`",
+            Self::SoftBody => "pinned soft body",
+        }
+    }
+}
+
+/// The skin that a soft body has in place of a surface of its own.
+const SKIN: f32 = 0.01;
+
+/// A morphing mesh in physics.
+#[derive(Debug)]
+pub struct Surface<'a> {
+    method: Method,
+    entity: Entity,
+    mesh: &'a MorphMesh,
+    at: Vec3,
+    blended: Vec<Vec3>,
+}
+
+impl<'a> Surface<'a> {
+    /// A mesh at rest somewhere. For [`Method::Ours`] several may share what is shared in a game: the mesh asset.
+    pub fn spawn(
+        app: &mut App,
+        method: Method,
+        mesh: &'a MorphMesh,
+        at: Vec3,
+        shared: &mut Option<Handle<Mesh>>,
+    ) -> Self {
+        let place = Transform::from_translation(at);
+        let world = app.world_mut();
+        let entity = match method {
+            Method::Ours => {
+                let asset = shared.get_or_insert_with(|| world.resource_mut::<Assets<Mesh>>().add(bevy_mesh(mesh)));
+                let weights = vec![0.0; mesh.targets.len()];
+                world.spawn((
+                    Mesh3d(asset.clone()),
+                    MeshMorphWeights::Value { weights },
+                    MorphRapierCollider::default(),
+                    place,
+                ))
+            }
+            Method::SoftBody => {
+                let all = (0..mesh.positions.len() as u32).collect();
+                let body = SoftBody::trimesh(mesh.positions.clone(), mesh.triangles.clone());
+                // Of a mesh with triangles there is always one.
+                let body = body.map(|body| body.map(|builder| builder.oriented(false).particle_radius(SKIN)));
+                let mut entity = world.spawn((place, SoftBodyPinnedParticles(all)));
+                if let Some(body) = body {
+                    entity.insert(body);
+                }
+                entity
+            }
+            _ => {
+                let collider = Collider::trimesh(mesh.positions.clone(), mesh.triangles.clone());
+                let mut entity = world.spawn(place);
+                if let Ok(collider) = collider {
+                    entity.insert(collider);
+                }
+                entity
+            }
+        }
+        .id();
+        Self {
+            method,
+            entity,
+            mesh,
+            at,
+            blended: Vec::new(),
+        }
+    }
+
+    /// Gives it other weights.
+    pub fn pose(&mut self, app: &mut App, weights: &[f32]) {
+        if self.method != Method::Ours {
+            blend(self.mesh, weights, &mut self.blended);
+        }
+        let world = app.world_mut();
+        match self.method {
+            Method::Ours => {
+                if let Some(mut to) = world.get_mut::<MeshMorphWeights>(self.entity) {
+                    let weights = weights.to_vec();
+                    *to = MeshMorphWeights::Value { weights };
+                }
+            }
+            Method::InPlace => {
+                let mut contexts = world.query::<&mut RapierContextColliders>();
+                let Ok(mut context) = contexts.single_mut(world) else {
+                    return;
+                };
+                let handle = context.entity2collider().get(&self.entity).copied();
+                let collider = handle.and_then(|handle| context.colliders.get_mut(handle));
+                if let Some(mesh) = collider.and_then(|collider| collider.shape_mut().as_trimesh_mut()) {
+                    mesh.set_vertices(&self.blended);
+                }
+            }
+            Method::Component => {
+                if let Some(mut collider) = world.get_mut::<Collider>(self.entity)
+                    && let Some(mesh) = collider.as_trimesh_mut()
+                {
+                    mesh.raw.set_vertices(&self.blended);
+                }
+            }
+            Method::NewMesh => {
+                if let Ok(collider) = Collider::trimesh(self.blended.clone(), self.mesh.triangles.clone()) {
+                    world.entity_mut(self.entity).insert(collider);
+                }
+            }
+            Method::SoftBody => {
+                let targets = self.blended.iter().zip(0..);
+                let targets = targets
+                    .map(|(&vertex, particle)| (particle, vertex + self.at))
+                    .collect();
+                world.entity_mut(self.entity).insert(SoftBodyKinematicTargets(targets));
+            }
+        }
+    }
+}
+
+/// Blends every vertex, one target after the other, as fast as plain loops do.
+fn blend(mesh: &MorphMesh, weights: &[f32], into: &mut Vec<Vec3>) {
+    into.clone_from(&mesh.positions);
+    for (target, &weight) in mesh.targets.iter().zip(weights) {
+        if weight != 0.0 {
+            for (vertex, &displacement) in into.iter_mut().zip(target) {
+                *vertex += weight * displacement;
+            }
+        }
+    }
+}

@@ -30,6 +30,9 @@ struct Options {
     /// Only the place of this name.
     #[arg(long)]
     only: Option<String>,
+    /// Print the times of this row of the last table, of this plugin alone, and change nothing: to profile it.
+    #[arg(long)]
+    row: Option<usize>,
 }
 
 fn main() -> ExitCode {
@@ -51,6 +54,15 @@ fn run(options: &Options) -> Result<(), String> {
         ("drops", drops),
         ("time", times),
     ];
+    if let Some(row) = options.row {
+        let scenes = scenes();
+        let scene = scenes
+            .get(row)
+            .ok_or_else(|| format!("there are {} rows", scenes.len()))?;
+        let times = time(scene, &sheet(101), 600, &[Method::Ours]);
+        println!("{} surfaces, {}: {:.0} us", scene.shapes, scene.what, times[0]);
+        return Ok(());
+    }
     let mut page = Page::read(&options.page)?;
     for (name, section) in sections {
         if options.only.as_ref().is_none_or(|only| only == name) {
@@ -218,10 +230,7 @@ struct Scene {
     morphs: bool,
 }
 
-/// What a frame costs.
-fn times(quick: bool) -> String {
-    let mesh = sheet(101);
-    let frames = if quick { 10 } else { 60 };
+fn scenes() -> Vec<Scene> {
     let few = |shapes, on| Scene {
         what: "few bodies",
         shapes,
@@ -229,7 +238,7 @@ fn times(quick: bool) -> String {
         bodies: 2,
         morphs: true,
     };
-    let scenes = [
+    vec![
         few(1, 1),
         few(10, 10),
         few(100, 1),
@@ -259,7 +268,14 @@ fn times(quick: bool) -> String {
             morphs: false,
             ..few(1, 1)
         },
-    ];
+    ]
+}
+
+/// What a frame costs.
+fn times(quick: bool) -> String {
+    let mesh = sheet(101);
+    let frames = if quick { 10 } else { 60 };
+    let scenes = scenes();
     let mut table = String::from("| surfaces | bodies | ours, µs |");
     for method in &Method::ALL[1..] {
         let _infallible = write!(table, " {} |", method.name());
@@ -267,7 +283,7 @@ fn times(quick: bool) -> String {
     table.push_str("\n|---|---|--:|--:|--:|--:|--:|\n");
     let progress = progress(scenes.len() as u64);
     for scene in &scenes {
-        let row = time(scene, &mesh, frames);
+        let row = time(scene, &mesh, frames, &Method::ALL);
         let (shapes, bodies) = (scene.shapes, scene.on * scene.bodies);
         let _infallible = write!(table, "| {shapes} | {bodies} ({}) | {:.0} |", scene.what, row[0]);
         for rival in &row[1..] {
@@ -281,10 +297,10 @@ fn times(quick: bool) -> String {
 }
 
 /// Medians of whole frames in microseconds, the ways in turns.
-fn time(scene: &Scene, mesh: &MorphMesh, frames: usize) -> Vec<f64> {
-    let mut worlds: Vec<_> = Method::ALL
-        .into_iter()
-        .map(|method| {
+fn time(scene: &Scene, mesh: &MorphMesh, frames: usize, methods: &[Method]) -> Vec<f64> {
+    let mut worlds: Vec<_> = methods
+        .iter()
+        .map(|&method| {
             let mut app = here();
             let mut shared = None;
             let surfaces: Vec<_> = (0..scene.shapes)

@@ -281,6 +281,11 @@ where
         manifolds: &mut Vec<ContactManifold<ManifoldData, ContactData>>,
         workspace: &mut Option<ContactManifoldsWorkspace>,
     ) -> Result<(), Unsupported> {
+        let quiet = |shape: &dyn Shape| shape.as_shape::<MorphSurface>().is_some_and(MorphSurface::is_quiet);
+        if quiet(g1) || quiet(g2) {
+            manifolds.clear();
+            return Ok(());
+        }
         let near = Gathered::near(pos12, g1, g2, prediction);
         let (g1, g2) = near.as_ref().map_or((g1, g2), |near| near.shapes(g1, g2));
         DefaultQueryDispatcher.contact_manifolds(pos12, g1, g2, prediction, manifolds, workspace)

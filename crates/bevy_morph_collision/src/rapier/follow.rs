@@ -45,6 +45,10 @@ pub(super) struct Following {
     pub(super) moves: bool,
     /// The length of the last step if it moved during it.
     pub(super) moved_for: Option<f32>,
+    /// How far any vertex may be, at the end of the step to come, from where it was at its begin; in world units.
+    pub(super) displacement: f64,
+    /// All of these so far.
+    pub(super) travelled: f64,
     last_step: f32,
     rest: Vec<f32>,
     complaint: Option<String>,
@@ -70,6 +74,8 @@ impl Following {
             past: still(moment()),
             moves: false,
             moved_for: None,
+            displacement: 0.0,
+            travelled: 0.0,
             last_step: 0.0,
             rest: Vec::new(),
             complaint: None,
@@ -88,6 +94,7 @@ impl Following {
         self.moved_for = self.moves.then_some(self.last_step);
         self.last_step = dt;
         self.moves = false;
+        self.displacement = 0.0;
         let mut posed = self.surface.lock();
         // The oldest pose is used again for the newest.
         let taken = take_weights(&mut self.past.pose, weights, shared, &mut self.rest);
@@ -106,6 +113,8 @@ impl Following {
             std::mem::swap(&mut self.before.pose, &mut posed.pose);
             self.before.world_from_model = self.world_from_model;
             self.world_from_model = world_from_model;
+            self.displacement = displacement(&mut self.before, &posed.pose, &world_from_model);
+            self.travelled += self.displacement;
         }
         posed.collider_from_model = collider_from_model;
         drop(posed);
@@ -130,6 +139,35 @@ impl Following {
     pub(super) fn vertices(&mut self, vertices: &[u32], into: &mut Vec<DVec3>) {
         posed_vertices(&mut self.surface.lock().pose, &self.world_from_model, vertices, into);
     }
+}
+
+/// How far any vertex may be from where it was, in world units.
+fn displacement(before: &mut Moment, pose: &Pose, world_from_model: &WorldFromModel) -> f64 {
+    let zero = world_from_model.transform_point(Vec3::ZERO);
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| world_from_model.transform_point(axis) - zero);
+    let stretch = axes.iter().map(|axis| axis.length_squared()).sum::<f64>().sqrt();
+    let morphed = stretch * pose.displacement_from(before.pose.weights());
+    if before.world_from_model == *world_from_model {
+        return morphed;
+    }
+    // In a box, what an affine map moves farthest is a corner.
+    let bounds = before.pose.bounds();
+    let corner = |i: usize| {
+        let pick = |axis: usize| {
+            if i >> axis & 1 == 0 {
+                bounds.min[axis]
+            } else {
+                bounds.max[axis]
+            }
+        };
+        let corner = Vec3::new(pick(0), pick(1), pick(2));
+        let (from, to) = (
+            before.world_from_model.transform_point(corner),
+            world_from_model.transform_point(corner),
+        );
+        from.distance(to)
+    };
+    morphed + (0..8).map(corner).fold(0.0, f64::max)
 }
 
 /// Where a collider's mesh will be at the end of a step, in the world and as the collider sees it.

@@ -3,17 +3,20 @@
 //! - `surface`, `triangles`: what Rapier knows as shapes.
 //! - `dispatcher`: what it asks about two of them.
 //! - `follow`: where a surface is and was.
-//! - `patches`, `motion`, `push`: how it pushes: the parts near moving bodies are kinematic bodies for one step.
+//! - `push`, `part`, `motion`: how it pushes: what is near moving bodies is a kinematic body for one step.
+//! - `world`: what they see of Rapier's world, and change.
 //! - `step`: the systems around Rapier's step.
 
 mod dispatcher;
 mod follow;
 mod motion;
-mod patches;
+mod order;
+mod part;
 mod push;
 mod step;
 mod surface;
 mod triangles;
+mod world;
 
 use bevy::app::AnimationSystems;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
@@ -123,7 +126,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
     app.register_type::<MorphRapierCollider>()
         .register_type::<MorphRapierDiagnostics>()
         .init_resource::<MorphRapierDiagnostics>()
-        .init_resource::<patches::AllPatches>()
+        .init_resource::<order::TreeOrders>()
         .init_resource::<step::Stepping>()
         .add_observer(step::detach_surface)
         .add_observer(step::take_patches_along)

@@ -10,27 +10,42 @@ pub(super) struct RigidMotion {
 }
 
 impl RigidMotion {
-    /// The one closest to the motion of some points, in the sense of least squares; points are relative to their mean.
+    /// The one closest to the motion of some points, in the sense of weighted least squares. Points are relative to the body's
+    /// origin.
     ///
     /// About axes that the points do not tell anything about, such as the line that all are on, nothing turns.
-    pub(super) fn fitted(points: &[DVec3], velocities: &[DVec3]) -> Self {
-        let count = points.len().max(1) as f64;
-        let linear = velocities.iter().sum::<DVec3>() / count;
+    pub(super) fn fitted(points: &[DVec3], velocities: &[DVec3], weights: &[f64]) -> Self {
+        let all = || points.iter().zip(velocities).zip(weights);
+        let total: f64 = weights.iter().sum();
+        if total <= 0.0 {
+            return Self::default();
+        }
+        let center = all().map(|((&point, _), &weight)| weight * point).sum::<DVec3>() / total;
+        let linear = all().map(|((_, &velocity), &weight)| weight * velocity).sum::<DVec3>() / total;
         // Least squares for `angular x point = velocity - linear`: the equation of a rigid body's angular momentum.
         let (mut inertia, mut momentum) = (DMat3::ZERO, DVec3::ZERO);
-        for (&p, &velocity) in points.iter().zip(velocities) {
-            inertia += DMat3::from_diagonal(DVec3::splat(p.length_squared()));
-            inertia -= DMat3::from_cols(p * p.x, p * p.y, p * p.z);
-            momentum += p.cross(velocity - linear);
+        for ((&point, &velocity), &weight) in all() {
+            let arm = point - center;
+            inertia += weight * DMat3::from_diagonal(DVec3::splat(arm.length_squared()));
+            inertia -= weight * DMat3::from_cols(arm * arm.x, arm * arm.y, arm * arm.z);
+            momentum += weight * arm.cross(velocity - linear);
         }
         let size = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
-        // A little more inertia than there is: nothing at all for a patch with some width, and no division by zero.
+        // A little more inertia than there is: nothing at all for a part with some width, and no division by zero.
         let regular = inertia + DMat3::from_diagonal(DVec3::splat(1e-9 * size));
         let angular = regular.inverse() * momentum;
+        let angular = if angular.is_finite() { angular } else { DVec3::ZERO };
         Self {
-            linear,
-            angular: if angular.is_finite() { angular } else { DVec3::ZERO },
+            linear: linear - angular.cross(center),
+            angular,
         }
+    }
+
+    /// How far off the motion is, weighted; in units of velocity.
+    pub(super) fn error(&self, points: &[DVec3], velocities: &[DVec3], weights: &[f64]) -> f64 {
+        let all = points.iter().zip(velocities).zip(weights);
+        all.map(|((&point, &velocity), &weight)| weight * velocity.distance(self.linear + self.angular.cross(point)))
+            .fold(0.0, f64::max)
     }
 }
 
@@ -39,7 +54,7 @@ impl RigidMotion {
 /// `limit` is the change of velocity that one step may bring. Something that moves faster than that at once is believed
 /// when the next step confirms it.
 pub(super) fn continuous(velocities: &[DVec3], before: Option<&[DVec3]>, limit: f64) -> bool {
-    let speed = velocities.iter().map(|v| v.length()).fold(0.0, f64::max);
+    let speed = fastest(velocities);
     if speed <= limit {
         return true;
     }
@@ -48,59 +63,61 @@ pub(super) fn continuous(velocities: &[DVec3], before: Option<&[DVec3]>, limit: 
     changes.fold(0.0, f64::max) <= limit.max(0.5 * speed)
 }
 
+/// The greatest speed among velocities.
+pub(super) fn fastest(velocities: &[DVec3]) -> f64 {
+    velocities.iter().map(|v| v.length_squared()).fold(0.0, f64::max).sqrt()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn around_the_mean() -> Vec<DVec3> {
-        let mut points = vec![
-            DVec3::new(1.0, 0.2, 0.0),
-            DVec3::new(-0.3, 1.0, 0.4),
-            DVec3::new(0.2, -0.7, 1.0),
-            DVec3::new(-1.1, 0.1, -0.5),
-        ];
-        let mean = points.iter().sum::<DVec3>() / points.len() as f64;
-        points.iter_mut().for_each(|p| *p -= mean);
-        points
-    }
+    const POINTS: [DVec3; 4] = [
+        DVec3::new(1.0, 0.2, 0.0),
+        DVec3::new(-0.3, 1.0, 0.4),
+        DVec3::new(0.2, -0.7, 1.0),
+        DVec3::new(-1.1, 0.1, -0.5),
+    ];
 
     #[test]
     fn rigid_motions_are_found() {
-        let points = around_the_mean();
         let (linear, angular) = (DVec3::new(0.3, -2.0, 1.0), DVec3::new(1.0, 0.5, -3.0));
-        let velocities: Vec<_> = points.iter().map(|&p| linear + angular.cross(p)).collect();
-        let motion = RigidMotion::fitted(&points, &velocities);
-        assert!(motion.linear.distance(linear) < 1e-7, "{motion:?}");
-        assert!(motion.angular.distance(angular) < 1e-7, "{motion:?}");
+        let velocities = POINTS.map(|p| linear + angular.cross(p));
+        for weights in [[1.0; 4], [0.1, 2.0, 0.5, 1.0]] {
+            let motion = RigidMotion::fitted(&POINTS, &velocities, &weights);
+            assert!(motion.linear.distance(linear) < 1e-7, "{motion:?}");
+            assert!(motion.angular.distance(angular) < 1e-7, "{motion:?}");
+            assert!(motion.error(&POINTS, &velocities, &weights) < 1e-7);
+        }
     }
 
     #[test]
     fn growing_is_no_motion() {
-        let points = around_the_mean();
-        let velocities: Vec<_> = points.iter().map(|&p| 0.5 * p).collect();
-        let motion = RigidMotion::fitted(&points, &velocities);
+        let mean = POINTS.iter().sum::<DVec3>() / 4.0;
+        let points = POINTS.map(|p| p - mean);
+        let velocities = points.map(|p| 0.5 * p);
+        let motion = RigidMotion::fitted(&points, &velocities, &[1.0; 4]);
         assert!(
             motion.linear.length() < 1e-12 && motion.angular.length() < 1e-9,
             "{motion:?}"
         );
+        assert!(motion.error(&points, &velocities, &[1.0; 4]) > 0.4);
+        // What counts most is right.
+        let motion = RigidMotion::fitted(&points, &velocities, &[1.0, 1e-6, 1e-6, 1e-6]);
+        let at_first = motion.linear + motion.angular.cross(points[0]);
+        assert!(at_first.distance(velocities[0]) < 1e-5, "{motion:?}");
     }
 
     #[test]
     fn points_on_a_line_and_single_points_do_not_spin() {
         let on_a_line = [DVec3::X, DVec3::ZERO, -DVec3::X];
         let turning = on_a_line.map(|p| DVec3::new(5.0, 0.0, 2.0).cross(p));
-        let motion = RigidMotion::fitted(&on_a_line, &turning);
+        let motion = RigidMotion::fitted(&on_a_line, &turning, &[1.0; 3]);
         // Turning about the line itself cannot be seen.
         assert!(motion.angular.distance(DVec3::new(0.0, 0.0, 2.0)) < 1e-6, "{motion:?}");
-        let one = RigidMotion::fitted(&[DVec3::ZERO], &[DVec3::Y]);
-        assert_eq!(
-            one,
-            RigidMotion {
-                linear: DVec3::Y,
-                angular: DVec3::ZERO
-            }
-        );
-        assert_eq!(RigidMotion::fitted(&[], &[]), RigidMotion::default());
+        let one = RigidMotion::fitted(&[DVec3::X], &[DVec3::Y], &[1.0]);
+        assert_eq!((one.linear, one.angular), (DVec3::Y, DVec3::ZERO));
+        assert_eq!(RigidMotion::fitted(&[], &[], &[]), RigidMotion::default());
     }
 
     #[test]

@@ -7,7 +7,6 @@ use std::time::Duration;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
-use bevy_rapier3d::parry::bounding_volume::BoundingVolume;
 use bevy_rapier3d::parry::shape::SharedShape;
 use bevy_rapier3d::plugin::context::{
     RapierContextColliders, RapierContextEntityLink, RapierContextJoints, RapierContextSimulation, RapierRigidBodySet,
@@ -15,15 +14,16 @@ use bevy_rapier3d::plugin::context::{
 };
 use bevy_rapier3d::plugin::{RapierConfiguration, TimestepMode};
 use bevy_rapier3d::prelude::{Collider, RapierColliderHandle, SolverGroups};
-use bevy_rapier3d::rapier::dynamics::{RigidBody, RigidBodySet};
-use bevy_rapier3d::rapier::geometry::{ColliderSet, InteractionGroups};
+use bevy_rapier3d::rapier::dynamics::RigidBody;
+use bevy_rapier3d::rapier::geometry::InteractionGroups;
 use morph_collision::MorphBvh;
 use tracing::error;
 
 use super::MorphRapierCollider;
 use super::follow::{Following, places};
-use super::patches::AllPatches;
-use super::push::{Manners, Mover, Pushing, Step, World, no_push};
+use super::order::TreeOrders;
+use super::push::Pushing;
+use super::world::{Manners, Mover, Step, World, find_movers, no_push};
 use crate::collider::ColliderState;
 
 /// What the plugin knows of one surface.
@@ -45,7 +45,7 @@ pub struct MorphRapierDiagnostics {
     /// Of these, those that moved or morphed.
     pub moving: u32,
     /// Parts of surfaces near dynamic bodies: what is in the physics world as kinematic bodies.
-    pub patches: u32,
+    pub parts: u32,
     /// Of these, those whose vertices were blended for the step.
     pub blended: u32,
     /// Time taken before and after the step.
@@ -64,7 +64,7 @@ pub(crate) struct Stepping {
 pub(super) fn attach_surfaces(
     mut commands: Commands,
     colliders: Query<(Entity, &ColliderState, Option<&RapierSurface>), With<MorphRapierCollider>>,
-    mut patches: ResMut<AllPatches>,
+    mut orders: ResMut<TreeOrders>,
 ) {
     for (entity, state, surface) in &colliders {
         let Some(pose) = &state.pose else { continue };
@@ -80,7 +80,7 @@ pub(super) fn attach_surfaces(
         let shape = SharedShape::new(following.surface.clone());
         let surface = RapierSurface {
             following,
-            pushing: Pushing::new(entity, patches.of(&bvh)),
+            pushing: Pushing::new(entity, orders.of(&bvh)),
             bvh,
             context: None,
         };
@@ -235,7 +235,7 @@ pub(super) fn before_step(
                 stepping: now,
             };
             diagnostics.blended += pushing.prepare(following, manners, &step, &mut world);
-            diagnostics.patches += pushing.active();
+            diagnostics.parts += pushing.parts();
         }
     }
     diagnostics.duration = start.elapsed();
@@ -251,11 +251,10 @@ pub(super) fn after_step(
     let start = Instant::now();
     stepping.now.store(false, Ordering::Release);
     for mut surface in &mut surfaces {
-        if surface.pushing.is_idle() {
-            continue;
-        }
+        let surface = &mut *surface;
         if let Some(mut colliders) = surface.context.and_then(|context| contexts.get_mut(context).ok()) {
-            surface.pushing.finish(&mut colliders.colliders);
+            let RapierSurface { following, pushing, .. } = surface;
+            pushing.finish(&following.surface, &mut colliders.colliders);
         }
     }
     diagnostics.duration += start.elapsed();
@@ -283,37 +282,6 @@ fn time_ahead(mode: &TimestepMode, time: &Time, behind: f32) -> f32 {
             steps * dt * time_scale
         }
         _ => 0.0,
-    }
-}
-
-/// The colliders of dynamic bodies, and where they may be during a step.
-fn find_movers(bodies: &RigidBodySet, colliders: &ColliderSet, dt: f32, movers: &mut Vec<Mover>) {
-    movers.clear();
-    for (handle, body) in bodies.iter() {
-        if !body.is_dynamic() || !body.is_enabled() {
-            continue;
-        }
-        let asleep = body.is_sleeping();
-        let next = body.predict_position_using_velocity_and_forces(dt);
-        for &collider in body.colliders() {
-            let Some(shape) = colliders.get(collider) else { continue };
-            if shape.is_sensor() || !shape.is_enabled() {
-                continue;
-            }
-            let mut bounds = shape.compute_aabb();
-            if !asleep {
-                let in_body = shape.position_wrt_parent().copied().unwrap_or_default();
-                bounds = bounds.merged(&shape.shape().compute_aabb(&(next * in_body)));
-            }
-            movers.push(Mover {
-                collider,
-                body: handle,
-                bounds: bounds.loosened(shape.contact_skin()),
-                asleep,
-                groups: shape.collision_groups(),
-                hooks: shape.active_hooks(),
-            });
-        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! A morphing mesh as a shape of Parry's.
 
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use bevy::math::Vec3;
@@ -23,6 +24,7 @@ use super::triangles::{Triangles, nowhere};
 #[derive(Clone)]
 pub struct MorphSurface {
     posed: Arc<Mutex<Posed>>,
+    quiet: Arc<AtomicBool>,
 }
 
 /// What a surface is made of at the moment.
@@ -31,6 +33,8 @@ pub(super) struct Posed {
     /// From the mesh to the collider, which has a place and a rotation of its own: scale and shear.
     pub(super) collider_from_model: WorldFromModel,
     queries: Queries,
+    /// For a density of 1. Asked for whenever a shape changes, and does not change with it.
+    mass: Option<MassProperties>,
 }
 
 #[derive(Default)]
@@ -47,10 +51,21 @@ impl MorphSurface {
             pose,
             collider_from_model,
             queries: Queries::default(),
+            mass: None,
         };
         Self {
             posed: Arc::new(Mutex::new(posed)),
+            quiet: Arc::default(),
         }
+    }
+
+    /// Whether its contacts are of no interest, because it pushes with parts of it and nobody listens.
+    pub(super) fn is_quiet(&self) -> bool {
+        self.quiet.load(Ordering::Acquire)
+    }
+
+    pub(super) fn set_quiet(&self, quiet: bool) {
+        self.quiet.store(quiet, Ordering::Release);
     }
 
     pub(super) fn lock(&self) -> MutexGuard<'_, Posed> {
@@ -72,6 +87,7 @@ impl Posed {
             pose,
             collider_from_model,
             queries,
+            ..
         } = self;
         queries.found.clear();
         let bounds = morph_collision::Aabb {
@@ -94,11 +110,19 @@ impl Posed {
         self.gather()
     }
 
+    fn mass(&mut self, density: Real) -> MassProperties {
+        let mut mass = self.mass.unwrap_or_else(|| self.all_triangles().enclosed_mass());
+        self.mass = Some(mass);
+        mass.set_mass(density * mass.mass(), true);
+        mass
+    }
+
     fn gather(&mut self) -> Triangles {
         let Self {
             pose,
             collider_from_model,
             queries,
+            ..
         } = self;
         let (mut numbers, mut corners) = (Vec::new(), Vec::new());
         for &number in &queries.found {
@@ -185,12 +209,13 @@ impl Shape for MorphSurface {
         Some(self.clone_dyn())
     }
 
-    /// Of the volume that the surface encloses in its pose. Cost: linear in the size of the mesh.
+    /// Of the volume that the surface encloses, in the pose in which it was asked for first. Cost: then linear in the size of the
+    /// mesh.
     fn mass_properties(&self, density: Real) -> MassProperties {
         if density == 0.0 {
             return MassProperties::default();
         }
-        self.lock().all_triangles().enclosed_mass(density)
+        self.lock().mass(density)
     }
 
     fn shape_type(&self) -> ShapeType {

@@ -15,7 +15,7 @@ use bevy_rapier3d::parry::shape::{CompositeShape, FeatureId, Shape, ShapeType, S
 /// numbered from 0, since Parry's trees have room for every number up to the largest.
 #[derive(Clone)]
 pub(super) struct Triangles {
-    /// As the mesh numbers them.
+    /// As the mesh numbers them; none if nobody asks.
     numbers: Vec<u32>,
     corners: Vec<Triangle>,
     bvh: Bvh,
@@ -28,8 +28,22 @@ impl Triangles {
         Self { numbers, corners, bvh }
     }
 
+    /// The same triangles elsewhere.
+    pub(super) fn move_to(&mut self, corners: impl Iterator<Item = Triangle>) {
+        self.corners.clear();
+        self.corners.extend(corners);
+        for (triangle, number) in self.corners.iter().zip(0..) {
+            self.bvh.insert_or_update_partially(triangle.local_aabb(), number, 0.0);
+        }
+        self.bvh.refit_without_opt();
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.corners.len()
+    }
+
     pub(super) fn is_empty(&self) -> bool {
-        self.numbers.is_empty()
+        self.corners.is_empty()
     }
 
     /// The mesh's number of a sub-shape.
@@ -37,13 +51,13 @@ impl Triangles {
         self.numbers.get(subshape as usize).copied().unwrap_or(0)
     }
 
-    /// Of the volume that they enclose; of none, nothing.
-    pub(super) fn enclosed_mass(&self, density: Real) -> MassProperties {
+    /// Of the volume that they enclose, with a density of 1; of none, nothing.
+    pub(super) fn enclosed_mass(&self) -> MassProperties {
         let vertices: Vec<Vector> = self.corners.iter().flat_map(|t| [t.a, t.b, t.c]).collect();
         let indices: Vec<[u32; 3]> = (0..self.corners.len() as u32)
             .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
             .collect();
-        MassProperties::from_trimesh(density, &vertices, &indices)
+        MassProperties::from_trimesh(1.0, &vertices, &indices)
     }
 }
 
@@ -84,7 +98,7 @@ impl RayCast for Triangles {
 
 impl PointQuery for Triangles {
     fn project_local_point(&self, point: Vector, solid: bool) -> PointProjection {
-        let places = self.numbers.iter().zip(&self.corners).map(|(&number, triangle)| {
+        let places = (0..).zip(&self.corners).map(|(number, triangle)| {
             let place = triangle.project_local_point(point, solid).with_subshape(number);
             (place.point.distance_squared(point), place)
         });

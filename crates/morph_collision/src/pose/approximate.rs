@@ -124,7 +124,7 @@ impl ApproximatePose {
     /// What no vertex of the shape in use is farther off than, in model units.
     #[must_use]
     pub fn displacement(&self) -> f64 {
-        self.pose.moved_at_most(&self.wanted)
+        self.pose.displacement_from(&self.wanted)
     }
 
     /// The weights that were set.

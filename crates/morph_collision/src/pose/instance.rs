@@ -266,8 +266,12 @@ impl Pose {
         self.vertices.next_epoch();
     }
 
-    /// How far any vertex can be, in model space, from where it was with other weights, of which there is one per target.
-    pub(crate) fn moved_at_most(&self, before: &[f32]) -> f64 {
+    /// How far any vertex can be, in model space, from where it is with other weights, of which there is one per target: a bound,
+    /// what both blends round included.
+    ///
+    /// Cost: linear in the number of targets.
+    #[must_use]
+    pub fn displacement_from(&self, before: &[f32]) -> f64 {
         weights::displacement(self.bvh.model(), before, &self.weights)
     }
 

@@ -199,8 +199,8 @@ impl Proof {
         let (center, half) = (0.5 * (min + max), 0.5 * (max - min));
         let rigid =
             (linear * center + (now.translation - before.translation)).length() + frobenius(linear) * half.length();
-        let morphed_a = a.pose.moved_at_most(&self.weights[0]);
-        let morphed_b = frobenius(now.linear) * b.pose.moved_at_most(&self.weights[1]);
+        let morphed_a = a.pose.displacement_from(&self.weights[0]);
+        let morphed_b = frobenius(now.linear) * b.pose.displacement_from(&self.weights[1]);
         // Vertices that left the bounds by morphing may be placed less exactly; by far less than this.
         let error = 2.0 * (before.error.length() + now.error.length());
         // The margin covers the roundings of these few sums.

@@ -1,0 +1,140 @@
+//! What surfaces see of a physics world, and what they change in it.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
+use bevy_rapier3d::rapier::dynamics::{
+    CoefficientCombineRule, ImpulseJointSet, IslandManager, MultibodyJointSet, RigidBodyHandle, RigidBodySet,
+    SoftBodySet,
+};
+use bevy_rapier3d::rapier::geometry::{Collider, ColliderHandle, ColliderSet, Group, InteractionGroups};
+use bevy_rapier3d::rapier::pipeline::{ActiveEvents, ActiveHooks};
+
+/// The parts of a physics world that bodies come into and go from.
+pub(super) struct World<'a> {
+    pub(super) bodies: &'a mut RigidBodySet,
+    pub(super) colliders: &'a mut ColliderSet,
+    pub(super) islands: &'a mut IslandManager,
+    pub(super) impulse_joints: &'a mut ImpulseJointSet,
+    pub(super) multibody_joints: &'a mut MultibodyJointSet,
+    pub(super) soft_bodies: &'a mut SoftBodySet,
+}
+
+impl World<'_> {
+    /// Takes a body out, colliders and all.
+    pub(super) fn remove(&mut self, body: RigidBodyHandle) {
+        self.bodies.remove(
+            body,
+            self.islands,
+            self.colliders,
+            self.impulse_joints,
+            self.multibody_joints,
+            self.soft_bodies,
+            true,
+        );
+    }
+}
+
+/// What a step is about.
+pub(super) struct Step<'a> {
+    /// In seconds.
+    pub(super) dt: f32,
+    pub(super) movers: &'a [Mover],
+    /// How far away a contact is prepared.
+    pub(super) prediction: f32,
+    pub(super) max_acceleration: f32,
+    /// Set while a step is going on.
+    pub(super) stepping: &'a Arc<AtomicBool>,
+}
+
+/// A collider of a dynamic body.
+pub(super) struct Mover {
+    pub(super) collider: ColliderHandle,
+    pub(super) body: RigidBodyHandle,
+    /// Where it may be during the step.
+    pub(super) bounds: Aabb,
+    pub(super) asleep: bool,
+    pub(super) groups: InteractionGroups,
+    pub(super) hooks: ActiveHooks,
+    pub(super) events: ActiveEvents,
+}
+
+/// Finds the colliders of dynamic bodies, and where they may be during a step.
+pub(super) fn find_movers(bodies: &RigidBodySet, colliders: &ColliderSet, dt: f32, movers: &mut Vec<Mover>) {
+    movers.clear();
+    for (handle, body) in bodies.iter() {
+        if !body.is_dynamic() || !body.is_enabled() {
+            continue;
+        }
+        let asleep = body.is_sleeping();
+        let next = body.predict_position_using_velocity_and_forces(dt);
+        for &collider in body.colliders() {
+            let Some(shape) = colliders.get(collider) else { continue };
+            if shape.is_sensor() || !shape.is_enabled() {
+                continue;
+            }
+            let mut bounds = shape.compute_aabb();
+            if !asleep {
+                let in_body = shape.position_wrt_parent().copied().unwrap_or_default();
+                bounds = bounds.merged(&shape.shape().compute_aabb(&(next * in_body)));
+            }
+            movers.push(Mover {
+                collider,
+                body: handle,
+                bounds: bounds.loosened(shape.contact_skin()),
+                asleep,
+                groups: shape.collision_groups(),
+                hooks: shape.active_hooks(),
+                events: shape.active_events(),
+            });
+        }
+    }
+}
+
+/// What the parts of a surface have from the collider that they are parts of.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) struct Manners {
+    friction: f32,
+    friction_rule: CoefficientCombineRule,
+    restitution: f32,
+    restitution_rule: CoefficientCombineRule,
+    pub(super) contact_skin: f32,
+    pub(super) groups: InteractionGroups,
+    solver_groups: InteractionGroups,
+    pub(super) hooks: ActiveHooks,
+    pub(super) events: ActiveEvents,
+}
+
+impl Manners {
+    pub(super) fn of(collider: &Collider, solver_groups: InteractionGroups) -> Self {
+        Self {
+            friction: collider.friction(),
+            friction_rule: collider.friction_combine_rule(),
+            restitution: collider.restitution(),
+            restitution_rule: collider.restitution_combine_rule(),
+            contact_skin: collider.contact_skin(),
+            groups: collider.collision_groups(),
+            solver_groups,
+            hooks: collider.active_hooks(),
+            events: collider.active_events(),
+        }
+    }
+
+    pub(super) fn teach(&self, collider: &mut Collider) {
+        collider.set_friction(self.friction);
+        collider.set_friction_combine_rule(self.friction_rule);
+        collider.set_restitution(self.restitution);
+        collider.set_restitution_combine_rule(self.restitution_rule);
+        collider.set_contact_skin(self.contact_skin);
+        collider.set_collision_groups(self.groups);
+        collider.set_solver_groups(self.solver_groups);
+        collider.set_active_hooks(self.hooks);
+        collider.set_active_events(self.events);
+    }
+}
+
+/// No groups at all: a collider with these meets what it meets, and pushes nothing.
+pub(super) fn no_push(groups: InteractionGroups) -> InteractionGroups {
+    InteractionGroups::new(Group::NONE, Group::NONE, groups.test_mode)
+}

@@ -296,6 +296,9 @@ fn times(quick: bool) -> String {
     table
 }
 
+/// Frames until bodies have come to rest.
+const WARM: usize = 30;
+
 /// Medians of whole frames in microseconds, the ways in turns.
 fn time(scene: &Scene, mesh: &MorphMesh, frames: usize, methods: &[Method]) -> Vec<f64> {
     let mut worlds: Vec<_> = methods
@@ -325,7 +328,7 @@ fn time(scene: &Scene, mesh: &MorphMesh, frames: usize, methods: &[Method]) -> V
         })
         .collect();
     let mut times = vec![Vec::new(); worlds.len()];
-    for frame in 0..frames + 60 {
+    for frame in 0..frames + WARM {
         let time = frame as f32 * DT;
         for ((app, surfaces), times) in worlds.iter_mut().zip(&mut times) {
             let start = Instant::now();
@@ -335,7 +338,7 @@ fn time(scene: &Scene, mesh: &MorphMesh, frames: usize, methods: &[Method]) -> V
                 }
             }
             app.update();
-            if frame >= 60 {
+            if frame >= WARM {
                 times.push(start.elapsed().as_secs_f64() * 1e6);
             }
         }

@@ -1,4 +1,9 @@
 //! The plugin together with `bevy_rapier3d`, in apps without a window.
 
+mod events;
+mod life;
 mod moving;
+mod queries;
+mod scratch;
+mod shapes;
 mod support;

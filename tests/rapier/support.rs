@@ -1,48 +1,25 @@
-//! An app with physics, a sheet that morphs, and bodies on it.
+//! An app with physics, meshes in it that morph, and what they are in truth.
 
-use bevy::asset::RenderAssetUsages;
-use bevy::mesh::morph::{MeshMorphWeights, MorphAttributes};
-use bevy::mesh::{Indices, PrimitiveTopology};
+use std::path::Path;
+
+use bevy::ecs::system::RunSystemOnce;
+use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
-use bevy_morph_collision::{MorphTrees, prelude::*};
+use bevy_morph_collision::{MorphRapierDiagnostics, prelude::*};
+use bevy_rapier3d::parry::shape::TriMesh;
+use bevy_rapier3d::plugin::context::{RapierContextColliders, RapierRigidBodySet};
 use bevy_rapier3d::prelude::*;
-use morph_collision_testkit::{mesh::MorphMesh, models::rigid};
-use morph_collision_workspace::app::{headless, ready};
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::oracle::{posed_vertices, world_vertices};
+use morph_collision_workspace::physics::{self, bevy_mesh, state};
 
-/// The length of a step.
-pub(crate) const DT: f32 = 1.0 / 60.0;
-
-/// An app with physics in steps of [`DT`], ready for its first frame.
 pub(crate) fn app() -> App {
-    let mut app = headless(std::path::Path::new("."));
-    app.add_plugins((RapierPhysicsPlugin::<NoUserData>::default(), MorphRapierPlugin))
-        .insert_resource(TimestepMode::Fixed { dt: DT, substeps: 1 });
-    ready(&mut app);
-    app
-}
-
-/// A level sheet of 8 by 8 around the origin, with a target that lifts it by 1 and one that moves it by 1 along `+X`.
-pub(crate) fn sheet() -> MorphMesh {
-    let mut mesh = rigid::grid(8.0, 32);
-    mesh.targets = vec![vec![Vec3::Y; mesh.positions.len()], vec![Vec3::X; mesh.positions.len()]];
-    mesh.target_names = vec!["rise".into(), "slide".into()];
-    mesh
-}
-
-pub(crate) fn add_mesh(app: &mut App, mesh: &MorphMesh) -> Handle<Mesh> {
-    let indices = mesh.triangles.as_flattened().to_vec();
-    let difference = |&d: &Vec3| MorphAttributes::new(d, Vec3::ZERO, Vec3::ZERO);
-    let targets = mesh.targets.iter().flatten().map(difference).collect();
-    let mut bevy = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, mesh.positions.clone())
-        .with_inserted_indices(Indices::U32(indices));
-    bevy.set_morph_targets(targets);
-    app.world_mut().resource_mut::<Assets<Mesh>>().add(bevy)
+    physics::app(Path::new("."))
 }
 
 /// A mesh in physics, at rest.
 pub(crate) fn spawn(app: &mut App, mesh: &MorphMesh, more: impl Bundle) -> Entity {
-    let handle = add_mesh(app, mesh);
+    let handle = app.world_mut().resource_mut::<Assets<Mesh>>().add(bevy_mesh(mesh));
     let weights = MeshMorphWeights::Value {
         weights: vec![0.0; mesh.targets.len()],
     };
@@ -57,33 +34,49 @@ pub(crate) fn set_weights(app: &mut App, entity: Entity, weights: &[f32]) {
     app.world_mut().entity_mut(entity).insert(weights);
 }
 
-/// Runs frames until every tree is there and in physics.
-pub(crate) fn settle(app: &mut App) {
-    app.update();
-    while app.world().resource::<MorphTrees>().building() > 0 {
-        app.update();
-    }
-    app.update();
-    app.update();
-}
-
-pub(crate) fn body(app: &mut App, collider: Collider, at: Vec3) -> Entity {
-    let place = Transform::from_translation(at);
-    app.world_mut()
-        .spawn((RigidBody::Dynamic, collider, place, Velocity::default()))
-        .id()
-}
-
 pub(crate) fn place(app: &App, entity: Entity) -> Vec3 {
-    app.world().entity(entity).get::<Transform>().unwrap().translation
+    state(app, entity).0
 }
 
 pub(crate) fn velocity(app: &App, entity: Entity) -> Vec3 {
-    app.world().entity(entity).get::<Velocity>().unwrap().linear
+    state(app, entity).1
 }
 
 pub(crate) fn run(app: &mut App, frames: usize) {
     for _ in 0..frames {
         app.update();
     }
+}
+
+pub(crate) fn diagnostics(app: &App) -> MorphRapierDiagnostics {
+    *app.world().resource::<MorphRapierDiagnostics>()
+}
+
+/// Bodies and colliders that Rapier has.
+pub(crate) fn population(app: &mut App) -> (usize, usize) {
+    let mut contexts = app
+        .world_mut()
+        .query::<(&RapierRigidBodySet, &RapierContextColliders)>();
+    let (bodies, colliders) = contexts.single(app.world()).expect("there is one context");
+    (bodies.bodies.len(), colliders.colliders.len())
+}
+
+/// Runs a system that asks Rapier, once.
+pub(crate) fn ask<T: Send + 'static>(app: &mut App, ask: impl Fn(&RapierContext) -> T + Send + Sync + 'static) -> T {
+    let system = move |context: ReadRapierContext| ask(&context.single().expect("there is one context"));
+    app.world_mut()
+        .run_system_once(system)
+        .expect("its parameters are there")
+}
+
+/// A mesh as it stands in the world, as Parry's own shape.
+pub(crate) fn truth(mesh: &MorphMesh, weights: &[f32], place: &GlobalTransform) -> TriMesh {
+    let posed = posed_vertices(&mesh.positions, &mesh.targets, weights);
+    let world = world_vertices(&posed, &place.affine());
+    let world = world.into_iter().map(|vertex| vertex.as_vec3()).collect();
+    TriMesh::new(world, mesh.triangles.clone()).expect("a mesh with triangles")
+}
+
+pub(crate) fn global(app: &App, entity: Entity) -> GlobalTransform {
+    *app.world().entity(entity).get::<GlobalTransform>().unwrap()
 }

@@ -33,11 +33,18 @@ struct Gathered {
 impl Gathered {
     /// For two shapes of which at least one is a surface: what is within `reach` of the other. None for two other shapes.
     fn near(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape, reach: Real) -> Option<Self> {
-        Self::along(pos12, Vector::ZERO, g1, g2, reach)
+        Self::along(pos12, Vector::ZERO, g1, g2, reach, false)
     }
 
     /// The same while the second shape moves by `motion` as seen by the first.
-    fn along(pos12: &Pose, motion: Vector, g1: &dyn Shape, g2: &dyn Shape, reach: Real) -> Option<Self> {
+    fn along(
+        pos12: &Pose,
+        motion: Vector,
+        g1: &dyn Shape,
+        g2: &dyn Shape,
+        reach: Real,
+        for_contacts: bool,
+    ) -> Option<Self> {
         let (surface1, surface2) = (g1.as_shape::<MorphSurface>(), g2.as_shape::<MorphSurface>());
         if surface1.is_none() && surface2.is_none() {
             return None;
@@ -46,18 +53,18 @@ impl Gathered {
             let end = Pose::from_parts(pos12.translation + motion, pos12.rotation);
             shape.compute_swept_aabb(pos12, &end).loosened(reach)
         };
-        let first = surface1.map(|surface| surface.lock().triangles_in(&in_first(g2)));
+        let first = surface1.map(|surface| surface.lock().triangles_in(&in_first(g2), for_contacts));
         let second = surface2.map(|surface| {
             // The first one seen by the second moves the other way.
             let pos21 = pos12.inverse();
             let end = Pose::from_parts(pos21.translation - pos21.rotation * motion, pos21.rotation);
             let g1: &dyn Shape = first.as_ref().map_or(g1, |triangles| triangles);
             if first.as_ref().is_some_and(Triangles::is_empty) {
-                return Triangles::new(Vec::new(), Vec::new());
+                return Triangles::new(Vec::new(), Vec::new(), Vec::new());
             }
             surface
                 .lock()
-                .triangles_in(&g1.compute_swept_aabb(&pos21, &end).loosened(reach))
+                .triangles_in(&g1.compute_swept_aabb(&pos21, &end).loosened(reach), for_contacts)
         });
         Some(Self { first, second })
     }
@@ -207,7 +214,7 @@ impl QueryDispatcher for MorphQueryDispatcher {
         options: ShapeCastOptions,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
         let motion = until_past(pos12, local_vel12, g1, g2, options.max_time_of_impact);
-        let Some(near) = Gathered::along(pos12, motion, g1, g2, options.target_distance) else {
+        let Some(near) = Gathered::along(pos12, motion, g1, g2, options.target_distance, false) else {
             return DefaultQueryDispatcher.cast_shapes(pos12, local_vel12, g1, g2, options);
         };
         if near.nothing() {
@@ -286,7 +293,7 @@ where
             manifolds.clear();
             return Ok(());
         }
-        let near = Gathered::near(pos12, g1, g2, prediction);
+        let near = Gathered::along(pos12, Vector::ZERO, g1, g2, prediction, true);
         let (g1, g2) = near.as_ref().map_or((g1, g2), |near| near.shapes(g1, g2));
         DefaultQueryDispatcher.contact_manifolds(pos12, g1, g2, prediction, manifolds, workspace)
     }

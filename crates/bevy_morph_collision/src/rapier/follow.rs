@@ -10,6 +10,7 @@ use bevy_rapier3d::rapier::dynamics::{RigidBodySet, RigidBodyType};
 use bevy_rapier3d::rapier::geometry::Collider as RapierCollider;
 use morph_collision::{Aabb, MorphBvh, Pose, TransformError, WorldFromModel};
 
+use super::layout::MeshLayout;
 use super::surface::MorphSurface;
 use crate::weights::take_weights;
 
@@ -56,7 +57,7 @@ pub(super) struct Following {
 
 impl Following {
     /// At rest for now; where it is, the first step will tell.
-    pub(super) fn new(bvh: &Arc<MorphBvh>, weights: &[f32]) -> Self {
+    pub(super) fn new(bvh: &Arc<MorphBvh>, weights: &[f32], layout: &Arc<MeshLayout>) -> Self {
         let moment = || {
             let mut pose = Pose::new(bvh.clone());
             // They are those of a pose of the same tree.
@@ -68,7 +69,7 @@ impl Following {
             world_from_model: WorldFromModel::IDENTITY,
         };
         Self {
-            surface: MorphSurface::new(moment(), WorldFromModel::IDENTITY),
+            surface: MorphSurface::new(moment(), WorldFromModel::IDENTITY, layout.clone()),
             world_from_model: WorldFromModel::IDENTITY,
             before: still(moment()),
             past: still(moment()),

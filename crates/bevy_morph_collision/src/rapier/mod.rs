@@ -9,8 +9,8 @@
 
 mod dispatcher;
 mod follow;
+mod layout;
 mod motion;
-mod order;
 mod part;
 mod push;
 mod step;
@@ -126,7 +126,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
     app.register_type::<MorphRapierCollider>()
         .register_type::<MorphRapierDiagnostics>()
         .init_resource::<MorphRapierDiagnostics>()
-        .init_resource::<order::TreeOrders>()
+        .init_resource::<layout::MeshLayouts>()
         .init_resource::<step::Stepping>()
         .add_observer(step::detach_surface)
         .add_observer(step::take_patches_along)

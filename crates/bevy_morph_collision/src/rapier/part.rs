@@ -9,8 +9,9 @@ use bevy_rapier3d::rapier::geometry::{ActiveCollisionTypes, ColliderBuilder, Col
 use morph_collision::MorphModel;
 
 use super::follow::Following;
+use super::layout::{MeshLayout, NONE};
 use super::motion::{RigidMotion, continuous, fastest};
-use super::triangles::{Patch, Triangles};
+use super::triangles::{Patch, Triangles, pseudo_normals};
 use super::world::{Manners, Step, World};
 
 /// Some triangles of a surface in the physics world.
@@ -22,6 +23,8 @@ pub(super) struct Part {
     vertices: Vec<u32>,
     /// Places among the vertices.
     corners: Vec<[u32; 3]>,
+    /// Likewise of neighbours' third corners, or [`NONE`].
+    across: Vec<[u32; 3]>,
     /// Whether it consists of other triangles than its shape.
     reshaped: bool,
     /// Whether it stands where the surface is now, and does not move.
@@ -59,6 +62,7 @@ impl Part {
             triangles: Vec::new(),
             vertices: Vec::new(),
             corners: Vec::new(),
+            across: Vec::new(),
             reshaped: true,
             settled: false,
         }
@@ -77,7 +81,13 @@ impl Part {
     }
 
     /// Consists of these triangles from now on.
-    pub(super) fn take(&mut self, triangles: &[u32], model: &MorphModel, scratch: &mut PartScratch) {
+    pub(super) fn take(
+        &mut self,
+        triangles: &[u32],
+        model: &MorphModel,
+        layout: &MeshLayout,
+        scratch: &mut PartScratch,
+    ) {
         if self.triangles == triangles {
             return;
         }
@@ -87,18 +97,26 @@ impl Part {
         self.triangles.extend_from_slice(triangles);
         self.vertices.clear();
         self.corners.clear();
+        self.across.clear();
         scratch.places.resize(model.vertex_count(), (0, 0));
         scratch.part += 1;
+        let vertices = &mut self.vertices;
+        let mut place_of = |vertex: u32| {
+            if vertex == NONE {
+                return NONE;
+            }
+            let place = &mut scratch.places[vertex as usize];
+            if place.0 != scratch.part {
+                *place = (scratch.part, vertices.len() as u32);
+                vertices.push(vertex);
+            }
+            place.1
+        };
         for &triangle in triangles {
-            let corners = model.triangle(triangle as usize).map(|vertex| {
-                let place = &mut scratch.places[vertex as usize];
-                if place.0 != scratch.part {
-                    *place = (scratch.part, self.vertices.len() as u32);
-                    self.vertices.push(vertex);
-                }
-                place.1
-            });
-            self.corners.push(corners);
+            self.corners.push(model.triangle(triangle as usize).map(&mut place_of));
+        }
+        for &triangle in triangles {
+            self.across.push(layout.across[triangle as usize].map(&mut place_of));
         }
     }
 
@@ -141,9 +159,10 @@ impl Part {
         self.settled = !following.moves || (moves && speed == 0.0);
 
         let start: &[DVec3] = start;
-        let corners = self.corners.iter().map(|corners| {
-            let [a, b, c] = corners.map(|corner| start[corner as usize].as_vec3());
-            Triangle::new(a, b, c)
+        let triangles = self.corners.iter().zip(&self.across).map(|(corners, across)| {
+            let corners = corners.map(|corner| start[corner as usize].as_vec3());
+            let across = across.map(|corner| start.get(corner as usize).map(|vertex| vertex.as_vec3()));
+            (Triangle::from(corners), pseudo_normals(corners, across))
         });
         let (linear, angular) = (motion.linear.as_vec3(), motion.angular.as_vec3());
         // Contacts with what it will reach during the step, too.
@@ -163,13 +182,13 @@ impl Part {
                 .user_data(u128::from(purpose.entity.to_bits()));
             self.body = world.bodies.insert(body);
         }
-        let patch = |corners| Patch {
-            triangles: Triangles::new(Vec::new(), corners),
+        let patch = |(corners, normals): (Vec<_>, Vec<_>)| Patch {
+            triangles: Triangles::new(Vec::new(), corners, normals),
             stepping: step.stepping.clone(),
         };
         let reshaped = std::mem::take(&mut self.reshaped);
         let Some(collider) = world.colliders.get_mut(self.collider) else {
-            let mut collider = ColliderBuilder::new(SharedShape::new(patch(corners.collect())))
+            let mut collider = ColliderBuilder::new(SharedShape::new(patch(triangles.unzip())))
                 .density(0.0)
                 .active_collision_types(ActiveCollisionTypes::DYNAMIC_KINEMATIC)
                 .user_data(u128::from(purpose.entity.to_bits()))
@@ -180,8 +199,8 @@ impl Part {
         };
         let shape = collider.shape_mut().as_shape_mut::<Patch>();
         match shape.filter(|patch| !reshaped && patch.triangles.len() == self.corners.len()) {
-            Some(patch) => patch.triangles.move_to(corners),
-            None => collider.set_shape(SharedShape::new(patch(corners.collect()))),
+            Some(patch) => patch.triangles.move_to(triangles),
+            None => collider.set_shape(SharedShape::new(patch(triangles.unzip()))),
         }
         differs
     }

@@ -11,7 +11,7 @@ use bevy_rapier3d::rapier::pipeline::ActiveEvents;
 use morph_collision::{Body, ConvexRegion, OverlapQuery};
 
 use super::follow::Following;
-use super::order::TreeOrder;
+use super::layout::MeshLayout;
 use super::part::{Part, PartScratch, Purpose};
 use super::surface::MorphSurface;
 use super::world::{Manners, Mover, Step, World};
@@ -20,7 +20,7 @@ use super::world::{Manners, Mover, Step, World};
 /// differently for one. A triangle is in one of them at most.
 pub(super) struct Pushing {
     entity: Entity,
-    order: Arc<TreeOrder>,
+    layout: Arc<MeshLayout>,
     near: HashMap<ColliderHandle, Near>,
     manners: Option<Manners>,
     /// Whether parts go without a name, so that Rapier tells nobody of their contacts.
@@ -58,10 +58,10 @@ struct Scratch {
 }
 
 impl Pushing {
-    pub(super) fn new(entity: Entity, order: Arc<TreeOrder>) -> Self {
+    pub(super) fn new(entity: Entity, layout: Arc<MeshLayout>) -> Self {
         Self {
             entity,
-            order,
+            layout,
             near: HashMap::default(),
             manners: None,
             nameless: false,
@@ -104,7 +104,7 @@ impl Pushing {
         self.step += 1;
         let bounds = following.bounds();
         let bounds = Aabb::new(bounds.min, bounds.max).loosened(step.prediction);
-        self.scratch.taken.resize(self.order.len(), 0);
+        self.scratch.taken.resize(self.layout.order.len(), 0);
         self.teach(manners, world.colliders);
 
         let (mut blended, mut busy) = (0, false);
@@ -229,7 +229,7 @@ impl Pushing {
         world: &mut World,
     ) -> u32 {
         let Self {
-            near, scratch, order, ..
+            near, scratch, layout, ..
         } = self;
         let Some(near) = near.get_mut(&mover.collider) else {
             return 0;
@@ -243,7 +243,9 @@ impl Pushing {
         }
         let cut = near.cut.min(scratch.free.len());
         if cut > 1 {
-            scratch.free.sort_unstable_by_key(|&triangle| order[triangle as usize]);
+            scratch
+                .free
+                .sort_unstable_by_key(|&triangle| layout.order[triangle as usize]);
         }
         let each = scratch.free.len().div_ceil(cut.max(1)).max(1);
         let parts = scratch.free.chunks(each);
@@ -261,7 +263,7 @@ impl Pushing {
         let (mut blended, mut differs) = (0, false);
         let bvh = following.before.pose.bvh().clone();
         for (part, triangles) in near.parts.iter_mut().zip(parts) {
-            part.take(triangles, bvh.model(), &mut scratch.part);
+            part.take(triangles, bvh.model(), layout, &mut scratch.part);
             if following.moves || !part.is_settled() {
                 blended += 1;
                 differs |= part.update(following, &purpose, step, world, &mut scratch.part);

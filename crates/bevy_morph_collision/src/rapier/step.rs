@@ -21,7 +21,7 @@ use tracing::error;
 
 use super::MorphRapierCollider;
 use super::follow::{Following, places};
-use super::order::TreeOrders;
+use super::layout::MeshLayouts;
 use super::push::Pushing;
 use super::world::{Manners, Mover, Step, World, find_movers, no_push};
 use crate::collider::ColliderState;
@@ -64,7 +64,7 @@ pub(crate) struct Stepping {
 pub(super) fn attach_surfaces(
     mut commands: Commands,
     colliders: Query<(Entity, &ColliderState, Option<&RapierSurface>), With<MorphRapierCollider>>,
-    mut orders: ResMut<TreeOrders>,
+    mut layouts: ResMut<MeshLayouts>,
 ) {
     for (entity, state, surface) in &colliders {
         let Some(pose) = &state.pose else { continue };
@@ -76,11 +76,12 @@ pub(super) fn attach_surfaces(
             continue;
         }
         let bvh = pose.bvh().clone();
-        let following = Following::new(&bvh, pose.weights());
+        let layout = layouts.of(&bvh);
+        let following = Following::new(&bvh, pose.weights(), &layout);
         let shape = SharedShape::new(following.surface.clone());
         let surface = RapierSurface {
             following,
-            pushing: Pushing::new(entity, orders.of(&bvh)),
+            pushing: Pushing::new(entity, layout),
             bvh,
             context: None,
         };

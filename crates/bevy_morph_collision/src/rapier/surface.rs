@@ -13,7 +13,8 @@ use morph_collision::{
     Ball, Body, ConvexRegion, Facing, InputError, OverlapQuery, PointQuery, Pose, RayQuery, WorldFromModel,
 };
 
-use super::triangles::{Triangles, nowhere};
+use super::layout::MeshLayout;
+use super::triangles::{Triangles, nowhere, pseudo_normals};
 
 /// The surface of a morphing mesh, for Rapier: the shape of the [`Collider`](bevy_rapier3d::prelude::Collider) of a
 /// [`MorphRapierCollider`](crate::MorphRapierCollider).
@@ -29,6 +30,7 @@ pub struct MorphSurface {
 
 /// What a surface is made of at the moment.
 pub(super) struct Posed {
+    layout: Arc<MeshLayout>,
     pub(super) pose: Pose,
     /// From the mesh to the collider, which has a place and a rotation of its own: scale and shear.
     pub(super) collider_from_model: WorldFromModel,
@@ -46,8 +48,9 @@ struct Queries {
 }
 
 impl MorphSurface {
-    pub(super) fn new(pose: Pose, collider_from_model: WorldFromModel) -> Self {
+    pub(super) fn new(pose: Pose, collider_from_model: WorldFromModel, layout: Arc<MeshLayout>) -> Self {
         let posed = Posed {
+            layout,
             pose,
             collider_from_model,
             queries: Queries::default(),
@@ -81,8 +84,9 @@ impl std::fmt::Debug for MorphSurface {
 }
 
 impl Posed {
-    /// The triangles that meet a box in the collider's space.
-    pub(super) fn triangles_in(&mut self, region: &Aabb) -> Triangles {
+    /// The triangles that meet a box in the collider's space; what contacts with them want to know of their neighbours, too, if
+    /// asked for.
+    pub(super) fn triangles_in(&mut self, region: &Aabb, for_contacts: bool) -> Triangles {
         let Self {
             pose,
             collider_from_model,
@@ -98,7 +102,7 @@ impl Posed {
             let body = Body::new(pose, collider_from_model);
             queries.overlap.triangles_in_region(body, &region, &mut queries.found);
         }
-        self.gather()
+        self.gather(for_contacts)
     }
 
     /// All of them.
@@ -107,7 +111,7 @@ impl Posed {
         self.queries
             .found
             .extend(0..self.pose.bvh().model().triangle_count() as u32);
-        self.gather()
+        self.gather(false)
     }
 
     fn mass(&mut self, density: Real) -> MassProperties {
@@ -117,25 +121,31 @@ impl Posed {
         mass
     }
 
-    fn gather(&mut self) -> Triangles {
+    fn gather(&mut self, for_contacts: bool) -> Triangles {
         let Self {
+            layout,
             pose,
             collider_from_model,
             queries,
             ..
         } = self;
-        let (mut numbers, mut corners) = (Vec::new(), Vec::new());
+        let place = |corner| collider_from_model.transform_point(corner).as_vec3();
+        let (mut numbers, mut corners, mut normals) = (Vec::new(), Vec::new(), Vec::new());
         for &number in &queries.found {
             let Some(triangle) = pose.triangle(number) else {
                 continue;
             };
-            let triangle = triangle.map(|corner| collider_from_model.transform_point(corner).as_vec3());
+            let triangle = triangle.map(place);
             if triangle.iter().all(|corner| corner.is_finite()) {
                 numbers.push(number);
                 corners.push(Triangle::from(triangle));
+                if for_contacts {
+                    let across = layout.across[number as usize].map(|vertex| pose.vertex(vertex).map(place));
+                    normals.push(pseudo_normals(triangle, across));
+                }
             }
         }
-        Triangles::new(numbers, corners)
+        Triangles::new(numbers, corners, normals)
     }
 
     pub(super) fn bounds(&mut self) -> Aabb {

@@ -9,7 +9,9 @@ use bevy_rapier3d::parry::math::{Pose, Real, Vector};
 use bevy_rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
 use bevy_rapier3d::parry::query::details::NormalConstraints;
 use bevy_rapier3d::parry::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
-use bevy_rapier3d::parry::shape::{CompositeShape, FeatureId, Shape, ShapeType, SubShapeId, Triangle, TypedShape};
+use bevy_rapier3d::parry::shape::{
+    CompositeShape, FeatureId, Shape, ShapeType, SubShapeId, Triangle, TrianglePseudoNormals, TypedShape,
+};
 
 /// Triangles of a mesh, gathered anew whenever something asks what is near it: there are never many. Their sub-shapes are
 /// numbered from 0, since Parry's trees have room for every number up to the largest.
@@ -18,20 +20,32 @@ pub(super) struct Triangles {
     /// As the mesh numbers them; none if nobody asks.
     numbers: Vec<u32>,
     corners: Vec<Triangle>,
+    /// Which normals contacts with a triangle may have, next to its neighbours; none for triangles with no area, and none at
+    /// all if nobody asks.
+    normals: Vec<Option<TrianglePseudoNormals>>,
     bvh: Bvh,
 }
 
 impl Triangles {
-    pub(super) fn new(numbers: Vec<u32>, corners: Vec<Triangle>) -> Self {
+    pub(super) fn new(numbers: Vec<u32>, corners: Vec<Triangle>, normals: Vec<Option<TrianglePseudoNormals>>) -> Self {
         let leaves: Vec<Aabb> = corners.iter().map(Triangle::local_aabb).collect();
         let bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves);
-        Self { numbers, corners, bvh }
+        Self {
+            numbers,
+            corners,
+            normals,
+            bvh,
+        }
     }
 
     /// The same triangles elsewhere.
-    pub(super) fn move_to(&mut self, corners: impl Iterator<Item = Triangle>) {
+    pub(super) fn move_to(&mut self, triangles: impl Iterator<Item = (Triangle, Option<TrianglePseudoNormals>)>) {
         self.corners.clear();
-        self.corners.extend(corners);
+        self.normals.clear();
+        for (corners, normals) in triangles {
+            self.corners.push(corners);
+            self.normals.push(normals);
+        }
         for (triangle, number) in self.corners.iter().zip(0..) {
             self.bvh.insert_or_update_partially(triangle.local_aabb(), number, 0.0);
         }
@@ -64,7 +78,8 @@ impl Triangles {
 impl CompositeShape for Triangles {
     fn map_part_at(&self, shape_id: u32, f: &mut dyn FnMut(Option<&Pose>, &dyn Shape, Option<&dyn NormalConstraints>)) {
         if let Some(triangle) = self.corners.get(shape_id as usize) {
-            f(None, triangle, None);
+            let normals = self.normals.get(shape_id as usize).and_then(Option::as_ref);
+            f(None, triangle, normals.map(|normals| normals as _));
         }
     }
 
@@ -111,6 +126,27 @@ impl PointQuery for Triangles {
     }
 }
 
+/// Which normals contacts with a triangle may have: those between its own and its neighbours', on either side. Without that what
+/// slides over a surface is caught by edges inside it.
+///
+/// Neighbours are given by their third corners, across the edges from a corner to the next.
+pub(super) fn pseudo_normals(corners: [Vector; 3], across: [Option<Vector>; 3]) -> Option<TrianglePseudoNormals> {
+    let [a, b, c] = corners;
+    let face = (b - a).cross(c - a).try_normalize()?;
+    let edge = |from: Vector, to: Vector, across: Option<Vector>| {
+        // Wound as it would be if it went around as this one does.
+        let neighbour = across.and_then(|third| (from - to).cross(third - to).try_normalize());
+        neighbour
+            .and_then(|neighbour| (face + neighbour).try_normalize())
+            .unwrap_or(face)
+    };
+    Some(TrianglePseudoNormals {
+        face,
+        edges: [edge(a, b, across[0]), edge(b, c, across[1]), edge(c, a, across[2])],
+        two_sided: true,
+    })
+}
+
 /// The projection on a shape that has no points.
 pub(super) fn nowhere(point: Vector) -> PointProjection {
     // As far away as can be said: `distance_to_point` and filters by distance leave it out.
@@ -132,7 +168,7 @@ impl Shape for Triangles {
 
     fn scale_dyn(&self, scale: Vector, _num_subdivisions: u32) -> Option<Box<dyn Shape>> {
         let scaled = self.corners.iter().map(|triangle| triangle.scaled(scale)).collect();
-        Some(Box::new(Self::new(self.numbers.clone(), scaled)))
+        Some(Box::new(Self::new(self.numbers.clone(), scaled, Vec::new())))
     }
 
     fn mass_properties(&self, _density: Real) -> MassProperties {

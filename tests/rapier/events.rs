@@ -1,0 +1,211 @@
+//! Rapier's own events about surfaces.
+
+use bevy::ecs::message::MessageCursor;
+use bevy::prelude::*;
+use bevy_rapier3d::prelude::*;
+use morph_collision_workspace::physics::{DT, body, settle, sheet};
+
+use crate::support::{app, ask, place, run, set_weights, spawn};
+
+/// Runs frames and collects what happened.
+#[derive(Default)]
+struct Log {
+    cursor: MessageCursor<CollisionEvent>,
+    started: Vec<(Entity, Entity)>,
+    stopped: Vec<(Entity, Entity)>,
+}
+
+impl Log {
+    fn run(&mut self, app: &mut App, frames: usize, mut each: impl FnMut(&mut App, usize)) {
+        for frame in 1..=frames {
+            each(app, frame);
+            app.update();
+            for event in self.cursor.read(app.world().resource()) {
+                match *event {
+                    CollisionEvent::Started(a, b, _) => self.started.push((a.min(b), a.max(b))),
+                    CollisionEvent::Stopped(a, b, _) => self.stopped.push((a.min(b), a.max(b))),
+                }
+            }
+        }
+    }
+}
+
+fn pair(a: Entity, b: Entity) -> (Entity, Entity) {
+    (a.min(b), a.max(b))
+}
+
+#[test]
+fn a_contact_starts_and_stops_once_however_far_it_slides() {
+    for on_surface in [true, false] {
+        let mut app = app();
+        let surface = spawn(&mut app, &sheet(32), ());
+        settle(&mut app);
+        let cuboid = body(&mut app, Collider::cuboid(0.3, 0.3, 0.3), Vec3::new(-2.0, 0.31, 0.05));
+        let listener = if on_surface { surface } else { cuboid };
+        let world = app.world_mut();
+        world.entity_mut(listener).insert(ActiveEvents::COLLISION_EVENTS);
+        world.entity_mut(surface).insert(CollidingEntities::default());
+        world
+            .entity_mut(cuboid)
+            .insert((Friction::new(0.0), Velocity::linear(Vec3::X * 3.0)));
+        let mut log = Log::default();
+        log.run(&mut app, 60, |app, i| {
+            set_weights(app, surface, &[0.2 * (i as f32 * DT).sin(), 0.3 * DT * i as f32]);
+        });
+        assert!(place(&app, cuboid).x > 0.5, "{}", place(&app, cuboid));
+        assert_eq!((log.started, log.stopped), (vec![pair(surface, cuboid)], vec![]));
+        let colliding: Vec<_> = app.world().get::<CollidingEntities>(surface).unwrap().iter().collect();
+        assert_eq!(colliding, [cuboid]);
+        let active = ask(&mut app, move |context| {
+            context
+                .contact_pair(surface, cuboid)
+                .map(|pair| pair.has_any_active_contact())
+        });
+        assert_eq!(active, Some(true));
+
+        let mut log = Log::default();
+        log.run(&mut app, 1, |app, _| {
+            app.world_mut().get_mut::<Transform>(cuboid).unwrap().translation.y = 3.0;
+        });
+        log.run(&mut app, 2, |_, _| {});
+        assert!(log.stopped.contains(&pair(surface, cuboid)));
+    }
+}
+
+#[test]
+fn contact_forces_are_reported() {
+    let mut app = app();
+    let surface = spawn(&mut app, &sheet(16), ());
+    settle(&mut app);
+    let cuboid = body(&mut app, Collider::cuboid(0.3, 0.3, 0.3), Vec3::new(0.0, 0.31, 0.05));
+    let forces = (ActiveEvents::CONTACT_FORCE_EVENTS, ContactForceEventThreshold(0.0));
+    app.world_mut()
+        .entity_mut(cuboid)
+        .insert((forces, ColliderMassProperties::Mass(2.0)));
+    run(&mut app, 60);
+    let mut cursor: MessageCursor<ContactForceEvent> = MessageCursor::default();
+    cursor.clear(app.world().resource());
+    run(&mut app, 1);
+    let events: Vec<_> = cursor.read(app.world().resource()).copied().collect();
+    let total: f32 = events.iter().map(|event| event.total_force_magnitude).sum();
+    assert!((total - 2.0 * 9.81).abs() < 1.0, "{events:?}");
+    assert!(
+        events
+            .iter()
+            .all(|event| pair(event.collider1, event.collider2) == pair(surface, cuboid))
+    );
+}
+
+#[test]
+fn a_sensor_surface_tells_and_lets_through() {
+    let mut app = app();
+    let surface = spawn(&mut app, &sheet(16), (Sensor, ActiveEvents::COLLISION_EVENTS));
+    settle(&mut app);
+    let ball = body(&mut app, Collider::ball(0.3), Vec3::new(0.0, 1.0, 0.05));
+    let mut log = Log::default();
+    log.run(&mut app, 60, |_, _| {});
+    assert_eq!(
+        (log.started, log.stopped),
+        (vec![pair(surface, ball)], vec![pair(surface, ball)])
+    );
+    assert!(place(&app, ball).y < -1.0);
+}
+
+#[test]
+fn a_sensor_feels_the_surface_itself_once() {
+    let mut app = app();
+    let surface = spawn(&mut app, &sheet(16), ());
+    settle(&mut app);
+    // A body on the surface, and a sensor into which the surface rises.
+    let ball = body(&mut app, Collider::ball(0.3), Vec3::new(0.0, 0.31, 0.05));
+    let sensor = (
+        RigidBody::Dynamic,
+        GravityScale(0.0),
+        Collider::cuboid(0.2, 0.2, 0.2),
+        Sensor,
+        Sleeping::disabled(),
+        ActiveEvents::COLLISION_EVENTS,
+        Transform::from_xyz(1.0, 0.5, 0.0),
+    );
+    let sensor = app.world_mut().spawn(sensor).id();
+    let mut log = Log::default();
+    log.run(&mut app, 20, |_, _| {});
+    assert!(log.started.is_empty(), "{:?}", log.started);
+    log.run(&mut app, 60, |app, i| {
+        set_weights(app, surface, &[0.5 * DT * i as f32, 0.0])
+    });
+    assert_eq!(log.started, [pair(surface, sensor)]);
+    assert!(place(&app, ball).y > 0.75);
+}
+
+#[test]
+fn collision_and_solver_groups_hold() {
+    let mut app = app();
+    let groups = CollisionGroups::new(Group::GROUP_1, Group::GROUP_1);
+    let surface = spawn(&mut app, &sheet(16), groups);
+    settle(&mut app);
+    let spawn_ball = |app: &mut App, x: f32| body(app, Collider::ball(0.3), Vec3::new(x, 0.5, 0.05));
+    let (stays, passes, ghost) = (
+        spawn_ball(&mut app, -1.0),
+        spawn_ball(&mut app, 0.0),
+        spawn_ball(&mut app, 1.0),
+    );
+    let world = app.world_mut();
+    world.entity_mut(stays).insert(groups);
+    world
+        .entity_mut(passes)
+        .insert(CollisionGroups::new(Group::GROUP_2, Group::GROUP_2));
+    let solver = SolverGroups::new(Group::GROUP_3, Group::GROUP_3);
+    world.entity_mut(ghost).insert((groups, solver));
+    world
+        .entity_mut(surface)
+        .insert(SolverGroups::new(Group::GROUP_1, Group::GROUP_1));
+    world
+        .entity_mut(stays)
+        .insert(SolverGroups::new(Group::GROUP_1, Group::GROUP_1));
+    run(&mut app, 60);
+    assert!((place(&app, stays).y - 0.3).abs() < 1e-2, "{}", place(&app, stays));
+    assert!(place(&app, passes).y < -1.0 && place(&app, ghost).y < -1.0);
+}
+
+#[test]
+fn friction_and_restitution_are_the_collider_s() {
+    let mut app = app();
+    let surface = spawn(
+        &mut app,
+        &sheet(16),
+        (Friction::new(0.0), Restitution::coefficient(1.0)),
+    );
+    settle(&mut app);
+    let ball = body(&mut app, Collider::ball(0.3), Vec3::new(0.0, 1.3, 0.05));
+    let slides = body(&mut app, Collider::cuboid(0.3, 0.3, 0.3), Vec3::new(-3.0, 0.3, 2.0));
+    let rules = |rule| Friction {
+        coefficient: 0.0,
+        combine_rule: rule,
+    };
+    let world = app.world_mut();
+    world.entity_mut(ball).insert(Restitution {
+        coefficient: 1.0,
+        combine_rule: CoefficientCombineRule::Min,
+    });
+    world
+        .entity_mut(slides)
+        .insert((rules(CoefficientCombineRule::Min), Velocity::linear(Vec3::X)));
+    let mut highest: f32 = 0.0;
+    for frame in 0..90 {
+        run(&mut app, 1);
+        if frame > 40 {
+            highest = highest.max(place(&app, ball).y);
+        }
+    }
+    assert!(highest > 1.1, "it bounced to {highest}");
+    assert!(place(&app, slides).x > -1.7, "{}", place(&app, slides));
+    app.world_mut().entity_mut(surface).insert(Friction {
+        coefficient: 1.0,
+        combine_rule: CoefficientCombineRule::Max,
+    });
+    run(&mut app, 30);
+    let before = place(&app, slides).x;
+    run(&mut app, 30);
+    assert!((place(&app, slides).x - before).abs() < 0.02, "it still slides");
+}

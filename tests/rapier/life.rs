@@ -1,0 +1,220 @@
+//! What comes, goes and is odd.
+
+use std::time::Duration;
+
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_morph_collision::prelude::*;
+use bevy_rapier3d::prelude::*;
+use morph_collision_testkit::models::rigid;
+use morph_collision_workspace::physics::{DT, bevy_mesh, body, settle, sheet};
+
+use crate::support::{app, diagnostics, place, population, run, set_weights, spawn, velocity};
+
+/// A sheet with a ball at rest on it.
+fn ball_on_sheet() -> (App, Entity, Entity) {
+    let mut app = app();
+    let surface = spawn(&mut app, &sheet(16), ());
+    settle(&mut app);
+    let ball = body(&mut app, Collider::ball(0.3), Vec3::new(0.1, 0.31, 0.05));
+    run(&mut app, 30);
+    assert!((place(&app, ball).y - 0.3).abs() < 1e-2);
+    (app, surface, ball)
+}
+
+#[test]
+fn parts_come_with_bodies_and_go_with_them() {
+    let (mut app, _, ball) = ball_on_sheet();
+    assert_eq!(population(&mut app), (2, 3));
+    assert_eq!(diagnostics(&app).parts, 1);
+    app.world_mut().entity_mut(ball).despawn();
+    run(&mut app, 2);
+    assert_eq!(population(&mut app), (0, 1));
+}
+
+#[test]
+fn whatever_takes_a_surface_out_takes_its_parts_out() {
+    let ways: [(&str, fn(&mut App, Entity)); 4] = [
+        ("despawned", |app, surface| {
+            app.world_mut().entity_mut(surface).despawn()
+        }),
+        ("no longer asked for", |app, surface| {
+            app.world_mut().entity_mut(surface).remove::<MorphRapierCollider>();
+        }),
+        ("disabled", |app, surface| {
+            app.world_mut().entity_mut(surface).insert(ColliderDisabled);
+        }),
+        ("a sensor", |app, surface| {
+            app.world_mut().entity_mut(surface).insert(Sensor);
+        }),
+    ];
+    for (way, take_out) in ways {
+        let (mut app, surface, ball) = ball_on_sheet();
+        take_out(&mut app, surface);
+        run(&mut app, 60);
+        assert!(place(&app, ball).y < -1.0, "{way}: {}", place(&app, ball));
+        assert_eq!(population(&mut app).0, 1, "{way}");
+    }
+}
+
+#[test]
+fn a_swapped_mesh_is_another_surface() {
+    let (mut app, surface, ball) = ball_on_sheet();
+    let mut higher = sheet(8);
+    higher.positions.iter_mut().for_each(|p| p.y += 0.2);
+    let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(bevy_mesh(&higher));
+    app.world_mut().entity_mut(surface).insert(Mesh3d(mesh));
+    settle(&mut app);
+    run(&mut app, 60);
+    assert!((place(&app, ball).y - 0.5).abs() < 1e-2, "{}", place(&app, ball));
+    assert_eq!(population(&mut app), (2, 3));
+}
+
+#[test]
+fn bad_weights_and_places_leave_the_last_good_ones() {
+    let (mut app, surface, ball) = ball_on_sheet();
+    for bad in [
+        vec![f32::NAN, 0.0],
+        vec![f32::INFINITY, 0.0],
+        vec![0.5],
+        vec![1e38, 1e38],
+    ] {
+        set_weights(&mut app, surface, &bad);
+        run(&mut app, 5);
+        assert!(
+            (place(&app, ball).y - 0.3).abs() < 1e-2,
+            "{bad:?}: {}",
+            place(&app, ball)
+        );
+    }
+    set_weights(&mut app, surface, &[0.0, 0.0]);
+    run(&mut app, 5);
+    assert!((place(&app, ball).y - 0.3).abs() < 1e-2);
+}
+
+#[test]
+fn odd_surfaces_do_no_harm() {
+    let places = [
+        Transform::from_scale(Vec3::ZERO),
+        Transform::from_scale(Vec3::new(1.0, 0.0, 1.0)),
+        Transform::from_scale(Vec3::splat(1e-30)),
+        Transform::from_scale(Vec3::splat(1e18)),
+        Transform::from_xyz(1e12, 0.0, 0.0),
+        Transform::from_scale(Vec3::new(-1.0, 1.0, 1.0)),
+    ];
+    let mut app = app();
+    let surfaces = places.map(|place| spawn(&mut app, &sheet(4), place));
+    settle(&mut app);
+    let balls = [0.5, 1.0, 2.0].map(|y| body(&mut app, Collider::ball(0.3), Vec3::new(y, y, 0.0)));
+    for i in 0..60 {
+        for surface in surfaces {
+            set_weights(&mut app, surface, &[(0.1 * i as f32).sin() * 1e3, 0.0]);
+        }
+        run(&mut app, 1);
+    }
+    assert!(balls.iter().all(|&ball| place(&app, ball).is_finite()));
+}
+
+#[test]
+fn what_nothing_can_touch_is_not_blended() {
+    let (mut app, surface, ball) = ball_on_sheet();
+    // A second one far away.
+    let far = spawn(&mut app, &sheet(16), Transform::from_xyz(100.0, 0.0, 0.0));
+    settle(&mut app);
+    run(&mut app, 3);
+    let resting = diagnostics(&app);
+    assert_eq!((resting.surfaces, resting.moving, resting.parts), (2, 0, 1));
+    assert_eq!(resting.blended, 0, "nothing moves, the ball stays where it is");
+    for i in 1..=10 {
+        for surface in [surface, far] {
+            set_weights(&mut app, surface, &[0.01 * i as f32, 0.0]);
+        }
+        run(&mut app, 1);
+        let moving = diagnostics(&app);
+        assert_eq!((moving.moving, moving.parts, moving.blended), (2, 1, 1));
+    }
+    // A sleeping body on a surface that rests needs nothing.
+    app.world_mut().entity_mut(ball).insert(Sleeping::default());
+    run(&mut app, 300);
+    assert!(app.world().get::<Sleeping>(ball).unwrap().sleeping);
+    assert_eq!(diagnostics(&app).blended, 0);
+    assert!((place(&app, ball).y - 0.4).abs() < 1e-2, "{}", place(&app, ball));
+}
+
+/// A ball on a sheet that rises at 0.5/s by the clock, in an app whose physics runs as told.
+fn rising(mut app: App, frame: f32, frames: usize) -> (f32, f32, f32) {
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(frame)));
+    let surface = spawn(&mut app, &sheet(16), ());
+    settle(&mut app);
+    let ball = body(&mut app, Collider::ball(0.3), Vec3::new(0.1, 0.31, 0.05));
+    run(&mut app, (1.0 / frame) as usize);
+    let mut height = 0.0;
+    for _ in 0..frames {
+        height += 0.5 * frame;
+        set_weights(&mut app, surface, &[height, 0.0]);
+        run(&mut app, 1);
+    }
+    (place(&app, ball).y - 0.3 - height, velocity(&app, ball).y, height)
+}
+
+#[test]
+fn every_mode_of_time_carries() {
+    let modes = [
+        (TimestepMode::Fixed { dt: DT, substeps: 4 }, DT),
+        (
+            TimestepMode::Variable {
+                max_dt: 0.1,
+                time_scale: 1.0,
+                substeps: 1,
+            },
+            1.0 / 45.0,
+        ),
+        (
+            TimestepMode::Interpolated {
+                dt: 1.0 / 120.0,
+                time_scale: 1.0,
+                substeps: 1,
+            },
+            1.0 / 30.0,
+        ),
+    ];
+    for (mode, frame) in modes {
+        let mut app = app();
+        app.insert_resource(mode);
+        let (gap, speed, _) = rising(app, frame, 60);
+        // Interpolated physics may be up to a step ahead.
+        assert!(gap.abs() < 1e-2, "{mode:?}: gap {gap}");
+        assert!((speed - 0.5).abs() < 0.025, "{mode:?}: velocity {speed}");
+    }
+}
+
+#[test]
+fn paused_physics_waits() {
+    let (mut app, surface, ball) = ball_on_sheet();
+    let pause = |app: &mut App, active: bool| {
+        let mut configurations = app.world_mut().query::<&mut RapierConfiguration>();
+        configurations
+            .single_mut(app.world_mut())
+            .unwrap()
+            .physics_pipeline_active = active;
+    };
+    pause(&mut app, false);
+    set_weights(&mut app, surface, &[0.1, 0.0]);
+    run(&mut app, 10);
+    assert!((place(&app, ball).y - 0.3).abs() < 1e-2);
+    pause(&mut app, true);
+    run(&mut app, 60);
+    assert!((place(&app, ball).y - 0.4).abs() < 1e-2, "{}", place(&app, ball));
+}
+
+#[test]
+fn a_rigid_mesh_is_a_surface_like_any_other() {
+    let mut app = app();
+    let surface = spawn(&mut app, &rigid::box_mesh(Vec3::new(2.0, 0.5, 2.0)), ());
+    settle(&mut app);
+    let ball = body(&mut app, Collider::ball(0.3), Vec3::new(0.1, 0.9, 0.05));
+    run(&mut app, 60);
+    assert!((place(&app, ball).y - 0.8).abs() < 1e-2, "{}", place(&app, ball));
+    assert_eq!(diagnostics(&app).blended, 0);
+    assert!(app.world().get::<Collider>(surface).is_some());
+}

@@ -30,6 +30,14 @@ impl Log {
     }
 }
 
+/// No friction, whatever it touches.
+fn slippery() -> Friction {
+    Friction {
+        coefficient: 0.0,
+        combine_rule: CoefficientCombineRule::Min,
+    }
+}
+
 fn pair(a: Entity, b: Entity) -> (Entity, Entity) {
     (a.min(b), a.max(b))
 }
@@ -47,7 +55,7 @@ fn a_contact_starts_and_stops_once_however_far_it_slides() {
         world.entity_mut(surface).insert(CollidingEntities::default());
         world
             .entity_mut(cuboid)
-            .insert((Friction::new(0.0), Velocity::linear(Vec3::X * 3.0)));
+            .insert((slippery(), Velocity::linear(Vec3::X * 3.0)));
         let mut log = Log::default();
         log.run(&mut app, 60, |app, i| {
             set_weights(app, surface, &[0.2 * (i as f32 * DT).sin(), 0.3 * DT * i as f32]);
@@ -81,7 +89,7 @@ fn contact_forces_are_reported() {
     let forces = (ActiveEvents::CONTACT_FORCE_EVENTS, ContactForceEventThreshold(0.0));
     app.world_mut()
         .entity_mut(cuboid)
-        .insert((forces, ColliderMassProperties::Mass(2.0)));
+        .insert((forces, ColliderMassProperties::Mass(2.0), Sleeping::disabled()));
     run(&mut app, 60);
     let mut cursor: MessageCursor<ContactForceEvent> = MessageCursor::default();
     cursor.clear(app.world().resource());
@@ -179,18 +187,12 @@ fn friction_and_restitution_are_the_collider_s() {
     settle(&mut app);
     let ball = body(&mut app, Collider::ball(0.3), Vec3::new(0.0, 1.3, 0.05));
     let slides = body(&mut app, Collider::cuboid(0.3, 0.3, 0.3), Vec3::new(-3.0, 0.3, 2.0));
-    let rules = |rule| Friction {
-        coefficient: 0.0,
-        combine_rule: rule,
-    };
     let world = app.world_mut();
     world.entity_mut(ball).insert(Restitution {
         coefficient: 1.0,
         combine_rule: CoefficientCombineRule::Min,
     });
-    world
-        .entity_mut(slides)
-        .insert((rules(CoefficientCombineRule::Min), Velocity::linear(Vec3::X)));
+    world.entity_mut(slides).insert((slippery(), Velocity::linear(Vec3::X)));
     let mut highest: f32 = 0.0;
     for frame in 0..90 {
         run(&mut app, 1);

@@ -4,6 +4,5 @@ mod events;
 mod life;
 mod moving;
 mod queries;
-mod scratch;
 mod shapes;
 mod support;

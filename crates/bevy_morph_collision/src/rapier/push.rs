@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::Entity;
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
-use bevy_rapier3d::rapier::dynamics::{RigidBody, RigidBodyHandle};
+use bevy_rapier3d::rapier::dynamics::{RigidBody, RigidBodyHandle, RigidBodySet};
 use bevy_rapier3d::rapier::geometry::{ColliderHandle, ColliderSet};
 use bevy_rapier3d::rapier::pipeline::ActiveEvents;
 use morph_collision::{Body, ConvexRegion, OverlapQuery};
@@ -117,10 +117,10 @@ impl Pushing {
             if mover.asleep && !following.moves && !self.near.get(&mover.collider).is_some_and(restless) {
                 continue;
             }
-            if !busy {
-                busy = true;
-                self.keep_for_sleepers();
+            if !busy && !following.moves {
+                self.keep_for_sleepers(world.bodies);
             }
+            busy = true;
             hooks |= mover.hooks;
             events |= mover.events;
             self.look_near(mover, following, step);
@@ -174,11 +174,14 @@ impl Pushing {
         }
     }
 
-    /// What bodies sleep on is not given to others.
-    fn keep_for_sleepers(&mut self) {
-        for near in self.near.values().filter(|near| near.seen + 1 < self.step) {
-            for &triangle in near.parts.iter().flat_map(Part::triangles) {
-                self.scratch.taken[triangle as usize] = self.step;
+    /// What bodies sleep on while nothing moves is not given to others.
+    fn keep_for_sleepers(&mut self, bodies: &RigidBodySet) {
+        for near in self.near.values() {
+            let asleep = bodies.get(near.body).is_some_and(RigidBody::is_sleeping);
+            if asleep && near.parts.iter().all(Part::is_settled) {
+                for &triangle in near.parts.iter().flat_map(Part::triangles) {
+                    self.scratch.taken[triangle as usize] = self.step;
+                }
             }
         }
     }

@@ -29,7 +29,7 @@ features:
     #!/usr/bin/env bash
     set -euo pipefail
     for feature in serde rayon; do cargo check -p morph_collision --no-default-features --features "$feature"; done
-    for feature in "" picking gizmos diagnostics; do cargo check -p bevy_morph_collision --no-default-features --features "$feature"; done
+    for feature in "" picking gizmos diagnostics rapier; do cargo check -p bevy_morph_collision --no-default-features --features "$feature"; done
 
 # The same bits in debug and release, for every kind of volume, on any number of threads.
 determinism:
@@ -47,13 +47,16 @@ demo *ARGS:
 demo-check:
     #!/usr/bin/env bash
     set -euo pipefail
-    cargo build --workspace --example dolphins --example crowd
+    cargo build --workspace --example dolphins --example crowd --example physics
     summary=$("${CARGO_TARGET_DIR:-target}/debug/examples/dolphins" --json)
     echo "$summary"
     grep -Eq '"events_started": *[1-9]' <<< "$summary"
     crowd=$("${CARGO_TARGET_DIR:-target}/debug/examples/crowd" --headless --instances 60 --frames 5 --json)
     echo "$crowd"
     grep -Eq '"dense":.*"pairs": *[1-9]' <<< "$crowd"
+    rain=$("${CARGO_TARGET_DIR:-target}/debug/examples/physics" --headless --bodies 40 --steps 240 --json)
+    echo "$rain"
+    grep -Eq '"fell_through": *0,' <<< "$rain"
     cargo run --release -p morph_collision_cli -- inspect assets/dolphin_564.glb
     cargo run --release -p morph_collision_cli -- run assets/scenes/two_dolphins.json
 
@@ -118,6 +121,10 @@ fuzz SECONDS:
 # Makes every table and plot of docs/performance.md again, in place: --quick for rough ones, --only PLACE for one.
 report *ARGS:
     cargo run --release -p morph_collision_testkit --bin report -- {{ARGS}} docs/performance.md
+
+# Makes the tables of docs/rapier.md again, in place: bodies on a morphing surface, here and with what a game can do by itself.
+physics-report *ARGS:
+    cargo run --release --example physics_report -- {{ARGS}}
 
 # Times the library's queries on this machine: all, or those whose name contains NAME.
 bench *NAME:

@@ -1,8 +1,12 @@
 //! Rapier's own events about surfaces.
 
+use std::path::Path;
+
 use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
+use morph_collision_workspace::app::{headless, ready};
 use morph_collision_workspace::physics::{DT, body, settle, sheet};
 
 use crate::support::{app, ask, place, run, set_weights, spawn};
@@ -210,4 +214,42 @@ fn friction_and_restitution_are_the_collider_s() {
     let before = place(&app, slides).x;
     run(&mut app, 30);
     assert!((place(&app, slides).x - before).abs() < 0.02, "it still slides");
+}
+
+/// Whatever is marked falls through surfaces.
+#[derive(bevy::ecs::system::SystemParam)]
+struct Falls<'w, 's> {
+    marked: Query<'w, 's, Entity, With<Name>>,
+    surfaces: Query<'w, 's, Entity, With<MorphRapierCollider>>,
+}
+
+impl BevyPhysicsHooks for Falls<'_, '_> {
+    fn filter_contact_pair(&self, context: PairFilterContextView) -> Option<SolverFlags> {
+        let pair = [context.collider1(), context.collider2()];
+        let falls = pair.iter().any(|&entity| self.marked.contains(entity))
+            && pair.iter().any(|&entity| self.surfaces.contains(entity));
+        (!falls).then_some(SolverFlags::COMPUTE_RIGID_IMPULSES)
+    }
+}
+
+#[test]
+fn hooks_know_the_surface() {
+    let mut app = headless(Path::new("."));
+    app.add_plugins((RapierPhysicsPlugin::<Falls>::default(), MorphRapierPlugin))
+        .insert_resource(TimestepMode::Fixed { dt: DT, substeps: 1 });
+    ready(&mut app);
+    let surface = spawn(&mut app, &sheet(16), ());
+    settle(&mut app);
+    let hooked = (ActiveHooks::FILTER_CONTACT_PAIRS, ActiveEvents::COLLISION_EVENTS);
+    let balls = [-1.0, 1.0].map(|x| body(&mut app, Collider::ball(0.3), Vec3::new(x, 0.5, 0.05)));
+    for ball in balls {
+        app.world_mut().entity_mut(ball).insert(hooked);
+    }
+    app.world_mut().entity_mut(balls[0]).insert(Name::new("falls"));
+    for i in 0..60 {
+        set_weights(&mut app, surface, &[0.1 * (i as f32 * DT).sin(), 0.0]);
+        run(&mut app, 1);
+    }
+    assert!(place(&app, balls[0]).y < -1.0, "{}", place(&app, balls[0]));
+    assert!(place(&app, balls[1]).y > 0.3, "{}", place(&app, balls[1]));
 }

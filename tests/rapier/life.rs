@@ -1,12 +1,15 @@
 //! What comes, goes and is odd.
 
+use std::path::Path;
 use std::time::Duration;
 
+use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_testkit::models::rigid;
+use morph_collision_workspace::app::{headless, ready};
 use morph_collision_workspace::physics::{DT, bevy_mesh, body, settle, sheet};
 
 use crate::support::{app, diagnostics, place, population, run, set_weights, spawn, velocity};
@@ -217,4 +220,57 @@ fn a_rigid_mesh_is_a_surface_like_any_other() {
     assert!((place(&app, ball).y - 0.8).abs() < 1e-2, "{}", place(&app, ball));
     assert_eq!(diagnostics(&app).blended, 0);
     assert!(app.world().get::<Collider>(surface).is_some());
+}
+
+/// How many pairs of systems conflict without being ordered, in all schedules together.
+fn ambiguities(app: &mut App) -> usize {
+    ready(app);
+    app.update();
+    let schedules = app.world().resource::<Schedules>();
+    let conflicts = schedules
+        .iter()
+        .map(|(_, schedule)| schedule.graph().conflicting_systems().len());
+    conflicts.sum()
+}
+
+#[test]
+fn the_plugin_adds_no_ambiguous_order_of_systems() {
+    let rapier = || {
+        let mut app = headless(Path::new("."));
+        app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default());
+        app
+    };
+    let before = ambiguities(&mut rapier());
+    let mut ours = rapier();
+    ours.add_plugins(MorphRapierPlugin);
+    assert_eq!(ambiguities(&mut ours), before);
+}
+
+#[test]
+fn physics_in_the_fixed_schedule_carries() {
+    let mut app = headless(Path::new("."));
+    app.add_plugins((
+        RapierPhysicsPlugin::<NoUserData>::default().in_fixed_schedule(),
+        MorphRapierPlugin.in_schedule(FixedUpdate),
+    ))
+    .insert_resource(TimestepMode::Fixed {
+        dt: 1.0 / 64.0,
+        substeps: 1,
+    })
+    // One frame in three has two steps.
+    .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / 48.0)));
+    ready(&mut app);
+    let surface = spawn(&mut app, &sheet(16), ());
+    settle(&mut app);
+    let ball = body(&mut app, Collider::ball(0.3), Vec3::new(0.1, 0.31, 0.05));
+    run(&mut app, 60);
+    let rise = move |mut weights: Query<&mut MeshMorphWeights>, time: Res<Time>, mut height: Local<f32>| {
+        *height += 0.5 * time.delta_secs();
+        let weights_now = vec![*height, 0.0];
+        *weights.get_mut(surface).unwrap() = MeshMorphWeights::Value { weights: weights_now };
+    };
+    app.add_systems(FixedUpdate, rise.before(PhysicsSet::SyncBackend));
+    run(&mut app, 60);
+    let speed = velocity(&app, ball).y;
+    assert!((speed - 0.5).abs() < 0.025, "velocity {speed}");
 }

@@ -132,7 +132,7 @@ pub mod prelude {
     pub use crate::{MorphRapierCollider, MorphRapierDiagnostics, MorphRapierPlugin};
 }
 
-/// The README's snippets, compiled.
-#[cfg(doctest)]
+/// The README's snippets, compiled; one of them is about Rapier.
+#[cfg(all(doctest, feature = "rapier"))]
 #[doc = include_str!("../README.md")]
 struct Readme;

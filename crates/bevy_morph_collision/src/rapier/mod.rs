@@ -28,6 +28,7 @@ pub use step::MorphRapierDiagnostics;
 pub use surface::MorphSurface;
 
 use crate::collider::{CollisionMode, MorphCollider};
+use crate::import::MorphTrees;
 
 /// Makes the mesh of a [`MorphCollider`] a collider of Rapier's: bodies collide with it as it morphs.
 ///
@@ -62,7 +63,7 @@ impl Default for MorphRapierCollider {
 /// Lets rigid bodies of `bevy_rapier3d` collide with every [`MorphRapierCollider`].
 ///
 /// Add it after `RapierPhysicsPlugin` and beside [`MorphCollisionPlugin`](crate::MorphCollisionPlugin). It gives every
-/// physics context a [`MorphQueryDispatcher`].
+/// physics context a [`MorphQueryDispatcher`] as soon as it is there.
 ///
 /// ```no_run
 /// # use bevy::prelude::*;
@@ -110,11 +111,25 @@ impl Plugin for MorphRapierPlugin {
     fn build(&self, app: &mut App) {
         build(app, PostUpdate.intern());
     }
+
+    fn finish(&self, app: &mut App) {
+        check(app);
+    }
 }
 
 impl Plugin for MorphRapierIn {
     fn build(&self, app: &mut App) {
         build(app, self.schedule);
+    }
+
+    fn finish(&self, app: &mut App) {
+        check(app);
+    }
+}
+
+fn check(app: &App) {
+    if !app.world().contains_resource::<MorphTrees>() {
+        tracing::error!("MorphRapierPlugin does nothing without MorphCollisionPlugin, which builds its trees");
     }
 }
 
@@ -128,6 +143,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .init_resource::<MorphRapierDiagnostics>()
         .init_resource::<layout::MeshLayouts>()
         .init_resource::<step::Stepping>()
+        .add_observer(step::teach_context)
         .add_observer(step::detach_surface)
         .add_observer(step::take_patches_along)
         .configure_sets(
@@ -147,7 +163,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .add_systems(
             schedule,
             (
-                (step::teach_contexts, step::attach_surfaces).in_set(MorphRapierSystems::Attach),
+                step::attach_surfaces.in_set(MorphRapierSystems::Attach),
                 step::before_step.in_set(MorphRapierSystems::BeforeStep),
                 step::after_step.in_set(MorphRapierSystems::AfterStep),
             ),

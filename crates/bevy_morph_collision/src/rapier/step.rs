@@ -286,9 +286,12 @@ fn time_ahead(mode: &TimestepMode, time: &Time, behind: f32) -> f32 {
     }
 }
 
-/// Every context gets to know surfaces. It must happen before it has contacts, which are lost.
-pub(super) fn teach_contexts(mut contexts: Query<&mut RapierContextSimulation, Added<RapierContextSimulation>>) {
-    for mut context in &mut contexts {
+/// Every context gets to know surfaces as it comes into the world, before it has contacts, and before a game gives it something else.
+pub(super) fn teach_context(
+    added: On<Add<RapierContextSimulation>>,
+    mut contexts: Query<&mut RapierContextSimulation>,
+) {
+    if let Ok(mut context) = contexts.get_mut(added.entity) {
         context.set_query_dispatcher(super::MorphQueryDispatcher);
     }
 }

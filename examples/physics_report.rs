@@ -59,7 +59,8 @@ fn run(options: &Options) -> Result<(), String> {
         let scene = scenes
             .get(row)
             .ok_or_else(|| format!("there are {} rows", scenes.len()))?;
-        let times = time(scene, &sheet(101), 600, &[Method::Ours]);
+        let frames = if options.quick { 100 } else { 600 };
+        let times = time(scene, &sheet(101), frames, &[Method::Ours]);
         println!("{} surfaces, {}: {:.0} us", scene.shapes, scene.what, times[0]);
         return Ok(());
     }

@@ -69,6 +69,36 @@ impl Gathered {
         Some(Self { first, second })
     }
 
+    /// For one surface that stands still while another shape moves and turns: what is on its way.
+    fn in_motion(
+        motion1: &NonlinearRigidMotion,
+        g1: &dyn Shape,
+        motion2: &NonlinearRigidMotion,
+        g2: &dyn Shape,
+        start_time: Real,
+        end_time: Real,
+    ) -> Option<Self> {
+        let on_the_way = |still: &NonlinearRigidMotion, surface: &dyn Shape, motion: &NonlinearRigidMotion, other| {
+            let surface = surface.as_shape::<MorphSurface>()?;
+            let stands = still.linvel == Vector::ZERO && still.angvel == Vector::ZERO;
+            if !stands || is_surface(other) {
+                return None;
+            }
+            // However it turns about its centre, it stays in a ball around it.
+            let ball = other.compute_local_bounding_sphere();
+            let radius = ball.center().distance(motion.local_center) + ball.radius();
+            let center = |time: Real| {
+                let center = motion.start.transform_point(motion.local_center) + motion.linvel * time;
+                still.start.inverse_transform_point(center)
+            };
+            let way = Aabb::from_points([center(start_time), center(end_time)]).loosened(radius);
+            Some(surface.lock().triangles_in(&way, false))
+        };
+        let first = on_the_way(motion1, g1, motion2, g2);
+        let second = on_the_way(motion2, g2, motion1, g1);
+        (first.is_some() || second.is_some()).then_some(Self { first, second })
+    }
+
     /// The whole of both.
     fn whole(g1: &dyn Shape, g2: &dyn Shape) -> Option<Self> {
         let whole = |shape: &dyn Shape| {
@@ -100,6 +130,15 @@ impl Gathered {
             self.second.as_ref().map_or(g2, |triangles| triangles),
         )
     }
+}
+
+fn is_surface(shape: &dyn Shape) -> bool {
+    shape.as_shape::<MorphSurface>().is_some()
+}
+
+/// Whether a shape is a surface whose contacts nobody wants.
+fn is_quiet(shape: &dyn Shape) -> bool {
+    shape.as_shape::<MorphSurface>().is_some_and(MorphSurface::is_quiet)
 }
 
 /// Asks about what is within a reach that grows until the answer is certain, or everything was looked at.
@@ -249,14 +288,20 @@ impl QueryDispatcher for MorphQueryDispatcher {
                 stop_at_penetration,
             )
         };
-        // Both may turn: no box that is worth its computation holds the way.
-        let Some(whole) = Gathered::whole(g1, g2) else {
+        if is_quiet(g1) || is_quiet(g2) {
+            return Ok(None);
+        }
+        let on_the_way = Gathered::in_motion(motion1, g1, motion2, g2, start_time, end_time);
+        let Some(near) = on_the_way.or_else(|| Gathered::whole(g1, g2)) else {
             return ask(g1, g2);
         };
-        let (g1, g2) = whole.shapes(g1, g2);
+        if near.nothing() {
+            return Ok(None);
+        }
+        let (g1, g2) = near.shapes(g1, g2);
         let mut hit = ask(g1, g2)?;
         if let Some(hit) = &mut hit {
-            whole.name(&mut hit.subshape1, &mut hit.subshape2);
+            near.name(&mut hit.subshape1, &mut hit.subshape2);
         }
         Ok(hit)
     }
@@ -288,8 +333,7 @@ where
         manifolds: &mut Vec<ContactManifold<ManifoldData, ContactData>>,
         workspace: &mut Option<ContactManifoldsWorkspace>,
     ) -> Result<(), Unsupported> {
-        let quiet = |shape: &dyn Shape| shape.as_shape::<MorphSurface>().is_some_and(MorphSurface::is_quiet);
-        if quiet(g1) || quiet(g2) {
+        if is_quiet(g1) || is_quiet(g2) {
             manifolds.clear();
             return Ok(());
         }

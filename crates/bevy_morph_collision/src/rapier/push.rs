@@ -25,6 +25,8 @@ pub(super) struct Pushing {
     manners: Option<Manners>,
     /// Whether parts go without a name, so that Rapier tells nobody of their contacts.
     nameless: bool,
+    /// Bodies that are bullets for this step.
+    bullets: Vec<RigidBodyHandle>,
     step: u32,
     scratch: Scratch,
 }
@@ -65,6 +67,7 @@ impl Pushing {
             near: HashMap::default(),
             manners: None,
             nameless: false,
+            bullets: Vec::new(),
             step: 0,
             scratch: Scratch::default(),
         }
@@ -123,6 +126,13 @@ impl Pushing {
             busy = true;
             hooks |= mover.hooks;
             events |= mover.events;
+            if mover.fast
+                && let Some(body) = world.bodies.get_mut(mover.body)
+            {
+                // Rapier sweeps what is fast against what is fixed, and only bullets against what is kinematic, as parts are.
+                body.enable_ccd(true);
+                self.bullets.push(mover.body);
+            }
             self.look_near(mover, following, step);
             blended += self.push(mover, following, manners, step, world);
         }
@@ -143,10 +153,15 @@ impl Pushing {
     }
 
     /// Parts are known as their surface again.
-    pub(super) fn finish(&mut self, surface: &MorphSurface, colliders: &mut ColliderSet) {
+    pub(super) fn finish(&mut self, surface: &MorphSurface, bodies: &mut RigidBodySet, colliders: &mut ColliderSet) {
         surface.set_quiet(false);
         if std::mem::take(&mut self.nameless) {
             self.name_parts(self.name(), colliders);
+        }
+        for body in self.bullets.drain(..) {
+            if let Some(body) = bodies.get_mut(body) {
+                body.enable_ccd(false);
+            }
         }
     }
 
@@ -206,7 +221,7 @@ impl Pushing {
             return;
         }
         // Wherever a vertex is during the step, it ends this near; and somewhat more, not to look again every time.
-        let room = following.displacement as f32 + 0.2 * mover.bounds.extents().max_element();
+        let room = following.displacement as f32 + 0.1 * mover.bounds.extents().max_element();
         near.region = mover.bounds.loosened(step.prediction + room);
         near.travelled = following.travelled;
         near.triangles.clear();

@@ -244,7 +244,7 @@ pub(super) fn before_step(
 
 /// Patches are there for steps alone.
 pub(super) fn after_step(
-    mut contexts: Query<&mut RapierContextColliders>,
+    mut contexts: Query<(&mut RapierRigidBodySet, &mut RapierContextColliders)>,
     mut surfaces: Query<&mut RapierSurface>,
     stepping: Res<Stepping>,
     mut diagnostics: ResMut<MorphRapierDiagnostics>,
@@ -253,9 +253,9 @@ pub(super) fn after_step(
     stepping.now.store(false, Ordering::Release);
     for mut surface in &mut surfaces {
         let surface = &mut *surface;
-        if let Some(mut colliders) = surface.context.and_then(|context| contexts.get_mut(context).ok()) {
+        if let Some((mut bodies, mut colliders)) = surface.context.and_then(|context| contexts.get_mut(context).ok()) {
             let RapierSurface { following, pushing, .. } = surface;
-            pushing.finish(&following.surface, &mut colliders.colliders);
+            pushing.finish(&following.surface, &mut bodies.bodies, &mut colliders.colliders);
         }
     }
     diagnostics.duration += start.elapsed();

@@ -115,10 +115,31 @@ impl Posed {
     }
 
     fn mass(&mut self, density: Real) -> MassProperties {
-        let mut mass = self.mass.unwrap_or_else(|| self.all_triangles().enclosed_mass());
+        let mut mass = self.mass.unwrap_or_else(|| self.enclosed_mass());
         self.mass = Some(mass);
         mass.set_mass(density * mass.mass(), true);
         mass
+    }
+
+    fn enclosed_mass(&mut self) -> MassProperties {
+        let Self {
+            pose,
+            collider_from_model,
+            ..
+        } = self;
+        let model = pose.bvh().model().clone();
+        let vertices: Vec<Vec3> = (0..model.vertex_count() as u32)
+            .filter_map(|vertex| pose.vertex(vertex))
+            .map(|vertex| collider_from_model.transform_point(vertex).as_vec3())
+            .collect();
+        let triangles: Vec<[u32; 3]> = (0..model.triangle_count()).map(|i| model.triangle(i)).collect();
+        let mass = MassProperties::from_trimesh(1.0, &vertices, &triangles);
+        // Of what encloses nothing, or more than numbers can say.
+        if mass.mass().is_finite() {
+            mass
+        } else {
+            MassProperties::default()
+        }
     }
 
     fn gather(&mut self, for_contacts: bool) -> Triangles {

@@ -64,15 +64,6 @@ impl Triangles {
     pub(super) fn number(&self, subshape: SubShapeId) -> SubShapeId {
         self.numbers.get(subshape as usize).copied().unwrap_or(0)
     }
-
-    /// Of the volume that they enclose, with a density of 1; of none, nothing.
-    pub(super) fn enclosed_mass(&self) -> MassProperties {
-        let vertices: Vec<Vector> = self.corners.iter().flat_map(|t| [t.a, t.b, t.c]).collect();
-        let indices: Vec<[u32; 3]> = (0..self.corners.len() as u32)
-            .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
-            .collect();
-        MassProperties::from_trimesh(1.0, &vertices, &indices)
-    }
 }
 
 impl CompositeShape for Triangles {

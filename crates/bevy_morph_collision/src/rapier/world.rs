@@ -55,6 +55,8 @@ pub(super) struct Mover {
     /// Where it may be during the step.
     pub(super) bounds: Aabb,
     pub(super) asleep: bool,
+    /// Whether it moves, in a step, by more than the part of its size that Rapier's own test allows, and is no bullet yet.
+    pub(super) fast: bool,
     pub(super) groups: InteractionGroups,
     pub(super) hooks: ActiveHooks,
     pub(super) events: ActiveEvents,
@@ -75,6 +77,8 @@ pub(super) fn find_movers(bodies: &RigidBodySet, colliders: &ColliderSet, dt: f3
                 continue;
             }
             let mut bounds = shape.compute_aabb();
+            let way = next.translation.distance(body.translation());
+            let fast = !asleep && !body.is_ccd_enabled() && way > 0.25 * bounds.extents().min_element();
             if !asleep {
                 let in_body = shape.position_wrt_parent().copied().unwrap_or_default();
                 bounds = bounds.merged(&shape.shape().compute_aabb(&(next * in_body)));
@@ -84,6 +88,7 @@ pub(super) fn find_movers(bodies: &RigidBodySet, colliders: &ColliderSet, dt: f3
                 body: handle,
                 bounds: bounds.loosened(shape.contact_skin()),
                 asleep,
+                fast,
                 groups: shape.collision_groups(),
                 hooks: shape.active_hooks(),
                 events: shape.active_events(),

@@ -171,7 +171,7 @@ fn drops(quick: bool) -> String {
     let batches = if quick { 4 } else { 100 };
     let per_batch = 100;
     let progress = progress(batches * 4);
-    let mut table = format!("| way | CCD | drops | fell through | left over the rim |\n|---|---|--:|--:|--:|\n",);
+    let mut table = String::from("| way | CCD | drops | fell through | left over the rim |\n|---|---|--:|--:|--:|\n");
     for ccd in [false, true] {
         for method in [Method::Ours, Method::NewMesh] {
             let (mut through, mut left) = (0, 0);

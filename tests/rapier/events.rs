@@ -144,7 +144,7 @@ fn a_sensor_feels_the_surface_itself_once() {
     log.run(&mut app, 20, |_, _| {});
     assert!(log.started.is_empty(), "{:?}", log.started);
     log.run(&mut app, 60, |app, i| {
-        set_weights(app, surface, &[0.5 * DT * i as f32, 0.0])
+        set_weights(app, surface, &[0.5 * DT * i as f32, 0.0]);
     });
     assert_eq!(log.started, [pair(surface, sensor)]);
     assert!(place(&app, ball).y > 0.75);

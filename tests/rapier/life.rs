@@ -37,9 +37,10 @@ fn parts_come_with_bodies_and_go_with_them() {
 
 #[test]
 fn whatever_takes_a_surface_out_takes_its_parts_out() {
-    let ways: [(&str, fn(&mut App, Entity)); 4] = [
+    type Way = (&'static str, fn(&mut App, Entity));
+    let ways: [Way; 4] = [
         ("despawned", |app, surface| {
-            app.world_mut().entity_mut(surface).despawn()
+            app.world_mut().entity_mut(surface).despawn();
         }),
         ("no longer asked for", |app, surface| {
             app.world_mut().entity_mut(surface).remove::<MorphRapierCollider>();

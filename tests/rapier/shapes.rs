@@ -182,3 +182,22 @@ fn nothing_of_the_plugin_shows_without_it() {
     settle(&mut app);
     assert!(!app.world().entity(mesh).contains::<Collider>());
 }
+
+#[test]
+fn two_bodies_may_share_a_surface() {
+    let mut app = app();
+    let cube = rigid::box_mesh(Vec3::splat(0.5));
+    let dynamic = |at: Vec3| (RigidBody::Dynamic, Velocity::default(), Transform::from_translation(at));
+    let one = spawn(&mut app, &cube, dynamic(Vec3::new(0.0, 0.51, 0.0)));
+    app.world_mut()
+        .spawn((Collider::cuboid(5.0, 1.0, 5.0), Transform::from_xyz(0.0, -1.0, 0.0)));
+    settle(&mut app);
+    let collider = app.world().get::<Collider>(one).unwrap().clone();
+    let other = app
+        .world_mut()
+        .spawn((collider, dynamic(Vec3::new(0.1, 1.6, 0.1))))
+        .id();
+    run(&mut app, 90);
+    assert!((place(&app, one).y - 0.5).abs() < 2e-2, "{}", place(&app, one));
+    assert!((place(&app, other).y - 1.5).abs() < 2e-2, "{}", place(&app, other));
+}

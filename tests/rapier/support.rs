@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use bevy::ecs::system::RunSystemOnce;
+use bevy::math::DVec3;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::{MorphRapierDiagnostics, prelude::*};
@@ -73,7 +74,7 @@ pub(crate) fn ask<T: Send + 'static>(app: &mut App, ask: impl Fn(&RapierContext)
 pub(crate) fn truth(mesh: &MorphMesh, weights: &[f32], place: &GlobalTransform) -> TriMesh {
     let posed = posed_vertices(&mesh.positions, &mesh.targets, weights);
     let world = world_vertices(&posed, &place.affine());
-    let world = world.into_iter().map(|vertex| vertex.as_vec3()).collect();
+    let world = world.into_iter().map(DVec3::as_vec3).collect();
     TriMesh::new(world, mesh.triangles.clone()).expect("a mesh with triangles")
 }
 

@@ -18,7 +18,6 @@ pub use rivals::{Method, Surface};
 pub const DT: f32 = 1.0 / 60.0;
 
 /// An app with physics in steps of [`DT`], one for each frame, ready for its first.
-#[must_use]
 pub fn app(assets: &Path) -> App {
     let mut app = crate::app::headless(assets);
     app.add_plugins((RapierPhysicsPlugin::<NoUserData>::default(), MorphRapierPlugin))

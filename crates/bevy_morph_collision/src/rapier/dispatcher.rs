@@ -1,16 +1,15 @@
 //! What Rapier asks about two shapes, when one of them is a morphing surface.
 
-use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use bevy_rapier3d::parry::math::{Pose, Real, Vector};
 use bevy_rapier3d::parry::query::details::{NormalConstraints, ShapeCastOptions};
 use bevy_rapier3d::parry::query::{
     ClosestPoints, Contact, ContactManifold, ContactManifoldsWorkspace, DefaultQueryDispatcher, NonlinearRigidMotion,
     PersistentQueryDispatcher, QueryDispatcher, ShapeCastHit, ShapeDistance, ShapeIntersection, Unsupported,
 };
-use bevy_rapier3d::parry::shape::{Shape, SubShapeId};
+use bevy_rapier3d::parry::shape::Shape;
 
-use super::surface::MorphSurface;
-use super::triangles::{Patch, Triangles};
+use super::gathered::{Gathered, is_quiet, until_past, widening};
+use super::triangles::Patch;
 
 /// Answers what Rapier asks about a [`MorphSurface`] and another shape, or two of them: contacts, intersections, distances,
 /// shape casts. About other shapes it answers as Parry's default dispatcher.
@@ -23,152 +22,6 @@ use super::triangles::{Patch, Triangles};
 /// [`Unsupported`] about what `mine` may know better only if Parry's says so.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MorphQueryDispatcher;
-
-/// What the triangles of surfaces near each other are; shapes that are no surfaces stay what they are.
-struct Gathered {
-    first: Option<Triangles>,
-    second: Option<Triangles>,
-}
-
-impl Gathered {
-    /// For two shapes of which at least one is a surface: what is within `reach` of the other. None for two other shapes.
-    fn near(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape, reach: Real) -> Option<Self> {
-        Self::along(pos12, Vector::ZERO, g1, g2, reach, false)
-    }
-
-    /// The same while the second shape moves by `motion` as seen by the first.
-    fn along(
-        pos12: &Pose,
-        motion: Vector,
-        g1: &dyn Shape,
-        g2: &dyn Shape,
-        reach: Real,
-        for_contacts: bool,
-    ) -> Option<Self> {
-        let (surface1, surface2) = (g1.as_shape::<MorphSurface>(), g2.as_shape::<MorphSurface>());
-        if surface1.is_none() && surface2.is_none() {
-            return None;
-        }
-        let in_first = |shape: &dyn Shape| {
-            let end = Pose::from_parts(pos12.translation + motion, pos12.rotation);
-            shape.compute_swept_aabb(pos12, &end).loosened(reach)
-        };
-        let first = surface1.map(|surface| surface.lock().triangles_in(&in_first(g2), for_contacts));
-        let second = surface2.map(|surface| {
-            // The first one seen by the second moves the other way.
-            let pos21 = pos12.inverse();
-            let end = Pose::from_parts(pos21.translation - pos21.rotation * motion, pos21.rotation);
-            let g1: &dyn Shape = first.as_ref().map_or(g1, |triangles| triangles);
-            if first.as_ref().is_some_and(Triangles::is_empty) {
-                return Triangles::new(Vec::new(), Vec::new(), Vec::new());
-            }
-            surface
-                .lock()
-                .triangles_in(&g1.compute_swept_aabb(&pos21, &end).loosened(reach), for_contacts)
-        });
-        Some(Self { first, second })
-    }
-
-    /// For one surface that stands still while another shape moves and turns: what is on its way.
-    fn in_motion(
-        motion1: &NonlinearRigidMotion,
-        g1: &dyn Shape,
-        motion2: &NonlinearRigidMotion,
-        g2: &dyn Shape,
-        start_time: Real,
-        end_time: Real,
-    ) -> Option<Self> {
-        let on_the_way = |still: &NonlinearRigidMotion, surface: &dyn Shape, motion: &NonlinearRigidMotion, other| {
-            let surface = surface.as_shape::<MorphSurface>()?;
-            let stands = still.linvel == Vector::ZERO && still.angvel == Vector::ZERO;
-            if !stands || is_surface(other) {
-                return None;
-            }
-            // However it turns about its centre, it stays in a ball around it.
-            let ball = other.compute_local_bounding_sphere();
-            let radius = ball.center().distance(motion.local_center) + ball.radius();
-            let center = |time: Real| {
-                let center = motion.start.transform_point(motion.local_center) + motion.linvel * time;
-                still.start.inverse_transform_point(center)
-            };
-            let way = Aabb::from_points([center(start_time), center(end_time)]).loosened(radius);
-            Some(surface.lock().triangles_in(&way, false))
-        };
-        let first = on_the_way(motion1, g1, motion2, g2);
-        let second = on_the_way(motion2, g2, motion1, g1);
-        (first.is_some() || second.is_some()).then_some(Self { first, second })
-    }
-
-    /// The whole of both.
-    fn whole(g1: &dyn Shape, g2: &dyn Shape) -> Option<Self> {
-        let whole = |shape: &dyn Shape| {
-            shape
-                .as_shape::<MorphSurface>()
-                .map(|surface| surface.lock().all_triangles())
-        };
-        let (first, second) = (whole(g1), whole(g2));
-        (first.is_some() || second.is_some()).then_some(Self { first, second })
-    }
-
-    fn nothing(&self) -> bool {
-        let empty = |triangles: &Option<Triangles>| triangles.as_ref().is_some_and(Triangles::is_empty);
-        empty(&self.first) || empty(&self.second)
-    }
-
-    /// The sub-shapes of an answer as meshes number their triangles.
-    fn name(&self, subshape1: &mut SubShapeId, subshape2: &mut SubShapeId) {
-        for (triangles, subshape) in [(&self.first, subshape1), (&self.second, subshape2)] {
-            if let Some(triangles) = triangles {
-                *subshape = triangles.number(*subshape);
-            }
-        }
-    }
-
-    fn shapes<'a>(&'a self, g1: &'a dyn Shape, g2: &'a dyn Shape) -> (&'a dyn Shape, &'a dyn Shape) {
-        (
-            self.first.as_ref().map_or(g1, |triangles| triangles),
-            self.second.as_ref().map_or(g2, |triangles| triangles),
-        )
-    }
-}
-
-fn is_surface(shape: &dyn Shape) -> bool {
-    shape.as_shape::<MorphSurface>().is_some()
-}
-
-/// Whether a shape is a surface whose contacts nobody wants.
-fn is_quiet(shape: &dyn Shape) -> bool {
-    shape.as_shape::<MorphSurface>().is_some_and(MorphSurface::is_quiet)
-}
-
-/// Asks about what is within a reach that grows until the answer is certain, or everything was looked at.
-fn widening<T>(
-    pos12: &Pose,
-    g1: &dyn Shape,
-    g2: &dyn Shape,
-    ask: impl Fn(&Gathered, &dyn Shape, &dyn Shape) -> Result<T, Unsupported>,
-    distance: impl Fn(&T) -> Real,
-) -> Option<Result<T, Unsupported>> {
-    let all: Aabb = g1.compute_local_aabb().merged(&g2.compute_aabb(pos12));
-    let size = all.extents().length();
-    let mut reach = size / 64.0;
-    while reach > 0.0 && reach.is_finite() && reach < size {
-        let near = Gathered::near(pos12, g1, g2, reach)?;
-        if !near.nothing() {
-            let (near1, near2) = near.shapes(g1, g2);
-            match ask(&near, near1, near2) {
-                // Whatever was left out is farther away than this.
-                Ok(answer) if distance(&answer) <= reach => return Some(Ok(answer)),
-                Ok(_) => {}
-                unsupported => return Some(unsupported),
-            }
-        }
-        reach *= 4.0;
-    }
-    let whole = Gathered::whole(g1, g2)?;
-    let (whole1, whole2) = whole.shapes(g1, g2);
-    Some(ask(&whole, whole1, whole2))
-}
 
 impl QueryDispatcher for MorphQueryDispatcher {
     fn intersection_test(
@@ -304,18 +157,6 @@ impl QueryDispatcher for MorphQueryDispatcher {
             near.name(&mut hit.subshape1, &mut hit.subshape2);
         }
         Ok(hit)
-    }
-}
-
-/// How far the second shape moves within a time, but no farther than until it has certainly passed the first.
-fn until_past(pos12: &Pose, velocity: Vector, g1: &dyn Shape, g2: &dyn Shape, time: Real) -> Vector {
-    let (b1, b2) = (g1.compute_local_bounding_sphere(), g2.compute_bounding_sphere(pos12));
-    let far = b1.center().distance(b2.center()) + b1.radius() + b2.radius();
-    let speed = velocity.length();
-    if speed > 0.0 && far.is_finite() {
-        velocity * time.min(2.0 * far / speed)
-    } else {
-        Vector::ZERO
     }
 }
 

@@ -1,7 +1,7 @@
 //! Physics: rigid bodies of `bevy_rapier3d` rest on morphing meshes, are pushed and carried by them, and its queries see them.
 //!
 //! - `surface`, `triangles`: what Rapier knows as shapes.
-//! - `dispatcher`: what it asks about two of them.
+//! - `dispatcher`, `gathered`: what it asks about two of them.
 //! - `follow`: where a surface is and was.
 //! - `push`, `part`, `motion`: how it pushes: what is near moving bodies is a kinematic body for one step.
 //! - `world`: what they see of Rapier's world, and change.
@@ -9,6 +9,7 @@
 
 mod dispatcher;
 mod follow;
+mod gathered;
 mod layout;
 mod motion;
 mod part;

@@ -107,7 +107,6 @@ impl Pushing {
         self.step += 1;
         let bounds = following.bounds();
         let bounds = Aabb::new(bounds.min, bounds.max).loosened(step.prediction);
-        self.scratch.taken.resize(self.layout.order.len(), 0);
         self.teach(manners, world.colliders);
 
         let (mut blended, mut busy) = (0, false);
@@ -120,10 +119,13 @@ impl Pushing {
             if mover.asleep && !following.moves && !self.near.get(&mover.collider).is_some_and(restless) {
                 continue;
             }
-            if !busy && !following.moves {
-                self.keep_for_sleepers(world.bodies);
+            if !busy {
+                busy = true;
+                self.scratch.taken.resize(self.layout.order.len(), 0);
+                if !following.moves {
+                    self.keep_for_sleepers(world.bodies);
+                }
             }
-            busy = true;
             hooks |= mover.hooks;
             events |= mover.events;
             if mover.fast

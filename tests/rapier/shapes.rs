@@ -83,6 +83,8 @@ fn a_morphing_body_falls_on_a_morphing_surface() {
     run(&mut app, 30);
     let rests = place(&app, jelly);
     assert!((rests.y - 1.0).abs() < 2e-2, "it stands at {rests}");
+    let turned = app.world().get::<Transform>(jelly).unwrap().rotation * Vec3::Y;
+    assert!(turned.y > 0.995, "it leans to {turned}");
     for i in 1..=60 {
         set_weights(&mut app, surface, &[0.5 * DT * i as f32, 0.0]);
         run(&mut app, 1);

@@ -15,6 +15,8 @@ pub(super) struct MeshLayout {
     /// For each edge of a triangle, from a corner to the next, the third corner of the triangle on its other side; [`NONE`] if
     /// there is no such triangle, or several.
     pub(super) across: Vec<[u32; 3]>,
+    /// Whether every edge has two triangles that run along it in opposite directions: the surface has an inside.
+    pub(super) closed: bool,
 }
 
 impl MeshLayout {
@@ -24,14 +26,13 @@ impl MeshLayout {
         for (place, &triangle) in (0..).zip(triangles) {
             order[triangle as usize] = place;
         }
-        Self {
-            order,
-            across: across(bvh.model()),
-        }
+        let (across, closed) = across(bvh.model());
+        Self { order, across, closed }
     }
 }
 
-fn across(model: &MorphModel) -> Vec<[u32; 3]> {
+/// What is on the other sides of edges, and whether the surface is closed.
+fn across(model: &MorphModel) -> (Vec<[u32; 3]>, bool) {
     let mut across = vec![[NONE; 3]; model.triangle_count()];
     let mut edges = Vec::with_capacity(3 * across.len());
     for triangle in 0..across.len() {
@@ -42,15 +43,18 @@ fn across(model: &MorphModel) -> Vec<[u32; 3]> {
         }
     }
     edges.sort_unstable();
+    let mut closed = true;
     for same in edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
         let &[(_, _, one, one_edge), (_, _, other, other_edge)] = same else {
+            closed = false;
             continue;
         };
+        closed &= model.triangle(one)[one_edge] != model.triangle(other)[other_edge];
         let third = |triangle: usize, edge: usize| model.triangle(triangle)[(edge + 2) % 3];
         across[one][one_edge] = third(other, other_edge);
         across[other][other_edge] = third(one, one_edge);
     }
-    across
+    (across, closed)
 }
 
 /// The layouts of all trees that are in use.

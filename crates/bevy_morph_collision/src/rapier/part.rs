@@ -162,7 +162,7 @@ impl Part {
         let triangles = self.corners.iter().zip(&self.across).map(|(corners, across)| {
             let corners = corners.map(|corner| start[corner as usize].as_vec3());
             let across = across.map(|corner| start.get(corner as usize).map(|vertex| vertex.as_vec3()));
-            (Triangle::from(corners), pseudo_normals(corners, across))
+            (Triangle::from(corners), pseudo_normals(corners, across, None))
         });
         let (linear, angular) = (motion.linear.as_vec3(), motion.angular.as_vec3());
         // Contacts with what it will reach during the step, too.

@@ -216,6 +216,7 @@ pub(super) fn before_step(
                     collider.set_shape(shape);
                 }
             }
+            following.surface.lock().set_solid(on_dynamic);
             if pushes_itself {
                 if following.moves
                     && on_dynamic

@@ -35,6 +35,8 @@ pub(super) struct Posed {
     /// From the mesh to the collider, which has a place and a rotation of its own: scale and shear.
     pub(super) collider_from_model: WorldFromModel,
     queries: Queries,
+    /// For contacts of a closed surface that is a body's: whether normals, as triangles are wound, point outward, 1 or -1.
+    outward: Option<Real>,
     /// For a density of 1. Asked for whenever a shape changes, and does not change with it.
     mass: Option<MassProperties>,
 }
@@ -54,6 +56,7 @@ impl MorphSurface {
             pose,
             collider_from_model,
             queries: Queries::default(),
+            outward: None,
             mass: None,
         };
         Self {
@@ -84,6 +87,19 @@ impl std::fmt::Debug for MorphSurface {
 }
 
 impl Posed {
+    /// Whether the surface is that of a solid body; if it is closed, contacts then push outward alone.
+    pub(super) fn set_solid(&mut self, solid: bool) {
+        if !solid || !self.layout.closed {
+            self.outward = None;
+        } else if self.outward.is_none() {
+            let volume: f64 = self
+                .all_corners()
+                .map(|[a, b, c]| a.as_dvec3().dot(b.as_dvec3().cross(c.as_dvec3())))
+                .sum();
+            self.outward = Some(if volume < 0.0 { -1.0 } else { 1.0 });
+        }
+    }
+
     /// The triangles that meet a box in the collider's space; what contacts with them want to know of their neighbours, too, if
     /// asked for.
     pub(super) fn triangles_in(&mut self, region: &Aabb, for_contacts: bool) -> Triangles {
@@ -121,18 +137,23 @@ impl Posed {
         mass
     }
 
-    fn enclosed_mass(&mut self) -> MassProperties {
+    fn all_corners(&mut self) -> impl Iterator<Item = [Vec3; 3]> {
         let Self {
             pose,
             collider_from_model,
             ..
         } = self;
-        let model = pose.bvh().model().clone();
-        let vertices: Vec<Vec3> = (0..model.vertex_count() as u32)
-            .filter_map(|vertex| pose.vertex(vertex))
-            .map(|vertex| collider_from_model.transform_point(vertex).as_vec3())
+        let triangles = 0..pose.bvh().model().triangle_count() as u32;
+        triangles
+            .filter_map(|triangle| pose.triangle(triangle))
+            .map(|triangle| triangle.map(|corner| collider_from_model.transform_point(corner).as_vec3()))
+    }
+
+    fn enclosed_mass(&mut self) -> MassProperties {
+        let vertices: Vec<Vec3> = self.all_corners().flatten().collect();
+        let triangles: Vec<[u32; 3]> = (0..vertices.len() as u32 / 3)
+            .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
             .collect();
-        let triangles: Vec<[u32; 3]> = (0..model.triangle_count()).map(|i| model.triangle(i)).collect();
         let mass = MassProperties::from_trimesh(1.0, &vertices, &triangles);
         // Of what encloses nothing, or more than numbers can say.
         if mass.mass().is_finite() {
@@ -148,6 +169,7 @@ impl Posed {
             pose,
             collider_from_model,
             queries,
+            outward,
             ..
         } = self;
         let place = |corner| collider_from_model.transform_point(corner).as_vec3();
@@ -162,7 +184,7 @@ impl Posed {
                 corners.push(Triangle::from(triangle));
                 if for_contacts {
                     let across = layout.across[number as usize].map(|vertex| pose.vertex(vertex).map(place));
-                    normals.push(pseudo_normals(triangle, across));
+                    normals.push(pseudo_normals(triangle, across, *outward));
                 }
             }
         }

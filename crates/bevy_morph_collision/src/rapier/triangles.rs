@@ -120,8 +120,13 @@ impl PointQuery for Triangles {
 /// Which normals contacts with a triangle may have: those between its own and its neighbours', on either side. Without that what
 /// slides over a surface is caught by edges inside it.
 ///
-/// Neighbours are given by their third corners, across the edges from a corner to the next.
-pub(super) fn pseudo_normals(corners: [Vector; 3], across: [Option<Vector>; 3]) -> Option<TrianglePseudoNormals> {
+/// Neighbours are given by their third corners, across the edges from a corner to the next. Of a solid body's surface `outward`
+/// says whether the normal as triangles are wound points outward, 1 or -1; then what is inside is left alone.
+pub(super) fn pseudo_normals(
+    corners: [Vector; 3],
+    across: [Option<Vector>; 3],
+    outward: Option<Real>,
+) -> Option<TrianglePseudoNormals> {
     let [a, b, c] = corners;
     let face = (b - a).cross(c - a).try_normalize()?;
     let edge = |from: Vector, to: Vector, across: Option<Vector>| {
@@ -131,10 +136,11 @@ pub(super) fn pseudo_normals(corners: [Vector; 3], across: [Option<Vector>; 3]) 
             .and_then(|neighbour| (face + neighbour).try_normalize())
             .unwrap_or(face)
     };
+    let sign = outward.unwrap_or(1.0);
     Some(TrianglePseudoNormals {
-        face,
-        edges: [edge(a, b, across[0]), edge(b, c, across[1]), edge(c, a, across[2])],
-        two_sided: true,
+        face: sign * face,
+        edges: [edge(a, b, across[0]), edge(b, c, across[1]), edge(c, a, across[2])].map(|edge| sign * edge),
+        two_sided: outward.is_none(),
     })
 }
 

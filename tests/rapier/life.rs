@@ -275,3 +275,54 @@ fn physics_in_the_fixed_schedule_carries() {
     let speed = velocity(&app, ball).y;
     assert!((speed - 0.5).abs() < 0.025, "velocity {speed}");
 }
+
+#[test]
+fn a_morphing_body_sleeps_when_nothing_morphs() {
+    let mut app = app();
+    app.world_mut()
+        .spawn((Collider::cuboid(5.0, 1.0, 5.0), Transform::from_xyz(0.0, -1.0, 0.0)));
+    let mut cube = rigid::box_mesh(Vec3::splat(0.5));
+    cube.targets = vec![cube.positions.iter().map(|p| Vec3::Y * p.y).collect()];
+    let parts = (
+        RigidBody::Dynamic,
+        Velocity::default(),
+        Sleeping::default(),
+        Transform::from_xyz(0.0, 0.6, 0.0),
+    );
+    let jelly = spawn(&mut app, &cube, parts);
+    settle(&mut app);
+    run(&mut app, 120);
+    let asleep = |app: &App| app.world().get::<Sleeping>(jelly).unwrap().sleeping;
+    assert!(asleep(&app) && (place(&app, jelly).y - 0.5).abs() < 1e-2);
+    set_weights(&mut app, jelly, &[0.1]);
+    run(&mut app, 1);
+    assert!(!asleep(&app));
+}
+
+#[test]
+fn a_scaled_surface_at_rest_is_as_large_as_it_looks() {
+    let mut app = app();
+    app.update();
+    let scaled = |at: f32| Transform::from_xyz(at, 0.0, 0.0).with_scale(Vec3::new(2.0, 1.0, 3.0));
+    let mesh = rigid::box_mesh(Vec3::splat(0.5));
+    let fixed = spawn(&mut app, &mesh, scaled(0.0));
+    let mass = ReadColliderMassProperties::default();
+    let falling = spawn(
+        &mut app,
+        &mesh,
+        (scaled(10.0), RigidBody::Dynamic, GravityScale(0.0), mass),
+    );
+    settle(&mut app);
+    run(&mut app, 3);
+    let hit = crate::support::ask(&mut app, |context| {
+        context.cast_ray(Vec3::new(0.9, 5.0, 1.4), -Vec3::Y, 10.0, true, QueryFilter::default())
+    });
+    assert_eq!(hit.map(|(entity, _)| entity), Some(fixed));
+    let mass = app.world().get::<ReadColliderMassProperties>(falling).unwrap().mass;
+    assert!((mass - 6.0).abs() < 1e-3, "{mass}");
+    // Scaled again.
+    app.world_mut().get_mut::<Transform>(falling).unwrap().scale = Vec3::splat(2.0);
+    run(&mut app, 3);
+    let mass = app.world().get::<ReadColliderMassProperties>(falling).unwrap().mass;
+    assert!((mass - 8.0).abs() < 1e-3, "{mass}");
+}

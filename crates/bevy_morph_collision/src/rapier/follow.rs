@@ -44,6 +44,8 @@ pub(super) struct Following {
     pub(super) past: Moment,
     /// Whether it moves during the step to come.
     pub(super) moves: bool,
+    /// Whether it is another shape than before, as its collider sees it.
+    pub(super) reshaped: bool,
     /// The length of the last step if it moved during it.
     pub(super) moved_for: Option<f32>,
     /// How far any vertex may be, at the end of the step to come, from where it was at its begin; in world units.
@@ -74,6 +76,7 @@ impl Following {
             before: still(moment()),
             past: still(moment()),
             moves: false,
+            reshaped: true,
             moved_for: None,
             displacement: 0.0,
             travelled: 0.0,
@@ -95,6 +98,7 @@ impl Following {
         self.moved_for = self.moves.then_some(self.last_step);
         self.last_step = dt;
         self.moves = false;
+        self.reshaped = first;
         self.displacement = 0.0;
         let mut posed = self.surface.lock();
         // The oldest pose is used again for the newest.
@@ -109,6 +113,7 @@ impl Following {
         let same_weights = self.past.pose.weights() == posed.pose.weights();
         if !same_weights || world_from_model != self.world_from_model {
             self.moves = !first;
+            self.reshaped |= !same_weights;
             std::mem::swap(&mut self.past, &mut self.before);
             // `before` is the new moment now, and the last one changes places with it.
             std::mem::swap(&mut self.before.pose, &mut posed.pose);
@@ -117,7 +122,7 @@ impl Following {
             self.displacement = displacement(&mut self.before, &posed.pose, &world_from_model);
             self.travelled += self.displacement;
         }
-        posed.collider_from_model = collider_from_model;
+        self.reshaped |= posed.place(collider_from_model);
         drop(posed);
         if self.complaint == complaint {
             return Ok(());
@@ -184,11 +189,14 @@ pub(super) fn places(
     let collider_from_model = Affine3A::from_rotation_translation(rotation, translation).inverse() * affine;
     let in_body = collider.position_wrt_parent().copied();
     let body = collider.parent().and_then(|body| bodies.get(body)).zip(in_body);
+    let collider = WorldFromModel::new(collider_from_model)?;
     let Some((body, in_body)) = body else {
         // As the entity stands, to the last bit: that is where it is drawn.
-        return Ok((WorldFromModel::new(affine)?, WorldFromModel::new(collider_from_model)?));
+        return Ok((WorldFromModel::new(affine)?, collider));
     };
     let place: Place = match body.body_type() {
+        // Rapier moves it, and nothing else asks.
+        RigidBodyType::Dynamic => return Ok((WorldFromModel::IDENTITY, collider)),
         RigidBodyType::KinematicPositionBased => *body.next_position(),
         RigidBodyType::KinematicVelocityBased => body.predict_position_using_velocity(dt),
         _ => *body.position(),
@@ -196,6 +204,6 @@ pub(super) fn places(
     let world_from_collider = Affine3A::from_rotation_translation(place.rotation, place.translation);
     Ok((
         WorldFromModel::new(world_from_collider * collider_from_model)?,
-        WorldFromModel::new(collider_from_model)?,
+        collider,
     ))
 }

@@ -146,7 +146,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .init_resource::<step::Stepping>()
         .add_observer(step::teach_context)
         .add_observer(step::detach_surface)
-        .add_observer(step::take_patches_along)
+        .add_observer(step::take_parts_along)
         .configure_sets(
             schedule,
             (

@@ -63,14 +63,23 @@ pub(crate) struct Stepping {
 /// Colliders whose tree is ready, or another one, get a surface.
 pub(super) fn attach_surfaces(
     mut commands: Commands,
-    colliders: Query<(Entity, &ColliderState, Option<&RapierSurface>), With<MorphRapierCollider>>,
+    colliders: Query<
+        (
+            Entity,
+            &ColliderState,
+            Option<&RapierSurface>,
+            Option<&RapierContextEntityLink>,
+        ),
+        With<MorphRapierCollider>,
+    >,
     mut layouts: ResMut<MeshLayouts>,
 ) {
-    for (entity, state, surface) in &colliders {
+    for (entity, state, surface, context) in &colliders {
         let Some(pose) = &state.pose else { continue };
         if let Some(surface) = surface {
-            if !Arc::ptr_eq(&surface.bvh, pose.bvh()) {
-                // With its patches; the new one comes next time.
+            let elsewhere = surface.context.is_some() && surface.context != context.map(|link| link.0);
+            if elsewhere || !Arc::ptr_eq(&surface.bvh, pose.bvh()) {
+                // With its parts; the new one comes next time.
                 commands.entity(entity).try_remove::<RapierSurface>();
             }
             continue;
@@ -89,7 +98,7 @@ pub(super) fn attach_surfaces(
     }
 }
 
-/// A collider that is no longer one leaves physics, patches and all.
+/// A collider that is no longer one leaves physics, parts and all.
 pub(super) fn detach_surface(removed: On<Remove<MorphRapierCollider>>, mut commands: Commands) {
     commands
         .entity(removed.entity)
@@ -110,8 +119,8 @@ type Contexts<'w, 's> = Query<
     ),
 >;
 
-/// A surface that is being removed takes its patches along.
-pub(super) fn take_patches_along(
+/// A surface that is being removed takes its parts along.
+pub(super) fn take_parts_along(
     removed: On<Remove<RapierSurface>>,
     mut surfaces: Query<&mut RapierSurface>,
     mut contexts: Contexts,
@@ -206,17 +215,18 @@ pub(super) fn before_step(
             let pushes_itself = on_dynamic || collider.is_sensor() || !collider.is_enabled();
             let own_groups = if pushes_itself { wanted } else { no_push(wanted) };
             let manners = Manners::of(collider, wanted);
-            if (following.moves || collider.solver_groups() != own_groups)
+            following.surface.lock().set_solid(on_dynamic);
+            let changed = following.moves || following.reshaped;
+            if (changed || collider.solver_groups() != own_groups)
                 && let Some(collider) = world.colliders.get_mut(handle.0)
             {
                 collider.set_solver_groups(own_groups);
-                if following.moves {
+                if changed {
                     // The same shape, changed: contacts and boxes are computed anew.
                     let shape = collider.shared_shape().clone();
                     collider.set_shape(shape);
                 }
             }
-            following.surface.lock().set_solid(on_dynamic);
             if pushes_itself {
                 if following.moves
                     && on_dynamic
@@ -243,7 +253,7 @@ pub(super) fn before_step(
     diagnostics.duration = start.elapsed();
 }
 
-/// Patches are there for steps alone.
+/// Parts are there for steps alone.
 pub(super) fn after_step(
     mut contexts: Query<(&mut RapierRigidBodySet, &mut RapierContextColliders)>,
     mut surfaces: Query<&mut RapierSurface>,

@@ -87,6 +87,22 @@ impl std::fmt::Debug for MorphSurface {
 }
 
 impl Posed {
+    /// Says how the mesh stands in the collider, and whether that is new.
+    pub(super) fn place(&mut self, collider_from_model: WorldFromModel) -> bool {
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+        let [old, new] =
+            [&self.collider_from_model, &collider_from_model].map(|place| corners.map(|p| place.transform_point(p)));
+        let size = new.iter().map(|p| p.length()).fold(0.0, f64::max);
+        // What a rotation that is taken out again leaves behind is no change.
+        let changed = old.iter().zip(&new).any(|(old, new)| old.distance(*new) > 1e-5 * size);
+        if changed {
+            self.collider_from_model = collider_from_model;
+            // It may be larger, or mirrored.
+            (self.mass, self.outward) = (None, None);
+        }
+        changed
+    }
+
     /// Whether the surface is that of a solid body; if it is closed, contacts then push outward alone.
     pub(super) fn set_solid(&mut self, solid: bool) {
         if !solid || !self.layout.closed {

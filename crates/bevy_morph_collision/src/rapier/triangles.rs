@@ -197,7 +197,7 @@ impl Shape for Triangles {
 #[derive(Clone)]
 pub(super) struct Patch {
     pub(super) triangles: Triangles,
-    /// Whether a step is going on, in which patches exist.
+    /// Whether a step is going on, in which it exists.
     pub(super) stepping: Arc<AtomicBool>,
 }
 

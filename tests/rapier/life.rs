@@ -326,3 +326,89 @@ fn a_scaled_surface_at_rest_is_as_large_as_it_looks() {
     let mass = app.world().get::<ReadColliderMassProperties>(falling).unwrap().mass;
     assert!((mass - 8.0).abs() < 1e-3, "{mass}");
 }
+
+#[test]
+fn listeners_may_come_and_go() {
+    let mut app = app();
+    let surface = spawn(&mut app, &sheet(16), ());
+    settle(&mut app);
+    let slides = body(&mut app, Collider::cuboid(0.3, 0.3, 0.3), Vec3::new(-3.0, 0.3, 0.0));
+    let slippery = Friction {
+        coefficient: 0.0,
+        combine_rule: CoefficientCombineRule::Min,
+    };
+    let world = app.world_mut();
+    world.entity_mut(slides).insert((slippery, Velocity::linear(Vec3::X)));
+    let listener = body(&mut app, Collider::ball(0.3), Vec3::new(2.0, 0.3, 2.0));
+    for i in 0..120 {
+        let events = if i / 10 % 2 == 0 {
+            ActiveEvents::COLLISION_EVENTS
+        } else {
+            ActiveEvents::empty()
+        };
+        app.world_mut().entity_mut(listener).insert(events);
+        run(&mut app, 1);
+    }
+    assert!((place(&app, slides).y - 0.3).abs() < 1e-2 && place(&app, slides).x > -1.5);
+    assert!((place(&app, listener).y - 0.3).abs() < 1e-2);
+    set_weights(&mut app, surface, &[0.1, 0.0]);
+    run(&mut app, 5);
+}
+
+#[test]
+fn bodies_that_were_there_first_and_bodies_that_are_put_elsewhere_each_have_their_ground() {
+    // Stretches along x: every place has a velocity of its own.
+    let mut mesh = sheet(32);
+    mesh.targets = vec![mesh.positions.iter().map(|p| Vec3::X * p.x).collect()];
+    let mut app = app();
+    let far = Vec3::new(100.0, 0.0, -50.0);
+    let surface = spawn(&mut app, &mesh, Transform::from_translation(far));
+    let small = |app: &mut App, x: f32| {
+        let cuboid = body(app, Collider::cuboid(0.1, 0.1, 0.1), far + Vec3::new(x, 0.11, 0.3));
+        app.world_mut().entity_mut(cuboid).insert(Sleeping::disabled());
+        cuboid
+    };
+    let cuboids = [-2.0, 1.0, 3.0].map(|x| (x, small(&mut app, x)));
+    let thrown = small(&mut app, 0.5);
+    settle(&mut app);
+    for (x, cuboid) in cuboids {
+        app.world_mut().get_mut::<Transform>(cuboid).unwrap().translation = far + Vec3::new(x, 0.11, 0.3);
+        *app.world_mut().get_mut::<Velocity>(cuboid).unwrap() = Velocity::zero();
+    }
+    // From one end to the other.
+    app.world_mut().get_mut::<Transform>(thrown).unwrap().translation = far + Vec3::new(-3.5, 0.11, -3.0);
+    run(&mut app, 30);
+    app.world_mut().get_mut::<Transform>(thrown).unwrap().translation = far + Vec3::new(3.5, 0.11, 3.0);
+    for i in 1..=30 {
+        set_weights(&mut app, surface, &[0.2 * DT * i as f32]);
+        run(&mut app, 1);
+    }
+    for (x, cuboid) in cuboids {
+        let speed = velocity(&app, cuboid).x;
+        assert!((speed - 0.2 * x).abs() < 0.05 * (0.2 * x).abs(), "at {x}: {speed}");
+    }
+}
+
+#[test]
+fn a_disabled_surface_and_a_frozen_sleeper_leave_nothing_behind() {
+    use bevy::ecs::entity_disabling::Disabled;
+    let (mut app, surface, ball) = ball_on_sheet();
+    set_weights(&mut app, surface, &[0.01, 0.0]);
+    run(&mut app, 1);
+    app.world_mut().entity_mut(surface).insert(Disabled);
+    run(&mut app, 2);
+    assert_eq!(diagnostics(&app).parts, 0);
+    assert_eq!(population(&mut app).0, 1, "only the ball's body is left");
+    app.world_mut().entity_mut(surface).despawn();
+    run(&mut app, 2);
+    assert_eq!(population(&mut app), (1, 1));
+    let _falls = ball;
+
+    let (mut app, surface, ball) = ball_on_sheet();
+    run(&mut app, 120);
+    app.world_mut().entity_mut(ball).insert(RigidBody::Fixed);
+    run(&mut app, 2);
+    set_weights(&mut app, surface, &[-2.0, 0.0]);
+    run(&mut app, 2);
+    assert_eq!((diagnostics(&app).parts, population(&mut app).0), (0, 1));
+}

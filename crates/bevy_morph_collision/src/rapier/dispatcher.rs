@@ -11,7 +11,7 @@ use bevy_rapier3d::parry::shape::Shape;
 use super::gathered::{Gathered, is_quiet, until_past, widening};
 use super::triangles::Patch;
 
-/// Answers what Rapier asks about a [`MorphSurface`] and another shape, or two of them: contacts, intersections, distances,
+/// Answers what Rapier asks about a [`MorphSurface`](crate::MorphSurface) and another shape, or two of them: contacts, intersections, distances,
 /// shape casts. About other shapes it answers as Parry's default dispatcher.
 ///
 /// For each question the triangles of the surface near the other shape are gathered, by its tree, at its current weights,
@@ -174,11 +174,15 @@ where
         manifolds: &mut Vec<ContactManifold<ManifoldData, ContactData>>,
         workspace: &mut Option<ContactManifoldsWorkspace>,
     ) -> Result<(), Unsupported> {
-        if is_quiet(g1) || is_quiet(g2) {
-            manifolds.clear();
-            return Ok(());
-        }
-        let near = Gathered::along(pos12, Vector::ZERO, g1, g2, prediction, true);
+        let near = if is_quiet(g1) || is_quiet(g2) {
+            if workspace.is_none() && manifolds.is_empty() {
+                return Ok(());
+            }
+            // What was there before is let go of by Parry, whose workspace must go with its manifolds.
+            Some(Gathered::none(g1, g2))
+        } else {
+            Gathered::along(pos12, Vector::ZERO, g1, g2, prediction, true)
+        };
         let (g1, g2) = near.as_ref().map_or((g1, g2), |near| near.shapes(g1, g2));
         DefaultQueryDispatcher.contact_manifolds(pos12, g1, g2, prediction, manifolds, workspace)
     }

@@ -119,8 +119,10 @@ impl Following {
             std::mem::swap(&mut self.before.pose, &mut posed.pose);
             self.before.world_from_model = self.world_from_model;
             self.world_from_model = world_from_model;
-            self.displacement = displacement(&mut self.before, &posed.pose, &world_from_model);
-            self.travelled += self.displacement;
+            if self.moves {
+                self.displacement = displacement(&mut self.before, &posed.pose, &world_from_model);
+                self.travelled += self.displacement;
+            }
         }
         self.reshaped |= posed.place(collider_from_model);
         drop(posed);

@@ -86,6 +86,15 @@ impl Gathered {
         (first.is_some() || second.is_some()).then_some(Self { first, second })
     }
 
+    /// Nothing of either.
+    pub(super) fn none(g1: &dyn Shape, g2: &dyn Shape) -> Self {
+        let none = |shape: &dyn Shape| is_surface(shape).then(|| Triangles::new(Vec::new(), Vec::new(), Vec::new()));
+        Self {
+            first: none(g1),
+            second: none(g2),
+        }
+    }
+
     /// The whole of both.
     pub(super) fn whole(g1: &dyn Shape, g2: &dyn Shape) -> Option<Self> {
         let whole = |shape: &dyn Shape| {

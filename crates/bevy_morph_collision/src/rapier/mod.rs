@@ -165,7 +165,9 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
             schedule,
             (
                 step::attach_surfaces.in_set(MorphRapierSystems::Attach),
-                step::before_step.in_set(MorphRapierSystems::BeforeStep),
+                (step::stop_absent, step::before_step)
+                    .chain()
+                    .in_set(MorphRapierSystems::BeforeStep),
                 step::after_step.in_set(MorphRapierSystems::AfterStep),
             ),
         );

@@ -110,14 +110,22 @@ impl Pushing {
         self.teach(manners, world.colliders);
 
         let (mut blended, mut busy) = (0, false);
-        let (mut hooks, mut events) = (manners.hooks, manners.events);
+        let mut events = manners.events;
         for mover in step.movers {
             if !mover.bounds.intersects(&bounds) || !mover.groups.test(manners.groups) {
                 continue;
             }
             let restless = |near: &Near| near.parts.iter().any(|part| !part.is_settled());
-            if mover.asleep && !following.moves && !self.near.get(&mover.collider).is_some_and(restless) {
-                continue;
+            events |= mover.events;
+            if mover.asleep && !following.moves {
+                let near = self.near.get_mut(&mover.collider);
+                if let Some(near) = near.filter(|near| !restless(near)) {
+                    near.seen = self.step;
+                    continue;
+                }
+                if !self.near.contains_key(&mover.collider) {
+                    continue;
+                }
             }
             if !busy {
                 busy = true;
@@ -126,16 +134,15 @@ impl Pushing {
                     self.keep_for_sleepers(world.bodies);
                 }
             }
-            hooks |= mover.hooks;
-            events |= mover.events;
+            let touches = self.look_near(mover, following, step);
             if mover.fast
+                && touches
                 && let Some(body) = world.bodies.get_mut(mover.body)
             {
                 // Rapier sweeps what is fast against what is fixed, and only bullets against what is kinematic, as parts are.
                 body.enable_ccd(true);
                 self.bullets.push(mover.body);
             }
-            self.look_near(mover, following, step);
             blended += self.push(mover, following, manners, step, world);
         }
         self.forget(world);
@@ -143,9 +150,9 @@ impl Pushing {
             world.islands.wake_up(world.bodies, body, true);
         }
         self.scratch.to_wake.clear();
-        let listening = events.contains(ActiveEvents::COLLISION_EVENTS);
+        let listening = step.audience.listens || events.contains(ActiveEvents::COLLISION_EVENTS);
         following.surface.set_quiet(!listening);
-        if busy && listening && hooks.is_empty() {
+        if busy && listening && !step.audience.hooked {
             // The surface tells of what it touches as a whole: of parts without a name nothing is told. Hooks are given names, and
             // cannot do without.
             self.nameless = true;
@@ -203,8 +210,8 @@ impl Pushing {
         }
     }
 
-    /// Finds the triangles that a collider may touch.
-    fn look_near(&mut self, mover: &Mover, following: &mut Following, step: &Step) {
+    /// Finds the triangles that a collider may touch; says whether there are any.
+    fn look_near(&mut self, mover: &Mover, following: &mut Following, step: &Step) -> bool {
         let near = self.near.entry(mover.collider).or_insert_with(|| Near {
             body: mover.body,
             region: Aabb::new_invalid(),
@@ -220,7 +227,7 @@ impl Pushing {
             .region
             .contains(&mover.bounds.loosened(step.prediction + travelled))
         {
-            return;
+            return !near.triangles.is_empty();
         }
         // Wherever a vertex is during the step, it ends this near; and somewhat more, not to look again every time.
         let room = following.displacement as f32 + 0.1 * mover.bounds.extents().max_element();
@@ -237,6 +244,7 @@ impl Pushing {
             let overlap = &mut self.scratch.overlap;
             overlap.triangles_in_region(body, &region, &mut near.triangles);
         }
+        !near.triangles.is_empty()
     }
 
     /// Puts what a collider may touch before it; says how many parts were blended.
@@ -302,8 +310,7 @@ impl Pushing {
     fn forget(&mut self, world: &mut World) {
         let step = self.step;
         self.near.retain(|_, near| {
-            let asleep = || world.bodies.get(near.body).is_some_and(RigidBody::is_sleeping);
-            let stays = near.seen == step || asleep();
+            let stays = near.seen == step;
             if !stays {
                 near.parts.iter_mut().for_each(|part| part.remove(world));
             }

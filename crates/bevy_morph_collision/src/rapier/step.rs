@@ -4,6 +4,8 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
@@ -23,7 +25,7 @@ use super::MorphRapierCollider;
 use super::follow::{Following, places};
 use super::layout::MeshLayouts;
 use super::push::Pushing;
-use super::world::{Manners, Mover, Step, World, find_movers, no_push};
+use super::world::{Audience, Manners, Mover, Step, World, find_movers, no_push};
 use crate::collider::ColliderState;
 
 /// What the plugin knows of one surface.
@@ -122,7 +124,7 @@ type Contexts<'w, 's> = Query<
 /// A surface that is being removed takes its parts along.
 pub(super) fn take_parts_along(
     removed: On<Remove<RapierSurface>>,
-    mut surfaces: Query<&mut RapierSurface>,
+    mut surfaces: Query<&mut RapierSurface, Allow<Disabled>>,
     mut contexts: Contexts,
 ) {
     let Ok(mut surface) = surfaces.get_mut(removed.entity) else {
@@ -130,8 +132,9 @@ pub(super) fn take_parts_along(
     };
     let Some(context) = surface.context else { return };
     if let Ok((_, mut simulation, mut colliders, mut joints, mut bodies, ..)) = contexts.get_mut(context) {
-        let mut world = world(&mut simulation, &mut colliders, &mut joints, &mut bodies);
-        surface.pushing.stop(&mut world);
+        let RapierSurface { following, pushing, .. } = &mut *surface;
+        pushing.finish(&following.surface, &mut bodies.bodies, &mut colliders.colliders);
+        pushing.stop(&mut world(&mut simulation, &mut colliders, &mut joints, &mut bodies));
     }
 }
 
@@ -148,6 +151,28 @@ fn world<'a>(
         impulse_joints: &mut joints.impulse_joints,
         multibody_joints: &mut joints.multibody_joints,
         soft_bodies: &mut bodies.soft_bodies,
+    }
+}
+
+/// Surfaces that are disabled, or no colliders of Rapier's any more, push nothing.
+pub(super) fn stop_absent(
+    mut surfaces: Query<
+        &mut RapierSurface,
+        (
+            Allow<Disabled>,
+            Or<(With<Disabled>, Without<RapierColliderHandle>, Without<Collider>)>,
+        ),
+    >,
+    mut contexts: Contexts,
+) {
+    for mut surface in &mut surfaces {
+        let Some(context) = surface.context.filter(|_| !surface.pushing.is_idle()) else {
+            continue;
+        };
+        if let Ok((_, mut simulation, mut colliders, mut joints, mut bodies, ..)) = contexts.get_mut(context) {
+            let mut world = world(&mut simulation, &mut colliders, &mut joints, &mut bodies);
+            surface.pushing.stop(&mut world);
+        }
     }
 }
 
@@ -186,6 +211,7 @@ pub(super) fn before_step(
         let parameters = simulation.integration_parameters;
         let mut world = world(&mut simulation, &mut colliders, &mut joints, &mut bodies);
         find_movers(world.bodies, world.colliders, dt, movers);
+        let audience = Audience::of(&world);
         for (entity, settings, mut surface, handle, link, place, weights, solver_groups) in &mut surfaces {
             if link.0 != context {
                 continue;
@@ -199,6 +225,10 @@ pub(super) fn before_step(
             let Some(collider) = world.colliders.get(handle.0) else {
                 continue;
             };
+            if at_home.is_some_and(|home| home != context) {
+                // It came from another world in this frame; its parts are still there.
+                continue;
+            }
             *at_home = Some(context);
             diagnostics.surfaces += 1;
             let places = places(collider, world.bodies, place, dt);
@@ -244,6 +274,7 @@ pub(super) fn before_step(
                 movers,
                 prediction: parameters.prediction_distance() + manners.contact_skin,
                 max_acceleration: settings.max_acceleration,
+                audience,
                 stepping: now,
             };
             diagnostics.blended += pushing.prepare(following, manners, &step, &mut world);
@@ -256,7 +287,7 @@ pub(super) fn before_step(
 /// Parts are there for steps alone.
 pub(super) fn after_step(
     mut contexts: Query<(&mut RapierRigidBodySet, &mut RapierContextColliders)>,
-    mut surfaces: Query<&mut RapierSurface>,
+    mut surfaces: Query<&mut RapierSurface, Allow<Disabled>>,
     stepping: Res<Stepping>,
     mut diagnostics: ResMut<MorphRapierDiagnostics>,
 ) {

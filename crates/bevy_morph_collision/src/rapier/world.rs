@@ -5,10 +5,12 @@ use std::sync::atomic::AtomicBool;
 
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use bevy_rapier3d::rapier::dynamics::{
-    CoefficientCombineRule, ImpulseJointSet, IslandManager, MultibodyJointSet, RigidBodyHandle, RigidBodySet,
-    SoftBodySet,
+    CoefficientCombineRule, ImpulseJointSet, IslandManager, MultibodyJointSet, RigidBody, RigidBodyHandle,
+    RigidBodySet, SoftBodySet,
 };
-use bevy_rapier3d::rapier::geometry::{Collider, ColliderHandle, ColliderSet, Group, InteractionGroups};
+use bevy_rapier3d::rapier::geometry::{
+    ActiveCollisionTypes, Collider, ColliderHandle, ColliderSet, Group, InteractionGroups,
+};
 use bevy_rapier3d::rapier::pipeline::{ActiveEvents, ActiveHooks};
 
 /// The parts of a physics world that bodies come into and go from.
@@ -44,8 +46,43 @@ pub(super) struct Step<'a> {
     /// How far away a contact is prepared.
     pub(super) prediction: f32,
     pub(super) max_acceleration: f32,
+    /// What others than movers want.
+    pub(super) audience: Audience,
     /// Set while a step is going on.
     pub(super) stepping: &'a Arc<AtomicBool>,
+}
+
+/// What there is in a world that contacts of surfaces matter to, whatever is near.
+#[derive(Clone, Copy)]
+pub(super) struct Audience {
+    /// Colliders with hooks, which are given entities.
+    pub(super) hooked: bool,
+    /// Colliders that are on no dynamic body and want events, or soft bodies, which meet the surface as a whole.
+    pub(super) listens: bool,
+}
+
+impl Audience {
+    pub(super) fn of(world: &World) -> Self {
+        let dynamic = |collider: &Collider| {
+            let body = collider.parent().and_then(|body| world.bodies.get(body));
+            body.is_some_and(RigidBody::is_dynamic)
+        };
+        let listens = |collider: &Collider| {
+            collider.active_events().contains(ActiveEvents::COLLISION_EVENTS)
+                && !collider
+                    .active_collision_types()
+                    .difference(ActiveCollisionTypes::default())
+                    .is_empty()
+                && !dynamic(collider)
+        };
+        Self {
+            hooked: world
+                .colliders
+                .iter()
+                .any(|(_, collider)| !collider.active_hooks().is_empty()),
+            listens: !world.soft_bodies.is_empty() || world.colliders.iter().any(|(_, collider)| listens(collider)),
+        }
+    }
 }
 
 /// A collider of a dynamic body.
@@ -58,7 +95,6 @@ pub(super) struct Mover {
     /// Whether it moves, in a step, by more than the part of its size that Rapier's own test allows, and is no bullet yet.
     pub(super) fast: bool,
     pub(super) groups: InteractionGroups,
-    pub(super) hooks: ActiveHooks,
     pub(super) events: ActiveEvents,
 }
 
@@ -76,11 +112,12 @@ pub(super) fn find_movers(bodies: &RigidBodySet, colliders: &ColliderSet, dt: f3
             if shape.is_sensor() || !shape.is_enabled() {
                 continue;
             }
-            let mut bounds = shape.compute_aabb();
+            let in_body = shape.position_wrt_parent().copied().unwrap_or_default();
+            // Of a body that the game moved, colliders follow in the step.
+            let mut bounds = shape.shape().compute_aabb(&(*body.position() * in_body));
             let way = next.translation.distance(body.translation());
             let fast = !asleep && !body.is_ccd_enabled() && way > 0.25 * bounds.extents().min_element();
             if !asleep {
-                let in_body = shape.position_wrt_parent().copied().unwrap_or_default();
                 bounds = bounds.merged(&shape.shape().compute_aabb(&(next * in_body)));
             }
             movers.push(Mover {
@@ -90,7 +127,6 @@ pub(super) fn find_movers(bodies: &RigidBodySet, colliders: &ColliderSet, dt: f3
                 asleep,
                 fast,
                 groups: shape.collision_groups(),
-                hooks: shape.active_hooks(),
                 events: shape.active_events(),
             });
         }
@@ -107,8 +143,9 @@ pub(super) struct Manners {
     pub(super) contact_skin: f32,
     pub(super) groups: InteractionGroups,
     solver_groups: InteractionGroups,
-    pub(super) hooks: ActiveHooks,
+    hooks: ActiveHooks,
     pub(super) events: ActiveEvents,
+    force_threshold: f32,
 }
 
 impl Manners {
@@ -123,6 +160,7 @@ impl Manners {
             solver_groups,
             hooks: collider.active_hooks(),
             events: collider.active_events(),
+            force_threshold: collider.contact_force_event_threshold(),
         }
     }
 
@@ -136,6 +174,7 @@ impl Manners {
         collider.set_solver_groups(self.solver_groups);
         collider.set_active_hooks(self.hooks);
         collider.set_active_events(self.events);
+        collider.set_contact_force_event_threshold(self.force_threshold);
     }
 }
 

@@ -412,3 +412,32 @@ fn a_disabled_surface_and_a_frozen_sleeper_leave_nothing_behind() {
     run(&mut app, 2);
     assert_eq!((diagnostics(&app).parts, population(&mut app).0), (0, 1));
 }
+
+#[test]
+fn after_a_jump_of_the_surface_each_body_has_its_own_ground_again() {
+    let mut mesh = sheet(32);
+    mesh.targets = vec![mesh.positions.iter().map(|p| Vec3::X * p.x).collect()];
+    let mut app = app();
+    let surface = spawn(&mut app, &mesh, ());
+    settle(&mut app);
+    let cuboids = [-2.0, 1.0, 3.0].map(|x| {
+        let cuboid = body(&mut app, Collider::cuboid(0.1, 0.1, 0.1), Vec3::new(x, 0.11, 0.3));
+        app.world_mut().entity_mut(cuboid).insert(Sleeping::disabled());
+        (x, cuboid)
+    });
+    run(&mut app, 10);
+    let jump = Vec3::new(50.0, 0.0, 0.0);
+    for entity in cuboids.map(|(_, cuboid)| cuboid).into_iter().chain([surface]) {
+        app.world_mut().get_mut::<Transform>(entity).unwrap().translation += jump;
+    }
+    run(&mut app, 30);
+    for i in 1..=30 {
+        set_weights(&mut app, surface, &[0.2 * DT * i as f32]);
+        run(&mut app, 1);
+    }
+    assert_eq!(diagnostics(&app).parts, 3);
+    for (x, cuboid) in cuboids {
+        let speed = velocity(&app, cuboid).x;
+        assert!((speed - 0.2 * x).abs() < 0.05 * (0.2 * x).abs(), "at {x}: {speed}");
+    }
+}

@@ -222,16 +222,18 @@ impl Pushing {
             seen: 0,
         });
         near.seen = self.step;
-        let travelled = (following.travelled - near.travelled) as f32;
-        if near
-            .region
-            .contains(&mover.bounds.loosened(step.prediction + travelled))
-        {
-            return !near.triangles.is_empty();
-        }
         // Wherever a vertex is during the step, it ends this near; and somewhat more, not to look again every time.
         let room = following.displacement as f32 + 0.1 * mover.bounds.extents().max_element();
-        near.region = mover.bounds.loosened(step.prediction + room);
+        let region = mover.bounds.loosened(step.prediction + room);
+        let travelled = (following.travelled - near.travelled) as f32;
+        let known = near
+            .region
+            .contains(&mover.bounds.loosened(step.prediction + travelled));
+        // After a jump it is far larger than need be, and what others stand on is in it.
+        if known && near.region.extents().cmple(2.0 * region.extents()).all() {
+            return !near.triangles.is_empty();
+        }
+        near.region = region;
         near.travelled = following.travelled;
         near.triangles.clear();
         let bounds = morph_collision::Aabb {

@@ -90,14 +90,10 @@ impl RayCast for Triangles {
         max_time_of_impact: Real,
         solid: bool,
     ) -> Option<RayIntersection> {
-        let hits = self
-            .numbers
-            .iter()
-            .zip(&self.corners)
-            .filter_map(|(&subshape, triangle)| {
-                let hit = triangle.cast_local_ray_and_get_normal(ray, max_time_of_impact, solid)?;
-                Some(RayIntersection { subshape, ..hit })
-            });
+        let hits = (0..).zip(&self.corners).filter_map(|(subshape, triangle)| {
+            let hit = triangle.cast_local_ray_and_get_normal(ray, max_time_of_impact, solid)?;
+            Some(RayIntersection { subshape, ..hit })
+        });
         hits.min_by(|a, b| a.time_of_impact.total_cmp(&b.time_of_impact))
     }
 }

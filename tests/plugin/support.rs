@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use bevy::asset::RenderAssetUsages;
 use bevy::ecs::message::MessageCursor;
-use bevy::mesh::{Indices, PrimitiveTopology, morph::MeshMorphWeights, morph::MorphAttributes};
+use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::{MorphTrees, prelude::*};
 use morph_collision_testkit::{mesh::MorphMesh, models::rigid};
 use morph_collision_workspace::app::{headless, ready};
+pub(crate) use morph_collision_workspace::physics::bevy_mesh;
 
 /// The folder of the models that come with the repository.
 pub(crate) fn assets() -> PathBuf {
@@ -20,19 +20,6 @@ pub(crate) fn app() -> App {
     let mut app = headless(&assets());
     ready(&mut app);
     app
-}
-
-/// Bevy's form of a mesh.
-pub(crate) fn bevy_mesh(mesh: &MorphMesh) -> Mesh {
-    let indices = mesh.triangles.as_flattened().to_vec();
-    let mut bevy = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
-        .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, mesh.positions.clone())
-        .with_inserted_indices(Indices::U32(indices));
-    if !mesh.targets.is_empty() {
-        let difference = |&d: &Vec3| MorphAttributes::new(d, Vec3::ZERO, Vec3::ZERO);
-        bevy.set_morph_targets(mesh.targets.iter().flatten().map(difference).collect());
-    }
-    bevy
 }
 
 /// A cube with sides of 1 around the origin.

@@ -392,7 +392,7 @@ fn bodies_that_were_there_first_and_bodies_that_are_put_elsewhere_each_have_thei
 #[test]
 fn a_disabled_surface_and_a_frozen_sleeper_leave_nothing_behind() {
     use bevy::ecs::entity_disabling::Disabled;
-    let (mut app, surface, ball) = ball_on_sheet();
+    let (mut app, surface, _) = ball_on_sheet();
     set_weights(&mut app, surface, &[0.01, 0.0]);
     run(&mut app, 1);
     app.world_mut().entity_mut(surface).insert(Disabled);
@@ -402,7 +402,6 @@ fn a_disabled_surface_and_a_frozen_sleeper_leave_nothing_behind() {
     app.world_mut().entity_mut(surface).despawn();
     run(&mut app, 2);
     assert_eq!(population(&mut app), (1, 1));
-    let _falls = ball;
 
     let (mut app, surface, ball) = ball_on_sheet();
     run(&mut app, 120);

@@ -92,7 +92,7 @@ pub(super) struct Mover {
     /// Where it may be during the step.
     pub(super) bounds: Aabb,
     pub(super) asleep: bool,
-    /// Whether it moves, in a step, by more than the part of its size that Rapier's own test allows, and is no bullet yet.
+    /// Whether it moves, in a step, by more than a quarter of its smallest extent, and is no bullet yet.
     pub(super) fast: bool,
     pub(super) groups: InteractionGroups,
     pub(super) events: ActiveEvents,

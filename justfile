@@ -4,7 +4,7 @@ default:
     @just --list
 
 # Everything that must hold before a change lands.
-ci: fmt-check clippy test test-features features determinism doc demo-check verify-short fuzz-short
+ci: fmt-check clippy test features determinism doc demo-check verify-short fuzz-short
 
 # Formats the code.
 fmt:
@@ -14,15 +14,11 @@ fmt-check:
     cargo fmt --all -- --check
 
 clippy:
-    cargo clippy --workspace --all-targets -- -D warnings
+    cargo clippy --workspace --all-targets --all-features -- -D warnings
 
 # The README's test command.
 test:
-    cargo test --workspace
-
-# What only features have.
-test-features:
-    cargo test -p morph_collision --features serde,rayon --lib --test truth -- tree:: batch::
+    cargo test --workspace --all-features
 
 # Each feature of the published crates by itself.
 features:
@@ -37,7 +33,7 @@ determinism:
     cargo test -p morph_collision_testkit --test determinism --release
 
 doc:
-    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
+    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --all-features --no-deps
 
 # The README's first command.
 demo *ARGS:
@@ -47,8 +43,8 @@ demo *ARGS:
 demo-check:
     #!/usr/bin/env bash
     set -euo pipefail
-    cargo build --workspace --example dolphins --example crowd --example physics
-    summary=$("${CARGO_TARGET_DIR:-target}/debug/examples/dolphins" --json)
+    cargo build --workspace --all-features --example dolphins --example crowd --example physics
+    summary=$("${CARGO_TARGET_DIR:-target}/debug/examples/dolphins" --headless --json)
     echo "$summary"
     grep -Eq '"events_started": *[1-9]' <<< "$summary"
     crowd=$("${CARGO_TARGET_DIR:-target}/debug/examples/crowd" --headless --instances 60 --frames 5 --json)
@@ -59,6 +55,22 @@ demo-check:
     grep -Eq '"fell_through": *0,' <<< "$rain"
     cargo run --release -p morph_collision_cli -- inspect assets/dolphin_564.glb
     cargo run --release -p morph_collision_cli -- run assets/scenes/two_dolphins.json
+
+# Makes the pictures of README and docs again, with or without a GPU or display.
+pictures:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    draw() { cargo run --quiet --release --features render --example "$1" -- --screenshots docs/pictures "${@:2}"; }
+    draw dolphins --triangles 2256 --bare --size 480x270 --at 60 --animate 0..394:6
+    draw dolphins --triangles 9024 --bare --size 960x540
+    draw pass_through --bare --size 480x400
+    draw face --bare --size 640x640
+    for example in picking culling physics; do draw "$example" --size 960x540; done
+    draw crowd --size 960x540
+
+# Stores the pictures that tests compare with anew. Look at them.
+references:
+    MORPH_COLLISION_STORE_REFERENCES=1 cargo test --workspace --all-features --test render references::
 
 # Writes the models and scenes in assets/ again; they come out bit for bit as they are.
 assets:

@@ -1,10 +1,9 @@
 //! A thousand morphing bodies with collision on: what a frame costs while nothing moves, while all move apart from each
 //! other, and in a dense crowd.
 //!
-//! Through everything that a game would use: the asset server, the glTF loader, Bevy's animation and the collision plugin. Without a
-//! window; `--help` lists the options.
+//! Through everything that a game would use: the asset server, the glTF loader, Bevy's animation and the collision plugin. With the
+//! feature `render` the crowd is drawn, unless `--headless` asks for numbers; `--help` lists the options.
 
-use std::f32::consts::TAU;
 use std::fmt;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -16,7 +15,14 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
-use morph_collision_workspace::{app, error::ExampleError, instances::Instances};
+use morph_collision_workspace::{
+    app,
+    error::ExampleError,
+    instances::{Instances, in_crowd},
+    options::ViewOptions,
+};
+#[cfg(feature = "render")]
+use morph_collision_workspace::{shows, view};
 use serde::Serialize;
 
 /// A crowd of morphing bodies, idle, apart and dense, and what each costs.
@@ -31,9 +37,11 @@ struct Options {
     /// Any glTF or glb file with morph targets, in place of the dolphins.
     #[arg(long)]
     model: Option<PathBuf>,
-    /// Without a window, which is the only way so far.
+    /// Do not draw, print numbers. Without the feature `render` nothing else can be done.
     #[arg(long)]
     headless: bool,
+    #[command(flatten)]
+    view: ViewOptions,
     /// Print nothing but the result, as one JSON object.
     #[arg(long)]
     json: bool,
@@ -69,14 +77,16 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<(), ExampleError> {
-    // There is no other way yet; the flag says so in scripts.
-    let _always = options.headless;
     let count = options.instances as usize;
     let model = options.model.clone().unwrap_or_else(|| {
         let assets = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/assets"));
         assets.join("dolphin_564.glb")
     });
     let file = app::locate(&model)?;
+    if options.view.is_drawn("crowd", options.headless || options.json)? {
+        #[cfg(feature = "render")]
+        return view::run(shows::crowd(&file, count), &options.view);
+    }
     let mut app = app::headless(file.parent().unwrap_or(&file));
     app.add_plugins(LogPlugin {
         filter: "error,bevy_asset=off".into(),
@@ -159,15 +169,10 @@ impl Crowd {
     /// Bodies on a cubic grid, turning and bobbing each in its own time.
     fn place(&mut self, frame: u32, spacing: f32) {
         let roots = &self.instances.roots;
-        let side = (roots.len() as f32).cbrt().ceil() as usize;
         let step = spacing * self.instances.length();
         for (i, &root) in roots.iter().enumerate() {
-            let cell = Vec3::new((i % side) as f32, (i / side % side) as f32, (i / side / side) as f32);
-            let phase = 0.61 * i as f32 + frame as f32 / 60.0;
-            let bob = Vec3::new(phase.sin(), (1.3 * phase).cos(), (0.7 * phase).sin()) * 0.1 * step;
             if let Some(mut transform) = self.app.world_mut().get_mut::<Transform>(root) {
-                transform.translation = cell * step + bob;
-                transform.rotation = Quat::from_rotation_y(phase * TAU / 8.0);
+                *transform = in_crowd(i, roots.len(), frame as f32 / 60.0, step);
             }
         }
     }

@@ -1,7 +1,8 @@
 //! Twelve dolphins that swim closely together as a group, roll, and touch now and then.
 //!
 //! The second experiment of the paper this project starts from, through everything that a game would use: the asset
-//! server, the glTF loader, Bevy's animation and the collision plugin. Without a window; `--help` lists the options.
+//! server, the glTF loader, Bevy's animation and the collision plugin. With the feature `render` they are drawn, unless `--headless` asks
+//! for numbers; `--help` lists the options.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -16,9 +17,12 @@ use morph_collision_workspace::{
     app,
     error::ExampleError,
     instances::Instances,
+    options::ViewOptions,
     report::Report,
     touching::{Changes, TouchingBodies},
 };
+#[cfg(feature = "render")]
+use morph_collision_workspace::{shows, view};
 
 /// Morphing dolphins that swim as a group and touch now and then.
 ///
@@ -37,9 +41,14 @@ struct Options {
     /// How many swim.
     #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     count: u32,
+    /// Do not draw, print numbers. Without the feature `render` nothing else can be done.
+    #[arg(long)]
+    headless: bool,
     /// Print nothing but the summary, as one JSON object.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    view: ViewOptions,
 }
 
 fn main() -> ExitCode {
@@ -60,6 +69,10 @@ fn run(options: &Options) -> Result<(), ExampleError> {
         assets.join(format!("dolphin_{}.glb", options.triangles))
     });
     let file = app::locate(&model)?;
+    if options.view.is_drawn("dolphins", options.headless || options.json)? {
+        #[cfg(feature = "render")]
+        return view::run(shows::dolphins(&file, count), &options.view);
+    }
     let kind = if options.model.is_some() { "body" } else { "dolphin" };
 
     let mut app = app::headless(file.parent().unwrap_or(&file));

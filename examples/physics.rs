@@ -1,8 +1,7 @@
 //! Balls and boxes rain on a body that breathes and wobbles, and on a face that speaks: both push and carry what falls on them.
 //!
-//! Without a window; `--help` lists the options.
+//! With the feature `render` it is drawn, unless `--headless` asks for numbers; `--help` lists the options.
 
-use std::f32::consts::TAU;
 use std::fmt;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -18,7 +17,10 @@ use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use morph_collision_testkit::{gltf_read, mesh::MorphMesh};
 use morph_collision_workspace::error::ExampleError;
-use morph_collision_workspace::physics::{DT, app, bevy_mesh, body, settle, state};
+use morph_collision_workspace::options::ViewOptions;
+use morph_collision_workspace::physics::{DT, app, bevy_mesh, body, settle, state, wobbling};
+#[cfg(feature = "render")]
+use morph_collision_workspace::{shows, view};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use serde::Serialize;
@@ -41,9 +43,11 @@ struct Options {
     /// Where and how bodies fall.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Without a window, which is the only way so far.
+    /// Do not draw, print numbers. Without the feature `render` nothing else can be done.
     #[arg(long)]
     headless: bool,
+    #[command(flatten)]
+    view: ViewOptions,
     /// Print nothing but the result, as one JSON object.
     #[arg(long)]
     json: bool,
@@ -79,8 +83,10 @@ fn main() -> ExitCode {
 }
 
 fn run(options: &Options) -> Result<(), ExampleError> {
-    // There is no other way yet; the flag says so in scripts.
-    let _always = options.headless;
+    if options.view.is_drawn("physics", options.headless || options.json)? {
+        #[cfg(feature = "render")]
+        return view::run(shows::physics(options.bodies, options.seed), &options.view);
+    }
     let mut scene = Rain::new(options)?;
     let style = ProgressStyle::with_template("{bar:40} {pos}/{len}").unwrap_or(ProgressStyle::default_bar());
     let progress = ProgressBar::new(options.steps.into()).with_style(style);
@@ -236,15 +242,6 @@ fn spawn(app: &mut App, meshes: &[MorphMesh], place: Transform) -> Vec<(Entity, 
         surfaces.push((app.world_mut().spawn(surface).id(), mesh.targets.len()));
     }
     surfaces
-}
-
-/// Weights that come and go, each in its own time.
-fn wobbling(time: f32, targets: usize) -> Vec<f32> {
-    let weight = |target: usize| {
-        let phase = TAU * (0.25 * time - target as f32 / targets.max(1) as f32);
-        phase.sin().max(0.0).powi(4)
-    };
-    (0..targets).map(weight).collect()
 }
 
 impl fmt::Display for Report {

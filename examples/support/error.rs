@@ -41,6 +41,18 @@ pub enum ExampleError {
         /// Empty, or a colon and why a mesh could not be used.
         reason: String,
     },
+    /// A window is wanted where there is no display.
+    #[error("no display here for a window: --screenshots DIR draws without one")]
+    NoDisplay,
+    /// Nothing is there to draw with.
+    #[error("no graphics driver here; one that needs no GPU will do (Debian: apt install mesa-vulkan-drivers libvulkan1)")]
+    NoDriver,
+    /// Drawing was asked for, and is not built.
+    #[error("built without the feature that draws: cargo run --release --features render --example {0}")]
+    NotDrawn(&'static str),
+    /// A picture that cannot be had or written.
+    #[error("{0}")]
+    Picture(String),
     /// Loading does not come to an end.
     #[error("{}: still not loaded after {seconds} s", path.display())]
     Stuck {

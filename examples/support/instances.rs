@@ -192,6 +192,17 @@ impl Instances {
     }
 }
 
+/// Where one of a crowd is after some seconds: on a cubic grid, turning and bobbing in its own time.
+#[must_use]
+pub fn in_crowd(index: usize, count: usize, seconds: f32, spacing: f32) -> Transform {
+    let side = ((count as f32).cbrt().ceil() as usize).max(1);
+    let cell = [index % side, index / side % side, index / side / side].map(|cell| cell as f32);
+    let phase = 0.61 * index as f32 + seconds;
+    let bob = Vec3::new(phase.sin(), (1.3 * phase).cos(), (0.7 * phase).sin()) * 0.1 * spacing;
+    Transform::from_translation(Vec3::from_array(cell) * spacing + bob)
+        .with_rotation(Quat::from_rotation_y(phase * TAU / 8.0))
+}
+
 fn descendants(world: &World, root: Entity) -> Vec<Entity> {
     let mut found = vec![root];
     let mut next = 0;

@@ -1,12 +1,18 @@
-//! What the examples and the whole-plugin tests share: a Bevy app without a window, models in it, and reports.
+//! What the examples and the whole-plugin tests share: a Bevy app without a window, models in it, and reports; and, with the
+//! feature `render`, what draws them.
 
 pub mod app;
 mod displacements;
 pub mod error;
 pub mod instances;
+pub mod options;
 pub mod physics;
 pub mod report;
+#[cfg(feature = "render")]
+pub mod shows;
 pub mod touching;
+#[cfg(feature = "render")]
+pub mod view;
 
 /// The README's snippets, compiled.
 #[cfg(doctest)]

@@ -2,6 +2,7 @@
 
 mod rivals;
 
+use std::f32::consts::TAU;
 use std::path::Path;
 
 use bevy::asset::RenderAssetUsages;
@@ -64,6 +65,16 @@ pub fn body(app: &mut App, collider: Collider, at: Vec3) -> Entity {
     let place = Transform::from_translation(at);
     let body = (RigidBody::Dynamic, collider, place, Velocity::default());
     app.world_mut().spawn(body).id()
+}
+
+/// Weights that come and go, each in its own time, at `time` seconds.
+#[must_use]
+pub fn wobbling(time: f32, targets: usize) -> Vec<f32> {
+    let weight = |target: usize| {
+        let phase = TAU * (0.25 * time - target as f32 / targets.max(1) as f32);
+        phase.sin().max(0.0).powi(4)
+    };
+    (0..targets).map(weight).collect()
 }
 
 /// Where a body is, and how fast.

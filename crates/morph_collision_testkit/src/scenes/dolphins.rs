@@ -50,6 +50,11 @@ pub fn placement(index: usize, count: usize, frame: usize, frames: usize) -> Aff
     rigid(DQuat::from_euler(EulerRot::YZX, yaw, pitch, roll), translation)
 }
 
+/// How far the group has swum along `+X` in `frame` of `frames`.
+pub fn way(frame: usize, frames: usize) -> f32 {
+    (DISTANCE * frame as f64 / frames.max(1) as f64) as f32
+}
+
 /// Where in its stroke dolphin `index` is at frame 0, in 0..1 strokes.
 pub fn phase(index: usize) -> f32 {
     round6(scatter(index, Scatter::Stroke))

@@ -1,0 +1,25 @@
+//! A face speaks; where jaw, lips, teeth and tongue run into each other is red. Click to stick pins to the skin.
+//!
+//! `--help` lists the options.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use morph_collision_workspace::{options::ViewOptions, shows, view};
+
+/// A face speaks; where jaw, lips, teeth and tongue run into each other is red. Click to stick pins to the skin.
+#[derive(Parser)]
+struct Options {
+    #[command(flatten)]
+    view: ViewOptions,
+}
+
+fn main() -> ExitCode {
+    match view::run(shows::face(), &Options::parse().view) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! Morphing models under the pointer: what is drawn is what is hit.
+//!
+//! `--help` lists the options.
+
+use std::process::ExitCode;
+
+use clap::Parser;
+use morph_collision_workspace::{options::ViewOptions, shows, view};
+
+/// Morphing models under the pointer: what is drawn is what is hit.
+#[derive(Parser)]
+struct Options {
+    #[command(flatten)]
+    view: ViewOptions,
+}
+
+fn main() -> ExitCode {
+    match view::run(shows::picking(), &Options::parse().view) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! How an example is to be seen: in a window, as pictures, or as numbers.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::error::ExampleError;
+
+/// The options that all drawn examples share.
+#[derive(Args, Clone, Debug)]
+pub struct ViewOptions {
+    /// Draw off-screen, without window or GPU if need be, and write pictures into this folder.
+    #[arg(long, value_name = "DIR")]
+    pub screenshots: Option<PathBuf>,
+    /// The frames to take pictures of, at 60 per second [default: the example's own].
+    #[arg(long, value_name = "FRAME,..", value_delimiter = ',', requires = "screenshots")]
+    pub at: Vec<u32>,
+    /// Width and height of pictures.
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
+    pub size: (u32, u32),
+    /// Besides, write an animated picture of these frames: first, last, and how many to go on by.
+    #[arg(long, value_name = "FIRST..LAST:STEP", requires = "screenshots", value_parser = parse_animation)]
+    pub animate: Option<Animation>,
+    /// Leave out the panel.
+    #[arg(long)]
+    pub bare: bool,
+}
+
+impl ViewOptions {
+    /// Whether `example` is to be drawn: where that is built, unless numbers are asked for.
+    ///
+    /// # Errors
+    /// Pictures are asked for, and what draws them is not built.
+    pub fn is_drawn(&self, example: &'static str, numbers: bool) -> Result<bool, ExampleError> {
+        match (cfg!(feature = "render"), self.screenshots.is_some()) {
+            (false, true) => Err(ExampleError::NotDrawn(example)),
+            (false, false) => Ok(false),
+            (true, pictures) => Ok(pictures || !numbers),
+        }
+    }
+}
+
+/// Which frames an animated picture has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Animation {
+    /// The first.
+    pub first: u32,
+    /// None after this one.
+    pub last: u32,
+    /// From one to the next.
+    pub step: u32,
+}
+
+fn parse_size(text: &str) -> Result<(u32, u32), String> {
+    const SIDES: std::ops::RangeInclusive<u32> = 16..=8192;
+    let sides = text.split_once('x').map(|(w, h)| (w.parse(), h.parse()));
+    match sides {
+        Some((Ok(width), Ok(height))) if SIDES.contains(&width) && SIDES.contains(&height) => Ok((width, height)),
+        _ => Err("two numbers from 16 to 8192 with an x between them, such as 1280x720".into()),
+    }
+}
+
+fn parse_animation(text: &str) -> Result<Animation, String> {
+    let parse = || {
+        let (frames, step) = text.split_once(':')?;
+        let (first, last) = frames.split_once("..")?;
+        let (first, last, step) = (first.parse().ok()?, last.parse().ok()?, step.parse().ok()?);
+        (first <= last && step > 0).then_some(Animation { first, last, step })
+    };
+    parse().ok_or_else(|| "frames and a step, such as 0..400:8".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_and_animations_are_read_or_refused() {
+        assert_eq!(parse_size("640x360"), Ok((640, 360)));
+        for bad in ["640", "640x", "x360", "0x10", "9000x100", "-640x360"] {
+            assert!(parse_size(bad).is_err(), "{bad}");
+        }
+        let animation = Animation {
+            first: 8,
+            last: 20,
+            step: 4,
+        };
+        assert_eq!(parse_animation("8..20:4"), Ok(animation));
+        for bad in ["8..20", "20..8:4", "8..20:0", "a..b:c", "8:4"] {
+            assert!(parse_animation(bad).is_err(), "{bad}");
+        }
+    }
+}

@@ -1,0 +1,195 @@
+//! What Bevy culls morphing meshes by, and what it should: on the left its own box, that of the rest pose, on the right the repaired one.
+
+use bevy::camera::primitives::Aabb;
+use bevy::camera::visibility::{NoAutoAabb, RenderLayers};
+use bevy::camera::{RenderTarget, Viewport};
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::gizmos::config::{GizmoConfigGroup, GizmoConfigStore};
+use bevy::gizmos::{AppGizmoBuilder, gizmos::Gizmos};
+use bevy::mesh::morph::MeshMorphWeights;
+use bevy::prelude::*;
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::models::pass_through_body_at;
+
+use crate::view::Show;
+use crate::view::clock::{Clock, started};
+use crate::view::models::with_normals;
+use crate::view::stage::{Notes, StageCamera};
+
+/// How many arms reach into the picture.
+const ARMS: usize = 4;
+
+/// Left and right.
+#[derive(Component, Clone, Copy, PartialEq, Eq)]
+enum Half {
+    Bevys,
+    Repaired,
+}
+
+impl Half {
+    fn layer(self) -> RenderLayers {
+        RenderLayers::layer(self as usize)
+    }
+}
+
+/// Number of an arm.
+#[derive(Component)]
+struct Arm(usize);
+
+/// The camera of the right half.
+#[derive(Component)]
+struct RightCamera;
+
+#[derive(Default, Reflect, GizmoConfigGroup)]
+struct LeftBoxes;
+
+#[derive(Default, Reflect, GizmoConfigGroup)]
+struct RightBoxes;
+
+/// Arms that reach into the picture from outside.
+#[must_use]
+pub fn culling() -> Show {
+    Show {
+        name: "culling",
+        about: "Left: culled by Bevy's own boxes, those of the rest pose. Right: by boxes that follow the morph.",
+        keys: &[],
+        eye: Vec3::new(0.0, 0.0, 7.0),
+        target: Vec3::ZERO,
+        pictures: &[0, 45, 90],
+        scene: Box::new(|app| {
+            app.init_gizmo_group::<LeftBoxes>()
+                .init_gizmo_group::<RightBoxes>()
+                .add_systems(Startup, spawn)
+                .add_systems(Update, ((reach, sway).run_if(started), tell))
+                .add_systems(PostUpdate, boxes.after(bevy::camera::visibility::VisibilitySystems::CheckVisibility))
+                .add_systems(PreUpdate, split);
+        }),
+    }
+}
+
+/// A ball with a target that pulls an arm out of it along `+X`.
+fn arm() -> MorphMesh {
+    let mut mesh = pass_through_body_at(4);
+    let directions: Vec<Vec3> = mesh.positions.iter().map(|p| p.normalize_or_zero()).collect();
+    mesh.targets = vec![directions.iter().map(|n| Vec3::X * 6.0 * n.x.max(0.0).powi(6)).collect()];
+    mesh.target_names = vec!["reach".into()];
+    mesh.positions = directions.iter().map(|n| 0.45 * *n).collect();
+    mesh
+}
+
+fn spawn(
+    mut commands: Commands,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut gizmos: ResMut<GizmoConfigStore>,
+) {
+    let mesh = with_normals(&arm());
+    let rest = Aabb::from_min_max(Vec3::splat(-0.45), Vec3::splat(0.45));
+    let mesh = meshes.add(mesh);
+    let colors = [Color::srgb(0.75, 0.5, 0.45), Color::srgb(0.4, 0.6, 0.5)].map(|color| materials.add(color));
+    for (half, color) in [Half::Bevys, Half::Repaired].into_iter().zip(colors) {
+        for index in 0..ARMS {
+            let mut arm = commands.spawn((
+                Arm(index),
+                half,
+                half.layer(),
+                Mesh3d(mesh.clone()),
+                MeshMaterial3d(color.clone()),
+                MeshMorphWeights::Value { weights: vec![0.0] },
+                Transform::from_xyz(-2.4, 1.8 - 1.2 * index as f32, 0.0),
+            ));
+            if half == Half::Bevys {
+                // As Bevy computes it, once, and out of the plugin's hands.
+                arm.insert((NoAutoAabb, rest));
+            }
+        }
+    }
+    gizmos.config_mut::<LeftBoxes>().0.render_layers = Half::Bevys.layer();
+    gizmos.config_mut::<RightBoxes>().0.render_layers = Half::Repaired.layer();
+}
+
+/// The second camera appears with the first, and sees what it sees, in the other half of the picture.
+fn split(
+    mut first: Single<(&mut Camera, &Transform, &RenderTarget, &Projection), (With<StageCamera>, Without<RightCamera>)>,
+    mut second: Query<(&mut Camera, &mut Transform), (With<RightCamera>, Without<StageCamera>)>,
+    lights: Query<Entity, (With<DirectionalLight>, Without<RenderLayers>)>,
+    mut commands: Commands,
+) {
+    for light in &lights {
+        commands.entity(light).insert(RenderLayers::from_layers(&[0, 1]));
+    }
+    let (camera, place, target, projection) = &mut *first;
+    let Some(size) = camera.physical_target_size() else {
+        return;
+    };
+    let half = UVec2::new((size.x / 2).max(1), size.y);
+    let viewport = |x| {
+        Some(Viewport {
+            physical_position: UVec2::new(x, 0),
+            physical_size: half,
+            ..default()
+        })
+    };
+    camera.viewport = viewport(0);
+    match second.single_mut() {
+        Ok((mut right, mut there)) => {
+            right.viewport = viewport(size.x - half.x);
+            *there = **place;
+        }
+        Err(_) => {
+            commands.spawn((
+                RightCamera,
+                Camera3d::default(),
+                Camera {
+                    order: 1,
+                    viewport: viewport(size.x - half.x),
+                    ..default()
+                },
+                (*target).clone(),
+                (*projection).clone(),
+                **place,
+                Tonemapping::None,
+                Half::Repaired.layer(),
+            ));
+        }
+    }
+}
+
+fn reach(mut arms: Query<(&Arm, &mut MeshMorphWeights)>, clock: Res<Clock>) {
+    for (&Arm(index), mut weights) in &mut arms {
+        let phase = clock.frame as f32 / 60.0 + 0.8 * index as f32;
+        *weights = MeshMorphWeights::Value {
+            weights: vec![0.6 + 0.4 * phase.sin()],
+        };
+    }
+}
+
+/// All arms move aside until the balls they grow out of are out of sight, and come back.
+fn sway(mut arms: Query<(&Arm, &mut Transform)>, clock: Res<Clock>) {
+    for (&Arm(index), mut place) in &mut arms {
+        let phase = clock.frame as f32 / 60.0 * 1.2 + 0.3 * index as f32;
+        place.translation.x = -2.1 - 1.4 * (0.5 - 0.5 * phase.cos());
+    }
+}
+
+fn boxes(
+    arms: Query<(&Half, &Aabb, &GlobalTransform)>,
+    mut left: Gizmos<LeftBoxes>,
+    mut right: Gizmos<RightBoxes>,
+) {
+    for (half, aabb, place) in &arms {
+        let cube = Transform::from_translation(aabb.center.into()).with_scale((2.0 * aabb.half_extents).into());
+        match half {
+            Half::Bevys => left.cube(*place * cube, Color::srgb(0.7, 0.2, 0.1)),
+            Half::Repaired => right.cube(*place * cube, Color::srgb(0.1, 0.4, 0.2)),
+        };
+    }
+}
+
+fn tell(arms: Query<(&Half, &ViewVisibility)>, mut notes: ResMut<Notes>) {
+    let drawn = |wanted: Half| {
+        let seen = arms.iter().filter(|(half, visible)| **half == wanted && visible.get()).count();
+        format!("{seen} of {ARMS}")
+    };
+    notes.0 = vec![("drawn, left", drawn(Half::Bevys)), ("drawn, right", drawn(Half::Repaired))];
+}

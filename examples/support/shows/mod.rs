@@ -1,0 +1,17 @@
+//! The scenes of the drawn examples, one file each.
+
+mod crowd;
+mod culling;
+mod dolphins;
+mod face;
+mod pass_through;
+mod physics;
+mod picking;
+
+pub use crowd::crowd;
+pub use culling::culling;
+pub use dolphins::dolphins;
+pub use face::face;
+pub use pass_through::pass_through;
+pub use physics::physics;
+pub use picking::picking;

@@ -1,0 +1,89 @@
+//! Two morphing bodies that pass right through each other: the paper's Fig. 4.
+
+use std::path::Path;
+
+use bevy::mesh::morph::MorphWeights;
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use morph_collision_testkit::scenes::pass_through as way;
+
+use crate::view::Show;
+use crate::view::clock::{Clock, started};
+use crate::view::models::scene;
+
+const FRACTIONS: f64 = 256.0;
+
+#[derive(Component)]
+struct Side(usize);
+
+/// The paper's first experiment.
+#[must_use]
+pub fn pass_through() -> Show {
+    Show {
+        name: "pass_through",
+        about: "Two bodies of 20480 triangles morph while they pass through each other.",
+        keys: &[],
+        eye: Vec3::new(0.6, 1.1, 4.1),
+        target: Vec3::ZERO,
+        // Those of the figure.
+        pictures: &[60, 120, 180, 220, 260, 320],
+        scene: Box::new(|app| {
+            app.add_systems(Startup, spawn)
+                .add_systems(Update, (pass, paint).run_if(started));
+        }),
+    }
+}
+
+fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
+    for side in 0..2 {
+        commands.spawn((
+            Side(side),
+            scene(&assets, Path::new("pass_through_20480.glb")),
+            MorphColliderScene::default(),
+            Transform::from_xyz(1000.0 * side as f32, 0.0, 0.0),
+        ));
+    }
+}
+
+fn pass(
+    mut bodies: Query<(&Side, &mut Transform)>,
+    mut weights: Query<&mut MorphWeights>,
+    clock: Res<Clock>,
+) {
+    let steps = way::STEPS * FRACTIONS as usize;
+    let step = (clock.frame * FRACTIONS).round() as usize % steps;
+    let places = way::placements(step, steps);
+    for (&Side(side), mut place) in &mut bodies {
+        *place = Transform::from_matrix(Mat4::from(places[side]));
+    }
+    let morph = way::weights(step, steps);
+    for mut weights in &mut weights {
+        for (weight, &wanted) in weights.weights_mut().iter_mut().zip(&morph) {
+            *weight = wanted;
+        }
+    }
+}
+
+/// A colour for each.
+fn paint(
+    mut drawn: Query<(Entity, &mut MeshMaterial3d<StandardMaterial>)>,
+    sides: Query<&Side>,
+    parents: Query<&ChildOf>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+    mut done: Local<bool>,
+) {
+    if std::mem::replace(&mut *done, true) {
+        return;
+    }
+    for (entity, mut material) in &mut drawn {
+        let side = parents.iter_ancestors(entity).find_map(|above| sides.get(above).ok());
+        if let Some(&Side(side)) = side {
+            let color = [Color::srgb(0.35, 0.55, 0.75), Color::srgb(0.85, 0.75, 0.5)][side];
+            material.0 = materials.add(StandardMaterial {
+                base_color: color,
+                perceptual_roughness: 0.6,
+                ..default()
+            });
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! A show's time: it begins when everything is loaded, can be paused, stepped, and run at another speed.
+
+use bevy::prelude::*;
+use bevy::time::TimeSystems;
+use bevy_egui::input::EguiWantsInput;
+use bevy_morph_collision::MorphTrees;
+
+use crate::app::STEP;
+
+/// On an entity that is not there yet as it will be; the show waits until there is none.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct Pending;
+
+/// Why a show cannot begin: a model cannot be loaded.
+#[derive(Resource, Clone, Debug)]
+pub struct Trouble(pub String);
+
+/// A show's time, in frames of a sixtieth of a second.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub struct Clock {
+    /// Frames since the show began; a fraction where it does not run at full speed.
+    pub frame: f64,
+    /// Whether everything is loaded.
+    pub started: bool,
+    /// To go on by one frame while paused.
+    pub step: bool,
+    /// Frames run since everything was loaded.
+    settled: u32,
+}
+
+/// Frames for trees, bounds and transforms to come to rest.
+const SETTLING: u32 = 4;
+
+/// A condition to run by: everything is loaded.
+pub fn started(clock: Res<Clock>) -> bool {
+    clock.started
+}
+
+pub(super) fn plugin(app: &mut App) {
+    app.init_resource::<Clock>()
+        .add_systems(Startup, |mut time: ResMut<Time<Virtual>>| time.pause())
+        .add_systems(First, (start, tick).chain().after(TimeSystems))
+        .add_systems(PreUpdate, keys.after(bevy::input::InputSystems));
+}
+
+fn start(
+    mut clock: ResMut<Clock>,
+    mut time: ResMut<Time<Virtual>>,
+    pending: Query<(), With<Pending>>,
+    trees: Res<MorphTrees>,
+) {
+    if clock.started {
+        return;
+    }
+    let ready = pending.is_empty() && trees.building() == 0;
+    clock.settled = if ready { clock.settled + 1 } else { 0 };
+    if clock.settled > SETTLING {
+        clock.started = true;
+        time.unpause();
+    }
+}
+
+fn tick(mut clock: ResMut<Clock>, mut time: ResMut<Time<Virtual>>, mut generic: ResMut<Time>) {
+    if std::mem::take(&mut clock.step) && clock.started && time.is_paused() {
+        time.advance_by(STEP);
+        *generic = time.as_generic();
+    }
+    if clock.started {
+        clock.frame += time.delta().as_secs_f64() / STEP.as_secs_f64();
+    }
+}
+
+fn keys(
+    keys: Res<ButtonInput<KeyCode>>,
+    typing: Option<Res<EguiWantsInput>>,
+    mut clock: ResMut<Clock>,
+    mut time: ResMut<Time<Virtual>>,
+) {
+    if !clock.started || typing.is_some_and(|egui| egui.wants_keyboard_input()) {
+        return;
+    }
+    if keys.just_pressed(KeyCode::Space) {
+        pause(&mut time);
+    }
+    if keys.just_pressed(KeyCode::Period) {
+        clock.step = true;
+    }
+    for (key, factor) in [(KeyCode::Equal, 2.0), (KeyCode::Minus, 0.5)] {
+        if keys.just_pressed(key) {
+            let speed = time.relative_speed() * factor;
+            time.set_relative_speed(speed.clamp(1.0 / 16.0, 4.0));
+        }
+    }
+}
+
+/// Pauses, or goes on.
+pub(super) fn pause(time: &mut Time<Virtual>) {
+    if time.is_paused() {
+        time.unpause();
+    } else {
+        time.pause();
+    }
+}

@@ -1,0 +1,132 @@
+//! A show without a window: frames one by one, and pictures of them.
+
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
+
+use bevy::image::Image;
+use bevy::prelude::*;
+use bevy::render::render_resource::TextureFormat;
+use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
+use bevy::time::TimeUpdateStrategy;
+use image::RgbImage;
+
+use super::clock::{Clock, Trouble};
+use super::stage::{self, Place};
+use super::{Show, pointer};
+use crate::app::STEP;
+use crate::error::ExampleError;
+
+/// How long to wait for models and trees, or for a picture.
+const PATIENCE: Duration = Duration::from_secs(300);
+
+/// A show that is drawn into an image.
+pub struct Offscreen {
+    app: App,
+    target: Handle<Image>,
+}
+
+impl std::fmt::Debug for Offscreen {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Offscreen").finish_non_exhaustive()
+    }
+}
+
+impl Offscreen {
+    /// A show at its first frame, frame 0. `bare` leaves out the panel.
+    ///
+    /// # Errors
+    /// There is no driver to draw with, or a model cannot be loaded.
+    pub fn new(show: Show, size: (u32, u32), bare: bool) -> Result<Self, ExampleError> {
+        if !has_driver() {
+            return Err(ExampleError::NoDriver);
+        }
+        let mut app = stage::app(None);
+        let target = app
+            .world_mut()
+            .resource_mut::<Assets<Image>>()
+            .add(Image::new_target_texture(size.0, size.1, TextureFormat::Rgba8UnormSrgb, None));
+        let place = Place::Image {
+            target: target.clone(),
+            bare,
+        };
+        stage::set(&mut app, show, place);
+        app.add_plugins(pointer::plugin)
+            .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
+        app.finish();
+        app.cleanup();
+        let mut offscreen = Self { app, target };
+        offscreen.update_until(|world| world.resource::<Clock>().started)?;
+        Ok(offscreen)
+    }
+
+    /// Runs this many frames of a sixtieth of a second.
+    pub fn advance(&mut self, frames: u32) {
+        self.set_step(STEP);
+        for _ in 0..frames {
+            self.app.update();
+        }
+        self.set_step(Duration::ZERO);
+    }
+
+    /// What is drawn now.
+    ///
+    /// # Errors
+    /// The renderer does not deliver.
+    pub fn picture(&mut self) -> Result<RgbImage, ExampleError> {
+        let (sender, receiver) = mpsc::sync_channel(1);
+        self.app
+            .world_mut()
+            .spawn(Screenshot::image(self.target.clone()))
+            .observe(move |captured: On<ScreenshotCaptured>| {
+                let picture = captured.image.clone().try_into_dynamic().map(|image| image.to_rgb8());
+                // Whoever asked waits for one only.
+                let _full = sender.try_send(picture.map_err(|error| error.to_string()));
+            });
+        let mut picture = None;
+        self.update_until(|_| {
+            picture = receiver.try_recv().ok();
+            picture.is_some()
+        })?;
+        picture
+            .unwrap_or_else(|| Err("there is no picture".into()))
+            .map_err(ExampleError::Picture)
+    }
+
+    /// The app.
+    pub fn app_mut(&mut self) -> &mut App {
+        &mut self.app
+    }
+
+    fn set_step(&mut self, step: Duration) {
+        self.app
+            .world_mut()
+            .insert_resource(TimeUpdateStrategy::ManualDuration(step));
+    }
+
+    /// Frames in which no time passes.
+    fn update_until(&mut self, mut done: impl FnMut(&World) -> bool) -> Result<(), ExampleError> {
+        let start = Instant::now();
+        while !done(self.app.world()) {
+            if let Some(Trouble(trouble)) = self.app.world().get_resource::<Trouble>() {
+                return Err(ExampleError::Read(trouble.clone()));
+            }
+            if start.elapsed() > PATIENCE {
+                return Err(ExampleError::Picture(format!(
+                    "nothing came of it after {} s",
+                    PATIENCE.as_secs()
+                )));
+            }
+            self.app.update();
+        }
+        Ok(())
+    }
+}
+
+/// Whether there is anything to draw with, if only a program that does what a GPU would.
+fn has_driver() -> bool {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends: wgpu::Backends::PRIMARY,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    !bevy::tasks::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY)).is_empty()
+}

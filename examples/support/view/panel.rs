@@ -1,0 +1,178 @@
+//! The panel: what is to be seen, time, what to draw, weights by hand, counts of what was skipped, and keys.
+
+use bevy::gizmos::config::GizmoConfigStore;
+use bevy::prelude::*;
+use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
+use bevy_morph_collision::prelude::*;
+
+use super::clock::{self, Clock};
+use super::overlay::Overlay;
+use super::sliders::Sliders;
+use super::stage::{Notes, Playbill};
+
+/// Keys that every show listens to.
+const KEYS: [(&str, &str); 8] = [
+    ("right drag", "orbit"),
+    ("middle drag", "pan"),
+    ("wheel", "zoom"),
+    ("Space", "pause"),
+    (".", "one frame, when paused"),
+    ("- =", "slower, faster"),
+    ("T", "touching triangles"),
+    ("V, Shift V", "volumes one level deeper, higher"),
+];
+
+/// The deepest level of volumes that can be asked for.
+const DEEPEST: usize = 12;
+
+pub(super) fn plugin(app: &mut App) {
+    app.add_systems(EguiPrimaryContextPass, panel)
+        .add_systems(Update, volumes_by_key);
+}
+
+fn volumes_by_key(keys: Res<ButtonInput<KeyCode>>, mut store: ResMut<GizmoConfigStore>) {
+    if !keys.just_pressed(KeyCode::KeyV) {
+        return;
+    }
+    let depth = &mut store.config_mut::<MorphGizmos>().1.depth;
+    let higher = keys.any_pressed([KeyCode::ShiftLeft, KeyCode::ShiftRight]);
+    *depth = match (*depth, higher) {
+        (None, false) => Some(0),
+        (None | Some(0), true) => None,
+        (Some(level), false) => Some((level + 1).min(DEEPEST)),
+        (Some(level), true) => Some(level - 1),
+    };
+}
+
+fn panel(
+    mut contexts: EguiContexts,
+    bill: Res<Playbill>,
+    notes: Res<Notes>,
+    diagnostics: Res<MorphCollisionDiagnostics>,
+    mut clock: ResMut<Clock>,
+    mut time: ResMut<Time<Virtual>>,
+    mut overlay: ResMut<Overlay>,
+    mut sliders: ResMut<Sliders>,
+    mut store: ResMut<GizmoConfigStore>,
+    real: Res<Time<Real>>,
+) -> Result {
+    let context = contexts.ctx_mut()?;
+    context.set_visuals(egui::Visuals::light());
+    egui::Window::new(bill.name)
+        .anchor(egui::Align2::LEFT_TOP, [8.0, 8.0])
+        .default_width(230.0)
+        .resizable(false)
+        .show(context, |ui| {
+            ui.label(bill.about);
+            if !clock.started {
+                ui.horizontal(|ui| {
+                    ui.spinner();
+                    ui.label("loading");
+                });
+                return;
+            }
+            ui.separator();
+            time_row(ui, &bill, &mut clock, &mut time);
+            ui.checkbox(&mut overlay.shown, "touching triangles in red");
+            volumes_row(ui, &mut store);
+            if !sliders.weights.is_empty() {
+                weights(ui, &mut sliders);
+            }
+            ui.separator();
+            rows(ui, "notes", notes.0.iter().map(|(name, value)| (*name, value.clone())));
+            rows(ui, "counts", counts(&diagnostics, &bill, &real));
+            egui::CollapsingHeader::new("keys").default_open(bill.live).show(ui, |ui| {
+                let own = bill.keys.iter().chain(&KEYS);
+                rows(ui, "keys", own.map(|&(key, what)| (key, what.to_owned())));
+            });
+        });
+    Ok(())
+}
+
+fn time_row(ui: &mut egui::Ui, bill: &Playbill, clock: &mut Clock, time: &mut Time<Virtual>) {
+    ui.horizontal(|ui| {
+        if bill.live {
+            if ui.button(if time.is_paused() { "play" } else { "pause" }).clicked() {
+                clock::pause(time);
+            }
+            if ui.button("step").clicked() {
+                time.pause();
+                clock.step = true;
+            }
+        }
+        ui.label(format!("frame {:.0}", clock.frame));
+    });
+    if bill.live {
+        let mut speed = time.relative_speed();
+        let slider = egui::Slider::new(&mut speed, 0.0625..=4.0).logarithmic(true).text("speed");
+        if ui.add(slider).changed() {
+            time.set_relative_speed(speed);
+        }
+    }
+}
+
+fn volumes_row(ui: &mut egui::Ui, store: &mut GizmoConfigStore) {
+    let current = store.config::<MorphGizmos>().1.depth;
+    let mut level = current.map_or(-1, |depth| depth as i32);
+    let slider = egui::Slider::new(&mut level, -1..=DEEPEST as i32).text("volumes");
+    let shown = slider.custom_formatter(|level, _| if level < 0.0 { "none".into() } else { format!("level {level}") });
+    if ui.add(shown).changed() {
+        store.config_mut::<MorphGizmos>().1.depth = usize::try_from(level).ok();
+    }
+}
+
+fn weights(ui: &mut egui::Ui, sliders: &mut Sliders) {
+    egui::CollapsingHeader::new("weights").show(ui, |ui| {
+        ui.checkbox(&mut sliders.in_hand, "by hand, for all models");
+        egui::ScrollArea::vertical().max_height(200.0).show(ui, |ui| {
+            ui.add_enabled_ui(sliders.in_hand, |ui| {
+                for (name, weight) in &mut sliders.weights {
+                    ui.add(egui::Slider::new(weight, -0.5..=1.5).text(name.as_str()));
+                }
+            });
+        });
+    });
+}
+
+/// What was done, and what was skipped, in this frame. In pictures, nothing that depends on the machine.
+fn counts(
+    diagnostics: &MorphCollisionDiagnostics,
+    bill: &Playbill,
+    real: &Time<Real>,
+) -> Vec<(&'static str, String)> {
+    let stats = &diagnostics.stats;
+    let share = 100.0 * stats.volumes_blended as f64 / diagnostics.nodes_total.max(1) as f64;
+    let skipped = [
+        diagnostics.skipped_same_body,
+        diagnostics.skipped_layers,
+        diagnostics.skipped_passive,
+        diagnostics.skipped_rigid,
+    ];
+    let mut counts = vec![
+        ("colliders", diagnostics.colliders.to_string()),
+        ("boxes overlap", format!("{} pairs", diagnostics.overlapping_pairs)),
+        ("skipped by rule", format!("{} pairs", skipped.iter().sum::<u64>())),
+        ("skipped, unchanged", format!("{} pairs", diagnostics.skipped_unchanged)),
+        ("touching", format!("{} pairs", diagnostics.touching_pairs)),
+        ("nodes refitted", format!("{} of {} ({share:.1} %)", stats.volumes_blended, diagnostics.nodes_total)),
+        ("vertices blended", stats.vertices_blended.to_string()),
+        ("exact tests", stats.triangle_tests.to_string()),
+        ("touching triangles", format!("{} pairs", diagnostics.triangle_pairs)),
+    ];
+    if bill.live {
+        let frame = real.delta_secs_f64() * 1e3;
+        counts.push(("collision time", format!("{:.2} ms", diagnostics.duration.as_secs_f64() * 1e3)));
+        counts.push(("frame time", format!("{frame:.1} ms")));
+    }
+    counts
+}
+
+fn rows(ui: &mut egui::Ui, name: &str, rows: impl IntoIterator<Item = (&'static str, String)>) {
+    egui::Grid::new(name).num_columns(2).show(ui, |ui| {
+        for (name, value) in rows {
+            ui.label(name);
+            ui.label(value);
+            ui.end_row();
+        }
+    });
+}

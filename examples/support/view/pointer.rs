@@ -1,0 +1,64 @@
+//! A pointer that a show moves itself, for pictures: off-screen there is no mouse.
+
+use bevy::camera::{NormalizedRenderTarget, RenderTarget};
+use bevy::picking::PickingSystems;
+use bevy::picking::pointer::{Location, PointerAction, PointerButton, PointerId, PointerInput};
+use bevy::prelude::*;
+
+use super::clock::Clock;
+use super::stage::StageCamera;
+
+/// What the pointer does: at a frame, above a place in the world, and whether it clicks there.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Script(pub Vec<Cue>);
+
+/// One thing that the pointer does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cue {
+    /// When.
+    pub frame: u32,
+    /// Above this place, in world space.
+    pub at: Vec3,
+    /// Whether the left button is pressed and released.
+    pub click: bool,
+}
+
+const POINTER: PointerId = PointerId::Custom(bevy::asset::uuid::Uuid::from_u128(0x6d6f_7270_6820_706f_696e_7465_7200_0001));
+
+pub(super) fn plugin(app: &mut App) {
+    app.init_resource::<Script>()
+        .add_systems(Startup, |mut commands: Commands| {
+            commands.spawn(POINTER);
+        })
+        .add_systems(First, play.in_set(PickingSystems::Input));
+}
+
+fn play(
+    clock: Res<Clock>,
+    script: Res<Script>,
+    camera: Single<(&Camera, &GlobalTransform, &RenderTarget), With<StageCamera>>,
+    mut inputs: MessageWriter<PointerInput>,
+    mut done: Local<usize>,
+) {
+    if !clock.started {
+        return;
+    }
+    let (camera, place, target) = *camera;
+    let RenderTarget::Image(image) = target else { return };
+    while let Some(cue) = script.0.get(*done).filter(|cue| f64::from(cue.frame) <= clock.frame) {
+        *done += 1;
+        let Ok(position) = camera.world_to_viewport(place, cue.at) else {
+            continue;
+        };
+        let location = Location {
+            target: NormalizedRenderTarget::Image(image.clone()),
+            position,
+        };
+        let mut write = |action| inputs.write(PointerInput::new(POINTER, location.clone(), action));
+        write(PointerAction::Move { delta: Vec2::ZERO });
+        if cue.click {
+            write(PointerAction::Press(PointerButton::Primary));
+            write(PointerAction::Release(PointerButton::Primary));
+        }
+    }
+}

@@ -1,0 +1,188 @@
+//! What every show stands on: Bevy with a renderer, the plugins of this project, a camera, light, and a background.
+
+use std::path::PathBuf;
+
+use bevy::app::{PluginGroup, TerminalCtrlCHandlerPlugin};
+use bevy::asset::AssetMetaCheck;
+use bevy::camera::{ClearColorConfig, RenderTarget};
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::light::GlobalAmbientLight;
+use bevy::log::LogPlugin;
+use bevy::prelude::*;
+use bevy::render::RenderPlugin;
+use bevy::render::settings::{Backends, WgpuSettings};
+use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
+use bevy::window::ExitCondition;
+use bevy::winit::WinitPlugin;
+use bevy_egui::{EguiPlugin, PrimaryEguiContext};
+use bevy_morph_collision::prelude::*;
+use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
+
+use super::{Show, clock, models, overlay, panel, sliders};
+
+/// The colour behind everything.
+pub const BACKGROUND: Color = Color::srgb(0.93, 0.95, 0.97);
+
+/// What a show says about itself, for the panel.
+#[derive(Resource, Clone, Debug)]
+pub(super) struct Playbill {
+    pub(super) name: &'static str,
+    pub(super) about: &'static str,
+    pub(super) keys: &'static [(&'static str, &'static str)],
+    /// Whether a user looks on, rather than a camera that takes pictures.
+    pub(super) live: bool,
+}
+
+/// Lines that a show adds to the panel: a name and a value.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Notes(pub Vec<(&'static str, String)>);
+
+/// The camera that looks at the show.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct StageCamera;
+
+/// Where the show is drawn.
+#[derive(Clone, Debug)]
+pub(super) enum Place {
+    Window,
+    Image { target: Handle<Image>, bare: bool },
+}
+
+/// Bevy as a game has it, with a window or without.
+pub(super) fn app(window: Option<Window>) -> App {
+    let live = window.is_some();
+    let assets = AssetPlugin {
+        file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(),
+        meta_check: AssetMetaCheck::Never,
+        // A user's own model may lie anywhere.
+        unapproved_path_mode: bevy::asset::UnapprovedPathMode::Allow,
+        ..AssetPlugin::default()
+    };
+    let windows = WindowPlugin {
+        exit_condition: if live { ExitCondition::OnPrimaryClosed } else { ExitCondition::DontExit },
+        primary_window: window,
+        ..WindowPlugin::default()
+    };
+    let drivers = WgpuSettings {
+        // Without a window nothing else is looked for; what is looked for complains.
+        backends: if live { WgpuSettings::default().backends } else { Some(Backends::PRIMARY) },
+        ..WgpuSettings::default()
+    };
+    let renderer = RenderPlugin {
+        render_creation: drivers.into(),
+        // Off-screen, the first picture is complete.
+        synchronous_pipeline_compilation: !live,
+        ..RenderPlugin::default()
+    };
+    let plugins = DefaultPlugins
+        .set(assets)
+        .set(windows)
+        .set(renderer)
+        .set(LogPlugin {
+            filter: "error,bevy_asset=off,bevy_morph_collision=warn".into(),
+            ..LogPlugin::default()
+        });
+    let mut app = App::new();
+    if live {
+        app.add_plugins(plugins);
+    } else {
+        // One frame is drawn before the next is worked out. Logs and signals are the caller's.
+        app.add_plugins(
+            plugins
+                .disable::<WinitPlugin>()
+                .disable::<LogPlugin>()
+                .disable::<TerminalCtrlCHandlerPlugin>()
+                .disable::<PipelinedRenderingPlugin>(),
+        );
+    }
+    app.add_plugins((
+        MorphCollisionPlugin,
+        MorphBoundsPlugin,
+        MorphPickingPlugin,
+        MorphGizmosPlugin,
+    ));
+    app
+}
+
+/// Puts a show on it.
+pub(super) fn set(app: &mut App, show: Show, place: Place) {
+    let live = matches!(place, Place::Window);
+    app.insert_resource(ClearColor(BACKGROUND))
+        .insert_resource(GlobalAmbientLight {
+            brightness: 900.0,
+            ..default()
+        })
+        .insert_resource(Playbill {
+            name: show.name,
+            about: show.about,
+            keys: show.keys,
+            live,
+        })
+        .init_resource::<Notes>()
+        .add_plugins((clock::plugin, models::plugin, overlay::plugin, sliders::plugin));
+    let bare = matches!(place, Place::Image { bare: true, .. });
+    if !bare {
+        app.add_plugins((EguiPlugin::default(), panel::plugin));
+    }
+    if live {
+        app.add_plugins(PanOrbitCameraPlugin);
+    }
+    let (eye, target) = (show.eye, show.target);
+    app.add_systems(Startup, move |mut commands: Commands| {
+        light(&mut commands);
+        camera(&mut commands, eye, target, &place);
+    });
+    (show.scene)(app);
+}
+
+fn light(commands: &mut Commands) {
+    for (illuminance, from) in [(6500.0, Vec3::new(-2.0, 4.0, 3.0)), (1800.0, Vec3::new(3.0, 1.0, -2.0))] {
+        commands.spawn((
+            DirectionalLight {
+                illuminance,
+                ..default()
+            },
+            Transform::from_translation(from).looking_at(Vec3::ZERO, Vec3::Y),
+        ));
+    }
+}
+
+fn camera(commands: &mut Commands, eye: Vec3, target: Vec3, place: &Place) {
+    let mut camera = commands.spawn((
+        StageCamera,
+        Camera3d::default(),
+        Camera {
+            clear_color: ClearColorConfig::Default,
+            ..default()
+        },
+        // The background stays as bright as it is.
+        Tonemapping::None,
+        Transform::from_translation(eye).looking_at(target, Vec3::Y),
+    ));
+    match place {
+        Place::Window => {
+            camera.insert((
+                PrimaryEguiContext,
+                PanOrbitCamera {
+                    focus: target,
+                    button_orbit: MouseButton::Right,
+                    button_pan: MouseButton::Middle,
+                    use_real_time: true,
+                    ..default()
+                },
+            ));
+        }
+        Place::Image { target, bare } => {
+            camera.insert(RenderTarget::Image(target.clone().into()));
+            if !bare {
+                camera.insert(PrimaryEguiContext);
+            }
+        }
+    }
+}
+
+/// The path of an asset that comes with the project.
+#[must_use]
+pub fn asset(name: &str) -> PathBuf {
+    PathBuf::from(name)
+}

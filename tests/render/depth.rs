@@ -1,0 +1,42 @@
+//! The overlay lies on the surface that the GPU blends: moved towards the camera by a little it is all seen, moved away by as little it is gone.
+
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use morph_collision_testkit::models::pass_through_body_at;
+use morph_collision_workspace::view::overlay::Overlay;
+
+use crate::support::{alone, count, drawn, is_red, offscreen, scene};
+
+const EYE: Vec3 = Vec3::new(0.4, 0.6, 4.0);
+
+/// How far it is moved, in world units. The bodies are 2 across, a pixel is about 0.01.
+const LITTLE: f32 = 0.001;
+
+#[test]
+fn the_overlay_lies_on_the_drawn_surface() {
+    let _alone = alone();
+    let show = scene(EYE, |app| {
+        app.add_systems(
+            Startup,
+            |mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>| {
+                let mesh = pass_through_body_at(4);
+                for (side, weights) in [(-1.0, vec![0.7, 0.2]), (1.0, vec![0.1, 0.6])] {
+                    let drawn = drawn(&mesh, weights, &mut meshes, &mut materials);
+                    let turned = Quat::from_rotation_y(0.7 * side);
+                    let place = Transform::from_xyz(0.35 * side, 0.0, 0.0).with_rotation(turned);
+                    commands.spawn((drawn, MorphCollider::default(), place));
+                }
+            },
+        );
+    });
+    let mut show = offscreen(show, (480, 360));
+    let mut red = |towards: f32| {
+        show.app_mut().world_mut().resource_mut::<Overlay>().offset = EYE.normalize() * towards;
+        show.advance(1);
+        count(&show.picture().unwrap(), is_red)
+    };
+    let (on_it, nearer, farther) = (red(0.0), red(LITTLE), red(-LITTLE));
+    assert!(on_it > 200, "{on_it} pixels of overlay");
+    assert!(on_it.abs_diff(nearer) * 50 < nearer, "{on_it} on the surface, {nearer} before it");
+    assert!(farther * 50 < on_it, "{farther} pixels are seen through the surface, of {on_it}");
+}

@@ -1,0 +1,103 @@
+//! Each example draws what it says it does.
+
+use std::path::Path;
+
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use image::RgbImage;
+use morph_collision_workspace::shows;
+use morph_collision_workspace::view::Show;
+use morph_collision_workspace::view::offscreen::Offscreen;
+use morph_collision_workspace::view::overlay::SelfTouching;
+
+use crate::support::{alone, count, frame, is_drawn, is_red, offscreen};
+
+const SIZE: (u32, u32) = (320, 180);
+
+/// A picture of a frame, and one a little later; both have something on them, and something moves.
+fn watch(show: Show, at: u32) -> (Offscreen, RgbImage) {
+    let mut show = offscreen(show, SIZE);
+    show.advance(at);
+    let first = show.picture().unwrap();
+    assert_eq!(frame(&mut show).round(), f64::from(at));
+    let pixels = count(&first, is_drawn);
+    let share = pixels as f64 / f64::from(SIZE.0 * SIZE.1);
+    assert!((0.02..0.98).contains(&share), "{pixels} pixels are drawn on");
+    show.advance(10);
+    let second = show.picture().unwrap();
+    let moved = first.pixels().zip(second.pixels()).filter(|(a, b)| a != b).count();
+    assert!(moved > 50, "{moved} pixels differ after ten frames");
+    (show, first)
+}
+
+#[test]
+fn dolphins_touch() {
+    let _alone = alone();
+    let (mut show, picture) = watch(shows::dolphins(Path::new("dolphin_564.glb"), 12), 60);
+    let touching = show.app_mut().world().resource::<MorphCollisions>().len();
+    assert!(touching > 0, "none of twelve touch");
+    assert!(count(&picture, is_red) > 5, "nothing is red");
+}
+
+#[test]
+fn bodies_pass_through_each_other() {
+    let _alone = alone();
+    let (_, picture) = watch(shows::pass_through(), 120);
+    assert!(count(&picture, is_red) > 30, "nothing is red");
+}
+
+#[test]
+fn a_face_runs_into_itself_and_wears_pins() {
+    let _alone = alone();
+    let (mut show, _) = watch(shows::face(), 60);
+    let world = show.app_mut().world_mut();
+    let pairs = world.query::<&SelfTouching>().single(world).unwrap().0.len();
+    assert!(pairs > 0, "a speaking mouth touches itself");
+    let pins: Vec<Vec3> = world
+        .query_filtered::<&GlobalTransform, With<MorphSurfaceAnchor>>()
+        .iter(world)
+        .map(GlobalTransform::translation)
+        .collect();
+    assert!(pins.len() >= 3, "{} pins", pins.len());
+    assert!(pins.iter().all(|pin| pin.length() > 0.2), "a pin is inside: {pins:?}");
+}
+
+#[test]
+fn pointed_at_is_what_is_drawn() {
+    let _alone = alone();
+    let (mut show, _) = watch(shows::picking(), 60);
+    let world = show.app_mut().world();
+    let notes = &world.resource::<morph_collision_workspace::view::stage::Notes>().0;
+    assert!(notes.iter().any(|(name, _)| *name == "triangle"), "{notes:?}");
+}
+
+#[test]
+fn bodies_fall_and_rest() {
+    let _alone = alone();
+    let (mut show, _) = watch(shows::physics(20, 1), 90);
+    let world = show.app_mut().world_mut();
+    let low = world
+        .query_filtered::<&Transform, With<bevy_rapier3d::prelude::RigidBody>>()
+        .iter(world)
+        .filter(|place| place.translation.y < 3.4)
+        .count();
+    assert!(low >= 10, "{low} of 20 bodies have fallen");
+}
+
+#[test]
+fn boxes_that_follow_the_morph_keep_what_is_in_sight() {
+    let _alone = alone();
+    let (mut show, _) = watch(shows::culling(), 90);
+    let notes = show.app_mut().world().resource::<morph_collision_workspace::view::stage::Notes>().0.clone();
+    let [(_, bevys), (_, repaired)] = &notes[..] else {
+        panic!("{notes:?}")
+    };
+    assert_eq!((bevys.as_str(), repaired.as_str()), ("0 of 4", "4 of 4"));
+}
+
+#[test]
+fn a_crowd_is_drawn() {
+    let _alone = alone();
+    let (mut show, _) = watch(shows::crowd(Path::new("dolphin_564.glb"), 60), 10);
+    assert_eq!(show.app_mut().world().resource::<MorphCollisionDiagnostics>().colliders, 60);
+}

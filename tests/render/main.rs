@@ -1,0 +1,8 @@
+//! What is drawn: the examples' pictures, and whether the GPU and the core mean the same shape. Needs a graphics driver; one without a GPU
+//! will do (Debian: `apt install mesa-vulkan-drivers libvulkan1`).
+
+mod depth;
+mod frames;
+mod references;
+mod silhouettes;
+mod support;

@@ -1,0 +1,77 @@
+//! Pictures like those that were looked at: `just references` writes them anew, to be looked at again.
+
+use std::path::{Path, PathBuf};
+
+use image::RgbImage;
+use morph_collision_workspace::shows;
+use morph_collision_workspace::view::Show;
+
+use crate::support::{alone, offscreen};
+
+const SIZE: (u32, u32) = (320, 180);
+
+/// A difference in a colour, of 255, that an eye may notice.
+const NOTICED: u8 = 24;
+
+/// Compares a frame of a show with the stored picture, or stores it if the environment says so.
+fn compare(name: &str, show: Show, frame: u32) {
+    let _alone = alone();
+    let mut show = offscreen(show, SIZE);
+    show.advance(frame);
+    let picture = show.picture().unwrap();
+    let path = folder().join(format!("{name}.png"));
+    if std::env::var_os("MORPH_COLLISION_STORE_REFERENCES").is_some() {
+        picture.save(&path).unwrap();
+        return;
+    }
+    let reference = image::open(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display())).to_rgb8();
+    assert_eq!(picture.dimensions(), reference.dimensions());
+    let share = noticed(&picture, &reference);
+    if share > 0.01 {
+        let actual = std::env::temp_dir().join(format!("{name}_actual.png"));
+        picture.save(&actual).unwrap();
+        panic!(
+            "{:.1} % of {} differ; what was drawn is in {}",
+            100.0 * share,
+            path.display(),
+            actual.display()
+        );
+    }
+}
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/render/references")
+}
+
+/// The share of pixels that differ to an eye.
+fn noticed(a: &RgbImage, b: &RgbImage) -> f64 {
+    let differ = |(a, b): &(&image::Rgb<u8>, &image::Rgb<u8>)| a.0.iter().zip(b.0).any(|(&a, b)| a.abs_diff(b) > NOTICED);
+    let pixels = a.width() * a.height();
+    a.pixels().zip(b.pixels()).filter(differ).count() as f64 / f64::from(pixels)
+}
+
+#[test]
+fn dolphins() {
+    compare("dolphins", shows::dolphins(Path::new("dolphin_564.glb"), 12), 160);
+}
+
+#[test]
+fn pass_through() {
+    compare("pass_through", shows::pass_through(), 120);
+}
+
+#[test]
+fn face() {
+    compare("face", shows::face(), 60);
+}
+
+#[test]
+fn another_moment_is_another_picture() {
+    let _alone = alone();
+    let mut show = offscreen(shows::pass_through(), SIZE);
+    show.advance(120);
+    let then = show.picture().unwrap();
+    show.advance(8);
+    let later = show.picture().unwrap();
+    assert!(noticed(&then, &later) > 0.01, "the comparison would not notice eight frames");
+}

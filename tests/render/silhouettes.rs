@@ -1,0 +1,94 @@
+//! The shape on the screen is the shape that the core means.
+
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use bevy::ecs::system::RunSystemOnce;
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::models::{dolphin, pass_through_body_at};
+use morph_collision_workspace::view::stage::StageCamera;
+
+use crate::support::{alone, drawn, is_drawn, offscreen, scene};
+
+const SIZE: (u32, u32) = (480, 360);
+
+/// Draws a mesh at weights that it has from the start, and compares what is drawn with what the core says, both ways.
+fn compare(mesh: MorphMesh, weights: &[f32], eye: Vec3, place: Transform) {
+    let _alone = alone();
+    let own = weights.to_vec();
+    let show = scene(eye, move |app| {
+        app.add_systems(
+            Startup,
+            move |mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>| {
+                let drawn = drawn(&mesh, own.clone(), &mut meshes, &mut materials);
+                commands.spawn((drawn, MorphCollider::default(), place));
+            },
+        );
+    });
+    let mut show = offscreen(show, SIZE);
+    show.advance(1);
+    let picture = show.picture().unwrap();
+
+    let near = |x: f32, y: f32| {
+        let around = |v: f32, size: u32| (v.floor() as i64 - 1..=v.floor() as i64 + 1).map(move |v| v.clamp(0, i64::from(size) - 1) as u32);
+        around(x, SIZE.0).flat_map(move |x| around(y, SIZE.1).map(move |y| (x, y)))
+    };
+    let (vertices, pixels) = show
+        .app_mut()
+        .world_mut()
+        .run_system_once(
+            |camera: Single<(&Camera, &GlobalTransform), With<StageCamera>>,
+             collider: Single<Entity, With<MorphCollider>>,
+             mut spatial: MorphSpatialQuery| {
+                let (camera, eye) = *camera;
+                let vertices: Vec<Vec2> = spatial
+                    .posed_vertices(*collider)
+                    .unwrap()
+                    .into_iter()
+                    .map(|vertex| camera.world_to_viewport(eye, vertex).unwrap())
+                    .collect();
+                let mut pixels = Vec::new();
+                for y in 0..SIZE.1 {
+                    for x in 0..SIZE.0 {
+                        let ray = camera.viewport_to_world(eye, Vec2::new(x as f32 + 0.5, y as f32 + 0.5)).unwrap();
+                        let hit = spatial.cast_ray(ray.origin, ray.direction, 100.0, &MorphQueryFilter::default());
+                        pixels.push(((x, y), hit.unwrap().is_some()));
+                    }
+                }
+                (vertices, pixels)
+            },
+        )
+        .unwrap();
+
+    for vertex in &vertices {
+        assert!(
+            near(vertex.x, vertex.y).any(|(x, y)| is_drawn(&picture, x, y)),
+            "a vertex at {vertex} is not drawn"
+        );
+    }
+    let mut covered = 0;
+    for ((x, y), hit) in pixels {
+        let (px, py) = (x as f32 + 0.5, y as f32 + 0.5);
+        let says = |wanted: bool| near(px, py).any(|(x, y)| is_drawn(&picture, x, y) == wanted);
+        assert!(says(hit), "pixel {x} {y}: the core says {hit}, and nothing around it is drawn so");
+        covered += u32::from(hit);
+    }
+    assert!(covered > 2000, "the model covers {covered} pixels");
+}
+
+#[test]
+fn a_dolphin_at_rest() {
+    compare(dolphin(1), &[0.0, 0.0], Vec3::new(0.5, 0.7, 2.2), Transform::default());
+}
+
+#[test]
+fn a_dolphin_in_a_stroke_turned_and_stretched() {
+    let place = Transform::from_xyz(0.1, -0.1, 0.0)
+        .with_rotation(Quat::from_euler(EulerRot::XYZ, 0.4, 0.8, -0.3))
+        .with_scale(Vec3::new(1.2, 0.8, 1.1));
+    compare(dolphin(1), &[0.2, 0.9], Vec3::new(0.2, 0.5, 2.2), place);
+}
+
+#[test]
+fn weights_below_zero_and_above_one() {
+    compare(pass_through_body_at(3), &[1.7, -0.4], Vec3::new(0.0, 1.0, 4.0), Transform::default());
+}

@@ -71,7 +71,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     let file = app::locate(&model)?;
     if options.view.is_drawn("dolphins", options.headless || options.json)? {
         #[cfg(feature = "render")]
-        return view::run(shows::dolphins(&file, count), &options.view);
+        return view::run(shows::dolphins(&file, count, options.model.is_some()), &options.view);
     }
     let kind = if options.model.is_some() { "body" } else { "dolphin" };
 

@@ -16,7 +16,7 @@ use crate::app::{load_gltf, update_until};
 use crate::error::ExampleError;
 
 /// The lanes are made for bodies as thick as this; others get lanes farther apart, or nearer.
-const THICKNESS_ON_LANES: f32 = 0.5;
+pub(crate) const THICKNESS_ON_LANES: f32 = 0.5;
 
 /// The instances, each with the root of its scene as its body.
 #[derive(Debug)]
@@ -183,13 +183,19 @@ impl Instances {
                     continue;
                 };
                 for (target, weight) in weights.weights_mut().iter_mut().enumerate() {
-                    let cycles = frame as f32 / 60.0 * (0.3 + 0.05 * (target % 7) as f32);
-                    let offset = dolphins::phase(index) + 0.37 * target as f32;
-                    *weight = 0.5 - 0.5 * (TAU * (cycles + offset)).cos();
+                    *weight = wave(target, index, frame as f32 / 60.0);
                 }
             }
         }
     }
+}
+
+/// The weight of a target of instance `index` that plays no clip: waves from 0 to 1.
+#[must_use]
+pub fn wave(target: usize, index: usize, seconds: f32) -> f32 {
+    let cycles = seconds * (0.3 + 0.05 * (target % 7) as f32);
+    let offset = dolphins::phase(index) + 0.37 * target as f32;
+    0.5 - 0.5 * (TAU * (cycles + offset)).cos()
 }
 
 /// Where one of a crowd is after some seconds: on a cubic grid, turning and bobbing in its own time.

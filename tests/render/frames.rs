@@ -33,7 +33,7 @@ fn watch(show: Show, at: u32) -> (Offscreen, RgbImage) {
 #[test]
 fn dolphins_touch() {
     let _alone = alone();
-    let (mut show, picture) = watch(shows::dolphins(Path::new("dolphin_564.glb"), 12), 60);
+    let (mut show, picture) = watch(shows::dolphins(Path::new("dolphin_564.glb"), 12, false), 60);
     let touching = show.app_mut().world().resource::<MorphCollisions>().len();
     assert!(touching > 0, "none of twelve touch");
     assert!(count(&picture, is_red) > 5, "nothing is red");

@@ -12,13 +12,13 @@ use morph_collision_workspace::view::stage::BACKGROUND;
 use morph_collision_workspace::view::{Show, clock};
 
 /// One renderer at a time: each takes all processors.
-pub fn alone() -> MutexGuard<'static, ()> {
+pub(crate) fn alone() -> MutexGuard<'static, ()> {
     static RENDERER: Mutex<()> = Mutex::new(());
     RENDERER.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A show of this scene, seen from `eye`.
-pub fn scene(eye: Vec3, scene: impl FnOnce(&mut App) + Send + 'static) -> Show {
+pub(crate) fn scene(eye: Vec3, scene: impl FnOnce(&mut App) + Send + 'static) -> Show {
     Show {
         name: "test",
         about: "",
@@ -31,12 +31,12 @@ pub fn scene(eye: Vec3, scene: impl FnOnce(&mut App) + Send + 'static) -> Show {
 }
 
 /// The show without its panel, at its first frame.
-pub fn offscreen(show: Show, size: (u32, u32)) -> Offscreen {
+pub(crate) fn offscreen(show: Show, size: (u32, u32)) -> Offscreen {
     Offscreen::new(show, size, true).unwrap()
 }
 
 /// What a mesh at these weights is spawned with, from `Startup` on.
-pub fn drawn(
+pub(crate) fn drawn(
     mesh: &MorphMesh,
     weights: Vec<f32>,
     meshes: &mut Assets<Mesh>,
@@ -57,24 +57,24 @@ pub fn drawn(
 }
 
 /// Whether something other than the background is there.
-pub fn is_drawn(picture: &RgbImage, x: u32, y: u32) -> bool {
+pub(crate) fn is_drawn(picture: &RgbImage, x: u32, y: u32) -> bool {
     let [r, g, b] = BACKGROUND.to_srgba().to_u8_array_no_alpha();
     let pixel = picture.get_pixel(x, y).0;
-    pixel.iter().zip([r, g, b]).any(|(&a, b)| a.abs_diff(b) > 40)
+    pixel.iter().zip([r, g, b]).any(|(&a, b)| a.abs_diff(b) > 8)
 }
 
 /// Whether the overlay is there.
-pub fn is_red(picture: &RgbImage, x: u32, y: u32) -> bool {
+pub(crate) fn is_red(picture: &RgbImage, x: u32, y: u32) -> bool {
     let [r, g, b] = picture.get_pixel(x, y).0;
     r > 170 && g < 70 && b < 70
 }
 
 /// How many pixels are so.
-pub fn count(picture: &RgbImage, is: impl Fn(&RgbImage, u32, u32) -> bool) -> usize {
+pub(crate) fn count(picture: &RgbImage, is: impl Fn(&RgbImage, u32, u32) -> bool) -> usize {
     picture.enumerate_pixels().filter(|&(x, y, _)| is(picture, x, y)).count()
 }
 
 /// Where the show is.
-pub fn frame(offscreen: &mut Offscreen) -> f64 {
+pub(crate) fn frame(offscreen: &mut Offscreen) -> f64 {
     offscreen.app_mut().world().resource::<clock::Clock>().frame
 }

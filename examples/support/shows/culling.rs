@@ -1,5 +1,7 @@
 //! What Bevy culls morphing meshes by, and what it should: on the left its own box, that of the rest pose, on the right the repaired one.
 
+use std::f32::consts::PI;
+
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{NoAutoAabb, RenderLayers};
 use bevy::camera::{RenderTarget, Viewport};
@@ -67,11 +69,11 @@ pub fn culling() -> Show {
     }
 }
 
-/// A ball with a target that pulls an arm out of it along `+X`.
+/// A ball with a target that pulls an arm out of it along `-X`.
 fn arm() -> MorphMesh {
     let mut mesh = pass_through_body_at(4);
     let directions: Vec<Vec3> = mesh.positions.iter().map(|p| p.normalize_or_zero()).collect();
-    mesh.targets = vec![directions.iter().map(|n| Vec3::X * 6.0 * n.x.max(0.0).powi(6)).collect()];
+    mesh.targets = vec![directions.iter().map(|n| Vec3::NEG_X * 4.0 * (-n.x).max(0.0).powi(8)).collect()];
     mesh.target_names = vec!["reach".into()];
     mesh.positions = directions.iter().map(|n| 0.45 * *n).collect();
     mesh
@@ -96,7 +98,7 @@ fn spawn(
                 Mesh3d(mesh.clone()),
                 MeshMaterial3d(color.clone()),
                 MeshMorphWeights::Value { weights: vec![0.0] },
-                Transform::from_xyz(-2.4, 1.8 - 1.2 * index as f32, 0.0),
+                Transform::from_xyz(2.4, 1.8 - 1.2 * index as f32, 0.0),
             ));
             if half == Half::Bevys {
                 // As Bevy computes it, once, and out of the plugin's hands.
@@ -159,7 +161,7 @@ fn reach(mut arms: Query<(&Arm, &mut MeshMorphWeights)>, clock: Res<Clock>) {
     for (&Arm(index), mut weights) in &mut arms {
         let phase = clock.frame as f32 / 60.0 + 0.8 * index as f32;
         *weights = MeshMorphWeights::Value {
-            weights: vec![0.6 + 0.4 * phase.sin()],
+            weights: vec![0.75 + 0.25 * phase.sin()],
         };
     }
 }
@@ -167,8 +169,8 @@ fn reach(mut arms: Query<(&Arm, &mut MeshMorphWeights)>, clock: Res<Clock>) {
 /// All arms move aside until the balls they grow out of are out of sight, and come back.
 fn sway(mut arms: Query<(&Arm, &mut Transform)>, clock: Res<Clock>) {
     for (&Arm(index), mut place) in &mut arms {
-        let phase = clock.frame as f32 / 60.0 * 1.2 + 0.3 * index as f32;
-        place.translation.x = -2.1 - 1.4 * (0.5 - 0.5 * phase.cos());
+        let phase = PI * clock.frame as f32 / 90.0 + 0.1 * index as f32;
+        place.translation.x = 1.8 + 2.0 * (0.5 - 0.5 * phase.cos());
     }
 }
 

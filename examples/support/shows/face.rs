@@ -42,7 +42,8 @@ pub fn face() -> Show {
         target: Vec3::new(0.0, -0.15, 0.0),
         pictures: &[30, 60, 90, 140],
         scene: Box::new(|app| {
-            app.insert_resource(Script(PINS.map(|at| Cue { frame: 1, at, click: true }).to_vec()))
+            let cues = PINS.iter().zip((1..).step_by(3)).map(|(&at, frame)| Cue { frame, at, click: true });
+            app.insert_resource(Script(cues.collect()))
                 .add_systems(Startup, spawn)
                 .add_systems(Update, (speak.run_if(started), remove_pins))
                 .add_systems(
@@ -121,6 +122,7 @@ fn find_self_intersections(
         if pose.set_weights(weights).is_err() {
             continue;
         }
+        touching.0.clear();
         let stats = SelfQuery::new().all(pose, &mut touching.0);
         notes.0 = vec![
             ("self-intersections", format!("{} pairs", touching.0.len())),

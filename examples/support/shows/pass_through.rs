@@ -8,10 +8,8 @@ use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::scenes::pass_through as way;
 
 use crate::view::Show;
-use crate::view::clock::{Clock, started};
+use crate::view::clock::{Clock, FRACTIONS, started};
 use crate::view::models::scene;
-
-const FRACTIONS: f64 = 256.0;
 
 #[derive(Component)]
 struct Side(usize);
@@ -50,8 +48,8 @@ fn pass(
     mut weights: Query<&mut MorphWeights>,
     clock: Res<Clock>,
 ) {
-    let steps = way::STEPS * FRACTIONS as usize;
-    let step = (clock.frame * FRACTIONS).round() as usize % steps;
+    let steps = way::STEPS * FRACTIONS;
+    let step = clock.fractions() % steps;
     let places = way::placements(step, steps);
     for (&Side(side), mut place) in &mut bodies {
         *place = Transform::from_matrix(Mat4::from(places[side]));

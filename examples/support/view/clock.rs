@@ -28,6 +28,17 @@ pub struct Clock {
     settled: u32,
 }
 
+/// A frame has so many moments, for shows that do not run at full speed.
+pub const FRACTIONS: usize = 256;
+
+impl Clock {
+    /// Moments since the show began, [`FRACTIONS`] in a frame.
+    #[must_use]
+    pub fn fractions(&self) -> usize {
+        (self.frame * FRACTIONS as f64).round() as usize
+    }
+}
+
 /// Frames for trees, bounds and transforms to come to rest.
 const SETTLING: u32 = 4;
 

@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use super::clock::Clock;
 use super::stage::StageCamera;
 
-/// What the pointer does: at a frame, above a place in the world, and whether it clicks there.
+/// What the pointer does, in ascending order of frames, two or more apart.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Script(pub Vec<Cue>);
 
@@ -39,26 +39,34 @@ fn play(
     camera: Single<(&Camera, &GlobalTransform, &RenderTarget), With<StageCamera>>,
     mut inputs: MessageWriter<PointerInput>,
     mut done: Local<usize>,
+    mut held: Local<Option<Location>>,
 ) {
     if !clock.started {
         return;
     }
     let (camera, place, target) = *camera;
     let RenderTarget::Image(image) = target else { return };
-    while let Some(cue) = script.0.get(*done).filter(|cue| f64::from(cue.frame) <= clock.frame) {
-        *done += 1;
-        let Ok(position) = camera.world_to_viewport(place, cue.at) else {
-            continue;
-        };
-        let location = Location {
-            target: NormalizedRenderTarget::Image(image.clone()),
-            position,
-        };
-        let mut write = |action| inputs.write(PointerInput::new(POINTER, location.clone(), action));
-        write(PointerAction::Move { delta: Vec2::ZERO });
-        if cue.click {
-            write(PointerAction::Press(PointerButton::Primary));
-            write(PointerAction::Release(PointerButton::Primary));
-        }
+    let mut write = |location: Location, action| inputs.write(PointerInput::new(POINTER, location, action));
+    // A click takes two frames.
+    if let Some(location) = held.take() {
+        write(location, PointerAction::Release(PointerButton::Primary));
+        return;
+    }
+    let Some(cue) = script.0.get(*done).filter(|cue| f64::from(cue.frame) <= clock.frame + 0.5) else {
+        return;
+    };
+    *done += 1;
+    let Ok(position) = camera.world_to_viewport(place, cue.at) else {
+        return;
+    };
+    let location = Location {
+        target: NormalizedRenderTarget::Image(image.clone()),
+        position,
+    };
+    // Listeners hear nothing of a pointer that does not move.
+    write(location.clone(), PointerAction::Move { delta: Vec2::ONE });
+    if cue.click {
+        write(location.clone(), PointerAction::Press(PointerButton::Primary));
+        *held = Some(location);
     }
 }

@@ -6,6 +6,7 @@ use bevy::app::{PluginGroup, TerminalCtrlCHandlerPlugin};
 use bevy::asset::AssetMetaCheck;
 use bevy::camera::{ClearColorConfig, RenderTarget};
 use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::gizmos::config::GizmoConfigStore;
 use bevy::light::GlobalAmbientLight;
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
@@ -60,7 +61,8 @@ pub(super) fn app(window: Option<Window>) -> App {
     };
     let windows = WindowPlugin {
         exit_condition: if live { ExitCondition::OnPrimaryClosed } else { ExitCondition::DontExit },
-        primary_window: window,
+        // Bevy's picking wants to know of one, even where nothing opens it.
+        primary_window: window.or_else(|| Some(Window::default())),
         ..WindowPlugin::default()
     };
     let drivers = WgpuSettings {
@@ -109,7 +111,7 @@ pub(super) fn set(app: &mut App, show: Show, place: Place) {
     let live = matches!(place, Place::Window);
     app.insert_resource(ClearColor(BACKGROUND))
         .insert_resource(GlobalAmbientLight {
-            brightness: 900.0,
+            brightness: 430.0,
             ..default()
         })
         .insert_resource(Playbill {
@@ -127,6 +129,10 @@ pub(super) fn set(app: &mut App, show: Show, place: Place) {
     if live {
         app.add_plugins(PanOrbitCameraPlugin);
     }
+    // The overlay shows what touches.
+    let gizmos = &mut app.world_mut().resource_mut::<GizmoConfigStore>();
+    let (_, gizmos) = gizmos.config_mut::<MorphGizmos>();
+    (gizmos.triangles, gizmos.contacts) = (None, None);
     let (eye, target) = (show.eye, show.target);
     app.add_systems(Startup, move |mut commands: Commands| {
         light(&mut commands);
@@ -136,7 +142,7 @@ pub(super) fn set(app: &mut App, show: Show, place: Place) {
 }
 
 fn light(commands: &mut Commands) {
-    for (illuminance, from) in [(6500.0, Vec3::new(-2.0, 4.0, 3.0)), (1800.0, Vec3::new(3.0, 1.0, -2.0))] {
+    for (illuminance, from) in [(2500.0, Vec3::new(-2.0, 4.0, 3.0)), (900.0, Vec3::new(3.0, 1.0, -2.0))] {
         commands.spawn((
             DirectionalLight {
                 illuminance,

@@ -61,7 +61,7 @@ pictures:
     #!/usr/bin/env bash
     set -euo pipefail
     draw() { cargo run --quiet --release --features render --example "$1" -- --screenshots docs/pictures "${@:2}"; }
-    draw dolphins --triangles 2256 --bare --size 480x270 --at 60 --animate 0..394:6
+    draw dolphins --triangles 2256 --bare --size 432x243 --at 60 --animate 0..394:6
     draw dolphins --triangles 9024 --bare --size 960x540
     draw pass_through --bare --size 480x400
     draw face --bare --size 640x640

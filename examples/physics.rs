@@ -16,6 +16,7 @@ use bevy_rapier3d::prelude::*;
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
 use morph_collision_testkit::{gltf_read, mesh::MorphMesh};
+use morph_collision_workspace::app::locate;
 use morph_collision_workspace::error::ExampleError;
 use morph_collision_workspace::options::ViewOptions;
 use morph_collision_workspace::physics::{DT, app, bevy_mesh, body, settle, state, wobbling};
@@ -85,7 +86,7 @@ fn main() -> ExitCode {
 fn run(options: &Options) -> Result<(), ExampleError> {
     if options.view.is_drawn("physics", options.headless || options.json)? {
         #[cfg(feature = "render")]
-        return view::run(shows::physics(options.bodies, options.seed), &options.view);
+        return draw(options);
     }
     let mut scene = Rain::new(options)?;
     let style = ProgressStyle::with_template("{bar:40} {pos}/{len}").unwrap_or(ProgressStyle::default_bar());
@@ -105,6 +106,22 @@ fn run(options: &Options) -> Result<(), ExampleError> {
         std::process::exit(0);
     }
     Ok(())
+}
+
+#[cfg(feature = "render")]
+fn draw(options: &Options) -> Result<(), ExampleError> {
+    let models = options
+        .model
+        .iter()
+        .map(|model| locate(model))
+        .collect::<Result<_, _>>()?;
+    let rain = shows::Rain {
+        bodies: options.bodies,
+        seed: options.seed,
+        ccd: options.ccd,
+        models,
+    };
+    view::run(shows::physics(rain), &options.view)
 }
 
 /// The scene.
@@ -134,7 +151,7 @@ impl Rain {
         let mut app = app(assets);
         let mut surfaces = Vec::new();
         for (i, model) in models.iter().enumerate() {
-            let file = morph_collision_workspace::app::locate(model)?;
+            let file = locate(model)?;
             let meshes = gltf_read::read_meshes(&file).map_err(|error| ExampleError::Read(error.to_string()))?;
             let place = Transform::from_xyz(8.0 * i as f32 - 4.0 * (models.len() - 1) as f32, 0.0, 0.0);
             surfaces.extend(spawn(&mut app, &meshes, place));

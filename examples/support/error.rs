@@ -45,7 +45,9 @@ pub enum ExampleError {
     #[error("no display here for a window: --screenshots DIR draws without one")]
     NoDisplay,
     /// Nothing is there to draw with.
-    #[error("no graphics driver here; one that needs no GPU will do (Debian: apt install mesa-vulkan-drivers libvulkan1)")]
+    #[error(
+        "no graphics driver here; one that needs no GPU will do (Debian: apt install mesa-vulkan-drivers libvulkan1)"
+    )]
     NoDriver,
     /// Drawing was asked for, and is not built.
     #[error("built without the feature that draws: cargo run --release --features render --example {0}")]

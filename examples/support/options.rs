@@ -21,6 +21,9 @@ pub struct ViewOptions {
     /// Besides, write an animated picture of these frames: first, last, and how many to go on by.
     #[arg(long, value_name = "FIRST..LAST:STEP", requires = "screenshots", value_parser = parse_animation)]
     pub animate: Option<Animation>,
+    /// Draw bounding volumes, those this deep below the root.
+    #[arg(long, value_name = "LEVEL")]
+    pub volumes: Option<usize>,
     /// Leave out the panel.
     #[arg(long)]
     pub bare: bool,

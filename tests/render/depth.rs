@@ -18,7 +18,9 @@ fn the_overlay_lies_on_the_drawn_surface() {
     let show = scene(EYE, |app| {
         app.add_systems(
             Startup,
-            |mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>| {
+            |mut commands: Commands,
+             mut meshes: ResMut<Assets<Mesh>>,
+             mut materials: ResMut<Assets<StandardMaterial>>| {
                 let mesh = pass_through_body_at(4);
                 for (side, weights) in [(-1.0, vec![0.7, 0.2]), (1.0, vec![0.1, 0.6])] {
                     let drawn = drawn(&mesh, weights, &mut meshes, &mut materials);
@@ -39,6 +41,12 @@ fn the_overlay_lies_on_the_drawn_surface() {
     assert!(on_it > 200, "{on_it} pixels of overlay");
     println!("{on_it} pixels of overlay on the surface, {nearer} before it, {farther} behind");
     // Where the bodies meet at a small angle, a little makes a difference to what the other body covers.
-    assert!(on_it.abs_diff(nearer) * 20 < nearer, "{on_it} on the surface, {nearer} before it");
-    assert!(farther * 50 < on_it, "{farther} pixels are seen through the surface, of {on_it}");
+    assert!(
+        on_it.abs_diff(nearer) * 20 < nearer,
+        "{on_it} on the surface, {nearer} before it"
+    );
+    assert!(
+        farther * 50 < on_it,
+        "{farther} pixels are seen through the surface, of {on_it}"
+    );
 }

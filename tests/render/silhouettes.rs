@@ -1,8 +1,8 @@
 //! The shape on the screen is the shape that the core means.
 
+use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use bevy::ecs::system::RunSystemOnce;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::{dolphin, pass_through_body_at};
 use morph_collision_workspace::view::stage::StageCamera;
@@ -13,23 +13,39 @@ const SIZE: (u32, u32) = (480, 360);
 
 /// Draws a mesh at weights that it has from the start, and compares what is drawn with what the core says, both ways.
 fn compare(mesh: MorphMesh, weights: &[f32], eye: Vec3, place: Transform) {
+    compare_once_seen(mesh, weights, eye, place, Visibility::Visible);
+}
+
+/// The same with a mesh that is hidden for its first frames if `first` says so.
+fn compare_once_seen(mesh: MorphMesh, weights: &[f32], eye: Vec3, place: Transform, first: Visibility) {
     let _alone = alone();
     let own = weights.to_vec();
     let show = scene(eye, move |app| {
         app.add_systems(
             Startup,
-            move |mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>| {
+            move |mut commands: Commands,
+                  mut meshes: ResMut<Assets<Mesh>>,
+                  mut materials: ResMut<Assets<StandardMaterial>>| {
                 let drawn = drawn(&mesh, own.clone(), &mut meshes, &mut materials);
-                commands.spawn((drawn, MorphCollider::default(), place));
+                commands.spawn((drawn, MorphCollider::default(), place, first));
             },
         );
     });
     let mut show = offscreen(show, SIZE);
-    show.advance(1);
+    show.advance(3);
+    let appear = |mut hidden: Query<&mut Visibility, With<MorphCollider>>| {
+        hidden
+            .iter_mut()
+            .for_each(|mut visibility| *visibility = Visibility::Visible);
+    };
+    show.app_mut().world_mut().run_system_once(appear).unwrap();
+    show.advance(3);
     let picture = show.picture().unwrap();
 
     let near = |x: f32, y: f32| {
-        let around = |v: f32, size: u32| (v.floor() as i64 - 1..=v.floor() as i64 + 1).map(move |v| v.clamp(0, i64::from(size) - 1) as u32);
+        let around = |v: f32, size: u32| {
+            (v.floor() as i64 - 1..=v.floor() as i64 + 1).map(move |v| v.clamp(0, i64::from(size) - 1) as u32)
+        };
         around(x, SIZE.0).flat_map(move |x| around(y, SIZE.1).map(move |y| (x, y)))
     };
     let (vertices, pixels) = show
@@ -49,7 +65,9 @@ fn compare(mesh: MorphMesh, weights: &[f32], eye: Vec3, place: Transform) {
                 let mut pixels = Vec::new();
                 for y in 0..SIZE.1 {
                     for x in 0..SIZE.0 {
-                        let ray = camera.viewport_to_world(eye, Vec2::new(x as f32 + 0.5, y as f32 + 0.5)).unwrap();
+                        let ray = camera
+                            .viewport_to_world(eye, Vec2::new(x as f32 + 0.5, y as f32 + 0.5))
+                            .unwrap();
                         let hit = spatial.cast_ray(ray.origin, ray.direction, 100.0, &MorphQueryFilter::default());
                         pixels.push(((x, y), hit.unwrap().is_some()));
                     }
@@ -69,7 +87,10 @@ fn compare(mesh: MorphMesh, weights: &[f32], eye: Vec3, place: Transform) {
     for ((x, y), hit) in pixels {
         let (px, py) = (x as f32 + 0.5, y as f32 + 0.5);
         let says = |wanted: bool| near(px, py).any(|(x, y)| is_drawn(&picture, x, y) == wanted);
-        assert!(says(hit), "pixel {x} {y}: the core says {hit}, and nothing around it is drawn so");
+        assert!(
+            says(hit),
+            "pixel {x} {y}: the core says {hit}, and nothing around it is drawn so"
+        );
         covered += u32::from(hit);
     }
     assert!(covered > 2000, "the model covers {covered} pixels");
@@ -90,5 +111,24 @@ fn a_dolphin_in_a_stroke_turned_and_stretched() {
 
 #[test]
 fn weights_below_zero_and_above_one() {
-    compare(pass_through_body_at(3), &[1.7, -0.4], Vec3::new(0.0, 1.0, 4.0), Transform::default());
+    compare(
+        pass_through_body_at(3),
+        &[1.7, -0.4],
+        Vec3::new(0.0, 1.0, 4.0),
+        Transform::default(),
+    );
+}
+
+/// Bevy 0.20 draws such a mesh at rest; `MorphBoundsPlugin` mends it.
+#[test]
+fn what_comes_into_view_later_is_drawn_as_it_is_morphed() {
+    let eye = Vec3::new(0.0, 1.0, 4.0);
+    let star = [1.0, 0.0];
+    compare_once_seen(
+        pass_through_body_at(3),
+        &star,
+        eye,
+        Transform::default(),
+        Visibility::Hidden,
+    );
 }

@@ -71,7 +71,10 @@ pub(crate) fn is_red(picture: &RgbImage, x: u32, y: u32) -> bool {
 
 /// How many pixels are so.
 pub(crate) fn count(picture: &RgbImage, is: impl Fn(&RgbImage, u32, u32) -> bool) -> usize {
-    picture.enumerate_pixels().filter(|&(x, y, _)| is(picture, x, y)).count()
+    picture
+        .enumerate_pixels()
+        .filter(|&(x, y, _)| is(picture, x, y))
+        .count()
 }
 
 /// Where the show is.

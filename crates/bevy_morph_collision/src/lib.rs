@@ -58,6 +58,8 @@
 //! (`RenderAssetUsages::MAIN_WORLD`, which is the default) with uncompressed positions. Data that cannot be used is
 //! logged once as an error with the mesh's and the entity's name, and only that entity is left out.
 #![forbid(unsafe_code)]
+// docs.rs says which feature has what.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 // Systems say in their parameters what they ask for.
 #![allow(clippy::type_complexity, clippy::too_many_arguments)]
 

@@ -70,6 +70,8 @@
 //! by the body's affine; see [`WorldFromModel::transform_point`]. Over those vertices the answer is exact: touching counts,
 //! coplanar and degenerate triangles are handled, and there is no epsilon. Trees and volumes change only the speed.
 #![forbid(unsafe_code)]
+// docs.rs says which feature has what.
+#![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod bounds;
 mod exact;

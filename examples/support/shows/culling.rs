@@ -63,7 +63,10 @@ pub fn culling() -> Show {
                 .init_gizmo_group::<RightBoxes>()
                 .add_systems(Startup, spawn)
                 .add_systems(Update, ((reach, sway).run_if(started), tell))
-                .add_systems(PostUpdate, boxes.after(bevy::camera::visibility::VisibilitySystems::CheckVisibility))
+                .add_systems(
+                    PostUpdate,
+                    boxes.after(bevy::camera::visibility::VisibilitySystems::CheckVisibility),
+                )
                 .add_systems(PreUpdate, split);
         }),
     }
@@ -73,7 +76,12 @@ pub fn culling() -> Show {
 fn arm() -> MorphMesh {
     let mut mesh = pass_through_body_at(4);
     let directions: Vec<Vec3> = mesh.positions.iter().map(|p| p.normalize_or_zero()).collect();
-    mesh.targets = vec![directions.iter().map(|n| Vec3::NEG_X * 4.0 * (-n.x).max(0.0).powi(8)).collect()];
+    mesh.targets = vec![
+        directions
+            .iter()
+            .map(|n| Vec3::NEG_X * 4.0 * (-n.x).max(0.0).powi(8))
+            .collect(),
+    ];
     mesh.target_names = vec!["reach".into()];
     mesh.positions = directions.iter().map(|n| 0.45 * *n).collect();
     mesh
@@ -174,11 +182,7 @@ fn sway(mut arms: Query<(&Arm, &mut Transform)>, clock: Res<Clock>) {
     }
 }
 
-fn boxes(
-    arms: Query<(&Half, &Aabb, &GlobalTransform)>,
-    mut left: Gizmos<LeftBoxes>,
-    mut right: Gizmos<RightBoxes>,
-) {
+fn boxes(arms: Query<(&Half, &Aabb, &GlobalTransform)>, mut left: Gizmos<LeftBoxes>, mut right: Gizmos<RightBoxes>) {
     for (half, aabb, place) in &arms {
         let cube = Transform::from_translation(aabb.center.into()).with_scale((2.0 * aabb.half_extents).into());
         match half {
@@ -190,8 +194,14 @@ fn boxes(
 
 fn tell(arms: Query<(&Half, &ViewVisibility)>, mut notes: ResMut<Notes>) {
     let drawn = |wanted: Half| {
-        let seen = arms.iter().filter(|(half, visible)| **half == wanted && visible.get()).count();
+        let seen = arms
+            .iter()
+            .filter(|(half, visible)| **half == wanted && visible.get())
+            .count();
         format!("{seen} of {ARMS}")
     };
-    notes.0 = vec![("drawn, left", drawn(Half::Bevys)), ("drawn, right", drawn(Half::Repaired))];
+    notes.0 = vec![
+        ("drawn, left", drawn(Half::Bevys)),
+        ("drawn, right", drawn(Half::Repaired)),
+    ];
 }

@@ -43,14 +43,19 @@ pub fn dolphins(model: &Path, count: usize, foreign: bool) -> Show {
         name: "dolphins",
         about: "Dolphins, morphed by the GPU, swim as a group. Touching triangles are red.",
         keys: &[],
-        eye: Vec3::new(1.2, 1.15, 2.5),
+        eye: Vec3::new(1.35, 1.3, 2.95),
         target: Vec3::new(0.0, -0.1, 0.0),
         pictures: &[60, 160, 250, 340],
         scene: Box::new(move |app| {
             let fit = (Vec3::ZERO, 1.0);
-            app.insert_resource(Group { model, count, foreign, fit })
-                .add_systems(Startup, load)
-                .add_systems(Update, (spawn, (fit_lanes, swim, wave).chain().run_if(started)));
+            app.insert_resource(Group {
+                model,
+                count,
+                foreign,
+                fit,
+            })
+            .add_systems(Startup, load)
+            .add_systems(Update, (spawn, (fit_lanes, swim, wave).chain().run_if(started)));
         }),
     }
 }
@@ -114,7 +119,10 @@ fn fit_lanes(
     let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
     for (bounds, place, above) in &parts {
         let roots = std::iter::once(above.parent()).chain(parents.iter_ancestors(above.parent()));
-        let Some((_, root)) = roots.filter_map(|root| dolphins.get(root).ok()).find(|(dolphin, _)| dolphin.0 == 0) else {
+        let Some((_, root)) = roots
+            .filter_map(|root| dolphins.get(root).ok())
+            .find(|(dolphin, _)| dolphin.0 == 0)
+        else {
             continue;
         };
         let root_from_part = root.affine().inverse() * place.affine();
@@ -162,7 +170,10 @@ fn wave(
         if above.iter().any(|&entity| playing.contains(entity)) {
             continue;
         }
-        let index = above.iter().find_map(|&entity| dolphins.get(entity).ok()).map_or(0, |dolphin| dolphin.0);
+        let index = above
+            .iter()
+            .find_map(|&entity| dolphins.get(entity).ok())
+            .map_or(0, |dolphin| dolphin.0);
         let seconds = clock.frame as f32 / 60.0;
         for (target, weight) in weights.weights_mut().iter_mut().enumerate() {
             *weight = waves::wave(target, index, seconds);

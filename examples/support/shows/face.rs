@@ -28,6 +28,13 @@ const SPEECH: [(&str, f32, f32, f32); 8] = [
     ("eyeBlinkRight", 0.4, 0.3, 1.0),
 ];
 
+/// Skin, tongue, and what is left: eyes and teeth.
+const PIECES: [Color; 3] = [
+    Color::srgb(0.87, 0.7, 0.61),
+    Color::srgb(0.72, 0.42, 0.45),
+    Color::srgb(0.96, 0.94, 0.9),
+];
+
 /// How high the head is.
 const SIZE: f32 = 2.0;
 
@@ -38,11 +45,14 @@ pub fn face() -> Show {
         name: "face",
         about: "A head with eyes, teeth and tongue, 52 morph targets. Where it runs into itself is red.",
         keys: &[("click", "sticks a pin to the skin"), ("X", "removes the pins")],
-        eye: Vec3::new(0.7, -0.15, 2.6),
-        target: Vec3::new(0.0, -0.15, 0.0),
+        eye: Vec3::new(0.6, 0.1, 2.9),
+        target: Vec3::new(-0.1, 0.0, 0.0),
         pictures: &[30, 60, 90, 140],
         scene: Box::new(|app| {
-            let cues = PINS.iter().zip((1..).step_by(3)).map(|(&at, frame)| Cue { frame, at, click: true });
+            let cues = PINS
+                .iter()
+                .zip((1..).step_by(3))
+                .map(|(&at, frame)| Cue { frame, at, click: true });
             app.insert_resource(Script(cues.collect()))
                 .add_systems(Startup, spawn)
                 .add_systems(Update, (speak.run_if(started), remove_pins))
@@ -60,14 +70,13 @@ pub fn face() -> Show {
 /// Where pins are stuck in pictures: cheeks, chin, brow.
 const PINS: [Vec3; 4] = [
     Vec3::new(0.32, -0.2, 0.7),
-    Vec3::new(-0.32, -0.2, 0.7),
-    Vec3::new(0.0, -0.72, 0.8),
+    Vec3::new(-0.22, -0.2, 0.75),
+    Vec3::new(0.0, -0.52, 0.8),
     Vec3::new(0.2, 0.35, 0.8),
 ];
 
 fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
     let skin = StandardMaterial {
-        base_color: Color::srgb(0.87, 0.7, 0.61),
         perceptual_roughness: 0.65,
         double_sided: true,
         cull_mode: None,
@@ -78,6 +87,7 @@ fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
             model: assets.load("mh_head_eyes_teeth_arkit52.glb"),
             size: SIZE,
             material: skin,
+            pieces: &PIECES,
             dress: |part| {
                 part.insert((MorphCollider::new(CollisionMode::Passive), SelfTouching::default()));
             },
@@ -88,7 +98,11 @@ fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
     ));
 }
 
-fn speak(mut faces: Query<(&Mesh3d, &mut MeshMorphWeights), With<ModelPart>>, meshes: Res<Assets<Mesh>>, clock: Res<Clock>) {
+fn speak(
+    mut faces: Query<(&Mesh3d, &mut MeshMorphWeights), With<ModelPart>>,
+    meshes: Res<Assets<Mesh>>,
+    clock: Res<Clock>,
+) {
     let seconds = clock.frame as f32 / 60.0;
     for (mesh, mut weights) in &mut faces {
         let names = meshes.get(&mesh.0).and_then(Mesh::morph_target_names);
@@ -96,7 +110,10 @@ fn speak(mut faces: Query<(&Mesh3d, &mut MeshMorphWeights), With<ModelPart>>, me
             continue;
         };
         for (target, cycles, phase, highest) in SPEECH {
-            let slot = names.iter().position(|name| name == target).and_then(|slot| weights.get_mut(slot));
+            let slot = names
+                .iter()
+                .position(|name| name == target)
+                .and_then(|slot| weights.get_mut(slot));
             if let Some(weight) = slot {
                 *weight = highest * (TAU * (cycles * seconds - phase)).sin().max(0.0);
             }
@@ -142,25 +159,31 @@ fn stick_pin(
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut commands: Commands,
 ) {
-    let Some(pick) = click.hit.extra_as::<MorphPick>().filter(|_| parts.contains(click.entity)) else {
+    let Some(pick) = click
+        .hit
+        .extra_as::<MorphPick>()
+        .filter(|_| parts.contains(click.entity))
+    else {
         return;
     };
     const LENGTH: f32 = 0.16;
     let anchor = MorphSurfaceAnchor::new(click.entity, pick.triangle, pick.barycentrics);
     let blue = materials.add(Color::srgb(0.15, 0.35, 0.85));
     // +Y is the way out of the surface.
-    commands.spawn((Pin, anchor, Visibility::default())).with_children(|pin| {
-        pin.spawn((
-            Mesh3d(meshes.add(Cylinder::new(0.008, LENGTH))),
-            MeshMaterial3d(blue.clone()),
-            Transform::from_xyz(0.0, 0.5 * LENGTH, 0.0),
-        ));
-        pin.spawn((
-            Mesh3d(meshes.add(Sphere::new(0.03))),
-            MeshMaterial3d(blue.clone()),
-            Transform::from_xyz(0.0, LENGTH, 0.0),
-        ));
-    });
+    commands
+        .spawn((Pin, anchor, Visibility::default()))
+        .with_children(|pin| {
+            pin.spawn((
+                Mesh3d(meshes.add(Cylinder::new(0.008, LENGTH))),
+                MeshMaterial3d(blue.clone()),
+                Transform::from_xyz(0.0, 0.5 * LENGTH, 0.0),
+            ));
+            pin.spawn((
+                Mesh3d(meshes.add(Sphere::new(0.03))),
+                MeshMaterial3d(blue.clone()),
+                Transform::from_xyz(0.0, LENGTH, 0.0),
+            ));
+        });
 }
 
 fn remove_pins(keys: Res<ButtonInput<KeyCode>>, pins: Query<Entity, With<Pin>>, mut commands: Commands) {

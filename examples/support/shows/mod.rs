@@ -13,5 +13,5 @@ pub use culling::culling;
 pub use dolphins::dolphins;
 pub use face::face;
 pub use pass_through::pass_through;
-pub use physics::physics;
+pub use physics::{Rain, physics};
 pub use picking::picking;

@@ -43,11 +43,7 @@ fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
     }
 }
 
-fn pass(
-    mut bodies: Query<(&Side, &mut Transform)>,
-    mut weights: Query<&mut MorphWeights>,
-    clock: Res<Clock>,
-) {
+fn pass(mut bodies: Query<(&Side, &mut Transform)>, mut weights: Query<&mut MorphWeights>, clock: Res<Clock>) {
     let steps = way::STEPS * FRACTIONS;
     let step = clock.fractions() % steps;
     let places = way::placements(step, steps);

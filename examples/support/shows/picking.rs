@@ -21,8 +21,8 @@ pub fn picking() -> Show {
         name: "picking",
         about: "Point at a model: the arrow stands on the triangle that is hit, as it is morphed now.",
         keys: &[("click", "paints the model")],
-        eye: Vec3::new(0.0, 0.5, 5.6),
-        target: Vec3::new(0.0, -0.1, 0.0),
+        eye: Vec3::new(0.2, 0.5, 5.6),
+        target: Vec3::new(0.2, -0.1, 0.0),
         pictures: &[20, 60, 100],
         scene: Box::new(|app| {
             let cue = |frame, x, y, click| Cue {
@@ -31,9 +31,9 @@ pub fn picking() -> Show {
                 click,
             };
             app.insert_resource(Script(vec![
-                cue(18, -2.1, 0.0, false),
-                cue(58, 0.2, -0.2, true),
-                cue(98, 2.0, 0.2, false),
+                cue(18, -1.6, 0.0, false),
+                cue(56, 0.6, 0.3, true),
+                cue(98, 2.5, 0.2, false),
             ]))
             .init_resource::<Under>()
             .add_systems(Startup, spawn)
@@ -74,18 +74,22 @@ fn spawn(
             collider: MorphCollider::new(CollisionMode::Passive),
             ..default()
         },
-        Transform::from_xyz(-2.1, 0.0, 0.0).with_rotation(Quat::from_rotation_y(0.9)),
+        Transform::from_xyz(-1.6, 0.0, 0.0).with_rotation(Quat::from_rotation_y(0.9)),
     ));
     let models = [
-        ("pass_through_20480.glb", 0.1, Color::srgb(0.45, 0.62, 0.5)),
-        ("mh_head_eyes_teeth_arkit52.glb", 2.1, Color::srgb(0.85, 0.68, 0.6)),
+        ("pass_through_20480.glb", 0.5, Color::srgb(0.45, 0.62, 0.5)),
+        ("mh_head_eyes_teeth_arkit52.glb", 2.4, Color::srgb(0.85, 0.68, 0.6)),
     ];
     for (file, x, base_color) in models {
         commands.spawn((
             ModelRoot {
                 model: assets.load(file),
                 size: 1.8,
-                material: StandardMaterial { base_color, ..default() },
+                material: StandardMaterial {
+                    base_color,
+                    ..default()
+                },
+                pieces: &[],
                 dress: |part| {
                     part.insert(MorphCollider::new(CollisionMode::Passive));
                 },
@@ -96,21 +100,26 @@ fn spawn(
         ));
     }
     let blue = materials.add(Color::srgb(0.1, 0.3, 0.9));
-    commands.spawn((Arrow, Visibility::Hidden, Transform::default())).with_children(|arrow| {
-        let tip = Cone { radius: 0.05, height: 0.15 };
-        arrow.spawn((
-            Mesh3d(meshes.add(tip)),
-            MeshMaterial3d(blue.clone()),
-            Transform::from_xyz(0.0, 0.075, 0.0).with_rotation(Quat::from_rotation_x(std::f32::consts::PI)),
-            Pickable::IGNORE,
-        ));
-        arrow.spawn((
-            Mesh3d(meshes.add(Cylinder::new(0.015, 0.3))),
-            MeshMaterial3d(blue.clone()),
-            Transform::from_xyz(0.0, 0.3, 0.0),
-            Pickable::IGNORE,
-        ));
-    });
+    commands
+        .spawn((Arrow, Visibility::Hidden, Transform::default()))
+        .with_children(|arrow| {
+            let tip = Cone {
+                radius: 0.05,
+                height: 0.15,
+            };
+            arrow.spawn((
+                Mesh3d(meshes.add(tip)),
+                MeshMaterial3d(blue.clone()),
+                Transform::from_xyz(0.0, 0.075, 0.0).with_rotation(Quat::from_rotation_x(std::f32::consts::PI)),
+                Pickable::IGNORE,
+            ));
+            arrow.spawn((
+                Mesh3d(meshes.add(Cylinder::new(0.015, 0.3))),
+                MeshMaterial3d(blue.clone()),
+                Transform::from_xyz(0.0, 0.3, 0.0),
+                Pickable::IGNORE,
+            ));
+        });
 }
 
 fn wobble(mut models: Query<&mut MeshMorphWeights, With<ModelPart>>, clock: Res<Clock>) {
@@ -122,7 +131,11 @@ fn wobble(mut models: Query<&mut MeshMorphWeights, With<ModelPart>>, clock: Res<
     }
 }
 
-fn moved(moved: On<PointerMove>, mut under: ResMut<Under>) {
+fn moved(moved: On<PointerMove>, colliders: Query<(), With<MorphCollider>>, mut under: ResMut<Under>) {
+    // What is above it in the hierarchy hears of it, too.
+    if !colliders.contains(moved.entity) {
+        return;
+    }
     let hit = &moved.hit;
     if let (Some(pick), Some(at), Some(normal)) = (hit.extra_as::<MorphPick>(), hit.position, hit.normal) {
         under.0 = Some(Hit {
@@ -160,19 +173,30 @@ fn point(
     mut notes: ResMut<Notes>,
 ) {
     let (place, visibility) = &mut *arrow;
-    let Some(Hit { entity, pick, at, normal }) = &under.0 else {
+    let Some(Hit {
+        entity,
+        pick,
+        at,
+        normal,
+    }) = &under.0
+    else {
         **visibility = Visibility::Hidden;
         notes.0 = vec![("pointed at", "nothing".into())];
         return;
     };
     **visibility = Visibility::Visible;
     **place = Transform::from_translation(*at).with_rotation(Quat::from_rotation_arc(Vec3::Y, *normal));
-    let name = names.get(*entity).map_or_else(|_| entity.to_string(), ToString::to_string);
+    let name = names
+        .get(*entity)
+        .map_or_else(|_| entity.to_string(), ToString::to_string);
     let [u, v, w] = pick.barycentrics.to_array();
     notes.0 = vec![
         ("pointed at", name),
         ("triangle", pick.triangle.to_string()),
         ("barycentrics", format!("{u:.2} {v:.2} {w:.2}")),
-        ("uv", pick.uv.map_or("none".into(), |uv| format!("{:.2} {:.2}", uv.x, uv.y))),
+        (
+            "uv",
+            pick.uv.map_or("none".into(), |uv| format!("{:.2} {:.2}", uv.x, uv.y)),
+        ),
     ];
 }

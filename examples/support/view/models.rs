@@ -11,6 +11,7 @@ use bevy::world_serialization::WorldInstanceReady;
 use bevy_morph_collision::morph_collision::{BuildOptions, MorphBvh, Pose};
 use morph_collision_testkit::gltf_read::{self, ReadError};
 use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::models::topology::components;
 use std::sync::Arc;
 
 use super::clock::{Pending, Trouble, started};
@@ -115,6 +116,8 @@ pub struct ModelRoot {
     pub size: f32,
     /// What they are drawn with.
     pub material: StandardMaterial,
+    /// Colours on top of that for connected pieces, from the largest piece to the smallest; the last is for all that are left.
+    pub pieces: &'static [Color],
     /// Adds to each what the show wants.
     pub dress: fn(&mut EntityCommands),
 }
@@ -145,8 +148,18 @@ fn place_models(
             let weights = MeshMorphWeights::Value {
                 weights: vec![0.0; mesh.targets.len()],
             };
-            let drawn = (Mesh3d(meshes.add(with_normals(mesh))), MeshMorphWeights::clone(&weights));
-            let mut part = commands.spawn((ModelPart, name, drawn, MeshMaterial3d(material.clone()), place, ChildOf(root)));
+            let drawn = (
+                Mesh3d(meshes.add(painted(mesh, wanted.pieces))),
+                MeshMorphWeights::clone(&weights),
+            );
+            let mut part = commands.spawn((
+                ModelPart,
+                name,
+                drawn,
+                MeshMaterial3d(material.clone()),
+                place,
+                ChildOf(root),
+            ));
             (wanted.dress)(&mut part);
         }
         commands.entity(root).remove::<Pending>();
@@ -176,6 +189,26 @@ pub fn with_normals(mesh: &MorphMesh) -> Mesh {
     bevy
 }
 
+/// With normals, and each connected piece in its colour.
+fn painted(mesh: &MorphMesh, colors: &[Color]) -> Mesh {
+    let bevy = with_normals(mesh);
+    let Some(last) = colors.last() else {
+        return bevy;
+    };
+    let mut pieces = components(mesh.positions.len(), &mesh.triangles);
+    pieces.sort_by_key(|piece| std::cmp::Reverse(piece.len()));
+    let mut painted = vec![LinearRgba::WHITE.to_f32_array(); mesh.positions.len()];
+    for (i, piece) in pieces.iter().enumerate() {
+        let color = colors.get(i).unwrap_or(last).to_linear().to_f32_array();
+        for &triangle in piece {
+            for &corner in &mesh.triangles[triangle] {
+                painted[corner as usize] = color;
+            }
+        }
+    }
+    bevy.with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, painted)
+}
+
 /// At rest, and at full weight of each target.
 fn normals(mesh: &MorphMesh) -> Option<(Vec<Vec3>, Vec<Vec<Vec3>>)> {
     let model = Arc::new(mesh.to_model().ok()?);
@@ -193,7 +226,9 @@ fn normals(mesh: &MorphMesh) -> Option<(Vec<Vec3>, Vec<Vec<Vec3>>)> {
         Some(normals.into_iter().map(drawn).collect::<Vec<_>>())
     };
     let base = of(None)?;
-    let targets = (0..mesh.targets.len()).map(|target| of(Some(target))).collect::<Option<_>>()?;
+    let targets = (0..mesh.targets.len())
+        .map(|target| of(Some(target)))
+        .collect::<Option<_>>()?;
     Some((base, targets))
 }
 

@@ -44,7 +44,12 @@ impl Offscreen {
         let target = app
             .world_mut()
             .resource_mut::<Assets<Image>>()
-            .add(Image::new_target_texture(size.0, size.1, TextureFormat::Rgba8UnormSrgb, None));
+            .add(Image::new_target_texture(
+                size.0,
+                size.1,
+                TextureFormat::Rgba8UnormSrgb,
+                None,
+            ));
         let place = Place::Image {
             target: target.clone(),
             bare,
@@ -66,6 +71,12 @@ impl Offscreen {
             self.app.update();
         }
         self.set_step(Duration::ZERO);
+    }
+
+    /// Goes on with another frame, leaving out those before it: what moves by the [`Clock`] is where it would be then; what has
+    /// moved step by step, as physics, is where it was.
+    pub fn jump(&mut self, frame: u32) {
+        self.app.world_mut().resource_mut::<Clock>().frame = f64::from(frame);
     }
 
     /// What is drawn now.

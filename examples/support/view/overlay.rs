@@ -55,11 +55,14 @@ pub(super) fn plugin(app: &mut App) {
         )
         .add_systems(Startup, spawn)
         .add_systems(PostUpdate, draw.in_set(OverlaySystems))
-        .add_systems(Update, |keys: Res<ButtonInput<KeyCode>>, mut overlay: ResMut<Overlay>| {
-            if keys.just_pressed(KeyCode::KeyT) {
-                overlay.shown = !overlay.shown;
-            }
-        });
+        .add_systems(
+            Update,
+            |keys: Res<ButtonInput<KeyCode>>, mut overlay: ResMut<Overlay>| {
+                if keys.just_pressed(KeyCode::KeyT) {
+                    overlay.shown = !overlay.shown;
+                }
+            },
+        );
 }
 
 fn spawn(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
@@ -104,7 +107,11 @@ fn draw(
             }
         }
         for (entity, SelfTouching(pairs)) in &itself {
-            touching.extend(pairs.iter().flat_map(|pair| [(entity, pair.triangle_a), (entity, pair.triangle_b)]));
+            touching.extend(
+                pairs
+                    .iter()
+                    .flat_map(|pair| [(entity, pair.triangle_a), (entity, pair.triangle_b)]),
+            );
         }
     }
     let mut spatial = access.p0();
@@ -119,7 +126,11 @@ fn draw(
 
     let (mut meshes, mut drawn) = access.p1();
     let (mesh, visibility) = &mut *drawn;
-    let wanted = if corners.is_empty() { Visibility::Hidden } else { Visibility::Visible };
+    let wanted = if corners.is_empty() {
+        Visibility::Hidden
+    } else {
+        Visibility::Visible
+    };
     visibility.set_if_neq(wanted);
     if wanted == Visibility::Visible
         && let Some(mut asset) = meshes.get_mut(&mesh.0)

@@ -81,10 +81,12 @@ fn panel(
             ui.separator();
             rows(ui, "notes", notes.0.iter().map(|(name, value)| (*name, value.clone())));
             rows(ui, "counts", counts(&diagnostics, &bill, &real));
-            egui::CollapsingHeader::new("keys").default_open(bill.live).show(ui, |ui| {
-                let own = bill.keys.iter().chain(&KEYS);
-                rows(ui, "keys", own.map(|&(key, what)| (key, what.to_owned())));
-            });
+            egui::CollapsingHeader::new("keys")
+                .default_open(bill.live)
+                .show(ui, |ui| {
+                    let own = bill.keys.iter().chain(&KEYS);
+                    rows(ui, "keys", own.map(|&(key, what)| (key, what.to_owned())));
+                });
         });
     Ok(())
 }
@@ -104,7 +106,9 @@ fn time_row(ui: &mut egui::Ui, bill: &Playbill, clock: &mut Clock, time: &mut Ti
     });
     if bill.live {
         let mut speed = time.relative_speed();
-        let slider = egui::Slider::new(&mut speed, 0.0625..=4.0).logarithmic(true).text("speed");
+        let slider = egui::Slider::new(&mut speed, 0.0625..=4.0)
+            .logarithmic(true)
+            .text("speed");
         if ui.add(slider).changed() {
             time.set_relative_speed(speed);
         }
@@ -115,7 +119,13 @@ fn volumes_row(ui: &mut egui::Ui, store: &mut GizmoConfigStore) {
     let current = store.config::<MorphGizmos>().1.depth;
     let mut level = current.map_or(-1, |depth| depth as i32);
     let slider = egui::Slider::new(&mut level, -1..=DEEPEST as i32).text("volumes");
-    let shown = slider.custom_formatter(|level, _| if level < 0.0 { "none".into() } else { format!("level {level}") });
+    let shown = slider.custom_formatter(|level, _| {
+        if level < 0.0 {
+            "none".into()
+        } else {
+            format!("level {level}")
+        }
+    });
     if ui.add(shown).changed() {
         store.config_mut::<MorphGizmos>().1.depth = usize::try_from(level).ok();
     }
@@ -135,11 +145,7 @@ fn weights(ui: &mut egui::Ui, sliders: &mut Sliders) {
 }
 
 /// What was done, and what was skipped, in this frame. In pictures, nothing that depends on the machine.
-fn counts(
-    diagnostics: &MorphCollisionDiagnostics,
-    bill: &Playbill,
-    real: &Time<Real>,
-) -> Vec<(&'static str, String)> {
+fn counts(diagnostics: &MorphCollisionDiagnostics, bill: &Playbill, real: &Time<Real>) -> Vec<(&'static str, String)> {
     let stats = &diagnostics.stats;
     let share = 100.0 * stats.volumes_blended as f64 / diagnostics.nodes_total.max(1) as f64;
     let skipped = [
@@ -154,14 +160,23 @@ fn counts(
         ("skipped by rule", format!("{} pairs", skipped.iter().sum::<u64>())),
         ("skipped, unchanged", format!("{} pairs", diagnostics.skipped_unchanged)),
         ("touching", format!("{} pairs", diagnostics.touching_pairs)),
-        ("nodes refitted", format!("{} of {} ({share:.1} %)", stats.volumes_blended, diagnostics.nodes_total)),
+        (
+            "nodes refitted",
+            format!(
+                "{} of {} ({share:.1} %)",
+                stats.volumes_blended, diagnostics.nodes_total
+            ),
+        ),
         ("vertices blended", stats.vertices_blended.to_string()),
         ("exact tests", stats.triangle_tests.to_string()),
         ("touching triangles", format!("{} pairs", diagnostics.triangle_pairs)),
     ];
     if bill.live {
         let frame = real.delta_secs_f64() * 1e3;
-        counts.push(("collision time", format!("{:.2} ms", diagnostics.duration.as_secs_f64() * 1e3)));
+        counts.push((
+            "collision time",
+            format!("{:.2} ms", diagnostics.duration.as_secs_f64() * 1e3),
+        ));
         counts.push(("frame time", format!("{frame:.1} ms")));
     }
     counts

@@ -5,23 +5,29 @@ use std::io::BufWriter;
 use std::path::Path;
 use std::time::Duration;
 
+use bevy::app::App;
 use image::codecs::gif::{GifEncoder, Repeat};
 use image::{Delay, Frame, RgbImage};
 use indicatif::ProgressBar;
 
-use super::Show;
 use super::offscreen::Offscreen;
+use super::{Show, stage};
 use crate::app::STEP;
 use crate::error::ExampleError;
 use crate::options::{Animation, ViewOptions};
 
 /// Writes the pictures asked for, `NAME_FRAME.png` and `NAME.gif`, and prints their paths.
 pub(super) fn write(show: Show, options: &ViewOptions, folder: &Path) -> Result<(), ExampleError> {
-    let cannot = |path: &Path, error: &dyn std::fmt::Display| ExampleError::Picture(format!("{}: {error}", path.display()));
+    let cannot =
+        |path: &Path, error: &dyn std::fmt::Display| ExampleError::Picture(format!("{}: {error}", path.display()));
     std::fs::create_dir_all(folder).map_err(|error| cannot(folder, &error))?;
 
     let name = show.name;
-    let stills = if options.at.is_empty() { show.pictures.to_vec() } else { options.at.clone() };
+    let stills = if options.at.is_empty() {
+        show.pictures.to_vec()
+    } else {
+        options.at.clone()
+    };
     let moving = options.animate.map(frames_of).unwrap_or_default();
     let mut film = match options.animate {
         Some(_) => Some(Film::create(&folder.join(format!("{name}.gif")))?),
@@ -31,7 +37,10 @@ pub(super) fn write(show: Show, options: &ViewOptions, folder: &Path) -> Result<
     let mut wanted: Vec<u32> = stills.iter().chain(&moving).copied().collect();
     wanted.sort_unstable();
     wanted.dedup();
+    // There is one log in a program, and an off-screen show leaves it alone.
+    App::new().add_plugins(stage::log());
     let mut offscreen = Offscreen::new(show, options.size, options.bare)?;
+    stage::show_volumes(offscreen.app_mut(), options.volumes);
     let progress = ProgressBar::new(wanted.len() as u64);
     let mut now = 0;
     for frame in wanted {
@@ -57,7 +66,9 @@ pub(super) fn write(show: Show, options: &ViewOptions, folder: &Path) -> Result<
 }
 
 fn frames_of(animation: Animation) -> Vec<u32> {
-    (animation.first..=animation.last).step_by(animation.step as usize).collect()
+    (animation.first..=animation.last)
+        .step_by(animation.step as usize)
+        .collect()
 }
 
 /// An animated picture that repeats for ever.

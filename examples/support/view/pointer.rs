@@ -23,7 +23,9 @@ pub struct Cue {
     pub click: bool,
 }
 
-const POINTER: PointerId = PointerId::Custom(bevy::asset::uuid::Uuid::from_u128(0x6d6f_7270_6820_706f_696e_7465_7200_0001));
+const POINTER: PointerId = PointerId::Custom(bevy::asset::uuid::Uuid::from_u128(
+    0x6d6f_7270_6820_706f_696e_7465_7200_0001,
+));
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Script>()
@@ -52,7 +54,11 @@ fn play(
         write(location, PointerAction::Release(PointerButton::Primary));
         return;
     }
-    let Some(cue) = script.0.get(*done).filter(|cue| f64::from(cue.frame) <= clock.frame + 0.5) else {
+    let Some(cue) = script
+        .0
+        .get(*done)
+        .filter(|cue| f64::from(cue.frame) <= clock.frame + 0.5)
+    else {
         return;
     };
     *done += 1;

@@ -45,19 +45,22 @@ fn name(
         return;
     }
     *named = true;
-    let names = |mesh: &Mesh3d| meshes.get(&mesh.0).and_then(|mesh| mesh.morph_target_names().map(<[String]>::to_vec));
+    let names = |mesh: &Mesh3d| {
+        meshes
+            .get(&mesh.0)
+            .and_then(|mesh| mesh.morph_target_names().map(<[String]>::to_vec))
+    };
     let most = models.iter().filter_map(names).max_by_key(Vec::len);
     sliders.weights = most.unwrap_or_default().into_iter().map(|name| (name, 0.0)).collect();
 }
 
-fn follow(
-    mut sliders: ResMut<Sliders>,
-    mut shared: Query<&mut MorphWeights>,
-    mut own: Query<&mut MeshMorphWeights>,
-) {
+fn follow(mut sliders: ResMut<Sliders>, mut shared: Query<&mut MorphWeights>, mut own: Query<&mut MeshMorphWeights>) {
     if !sliders.in_hand {
         // They show what is played, so that a hand finds them where the model is.
-        let played = shared.iter().map(MorphWeights::weights).max_by_key(|weights| weights.len());
+        let played = shared
+            .iter()
+            .map(MorphWeights::weights)
+            .max_by_key(|weights| weights.len());
         let played = played.map(<[f32]>::to_vec).or_else(|| {
             let values = own.iter().filter_map(|weights| match weights {
                 MeshMorphWeights::Value { weights } => Some(weights.clone()),
@@ -65,7 +68,12 @@ fn follow(
             });
             values.max_by_key(Vec::len)
         });
-        for (slider, weight) in sliders.bypass_change_detection().weights.iter_mut().zip(played.unwrap_or_default()) {
+        for (slider, weight) in sliders
+            .bypass_change_detection()
+            .weights
+            .iter_mut()
+            .zip(played.unwrap_or_default())
+        {
             slider.1 = weight;
         }
         return;

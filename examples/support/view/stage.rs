@@ -1,7 +1,5 @@
 //! What every show stands on: Bevy with a renderer, the plugins of this project, a camera, light, and a background.
 
-use std::path::PathBuf;
-
 use bevy::app::{PluginGroup, TerminalCtrlCHandlerPlugin};
 use bevy::asset::AssetMetaCheck;
 use bevy::camera::{ClearColorConfig, RenderTarget};
@@ -11,8 +9,8 @@ use bevy::light::GlobalAmbientLight;
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
-use bevy::render::settings::{Backends, WgpuSettings};
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
+use bevy::render::settings::{Backends, WgpuSettings};
 use bevy::window::ExitCondition;
 use bevy::winit::WinitPlugin;
 use bevy_egui::{EguiPlugin, PrimaryEguiContext};
@@ -49,6 +47,14 @@ pub(super) enum Place {
     Image { target: Handle<Image>, bare: bool },
 }
 
+/// Only what a user can do something about; what cannot be loaded is told in another way.
+pub(super) fn log() -> LogPlugin {
+    LogPlugin {
+        filter: "error,bevy_asset=off,bevy_morph_collision=warn".into(),
+        ..LogPlugin::default()
+    }
+}
+
 /// Bevy as a game has it, with a window or without.
 pub(super) fn app(window: Option<Window>) -> App {
     let live = window.is_some();
@@ -60,14 +66,22 @@ pub(super) fn app(window: Option<Window>) -> App {
         ..AssetPlugin::default()
     };
     let windows = WindowPlugin {
-        exit_condition: if live { ExitCondition::OnPrimaryClosed } else { ExitCondition::DontExit },
+        exit_condition: if live {
+            ExitCondition::OnPrimaryClosed
+        } else {
+            ExitCondition::DontExit
+        },
         // Bevy's picking wants to know of one, even where nothing opens it.
         primary_window: window.or_else(|| Some(Window::default())),
         ..WindowPlugin::default()
     };
     let drivers = WgpuSettings {
         // Without a window nothing else is looked for; what is looked for complains.
-        backends: if live { WgpuSettings::default().backends } else { Some(Backends::PRIMARY) },
+        backends: if live {
+            WgpuSettings::default().backends
+        } else {
+            Some(Backends::PRIMARY)
+        },
         ..WgpuSettings::default()
     };
     let renderer = RenderPlugin {
@@ -76,14 +90,7 @@ pub(super) fn app(window: Option<Window>) -> App {
         synchronous_pipeline_compilation: !live,
         ..RenderPlugin::default()
     };
-    let plugins = DefaultPlugins
-        .set(assets)
-        .set(windows)
-        .set(renderer)
-        .set(LogPlugin {
-            filter: "error,bevy_asset=off,bevy_morph_collision=warn".into(),
-            ..LogPlugin::default()
-        });
+    let plugins = DefaultPlugins.set(assets).set(windows).set(renderer).set(log());
     let mut app = App::new();
     if live {
         app.add_plugins(plugins);
@@ -187,8 +194,11 @@ fn camera(commands: &mut Commands, eye: Vec3, target: Vec3, place: &Place) {
     }
 }
 
-/// The path of an asset that comes with the project.
-#[must_use]
-pub fn asset(name: &str) -> PathBuf {
-    PathBuf::from(name)
+/// Draws the bounding volumes this deep below the root; none for `None`.
+pub fn show_volumes(app: &mut App, level: Option<usize>) {
+    app.world_mut()
+        .resource_mut::<GizmoConfigStore>()
+        .config_mut::<MorphGizmos>()
+        .1
+        .depth = level;
 }

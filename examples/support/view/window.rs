@@ -21,6 +21,7 @@ pub(super) fn run(show: Show, options: &ViewOptions) -> Result<(), ExampleError>
     };
     let mut app = stage::app(Some(window));
     stage::set(&mut app, show, Place::Window);
+    stage::show_volumes(&mut app, options.volumes);
     app.add_systems(Last, give_up);
     app.run();
     match app.world().get_resource::<Trouble>() {
@@ -38,5 +39,8 @@ fn give_up(trouble: Option<Res<Trouble>>, mut exit: MessageWriter<AppExit>) {
 
 /// Whether a window can be opened. Elsewhere than on Linux there always is a display.
 fn has_display() -> bool {
-    !cfg!(target_os = "linux") || ["WAYLAND_DISPLAY", "DISPLAY"].iter().any(|name| std::env::var_os(name).is_some())
+    !cfg!(target_os = "linux")
+        || ["WAYLAND_DISPLAY", "DISPLAY"]
+            .iter()
+            .any(|name| std::env::var_os(name).is_some())
 }

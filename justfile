@@ -62,11 +62,15 @@ pictures:
     set -euo pipefail
     draw() { cargo run --quiet --release --features render --example "$1" -- --screenshots docs/pictures "${@:2}"; }
     draw dolphins --triangles 2256 --bare --size 432x243 --at 60 --animate 0..394:6
-    draw dolphins --triangles 9024 --bare --size 960x540
+    draw dolphins --triangles 2256 --bare --size 960x540
     draw pass_through --bare --size 480x400
-    draw face --bare --size 640x640
-    for example in picking culling physics; do draw "$example" --size 960x540; done
-    draw crowd --size 960x540
+    draw face --bare --size 640x640 --at 60,140
+    draw picking --size 960x540 --at 60
+    draw culling --size 960x540 --at 90
+    draw physics --size 960x540 --at 180
+    draw crowd --size 960x540 --at 10
+    cargo run --quiet --release --features render --example dolphins -- --screenshots docs/pictures/volumes \
+        --triangles 2256 --size 960x540 --at 60 --volumes 3
 
 # Stores the pictures that tests compare with anew. Look at them.
 references:

@@ -3,10 +3,12 @@
 use std::fmt::{Debug, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use bevy::app::App;
+use bevy::ecs::schedule::{Schedules, SingleThreadedExecutor};
 use tracing::field::{Field, Visit};
 use tracing::{Event, Level, Metadata, Subscriber, span};
 
-/// The plugin's errors, in order. Systems run on the test's own thread, so tests do not see each other's.
+/// The plugin's errors, in order, of apps whose systems [`run_here`]. Tests do not see each other's.
 #[derive(Clone, Default)]
 pub(crate) struct Errors(Arc<Mutex<Vec<String>>>);
 
@@ -20,6 +22,13 @@ impl Errors {
     /// The errors since it was last asked.
     pub(crate) fn take(&self) -> Vec<String> {
         std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+}
+
+/// Lets the app's systems run on this thread, where their errors are collected.
+pub(crate) fn run_here(app: &mut App) {
+    for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
+        schedule.set_executor(SingleThreadedExecutor::new());
     }
 }
 

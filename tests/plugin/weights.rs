@@ -4,7 +4,7 @@ use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
-use crate::log::Errors;
+use crate::log::{Errors, run_here};
 use crate::support::{add_mesh, app, cube, set_weight, settle, spawn, stretching_cube, touches};
 
 /// A stretching cube at 0, and a rigid one that it reaches with weight 1 but not at rest.
@@ -54,6 +54,7 @@ fn weights_by_reference_are_followed() {
 fn bad_weights_are_logged_once_and_the_last_good_ones_stay() {
     Errors::collect(|errors| {
         let (mut app, [a, b]) = cubes_apart();
+        run_here(&mut app);
         set_weight(&mut app, a, 1.0);
         app.update();
         let nobody = app.world_mut().spawn_empty().id();
@@ -90,6 +91,7 @@ fn bad_weights_are_logged_once_and_the_last_good_ones_stay() {
 fn weights_on_a_mesh_without_targets_mean_nothing() {
     Errors::collect(|errors| {
         let (mut app, [_, b]) = cubes_apart();
+        run_here(&mut app);
         set_weight(&mut app, b, 1.0);
         app.update();
         assert_eq!(errors.take(), [""; 0]);

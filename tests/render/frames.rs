@@ -47,7 +47,7 @@ fn dolphins_touch() {
 fn bodies_pass_through_each_other() {
     let _alone = alone();
     let (_, picture) = watch(shows::pass_through(), 120);
-    assert!(count(&picture, is_red) > 30, "nothing is red");
+    assert!(count(&picture, is_red) > 10, "nothing is red");
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn bounding_volumes_are_drawn_level_by_level() {
     };
     let (none, roots, deep) = (lines(None), lines(Some(0)), lines(Some(2)));
     assert!(
-        none < 30 && roots > none + 50 && deep > roots,
+        none < 100 && roots > none + 500 && deep > roots + 500,
         "{none}, {roots}, {deep} pixels"
     );
 }

@@ -56,11 +56,7 @@ fn noticed(a: &RgbImage, b: &RgbImage) -> f64 {
 
 #[test]
 fn dolphins() {
-    compare(
-        "dolphins",
-        shows::dolphins(Path::new("dolphin_564.glb"), 12, false),
-        160,
-    );
+    compare("dolphins", shows::dolphins(Path::new("dolphin_564.glb"), 12, false), 60);
 }
 
 #[test]

@@ -17,6 +17,9 @@ use crate::view::Show;
 use crate::view::clock::{Clock, FRACTIONS, Pending, Trouble, started};
 use crate::view::models::{Plays, scene};
 
+/// Closer together than where times are taken, for something to be seen.
+const CLOSER: Vec3 = Vec3::new(1.0, 0.8, 0.8);
+
 #[derive(Resource)]
 struct Group {
     model: PathBuf,
@@ -43,9 +46,9 @@ pub fn dolphins(model: &Path, count: usize, foreign: bool) -> Show {
         name: "dolphins",
         about: "Dolphins, morphed by the GPU, swim as a group. Touching triangles are red.",
         keys: &[],
-        eye: Vec3::new(1.35, 1.3, 2.95),
+        eye: Vec3::new(1.15, 1.1, 2.5),
         target: Vec3::new(0.0, -0.1, 0.0),
-        pictures: &[60, 160, 250, 340],
+        pictures: &[20, 60, 240, 380],
         scene: Box::new(move |app| {
             let fit = (Vec3::ZERO, 1.0);
             app.insert_resource(Group {
@@ -148,7 +151,8 @@ fn swim(mut dolphins: Query<(&Dolphin, &mut Transform)>, group: Res<Group>, cloc
         let lane = lanes::placement(index, group.count, now, frames);
         let (_, rotation, translation) = lane.to_scale_rotation_translation();
         // The camera swims along. Its distance is made for dolphins, so a larger model becomes smaller rather than the lanes larger.
-        let translation = translation - Vec3::X * lanes::way(now, frames) - rotation * center / size;
+        let lane = (translation - Vec3::X * lanes::way(now, frames)) * CLOSER;
+        let translation = lane - rotation * center / size;
         *place = Transform {
             translation,
             rotation,

@@ -10,14 +10,18 @@ use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy::time::TimeUpdateStrategy;
 use image::RgbImage;
 
+use super::Show;
 use super::clock::{Clock, Trouble};
-use super::stage::{self, Place};
-use super::{Show, pointer};
+use super::pointer::{self, Script};
+use super::stage::{self, Place, StageCamera};
 use crate::app::STEP;
 use crate::error::ExampleError;
 
 /// How long to wait for models and trees, or for a picture.
 const PATIENCE: Duration = Duration::from_secs(300);
+
+/// What comes into view anew is drawn as it should be after so many frames.
+const DRAWN: u32 = 4;
 
 /// A show that is drawn into an image.
 pub struct Offscreen {
@@ -65,12 +69,23 @@ impl Offscreen {
     }
 
     /// Runs this many frames of a sixtieth of a second.
+    ///
+    /// Only the last of them are drawn, unless a pointer needs to see what it points at.
     pub fn advance(&mut self, frames: u32) {
         self.set_step(STEP);
-        for _ in 0..frames {
+        let pointed = !self.app.world().resource::<Script>().0.is_empty();
+        for left in (0..frames).rev() {
+            self.draw(pointed || left < DRAWN);
             self.app.update();
         }
         self.set_step(Duration::ZERO);
+    }
+
+    fn draw(&mut self, drawn: bool) {
+        let world = self.app.world_mut();
+        for mut camera in world.query_filtered::<&mut Camera, With<StageCamera>>().iter_mut(world) {
+            camera.is_active = drawn;
+        }
     }
 
     /// Goes on with another frame, leaving out those before it: what moves by the [`Clock`] is where it would be then; what has

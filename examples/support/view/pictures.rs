@@ -6,6 +6,7 @@ use std::path::Path;
 use std::time::Duration;
 
 use bevy::app::App;
+use bevy_morph_collision::MorphCollisionDiagnostics;
 use image::codecs::gif::{GifEncoder, Repeat};
 use image::{Delay, Frame, RgbImage};
 use indicatif::ProgressBar;
@@ -54,7 +55,12 @@ pub(super) fn write(show: Show, options: &ViewOptions, folder: &Path) -> Result<
         if stills.contains(&frame) {
             let path = folder.join(format!("{name}_{frame:03}.png"));
             picture.save(&path).map_err(|error| cannot(&path, &error))?;
-            progress.suspend(|| println!("{}", path.display()));
+            let touching = offscreen
+                .app_mut()
+                .world()
+                .resource::<MorphCollisionDiagnostics>()
+                .triangle_pairs;
+            progress.suspend(|| println!("{}: {touching} pairs of triangles touch", path.display()));
         }
         progress.inc(1);
     }

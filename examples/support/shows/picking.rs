@@ -21,8 +21,8 @@ pub fn picking() -> Show {
         name: "picking",
         about: "Point at a model: the arrow stands on the triangle that is hit, as it is morphed now.",
         keys: &[("click", "paints the model")],
-        eye: Vec3::new(0.2, 0.5, 5.6),
-        target: Vec3::new(0.2, -0.1, 0.0),
+        eye: Vec3::new(-0.3, 0.5, 5.8),
+        target: Vec3::new(-0.3, -0.1, 0.0),
         pictures: &[20, 60, 100],
         scene: Box::new(|app| {
             let cue = |frame, x, y, click| Cue {

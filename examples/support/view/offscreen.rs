@@ -99,6 +99,8 @@ impl Offscreen {
     /// # Errors
     /// The renderer does not deliver.
     pub fn picture(&mut self) -> Result<RgbImage, ExampleError> {
+        // Letters that the panel needs for the first time are there a frame later.
+        self.app.update();
         let (sender, receiver) = mpsc::sync_channel(1);
         self.app
             .world_mut()

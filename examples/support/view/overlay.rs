@@ -19,6 +19,8 @@ pub struct Overlay {
     pub shown: bool,
     /// Moved by this much in world space. Zero, but for tests.
     pub offset: Vec3,
+    /// How many triangles it has.
+    pub triangles: usize,
 }
 
 impl Default for Overlay {
@@ -26,6 +28,7 @@ impl Default for Overlay {
         Self {
             shown: true,
             offset: Vec3::ZERO,
+            triangles: 0,
         }
     }
 }
@@ -51,7 +54,7 @@ pub(super) fn plugin(app: &mut App) {
             PostUpdate,
             OverlaySystems
                 .after(MorphCollisionSystems::Anchors)
-                .before(bevy::camera::visibility::VisibilitySystems::CheckVisibility),
+                .before(bevy::camera::visibility::VisibilitySystems::VisibilityPropagate),
         )
         .add_systems(Startup, spawn)
         .add_systems(PostUpdate, draw.in_set(OverlaySystems))
@@ -86,7 +89,7 @@ fn spawn(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials
 }
 
 fn draw(
-    overlay: Res<Overlay>,
+    mut overlay: ResMut<Overlay>,
     collisions: Res<MorphCollisions>,
     itself: Query<(Entity, &SelfTouching)>,
     mut access: ParamSet<(
@@ -124,6 +127,7 @@ fn draw(
         }
     }
 
+    overlay.triangles = corners.len() / 3;
     let (mut meshes, mut drawn) = access.p1();
     let (mesh, visibility) = &mut *drawn;
     let wanted = if corners.is_empty() {

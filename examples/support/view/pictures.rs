@@ -6,12 +6,12 @@ use std::path::Path;
 use std::time::Duration;
 
 use bevy::app::App;
-use bevy_morph_collision::MorphCollisionDiagnostics;
 use image::codecs::gif::{GifEncoder, Repeat};
 use image::{Delay, Frame, RgbImage};
 use indicatif::ProgressBar;
 
 use super::offscreen::Offscreen;
+use super::overlay::Overlay;
 use super::{Show, stage};
 use crate::app::STEP;
 use crate::error::ExampleError;
@@ -55,12 +55,8 @@ pub(super) fn write(show: Show, options: &ViewOptions, folder: &Path) -> Result<
         if stills.contains(&frame) {
             let path = folder.join(format!("{name}_{frame:03}.png"));
             picture.save(&path).map_err(|error| cannot(&path, &error))?;
-            let touching = offscreen
-                .app_mut()
-                .world()
-                .resource::<MorphCollisionDiagnostics>()
-                .triangle_pairs;
-            progress.suspend(|| println!("{}: {touching} pairs of triangles touch", path.display()));
+            let red = offscreen.app_mut().world().resource::<Overlay>().triangles;
+            progress.suspend(|| println!("{}: {red} triangles are red", path.display()));
         }
         progress.inc(1);
     }

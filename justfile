@@ -37,7 +37,7 @@ doc:
 
 # The README's first command.
 demo *ARGS:
-    cargo run --release --example dolphins -- {{ARGS}}
+    cargo run --release --features render --example dolphins -- {{ARGS}}
 
 # The demo must find touching dolphins (as the tests built it: Bevy is not compiled a second time), and the command-line tool must run its scenes.
 demo-check:

@@ -85,7 +85,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     let file = app::locate(&model)?;
     if options.view.is_drawn("crowd", options.headless || options.json)? {
         #[cfg(feature = "render")]
-        return view::run(shows::crowd(&file, count), &options.view);
+        return view::run(shows::crowd(&file, count, options.model.is_some()), &options.view);
     }
     let mut app = app::headless(file.parent().unwrap_or(&file));
     app.add_plugins(LogPlugin {

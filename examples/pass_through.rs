@@ -16,11 +16,5 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    match view::run(shows::pass_through(), &Options::parse().view) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(2)
-        }
-    }
+    view::main(shows::pass_through(), &Options::parse().view)
 }

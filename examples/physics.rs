@@ -35,7 +35,7 @@ struct Options {
     /// Steps of a sixtieth of a second.
     #[arg(long, default_value_t = 900, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     steps: u32,
-    /// glTF or glb files with morph targets, in place of the body and the face.
+    /// glTF or glb files with morph targets, in place of the body and the face; drawn: glb, without the places of its nodes.
     #[arg(long)]
     model: Vec<PathBuf>,
     /// Continuous collision detection for what falls.

@@ -15,11 +15,5 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    match view::run(shows::picking(), &Options::parse().view) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(2)
-        }
-    }
+    view::main(shows::picking(), &Options::parse().view)
 }

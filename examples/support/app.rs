@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use bevy::animation::AnimationPlugin;
-use bevy::asset::{AssetMetaCheck, AssetPath, RecursiveDependencyLoadState};
+use bevy::asset::{AssetMetaCheck, AssetPath, RecursiveDependencyLoadState, UntypedAssetId};
 use bevy::gltf::{Gltf, GltfPlugin};
 use bevy::mesh::MeshPlugin;
 use bevy::prelude::*;
@@ -77,18 +77,26 @@ pub fn load_gltf(app: &mut App, file: &Path) -> Result<Handle<Gltf>, ExampleErro
         .resource::<AssetServer>()
         .load(AssetPath::from_path_buf(file.file_name().unwrap_or_default().into()));
     update_until(app, file, |world| {
-        match world.resource::<AssetServer>().recursive_dependency_load_state(&handle) {
-            RecursiveDependencyLoadState::Loaded => Ok(true),
-            RecursiveDependencyLoadState::Failed(error) => Err(ExampleError::Load {
-                path: file.into(),
-                // The lines that follow are a backtrace.
-                reason: error.to_string().lines().next().unwrap_or_default().into(),
-            }),
-            RecursiveDependencyLoadState::NotLoaded | RecursiveDependencyLoadState::Loading => Ok(false),
-        }
+        is_loaded(world.resource::<AssetServer>(), handle.id().untyped(), file)
     })?;
     spread_over_split_vertices(app.world_mut(), &handle, file)?;
     Ok(handle)
+}
+
+/// Whether an asset that comes from `file` is there, with everything it refers to.
+///
+/// # Errors
+/// It will never be: what the asset server says.
+pub fn is_loaded(assets: &AssetServer, asset: UntypedAssetId, file: &Path) -> Result<bool, ExampleError> {
+    match assets.recursive_dependency_load_state(asset) {
+        RecursiveDependencyLoadState::Loaded => Ok(true),
+        RecursiveDependencyLoadState::Failed(error) => Err(ExampleError::Load {
+            path: file.into(),
+            // The lines that follow are a backtrace.
+            reason: error.to_string().lines().next().unwrap_or_default().into(),
+        }),
+        RecursiveDependencyLoadState::NotLoaded | RecursiveDependencyLoadState::Loading => Ok(false),
+    }
 }
 
 /// Runs frames until a condition holds.

@@ -1,5 +1,7 @@
 //! What the examples and the whole-plugin tests share: a Bevy app without a window, models in it, and reports; and, with the
 //! feature `render`, what draws them.
+// Systems say in their parameters what they ask for.
+#![allow(clippy::type_complexity, clippy::too_many_arguments)]
 
 pub mod app;
 mod displacements;

@@ -15,7 +15,7 @@ pub struct ViewOptions {
     /// The frames to take pictures of, at 60 per second [default: the example's own].
     #[arg(long, value_name = "FRAME,..", value_delimiter = ',', requires = "screenshots")]
     pub at: Vec<u32>,
-    /// Width and height of pictures.
+    /// Width and height of pictures, or of the window.
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
     pub size: (u32, u32),
     /// Besides, write an animated picture of these frames: first, last, and how many to go on by.
@@ -25,7 +25,7 @@ pub struct ViewOptions {
     #[arg(long, value_name = "LEVEL")]
     pub volumes: Option<usize>,
     /// Leave out the panel.
-    #[arg(long)]
+    #[arg(long, requires = "screenshots")]
     pub bare: bool,
 }
 
@@ -68,7 +68,12 @@ fn parse_animation(text: &str) -> Result<Animation, String> {
         let (frames, step) = text.split_once(':')?;
         let (first, last) = frames.split_once("..")?;
         let (first, last, step) = (first.parse().ok()?, last.parse().ok()?, step.parse().ok()?);
-        (first <= last && step > 0).then_some(Animation { first, last, step })
+        let frames = |first, last| u32::checked_div(last - first, step);
+        (first <= last && frames(first, last).is_some_and(|count| count < 10_000)).then_some(Animation {
+            first,
+            last,
+            step,
+        })
     };
     parse().ok_or_else(|| "frames and a step, such as 0..400:8".into())
 }
@@ -89,7 +94,7 @@ mod tests {
             step: 4,
         };
         assert_eq!(parse_animation("8..20:4"), Ok(animation));
-        for bad in ["8..20", "20..8:4", "8..20:0", "a..b:c", "8:4"] {
+        for bad in ["8..20", "20..8:4", "8..20:0", "a..b:c", "8:4", "0..4000000000:1"] {
             assert!(parse_animation(bad).is_err(), "{bad}");
         }
     }

@@ -1,6 +1,7 @@
 //! What is drawn: the examples' pictures, and whether the GPU and the core mean the same shape. Needs a graphics driver; one without a GPU
 //! will do (Debian: `apt install mesa-vulkan-drivers libvulkan1`).
 
+mod controls;
 mod depth;
 mod frames;
 mod references;

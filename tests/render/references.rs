@@ -6,7 +6,7 @@ use image::RgbImage;
 use morph_collision_workspace::shows;
 use morph_collision_workspace::view::Show;
 
-use crate::support::{alone, offscreen};
+use crate::support::{alone, count, is_red, offscreen};
 
 const SIZE: (u32, u32) = (320, 180);
 
@@ -30,13 +30,16 @@ fn compare(name: &str, show: Show, frame: u32) {
         .to_rgb8();
     assert_eq!(picture.dimensions(), reference.dimensions());
     let share = noticed(&picture, &reference);
-    if share > 0.01 {
+    let red = |picture: &RgbImage| count(picture, is_red) as f64;
+    let off = (red(&picture) - red(&reference)).abs() / red(&reference);
+    if share > 0.01 || off > 0.3 {
         let actual = std::env::temp_dir().join(format!("{name}_actual.png"));
         picture.save(&actual).unwrap();
         panic!(
-            "{:.1} % of {} differ; what was drawn is in {}",
+            "{:.1} % of {} differ, and {:.1} % of what is red; what was drawn is in {}",
             100.0 * share,
             path.display(),
+            100.0 * off,
             actual.display()
         );
     }

@@ -1,33 +1,21 @@
-//! A dense crowd of morphing dolphins, all of them with collision on.
+//! A dense crowd of morphing dolphins, or of another model, all of them with collision on.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use bevy::prelude::*;
-use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::scenes::dolphins as lanes;
 
+use super::group::{Group, Member};
 use crate::instances::in_crowd;
 use crate::view::Show;
 use crate::view::clock::{Clock, started};
-use crate::view::models::{Plays, scene};
 
 /// From one to the next, in world units; a dolphin is 2 long.
 const SPACING: f32 = 1.0;
 
-#[derive(Resource)]
-struct Crowd {
-    model: PathBuf,
-    count: usize,
-}
-
-/// Number in the crowd.
-#[derive(Component)]
-struct Member(usize);
-
-/// `count` instances of the glTF file `model`.
+/// `count` instances of the glTF file `model`: an asset's name, or any path. A `foreign` one is not a dolphin.
 #[must_use]
-pub fn crowd(model: &Path, count: usize) -> Show {
-    let model = model.to_path_buf();
+pub fn crowd(model: &Path, count: usize, foreign: bool) -> Show {
+    let group = Group::new(model, count, foreign);
     let side = (count as f32).cbrt().ceil() * SPACING;
     Show {
         name: "crowd",
@@ -37,30 +25,17 @@ pub fn crowd(model: &Path, count: usize) -> Show {
         target: Vec3::ZERO,
         pictures: &[0, 60],
         scene: Box::new(move |app| {
-            app.insert_resource(Crowd { model, count })
-                .add_systems(Startup, spawn)
-                .add_systems(Update, mill.run_if(started));
+            group.join(app);
+            app.add_systems(Update, mill.run_if(started));
         }),
     }
 }
 
-fn spawn(mut commands: Commands, crowd: Res<Crowd>, assets: Res<AssetServer>) {
-    for index in 0..crowd.count {
-        commands.spawn((
-            Member(index),
-            scene(&assets, &crowd.model),
-            Plays::from(&assets, &crowd.model, lanes::phase(index)),
-            MorphColliderScene::default(),
-            // Until the show begins they keep apart.
-            Transform::from_xyz(1000.0 * index as f32, 0.0, 0.0),
-        ));
-    }
-}
-
-fn mill(mut members: Query<(&Member, &mut Transform)>, crowd: Res<Crowd>, clock: Res<Clock>) {
-    let middle = 0.5 * SPACING * ((crowd.count as f32).cbrt().ceil() - 1.0);
+fn mill(mut members: Query<(&Member, &mut Transform)>, group: Res<Group>, clock: Res<Clock>) {
+    let middle = 0.5 * SPACING * ((group.count as f32).cbrt().ceil() - 1.0);
     for (&Member(index), mut place) in &mut members {
-        *place = in_crowd(index, crowd.count, clock.frame as f32 / 60.0, SPACING);
-        place.translation -= middle;
+        let mut dolphin = in_crowd(index, group.count, clock.frame as f32 / 60.0, SPACING);
+        dolphin.translation -= middle;
+        *place = group.place(dolphin);
     }
 }

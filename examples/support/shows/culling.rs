@@ -4,12 +4,13 @@ use std::f32::consts::PI;
 
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{NoAutoAabb, RenderLayers};
-use bevy::camera::{RenderTarget, Viewport};
+use bevy::camera::{CameraUpdateSystems, RenderTarget, Viewport};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::gizmos::config::{GizmoConfigGroup, GizmoConfigStore};
 use bevy::gizmos::{AppGizmoBuilder, gizmos::Gizmos};
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
+use bevy_panorbit_camera::PanOrbitCameraSystemSet;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::pass_through_body_at;
 
@@ -54,7 +55,7 @@ pub fn culling() -> Show {
     Show {
         name: "culling",
         about: "Left: culled by Bevy's own boxes, those of the rest pose. Right: by boxes that follow the morph.",
-        keys: &[],
+        keys: &[("left half", "is where the mouse moves both cameras")],
         eye: Vec3::new(0.0, 0.0, 7.0),
         target: Vec3::ZERO,
         pictures: &[0, 45, 90],
@@ -67,7 +68,13 @@ pub fn culling() -> Show {
                     PostUpdate,
                     boxes.after(bevy::camera::visibility::VisibilitySystems::CheckVisibility),
                 )
-                .add_systems(PreUpdate, split);
+                .add_systems(
+                    PostUpdate,
+                    split
+                        .after(PanOrbitCameraSystemSet)
+                        .before(TransformSystems::Propagate)
+                        .before(CameraUpdateSystems),
+                );
         }),
     }
 }

@@ -10,10 +10,10 @@ use bevy_morph_collision::prelude::*;
 use bevy_morph_collision::{MorphPick, MorphTrees};
 
 use crate::view::Show;
-use crate::view::clock::{Clock, Pending, started};
+use crate::view::clock::{Clock, Pending, is_typing, started};
 use crate::view::models::{ModelPart, ModelRoot};
 use crate::view::overlay::{OverlaySystems, SelfTouching};
-use crate::view::pointer::{Cue, Script};
+use crate::view::pointer::{Cue, Script, is_plain};
 use crate::view::stage::Notes;
 
 /// What the mouth does, over and over: a target's name, cycles per second, where in its cycle it begins, and its highest weight.
@@ -55,7 +55,7 @@ pub fn face() -> Show {
                 .map(|(&at, frame)| Cue { frame, at, click: true });
             app.insert_resource(Script(cues.collect()))
                 .add_systems(Startup, spawn)
-                .add_systems(Update, (speak.run_if(started), remove_pins))
+                .add_systems(Update, (speak.run_if(started), remove_pins.run_if(not(is_typing))))
                 .add_systems(
                     PostUpdate,
                     find_self_intersections
@@ -109,6 +109,7 @@ fn speak(
         let (Some(names), MeshMorphWeights::Value { weights }) = (names, &mut *weights) else {
             continue;
         };
+        weights.fill(0.0);
         for (target, cycles, phase, highest) in SPEECH {
             let slot = names
                 .iter()
@@ -159,11 +160,10 @@ fn stick_pin(
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut commands: Commands,
 ) {
-    let Some(pick) = click
-        .hit
-        .extra_as::<MorphPick>()
-        .filter(|_| parts.contains(click.entity))
-    else {
+    if !is_plain(&click) || !parts.contains(click.entity) {
+        return;
+    }
+    let Some(pick) = click.hit.extra_as::<MorphPick>() else {
         return;
     };
     const LENGTH: f32 = 0.16;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use bevy::mesh::morph::MeshMorphWeights;
+use bevy::picking::hover::HoverMap;
 use bevy::prelude::*;
 use bevy_morph_collision::MorphPick;
 use bevy_morph_collision::prelude::*;
@@ -11,7 +12,7 @@ use crate::physics::wobbling;
 use crate::view::Show;
 use crate::view::clock::{Clock, Pending, started};
 use crate::view::models::{ModelPart, ModelRoot, Plays, scene};
-use crate::view::pointer::{Cue, Script};
+use crate::view::pointer::{Cue, Script, is_plain};
 use crate::view::stage::Notes;
 
 /// Models that can be hovered and clicked.
@@ -35,30 +36,16 @@ pub fn picking() -> Show {
                 cue(56, 0.6, 0.3, true),
                 cue(98, 2.5, 0.2, false),
             ]))
-            .init_resource::<Under>()
             .add_systems(Startup, spawn)
             .add_systems(Update, (wobble.run_if(started), point))
-            .add_observer(moved)
-            .add_observer(left)
             .add_observer(clicked);
         }),
     }
 }
 
-/// What is under the pointer.
-#[derive(Resource, Default)]
-struct Under(Option<Hit>);
-
-struct Hit {
-    entity: Entity,
-    pick: MorphPick,
-    at: Vec3,
-    normal: Vec3,
-}
-
 /// Stands on the place that is pointed at.
-#[derive(Component)]
-struct Arrow;
+#[derive(Component, Clone, Copy, Debug)]
+pub struct Arrow;
 
 fn spawn(
     mut commands: Commands,
@@ -131,28 +118,6 @@ fn wobble(mut models: Query<&mut MeshMorphWeights, With<ModelPart>>, clock: Res<
     }
 }
 
-fn moved(moved: On<PointerMove>, colliders: Query<(), With<MorphCollider>>, mut under: ResMut<Under>) {
-    // What is above it in the hierarchy hears of it, too.
-    if !colliders.contains(moved.entity) {
-        return;
-    }
-    let hit = &moved.hit;
-    if let (Some(pick), Some(at), Some(normal)) = (hit.extra_as::<MorphPick>(), hit.position, hit.normal) {
-        under.0 = Some(Hit {
-            entity: moved.entity,
-            pick: *pick,
-            at,
-            normal,
-        });
-    }
-}
-
-fn left(left: On<PointerOut>, mut under: ResMut<Under>) {
-    if under.0.as_ref().is_some_and(|hit| hit.entity == left.entity) {
-        under.0 = None;
-    }
-}
-
 /// A click gives the model another colour.
 fn clicked(
     click: On<PointerClick>,
@@ -160,43 +125,41 @@ fn clicked(
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut clicks: Local<u32>,
 ) {
-    if let Ok(mut material) = drawn.get_mut(click.entity) {
+    if let Ok(mut material) = drawn.get_mut(click.entity)
+        && is_plain(&click)
+    {
         *clicks += 1;
         material.0 = materials.add(Color::hsl(137.5 * *clicks as f32 % 360.0, 0.6, 0.6));
     }
 }
 
+/// The pointer may stand still while the model moves, so it is asked again every frame.
 fn point(
-    under: Res<Under>,
+    hover: Res<HoverMap>,
     names: Query<&Name>,
     mut arrow: Single<(&mut Transform, &mut Visibility), With<Arrow>>,
     mut notes: ResMut<Notes>,
 ) {
     let (place, visibility) = &mut *arrow;
-    let Some(Hit {
-        entity,
-        pick,
-        at,
-        normal,
-    }) = &under.0
-    else {
+    let hits = hover.values().flatten();
+    let found =
+        hits.filter_map(|(&entity, hit)| Some((entity, hit.position?, hit.normal?, *hit.extra_as::<MorphPick>()?)));
+    let Some((entity, at, normal, pick)) = found.into_iter().next() else {
         **visibility = Visibility::Hidden;
         notes.0 = vec![("pointed at", "nothing".into())];
         return;
     };
     **visibility = Visibility::Visible;
-    **place = Transform::from_translation(*at).with_rotation(Quat::from_rotation_arc(Vec3::Y, *normal));
+    **place = Transform::from_translation(at).with_rotation(Quat::from_rotation_arc(Vec3::Y, normal));
     let name = names
-        .get(*entity)
+        .get(entity)
         .map_or_else(|_| entity.to_string(), ToString::to_string);
     let [u, v, w] = pick.barycentrics.to_array();
+    let uv = pick.uv.map_or("none".into(), |uv| format!("{:.2} {:.2}", uv.x, uv.y));
     notes.0 = vec![
         ("pointed at", name),
         ("triangle", pick.triangle.to_string()),
         ("barycentrics", format!("{u:.2} {v:.2} {w:.2}")),
-        (
-            "uv",
-            pick.uv.map_or("none".into(), |uv| format!("{:.2} {:.2}", uv.x, uv.y)),
-        ),
+        ("uv", uv),
     ];
 }

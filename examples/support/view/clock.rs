@@ -49,7 +49,11 @@ pub fn started(clock: Res<Clock>) -> bool {
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Clock>()
-        .add_systems(Startup, |mut time: ResMut<Time<Virtual>>| time.pause())
+        .add_systems(Startup, |mut time: ResMut<Time<Virtual>>| {
+            time.pause();
+            // Where frames take longer the show runs slower, rather than in leaps.
+            time.set_max_delta(2 * STEP);
+        })
         .add_systems(First, (start, tick).chain().after(TimeSystems))
         .add_systems(PreUpdate, keys.after(bevy::input::InputSystems));
 }
@@ -71,7 +75,7 @@ fn start(
     }
 }
 
-fn tick(mut clock: ResMut<Clock>, mut time: ResMut<Time<Virtual>>, mut generic: ResMut<Time>) {
+pub(super) fn tick(mut clock: ResMut<Clock>, mut time: ResMut<Time<Virtual>>, mut generic: ResMut<Time>) {
     if std::mem::take(&mut clock.step) && clock.started && time.is_paused() {
         time.advance_by(STEP);
         *generic = time.as_generic();
@@ -87,7 +91,7 @@ fn keys(
     mut clock: ResMut<Clock>,
     mut time: ResMut<Time<Virtual>>,
 ) {
-    if !clock.started || typing.is_some_and(|egui| egui.wants_keyboard_input()) {
+    if !clock.started || is_typing(typing) {
         return;
     }
     if keys.just_pressed(KeyCode::Space) {
@@ -102,6 +106,11 @@ fn keys(
             time.set_relative_speed(speed.clamp(1.0 / 16.0, 4.0));
         }
     }
+}
+
+/// Whether keys are meant for a field of the panel.
+pub fn is_typing(panel: Option<Res<EguiWantsInput>>) -> bool {
+    panel.is_some_and(|panel| panel.wants_keyboard_input())
 }
 
 /// Pauses, or goes on.

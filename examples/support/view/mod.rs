@@ -14,6 +14,8 @@ pub mod sliders;
 pub mod stage;
 mod window;
 
+use std::process::ExitCode;
+
 use bevy::prelude::*;
 
 use crate::error::ExampleError;
@@ -40,6 +42,18 @@ pub struct Show {
 impl std::fmt::Debug for Show {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Show").field("name", &self.name).finish_non_exhaustive()
+    }
+}
+
+/// What an example does that is nothing but a show.
+#[must_use]
+pub fn main(show: Show, options: &ViewOptions) -> ExitCode {
+    match run(show, options) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
     }
 }
 

@@ -148,10 +148,7 @@ fn place_models(
             let weights = MeshMorphWeights::Value {
                 weights: vec![0.0; mesh.targets.len()],
             };
-            let drawn = (
-                Mesh3d(meshes.add(painted(mesh, wanted.pieces))),
-                MeshMorphWeights::clone(&weights),
-            );
+            let drawn = (Mesh3d(meshes.add(painted(mesh, wanted.pieces))), weights);
             let mut part = commands.spawn((
                 ModelPart,
                 name,

@@ -41,7 +41,7 @@ impl Offscreen {
     /// # Errors
     /// There is no driver to draw with, or a model cannot be loaded.
     pub fn new(show: Show, size: (u32, u32), bare: bool) -> Result<Self, ExampleError> {
-        if !has_driver() {
+        if !stage::has_driver(wgpu::Backends::PRIMARY) {
             return Err(ExampleError::NoDriver);
         }
         let mut app = stage::app(None);
@@ -148,13 +148,4 @@ impl Offscreen {
         }
         Ok(())
     }
-}
-
-/// Whether there is anything to draw with, if only a program that does what a GPU would.
-fn has_driver() -> bool {
-    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
-        backends: wgpu::Backends::PRIMARY,
-        ..wgpu::InstanceDescriptor::new_without_display_handle()
-    });
-    !bevy::tasks::block_on(instance.enumerate_adapters(wgpu::Backends::PRIMARY)).is_empty()
 }

@@ -10,6 +10,8 @@ use bevy::picking::Pickable;
 use bevy::prelude::*;
 use bevy_morph_collision::MorphContact;
 use bevy_morph_collision::prelude::*;
+
+use super::clock;
 use std::collections::BTreeSet;
 
 /// How the overlay is drawn.
@@ -58,14 +60,13 @@ pub(super) fn plugin(app: &mut App) {
         )
         .add_systems(Startup, spawn)
         .add_systems(PostUpdate, draw.in_set(OverlaySystems))
-        .add_systems(
-            Update,
-            |keys: Res<ButtonInput<KeyCode>>, mut overlay: ResMut<Overlay>| {
-                if keys.just_pressed(KeyCode::KeyT) {
-                    overlay.shown = !overlay.shown;
-                }
-            },
-        );
+        .add_systems(Update, show_by_key.run_if(not(clock::is_typing)));
+}
+
+fn show_by_key(keys: Res<ButtonInput<KeyCode>>, mut overlay: ResMut<Overlay>) {
+    if keys.just_pressed(KeyCode::KeyT) {
+        overlay.shown = !overlay.shown;
+    }
 }
 
 fn spawn(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {

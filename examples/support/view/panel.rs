@@ -27,7 +27,7 @@ const DEEPEST: usize = 12;
 
 pub(super) fn plugin(app: &mut App) {
     app.add_systems(EguiPrimaryContextPass, panel)
-        .add_systems(Update, volumes_by_key);
+        .add_systems(Update, volumes_by_key.run_if(not(clock::is_typing)));
 }
 
 fn volumes_by_key(keys: Res<ButtonInput<KeyCode>>, mut store: ResMut<GizmoConfigStore>) {
@@ -62,6 +62,7 @@ fn panel(
         .anchor(egui::Align2::LEFT_TOP, [8.0, 8.0])
         .default_width(230.0)
         .resizable(false)
+        .vscroll(true)
         .show(context, |ui| {
             ui.label(bill.about);
             if !clock.started {

@@ -30,17 +30,16 @@ pub(super) fn write(show: Show, options: &ViewOptions, folder: &Path) -> Result<
         options.at.clone()
     };
     let moving = options.animate.map(frames_of).unwrap_or_default();
-    let mut film = match options.animate {
-        Some(_) => Some(Film::create(&folder.join(format!("{name}.gif")))?),
-        None => None,
-    };
-
     let mut wanted: Vec<u32> = stills.iter().chain(&moving).copied().collect();
     wanted.sort_unstable();
     wanted.dedup();
     // There is one log in a program, and an off-screen show leaves it alone.
     App::new().add_plugins(stage::log());
     let mut offscreen = Offscreen::new(show, options.size, options.bare)?;
+    let mut film = match options.animate {
+        Some(_) => Some(Film::create(&folder.join(format!("{name}.gif")))?),
+        None => None,
+    };
     stage::show_volumes(offscreen.app_mut(), options.volumes);
     let progress = ProgressBar::new(wanted.len() as u64);
     let mut now = 0;

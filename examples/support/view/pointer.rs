@@ -4,8 +4,9 @@ use bevy::camera::{NormalizedRenderTarget, RenderTarget};
 use bevy::picking::PickingSystems;
 use bevy::picking::pointer::{Location, PointerAction, PointerButton, PointerId, PointerInput};
 use bevy::prelude::*;
+use std::time::Duration;
 
-use super::clock::Clock;
+use super::clock::{self, Clock};
 use super::stage::StageCamera;
 
 /// What the pointer does, in ascending order of frames, two or more apart.
@@ -32,18 +33,20 @@ pub(super) fn plugin(app: &mut App) {
         .add_systems(Startup, |mut commands: Commands| {
             commands.spawn(POINTER);
         })
-        .add_systems(First, play.in_set(PickingSystems::Input));
+        .add_systems(First, play.in_set(PickingSystems::Input).after(clock::tick));
 }
 
 fn play(
     clock: Res<Clock>,
+    time: Res<Time>,
     script: Res<Script>,
     camera: Single<(&Camera, &GlobalTransform, &RenderTarget), With<StageCamera>>,
     mut inputs: MessageWriter<PointerInput>,
     mut done: Local<usize>,
     mut held: Local<Option<Location>>,
 ) {
-    if !clock.started {
+    // While a picture is waited for, no time passes.
+    if !clock.started || time.delta().is_zero() {
         return;
     }
     let (camera, place, target) = *camera;
@@ -75,4 +78,11 @@ fn play(
         write(location.clone(), PointerAction::Press(PointerButton::Primary));
         *held = Some(location);
     }
+}
+
+/// Whether it is a click with the left button, or a finger. Bevy calls what ends a drag over the same model a click, too, of any button.
+#[must_use]
+pub fn is_plain(click: &PointerClick) -> bool {
+    const LONGEST: Duration = Duration::from_millis(500);
+    click.button == PointerButton::Primary && click.duration < LONGEST
 }

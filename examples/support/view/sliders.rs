@@ -29,55 +29,48 @@ pub(super) fn plugin(app: &mut App) {
                 .before(MorphCollisionSystems::Weights)
                 .before(bevy_morph_collision::MorphBoundsSystems::Bounds),
         )
-        .add_systems(PostUpdate, follow.in_set(SliderSystems))
-        .add_systems(Update, name);
+        .add_systems(
+            PostUpdate,
+            (show, follow.run_if(|sliders: Res<Sliders>| sliders.in_hand))
+                .chain()
+                .in_set(SliderSystems),
+        );
 }
 
-/// One slider per target of the model that has most.
-fn name(
+/// One slider per target of the model that has most. Until a hand takes them they show what that model plays, so that they are found
+/// where it is.
+fn show(
     clock: Res<Clock>,
     mut sliders: ResMut<Sliders>,
-    models: Query<&Mesh3d, With<MeshMorphWeights>>,
+    models: Query<(&Mesh3d, &MeshMorphWeights)>,
+    shared: Query<&MorphWeights>,
     meshes: Res<Assets<Mesh>>,
-    mut named: Local<bool>,
 ) {
-    if *named || !clock.started {
+    if sliders.in_hand || !clock.started {
         return;
     }
-    *named = true;
-    let names = |mesh: &Mesh3d| {
-        meshes
-            .get(&mesh.0)
-            .and_then(|mesh| mesh.morph_target_names().map(<[String]>::to_vec))
+    let played = |weights| match weights {
+        &MeshMorphWeights::Reference(source) => shared.get(source).map_or(&[][..], MorphWeights::weights),
+        MeshMorphWeights::Value { weights } => weights.as_slice(),
     };
-    let most = models.iter().filter_map(names).max_by_key(Vec::len);
-    sliders.weights = most.unwrap_or_default().into_iter().map(|name| (name, 0.0)).collect();
+    let Some((mesh, weights)) = models.iter().max_by_key(|(_, weights)| played(weights).len()) else {
+        return;
+    };
+    let weights = played(weights);
+    if sliders.weights.len() != weights.len() {
+        let names = meshes
+            .get(&mesh.0)
+            .and_then(Mesh::morph_target_names)
+            .unwrap_or_default();
+        let name = |target| names.get(target).cloned().unwrap_or_else(|| format!("target {target}"));
+        sliders.weights = (0..weights.len()).map(|target| (name(target), 0.0)).collect();
+    }
+    for (slider, &weight) in sliders.weights.iter_mut().zip(weights) {
+        slider.1 = weight;
+    }
 }
 
-fn follow(mut sliders: ResMut<Sliders>, mut shared: Query<&mut MorphWeights>, mut own: Query<&mut MeshMorphWeights>) {
-    if !sliders.in_hand {
-        // They show what is played, so that a hand finds them where the model is.
-        let played = shared
-            .iter()
-            .map(MorphWeights::weights)
-            .max_by_key(|weights| weights.len());
-        let played = played.map(<[f32]>::to_vec).or_else(|| {
-            let values = own.iter().filter_map(|weights| match weights {
-                MeshMorphWeights::Value { weights } => Some(weights.clone()),
-                MeshMorphWeights::Reference(_) => None,
-            });
-            values.max_by_key(Vec::len)
-        });
-        for (slider, weight) in sliders
-            .bypass_change_detection()
-            .weights
-            .iter_mut()
-            .zip(played.unwrap_or_default())
-        {
-            slider.1 = weight;
-        }
-        return;
-    }
+fn follow(sliders: Res<Sliders>, mut shared: Query<&mut MorphWeights>, mut own: Query<&mut MeshMorphWeights>) {
     let take = |weights: &mut [f32]| {
         for (weight, slider) in weights.iter_mut().zip(&sliders.weights) {
             *weight = slider.1;

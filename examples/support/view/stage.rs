@@ -202,3 +202,12 @@ pub fn show_volumes(app: &mut App, level: Option<usize>) {
         .1
         .depth = level;
 }
+
+/// Whether there is anything to draw with, if only a program that does what a GPU would.
+pub(super) fn has_driver(backends: Backends) -> bool {
+    let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
+        backends,
+        ..wgpu::InstanceDescriptor::new_without_display_handle()
+    });
+    !bevy::tasks::block_on(instance.enumerate_adapters(backends)).is_empty()
+}

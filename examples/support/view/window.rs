@@ -1,5 +1,7 @@
 //! A show in a window.
 
+use std::sync::{Arc, OnceLock};
+
 use bevy::prelude::*;
 use bevy::window::WindowResolution;
 
@@ -12,6 +14,9 @@ pub(super) fn run(show: Show, options: &ViewOptions) -> Result<(), ExampleError>
     if !has_display() {
         return Err(ExampleError::NoDisplay);
     }
+    if !stage::has_driver(wgpu::Backends::all()) {
+        return Err(ExampleError::NoDriver);
+    }
     let title = format!("morph_collision: {}", show.name);
     let (width, height) = options.size;
     let window = Window {
@@ -22,25 +27,27 @@ pub(super) fn run(show: Show, options: &ViewOptions) -> Result<(), ExampleError>
     let mut app = stage::app(Some(window));
     stage::set(&mut app, show, Place::Window);
     stage::show_volumes(&mut app, options.volumes);
-    app.add_systems(Last, give_up);
-    app.run();
-    match app.world().get_resource::<Trouble>() {
-        Some(Trouble(trouble)) => Err(ExampleError::Read(trouble.clone())),
-        None => Ok(()),
+    // The app is gone when it has run; this stays.
+    let trouble = Arc::new(OnceLock::new());
+    let told = Arc::clone(&trouble);
+    app.add_systems(
+        Last,
+        move |found: Option<Res<Trouble>>, mut exit: MessageWriter<AppExit>| {
+            if let Some(found) = found {
+                told.get_or_init(|| found.0.clone());
+                exit.write(AppExit::error());
+            }
+        },
+    );
+    let exit = app.run();
+    match (trouble.get(), exit) {
+        (Some(trouble), _) => Err(ExampleError::Read(trouble.clone())),
+        (None, AppExit::Success) => Ok(()),
+        (None, AppExit::Error(code)) => Err(ExampleError::Picture(format!("the window ended with code {code}"))),
     }
 }
 
-fn give_up(trouble: Option<Res<Trouble>>, mut exit: MessageWriter<AppExit>) {
-    if let Some(trouble) = trouble {
-        error!("{}", trouble.0);
-        exit.write(AppExit::error());
-    }
-}
-
-/// Whether a window can be opened. Elsewhere than on Linux there always is a display.
+/// Whether a window can be opened: on Linux, by way of X11, which Wayland has as well. Elsewhere there always is a display.
 fn has_display() -> bool {
-    !cfg!(target_os = "linux")
-        || ["WAYLAND_DISPLAY", "DISPLAY"]
-            .iter()
-            .any(|name| std::env::var_os(name).is_some())
+    !cfg!(target_os = "linux") || std::env::var_os("DISPLAY").is_some_and(|display| !display.is_empty())
 }

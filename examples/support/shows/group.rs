@@ -1,0 +1,184 @@
+//! Instances of one glTF file: loaded, repaired where they need it, measured, and in motion.
+
+use std::path::{Path, PathBuf};
+
+use bevy::asset::AssetPath;
+use bevy::camera::primitives::Aabb;
+use bevy::gltf::Gltf;
+use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use morph_collision_testkit::scenes::dolphins::phase;
+
+use crate::app::is_loaded;
+use crate::displacements::spread_over_split_vertices;
+use crate::error::ExampleError;
+use crate::instances::{self, THICKNESS_ON_LANES};
+use crate::view::clock::{Clock, Pending, Trouble, started};
+use crate::view::models::{Plays, scene};
+
+/// What there are instances of.
+#[derive(Resource, Clone, Debug)]
+pub(super) struct Group {
+    model: PathBuf,
+    /// How many.
+    pub(super) count: usize,
+    /// Whether the model is not a dolphin: it may be thicker, lie elsewhere, have no clip, or no normals.
+    foreign: bool,
+    /// The centre of a body, at rest.
+    center: Vec3,
+    /// How many times as thick as a dolphin it is.
+    size: f32,
+}
+
+impl Group {
+    /// `count` instances of the file `model`: an asset's name, or any path.
+    pub(super) fn new(model: &Path, count: usize, foreign: bool) -> Self {
+        Self {
+            model: model.into(),
+            count,
+            foreign,
+            center: Vec3::ZERO,
+            size: 1.0,
+        }
+    }
+
+    /// Loads the model and spawns its instances, each a [`Member`].
+    pub(super) fn join(self, app: &mut App) {
+        app.insert_resource(self)
+            .add_systems(Startup, load)
+            .add_systems(Update, (spawn, (measure, wave).chain().run_if(started)));
+    }
+
+    /// Puts a body, as thick as a dolphin, where a dolphin would be.
+    pub(super) fn place(&self, dolphin: Transform) -> Transform {
+        let scale = 1.0 / self.size;
+        Transform {
+            translation: dolphin.translation - dolphin.rotation * self.center * scale,
+            rotation: dolphin.rotation,
+            scale: Vec3::splat(scale),
+        }
+    }
+}
+
+/// Number in the group.
+#[derive(Component, Clone, Copy, Debug)]
+pub(super) struct Member(pub(super) usize);
+
+/// The file while it is loaded.
+#[derive(Component)]
+struct Loading(Handle<Gltf>);
+
+fn load(group: Res<Group>, assets: Res<AssetServer>, mut commands: Commands) {
+    let gltf = assets.load(AssetPath::from_path_buf(group.model.clone()));
+    commands.spawn((Loading(gltf), Pending));
+}
+
+/// Once the file is there.
+fn spawn(world: &mut World) {
+    let Ok((entity, Loading(gltf))) = world.query::<(Entity, &Loading)>().single(world) else {
+        return;
+    };
+    let gltf = gltf.clone();
+    match ready(world, &gltf) {
+        Ok(true) => {
+            world.despawn(entity);
+        }
+        Ok(false) => return,
+        Err(error) => {
+            world.insert_resource(Trouble(error.to_string()));
+            return;
+        }
+    }
+    let assets = world.resource::<AssetServer>().clone();
+    let Group { model, count, .. } = world.resource::<Group>().clone();
+    for index in 0..count {
+        world.spawn((
+            Member(index),
+            Name::new(format!("body {index}")),
+            scene(&assets, &model),
+            Plays::from(&assets, &model, phase(index)),
+            MorphColliderScene::default(),
+            // Until the show begins they keep apart.
+            Transform::from_xyz(1000.0 * index as f32, 0.0, 0.0),
+        ));
+    }
+}
+
+/// Whether the file is loaded; then its meshes are repaired.
+fn ready(world: &mut World, gltf: &Handle<Gltf>) -> Result<bool, ExampleError> {
+    let Group { model, foreign, .. } = world.resource::<Group>().clone();
+    if !is_loaded(world.resource::<AssetServer>(), gltf.id().untyped(), &model)? {
+        return Ok(false);
+    }
+    if foreign {
+        spread_over_split_vertices(world, gltf, &model)?;
+    }
+    Ok(true)
+}
+
+/// A model that is no dolphin becomes as thick as one.
+fn measure(
+    mut group: ResMut<Group>,
+    members: Query<(&Member, &GlobalTransform)>,
+    parts: Query<(Entity, &Aabb, &GlobalTransform)>,
+    parents: Query<&ChildOf>,
+    morphing: Query<(), With<MeshMorphWeights>>,
+    mut commands: Commands,
+    mut done: Local<bool>,
+) {
+    if std::mem::replace(&mut *done, true) || !group.foreign {
+        return;
+    }
+    if morphing.is_empty() {
+        let (path, reason) = (group.model.clone(), String::new());
+        commands.insert_resource(Trouble(ExampleError::NoMesh { path, reason }.to_string()));
+    }
+    let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+    for (part, bounds, place) in &parts {
+        let Some((_, root)) = parents
+            .iter_ancestors(part)
+            .filter_map(|root| members.get(root).ok())
+            .find(|(member, _)| member.0 == 0)
+        else {
+            continue;
+        };
+        let root_from_part = root.affine().inverse() * place.affine();
+        for corner in 0..8 {
+            let side = |axis: u32| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+            let corner = bounds.center + bounds.half_extents * Vec3A::new(side(0), side(1), side(2));
+            let corner = root_from_part.transform_point3(corner.into());
+            (min, max) = (min.min(corner), max.max(corner));
+        }
+    }
+    let size = max - min;
+    let thickness = 0.5 * (size.y + size.z);
+    if thickness.is_finite() && thickness > 0.0 {
+        group.center = 0.5 * (min + max);
+        group.size = thickness / THICKNESS_ON_LANES;
+    }
+}
+
+/// What plays no clip morphs in waves, from 0 to 1.
+fn wave(
+    mut models: Query<(Entity, &mut MorphWeights)>,
+    playing: Query<(), With<AnimationGraphHandle>>,
+    members: Query<&Member>,
+    parents: Query<&ChildOf>,
+    clock: Res<Clock>,
+) {
+    for (entity, mut weights) in &mut models {
+        let above: Vec<Entity> = std::iter::once(entity).chain(parents.iter_ancestors(entity)).collect();
+        if above.iter().any(|&entity| playing.contains(entity)) {
+            continue;
+        }
+        let index = above
+            .iter()
+            .find_map(|&entity| members.get(entity).ok())
+            .map_or(0, |member| member.0);
+        let seconds = clock.frame as f32 / 60.0;
+        for (target, weight) in weights.weights_mut().iter_mut().enumerate() {
+            *weight = instances::wave(target, index, seconds);
+        }
+    }
+}

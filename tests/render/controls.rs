@@ -1,0 +1,149 @@
+//! What a user does to a show: time, weights, and files that are no good.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use bevy::ecs::system::RunSystemOnce;
+use bevy::input::ButtonState;
+use bevy::input::keyboard::{Key, KeyboardInput, NativeKey};
+use bevy::mesh::morph::MorphWeights;
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use morph_collision_testkit::gltf_write::{Appearance, to_glb};
+use morph_collision_workspace::shows;
+use morph_collision_workspace::view::offscreen::Offscreen;
+use morph_collision_workspace::view::overlay::Overlay;
+use morph_collision_workspace::view::sliders::Sliders;
+
+use crate::support::{alone, frame, offscreen};
+
+const SIZE: (u32, u32) = (160, 90);
+
+/// Presses a key in one frame and releases it in the next.
+fn press(show: &mut Offscreen, key_code: KeyCode) {
+    for state in [ButtonState::Pressed, ButtonState::Released] {
+        let world = show.app_mut().world_mut();
+        let window = world.query_filtered::<Entity, With<Window>>().single(world).unwrap();
+        world.write_message(KeyboardInput {
+            key_code,
+            logical_key: Key::Unidentified(NativeKey::Unidentified),
+            state,
+            text: None,
+            repeat: false,
+            window,
+        });
+        show.advance(1);
+    }
+}
+
+/// How many frames pass in four.
+fn passed(show: &mut Offscreen) -> f64 {
+    let before = frame(show);
+    show.advance(4);
+    frame(show) - before
+}
+
+#[test]
+fn keys_pause_step_and_change_the_speed() {
+    let _alone = alone();
+    let mut show = offscreen(shows::pass_through(), SIZE);
+    assert!((passed(&mut show) - 4.0).abs() < 1e-6);
+    press(&mut show, KeyCode::Equal);
+    assert!((passed(&mut show) - 8.0).abs() < 1e-3, "twice as fast");
+    press(&mut show, KeyCode::Minus);
+    press(&mut show, KeyCode::Minus);
+    assert!((passed(&mut show) - 2.0).abs() < 1e-3, "half as fast");
+    press(&mut show, KeyCode::Space);
+    assert_eq!(passed(&mut show), 0.0);
+    let before = frame(&mut show);
+    press(&mut show, KeyCode::Period);
+    show.advance(3);
+    assert!((frame(&mut show) - before - 1.0).abs() < 1e-6, "one step, once");
+    press(&mut show, KeyCode::Space);
+    assert!(passed(&mut show) > 0.0);
+    press(&mut show, KeyCode::KeyT);
+    assert!(!show.app_mut().world().resource::<Overlay>().shown);
+}
+
+#[test]
+fn a_hand_on_the_sliders_moves_every_model() {
+    let _alone = alone();
+    let mut show = offscreen(shows::dolphins(Path::new("dolphin_564.glb"), 3, false), SIZE);
+    let weights = |show: &mut Offscreen| -> Vec<Vec<f32>> {
+        let all = |weights: Query<&MorphWeights>| -> Vec<Vec<f32>> {
+            weights.iter().map(|weights| weights.weights().to_vec()).collect()
+        };
+        show.app_mut().world_mut().run_system_once(all).unwrap()
+    };
+    show.advance(5);
+    let names: Vec<String> = {
+        let sliders = show.app_mut().world().resource::<Sliders>();
+        sliders.weights.iter().map(|(name, _)| name.clone()).collect()
+    };
+    assert_eq!(names, ["tail_down", "tail_up"]);
+    let played = weights(&mut show);
+    assert!(
+        played.iter().any(|weights| weights != &played[0]),
+        "each is in another stroke"
+    );
+
+    let mut sliders = show.app_mut().world_mut().resource_mut::<Sliders>();
+    sliders.in_hand = true;
+    (sliders.weights[0].1, sliders.weights[1].1) = (0.25, -0.5);
+    show.advance(2);
+    assert_eq!(weights(&mut show), vec![vec![0.25, -0.5]; 3]);
+
+    show.app_mut().world_mut().resource_mut::<Sliders>().in_hand = false;
+    show.advance(2);
+    assert!(
+        weights(&mut show).iter().all(|weights| weights[1] >= 0.0),
+        "they swim on"
+    );
+}
+
+#[test]
+fn a_file_that_is_no_good_ends_the_show_with_its_name() {
+    let _alone = alone();
+    let folder = std::env::temp_dir().join("morph_collision_controls");
+    std::fs::create_dir_all(&folder).unwrap();
+    let broken = folder.join("broken.glb");
+    std::fs::write(&broken, b"no glTF").unwrap();
+    let rain = shows::Rain {
+        bodies: 1,
+        seed: 1,
+        ccd: false,
+        models: vec![broken.clone()],
+    };
+    let start = Instant::now();
+    for show in [
+        shows::dolphins(&broken, 2, true),
+        shows::crowd(&broken, 2, true),
+        shows::physics(rain),
+    ] {
+        let error = Offscreen::new(show, SIZE, true).unwrap_err().to_string();
+        assert!(error.contains("broken.glb") && !error.contains('\n'), "{error}");
+    }
+    assert!(
+        start.elapsed() < Duration::from_secs(60),
+        "nobody waits for what cannot come"
+    );
+}
+
+#[test]
+fn a_model_that_does_not_morph_is_refused() {
+    let _alone = alone();
+    let rigid = morph_collision_testkit::models::rigid::box_mesh(Vec3::ONE);
+    let file = std::env::temp_dir().join("morph_collision_controls_rigid.glb");
+    std::fs::write(&file, to_glb(&rigid, &Appearance::default()).unwrap()).unwrap();
+    let mut show = offscreen(shows::dolphins(&file, 2, true), SIZE);
+    show.advance(2);
+    let error = show.picture().unwrap_err().to_string();
+    assert!(
+        error.contains("rigid.glb") && error.contains("morph targets"),
+        "{error}"
+    );
+    assert_eq!(
+        show.app_mut().world().resource::<MorphCollisionDiagnostics>().colliders,
+        0
+    );
+}

@@ -58,36 +58,39 @@ fn panel(
 ) -> Result {
     let context = contexts.ctx_mut()?;
     context.set_visuals(egui::Visuals::light());
+    // What its title and frame leave of the window's height.
+    let room = context.content_rect().height() - 64.0;
     egui::Window::new(bill.name)
         .anchor(egui::Align2::LEFT_TOP, [8.0, 8.0])
-        .default_width(230.0)
+        .default_size([230.0, room])
         .resizable(false)
-        .vscroll(true)
         .show(context, |ui| {
-            ui.label(bill.about);
-            if !clock.started {
-                ui.horizontal(|ui| {
-                    ui.spinner();
-                    ui.label("loading");
-                });
-                return;
-            }
-            ui.separator();
-            time_row(ui, &bill, &mut clock, &mut time);
-            ui.checkbox(&mut overlay.shown, "touching triangles in red");
-            volumes_row(ui, &mut store);
-            if !sliders.weights.is_empty() {
-                weights(ui, &mut sliders);
-            }
-            ui.separator();
-            rows(ui, "notes", notes.0.iter().map(|(name, value)| (*name, value.clone())));
-            rows(ui, "counts", counts(&diagnostics, &bill, &real));
-            egui::CollapsingHeader::new("keys")
-                .default_open(bill.live)
-                .show(ui, |ui| {
-                    let own = bill.keys.iter().chain(&KEYS);
-                    rows(ui, "keys", own.map(|&(key, what)| (key, what.to_owned())));
-                });
+            egui::ScrollArea::vertical().max_height(room).show(ui, |ui| {
+                ui.label(bill.about);
+                if !clock.started {
+                    ui.horizontal(|ui| {
+                        ui.spinner();
+                        ui.label("loading");
+                    });
+                    return;
+                }
+                ui.separator();
+                time_row(ui, &bill, &mut clock, &mut time);
+                ui.checkbox(&mut overlay.shown, "touching triangles in red");
+                volumes_row(ui, &mut store);
+                if !sliders.weights.is_empty() {
+                    weights(ui, &mut sliders);
+                }
+                ui.separator();
+                rows(ui, "notes", notes.0.iter().map(|(name, value)| (*name, value.clone())));
+                rows(ui, "counts", counts(&diagnostics, &bill, &real));
+                egui::CollapsingHeader::new("keys")
+                    .default_open(bill.live)
+                    .show(ui, |ui| {
+                        let own = bill.keys.iter().chain(&KEYS);
+                        rows(ui, "keys", own.map(|&(key, what)| (key, what.to_owned())));
+                    });
+            });
         });
     Ok(())
 }

@@ -4,7 +4,6 @@ use bevy::camera::{NormalizedRenderTarget, RenderTarget};
 use bevy::picking::PickingSystems;
 use bevy::picking::pointer::{Location, PointerAction, PointerButton, PointerId, PointerInput};
 use bevy::prelude::*;
-use std::time::Duration;
 
 use super::clock::{self, Clock};
 use super::stage::StageCamera;
@@ -80,9 +79,8 @@ fn play(
     }
 }
 
-/// Whether it is a click with the left button, or a finger. Bevy calls what ends a drag over the same model a click, too, of any button.
+/// Whether it is a click with the left button, or a finger. Of other buttons, Bevy calls what ends a drag a click, too.
 #[must_use]
 pub fn is_plain(click: &PointerClick) -> bool {
-    const LONGEST: Duration = Duration::from_millis(500);
-    click.button == PointerButton::Primary && click.duration < LONGEST
+    click.button == PointerButton::Primary
 }

@@ -27,6 +27,10 @@ features:
     for feature in serde rayon; do cargo check -p morph_collision --no-default-features --features "$feature"; done
     for feature in "" picking gizmos diagnostics rapier; do cargo check -p bevy_morph_collision --no-default-features --features "$feature"; done
 
+# What is published, built from its packages.
+package:
+    cargo package -p morph_collision -p bevy_morph_collision
+
 # The same bits in debug and release, for every kind of volume, on any number of threads.
 determinism:
     cargo test -p morph_collision_testkit --test determinism

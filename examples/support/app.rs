@@ -1,16 +1,18 @@
 //! A Bevy app without window and renderer, at a fixed time step, and the loading of one glTF model in it.
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use bevy::animation::AnimationPlugin;
 use bevy::asset::{AssetMetaCheck, AssetPath, RecursiveDependencyLoadState, UntypedAssetId};
 use bevy::gltf::{Gltf, GltfPlugin};
 use bevy::mesh::MeshPlugin;
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy::world_serialization::WorldSerializationPlugin;
 use bevy_morph_collision::MorphCollisionPlugin;
+use morph_collision_testkit::gltf_read::read_meshes;
 
 use crate::displacements::spread_over_split_vertices;
 use crate::error::ExampleError;
@@ -79,7 +81,7 @@ pub fn load_gltf(app: &mut App, file: &Path) -> Result<Handle<Gltf>, ExampleErro
     update_until(app, file, |world| {
         is_loaded(world.resource::<AssetServer>(), handle.id().untyped(), file)
     })?;
-    spread_over_split_vertices(app.world_mut(), &handle, file)?;
+    spread_over_split_vertices(app.world_mut(), &handle, || read_meshes(file))?;
     Ok(handle)
 }
 
@@ -92,11 +94,15 @@ pub fn is_loaded(assets: &AssetServer, asset: UntypedAssetId, file: &Path) -> Re
         RecursiveDependencyLoadState::Loaded => Ok(true),
         RecursiveDependencyLoadState::Failed(error) => Err(ExampleError::Load {
             path: file.into(),
-            // The lines that follow are a backtrace.
-            reason: error.to_string().lines().next().unwrap_or_default().into(),
+            reason: first_line(&error),
         }),
         RecursiveDependencyLoadState::NotLoaded | RecursiveDependencyLoadState::Loading => Ok(false),
     }
+}
+
+/// What an error says; the lines that follow are a backtrace.
+pub(crate) fn first_line(error: &impl ToString) -> String {
+    error.to_string().lines().next().unwrap_or_default().to_owned()
 }
 
 /// Runs frames until a condition holds.

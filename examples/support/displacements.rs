@@ -4,29 +4,27 @@
 //! morph displacements as they are in the file, one per shared vertex (bevy 0.20). Such a mesh would be drawn wrong, and the
 //! collision plugin refuses it. Here the displacements are read from the file again and spread over the new vertices.
 
-use std::path::Path;
-
 use bevy::gltf::{Gltf, GltfMesh};
 use bevy::mesh::{PrimitiveTopology, morph::MorphAttributes};
 use bevy::prelude::*;
-use morph_collision_testkit::{gltf_read::read_meshes, mesh::MorphMesh};
+use morph_collision_testkit::{gltf_read::ReadError, mesh::MorphMesh};
 
 use crate::error::ExampleError;
 
-/// Repairs every mesh of a loaded file whose vertices were split; leaves the others alone.
+/// Repairs every mesh of a loaded file whose vertices were split; leaves the others alone. `read` has the file's meshes.
 ///
 /// # Errors
 /// There is such a mesh, and the file cannot be read a second time.
 pub(crate) fn spread_over_split_vertices(
     world: &mut World,
     gltf: &Handle<Gltf>,
-    file: &Path,
+    read: impl FnOnce() -> Result<Vec<MorphMesh>, ReadError>,
 ) -> Result<(), ExampleError> {
     let split = split_meshes(world, gltf);
     if split.is_empty() {
         return Ok(());
     }
-    let read = read_meshes(file).map_err(|error| ExampleError::Read(error.to_string()))?;
+    let read = read().map_err(|error| ExampleError::Read(error.to_string()))?;
     let mut meshes = world.resource_mut::<Assets<Mesh>>();
     for (mesh, primitive, handle) in split {
         let spread = read.get(mesh).and_then(|mesh| spread(mesh, primitive));

@@ -1,7 +1,6 @@
 //! What a user does to a show: time, weights, and files that are no good.
 
 use std::path::Path;
-use std::time::{Duration, Instant};
 
 use bevy::ecs::system::RunSystemOnce;
 use bevy::input::ButtonState;
@@ -114,19 +113,15 @@ fn a_file_that_is_no_good_ends_the_show_with_its_name() {
         ccd: false,
         models: vec![broken.clone()],
     };
-    let start = Instant::now();
     for show in [
         shows::dolphins(&broken, 2, true),
         shows::crowd(&broken, 2, true),
         shows::physics(rain),
     ] {
         let error = Offscreen::new(show, SIZE, true).unwrap_err().to_string();
+        // It says what is wrong, rather than that nothing comes.
         assert!(error.contains("broken.glb") && !error.contains('\n'), "{error}");
     }
-    assert!(
-        start.elapsed() < Duration::from_secs(60),
-        "nobody waits for what cannot come"
-    );
 }
 
 #[test]

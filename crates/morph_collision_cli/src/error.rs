@@ -3,8 +3,8 @@
 use std::io;
 use std::path::PathBuf;
 
-use morph_collision::{BuildError, ModelError};
 use morph_collision_testkit::gltf_read::ReadError;
+use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::moments::AnswerError;
 use morph_collision_testkit::rivals::{PoseError, SetUpError};
 use morph_collision_testkit::scenes::SceneError;
@@ -67,13 +67,4 @@ impl From<ReadError> for CliError {
     fn from(error: ReadError) -> Self {
         Self::Read(Box::new(error))
     }
-}
-
-/// Why a mesh cannot collide.
-#[derive(Debug, Error)]
-pub(crate) enum MeshError {
-    #[error(transparent)]
-    Model(#[from] ModelError),
-    #[error(transparent)]
-    Build(#[from] BuildError),
 }

@@ -2,12 +2,14 @@
 //!
 //! - [`mesh`]: a triangle mesh with morph targets and weight animations, as a file holds it.
 //! - [`gltf_read`], [`gltf_write`]: that mesh from and to glTF 2.0.
+//! - [`inspect`]: what a file of such meshes is made of.
 //! - [`models`]: generated meshes: a dolphin, the body of a pass-through, random, degenerate and rigid ones.
 //! - [`scenes`]: scripted motion for them, and the JSON scene format.
 //! - [`assets`]: what lies in `assets/`, made of the above.
 //! - [`oracle`]: the same question answered by brute force in exact arithmetic.
 //! - [`mod@bench`]: every method timed against every other one.
 //! - [`moments`]: bodies in one moment, ordinary and odd, that every method has to agree on.
+//! - [`determinism`]: hashes of answers, which must be the same everywhere.
 //! - [`fuzzing`]: what the fuzz targets do with bytes.
 //! - [`near_degenerate`]: pairs of triangles that rounded arithmetic gets wrong.
 //! - [`rivals`]: the same question answered by every other method that `morph_collision` is compared with.
@@ -18,9 +20,11 @@
 
 pub mod assets;
 pub mod bench;
+pub mod determinism;
 pub mod fuzzing;
 pub mod gltf_read;
 pub mod gltf_write;
+pub mod inspect;
 pub mod mesh;
 pub mod models;
 pub mod moments;

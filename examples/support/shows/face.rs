@@ -13,7 +13,7 @@ use crate::view::Show;
 use crate::view::clock::{Clock, Pending, is_typing, started};
 use crate::view::models::{ModelPart, ModelRoot};
 use crate::view::overlay::{OverlaySystems, SelfTouching};
-use crate::view::pointer::{Cue, Script, is_plain};
+use crate::view::pointer::{Clicks, Cue, Script};
 use crate::view::stage::Notes;
 
 /// What the mouth does, over and over: a target's name, cycles per second, where in its cycle it begins, and its highest weight.
@@ -155,12 +155,13 @@ struct Pin;
 
 fn stick_pin(
     click: On<PointerClick>,
+    clicks: Clicks,
     parts: Query<(), With<ModelPart>>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
     mut commands: Commands,
 ) {
-    if !is_plain(&click) || !parts.contains(click.entity) {
+    if !clicks.is_plain(&click) || !parts.contains(click.entity) {
         return;
     }
     let Some(pick) = click.hit.extra_as::<MorphPick>() else {

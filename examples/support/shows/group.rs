@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 
 use bevy::asset::AssetPath;
 use bevy::camera::primitives::Aabb;
+use bevy::ecs::system::SystemParam;
 use bevy::gltf::Gltf;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::scenes::dolphins::phase;
 
 use crate::app::is_loaded;
@@ -112,17 +114,48 @@ fn ready(world: &mut World, gltf: &Handle<Gltf>) -> Result<bool, ExampleError> {
         return Ok(false);
     }
     if foreign {
-        spread_over_split_vertices(world, gltf, &model)?;
+        spread_over_split_vertices(world, gltf, || read_meshes(&model))?;
     }
     Ok(true)
+}
+
+/// How far members reach.
+#[derive(SystemParam, Debug)]
+pub(super) struct Extent<'w, 's> {
+    members: Query<'w, 's, (&'static Member, &'static GlobalTransform)>,
+    parts: Query<'w, 's, (Entity, &'static Aabb, &'static GlobalTransform)>,
+    parents: Query<'w, 's, &'static ChildOf>,
+}
+
+impl Extent<'_, '_> {
+    /// A box around all parts of the first, in the space of its root; of nothing, from infinity to minus infinity.
+    pub(super) fn of_first(&self) -> (Vec3, Vec3) {
+        let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for (part, bounds, place) in &self.parts {
+            let Some((_, root)) = self
+                .parents
+                .iter_ancestors(part)
+                .filter_map(|root| self.members.get(root).ok())
+                .find(|(member, _)| member.0 == 0)
+            else {
+                continue;
+            };
+            let root_from_part = root.affine().inverse() * place.affine();
+            for corner in 0..8 {
+                let side = |axis: u32| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+                let corner = bounds.center + bounds.half_extents * Vec3A::new(side(0), side(1), side(2));
+                let corner = root_from_part.transform_point3(corner.into());
+                (min, max) = (min.min(corner), max.max(corner));
+            }
+        }
+        (min, max)
+    }
 }
 
 /// A model that is no dolphin becomes as thick as one.
 fn measure(
     mut group: ResMut<Group>,
-    members: Query<(&Member, &GlobalTransform)>,
-    parts: Query<(Entity, &Aabb, &GlobalTransform)>,
-    parents: Query<&ChildOf>,
+    extent: Extent,
     morphing: Query<(), With<MeshMorphWeights>>,
     mut commands: Commands,
     mut done: Local<bool>,
@@ -134,23 +167,7 @@ fn measure(
         let (path, reason) = (group.model.clone(), String::new());
         commands.insert_resource(Trouble(ExampleError::NoMesh { path, reason }.to_string()));
     }
-    let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    for (part, bounds, place) in &parts {
-        let Some((_, root)) = parents
-            .iter_ancestors(part)
-            .filter_map(|root| members.get(root).ok())
-            .find(|(member, _)| member.0 == 0)
-        else {
-            continue;
-        };
-        let root_from_part = root.affine().inverse() * place.affine();
-        for corner in 0..8 {
-            let side = |axis: u32| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
-            let corner = bounds.center + bounds.half_extents * Vec3A::new(side(0), side(1), side(2));
-            let corner = root_from_part.transform_point3(corner.into());
-            (min, max) = (min.min(corner), max.max(corner));
-        }
-    }
+    let (min, max) = extent.of_first();
     let size = max - min;
     let thickness = 0.5 * (size.y + size.z);
     if thickness.is_finite() && thickness > 0.0 {
@@ -160,7 +177,7 @@ fn measure(
 }
 
 /// What plays no clip morphs in waves, from 0 to 1.
-fn wave(
+pub(super) fn wave(
     mut models: Query<(Entity, &mut MorphWeights)>,
     playing: Query<(), With<AnimationGraphHandle>>,
     members: Query<&Member>,

@@ -12,7 +12,7 @@ use crate::physics::wobbling;
 use crate::view::Show;
 use crate::view::clock::{Clock, Pending, started};
 use crate::view::models::{ModelPart, ModelRoot, Plays, scene};
-use crate::view::pointer::{Cue, Script, is_plain};
+use crate::view::pointer::{Clicks, Cue, Script};
 use crate::view::stage::Notes;
 
 /// Models that can be hovered and clicked.
@@ -121,15 +121,16 @@ fn wobble(mut models: Query<&mut MeshMorphWeights, With<ModelPart>>, clock: Res<
 /// A click gives the model another colour.
 fn clicked(
     click: On<PointerClick>,
+    clicks: Clicks,
     mut drawn: Query<&mut MeshMaterial3d<StandardMaterial>, With<MorphCollider>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
-    mut clicks: Local<u32>,
+    mut painted: Local<u32>,
 ) {
     if let Ok(mut material) = drawn.get_mut(click.entity)
-        && is_plain(&click)
+        && clicks.is_plain(&click)
     {
-        *clicks += 1;
-        material.0 = materials.add(Color::hsl(137.5 * *clicks as f32 % 360.0, 0.6, 0.6));
+        *painted += 1;
+        material.0 = materials.add(Color::hsl(137.5 * *painted as f32 % 360.0, 0.6, 0.6));
     }
 }
 
@@ -141,10 +142,10 @@ fn point(
     mut notes: ResMut<Notes>,
 ) {
     let (place, visibility) = &mut *arrow;
-    let hits = hover.values().flatten();
+    let mut hits = hover.values().flatten();
     let found =
-        hits.filter_map(|(&entity, hit)| Some((entity, hit.position?, hit.normal?, *hit.extra_as::<MorphPick>()?)));
-    let Some((entity, at, normal, pick)) = found.into_iter().next() else {
+        hits.find_map(|(&entity, hit)| Some((entity, hit.position?, hit.normal?, *hit.extra_as::<MorphPick>()?)));
+    let Some((entity, at, normal, pick)) = found else {
         **visibility = Visibility::Hidden;
         notes.0 = vec![("pointed at", "nothing".into())];
         return;

@@ -1,25 +1,31 @@
 //! Drawn examples: a model is blended by the GPU, and what the collision code believes is drawn on top.
 //!
-//! A [`Show`] is a scene and what to say about it. [`run`] puts it on a [`stage`] (camera, light, panel) and lets its [`clock`] run: in a
-//! window, or [off-screen](offscreen) into pictures.
+//! A [`Show`] is a scene and what to say about it. It is put on a [`stage`] (camera, light, panel) and its [`clock`] runs: in a window or
+//! off-screen into pictures (`run`), or on a web [`page`].
 
 pub mod clock;
+pub mod files;
 pub mod models;
+#[cfg(not(target_arch = "wasm32"))]
 pub mod offscreen;
 pub mod overlay;
+pub mod page;
 mod panel;
+#[cfg(not(target_arch = "wasm32"))]
 mod pictures;
+#[cfg_attr(target_arch = "wasm32", allow(dead_code, reason = "on a page there is a hand"))]
 pub mod pointer;
+#[cfg(not(target_arch = "wasm32"))]
+mod run;
 pub mod sliders;
 pub mod stage;
+#[cfg(not(target_arch = "wasm32"))]
 mod window;
-
-use std::process::ExitCode;
 
 use bevy::prelude::*;
 
-use crate::error::ExampleError;
-use crate::options::ViewOptions;
+#[cfg(not(target_arch = "wasm32"))]
+pub use run::{main, run};
 
 /// A drawn example.
 pub struct Show {
@@ -42,28 +48,5 @@ pub struct Show {
 impl std::fmt::Debug for Show {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Show").field("name", &self.name).finish_non_exhaustive()
-    }
-}
-
-/// What an example does that is nothing but a show.
-#[must_use]
-pub fn main(show: Show, options: &ViewOptions) -> ExitCode {
-    match run(show, options) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(2)
-        }
-    }
-}
-
-/// Shows it as asked for.
-///
-/// # Errors
-/// There is no display for a window, no driver to draw with, a model cannot be loaded, or a picture cannot be written.
-pub fn run(show: Show, options: &ViewOptions) -> Result<(), ExampleError> {
-    match &options.screenshots {
-        Some(folder) => pictures::write(show, options, folder),
-        None => window::run(show, options),
     }
 }

@@ -1,20 +1,21 @@
 //! Models in a show: scenes as Bevy loads them, and meshes with normals worked out where a file has none.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use bevy::asset::io::Reader;
 use bevy::asset::{AssetLoader, AssetPath, LoadContext, LoadState};
 use bevy::gltf::Gltf;
-use bevy::mesh::morph::{MeshMorphWeights, MorphAttributes};
+use bevy::mesh::morph::{MeshMorphWeights, MorphAttributes, MorphWeights};
 use bevy::prelude::*;
 use bevy::world_serialization::WorldInstanceReady;
 use bevy_morph_collision::morph_collision::{BuildOptions, MorphBvh, Pose};
 use morph_collision_testkit::gltf_read::{self, ReadError};
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::topology::components;
-use std::sync::Arc;
 
 use super::clock::{Pending, Trouble, started};
+use crate::app::first_line;
 use crate::physics::bevy_mesh;
 
 /// A glTF file's meshes, each in its own space, as the test kit reads them.
@@ -72,11 +73,16 @@ pub struct Plays {
 }
 
 impl Plays {
+    /// The first clip of a file, from `phase` in 0..1 on.
+    #[must_use]
+    pub fn new(gltf: Handle<Gltf>, phase: f32) -> Self {
+        Self { gltf, phase }
+    }
+
     /// The first clip of the file, from `phase` in 0..1 on.
     #[must_use]
     pub fn from(assets: &AssetServer, file: &Path, phase: f32) -> Self {
-        let gltf = assets.load(AssetPath::from_path_buf(file.to_path_buf()));
-        Self { gltf, phase }
+        Self::new(assets.load(AssetPath::from_path_buf(file.to_path_buf())), phase)
     }
 }
 
@@ -105,6 +111,15 @@ fn play(
 
 fn scene_is_there(ready: On<WorldInstanceReady>, mut commands: Commands) {
     commands.entity(ready.entity).remove::<Pending>();
+}
+
+/// The weights of a drawn model: its own, or those that it shares with others.
+#[must_use]
+pub fn weights_of<'a>(weights: &'a MeshMorphWeights, shared: &'a Query<&MorphWeights>) -> &'a [f32] {
+    match weights {
+        &MeshMorphWeights::Reference(source) => shared.get(source).map_or(&[], MorphWeights::weights),
+        MeshMorphWeights::Value { weights } => weights,
+    }
 }
 
 /// The meshes of a [`Model`] become children of this entity, one each, with normals; then what is in `dress` is done to them.
@@ -242,9 +257,7 @@ fn look_for_trouble(
         ];
         for id in ids.into_iter().flatten() {
             if let Some(LoadState::Failed(error)) = assets.get_load_state(id) {
-                // The lines that follow are a backtrace.
-                let trouble = error.to_string().lines().next().unwrap_or_default().to_owned();
-                commands.insert_resource(Trouble(trouble));
+                commands.insert_resource(Trouble(first_line(&error)));
             }
         }
     }

@@ -3,15 +3,20 @@
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
+use bevy::app::TerminalCtrlCHandlerPlugin;
 use bevy::image::Image;
+use bevy::log::LogPlugin;
 use bevy::prelude::*;
+use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::TextureFormat;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured};
 use bevy::time::TimeUpdateStrategy;
+use bevy::winit::WinitPlugin;
 use image::RgbImage;
 
 use super::Show;
 use super::clock::{Clock, Trouble};
+use super::files::Files;
 use super::pointer::{self, Script};
 use super::stage::{self, Place, StageCamera};
 use crate::app::STEP;
@@ -44,7 +49,13 @@ impl Offscreen {
         if !stage::has_driver(wgpu::Backends::PRIMARY) {
             return Err(ExampleError::NoDriver);
         }
-        let mut app = stage::app(None);
+        // One frame is drawn before the next is worked out. Logs and signals are the caller's.
+        let plugins = stage::plugins(None)
+            .disable::<WinitPlugin>()
+            .disable::<LogPlugin>()
+            .disable::<TerminalCtrlCHandlerPlugin>()
+            .disable::<PipelinedRenderingPlugin>();
+        let mut app = stage::app(plugins, &Files::default());
         let target = app
             .world_mut()
             .resource_mut::<Assets<Image>>()

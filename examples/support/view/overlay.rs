@@ -2,6 +2,8 @@
 //!
 //! The rest of a mesh is never blended on the CPU. Where both blend alike, the overlay lies on what the GPU draws.
 
+use std::collections::BTreeSet;
+
 use bevy::asset::RenderAssetUsages;
 use bevy::camera::visibility::NoFrustumCulling;
 use bevy::light::NotShadowCaster;
@@ -12,7 +14,6 @@ use bevy_morph_collision::MorphContact;
 use bevy_morph_collision::prelude::*;
 
 use super::clock;
-use std::collections::BTreeSet;
 
 /// How the overlay is drawn.
 #[derive(Resource, Clone, Copy, Debug)]

@@ -11,10 +11,11 @@ use super::sliders::Sliders;
 use super::stage::{Notes, Playbill};
 
 /// Keys that every show listens to.
-const KEYS: [(&str, &str); 8] = [
+const KEYS: [(&str, &str); 9] = [
     ("right drag", "orbit"),
     ("middle drag", "pan"),
     ("wheel", "zoom"),
+    ("fingers", "one orbits, two pan and zoom"),
     ("Space", "pause"),
     (".", "one frame, when paused"),
     ("- =", "slower, faster"),
@@ -58,12 +59,15 @@ fn panel(
 ) -> Result {
     let context = contexts.ctx_mut()?;
     context.set_visuals(egui::Visuals::light());
+    // On a phone it would hide the show.
+    let wide = context.content_rect().width() > 640.0;
     // What its title and frame leave of the window's height.
     let room = context.content_rect().height() - 64.0;
     egui::Window::new(bill.name)
         .anchor(egui::Align2::LEFT_TOP, [8.0, 8.0])
         .default_size([230.0, room])
         .resizable(false)
+        .default_open(wide)
         .show(context, |ui| {
             egui::ScrollArea::vertical().max_height(room).show(ui, |ui| {
                 ui.label(bill.about);
@@ -85,7 +89,7 @@ fn panel(
                 rows(ui, "notes", notes.0.iter().map(|(name, value)| (*name, value.clone())));
                 rows(ui, "counts", counts(&diagnostics, &bill, &real));
                 egui::CollapsingHeader::new("keys")
-                    .default_open(bill.live)
+                    .default_open(bill.live && wide)
                     .show(ui, |ui| {
                         let own = bill.keys.iter().chain(&KEYS);
                         rows(ui, "keys", own.map(|&(key, what)| (key, what.to_owned())));

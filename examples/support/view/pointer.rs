@@ -1,8 +1,10 @@
-//! A pointer that a show moves itself, for pictures: off-screen there is no mouse.
+//! What a pointer does: whether it clicks; and one that a show moves itself, for pictures: off-screen there is no mouse.
 
 use bevy::camera::{NormalizedRenderTarget, RenderTarget};
+use bevy::ecs::system::SystemParam;
 use bevy::picking::PickingSystems;
 use bevy::picking::pointer::{Location, PointerAction, PointerButton, PointerId, PointerInput};
+use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
 use super::clock::{self, Clock};
@@ -79,8 +81,33 @@ fn play(
     }
 }
 
-/// Whether it is a click with the left button, or a finger. Of other buttons, Bevy calls what ends a drag a click, too.
-#[must_use]
-pub fn is_plain(click: &PointerClick) -> bool {
-    click.button == PointerButton::Primary
+/// Where each pointer was pressed last.
+#[derive(Resource, Debug, Default)]
+struct Presses(HashMap<PointerId, Vec2>);
+
+pub(super) fn clicks(app: &mut App) {
+    app.init_resource::<Presses>()
+        .add_observer(|press: On<PointerPress>, mut presses: ResMut<Presses>| {
+            let at = press.pointer.position;
+            presses.0.insert(press.pointer.id, at);
+        });
+}
+
+/// Tells clicks from drags: a finger that orbits also ends on what it began on.
+#[derive(SystemParam, Debug)]
+pub struct Clicks<'w> {
+    presses: Res<'w, Presses>,
+}
+
+impl Clicks<'_> {
+    /// In pixels: no hand is quite still.
+    const STILL: f32 = 8.0;
+
+    /// Whether it is one with the left button, or a finger, in one place.
+    #[must_use]
+    pub fn is_plain(&self, click: &PointerClick) -> bool {
+        let pressed = self.presses.0.get(&click.pointer.id);
+        let moved = pressed.map_or(0.0, |pressed| pressed.distance(click.pointer.position));
+        click.button == PointerButton::Primary && moved <= Self::STILL
+    }
 }

@@ -6,6 +6,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
 use super::clock::Clock;
+use super::models::weights_of;
 
 /// The sliders.
 #[derive(Resource, Clone, Debug, Default)]
@@ -49,14 +50,13 @@ fn show(
     if sliders.in_hand || !clock.started {
         return;
     }
-    let played = |weights| match weights {
-        &MeshMorphWeights::Reference(source) => shared.get(source).map_or(&[][..], MorphWeights::weights),
-        MeshMorphWeights::Value { weights } => weights.as_slice(),
-    };
-    let Some((mesh, weights)) = models.iter().max_by_key(|(_, weights)| played(weights).len()) else {
+    let Some((mesh, weights)) = models
+        .iter()
+        .max_by_key(|(_, weights)| weights_of(weights, &shared).len())
+    else {
         return;
     };
-    let weights = played(weights);
+    let weights = weights_of(weights, &shared);
     if sliders.weights.len() != weights.len() {
         let names = meshes
             .get(&mesh.0)

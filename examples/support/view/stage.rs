@@ -1,6 +1,6 @@
 //! What every show stands on: Bevy with a renderer, the plugins of this project, a camera, light, and a background.
 
-use bevy::app::{PluginGroup, TerminalCtrlCHandlerPlugin};
+use bevy::app::{PluginGroup, PluginGroupBuilder};
 use bevy::asset::AssetMetaCheck;
 use bevy::camera::{ClearColorConfig, RenderTarget};
 use bevy::core_pipeline::tonemapping::Tonemapping;
@@ -9,15 +9,14 @@ use bevy::light::GlobalAmbientLight;
 use bevy::log::LogPlugin;
 use bevy::prelude::*;
 use bevy::render::RenderPlugin;
-use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::settings::{Backends, WgpuSettings};
 use bevy::window::ExitCondition;
-use bevy::winit::WinitPlugin;
 use bevy_egui::{EguiPlugin, PrimaryEguiContext};
 use bevy_morph_collision::prelude::*;
 use bevy_panorbit_camera::{PanOrbitCamera, PanOrbitCameraPlugin};
 
-use super::{Show, clock, models, overlay, panel, sliders};
+use super::files::Files;
+use super::{Show, clock, models, overlay, panel, pointer, sliders};
 
 /// The colour behind everything.
 pub const BACKGROUND: Color = Color::srgb(0.93, 0.95, 0.97);
@@ -44,7 +43,11 @@ pub struct StageCamera;
 #[derive(Clone, Debug)]
 pub(super) enum Place {
     Window,
-    Image { target: Handle<Image>, bare: bool },
+    #[cfg_attr(target_arch = "wasm32", allow(dead_code, reason = "a page takes no pictures"))]
+    Image {
+        target: Handle<Image>,
+        bare: bool,
+    },
 }
 
 /// Only what a user can do something about; what cannot be loaded is told in another way.
@@ -56,7 +59,7 @@ pub(super) fn log() -> LogPlugin {
 }
 
 /// Bevy as a game has it, with a window or without.
-pub(super) fn app(window: Option<Window>) -> App {
+pub(super) fn plugins(window: Option<Window>) -> PluginGroupBuilder {
     let live = window.is_some();
     let assets = AssetPlugin {
         file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(),
@@ -90,21 +93,14 @@ pub(super) fn app(window: Option<Window>) -> App {
         synchronous_pipeline_compilation: !live,
         ..RenderPlugin::default()
     };
-    let plugins = DefaultPlugins.set(assets).set(windows).set(renderer).set(log());
+    DefaultPlugins.set(assets).set(windows).set(renderer).set(log())
+}
+
+/// An app of these plugins and those of this project.
+pub(super) fn app(plugins: PluginGroupBuilder, files: &Files) -> App {
     let mut app = App::new();
-    if live {
-        app.add_plugins(plugins);
-    } else {
-        // One frame is drawn before the next is worked out. Logs and signals are the caller's.
-        app.add_plugins(
-            plugins
-                .disable::<WinitPlugin>()
-                .disable::<LogPlugin>()
-                .disable::<TerminalCtrlCHandlerPlugin>()
-                .disable::<PipelinedRenderingPlugin>(),
-        );
-    }
-    app.add_plugins((
+    files.serve(&mut app);
+    app.add_plugins(plugins).add_plugins((
         MorphCollisionPlugin,
         MorphBoundsPlugin,
         MorphPickingPlugin,
@@ -128,7 +124,13 @@ pub(super) fn set(app: &mut App, show: Show, place: Place) {
             live,
         })
         .init_resource::<Notes>()
-        .add_plugins((clock::plugin, models::plugin, overlay::plugin, sliders::plugin));
+        .add_plugins((
+            clock::plugin,
+            models::plugin,
+            overlay::plugin,
+            pointer::clicks,
+            sliders::plugin,
+        ));
     let bare = matches!(place, Place::Image { bare: true, .. });
     if !bare {
         app.add_plugins((EguiPlugin::default(), panel::plugin));
@@ -203,6 +205,7 @@ pub fn show_volumes(app: &mut App, level: Option<usize>) {
         .depth = level;
 }
 
+#[cfg(not(target_arch = "wasm32"))]
 /// Whether there is anything to draw with, if only a program that does what a GPU would.
 pub(super) fn has_driver(backends: Backends) -> bool {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy::window::WindowResolution;
 
 use super::stage::{self, Place};
-use super::{Show, clock::Trouble};
+use super::{Show, clock::Trouble, files::Files};
 use crate::error::ExampleError;
 use crate::options::ViewOptions;
 
@@ -24,7 +24,7 @@ pub(super) fn run(show: Show, options: &ViewOptions) -> Result<(), ExampleError>
         resolution: WindowResolution::new(width, height),
         ..default()
     };
-    let mut app = stage::app(Some(window));
+    let mut app = stage::app(stage::plugins(Some(window)), &Files::default());
     stage::set(&mut app, show, Place::Window);
     stage::show_volumes(&mut app, options.volumes);
     // The app is gone when it has run; this stays.

@@ -8,9 +8,10 @@ use std::sync::Arc;
 
 use clap::Args;
 use morph_collision::{Ball, Body, BuildOptions, MorphBvh, PointQuery, Pose, Ray, RayQuery, SelfQuery, WorldFromModel};
+use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::mesh::MorphMesh;
 
-use crate::error::{CliError, MeshError};
+use crate::error::CliError;
 use crate::model_file::read_mesh;
 use crate::output;
 use numbers::{Triple, Weights};

@@ -80,7 +80,7 @@ pub enum Wanted {
 /// A way to find the intersecting triangles of morphing bodies; see [`MethodKind::set_up`].
 ///
 /// Bodies are numbered as they were set up. They start with all weights zero at the world's origin.
-pub trait Method: Debug {
+pub trait Method: Debug + Send + Sync {
     /// Makes ready, at no price to the method, what it is not judged by; only `rigid-floor` has anything of the kind. Says
     /// whether there was something to do.
     ///

@@ -20,7 +20,7 @@ use super::frames::{SatLite, world_bounds};
 use super::{Method, PoseError, SetUpError, Wanted};
 
 /// A tree of Parry's with a leaf per triangle, and the vertices it stands for.
-pub(super) trait ParryTree: Sized {
+pub(super) trait ParryTree: Sized + Send + Sync {
     fn new(mesh: &WeldedMesh) -> Result<Self, TriMeshBuilderError>;
     /// Blends the vertices.
     fn blend(&mut self, body: &BlendedBody);

@@ -14,7 +14,7 @@ use super::tree::{Child, Tree};
 use super::{Method, PoseError, Wanted};
 
 /// A tree with boxes, and how they follow the vertices. Bodies of one mesh start as clones.
-pub(super) trait Refit: Debug + Clone {
+pub(super) trait Refit: Debug + Clone + Send + Sync {
     /// Over a mesh at rest.
     fn new(mesh: &WeldedMesh, options: &BuildOptions) -> Self;
     /// All vertices have moved; returns how many boxes were made.

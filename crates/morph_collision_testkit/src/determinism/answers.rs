@@ -8,12 +8,12 @@ use morph_collision::{
     TrianglePair, WorldFromModel,
 };
 
-use crate::Run;
-use crate::hash::Hash;
-use crate::scenes::Scene;
+use super::Run;
+use super::hash::Hash;
+use super::scenes::Scene;
 
 /// What is hashed apart, so that a difference says where it is.
-pub(crate) const COLUMNS: [&str; 6] = ["vertices", "pairs", "self", "contacts", "distances", "rays"];
+pub(super) const COLUMNS: [&str; 6] = ["vertices", "pairs", "self", "contacts", "distances", "rays"];
 const VERTICES: usize = 0;
 const PAIRS: usize = 1;
 const SELF: usize = 2;
@@ -23,11 +23,11 @@ const RAYS: usize = 5;
 
 /// Hashes of answers, and what goes with them.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Answers {
-    pub(crate) hashes: [Hash; COLUMNS.len()],
+pub(super) struct Answers {
+    pub(super) hashes: [Hash; COLUMNS.len()],
     /// The pairs that the walks came to first, which depend on the tree.
-    pub(crate) firsts: Hash,
-    pub(crate) pair_count: usize,
+    pub(super) firsts: Hash,
+    pub(super) pair_count: usize,
 }
 
 impl Answers {
@@ -55,7 +55,7 @@ struct Item {
 }
 
 /// All answers of a scene.
-pub(crate) fn of(scene: &Scene, run: Run) -> Answers {
+pub(super) fn of(scene: &Scene, run: Run) -> Answers {
     run.kernel.choose();
     let options = BuildOptions::default().with_volume(run.volume);
     let trees: Vec<Arc<MorphBvh>> = scene
@@ -67,19 +67,20 @@ pub(crate) fn of(scene: &Scene, run: Run) -> Answers {
         })
         .collect();
     let items = items(scene);
-    let mut answers: Vec<(usize, Answers)> = std::thread::scope(|scope| {
-        let threads: Vec<_> = (0..run.threads)
-            .map(|thread| {
-                let (items, trees) = (&items, &trees);
-                scope.spawn(move || {
-                    let mut worker = Worker::new(scene, trees);
-                    let mine = items.iter().enumerate().skip(thread).step_by(run.threads);
-                    mine.map(|(i, item)| (i, worker.answer(item))).collect::<Vec<_>>()
-                })
-            })
+    let share = |thread: usize| {
+        let mut worker = Worker::new(scene, &trees);
+        let mine = items.iter().enumerate().skip(thread).step_by(run.threads);
+        mine.map(|(i, item)| (i, worker.answer(item))).collect::<Vec<_>>()
+    };
+    // Not every machine has threads: one is the caller's own.
+    let mut answers = std::thread::scope(|scope| {
+        let share = &share;
+        let others: Vec<_> = (1..run.threads)
+            .map(|thread| scope.spawn(move || share(thread)))
             .collect();
-        let joined = threads.into_iter().map(|thread| thread.join().expect("no panic"));
-        joined.flatten().collect()
+        let mut answers = share(0);
+        answers.extend(others.into_iter().flat_map(|thread| thread.join().expect("no panic")));
+        answers
     });
     answers.sort_by_key(|(i, _)| *i);
     let mut all = Answers::NONE;

@@ -1,16 +1,13 @@
 //! `morph-collide inspect`: what a model is made of, and what tree it gets.
 
-mod report;
-mod text;
-
 use std::path::PathBuf;
 
 use clap::Args;
 use morph_collision_testkit::gltf_read::read_meshes;
+use morph_collision_testkit::inspect::FileReport;
 
 use crate::error::CliError;
 use crate::output;
-use report::FileReport;
 
 /// Show the meshes of a glTF file: sizes, targets, ranges of animated weights, and the tree each mesh gets.
 #[derive(Debug, Args)]
@@ -29,7 +26,7 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
     if args.json {
         output::print_json(&report)?;
     } else {
-        output::print(&text::render(&report))?;
+        output::print(&report.to_string())?;
     }
     match report.why_unusable() {
         Some(reason) => Err(CliError::NoUsableMesh {

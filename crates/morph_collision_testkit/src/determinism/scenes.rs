@@ -1,19 +1,18 @@
 //! What is hashed: the two scripted scenes with few triangles, and odd moments of random and degenerate models.
 
+use super::hash::Hash;
+use crate::mesh::MorphMesh;
+use crate::models::{dolphin, pass_through_body_at, random};
+use crate::moments::{self, MomentBody};
+use crate::scenes::{dolphins, pass_through};
 use glam::{Affine3A, Vec3};
-use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::models::{dolphin, pass_through_body_at, random};
-use morph_collision_testkit::moments::{self, MomentBody};
-use morph_collision_testkit::scenes::{dolphins, pass_through};
-
-use crate::hash::Hash;
 
 /// Meshes, and where bodies of them are in each frame; body `i` is of the same mesh in all.
 #[derive(Debug)]
-pub(crate) struct Scene {
-    pub(crate) name: String,
-    pub(crate) meshes: Vec<MorphMesh>,
-    pub(crate) frames: Vec<Vec<MomentBody>>,
+pub struct Scene {
+    pub(super) name: String,
+    pub(super) meshes: Vec<MorphMesh>,
+    pub(super) frames: Vec<Vec<MomentBody>>,
 }
 
 impl Scene {
@@ -28,7 +27,7 @@ impl Scene {
     }
 
     /// Of all that goes in, to tell other answers from other questions.
-    pub(crate) fn hash(&self) -> u64 {
+    pub(super) fn hash(&self) -> u64 {
         let mut hash = Hash::EMPTY;
         for mesh in &self.meshes {
             let vectors = mesh.positions.iter().chain(mesh.targets.iter().flatten());
@@ -61,7 +60,8 @@ const LEFT_OUT: [&str; 4] = [
 ];
 
 /// All scenes, in the order of the file.
-pub(crate) fn all() -> Vec<Scene> {
+#[must_use]
+pub fn all() -> Vec<Scene> {
     let mut scenes = vec![swimming(), passing(), signed()];
     scenes.extend(
         moments::generated()

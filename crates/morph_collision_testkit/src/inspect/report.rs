@@ -3,81 +3,118 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use morph_collision::{BuildOptions, MorphBvh, MorphModel};
-use morph_collision_testkit::mesh::{MorphMesh, WeightAnimation};
+use morph_collision::{BuildError, BuildOptions, ModelError, MorphBvh, MorphModel};
 use serde::Serialize;
+use thiserror::Error;
 
-use crate::error::MeshError;
+use crate::mesh::{MorphMesh, WeightAnimation};
+
+/// Why a mesh cannot collide.
+#[derive(Debug, Error)]
+pub enum MeshError {
+    /// It is no model.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// No tree can be built of it.
+    #[error(transparent)]
+    Build(#[from] BuildError),
+}
 
 /// A file and its meshes, in file order.
 #[derive(Debug, Serialize)]
-pub(crate) struct FileReport {
-    pub(crate) file: String,
-    pub(crate) meshes: Vec<MeshReport>,
+pub struct FileReport {
+    /// The name it was given.
+    pub file: String,
+    /// All of them, usable or not.
+    pub meshes: Vec<MeshReport>,
 }
 
 /// One mesh; either `error` is set or `usable` is.
 #[derive(Debug, Serialize)]
-pub(crate) struct MeshReport {
-    pub(crate) index: usize,
-    pub(crate) name: String,
+pub struct MeshReport {
+    /// Its place in the file.
+    pub index: usize,
+    /// Its name, or one made up.
+    pub name: String,
     /// Vertices as the file stores them, split at seams.
-    pub(crate) vertices_stored: usize,
-    pub(crate) triangles: usize,
-    pub(crate) primitives: usize,
+    pub vertices_stored: usize,
+    /// Triangles of all primitives.
+    pub triangles: usize,
+    /// Parts, a material each, usually.
+    pub primitives: usize,
     /// No target moves anything because there is none.
-    pub(crate) rigid: bool,
-    pub(crate) animations: Vec<AnimationReport>,
+    pub rigid: bool,
+    /// Clips that move its weights.
+    pub animations: Vec<AnimationReport>,
+    /// What it has if it can collide.
     #[serde(flatten)]
-    pub(crate) usable: Option<UsableReport>,
+    pub usable: Option<UsableReport>,
+    /// Why it cannot.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) error: Option<String>,
+    pub error: Option<String>,
 }
 
 /// What only a mesh that can collide has.
 #[derive(Debug, Serialize)]
-pub(crate) struct UsableReport {
-    pub(crate) vertices_welded: usize,
-    pub(crate) targets: Vec<TargetReport>,
-    pub(crate) tree: TreeReport,
+pub struct UsableReport {
+    /// Vertices once those in the same place are one.
+    pub vertices_welded: usize,
+    /// One per target.
+    pub targets: Vec<TargetReport>,
+    /// The tree of the default options.
+    pub tree: TreeReport,
 }
 
+/// What a target does.
 #[derive(Debug, Serialize)]
-pub(crate) struct TargetReport {
-    pub(crate) name: String,
+pub struct TargetReport {
+    /// Its name, or one made up.
+    pub name: String,
     /// Welded vertices that the target displaces.
-    pub(crate) vertices_moved: usize,
+    pub vertices_moved: usize,
     /// Share of the welded vertices that it leaves alone, 0 to 1.
-    pub(crate) share_left_alone: f64,
+    pub share_left_alone: f64,
 }
 
+/// How large a tree is.
 #[derive(Debug, Serialize)]
-pub(crate) struct TreeReport {
-    pub(crate) nodes: usize,
-    pub(crate) depth: usize,
-    pub(crate) bytes: usize,
+pub struct TreeReport {
+    /// Nodes.
+    pub nodes: usize,
+    /// Levels below the root.
+    pub depth: usize,
+    /// What it takes in memory, with the model that it is of.
+    pub bytes: usize,
 }
 
 /// A clip's weights; between keys weights are linear, so that the keys hold the extremes.
 #[derive(Debug, Serialize)]
-pub(crate) struct AnimationReport {
-    pub(crate) name: String,
-    pub(crate) keys: usize,
-    pub(crate) seconds: f32,
+pub struct AnimationReport {
+    /// Its name, or one made up.
+    pub name: String,
+    /// Moments that it has weights for.
+    pub keys: usize,
+    /// How long it lasts.
+    pub seconds: f32,
     /// One range per target.
-    pub(crate) weights: Vec<WeightRange>,
+    pub weights: Vec<WeightRange>,
     /// Of the sum of all weights at a key.
-    pub(crate) weight_sum: WeightRange,
+    pub weight_sum: WeightRange,
 }
 
+/// From the smallest to the largest.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub(crate) struct WeightRange {
-    pub(crate) min: f32,
-    pub(crate) max: f32,
+pub struct WeightRange {
+    /// The smallest.
+    pub min: f32,
+    /// The largest.
+    pub max: f32,
 }
 
 impl FileReport {
-    pub(crate) fn new(file: &Path, meshes: &[MorphMesh]) -> Self {
+    /// Builds a tree of every mesh that one can be built of; `file` is only named.
+    #[must_use]
+    pub fn new(file: &Path, meshes: &[MorphMesh]) -> Self {
         let meshes = meshes
             .iter()
             .enumerate()
@@ -90,7 +127,8 @@ impl FileReport {
     }
 
     /// `None` if any mesh is usable, else the first error.
-    pub(crate) fn why_unusable(&self) -> Option<String> {
+    #[must_use]
+    pub fn why_unusable(&self) -> Option<String> {
         if self.meshes.iter().any(|mesh| mesh.usable.is_some()) {
             return None;
         }

@@ -4,12 +4,12 @@ use glam::{DVec3, Vec3};
 
 /// A hash that grows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Hash(u64);
+pub(super) struct Hash(u64);
 
 impl Hash {
-    pub(crate) const EMPTY: Self = Self(0xcbf2_9ce4_8422_2325);
+    pub(super) const EMPTY: Self = Self(0xcbf2_9ce4_8422_2325);
 
-    pub(crate) fn value(self) -> u64 {
+    pub(super) fn value(self) -> u64 {
         self.0
     }
 
@@ -19,44 +19,49 @@ impl Hash {
         }
     }
 
-    pub(crate) fn u32(&mut self, value: u32) {
+    pub(super) fn u32(&mut self, value: u32) {
         self.bytes(&value.to_le_bytes());
     }
 
-    pub(crate) fn u64(&mut self, value: u64) {
+    pub(super) fn u64(&mut self, value: u64) {
         self.bytes(&value.to_le_bytes());
     }
 
     /// Every bit counts, the sign of a zero too.
-    pub(crate) fn vertex(&mut self, v: Vec3) {
+    pub(super) fn vertex(&mut self, v: Vec3) {
         for value in v.to_array() {
             self.u32(value.to_bits());
         }
     }
 
     /// Every bit counts, the sign of a zero too.
-    pub(crate) fn world_vertex(&mut self, v: DVec3) {
+    pub(super) fn world_vertex(&mut self, v: DVec3) {
         for value in v.to_array() {
             self.u64(value.to_bits());
         }
     }
 
     /// A number of an answer. Zeros are alike: machines differ in which of two they take for the smaller.
-    pub(crate) fn number(&mut self, value: f64) {
+    pub(super) fn number(&mut self, value: f64) {
         assert!(!value.is_nan(), "an answer holds NaN");
         self.u64((value + 0.0).to_bits());
     }
 
-    pub(crate) fn numbers(&mut self, values: impl IntoIterator<Item = f64>) {
+    pub(super) fn numbers(&mut self, values: impl IntoIterator<Item = f64>) {
         for value in values {
             self.number(value);
         }
     }
 }
 
-#[test]
-fn the_hash_is_fnv_1a() {
-    let mut hash = Hash::EMPTY;
-    hash.bytes(b"foobar");
-    assert_eq!(hash.value(), 0x8594_4171_f739_67e8);
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hash_is_fnv_1a() {
+        let mut hash = Hash::EMPTY;
+        hash.bytes(b"foobar");
+        assert_eq!(hash.value(), 0x8594_4171_f739_67e8);
+    }
 }

@@ -1,20 +1,18 @@
 //! The readable form of a report.
 
-use std::fmt::Write;
+use std::fmt::{self, Display, Formatter, Write};
 
 use super::report::{AnimationReport, FileReport, MeshReport, UsableReport};
 
 /// One block per mesh: its counts, its tree, a table of targets and one of weights per animation.
-pub(crate) fn render(report: &FileReport) -> String {
-    let mut text = format!("{}\n", report.file);
-    for mesh in &report.meshes {
-        // Writing to a string cannot fail.
-        let _ = render_mesh(&mut text, mesh);
+impl Display for FileReport {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{}", self.file)?;
+        self.meshes.iter().try_for_each(|mesh| render_mesh(f, mesh))
     }
-    text
 }
 
-fn render_mesh(text: &mut String, mesh: &MeshReport) -> std::fmt::Result {
+fn render_mesh(text: &mut impl Write, mesh: &MeshReport) -> fmt::Result {
     writeln!(text, "\nmesh {} \"{}\"", mesh.index, mesh.name)?;
     write!(text, "  vertices    {} stored", mesh.vertices_stored)?;
     if let Some(usable) = &mesh.usable {
@@ -49,7 +47,7 @@ fn render_mesh(text: &mut String, mesh: &MeshReport) -> std::fmt::Result {
 }
 
 /// One row per target, and beside it the range of its weight in every animation.
-fn render_targets(text: &mut String, mesh: &MeshReport, usable: &UsableReport) -> std::fmt::Result {
+fn render_targets(text: &mut impl Write, mesh: &MeshReport, usable: &UsableReport) -> fmt::Result {
     writeln!(text, "  targets     {}", usable.targets.len())?;
     let width = usable
         .targets
@@ -81,7 +79,7 @@ fn render_targets(text: &mut String, mesh: &MeshReport, usable: &UsableReport) -
     Ok(())
 }
 
-fn render_animation(text: &mut String, index: usize, animation: &AnimationReport) -> std::fmt::Result {
+fn render_animation(text: &mut impl Write, index: usize, animation: &AnimationReport) -> fmt::Result {
     let AnimationReport {
         name,
         keys,

@@ -1,0 +1,277 @@
+//! Any model that a user brings: looked into, played, and run into a copy of itself.
+//!
+//! What is brought is judged before anything on the stage changes: a file that is no good leaves the model before it where it is.
+
+mod race;
+
+use std::f32::consts::TAU;
+use std::path::Path;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use bevy::gltf::Gltf;
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use morph_collision_testkit::gltf_read::parse_meshes;
+use morph_collision_testkit::inspect::FileReport;
+use morph_collision_testkit::mesh::MorphMesh;
+use serde::Serialize;
+
+use self::race::Race;
+use super::group::{Extent, Member, wave};
+use crate::app::is_loaded;
+use crate::displacements::spread_over_split_vertices;
+use crate::view::Show;
+use crate::view::clock::Clock;
+use crate::view::files::Files;
+use crate::view::models::Plays;
+use crate::view::overlay::OverlaySystems;
+use crate::view::sliders::Sliders;
+use crate::view::stage::Notes;
+
+/// Where files are put for the show to take. Clones are of the same one.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Inbox(Arc<Mutex<Option<(String, Vec<u8>)>>>);
+
+impl Inbox {
+    /// Puts a file there: its name, for messages, and all that is in it. One that has not been taken yet is dropped.
+    pub fn put(&self, name: String, bytes: Vec<u8>) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some((name, bytes));
+    }
+
+    fn take(&self) -> Option<(String, Vec<u8>)> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
+    }
+}
+
+/// What has become of the file that was brought last. Clones are of the same one.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Verdict(Arc<Mutex<Judged>>);
+
+/// A file, and what is to be said about it.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Judged {
+    /// How many were brought, with this one.
+    pub number: u32,
+    /// Its name.
+    pub name: String,
+    /// What it is made of, if it could be read.
+    pub report: Option<String>,
+    /// Why it is not shown.
+    pub error: Option<String>,
+    /// Whether it is on the stage.
+    pub shown: bool,
+}
+
+impl Verdict {
+    /// A copy of it.
+    #[must_use]
+    pub fn now(&self) -> Judged {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    fn change(&self, change: impl FnOnce(&mut Judged)) {
+        change(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+}
+
+/// Two copies of the model that comes into the inbox.
+#[must_use]
+pub fn own(inbox: Inbox, verdict: Verdict) -> Show {
+    Show {
+        name: "own",
+        about: "Two copies of your model run into each other. Touching triangles are red.",
+        keys: &[],
+        eye: Vec3::new(0.9, 0.9, 4.4),
+        target: Vec3::new(0.4, 0.0, 0.0),
+        pictures: &[60, 120],
+        scene: Box::new(|app| {
+            app.insert_resource(inbox)
+                .insert_resource(verdict)
+                .init_resource::<Fit>()
+                .init_resource::<Race>()
+                .add_systems(Update, (receive, examine, measure, meet, wave).chain())
+                .add_systems(PostUpdate, race::run.after(OverlaySystems));
+        }),
+    }
+}
+
+/// What has been read well, and is being loaded.
+#[derive(Component)]
+struct Candidate {
+    name: String,
+    path: String,
+    meshes: Vec<MorphMesh>,
+    gltf: Handle<Gltf>,
+}
+
+/// How the model on the stage is made as large as all others.
+#[derive(Resource, Default)]
+struct Fit(Option<Fitted>);
+
+#[derive(Clone, Copy)]
+struct Fitted {
+    center: Vec3,
+    size: Vec3,
+    scale: f32,
+}
+
+/// How long the longest side becomes.
+const LENGTH: f32 = 2.0;
+
+fn receive(
+    inbox: Res<Inbox>,
+    verdict: Res<Verdict>,
+    files: Res<Files>,
+    assets: Res<AssetServer>,
+    others: Query<Entity, With<Candidate>>,
+    mut commands: Commands,
+) {
+    let Some((name, bytes)) = inbox.take() else {
+        return;
+    };
+    let number = verdict.now().number + 1;
+    let read = look_into(&name, &bytes);
+    verdict.change(|judged| {
+        *judged = Judged {
+            number,
+            name: name.clone(),
+            report: read.as_ref().ok().map(|(_, report)| report.to_string()),
+            error: read.as_ref().err().cloned(),
+            shown: false,
+        };
+    });
+    let Ok((meshes, _)) = read else {
+        return;
+    };
+    // Whoever brings another file does not wait for this one.
+    others.iter().for_each(|other| commands.entity(other).despawn());
+    let file = format!("{number}.glb");
+    files.insert(Path::new(&file), bytes);
+    let path = Files::asset_path(&file);
+    let gltf = assets.load(path.clone());
+    commands.spawn(Candidate {
+        name,
+        path,
+        meshes,
+        gltf,
+    });
+}
+
+/// Reads a file as the command-line tool does. Something in it has to morph.
+fn look_into(name: &str, bytes: &[u8]) -> Result<(Vec<MorphMesh>, FileReport), String> {
+    let path = Path::new(name);
+    let meshes = parse_meshes(bytes, path).map_err(|error| error.to_string())?;
+    let report = FileReport::new(path, &meshes);
+    if let Some(reason) = report.why_unusable() {
+        return Err(format!("{name}: no usable mesh: {reason}"));
+    }
+    let morphs = |mesh: &&_| -> bool {
+        matches!(
+            mesh,
+            morph_collision_testkit::inspect::MeshReport {
+                rigid: false,
+                usable: Some(_),
+                ..
+            }
+        )
+    };
+    if !report.meshes.iter().any(|mesh| morphs(&mesh)) {
+        return Err(format!("{name}: no mesh has morph targets"));
+    }
+    Ok((meshes, report))
+}
+
+/// What is loaded takes the stage.
+fn examine(world: &mut World) {
+    let Ok((entity, candidate)) = world.query::<(Entity, &Candidate)>().single(world) else {
+        return;
+    };
+    let (gltf, name, path) = (candidate.gltf.clone(), candidate.name.clone(), candidate.path.clone());
+    let loaded = is_loaded(world.resource::<AssetServer>(), gltf.id().untyped(), Path::new(&name));
+    let put = match loaded {
+        Ok(false) => return,
+        Ok(true) => put_on_stage(world, entity, &gltf),
+        // Nobody knows the name that it has here.
+        Err(error) => Err(error.to_string().replace(&path, &name)),
+    };
+    world.resource::<Verdict>().change(|judged| match put {
+        Ok(()) => judged.shown = true,
+        Err(error) => judged.error = Some(error),
+    });
+    world.despawn(entity);
+}
+
+fn put_on_stage(world: &mut World, candidate: Entity, gltf: &Handle<Gltf>) -> Result<(), String> {
+    let Some(Candidate { meshes, name, .. }) = world.entity_mut(candidate).take::<Candidate>() else {
+        return Ok(());
+    };
+    spread_over_split_vertices(world, gltf, || Ok(meshes)).map_err(|error| error.to_string())?;
+    let scene = world.resource::<Assets<Gltf>>().get(gltf);
+    let scene = scene.and_then(|gltf| gltf.default_scene.as_ref().or(gltf.scenes.first()));
+    let scene = scene.cloned().ok_or_else(|| format!("{name}: the file has no scene"))?;
+
+    let before: Vec<Entity> = world.query_filtered::<Entity, With<Member>>().iter(world).collect();
+    before.into_iter().for_each(|member| {
+        world.despawn(member);
+    });
+    world.insert_resource(Fit::default());
+    world.insert_resource(Race::default());
+    world.insert_resource(Sliders::default());
+    for index in 0..2 {
+        world.spawn((
+            Member(index),
+            Name::new(format!("copy {index}")),
+            WorldAssetRoot(scene.clone()),
+            Plays::new(gltf.clone(), 0.3 * index as f32),
+            MorphColliderScene::default(),
+            Visibility::default(),
+            // Until it is known how large they are, they keep apart.
+            Transform::from_xyz(1e6 * index as f32, 0.0, 0.0),
+        ));
+    }
+    Ok(())
+}
+
+fn measure(mut fit: ResMut<Fit>, extent: Extent) {
+    if fit.0.is_some() {
+        return;
+    }
+    let (min, max) = extent.of_first();
+    let size = max - min;
+    let longest = size.max_element();
+    if longest.is_finite() && longest > 0.0 {
+        fit.0 = Some(Fitted {
+            center: 0.5 * (min + max),
+            size,
+            scale: LENGTH / longest,
+        });
+    }
+}
+
+/// One turns on the spot, the other comes and goes.
+fn meet(mut members: Query<(&Member, &mut Transform)>, fit: Res<Fit>, clock: Res<Clock>) {
+    let Some(Fitted { center, size, scale }) = fit.0 else {
+        return;
+    };
+    let seconds = clock.frame as f32 / 60.0;
+    let apart = size.x * scale * (0.65 + 0.45 * (TAU * seconds / 8.0).cos());
+    for (&Member(index), mut place) in &mut members {
+        let turn = if index == 0 { 0.25 } else { -0.15 };
+        let rotation = Quat::from_rotation_y(turn * (TAU * seconds / 5.0).sin());
+        *place = Transform {
+            translation: Vec3::X * apart * index as f32 - rotation * center * scale,
+            rotation,
+            scale: Vec3::splat(scale),
+        };
+    }
+}
+
+/// Notes about the model, and about what it costs.
+fn notes(race: &Race, skinned: &Query<(), With<SkinnedMesh>>) -> Notes {
+    let mut notes = race.notes();
+    if !skinned.is_empty() {
+        notes.push(("bones", "are drawn, and not collided with".into()));
+    }
+    Notes(notes)
+}

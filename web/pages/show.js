@@ -1,0 +1,93 @@
+// A page with a show on it: <body data-show="name" data-files="a.glb b.glb">.
+
+import { lacking, load, megabytes } from "./load.js";
+import { Stage } from "./morph.js";
+
+const main = document.querySelector("main");
+main.insertAdjacentHTML("afterbegin", `
+  <div class="stage">
+    <canvas id="show" tabindex="0" aria-label="The show. Drag to look around; the panel on it has the controls."></canvas>
+    <div class="cover"><p class="what" role="status">Loading</p><progress></progress></div>
+  </div>
+  <dl class="counts" aria-label="What the show counts"></dl>`);
+const [cover, what, bar, counts] = [".cover", ".what", "progress", ".counts"].map((name) => main.querySelector(name));
+const canvas = main.querySelector("canvas");
+
+/** What a test, or a curious user, may ask. */
+export const show = {
+  stage: null,
+  /** Why there is nothing to be seen, or null. */
+  trouble: null,
+  state: () => (show.stage ? JSON.parse(show.stage.state()) : null),
+};
+window.show = show;
+
+function stop(trouble) {
+  show.trouble ??= String(trouble);
+  what.textContent = show.trouble;
+  what.className = "what trouble";
+  what.setAttribute("role", "alert");
+  bar.hidden = true;
+  cover.hidden = false;
+}
+
+addEventListener("error", (event) => stop(`The program has stopped: ${event.message}. Reload the page to start again.`));
+addEventListener("unhandledrejection", (event) => stop(`The program has stopped: ${event.reason?.message ?? event.reason}. Reload the page to start again.`));
+canvas.addEventListener("webglcontextlost", () => stop("The graphics card was taken away. Reload the page to start again."));
+
+/** Starts the show; what it counts is told as long as it runs. */
+async function start() {
+  const lack = lacking({ drawing: true });
+  if (lack) return stop(lack);
+  const { show: name, files = "" } = document.body.dataset;
+  const names = files.split(" ").filter(Boolean);
+  try {
+    const bytes = await load(names.map((file) => `assets/${file}`), (here, total) => {
+      bar.max = total;
+      bar.value = here;
+      what.textContent = here < total ? `${megabytes(here)} of ${megabytes(total)} MB` : "Starting";
+    });
+    const stage = new Stage();
+    names.forEach((file, i) => stage.provide(file, bytes[i]));
+    stage.start(name, "#show");
+    show.stage = stage;
+  } catch (error) {
+    return stop(error.message ?? error);
+  }
+  bar.removeAttribute("value");
+  let before = { drawn: 0, time: performance.now() };
+  const timer = setInterval(() => {
+    if (show.trouble) return clearInterval(timer);
+    const state = show.state();
+    if (state.trouble) return stop(state.trouble);
+    if (state.started && !cover.hidden) {
+      cover.hidden = true;
+      canvas.focus({ preventScroll: true });
+    }
+    const time = performance.now();
+    tell(state, (1000 * (state.drawn - before.drawn)) / (time - before.time));
+    before = { drawn: state.drawn, time };
+  }, 500);
+}
+
+function tell(state, rate) {
+  const lines = [
+    ["frames per second", rate.toFixed(0)],
+    ["colliders", state.colliders],
+    ["touching", `${state.touching} pairs`],
+    ["touching triangles", `${state.triangle_pairs} pairs`],
+    ["collision time", `${state.collision_ms.toFixed(1)} ms`],
+    ...state.notes,
+  ];
+  counts.replaceChildren(...lines.map(([name, value]) => {
+    const row = document.createElement("div");
+    const [term, number] = [document.createElement("dt"), document.createElement("dd")];
+    term.textContent = name;
+    number.textContent = value;
+    row.append(term, number);
+    return row;
+  }));
+}
+
+/** When the show is on its stage, or cannot be. */
+export const started = start();

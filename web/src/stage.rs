@@ -1,0 +1,88 @@
+//! A show in a canvas.
+
+use std::path::Path;
+
+use morph_collision_workspace::shows::{self, Inbox, Judged, Verdict};
+use morph_collision_workspace::view::Show;
+use morph_collision_workspace::view::files::Files;
+use morph_collision_workspace::view::page::{self, State, Told};
+use serde::Serialize;
+use wasm_bindgen::prelude::*;
+
+/// A show, and the way to it once it runs.
+#[wasm_bindgen]
+#[derive(Debug, Default)]
+pub struct Stage {
+    files: Files,
+    told: Told,
+    inbox: Inbox,
+    verdict: Verdict,
+}
+
+/// What a page gets to know.
+#[derive(Serialize)]
+struct Report {
+    #[serde(flatten)]
+    state: State,
+    /// Of the user's own model.
+    model: Judged,
+}
+
+#[wasm_bindgen]
+impl Stage {
+    /// An empty one.
+    #[wasm_bindgen(constructor)]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Gives it a file that the show will ask for by this name.
+    pub fn provide(&self, name: &str, bytes: Vec<u8>) {
+        self.files.insert(Path::new(name), bytes);
+    }
+
+    /// Starts a show in the canvas that this CSS selector finds. Once.
+    ///
+    /// # Errors
+    /// There is no show of that name.
+    pub fn start(&self, name: &str, canvas: &str) -> Result<(), String> {
+        let show = self.show(name).ok_or_else(|| format!("there is no example {name:?}"))?;
+        page::run(show, canvas, &self.files, self.told.clone());
+        Ok(())
+    }
+
+    /// Brings the user's own model: its name, and all that is in it.
+    pub fn bring(&self, name: String, bytes: Vec<u8>) {
+        self.inbox.put(name, bytes);
+    }
+
+    /// What the show is at, as JSON.
+    pub fn state(&self) -> String {
+        let report = Report {
+            state: self.told.now(),
+            model: self.verdict.now(),
+        };
+        // Numbers and plain names always have a JSON form.
+        serde_json::to_string(&report).unwrap_or_default()
+    }
+
+    fn show(&self, name: &str) -> Option<Show> {
+        let dolphin = Path::new("dolphin_564.glb");
+        Some(match name {
+            "dolphins" => shows::dolphins(Path::new("dolphin_2256.glb"), 12, false),
+            "pass_through" => shows::pass_through(),
+            "face" => shows::face(),
+            "picking" => shows::picking(),
+            "culling" => shows::culling(),
+            "physics" => shows::physics(shows::Rain {
+                bodies: 120,
+                seed: 1,
+                ccd: false,
+                models: Vec::new(),
+            }),
+            "crowd" => shows::crowd(dolphin, 125, false),
+            "own" => shows::own(self.inbox.clone(), self.verdict.clone()),
+            _ => return None,
+        })
+    }
+}

@@ -1,0 +1,147 @@
+// Every page in a browser: it loads, draws what morphs, and finds what touches.
+
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+
+import { begun, drawn, keep, open, serve, state, until, visit } from "./site.mjs";
+
+let site;
+let browser;
+const rates = {};
+
+before(async () => {
+  site = await serve();
+  browser = await open();
+});
+
+after(async () => {
+  console.log("frames per second:", JSON.stringify(rates));
+  await browser.close();
+  site.close();
+});
+
+/** Until this much of the show's state is so. */
+const shows = (page, condition) => until(page, `(${condition})(window.show.state())`);
+const note = (name) => `Number.parseFloat(state.notes.find(([name]) => name === ${JSON.stringify(name)})?.[1] ?? "")`;
+
+/** What every show has to find, as a condition on its state. */
+const FOUND = {
+  dolphins: "(state) => state.triangle_pairs > 0 && state.red > 0 && state.events > 0",
+  pass_through: "(state) => state.triangle_pairs > 0 && state.red > 0 && state.events > 0",
+  crowd: "(state) => state.triangle_pairs > 0 && state.red > 0 && state.events > 0",
+  face: `(state) => ${note("self-intersections")} > 0 && state.red > 0`,
+  picking: `(state) => ${note("triangle")} >= 0`,
+  culling: `(state) => ${note("drawn, left")} < ${note("drawn, right")}`,
+  physics: `(state) => ${note("parts of surfaces near")} > 0`,
+  own: "(state) => state.triangle_pairs > 0 && state.red > 0 && state.events > 0",
+};
+
+for (const [name, found] of Object.entries(FOUND)) {
+  test(`${name} draws a model that morphs, and finds what it should`, async () => {
+    const { page, errors } = await visit(browser.browser, `${site.origin}/${name}.html`);
+    await begun(page);
+    const box = await (await page.$("#show")).boundingBox();
+    if (name === "picking") await page.mouse.move(box.x + 0.55 * box.width, box.y + 0.5 * box.height);
+    await shows(page, found);
+
+    // Weights change, and so does the picture.
+    await until(page, () => window.show.state().weights.length > 0);
+    const first = { picture: await drawn(page), state: await state(page) };
+    await until(page, (before) => window.show.state().weights.some((weight, i) => weight !== before[i]), first.state.weights);
+    const second = { picture: await drawn(page), state: await state(page) };
+    assert.ok(second.state.frame > first.state.frame);
+    assert.ok(!first.picture.equals(second.picture), "nothing moves on the canvas");
+    await keep(page, name);
+
+    // Paused, both stand still: it was the show that changed the picture.
+    await page.keyboard.press("Space");
+    await new Promise((then) => setTimeout(then, 1500));
+    const third = { picture: await drawn(page), state: await state(page) };
+    const fourth = { picture: await drawn(page), state: await state(page) };
+    assert.equal(fourth.state.frame, third.state.frame);
+    assert.ok(fourth.picture.equals(third.picture), "something moves while the show is paused");
+
+    await page.keyboard.press("Space");
+    const { drawn: before } = await state(page);
+    await new Promise((then) => setTimeout(then, 4000));
+    rates[name] = ((await state(page)).drawn - before) / 4;
+    assert.deepEqual(errors, []);
+    await page.close();
+  });
+}
+
+test("a finger looks around, and does not paint what it drags over", async () => {
+  const phone = { width: 420, height: 800, hasTouch: true, isMobile: true };
+  const { page, errors } = await visit(browser.browser, `${site.origin}/picking.html`, phone);
+  await begun(page);
+  await page.keyboard.press("Space");
+  await new Promise((then) => setTimeout(then, 1500));
+  const box = await (await page.$("#show")).boundingBox();
+  const picture = async () => Buffer.from(await page.screenshot({ clip: { ...box, y: box.y + 60, height: box.height - 60 } }));
+  const still = await picture();
+  assert.ok(still.equals(await picture()));
+  const [x, y] = [box.x + 0.5 * box.width, box.y + 0.5 * box.height];
+  await page.touchscreen.touchStart(x, y);
+  for (let step = 1; step <= 10; step += 1) {
+    await page.touchscreen.touchMove(x + 8 * step, y);
+    await new Promise((then) => setTimeout(then, 60));
+  }
+  await page.touchscreen.touchEnd();
+  await new Promise((then) => setTimeout(then, 1500));
+  assert.ok(!still.equals(await picture()), "the camera stays where it is");
+  await keep(page, "picking_phone");
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test("the gallery leads to every page, with pictures", async () => {
+  const { page, errors } = await visit(browser.browser, `${site.origin}/index.html`);
+  const { links, pictures } = await page.evaluate(() => ({
+    links: [...document.querySelectorAll(".cards a")].map((link) => link.getAttribute("href")),
+    pictures: [...document.images].map((picture) => [picture.src, picture.complete && picture.naturalWidth > 0]),
+  }));
+  assert.deepEqual(links.toSorted(), [...Object.keys(FOUND), "answers"].map((name) => `${name}.html`).toSorted());
+  for (const [source, is] of pictures) assert.ok(is, source);
+  for (const link of links) {
+    const response = await fetch(`${site.origin}/${link}`);
+    assert.equal(response.status, 200, link);
+  }
+  await keep(page, "index");
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test("answers are the same bits as on every other machine", async () => {
+  const { page, errors } = await visit(browser.browser, `${site.origin}/answers.html`);
+  await until(page, () => window.answers?.done || window.answers?.trouble);
+  const answers = await page.evaluate(() => window.answers);
+  assert.equal(answers.trouble, null);
+  assert.deepEqual(answers.differences, []);
+  assert.ok(answers.scenes > 20, `${answers.scenes} scenes`);
+  await keep(page, "answers");
+  assert.deepEqual(errors, []);
+  await page.close();
+});
+
+test("a browser that cannot draw is told so", async () => {
+  const blind = await open({ drawing: false });
+  try {
+    const { page } = await visit(blind.browser, `${site.origin}/dolphins.html`);
+    await until(page, () => window.show?.trouble);
+    const text = await page.$eval("[role=alert]", (alert) => alert.textContent);
+    assert.match(text, /WebGL 2/);
+    await keep(page, "without_webgl");
+  } finally {
+    await blind.close();
+  }
+});
+
+test("what cannot be downloaded is named", async () => {
+  const page = await browser.browser.newPage();
+  await page.setRequestInterception(true);
+  page.on("request", (request) => (request.url().endsWith("dolphin_2256.glb") ? request.respond({ status: 404 }) : request.continue()));
+  await page.goto(`${site.origin}/dolphins.html`);
+  await until(page, () => window.show?.trouble);
+  assert.match(await page.$eval("[role=alert]", (alert) => alert.textContent), /dolphin_2256\.glb: 404/);
+  await page.close();
+});

@@ -8,14 +8,15 @@ target=${CARGO_TARGET_DIR:-target}
 wanted=$(sed -n '/^name = "wasm-bindgen"$/{n;s/^version = "\(.*\)"$/\1/p}' Cargo.lock)
 have=$(wasm-bindgen --version 2>/dev/null | cut -d' ' -f2 || true)
 [ "$have" = "$wanted" ] || { echo "wasm-bindgen $wanted is needed, here is ${have:-none}: cargo install wasm-bindgen-cli --version $wanted" >&2; exit 1; }
-command -v wasm-opt >/dev/null || { echo "wasm-opt is needed (Debian: apt install binaryen)" >&2; exit 1; }
+# Debian's wasm-opt is too old: it exports another table than it should (binaryen 108).
+[ -x web/node_modules/.bin/wasm-opt ] || npm ci --prefix web
 
 cargo build --profile web --target wasm32-unknown-unknown -p morph_collision_web
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 wasm-bindgen --target web --no-typescript --remove-name-section --remove-producers-section --out-dir "$work" --out-name morph \
     "$target/wasm32-unknown-unknown/web/morph_collision_web.wasm"
-wasm-opt -Oz --enable-simd --enable-bulk-memory --enable-sign-ext --enable-nontrapping-float-to-int --enable-reference-types \
+web/node_modules/.bin/wasm-opt -Oz --enable-simd --enable-bulk-memory --enable-sign-ext --enable-nontrapping-float-to-int --enable-reference-types \
     --enable-multivalue --enable-mutable-globals --enable-extended-const "$work/morph_bg.wasm" -o "$work/small.wasm"
 
 rm -rf "$site"

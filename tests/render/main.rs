@@ -4,6 +4,8 @@
 mod controls;
 mod depth;
 mod frames;
+mod own;
+mod page;
 mod references;
 mod silhouettes;
 mod support;

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use image::RgbImage;
 use morph_collision_workspace::shows;
 use morph_collision_workspace::view::Show;
+use morph_collision_workspace::view::overlay::Overlay;
 
 use crate::support::{alone, count, is_red, offscreen};
 
@@ -29,20 +30,28 @@ fn compare(name: &str, show: Show, frame: u32) {
         .unwrap_or_else(|error| panic!("{}: {error}", path.display()))
         .to_rgb8();
     assert_eq!(picture.dimensions(), reference.dimensions());
-    let share = noticed(&picture, &reference);
-    let red = |picture: &RgbImage| count(picture, is_red) as f64;
-    let off = (red(&picture) - red(&reference)).abs() / red(&reference);
-    if share > 0.01 || off > 0.3 {
+    if !is_alike(&reference, &picture) {
         let actual = std::env::temp_dir().join(format!("{name}_actual.png"));
         picture.save(&actual).unwrap();
         panic!(
-            "{:.1} % of {} differ, and {:.1} % of what is red; what was drawn is in {}",
-            100.0 * share,
+            "{:.1} % of {} differ, or {:.1} % of what is red; what was drawn is in {}",
+            100.0 * noticed(&picture, &reference),
             path.display(),
-            100.0 * off,
+            100.0 * off_in_red(&reference, &picture),
             actual.display()
         );
     }
+}
+
+/// Whether an eye would say that they show the same.
+fn is_alike(reference: &RgbImage, picture: &RgbImage) -> bool {
+    noticed(picture, reference) <= 0.01 && off_in_red(reference, picture) <= 0.3
+}
+
+/// By which share of what is red in the reference more or less is red.
+fn off_in_red(reference: &RgbImage, picture: &RgbImage) -> f64 {
+    let red = |picture: &RgbImage| count(picture, is_red) as f64;
+    (red(picture) - red(reference)).abs() / red(reference)
 }
 
 fn folder() -> PathBuf {
@@ -73,6 +82,19 @@ fn face() {
 }
 
 #[test]
+fn a_missing_overlay_is_another_picture() {
+    let _alone = alone();
+    let mut show = offscreen(shows::pass_through(), SIZE);
+    show.jump(118);
+    show.advance(2);
+    let with = show.picture().unwrap();
+    show.app_mut().world_mut().resource_mut::<Overlay>().shown = false;
+    show.advance(2);
+    let without = show.picture().unwrap();
+    assert!(!is_alike(&with, &without), "the comparison would not notice");
+}
+
+#[test]
 fn another_moment_is_another_picture() {
     let _alone = alone();
     let mut show = offscreen(shows::pass_through(), SIZE);
@@ -81,8 +103,5 @@ fn another_moment_is_another_picture() {
     let then = show.picture().unwrap();
     show.advance(8);
     let later = show.picture().unwrap();
-    assert!(
-        noticed(&then, &later) > 0.01,
-        "the comparison would not notice eight frames"
-    );
+    assert!(!is_alike(&then, &later), "the comparison would not notice eight frames");
 }

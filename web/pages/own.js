@@ -12,8 +12,8 @@ let brought = 0;
 async function bring(name, bytes) {
   message.textContent = `Looking into ${name}`;
   message.className = "message";
-  // The message is painted before the work begins.
-  await new Promise((then) => setTimeout(then, 50));
+  // The message is painted before the work begins; and a show that has not begun would end with a file that is no good.
+  do await new Promise((then) => setTimeout(then, 50)); while (!show.state().started && !show.trouble);
   brought += 1;
   show.stage.bring(name, bytes);
 }

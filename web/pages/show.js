@@ -9,6 +9,8 @@ main.insertAdjacentHTML("afterbegin", `
     <canvas id="show" tabindex="0" aria-label="The show. Drag to look around; the panel on it has the controls."></canvas>
     <div class="cover"><p class="what" role="status">Loading</p><progress></progress></div>
   </div>
+  <p class="hands">Look around with the right mouse button or one finger, zoom with the wheel or two. Space pauses, “.” goes on by one frame, T shows and
+    hides what touches, V the bounding volumes.</p>
   <dl class="counts" aria-label="What the show counts"></dl>`);
 const [cover, what, bar, counts] = [".cover", ".what", "progress", ".counts"].map((name) => main.querySelector(name));
 const canvas = main.querySelector("canvas");
@@ -43,6 +45,8 @@ async function start() {
   const names = files.split(" ").filter(Boolean);
   try {
     const bytes = await load(names.map((file) => `assets/${file}`), (here, total) => {
+      // Other files may still be coming when one has failed.
+      if (show.trouble) return;
       bar.max = total;
       bar.value = here;
       what.textContent = here < total ? `${megabytes(here)} of ${megabytes(total)} MB` : "Starting";

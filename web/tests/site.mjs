@@ -90,10 +90,10 @@ export async function begun(page) {
 
 export const state = (page) => page.evaluate(() => window.show.state());
 
-/** What is drawn, but for the panel on the left. */
+/** What is drawn, but for the panel on the left, which grows with what it has to say. */
 export async function drawn(page) {
   const box = await (await page.$("#show")).boundingBox();
-  const panel = 300;
+  const panel = 0.45 * box.width;
   const clip = { x: box.x + panel, y: box.y, width: box.width - panel, height: box.height };
   return Buffer.from(await page.screenshot({ clip }));
 }

@@ -1,6 +1,7 @@
 //! Any model that a user brings: looked into, played, and run into a copy of itself.
 //!
-//! What is brought is judged before anything on the stage changes: a file that is no good leaves the model before it where it is.
+//! What is brought is judged before anything on the stage changes: a file that is no good leaves the model before it where it is. Only if
+//! it is the first, brought before the show begins, there is nothing to show.
 
 mod race;
 
@@ -22,7 +23,7 @@ use super::group::{Extent, Member, wave};
 use crate::app::is_loaded;
 use crate::displacements::spread_over_split_vertices;
 use crate::view::Show;
-use crate::view::clock::Clock;
+use crate::view::clock::{Clock, Pending, Trouble};
 use crate::view::files::Files;
 use crate::view::models::Plays;
 use crate::view::overlay::OverlaySystems;
@@ -92,7 +93,22 @@ pub fn own(inbox: Inbox, verdict: Verdict) -> Show {
                 .init_resource::<Race>()
                 .add_systems(Update, (receive, examine, measure, meet, wave).chain())
                 .add_systems(PostUpdate, race::run.after(OverlaySystems));
+            // On a page, the page takes what is dropped.
+            #[cfg(not(target_arch = "wasm32"))]
+            app.add_systems(Update, drop_on_window.before(receive));
         }),
+    }
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+fn drop_on_window(mut drops: MessageReader<FileDragAndDrop>, inbox: Res<Inbox>, verdict: Res<Verdict>) {
+    for event in drops.read() {
+        if let FileDragAndDrop::DroppedFile { path_buf: path, .. } = event {
+            match std::fs::read(path) {
+                Ok(bytes) => inbox.put(path.display().to_string(), bytes),
+                Err(error) => verdict.change(|judged| judged.error = Some(format!("{}: {error}", path.display()))),
+            }
+        }
     }
 }
 
@@ -125,6 +141,7 @@ fn receive(
     files: Res<Files>,
     assets: Res<AssetServer>,
     others: Query<Entity, With<Candidate>>,
+    clock: Res<Clock>,
     mut commands: Commands,
 ) {
     let Some((name, bytes)) = inbox.take() else {
@@ -141,8 +158,14 @@ fn receive(
             shown: false,
         };
     });
-    let Ok((meshes, _)) = read else {
-        return;
+    let meshes = match read {
+        Ok((meshes, _)) => meshes,
+        Err(error) => {
+            if !clock.started {
+                commands.insert_resource(Trouble(error));
+            }
+            return;
+        }
     };
     // Whoever brings another file does not wait for this one.
     others.iter().for_each(|other| commands.entity(other).despawn());
@@ -150,12 +173,13 @@ fn receive(
     files.insert(Path::new(&file), bytes);
     let path = Files::asset_path(&file);
     let gltf = assets.load(path.clone());
-    commands.spawn(Candidate {
+    let candidate = Candidate {
         name,
         path,
         meshes,
         gltf,
-    });
+    };
+    commands.spawn((candidate, Pending));
 }
 
 /// Reads a file as the command-line tool does. Something in it has to morph.
@@ -166,17 +190,7 @@ fn look_into(name: &str, bytes: &[u8]) -> Result<(Vec<MorphMesh>, FileReport), S
     if let Some(reason) = report.why_unusable() {
         return Err(format!("{name}: no usable mesh: {reason}"));
     }
-    let morphs = |mesh: &&_| -> bool {
-        matches!(
-            mesh,
-            morph_collision_testkit::inspect::MeshReport {
-                rigid: false,
-                usable: Some(_),
-                ..
-            }
-        )
-    };
-    if !report.meshes.iter().any(|mesh| morphs(&mesh)) {
+    if !report.meshes.iter().any(|mesh| !mesh.rigid && mesh.usable.is_some()) {
         return Err(format!("{name}: no mesh has morph targets"));
     }
     Ok((meshes, report))
@@ -195,6 +209,11 @@ fn examine(world: &mut World) {
         // Nobody knows the name that it has here.
         Err(error) => Err(error.to_string().replace(&path, &name)),
     };
+    if let Err(error) = &put
+        && !world.resource::<Clock>().started
+    {
+        world.insert_resource(Trouble(error.clone()));
+    }
     world.resource::<Verdict>().change(|judged| match put {
         Ok(()) => judged.shown = true,
         Err(error) => judged.error = Some(error),
@@ -225,6 +244,7 @@ fn put_on_stage(world: &mut World, candidate: Entity, gltf: &Handle<Gltf>) -> Re
             WorldAssetRoot(scene.clone()),
             Plays::new(gltf.clone(), 0.3 * index as f32),
             MorphColliderScene::default(),
+            Pending,
             Visibility::default(),
             // Until it is known how large they are, they keep apart.
             Transform::from_xyz(1e6 * index as f32, 0.0, 0.0),
@@ -268,8 +288,11 @@ fn meet(mut members: Query<(&Member, &mut Transform)>, fit: Res<Fit>, clock: Res
 }
 
 /// Notes about the model, and about what it costs.
-fn notes(race: &Race, skinned: &Query<(), With<SkinnedMesh>>) -> Notes {
+fn notes(race: &Race, verdict: &Verdict, skinned: &Query<(), With<SkinnedMesh>>) -> Notes {
     let mut notes = race.notes();
+    if let Some(error) = verdict.now().error {
+        notes.push(("refused", error));
+    }
     if !skinned.is_empty() {
         notes.push(("bones", "are drawn, and not collided with".into()));
     }

@@ -61,6 +61,8 @@ fn panel(
     context.set_visuals(egui::Visuals::light());
     // On a phone it would hide the show.
     let wide = context.content_rect().width() > 640.0;
+    // A page says beside the show how to look around.
+    let keys_open = bill.live && wide && !cfg!(target_arch = "wasm32");
     // What its title and frame leave of the window's height.
     let room = context.content_rect().height() - 64.0;
     egui::Window::new(bill.name)
@@ -89,7 +91,7 @@ fn panel(
                 rows(ui, "notes", notes.0.iter().map(|(name, value)| (*name, value.clone())));
                 rows(ui, "counts", counts(&diagnostics, &bill, &real));
                 egui::CollapsingHeader::new("keys")
-                    .default_open(bill.live && wide)
+                    .default_open(keys_open)
                     .show(ui, |ui| {
                         let own = bill.keys.iter().chain(&KEYS);
                         rows(ui, "keys", own.map(|&(key, what)| (key, what.to_owned())));

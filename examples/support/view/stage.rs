@@ -114,7 +114,7 @@ pub(super) fn set(app: &mut App, show: Show, place: Place) {
     let live = matches!(place, Place::Window);
     app.insert_resource(ClearColor(BACKGROUND))
         .insert_resource(GlobalAmbientLight {
-            brightness: 430.0,
+            brightness: AMBIENT,
             ..default()
         })
         .insert_resource(Playbill {
@@ -150,8 +150,21 @@ pub(super) fn set(app: &mut App, show: Show, place: Place) {
     (show.scene)(app);
 }
 
+/// A page's renderer knows one directional light: there, what the second would add comes from all around.
+#[cfg(target_arch = "wasm32")]
+const AMBIENT: f32 = 620.0;
+#[cfg(target_arch = "wasm32")]
+const LIGHTS: [(f32, Vec3); 1] = [KEY_LIGHT];
+#[cfg(not(target_arch = "wasm32"))]
+const AMBIENT: f32 = 430.0;
+#[cfg(not(target_arch = "wasm32"))]
+const LIGHTS: [(f32, Vec3); 2] = [KEY_LIGHT, (900.0, Vec3::new(3.0, 1.0, -2.0))];
+
+/// How bright, and where from.
+const KEY_LIGHT: (f32, Vec3) = (2500.0, Vec3::new(-2.0, 4.0, 3.0));
+
 fn light(commands: &mut Commands) {
-    for (illuminance, from) in [(2500.0, Vec3::new(-2.0, 4.0, 3.0)), (900.0, Vec3::new(3.0, 1.0, -2.0))] {
+    for (illuminance, from) in LIGHTS {
         commands.spawn((
             DirectionalLight {
                 illuminance,

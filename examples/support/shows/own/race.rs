@@ -13,7 +13,7 @@ use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::rivals::{Method, MethodKind, Wanted};
 
 use super::super::group::Member;
-use super::notes;
+use super::{Verdict, notes};
 use crate::view::models::weights_of;
 use crate::view::stage::Notes;
 
@@ -124,6 +124,7 @@ pub(super) fn run(
     parents: Query<&ChildOf>,
     meshes: Res<Assets<Mesh>>,
     skinned: Query<(), With<SkinnedMesh>>,
+    verdict: Res<Verdict>,
     mut told: ResMut<Notes>,
 ) {
     let race = &mut *race;
@@ -152,7 +153,7 @@ pub(super) fn run(
     if race.frames.is_multiple_of(WINDOW) {
         race.contenders.iter_mut().for_each(Contender::close_window);
     }
-    *told = notes(race, &skinned);
+    *told = notes(race, &verdict, &skinned);
 }
 
 /// Once both copies are there.

@@ -1,0 +1,89 @@
+//! What a web page gets to know of a show, and what a finger does to it.
+
+use std::collections::BTreeMap;
+
+use bevy::camera::NormalizedRenderTarget;
+use bevy::ecs::system::RunSystemOnce;
+use bevy::picking::pointer::{Location, PointerAction, PointerButton, PointerId, PointerInput};
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use morph_collision_workspace::shows;
+use morph_collision_workspace::view::offscreen::Offscreen;
+use morph_collision_workspace::view::page::{self, Told};
+use morph_collision_workspace::view::stage::StageCamera;
+
+use crate::support::{alone, frame, offscreen};
+
+const SIZE: (u32, u32) = (320, 180);
+
+#[test]
+fn a_page_is_told_what_the_show_is_at() {
+    let _alone = alone();
+    let mut show = offscreen(shows::pass_through(), SIZE);
+    let told = Told::default();
+    page::plugin(show.app_mut().insert_resource(told.clone()));
+    show.jump(100);
+    show.advance(4);
+    let state = told.now();
+    let diagnostics = *show.app_mut().world().resource::<MorphCollisionDiagnostics>();
+    assert_eq!((state.show, state.started, state.drawn), ("pass_through", true, 4));
+    assert_eq!(state.frame, frame(&mut show));
+    assert_eq!((state.colliders, state.touching, state.events), (2, 1, 1));
+    assert!(state.triangle_pairs > 0 && state.red > 0);
+    assert_eq!(state.triangle_pairs, diagnostics.triangle_pairs);
+    assert!(state.weights.iter().any(|&weight| weight != 0.0));
+    assert_eq!(state.trouble, None);
+}
+
+/// The colours of all models that can be clicked.
+fn materials(show: &mut Offscreen) -> BTreeMap<Entity, AssetId<StandardMaterial>> {
+    let all = |drawn: Query<(Entity, &MeshMaterial3d<StandardMaterial>), With<MorphCollider>>| -> BTreeMap<_, _> {
+        drawn
+            .iter()
+            .map(|(entity, material)| (entity, material.0.id()))
+            .collect()
+    };
+    show.app_mut().world_mut().run_system_once(all).unwrap()
+}
+
+/// Presses a pointer here, moves it there, and lets go.
+fn stroke(show: &mut Offscreen, from: Vec2, to: Vec2) {
+    let pointer = PointerId::Custom(bevy::asset::uuid::Uuid::from_u128(7));
+    let world = show.app_mut().world_mut();
+    let mut cameras = world.query_filtered::<&bevy::camera::RenderTarget, With<StageCamera>>();
+    let bevy::camera::RenderTarget::Image(image) = cameras.single(world).unwrap().clone() else {
+        panic!("the show is drawn into an image");
+    };
+    world.spawn(pointer);
+    let button = PointerButton::Primary;
+    for (position, action) in [
+        (from, PointerAction::Move { delta: Vec2::ONE }),
+        (from, PointerAction::Press(button)),
+        (to, PointerAction::Move { delta: to - from }),
+        (to, PointerAction::Release(button)),
+    ] {
+        let location = Location {
+            target: NormalizedRenderTarget::Image(image.clone()),
+            position,
+        };
+        let world = show.app_mut().world_mut();
+        world.write_message(PointerInput::new(pointer, location, action));
+        show.advance(2);
+    }
+}
+
+#[test]
+fn a_click_paints_and_a_drag_does_not() {
+    let _alone = alone();
+    let mut show = offscreen(shows::picking(), SIZE);
+    show.advance(4);
+    // On the body in the middle.
+    let at = Vec2::new(175.0, 85.0);
+    let before = materials(&mut show);
+    stroke(&mut show, at, at + Vec2::X * 20.0);
+    assert_eq!(materials(&mut show), before, "a drag that ends on the model");
+    stroke(&mut show, at, at + Vec2::X * 3.0);
+    let after = materials(&mut show);
+    let painted = before.iter().filter(|&(entity, color)| after[entity] != *color).count();
+    assert_eq!(painted, 1, "a click of a hand that is not quite still");
+}

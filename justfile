@@ -73,8 +73,28 @@ pictures:
     draw culling --size 960x540 --at 90
     draw physics --size 960x540 --at 180
     draw crowd --size 960x540 --at 10
+    draw own --bare --size 960x540 --at 140
     cargo run --quiet --release --features render --example dolphins -- --screenshots docs/pictures/volumes \
         --triangles 2256 --size 960x540 --at 60 --volumes 3
+
+# The examples as a web site, in target/web-site (half an hour the first time).
+web:
+    web/build.sh target/web-site
+
+# Shows that site to this machine.
+serve PORT="8080":
+    @echo "http://localhost:{{PORT}}"
+    python3 -m http.server {{PORT}} --bind 127.0.0.1 --directory target/web-site
+
+# Tests the site in Chromium (CHROMIUM=PATH for one that is not /usr/bin/chromium); pictures of the pages go to target/web-pictures.
+web-test: web
+    node --test --test-concurrency=1 web/tests/*.test.mjs
+
+# What these need, but for Node.js, Python and Chromium: the target, wasm-bindgen of the version in Cargo.lock, wasm-opt, and what steers Chromium.
+web-tools:
+    rustup target add wasm32-unknown-unknown
+    cargo install wasm-bindgen-cli --version "$(sed -n '/^name = "wasm-bindgen"$/{n;s/^version = "\(.*\)"$/\1/p}' Cargo.lock)"
+    npm ci --prefix web
 
 # Stores the pictures that tests compare with anew. Look at them.
 references:

@@ -4,28 +4,32 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 site=${1:?a folder to put the site into}
 target=${CARGO_TARGET_DIR:-target}
+work=$target/web-work
 
 wanted=$(sed -n '/^name = "wasm-bindgen"$/{n;s/^version = "\(.*\)"$/\1/p}' Cargo.lock)
 have=$(wasm-bindgen --version 2>/dev/null | cut -d' ' -f2 || true)
-[ "$have" = "$wanted" ] || { echo "wasm-bindgen $wanted is needed, here is ${have:-none}: cargo install wasm-bindgen-cli --version $wanted" >&2; exit 1; }
-# Debian's wasm-opt is too old: it exports another table than it should (binaryen 108).
-[ -x web/node_modules/.bin/wasm-opt ] || npm ci --prefix web
+[ "$have" = "$wanted" ] || { echo "wasm-bindgen $wanted is needed, here is ${have:-none}: just web-tools" >&2; exit 1; }
+[ -x web/node_modules/.bin/wasm-opt ] || { echo "wasm-opt is needed: just web-tools" >&2; exit 1; }
 
 cargo build --profile web --target wasm32-unknown-unknown -p morph_collision_web
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
+mkdir -p "$work"
 wasm-bindgen --target web --no-typescript --remove-name-section --remove-producers-section --out-dir "$work" --out-name morph \
     "$target/wasm32-unknown-unknown/web/morph_collision_web.wasm"
-web/node_modules/.bin/wasm-opt -Oz --enable-simd --enable-bulk-memory --enable-sign-ext --enable-nontrapping-float-to-int --enable-reference-types \
-    --enable-multivalue --enable-mutable-globals --enable-extended-const "$work/morph_bg.wasm" -o "$work/small.wasm"
+# Takes a quarter of an hour, so it is only done for another program.
+if ! cmp -s "$work/morph_bg.wasm" "$work/shrunk_from.wasm"; then
+    web/node_modules/.bin/wasm-opt -Oz --enable-simd --enable-bulk-memory --enable-sign-ext --enable-nontrapping-float-to-int \
+        --enable-reference-types --enable-multivalue --enable-mutable-globals --enable-extended-const \
+        "$work/morph_bg.wasm" -o "$work/shrunk.wasm"
+    cp "$work/morph_bg.wasm" "$work/shrunk_from.wasm"
+fi
 
 rm -rf "$site"
 mkdir -p "$site/assets" "$site/pictures"
 cp "$work/morph.js" "$site/morph.js"
-cp "$work/small.wasm" "$site/morph_bg.wasm"
+cp "$work/shrunk.wasm" "$site/morph_bg.wasm"
 cp web/pages/* "$site/"
-cp assets/dolphin_564.glb assets/dolphin_2256.glb assets/pass_through_20480.glb assets/mh_head_eyes_teeth_arkit52.glb "$site/assets/"
-# The pictures that the gallery names.
+# The models and pictures that the pages name.
+grep -oh '[a-z0-9_]*\.glb' web/pages/*.html web/pages/*.js | sort -u | sed 's#^#assets/#' | xargs cp -t "$site/assets"
 grep -o 'src="pictures/[^"]*"' web/pages/index.html | sed 's#src="pictures/\(.*\)"#docs/pictures/\1#' | sort -u | xargs cp -t "$site/pictures"
 
 cd "$site"

@@ -176,26 +176,37 @@ fn measure(
     }
 }
 
-/// What plays no clip morphs in waves, from 0 to 1.
-pub(super) fn wave(
-    mut models: Query<(Entity, &mut MorphWeights)>,
-    playing: Query<(), With<AnimationGraphHandle>>,
-    members: Query<&Member>,
-    parents: Query<&ChildOf>,
-    clock: Res<Clock>,
-) {
-    for (entity, mut weights) in &mut models {
-        let above: Vec<Entity> = std::iter::once(entity).chain(parents.iter_ancestors(entity)).collect();
-        if above.iter().any(|&entity| playing.contains(entity)) {
-            continue;
-        }
-        let index = above
-            .iter()
-            .find_map(|&entity| members.get(entity).ok())
-            .map_or(0, |member| member.0);
-        let seconds = clock.frame as f32 / 60.0;
-        for (target, weight) in weights.weights_mut().iter_mut().enumerate() {
-            *weight = instances::wave(target, index, seconds);
+/// Models of members that play no clip: somebody has to move their weights.
+#[derive(SystemParam, Debug)]
+pub(super) struct Idle<'w, 's> {
+    models: Query<'w, 's, (Entity, &'static mut MorphWeights)>,
+    playing: Query<'w, 's, (), With<AnimationGraphHandle>>,
+    members: Query<'w, 's, &'static Member>,
+    parents: Query<'w, 's, &'static ChildOf>,
+}
+
+impl Idle<'_, '_> {
+    /// The member's number, and its weights.
+    pub(super) fn for_each(&mut self, mut change: impl FnMut(usize, &mut [f32])) {
+        for (entity, mut weights) in &mut self.models {
+            let above: Vec<Entity> = std::iter::once(entity)
+                .chain(self.parents.iter_ancestors(entity))
+                .collect();
+            if above.iter().any(|&entity| self.playing.contains(entity)) {
+                continue;
+            }
+            let member = above.iter().find_map(|&entity| self.members.get(entity).ok());
+            change(member.map_or(0, |member| member.0), weights.weights_mut());
         }
     }
+}
+
+/// From 0 to 1 in waves.
+fn wave(mut idle: Idle, clock: Res<Clock>) {
+    let seconds = clock.frame as f32 / 60.0;
+    idle.for_each(|index, weights| {
+        for (target, weight) in weights.iter_mut().enumerate() {
+            *weight = instances::wave(target, index, seconds);
+        }
+    });
 }

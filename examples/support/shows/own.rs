@@ -19,9 +19,10 @@ use morph_collision_testkit::mesh::MorphMesh;
 use serde::Serialize;
 
 use self::race::Race;
-use super::group::{Extent, Member, wave};
+use super::group::{Extent, Idle, Member};
 use crate::app::is_loaded;
 use crate::displacements::spread_over_split_vertices;
+use crate::physics::wobbling;
 use crate::view::Show;
 use crate::view::clock::{Clock, Pending, Trouble};
 use crate::view::files::Files;
@@ -83,15 +84,15 @@ pub fn own(inbox: Inbox, verdict: Verdict) -> Show {
         name: "own",
         about: "Two copies of your model run into each other. Touching triangles are red.",
         keys: &[],
-        eye: Vec3::new(0.9, 0.9, 4.4),
-        target: Vec3::new(0.4, 0.0, 0.0),
+        eye: Vec3::new(0.9, 0.7, 3.7),
+        target: Vec3::new(0.35, 0.0, 0.0),
         pictures: &[60, 120],
         scene: Box::new(|app| {
             app.insert_resource(inbox)
                 .insert_resource(verdict)
                 .init_resource::<Fit>()
                 .init_resource::<Race>()
-                .add_systems(Update, (receive, examine, measure, meet, wave).chain())
+                .add_systems(Update, (receive, examine, measure, meet, morph).chain())
                 .add_systems(PostUpdate, race::run.after(OverlaySystems));
             // On a page, the page takes what is dropped.
             #[cfg(not(target_arch = "wasm32"))]
@@ -285,6 +286,12 @@ fn meet(mut members: Query<(&Member, &mut Transform)>, fit: Res<Fit>, clock: Res
             scale: Vec3::splat(scale),
         };
     }
+}
+
+/// What plays no clip shows its targets one after the other.
+fn morph(mut idle: Idle, clock: Res<Clock>) {
+    let seconds = clock.frame as f32 / 60.0;
+    idle.for_each(|index, weights| weights.copy_from_slice(&wobbling(seconds + 1.3 * index as f32, weights.len())));
 }
 
 /// Notes about the model, and about what it costs.

@@ -39,7 +39,7 @@ setInterval(() => {
   const model = show.trouble ? null : show.state()?.model;
   if (!model || model.number < brought || brought === 0) return;
   if (model.error) {
-    refuse(`${model.error}${report.textContent ? " The model before it stays." : ""}`);
+    refuse(`${model.error}.${report.textContent ? " The model before it stays." : ""}`);
   } else if (model.shown) {
     message.textContent = model.name;
     message.className = "message";

@@ -57,6 +57,10 @@ fn panel(
     mut store: ResMut<GizmoConfigStore>,
     real: Res<Time<Real>>,
 ) -> Result {
+    // A page covers the canvas until then, and does not know before how wide it will be.
+    if cfg!(target_arch = "wasm32") && !clock.started {
+        return Ok(());
+    }
     let context = contexts.ctx_mut()?;
     context.set_visuals(egui::Visuals::light());
     // On a phone it would hide the show.

@@ -2,7 +2,7 @@
 
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 use bevy::asset::AssetMetaCheck;
-use bevy::camera::{ClearColorConfig, RenderTarget};
+use bevy::camera::{CameraUpdateSystems, ClearColorConfig, RenderTarget};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::gizmos::config::GizmoConfigStore;
 use bevy::light::GlobalAmbientLight;
@@ -146,7 +146,8 @@ pub(super) fn set(app: &mut App, show: Show, place: Place) {
     app.add_systems(Startup, move |mut commands: Commands| {
         light(&mut commands);
         camera(&mut commands, eye, target, &place);
-    });
+    })
+    .add_systems(PostUpdate, widen.before(CameraUpdateSystems));
     (show.scene)(app);
 }
 
@@ -206,6 +207,21 @@ fn camera(commands: &mut Commands, eye: Vec3, target: Vec3, place: &Place) {
                 camera.insert(PrimaryEguiContext);
             }
         }
+    }
+}
+
+/// Where the picture is higher than wide, it shows as much from left to right as a square one.
+fn widen(mut camera: Single<(&Camera, &mut Projection), With<StageCamera>>) {
+    let (camera, projection) = &mut *camera;
+    let Some(size) = camera.physical_target_size().map(UVec2::as_vec2) else {
+        return;
+    };
+    let higher = (size.y / size.x.max(1.0)).max(1.0);
+    let fov = 2.0 * ((0.5 * PerspectiveProjection::default().fov).tan() * higher).atan();
+    if matches!(&**projection, Projection::Perspective(now) if now.fov != fov)
+        && let Projection::Perspective(perspective) = &mut **projection
+    {
+        perspective.fov = fov;
     }
 }
 

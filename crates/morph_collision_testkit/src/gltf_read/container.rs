@@ -50,7 +50,7 @@ impl Container {
         };
         let root: json::Root = json::deserialize::from_slice(&json).map_err(|error| not_gltf(error.to_string()))?;
         check_extensions(path, &root)?;
-        check_uris(path, &root)?;
+        check_uris(path, &root, directory)?;
 
         // Not validated as a whole: the rules that matter are checked where they matter, and `validate` itself indexes
         // out of bounds on a POSITION accessor that does not exist.
@@ -103,10 +103,17 @@ fn check_extensions(path: &Path, root: &json::Root) -> Result<(), ReadError> {
     }
 }
 
-/// `import_buffers` unwraps the percent-decoding of a relative URI, which fails where the bytes are not UTF-8.
-fn check_uris(path: &Path, root: &json::Root) -> Result<(), ReadError> {
+/// Without a directory there are no other files. And `import_buffers` unwraps the percent-decoding of a relative URI, which fails where the
+/// bytes are not UTF-8.
+fn check_uris(path: &Path, root: &json::Root, directory: Option<&Path>) -> Result<(), ReadError> {
     for (index, buffer) in root.buffers.iter().enumerate() {
         let Some(uri) = buffer.uri.as_deref() else { continue };
+        if directory.is_none() && !uri.starts_with("data:") {
+            return Err(ReadError::Buffer {
+                path: path.to_owned(),
+                reason: format!("buffer {index} is in the file {uri:?}; here all has to be in one file, as in a .glb"),
+            });
+        }
         if !uri.contains(':') && !percent_decodes_to_utf8(uri) {
             let reason = format!("buffer {index}: the URI is not UTF-8 after percent-decoding");
             return Err(ReadError::Buffer {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::support::{Document, F32, U8, primitive, write};
 use morph_collision_testkit::{
-    gltf_read::{ReadError, read_meshes},
+    gltf_read::{ReadError, parse_meshes, read_meshes},
     gltf_write::{Appearance, to_glb},
     models,
 };
@@ -79,6 +79,13 @@ fn a_missing_or_short_buffer_is_named() {
     let mut document = Document::square(1);
     document.json["buffers"] = json!([{"byteLength": 4, "uri": "%ff.bin"}]);
     assert_says(&document.error(), &["buffer 0", "UTF-8"]);
+}
+
+#[test]
+fn bytes_that_refer_to_a_file_are_refused_with_its_name() {
+    let bytes = br#"{"asset": {"version": "2.0"}, "buffers": [{"byteLength": 4, "uri": "elsewhere.bin"}]}"#;
+    let error = parse_meshes(bytes, Path::new("model.gltf")).unwrap_err();
+    assert_says(&error.to_string(), &["model.gltf", "buffer 0", "elsewhere.bin"]);
 }
 
 #[test]

@@ -76,7 +76,7 @@ async function start() {
 
 function tell(state, rate) {
   const lines = [
-    ["frames per second", rate.toFixed(0)],
+    ["frames per second", rate.toFixed(rate < 10 ? 1 : 0)],
     ["colliders", state.colliders],
     ["touching", `${state.touching} pairs`],
     ["touching triangles", `${state.triangle_pairs} pairs`],

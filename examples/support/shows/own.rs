@@ -117,7 +117,8 @@ fn drop_on_window(mut drops: MessageReader<FileDragAndDrop>, inbox: Res<Inbox>, 
 #[derive(Component)]
 struct Candidate {
     name: String,
-    path: String,
+    /// What it is called among the [`Files`].
+    file: String,
     meshes: Vec<MorphMesh>,
     gltf: Handle<Gltf>,
 }
@@ -141,7 +142,7 @@ fn receive(
     verdict: Res<Verdict>,
     files: Res<Files>,
     assets: Res<AssetServer>,
-    others: Query<Entity, With<Candidate>>,
+    others: Query<(Entity, &Candidate)>,
     clock: Res<Clock>,
     mut commands: Commands,
 ) {
@@ -169,14 +170,16 @@ fn receive(
         }
     };
     // Whoever brings another file does not wait for this one.
-    others.iter().for_each(|other| commands.entity(other).despawn());
+    for (other, candidate) in &others {
+        files.remove(Path::new(&candidate.file));
+        commands.entity(other).despawn();
+    }
     let file = format!("{number}.glb");
     files.insert(Path::new(&file), bytes);
-    let path = Files::asset_path(&file);
-    let gltf = assets.load(path.clone());
+    let gltf = assets.load(Files::asset_path(&file));
     let candidate = Candidate {
         name,
-        path,
+        file,
         meshes,
         gltf,
     };
@@ -202,13 +205,13 @@ fn examine(world: &mut World) {
     let Ok((entity, candidate)) = world.query::<(Entity, &Candidate)>().single(world) else {
         return;
     };
-    let (gltf, name, path) = (candidate.gltf.clone(), candidate.name.clone(), candidate.path.clone());
+    let (gltf, name, file) = (candidate.gltf.clone(), candidate.name.clone(), candidate.file.clone());
     let loaded = is_loaded(world.resource::<AssetServer>(), gltf.id().untyped(), Path::new(&name));
     let put = match loaded {
         Ok(false) => return,
         Ok(true) => put_on_stage(world, entity, &gltf),
         // Nobody knows the name that it has here.
-        Err(error) => Err(error.to_string().replace(&path, &name)),
+        Err(error) => Err(error.to_string().replace(&Files::asset_path(&file), &name)),
     };
     if let Err(error) = &put
         && !world.resource::<Clock>().started
@@ -219,6 +222,7 @@ fn examine(world: &mut World) {
         Ok(()) => judged.shown = true,
         Err(error) => judged.error = Some(error),
     });
+    world.resource::<Files>().remove(Path::new(&file));
     world.despawn(entity);
 }
 

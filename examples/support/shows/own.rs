@@ -3,11 +3,11 @@
 //! What is brought is judged before anything on the stage changes: a file that is no good leaves the model before it where it is. Only if
 //! it is the first, brought before the show begins, there is nothing to show.
 
+mod inbox;
 mod race;
 
 use std::f32::consts::TAU;
 use std::path::Path;
-use std::sync::{Arc, Mutex, PoisonError};
 
 use bevy::gltf::Gltf;
 use bevy::mesh::skinning::SkinnedMesh;
@@ -16,8 +16,8 @@ use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::gltf_read::parse_meshes;
 use morph_collision_testkit::inspect::FileReport;
 use morph_collision_testkit::mesh::MorphMesh;
-use serde::Serialize;
 
+pub use self::inbox::{Inbox, Judged, Verdict};
 use self::race::Race;
 use super::group::{Extent, Idle, Member};
 use crate::app::is_loaded;
@@ -31,52 +31,6 @@ use crate::view::overlay::OverlaySystems;
 use crate::view::sliders::Sliders;
 use crate::view::stage::Notes;
 
-/// Where files are put for the show to take. Clones are of the same one.
-#[derive(Resource, Clone, Debug, Default)]
-pub struct Inbox(Arc<Mutex<Option<(String, Vec<u8>)>>>);
-
-impl Inbox {
-    /// Puts a file there: its name, for messages, and all that is in it. One that has not been taken yet is dropped.
-    pub fn put(&self, name: String, bytes: Vec<u8>) {
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some((name, bytes));
-    }
-
-    fn take(&self) -> Option<(String, Vec<u8>)> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).take()
-    }
-}
-
-/// What has become of the file that was brought last. Clones are of the same one.
-#[derive(Resource, Clone, Debug, Default)]
-pub struct Verdict(Arc<Mutex<Judged>>);
-
-/// A file, and what is to be said about it.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct Judged {
-    /// How many were brought, with this one.
-    pub number: u32,
-    /// Its name.
-    pub name: String,
-    /// What it is made of, if it could be read.
-    pub report: Option<String>,
-    /// Why it is not shown.
-    pub error: Option<String>,
-    /// Whether it is on the stage.
-    pub shown: bool,
-}
-
-impl Verdict {
-    /// A copy of it.
-    #[must_use]
-    pub fn now(&self) -> Judged {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
-    }
-
-    fn change(&self, change: impl FnOnce(&mut Judged)) {
-        change(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner));
-    }
-}
-
 /// Two copies of the model that comes into the inbox.
 #[must_use]
 pub fn own(inbox: Inbox, verdict: Verdict) -> Show {
@@ -86,7 +40,7 @@ pub fn own(inbox: Inbox, verdict: Verdict) -> Show {
         keys: &[],
         eye: Vec3::new(0.9, 0.7, 3.7),
         target: Vec3::new(0.35, 0.0, 0.0),
-        pictures: &[60, 120],
+        pictures: &[100, 140],
         scene: Box::new(|app| {
             app.insert_resource(inbox)
                 .insert_resource(verdict)

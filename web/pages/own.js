@@ -7,19 +7,21 @@ const LARGEST = 256e6;
 
 const stage = document.querySelector(".stage");
 const [message, report] = [".message", "pre"].map((name) => document.querySelector(name));
-let brought = 0;
+/** Whether the user has brought anything, and the number of the file before the one whose verdict is waited for. */
+let [any, before] = [false, null];
 
 async function bring(name, bytes) {
   message.textContent = `Looking into ${name}`;
   message.className = "message";
   // The message is painted before the work begins; and a show that has not begun would end with a file that is no good.
   do await new Promise((then) => setTimeout(then, 50)); while (!show.state().started && !show.trouble);
-  brought += 1;
+  before = show.state().model.number;
   show.stage.bring(name, bytes);
 }
 
 async function bringFile(file) {
   if (!file) return;
+  any = true;
   await started;
   if (!show.stage) return;
   if (file.size > LARGEST) return refuse(`${file.name}: ${(file.size / 1e6).toFixed(0)} MB are more than a page can take; the largest are ${LARGEST / 1e6} MB.`);
@@ -36,15 +38,14 @@ function refuse(why) {
 }
 
 setInterval(() => {
-  const model = show.trouble ? null : show.state()?.model;
-  if (!model || model.number < brought || brought === 0) return;
-  if (model.error) {
-    refuse(`${model.error}.${report.textContent ? " The model before it stays." : ""}`);
-  } else if (model.shown) {
-    message.textContent = model.name;
-    message.className = "message";
-    if (report.textContent !== model.report) report.textContent = model.report;
-  }
+  if (before === null || show.trouble) return;
+  const { model } = show.state();
+  if (model.number <= before || !(model.error || model.shown)) return;
+  before = null;
+  if (model.error) return refuse(`${model.error}.${report.textContent ? " The model before it stays." : ""}`);
+  message.textContent = model.name;
+  message.className = "message";
+  report.textContent = model.report;
 }, 250);
 
 for (const [event, over] of [["dragenter", true], ["dragover", true], ["dragleave", false], ["drop", false]]) {
@@ -78,4 +79,4 @@ for (const button of document.querySelectorAll("button[data-sample]")) {
   button.addEventListener("click", () => bringSample(button.dataset.sample));
 }
 // Something is to be seen from the start, unless the user was faster.
-started.then(() => brought === 0 && bringSample("dolphin_2256.glb"));
+started.then(() => any || bringSample("dolphin_2256.glb"));

@@ -1,7 +1,7 @@
 // One's own model: good files are shown, bad ones are refused with a reason, and nothing leaves the browser.
 
 import assert from "node:assert/strict";
-import { copyFileSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { copyFileSync, mkdtempSync, readFileSync, rmSync, truncateSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
 import { after, before, test } from "node:test";
@@ -101,6 +101,9 @@ test("a file that is no good is refused, and the model before it stays", async (
     meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }],
   }))));
   reasons.push(await refused(page, rigid("rigid.glb")));
+  truncateSync(file("large.glb", ""), 300e6);
+  const large = await refused(page, join(folder, "large.glb"));
+  assert.match(large, /300 MB.*256 MB/);
   console.log(reasons.join("\n"));
   assert.match(reasons[3], /elsewhere\.bin/);
   assert.match(reasons[4], /morph targets/);

@@ -3,11 +3,11 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 
-import { begun, drawn, keep, open, serve, state, until, visit } from "./site.mjs";
+import { begun, drawn, keep, open, pace, serve, state, until, visit } from "./site.mjs";
 
 let site;
 let browser;
-const rates = {};
+const paces = {};
 
 before(async () => {
   site = await serve();
@@ -15,7 +15,7 @@ before(async () => {
 });
 
 after(async () => {
-  console.log("frames per second:", JSON.stringify(rates));
+  for (const [name, { rate, script }] of Object.entries(paces)) console.log(`${name}: ${rate} frames per second, ${script?.toFixed(1)} ms of each in the program`);
   await browser.close();
   site.close();
 });
@@ -62,9 +62,7 @@ for (const [name, found] of Object.entries(FOUND)) {
     assert.ok(fourth.picture.equals(third.picture), "something moves while the show is paused");
 
     await page.keyboard.press("Space");
-    const { drawn: before } = await state(page);
-    await new Promise((then) => setTimeout(then, 4000));
-    rates[name] = ((await state(page)).drawn - before) / 4;
+    paces[name] = await pace(page);
     assert.deepEqual(errors, []);
     await page.close();
   });

@@ -71,8 +71,27 @@ export async function visit(browser, url, viewport) {
   page.on("response", (response) => {
     if (response.status() >= 400) errors.push(`${response.url()}: ${response.status()}`);
   });
+  // How long the program's part of each frame takes, without what the graphics do at the same time.
+  await page.evaluateOnNewDocument(() => {
+    window.scriptTimes = [];
+    const request = window.requestAnimationFrame.bind(window);
+    window.requestAnimationFrame = (frame) => request((time) => {
+      const start = performance.now();
+      frame(time);
+      window.scriptTimes.push(performance.now() - start);
+    });
+  });
   await page.goto(url);
   return { page, errors };
+}
+
+/** Frames per second, and the median of the program's own milliseconds in a frame, over the next ten seconds. */
+export async function pace(page) {
+  const { drawn } = await state(page);
+  await page.evaluate(() => { window.scriptTimes = []; });
+  await new Promise((then) => setTimeout(then, 10_000));
+  const times = (await page.evaluate(() => window.scriptTimes)).toSorted((a, b) => a - b);
+  return { rate: ((await state(page)).drawn - drawn) / 10, script: times[times.length >> 1] };
 }
 
 /** Until a condition holds on the page, whose arguments follow it. */

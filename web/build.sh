@@ -29,7 +29,7 @@ cp "$work/morph.js" "$site/morph.js"
 cp "$work/shrunk.wasm" "$site/morph_bg.wasm"
 cp web/pages/* "$site/"
 # The models and pictures that the pages name.
-grep -oh '[a-z0-9_]*\.glb' web/pages/*.html web/pages/*.js | sort -u | sed 's#^#assets/#' | xargs cp -t "$site/assets"
+grep -oh '[a-z0-9_]\+\.glb' web/pages/*.html web/pages/own.js | sort -u | sed 's#^#assets/#' | xargs cp -t "$site/assets"
 grep -o 'src="pictures/[^"]*"' web/pages/index.html | sed 's#src="pictures/\(.*\)"#docs/pictures/\1#' | sort -u | xargs cp -t "$site/pictures"
 
 cd "$site"

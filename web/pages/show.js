@@ -1,4 +1,4 @@
-// A page with a show on it: <body data-show="name" data-files="a.glb b.glb">.
+// A page with a show on it: <body data-show="name" data-files="what it needs of assets/">.
 
 import { lacking, load, megabytes } from "./load.js";
 import { Stage } from "./morph.js";

@@ -70,6 +70,8 @@ fn drop_on_window(mut drops: MessageReader<FileDragAndDrop>, inbox: Res<Inbox>, 
 /// What has been read well, and is being loaded.
 #[derive(Component)]
 struct Candidate {
+    /// How many were brought, with this one.
+    number: u32,
     name: String,
     /// What it is called among the [`Files`].
     file: String,
@@ -132,6 +134,7 @@ fn receive(
     files.insert(Path::new(&file), bytes);
     let gltf = assets.load(Files::asset_path(&file));
     let candidate = Candidate {
+        number,
         name,
         file,
         meshes,
@@ -159,7 +162,8 @@ fn examine(world: &mut World) {
     let Ok((entity, candidate)) = world.query::<(Entity, &Candidate)>().single(world) else {
         return;
     };
-    let (gltf, name, file) = (candidate.gltf.clone(), candidate.name.clone(), candidate.file.clone());
+    let (gltf, number) = (candidate.gltf.clone(), candidate.number);
+    let (name, file) = (candidate.name.clone(), candidate.file.clone());
     let loaded = is_loaded(world.resource::<AssetServer>(), gltf.id().untyped(), Path::new(&name));
     let put = match loaded {
         Ok(false) => return,
@@ -173,6 +177,8 @@ fn examine(world: &mut World) {
         world.insert_resource(Trouble(error.clone()));
     }
     world.resource::<Verdict>().change(|judged| match put {
+        // A later one has been judged already.
+        _ if judged.number != number => {}
         Ok(()) => judged.shown = true,
         Err(error) => judged.error = Some(error),
     });

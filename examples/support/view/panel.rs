@@ -23,6 +23,9 @@ const KEYS: [(&str, &str); 9] = [
     ("V, Shift V", "volumes one level deeper, higher"),
 ];
 
+/// How wide a value may be, in points.
+const LONGEST: f32 = 200.0;
+
 /// The deepest level of volumes that can be asked for.
 const DEEPEST: usize = 12;
 
@@ -197,10 +200,14 @@ fn counts(diagnostics: &MorphCollisionDiagnostics, bill: &Playbill, real: &Time<
 }
 
 fn rows(ui: &mut egui::Ui, name: &str, rows: impl IntoIterator<Item = (&'static str, String)>) {
-    egui::Grid::new(name).num_columns(2).show(ui, |ui| {
+    // What is long goes on in the next line, rather than hide the show.
+    let grid = egui::Grid::new(name).num_columns(2).max_col_width(LONGEST);
+    grid.show(ui, |ui| {
         for (name, value) in rows {
             ui.label(name);
-            ui.label(value);
+            let long = value.chars().count() > 32;
+            let label = egui::Label::new(value);
+            ui.add(if long { label.wrap() } else { label.extend() });
             ui.end_row();
         }
     });

@@ -36,7 +36,7 @@ impl Own {
     fn bring(&mut self, name: &str, bytes: Vec<u8>) -> Result<(), String> {
         let number = self.verdict.now().number + 1;
         self.inbox.put(name.into(), bytes);
-        loop {
+        for _ in 0..10_000 {
             self.show.advance(1);
             let judged = self.verdict.now();
             if judged.number == number {
@@ -48,6 +48,7 @@ impl Own {
                 }
             }
         }
+        panic!("nothing is said about {name}");
     }
 
     fn diagnostics(&mut self) -> MorphCollisionDiagnostics {

@@ -1,6 +1,6 @@
 // The same bits as elsewhere: every scene's hashes, worked out here.
 
-import { lacking, load, megabytes } from "./load.js";
+import { lacking, load } from "./load.js";
 import { Answers } from "./morph.js";
 
 const [what, bar, rows] = [".what", "progress", "tbody"].map((name) => document.querySelector(name));
@@ -21,11 +21,7 @@ addEventListener("unhandledrejection", (event) => stop(event.reason?.message ?? 
 async function run() {
   const lack = lacking({ drawing: false });
   if (lack) return stop(lack);
-  await load([], (here, total) => {
-    bar.max = total;
-    bar.value = here;
-    what.textContent = `${megabytes(here)} of ${megabytes(total)} MB`;
-  });
+  await load([], what, bar);
   const test = new Answers();
   bar.max = test.count;
   for (let i = 0; i < test.count; i += 1) {

@@ -24,7 +24,7 @@ export function lacking({ drawing }) {
 }
 
 /** Downloads files and tells `progress` how many bytes of how many are there; what each file is long says sizes.json. */
-export async function download(names, progress) {
+async function download(names, progress) {
   const sizes = await (await get("sizes.json")).json();
   const total = names.reduce((sum, name) => sum + (sizes[name]?.raw ?? 0), 0);
   let here = 0;
@@ -48,13 +48,23 @@ async function get(name) {
   return response;
 }
 
-/** Downloads the program and these files, and starts the program; the files' bytes. */
-export async function load(files, progress) {
-  const [program, ...rest] = await download([PROGRAM, ...files], progress);
-  await init({ module_or_path: program });
-  return rest;
-}
-
-export function megabytes(bytes) {
-  return (bytes / 1e6).toFixed(1);
+/** Downloads the program and these files, and starts the program; the files' bytes. How far that is, `what` says in words and `bar` shows. */
+export async function load(files, what, bar) {
+  const megabytes = (bytes) => (bytes / 1e6).toFixed(1);
+  let failed = false;
+  const progress = (here, total) => {
+    // Other files may still be coming when one has failed.
+    if (failed) return;
+    bar.max = total;
+    bar.value = here;
+    what.textContent = here < total ? `${megabytes(here)} of ${megabytes(total)} MB` : "Starting";
+  };
+  try {
+    const [program, ...rest] = await download([PROGRAM, ...files], progress);
+    await init({ module_or_path: program });
+    return rest;
+  } catch (error) {
+    failed = true;
+    throw error;
+  }
 }

@@ -1,6 +1,6 @@
 // A page with a show on it: <body data-show="name" data-files="what it needs of assets/">.
 
-import { lacking, load, megabytes } from "./load.js";
+import { lacking, load } from "./load.js";
 import { Stage } from "./morph.js";
 
 const main = document.querySelector("main");
@@ -44,13 +44,7 @@ async function start() {
   const { show: name, files = "" } = document.body.dataset;
   const names = files.split(" ").filter(Boolean);
   try {
-    const bytes = await load(names.map((file) => `assets/${file}`), (here, total) => {
-      // Other files may still be coming when one has failed.
-      if (show.trouble) return;
-      bar.max = total;
-      bar.value = here;
-      what.textContent = here < total ? `${megabytes(here)} of ${megabytes(total)} MB` : "Starting";
-    });
+    const bytes = await load(names.map((file) => `assets/${file}`), what, bar);
     const stage = new Stage();
     names.forEach((file, i) => stage.provide(file, bytes[i]));
     stage.start(name, "#show");

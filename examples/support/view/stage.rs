@@ -234,8 +234,8 @@ pub fn show_volumes(app: &mut App, level: Option<usize>) {
         .depth = level;
 }
 
-#[cfg(not(target_arch = "wasm32"))]
 /// Whether there is anything to draw with, if only a program that does what a GPU would.
+#[cfg(not(target_arch = "wasm32"))]
 pub(super) fn has_driver(backends: Backends) -> bool {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {
         backends,

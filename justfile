@@ -3,8 +3,9 @@
 default:
     @just --list
 
-# Everything that must hold before a change lands.
-ci: fmt-check clippy test features determinism doc demo-check verify-short fuzz-short
+# Everything that must hold before a change lands. Steps are in this order so that later ones find what earlier ones compiled: clippy and the
+# docs share one build of Bevy, the tests and the examples another, and everything in release a third without Bevy.
+ci: fmt-check clippy doc test demo-check features first-run determinism-release verify-short fuzz-short
 
 # Formats the code.
 fmt:
@@ -25,25 +26,37 @@ features:
     #!/usr/bin/env bash
     set -euo pipefail
     for feature in serde rayon; do cargo check -p morph_collision --no-default-features --features "$feature"; done
-    for feature in "" picking gizmos diagnostics rapier; do cargo check -p bevy_morph_collision --no-default-features --features "$feature"; done
+    for feature in "" gltf picking gizmos diagnostics rapier; do cargo check -p bevy_morph_collision --no-default-features --features "$feature"; done
 
 # What is published, built from its packages.
 package:
     cargo package -p morph_collision -p bevy_morph_collision
 
 # The same bits in debug and release, for every kind of volume, on any number of threads.
-determinism:
+determinism: && determinism-release
     cargo test -p morph_collision_testkit --test determinism
-    cargo test -p morph_collision_testkit --test determinism --release
 
+# The release half; the tests are the other. Built together with the command-line tool, so that both have the same dependencies.
+determinism-release: release
+    "${CARGO_TARGET_DIR:-target}/release/determinism"
+
+# The command-line tool and the determinism check.
+release:
+    cargo build --release -p morph_collision_cli -p morph_collision_testkit --bin morph-collide --bin determinism
+
+# With examples, dependencies have the features that tests and clippy use: otherwise Bevy would be checked again.
 doc:
-    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --all-features --no-deps
+    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --all-features --no-deps --lib --bins --examples
 
-# The README's first command.
+# The README's first command: touching dolphins as a picture, with nothing but Rust and a C linker.
+first-run PICTURE="dolphins.png":
+    cargo run --release -p morph_collision_cli -- run assets/scenes/two_dolphins.json --picture {{PICTURE}}
+
+# The dolphins in a window; without a display: just demo --screenshots out.
 demo *ARGS:
     cargo run --release --features render --example dolphins -- {{ARGS}}
 
-# The demo must find touching dolphins (as the tests built it: Bevy is not compiled a second time), and the command-line tool must run its scenes.
+# The examples must find what touches. They are built as the tests built them.
 demo-check:
     #!/usr/bin/env bash
     set -euo pipefail
@@ -57,13 +70,12 @@ demo-check:
     rain=$("${CARGO_TARGET_DIR:-target}/debug/examples/physics" --headless --bodies 40 --steps 240 --json)
     echo "$rain"
     grep -Eq '"fell_through": *0,' <<< "$rain"
-    cargo run --release -p morph_collision_cli -- inspect assets/dolphin_564.glb
-    cargo run --release -p morph_collision_cli -- run assets/scenes/two_dolphins.json
 
 # Makes the pictures of README and docs again, with or without a GPU or display.
 pictures:
     #!/usr/bin/env bash
     set -euo pipefail
+    cargo run --release -p morph_collision_cli -- run assets/scenes/two_dolphins.json --picture docs/pictures/two_dolphins.png
     draw() { cargo run --quiet --release --features render --example "$1" -- --screenshots docs/pictures "${@:2}"; }
     draw dolphins --triangles 2256 --bare --size 432x243 --at 60 --animate 0..394:6
     draw dolphins --triangles 2256 --bare --size 960x540
@@ -130,13 +142,17 @@ stress CASES="200":
     done
 
 # A short form of both, for CI.
-verify-short:
-    cargo run --release -p morph_collision_cli -- verify assets/dolphin_564.glb --frames 50
-    cargo run --release -p morph_collision_cli -- verify assets/dolphin_2256.glb assets/pass_through_20480.glb --frames 10
-    cargo run --release -p morph_collision_cli -- stress --cases 54
+verify-short: release
+    #!/usr/bin/env bash
+    set -euo pipefail
+    tool="${CARGO_TARGET_DIR:-target}/release/morph-collide"
+    "$tool" inspect assets/dolphin_564.glb
+    "$tool" verify assets/dolphin_564.glb --frames 50
+    "$tool" verify assets/dolphin_2256.glb assets/pass_through_20480.glb --frames 10
+    "$tool" stress --cases 54
 
-# Fuzzes each target for 20 seconds, regressions first (cargo install cargo-fuzz --locked; a C++ compiler).
-fuzz-short: (fuzz "20")
+# Fuzzes each target for 10 seconds, regressions first (cargo install cargo-fuzz --locked; a C++ compiler).
+fuzz-short: (fuzz "10")
 
 # Fuzzes each target for SECONDS, one after the other, regressions first.
 fuzz SECONDS:
@@ -154,9 +170,17 @@ fuzz SECONDS:
         if [ -e "fuzz/dictionaries/$target.txt" ]; then dictionary=(-dict="fuzz/dictionaries/$target.txt"); fi
         # New inputs go to the first folder, which is not kept.
         mkdir -p "fuzz/target/corpus/$target"
-        cargo fuzz run --sanitizer none "$target" "fuzz/target/corpus/$target" "fuzz/corpus/$target" -- \
-            -max_total_time={{SECONDS}} -max_len=4096 -print_final_stats=1 "${dictionary[@]}"
+        # Readers of files get no more address space than this, in KiB: a file that claims gigabytes has to be refused.
+        limit=unlimited
+        case "$target" in gltf | scene) limit=2000000 ;; esac
+        (ulimit -v "$limit"; cargo fuzz run --sanitizer none "$target" "fuzz/target/corpus/$target" "fuzz/corpus/$target" -- \
+            -max_total_time={{SECONDS}} -max_len=4096 -print_final_stats=1 "${dictionary[@]}")
     done
+
+# Feeds mutated files to the readers of models and scenes for SECONDS, with 2 GB of address space.
+mutations SECONDS="900" SEED="1":
+    cargo build -p morph_collision_testkit --bin mutations
+    ulimit -v 2000000; "${CARGO_TARGET_DIR:-target}/debug/mutations" {{SECONDS}} {{SEED}}
 
 # Makes every table and plot of docs/performance.md again, in place: --quick for rough ones, --only PLACE for one.
 report *ARGS:

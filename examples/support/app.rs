@@ -12,9 +12,7 @@ use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
 use bevy::world_serialization::WorldSerializationPlugin;
 use bevy_morph_collision::MorphCollisionPlugin;
-use morph_collision_testkit::gltf_read::read_meshes;
 
-use crate::displacements::spread_over_split_vertices;
 use crate::error::ExampleError;
 
 /// The time between two frames.
@@ -81,7 +79,6 @@ pub fn load_gltf(app: &mut App, file: &Path) -> Result<Handle<Gltf>, ExampleErro
     update_until(app, file, |world| {
         is_loaded(world.resource::<AssetServer>(), handle.id().untyped(), file)
     })?;
-    spread_over_split_vertices(app.world_mut(), &handle, || read_meshes(file))?;
     Ok(handle)
 }
 

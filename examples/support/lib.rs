@@ -4,7 +4,6 @@
 #![allow(clippy::type_complexity, clippy::too_many_arguments)]
 
 pub mod app;
-mod displacements;
 pub mod error;
 pub mod instances;
 pub mod options;

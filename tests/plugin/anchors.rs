@@ -1,13 +1,17 @@
 //! Entities that stick to a morphing surface.
 
+use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
-use crate::support::{add_mesh, app, move_to, set_weight, settle, spawn, stretching_cube};
+use crate::support::{add_mesh, app, cube, fixed_app, move_to, set_weight, settle, spawn, stretching_cube, touches};
 
 /// A stretching cube, and its triangle that faces +X.
 fn cube_and_side() -> (App, Entity, u32) {
-    let mut app = app();
+    cube_and_side_in(app())
+}
+
+fn cube_and_side_in(mut app: App) -> (App, Entity, u32) {
     let mesh = add_mesh(&mut app, &stretching_cube());
     let cube = spawn(&mut app, &mesh, 0.0);
     settle(&mut app);
@@ -163,4 +167,126 @@ fn an_anchor_below_an_anchor_is_right_in_the_same_frame() {
         assert!(place_of(&app, above).distance(second) < 1e-5);
         assert!(place_of(&app, below).distance(first) < 1e-5);
     }
+}
+
+/// An anchor in the middle of the side that faces +X; the side is at `x + 0.5 + weight`.
+fn spawn_hat(app: &mut App, cube: Entity, side: u32) -> Entity {
+    let anchor = MorphSurfaceAnchor::new(cube, side, Vec3::splat(1.0 / 3.0));
+    app.world_mut().spawn(anchor).id()
+}
+
+/// Moves and morphs the cube, a little further with each frame, and looks whether the hat keeps up.
+fn keeps_up(app: &mut App, cube: Entity, hat: Entity) {
+    for frame in 0..20 {
+        let (weight, x) = (0.05 * frame as f32, -0.125 * frame as f32);
+        set_weight(app, cube, weight);
+        move_to(app, cube, x);
+        app.update();
+        let (hat, surface) = (place_of(app, hat).x, x + 0.5 + weight);
+        assert!((hat - surface).abs() < 1e-5, "frame {frame}: {hat} is not {surface}");
+    }
+}
+
+#[test]
+fn a_hat_follows_in_every_frame_when_collisions_are_found_in_a_fixed_schedule() {
+    for (frames_per_tick, ticks_per_frame) in [(1, 1), (3, 1), (1, 2)] {
+        let (mut app, cube, side) = cube_and_side_in(fixed_app(frames_per_tick, ticks_per_frame));
+        let hat = spawn_hat(&mut app, cube, side);
+        keeps_up(&mut app, cube, hat);
+    }
+}
+
+#[test]
+fn a_hat_follows_what_is_drawn_while_collisions_are_paused_or_its_collider_is_disabled() {
+    let (mut app, cube, side) = cube_and_side();
+    let hat = spawn_hat(&mut app, cube, side);
+    app.world_mut().resource_mut::<MorphCollisionSettings>().paused = true;
+    keeps_up(&mut app, cube, hat);
+    app.world_mut().resource_mut::<MorphCollisionSettings>().paused = false;
+    app.world_mut().entity_mut(cube).insert(MorphColliderDisabled);
+    app.update();
+    keeps_up(&mut app, cube, hat);
+}
+
+#[test]
+fn following_between_ticks_takes_nothing_from_collisions() {
+    let (mut app, cube_, side) = cube_and_side_in(fixed_app(4, 1));
+    let rigid = add_mesh(&mut app, &cube());
+    let other = spawn(&mut app, &rigid, 1.75);
+    let hat = spawn_hat(&mut app, cube_, side);
+    #[derive(Resource, Default)]
+    struct Ticks(u32);
+    app.init_resource::<Ticks>()
+        .add_systems(FixedUpdate, |mut ticks: ResMut<Ticks>| ticks.0 += 1);
+    for _ in 0..8 {
+        app.update();
+    }
+    let ticks = |app: &App| app.world().resource::<Ticks>().0;
+    let reach = |app: &mut App| {
+        let cast = move |mut spatial: MorphSpatialQuery| {
+            let filter = MorphQueryFilter::default().without([other]);
+            let hit = spatial.cast_ray(Vec3::new(9.0, 0.1, 0.2), Dir3::NEG_X, 100.0, &filter);
+            hit.ok().flatten().map(|hit| 9.0 - hit.distance)
+        };
+        app.world_mut()
+            .run_system_once(cast)
+            .unwrap()
+            .expect("the cube is there")
+    };
+    let mut between = 0;
+    let mut found = 0.0;
+    for round in 0..6 {
+        let weight = [1.0, 0.0][round % 2];
+        set_weight(&mut app, cube_, weight);
+        let mut tick = ticks(&app);
+        for _ in 0..4 {
+            app.update();
+            assert!((place_of(&app, hat).x - (0.5 + weight)).abs() < 1e-5);
+            if ticks(&app) == tick {
+                // Contacts and queries agree with each other: both are of the last run.
+                between += 1;
+            } else {
+                // Animation comes after the tick of its frame, but a test sets weights before it.
+                found = weight;
+                tick = ticks(&app);
+            }
+            assert!((reach(&mut app) - (0.5 + found)).abs() < 1e-5, "round {round}");
+            assert_eq!(touches(&app, cube_, other), found == 1.0, "round {round}");
+        }
+        assert_eq!(found, weight, "there was a tick");
+    }
+    assert!(between > 6);
+}
+
+#[test]
+fn an_anchor_to_a_shape_or_to_a_mesh_without_a_tree_is_not_written() {
+    let (mut app, cube_, side) = cube_and_side();
+    let shape = (MorphShape::default(), Transform::from_xyz(3.0, 0.0, 0.0));
+    let shape = app.world_mut().spawn(shape).id();
+    app.world_mut().entity_mut(cube_).insert(MorphShape::default());
+    let unloaded = app.world().resource::<Assets<Mesh>>().reserve_handle();
+    let unloaded = spawn(&mut app, &unloaded, 0.0);
+    let at = Transform::from_xyz(7.0, 8.0, 9.0);
+    for collider in [shape, cube_, unloaded] {
+        let hat = spawn_hat(&mut app, collider, side);
+        app.world_mut().entity_mut(hat).insert(at);
+        app.update();
+        app.update();
+        assert_eq!(app.world().get::<Transform>(hat), Some(&at));
+    }
+    app.world_mut().entity_mut(cube_).remove::<MorphShape>();
+    let hat = spawn_hat(&mut app, cube_, side);
+    keeps_up(&mut app, cube_, hat);
+}
+
+#[test]
+fn bad_weights_leave_a_hat_where_the_last_good_ones_put_it() {
+    let (mut app, cube, side) = cube_and_side();
+    let hat = spawn_hat(&mut app, cube, side);
+    set_weight(&mut app, cube, 0.75);
+    app.update();
+    set_weight(&mut app, cube, f32::NAN);
+    move_to(&mut app, cube, 2.0);
+    app.update();
+    assert!((place_of(&app, hat).x - 3.25).abs() < 1e-5, "{:?}", place_of(&app, hat));
 }

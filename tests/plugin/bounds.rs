@@ -2,12 +2,15 @@
 
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{NoAutoAabb, NoCpuCulling, NoFrustumCulling, VisibilityPlugin};
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::mesh::morph::MeshMorphWeights;
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::{MorphTrees, prelude::*};
 use morph_collision_workspace::app::{headless, ready};
 
-use crate::support::{add_mesh, assets, set_weight, settle, stretching_cube};
+use crate::log::{Errors, run_here};
+use crate::support::{add_mesh, assets, bevy_mesh, set_weight, settle, stretching_cube};
 
 fn app() -> App {
     let mut app = headless(&assets());
@@ -46,8 +49,8 @@ fn the_box_follows_the_morph_without_any_collider() {
     }
 }
 
-#[test]
-fn bounds_work_alone() {
+/// An app in which nothing collides.
+fn bounds_alone() -> App {
     let mut app = App::new();
     app.add_plugins((
         MinimalPlugins,
@@ -58,6 +61,12 @@ fn bounds_work_alone() {
         MorphBoundsPlugin,
     ));
     ready(&mut app);
+    app
+}
+
+#[test]
+fn bounds_work_alone() {
+    let mut app = bounds_alone();
     let cube = spawn(&mut app, ());
     settle(&mut app);
     set_weight(&mut app, cube, 2.0);
@@ -149,4 +158,61 @@ fn without_weights_the_box_is_that_of_the_mesh_at_rest() {
     app.update();
     app.update();
     assert!((reach(&app, cube) - 0.5).abs() < 1e-6);
+}
+
+#[test]
+fn who_comes_back_later_has_a_box_that_follows() {
+    fn check<Out: Component>(out: Out) {
+        let mut app = app();
+        let cube = spawn(&mut app, out);
+        settle(&mut app);
+        set_weight(&mut app, cube, 2.0);
+        settle(&mut app);
+        assert_eq!(
+            app.world().resource::<MorphTrees>().iter().count(),
+            0,
+            "nobody needs it yet"
+        );
+        app.world_mut().entity_mut(cube).remove::<Out>();
+        settle(&mut app);
+        assert!(
+            (reach(&app, cube) - 2.5).abs() < 1e-4,
+            "without {}",
+            std::any::type_name::<Out>()
+        );
+        set_weight(&mut app, cube, 1.0);
+        app.update();
+        assert!((reach(&app, cube) - 1.5).abs() < 1e-4);
+    }
+    check(Disabled);
+    check(NoAutoAabb);
+    check(NoFrustumCulling);
+    check(SkinnedMesh::default());
+}
+
+#[test]
+fn a_mesh_that_cannot_be_bounded_is_logged_as_such() {
+    // With the collision plugin or without it; the last one is a collider, too.
+    for (mut app, collides) in [(bounds_alone(), false), (app(), false), (app(), true)] {
+        Errors::collect(|errors| {
+            run_here(&mut app);
+            let cube = spawn(&mut app, Name::new("jelly"));
+            let mut broken = bevy_mesh(&stretching_cube());
+            let vertices = broken.count_vertices();
+            broken.insert_attribute(Mesh::ATTRIBUTE_POSITION, vec![Vec3::NAN; vertices]);
+            let broken = app.world_mut().resource_mut::<Assets<Mesh>>().add(broken);
+            app.world_mut().entity_mut(cube).insert(Mesh3d(broken));
+            if collides {
+                app.world_mut().entity_mut(cube).insert(MorphCollider::default());
+            }
+            settle(&mut app);
+            settle(&mut app);
+            let logged = errors.take();
+            assert_eq!(logged.len(), 1, "{logged:?}");
+            assert!(logged[0].contains("jelly"), "{logged:?}");
+            let about_colliders = logged[0].contains("collide");
+            let about_bounds = logged[0].contains("cannot be culled by its morphed bounds");
+            assert_eq!((about_colliders, about_bounds), (collides, !collides), "{logged:?}");
+        });
+    }
 }

@@ -126,14 +126,73 @@ fn displacements_that_do_not_fit_the_vertices_are_refused() {
             ..
         }
     ));
-    assert!(matches!(
-        refusal(split_with_names()),
-        ImportError::TargetLength {
-            displacements: 8,
-            vertices: 36,
-            ..
+}
+
+#[test]
+fn a_mesh_split_for_flat_shading_is_refused_with_what_to_do() {
+    let refused = refusal(split_with_names());
+    let expected = ImportError::SplitVertices {
+        displacements: 8,
+        vertices: 36,
+    };
+    assert_eq!(refused, expected);
+    let text = refused.to_string();
+    for part in [
+        "no normals",
+        "Export it with normals",
+        "`MorphCollisionPlugin`",
+        "feature `gltf`",
+    ] {
+        assert!(text.contains(part), "{text} does not say {part}");
+    }
+    // What has indices has not been split, whatever its names say.
+    let mut mesh = bevy_mesh(&stretching_cube());
+    mesh.set_morph_target_names(vec!["one".into(), "two".into()]);
+    mesh.set_morph_targets(vec![MorphAttributes::default(); 12]);
+    assert!(matches!(refusal(mesh), ImportError::TargetLength { .. }));
+}
+
+/// What a collider hears of a mesh for the renderer only, which takes its data away at the end of the first frame.
+fn heard_of_renderer_only(mesh_first: bool) -> (Option<ImportError>, Vec<String>, u64) {
+    let mut heard = None;
+    Errors::collect(|errors| {
+        let mut app = app();
+        run_here(&mut app);
+        let mut mesh = bevy_mesh(&cube());
+        mesh.asset_usage = RenderAssetUsages::RENDER_WORLD;
+        let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
+        if !mesh_first {
+            spawn(&mut app, &mesh, 0.0);
         }
-    ));
+        app.update();
+        let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+        let taken = meshes.get_mut_untracked(&mesh).unwrap().take_gpu_data();
+        taken.expect("the data is still there");
+        if mesh_first {
+            spawn(&mut app, &mesh, 0.0);
+        }
+        settle(&mut app);
+        settle(&mut app);
+        let error = app.world().resource::<MorphTrees>().error(mesh.id()).cloned();
+        heard = Some((error, errors.take(), diagnostics(&app).colliders));
+    });
+    heard.unwrap()
+}
+
+#[test]
+fn a_mesh_for_the_renderer_only_is_refused_whether_it_or_its_collider_comes_first() {
+    let [mesh_first, collider_first] = [true, false].map(heard_of_renderer_only);
+    assert_eq!(mesh_first, collider_first);
+    let (error, logged, colliders) = mesh_first;
+    assert_eq!((error, colliders), (Some(ImportError::Extracted), 0));
+    assert_eq!(logged.len(), 1, "{logged:?}");
+    for part in [
+        "RENDER_WORLD",
+        "RenderAssetUsages::default()",
+        "GltfLoaderSettings::load_meshes",
+    ] {
+        assert!(logged[0].contains(part), "{logged:?} does not say {part}");
+    }
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! Starts and ends, as messages and as entity events.
 
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
@@ -242,20 +243,89 @@ fn colliding_entities_are_listed_where_that_is_asked_for() {
 }
 
 #[test]
+fn a_disabled_listener_hears_one_end_for_each_start() {
+    let (mut app, [a, b]) = two_cubes(3.0);
+    observe(&mut app);
+    for cube in [a, b] {
+        app.world_mut().entity_mut(cube).insert(MorphCollisionEventsEnabled);
+    }
+    move_to(&mut app, b, 0.8);
+    app.update();
+    let mut messages = Messages::default();
+    messages.read(&app);
+    let heard = |app: &mut App, cube: Entity| {
+        let observed = app.world().resource::<Observed>();
+        let starts = observed.starts.iter().filter(|event| event.collider1 == cube);
+        (
+            starts.count(),
+            observed.ends.iter().filter(|event| event.collider1 == cube).count(),
+        )
+    };
+    for round in 1..=3 {
+        app.world_mut().entity_mut(a).insert(Disabled);
+        for _ in 0..2 {
+            app.update();
+        }
+        assert_eq!([a, b].map(|cube| heard(&mut app, cube)), [(round, round); 2]);
+        assert_eq!(messages.read(&app).1.len(), 1);
+        app.world_mut().entity_mut(a).remove::<Disabled>();
+        for _ in 0..2 {
+            app.update();
+        }
+        assert_eq!([a, b].map(|cube| heard(&mut app, cube)), [(round + 1, round); 2]);
+        assert_eq!(messages.read(&app).0.len(), 1);
+    }
+}
+
+#[test]
+fn an_observer_of_a_disabled_entity_hears_its_end() {
+    let (mut app, [a, b]) = two_cubes(0.8);
+    app.init_resource::<Observed>();
+    app.world_mut()
+        .entity_mut(a)
+        .insert(MorphCollisionEventsEnabled)
+        .observe(|end: On<MorphCollisionEnd>, mut observed: ResMut<Observed>| observed.ends.push(*end.event()));
+    app.world_mut().entity_mut(a).insert(Disabled);
+    app.update();
+    let ends = &app.world().resource::<Observed>().ends;
+    assert_eq!(
+        ends.iter()
+            .map(|end| (end.collider1, end.collider2))
+            .collect::<Vec<_>>(),
+        [(a, b)]
+    );
+}
+
+#[test]
+fn the_list_of_a_disabled_collider_is_empty() {
+    let (mut app, [a, b]) = two_cubes(0.8);
+    for cube in [a, b] {
+        app.world_mut()
+            .entity_mut(cube)
+            .insert(MorphCollidingEntities::default());
+    }
+    app.update();
+    let listed = |app: &App| [a, b].map(|cube| app.world().get::<MorphCollidingEntities>(cube).unwrap().to_vec());
+    assert_eq!(listed(&app), [vec![b], vec![a]]);
+    app.world_mut().entity_mut(a).insert(Disabled);
+    app.update();
+    assert_eq!(listed(&app), [vec![], vec![]]);
+    app.world_mut().entity_mut(a).remove::<Disabled>();
+    app.update();
+    assert_eq!(listed(&app), [vec![b], vec![a]]);
+}
+
+#[test]
 fn a_list_is_right_after_its_collider_was_disabled_or_the_list_replaced() {
     let (mut app, [a, b]) = two_cubes(0.8);
     app.world_mut().entity_mut(a).insert(MorphCollidingEntities::default());
     app.update();
     let listed = |app: &App| app.world().get::<MorphCollidingEntities>(a).map(|list| list.to_vec());
     assert_eq!(listed(&app), Some(vec![b]));
-    app.world_mut()
-        .entity_mut(a)
-        .insert(bevy::ecs::entity_disabling::Disabled);
+    app.world_mut().entity_mut(a).insert(Disabled);
     app.update();
     move_to(&mut app, a, 9.0);
-    app.world_mut()
-        .entity_mut(a)
-        .remove::<bevy::ecs::entity_disabling::Disabled>();
+    app.world_mut().entity_mut(a).remove::<Disabled>();
     app.update();
     assert_eq!(listed(&app), Some(vec![]));
     move_to(&mut app, a, 0.0);

@@ -1,4 +1,4 @@
-//! What the plugin wrote to the log while a test ran.
+//! What the plugin wrote to the log while a test ran: errors, and warnings apart from them.
 
 use std::fmt::{Debug, Write};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -8,9 +8,9 @@ use bevy::ecs::schedule::{Schedules, SingleThreadedExecutor};
 use tracing::field::{Field, Visit};
 use tracing::{Event, Level, Metadata, Subscriber, span};
 
-/// The plugin's errors, in order, of apps whose systems [`run_here`]. Tests do not see each other's.
+/// The plugin's errors and warnings, in order, of apps whose systems [`run_here`]. Tests do not see each other's.
 #[derive(Clone, Default)]
-pub(crate) struct Errors(Arc<Mutex<Vec<String>>>);
+pub(crate) struct Errors(Arc<Mutex<Vec<(Level, String)>>>);
 
 impl Errors {
     /// Runs a test's body and collects what it logs; the body may look at what there is so far.
@@ -21,11 +21,27 @@ impl Errors {
 
     /// The errors since it was last asked.
     pub(crate) fn take(&self) -> Vec<String> {
-        std::mem::take(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+        self.take_level(Level::ERROR)
+    }
+
+    /// The warnings since it was last asked.
+    #[allow(
+        dead_code,
+        reason = "the tests of physics, which share this file, look at errors only"
+    )]
+    pub(crate) fn take_warnings(&self) -> Vec<String> {
+        self.take_level(Level::WARN)
+    }
+
+    fn take_level(&self, wanted: Level) -> Vec<String> {
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        all.extract_if(.., |(level, _)| *level == wanted)
+            .map(|(_, text)| text)
+            .collect()
     }
 }
 
-/// Lets the app's systems run on this thread, where their errors are collected.
+/// Lets the app's systems run on this thread, where what they log is collected.
 pub(crate) fn run_here(app: &mut App) {
     for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
         schedule.set_executor(SingleThreadedExecutor::new());
@@ -34,13 +50,16 @@ pub(crate) fn run_here(app: &mut App) {
 
 impl Subscriber for Errors {
     fn enabled(&self, metadata: &Metadata<'_>) -> bool {
-        *metadata.level() == Level::ERROR && metadata.target().starts_with("bevy_morph_collision")
+        *metadata.level() <= Level::WARN && metadata.target().starts_with("bevy_morph_collision")
     }
 
     fn event(&self, event: &Event<'_>) {
         let mut text = Message(String::new());
         event.record(&mut text);
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(text.0);
+        self.0
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .push((*event.metadata().level(), text.0));
     }
 
     fn new_span(&self, _: &span::Attributes<'_>) -> span::Id {

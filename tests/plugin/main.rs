@@ -2,17 +2,23 @@
 
 mod anchors;
 mod bodies;
+mod bones;
 mod bounds;
 mod broken_meshes;
+mod changes;
+mod collapsed;
 mod dolphins;
 mod drawn;
 mod events;
+mod files;
+mod life_cycle;
 mod log;
 mod manners;
 mod pairs;
 mod picking;
 mod real_models;
 mod refits;
+mod scenes;
 mod shapes;
 mod spatial;
 mod support;

@@ -1,17 +1,25 @@
 //! How the plugin behaves among others: schedules, order, reflection.
 
+use std::any::TypeId;
+
 use bevy::camera::visibility::VisibilityPlugin;
 use bevy::ecs::reflect::{AppTypeRegistry, ReflectComponent};
 use bevy::ecs::schedule::Schedules;
+use bevy::gizmos::GizmoPlugin;
+use bevy::picking::backend::PointerHits;
+use bevy::picking::backend::ray::RayMap;
 use bevy::prelude::*;
 use bevy::reflect::serde::{ReflectDeserializer, ReflectSerializer};
+use bevy::reflect::{FromReflect, Reflect, TypePath, TypeRegistry};
 use bevy_morph_collision::MorphCollisionDiagnosticsPlugin;
 use bevy_morph_collision::prelude::*;
+use bevy_morph_collision::{Facing, MorphClosestPoints, MorphContactPoint, MorphContacts, MorphProjection};
 use serde::de::DeserializeSeed;
 
-use morph_collision_workspace::app::ready;
+use morph_collision_workspace::app::{headless, ready};
 
-use crate::support::{app, cube, move_to, settle, spawn, touches};
+use crate::log::{Errors, run_here};
+use crate::support::{app, assets, cube, move_to, settle, spawn, touches};
 
 /// How many pairs of systems conflict without being ordered, in all schedules together.
 fn ambiguities(app: &mut App) -> usize {
@@ -116,6 +124,8 @@ fn settings_survive_a_scene_file() {
             radius: 0.5,
         }),
         Box::new(MorphColliderDisabled),
+        Box::new(MorphBody::default()),
+        Box::new(MorphSurfaceAnchor::default().with_offset(0.5)),
     ];
     for value in values {
         let text = serde_json::to_string(&ReflectSerializer::new(&*value, &registry)).unwrap();
@@ -147,4 +157,181 @@ fn a_mesh_that_is_swapped_and_one_that_goes_are_followed() {
     app.world_mut().entity_mut(b).remove::<Mesh3d>();
     app.update();
     assert!(!touches(&app, a, b));
+}
+
+/// Writes a value as a scene file does and reads it again.
+fn there_and_back<T: FromReflect + PartialEq + std::fmt::Debug>(registry: &TypeRegistry, value: &T) -> T {
+    let text = serde_json::to_string(&ReflectSerializer::new(value, registry)).unwrap();
+    let mut reader = serde_json::Deserializer::from_str(&text);
+    let read = ReflectDeserializer::new(registry).deserialize(&mut reader).unwrap();
+    T::from_reflect(&*read).expect("all fields are there or have a default")
+}
+
+#[test]
+fn questions_and_answers_are_reflected() {
+    let mut app = headless(&assets());
+    app.add_plugins(MorphPickingPlugin);
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    let entity = Entity::PLACEHOLDER;
+    // What reflection cannot see is what it makes of it.
+    let triangles = TrianglePair {
+        triangle_a: MorphContact::NO_TRIANGLE,
+        triangle_b: MorphContact::NO_TRIANGLE,
+    };
+    let filter = MorphQueryFilter {
+        layers: Some(5),
+        excluded: vec![entity],
+        only_front: true,
+    };
+    assert_eq!(there_and_back(&registry, &filter), filter);
+    let hit = MorphRayHit {
+        entity,
+        distance: 1.5,
+        point: Vec3::new(1.0, 2.0, 3.0),
+        normal: Vec3::Y,
+        facing: Facing::EdgeOn,
+        triangle: 7,
+        barycentrics: Vec3::new(0.5, 0.25, 0.25),
+        uv: Some(Vec2::new(0.1, 0.2)),
+    };
+    assert_eq!(there_and_back(&registry, &hit), hit);
+    let front = MorphRayHit {
+        facing: Facing::Front,
+        ..hit
+    };
+    assert_eq!(there_and_back(&registry, &front), hit);
+    assert_eq!(front.reflect_clone().unwrap().reflect_partial_eq(&front), Some(true));
+    let projection = MorphProjection {
+        entity,
+        distance: 1.5,
+        point: Vec3::X,
+        normal: Vec3::Y,
+        triangle: 7,
+        barycentrics: Vec3::X,
+        uv: None,
+    };
+    assert_eq!(there_and_back(&registry, &projection), projection);
+    let closest = MorphClosestPoints {
+        point1: Vec3::X,
+        point2: Vec3::Y,
+        distance: 2.0,
+        triangles,
+    };
+    assert_eq!(there_and_back(&registry, &closest), closest);
+    let point = MorphContactPoint {
+        point: Vec3::X,
+        depth: 0.25,
+        triangles,
+    };
+    let contacts = MorphContacts {
+        normal: Vec3::Z,
+        depth: 0.5,
+        pair_count: 3,
+        is_truncated: true,
+        points: vec![point],
+    };
+    assert_eq!(there_and_back(&registry, &contacts), contacts);
+    let pick = MorphPick::from(&hit);
+    assert_eq!(there_and_back(&registry, &pick), pick);
+}
+
+#[test]
+fn components_have_a_reflected_default() {
+    let app = app();
+    let registry = app.world().resource::<AppTypeRegistry>().read();
+    fn default_of<T: Reflect + TypePath>(registry: &TypeRegistry) -> Box<T> {
+        let registration = registry.get(TypeId::of::<T>()).expect("it is registered");
+        let default = registration.data::<ReflectDefault>().expect("it has a default");
+        default.default().downcast::<T>().unwrap()
+    }
+    let shape = MorphShape::Ball { radius: 0.5 };
+    assert_eq!(*default_of::<MorphShape>(&registry), shape);
+    assert_eq!(*default_of::<MorphBody>(&registry), MorphBody(Entity::PLACEHOLDER));
+    let anchor = default_of::<MorphSurfaceAnchor>(&registry);
+    assert_eq!((anchor.collider, anchor.offset), (Entity::PLACEHOLDER, 0.0));
+    assert!((anchor.barycentrics.element_sum() - 1.0).abs() < 1e-6);
+    default_of::<MorphQueryFilter>(&registry);
+}
+
+#[test]
+fn plugins_that_need_others_say_so_and_do_not_panic() {
+    let errors_of = |plugins: &dyn Fn(&mut App)| {
+        let mut logged = Vec::new();
+        Errors::collect(|errors| {
+            let mut app = App::new();
+            app.add_plugins((
+                MinimalPlugins,
+                TransformPlugin,
+                AssetPlugin::default(),
+                bevy::mesh::MeshPlugin,
+            ));
+            plugins(&mut app);
+            run_here(&mut app);
+            ready(&mut app);
+            for _ in 0..3 {
+                app.update();
+            }
+            logged = errors.take();
+        });
+        logged
+    };
+    let picking = |app: &mut App| {
+        app.init_resource::<RayMap>().add_message::<PointerHits>();
+    };
+    type Case<'a> = (&'a dyn Fn(&mut App), &'a [[&'a str; 2]]);
+    let cases: [Case; 6] = [
+        (
+            &|app| {
+                app.add_plugins((GizmoPlugin, MorphGizmosPlugin));
+            },
+            &[["MorphGizmosPlugin", "MorphCollisionPlugin"]],
+        ),
+        (
+            &|app| {
+                app.add_plugins((MorphGizmosPlugin, MorphCollisionPlugin));
+            },
+            &[["MorphGizmosPlugin", "GizmoPlugin"]],
+        ),
+        (
+            &|app| {
+                picking(app);
+                app.add_plugins(MorphPickingPlugin);
+            },
+            &[["MorphPickingPlugin", "MorphCollisionPlugin"]],
+        ),
+        (
+            &|app| {
+                app.add_plugins((MorphPickingPlugin, MorphCollisionPlugin));
+            },
+            &[["MorphPickingPlugin", "DefaultPickingPlugins"]],
+        ),
+        (
+            &|app| {
+                app.add_plugins((MorphPickingPlugin, MorphGizmosPlugin));
+            },
+            &[
+                ["MorphPickingPlugin", "MorphCollisionPlugin"],
+                ["MorphPickingPlugin", "DefaultPickingPlugins"],
+                ["MorphGizmosPlugin", "MorphCollisionPlugin"],
+                ["MorphGizmosPlugin", "GizmoPlugin"],
+            ],
+        ),
+        (
+            &|app| {
+                picking(app);
+                app.add_plugins((MorphPickingPlugin, MorphGizmosPlugin, GizmoPlugin, MorphCollisionPlugin));
+            },
+            &[],
+        ),
+    ];
+    for (plugins, expected) in cases {
+        let logged = errors_of(plugins);
+        assert_eq!(logged.len(), expected.len(), "{logged:?}");
+        for (error, [who, what]) in logged.iter().zip(expected) {
+            assert!(
+                error.starts_with(who) && error.contains(what),
+                "{error} is not about {what}"
+            );
+        }
+    }
 }

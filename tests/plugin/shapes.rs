@@ -1,7 +1,9 @@
 //! Rigid primitive shapes against morphing meshes.
 
+use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
-use bevy_morph_collision::prelude::*;
+use bevy_morph_collision::{MorphTrees, prelude::*};
+use morph_collision_testkit::models::rigid;
 
 use crate::support::{add_mesh, app, cube, diagnostics, set_weight, settle, spawn, stretching_cube, touches};
 
@@ -36,6 +38,7 @@ fn a_morph_reaches_a_ball_and_lets_go_of_it() {
     );
     let of_cube = if contact.collider1 == cube { -1.0 } else { 1.0 };
     assert!(contact.normal.x * of_cube > 0.0, "{contact:?}");
+    assert!(!contact.triangles.is_empty(), "{contact:?}");
     for pair in &contact.triangles {
         let (mesh, shape) = if contact.collider1 == cube {
             (pair.triangle_a, pair.triangle_b)
@@ -164,4 +167,87 @@ fn a_bad_shape_is_logged_with_its_name() {
             "{logged:?}"
         );
     });
+}
+
+/// A crumb inside of a cube at 0 that meets none of its triangles but is in a ball there, and one that is on the cube's
+/// corner but not in the ball.
+fn crumbs(app: &mut App) -> [Entity; 2] {
+    let crumb = add_mesh(app, &rigid::box_mesh(Vec3::splat(0.05)));
+    let inside = spawn(app, &crumb, 0.1);
+    let corner = spawn(app, &crumb, 0.0);
+    let place = Transform::from_translation(Vec3::splat(0.5));
+    app.world_mut().entity_mut(corner).insert(place);
+    settle(app);
+    [inside, corner]
+}
+
+const BALL: MorphShape = MorphShape::Ball { radius: 0.4 };
+
+fn is_ball(app: &App, both: Entity, [inside, corner]: [Entity; 2]) -> bool {
+    let met = [inside, corner].map(|crumb| touches(app, both, crumb));
+    assert!(met == [true, false] || met == [false, true], "{met:?}");
+    met[0]
+}
+
+#[test]
+fn a_shape_beside_a_mesh_wins_from_the_first_frame_on() {
+    let mut app = app();
+    let crumbs = crumbs(&mut app);
+    let mesh = add_mesh(&mut app, &cube());
+    let both = app.world_mut().spawn((Mesh3d(mesh.clone()), BALL)).id();
+    for frame in 0..5 {
+        app.update();
+        assert!(is_ball(&app, both, crumbs), "frame {frame}");
+        let trees = app.world().resource::<MorphTrees>();
+        assert!(trees.get(mesh.id()).is_none() && trees.building() == 0);
+    }
+    // It wins, too, where the mesh's tree is there for somebody else.
+    spawn(&mut app, &mesh, 100.0);
+    settle(&mut app);
+    assert!(app.world().resource::<MorphTrees>().get(mesh.id()).is_some());
+    assert!(is_ball(&app, both, crumbs));
+}
+
+#[test]
+fn a_shape_that_comes_or_goes_takes_over_at_once() {
+    let mut app = app();
+    let crumbs = crumbs(&mut app);
+    let mesh = add_mesh(&mut app, &cube());
+    let both = spawn(&mut app, &mesh, 0.0);
+    settle(&mut app);
+    assert!(!is_ball(&app, both, crumbs));
+    let seen = |app: &mut App| {
+        let cast = move |mut spatial: MorphSpatialQuery| {
+            let filter = MorphQueryFilter::default().without(crumbs);
+            spatial.cast_ray(Vec3::new(0.1, 9.0, 0.2), Dir3::NEG_Y, 100.0, &filter)
+        };
+        app.world_mut().run_system_once(cast).unwrap().unwrap().is_some()
+    };
+    for _ in 0..2 {
+        app.world_mut().entity_mut(both).insert(BALL);
+        app.update();
+        assert!(is_ball(&app, both, crumbs) && !seen(&mut app));
+        app.world_mut().entity_mut(both).remove::<MorphShape>();
+        app.update();
+        assert!(!is_ball(&app, both, crumbs) && seen(&mut app));
+    }
+}
+
+#[test]
+fn shapes_with_a_default_body_are_bodies_of_their_own() {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, &cube());
+    let cube = spawn(&mut app, &mesh, 0.0);
+    let ball = spawn_shape(&mut app, MorphShape::default(), Transform::from_xyz(0.9, 0.0, 0.0));
+    for collider in [cube, ball] {
+        app.world_mut().entity_mut(collider).insert(MorphBody::default());
+    }
+    settle(&mut app);
+    let contact = app
+        .world()
+        .resource::<MorphCollisions>()
+        .get(cube, ball)
+        .cloned()
+        .unwrap();
+    assert_eq!([contact.body1, contact.body2], [contact.collider1, contact.collider2]);
 }

@@ -175,8 +175,9 @@ fn two_colliders_have_closest_points_and_contacts() {
     app.update();
     let contacts = ask(&mut app, move |s| s.contacts(a, b)).unwrap();
     assert!(contacts.normal.x < -0.9 && contacts.pair_count > 0, "{contacts:?}");
-    let apart = contacts.points.iter().map(|point| point.point.x);
-    assert!(apart.into_iter().all(|x| (2.5..=2.75).contains(&x)), "{contacts:?}");
+    assert!(!contacts.points.is_empty(), "{contacts:?}");
+    let mut places = contacts.points.iter().map(|point| point.point.x);
+    assert!(places.all(|x| (2.5..=2.75).contains(&x)), "{contacts:?}");
 }
 
 #[test]
@@ -229,6 +230,51 @@ fn hits_have_the_texture_coordinates_of_the_mesh() {
     .unwrap();
     assert_eq!((hit.distance, hit.triangle), (1.5, 1));
     assert!(hit.uv.unwrap().distance(Vec2::new(0.5, 0.75)) < 1e-6, "{hit:?}");
+}
+
+#[test]
+fn the_texture_coordinates_of_a_hit_need_no_look_at_the_indices() {
+    use bevy::asset::RenderAssetUsages;
+    use bevy::mesh::{Indices, PrimitiveTopology};
+    // Four squares in a row, as a list and as a strip with a stitch, which numbers triangles otherwise.
+    let corners: Vec<Vec3> = (0..10)
+        .map(|i| Vec3::new((i / 2) as f32, (i % 2) as f32, 0.0))
+        .collect();
+    let uvs: Vec<[f32; 2]> = corners.iter().map(|p| [p.x * 0.25, p.y]).collect();
+    let list = (0..4_u16)
+        .flat_map(|i| [0, 2, 1, 1, 2, 3].map(|corner| 2 * i + corner))
+        .collect();
+    let strip = vec![0, 1, 2, 3, 4, 5, 5, 5, 5, 4, 5, 6, 7, 8, 9];
+    let shapes = [
+        (PrimitiveTopology::TriangleList, list),
+        (PrimitiveTopology::TriangleStrip, strip),
+    ];
+    for (topology, indices) in shapes {
+        let mut app = app();
+        let mesh = Mesh::new(topology, RenderAssetUsages::default())
+            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, corners.clone())
+            .with_inserted_attribute(Mesh::ATTRIBUTE_UV_0, uvs.clone())
+            .with_inserted_indices(Indices::U16(indices));
+        let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
+        spawn(&mut app, &mesh, 0.0);
+        settle(&mut app);
+        // Whoever reads the indices for a hit now, unnoticed by the plugin, is led astray.
+        let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+        meshes
+            .get_mut_untracked(&mesh)
+            .unwrap()
+            .insert_indices(Indices::U16(vec![9; 300]));
+        for x in [0.2, 0.9, 1.5, 2.75, 3.1] {
+            let hit = ask(&mut app, move |s| {
+                s.cast_ray(Vec3::new(x, 0.25, 2.0), Dir3::NEG_Z, 9.0, &any())
+            });
+            let hit = hit.unwrap().unwrap();
+            assert!(
+                hit.uv.unwrap().distance(Vec2::new(0.25 * x, 0.25)) < 1e-5,
+                "{topology:?}: {hit:?}"
+            );
+        }
+    }
 }
 
 #[test]

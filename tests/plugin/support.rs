@@ -22,6 +22,22 @@ pub(crate) fn app() -> App {
     app
 }
 
+/// An app with the collision plugin in [`FixedPostUpdate`], so many frames to a tick, or so many ticks to a frame.
+pub(crate) fn fixed_app(frames_per_tick: u32, ticks_per_frame: u32) -> App {
+    let mut app = App::new();
+    app.add_plugins((
+        MinimalPlugins,
+        TransformPlugin,
+        AssetPlugin::default(),
+        bevy::mesh::MeshPlugin,
+        MorphCollisionPlugin.in_schedule(FixedPostUpdate),
+    ));
+    let frame = Time::<Fixed>::default().timestep() * ticks_per_frame / frames_per_tick;
+    app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(frame));
+    ready(&mut app);
+    app
+}
+
 /// A cube with sides of 1 around the origin.
 pub(crate) fn cube() -> MorphMesh {
     rigid::box_mesh(Vec3::splat(0.5))

@@ -10,6 +10,7 @@ use crate::log::{Errors, run_here};
 use crate::support::{
     add_mesh, bevy_mesh, cube, diagnostics, move_to, settle, spawn, stretching_cube, touches, two_cubes,
 };
+use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::rigid;
 
 fn mesh_of(app: &App, entity: Entity) -> AssetId<Mesh> {
@@ -155,6 +156,189 @@ fn a_mesh_that_is_modified_every_frame_still_gets_trees() {
     let tree = app.world().resource::<MorphTrees>().get(mesh).unwrap().clone();
     let reach = reach_at_rest(&tree);
     assert!((reach - 0.699).abs() < 1e-4, "the last one is in force: {reach}");
+}
+
+/// Another leaf size than the default one.
+fn leaves_of(leaf_size: u8) -> MorphTreeSettings {
+    MorphTreeSettings { leaf_size, ..default() }
+}
+
+fn tree_count(app: &App) -> usize {
+    app.world().resource::<MorphTrees>().iter().count()
+}
+
+#[test]
+fn trees_with_settings_that_nobody_uses_any_more_are_dropped() {
+    let (mut app, [a, b]) = two_cubes(0.8);
+    for leaf_size in 1..=20 {
+        app.world_mut().entity_mut(a).insert(leaves_of(leaf_size));
+        // Whether or not the tree is done by the next change.
+        match leaf_size % 2 {
+            0 => settle(&mut app),
+            _ => app.update(),
+        }
+        let trees = app.world().resource::<MorphTrees>();
+        assert!(tree_count(&app) + trees.building() <= 2, "{trees:?} at {leaf_size}");
+        assert!(trees.get(mesh_of(&app, a)).is_some(), "the other cube uses it");
+    }
+    assert!(touches(&app, a, b));
+    // Those of colliders that are disabled, or left out, are used.
+    app.world_mut()
+        .entity_mut(b)
+        .insert((leaves_of(30), MorphColliderDisabled));
+    settle(&mut app);
+    app.world_mut()
+        .entity_mut(b)
+        .insert(bevy::ecs::entity_disabling::Disabled);
+    app.world_mut().entity_mut(a).insert(leaves_of(31));
+    settle(&mut app);
+    assert_eq!(tree_count(&app), 2);
+    app.world_mut().entity_mut(a).remove::<MorphTreeSettings>();
+    settle(&mut app);
+    assert_eq!(tree_count(&app), 2);
+    app.world_mut().despawn(b);
+    app.update();
+    assert_eq!(tree_count(&app), 1);
+}
+
+#[test]
+fn the_last_trees_of_a_mesh_stay_for_what_is_spawned_next() {
+    let (mut app, [a, b]) = two_cubes(0.8);
+    app.world_mut().entity_mut(b).insert(leaves_of(1));
+    settle(&mut app);
+    let mesh = app.world().get::<Mesh3d>(a).unwrap().0.clone();
+    let trees = |app: &App| {
+        let trees = app.world().resource::<MorphTrees>();
+        [None, Some(leaves_of(1))].map(|settings| trees.with_settings(mesh.id(), settings).map(Arc::as_ptr))
+    };
+    let before = trees(&app);
+    assert!(before.iter().all(Option::is_some));
+    for cube in [a, b] {
+        app.world_mut().despawn(cube);
+    }
+    app.update();
+    let [a, b] = [0.0, 0.8].map(|x| spawn(&mut app, &mesh, x));
+    app.world_mut().entity_mut(b).insert(leaves_of(1));
+    app.update();
+    assert!(touches(&app, a, b), "at once");
+    assert_eq!(trees(&app), before);
+}
+
+#[test]
+fn bounds_keep_the_tree_that_they_use() {
+    use bevy::camera::visibility::VisibilityPlugin;
+    let mut app = morph_collision_workspace::app::headless(&crate::support::assets());
+    app.add_plugins((VisibilityPlugin, MorphBoundsPlugin));
+    morph_collision_workspace::app::ready(&mut app);
+    let mesh = add_mesh(&mut app, &stretching_cube());
+    let collider = spawn(&mut app, &mesh, 0.0);
+    crate::support::set_weight(&mut app, collider, 0.0);
+    settle(&mut app);
+    app.world_mut().entity_mut(collider).insert(leaves_of(1));
+    settle(&mut app);
+    assert_eq!(tree_count(&app), 2);
+    crate::support::set_weight(&mut app, collider, 3.0);
+    app.update();
+    let bounds = app.world().get::<bevy::camera::primitives::Aabb>(collider).unwrap();
+    assert!(bounds.max().x >= 3.5, "{bounds:?}");
+}
+
+#[test]
+fn trees_with_other_settings_share_the_mesh() {
+    let (mut app, [a, b]) = two_cubes(0.8);
+    let mesh = mesh_of(&app, a);
+    // What is in the asset is of no importance any more.
+    let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+    let taken = meshes.get_mut_untracked(mesh).unwrap().take_gpu_data();
+    taken.expect("the data is still there");
+    app.world_mut().entity_mut(b).insert(leaves_of(1));
+    settle(&mut app);
+    assert!(touches(&app, a, b));
+    let trees = app.world().resource::<MorphTrees>();
+    let [default, other] = [None, Some(leaves_of(1))].map(|settings| trees.with_settings(mesh, settings).unwrap());
+    assert!(!Arc::ptr_eq(default, other));
+    assert!(Arc::ptr_eq(default.model(), other.model()));
+}
+
+/// A strip of triangles with enough targets that it takes several frames to copy.
+fn large() -> MorphMesh {
+    let vertices = 20_000_u32;
+    let positions = (0..vertices).map(|i| Vec3::new((i / 2) as f32 * 0.01, (i % 2) as f32, 0.0));
+    let triangles = (0..vertices / 2 - 1).map(|i| [2 * i, 2 * i + 2, 2 * i + 1]);
+    let mut mesh = MorphMesh::rigid("large", positions.collect(), triangles.collect());
+    // Each target lifts one vertex.
+    mesh.targets = vec![vec![Vec3::ZERO; vertices as usize]; 50];
+    for (target, displacements) in mesh.targets.iter_mut().enumerate() {
+        displacements[target] = Vec3::Z;
+    }
+    mesh.target_names = (0..50).map(|target| target.to_string()).collect();
+    mesh
+}
+
+#[test]
+fn a_large_mesh_is_copied_a_part_in_each_frame() {
+    let (mut app, _) = two_cubes(0.8);
+    let mesh = add_mesh(&mut app, &large());
+    spawn(&mut app, &mesh, 0.0);
+    app.update();
+    // A million displacements, of which a frame copies an eighth. What is changed behind Bevy's back shows what has
+    // been copied.
+    let mark = |app: &mut App, z: f32| {
+        let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+        let mesh = meshes.get_mut_untracked(&mesh).unwrap();
+        let mut targets = mesh.morph_targets().unwrap().clone();
+        for (target, displacements) in targets.chunks_exact_mut(20_000).enumerate() {
+            displacements[target].position.z = z;
+        }
+        mesh.set_morph_targets(targets);
+    };
+    for frame in 2..12 {
+        mark(&mut app, frame as f32);
+        app.update();
+    }
+    settle(&mut app);
+    let tree = app.world().resource::<MorphTrees>().get(mesh.id()).unwrap().clone();
+    let lift = |target: usize| {
+        let mut pose = Pose::new(tree.clone());
+        let mut weights = [0.0; 50];
+        weights[target] = 1.0;
+        pose.set_weights(&weights).unwrap();
+        pose.source_vertex(target).unwrap().z
+    };
+    let lifts: Vec<f32> = (0..50).map(lift).collect();
+    assert!(lifts.is_sorted() && lifts[0] == 1.0, "{lifts:?}");
+    assert!(lifts[49] >= 8.0, "{lifts:?}");
+    let copied_in_a_frame = |z: f32| lifts.iter().filter(|&&lift| lift == z).count() * 20_000;
+    let most = (1..12).map(|z| copied_in_a_frame(z as f32)).max();
+    assert!(most <= Some((1 << 17) + 20_000), "{lifts:?}");
+}
+
+#[test]
+fn a_mesh_that_changes_while_it_is_copied_is_copied_anew() {
+    let (mut app, _) = two_cubes(0.8);
+    let mut shape = large();
+    let mesh = add_mesh(&mut app, &shape);
+    spawn(&mut app, &mesh, 0.0);
+    app.update();
+    for height in 2..6 {
+        for displacements in &mut shape.targets {
+            displacements
+                .iter_mut()
+                .for_each(|d| d.z *= height as f32 / (height - 1) as f32);
+        }
+        replace(&mut app, mesh.id(), bevy_mesh(&shape));
+        app.update();
+    }
+    settle(&mut app);
+    let tree = app.world().resource::<MorphTrees>().get(mesh.id()).unwrap();
+    let mut pose = Pose::new(tree.clone());
+    pose.set_weights(&[1.0; 50]).unwrap();
+    for vertex in [0, 25, 49] {
+        assert_eq!(
+            pose.source_vertex(vertex),
+            Some(shape.positions[vertex] + shape.targets[vertex][vertex])
+        );
+    }
 }
 
 /// How far a mesh at rest reaches.

@@ -1,11 +1,13 @@
 //! Morph weights, and what becomes of bad ones.
 
+use bevy::ecs::system::RunSystemOnce;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use morph_collision_testkit::mesh::MorphMesh;
 
 use crate::log::{Errors, run_here};
-use crate::support::{add_mesh, app, cube, set_weight, settle, spawn, stretching_cube, touches};
+use crate::support::{add_mesh, app, bevy_mesh, cube, move_to, set_weight, settle, spawn, stretching_cube, touches};
 
 /// A stretching cube at 0, and a rigid one that it reaches with weight 1 but not at rest.
 fn cubes_apart() -> (App, [Entity; 2]) {
@@ -71,8 +73,10 @@ fn bad_weights_are_logged_once_and_the_last_good_ones_stay() {
         ];
         for (weights, reason) in bad {
             app.world_mut().entity_mut(a).insert(weights);
-            app.update();
-            app.update();
+            // A wrong number of weights may be on its way to be right.
+            for _ in 0..30 {
+                app.update();
+            }
             let logged = errors.take();
             assert_eq!(logged.len(), 1, "{logged:?}");
             assert!(
@@ -87,14 +91,122 @@ fn bad_weights_are_logged_once_and_the_last_good_ones_stay() {
     });
 }
 
+/// The stretching cube with a second target, which stretches it to the other side.
+fn stretching_both_ways() -> MorphMesh {
+    let mut mesh = stretching_cube();
+    let stretch = |p: &Vec3| if p.x < 0.0 { Vec3::NEG_X } else { Vec3::ZERO };
+    mesh.targets.push(mesh.positions.iter().map(stretch).collect());
+    mesh.target_names.push("back".into());
+    mesh
+}
+
+/// The lowest and highest x of a collider's vertices.
+fn reach(app: &mut App, entity: Entity) -> (f32, f32) {
+    let posed = move |mut spatial: MorphSpatialQuery| spatial.posed_vertices(entity);
+    let posed = app.world_mut().run_system_once(posed).unwrap().unwrap();
+    let x = |p: &Vec3| p.x;
+    (
+        posed.iter().map(x).fold(f32::INFINITY, f32::min),
+        posed.iter().map(x).fold(f32::NEG_INFINITY, f32::max),
+    )
+}
+
+#[test]
+fn targets_and_weights_may_change_one_after_the_other() {
+    Errors::collect(|errors| {
+        for case in 0..16 {
+            let (in_place, mesh_first, gap) = (case % 2 == 0, case / 2 % 2 == 0, [0, 1, 3, 6][case / 4]);
+            let (mut app, [a, _]) = cubes_apart();
+            run_here(&mut app);
+            set_weight(&mut app, a, 1.0);
+            app.update();
+            let change_mesh = |app: &mut App| {
+                let id = app.world().get::<Mesh3d>(a).unwrap().id();
+                if in_place {
+                    let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
+                    meshes.insert(id, bevy_mesh(&stretching_both_ways())).unwrap();
+                } else {
+                    let mesh = add_mesh(app, &stretching_both_ways());
+                    app.world_mut().entity_mut(a).insert(Mesh3d(mesh));
+                }
+            };
+            let change_weights = |app: &mut App| {
+                let weights = MeshMorphWeights::Value {
+                    weights: vec![0.5, 2.0],
+                };
+                app.world_mut().entity_mut(a).insert(weights);
+            };
+            if mesh_first {
+                change_mesh(&mut app);
+            } else {
+                change_weights(&mut app);
+            }
+            for _ in 0..gap {
+                app.update();
+            }
+            if mesh_first {
+                change_weights(&mut app);
+            } else {
+                change_mesh(&mut app);
+            }
+            settle(&mut app);
+            for _ in 0..30 {
+                app.update();
+            }
+            let what = format!("in place: {in_place}, mesh first: {mesh_first}, {gap} frames between");
+            assert_eq!(errors.take(), [""; 0], "{what}");
+            let (min, max) = reach(&mut app, a);
+            assert!(
+                (min + 2.5).abs() < 1e-3 && (max - 1.0).abs() < 1e-3,
+                "{what}: {min} to {max}"
+            );
+        }
+    });
+}
+
+#[test]
+fn a_wrong_number_of_weights_that_stays_is_logged_once() {
+    Errors::collect(|errors| {
+        let (mut app, [a, _]) = cubes_apart();
+        run_here(&mut app);
+        for change in [0, 1] {
+            if change == 0 {
+                let weights = MeshMorphWeights::Value { weights: vec![0.0; 2] };
+                app.world_mut().entity_mut(a).insert(weights);
+            } else {
+                set_weight(&mut app, a, 0.0);
+                app.update();
+                let mesh = add_mesh(&mut app, &stretching_both_ways());
+                app.world_mut().entity_mut(a).insert(Mesh3d(mesh));
+                settle(&mut app);
+            }
+            for _ in 0..60 {
+                app.update();
+            }
+            let logged = errors.take();
+            assert_eq!(logged.len(), 1, "{logged:?}");
+            assert!(
+                logged[0].contains("stretchy") && logged[0].contains("weights were given"),
+                "{logged:?}"
+            );
+        }
+    });
+}
+
 #[test]
 fn weights_on_a_mesh_without_targets_mean_nothing() {
     Errors::collect(|errors| {
-        let (mut app, [_, b]) = cubes_apart();
+        let (mut app, [a, b]) = cubes_apart();
         run_here(&mut app);
         set_weight(&mut app, b, 1.0);
-        app.update();
+        for _ in 0..30 {
+            app.update();
+        }
         assert_eq!(errors.take(), [""; 0]);
+        assert!(!touches(&app, a, b));
+        move_to(&mut app, b, 0.9);
+        app.update();
+        assert!(touches(&app, a, b), "it still collides");
     });
 }
 

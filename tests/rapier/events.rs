@@ -9,30 +9,7 @@ use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::app::{headless, ready};
 use morph_collision_workspace::physics::{DT, body, settle, sheet};
 
-use crate::support::{app, ask, place, run, set_weights, spawn};
-
-/// Runs frames and collects what happened.
-#[derive(Default)]
-struct Log {
-    cursor: MessageCursor<CollisionEvent>,
-    started: Vec<(Entity, Entity)>,
-    stopped: Vec<(Entity, Entity)>,
-}
-
-impl Log {
-    fn run(&mut self, app: &mut App, frames: usize, mut each: impl FnMut(&mut App, usize)) {
-        for frame in 1..=frames {
-            each(app, frame);
-            app.update();
-            for event in self.cursor.read(app.world().resource()) {
-                match *event {
-                    CollisionEvent::Started(a, b, _) => self.started.push((a.min(b), a.max(b))),
-                    CollisionEvent::Stopped(a, b, _) => self.stopped.push((a.min(b), a.max(b))),
-                }
-            }
-        }
-    }
-}
+use crate::support::{Log, app, ask, pair, place, run, set_weights, spawn};
 
 /// No friction, whatever it touches.
 fn slippery() -> Friction {
@@ -40,10 +17,6 @@ fn slippery() -> Friction {
         coefficient: 0.0,
         combine_rule: CoefficientCombineRule::Min,
     }
-}
-
-fn pair(a: Entity, b: Entity) -> (Entity, Entity) {
-    (a.min(b), a.max(b))
 }
 
 #[test]
@@ -214,6 +187,58 @@ fn friction_and_restitution_are_the_collider_s() {
     let before = place(&app, slides).x;
     run(&mut app, 30);
     assert!((place(&app, slides).x - before).abs() < 0.02, "it still slides");
+}
+
+#[test]
+fn a_listener_that_comes_and_goes_hears_of_its_own_contact_alone_and_disturbs_nobody() {
+    let mut app = app();
+    let surface = spawn(&mut app, &sheet(16), ());
+    settle(&mut app);
+    let slides = body(&mut app, Collider::cuboid(0.3, 0.3, 0.3), Vec3::new(-3.0, 0.3, 0.0));
+    let world = app.world_mut();
+    world
+        .entity_mut(slides)
+        .insert((slippery(), Velocity::linear(Vec3::X), Sleeping::disabled()));
+    let listener = body(&mut app, Collider::ball(0.3), Vec3::new(2.0, 0.3, 2.0));
+    app.world_mut().entity_mut(listener).insert(Sleeping::disabled());
+    let mut log = Log::default();
+    log.run(&mut app, 120, |app, i| {
+        let events = match (i - 1) / 10 % 2 {
+            0 => ActiveEvents::COLLISION_EVENTS,
+            _ => ActiveEvents::empty(),
+        };
+        app.world_mut().entity_mut(listener).insert(events);
+    });
+    // It was listening when it came to rest, and lies there ever since.
+    assert!(!log.started.is_empty(), "nothing was heard");
+    let own = |pairs: &[(Entity, Entity)]| pairs.iter().all(|&heard| heard == pair(surface, listener));
+    assert!(
+        own(&log.started) && own(&log.stopped),
+        "{:?}, {:?}",
+        log.started,
+        log.stopped
+    );
+    assert_eq!(
+        log.started.len() - log.stopped.len(),
+        1,
+        "{:?}, {:?}",
+        log.started,
+        log.stopped
+    );
+    assert!((place(&app, slides).y - 0.3).abs() < 1e-2 && (place(&app, slides).x + 1.0).abs() < 0.05);
+    assert!((place(&app, listener).y - 0.3).abs() < 1e-2);
+
+    // It still listens when it is lifted off.
+    app.world_mut()
+        .entity_mut(listener)
+        .insert(ActiveEvents::COLLISION_EVENTS);
+    let mut log = Log::from_now(&app);
+    log.run(&mut app, 30, |_, _| {});
+    log.run(&mut app, 1, |app, _| {
+        app.world_mut().get_mut::<Transform>(listener).unwrap().translation.y = 5.0;
+    });
+    log.run(&mut app, 2, |_, _| {});
+    assert_eq!(log.stopped, [pair(surface, listener)]);
 }
 
 /// Whatever is marked falls through surfaces.

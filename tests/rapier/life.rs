@@ -1,4 +1,4 @@
-//! What comes, goes and is odd.
+//! Bodies on surfaces over time: what is blended, sleeps, waits and jumps.
 
 use std::path::Path;
 use std::time::Duration;
@@ -10,20 +10,9 @@ use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_testkit::models::rigid;
 use morph_collision_workspace::app::{headless, ready};
-use morph_collision_workspace::physics::{DT, bevy_mesh, body, settle, sheet};
+use morph_collision_workspace::physics::{DT, body, settle, sheet};
 
-use crate::support::{app, diagnostics, place, population, run, set_weights, spawn, velocity};
-
-/// A sheet with a ball at rest on it.
-fn ball_on_sheet() -> (App, Entity, Entity) {
-    let mut app = app();
-    let surface = spawn(&mut app, &sheet(16), ());
-    settle(&mut app);
-    let ball = body(&mut app, Collider::ball(0.3), Vec3::new(0.1, 0.31, 0.05));
-    run(&mut app, 30);
-    assert!((place(&app, ball).y - 0.3).abs() < 1e-2);
-    (app, surface, ball)
-}
+use crate::support::{app, ball_on_sheet, diagnostics, place, population, run, set_weights, spawn, velocity};
 
 #[test]
 fn parts_come_with_bodies_and_go_with_them() {
@@ -33,90 +22,6 @@ fn parts_come_with_bodies_and_go_with_them() {
     app.world_mut().entity_mut(ball).despawn();
     run(&mut app, 2);
     assert_eq!(population(&mut app), (0, 1));
-}
-
-#[test]
-fn whatever_takes_a_surface_out_takes_its_parts_out() {
-    type Way = (&'static str, fn(&mut App, Entity));
-    let ways: [Way; 4] = [
-        ("despawned", |app, surface| {
-            app.world_mut().entity_mut(surface).despawn();
-        }),
-        ("no longer asked for", |app, surface| {
-            app.world_mut().entity_mut(surface).remove::<MorphRapierCollider>();
-        }),
-        ("disabled", |app, surface| {
-            app.world_mut().entity_mut(surface).insert(ColliderDisabled);
-        }),
-        ("a sensor", |app, surface| {
-            app.world_mut().entity_mut(surface).insert(Sensor);
-        }),
-    ];
-    for (way, take_out) in ways {
-        let (mut app, surface, ball) = ball_on_sheet();
-        take_out(&mut app, surface);
-        run(&mut app, 60);
-        assert!(place(&app, ball).y < -1.0, "{way}: {}", place(&app, ball));
-        assert_eq!(population(&mut app).0, 1, "{way}");
-    }
-}
-
-#[test]
-fn a_swapped_mesh_is_another_surface() {
-    let (mut app, surface, ball) = ball_on_sheet();
-    let mut higher = sheet(8);
-    higher.positions.iter_mut().for_each(|p| p.y += 0.2);
-    let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(bevy_mesh(&higher));
-    app.world_mut().entity_mut(surface).insert(Mesh3d(mesh));
-    settle(&mut app);
-    run(&mut app, 60);
-    assert!((place(&app, ball).y - 0.5).abs() < 1e-2, "{}", place(&app, ball));
-    assert_eq!(population(&mut app), (2, 3));
-}
-
-#[test]
-fn bad_weights_and_places_leave_the_last_good_ones() {
-    let (mut app, surface, ball) = ball_on_sheet();
-    for bad in [
-        vec![f32::NAN, 0.0],
-        vec![f32::INFINITY, 0.0],
-        vec![0.5],
-        vec![1e38, 1e38],
-    ] {
-        set_weights(&mut app, surface, &bad);
-        run(&mut app, 5);
-        assert!(
-            (place(&app, ball).y - 0.3).abs() < 1e-2,
-            "{bad:?}: {}",
-            place(&app, ball)
-        );
-    }
-    set_weights(&mut app, surface, &[0.0, 0.0]);
-    run(&mut app, 5);
-    assert!((place(&app, ball).y - 0.3).abs() < 1e-2);
-}
-
-#[test]
-fn odd_surfaces_do_no_harm() {
-    let places = [
-        Transform::from_scale(Vec3::ZERO),
-        Transform::from_scale(Vec3::new(1.0, 0.0, 1.0)),
-        Transform::from_scale(Vec3::splat(1e-30)),
-        Transform::from_scale(Vec3::splat(1e18)),
-        Transform::from_xyz(1e12, 0.0, 0.0),
-        Transform::from_scale(Vec3::new(-1.0, 1.0, 1.0)),
-    ];
-    let mut app = app();
-    let surfaces = places.map(|place| spawn(&mut app, &sheet(4), place));
-    settle(&mut app);
-    let balls = [0.5, 1.0, 2.0].map(|y| body(&mut app, Collider::ball(0.3), Vec3::new(y, y, 0.0)));
-    for i in 0..60 {
-        for surface in surfaces {
-            set_weights(&mut app, surface, &[(0.1 * i as f32).sin() * 1e3, 0.0]);
-        }
-        run(&mut app, 1);
-    }
-    assert!(balls.iter().all(|&ball| place(&app, ball).is_finite()));
 }
 
 #[test]
@@ -328,34 +233,6 @@ fn a_scaled_surface_at_rest_is_as_large_as_it_looks() {
 }
 
 #[test]
-fn listeners_may_come_and_go() {
-    let mut app = app();
-    let surface = spawn(&mut app, &sheet(16), ());
-    settle(&mut app);
-    let slides = body(&mut app, Collider::cuboid(0.3, 0.3, 0.3), Vec3::new(-3.0, 0.3, 0.0));
-    let slippery = Friction {
-        coefficient: 0.0,
-        combine_rule: CoefficientCombineRule::Min,
-    };
-    let world = app.world_mut();
-    world.entity_mut(slides).insert((slippery, Velocity::linear(Vec3::X)));
-    let listener = body(&mut app, Collider::ball(0.3), Vec3::new(2.0, 0.3, 2.0));
-    for i in 0..120 {
-        let events = if i / 10 % 2 == 0 {
-            ActiveEvents::COLLISION_EVENTS
-        } else {
-            ActiveEvents::empty()
-        };
-        app.world_mut().entity_mut(listener).insert(events);
-        run(&mut app, 1);
-    }
-    assert!((place(&app, slides).y - 0.3).abs() < 1e-2 && place(&app, slides).x > -1.5);
-    assert!((place(&app, listener).y - 0.3).abs() < 1e-2);
-    set_weights(&mut app, surface, &[0.1, 0.0]);
-    run(&mut app, 5);
-}
-
-#[test]
 fn bodies_that_were_there_first_and_bodies_that_are_put_elsewhere_each_have_their_ground() {
     // Stretches along x: every place has a velocity of its own.
     let mut mesh = sheet(32);
@@ -387,29 +264,6 @@ fn bodies_that_were_there_first_and_bodies_that_are_put_elsewhere_each_have_thei
         let speed = velocity(&app, cuboid).x;
         assert!((speed - 0.2 * x).abs() < 0.05 * (0.2 * x).abs(), "at {x}: {speed}");
     }
-}
-
-#[test]
-fn a_disabled_surface_and_a_frozen_sleeper_leave_nothing_behind() {
-    use bevy::ecs::entity_disabling::Disabled;
-    let (mut app, surface, _) = ball_on_sheet();
-    set_weights(&mut app, surface, &[0.01, 0.0]);
-    run(&mut app, 1);
-    app.world_mut().entity_mut(surface).insert(Disabled);
-    run(&mut app, 2);
-    assert_eq!(diagnostics(&app).parts, 0);
-    assert_eq!(population(&mut app).0, 1, "only the ball's body is left");
-    app.world_mut().entity_mut(surface).despawn();
-    run(&mut app, 2);
-    assert_eq!(population(&mut app), (1, 1));
-
-    let (mut app, surface, ball) = ball_on_sheet();
-    run(&mut app, 120);
-    app.world_mut().entity_mut(ball).insert(RigidBody::Fixed);
-    run(&mut app, 2);
-    set_weights(&mut app, surface, &[-2.0, 0.0]);
-    run(&mut app, 2);
-    assert_eq!((diagnostics(&app).parts, population(&mut app).0), (0, 1));
 }
 
 #[test]

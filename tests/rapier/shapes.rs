@@ -6,7 +6,7 @@ use bevy_rapier3d::prelude::*;
 use morph_collision_testkit::models::{random, rigid};
 use morph_collision_workspace::physics::{DT, body, settle, sheet};
 
-use crate::support::{app, place, run, set_weights, spawn, velocity};
+use crate::support::{app, below, place, population, run, set_weights, spawn, velocity};
 
 #[test]
 fn every_shape_rests_on_it_and_rises_with_it() {
@@ -176,13 +176,21 @@ fn bodies_lie_on_a_random_surface_stretched_and_mirrored() {
 }
 
 #[test]
-fn nothing_of_the_plugin_shows_without_it() {
-    // A morph collider that is not asked into physics has no collider there.
+fn a_collider_that_is_not_asked_into_physics_any_more_has_nothing_there() {
     let mut app = app();
     let mesh = spawn(&mut app, &sheet(4), ());
-    app.world_mut().entity_mut(mesh).remove::<MorphRapierCollider>();
     settle(&mut app);
+    assert!(app.world().entity(mesh).contains::<Collider>());
+    assert_eq!(population(&mut app), (0, 1));
+    assert_eq!(below(&mut app, 0.1, 0.2).map(|(entity, _)| entity), Some(mesh));
+    app.world_mut().entity_mut(mesh).remove::<MorphRapierCollider>();
+    // At once, and for good, though it still is a collider of the collision plugin's.
     assert!(!app.world().entity(mesh).contains::<Collider>());
+    run(&mut app, 3);
+    let entity = app.world().entity(mesh);
+    assert!(!entity.contains::<Collider>() && entity.contains::<MorphCollider>());
+    assert_eq!(population(&mut app), (0, 0));
+    assert_eq!(below(&mut app, 0.1, 0.2), None);
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use bevy::ecs::message::MessageCursor;
 use bevy::ecs::system::RunSystemOnce;
 use bevy::math::DVec3;
 use bevy::mesh::morph::MeshMorphWeights;
@@ -12,7 +13,9 @@ use bevy_rapier3d::plugin::context::{RapierContextColliders, RapierRigidBodySet}
 use bevy_rapier3d::prelude::*;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::oracle::{posed_vertices, world_vertices};
-use morph_collision_workspace::physics::{self, bevy_mesh, state};
+use morph_collision_workspace::physics::{self, bevy_mesh, body, settle, sheet, state};
+
+use crate::log::Errors;
 
 pub(crate) fn app() -> App {
     physics::app(Path::new("."))
@@ -80,4 +83,75 @@ pub(crate) fn truth(mesh: &MorphMesh, weights: &[f32], place: &GlobalTransform) 
 
 pub(crate) fn global(app: &App, entity: Entity) -> GlobalTransform {
     *app.world().entity(entity).get::<GlobalTransform>().unwrap()
+}
+
+/// Runs frames and collects what happened.
+#[derive(Default)]
+pub(crate) struct Log {
+    cursor: MessageCursor<CollisionEvent>,
+    pub(crate) started: Vec<(Entity, Entity)>,
+    pub(crate) stopped: Vec<(Entity, Entity)>,
+}
+
+impl Log {
+    /// One that has not heard what happened before.
+    pub(crate) fn from_now(app: &App) -> Self {
+        let mut log = Self::default();
+        log.cursor.clear(app.world().resource());
+        log
+    }
+
+    pub(crate) fn run(&mut self, app: &mut App, frames: usize, mut each: impl FnMut(&mut App, usize)) {
+        for frame in 1..=frames {
+            each(app, frame);
+            app.update();
+            for event in self.cursor.read(app.world().resource()) {
+                match *event {
+                    CollisionEvent::Started(a, b, _) => self.started.push((a.min(b), a.max(b))),
+                    CollisionEvent::Stopped(a, b, _) => self.stopped.push((a.min(b), a.max(b))),
+                }
+            }
+        }
+    }
+}
+
+pub(crate) fn pair(a: Entity, b: Entity) -> (Entity, Entity) {
+    (a.min(b), a.max(b))
+}
+
+/// A sheet with a ball at rest on it.
+pub(crate) fn ball_on_sheet() -> (App, Entity, Entity) {
+    let mut app = app();
+    let surface = spawn(&mut app, &sheet(16), ());
+    settle(&mut app);
+    let ball = body(&mut app, Collider::ball(0.3), BALL);
+    run(&mut app, 30);
+    assert!((place(&app, ball).y - 0.3).abs() < 1e-2);
+    (app, surface, ball)
+}
+
+/// Where [`ball_on_sheet`] puts the ball.
+pub(crate) const BALL: Vec3 = Vec3::new(0.1, 0.31, 0.05);
+
+/// Puts a body elsewhere, at rest.
+pub(crate) fn put(app: &mut App, body: Entity, at: Vec3) {
+    app.world_mut()
+        .entity_mut(body)
+        .insert((Transform::from_translation(at), Velocity::zero()));
+}
+
+/// The entity that a ray straight down from a height of 5 hits, and the height where.
+pub(crate) fn below(app: &mut App, x: f32, z: f32) -> Option<(Entity, f32)> {
+    let hit = ask(app, move |context| {
+        context.cast_ray(Vec3::new(x, 5.0, z), -Vec3::Y, 100.0, true, QueryFilter::default())
+    });
+    hit.map(|(entity, distance)| (entity, 5.0 - distance))
+}
+
+/// Runs a test's body and collects the errors that it logs.
+///
+/// While there is one collector, `tracing` asks the thread that comes first to a message whether anybody wants it, and that may be another
+/// test's. Two collectors make it ask for each thread.
+pub(crate) fn collect_errors(body: impl FnOnce(&Errors)) {
+    Errors::collect(|_| Errors::collect(body));
 }

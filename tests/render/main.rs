@@ -3,6 +3,7 @@
 
 mod controls;
 mod depth;
+mod desktop;
 mod frames;
 mod own;
 mod page;

@@ -1,21 +1,33 @@
 //! Entities that stick to a posed surface.
 
+use bevy::ecs::system::SystemParam;
+use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::platform::time::Instant;
-
 use bevy::prelude::*;
-use morph_collision::{Body, SurfaceAnchor};
+use morph_collision::{Body, Pose, SurfaceAnchor, WorldFromModel};
 
-use crate::collider::{ColliderState, Form};
-use crate::diagnostics::MorphCollisionDiagnostics;
+use crate::collider::{ColliderState, MorphCollider};
+use crate::diagnostics::Preparation;
+use crate::import::{MorphTreeSettings, MorphTrees};
+use crate::lent_poses::LentPoses;
+use crate::shape::MorphShape;
 use crate::spatial::MorphRayHit;
+use crate::weights::take_weights;
 
 /// Keeps this entity on a place of a collider's surface as the shape morphs and moves: for decals, hats, particles.
 ///
-/// The entity's [`Transform`] is written every run, relative to its parent if it has one, and the [`GlobalTransform`]s of the
-/// entity and of what hangs on it with it, so that all are right in the same frame. Its scale stays. While there is no
-/// such triangle, or no such collider, nothing is written.
+/// The entity follows what is drawn: it is placed in [`PostUpdate`], at the weights and the [`GlobalTransform`] that the mesh is
+/// drawn with in this frame. That is so whatever schedule collisions are detected in, while they are
+/// [paused](crate::MorphCollisionSettings::paused), and with [`MorphColliderDisabled`](crate::MorphColliderDisabled) on the
+/// collider. If the weights cannot be used, the ones that the collider used last are in force.
+///
+/// The entity's [`Transform`] is written, relative to its parent if it has one, and the [`GlobalTransform`]s of the
+/// entity and of all entities below it, so that they are right in the same frame. Its scale stays. Nothing is written if there is
+/// no such triangle, if the entity named is no collider, is disabled or has a [`MorphShape`], or until its mesh's tree is built.
+///
+/// The default names [`Entity::PLACEHOLDER`], which is nobody, and the middle of triangle 0.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, Debug, Clone, PartialEq)]
+#[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(Transform)]
 pub struct MorphSurfaceAnchor {
     /// The collider to whose mesh it sticks.
@@ -29,6 +41,12 @@ pub struct MorphSurfaceAnchor {
     pub offset: f32,
     /// Whether the entity turns with the surface: its +Y along the normal, its +X along the triangle's first edge.
     pub align: bool,
+}
+
+impl Default for MorphSurfaceAnchor {
+    fn default() -> Self {
+        Self::new(Entity::PLACEHOLDER, 0, Vec3::splat(1.0 / 3.0))
+    }
 }
 
 impl MorphSurfaceAnchor {
@@ -58,24 +76,62 @@ impl MorphSurfaceAnchor {
     }
 }
 
+/// The surfaces of colliders as they are drawn in this frame.
+///
+/// Colliders keep the weights and places of the last collision run, on which spatial queries and the next run rely. So anchors
+/// have poses of their own.
+#[derive(SystemParam)]
+pub(crate) struct DrawnSurfaces<'w, 's> {
+    colliders: Query<
+        'w,
+        's,
+        (
+            &'static Mesh3d,
+            Option<&'static MorphTreeSettings>,
+            Option<&'static MeshMorphWeights>,
+            &'static ColliderState,
+        ),
+        (With<MorphCollider>, Without<MorphShape>),
+    >,
+    shared: Query<'w, 's, &'static MorphWeights>,
+    trees: Res<'w, MorphTrees>,
+    poses: Local<'s, LentPoses>,
+    rest: Local<'s, Vec<f32>>,
+}
+
+impl DrawnSurfaces<'_, '_> {
+    /// The pose that a collider's mesh is drawn in.
+    fn pose(&mut self, collider: Entity) -> Option<&mut Pose> {
+        let (mesh, settings, weights, state) = self.colliders.get(collider).ok()?;
+        let key = (mesh.id(), settings.copied());
+        let tree = self.trees.with_settings(key.0, key.1)?;
+        let pose = self.poses.lend(key, tree);
+        if !pose.weights().is_empty() && take_weights(pose, weights, &self.shared, &mut self.rest).is_err() {
+            pose.set_weights(state.pose.as_ref()?.weights()).ok()?;
+        }
+        Some(pose)
+    }
+}
+
 /// Brings every anchored entity to its place, those above others in the hierarchy first.
 pub(crate) fn follow_surfaces(
     anchors: Query<(Entity, &MorphSurfaceAnchor, Option<&ChildOf>)>,
-    mut colliders: Query<&mut ColliderState>,
+    mut surfaces: DrawnSurfaces,
     mut transforms: Query<(&mut Transform, &mut GlobalTransform)>,
     parents: Query<&ChildOf>,
     children: Query<&Children>,
-    mut diagnostics: ResMut<MorphCollisionDiagnostics>,
+    mut preparation: ResMut<Preparation>,
 ) {
     let start = Instant::now();
+    surfaces.poses.drop_unused();
     let mut anchored: Vec<_> = anchors.iter().collect();
     anchored.sort_by_cached_key(|&(entity, ..)| (parents.iter_ancestors(entity).count(), entity));
     for (entity, anchor, parent) in anchored {
-        let Some(world) = colliders
-            .get_mut(anchor.collider)
-            .ok()
-            .and_then(|mut state| place(anchor, &mut state))
-        else {
+        let Ok((_, world_from_collider)) = transforms.get(anchor.collider) else {
+            continue;
+        };
+        let pose = surfaces.pose(anchor.collider);
+        let Some(world) = pose.and_then(|pose| place(anchor, pose, world_from_collider)) else {
             continue;
         };
         let parent = parent.and_then(|parent| transforms.get(parent.parent()).ok());
@@ -100,7 +156,7 @@ pub(crate) fn follow_surfaces(
             spread(entity, below, &children, &mut transforms);
         }
     }
-    diagnostics.duration += start.elapsed();
+    preparation.0 += start.elapsed();
 }
 
 /// Where an anchor is, and the surface's tangent and normal if it turns with them.
@@ -109,11 +165,8 @@ struct Anchored {
     axes: Option<[Vec3; 2]>,
 }
 
-fn place(anchor: &MorphSurfaceAnchor, state: &mut ColliderState) -> Option<Anchored> {
-    let Form::Mesh(world_from_model) = state.placed?.form else {
-        return None;
-    };
-    let pose = state.pose.as_mut()?;
+fn place(anchor: &MorphSurfaceAnchor, pose: &mut Pose, world_from_collider: &GlobalTransform) -> Option<Anchored> {
+    let world_from_model = WorldFromModel::new(world_from_collider.affine()).ok()?;
     let on_surface = SurfaceAnchor {
         triangle: anchor.triangle,
         barycentrics: anchor.barycentrics.as_dvec3().to_array(),

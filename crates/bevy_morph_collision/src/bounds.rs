@@ -7,33 +7,34 @@ use bevy::camera::visibility::{NoAutoAabb, NoFrustumCulling, VisibilitySystems, 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::mesh::skinning::SkinnedMesh;
-use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
-use morph_collision::{MorphBvh, Pose};
-use std::sync::Arc;
 
-use crate::import::{MorphTrees, TreeKey};
+use crate::import::MorphTrees;
+use crate::lent_poses::LentPoses;
 use crate::plugin::TreesPlugin;
 
-/// Keeps the [`Aabb`] of morphing meshes around what is drawn, every frame: Bevy itself keeps that of the rest pose, so that
+/// Keeps the [`Aabb`] of morphing meshes around what is drawn, every frame. Bevy itself keeps that of the rest pose, so that
 /// meshes vanish at the edge of the screen.
 ///
 /// Works with or without [`MorphCollisionPlugin`](crate::MorphCollisionPlugin), for every mesh with [`MeshMorphWeights`],
 /// whether it collides or not. A box is conservative, from the blended root of the mesh's tree, in `O(active targets)` per
-/// mesh; it is written only where it differs. Bevy's opt-outs are heeded: [`NoAutoAabb`] and [`NoFrustumCulling`]. Skinned meshes are
-/// left to Bevy, as their bones move them out of any box of ours. Until the tree of a mesh is built it keeps the box that Bevy gave it.
+/// mesh; it is written only where it differs. Until the tree of a mesh is built, the mesh keeps the box that Bevy gave it. A mesh that
+/// cannot be used keeps it for good, and the log says why.
 ///
-/// It also repairs what Bevy 0.20 draws in its rest pose: a morphing mesh that comes into view for the first time since it was
-/// loaded, until something else about it changes.
+/// Bevy's opt-outs are heeded: [`NoAutoAabb`] and [`NoFrustumCulling`]. Skinned meshes are left to Bevy, as their bones move
+/// them out of any box of ours. Opting in again, or enabling an entity again, works at any time.
+///
+/// It also repairs a bug of Bevy 0.20: a morphing mesh that comes into view for the first time since it was loaded is drawn in its
+/// rest pose until something else about it changes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MorphBoundsPlugin;
 
 /// Where [`MorphBoundsPlugin`] works, in [`PostUpdate`].
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MorphBoundsSystems {
-    /// After Bevy has calculated bounds, before it looks what is visible.
+    /// After Bevy has calculated bounds, before it checks visibility.
     Bounds,
-    /// After Bevy has looked what is visible.
+    /// After Bevy has checked visibility.
     Redraw,
 }
 
@@ -42,6 +43,7 @@ impl Plugin for MorphBoundsPlugin {
         if !app.is_plugin_added::<TreesPlugin>() {
             app.add_plugins(TreesPlugin);
         }
+        app.insert_resource(crate::import::Culls);
         app.configure_sets(
             PostUpdate,
             (
@@ -79,31 +81,24 @@ type Culled = (
     Without<SkinnedMesh>,
 );
 
-fn request_trees_to_cull(
-    anew: Query<(Entity, &Mesh3d), (Culled, Or<(Changed<Mesh3d>, Added<MeshMorphWeights>)>)>,
-    all: Query<(Entity, &Mesh3d), Culled>,
-    mut trees: ResMut<MorphTrees>,
-) {
-    if trees.is_stale() {
-        all.iter()
-            .for_each(|(entity, mesh)| trees.request((mesh.id(), None), entity));
-    } else if !anew.is_empty() {
-        anew.iter()
-            .for_each(|(entity, mesh)| trees.request((mesh.id(), None), entity));
+/// Looks at all meshes in every frame: an entity may have been disabled or opted out until now, and its tree may have been dropped.
+fn request_trees_to_cull(culled: Query<(Entity, &Mesh3d), Culled>, mut trees: ResMut<MorphTrees>) {
+    for (entity, mesh) in &culled {
+        let key = (mesh.id(), None);
+        if !trees.is_known(key) {
+            trees.request(key, entity);
+        }
     }
 }
-
-/// A pose for each mesh, lent to all entities that show it.
-type Poses = HashMap<TreeKey, Pose>;
 
 /// Gives morphing meshes a box around what they are drawn as.
 fn update_bounds(
     mut meshes: Query<(&Mesh3d, &MeshMorphWeights, &mut Aabb), Culled>,
     shared: Query<&MorphWeights>,
     trees: Res<MorphTrees>,
-    mut poses: Local<Poses>,
+    mut poses: Local<LentPoses>,
 ) {
-    poses.retain(|&(mesh, settings), _| trees.with_settings(mesh, settings).is_some());
+    poses.drop_unused();
     for (mesh, weights, mut aabb) in &mut meshes {
         let key = (mesh.id(), None);
         let Some(tree) = trees.up_to_date(key) else {
@@ -116,9 +111,9 @@ fn update_bounds(
                 Err(_) => continue,
             },
         };
-        let pose = current(&mut poses, key, tree);
+        let pose = poses.lend(key, tree);
         if pose.set_weights(weights).is_err() {
-            // What is drawn then is anyone's guess.
+            // Nobody knows what is drawn with such weights: the box stays.
             continue;
         }
         let bounds = pose.bounds();
@@ -129,14 +124,6 @@ fn update_bounds(
             *aabb = wanted;
         }
     }
-}
-
-fn current<'a>(poses: &'a mut Poses, key: TreeKey, tree: &Arc<MorphBvh>) -> &'a mut Pose {
-    let pose = poses.entry(key).or_insert_with(|| Pose::new(tree.clone()));
-    if !Arc::ptr_eq(pose.bvh(), tree) {
-        *pose = Pose::new(tree.clone());
-    }
-    pose
 }
 
 /// Without weights a mesh is drawn at rest: Bevy calculates its box again.

@@ -126,19 +126,20 @@ impl ParticipantItem<'_, '_> {
         let settled = settled && !self.shape.as_ref().is_some_and(Ref::is_changed);
         let before = state.placed.filter(|_| settled);
         let kept = match before.map(|placed| placed.form) {
-            Some(Form::Mesh(_)) => state.pose.is_some(),
-            Some(Form::Shape(_)) => state.pose.is_none() && self.shape.is_some(),
+            Some(Form::Mesh(_)) => state.pose.is_some() && self.shape.is_none(),
+            Some(Form::Shape(_)) => self.shape.is_some(),
             None => false,
         };
-        let (form, bounds) = match (before, &mut state.pose, &self.shape) {
+        // A shape wins over a mesh.
+        let (form, bounds) = match (before, &self.shape, &mut state.pose) {
             (Some(Placement { form, bounds, .. }), ..) if kept => (form, bounds),
-            (_, Some(pose), _) => {
-                let world_from_model = WorldFromModel::new(self.transform.affine())?;
-                (Form::Mesh(world_from_model), pose.world_bounds(&world_from_model))
-            }
-            (_, None, Some(shape)) => {
+            (_, Some(shape), _) => {
                 let (shape, bounds) = shape.place(&self.transform)?;
                 (Form::Shape(shape), bounds)
+            }
+            (_, None, Some(pose)) => {
+                let world_from_model = WorldFromModel::new(self.transform.affine())?;
+                (Form::Mesh(world_from_model), pose.world_bounds(&world_from_model))
             }
             (_, None, None) => return Ok(None),
         };
@@ -150,7 +151,11 @@ impl ParticipantItem<'_, '_> {
         state.reposed = false;
         Ok(Some(Placement {
             form,
-            body: self.body.map_or(self.entity, |body| body.0),
+            body: self
+                .body
+                .map(|body| body.0)
+                .filter(|&body| body != Entity::PLACEHOLDER)
+                .unwrap_or(self.entity),
             mode: self.collider.mode,
             layers: *self.layers,
             margin,

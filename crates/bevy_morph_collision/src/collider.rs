@@ -5,9 +5,11 @@ use morph_collision::{Aabb, PlacedShape, Pose, WorldFromModel};
 
 use crate::import::TreeKey;
 use crate::layers::MorphCollisionLayers;
+use crate::weights::BadWeights;
 
-/// Makes the [`Mesh3d`] of this entity, or its [`MorphShape`](crate::MorphShape), collide: the mesh at its current morph
-/// weights, both at their current [`GlobalTransform`].
+/// Makes the [`Mesh3d`] of this entity collide at its current morph weights, at its current [`GlobalTransform`].
+///
+/// If the entity has a [`MorphShape`](crate::MorphShape), the shape collides and the mesh does not.
 ///
 /// Any affine transform will do for a mesh: mirrored, sheared, scaled by zero. A mesh without morph targets is rigid. The
 /// collider takes part as soon as its mesh is loaded and the mesh's tree is built; while a swapped mesh is being prepared,
@@ -34,6 +36,11 @@ impl MorphCollider {
     pub fn with_margin(mut self, margin: f32) -> Self {
         self.margin = margin;
         self
+    }
+
+    /// Whether all is equal, bit by bit: a margin that is not a number is equal to itself.
+    pub(crate) fn is_same(&self, other: &Self) -> bool {
+        self.mode == other.mode && self.margin.to_bits() == other.margin.to_bits()
     }
 }
 
@@ -62,10 +69,17 @@ pub struct MorphColliderDisabled;
 
 /// The body that a collider is part of, named by any entity, usually the root of its scene.
 ///
-/// Colliders of one body never collide with each other. A collider without this component is a body of its own.
+/// Colliders of one body never collide with each other. A collider without this component is a body of its own, and so is
+/// one whose body is [`Entity::PLACEHOLDER`], the default.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
-#[reflect(Component, Debug, Clone, PartialEq)]
+#[reflect(Component, Debug, Default, Clone, PartialEq)]
 pub struct MorphBody(#[entities] pub Entity);
+
+impl Default for MorphBody {
+    fn default() -> Self {
+        Self(Entity::PLACEHOLDER)
+    }
+}
 
 /// The plugin's state of one collider.
 #[derive(Component, Default)]
@@ -82,8 +96,8 @@ pub(crate) struct ColliderState {
     pub(crate) changed: bool,
     /// The run in which it was looked at last: while its entity is disabled nobody looks.
     pub(crate) seen: u32,
-    /// The complaint about the weights that is in the log, so that it is not logged every frame.
-    pub(crate) bad_weights: bool,
+    /// What has been said about its weights, so that it is not logged every frame.
+    pub(crate) bad_weights: BadWeights,
     /// Likewise about where and how large it is.
     pub(crate) bad_place: bool,
 }
@@ -121,7 +135,22 @@ impl Placement {
     }
 }
 
-/// A collider that is one no longer keeps no state.
+/// Takes over a new value for a component that the plugin gave, and returns whether to write it: it differs, and the
+/// user has not changed or removed what was given. `new` if it is given for the first time.
+pub(crate) fn follows<C: Copy>(
+    new: bool,
+    given: &mut C,
+    now: Option<&C>,
+    wanted: C,
+    is_same: impl Fn(&C, &C) -> bool,
+) -> bool {
+    let unchanged = now.map_or(new, |now| is_same(now, given));
+    let differs = now.is_none_or(|now| !is_same(now, &wanted));
+    *given = wanted;
+    unchanged && differs
+}
+
+/// Removes the plugin's state together with [`MorphCollider`].
 pub(crate) fn forget_collider(removed: On<Remove<MorphCollider>>, mut commands: Commands) {
     commands.entity(removed.entity).try_remove::<ColliderState>();
 }

@@ -5,28 +5,41 @@ use std::collections::BTreeMap;
 use bevy::prelude::*;
 use morph_collision::TrianglePair;
 
+use crate::changes::Changes;
 use crate::collider::CollisionMode;
 
 /// The colliders that touch, as of the last run of [`NarrowPhase`](crate::MorphCollisionSystems::NarrowPhase).
 ///
 /// As a system parameter: `Res<MorphCollisions>`.
+///
+/// # What started and ended
+///
+/// [`MorphCollisions::started`] and [`MorphCollisions::ended`] show a system that runs once per frame or tick every change exactly
+/// once. While the plugin is paused they are empty. Which changes they show depends on the plugin's schedule:
+///
+/// - [`PostUpdate`] (the default), or any other that runs once per frame: those of the last run. A system before it sees
+///   the run of the frame before.
+/// - A fixed schedule ([`FixedPostUpdate`], for example): systems of the fixed schedules see those of the last run. All other systems
+///   see those of all runs of this frame together, and none in a frame without a tick.
+/// - A schedule of your own: those of its last run, until it runs again.
+///
+/// The messages [`MorphCollisionStart`](crate::MorphCollisionStart) and [`MorphCollisionEnd`](crate::MorphCollisionEnd) miss nothing
+/// either and need no such rule.
 #[derive(Resource, Reflect, Debug, Default)]
 #[reflect(Resource, Debug, Default)]
 pub struct MorphCollisions {
     #[reflect(ignore)]
     pub(crate) current: BTreeMap<(Entity, Entity), MorphContact>,
-    /// Of this run.
     #[reflect(ignore)]
-    pub(crate) started: Vec<(Entity, Entity)>,
-    #[reflect(ignore)]
-    pub(crate) ended: Vec<MorphContact>,
+    pub(crate) changes: Changes,
     /// Whether anything was compared in this run.
     #[reflect(ignore)]
     pub(crate) compared: bool,
 }
 
 /// Two colliders that touch, `collider1 < collider2`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Reflect, Clone, Debug, PartialEq)]
+#[reflect(Debug, Clone, PartialEq)]
 pub struct MorphContact {
     /// The first collider.
     pub collider1: Entity,
@@ -50,20 +63,37 @@ pub struct MorphContact {
     ///
     /// How many are listed is up to the [`CollisionMode`]. A triangle's number is its place in the mesh's index buffer,
     /// divided by 3; in a triangle strip, its place among the triangles that name three different vertices.
+    ///
+    /// Not reflected: the list is empty in a value made by reflection.
+    #[reflect(ignore)]
     pub triangles: Vec<TrianglePair>,
+    /// Whether more triangles intersect than were looked at, which is at most
+    /// [`MorphCollisionSettings::max_triangle_pairs`](crate::MorphCollisionSettings): `triangles` are some of them, and `points` and
+    /// `normal` are made from some of them. Which ones depends on the tree. Always `false` in modes that ask for one pair.
+    pub is_truncated: bool,
     /// In mode [`Contacts`](CollisionMode::Contacts): up to four points of contact, the deepest first.
     pub points: Vec<MorphContactPoint>,
 }
 
 /// A point at which two colliders touch.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Debug, Clone, PartialEq)]
 pub struct MorphContactPoint {
     /// In world space.
     pub point: Vec3,
     /// How far the triangles that meet there have to be moved along [`MorphContact::normal`] until they part, in world units.
     pub depth: f32,
-    /// The two triangles.
+    /// The two triangles. Not reflected: both are [`MorphContact::NO_TRIANGLE`] in a value made by reflection.
+    #[reflect(ignore, default = "no_triangles")]
     pub triangles: TrianglePair,
+}
+
+/// The triangles of a value made by reflection, which cannot see types of [`morph_collision`].
+pub(crate) fn no_triangles() -> TrianglePair {
+    TrianglePair {
+        triangle_a: MorphContact::NO_TRIANGLE,
+        triangle_b: MorphContact::NO_TRIANGLE,
+    }
 }
 
 impl MorphContact {
@@ -116,13 +146,26 @@ impl MorphCollisions {
         self.current.is_empty()
     }
 
-    /// Contacts that are new in this run.
+    /// Contacts that started; [which ones](MorphCollisions#what-started-and-ended) depends on where you ask.
+    ///
+    /// A contact that started and ended within one frame is as it was when it ended.
     pub fn started(&self) -> impl Iterator<Item = &MorphContact> {
-        self.started.iter().filter_map(|pair| self.current.get(pair))
+        let ended = |pair: &(Entity, Entity)| {
+            let is_one = |contact: &&MorphContact| (contact.collider1, contact.collider2) == *pair;
+            self.changes.ended.iter().rev().find(is_one)
+        };
+        let started = self.changes.started().iter();
+        started.filter_map(move |pair| self.current.get(pair).or_else(|| ended(pair)))
     }
 
-    /// Contacts of the run before that are no more.
+    /// Contacts that ended, as they last were; [which ones](MorphCollisions#what-started-and-ended) depends on where you ask.
     pub fn ended(&self) -> impl Iterator<Item = &MorphContact> {
-        self.ended.iter()
+        self.changes.ended().iter()
+    }
+
+    /// Contacts that started in the last run.
+    pub(crate) fn started_in_run(&self) -> impl Iterator<Item = &MorphContact> {
+        let started = self.changes.started_in_run().iter();
+        started.filter_map(|pair| self.current.get(pair))
     }
 }

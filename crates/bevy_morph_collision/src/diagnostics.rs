@@ -38,7 +38,7 @@ pub struct MorphCollisionDiagnostics {
     pub duration: Duration,
 }
 
-/// Time spent on colliders and scenes since the last run began: they are looked through in every frame, before it or without it.
+/// Time spent on colliders, scenes and anchors since the last run began. They are updated in every frame, with or without a run.
 #[derive(Resource, Default)]
 pub(crate) struct Preparation(pub(crate) Duration);
 

@@ -3,13 +3,15 @@
 use bevy::platform::time::Instant;
 
 use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
 use bevy::prelude::*;
 use tracing::debug_span;
 
 use crate::contacts::{MorphCollisions, MorphContact};
 use crate::diagnostics::MorphCollisionDiagnostics;
 
-/// Two colliders touch that did not in the run before.
+/// Two colliders started touching.
 ///
 /// As a [`Message`] it is sent once per pair, `collider1 < collider2`. As an [`EntityEvent`] it is triggered for each of the
 /// two that has [`MorphCollisionEventsEnabled`], which is then `collider1`.
@@ -31,10 +33,12 @@ pub struct MorphCollisionStart {
     pub normal: Vec3,
 }
 
-/// Two colliders touch no more that did in the run before.
+/// Two colliders stopped touching.
 ///
-/// Sent as [`MorphCollisionStart`] is. Also sent when a collider was despawned, so the entities need not exist any more, or
-/// when it was left out because its mesh or transform became unusable.
+/// It is sent as [`MorphCollisionStart`] is. It is also sent when a collider was despawned, so the entities may not exist any more;
+/// when it was left out because its mesh or transform became unusable; and when it got
+/// [`MorphColliderDisabled`](crate::MorphColliderDisabled) or Bevy's [`Disabled`]. A disabled entity hears its own end:
+/// observers run for it as for any entity. But `Query` parameters of those observers skip it without `Allow<Disabled>`.
 #[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct MorphCollisionEnd {
@@ -54,7 +58,8 @@ pub struct MorphCollisionEnd {
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 pub struct MorphCollisionEventsEnabled;
 
-/// Put on a collider to have the colliders that it touches listed, ascending; kept by the plugin.
+/// Put this on a collider to have the colliders that it touches listed, ascending. The plugin updates it in every run; the list of
+/// a disabled collider is empty.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 pub struct MorphCollidingEntities(Vec<Entity>);
@@ -78,7 +83,7 @@ impl std::ops::Deref for MorphCollidingEntities {
 /// Tells of this run's changes: first what ended, then what started, both in ascending order.
 pub(crate) fn report_changes(
     collisions: Res<MorphCollisions>,
-    enabled: Query<(), With<MorphCollisionEventsEnabled>>,
+    enabled: Query<(), (With<MorphCollisionEventsEnabled>, Allow<Disabled>)>,
     mut starts: MessageWriter<MorphCollisionStart>,
     mut ends: MessageWriter<MorphCollisionEnd>,
     mut commands: Commands,
@@ -86,7 +91,7 @@ pub(crate) fn report_changes(
 ) {
     let start = Instant::now();
     let _span = debug_span!("morph_collision::events").entered();
-    for contact in collisions.ended() {
+    for contact in collisions.changes.ended_in_run() {
         let [first, second] = both_ways(contact).map(|([collider1, collider2, body1, body2], _)| MorphCollisionEnd {
             collider1,
             collider2,
@@ -100,7 +105,7 @@ pub(crate) fn report_changes(
             }
         }
     }
-    for contact in collisions.started() {
+    for contact in collisions.started_in_run() {
         let [first, second] =
             both_ways(contact).map(|([collider1, collider2, body1, body2], normal)| MorphCollisionStart {
                 collider1,
@@ -139,7 +144,7 @@ fn both_ways(contact: &MorphContact) -> [([Entity; 4], Vec3); 2] {
 /// Brings [`MorphCollidingEntities`] up to date where anything was compared, or the component is new.
 pub(crate) fn list_colliding_entities(
     collisions: Res<MorphCollisions>,
-    mut lists: Query<(Entity, &mut MorphCollidingEntities)>,
+    mut lists: Query<(Entity, &mut MorphCollidingEntities), Allow<Disabled>>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
     if !collisions.compared && !lists.iter_mut().any(|(_, list)| list.is_changed()) {

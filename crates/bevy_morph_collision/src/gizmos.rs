@@ -1,19 +1,22 @@
 //! Debug drawing: what the collision code believes, drawn over what is rendered.
 
-use bevy::gizmos::AppGizmoBuilder;
 use bevy::gizmos::config::{GizmoConfigGroup, GizmoConfigStore};
 use bevy::gizmos::gizmos::Gizmos;
+use bevy::gizmos::{AppGizmoBuilder, GizmoAsset};
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use morph_collision::Body;
+use tracing::error;
 
 use crate::collider::{ColliderState, Form};
 use crate::contacts::MorphCollisions;
 use crate::narrow_phase::world_triangle;
 use crate::plugin::MorphCollisionSystems;
 
-/// Draws volumes, contacts and touching triangles, as [`MorphGizmos`] says; through Bevy's gizmos, so it needs a renderer with
-/// `bevy_gizmos_render` to be seen.
+/// Draws volumes, contacts and touching triangles, as [`MorphGizmos`] says.
+///
+/// It needs [`MorphCollisionPlugin`](crate::MorphCollisionPlugin) and Bevy's `GizmoPlugin` (one of `DefaultPlugins`); an error in the log
+/// says which one is missing. The lines are Bevy's gizmos: to see them you need a renderer with `bevy_gizmos_render`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MorphGizmosPlugin;
 
@@ -61,8 +64,22 @@ impl Default for MorphGizmos {
 
 impl Plugin for MorphGizmosPlugin {
     fn build(&self, app: &mut App) {
-        app.init_gizmo_group::<MorphGizmos>()
-            .add_systems(PostUpdate, draw.after(MorphCollisionSystems::Events));
+        app.init_gizmo_group::<MorphGizmos>().add_systems(
+            PostUpdate,
+            draw.after(MorphCollisionSystems::Events)
+                .run_if(resource_exists::<MorphCollisions>),
+        );
+    }
+
+    fn finish(&self, app: &mut App) {
+        if !app.world().contains_resource::<MorphCollisions>() {
+            error!("MorphGizmosPlugin draws nothing without MorphCollisionPlugin: add it to the app");
+        }
+        if !app.world().contains_resource::<Assets<GizmoAsset>>() {
+            error!("MorphGizmosPlugin draws nothing without Bevy's GizmoPlugin: add it to the app");
+            // Bevy's systems for the group of gizmos panic without it.
+            app.init_resource::<Assets<GizmoAsset>>();
+        }
     }
 }
 

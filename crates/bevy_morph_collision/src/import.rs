@@ -1,11 +1,20 @@
-//! From Bevy's [`Mesh`] to a shared tree: read on the main thread, build in the background, hand out.
+//! From Bevy's [`Mesh`] to a shared tree: copied on the main thread, built in the background, handed out.
 
+mod bones;
+mod complaints;
+#[cfg(feature = "gltf")]
+mod gltf;
 mod mesh_data;
+mod mesh_tree;
 mod tree_settings;
 mod trees;
+mod users;
 
+pub(crate) use bones::warn_of_bones;
+#[cfg(feature = "gltf")]
+pub(crate) use gltf::repair_split_meshes;
 pub use mesh_data::ImportError;
-pub(crate) use mesh_data::triangle_corners;
 pub use tree_settings::{MorphTreeOptions, MorphTreeSettings, MorphVolume};
 pub use trees::MorphTrees;
-pub(crate) use trees::{TreeKey, finish_trees, follow_asset_events, hand_out_trees, request_trees, start_trees};
+pub(crate) use trees::{TreeKey, finish_trees, follow_asset_events, start_trees};
+pub(crate) use users::{Culls, drop_unused_trees, hand_out_trees, request_trees};

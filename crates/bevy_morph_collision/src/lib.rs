@@ -32,13 +32,15 @@
 //! Trees are kept in [`PostUpdate`](bevy::prelude::PostUpdate), and so by default is the rest, after animation and transform propagation; it can run
 //! in another schedule ([`MorphCollisionPlugin::in_schedule`]). In the order of [`MorphCollisionSystems`]:
 //!
-//! 1. **Import** (`scene`, `import`): parts of a [`MorphColliderScene`] become colliders; meshes become trees.
+//! 1. **Import** (`scene`, `every_mesh`, `import`): parts of a [`MorphColliderScene`] become colliders; meshes become trees. Before that,
+//!    while Bevy loads a glTF file, meshes without normals are repaired (feature `gltf`, on by default).
 //! 2. **Weights** (`weights`): every collider's pose takes the weights in force.
 //! 3. **Broad phase** (`broad_phase`): boxes around whole colliders in world space; pairs whose boxes overlap, and which
 //!    [`MorphCollisionLayers`] and [`CollisionMode`]s let through, go on.
 //! 4. **Narrow phase** (`narrow_phase`, `contacts`): exact triangle pairs and contacts, into [`MorphCollisions`].
-//! 5. **Events** (`events`): what started and ended since the last run; [`MorphCollidingEntities`].
-//! 6. **Anchors** (`anchors`): entities with a [`MorphSurfaceAnchor`] go where their triangle went.
+//! 5. **Events** (`events`, `changes`): what started and ended since the last run; [`MorphCollidingEntities`].
+//! 6. **Anchors** (`anchors`): entities with a [`MorphSurfaceAnchor`] go where their triangle is drawn; always in
+//!    [`PostUpdate`](bevy::prelude::PostUpdate).
 //!
 //! Each stage adds to [`MorphCollisionDiagnostics`]. Where nothing changed nothing is done: weights and places are compared by
 //! value, a pair of which neither collider changed keeps its answer, and a frame in which none did costs a look at each.
@@ -55,8 +57,9 @@
 //! # What it needs
 //!
 //! `AssetPlugin`, `MeshPlugin` and `TransformPlugin`, which are all among `DefaultPlugins`. Meshes must stay in main memory
-//! (`RenderAssetUsages::MAIN_WORLD`, which is the default) with uncompressed positions. Data that cannot be used is
-//! logged once as an error with the mesh's and the entity's name, and only that entity is left out.
+//! (`RenderAssetUsages::default()`, not `RENDER_WORLD` alone) with uncompressed positions. Data that cannot be used is
+//! logged once as an error with the mesh's and the entity's name, and only that entity is left out. Bones are ignored: a collider
+//! whose mesh has some is logged as a warning, once per mesh.
 #![forbid(unsafe_code)]
 // docs.rs says which feature has what.
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -66,14 +69,17 @@
 mod anchors;
 mod bounds;
 mod broad_phase;
+mod changes;
 mod collider;
 mod contacts;
 mod diagnostics;
 mod events;
+mod every_mesh;
 #[cfg(feature = "gizmos")]
 mod gizmos;
 mod import;
 mod layers;
+mod lent_poses;
 mod narrow_phase;
 #[cfg(feature = "picking")]
 mod picking;

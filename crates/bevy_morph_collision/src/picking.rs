@@ -7,13 +7,18 @@ use bevy::picking::backend::ray::RayMap;
 use bevy::picking::backend::{HitData, PointerHits};
 use bevy::picking::prelude::Pickable;
 use bevy::prelude::*;
-use tracing::debug;
+use tracing::{debug, error};
 
+use crate::contacts::MorphCollisions;
 use crate::spatial::{MorphQueryFilter, MorphRayHit, MorphSpatialQuery};
 
-/// A picking backend for Bevy: pointers hit [`MorphCollider`](crate::MorphCollider)s as they are morphed.
+/// A picking backend for Bevy: pointers hit the meshes of [`MorphCollider`](crate::MorphCollider)s as they are morphed.
 ///
-/// Heeds [`Pickable`], [`RenderLayers`] and visibility. Each hit carries a [`MorphPick`]; read it with `HitData::extra_as`.
+/// It heeds [`Pickable`], [`RenderLayers`] and visibility. Each hit carries a [`MorphPick`]; read it with `HitData::extra_as`.
+/// An entity with a [`MorphShape`](crate::MorphShape) is not hit, even if it has a mesh.
+///
+/// It needs [`MorphCollisionPlugin`](crate::MorphCollisionPlugin) and Bevy's picking plugins (`DefaultPickingPlugins`, among
+/// `DefaultPlugins`); an error in the log says which one is missing.
 ///
 /// Bevy's own `MeshPickingPlugin` picks morphing meshes in their rest pose. Leave it out, or set
 /// `MeshPickingSettings::require_markers` and mark only what does not morph.
@@ -43,7 +48,8 @@ pub struct MorphPickingSettings {
 }
 
 /// What a hit of [`MorphPickingPlugin`] tells beyond Bevy's [`HitData`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Debug, Clone, PartialEq)]
 pub struct MorphPick {
     /// The triangle's number in its mesh.
     pub triangle: u32,
@@ -67,7 +73,24 @@ impl Plugin for MorphPickingPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<MorphPickingSettings>()
             .register_type::<MorphPickingSettings>()
-            .add_systems(PreUpdate, hit_colliders.in_set(PickingSystems::Backend));
+            .register_type::<MorphPick>()
+            .add_systems(
+                PreUpdate,
+                hit_colliders
+                    .in_set(PickingSystems::Backend)
+                    .run_if(resource_exists::<RayMap>)
+                    .run_if(resource_exists::<Messages<PointerHits>>),
+            );
+    }
+
+    fn finish(&self, app: &mut App) {
+        let world = app.world();
+        if !world.contains_resource::<MorphCollisions>() {
+            error!("MorphPickingPlugin hits nothing without MorphCollisionPlugin: add it to the app");
+        }
+        if !world.contains_resource::<RayMap>() || !world.contains_resource::<Messages<PointerHits>>() {
+            error!("MorphPickingPlugin hits nothing without Bevy's DefaultPickingPlugins: add them to the app");
+        }
     }
 }
 

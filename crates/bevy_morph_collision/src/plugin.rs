@@ -9,15 +9,19 @@ use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 use bevy::transform::systems::{mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms};
 
-use crate::contacts::MorphCollisions;
+use crate::contacts::{MorphCollisions, MorphContact, MorphContactPoint};
 use crate::diagnostics::MorphCollisionDiagnostics;
 use crate::events::{MorphCollidingEntities, MorphCollisionEnd, MorphCollisionEventsEnabled, MorphCollisionStart};
 use crate::import::{MorphTreeOptions, MorphTreeSettings, MorphTrees, MorphVolume};
+use crate::spatial::{MorphClosestPoints, MorphContacts, MorphProjection, MorphQueryFilter, MorphRayHit};
 use crate::{
     CollisionMode, MorphBody, MorphCollider, MorphColliderDisabled, MorphColliderScene, MorphCollisionLayers,
     MorphCollisionSettings, MorphShape, MorphSurfaceAnchor,
 };
-use crate::{anchors, broad_phase, collider, diagnostics, events, import, narrow_phase, scene, settings, weights};
+use crate::{
+    anchors, broad_phase, changes, collider, diagnostics, events, every_mesh, import, narrow_phase, scene, settings,
+    weights,
+};
 
 /// Detects collisions between [`MorphCollider`]s every frame, in [`PostUpdate`].
 ///
@@ -35,7 +39,9 @@ impl MorphCollisionPlugin {
     /// The same plugin in another schedule than [`PostUpdate`], usually [`FixedPostUpdate`].
     ///
     /// Transforms are propagated there first, so that what moved in [`FixedUpdate`] is where it was moved to. Morph weights
-    /// are those that the last frame's animation left.
+    /// are those that the last frame's animation left. [Surface anchors](MorphSurfaceAnchor) still follow in [`PostUpdate`].
+    /// What [`MorphCollisions::started`] and [`MorphCollisions::ended`] show then is described
+    /// [there](MorphCollisions#what-started-and-ended).
     ///
     /// ```
     /// # use bevy::prelude::*;
@@ -64,7 +70,7 @@ pub enum MorphCollisionSystems {
     NarrowPhase,
     /// Reports what started and ended.
     Events,
-    /// Brings anchored entities to their places.
+    /// Brings anchored entities to their places on the surfaces as they are drawn; always in [`PostUpdate`], also while paused.
     Anchors,
 }
 
@@ -73,6 +79,9 @@ pub(crate) struct TreesPlugin;
 
 impl Plugin for TreesPlugin {
     fn build(&self, app: &mut App) {
+        // Now, before anything is loaded; or later, if the glTF plugin comes after this one.
+        #[cfg(feature = "gltf")]
+        import::repair_split_meshes(app);
         app.init_resource::<MorphTreeOptions>()
             .init_resource::<MorphTrees>()
             .configure_sets(
@@ -85,10 +94,20 @@ impl Plugin for TreesPlugin {
             )
             .add_systems(
                 PostUpdate,
-                (import::follow_asset_events, import::start_trees, import::finish_trees)
+                (
+                    import::follow_asset_events,
+                    import::start_trees,
+                    import::drop_unused_trees,
+                    import::finish_trees,
+                )
                     .chain()
                     .in_set(MorphCollisionSystems::Import),
             );
+    }
+
+    #[cfg(feature = "gltf")]
+    fn finish(&self, app: &mut App) {
+        import::repair_split_meshes(app);
     }
 }
 
@@ -118,36 +137,29 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .init_resource::<MorphCollisionDiagnostics>()
         .init_resource::<MorphCollisionSettings>()
         .init_resource::<diagnostics::Preparation>()
-        .init_resource::<scene::LookAgain>()
         .add_message::<MorphCollisionStart>()
         .add_message::<MorphCollisionEnd>()
         .add_observer(collider::forget_collider)
-        .add_observer(scene::forget_scene)
-        .add_observer(scene::look_again);
+        .add_observer(scene::forget_scene);
     register_types(app);
 
     use MorphCollisionSystems as Stage;
-    let stages = || {
-        (
-            Stage::Weights,
-            Stage::BroadPhase,
-            Stage::NarrowPhase,
-            Stage::Events,
-            Stage::Anchors,
-        )
-    };
-    app.configure_sets(schedule, stages().chain().run_if(settings::is_running));
-    if schedule == PostUpdate.intern() {
-        use VisibilitySystems::{CalculateBounds, CheckVisibility, UpdateFrusta};
-        app.configure_sets(schedule, stages().after(Stage::Import))
-            .configure_sets(
-                schedule,
+    let stages = || (Stage::Weights, Stage::BroadPhase, Stage::NarrowPhase, Stage::Events);
+    use VisibilitySystems::{CalculateBounds, CheckVisibility, UpdateFrusta};
+    app.configure_sets(schedule, stages().chain().run_if(settings::is_running))
+        .configure_sets(
+            PostUpdate,
+            Stage::Anchors
+                .after(Stage::Import)
+                .after(Stage::Events)
                 // Cameras and models may be anchored.
-                Stage::Anchors
-                    .before(CalculateBounds)
-                    .before(UpdateFrusta)
-                    .before(CheckVisibility),
-            );
+                .before(CalculateBounds)
+                .before(UpdateFrusta)
+                .before(CheckVisibility),
+        );
+    changes::follow_frames(app, schedule);
+    if schedule == PostUpdate.intern() {
+        app.configure_sets(schedule, stages().after(Stage::Import));
     } else {
         let propagate = (mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms);
         app.add_systems(
@@ -158,8 +170,8 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
     app.add_systems(
         PostUpdate,
         ((
-            scene::add_scene_parts,
-            scene::add_every_morphing_mesh,
+            scene::update_scene_parts,
+            every_mesh::update_every_morphing_mesh,
             import::request_trees,
         )
             .chain()
@@ -167,6 +179,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
             .before(import::start_trees),)
             .in_set(Stage::Import),
     )
+    .add_systems(PostUpdate, import::warn_of_bones.in_set(Stage::Import))
     .add_systems(
         schedule,
         (
@@ -178,9 +191,12 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
             (events::report_changes, events::list_colliding_entities)
                 .chain()
                 .in_set(Stage::Events),
-            anchors::follow_surfaces.in_set(Stage::Anchors),
+            changes::begin_empty_run
+                .before(Stage::Weights)
+                .run_if(not(settings::is_running)),
         ),
-    );
+    )
+    .add_systems(PostUpdate, anchors::follow_surfaces.in_set(Stage::Anchors));
 }
 
 fn register_types(app: &mut App) {
@@ -201,6 +217,13 @@ fn register_types(app: &mut App) {
         .register_type::<MorphCollisionSettings>()
         .register_type::<MorphCollisionDiagnostics>()
         .register_type::<MorphCollisions>()
+        .register_type::<MorphContact>()
+        .register_type::<MorphContactPoint>()
+        .register_type::<MorphRayHit>()
+        .register_type::<MorphProjection>()
+        .register_type::<MorphClosestPoints>()
+        .register_type::<MorphContacts>()
+        .register_type::<MorphQueryFilter>()
         .register_type::<MorphTrees>()
         .register_type::<MorphTreeOptions>();
 }

@@ -4,28 +4,39 @@ use bevy::platform::time::Instant;
 
 use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::{Allow, QueryData};
+use bevy::ecs::system::SystemParam;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 
-use crate::collider::{MorphBody, MorphCollider};
+use crate::collider::{MorphBody, MorphCollider, follows};
 use crate::diagnostics::Preparation;
 use crate::events::MorphCollisionEventsEnabled;
+use crate::every_mesh::Automatic;
 use crate::layers::MorphCollisionLayers;
-use crate::settings::MorphCollisionSettings;
 
-/// Put on the root of a scene: every mesh below becomes a [`MorphCollider`], and all of them are parts of one body.
+/// Put this on the root of a scene: every mesh below it becomes a [`MorphCollider`], and all of them are parts of one body.
 ///
-/// Works with scenes spawned from an asset (`WorldAssetRoot`) and with entities spawned by hand, whether the component or the
-/// meshes come first; meshes that appear later are found too. Parts of one body never collide with each other. A part
-/// that has a [`MorphCollider`] or [`MorphBody`] of its own keeps it. Removing this component makes its parts ordinary
-/// meshes again.
+/// It works with scenes spawned from an asset (`WorldAssetRoot`) and with entities spawned by hand, whether the component or the
+/// meshes come first. Meshes that appear later are found too. Parts of one body never collide with each other.
+///
+/// Edit or re-insert the component at any time: the parts follow. A mesh that no longer matches stops being a part, and one that
+/// matches now becomes a part. Removing the component makes all parts ordinary meshes again.
+///
+/// Components that you put on a part stay yours:
+///
+/// - A mesh that already has a [`MorphCollider`] joins the body with it, whatever its name, and keeps its collider, layers and
+///   events. [`MorphCollisionLayers`], [`MorphBody`] and [`MorphCollisionEventsEnabled`] that were there first stay as well.
+/// - A component that the scene added and that you then change or remove is left alone when the scene is edited.
+/// - When a part leaves the scene, what the scene added is removed: the collider even if you changed it since, layers and body only
+///   if you did not.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(Transform)]
 pub struct MorphColliderScene {
-    /// What the parts get.
+    /// The collider of each part.
     pub collider: MorphCollider,
-    /// The parts' layers.
+    /// The layers of each part.
     pub layers: MorphCollisionLayers,
     /// Whether to leave out meshes without [`MeshMorphWeights`]: the rigid ones.
     pub only_morphing: bool,
@@ -48,184 +59,227 @@ impl Default for MorphColliderScene {
     }
 }
 
-/// What a scene gave to one of its parts, and takes back.
-#[derive(Component)]
+/// What a scene gave to one of its parts; `None` where the part had its own.
+#[derive(Component, Clone, Copy, PartialEq)]
 pub(crate) struct ScenePart {
     root: Entity,
-    collider: bool,
-    body: bool,
+    collider: Option<MorphCollider>,
+    layers: Option<MorphCollisionLayers>,
+    body: Option<MorphBody>,
     events: bool,
 }
 
-/// Set when something came into the world unnoticed by change detection: all scenes are looked through.
-#[derive(Resource, Default)]
-pub(crate) struct LookAgain(bool);
-
-/// What is enabled again may have changed meanwhile.
-pub(crate) fn look_again(_: On<Remove<Disabled>>, mut look_again: ResMut<LookAgain>) {
-    look_again.0 = true;
+/// A mesh, or a part that was one.
+#[derive(QueryData)]
+pub(crate) struct PartNow {
+    entity: Entity,
+    part: Option<&'static ScenePart>,
+    is_mesh: Has<Mesh3d>,
+    morphs: Has<MeshMorphWeights>,
+    collider: Option<&'static MorphCollider>,
+    layers: Option<&'static MorphCollisionLayers>,
+    body: Option<&'static MorphBody>,
+    events: Has<MorphCollisionEventsEnabled>,
+    automatic: Option<&'static Automatic>,
 }
 
-/// What may be a new part of a scene, or lead to one.
-type PartNews = Or<(Added<Mesh3d>, Added<MeshMorphWeights>, Changed<ChildOf>, Changed<Name>)>;
+/// Meshes and parts, those of disabled entities included: they are up to date when they are enabled again.
+type PartQuery<'w, 's> = Query<'w, 's, PartNow, (Or<(With<Mesh3d>, With<ScenePart>)>, Allow<Disabled>)>;
 
-/// What a mesh has already: weights, a collider, a body.
-type PartHas = (Has<MeshMorphWeights>, Has<MorphCollider>, Has<MorphBody>);
+/// Changes that may make a mesh a part, or lead to one.
+type PartNews = (
+    Or<(
+        Added<Mesh3d>,
+        Added<MeshMorphWeights>,
+        Added<MorphCollider>,
+        Changed<ChildOf>,
+        Changed<Name>,
+        Changed<MorphColliderScene>,
+    )>,
+    Allow<Disabled>,
+);
 
-/// Meshes below a [`MorphColliderScene`] become colliders.
+/// Removals that do the same.
+#[derive(SystemParam)]
+pub(crate) struct PartRemovals<'w, 's> {
+    meshes: RemovedComponents<'w, 's, Mesh3d>,
+    weights: RemovedComponents<'w, 's, MeshMorphWeights>,
+    parents: RemovedComponents<'w, 's, ChildOf>,
+    names: RemovedComponents<'w, 's, Name>,
+    scenes: RemovedComponents<'w, 's, MorphColliderScene>,
+}
+
+impl PartRemovals<'_, '_> {
+    fn read(&mut self) -> impl Iterator<Item = Entity> {
+        let entities = self.meshes.read().chain(self.weights.read());
+        let entities = entities.chain(self.parents.read()).chain(self.names.read());
+        entities.chain(self.scenes.read())
+    }
+}
+
+/// Scenes and what hangs below them.
+#[derive(SystemParam)]
+pub(crate) struct Hierarchy<'w, 's> {
+    scenes: Query<'w, 's, &'static MorphColliderScene, Allow<Disabled>>,
+    names: Query<'w, 's, &'static Name, Allow<Disabled>>,
+    parents: Query<'w, 's, &'static ChildOf, Allow<Disabled>>,
+    children: Query<'w, 's, &'static Children, Allow<Disabled>>,
+}
+
+impl Hierarchy<'_, '_> {
+    /// An entity and its ancestors, nearest first.
+    fn path(&self, entity: Entity) -> impl Iterator<Item = Entity> {
+        std::iter::once(entity).chain(self.parents.iter_ancestors(entity))
+    }
+
+    /// The nearest scene root at or above an entity.
+    fn scene_root(&self, part: Entity) -> Option<Entity> {
+        self.path(part).find(|&entity| self.scenes.contains(entity))
+    }
+
+    /// Whether an entity, or one above it up to the scene's root, has one of some names. With no names, every entity does.
+    fn is_named(&self, part: Entity, root: Entity, wanted: &[String]) -> bool {
+        let is_one = |entity: Entity| {
+            let name = self.names.get(entity);
+            name.is_ok_and(|name| wanted.iter().any(|wanted| wanted == name.as_str()))
+        };
+        let below_root = self.path(part).take_while(|&entity| entity != root);
+        wanted.is_empty() || below_root.chain([root]).any(is_one)
+    }
+}
+
+/// Keeps the parts of every [`MorphColliderScene`] as the component says.
 ///
-/// Goes by what is new in the hierarchy rather than by a scene's "ready" event: this needs no scene feature of Bevy, and
+/// It goes by changes in the hierarchy rather than by a scene's "ready" event. This needs no scene feature of Bevy, and
 /// finds meshes however they got there.
-pub(crate) fn add_scene_parts(
+pub(crate) fn update_scene_parts(
     mut commands: Commands,
-    scenes: Query<&MorphColliderScene>,
-    changed_scenes: Query<Entity, Changed<MorphColliderScene>>,
-    all_scenes: Query<Entity, With<MorphColliderScene>>,
-    look_again: Res<LookAgain>,
+    hierarchy: Hierarchy,
     news: Query<Entity, PartNews>,
-    names: Query<&Name>,
-    parents: Query<&ChildOf>,
-    children: Query<&Children>,
-    meshes: Query<PartHas, With<Mesh3d>>,
-    parts: Query<(Entity, &ScenePart)>,
-    mut orphaned: RemovedComponents<ChildOf>,
+    mut removals: PartRemovals,
+    parts: PartQuery,
     mut preparation: ResMut<Preparation>,
 ) {
     let start = Instant::now();
-    let moved = !news.is_empty() || orphaned.read().count() > 0;
-    if moved || look_again.0 {
-        // Parts that hang on another scene now, or on none.
-        for (part, of) in parts
-            .iter()
-            .filter(|(part, of)| scene_root(*part, &scenes, &parents) != Some(of.root))
-        {
-            of.take_back(commands.entity(part));
+    let mut roots = EntityHashSet::default();
+    let mut anything = false;
+    for entity in news.iter().chain(removals.read()) {
+        anything = true;
+        roots.extend(hierarchy.scene_root(entity));
+    }
+    if anything {
+        let left = |part: &PartNowItem| part.part.is_some() && hierarchy.scene_root(part.entity).is_none();
+        for part in parts.iter().filter(left) {
+            part.take_back(&mut commands);
         }
     }
-    let mut roots: EntityHashSet = changed_scenes.iter().collect();
-    if !scenes.is_empty() {
-        roots.extend(news.iter().filter_map(|part| scene_root(part, &scenes, &parents)));
-    }
-    if look_again.0 {
-        roots.extend(&all_scenes);
-    }
     for root in roots {
-        let Ok(scene) = scenes.get(root) else { continue };
-        for part in std::iter::once(root).chain(children.iter_descendants(root)) {
-            let Ok((morphs, mut is_collider, mut has_body)) = meshes.get(part) else {
-                continue;
-            };
-            let before = parts.get(part).ok().map(|(_, before)| before);
-            if let Some(before) = before.filter(|before| before.root != root) {
-                // Taken back above.
-                (is_collider, has_body) = (is_collider && !before.collider, has_body && !before.body);
-            } else if before.is_some() {
-                continue;
-            }
+        let Ok(scene) = hierarchy.scenes.get(root) else {
+            continue;
+        };
+        for entity in std::iter::once(root).chain(hierarchy.children.iter_descendants(root)) {
+            let Ok(part) = parts.get(entity) else { continue };
             // A scene within a scene is a body of its own.
-            if scene_root(part, &scenes, &parents) != Some(root) || (scene.only_morphing && !morphs && !is_collider) {
-                continue;
-            }
-            if !is_collider && !is_named(part, root, &scene.only_named, &names, &parents) {
-                continue;
-            }
-            let mut part = commands.entity(part);
-            part.try_insert(ScenePart {
-                root,
-                collider: !is_collider,
-                body: !has_body,
-                events: !is_collider && scene.events,
-            });
-            if !is_collider {
-                part.try_insert((scene.collider, scene.layers));
-                if scene.events {
-                    part.try_insert(MorphCollisionEventsEnabled);
-                }
-            }
-            if !has_body {
-                part.try_insert(MorphBody(root));
+            if hierarchy.scene_root(entity) == Some(root) {
+                let is_named = hierarchy.is_named(entity, root, &scene.only_named);
+                part.update(root, scene, is_named, &mut commands);
             }
         }
     }
     preparation.0 += start.elapsed();
 }
 
-impl ScenePart {
-    fn take_back(&self, mut part: EntityCommands<'_>) {
-        part.try_remove::<Self>();
-        if self.collider {
-            part.try_remove::<(MorphCollider, MorphCollisionLayers)>();
+impl PartNowItem<'_, '_> {
+    /// Makes a mesh a part of a scene as the scene is now, or a mesh again.
+    fn update(&self, root: Entity, scene: &MorphColliderScene, is_named: bool, commands: &mut Commands) {
+        let before = self.part;
+        let gives = before.map_or(!self.has_own_collider(), |before| before.collider.is_some());
+        let matches = is_named && (self.morphs || !scene.only_morphing);
+        if !self.is_mesh || (gives && !matches) {
+            self.take_back(commands);
+            return;
         }
-        if self.body {
-            part.try_remove::<MorphBody>();
+        let mut entity = commands.entity(self.entity);
+        let new = before.is_none();
+        if new && gives {
+            // A scene decides before the setting for all meshes does.
+            entity.try_remove::<Automatic>();
         }
-        if self.events {
-            part.try_remove::<MorphCollisionEventsEnabled>();
+        let mut part = before.copied().unwrap_or_else(|| self.first(root, scene, gives));
+        part.root = root;
+        if let Some(given) = &mut part.collider
+            && follows(new, given, self.collider, scene.collider, MorphCollider::is_same)
+        {
+            entity.try_insert(scene.collider);
+        }
+        if let Some(given) = &mut part.layers
+            && follows(new, given, self.layers, scene.layers, PartialEq::eq)
+        {
+            entity.try_insert(scene.layers);
+        }
+        if let Some(given) = &mut part.body
+            && follows(new, given, self.body, MorphBody(root), PartialEq::eq)
+        {
+            entity.try_insert(MorphBody(root));
+        }
+        if part.events && !scene.events {
+            part.events = false;
+            entity.try_remove::<MorphCollisionEventsEnabled>();
+        } else if gives && scene.events && !part.events && !self.events {
+            part.events = true;
+            entity.try_insert(MorphCollisionEventsEnabled);
+        }
+        if before != Some(&part) {
+            entity.try_insert(part);
+        }
+    }
+
+    /// What a scene gives to a mesh that becomes a part: everything that the user has not put there.
+    fn first(&self, root: Entity, scene: &MorphColliderScene, gives: bool) -> ScenePart {
+        let automatic = self.automatic();
+        let gives_layers = gives && (self.layers.is_none() || automatic.gave_layers(self.layers));
+        let gives_body = self.body.is_none() || automatic.gave_body(self.body);
+        ScenePart {
+            root,
+            collider: gives.then(|| self.collider.copied().unwrap_or(scene.collider)),
+            layers: gives_layers.then(|| self.layers.copied().unwrap_or(scene.layers)),
+            body: gives_body.then(|| self.body.copied().unwrap_or(MorphBody(root))),
+            events: false,
+        }
+    }
+
+    fn has_own_collider(&self) -> bool {
+        self.collider.is_some() && !self.automatic().gave_collider(self.collider)
+    }
+
+    fn automatic(&self) -> Automatic {
+        self.automatic.copied().unwrap_or_default()
+    }
+
+    /// Makes a part an ordinary mesh.
+    fn take_back(&self, commands: &mut Commands) {
+        let Some(part) = self.part else { return };
+        let mut entity = commands.entity(self.entity);
+        entity.try_remove::<ScenePart>();
+        if part.collider.is_some() {
+            entity.try_remove::<MorphCollider>();
+        }
+        if part.layers.is_some() && part.layers.as_ref() == self.layers {
+            entity.try_remove::<MorphCollisionLayers>();
+        }
+        if part.body.is_some() && part.body.as_ref() == self.body {
+            entity.try_remove::<MorphBody>();
+        }
+        if part.events {
+            entity.try_remove::<MorphCollisionEventsEnabled>();
         }
     }
 }
 
-/// The nearest scene root at or above an entity.
-fn scene_root(part: Entity, scenes: &Query<&MorphColliderScene>, parents: &Query<&ChildOf>) -> Option<Entity> {
-    std::iter::once(part)
-        .chain(parents.iter_ancestors(part))
-        .find(|&entity| scenes.contains(entity))
-}
-
-/// Whether an entity, or one above it up to the scene's root, has one of some names; any will do if there are none.
-fn is_named(part: Entity, root: Entity, wanted: &[String], names: &Query<&Name>, parents: &Query<&ChildOf>) -> bool {
-    let mut path = std::iter::once(part).chain(parents.iter_ancestors(part));
-    let mut done = false;
-    wanted.is_empty()
-        || path.any(|entity| {
-            let is_one = !done
-                && names
-                    .get(entity)
-                    .is_ok_and(|name| wanted.iter().any(|w| w == name.as_str()));
-            done |= entity == root;
-            is_one
-        })
-}
-
-/// Meshes with morph weights that are no colliders yet and came, or were changed, since the last run.
-type LooseMorphs = (With<Mesh3d>, Without<MorphCollider>);
-
-/// With [`MorphCollisionSettings::every_morphing_mesh`] set, every morphing mesh becomes a collider; what hangs on one root of the
-/// hierarchy is one body.
-pub(crate) fn add_every_morphing_mesh(
-    mut commands: Commands,
-    settings: Res<MorphCollisionSettings>,
-    mut look_again: ResMut<LookAgain>,
-    fresh: Query<Entity, (LooseMorphs, Or<(Added<Mesh3d>, Added<MeshMorphWeights>)>)>,
-    all: Query<Entity, (LooseMorphs, With<MeshMorphWeights>)>,
-    bodies: Query<(), With<MorphBody>>,
-    parents: Query<&ChildOf>,
-) {
-    let again = std::mem::take(&mut look_again.bypass_change_detection().0);
-    let Some(collider) = settings.every_morphing_mesh else {
-        return;
-    };
-    let mut add = |mesh: Entity| {
-        let mut entity = commands.entity(mesh);
-        entity.try_insert(collider);
-        if !bodies.contains(mesh) {
-            entity.try_insert(MorphBody(parents.root_ancestor(mesh)));
-        }
-    };
-    if settings.is_changed() || again {
-        all.iter().for_each(&mut add);
-    } else {
-        fresh.iter().filter(|&mesh| all.contains(mesh)).for_each(&mut add);
-    }
-}
-
-/// Parts of a scene that collides no longer are what they were before it.
-pub(crate) fn forget_scene(
-    removed: On<Remove<MorphColliderScene>>,
-    parts: Query<(Entity, &ScenePart)>,
-    mut commands: Commands,
-) {
-    for (part, of) in parts.iter().filter(|(_, of)| of.root == removed.entity) {
-        of.take_back(commands.entity(part));
+/// When the scene component is removed, its parts become ordinary meshes again.
+pub(crate) fn forget_scene(removed: On<Remove<MorphColliderScene>>, parts: PartQuery, mut commands: Commands) {
+    let of_scene = |part: &PartNowItem| part.part.is_some_and(|of| of.root == removed.entity);
+    for part in parts.iter().filter(of_scene) {
+        part.take_back(&mut commands);
     }
 }

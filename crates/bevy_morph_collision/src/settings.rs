@@ -5,17 +5,49 @@ use bevy::prelude::*;
 use crate::collider::MorphCollider;
 
 /// What the plugin does, for the whole app. May be changed at any time.
-#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Debug, Default, Clone, PartialEq)]
 pub struct MorphCollisionSettings {
-    /// Nothing is looked at and nothing is reported; contacts stay as they are, and spatial queries answer from the last run.
+    /// Whether collision detection is paused: contacts stay as they are, nothing starts or ends, and spatial queries answer
+    /// from the last run. Surface anchors and morphed bounds go on following what is drawn.
     pub paused: bool,
-    /// How far pairs are apart is measured, and they are left alone until they could have come that far. Gains where bodies stay
-    /// close to each other and seldom touch, costs where they touch; off by default (`docs/tried.md`). No answer depends on it.
+    /// Remembers how far apart two colliders are, and skips the pair until they could have met. Helps where bodies stay close but
+    /// rarely touch; slower where they touch. Off by default (`docs/tried.md`). No answer depends on it, except which pairs a
+    /// [cut](crate::MorphContact::is_truncated) list has.
     pub separation_cache: bool,
-    /// Every mesh with morph weights becomes such a collider without being asked; all that hang on one root of the hierarchy
-    /// are one body.
+    /// Makes every mesh with morph weights a collider like this one. All meshes below one root are one body.
+    ///
+    /// A mesh that already is a collider stays as it is, and a [`MorphColliderScene`](crate::MorphColliderScene) decides about its own
+    /// parts. When you change this value, the colliders that came from it follow, except those that you changed yourself.
+    /// A collider that you removed does not come back. `None` removes all colliders that came from it, even if you changed
+    /// them since, and keeps all others.
     pub every_morphing_mesh: Option<MorphCollider>,
+    /// The most triangle pairs that one contact lists, and the most that mode
+    /// [`Contacts`](crate::CollisionMode::Contacts) makes its points from; [`MorphContact::is_truncated`](crate::MorphContact) tells
+    /// where there are more. At least one is always listed, and whether colliders touch does not depend on it. A new number counts
+    /// for pairs that are compared again because a collider of theirs changed.
+    ///
+    /// The default, 8192, is more than twice what two meshes of 20,480 triangles list while they pass through each other (3172 at most).
+    /// It bounds a frame in which bodies touch everywhere, such as two that were scaled to a point.
+    pub max_triangle_pairs: usize,
+}
+
+impl Default for MorphCollisionSettings {
+    fn default() -> Self {
+        Self {
+            paused: false,
+            separation_cache: false,
+            every_morphing_mesh: None,
+            max_triangle_pairs: 8192,
+        }
+    }
+}
+
+impl MorphCollisionSettings {
+    /// A contact without triangles would be none.
+    pub(crate) fn list_limit(&self) -> usize {
+        self.max_triangle_pairs.max(1)
+    }
 }
 
 /// Whether the plugin's systems run.

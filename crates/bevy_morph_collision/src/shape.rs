@@ -6,13 +6,19 @@ use morph_collision::{Aabb, PlacedShape, Shape, ShapeError, WorldFromShape};
 
 use crate::collider::MorphCollider;
 
-/// A rigid primitive shape that collides with morphing and rigid meshes, in place of a [`Mesh3d`].
+/// A rigid primitive shape that collides with morphing and rigid meshes. The default is a ball of radius 0.5.
+///
+/// On an entity that also has a [`Mesh3d`], the shape wins: the mesh does not collide, and no tree is built for it. Add or remove
+/// the shape at any time. When it is removed, the mesh collides as soon as its tree is ready.
+///
+/// Spatial queries, picking, [`MorphSurfaceAnchor`](crate::MorphSurfaceAnchor)s and `MorphRapierCollider` look at meshes that
+/// collide, so they do not see an entity with a shape. To pick its mesh, use Bevy's `MeshPickingPlugin`.
 ///
 /// Shapes are solid, and stand where the [`GlobalTransform`] says. A box takes its scale axis by axis, a capsule's length that
 /// along y; radii take the largest scale of the axes they are round about. What is sheared keeps its right angles. Two shapes never
-/// collide with each other: that is a physics engine's work. Spatial queries look at meshes only.
+/// collide with each other: that is a physics engine's work.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Component, Debug, Clone, PartialEq)]
+#[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(MorphCollider)]
 pub enum MorphShape {
     /// A ball around the origin.
@@ -37,6 +43,12 @@ pub enum MorphShape {
         /// The direction that is up; any length but 0.
         normal: Vec3,
     },
+}
+
+impl Default for MorphShape {
+    fn default() -> Self {
+        Self::Ball { radius: 0.5 }
+    }
 }
 
 impl MorphShape {

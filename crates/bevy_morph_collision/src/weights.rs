@@ -4,21 +4,54 @@ use bevy::platform::time::Instant;
 
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
-use morph_collision::Pose;
+use morph_collision::{Pose, WeightsError};
+use thiserror::Error;
 use tracing::{debug_span, error};
 
 use crate::collider::{ColliderState, MorphCollider};
 use crate::diagnostics::MorphCollisionDiagnostics;
+use crate::import::MorphTrees;
+
+/// How many runs in a row there may be another number of weights than of targets before that is called an error: a game that changes
+/// both need not do so in one frame.
+const PATIENCE: u8 = 10;
+
+/// What has been seen of weights that cannot be used, since the last ones that can.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct BadWeights {
+    /// How many runs in a row they did not fit the targets.
+    runs: u8,
+    /// Whether they have been reported.
+    logged: bool,
+}
+
+/// Why weights cannot be used.
+#[derive(Debug, Error)]
+pub(crate) enum WeightsProblem {
+    #[error(transparent)]
+    Refused(#[from] WeightsError),
+    #[error("entity {0}, which it refers to, has no MorphWeights")]
+    NoSource(Entity),
+}
+
+impl WeightsProblem {
+    /// Whether weights and targets are of different numbers, as they may be while both are changed.
+    pub(crate) fn is_count(&self) -> bool {
+        matches!(self, Self::Refused(WeightsError::WrongCount { .. }))
+    }
+}
 
 /// Every pose takes the weights its mesh is drawn with.
 ///
 /// Weights are compared by value: change detection fires every frame while an animation player exists. Without
-/// [`MeshMorphWeights`] a mesh is drawn, and collides, in its rest pose. Weights that do not fit are logged once, until they
-/// fit again, and the last good ones stay in force.
+/// [`MeshMorphWeights`] a mesh is drawn, and collides, in its rest pose. Weights that cannot be used are logged once, until they
+/// can be used again, and the last good ones stay in force. A wrong number of them is logged when it has lasted for a few runs, and
+/// not while another tree of the mesh is being built.
 pub(crate) fn read_weights(
     mut colliders: Query<(Entity, &mut ColliderState, Option<&MeshMorphWeights>), With<MorphCollider>>,
     names: Query<NameOrEntity>,
     shared: Query<&MorphWeights>,
+    trees: Res<MorphTrees>,
     mut rest: Local<Vec<f32>>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
@@ -26,22 +59,35 @@ pub(crate) fn read_weights(
     let _span = debug_span!("morph_collision::weights").entered();
     for (entity, mut state, weights) in &mut colliders {
         let state = &mut *state;
-        let Some(pose) = &mut state.pose else { continue };
+        let Some(pose) = &mut state.pose else {
+            state.bad_weights.runs = 0;
+            continue;
+        };
         if pose.weights().is_empty() {
             continue;
         }
         match take_weights(pose, weights, &shared, &mut rest) {
             Ok(changed) => {
-                state.bad_weights = false;
+                state.bad_weights = BadWeights::default();
                 state.reposed |= changed;
                 state.changed |= changed;
             }
-            Err(error) if !state.bad_weights => {
-                state.bad_weights = true;
-                let name = names.get(entity).map(|name| name.to_string()).unwrap_or_default();
-                error!("morph weights of entity `{name}` cannot be used: {error}; the last good ones stay in force");
+            Err(problem) => {
+                let bad = &mut state.bad_weights;
+                if problem.is_count() && !bad.logged {
+                    let is_coming = state.tree.is_some_and(|key| trees.is_coming(key));
+                    bad.runs = if is_coming { 0 } else { bad.runs + 1 };
+                    if bad.runs <= PATIENCE {
+                        continue;
+                    }
+                }
+                if !std::mem::replace(&mut bad.logged, true) {
+                    let name = names.get(entity).map(|name| name.to_string()).unwrap_or_default();
+                    error!(
+                        "morph weights of entity `{name}` cannot be used: {problem}; the last good ones stay in force"
+                    );
+                }
             }
-            Err(_) => {}
         }
     }
     diagnostics.duration += start.elapsed();
@@ -53,12 +99,12 @@ pub(crate) fn take_weights(
     weights: Option<&MeshMorphWeights>,
     shared: &Query<&MorphWeights>,
     rest: &mut Vec<f32>,
-) -> Result<bool, String> {
+) -> Result<bool, WeightsProblem> {
     let given = match weights {
         Some(MeshMorphWeights::Value { weights }) => weights.as_slice(),
         Some(&MeshMorphWeights::Reference(source)) => match shared.get(source) {
             Ok(weights) => weights.weights(),
-            Err(_) => return Err(format!("entity {source}, which it refers to, has no MorphWeights")),
+            Err(_) => return Err(WeightsProblem::NoSource(source)),
         },
         None => {
             rest.clear();
@@ -66,5 +112,5 @@ pub(crate) fn take_weights(
             rest
         }
     };
-    pose.set_weights(given).map_err(|error| error.to_string())
+    Ok(pose.set_weights(given)?)
 }

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
-use morph_collision_testkit::gltf_read::ReadError;
+use morph_collision_testkit::gltf_read::{ReadError, Remedy};
 use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::moments::AnswerError;
 use morph_collision_testkit::rivals::{PoseError, SetUpError};
@@ -14,9 +14,9 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 pub(crate) enum CliError {
     /// Boxed, being by far the largest.
-    #[error(transparent)]
+    #[error("{}{}", .0, Remedy::hint(.0.remedy()))]
     Read(Box<ReadError>),
-    #[error(transparent)]
+    #[error("{}{}", .0, Remedy::hint(over_limit(matches!(.0, SceneError::OverBudget { .. }))))]
     Scene(#[from] SceneError),
     #[error("{}: no usable mesh: {reason}", file.display())]
     NoUsableMesh { file: PathBuf, reason: String },
@@ -28,7 +28,7 @@ pub(crate) enum CliError {
         mesh: usize,
         count: usize,
     },
-    #[error("{}: mesh {mesh} \"{name}\": {reason}", file.display())]
+    #[error("{}: mesh {mesh} \"{name}\": {reason}{}", file.display(), Remedy::hint(reason.remedy()))]
     Mesh {
         file: PathBuf,
         mesh: usize,
@@ -44,6 +44,22 @@ pub(crate) enum CliError {
         body: usize,
         reason: PoseError,
     },
+    #[error(
+        "{}: frame {frame}, bodies {body_a} and {body_b}: more than {most} pairs of triangles, for which the memory limit has no room; raise --memory-limit or use --mode first",
+        scene.display()
+    )]
+    TooManyPairs {
+        scene: PathBuf,
+        frame: usize,
+        body_a: u32,
+        body_b: u32,
+        most: usize,
+    },
+    #[error(
+        "{}: mesh {mesh} intersects itself in more than {most} pairs of triangles, for which the memory limit has no room; raise --memory-limit",
+        file.display()
+    )]
+    TooManySelfPairs { file: PathBuf, mesh: usize, most: usize },
     /// A situation drawn for `verify` that the mesh does not bear: its coordinates are too large.
     #[error("{}: mesh {mesh} \"{name}\": {reason}", file.display())]
     Situation {
@@ -61,6 +77,10 @@ pub(crate) enum CliError {
     Write { file: PathBuf, reason: io::Error },
     #[error("cannot write to stdout: {0}")]
     Stdout(io::Error),
+}
+
+fn over_limit(is: bool) -> Option<Remedy> {
+    is.then_some(Remedy::MoreMemory)
 }
 
 impl From<ReadError> for CliError {

@@ -3,17 +3,21 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::inspect::FileReport;
 
 use crate::error::CliError;
+use crate::model_file::FileArgs;
 use crate::output;
 
 /// Show the meshes of a glTF file: sizes, targets, ranges of animated weights, and the tree each mesh gets.
+///
+/// Broken meshes are listed with their error. The exit code is 2 if no mesh can collide.
 #[derive(Debug, Args)]
 pub(crate) struct InspectArgs {
     /// A .glb or .gltf file.
     model: PathBuf,
+    #[command(flatten)]
+    files: FileArgs,
     /// Print one JSON object instead of tables.
     #[arg(long)]
     json: bool,
@@ -21,8 +25,8 @@ pub(crate) struct InspectArgs {
 
 /// Reports every mesh of the file; an unusable mesh is shown with its error, and only if all are so is that an error.
 pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
-    let meshes = read_meshes(&args.model)?;
-    let report = FileReport::new(&args.model, &meshes);
+    let file = args.files.open(&args.model)?;
+    let report = FileReport::read(&file);
     if args.json {
         output::print_json(&report)?;
     } else {

@@ -11,6 +11,8 @@ mod error;
 mod inspect;
 mod model_file;
 mod output;
+mod output_file;
+mod picture;
 mod progress;
 mod query;
 mod run;
@@ -55,7 +57,7 @@ fn main() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) if error.use_stderr() => {
-            output::complain(error.render());
+            output::complain_at_length(error.render());
             return ExitCode::from(2);
         }
         // `--help` and `--version` come this way; a reader that has gone away needs no answer.

@@ -1,20 +1,171 @@
-//! One mesh of a model file, as flags name it.
+//! Model files, as commands open them: how much memory they may take, where they may lead, and one mesh of them as flags name it.
 
 use std::path::Path;
 
-use morph_collision_testkit::gltf_read::read_meshes;
+use clap::Args;
+use morph_collision_testkit::gltf_read::{FoundMesh, GltfFile, ReadOptions};
+use morph_collision_testkit::inspect::MeshError;
+use morph_collision_testkit::memory::{self, MemoryBudget};
 use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::printable::Printable;
 
 use crate::error::CliError;
+use crate::output;
 
-/// Reads the mesh `mesh`, which `flag` gave, of a glTF file.
-pub(crate) fn read_mesh(model: &Path, mesh: usize, flag: &'static str) -> Result<MorphMesh, CliError> {
-    let mut meshes = read_meshes(model)?;
-    if mesh >= meshes.len() {
-        return Err(CliError::Flag {
-            flag,
-            reason: format!("{} has no mesh {mesh}, only {}", model.display(), meshes.len()),
-        });
+/// How far commands trust the files they read.
+#[derive(Debug, Args)]
+pub(crate) struct FileArgs {
+    /// The most memory that a file may take, or all models of a scene together, with the trees made of them: a number and B, KiB, MiB, GiB or TiB.
+    ///
+    /// Files can claim far more than they store. It is counted, on the high side, before it is taken.
+    /// 1GiB by default.
+    #[arg(long, value_name = "SIZE", value_parser = size)]
+    memory_limit: Option<u64>,
+    /// Allow devices and pipes, and buffers anywhere: absolute paths, `..`, `file:` URIs, symbolic links.
+    ///
+    /// Without it, a model's buffers have to be regular files in its own directory or below.
+    #[arg(long)]
+    allow_any_path: bool,
+}
+
+impl FileArgs {
+    pub(crate) fn memory_limit(&self) -> u64 {
+        self.memory_limit.unwrap_or(memory::DEFAULT_LIMIT)
     }
-    Ok(meshes.swap_remove(mesh))
+
+    /// Refuses options about files where no file is named.
+    pub(crate) fn refuse_without_files(&self) -> Result<(), CliError> {
+        for (flag, given) in [
+            ("--memory-limit", self.memory_limit.is_some()),
+            ("--allow-any-path", self.allow_any_path),
+        ] {
+            if given {
+                let reason = "no model is named, so it has no effect; name a model or leave it out".to_owned();
+                return Err(CliError::Flag { flag, reason });
+            }
+        }
+        Ok(())
+    }
+
+    /// Opens a model file.
+    pub(crate) fn open(&self, model: &Path) -> Result<GltfFile, CliError> {
+        self.open_within(model, &MemoryBudget::new(self.memory_limit()))
+    }
+
+    /// Opens a model file that shares a budget with others.
+    pub(crate) fn open_within(&self, model: &Path, budget: &MemoryBudget) -> Result<GltfFile, CliError> {
+        let options = ReadOptions {
+            memory_limit: self.memory_limit(),
+            any_path: self.allow_any_path,
+        };
+        Ok(GltfFile::open_within(model, &options, budget.clone())?)
+    }
+
+    /// Opens a model file and reads the mesh `mesh` of it, which `flag` gave.
+    pub(crate) fn open_mesh(
+        &self,
+        model: &Path,
+        mesh: usize,
+        flag: &'static str,
+    ) -> Result<(GltfFile, MorphMesh), CliError> {
+        let file = self.open(model)?;
+        let count = file.mesh_count();
+        if mesh >= count {
+            return Err(CliError::Flag {
+                flag,
+                reason: format!("{} has no mesh {mesh}, only {count}", model.display()),
+            });
+        }
+        let mesh = read_mesh(&file, mesh)?;
+        Ok((file, mesh))
+    }
+}
+
+/// Reads a mesh that is to collide, without its clips. Says so on stderr if it is skinned.
+pub(crate) fn read_mesh(file: &GltfFile, index: usize) -> Result<MorphMesh, CliError> {
+    let found = file.mesh(index)?;
+    let FoundMesh { mesh, skinned, .. } = match found.check_triangles() {
+        Ok(_) => found,
+        Err(reason) => return Err(mesh_error(file, index, reason)),
+    };
+    if skinned {
+        let name = Printable(&mesh.name);
+        output::complain(format_args!(
+            "warning: {}: mesh {index} \"{name}\" is skinned; collisions ignore bones, so it collides in its bind pose",
+            file.path().display()
+        ));
+    }
+    Ok(mesh)
+}
+
+/// Counts `bytes` for data derived from a mesh against the file's memory budget.
+pub(crate) fn count_memory(
+    file: &GltfFile,
+    index: usize,
+    bytes: u64,
+    what: impl FnOnce() -> String,
+) -> Result<(), CliError> {
+    let taken = file.budget().take(bytes, 1, what);
+    taken.map_err(|over| mesh_error(file, index, over.into()))
+}
+
+/// Adds the clips of a mesh, every one of which has to be sound.
+pub(crate) fn read_clips(file: &GltfFile, index: usize, mesh: &mut MorphMesh) -> Result<(), CliError> {
+    let clips = file.clips(index, mesh.targets.len());
+    if let Some(broken) = clips.broken.into_iter().next() {
+        return Err(broken.into());
+    }
+    mesh.animations = clips.clips;
+    Ok(())
+}
+
+fn mesh_error(file: &GltfFile, mesh: usize, reason: MeshError) -> CliError {
+    CliError::Mesh {
+        file: file.path().to_owned(),
+        mesh,
+        name: file.mesh_name(mesh),
+        reason,
+    }
+}
+
+fn size(text: &str) -> Result<u64, String> {
+    const UNITS: [(&str, u64); 5] = [
+        ("KiB", 1 << 10),
+        ("MiB", 1 << 20),
+        ("GiB", 1 << 30),
+        ("TiB", 1 << 40),
+        ("B", 1),
+    ];
+    let wrong = || "expected a whole number and B, KiB, MiB, GiB or TiB, such as 4GiB".to_owned();
+    let unit = |(unit, bytes): (&str, u64)| {
+        let at = text.len().checked_sub(unit.len())?;
+        let (number, end) = text.split_at_checked(at)?;
+        end.eq_ignore_ascii_case(unit).then_some((number, bytes))
+    };
+    let (number, bytes) = UNITS.into_iter().find_map(unit).unwrap_or((text, 1));
+    let number: u64 = number.trim_end().parse().map_err(|_| wrong())?;
+    number.checked_mul(bytes).ok_or_else(wrong)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_numbers_with_a_unit() {
+        for (text, bytes) in [
+            ("17", 17),
+            ("17B", 17),
+            ("3KiB", 3072),
+            ("2mib", 2 << 20),
+            ("4 GiB", 4 << 30),
+            ("0", 0),
+            ("1TiB", 1 << 40),
+        ] {
+            assert_eq!(size(text), Ok(bytes), "{text}");
+        }
+        for text in ["", "GiB", "-1", "1.5GiB", "1GB", "99999999999999TiB", "1é"] {
+            assert!(size(text).is_err(), "{text}");
+        }
+    }
 }

@@ -1,14 +1,27 @@
 //! Writing to stdout and stderr without ever panicking: either may be a pipe whose reader has left.
+//!
+//! Names from files are escaped on the way: nothing that a terminal obeys gets through.
 
-use std::fmt::Display;
+use std::fmt::{Display, Write as _};
 use std::io::{self, Write};
 
+use morph_collision_testkit::printable::{Printable, is_printable};
 use serde::Serialize;
 
 use crate::error::CliError;
 
-/// Writes one report to stdout.
+/// Writes one report to stdout. Its lines are the caller's; whatever else is not printable is escaped.
 pub(crate) fn print(text: &str) -> Result<(), CliError> {
+    write(&printable_lines(text))
+}
+
+/// Writes one JSON object and a line end to stdout.
+pub(crate) fn print_json(report: &impl Serialize) -> Result<(), CliError> {
+    let text = serde_json::to_string_pretty(report).map_err(|error| CliError::Stdout(error.into()))?;
+    write(&printable_json(&text))
+}
+
+fn write(text: &str) -> Result<(), CliError> {
     let mut stdout = io::stdout().lock();
     stdout
         .write_all(text.as_bytes())
@@ -16,15 +29,59 @@ pub(crate) fn print(text: &str) -> Result<(), CliError> {
         .map_err(CliError::Stdout)
 }
 
-/// Writes one JSON object and a line end to stdout.
-pub(crate) fn print_json(report: &impl Serialize) -> Result<(), CliError> {
-    let mut text = serde_json::to_string_pretty(report).map_err(|error| CliError::Stdout(error.into()))?;
-    text.push('\n');
-    print(&text)
-}
-
-/// Writes a message to stderr under the program's name; if that fails there is nobody left to tell.
+/// Writes a message of one line to stderr under the program's name; if that fails there is nobody left to tell.
 pub(crate) fn complain(message: impl Display) {
     let text = message.to_string();
-    let _ = writeln!(io::stderr().lock(), "morph-collide: {}", text.trim_end());
+    let _ = writeln!(io::stderr().lock(), "morph-collide: {}", Printable(text.trim_end()));
+}
+
+/// As [`complain`] with a message of several lines.
+pub(crate) fn complain_at_length(message: impl Display) {
+    let text = message.to_string();
+    let _ = write!(
+        io::stderr().lock(),
+        "morph-collide: {}",
+        printable_lines(text.trim_end())
+    );
+}
+
+/// Every line escaped and ended.
+fn printable_lines(text: &str) -> String {
+    let mut lines = String::with_capacity(text.len());
+    for line in text.lines() {
+        // Writing to a string cannot fail.
+        let _ = writeln!(lines, "{}", Printable(line));
+    }
+    lines
+}
+
+/// JSON with unprintable characters as `\u` escapes (they only occur in strings), and a line end.
+fn printable_json(json: &str) -> String {
+    let mut text = String::with_capacity(json.len() + 1);
+    for c in json.chars() {
+        if c == '\n' || is_printable(c) {
+            text.push(c);
+        } else {
+            for unit in c.encode_utf16(&mut [0; 2]) {
+                let _ = write!(text, "\\u{unit:04x}");
+            }
+        }
+    }
+    text.push('\n');
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn json_stays_the_same_and_shows_no_invisible_characters() -> Result<(), serde_json::Error> {
+        let names = ["tête", "a\u{9b}31m", "b\u{202e}c", "\u{e0041}", "\x7f\x1b\n\"\\"];
+        let json = printable_json(&serde_json::to_string_pretty(&names)?);
+        assert!(json.chars().all(|c| c == '\n' || is_printable(c)), "{json:?}");
+        let back: Vec<String> = serde_json::from_str(&json)?;
+        assert_eq!(back, names);
+        Ok(())
+    }
 }

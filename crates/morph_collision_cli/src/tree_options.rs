@@ -18,6 +18,11 @@ pub(crate) struct TreeArgs {
 }
 
 impl TreeArgs {
+    /// Whether arity, leaf size and split were given.
+    pub(crate) fn given(&self) -> (bool, bool, bool) {
+        (self.arity.is_some(), self.leaf.is_some(), self.split.is_some())
+    }
+
     pub(crate) fn build(&self) -> BuildOptions {
         let mut options = BuildOptions::default();
         if let Some(arity) = self.arity {

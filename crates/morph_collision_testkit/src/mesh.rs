@@ -3,11 +3,13 @@
 use std::ops::Range;
 
 use glam::Vec3;
-use morph_collision::{ModelError, MorphModel};
+use morph_collision::{ModelError, MorphModel, VolumeKind};
+
+pub use crate::clip::WeightAnimation;
 
 /// A mesh with dense displacements, in model space.
 ///
-/// Nothing here is checked: [`MorphMesh::to_model`] is the door where it is.
+/// Nothing here is checked: [`MorphMesh::to_model`] validates it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MorphMesh {
     /// The mesh's name; a reader makes one up where the file has none.
@@ -18,7 +20,7 @@ pub struct MorphMesh {
     pub triangles: Vec<[u32; 3]>,
     /// One name per target.
     pub target_names: Vec<String>,
-    /// One list of displacements per target, each as long as `positions`.
+    /// One list of displacements per target, each as long as `positions`, or empty where the target moves nothing.
     pub targets: Vec<Vec<Vec3>>,
     /// The parts (a material each, usually) as ranges of triangle indices, in order.
     pub primitives: Vec<Range<u32>>,
@@ -69,8 +71,10 @@ impl MorphMesh {
     /// The positions where target `target` alone has weight 1; the base for a target that does not exist.
     pub fn reference(&self, target: usize) -> Vec<Vec3> {
         match self.targets.get(target) {
-            Some(displacements) => self.positions.iter().zip(displacements).map(|(&b, &d)| b + d).collect(),
-            None => self.positions.clone(),
+            Some(displacements) if !displacements.is_empty() => {
+                self.positions.iter().zip(displacements).map(|(&b, &d)| b + d).collect()
+            }
+            _ => self.positions.clone(),
         }
     }
 
@@ -87,52 +91,46 @@ impl MorphMesh {
         posed
     }
 
+    /// About the most that a tree of the mesh takes in memory while it is built, with its model, in bytes.
+    ///
+    /// Looks at every displacement. Measured on meshes of random points, all of which every target moves, and rounded up.
+    pub fn tree_bytes(&self, volume: VolumeKind) -> u64 {
+        let moving = |displacements: &Vec<Vec3>| displacements.iter().filter(|d| **d != Vec3::ZERO).count() as u64;
+        let displacements: u64 = self.targets.iter().map(moving).sum();
+        let (vertices, triangles) = (self.positions.len() as u64, self.triangles.len() as u64);
+        // As many boxes as the volume has axes for.
+        let boxes = match volume {
+            VolumeKind::Aabb => 1,
+            VolumeKind::Sphere => 2,
+            VolumeKind::Kdop14 | VolumeKind::Kdop18 => 3,
+            _ => 5,
+        };
+        vertices * 64 + boxes * (triangles * 160 + displacements * 80) + self.targets.len() as u64 * 64
+    }
+
+    /// About the most that a body of the mesh takes beside its tree, in bytes: a pose, or, for methods that have one, a tree over blended vertices.
+    pub fn body_bytes(&self, has_tree: bool) -> u64 {
+        let (vertices, triangles) = (self.positions.len() as u64, self.triangles.len() as u64);
+        if has_tree {
+            vertices * 64 + triangles * 160
+        } else {
+            vertices * 24 + triangles * 24
+        }
+    }
+
     /// The immutable model the collision tree is built from.
     ///
     /// # Errors
     /// As [`MorphModel::from_displacements`]: the first bad vertex, triangle or target by index.
     pub fn to_model(&self) -> Result<MorphModel, ModelError> {
-        MorphModel::from_displacements(&self.positions, &self.triangles, &self.targets)
-    }
-}
-
-/// A clip: keys of one weight vector each, linear in between, looping.
-///
-/// Two keys at the same time are a jump; that is how stepped animation is kept.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct WeightAnimation {
-    /// The clip's name.
-    pub name: String,
-    /// Key times in seconds, ascending.
-    pub times: Vec<f32>,
-    /// One weight vector per key.
-    pub weights: Vec<Vec<f32>>,
-}
-
-impl WeightAnimation {
-    /// The length of one loop in seconds: the time of the last key.
-    pub fn duration(&self) -> f32 {
-        self.times.last().copied().unwrap_or(0.0)
-    }
-
-    /// The weights at `time` seconds, looping; before the first key the first key holds.
-    ///
-    /// At the very end of a loop its beginning is returned. A clip without keys gives no weights.
-    pub fn sample(&self, time: f32) -> Vec<f32> {
-        let duration = self.duration();
-        let wrapped = if duration > 0.0 { time.rem_euclid(duration) } else { 0.0 };
-        // `rem_euclid` of a tiny negative time rounds up to the duration itself, which is the loop's beginning.
-        let time = if wrapped < duration { wrapped } else { 0.0 };
-        let next = self.times.partition_point(|&key| key <= time);
-        let (Some(after), Some(&end)) = (self.weights.get(next), self.times.get(next)) else {
-            return self.weights.last().cloned().unwrap_or_default();
-        };
-        let Some(previous) = next.checked_sub(1) else {
-            return after.clone();
-        };
-        let (before, start) = (&self.weights[previous], self.times[previous]);
-        let t = (time - start) / (end - start);
-        before.iter().zip(after).map(|(&a, &b)| a + (b - a) * t).collect()
+        let any_empty = self.targets.iter().any(Vec::is_empty);
+        let zeros = vec![Vec3::ZERO; if any_empty { self.positions.len() } else { 0 }];
+        let in_full = self
+            .targets
+            .iter()
+            .map(|target| if target.is_empty() { &zeros } else { target });
+        let targets: Vec<&[Vec3]> = in_full.map(Vec::as_slice).collect();
+        MorphModel::from_displacements(&self.positions, &self.triangles, &targets)
     }
 }
 
@@ -140,47 +138,26 @@ impl WeightAnimation {
 mod tests {
     use super::*;
 
-    fn clip(times: &[f32], weights: &[f32]) -> WeightAnimation {
-        WeightAnimation {
-            name: "clip".into(),
-            times: times.to_vec(),
-            weights: weights.iter().map(|&w| vec![w]).collect(),
-        }
-    }
-
-    #[test]
-    fn sampling_is_linear_between_keys_and_loops() {
-        let clip = clip(&[0.0, 1.0, 2.0], &[0.0, 1.0, 0.0]);
-        assert_eq!(clip.sample(0.25), [0.25]);
-        assert_eq!(clip.sample(1.5), [0.5]);
-        assert_eq!(clip.sample(2.25), [0.25]);
-        assert_eq!(clip.sample(-0.5), [0.5]);
-    }
-
-    #[test]
-    fn the_first_key_holds_before_its_time() {
-        assert_eq!(clip(&[1.0, 2.0], &[3.0, 5.0]).sample(0.5), [3.0]);
-    }
-
-    #[test]
-    fn two_keys_at_one_time_are_a_jump() {
-        let clip = clip(&[0.0, 1.0, 1.0, 2.0], &[0.0, 0.0, 1.0, 1.0]);
-        assert_eq!(clip.sample(0.999), [0.0]);
-        assert_eq!(clip.sample(1.0), [1.0]);
-    }
-
-    #[test]
-    fn clips_of_one_key_or_none_do_not_panic() {
-        assert_eq!(clip(&[0.0], &[2.0]).sample(7.0), [2.0]);
-        assert!(clip(&[], &[]).sample(7.0).is_empty());
-        assert_eq!(clip(&[0.0, 1.0], &[2.0, 3.0]).sample(f32::NAN), [2.0]);
-    }
-
     #[test]
     fn posing_with_one_full_weight_gives_the_reference() {
         let references = [vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![Vec3::Z, Vec3::X, Vec3::ONE]];
         let mesh = MorphMesh::from_references("m", &references, vec![[0, 1, 2]], &["up"]);
         assert_eq!(mesh.posed(&[1.0]), references[1]);
         assert_eq!(mesh.reference(0), references[1]);
+    }
+
+    #[test]
+    fn an_empty_target_moves_nothing() -> Result<(), ModelError> {
+        let mut mesh = MorphMesh::rigid("m", vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]);
+        mesh.targets = vec![Vec::new(), vec![Vec3::Z; 3]];
+        assert_eq!(mesh.reference(0), mesh.positions);
+        assert_eq!(mesh.posed(&[5.0, 1.0]), mesh.reference(1));
+        let model = mesh.to_model()?;
+        assert_eq!([0, 1].map(|target| model.displaced_vertex_count(target)), [0, 3]);
+        assert_eq!(
+            crate::oracle::posed_vertices(&mesh.positions, &mesh.targets, &[5.0, 1.0]),
+            mesh.reference(1)
+        );
+        Ok(())
     }
 }

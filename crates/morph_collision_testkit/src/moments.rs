@@ -218,22 +218,25 @@ pub fn of_two(mesh: &MorphMesh, weights: impl Fn(usize, usize) -> f32) -> Moment
     Moment::pair(&mesh.name, mesh, bodies)
 }
 
-/// Where a real model by other people lies, beside the repository; `None`, with a printed reason, where it is absent.
-pub fn shared_model(name: &str) -> Option<PathBuf> {
-    let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/models")).join(name);
-    if path.is_file() {
-        return Some(path);
+/// The path of a real model by other people: in `assets/`, where the head always is, or in the folder of models beside the repository.
+/// `None`, with a printed reason, where neither has it.
+pub fn real_model(name: &str) -> Option<PathBuf> {
+    let repository = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    let paths = ["assets", "../shared/models"].map(|folder| repository.join(folder).join(name));
+    if let Some(path) = paths.iter().find(|path| path.is_file()) {
+        return Some(path.clone());
     }
-    println!("skipped: there is no {}", path.display());
+    let [_, beside] = paths;
+    println!("skipped: there is no {name} in assets/, and no {}", beside.display());
     None
 }
 
-/// [`of_two`] of the first mesh of a [`shared_model`].
+/// [`of_two`] of the first mesh of a [`real_model`].
 ///
 /// # Errors
 /// A file that is there and cannot be read.
-pub fn from_shared_model(name: &str, weights: impl Fn(usize, usize) -> f32) -> Result<Option<Moment>, Box<ReadError>> {
-    let Some(path) = shared_model(name) else {
+pub fn from_real_model(name: &str, weights: impl Fn(usize, usize) -> f32) -> Result<Option<Moment>, Box<ReadError>> {
+    let Some(path) = real_model(name) else {
         return Ok(None);
     };
     let meshes = read_meshes(&path).map_err(Box::new)?;

@@ -1,4 +1,4 @@
-//! Instances of one glTF file: loaded, repaired where they need it, measured, and in motion.
+//! Instances of one glTF file: loaded, measured, and in motion.
 
 use std::path::{Path, PathBuf};
 
@@ -9,11 +9,9 @@ use bevy::gltf::Gltf;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::scenes::dolphins::phase;
 
 use crate::app::is_loaded;
-use crate::displacements::spread_over_split_vertices;
 use crate::error::ExampleError;
 use crate::instances::{self, THICKNESS_ON_LANES};
 use crate::view::clock::{Clock, Pending, Trouble, started};
@@ -25,7 +23,7 @@ pub(super) struct Group {
     model: PathBuf,
     /// How many.
     pub(super) count: usize,
-    /// Whether the model is not a dolphin: it may be thicker, lie elsewhere, have no clip, or no normals.
+    /// Whether the model is not a dolphin: it may be thicker, lie elsewhere, or have no clip.
     foreign: bool,
     /// The centre of a body, at rest.
     center: Vec3,
@@ -81,8 +79,9 @@ fn spawn(world: &mut World) {
     let Ok((entity, Loading(gltf))) = world.query::<(Entity, &Loading)>().single(world) else {
         return;
     };
-    let gltf = gltf.clone();
-    match ready(world, &gltf) {
+    let gltf = gltf.id().untyped();
+    let Group { model, count, .. } = world.resource::<Group>().clone();
+    match is_loaded(world.resource::<AssetServer>(), gltf, &model) {
         Ok(true) => {
             world.despawn(entity);
         }
@@ -93,7 +92,6 @@ fn spawn(world: &mut World) {
         }
     }
     let assets = world.resource::<AssetServer>().clone();
-    let Group { model, count, .. } = world.resource::<Group>().clone();
     for index in 0..count {
         world.spawn((
             Member(index),
@@ -105,18 +103,6 @@ fn spawn(world: &mut World) {
             Transform::from_xyz(1000.0 * index as f32, 0.0, 0.0),
         ));
     }
-}
-
-/// Whether the file is loaded; then its meshes are repaired.
-fn ready(world: &mut World, gltf: &Handle<Gltf>) -> Result<bool, ExampleError> {
-    let Group { model, foreign, .. } = world.resource::<Group>().clone();
-    if !is_loaded(world.resource::<AssetServer>(), gltf.id().untyped(), &model)? {
-        return Ok(false);
-    }
-    if foreign {
-        spread_over_split_vertices(world, gltf, || read_meshes(&model))?;
-    }
-    Ok(true)
 }
 
 /// How far members reach.

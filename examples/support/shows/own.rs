@@ -13,15 +13,13 @@ use bevy::gltf::Gltf;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::gltf_read::parse_meshes;
+use morph_collision_testkit::gltf_read::{GltfFile, ReadOptions};
 use morph_collision_testkit::inspect::FileReport;
-use morph_collision_testkit::mesh::MorphMesh;
 
 pub use self::inbox::{Inbox, Judged, Verdict};
 use self::race::Race;
 use super::group::{Extent, Idle, Member};
 use crate::app::is_loaded;
-use crate::displacements::spread_over_split_vertices;
 use crate::physics::wobbling;
 use crate::view::Show;
 use crate::view::clock::{Clock, Pending, Trouble};
@@ -75,7 +73,6 @@ struct Candidate {
     name: String,
     /// What it is called among the [`Files`].
     file: String,
-    meshes: Vec<MorphMesh>,
     gltf: Handle<Gltf>,
 }
 
@@ -111,20 +108,17 @@ fn receive(
         *judged = Judged {
             number,
             name: name.clone(),
-            report: read.as_ref().ok().map(|(_, report)| report.to_string()),
+            report: read.as_ref().ok().map(ToString::to_string),
             error: read.as_ref().err().cloned(),
             shown: false,
         };
     });
-    let meshes = match read {
-        Ok((meshes, _)) => meshes,
-        Err(error) => {
-            if !clock.started {
-                commands.insert_resource(Trouble(error));
-            }
-            return;
+    if let Err(error) = read {
+        if !clock.started {
+            commands.insert_resource(Trouble(error));
         }
-    };
+        return;
+    }
     // Whoever brings another file does not wait for this one.
     for (other, candidate) in &others {
         files.remove(Path::new(&candidate.file));
@@ -137,24 +131,23 @@ fn receive(
         number,
         name,
         file,
-        meshes,
         gltf,
     };
     commands.spawn((candidate, Pending));
 }
 
 /// Reads a file as the command-line tool does. Something in it has to morph.
-fn look_into(name: &str, bytes: &[u8]) -> Result<(Vec<MorphMesh>, FileReport), String> {
+fn look_into(name: &str, bytes: &[u8]) -> Result<FileReport, String> {
     let path = Path::new(name);
-    let meshes = parse_meshes(bytes, path).map_err(|error| error.to_string())?;
-    let report = FileReport::new(path, &meshes);
+    let file = GltfFile::parse(bytes, path, &ReadOptions::default()).map_err(|error| error.to_string())?;
+    let report = FileReport::read(&file);
     if let Some(reason) = report.why_unusable() {
         return Err(format!("{name}: no usable mesh: {reason}"));
     }
     if !report.meshes.iter().any(|mesh| !mesh.rigid && mesh.usable.is_some()) {
         return Err(format!("{name}: no mesh has morph targets"));
     }
-    Ok((meshes, report))
+    Ok(report)
 }
 
 /// What is loaded takes the stage.
@@ -187,10 +180,9 @@ fn examine(world: &mut World) {
 }
 
 fn put_on_stage(world: &mut World, candidate: Entity, gltf: &Handle<Gltf>) -> Result<(), String> {
-    let Some(Candidate { meshes, name, .. }) = world.entity_mut(candidate).take::<Candidate>() else {
+    let Some(Candidate { name, .. }) = world.entity_mut(candidate).take::<Candidate>() else {
         return Ok(());
     };
-    spread_over_split_vertices(world, gltf, || Ok(meshes)).map_err(|error| error.to_string())?;
     let scene = world.resource::<Assets<Gltf>>().get(gltf);
     let scene = scene.and_then(|gltf| gltf.default_scene.as_ref().or(gltf.scenes.first()));
     let scene = scene.cloned().ok_or_else(|| format!("{name}: the file has no scene"))?;

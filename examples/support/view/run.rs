@@ -24,7 +24,36 @@ pub fn main(show: Show, options: &ViewOptions) -> ExitCode {
 /// There is no display for a window, no driver to draw with, a model cannot be loaded, or a picture cannot be written.
 pub fn run(show: Show, options: &ViewOptions) -> Result<(), ExampleError> {
     match &options.screenshots {
-        Some(folder) => pictures::write(show, options, folder),
+        Some(folder) => {
+            leave_the_desktop();
+            pictures::write(show, options, folder)
+        }
         None => window::run(show, options),
     }
 }
+
+/// Keeps Mesa's device selection from asking a Wayland desktop which GPU it uses.
+///
+/// There may be no desktop: where `XDG_RUNTIME_DIR` is not set, libwayland would complain on stderr. The layer looks at the environment when
+/// the Vulkan loader finds it, and a running program cannot change its environment safely, so the program starts again in its own place.
+#[cfg(target_os = "linux")]
+fn leave_the_desktop() {
+    use std::os::unix::process::CommandExt;
+
+    const DISABLE_LAYER: &str = "NODEVICE_SELECT";
+    if std::env::var_os("XDG_RUNTIME_DIR").is_some() || std::env::var_os(DISABLE_LAYER).is_some() {
+        return;
+    }
+    if let Ok(program) = std::env::current_exe() {
+        let mut arguments = std::env::args_os();
+        let mut again = std::process::Command::new(program);
+        if let Some(name) = arguments.next() {
+            again.arg0(name);
+        }
+        // Comes back only if it fails; then the complaint is all that is lost.
+        let _failed = again.args(arguments).env(DISABLE_LAYER, "1").exec();
+    }
+}
+
+#[cfg(not(target_os = "linux"))]
+fn leave_the_desktop() {}

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, MeshAccessError, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
 use morph_collision::{BuildError, BuildOptions, ModelError, MorphBvh, MorphModel};
@@ -11,8 +12,11 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ImportError {
-    /// The mesh data has been moved to the renderer.
-    #[error("its data is no longer in main memory: load it with `RenderAssetUsages::MAIN_WORLD`")]
+    /// The mesh data is for the renderer only, which takes it away.
+    #[error(
+        "its data does not stay in main memory: give it `RenderAssetUsages::default()` instead of `RENDER_WORLD` (for glTF \
+         files `GltfLoaderSettings::load_meshes`)"
+    )]
     Extracted,
     /// The mesh is made of points or lines.
     #[error("its topology is {0:?}, only TriangleList and TriangleStrip have triangles")]
@@ -36,6 +40,18 @@ pub enum ImportError {
         /// How many targets, as text because it may be unknown.
         targets: String,
     },
+    /// The vertices were split for flat shading, the morph displacements were not.
+    #[error(
+        "it has {displacements} morph displacements for {vertices} vertices: it seems to have no normals, so that its vertices \
+         were split for flat shading, but not its displacements. Export it with normals, or let `MorphCollisionPlugin` repair it \
+         while Bevy loads it from glTF (feature `gltf`, on by default)"
+    )]
+    SplitVertices {
+        /// How many displacements there are, of all targets together.
+        displacements: usize,
+        /// How many vertices there are after the split.
+        vertices: usize,
+    },
     /// The shape cannot be used.
     #[error(transparent)]
     Model(#[from] ModelError),
@@ -53,91 +69,152 @@ impl From<MeshAccessError> for ImportError {
     }
 }
 
-/// A mesh's shape, copied out so that the tree can be built on another thread.
+/// A mesh's shape, copied out piece by piece; the rest of the work is done on another thread.
+///
+/// Bevy shares no mesh data between threads, so what a tree is built of must be copied while the mesh is at hand.
 pub(super) struct MeshData {
     positions: Vec<Vec3>,
-    triangles: Vec<[u32; 3]>,
-    targets: Vec<Vec<Vec3>>,
+    /// Without any, the vertices one after the other.
+    indices: Option<Vec<u32>>,
+    /// The index that ends a strip, if it is one that can be ended.
+    restart: Option<u32>,
+    is_strip: bool,
+    /// Target by target.
+    displacements: Vec<Vec3>,
+    named_targets: Option<usize>,
+}
+
+/// A mesh's tree and the corners of its triangles.
+pub(super) struct Built {
+    pub(super) tree: MorphBvh,
+    /// The vertices of each triangle, as the mesh numbers them.
+    pub(super) corners: Vec<[u32; 3]>,
 }
 
 impl MeshData {
-    /// Copies positions, triangles and displacements: linear in their size.
-    pub(super) fn read(mesh: &Mesh) -> Result<Self, ImportError> {
-        let positions = match mesh.try_attribute(Mesh::ATTRIBUTE_POSITION.id)? {
-            VertexAttributeValues::Float32x3(values) => values.iter().copied().map(Vec3::from_array).collect(),
-            other => return Err(ImportError::PositionFormat(other.enum_variant_name())),
-        };
-        let indices = mesh.try_indices_option()?;
-        let triangles = match mesh.primitive_topology() {
-            PrimitiveTopology::TriangleList => list_triangles(indices, Vec::len(&positions))?,
-            PrimitiveTopology::TriangleStrip => strip_triangles(indices, Vec::len(&positions)),
+    /// An empty copy of a mesh that can be read.
+    pub(super) fn of(mesh: &Mesh) -> Result<Self, ImportError> {
+        // The renderer takes such a mesh away as soon as it is drawn. Sometimes a collider comes in time, but it should not
+        // depend on that. Reading the mesh as soon as it is loaded would cost memory for every mesh that never collides.
+        if mesh.asset_usage == RenderAssetUsages::RENDER_WORLD {
+            return Err(ImportError::Extracted);
+        }
+        positions(mesh)?;
+        let is_strip = match mesh.primitive_topology() {
+            PrimitiveTopology::TriangleList => false,
+            PrimitiveTopology::TriangleStrip => true,
             other => return Err(ImportError::Topology(other)),
         };
-        let targets = read_targets(mesh, positions.len())?;
+        let indices = mesh.try_indices_option()?;
         Ok(Self {
-            positions,
-            triangles,
-            targets,
+            positions: Vec::new(),
+            indices: indices.map(|_| Vec::new()),
+            restart: indices.map(|indices| match indices {
+                Indices::U16(_) => u16::MAX.into(),
+                Indices::U32(_) => u32::MAX,
+            }),
+            is_strip,
+            displacements: Vec::new(),
+            named_targets: mesh.try_morph_target_names()?.map(<[String]>::len),
         })
     }
 
-    pub(super) fn build(&self, options: &BuildOptions) -> Result<MorphBvh, ImportError> {
-        let model = MorphModel::from_displacements(&self.positions, &self.triangles, &self.targets)?;
-        Ok(MorphBvh::build(Arc::new(model), options)?)
-    }
-}
-
-/// The displacements of each target; none for a mesh without targets.
-fn read_targets(mesh: &Mesh, vertices: usize) -> Result<Vec<Vec<Vec3>>, ImportError> {
-    let displacements = match mesh.try_morph_targets() {
-        Ok(displacements) if !displacements.is_empty() => displacements,
-        Ok(_) | Err(MeshAccessError::NotFound) => return Ok(Vec::new()),
-        Err(error) => return Err(error.into()),
-    };
-    // Bevy's `Mesh::duplicate_vertices`, which the glTF loader calls for meshes without normals, drops the indices and
-    // forgets the displacements. There the names tell; elsewhere they are a file's free text and any whole number of
-    // targets is believed.
-    let names = match mesh.try_indices_option()? {
-        Some(_) => None,
-        None => mesh.try_morph_target_names()?.map(<[String]>::len),
-    };
-    let fits = match names {
-        Some(targets) => displacements.len() == targets * vertices,
-        None => vertices > 0 && displacements.len().is_multiple_of(vertices),
-    };
-    if !fits {
-        return Err(ImportError::TargetLength {
-            displacements: displacements.len(),
-            vertices,
-            targets: names.map_or_else(|| "the same number".into(), |targets| targets.to_string()),
-        });
-    }
-    // Zero vertices with zero displacements per vertex were turned away as "no displacements" above.
-    let of_target = |target: &[bevy::mesh::morph::MorphAttributes]| target.iter().map(|d| d.position).collect();
-    Ok(displacements.chunks_exact(vertices).map(of_target).collect())
-}
-
-/// The vertices of a triangle, by the number that contacts and hits name it with.
-pub(crate) fn triangle_corners(mesh: &Mesh, triangle: u32) -> Option<[u32; 3]> {
-    let vertices = mesh.try_attribute(Mesh::ATTRIBUTE_POSITION.id).ok()?.len();
-    let indices = mesh.try_indices_option().ok()?;
-    let place = triangle as usize;
-    match mesh.primitive_topology() {
-        PrimitiveTopology::TriangleList => {
-            let corner = |i: usize| match indices {
-                Some(indices) => indices.iter().nth(3 * place + i).map(|index| index as u32),
-                None => (3 * place + i < vertices).then_some((3 * place + i) as u32),
+    /// Copies the next part: at most `left` positions, displacements and indices. Returns whether the copy is complete.
+    ///
+    /// The mesh must be as it was when the copy was begun.
+    pub(super) fn copy(&mut self, mesh: &Mesh, left: &mut usize) -> Result<bool, ImportError> {
+        let mut is_complete = copy(&mut self.positions, positions(mesh)?, left, |&p| p.into());
+        if let Some(copied) = &mut self.indices {
+            is_complete &= match mesh.try_indices_option()? {
+                Some(Indices::U16(indices)) => copy(copied, indices, left, |&index| index.into()),
+                Some(Indices::U32(indices)) => copy(copied, indices, left, |&index| index),
+                None => true,
             };
-            Some([corner(0)?, corner(1)?, corner(2)?])
         }
-        PrimitiveTopology::TriangleStrip => strip_triangles(indices, vertices).get(place).copied(),
-        _ => None,
+        match mesh.try_morph_targets() {
+            Ok(displacements) => is_complete &= copy(&mut self.displacements, displacements, left, |d| d.position),
+            Err(MeshAccessError::NotFound) => {}
+            Err(error) => return Err(error.into()),
+        }
+        Ok(is_complete)
+    }
+
+    /// Builds the mesh's tree from the whole copy: the long part, for a thread in the background.
+    pub(super) fn build(self, options: &BuildOptions) -> Result<Built, ImportError> {
+        let targets = self.targets()?;
+        let vertices = self.positions.len();
+        let is_list = !self.is_strip;
+        let indices = self.indices.unwrap_or_else(|| (0..vertices as u32).collect());
+        let corners = if is_list {
+            list_triangles(&indices)?
+        } else {
+            strip_triangles(&indices, self.restart)
+        };
+        let targets: Vec<&[Vec3]> = match targets {
+            0 => Vec::new(),
+            _ => self.displacements.chunks_exact(vertices).collect(),
+        };
+        let model = MorphModel::from_displacements(&self.positions, &corners, &targets)?;
+        let tree = MorphBvh::build(Arc::new(model), options)?;
+        Ok(Built { tree, corners })
+    }
+
+    /// How many targets there are.
+    fn targets(&self) -> Result<usize, ImportError> {
+        let (displacements, vertices) = (self.displacements.len(), self.positions.len());
+        if displacements == 0 {
+            return Ok(0);
+        }
+        // `Mesh::duplicate_vertices` drops the indices and forgets the displacements. There the names tell; elsewhere they are a
+        // file's free text, and any whole number of targets is believed.
+        let is_split = self.indices.is_none() && !self.is_strip;
+        let names = self.named_targets.filter(|_| self.indices.is_none());
+        let fits = match names {
+            Some(targets) => displacements == targets * vertices,
+            None => vertices > 0 && displacements.is_multiple_of(vertices),
+        };
+        if fits {
+            return Ok(displacements / vertices);
+        }
+        // One displacement per vertex of the file, and of these at most as many as there are now.
+        let of_fewer = match names {
+            Some(targets) => targets > 0 && displacements.is_multiple_of(targets) && displacements < targets * vertices,
+            None => true,
+        };
+        Err(if is_split && of_fewer {
+            ImportError::SplitVertices {
+                displacements,
+                vertices,
+            }
+        } else {
+            ImportError::TargetLength {
+                displacements,
+                vertices,
+                targets: names.map_or_else(|| "the same number".into(), |targets| targets.to_string()),
+            }
+        })
+    }
+}
+
+/// Continues a copy; returns whether it is complete.
+fn copy<T, U>(into: &mut Vec<U>, from: &[T], left: &mut usize, convert: impl Fn(&T) -> U) -> bool {
+    let missing = from.get(into.len()..).unwrap_or_default();
+    let now = &missing[..missing.len().min(*left)];
+    into.reserve_exact(missing.len());
+    into.extend(now.iter().map(convert));
+    *left -= now.len();
+    now.len() == missing.len()
+}
+
+fn positions(mesh: &Mesh) -> Result<&[[f32; 3]], ImportError> {
+    match mesh.try_attribute(Mesh::ATTRIBUTE_POSITION.id)? {
+        VertexAttributeValues::Float32x3(values) => Ok(values),
+        other => Err(ImportError::PositionFormat(other.enum_variant_name())),
     }
 }
 
 /// Triangle `t` has the indices `3 t`, `3 t + 1` and `3 t + 2`.
-fn list_triangles(indices: Option<&Indices>, vertices: usize) -> Result<Vec<[u32; 3]>, ImportError> {
-    let indices = all_indices(indices, vertices);
+fn list_triangles(indices: &[u32]) -> Result<Vec<[u32; 3]>, ImportError> {
     let (triangles, []) = indices.as_chunks::<3>() else {
         return Err(ImportError::IncompleteTriangle(indices.len()));
     };
@@ -148,14 +225,9 @@ fn list_triangles(indices: Option<&Indices>, vertices: usize) -> Result<Vec<[u32
 ///
 /// The largest index restarts the strip, as on the GPU. Triangles that name a vertex twice only stitch strips together and
 /// are never drawn; they are left out and not numbered.
-fn strip_triangles(indices: Option<&Indices>, vertices: usize) -> Vec<[u32; 3]> {
-    let restart = match indices {
-        Some(Indices::U16(_)) => Some(u32::from(u16::MAX)),
-        Some(Indices::U32(_)) => Some(u32::MAX),
-        None => None,
-    };
+fn strip_triangles(indices: &[u32], restart: Option<u32>) -> Vec<[u32; 3]> {
     let mut triangles = Vec::new();
-    for strip in all_indices(indices, vertices).split(|&index| Some(index) == restart) {
+    for strip in indices.split(|&index| Some(index) == restart) {
         for (turn, corners) in strip.windows(3).enumerate() {
             let (a, b, c) = (corners[0], corners[1], corners[2]);
             if a != b && b != c && c != a {
@@ -166,48 +238,40 @@ fn strip_triangles(indices: Option<&Indices>, vertices: usize) -> Vec<[u32; 3]> 
     triangles
 }
 
-/// The indices as `u32`; without any, the vertices one after the other.
-fn all_indices(indices: Option<&Indices>, vertices: usize) -> Vec<u32> {
-    match indices {
-        Some(Indices::U16(indices)) => indices.iter().copied().map(u32::from).collect(),
-        Some(Indices::U32(indices)) => indices.clone(),
-        None => (0..vertices as u32).collect(),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn strips_turn_one_way_restart_and_lose_their_stitches() {
-        let one = Indices::U16(vec![0, 1, 2, 3]);
-        assert_eq!(strip_triangles(Some(&one), 4), [[0, 1, 2], [2, 1, 3]]);
-        let restarted = Indices::U16(vec![0, 1, 2, u16::MAX, 3, 4, 5]);
-        assert_eq!(strip_triangles(Some(&restarted), 6), [[0, 1, 2], [3, 4, 5]]);
-        let stitched = Indices::U32(vec![0, 1, 2, 2, 2, 3, 3, 4, 5]);
-        assert_eq!(strip_triangles(Some(&stitched), 6), [[0, 1, 2], [3, 4, 5]]);
+        assert_eq!(strip_triangles(&[0, 1, 2, 3], Some(65535)), [[0, 1, 2], [2, 1, 3]]);
+        let restarted = strip_triangles(&[0, 1, 2, 65535, 3, 4, 5], Some(65535));
+        assert_eq!(restarted, [[0, 1, 2], [3, 4, 5]]);
+        let stitched = strip_triangles(&[0, 1, 2, 2, 2, 3, 3, 4, 5], None);
+        assert_eq!(stitched, [[0, 1, 2], [3, 4, 5]]);
     }
 
     #[test]
-    fn a_triangle_has_the_vertices_that_the_tree_was_built_of() {
-        use bevy::asset::RenderAssetUsages;
-        let mesh = |topology| {
-            Mesh::new(topology, RenderAssetUsages::default())
-                .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![[0.0_f32; 3]; 6])
-        };
-        let list = mesh(PrimitiveTopology::TriangleList);
-        assert_eq!(triangle_corners(&list, 1), Some([3, 4, 5]));
-        assert_eq!(triangle_corners(&list, 2), None);
-        let indexed = list.with_inserted_indices(Indices::U16(vec![5, 4, 3, 2, 1, 0]));
-        assert_eq!(triangle_corners(&indexed, 1), Some([2, 1, 0]));
-        let strip = mesh(PrimitiveTopology::TriangleStrip);
-        assert_eq!(triangle_corners(&strip, 1), Some([2, 1, 3]));
+    fn a_list_ends_with_a_whole_triangle() {
+        assert_eq!(list_triangles(&[5, 4, 3, 2, 1, 0]), Ok(vec![[5, 4, 3], [2, 1, 0]]));
+        assert_eq!(list_triangles(&[0; 5]), Err(ImportError::IncompleteTriangle(5)));
     }
 
     #[test]
-    fn lists_without_indices_take_vertices_in_order() {
-        assert_eq!(list_triangles(None, 6), Ok(vec![[0, 1, 2], [3, 4, 5]]));
-        assert_eq!(list_triangles(None, 5), Err(ImportError::IncompleteTriangle(5)));
+    fn a_mesh_is_copied_a_few_numbers_at_a_time() {
+        let mesh = Mesh::new(PrimitiveTopology::TriangleList, RenderAssetUsages::default())
+            .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![Vec3::ZERO, Vec3::X, Vec3::Y])
+            .with_inserted_indices(Indices::U16(vec![0, 1, 2]))
+            .with_morph_targets(vec![bevy::mesh::morph::MorphAttributes::default(); 6]);
+        let mut data = MeshData::of(&mesh).unwrap();
+        let pieces: Vec<(bool, usize)> = (0..3)
+            .map(|_| {
+                let mut left = 5;
+                (data.copy(&mesh, &mut left).unwrap(), left)
+            })
+            .collect();
+        assert_eq!(pieces, [(false, 0), (false, 0), (true, 3)]);
+        let built = data.build(&BuildOptions::default()).unwrap();
+        assert_eq!((built.tree.model().target_count(), built.corners), (2, vec![[0, 1, 2]]));
     }
 }

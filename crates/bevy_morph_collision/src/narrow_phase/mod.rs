@@ -9,12 +9,12 @@ mod touch;
 use bevy::platform::time::Instant;
 
 use bevy::prelude::*;
-use morph_collision::{BatchQuery, Body, PairMemory, PairTask, Pose, Remember, TrianglePair, Wanted};
+use morph_collision::{BatchQuery, Body, PairMemory, PairTask, Pose, Remember, Wanted};
 use tracing::debug_span;
 
 use self::memories::{has_memory, keep_memories};
 pub(crate) use self::touch::world_triangle;
-use self::touch::{Touch, wants_all};
+use self::touch::{Listed, Touch, wants_all};
 
 use crate::broad_phase::Candidates;
 use crate::collider::{ColliderState, CollisionMode, Form, Placement};
@@ -30,6 +30,8 @@ type Pair = (Entity, Entity);
 pub(crate) struct Scratch {
     touch: Touch,
     batch: BatchQuery,
+    /// The most triangle pairs that a contact lists.
+    limit: usize,
     /// Pairs of meshes that are asked about.
     asked: Vec<Asked>,
     /// What is remembered of pairs, and of which ones; in the order of the pairs, and the next ones.
@@ -61,13 +63,13 @@ pub(crate) fn find_contacts(
     let start = Instant::now();
     let _span = debug_span!("morph_collision::narrow_phase").entered();
     let collisions = &mut *collisions;
-    collisions.started.clear();
-    collisions.ended.clear();
+    collisions.changes.begin_run();
     collisions.compared = std::mem::take(&mut candidates.changed);
     if collisions.compared {
         let scratch = &mut *scratch;
         scratch.answers.clear();
         scratch.set_remember(&settings);
+        scratch.limit = settings.list_limit();
         let unchanged = scratch.ask(&candidates.pairs, &mut colliders, &mut diagnostics);
         diagnostics.skipped_unchanged = unchanged;
         collisions.replace(&candidates.pairs, &mut scratch.answers);
@@ -90,30 +92,24 @@ pub(crate) fn find_contacts(
 impl MorphCollisions {
     /// Takes over what was found, in whatever order, and drops what is no candidate any more.
     fn replace(&mut self, candidates: &[Pair], answers: &mut Vec<(Pair, Option<MorphContact>)>) {
-        let Self {
-            current,
-            started,
-            ended,
-            ..
-        } = self;
+        let Self { current, changes, .. } = self;
         for contact in current.extract_if(.., |pair, _| candidates.binary_search(pair).is_err()) {
-            ended.push(contact.1);
+            changes.ended.push(contact.1);
         }
         for (pair, contact) in answers.drain(..) {
             let before = match contact {
                 Some(contact) => {
                     let before = current.insert(pair, contact);
                     if before.is_none() {
-                        started.push(pair);
+                        changes.started.push(pair);
                     }
                     None
                 }
                 None => current.remove(&pair),
             };
-            ended.extend(before);
+            changes.ended.extend(before);
         }
-        started.sort_unstable();
-        ended.sort_unstable_by_key(|contact| (contact.collider1, contact.collider2));
+        changes.sort_run();
     }
 }
 
@@ -169,7 +165,7 @@ impl Scratch {
         for (asked, shape, shape_first) in with_shapes {
             let contact = self
                 .touch
-                .with_shape(&mut placed, asked, &shape, shape_first, diagnostics);
+                .with_shape(&mut placed, asked, (&shape, shape_first), self.limit, diagnostics);
             self.answers.push((asked.pair, contact));
         }
         self.ask_meshes(&mut placed, diagnostics);
@@ -180,6 +176,7 @@ impl Scratch {
         let Self {
             touch,
             batch,
+            limit,
             remember,
             asked,
             memories,
@@ -193,7 +190,11 @@ impl Scratch {
             .map(|asked| {
                 let (a, b) = asked.places;
                 let mode = asked.mode;
-                let wanted = if wants_all(mode) { Wanted::All } else { Wanted::First };
+                let wanted = if wants_all(mode) {
+                    Wanted::UpTo(*limit)
+                } else {
+                    Wanted::First
+                };
                 let mut task = PairTask::new(a, b, wanted);
                 if has_memory(mode, *remember) {
                     task.memory = left.next().map(|(_, memory)| memory);
@@ -215,9 +216,13 @@ impl Scratch {
         }
         let found = batch.run(&mut bodies, &mut tasks, &TaskPoolWorkers);
         diagnostics.stats += found.stats;
-        let found: Vec<Vec<TrianglePair>> = found.iter().map(<[_]>::to_vec).collect();
-        for (&asked, triangles) in asked.iter().zip(found) {
-            let contact = touch.with_mesh(placed, asked, triangles, diagnostics);
+        let listed = |task| Listed {
+            triangles: found.get(task).to_vec(),
+            is_truncated: found.is_truncated(task),
+        };
+        let found: Vec<Listed> = (0..asked.len()).map(listed).collect();
+        for (&asked, found) in asked.iter().zip(found) {
+            let contact = touch.with_mesh(placed, asked, found, *limit, diagnostics);
             answers.push((asked.pair, contact));
         }
     }

@@ -19,7 +19,14 @@ pub(super) struct Touch {
     shape: ShapeQuery,
 }
 
-/// Whether every pair of triangles is asked for.
+/// The intersecting triangles of two meshes.
+pub(super) struct Listed {
+    pub(super) triangles: Vec<TrianglePair>,
+    /// Whether there are more.
+    pub(super) is_truncated: bool,
+}
+
+/// Whether every pair of triangles is asked for, up to a limit.
 pub(super) fn wants_all(mode: CollisionMode) -> bool {
     matches!(mode, CollisionMode::All | CollisionMode::Contacts)
 }
@@ -30,9 +37,14 @@ impl Touch {
         &mut self,
         placed: &mut [Placed<'_>],
         asked: Asked,
-        mut triangles: Vec<TrianglePair>,
+        found: Listed,
+        limit: usize,
         diagnostics: &mut MorphCollisionDiagnostics,
     ) -> Option<MorphContact> {
+        let Listed {
+            mut triangles,
+            is_truncated,
+        } = found;
         let (a, b) = asked.places;
         let Ok([a, b]) = placed.get_disjoint_mut([a, b]) else {
             return None;
@@ -51,6 +63,7 @@ impl Touch {
             contact.distance = closest.distance as f32;
             return Some(contact);
         }
+        contact.is_truncated = is_truncated;
         let first = triangles[0];
         let corners_a = world_triangle(&mut a.body()?, first.triangle_a)?;
         let corners_b = world_triangle(&mut b.body()?, first.triangle_b)?;
@@ -59,7 +72,7 @@ impl Touch {
             contact.normal = met.normal.as_vec3();
         }
         if asked.mode == CollisionMode::Contacts {
-            let (manifold, stats) = self.contact.manifold(a.body()?, b.body()?);
+            let (manifold, stats) = self.contact.manifold_up_to(limit, a.body()?, b.body()?);
             diagnostics.stats += stats;
             if let Some(manifold) = manifold {
                 contact.normal = manifold.normal.as_vec3();
@@ -85,8 +98,8 @@ impl Touch {
         &mut self,
         placed: &mut [Placed<'_>],
         asked: Asked,
-        shape: &PlacedShape,
-        shape_first: bool,
+        (shape, shape_first): (&PlacedShape, bool),
+        limit: usize,
         diagnostics: &mut MorphCollisionDiagnostics,
     ) -> Option<MorphContact> {
         let (a, b) = asked.places;
@@ -120,7 +133,9 @@ impl Touch {
         }
         if touches && wants_all(asked.mode) {
             let mut met = Vec::new();
-            diagnostics.stats += self.shape.contacts(mesh.body()?, shape, 0.0, &mut met);
+            let (is_truncated, stats) = self.shape.contacts_up_to(limit, mesh.body()?, shape, 0.0, &mut met);
+            diagnostics.stats += stats;
+            contact.is_truncated = is_truncated;
             contact.triangles = met.iter().map(|met| pair(met.triangle)).collect();
             contact.triangles.sort_unstable();
             if asked.mode == CollisionMode::Contacts {
@@ -148,6 +163,7 @@ impl MorphContact {
             normal: Vec3::ZERO,
             distance: 0.0,
             triangles: Vec::new(),
+            is_truncated: false,
             points: Vec::new(),
         }
     }

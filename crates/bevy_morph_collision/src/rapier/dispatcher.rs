@@ -9,6 +9,8 @@ use bevy_rapier3d::parry::query::{
 use bevy_rapier3d::parry::shape::Shape;
 
 use super::gathered::{Gathered, is_quiet, until_past, widening};
+use super::range::{Range, check, in_range};
+use super::surface::MorphSurface;
 use super::triangles::Patch;
 
 /// Answers what Rapier asks about a [`MorphSurface`](crate::MorphSurface) and another shape, or two of them: contacts, intersections, distances,
@@ -17,11 +19,36 @@ use super::triangles::Patch;
 /// For each question the triangles of the surface near the other shape are gathered, by its tree, at its current weights,
 /// and Parry's own algorithms work on them: their number counts, not the size of the mesh.
 ///
+/// Where coordinates, sizes or speeds are beyond 1e8 units, or not finite, Parry's algorithms overflow; its EPA then panics. Such pairs
+/// are far from each other for this dispatcher: no contact, no hit. That is logged once for each surface.
+///
 /// [`MorphRapierPlugin`](crate::MorphRapierPlugin) gives it to every context. A game with a dispatcher of its own puts this one
 /// in front: `context.set_query_dispatcher(MorphQueryDispatcher.chain(mine))`; it says
 /// [`Unsupported`] about what `mine` may know better only if Parry's says so.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MorphQueryDispatcher;
+
+/// Whether a question about a surface and another shape has numbers in it that Parry cannot compute with. Logs it once per surface.
+fn refuses(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> bool {
+    refuses_moving(pos12, &[], g1, g2)
+}
+
+/// The same for shapes that move, with these velocities.
+fn refuses_moving(pos12: &Pose, velocities: &[Vector], g1: &dyn Shape, g2: &dyn Shape) -> bool {
+    let range = check(pos12, g1, g2);
+    let refused = match range {
+        Range::Foreign => false,
+        Range::Inside => !velocities.iter().all(|&velocity| in_range(velocity)),
+        Range::Outside => true,
+    };
+    if refused {
+        let surfaces = [g1, g2]
+            .into_iter()
+            .filter_map(|shape| shape.as_shape::<MorphSurface>());
+        surfaces.for_each(MorphSurface::refuse);
+    }
+    refused
+}
 
 impl QueryDispatcher for MorphQueryDispatcher {
     fn intersection_test(
@@ -39,6 +66,9 @@ impl QueryDispatcher for MorphQueryDispatcher {
         if g1.as_shape::<Patch>().is_some() || g2.as_shape::<Patch>().is_some() {
             return Ok(apart);
         }
+        if refuses(pos12, g1, g2) {
+            return Ok(apart);
+        }
         let Some(near) = Gathered::near(pos12, g1, g2, 0.0) else {
             return DefaultQueryDispatcher.intersection_test(pos12, g1, g2);
         };
@@ -52,6 +82,13 @@ impl QueryDispatcher for MorphQueryDispatcher {
     }
 
     fn distance(&self, pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> Result<ShapeDistance, Unsupported> {
+        if refuses(pos12, g1, g2) {
+            return Ok(ShapeDistance {
+                distance: Real::MAX,
+                subshape1: 0,
+                subshape2: 0,
+            });
+        }
         let ask = |near: &Gathered, g1: &dyn Shape, g2: &dyn Shape| {
             let mut answer = DefaultQueryDispatcher.distance(pos12, g1, g2)?;
             near.name(&mut answer.subshape1, &mut answer.subshape2);
@@ -68,6 +105,9 @@ impl QueryDispatcher for MorphQueryDispatcher {
         g2: &dyn Shape,
         prediction: Real,
     ) -> Result<Option<Contact>, Unsupported> {
+        if refuses(pos12, g1, g2) {
+            return Ok(None);
+        }
         let Some(near) = Gathered::near(pos12, g1, g2, prediction) else {
             return DefaultQueryDispatcher.contact(pos12, g1, g2, prediction);
         };
@@ -85,6 +125,9 @@ impl QueryDispatcher for MorphQueryDispatcher {
         g2: &dyn Shape,
         max_dist: Real,
     ) -> Result<ClosestPoints, Unsupported> {
+        if refuses(pos12, g1, g2) {
+            return Ok(ClosestPoints::Disjoint);
+        }
         let ask = |_: &Gathered, g1: &dyn Shape, g2: &dyn Shape| {
             DefaultQueryDispatcher.closest_points(pos12, g1, g2, max_dist)
         };
@@ -105,6 +148,9 @@ impl QueryDispatcher for MorphQueryDispatcher {
         g2: &dyn Shape,
         options: ShapeCastOptions,
     ) -> Result<Option<ShapeCastHit>, Unsupported> {
+        if refuses_moving(pos12, &[local_vel12], g1, g2) {
+            return Ok(None);
+        }
         let motion = until_past(pos12, local_vel12, g1, g2, options.max_time_of_impact);
         let Some(near) = Gathered::along(pos12, motion, g1, g2, options.target_distance, false) else {
             return DefaultQueryDispatcher.cast_shapes(pos12, local_vel12, g1, g2, options);
@@ -144,6 +190,11 @@ impl QueryDispatcher for MorphQueryDispatcher {
         if is_quiet(g1) || is_quiet(g2) {
             return Ok(None);
         }
+        let pos12 = motion1.start.inverse() * motion2.start;
+        let velocities = [motion1, motion2].map(|motion| [motion.linvel, motion.angvel, motion.local_center]);
+        if refuses_moving(&pos12, velocities.as_flattened(), g1, g2) {
+            return Ok(None);
+        }
         let on_the_way = Gathered::in_motion(motion1, g1, motion2, g2, start_time, end_time);
         let Some(near) = on_the_way.or_else(|| Gathered::whole(g1, g2)) else {
             return ask(g1, g2);
@@ -179,6 +230,8 @@ where
                 return Ok(());
             }
             // What was there before is let go of by Parry, whose workspace must go with its manifolds.
+            Some(Gathered::none(g1, g2))
+        } else if refuses(pos12, g1, g2) {
             Some(Gathered::none(g1, g2))
         } else {
             Gathered::along(pos12, Vector::ZERO, g1, g2, prediction, true)

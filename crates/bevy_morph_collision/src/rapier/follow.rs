@@ -59,7 +59,7 @@ pub(super) struct Following {
 
 impl Following {
     /// At rest for now; where it is, the first step will tell.
-    pub(super) fn new(bvh: &Arc<MorphBvh>, weights: &[f32], layout: &Arc<MeshLayout>) -> Self {
+    pub(super) fn new(entity: Entity, bvh: &Arc<MorphBvh>, weights: &[f32], layout: &Arc<MeshLayout>) -> Self {
         let moment = || {
             let mut pose = Pose::new(bvh.clone());
             // They are those of a pose of the same tree.
@@ -71,7 +71,7 @@ impl Following {
             world_from_model: WorldFromModel::IDENTITY,
         };
         Self {
-            surface: MorphSurface::new(moment(), WorldFromModel::IDENTITY, layout.clone()),
+            surface: MorphSurface::new(entity, moment(), WorldFromModel::IDENTITY, layout.clone()),
             world_from_model: WorldFromModel::IDENTITY,
             before: still(moment()),
             past: still(moment()),
@@ -86,12 +86,19 @@ impl Following {
         }
     }
 
-    /// Goes on to the end of a step of `dt` seconds. What cannot be used is said once, and what was stays.
+    /// Makes the next step the first: whatever changes until then is not a motion.
+    pub(super) fn restart(&mut self) {
+        self.last_step = 0.0;
+        self.moves = false;
+    }
+
+    /// Goes on to the end of a step of `dt` seconds. Returns what is wrong with weights that cannot be used, once; the last good ones
+    /// stay in force.
     pub(super) fn advance(
         &mut self,
         weights: Option<&MeshMorphWeights>,
         shared: &Query<&MorphWeights>,
-        places: Result<(WorldFromModel, WorldFromModel), TransformError>,
+        (world_from_model, collider_from_model): (WorldFromModel, WorldFromModel),
         dt: f32,
     ) -> Result<(), String> {
         let first = self.last_step == 0.0;
@@ -106,10 +113,9 @@ impl Following {
         if taken.is_err() {
             let _fits = self.past.pose.set_weights(posed.pose.weights());
         }
-        let complaint = taken.err().or(places.as_ref().err().map(ToString::to_string));
-        let (world_from_model, collider_from_model) =
-            places.unwrap_or((self.world_from_model, posed.collider_from_model));
-
+        // A wrong number of weights is the collider's to report, once it is clear that it will stay.
+        let complaint = taken.err().filter(|problem| !problem.is_count());
+        let complaint = complaint.map(|problem| problem.to_string());
         let same_weights = self.past.pose.weights() == posed.pose.weights();
         if !same_weights || world_from_model != self.world_from_model {
             self.moves = !first;
@@ -178,6 +184,23 @@ fn displacement(before: &mut Moment, pose: &Pose, world_from_model: &WorldFromMo
     morphed + (0..8).map(corner).fold(0.0, f64::max)
 }
 
+/// The place of an entity without its scale and shear. The rotation of an entity scaled to zero is the identity.
+pub(super) fn rigid_place(entity: &GlobalTransform) -> Place {
+    let (_, rotation, translation) = entity.to_scale_rotation_translation();
+    let place = Place::from_parts(translation, rotation);
+    if is_rigid(&place) {
+        place
+    } else {
+        Place::from_parts(translation, Quat::IDENTITY)
+    }
+}
+
+/// Whether a place is finite and rotates without scaling.
+pub(super) fn is_rigid(place: &Place) -> bool {
+    // Of a rotation that is not finite, this is false, too.
+    place.translation.is_finite() && (place.rotation.length_squared() - 1.0).abs() < 1e-3
+}
+
 /// Where a collider's mesh will be at the end of a step, in the world and as the collider sees it.
 pub(super) fn places(
     collider: &RapierCollider,
@@ -186,8 +209,10 @@ pub(super) fn places(
     dt: f32,
 ) -> Result<(WorldFromModel, WorldFromModel), TransformError> {
     let affine = entity.affine();
-    let (_, rotation, translation) = entity.to_scale_rotation_translation();
     // Rapier's collider has the entity's place and rotation; what is left is scale and shear.
+    let Place {
+        rotation, translation, ..
+    } = rigid_place(entity);
     let collider_from_model = Affine3A::from_rotation_translation(rotation, translation).inverse() * affine;
     let in_body = collider.position_wrt_parent().copied();
     let body = collider.parent().and_then(|body| bodies.get(body)).zip(in_body);

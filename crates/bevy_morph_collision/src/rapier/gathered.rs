@@ -6,7 +6,7 @@ use bevy_rapier3d::parry::query::{NonlinearRigidMotion, Unsupported};
 use bevy_rapier3d::parry::shape::{Shape, SubShapeId};
 
 use super::surface::MorphSurface;
-use super::triangles::Triangles;
+use super::triangles::{Patch, Triangles};
 
 /// What the triangles of surfaces near each other are; shapes that are no surfaces stay what they are.
 pub(super) struct Gathered {
@@ -86,9 +86,10 @@ impl Gathered {
         (first.is_some() || second.is_some()).then_some(Self { first, second })
     }
 
-    /// Nothing of either.
+    /// Nothing of either, or of a part.
     pub(super) fn none(g1: &dyn Shape, g2: &dyn Shape) -> Self {
-        let none = |shape: &dyn Shape| is_surface(shape).then(|| Triangles::new(Vec::new(), Vec::new(), Vec::new()));
+        let is_ours = |shape: &dyn Shape| is_surface(shape) || shape.as_shape::<Patch>().is_some();
+        let none = |shape: &dyn Shape| is_ours(shape).then(|| Triangles::new(Vec::new(), Vec::new(), Vec::new()));
         Self {
             first: none(g1),
             second: none(g2),

@@ -1,9 +1,12 @@
 //! What is known of a mesh whatever its pose.
 
-use std::sync::{Arc, Weak};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
+use bevy::app::App;
 use bevy::prelude::Resource;
 use morph_collision::{MorphBvh, MorphModel};
+
+use crate::import::MorphTrees;
 
 /// No vertex.
 pub(super) const NONE: u32 = u32::MAX;
@@ -57,19 +60,80 @@ fn across(model: &MorphModel) -> (Vec<[u32; 3]>, bool) {
     (across, closed)
 }
 
-/// The layouts of all trees that are in use.
-#[derive(Resource, Default)]
-pub(super) struct MeshLayouts(Vec<(Weak<MorphBvh>, Weak<MeshLayout>)>);
+/// The layout of every tree; dropped with its tree. Clones share them.
+///
+/// A layout is computed with its tree, in the background: sorting the edges of a large mesh takes longer than a frame.
+#[derive(Resource, Clone, Default)]
+pub(super) struct MeshLayouts(Arc<Mutex<Vec<(Weak<MorphBvh>, Arc<MeshLayout>)>>>);
 
 impl MeshLayouts {
-    pub(super) fn of(&mut self, bvh: &Arc<MorphBvh>) -> Arc<MeshLayout> {
-        self.0.retain(|(_, layout)| layout.strong_count() > 0);
-        let known = self.0.iter().find(|(of, _)| of.as_ptr() == Arc::as_ptr(bvh));
-        if let Some(layout) = known.and_then(|(_, layout)| layout.upgrade()) {
-            return layout;
-        }
+    /// Computes the layout of a new tree, and keeps it as long as there is the tree.
+    pub(super) fn add(&self, bvh: &Arc<MorphBvh>) {
         let layout = Arc::new(MeshLayout::of(bvh));
-        self.0.push((Arc::downgrade(bvh), Arc::downgrade(&layout)));
-        layout
+        let mut layouts = self.lock();
+        layouts.retain(|(of, _)| of.strong_count() > 0);
+        layouts.push((Arc::downgrade(bvh), layout));
+    }
+
+    /// The layout of a tree. Every tree that is handed out has one.
+    pub(super) fn of(&self, bvh: &Arc<MorphBvh>) -> Option<Arc<MeshLayout>> {
+        let layouts = self.lock();
+        let known = layouts.iter().find(|(of, _)| of.as_ptr() == Arc::as_ptr(bvh));
+        known.map(|(_, layout)| layout.clone())
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Vec<(Weak<MorphBvh>, Arc<MeshLayout>)>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Whether trees are built with layouts.
+#[derive(Resource)]
+struct Added;
+
+/// Has a layout computed with every tree, from now on. Does nothing the second time, or while nothing builds trees.
+pub(super) fn add_to_trees(app: &mut App) {
+    let world = app.world_mut();
+    let Some(layouts) = world.get_resource::<MeshLayouts>().cloned() else {
+        return;
+    };
+    if !world.contains_resource::<MorphTrees>() || world.contains_resource::<Added>() {
+        return;
+    }
+    world.insert_resource(Added);
+    let mut trees = world.resource_mut::<MorphTrees>();
+    trees.on_built(move |tree| layouts.add(tree));
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::math::Vec3;
+    use morph_collision::BuildOptions;
+
+    use super::*;
+
+    /// The surface of a tetrahedron, as far as its first triangles go.
+    fn tree(triangles: usize) -> Arc<MorphBvh> {
+        let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+        let all = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+        let model = MorphModel::from_displacements::<Vec<Vec3>>(&positions, &all[..triangles], &[]).unwrap();
+        Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()).unwrap())
+    }
+
+    #[test]
+    fn a_layout_is_computed_once_and_never_by_whoever_asks() {
+        let layouts = MeshLayouts::default();
+        let (one, other) = (tree(4), tree(3));
+        assert!(layouts.of(&one).is_none());
+        let in_background = layouts.clone();
+        std::thread::scope(|scope| {
+            scope.spawn(|| [&one, &other].map(|tree| in_background.add(tree)));
+        });
+        let [first, again] = [(); 2].map(|()| layouts.of(&one).unwrap());
+        assert!(Arc::ptr_eq(&first, &again));
+        assert!(first.closed && !layouts.of(&other).unwrap().closed);
+        drop(one);
+        layouts.add(&tree(4));
+        assert_eq!(layouts.lock().len(), 2, "layouts go with their trees");
     }
 }

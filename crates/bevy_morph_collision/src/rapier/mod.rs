@@ -2,11 +2,14 @@
 //!
 //! - `surface`, `triangles`: what Rapier knows as shapes.
 //! - `dispatcher`, `gathered`: what it asks about two of them.
+//! - `range`: the sizes at which Parry can answer that.
+//! - `attach`: which meshes have a surface.
 //! - `follow`: where a surface is and was.
 //! - `push`, `part`, `motion`: how it pushes: what is near moving bodies is a kinematic body for one step.
 //! - `world`: what they see of Rapier's world, and change.
 //! - `step`: the systems around Rapier's step.
 
+mod attach;
 mod dispatcher;
 mod follow;
 mod gathered;
@@ -14,6 +17,7 @@ mod layout;
 mod motion;
 mod part;
 mod push;
+mod range;
 mod step;
 mod surface;
 mod triangles;
@@ -21,6 +25,7 @@ mod world;
 
 use bevy::app::AnimationSystems;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
+use bevy::mesh::mark_3d_meshes_as_changed_if_their_assets_changed;
 use bevy::prelude::*;
 use bevy_rapier3d::plugin::{PhysicsSet, RapierContextInitialization};
 
@@ -29,7 +34,8 @@ pub use step::MorphRapierDiagnostics;
 pub use surface::MorphSurface;
 
 use crate::collider::{CollisionMode, MorphCollider};
-use crate::import::MorphTrees;
+use crate::contacts::MorphCollisions;
+use crate::plugin::MorphCollisionSystems;
 
 /// Makes the mesh of a [`MorphCollider`] a collider of Rapier's: bodies collide with it as it morphs.
 ///
@@ -43,6 +49,10 @@ use crate::import::MorphTrees;
 ///   out of itself.
 ///
 /// Like a `TriMesh` it is a surface without an inside.
+///
+/// The surface is there while the entity has this component, a [`MorphCollider`] and a mesh whose tree is ready, and nothing disables it:
+/// [`MorphColliderDisabled`](crate::MorphColliderDisabled), `ColliderDisabled` or Bevy's `Disabled`. Pausing collision detection does not
+/// pause it. While its transform is not finite, or it is larger than 1e8 units or as far from the origin, it is left out, which is logged once.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(MorphCollider = MorphCollider::new(CollisionMode::Passive))]
@@ -128,10 +138,11 @@ impl Plugin for MorphRapierIn {
     }
 }
 
-fn check(app: &App) {
-    if !app.world().contains_resource::<MorphTrees>() {
+fn check(app: &mut App) {
+    if !app.world().contains_resource::<MorphCollisions>() {
         tracing::error!("MorphRapierPlugin does nothing without MorphCollisionPlugin, which builds its trees");
     }
+    layout::add_to_trees(app);
 }
 
 fn build(app: &mut App, schedule: InternedScheduleLabel) {
@@ -139,20 +150,25 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         tracing::error!("MorphRapierPlugin does nothing without RapierPhysicsPlugin, which must be added before it");
         return;
     }
+    // Now, or later if the other plugin comes after this one.
+    app.init_resource::<layout::MeshLayouts>();
+    layout::add_to_trees(app);
     app.register_type::<MorphRapierCollider>()
         .register_type::<MorphRapierDiagnostics>()
         .init_resource::<MorphRapierDiagnostics>()
-        .init_resource::<layout::MeshLayouts>()
         .init_resource::<step::Stepping>()
         .add_observer(step::teach_context)
-        .add_observer(step::detach_surface)
-        .add_observer(step::take_parts_along)
+        .add_observer(attach::detach_surface)
+        .add_observer(attach::take_parts_along)
         .configure_sets(
             schedule,
             (
                 MorphRapierSystems::Attach
                     .after(AnimationSystems)
-                    .before(PhysicsSet::SyncBackend),
+                    .before(PhysicsSet::SyncBackend)
+                    // Trees that are done in this frame are attached in the next one.
+                    .before(MorphCollisionSystems::Import)
+                    .before(mark_3d_meshes_as_changed_if_their_assets_changed),
                 MorphRapierSystems::BeforeStep
                     .after(PhysicsSet::SyncBackend)
                     .before(PhysicsSet::StepSimulation),
@@ -164,8 +180,8 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .add_systems(
             schedule,
             (
-                step::attach_surfaces.in_set(MorphRapierSystems::Attach),
-                (step::stop_absent, step::before_step)
+                attach::attach_surfaces.in_set(MorphRapierSystems::Attach),
+                (attach::stop_absent, step::before_step)
                     .chain()
                     .in_set(MorphRapierSystems::BeforeStep),
                 step::after_step.in_set(MorphRapierSystems::AfterStep),

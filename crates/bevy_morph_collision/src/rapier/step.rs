@@ -1,4 +1,4 @@
-//! Before each of Rapier's steps surfaces go where they will be at its end, and after it they are theirs who ask.
+//! Moves surfaces to their pose at the end of Rapier's step, and releases them to queries afterwards.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,42 +7,31 @@ use std::time::Duration;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::platform::collections::HashSet;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
-use bevy_rapier3d::parry::shape::SharedShape;
 use bevy_rapier3d::plugin::context::{
     RapierContextColliders, RapierContextEntityLink, RapierContextJoints, RapierContextSimulation, RapierRigidBodySet,
     SimulationToRenderTime,
 };
 use bevy_rapier3d::plugin::{RapierConfiguration, TimestepMode};
-use bevy_rapier3d::prelude::{Collider, RapierColliderHandle, SolverGroups};
+use bevy_rapier3d::prelude::{ColliderDisabled, RapierColliderHandle, SolverGroups};
 use bevy_rapier3d::rapier::dynamics::RigidBody;
 use bevy_rapier3d::rapier::geometry::InteractionGroups;
-use morph_collision::MorphBvh;
 use tracing::error;
 
 use super::MorphRapierCollider;
-use super::follow::{Following, places};
-use super::layout::MeshLayouts;
-use super::push::Pushing;
+use super::attach::RapierSurface;
+use super::follow::{is_rigid, places, rigid_place};
+use super::range::{MAX_COORDINATE, box_in_range, in_range};
 use super::world::{Audience, Manners, Mover, Step, World, find_movers, no_push};
-use crate::collider::ColliderState;
-
-/// What the plugin knows of one surface.
-#[derive(Component)]
-pub(crate) struct RapierSurface {
-    following: Following,
-    pushing: Pushing,
-    bvh: Arc<MorphBvh>,
-    /// The physics world it is in.
-    context: Option<Entity>,
-}
+use crate::collider::MorphColliderDisabled;
 
 /// What the last step of physics needed of [`MorphRapierCollider`]s.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, Debug, Default, Clone, PartialEq)]
 pub struct MorphRapierDiagnostics {
-    /// Colliders in physics.
+    /// Surfaces in physics, without those that are switched off, too large, or at a place that is not finite.
     pub surfaces: u32,
     /// Of these, those that moved or morphed.
     pub moving: u32,
@@ -60,54 +49,11 @@ pub(crate) struct Stepping {
     /// Whether a step is going on.
     now: Arc<AtomicBool>,
     movers: Vec<Mover>,
+    /// The colliders of bodies that were too large in the last step: these are in the log.
+    too_large: HashSet<u128>,
 }
 
-/// Colliders whose tree is ready, or another one, get a surface.
-pub(super) fn attach_surfaces(
-    mut commands: Commands,
-    colliders: Query<
-        (
-            Entity,
-            &ColliderState,
-            Option<&RapierSurface>,
-            Option<&RapierContextEntityLink>,
-        ),
-        With<MorphRapierCollider>,
-    >,
-    mut layouts: ResMut<MeshLayouts>,
-) {
-    for (entity, state, surface, context) in &colliders {
-        let Some(pose) = &state.pose else { continue };
-        if let Some(surface) = surface {
-            let elsewhere = surface.context.is_some() && surface.context != context.map(|link| link.0);
-            if elsewhere || !Arc::ptr_eq(&surface.bvh, pose.bvh()) {
-                // With its parts; the new one comes next time.
-                commands.entity(entity).try_remove::<RapierSurface>();
-            }
-            continue;
-        }
-        let bvh = pose.bvh().clone();
-        let layout = layouts.of(&bvh);
-        let following = Following::new(&bvh, pose.weights(), &layout);
-        let shape = SharedShape::new(following.surface.clone());
-        let surface = RapierSurface {
-            following,
-            pushing: Pushing::new(entity, layout),
-            bvh,
-            context: None,
-        };
-        commands.entity(entity).try_insert((Collider::from(shape), surface));
-    }
-}
-
-/// A collider that is no longer one leaves physics, parts and all.
-pub(super) fn detach_surface(removed: On<Remove<MorphRapierCollider>>, mut commands: Commands) {
-    commands
-        .entity(removed.entity)
-        .try_remove::<(Collider, RapierSurface)>();
-}
-
-type Contexts<'w, 's> = Query<
+pub(super) type Contexts<'w, 's> = Query<
     'w,
     's,
     (
@@ -121,24 +67,7 @@ type Contexts<'w, 's> = Query<
     ),
 >;
 
-/// A surface that is being removed takes its parts along.
-pub(super) fn take_parts_along(
-    removed: On<Remove<RapierSurface>>,
-    mut surfaces: Query<&mut RapierSurface, Allow<Disabled>>,
-    mut contexts: Contexts,
-) {
-    let Ok(mut surface) = surfaces.get_mut(removed.entity) else {
-        return;
-    };
-    let Some(context) = surface.context else { return };
-    if let Ok((_, mut simulation, mut colliders, mut joints, mut bodies, ..)) = contexts.get_mut(context) {
-        let RapierSurface { following, pushing, .. } = &mut *surface;
-        pushing.finish(&following.surface, &mut bodies.bodies, &mut colliders.colliders);
-        pushing.stop(&mut world(&mut simulation, &mut colliders, &mut joints, &mut bodies));
-    }
-}
-
-fn world<'a>(
+pub(super) fn world<'a>(
     simulation: &'a mut RapierContextSimulation,
     colliders: &'a mut RapierContextColliders,
     joints: &'a mut RapierContextJoints,
@@ -154,28 +83,6 @@ fn world<'a>(
     }
 }
 
-/// Surfaces that are disabled, or no colliders of Rapier's any more, push nothing.
-pub(super) fn stop_absent(
-    mut surfaces: Query<
-        &mut RapierSurface,
-        (
-            Allow<Disabled>,
-            Or<(With<Disabled>, Without<RapierColliderHandle>, Without<Collider>)>,
-        ),
-    >,
-    mut contexts: Contexts,
-) {
-    for mut surface in &mut surfaces {
-        let Some(context) = surface.context.filter(|_| !surface.pushing.is_idle()) else {
-            continue;
-        };
-        if let Ok((_, mut simulation, mut colliders, mut joints, mut bodies, ..)) = contexts.get_mut(context) {
-            let mut world = world(&mut simulation, &mut colliders, &mut joints, &mut bodies);
-            surface.pushing.stop(&mut world);
-        }
-    }
-}
-
 /// Surfaces go where they will be at the end of the step, and bodies near them get something to stand on.
 pub(super) fn before_step(
     mut contexts: Contexts,
@@ -188,6 +95,7 @@ pub(super) fn before_step(
         &GlobalTransform,
         Option<&MeshMorphWeights>,
         Option<&SolverGroups>,
+        (Has<MorphColliderDisabled>, Has<ColliderDisabled>),
     )>,
     shared: Query<&MorphWeights>,
     names: Query<NameOrEntity>,
@@ -201,42 +109,90 @@ pub(super) fn before_step(
     if surfaces.is_empty() {
         return;
     }
-    let Stepping { now, movers } = &mut *stepping;
+    let Stepping { now, movers, too_large } = &mut *stepping;
+    let name_of = |entity| names.get(entity).map(|name| name.to_string()).unwrap_or_default();
+    let (mut refused, mut has_stepped) = (HashSet::default(), false);
+    let mut refuse = |collider: u128| {
+        if refused.insert(collider) && !too_large.contains(&collider) {
+            let name = Entity::try_from_bits(collider as u64).map(name_of).unwrap_or_default();
+            error!(
+                "the collider of entity `{name}` is more than {MAX_COORDINATE:e} units large, or moves that far in a step: no morphing \
+                 surface pushes it; make it smaller"
+            );
+        }
+    };
     for (context, mut simulation, mut colliders, mut joints, mut bodies, configuration, behind) in &mut contexts {
         let dt = time_ahead(&mode, &time, behind.diff);
         if !configuration.physics_pipeline_active || dt <= 0.0 {
             continue;
         }
         now.store(true, Ordering::Release);
+        has_stepped = true;
         let parameters = simulation.integration_parameters;
         let mut world = world(&mut simulation, &mut colliders, &mut joints, &mut bodies);
-        find_movers(world.bodies, world.colliders, dt, movers);
+        find_movers(world.bodies, world.colliders, dt, movers, &mut refuse);
         let audience = Audience::of(&world);
-        for (entity, settings, mut surface, handle, link, place, weights, solver_groups) in &mut surfaces {
+        for (entity, settings, mut surface, handle, link, place, weights, solver_groups, disabled) in &mut surfaces {
             if link.0 != context {
                 continue;
             }
-            let RapierSurface {
-                following,
-                pushing,
-                context: at_home,
-                ..
-            } = &mut *surface;
+            let surface = &mut *surface;
             let Some(collider) = world.colliders.get(handle.0) else {
                 continue;
             };
-            if at_home.is_some_and(|home| home != context) {
+            if surface.context.is_some_and(|home| home != context) {
                 // It came from another world in this frame; its parts are still there.
                 continue;
             }
-            *at_home = Some(context);
-            diagnostics.surfaces += 1;
-            let places = places(collider, world.bodies, place, dt);
-            if let Err(complaint) = following.advance(weights, &shared, places, dt) {
-                let name = names.get(entity).map(|name| name.to_string()).unwrap_or_default();
-                error!("the surface of entity `{name}` stays as it was: {complaint}");
+            surface.context = Some(context);
+            let (morph_disabled, collider_disabled) = disabled;
+            let mut off = morph_disabled;
+            if !morph_disabled {
+                let places = places(collider, world.bodies, place, dt);
+                let bad_place = match places {
+                    Ok(places) => {
+                        if let Err(complaint) = surface.following.advance(weights, &shared, places, dt) {
+                            let name = name_of(entity);
+                            error!("the surface of entity `{name}` stays as it was: {complaint}");
+                        }
+                        let bounds = surface.following.surface.lock().bounds();
+                        let fits = box_in_range(&bounds) && in_range(place.translation());
+                        (!fits).then(|| format!("it is larger than {MAX_COORDINATE:e} units or as far from the origin"))
+                    }
+                    Err(error) => Some(error.to_string()),
+                };
+                off = bad_place.is_some();
+                if let Some(bad_place) = &bad_place
+                    && surface.bad_place.as_ref() != Some(bad_place)
+                {
+                    let name = name_of(entity);
+                    error!(
+                        "the surface of entity `{name}` is left out of physics until its transform is good again: {bad_place}"
+                    );
+                }
+                surface.bad_place = bad_place;
+                if !off
+                    && collider.parent().is_none()
+                    && !is_rigid(collider.position())
+                    && let Some(collider) = world.colliders.get_mut(handle.0)
+                {
+                    // A scale of zero leaves no valid rotation, and Rapier would disable the collider for good.
+                    collider.set_position(rigid_place(place));
+                }
             }
-            diagnostics.moving += u32::from(following.moves);
+            surface.switch(off, collider_disabled, world.colliders, handle.0);
+            let RapierSurface { following, pushing, .. } = surface;
+            if off {
+                if !pushing.is_idle() {
+                    pushing.stop(&mut world);
+                }
+                continue;
+            }
+            let Some(collider) = world.colliders.get(handle.0) else {
+                continue;
+            };
+            diagnostics.surfaces += u32::from(collider.is_enabled());
+            diagnostics.moving += u32::from(collider.is_enabled() && following.moves);
             let parent = collider.parent();
             let on_dynamic = parent
                 .and_then(|body| world.bodies.get(body))
@@ -280,6 +236,9 @@ pub(super) fn before_step(
             diagnostics.blended += pushing.prepare(following, manners, &step, &mut world);
             diagnostics.parts += pushing.parts();
         }
+    }
+    if has_stepped {
+        *too_large = refused;
     }
     diagnostics.duration = start.elapsed();
 }

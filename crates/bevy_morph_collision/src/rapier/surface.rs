@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use bevy::math::Vec3;
+use bevy::prelude::Entity;
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};
 use bevy_rapier3d::parry::mass_properties::MassProperties;
 use bevy_rapier3d::parry::math::{Real, Vector};
@@ -12,8 +13,10 @@ use bevy_rapier3d::parry::shape::{FeatureId, Shape, ShapeType, Triangle, TypedSh
 use morph_collision::{
     Ball, Body, ConvexRegion, Facing, InputError, OverlapQuery, PointQuery, Pose, RayQuery, WorldFromModel,
 };
+use tracing::error;
 
 use super::layout::MeshLayout;
+use super::range::{MAX_COORDINATE, box_in_range};
 use super::triangles::{Triangles, nowhere, pseudo_normals};
 
 /// The surface of a morphing mesh, for Rapier: the shape of the [`Collider`](bevy_rapier3d::prelude::Collider) of a
@@ -24,8 +27,11 @@ use super::triangles::{Triangles, nowhere, pseudo_normals};
 /// it has no inside. Clones show the same mesh in the same pose.
 #[derive(Clone)]
 pub struct MorphSurface {
+    entity: Entity,
     posed: Arc<Mutex<Posed>>,
     quiet: Arc<AtomicBool>,
+    /// Whether a pair that Parry cannot compute with was logged.
+    refused: Arc<AtomicBool>,
 }
 
 /// What a surface is made of at the moment.
@@ -50,7 +56,12 @@ struct Queries {
 }
 
 impl MorphSurface {
-    pub(super) fn new(pose: Pose, collider_from_model: WorldFromModel, layout: Arc<MeshLayout>) -> Self {
+    pub(super) fn new(
+        entity: Entity,
+        pose: Pose,
+        collider_from_model: WorldFromModel,
+        layout: Arc<MeshLayout>,
+    ) -> Self {
         let posed = Posed {
             layout,
             pose,
@@ -60,8 +71,21 @@ impl MorphSurface {
             mass: None,
         };
         Self {
+            entity,
             posed: Arc::new(Mutex::new(posed)),
             quiet: Arc::default(),
+            refused: Arc::default(),
+        }
+    }
+
+    /// Logs, once per surface, that a question about it and another shape is not answered.
+    pub(super) fn refuse(&self) {
+        if !self.refused.swap(true, Ordering::Relaxed) {
+            error!(
+                "the surface of entity `{}` does not meet a shape that is larger than {MAX_COORDINATE:e} units, farther away or faster: \
+                 Parry cannot compute with it",
+                self.entity
+            );
         }
     }
 
@@ -166,17 +190,17 @@ impl Posed {
     }
 
     fn enclosed_mass(&mut self) -> MassProperties {
+        if !box_in_range(&self.bounds()) {
+            return MassProperties::default();
+        }
         let vertices: Vec<Vec3> = self.all_corners().flatten().collect();
         let triangles: Vec<[u32; 3]> = (0..vertices.len() as u32 / 3)
             .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
             .collect();
         let mass = MassProperties::from_trimesh(1.0, &vertices, &triangles);
         // Of what encloses nothing, or more than numbers can say.
-        if mass.mass().is_finite() {
-            mass
-        } else {
-            MassProperties::default()
-        }
+        let is_finite = mass.mass().is_finite() && mass.local_com.is_finite() && mass.inv_principal_inertia.is_finite();
+        if is_finite { mass } else { MassProperties::default() }
     }
 
     fn gather(&mut self, for_contacts: bool) -> Triangles {

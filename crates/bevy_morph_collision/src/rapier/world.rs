@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
+use bevy_rapier3d::parry::shape::HalfSpace;
 use bevy_rapier3d::rapier::dynamics::{
     CoefficientCombineRule, ImpulseJointSet, IslandManager, MultibodyJointSet, RigidBody, RigidBodyHandle,
     RigidBodySet, SoftBodySet,
@@ -12,6 +13,8 @@ use bevy_rapier3d::rapier::geometry::{
     ActiveCollisionTypes, Collider, ColliderHandle, ColliderSet, Group, InteractionGroups,
 };
 use bevy_rapier3d::rapier::pipeline::{ActiveEvents, ActiveHooks};
+
+use super::range::{box_in_range, in_range};
 
 /// The parts of a physics world that bodies come into and go from.
 pub(super) struct World<'a> {
@@ -99,7 +102,15 @@ pub(super) struct Mover {
 }
 
 /// Finds the colliders of dynamic bodies, and where they may be during a step.
-pub(super) fn find_movers(bodies: &RigidBodySet, colliders: &ColliderSet, dt: f32, movers: &mut Vec<Mover>) {
+///
+/// Those that are too large for Parry, or too fast, are left out and given to `refuse` by their user data.
+pub(super) fn find_movers(
+    bodies: &RigidBodySet,
+    colliders: &ColliderSet,
+    dt: f32,
+    movers: &mut Vec<Mover>,
+    refuse: &mut impl FnMut(u128),
+) {
     movers.clear();
     for (handle, body) in bodies.iter() {
         if !body.is_dynamic() || !body.is_enabled() {
@@ -119,6 +130,13 @@ pub(super) fn find_movers(bodies: &RigidBodySet, colliders: &ColliderSet, dt: f3
             let fast = !asleep && !body.is_ccd_enabled() && way > 0.25 * bounds.extents().min_element();
             if !asleep {
                 bounds = bounds.merged(&shape.shape().compute_aabb(&(next * in_body)));
+            }
+            if !box_in_range(&bounds) {
+                // Of those that are only far away, or nowhere, nobody is told: no surface is there.
+                if in_range(body.translation()) && shape.shape().as_shape::<HalfSpace>().is_none() {
+                    refuse(shape.user_data);
+                }
+                continue;
             }
             movers.push(Mover {
                 collider,

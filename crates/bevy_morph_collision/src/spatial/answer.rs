@@ -1,10 +1,11 @@
 use bevy::prelude::*;
 use morph_collision::{Facing, Manifold, TrianglePair};
 
-use crate::contacts::MorphContactPoint;
+use crate::contacts::{MorphContactPoint, no_triangles};
 
 /// Where a ray meets a collider.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Debug, Clone, PartialEq)]
 pub struct MorphRayHit {
     /// The collider.
     pub entity: Entity,
@@ -14,7 +15,8 @@ pub struct MorphRayHit {
     pub point: Vec3,
     /// The triangle's unit normal by its winding in world space; zero where it has no area.
     pub normal: Vec3,
-    /// Which side of the triangle the ray sees.
+    /// Which side of the triangle the ray sees. Not reflected: it is [`Facing::EdgeOn`] in a value made by reflection.
+    #[reflect(ignore, default = "edge_on")]
     pub facing: Facing,
     /// The triangle's number in its mesh; see [`MorphContact::triangles`](crate::MorphContact::triangles).
     pub triangle: u32,
@@ -25,7 +27,8 @@ pub struct MorphRayHit {
 }
 
 /// The point of a collider's surface that is closest to some point.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Debug, Clone, PartialEq)]
 pub struct MorphProjection {
     /// The collider.
     pub entity: Entity,
@@ -44,7 +47,8 @@ pub struct MorphProjection {
 }
 
 /// Closest points of two colliders' surfaces.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Debug, Clone, PartialEq)]
 pub struct MorphClosestPoints {
     /// On the first collider, in world space.
     pub point1: Vec3,
@@ -52,21 +56,32 @@ pub struct MorphClosestPoints {
     pub point2: Vec3,
     /// The distance, in world units: 0 if and only if they touch.
     pub distance: f32,
-    /// The triangles that the points are on.
+    /// The triangles that the points are on. Not reflected: both are
+    /// [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE) in a value made by reflection.
+    #[reflect(ignore, default = "no_triangles")]
     pub triangles: TrianglePair,
 }
 
 /// Where two colliders meet.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Reflect, Clone, Debug, PartialEq)]
+#[reflect(Debug, Clone, PartialEq)]
 pub struct MorphContacts {
     /// The direction in which the first collider leaves the second; see [`Manifold::normal`].
     pub normal: Vec3,
     /// A lower bound of the way that parts them; see [`Manifold::depth`].
     pub depth: f32,
-    /// How many pairs of triangles intersect.
+    /// How many pairs of triangles intersect, or how many of them were looked at.
     pub pair_count: usize,
+    /// Whether more pairs intersect than were looked at; see
+    /// [`MorphCollisionSettings::max_triangle_pairs`](crate::MorphCollisionSettings).
+    pub is_truncated: bool,
     /// At most four, the deepest first.
     pub points: Vec<MorphContactPoint>,
+}
+
+/// The side of a hit made by reflection.
+fn edge_on() -> Facing {
+    Facing::EdgeOn
 }
 
 impl From<&Manifold> for MorphContacts {
@@ -80,6 +95,7 @@ impl From<&Manifold> for MorphContacts {
             normal: manifold.normal.as_vec3(),
             depth: manifold.depth as f32,
             pair_count: manifold.pair_count,
+            is_truncated: manifold.is_truncated,
             points: points.collect(),
         }
     }

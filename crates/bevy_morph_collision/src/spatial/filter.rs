@@ -3,7 +3,8 @@ use bevy::prelude::*;
 use crate::layers::MorphCollisionLayers;
 
 /// Which colliders a spatial query looks at; by default all, whatever they collide with.
-#[derive(Clone, Debug, Default)]
+#[derive(Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Debug, Default, Clone, PartialEq)]
 pub struct MorphQueryFilter {
     /// Only colliders on at least one of these layers, a bit each; what they themselves collide with does not matter.
     pub layers: Option<u32>,

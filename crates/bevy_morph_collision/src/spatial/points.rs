@@ -77,10 +77,14 @@ impl MorphSpatialQuery<'_, '_> {
     }
 
     /// Where two colliders meet; `None` where they do not, or one of them is not there.
+    ///
+    /// It looks at [`MorphCollisionSettings::max_triangle_pairs`](crate::MorphCollisionSettings) pairs of triangles at most.
     pub fn contacts(&mut self, a: Entity, b: Entity) -> Option<MorphContacts> {
+        let limit = self.list_limit();
         let Self { colliders, queries, .. } = self;
         let [mut a, mut b] = colliders.get_many_mut([a, b]).ok()?;
-        let (manifold, _) = queries.contact.manifold(body(&mut a.1)?, body(&mut b.1)?);
+        let (body_a, body_b) = (body(&mut a.1)?, body(&mut b.1)?);
+        let (manifold, _) = queries.contact.manifold_up_to(limit, body_a, body_b);
         manifold.as_ref().map(MorphContacts::from)
     }
 

@@ -7,16 +7,17 @@ use morph_collision::{
 
 use super::MorphQueryFilter;
 use crate::collider::{ColliderState, Form};
-use crate::import::triangle_corners;
+use crate::import::MorphTrees;
 use crate::narrow_phase::world_triangle;
+use crate::settings::MorphCollisionSettings;
 
 /// Asks about the meshes of [`MorphCollider`](crate::MorphCollider)s as they are posed: rays, overlaps, closest points, contacts.
 ///
 /// Everything is in world space and `f32`; the work behind it is exact, as [`morph_collision`] describes it. Colliders are as the
 /// plugin's last run left them: weights and places that change later in a frame count from the next run on. What a
 /// query looks at is refitted for it, and stays so for whatever comes after. Colliders that are
-/// [disabled](crate::MorphColliderDisabled), or whose mesh is not loaded yet, are not there. Primitive shapes are not
-/// looked at.
+/// [disabled](crate::MorphColliderDisabled), or whose mesh is not loaded yet, are not there. Entities with a
+/// [`MorphShape`](crate::MorphShape) are not looked at, even if they have a mesh.
 ///
 /// A number that is not finite is an [`InputError`](morph_collision::InputError).
 ///
@@ -38,6 +39,8 @@ use crate::narrow_phase::world_triangle;
 pub struct MorphSpatialQuery<'w, 's> {
     pub(super) colliders: Query<'w, 's, (Entity, &'static mut ColliderState, Option<&'static Mesh3d>)>,
     meshes: Option<Res<'w, Assets<Mesh>>>,
+    trees: Option<Res<'w, MorphTrees>>,
+    settings: Option<Res<'w, MorphCollisionSettings>>,
     pub(super) queries: Local<'s, Queries>,
 }
 
@@ -61,6 +64,12 @@ impl std::fmt::Debug for MorphSpatialQuery<'_, '_> {
 }
 
 impl MorphSpatialQuery<'_, '_> {
+    /// The most triangle pairs that an answer looks at.
+    pub(super) fn list_limit(&self) -> usize {
+        let settings = self.settings.as_deref().copied();
+        settings.unwrap_or_default().list_limit()
+    }
+
     /// The colliders that pass a filter and for whose bounds something can be said, lowest first.
     pub(super) fn near(
         &mut self,
@@ -107,9 +116,12 @@ impl MorphSpatialQuery<'_, '_> {
     }
 
     pub(super) fn uv(&self, entity: Entity, triangle: u32, barycentrics: Vec3) -> Option<Vec2> {
-        let (_, _, mesh) = self.colliders.get(entity).ok()?;
+        let (_, state, mesh) = self.colliders.get(entity).ok()?;
         let mesh = self.meshes.as_ref()?.get(mesh?)?;
-        let corners = triangle_corners(mesh, triangle)?;
+        let corners = self
+            .trees
+            .as_ref()?
+            .corners(state.tree?, state.pose.as_ref()?.bvh(), triangle)?;
         let VertexAttributeValues::Float32x2(uvs) = mesh.try_attribute(Mesh::ATTRIBUTE_UV_0.id).ok()? else {
             return None;
         };

@@ -52,7 +52,8 @@ pub(crate) struct Frames {
 /// The frames that decide whether volumes of two placed bodies may meet: SAT-lite, both bodies' own axes. Each is made when it is
 /// asked for; `visit` says whether to go on.
 ///
-/// `a` and `b` are the bodies' whole model-space bounds. World space serves where neither body can be inverted.
+/// `a` and `b` are the bodies' whole model-space bounds. World space serves where neither body can be inverted sharply: where
+/// each is much flatter or thinner in the world than in its own space.
 #[inline]
 pub(crate) fn visit_frames(
     world_from_a: &WorldFromModel,
@@ -63,22 +64,30 @@ pub(crate) fn visit_frames(
 ) {
     let [a, b] = [a.magnitude().as_dvec3(), b.magnitude().as_dvec3()];
     let error = placement_error(world_from_a, a) + placement_error(world_from_b, b);
-    let mut found = false;
+    let mut is_sharp = false;
     if let Some(frames) = in_a(world_from_a, world_from_b, b, error) {
-        found = true;
+        is_sharp |= sharp(&frames.b, a);
         if !visit(&frames) {
             return;
         }
     }
     if let Some(frames) = in_b(world_from_a, a, world_from_b, error) {
-        found = true;
+        is_sharp |= sharp(&frames.a, b);
         if !visit(&frames) {
             return;
         }
     }
-    if !found {
-        visit(&world_frames(world_from_a, a, world_from_b, b));
+    if !is_sharp {
+        visit(&turned_world_frames(world_from_a, a, world_from_b, b));
     }
+}
+
+/// Whether a map to a body's own space is off by little beside that body.
+#[inline]
+fn sharp(frame: &Option<Frame>, magnitude: DVec3) -> bool {
+    const LITTLE: f64 = 1e-3;
+    let limit = LITTLE * magnitude.max_element();
+    frame.as_ref().is_some_and(|frame| frame.error.max_element() <= limit)
 }
 
 /// The frames that are the space of A, and that of B, where these can be inverted; for points within magnitudes.
@@ -122,6 +131,66 @@ pub(super) fn world_frames(world_from_a: &WorldFromModel, a: DVec3, world_from_b
         b: Some(to_world(world_from_b, origin, b, error)),
         stretch: 1.0,
     }
+}
+
+/// World space moved to A's origin, and turned so that a flat or thin A lies along the axes.
+#[cold]
+fn turned_world_frames(world_from_a: &WorldFromModel, a: DVec3, world_from_b: &WorldFromModel, b: DVec3) -> Frames {
+    let axes = long_axes(world_from_a.linear(), a).transpose();
+    let turned = |frame: Frame| Frame {
+        linear: axes * frame.linear,
+        translation: axes * frame.translation,
+        magnitude: frame.magnitude,
+        // Products of three coordinates, taken once for the map and once for the offset.
+        error: abs(axes) * (frame.error + 8.0 * U64 * frame.reach()),
+    };
+    let frames = world_frames(world_from_a, a, world_from_b, b);
+    let norm = frobenius(world_from_a.linear());
+    Frames {
+        a: frames.a.map(turned),
+        b: frames.b.map(turned),
+        stretch: match world_from_a.inverse() {
+            Some(_) => 0.9 / norm,
+            None => 1.0,
+        },
+    }
+}
+
+/// An orthonormal basis, up to rounding, whose first axis is along the longest side of a box under a map, the second in the
+/// plane of the two longest.
+fn long_axes(linear: DMat3, half: DVec3) -> DMat3 {
+    let mut sides = [linear.x_axis * half.x, linear.y_axis * half.y, linear.z_axis * half.z];
+    sides.sort_by(|u, v| v.length_squared().total_cmp(&u.length_squared()));
+    let Some(first) = sides[0].try_normalize() else {
+        return DMat3::IDENTITY;
+    };
+    let second = sides[1..].iter().find_map(|side| {
+        let across = *side / sides[0].length();
+        (across - first * across.dot(first)).try_normalize()
+    });
+    // What is left over of a parallel side is rounding, and need not be across.
+    let second = second
+        .map(|second| second - first * second.dot(first))
+        .and_then(DVec3::try_normalize);
+    let second = second.unwrap_or_else(|| first.any_orthonormal_vector());
+    DMat3::from_cols(first, second, first.cross(second))
+}
+
+/// Whether two bodies are so small in the world that the slack for rounding is not small beside them: culling would tell nothing
+/// apart. Each with its whole model-space bounds, and how far rounding may move a vertex in model space.
+pub(crate) fn are_below_resolution(bodies: [(&WorldFromModel, &Aabb, f64); 2]) -> bool {
+    /// Bodies this many times larger than the slack are culled well.
+    const RESOLVED: f64 = 16.0;
+    let slack = |(place, bounds, rounding): (&WorldFromModel, &Aabb, f64)| {
+        placement_error(place, bounds.magnitude().as_dvec3()).max_element() + rounding * place.scale()
+    };
+    let limit = RESOLVED * bodies.iter().map(|body| slack(*body)).sum::<f64>();
+    bodies.iter().all(|(place, bounds, _)| {
+        let size = bounds.size().as_dvec3();
+        let linear = place.linear();
+        let sides = [linear.x_axis * size.x, linear.y_axis * size.y, linear.z_axis * size.z];
+        sides.iter().all(|side| side.abs().max_element() <= limit)
+    })
 }
 
 /// A box in world space around everything that [`WorldFromModel::transform_point`] makes of points in `bounds`.

@@ -63,16 +63,23 @@ impl GapFrame {
         ]
         .into_iter()
         .flatten()
-        .map(|(frames, metric)| {
-            let reach = |frame: &Option<Frame>, own: DVec3| frame.as_ref().map_or(own, Frame::reach);
-            let error = |frame: &Option<Frame>| frame.as_ref().map_or(DVec3::ZERO, |frame| frame.error);
-            Self {
-                frames,
-                metric,
-                slack: error(&frames.a) + error(&frames.b) + 32.0 * U64 * (reach(&frames.a, a) + reach(&frames.b, b)),
-            }
-        })
+        .map(|(frames, metric)| Self::new(frames, metric, a, b))
         .collect()
+    }
+
+    /// World space: a length there is one in the world, but for a few roundings.
+    pub(crate) fn world(world_from_a: &WorldFromModel, a: DVec3, world_from_b: &WorldFromModel, b: DVec3) -> Self {
+        Self::new(world_frames(world_from_a, a, world_from_b, b), DVec3::ONE, a, b)
+    }
+
+    fn new(frames: Frames, metric: DVec3, a: DVec3, b: DVec3) -> Self {
+        let reach = |frame: &Option<Frame>, own: DVec3| frame.as_ref().map_or(own, Frame::reach);
+        let error = |frame: &Option<Frame>| frame.as_ref().map_or(DVec3::ZERO, |frame| frame.error);
+        Self {
+            frames,
+            metric,
+            slack: error(&frames.a) + error(&frames.b) + 32.0 * U64 * (reach(&frames.a, a) + reach(&frames.b, b)),
+        }
     }
 
     #[inline]

@@ -23,7 +23,7 @@ mod world_query;
 
 pub use aabb::Aabb;
 pub(crate) use cross_axes::{CrossAxes, FrameSide};
-pub(crate) use frame::{Frame, Frames, a_from_b, frobenius, visit_frames, world_bounds};
+pub(crate) use frame::{Frame, Frames, a_from_b, are_below_resolution, frobenius, visit_frames, world_bounds};
 pub(crate) use gap::{Box64, GapFrame};
 pub use kernel::Kernel;
 pub(crate) use kernel::with_simd;

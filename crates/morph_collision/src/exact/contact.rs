@@ -72,13 +72,21 @@ pub fn triangle_contact(a: &Triangle, b: &Triangle) -> Option<TriangleContact> {
     );
     let [a, b] = [a, b].map(|triangle| triangle.map(|corner| corner / scale));
     let (a, b) = (&a, &b);
-    let segment = common_segment(a, b).unwrap_or_else(|| {
-        let between = closest_between(a, b);
-        sorted([between.on_a, between.on_b])
-    });
+    let segment = match point_of(a).or_else(|| point_of(b)) {
+        Some(point) => [point; 2],
+        None => common_segment(a, b).unwrap_or_else(|| {
+            let between = closest_between(a, b);
+            sorted([between.on_a, between.on_b])
+        }),
+    };
     let segment = segment.map(|end| end * scale);
     let normal = (unit_normal(b) - unit_normal(a)).normalize_or_zero();
     Some(TriangleContact { segment, normal })
+}
+
+/// The point that a triangle is, if all its corners are one.
+fn point_of([a, b, c]: &Triangle) -> Option<DVec3> {
+    (a == b && a == c).then_some(*a)
 }
 
 /// A power of two by which lengths like `largest` become ordinary; 1 where they are.

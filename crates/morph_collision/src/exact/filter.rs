@@ -119,14 +119,16 @@ fn determinant(u: DVec3, v: DVec3, w: DVec3) -> Ordering {
     certain_sign(u.cross(v).dot(w), largest(u) * largest(v) * largest(w))
 }
 
-/// The sign of a determinant of three rounded differences whose largest coordinates have this product.
+/// The error of a determinant of three rounded differences, at most, per product of their largest coordinates.
 ///
 /// Each of its six terms is at most that product and is rounded at most eight times: in three differences, two products and
-/// three sums. So it is off by less than `6 * 8 * 2^-53` products, and by nothing else where that is far from both ends of
-/// the range of `f64`.
+/// three sums. So it is off by less than `6 * 8 * 2^-53` products.
+const RELATIVE: f64 = 52.0 * (f64::EPSILON / 2.0);
+
+/// The sign of a determinant of three rounded differences whose largest coordinates have this product; `Equal` where its error, or
+/// the range of `f64`, leaves it open.
 #[inline]
 fn certain_sign(determinant: f64, product: f64) -> Ordering {
-    const RELATIVE: f64 = 52.0 * (f64::EPSILON / 2.0);
     const LEAST: f64 = f64::from_bits((1023 - 900) << 52);
     const MOST: f64 = f64::from_bits((1023 + 900) << 52);
     let error = product * RELATIVE;
@@ -154,3 +156,6 @@ fn lone_corner_first(&[a, b, c]: &Triangle, sides: [Ordering; 3]) -> (Triangle, 
     };
     (turned, side == Greater)
 }
+
+#[cfg(test)]
+mod rounding_tests;

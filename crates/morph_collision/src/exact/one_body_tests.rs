@@ -1,6 +1,8 @@
 use glam::DVec3;
-use morph_collision_testkit::oracle;
+use morph_collision_testkit::oracle::{self, Dyadic};
 use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 
 use super::{Line, Plane, Triangle, closest_between, closest_on_triangle, ray_meets_triangle, triangle_meets_region};
 
@@ -94,5 +96,47 @@ fn the_inside_of_nearly_parallel_edges_is_found() {
             (between.squared.sqrt() / height - 1.0).abs() < 1e-12,
             "{slope}: {between:?}"
         );
+    }
+}
+
+/// Points a few roundings in front of a plane and behind it, decided as the exact sum of products says.
+#[test]
+fn points_within_roundings_of_a_half_space_are_told_apart() {
+    let mut rng = Pcg64Mcg::seed_from_u64(1);
+    let mut decided = [0, 0];
+    for _ in 0..20_000 {
+        let mut vector = || DVec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)));
+        let (normal, point) = (vector(), vector());
+        let mut offset = -normal.dot(point);
+        for _ in 0..rng.random_range(0..4) {
+            offset = if rng.random_bool(0.5) {
+                offset.next_up()
+            } else {
+                offset.next_down()
+            };
+        }
+        let terms = (0..3).map(|i| Dyadic::from(normal[i]) * Dyadic::from(point[i]));
+        let depth = terms.sum::<Dyadic>() + Dyadic::from(offset);
+        let inside = triangle_meets_region(&[point; 3], &[Plane { normal, offset }]);
+        assert_eq!(inside, !depth.is_negative(), "{normal} {offset} {point}");
+        decided[usize::from(inside)] += 1;
+    }
+    assert!(decided.iter().all(|count| *count > 5000), "{decided:?}");
+}
+
+/// A point on a sliver that lies askew is at distance 0 from it but for roundings, far from where rounded normals would put it.
+#[test]
+fn points_on_slivers_that_lie_askew_are_on_them() {
+    let mut rng = Pcg64Mcg::seed_from_u64(2);
+    for round in 0..600 {
+        let width = [1e-3, 1e-6, 1e-9][round % 3];
+        let mut vector = || DVec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)));
+        let (a, along, aside) = (vector(), vector(), vector());
+        let (b, c) = (a + along, a + along * 0.5 + aside * width);
+        let point = a + (b - a) * 0.3 + (c - a) * 0.4;
+        let closest = closest_on_triangle(point, &[a, b, c]);
+        let distance = closest.squared.sqrt();
+        assert!(distance < 1e-15, "{distance} at width {width}");
+        assert!(closest.point.distance(point) < 2e-15, "{closest:?} at width {width}");
     }
 }

@@ -53,6 +53,10 @@ fn triangles_degenerate_to_segments_and_points() {
     let collinear_gap = segment.map(|p| p + v(0.0, 0.0, 2.5));
     assert!(!triangles_intersect(&segment, &collinear_gap));
     assert!(triangles_intersect(&segment, &segment.map(|p| p + v(0.0, 0.0, 2.0))));
+    // They cross between corners of which neither is the first or second along its line.
+    let along_x = [v(0.0, 0.0, 0.0), v(1.0, 0.0, 0.0), v(4.0, 0.0, 0.0)];
+    let along_y = [v(3.0, -3.0, 0.0), v(3.0, -2.0, 0.0), v(3.0, 1.0, 0.0)];
+    assert!(triangles_intersect(&along_x, &along_y));
 }
 
 /// Corners on a coarse grid, so that coplanar, touching and degenerate pairs are common.
@@ -78,6 +82,24 @@ proptest! {
     }
 }
 
+/// Three corners on one line, in any order; common ones are not the outermost.
+fn collinear_triangles() -> impl Strategy<Value = Triangle> {
+    let vector = || prop::array::uniform3(-2_i8..3).prop_map(|c| DVec3::from_array(c.map(f64::from)));
+    (vector(), vector(), prop::array::uniform3(-3_i8..4))
+        .prop_map(|(start, along, places)| places.map(|place| start + along * f64::from(place)))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(10_000))]
+
+    #[test]
+    fn triangles_that_are_segments_agree_with_the_oracle(a in collinear_triangles(), b in collinear_triangles()) {
+        let truth = morph_collision_testkit::oracle::triangles_intersect(&a, &b);
+        prop_assert_eq!(triangles_intersect(&a, &b), truth);
+        prop_assert_eq!(triangle_contact(&a, &b).is_some(), truth);
+    }
+}
+
 /// Corners in general position, some of them a few roundings away from a plane or an edge of the other triangle.
 fn close_triangles() -> impl Strategy<Value = [Triangle; 2]> {
     let point = || prop::array::uniform3(-1.0..1.0_f64).prop_map(DVec3::from_array);
@@ -100,6 +122,18 @@ proptest! {
 
     #[test]
     fn the_filter_says_what_the_oracle_says_or_nothing([a, b] in close_triangles()) {
+        let truth = morph_collision_testkit::oracle::triangles_intersect(&a, &b);
+        prop_assert!(triangles_intersect_filtered(&a, &b).is_none_or(|decided| decided == truth));
+        prop_assert_eq!(triangles_intersect(&a, &b), truth);
+    }
+
+    /// Near the ends of the range of `f64` products underflow and overflow; the filter must leave such pairs open.
+    #[test]
+    fn the_filter_is_right_or_silent_at_every_scale(
+        [a, b] in close_triangles(), power in prop_oneof![-370_i32..-290, 290..345],
+    ) {
+        let scaled = |triangle: &Triangle| triangle.map(|p| p * 2.0_f64.powi(power));
+        let (a, b) = (scaled(&a), scaled(&b));
         let truth = morph_collision_testkit::oracle::triangles_intersect(&a, &b);
         prop_assert!(triangles_intersect_filtered(&a, &b).is_none_or(|decided| decided == truth));
         prop_assert_eq!(triangles_intersect(&a, &b), truth);

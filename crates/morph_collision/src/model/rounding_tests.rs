@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 use morph_collision_testkit::oracle::Dyadic;
-use morph_collision_testkit::search::Climb;
+use morph_collision_testkit::search::{Climb, is_as_known};
 use rand::RngExt;
 
 use super::MorphModel;
@@ -35,7 +35,7 @@ fn ratio(numbers: &[f32]) -> Option<f64> {
 
 #[test]
 fn a_posed_vertex_is_off_by_nearly_its_bound_and_never_by_more() {
-    for targets in [1, 2, 8, 64] {
+    for (targets, known) in [(1, 0.903), (2, 0.760), (8, 0.885), (64, 0.967)] {
         let climb = Climb {
             seed: 1,
             starts: 10,
@@ -67,8 +67,8 @@ fn a_posed_vertex_is_off_by_nearly_its_bound_and_never_by_more() {
         );
         println!("posed vertex, {targets} targets: {ratio:.3} of the bound");
         assert!(
-            ratio >= 0.5,
-            "the bound is lazy, or the search is: {ratio} with {targets} targets"
+            is_as_known(ratio, known),
+            "{ratio} of the bound with {targets} targets, known is {known}"
         );
     }
 }

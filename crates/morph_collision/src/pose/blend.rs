@@ -4,6 +4,7 @@
 use fearless_simd::Simd;
 
 use crate::bounds::Volume;
+use crate::model::MorphModel;
 use crate::tree::{CornerLanes, GroupTables, PatchColumns};
 
 /// Half a unit in the last place of 1.
@@ -172,6 +173,18 @@ fn spend_budget<V: Volume>(tables: &GroupTables<'_, V>, weights: &[f32], amounts
 #[inline(always)]
 fn room_for<V>(tables: &GroupTables<'_, V>) -> f32 {
     (1.0 - tables.steps.len() as f32 * (4.0 * U)).max(0.0)
+}
+
+/// As much as any group of a tree may be widened, about.
+#[cold]
+pub(super) fn most_widening(model: &MorphModel, spread: &[f32]) -> f32 {
+    let mut reach = model.base_reach();
+    let mut active = 0;
+    for (weight, target) in spread.iter().zip(model.target_reach()) {
+        reach += weight.abs() * target;
+        active += u32::from(*weight != 0.0);
+    }
+    widening(reach, active, 3 * active)
 }
 
 /// How far volumes and vertices may be off their exact values, together, per coordinate.

@@ -2,7 +2,7 @@ use fearless_simd::Level;
 use glam::Vec3;
 
 use super::anchor::Anchor;
-use super::blend::{blend_group, blend_patch, move_anchored};
+use super::blend::{blend_group, blend_patch, most_widening, move_anchored};
 use super::cache::Stamped;
 use crate::bounds::{Aabb, LANES, Slabs, Spheres, Volume, with_simd};
 use crate::model::MorphModel;
@@ -243,6 +243,16 @@ impl<V: Volume> Posed<'_, V> {
             posed.push(lanes);
         }
         self.scratch.points = points;
+    }
+
+    /// How far volumes may be widened for rounding, if the pose has made the mesh much smaller than it is at rest; otherwise 0.
+    #[inline]
+    pub(crate) fn rounding(&self, size: f32) -> f32 {
+        const MUCH: f32 = 512.0;
+        if size * MUCH > self.model.base_reach() {
+            return 0.0;
+        }
+        most_widening(self.model, self.spread)
     }
 
     pub(crate) fn blended(&self) -> Blended {

@@ -107,6 +107,42 @@ fn weights_that_rest_at_zero_or_matter_little_are_not_anchored() {
 }
 
 #[test]
+fn an_anchor_outlasts_weights_that_begin_to_move_from_zero() {
+    let mut pose = lifted_triangle();
+    pose.anchor_after(std::num::NonZeroU32::new(2));
+    for _ in 0..4 {
+        pose.set_weights(&[1.0, 0.0]).unwrap();
+    }
+    assert!(pose.is_anchored());
+    for frame in 1..6 {
+        pose.set_weights(&[1.0, 0.01 * frame as f32]).unwrap();
+        assert!(pose.is_anchored(), "frame {frame}");
+    }
+    pose.set_weights(&[0.5, 0.05]).unwrap();
+    assert!(!pose.is_anchored());
+}
+
+/// Far from the origin a small change of a weight moves a vertex by a whole unit in its last place.
+#[test]
+fn the_displacement_between_weights_covers_roundings() {
+    let base = [Vec3::splat(1e6), Vec3::splat(1e6) + Vec3::X, Vec3::splat(1e6) + Vec3::Y];
+    let model = MorphModel::from_displacements(&base, &[[0, 1, 2]], &[[Vec3::ONE; 3]]).unwrap();
+    let mut pose = Pose::new(Arc::new(
+        MorphBvh::build(Arc::new(model), &BuildOptions::default()).unwrap(),
+    ));
+    let mut jumps = 0;
+    for weight in [0.0, 0.031, 0.0313, 0.05, 0.094] {
+        pose.set_weights(&[0.0]).unwrap();
+        let before = pose.vertex(0).unwrap().as_dvec3();
+        pose.set_weights(&[weight]).unwrap();
+        let moved = pose.vertex(0).unwrap().as_dvec3().distance(before);
+        assert!(moved <= pose.displacement_from(&[0.0]), "{moved} at {weight}");
+        jumps += usize::from(moved > 3_f64.sqrt() * f64::from(weight));
+    }
+    assert!(jumps > 0, "no vertex was rounded away from its exact place");
+}
+
+#[test]
 fn a_tree_is_as_tight_as_it_is_measured_to_be() {
     let mesh = morph_collision_testkit::models::dolphin(0);
     let model = Arc::new(MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap());

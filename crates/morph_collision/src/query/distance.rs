@@ -4,8 +4,11 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use super::body::{Body, as_boxes};
+use super::collapsed::{Collapsed, CollapsedTests};
 use super::leaves::Leaves;
 use super::one::magnitude;
+use super::pairs::TrianglePair;
+use super::places::Places;
 use super::stats::QueryStats;
 use crate::bounds::{Aabb, Box64, BoxLanes, GapFrame, LANES, Slab, Volume};
 use crate::exact::{Between, Triangle, closest_between};
@@ -34,7 +37,9 @@ pub struct ClosestPair {
 /// Measures how far two bodies are apart; holds the memory that queries reuse.
 ///
 /// The distance is that of the surfaces, so a body inside another one is not at distance 0. It does not depend on the
-/// trees, nor do the triangles and points while it is above 0; of intersecting triangles the walk takes the first pair.
+/// trees, nor do the triangles and points while it is above 0; of intersecting triangles the walk takes the first pair. Bodies
+/// less than a millionth of their distance in size are different: all their triangles are about as close, the search ends when none
+/// can be closer by more than rounding, and which ones are named may depend on the trees.
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -55,6 +60,7 @@ pub struct DistanceQuery {
     stack: Stack<f64>,
     leaves_a: Leaves,
     leaves_b: Leaves,
+    collapsed: Collapsed,
 }
 
 impl DistanceQuery {
@@ -75,10 +81,36 @@ impl DistanceQuery {
         let (mut posed_a, mut posed_b) = (a.pose.posed(), b.pose.posed());
         let (mut a, mut b) = (as_boxes(&mut posed_a), as_boxes(&mut posed_b));
         let before = [a.blended(), b.blended()];
-        let frames = GapFrame::list(world_from_a, magnitude(&mut a), world_from_b, magnitude(&mut b));
+        let places = Places {
+            world_from_a,
+            world_from_b,
+        };
+        if places.are_collapsed(&mut a, &mut b) {
+            let mut best = Best::within(max_distance, false);
+            let mut tests = CollapsedTests::default();
+            self.collapsed.place(&mut a, &mut b, &places);
+            let limit = best.limit;
+            let _stopped_early = self.collapsed.nearer(limit, &mut tests, |pair, corners_a, corners_b| {
+                best.look(pair, corners_a, corners_b)
+            });
+            let stats = QueryStats {
+                node_tests: tests.nodes,
+                triangle_tests: tests.triangles,
+                ..QueryStats::blending(before, [a.blended(), b.blended()])
+            };
+            return (best.pair, stats);
+        }
+        let (magnitude_a, magnitude_b) = (magnitude(&mut a), magnitude(&mut b));
+        let mut frames = GapFrame::list(world_from_a, magnitude_a, world_from_b, magnitude_b);
+        let are_far = are_far(&frames, &places, &mut a, &mut b);
+        if are_far {
+            // A rotation in `f32` is not quite one, and lengths in the bodies' spaces are off by more than the bodies' sizes.
+            frames.push(GapFrame::world(world_from_a, magnitude_a, world_from_b, magnitude_b));
+        }
+        let mut best = Best::within(max_distance, !are_far);
         let rule = Closer {
             frames: &frames,
-            limit: Cell::new(max_distance * max_distance * MARGIN),
+            limit: Cell::new(best.limit),
         };
         let mut walk = PairWalk {
             a: &mut a,
@@ -90,13 +122,12 @@ impl DistanceQuery {
             deepest_first: false,
             trace: None,
         };
-        let mut closest: Option<ClosestPair> = None;
-        let mut closest_squared = f64::INFINITY;
         let mut triangle_tests = 0;
         let Self {
             stack,
             leaves_a,
             leaves_b,
+            ..
         } = self;
         leaves_a.begin(walk.a.topology().leaf_count());
         leaves_b.begin(walk.b.topology().leaf_count());
@@ -111,25 +142,8 @@ impl DistanceQuery {
                         continue;
                     }
                     triangle_tests += 1;
-                    let Between { on_a, on_b, squared } = closest_between(&corners_a, &corners_b);
-                    let found = ClosestPair {
-                        triangle_a,
-                        triangle_b,
-                        point_a: on_a,
-                        point_b: on_b,
-                        distance: squared.sqrt(),
-                    };
-                    let closer = closest.as_ref().is_none_or(|best| {
-                        squared < closest_squared || (squared == closest_squared && found.is_before(best))
-                    });
-                    if found.distance <= max_distance && closer {
-                        closest = Some(found);
-                        closest_squared = squared;
-                        if squared == 0.0 {
-                            return ControlFlow::Break(());
-                        }
-                        rule.limit.set((squared * MARGIN).min(rule.limit.get()));
-                    }
+                    let pair = TrianglePair { triangle_a, triangle_b };
+                    rule.limit.set(best.look(pair, &corners_a, &corners_b)?);
                 }
             }
             ControlFlow::Continue(())
@@ -140,7 +154,61 @@ impl DistanceQuery {
             triangle_tests,
             ..QueryStats::blending(before, after)
         };
-        (closest, stats)
+        (best.pair, stats)
+    }
+}
+
+/// The closest triangles so far.
+struct Best {
+    pair: Option<ClosestPair>,
+    squared: f64,
+    max_distance: f64,
+    /// Whether near ties are looked at.
+    with_ties: bool,
+    /// A squared distance: pairs with a lower bound above it are not worth looking at.
+    limit: f64,
+}
+
+impl Best {
+    fn within(max_distance: f64, with_ties: bool) -> Self {
+        Self {
+            pair: None,
+            squared: f64::INFINITY,
+            max_distance,
+            with_ties,
+            limit: max_distance * max_distance * MARGIN,
+        }
+    }
+
+    /// Measures two triangles and returns the new limit; breaks if they share a point.
+    #[inline]
+    fn look(&mut self, pair: TrianglePair, corners_a: &Triangle, corners_b: &Triangle) -> ControlFlow<(), f64> {
+        let Between { on_a, on_b, squared } = closest_between(corners_a, corners_b);
+        let found = ClosestPair {
+            triangle_a: pair.triangle_a,
+            triangle_b: pair.triangle_b,
+            point_a: on_a,
+            point_b: on_b,
+            distance: squared.sqrt(),
+        };
+        let closer = self
+            .pair
+            .as_ref()
+            .is_none_or(|best| squared < self.squared || (squared == self.squared && found.is_before(best)));
+        if found.distance <= self.max_distance && closer {
+            self.pair = Some(found);
+            self.squared = squared;
+            if squared == 0.0 {
+                return ControlFlow::Break(());
+            }
+            let limit = if self.with_ties {
+                squared * MARGIN
+            } else {
+                squared.next_down()
+            };
+            self.limit = limit.min(self.limit);
+        }
+        ControlFlow::Continue(self.limit)
     }
 }
 
@@ -166,11 +234,27 @@ struct Closer<'a> {
 
 impl Closer<'_> {
     fn squared(&self, a: &Box64, b: &Box64) -> f64 {
-        self.frames
-            .iter()
-            .map(|frame| frame.squared(&frame.image_of_a(a), &frame.image_of_b(b)))
-            .fold(0.0, f64::max)
+        squared_gap(self.frames, a, b)
     }
+}
+
+/// A lower bound of the squared distance of what two boxes hold.
+fn squared_gap(frames: &[GapFrame], a: &Box64, b: &Box64) -> f64 {
+    frames
+        .iter()
+        .map(|frame| frame.squared(&frame.image_of_a(a), &frame.image_of_b(b)))
+        .fold(0.0, f64::max)
+}
+
+/// Whether two bodies are so much smaller than the distance between them that all their triangles are about as close.
+fn are_far<T: Walkable<Kind = BoxLanes>>(frames: &[GapFrame], places: &Places<'_>, a: &mut T, b: &mut T) -> bool {
+    const FAR: f64 = 1e6;
+    let (root_a, root_b) = (a.root(), b.root());
+    let boxes = [box_of(&a.volume(root_a)), box_of(&b.volume(root_b))];
+    let size_a = boxes[0].half.element_sum() * places.world_from_a.scale();
+    let size_b = boxes[1].half.element_sum() * places.world_from_b.scale();
+    let far = 2.0 * FAR * (size_a + size_b);
+    far * far <= squared_gap(frames, &boxes[0], &boxes[1])
 }
 
 impl PairRule<BoxLanes> for Closer<'_> {

@@ -162,6 +162,12 @@ impl PairMemory {
         self.trace.gap = if self.remember.separation { f64::INFINITY } else { 0.0 };
     }
 
+    /// Nothing is known from a query that walked over no tree.
+    pub(super) fn forget_walk(&mut self) {
+        self.trace.gap = 0.0;
+        self.witness = None;
+    }
+
     /// After a walk.
     pub(super) fn finish(&mut self, touched: bool, a: Body<'_>, b: Body<'_>) {
         if self.remember.front {

@@ -4,6 +4,8 @@ mod anchor;
 mod approximate;
 mod batch;
 mod body;
+mod capped;
+mod collapsed;
 mod contact;
 mod distance;
 mod input;

@@ -1,6 +1,8 @@
 use std::ops::ControlFlow;
 
 use super::body::{Body, with_walkable_pair};
+use super::capped::Capped;
+use super::collapsed::{Collapsed, CollapsedTests};
 use super::memory::PairMemory;
 use super::patches::{LeafTests, Patches, intersecting_pairs};
 use super::places::Places;
@@ -42,6 +44,7 @@ pub struct PairQuery {
     culls: AnyCulls,
     leaves_a: Patches,
     leaves_b: Patches,
+    collapsed: Collapsed,
     axes: SeparatingAxes,
     /// Whether the query that runs ends with the first pair.
     only_first: bool,
@@ -62,11 +65,30 @@ impl PairQuery {
     }
 
     /// Appends every pair of intersecting triangles, in the order of the walk.
+    ///
+    /// Bodies that collapse to a point touch in every pair of their triangles; [`PairQuery::up_to`] bounds the list.
     pub fn all(&mut self, a: Body<'_>, b: Body<'_>, pairs: &mut Vec<TrianglePair>) -> QueryStats {
         self.visit(a, b, |pair| {
             pairs.push(pair);
             ControlFlow::Continue(())
         })
+    }
+
+    /// Appends at most `limit` pairs of intersecting triangles, the first ones of [`PairQuery::all`]; says whether there are more.
+    ///
+    /// The walk ends at the first pair that there is no room for. So two bodies that touch everywhere, as two that were scaled to
+    /// a point, do not list the product of their triangles. Which pairs come first depends on the tree and on the order of the
+    /// bodies.
+    pub fn up_to(
+        &mut self,
+        limit: usize,
+        a: Body<'_>,
+        b: Body<'_>,
+        pairs: &mut Vec<TrianglePair>,
+    ) -> (bool, QueryStats) {
+        let mut listed = Capped::new(pairs, limit);
+        let stats = self.visit(a, b, |pair| listed.push(pair));
+        (listed.is_truncated, stats)
     }
 
     /// The first pair of intersecting triangles that a walk comes to which looks first where nodes reach deepest into each other.
@@ -119,6 +141,15 @@ impl PairQuery {
             return QueryStats::default();
         }
         self.dispatch(a, b, Start::Front(front), &mut visitor)
+    }
+
+    /// Whether the bodies are too small to be culled; then there is no walk over their trees.
+    pub(super) fn are_collapsed(&self, a: Body<'_>, b: Body<'_>) -> bool {
+        let places = Places {
+            world_from_a: a.world_from_model,
+            world_from_b: b.world_from_model,
+        };
+        with_walkable_pair!(a.pose.posed(), b.pose.posed(), (a, b) => places.are_collapsed(&mut a, &mut b))
     }
 
     /// The node pairs that the walk comes to from the roots, in its order, once there are so many: each can be walked from by
@@ -235,6 +266,7 @@ impl PairQuery {
             culls,
             leaves_a,
             leaves_b,
+            collapsed,
             axes,
             only_first,
         } = self;
@@ -248,6 +280,21 @@ impl PairQuery {
         if !roots_meet && matches!(start, Start::Roots | Start::Front(_)) {
             return QueryStats {
                 node_tests: 1,
+                ..QueryStats::blending(before, [a.blended(), b.blended()])
+            };
+        }
+        let whole = matches!(start, Start::Roots | Start::Memory(_));
+        if roots_meet && whole && places.are_collapsed(a, b) {
+            let mut tests = CollapsedTests::default();
+            collapsed.place(a, b, places);
+            let _stopped_early = collapsed.intersecting(&mut tests, visitor);
+            if let Start::Memory(memory) = start {
+                memory.forget_walk();
+            }
+            return QueryStats {
+                node_tests: tests.nodes,
+                triangle_tests: tests.triangles,
+                undecided_by_filter: tests.undecided_by_filter,
                 ..QueryStats::blending(before, [a.blended(), b.blended()])
             };
         }

@@ -3,7 +3,7 @@
 use super::neighbourhood::Neighbourhood;
 use super::pairs::SeparatingAxes;
 use super::patches::Patches;
-use crate::bounds::{Volume, WorldFromModel, visit_frames};
+use crate::bounds::{Volume, WorldFromModel, are_below_resolution, visit_frames};
 use crate::traverse::{CrossCull, Culls, Walkable};
 
 /// Where the two bodies of a query stand.
@@ -36,6 +36,21 @@ impl Places<'_> {
             roots_meet
         });
         (roots_meet, cross)
+    }
+
+    /// Whether both bodies are too small for where they stand, or for how far they are posed from their rest, to be culled.
+    pub(super) fn are_collapsed<T: Walkable>(&self, a: &mut T, b: &mut T) -> bool {
+        let bounds = |tree: &mut T| {
+            let root = tree.root();
+            let bounds = T::Kind::bounds(&tree.volume(root));
+            let rounding = f64::from(tree.rounding(bounds.size().max_element()));
+            (bounds, rounding)
+        };
+        let [(bounds_a, rounding_a), (bounds_b, rounding_b)] = [bounds(a), bounds(b)];
+        are_below_resolution([
+            (self.world_from_a, &bounds_a, rounding_a),
+            (self.world_from_b, &bounds_b, rounding_b),
+        ])
     }
 
     /// Prepares what reads leaves.

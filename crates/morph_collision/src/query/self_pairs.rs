@@ -2,6 +2,7 @@ use std::ops::ControlFlow;
 
 use glam::Vec3;
 
+use super::capped::Capped;
 use super::{QueryStats, TrianglePair};
 use crate::bounds::Volume;
 use crate::exact::{Triangle, triangles_intersect_counting};
@@ -51,6 +52,14 @@ impl SelfQuery {
             pairs.push(pair);
             ControlFlow::Continue(())
         })
+    }
+
+    /// Appends at most `limit` pairs of intersecting triangles, the first ones of [`SelfQuery::all`]; says whether there are
+    /// more. A mesh whose weights collapse it to a point does not list the square of its triangles.
+    pub fn up_to(&mut self, limit: usize, pose: &mut Pose, pairs: &mut Vec<TrianglePair>) -> (bool, QueryStats) {
+        let mut listed = Capped::new(pairs, limit);
+        let stats = self.visit(pose, |pair| listed.push(pair));
+        (listed.is_truncated, stats)
     }
 
     /// Whether any triangles intersect.

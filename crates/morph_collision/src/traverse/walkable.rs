@@ -28,6 +28,8 @@ pub(crate) trait Walkable {
     fn boxes(&self, slot: usize) -> BoxLanes;
     /// The instructions to compare with.
     fn level(&self) -> Level;
+    /// How far volumes may be widened for rounding, for a mesh that is much smaller in this pose than at rest; otherwise 0.
+    fn rounding(&self, size: f32) -> f32;
 
     #[inline(always)]
     fn node(&self, slot: usize, group: usize, lane: usize) -> NodeRef {
@@ -94,6 +96,11 @@ impl<V: Volume> Walkable for Posed<'_, V> {
     fn level(&self) -> Level {
         self.level
     }
+
+    #[inline]
+    fn rounding(&self, size: f32) -> f32 {
+        Posed::rounding(self, size)
+    }
 }
 
 /// A posed tree of any kind of volume seen as boxes: how trees of different kinds are walked together, in code that is
@@ -112,6 +119,7 @@ pub(crate) trait Boxes {
     fn bounds(&self, node: NodeRef) -> Slab<3>;
     fn all_bounds(&self, slot: usize) -> BoxLanes;
     fn level(&self) -> Level;
+    fn rounding(&self, size: f32) -> f32;
 }
 
 impl<V: Volume> Boxes for Posed<'_, V> {
@@ -158,6 +166,10 @@ impl<V: Volume> Boxes for Posed<'_, V> {
 
     fn level(&self) -> Level {
         self.level
+    }
+
+    fn rounding(&self, size: f32) -> f32 {
+        Posed::rounding(self, size)
     }
 }
 
@@ -207,5 +219,9 @@ impl Walkable for AsBoxes<'_> {
 
     fn level(&self) -> Level {
         self.0.level()
+    }
+
+    fn rounding(&self, size: f32) -> f32 {
+        self.0.rounding(size)
     }
 }

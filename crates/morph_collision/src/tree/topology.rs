@@ -114,6 +114,10 @@ impl Topology {
         &self.groups[group]
     }
 
+    pub(crate) fn triangle_count(&self) -> usize {
+        self.triangles.len()
+    }
+
     pub(crate) fn leaf_count(&self) -> usize {
         self.leaf_starts.len() - 1
     }

@@ -1,6 +1,5 @@
 //! Bodies to ask about: generated, degenerate and real ones, in ordinary and odd places.
 
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::{Affine3A, DVec3, Mat3, Quat, Vec3};
@@ -8,6 +7,7 @@ use morph_collision::{BuildOptions, MorphBvh, Pose, VolumeKind, WorldFromModel};
 use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::{degenerate, dolphin, random};
+use morph_collision_testkit::moments::real_model;
 use morph_collision_testkit::oracle;
 
 use crate::reference::Corners;
@@ -121,27 +121,25 @@ pub(crate) fn generated() -> Vec<Case> {
     all
 }
 
-/// Real models with weights of any sign and sum, where they are.
+/// Real models with weights of any sign and sum: the head in `assets/`, and others where they are.
 pub(crate) fn real() -> Vec<Case> {
+    const HEAD: &str = "mh_head_eyes_teeth_arkit52.glb";
     let names = [
+        HEAD,
         "AnimatedMorphCube.gltf",
         "SimpleMorph.gltf",
         "MorphStressTest.gltf",
-        "mh_head_eyes_teeth_arkit52.glb",
         "ict_face_skin.glb",
     ];
     let mut all = Vec::new();
     for name in names {
-        let path = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/models")).join(name);
-        if !path.exists() {
-            println!("skipped: {} is not there", path.display());
-            continue;
-        }
+        let Some(path) = real_model(name) else { continue };
         let mesh = read_meshes(&path).unwrap().swap_remove(0);
         let weights = (0..mesh.targets.len()).map(|k| ((3 + 7 * k) % 11) as f32 * 0.2 - 0.6);
         let place = Affine3A::from_rotation_translation(Quat::from_rotation_y(0.4), Vec3::new(0.5, -0.25, 0.0));
         all.push(Case::new(name, mesh.clone(), weights.collect(), place));
     }
+    assert!(all[0].name == HEAD, "the head is in assets/");
     all
 }
 

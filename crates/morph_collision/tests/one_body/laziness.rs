@@ -1,4 +1,4 @@
-//! What is looked at, counted: walks that cull nothing would pass every other test.
+//! The work of queries about one body, counted. Walks that cull nothing would pass every other test.
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
 use morph_collision::{
@@ -79,4 +79,49 @@ fn a_distance_looks_at_a_small_part_of_both_trees() {
     let (closest, stats) = query.closest(bodies.0, bodies.1, 0.01);
     assert_eq!(closest, None);
     assert!(stats.node_tests < 10 && stats.triangle_tests == 0, "{stats:?}");
+}
+
+/// Every kind of query finds what earlier ones blended; in the end each node and each vertex was blended exactly once.
+#[test]
+fn what_one_query_blends_the_next_one_finds() {
+    type Ask<'a> = Box<dyn Fn(Body<'_>) -> QueryStats + 'a>;
+    let case = swimming(0.0);
+    let place = case.world_from_model();
+    let center = place.transform_point(Vec3::ZERO);
+    let ray = Ray::new(center + DVec3::new(0.1, 5.0, 0.0), DVec3::NEG_Y, f64::INFINITY).unwrap();
+    let ball = Ball::unbounded(center + DVec3::new(0.2, 0.4, 0.1)).unwrap();
+    let everywhere = ConvexRegion::from_half_spaces(&[]);
+    let asks: [(&str, Ask<'_>); 4] = [
+        ("ray", Box::new(|body| RayQuery::new().closest(body, &ray).1)),
+        (
+            "all hits",
+            Box::new(|body| RayQuery::new().all(body, &ray, &mut Vec::new())),
+        ),
+        ("projection", Box::new(|body| PointQuery::new().closest(body, &ball).1)),
+        (
+            "region",
+            Box::new(|body| OverlapQuery::new().triangles_in_region(body, &everywhere, &mut Vec::new())),
+        ),
+    ];
+    for mut pose in case.poses() {
+        let bvh = pose.bvh().clone();
+        // Queries look at the root's size before they count.
+        pose.bounds();
+        let mut total = QueryStats {
+            volumes_blended: 1,
+            ..QueryStats::default()
+        };
+        for (what, ask) in &asks {
+            let first = ask(Body::new(&mut pose, &place));
+            let again = ask(Body::new(&mut pose, &place));
+            assert!(
+                again.triangle_tests > 0 && again.node_tests == first.node_tests,
+                "{what}: {again:?}"
+            );
+            assert_eq!((again.volumes_blended, again.vertices_blended), (0, 0), "{what}");
+            total += first;
+        }
+        assert_eq!(total.volumes_blended, bvh.node_count() as u64);
+        assert_eq!(total.vertices_blended, bvh.model().vertex_count() as u64);
+    }
 }

@@ -1,11 +1,10 @@
 //! Batches on any number of threads against one query at a time.
 
 use std::num::NonZeroUsize;
-use std::sync::Arc;
 
 use crate::scenes::{self, Scene};
 use morph_collision::{
-    BatchQuery, Body, BuildOptions, MorphBvh, OneThread, PairMemory, PairQuery, PairTask, Pose, Remember,
+    BatchQuery, Body, BuildOptions, OneThread, PairMemory, PairQuery, PairTask, Pose, QueryStats, Remember,
     ThreadWorkers, TrianglePair, Wanted, Workers, WorldFromModel,
 };
 
@@ -15,28 +14,20 @@ struct Bodies {
 }
 
 impl Bodies {
+    /// Caches are fresh: nothing is blended yet.
     fn new(scene: &Scene) -> Self {
-        let trees: Vec<_> = scene
-            .meshes
-            .iter()
-            .map(|mesh| {
-                let model = Arc::new(mesh.to_model().unwrap());
-                Arc::new(MorphBvh::build(model, &BuildOptions::default()).unwrap())
-            })
-            .collect();
-        let pose = |(mesh, weights, _): &(usize, Vec<f32>, _)| {
-            let mut pose = Pose::new(trees[*mesh].clone());
-            pose.set_weights(weights).unwrap();
-            pose
-        };
-        Self {
-            poses: scene.bodies.iter().map(pose).collect(),
-            places: scene
-                .bodies
-                .iter()
-                .map(|(.., place)| WorldFromModel::new(*place).unwrap())
-                .collect(),
+        let (poses, places) = scenes::poses(scene, &BuildOptions::default());
+        Self { poses, places }
+    }
+
+    /// Caches are full: every volume and every vertex is blended.
+    fn full(scene: &Scene) -> Self {
+        let mut bodies = Self::new(scene);
+        for pose in &mut bodies.poses {
+            pose.visit_bounds(usize::MAX, |_, _| ());
+            pose.source_positions(&mut Vec::new());
         }
+        bodies
     }
 
     /// Goes on to the same bodies in another moment.
@@ -65,6 +56,9 @@ impl Bodies {
                 Wanted::All => {
                     query.all(a, b, &mut found);
                 }
+                Wanted::UpTo(limit) => {
+                    query.up_to(limit, a, b, &mut found);
+                }
                 Wanted::First => found.extend(query.first(a, b).0),
             }
             found
@@ -78,10 +72,19 @@ impl Bodies {
         tasks: &mut [PairTask<'_>],
         workers: &dyn Workers,
     ) -> Vec<Vec<TrianglePair>> {
+        self.batch_counted(query, tasks, workers).0
+    }
+
+    fn batch_counted(
+        &mut self,
+        query: &mut BatchQuery,
+        tasks: &mut [PairTask<'_>],
+        workers: &dyn Workers,
+    ) -> (Vec<Vec<TrianglePair>>, QueryStats) {
         let bodies = self.poses.iter_mut().zip(&self.places);
         let mut bodies: Vec<_> = bodies.map(|(pose, place)| Body::new(pose, place)).collect();
         let answers = query.run(&mut bodies, tasks, workers);
-        answers.iter().map(<[TrianglePair]>::to_vec).collect()
+        (answers.iter().map(<[TrianglePair]>::to_vec).collect(), answers.stats)
     }
 }
 
@@ -133,8 +136,7 @@ fn any_number_of_threads_finds_what_one_query_at_a_time_finds_in_the_same_order(
             let mut all: Vec<&dyn Workers> = vec![&OneThread, &two, &three, &eight, &OneAfterTheOther];
             all.extend(rayon());
             for workers in all {
-                // Fresh caches, and ones that are full.
-                for mut bodies in [Bodies::new(&scene), Bodies::new(&scene)] {
+                for mut bodies in [Bodies::new(&scene), Bodies::full(&scene)] {
                     let found = bodies.batch(&mut query, &mut tasks, workers);
                     assert_eq!(
                         found,
@@ -149,6 +151,53 @@ fn any_number_of_threads_finds_what_one_query_at_a_time_finds_in_the_same_order(
         }
     }
     assert!(touching > 1000, "{touching}");
+}
+
+#[test]
+fn caches_that_are_full_are_read_and_not_filled_again() {
+    // So many tasks that no pair is cut into parts, which have caches of their own.
+    for scene in [scenes::dolphins(200), scenes::dolphins(230)] {
+        for wanted in [Wanted::All, Wanted::First] {
+            for workers in [1, 2, 3] {
+                let (mut fresh, mut full) = (Bodies::new(&scene), Bodies::full(&scene));
+                let (mut tasks, mut query) = (fresh.tasks(wanted), BatchQuery::new());
+                assert!(tasks.len() > 2 * workers);
+                let mut run = |bodies: &mut Bodies| bodies.batch_counted(&mut query, &mut tasks, &threads(workers));
+                let (expected, work) = run(&mut fresh);
+                assert!(work.volumes_blended > 100, "{work:?}");
+                for bodies in [&mut full, &mut fresh] {
+                    let (found, again) = run(bodies);
+                    assert_eq!(found, expected);
+                    assert_eq!(again.volumes_blended, 0, "{wanted:?}, {workers} threads");
+                    assert_eq!(again.node_tests, work.node_tests);
+                }
+            }
+        }
+    }
+}
+
+/// Parts of a large pair are done in caches of the workers', which keep what they blended as long as tree and weights stay the same.
+#[test]
+fn parts_of_a_large_pair_keep_what_is_blended_and_follow_new_weights() {
+    let scene = scenes::pass_through(200);
+    let mut bodies = Bodies::new(&scene);
+    let mut tasks = bodies.tasks(Wanted::All);
+    let mut query = BatchQuery::new();
+    // The first worker does everything, so the counts are always the same.
+    let mut run = |bodies: &mut Bodies| bodies.batch_counted(&mut query, &mut tasks, &OneAfterTheOther);
+    let (found, first) = run(&mut bodies);
+    let (same, again) = run(&mut bodies);
+    assert!(!found[0].is_empty() && first.volumes_blended > 500, "{first:?}");
+    assert_eq!(same, found);
+    assert_eq!(again.volumes_blended, 0, "the worker has them all");
+    let mut before = found;
+    for step in [210, 45, 200] {
+        bodies.follow(&scenes::pass_through(step));
+        let (found, _) = run(&mut bodies);
+        assert_ne!(found, before, "step {step} changes nothing");
+        assert_eq!(found, bodies.one_by_one(&bodies.tasks(Wanted::All)), "step {step}");
+        before = found;
+    }
 }
 
 #[test]

@@ -1,7 +1,7 @@
-//! What is looked at, counted: a tree that answers right but looks at everything would pass every other test.
+//! The work of pair queries, counted. A tree that answers correctly but visits everything would pass every other test.
 
 use crate::scenes::{self, dolphins, pass_through};
-use morph_collision::BuildOptions;
+use morph_collision::{Body, BuildOptions, ConvexRegion, OverlapQuery, PairQuery, QueryStats, VolumeKind};
 
 #[test]
 fn only_the_roots_are_blended_when_they_are_apart() {
@@ -36,19 +36,56 @@ fn a_few_percent_of_the_nodes_are_blended_when_bodies_barely_touch() {
     );
 }
 
+/// What pair queries blend and what is still missing afterwards add up to every tree, each node counted once.
 #[test]
 fn a_node_is_blended_once_however_many_bodies_meet_it() {
-    let scene = dolphins(200);
-    let model = std::sync::Arc::new(scene.meshes[0].to_model().unwrap());
-    let bvh = morph_collision::MorphBvh::build(model, &BuildOptions::paper()).unwrap();
-    let (_, stats) = scenes::answer(&scene, &BuildOptions::paper());
-    assert!(stats.volumes_blended < 12 * bvh.node_count() as u64);
-    assert!(stats.vertices_blended <= 12 * bvh.model().vertex_count() as u64);
+    let everywhere = ConvexRegion::from_half_spaces(&[]);
+    for scene in [dolphins(200), pass_through(200)] {
+        for volume in VolumeKind::ALL {
+            let options = BuildOptions::paper().with_volume(volume);
+            let about = format!("{}, {volume}", scene.name);
+            let (mut poses, places) = scenes::poses(&scene, &options);
+            let nodes: u64 = poses.iter().map(|pose| pose.bvh().node_count() as u64).sum();
+            let mut query = PairQuery::new();
+            let mut ask_all_pairs = || {
+                let mut stats = QueryStats::default();
+                for b in 0..places.len() {
+                    for a in 0..b {
+                        let [pose_a, pose_b] = poses.get_disjoint_mut([a, b]).unwrap();
+                        let (a, b) = (Body::new(pose_a, &places[a]), Body::new(pose_b, &places[b]));
+                        stats += query.all(a, b, &mut Vec::new());
+                    }
+                }
+                stats
+            };
+            let (first, again) = (ask_all_pairs(), ask_all_pairs());
+            assert!(
+                first.volumes_blended > 0 && first.triangle_tests > 0,
+                "{about}: {first:?}"
+            );
+            assert!(
+                first.node_tests > 2 * first.volumes_blended,
+                "{about}: nodes must be met more than once: {first:?}"
+            );
+            assert_eq!(again.node_tests, first.node_tests, "{about}");
+            assert_eq!(again.volumes_blended, 0, "{about}: everything is there already");
+            let missing: u64 = poses
+                .iter_mut()
+                .zip(&places)
+                .map(|(pose, place)| {
+                    let body = Body::new(pose, place);
+                    let stats = OverlapQuery::new().triangles_in_region(body, &everywhere, &mut Vec::new());
+                    stats.volumes_blended
+                })
+                .sum();
+            assert_eq!(first.volumes_blended + missing, nodes, "{about}");
+        }
+    }
 }
 
 #[test]
 fn a_first_pair_is_looked_for_where_bodies_reach_deepest_into_each_other() {
-    use morph_collision::{Body, MorphBvh, PairQuery, Pose, QueryStats, WorldFromModel};
+    use morph_collision::{MorphBvh, Pose, WorldFromModel};
     use std::ops::ControlFlow;
 
     let model = std::sync::Arc::new(pass_through(0).meshes[0].to_model().unwrap());

@@ -2,6 +2,7 @@
 
 mod approximate;
 mod batch;
+mod collapsed;
 mod laziness;
 mod memory;
 mod pairs;

@@ -11,15 +11,16 @@ use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
-use indicatif::ProgressBar;
 use morph_collision::BuildOptions;
 use morph_collision_testkit::bench::{self, Disagreement, Entrant, Plan, Row, disagreement, measure};
 use morph_collision_testkit::moments::AnswerError;
 use morph_collision_testkit::rivals::Wanted;
 
 use crate::error::CliError;
+use crate::model_file::FileArgs;
+use crate::progress::{Progress, ProgressArgs};
 use crate::tree_options::TreeArgs;
-use crate::{Verdict, output, progress};
+use crate::{Verdict, output};
 use report::BenchReport;
 use scenes::BenchScene;
 
@@ -51,7 +52,7 @@ pub(crate) struct BenchArgs {
     /// Rounds that count.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
     rounds: u16,
-    /// Every how many of a scene's 400 steps a frame is taken.
+    /// Use every Nth of the scene's 400 steps.
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..))]
     every: u16,
     /// Only this scene; may be given again.
@@ -67,6 +68,10 @@ pub(crate) struct BenchArgs {
     mode: Option<Mode>,
     #[command(flatten)]
     tree: TreeArgs,
+    #[command(flatten)]
+    files: FileArgs,
+    #[command(flatten)]
+    progress: ProgressArgs,
     /// Print one JSON object instead of tables.
     #[arg(long)]
     json: bool,
@@ -99,12 +104,15 @@ pub(crate) struct Measured<'a> {
 
 /// Measures and reports.
 pub(crate) fn bench(args: &BenchArgs) -> Result<Verdict, CliError> {
-    let scenes = scenes::scenes(args)?;
     let modes = args.mode.map_or(vec![Mode::All, Mode::First], |mode| vec![mode]);
     let wanted = |entrant: &Entrant| {
         entrant.name == "morph" || args.methods.is_empty() || args.methods.iter().any(|name| name == entrant.name)
     };
     let entrants: Vec<Entrant> = Entrant::ALL.into_iter().filter(wanted).collect();
+    if args.models.is_empty() {
+        args.files.refuse_without_files()?;
+    }
+    let scenes = scenes::scenes(args, entrants.len() as u64)?;
     if bench::pin().is_none() {
         output::complain("cannot pin this thread to a core; going on without, times will vary more");
     }
@@ -115,7 +123,9 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<Verdict, CliError> {
         split_rounds: SPLIT_ROUNDS.min(rounds),
     };
     let passes: usize = modes.iter().map(|&mode| plan(mode).passes()).sum();
-    let bar = progress::bar("pass", (scenes.len() * entrants.len() * passes) as u64);
+    let bar = args
+        .progress
+        .start("pass", (scenes.len() * entrants.len() * passes) as u64);
     let mut measured = Vec::new();
     let mut wrong: Option<Disagreement> = None;
     for scene in &scenes {
@@ -129,7 +139,7 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<Verdict, CliError> {
             measured.push(Measured { scene, mode, rows });
         }
     }
-    bar.finish_and_clear();
+    bar.finish();
     let report = BenchReport::new(&measured, rounds);
     if args.json {
         output::print_json(&report)?;
@@ -150,7 +160,7 @@ fn run(
     entrants: &[Entrant],
     ours: &BuildOptions,
     plan: Plan,
-    bar: &ProgressBar,
+    bar: &Progress,
 ) -> Result<Vec<Row>, AnswerError> {
     let experiment = &scene.experiment;
     let contenders = entrants.iter().map(|entrant| entrant.set_up(experiment, ours));
@@ -158,6 +168,6 @@ fn run(
         experiment,
         contenders.collect::<Result<_, _>>()?,
         plan,
-        || bar.inc(1),
+        || bar.step(),
     )?)
 }

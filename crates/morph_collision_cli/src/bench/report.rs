@@ -4,6 +4,8 @@ use std::fmt::Write;
 
 use morph_collision::Kernel;
 use morph_collision_testkit::bench::{self, Entrant, Row};
+use morph_collision_testkit::numbers::number;
+use morph_collision_testkit::printable::Printable;
 use serde::Serialize;
 
 use super::{Measured, Mode};
@@ -34,13 +36,18 @@ struct SceneReport {
 #[derive(Debug, Serialize)]
 struct MethodReport {
     name: String,
+    #[serde(serialize_with = "number")]
     blend_us: f64,
+    #[serde(serialize_with = "number")]
     refit_us: f64,
+    #[serde(serialize_with = "number")]
     query_us: f64,
+    #[serde(serialize_with = "number")]
     total_us: f64,
     /// Of all frames; in mode `first` one for each touching pair of bodies.
     pairs: u64,
     /// Of the total to morph's.
+    #[serde(serialize_with = "number")]
     ratio: f64,
 }
 
@@ -117,7 +124,11 @@ impl SceneReport {
         writeln!(
             text,
             "\n{}, {}: {} bodies of {} triangles, {} frames, {pairs} {what}",
-            self.name, self.mode, self.bodies, self.triangles, self.steps
+            Printable(&self.name),
+            self.mode,
+            self.bodies,
+            self.triangles,
+            self.steps
         )?;
         writeln!(
             text,

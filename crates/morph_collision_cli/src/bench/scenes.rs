@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
+use morph_collision::VolumeKind;
 use morph_collision_testkit::bench::Experiment;
-use morph_collision_testkit::gltf_read::read_meshes;
 
 use super::BenchArgs;
 use crate::error::CliError;
+use crate::model_file::{count_memory, read_clips, read_mesh};
+use crate::output;
 
 /// An experiment, and how errors speak of it.
 pub(super) struct BenchScene {
@@ -15,8 +17,8 @@ pub(super) struct BenchScene {
     pub(super) origin: String,
 }
 
-/// The scenes that the flags name.
-pub(super) fn scenes(args: &BenchArgs) -> Result<Vec<BenchScene>, CliError> {
+/// The scenes that the flags name. Counts their memory for `methods` methods.
+pub(super) fn scenes(args: &BenchArgs, methods: u64) -> Result<Vec<BenchScene>, CliError> {
     let every = usize::from(args.every);
     let names: Vec<String> = if args.models.is_empty() {
         Experiment::paper_names().iter().map(ToString::to_string).collect()
@@ -41,7 +43,7 @@ pub(super) fn scenes(args: &BenchArgs) -> Result<Vec<BenchScene>, CliError> {
     }
     let chosen = args.models.iter().zip(names).filter(|(_, name)| wanted(name));
     chosen
-        .map(|(model, name)| of_model(model, name, usize::from(args.bodies), every))
+        .map(|(model, name)| of_model(args, model, name, methods))
         .collect()
 }
 
@@ -49,15 +51,37 @@ fn name_of(model: &Path) -> String {
     model.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-fn of_model(model: &Path, name: String, bodies: usize, every: usize) -> Result<BenchScene, CliError> {
-    let meshes = read_meshes(model)?;
-    let largest = meshes.into_iter().max_by_key(|mesh| mesh.triangles.len());
-    let mesh = largest.ok_or_else(|| CliError::NoUsableMesh {
+fn of_model(args: &BenchArgs, model: &Path, name: String, methods: u64) -> Result<BenchScene, CliError> {
+    let file = args.files.open(model)?;
+    let no_mesh = |reason| CliError::NoUsableMesh {
         file: model.into(),
-        reason: "it has none".to_owned(),
+        reason,
+    };
+    let (mut largest, mut errors) = (None, Vec::new());
+    for index in 0..file.mesh_count() {
+        match file.budget().lend(|| file.mesh(index)) {
+            Ok(found) => largest = largest.max(Some((found.mesh.triangles.len(), std::cmp::Reverse(index)))),
+            Err(error) => errors.push(CliError::from(error)),
+        }
+    }
+    let Some((_, std::cmp::Reverse(index))) = largest else {
+        return Err(errors
+            .into_iter()
+            .next()
+            .unwrap_or_else(|| no_mesh("it has none".to_owned())));
+    };
+    for error in errors {
+        output::complain(format_args!("warning: passed over: {error}"));
+    }
+    let mut mesh = read_mesh(&file, index)?;
+    let bodies = u64::from(args.bodies);
+    let of_method = mesh.tree_bytes(VolumeKind::Aabb) + bodies * mesh.body_bytes(true);
+    count_memory(&file, index, methods.saturating_mul(of_method), || {
+        format!("its trees for {bodies} bodies and {methods} methods")
     })?;
+    read_clips(&file, index, &mut mesh)?;
     Ok(BenchScene {
-        experiment: Experiment::of_model(name, mesh, bodies, every),
+        experiment: Experiment::of_model(name, mesh, usize::from(args.bodies), usize::from(args.every)),
         origin: model.display().to_string(),
     })
 }

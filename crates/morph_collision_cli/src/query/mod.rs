@@ -7,15 +7,20 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
-use morph_collision::{Ball, Body, BuildOptions, MorphBvh, PointQuery, Pose, Ray, RayQuery, SelfQuery, WorldFromModel};
+use morph_collision::{
+    Ball, Body, BuildOptions, MorphBvh, PointQuery, Pose, Ray, RayQuery, SelfQuery, VolumeKind, WorldFromModel,
+};
 use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::mesh::MorphMesh;
 
 use crate::error::CliError;
-use crate::model_file::read_mesh;
+use crate::model_file::{FileArgs, count_memory};
 use crate::output;
 use numbers::{Triple, Weights};
 use report::{PointReport, QueryReport, RayReport, SelfReport};
+
+/// At most what a pair of triangles takes while it is listed and shown.
+const BYTES_PER_PAIR: u64 = 512;
 
 /// Ask about one mesh of a glTF file in one shape: what a ray hits, which point of its surface is closest, or
 /// where it intersects itself.
@@ -33,7 +38,9 @@ pub(crate) struct QueryArgs {
     weights: Option<Weights>,
     #[command(flatten)]
     question: Question,
-    /// Print one JSON object instead of text.
+    #[command(flatten)]
+    files: FileArgs,
+    /// Print one JSON object instead of text. Numbers that are not finite are text in it: `inf`, `-inf`, `NaN`.
     #[arg(long)]
     json: bool,
 }
@@ -58,7 +65,12 @@ pub(crate) fn query(args: &QueryArgs) -> Result<(), CliError> {
     let mut pose = pose(args)?;
     if args.question.of_itself {
         let mut pairs = Vec::new();
-        let stats = SelfQuery::new().all(&mut pose, &mut pairs);
+        let most = usize::try_from(args.files.memory_limit() / BYTES_PER_PAIR).unwrap_or(usize::MAX);
+        let (is_cut, stats) = SelfQuery::new().up_to(most, &mut pose, &mut pairs);
+        if is_cut {
+            let (file, mesh) = (args.model.clone(), args.mesh);
+            return Err(CliError::TooManySelfPairs { file, mesh, most });
+        }
         return show(args, &SelfReport::new(pairs, stats));
     }
     let body = Body::new(&mut pose, &WorldFromModel::IDENTITY);
@@ -86,7 +98,10 @@ fn show(args: &QueryArgs, report: &impl QueryReport) -> Result<(), CliError> {
 
 /// The mesh asked about, with its weights.
 fn pose(args: &QueryArgs) -> Result<Pose, CliError> {
-    let mesh = read_mesh(&args.model, args.mesh, "--mesh")?;
+    let (file, mesh) = args.files.open_mesh(&args.model, args.mesh, "--mesh")?;
+    count_memory(&file, args.mesh, mesh.tree_bytes(VolumeKind::Aabb), || {
+        "its tree".into()
+    })?;
     let tree = build(&mesh).map_err(|reason| CliError::Mesh {
         file: args.model.clone(),
         mesh: args.mesh,

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use morph_collision::{ClosestPoint, Facing, QueryStats, RayHit, TrianglePair};
+use morph_collision_testkit::numbers::{number, numbers};
 use serde::Serialize;
 
 /// An answer that can be shown either way.
@@ -20,11 +21,16 @@ pub(super) struct RayReport {
 #[derive(Debug, Serialize)]
 struct HitReport {
     triangle: u32,
+    #[serde(serialize_with = "number")]
     t: f64,
+    #[serde(serialize_with = "number")]
     distance: f64,
+    #[serde(serialize_with = "numbers")]
     point: [f64; 3],
+    #[serde(serialize_with = "numbers")]
     barycentrics: [f64; 3],
     /// Zero where the triangle has no area.
+    #[serde(serialize_with = "numbers")]
     normal: [f64; 3],
     /// `front`, `back` or `edge-on`.
     facing: &'static str,
@@ -40,8 +46,11 @@ pub(super) struct PointReport {
 #[derive(Debug, Serialize)]
 struct ClosestReport {
     triangle: u32,
+    #[serde(serialize_with = "number")]
     distance: f64,
+    #[serde(serialize_with = "numbers")]
     point: [f64; 3],
+    #[serde(serialize_with = "numbers")]
     barycentrics: [f64; 3],
 }
 

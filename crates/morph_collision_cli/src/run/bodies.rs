@@ -3,81 +3,109 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use glam::Affine3A;
 use morph_collision::WorldFromModel;
-use morph_collision_testkit::gltf_read::read_meshes;
+use morph_collision_testkit::gltf_read::GltfFile;
+use morph_collision_testkit::memory::MemoryBudget;
 use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::rivals::{Method, PoseError, SetUpError, WeightLimits};
+use morph_collision_testkit::rivals::{Method, MethodKind, PoseError, SetUpError, WeightLimits};
 use morph_collision_testkit::scenes::{self, Scene};
 
 use super::options::MethodArgs;
 use crate::error::CliError;
+use crate::model_file::{FileArgs, count_memory, read_mesh};
+
+/// At most what a pair of triangles takes while a replay lists it: twice as a hit and once as a pair, in lists that grow.
+const BYTES_PER_PAIR: u64 = 128;
 
 /// The bodies of a scene and what each does in every frame.
 pub(crate) struct Cast {
     /// Named in errors.
     pub(crate) scene: PathBuf,
+    /// Every file that was read, none of which may be written.
+    pub(crate) inputs: Vec<PathBuf>,
     /// Holds the bodies; those of one mesh share what is made of it.
     pub(crate) method: Box<dyn Method>,
     pub(crate) bodies: usize,
+    /// How many pairs of triangles the memory limit has room for.
+    pub(crate) most_pairs: usize,
+    /// What the bodies are made of.
+    pub(crate) meshes: Vec<MorphMesh>,
+    /// For every body the index of its mesh.
+    pub(crate) mesh_of_body: Vec<usize>,
     /// One state per body in every frame.
     pub(crate) frames: Vec<Vec<BodyState>>,
 }
 
 /// What a body does in a frame.
 pub(crate) struct BodyState {
-    /// One weight per target.
-    pub(crate) weights: Vec<f32>,
+    /// One weight per target. Shared by all bodies of a mesh that are at rest.
+    pub(crate) weights: Arc<[f32]>,
     pub(crate) world_from_model: Affine3A,
 }
 
 impl Cast {
     /// Reads the models of a scene, `scene`, that was read from `path`, and checks all weights and placements.
-    pub(crate) fn load(path: &Path, scene: &Scene, options: &MethodArgs) -> Result<Self, CliError> {
-        let mut library = Library::default();
+    pub(crate) fn load(path: &Path, scene: &Scene, options: &MethodArgs, files: &FileArgs) -> Result<Self, CliError> {
+        let mut library = Library {
+            budget: MemoryBudget::new(files.memory_limit()),
+            files: HashMap::new(),
+            meshes: Vec::new(),
+            origins: Vec::new(),
+        };
         let mut of_bodies = Vec::with_capacity(scene.bodies.len());
         for (body, spec) in scene.bodies.iter().enumerate() {
-            of_bodies.push(library.mesh(path, body, &spec.model_path(path), spec.mesh)?);
+            of_bodies.push(library.mesh(path, body, &spec.model_path(path), spec.mesh, files)?);
         }
+        library.count_memory(&of_bodies, options)?;
         let method = options
             .method()
             .set_up_tuned(&library.meshes, &of_bodies, &options.build(), options.tuning())
             .map_err(|error| library.blame(error))?;
 
         let limits: Vec<WeightLimits> = library.meshes.iter().map(WeightLimits::of).collect();
+        let at_rest = |mesh: &MorphMesh| Arc::from(vec![0.0; mesh.targets.len()]);
+        let at_rest: Vec<Arc<[f32]>> = library.meshes.iter().map(at_rest).collect();
         let mut frames = Vec::with_capacity(scene.frames.len());
         for (frame, states) in scene.frames.iter().enumerate() {
             let mut checked = Vec::with_capacity(states.len());
             for (body, (state, &mesh)) in states.iter().zip(&of_bodies).enumerate() {
-                let targets = library.meshes[mesh].targets.len();
-                let state = BodyState::check(state, targets, &limits[mesh]).map_err(|reason| CliError::Frame {
-                    scene: path.into(),
-                    frame,
-                    body,
-                    reason,
-                })?;
+                let state =
+                    BodyState::check(state, &at_rest[mesh], &limits[mesh]).map_err(|reason| CliError::Frame {
+                        scene: path.into(),
+                        frame,
+                        body,
+                        reason,
+                    })?;
                 checked.push(state);
             }
             frames.push(checked);
         }
+        let mut inputs = vec![path.to_owned()];
+        inputs.extend(library.files.values().flat_map(GltfFile::files));
         Ok(Self {
+            most_pairs: usize::try_from(files.memory_limit() / BYTES_PER_PAIR).unwrap_or(usize::MAX),
             scene: path.into(),
+            inputs,
             method,
             bodies: of_bodies.len(),
+            meshes: library.meshes,
+            mesh_of_body: of_bodies,
             frames,
         })
     }
 }
 
 impl BodyState {
-    fn check(state: &scenes::BodyState, targets: usize, limits: &WeightLimits) -> Result<Self, PoseError> {
+    fn check(state: &scenes::BodyState, at_rest: &Arc<[f32]>, limits: &WeightLimits) -> Result<Self, PoseError> {
         let world_from_model = state.world_from_model();
         WorldFromModel::new(world_from_model)?;
         let weights = if state.weights.is_empty() {
-            vec![0.0; targets]
+            Arc::clone(at_rest)
         } else {
-            state.weights.clone()
+            state.weights.as_slice().into()
         };
         limits.check(&weights)?;
         Ok(Self {
@@ -88,9 +116,11 @@ impl BodyState {
 }
 
 /// Files read and meshes used so far.
-#[derive(Default)]
 struct Library {
-    files: HashMap<PathBuf, Vec<MorphMesh>>,
+    /// One for all files.
+    budget: MemoryBudget,
+    /// By their real paths, so that a file under two names is read once.
+    files: HashMap<PathBuf, GltfFile>,
     meshes: Vec<MorphMesh>,
     /// Where each of the meshes is from: file and index.
     origins: Vec<(PathBuf, usize)>,
@@ -98,20 +128,29 @@ struct Library {
 
 impl Library {
     /// The index of a mesh of a model file; `scene` and `body` are whom an error speaks of.
-    fn mesh(&mut self, scene: &Path, body: usize, model: &Path, mesh: usize) -> Result<usize, CliError> {
+    fn mesh(
+        &mut self,
+        scene: &Path,
+        body: usize,
+        model: &Path,
+        mesh: usize,
+        files: &FileArgs,
+    ) -> Result<usize, CliError> {
+        // A path that cannot be resolved cannot be opened either, and opening it says why.
+        let real = model.canonicalize().unwrap_or_else(|_| model.to_owned());
         let known = self
             .origins
             .iter()
-            .position(|(file, index)| file == model && *index == mesh);
+            .position(|(file, index)| *file == real && *index == mesh);
         if let Some(known) = known {
             return Ok(known);
         }
-        let meshes = match self.files.entry(model.to_path_buf()) {
-            Entry::Occupied(read) => read.into_mut(),
-            Entry::Vacant(unread) => unread.insert(read_meshes(model)?),
+        let file = match self.files.entry(real.clone()) {
+            Entry::Occupied(open) => open.into_mut(),
+            Entry::Vacant(unopened) => unopened.insert(files.open_within(model, &self.budget)?),
         };
-        let count = meshes.len();
-        let Some(source) = meshes.get_mut(mesh) else {
+        let count = file.mesh_count();
+        if mesh >= count {
             let (scene, model) = (scene.into(), model.into());
             return Err(CliError::NoSuchMesh {
                 scene,
@@ -120,19 +159,35 @@ impl Library {
                 mesh,
                 count,
             });
-        };
-        self.meshes.push(std::mem::take(source));
-        self.origins.push((model.to_path_buf(), mesh));
+        }
+        let source = read_mesh(file, mesh)?;
+        self.meshes.push(source);
+        self.origins.push((real, mesh));
         Ok(self.meshes.len() - 1)
+    }
+
+    /// Counts the trees of all meshes, and what each body has of its own.
+    fn count_memory(&self, of_bodies: &[usize], options: &MethodArgs) -> Result<(), CliError> {
+        let volume = options.volume();
+        let has_tree = !matches!(options.method(), MethodKind::Morph | MethodKind::MorphEager);
+        for (mesh, (path, index)) in self.origins.iter().enumerate() {
+            let Some(file) = self.files.get(path) else { continue };
+            let bodies = of_bodies.iter().filter(|&&of_body| of_body == mesh).count() as u64;
+            let what = || format!("its trees for {bodies} bodies");
+            let mesh = &self.meshes[mesh];
+            let bytes = mesh.tree_bytes(volume) + bodies.saturating_mul(mesh.body_bytes(has_tree));
+            count_memory(file, *index, bytes, what)?;
+        }
+        Ok(())
     }
 
     /// Says which file's mesh a method refuses.
     fn blame(&self, error: SetUpError) -> CliError {
         match error {
             SetUpError::Model { mesh, reason } => {
-                let (file, index) = self.origins[mesh].clone();
+                let (real, index) = self.origins[mesh].clone();
                 CliError::Mesh {
-                    file,
+                    file: self.files.get(&real).map_or(real, |file| file.path().to_owned()),
                     mesh: index,
                     name: self.meshes[mesh].name.clone(),
                     reason: reason.into(),

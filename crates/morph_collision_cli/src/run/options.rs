@@ -4,9 +4,12 @@ use clap::{Args, ValueEnum};
 use morph_collision::{BuildOptions, Remember, SeparatingAxes, VolumeKind};
 use morph_collision_testkit::rivals::{MethodKind, MorphTuning};
 
+use super::Mode;
+use crate::error::CliError;
 use crate::tree_options::TreeArgs;
 
-/// The options of `run` that change the work and never the answer; what is not given is as the library has it by default.
+/// The options of `run` that change how it works, never its answer. Defaults are the library's. An option the method does not
+/// support is an error.
 #[derive(Debug, Args)]
 pub(crate) struct MethodArgs {
     /// How to find pairs: morph, morph-eager, rigid-floor, bottom-up, hybrid, rebuild, octree, parry-trimesh, parry-bvh, parry-rebuild or brute-force.
@@ -18,8 +21,8 @@ pub(crate) struct MethodArgs {
     #[command(flatten)]
     tree: TreeArgs,
     /// Along which axes morph compares nodes: those of both bodies, or also their nine products, on boxes.
-    #[arg(long, value_enum, default_value_t = Sat::Lite)]
-    sat: Sat,
+    #[arg(long, value_enum)]
+    sat: Option<Sat>,
     /// Let morph start each walk where the last one over the same two bodies ended.
     #[arg(long)]
     front: bool,
@@ -41,15 +44,50 @@ enum Sat {
 }
 
 impl MethodArgs {
+    /// Checks that the method, or the mode, knows every option that was given.
+    pub(super) fn check(&self, mode: Mode) -> Result<(), CliError> {
+        use MethodKind::{BottomUp, Hybrid, Morph, MorphEager, Rebuild, RigidFloor};
+        let method = self.method;
+        let ours = matches!(method, Morph | MorphEager | RigidFloor);
+        let (arity, leaf, split) = self.tree.given();
+        let asks = matches!(method, Morph | MorphEager);
+        for (flag, given, fits) in [
+            ("--volume", self.volume.is_some(), ours),
+            ("--arity", arity, ours || matches!(method, BottomUp | Hybrid)),
+            ("--leaf", leaf, ours || matches!(method, BottomUp | Hybrid | Rebuild)),
+            ("--split", split, ours),
+            ("--sat", self.sat.is_some(), asks),
+            ("--front", self.front, asks),
+            ("--witness", self.witness, asks),
+            ("--separation", self.separation, asks),
+        ] {
+            if given && !fits {
+                let reason = format!("the method {method} has no such option");
+                return Err(CliError::Flag { flag, reason });
+            }
+        }
+        if self.witness && mode == Mode::All {
+            return Err(CliError::Flag {
+                flag: "--witness",
+                reason: "it works only with --mode first or --mode any".to_owned(),
+            });
+        }
+        Ok(())
+    }
+
     pub(crate) fn method(&self) -> MethodKind {
         self.method
+    }
+
+    pub(super) fn volume(&self) -> VolumeKind {
+        self.volume.unwrap_or(VolumeKind::Aabb)
     }
 
     pub(crate) fn tuning(&self) -> MorphTuning {
         MorphTuning {
             axes: match self.sat {
-                Sat::Lite => SeparatingAxes::Lite,
-                Sat::Full => SeparatingAxes::Full,
+                None | Some(Sat::Lite) => SeparatingAxes::Lite,
+                Some(Sat::Full) => SeparatingAxes::Full,
             },
             remember: Remember {
                 separation: self.separation,

@@ -1,43 +1,11 @@
 //! The file of pairs: `frame,body_a,body_b,triangle_a,triangle_b`.
 
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::io::{self, Write};
 
 use super::replay::Hit;
-use crate::error::CliError;
 
-/// A CSV file, created but not yet written.
-pub(crate) struct PairsFile {
-    path: PathBuf,
-    file: File,
-}
-
-impl PairsFile {
-    /// Creates the file or empties it.
-    pub(crate) fn create(path: &Path) -> Result<Self, CliError> {
-        match File::create(path) {
-            Ok(file) => Ok(Self {
-                path: path.into(),
-                file,
-            }),
-            Err(reason) => Err(CliError::Write {
-                file: path.into(),
-                reason,
-            }),
-        }
-    }
-
-    /// Writes a header and one line per hit, in the order given.
-    pub(crate) fn write(self, hits: &[Hit]) -> Result<(), CliError> {
-        write_rows(BufWriter::new(self.file), hits).map_err(|reason| CliError::Write {
-            file: self.path,
-            reason,
-        })
-    }
-}
-
-fn write_rows(mut out: impl Write, hits: &[Hit]) -> io::Result<()> {
+/// Writes a header and one line per hit, in the order given.
+pub(crate) fn write_rows(out: &mut dyn Write, hits: &[Hit]) -> io::Result<()> {
     writeln!(out, "frame,body_a,body_b,triangle_a,triangle_b")?;
     for hit in hits {
         let Hit {
@@ -48,7 +16,7 @@ fn write_rows(mut out: impl Write, hits: &[Hit]) -> io::Result<()> {
         } = hit;
         writeln!(out, "{frame},{body_a},{body_b},{},{}", pair.triangle_a, pair.triangle_b)?;
     }
-    out.flush()
+    Ok(())
 }
 
 #[cfg(test)]

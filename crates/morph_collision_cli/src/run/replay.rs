@@ -3,12 +3,12 @@
 use std::time::{Duration, Instant};
 
 use morph_collision::{QueryStats, TrianglePair};
-use morph_collision_testkit::rivals::{BroadPhase, Method, Wanted};
+use morph_collision_testkit::rivals::{BroadPhase, Wanted};
 
 use super::Mode;
 use super::bodies::Cast;
 use crate::error::CliError;
-use crate::progress;
+use crate::progress::Progress;
 
 /// What a whole replay found and how long it took.
 #[derive(Debug, Default)]
@@ -42,23 +42,14 @@ pub(crate) struct Hit {
 }
 
 /// Replays all frames. Hits are kept only if `keep_hits`, since there can be many.
-pub(crate) fn replay(cast: &mut Cast, mode: Mode, keep_hits: bool) -> Result<Replay, CliError> {
-    let progress = progress::bar("frame", cast.frames.len() as u64);
+pub(crate) fn replay(cast: &mut Cast, mode: Mode, keep_hits: bool, progress: &Progress) -> Result<Replay, CliError> {
     let mut replay = Replay::default();
     let mut scratch = Scratch::default();
     let before = cast.method.work();
-    for (frame, states) in cast.frames.iter().enumerate() {
+    for frame in 0..cast.frames.len() {
         let start = Instant::now();
-        for (body, state) in states.iter().enumerate() {
-            let posed = cast.method.set_body(body, &state.weights, &state.world_from_model);
-            posed.map_err(|reason| CliError::Frame {
-                scene: cast.scene.clone(),
-                frame,
-                body,
-                reason,
-            })?;
-        }
-        let mut counts = scratch.collide(cast.method.as_mut(), cast.bodies, mode.wanted());
+        pose(cast, frame)?;
+        let mut counts = scratch.collide(cast, frame, mode, replay.hits.len())?;
         counts.time = start.elapsed();
 
         replay.frames.push(counts);
@@ -66,11 +57,37 @@ pub(crate) fn replay(cast: &mut Cast, mode: Mode, keep_hits: bool) -> Result<Rep
             scratch.hits.sort_unstable();
             replay.hits.extend(scratch.hits.iter().map(|hit| Hit { frame, ..*hit }));
         }
-        progress.inc(1);
+        progress.step();
     }
     replay.stats = cast.method.work() - before;
-    progress.finish_and_clear();
+    progress.finish();
     Ok(replay)
+}
+
+/// The hits of one frame in ascending order; counts as work like any other frame.
+///
+/// `kept` hits are in memory already.
+pub(crate) fn hits_of_frame(cast: &mut Cast, mode: Mode, frame: usize, kept: usize) -> Result<Vec<Hit>, CliError> {
+    let mut scratch = Scratch::default();
+    pose(cast, frame)?;
+    scratch.collide(cast, frame, mode, kept)?;
+    scratch.hits.sort_unstable();
+    scratch.hits.iter_mut().for_each(|hit| hit.frame = frame);
+    Ok(scratch.hits)
+}
+
+/// Gives all bodies their weights and places in a frame.
+fn pose(cast: &mut Cast, frame: usize) -> Result<(), CliError> {
+    for (body, state) in cast.frames[frame].iter().enumerate() {
+        let posed = cast.method.set_body(body, &state.weights, &state.world_from_model);
+        posed.map_err(|reason| CliError::Frame {
+            scene: cast.scene.clone(),
+            frame,
+            body,
+            reason,
+        })?;
+    }
+    Ok(())
 }
 
 /// Memory that frames reuse.
@@ -84,12 +101,31 @@ struct Scratch {
 
 impl Scratch {
     /// Broad and narrow phase over bodies whose weights and places are set.
-    fn collide(&mut self, method: &mut dyn Method, bodies: usize, wanted: Wanted) -> FrameCounts {
+    ///
+    /// Bodies that collapse to a point touch in every pair of their triangles. So the search ends where the memory limit has no
+    /// room for more hits beside the `kept` ones, with an error.
+    fn collide(&mut self, cast: &mut Cast, frame: usize, mode: Mode, kept: usize) -> Result<FrameCounts, CliError> {
+        let (method, bodies) = (cast.method.as_mut(), cast.bodies);
+        let room = cast.most_pairs.saturating_sub(kept);
         self.hits.clear();
         let mut counts = FrameCounts::default();
         for &(body_a, body_b) in self.broad_phase.pairs(method, bodies) {
             self.pairs.clear();
+            let left = room.saturating_sub(self.hits.len());
+            let wanted = match mode {
+                Mode::All => Wanted::UpTo(left.saturating_add(1)),
+                Mode::First | Mode::Any => Wanted::First,
+            };
             method.collide(body_a as usize, body_b as usize, wanted, &mut self.pairs);
+            if self.pairs.len() > left {
+                return Err(CliError::TooManyPairs {
+                    scene: cast.scene.clone(),
+                    frame,
+                    body_a,
+                    body_b,
+                    most: cast.most_pairs,
+                });
+            }
             counts.body_pairs += u64::from(!self.pairs.is_empty());
             self.hits.extend(self.pairs.iter().map(|&pair| Hit {
                 frame: 0,
@@ -99,6 +135,6 @@ impl Scratch {
             }));
         }
         counts.pairs = self.hits.len() as u64;
-        counts
+        Ok(counts)
     }
 }

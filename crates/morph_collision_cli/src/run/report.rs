@@ -7,6 +7,7 @@ use morph_collision_testkit::rivals::MethodKind;
 use serde::Serialize;
 
 use super::Mode;
+use super::picture::Drawn;
 use super::replay::Replay;
 
 /// The JSON of `run`.
@@ -25,6 +26,9 @@ pub(crate) struct RunReport {
     volumes_blended: u64,
     vertices_blended: u64,
     us_per_frame: Spread,
+    /// Only where one was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    picture: Option<Drawn>,
 }
 
 /// The spread of a set of times, in microseconds.
@@ -36,7 +40,7 @@ struct Spread {
 }
 
 impl RunReport {
-    pub(crate) fn new(replay: &Replay, bodies: usize, mode: Mode, method: MethodKind) -> Self {
+    pub(crate) fn new(replay: &Replay, bodies: usize, mode: Mode, method: MethodKind, picture: Option<Drawn>) -> Self {
         let stats = replay.stats;
         Self {
             frames: replay.frames.len(),
@@ -54,6 +58,7 @@ impl RunReport {
             volumes_blended: stats.volumes_blended,
             vertices_blended: stats.vertices_blended,
             us_per_frame: Spread::of(replay.frames.iter().map(|frame| frame.time)),
+            picture,
         }
     }
 
@@ -102,7 +107,20 @@ impl RunReport {
         writeln!(
             text,
             "time per frame      median {median:.1} us, mean {mean:.1} us, worst {worst:.1} us"
-        )
+        )?;
+        if let Some(Drawn {
+            file,
+            frame,
+            touching_triangles,
+        }) = &self.picture
+        {
+            let file = file.display();
+            writeln!(
+                text,
+                "picture             {file}: frame {frame}, {touching_triangles} touching triangles in red"
+            )?;
+        }
+        Ok(())
     }
 }
 

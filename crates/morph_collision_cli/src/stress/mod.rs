@@ -6,7 +6,8 @@ use clap::Args;
 use morph_collision_testkit::stress::{Family, Silence, stress as try_all};
 
 use crate::error::CliError;
-use crate::{Verdict, output, progress};
+use crate::progress::ProgressArgs;
+use crate::{Verdict, output};
 use report::StressReport;
 
 /// Try the library on generated trouble, a row for every family, with every kind of bounding volume in turn.
@@ -19,11 +20,13 @@ use report::StressReport;
 #[derive(Debug, Args)]
 pub(crate) struct StressArgs {
     /// How many cases of every family.
-    #[arg(long, value_name = "N", default_value_t = 200)]
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..))]
     cases: u64,
-    /// Other cases for another seed; the same for the same one.
+    /// Random seed; the same seed gives the same cases.
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
+    #[command(flatten)]
+    progress: ProgressArgs,
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
@@ -31,11 +34,13 @@ pub(crate) struct StressArgs {
 
 /// Tries all families and reports.
 pub(crate) fn stress(args: &StressArgs) -> Result<Verdict, CliError> {
-    let bar = progress::bar("case", args.cases.saturating_mul(Family::ALL.len() as u64));
+    let bar = args
+        .progress
+        .start("case", args.cases.saturating_mul(Family::ALL.len() as u64));
     let silence = Silence::new();
-    let families = try_all(args.cases, args.seed, || bar.inc(1));
+    let families = try_all(args.cases, args.seed, || bar.step());
     drop(silence);
-    bar.finish_and_clear();
+    bar.finish();
     let report = StressReport::new(args.seed, &families);
     if args.json {
         output::print_json(&report)?;

@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use morph_collision_testkit::numbers::number;
 use morph_collision_testkit::stress::FamilyReport;
 use serde::Serialize;
 
@@ -27,6 +28,7 @@ struct Row {
     /// Bad input accepted or not named, good input refused.
     unexpected: u64,
     panics: u64,
+    #[serde(serialize_with = "number")]
     worst_slowdown: f64,
     /// The first thing that went wrong.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -2,7 +2,7 @@
 
 mod report;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use morph_collision::VolumeKind;
@@ -11,9 +11,10 @@ use morph_collision_testkit::rivals::SetUpError;
 use morph_collision_testkit::verify::{Trees, verify as compare};
 
 use crate::error::CliError;
-use crate::model_file::read_mesh;
+use crate::model_file::{FileArgs, count_memory, read_clips};
+use crate::progress::ProgressArgs;
 use crate::tree_options::TreeArgs;
-use crate::{Verdict, output, progress};
+use crate::{Verdict, output};
 use report::{VerifyReport, WhichMesh};
 
 /// Compare the answers of trees about two bodies with brute force in exact arithmetic.
@@ -37,9 +38,9 @@ pub(crate) struct VerifyArgs {
     #[arg(long, value_name = "N", default_value_t = 0, requires = "model2")]
     mesh2: usize,
     /// How many situations to compare.
-    #[arg(long, value_name = "N", default_value_t = 100)]
+    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..))]
     frames: u64,
-    /// Other situations for another seed; the same for the same one.
+    /// Random seed; the same seed gives the same situations.
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
     /// Bounding volumes: aabb, kdop14, kdop18, kdop26, sphere, or all of them in turn.
@@ -47,6 +48,10 @@ pub(crate) struct VerifyArgs {
     volume: Kinds,
     #[command(flatten)]
     tree: TreeArgs,
+    #[command(flatten)]
+    files: FileArgs,
+    #[command(flatten)]
+    progress: ProgressArgs,
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
@@ -66,11 +71,11 @@ fn kinds(text: &str) -> Result<Kinds, String> {
 
 /// Draws situations, compares, and says what differs.
 pub(crate) fn verify(args: &VerifyArgs) -> Result<Verdict, CliError> {
-    let mesh = read_mesh(&args.model, args.mesh, "--mesh")?;
+    let mesh = args.read(&args.model, args.mesh, "--mesh")?;
     let second = args
         .model2
         .as_ref()
-        .map(|model| read_mesh(model, args.mesh2, "--mesh2"));
+        .map(|model| args.read(model, args.mesh2, "--mesh2"));
     let second = second.transpose()?;
     let meshes = [&mesh, second.as_ref().unwrap_or(&mesh)];
     let which = which_meshes(args);
@@ -80,9 +85,9 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<Verdict, CliError> {
         let options = args.tree.build().with_volume(volume);
         sources.push(Trees::build(meshes, &options).map_err(|error| blame(error, &which, meshes))?);
     }
-    let bar = progress::bar("frame", args.frames);
-    let verification = compare(meshes, &mut sources, args.frames, args.seed, || bar.inc(1));
-    bar.finish_and_clear();
+    let bar = args.progress.start("frame", args.frames);
+    let verification = compare(meshes, &mut sources, args.frames, args.seed, || bar.step());
+    bar.finish();
     let verification = verification.map_err(|reason| CliError::Situation {
         file: args.model.clone(),
         mesh: args.mesh,
@@ -97,6 +102,17 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<Verdict, CliError> {
         output::print(&report.text())?;
     }
     Ok(report.verdict())
+}
+
+impl VerifyArgs {
+    /// Reads a mesh with its clips and counts its trees.
+    fn read(&self, model: &Path, index: usize, flag: &'static str) -> Result<MorphMesh, CliError> {
+        let (file, mut mesh) = self.files.open_mesh(model, index, flag)?;
+        let trees = self.volume.0.iter().map(|&volume| mesh.tree_bytes(volume)).sum();
+        count_memory(&file, index, trees, || "its trees".into())?;
+        read_clips(&file, index, &mut mesh)?;
+        Ok(mesh)
+    }
 }
 
 fn which_meshes(args: &VerifyArgs) -> [WhichMesh; 2] {

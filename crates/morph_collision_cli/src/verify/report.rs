@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use morph_collision::VolumeKind;
+use morph_collision_testkit::printable::Printable;
 use morph_collision_testkit::verify::{Counts, Finding, Trouble, Verification};
 use serde::Serialize;
 
@@ -179,7 +180,8 @@ impl ReproductionReport {
             self.trouble, self.volume
         )?;
         for (body, which) in bodies.iter().enumerate() {
-            writeln!(text, "body {body}: {} mesh {}", which.model.display(), which.mesh)?;
+            let model = which.model.display().to_string();
+            writeln!(text, "body {body}: {} mesh {}", Printable(&model), which.mesh)?;
             writeln!(text, "  weights {:?}", self.weights[body])?;
             writeln!(text, "  world_from_model {:?}", self.world_from_model[body])?;
             if let (Some(triangles), Some(world)) = (&self.triangles, &self.world) {

@@ -207,8 +207,49 @@ fn a_command_line_that_makes_no_sense_is_an_error_too() -> TestResult {
         &["run", "a.json", "--volume", "cube"],
         &["run", "a.json", "--split", "in-two"],
         &["run", "a.json", "--method", "magic"],
+        &["inspect", "a.glb", "--memory-limit", "much"],
     ] {
         error_of(&morph_collide(args)?);
+    }
+    Ok(())
+}
+
+#[test]
+fn an_option_that_the_method_or_the_mode_does_not_know_is_an_error() -> TestResult {
+    let scene = crate::support::asset("scenes/two_dolphins.json");
+    for (options, names) in [
+        (
+            &["--method", "bottom-up", "--volume", "sphere"][..],
+            &["--volume", "bottom-up"][..],
+        ),
+        (&["--method", "hybrid", "--split", "sah"], &["--split", "hybrid"]),
+        (&["--method", "rebuild", "--arity", "2"], &["--arity", "rebuild"]),
+        (&["--method", "octree", "--leaf", "2"], &["--leaf", "octree"]),
+        (&["--method", "brute-force", "--front"], &["--front", "brute-force"]),
+        (&["--method", "rigid-floor", "--sat", "full"], &["--sat", "rigid-floor"]),
+        (
+            &["--method", "parry-bvh", "--separation"],
+            &["--separation", "parry-bvh"],
+        ),
+        (&["--witness"], &["--witness", "--mode first"]),
+    ] {
+        let args = [
+            &["run".as_ref(), scene.as_os_str()][..],
+            &options.iter().map(AsRef::as_ref).collect::<Vec<_>>(),
+        ];
+        assert_names(&error_of(&morph_collide(args.concat())?), names);
+    }
+    for options in [
+        &["--method", "rebuild", "--leaf", "3"][..],
+        &["--method", "bottom-up", "--arity", "2", "--leaf", "2"],
+        &["--method", "morph-eager", "--sat", "full"],
+        &["--witness", "--mode", "any"],
+    ] {
+        let args = [
+            &["run".as_ref(), scene.as_os_str()][..],
+            &options.iter().map(AsRef::as_ref).collect::<Vec<_>>(),
+        ];
+        crate::support::stdout_of(&morph_collide(args.concat())?);
     }
     Ok(())
 }

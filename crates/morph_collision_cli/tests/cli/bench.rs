@@ -122,3 +122,12 @@ fn wrong_names_and_files_are_told_and_what_there_is() -> TestResult {
     assert!(rounds.contains("--rounds"), "{rounds}");
     Ok(())
 }
+
+#[test]
+fn options_about_files_need_a_file() -> TestResult {
+    for option in [&["--memory-limit", "2GiB"][..], &["--allow-any-path"]] {
+        let message = error_of(&morph_collide(["bench"].iter().chain(option).copied())?);
+        assert!(message.contains(option[0]) && message.contains("no model"), "{message}");
+    }
+    Ok(())
+}

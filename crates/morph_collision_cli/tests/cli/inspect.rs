@@ -6,7 +6,7 @@ use morph_collision_testkit::models;
 use serde_json::Value;
 use tempfile::tempdir;
 
-use crate::support::{RawMesh, TestResult, asset, morph_collide, stdout_of, write_gltf};
+use crate::support::{RawMesh, TestResult, asset, error_of, morph_collide, stdout_of, write_gltf};
 
 fn inspect_json(path: &std::path::Path) -> Result<Value, Box<dyn std::error::Error>> {
     let output = morph_collide(["inspect".as_ref(), path.as_os_str(), "--json".as_ref()])?;
@@ -108,5 +108,132 @@ fn an_unusable_mesh_shows_its_error_beside_usable_ones() -> TestResult {
     assert_eq!(sound["targets"][0]["share_left_alone"], 0.0);
     let stdout = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
     assert!(stdout.contains("base, vertex 1"), "{stdout}");
+    Ok(())
+}
+
+/// Rewrites the JSON of a file.
+fn bend(path: &std::path::Path, bend: impl FnOnce(&mut Value)) -> TestResult {
+    let mut gltf = serde_json::from_slice(&std::fs::read(path)?)?;
+    bend(&mut gltf);
+    Ok(std::fs::write(path, gltf.to_string())?)
+}
+
+#[test]
+fn a_skinned_mesh_says_that_bones_are_ignored() -> TestResult {
+    let dir = tempdir()?;
+    let path = write_gltf(
+        dir.path(),
+        "two.gltf",
+        &[RawMesh::triangle("Bound"), RawMesh::triangle("Free")],
+    )?;
+    bend(&path, |gltf| {
+        let attributes = &mut gltf["meshes"][0]["primitives"][0]["attributes"];
+        attributes["JOINTS_0"] = 0.into();
+        attributes["WEIGHTS_0"] = 0.into();
+        gltf["nodes"] = serde_json::json!([{"mesh": 0, "skin": 0}, {"mesh": 1}]);
+    })?;
+    let report = inspect_json(&path)?;
+    let [bound, free] = [&report["meshes"][0], &report["meshes"][1]];
+    assert_eq!((&bound["skinned"], &free["skinned"]), (&true.into(), &false.into()));
+    let warning = bound["warnings"][0].as_str().unwrap_or_default();
+    assert!(
+        warning.contains("ignore bones") && warning.contains("bind pose"),
+        "{warning}"
+    );
+    assert_eq!(free.get("warnings"), None);
+    let stdout = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
+    assert_eq!(stdout.matches("bind pose").count(), 1, "{stdout}");
+    // A command that collides it says so, too.
+    let query = ["query".as_ref(), path.as_os_str(), "--self".as_ref()];
+    let stderr = String::from_utf8(morph_collide(query)?.stderr)?;
+    assert!(stderr.contains("warning") && stderr.contains("bind pose"), "{stderr}");
+    Ok(())
+}
+
+#[test]
+fn a_mesh_of_points_says_so() -> TestResult {
+    let dir = tempdir()?;
+    let path = write_gltf(dir.path(), "points.gltf", &[RawMesh::triangle("Cloud")])?;
+    bend(&path, |gltf| gltf["meshes"][0]["primitives"][0]["mode"] = 0.into())?;
+    for command in [&["inspect"][..], &["query", "--self"]] {
+        let args = command.iter().map(AsRef::as_ref).chain([path.as_os_str()]);
+        let message = error_of(&morph_collide(args)?);
+        assert!(message.contains("made of points"), "{message}");
+    }
+    Ok(())
+}
+
+#[test]
+fn what_is_broken_and_not_needed_is_shown_beside_the_rest() -> TestResult {
+    let dir = tempdir()?;
+    let path = write_gltf(
+        dir.path(),
+        "parts.gltf",
+        &[RawMesh::triangle("Sound"), RawMesh::triangle("Lost")],
+    )?;
+    bend(&path, |gltf| {
+        gltf["meshes"][1]["primitives"][0]["attributes"]["POSITION"] = 99.into();
+        gltf["nodes"] = serde_json::json!([{"mesh": 0}]);
+        let channel = |node: u32| serde_json::json!({"sampler": 9, "target": {"node": node, "path": "weights"}});
+        gltf["animations"] = serde_json::json!([{"name": "talk", "channels": [channel(0), channel(7)]}]);
+    })?;
+    let report = inspect_json(&path)?;
+    assert_eq!(report["meshes"][0]["triangles"], 1);
+    let text = |value: &Value| value.as_str().unwrap_or_default().to_owned();
+    assert!(text(&report["meshes"][1]["error"]).contains("accessor 99"), "{report}");
+    assert!(
+        text(&report["meshes"][0]["warnings"][0]).contains("\"talk\" is left out"),
+        "{report}"
+    );
+    assert!(
+        text(&report["warnings"][0]).contains("channel 1 refers to a node"),
+        "{report}"
+    );
+    Ok(())
+}
+
+#[test]
+fn names_reach_the_terminal_escaped() -> TestResult {
+    let dir = tempdir()?;
+    let path = write_gltf(dir.path(), "names.gltf", &[RawMesh::triangle("x")])?;
+    let name = "\u{1b}[2J\u{202e}evil\nmesh 7 \"fake\"\u{9b}31m";
+    bend(&path, |gltf| {
+        gltf["meshes"][0]["name"] = name.into();
+        gltf["meshes"][0]["extras"] = serde_json::json!({ "targetNames": [name] });
+    })?;
+    let is_safe = |text: &str| !text.contains(['\u{1b}', '\u{202e}', '\u{9b}']) && !text.contains("\nmesh 7");
+    let stdout = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
+    assert!(is_safe(&stdout) && stdout.contains("evil"), "{stdout:?}");
+    let output = morph_collide(["inspect".as_ref(), path.as_os_str(), "--json".as_ref()])?;
+    let json = stdout_of(&output);
+    assert!(is_safe(&json), "{json:?}");
+    let report: Value = serde_json::from_str(&json)?;
+    assert_eq!(report["meshes"][0]["name"], name);
+    // In messages, too.
+    bend(&path, |gltf| gltf["meshes"][0]["primitives"][0]["indices"] = 99.into())?;
+    let message = error_of(&morph_collide(["query".as_ref(), path.as_os_str(), "--self".as_ref()])?);
+    assert!(
+        is_safe(&message) && message.contains("evil") && message.lines().count() == 1,
+        "{message:?}"
+    );
+    Ok(())
+}
+
+#[test]
+fn sums_of_large_weights_are_numbers_in_json() -> TestResult {
+    let mut mesh = models::dolphin(0);
+    for key in &mut mesh.animations[0].weights {
+        key.fill(3e38);
+    }
+    let dir = tempdir()?;
+    let path = dir.path().join("large.glb");
+    let looks = Appearance {
+        base_color: [1.0; 4],
+        roughness: 1.0,
+    };
+    write_glb(&path, &mesh, &looks)?;
+    let report = inspect_json(&path)?;
+    let sum = &report["meshes"][0]["animations"][0]["weight_sum"]["max"];
+    assert!(sum.as_f64().is_some_and(|sum| sum > 5e38), "{sum}");
     Ok(())
 }

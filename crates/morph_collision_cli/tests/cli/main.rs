@@ -2,7 +2,10 @@
 
 mod bad_input;
 mod bench;
+mod bombs;
 mod inspect;
+mod outputs;
+mod picture;
 mod query;
 mod run;
 mod stress;

@@ -52,5 +52,7 @@ fn the_table_has_a_line_for_every_family() -> TestResult {
     assert_eq!(text.lines().count(), 19, "{text}");
     assert!(text.contains("not-orthonormal") && text.contains("slowdown"), "{text}");
     error_of(&morph_collide(["stress", "--cases", "many"])?);
+    let message = error_of(&morph_collide(["stress", "--cases", "0"])?);
+    assert!(message.contains("--cases"), "{message}");
     Ok(())
 }

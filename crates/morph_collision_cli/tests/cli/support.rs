@@ -26,9 +26,18 @@ pub(crate) fn morph_collide<S: AsRef<std::ffi::OsStr>>(
     Ok(command().args(args).output()?)
 }
 
+/// What a run wrote to stderr, but for its progress: slow machines see more of that.
+fn complaints_of(output: &Output) -> String {
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    let lines = stderr.split_inclusive('\n');
+    lines
+        .filter(|line| !line.starts_with("morph-collide: progress: "))
+        .collect()
+}
+
 /// The output of a run that must have succeeded without a complaint.
 pub(crate) fn stdout_of(output: &Output) -> String {
-    let stderr = String::from_utf8_lossy(&output.stderr);
+    let stderr = complaints_of(output);
     assert!(
         output.status.success() && stderr.is_empty(),
         "{:?}: {stderr}",
@@ -39,7 +48,7 @@ pub(crate) fn stdout_of(output: &Output) -> String {
 
 /// The complaint of a run that must have failed: exit code 2 and one line under the program's name.
 pub(crate) fn error_of(output: &Output) -> String {
-    let stderr = String::from_utf8_lossy(&output.stderr).into_owned();
+    let stderr = complaints_of(output);
     assert_eq!(output.status.code(), Some(2), "{stderr}");
     assert!(stderr.starts_with("morph-collide: error: "), "{stderr}");
     assert!(!stderr.contains("panicked"), "{stderr}");

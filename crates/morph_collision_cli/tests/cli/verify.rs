@@ -109,8 +109,45 @@ fn bad_input_is_named() -> TestResult {
 }
 
 #[test]
-fn no_frames_are_nothing_wrong() -> TestResult {
-    let report = json(&asset("dolphin_564.glb"), &["--frames", "0"])?;
-    assert_eq!((&report["frames"], &report["pairs_truth"]), (&0.into(), &0.into()));
+fn a_comparison_of_nothing_is_a_usage_error() -> TestResult {
+    let message = error_of(&verify(&asset("dolphin_564.glb"), &["--frames", "0"])?);
+    assert!(message.contains("--frames"), "{message}");
+    Ok(())
+}
+
+#[test]
+fn without_a_terminal_progress_comes_in_lines() -> TestResult {
+    let flags = ["--frames", "3", "--volume", "aabb", "--progress", "0"];
+    let output = verify(&asset("dolphin_564.glb"), &flags)?;
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    let lines: Vec<&str> = stderr.lines().collect();
+    assert_eq!(lines.len(), 3, "{stderr}");
+    for (line, frame) in lines.iter().zip(1..) {
+        let start = format!("morph-collide: progress: frame {frame} of 3 after ");
+        assert!(line.starts_with(&start), "{line}");
+    }
+    Ok(())
+}
+
+#[test]
+fn a_broken_clip_of_the_mesh_is_an_error() -> TestResult {
+    let dir = tempdir()?;
+    let path = write_gltf(
+        dir.path(),
+        "clip.gltf",
+        &[RawMesh::triangle("One"), RawMesh::triangle("Two")],
+    )?;
+    let mut gltf: Value = serde_json::from_slice(&std::fs::read(&path)?)?;
+    gltf["nodes"] = serde_json::json!([{"mesh": 0}]);
+    gltf["animations"] = serde_json::json!([{
+        "name": "talk",
+        "channels": [{"sampler": 0, "target": {"node": 0, "path": "weights"}}],
+        "samplers": [{"input": 77, "output": 77}],
+    }]);
+    std::fs::write(&path, gltf.to_string())?;
+    let message = error_of(&verify(&path, &["--frames", "1"])?);
+    assert!(message.contains("animation 0 \"talk\""), "{message}");
+    // Nobody asks for it here.
+    json(&path, &["--frames", "1", "--mesh", "1"])?;
     Ok(())
 }

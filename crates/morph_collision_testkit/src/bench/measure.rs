@@ -163,7 +163,7 @@ pub fn disagreement(experiment: &Experiment, rows: &[Row], wanted: Wanted) -> Op
     let (first, others) = rows.split_first()?;
     let (what, count): (_, fn(&Found) -> u64) = match wanted {
         Wanted::All => ("pairs of triangles", |found| found.pairs),
-        Wanted::First => ("touching pairs of bodies", |found| found.touching),
+        Wanted::First | Wanted::UpTo(_) => ("touching pairs of bodies", |found| found.touching),
     };
     others.iter().find_map(|other| {
         let counts = first.found.iter().map(count).zip(other.found.iter().map(count));

@@ -70,6 +70,25 @@ impl fmt::Display for Line {
     }
 }
 
+/// [`answer`] for all [`scenes`].
+///
+/// # Errors
+/// As [`answer`]; or so few scenes touch that their hashes say little.
+///
+/// # Panics
+/// As [`answer`].
+pub fn answer_all(threads: &[usize]) -> Result<Vec<Line>, String> {
+    let lines: Vec<Line> = scenes()
+        .iter()
+        .map(|scene| answer(scene, threads))
+        .collect::<Result<_, _>>()?;
+    let touching = lines.iter().filter(|line| line.touches()).count();
+    if touching * 4 <= lines.len() * 3 {
+        return Err(format!("only {touching} of {} scenes touch", lines.len()));
+    }
+    Ok(lines)
+}
+
 /// Asks a scene's questions in every way that this machine knows. The best instructions are tried on each of these numbers of
 /// threads; where there are no threads, `&[1]`.
 ///

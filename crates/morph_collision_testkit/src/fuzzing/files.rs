@@ -2,8 +2,12 @@
 
 use std::path::Path;
 
-use crate::gltf_read::parse_meshes;
+use crate::gltf_read::{GltfFile, ReadOptions};
+use crate::inspect::FileReport;
 use crate::scenes::Scene;
+
+/// What a model may take in memory: little, so that many are tried.
+const MEMORY_LIMIT: u64 = 32 << 20;
 
 /// A JSON scene: an error that says something, or a scene that is the same once written and read again.
 ///
@@ -28,21 +32,32 @@ pub fn scene(data: &[u8]) {
     assert_eq!(Scene::parse(&json, path).ok().as_ref(), Some(&scene));
 }
 
-/// A `.glb` or `.gltf` file without buffers in other files: an error that says something, or meshes that the core takes or
-/// turns away.
+/// A `.glb` or `.gltf` file without buffers in other files: an error that says something, or meshes and clips that are shown, with
+/// trees of those that can collide.
 ///
 /// # Panics
 /// Only where the reader or the core does, which is a bug.
 pub fn gltf(data: &[u8]) {
-    match parse_meshes(data, Path::new("fuzz/model.glb")) {
-        Ok(meshes) => {
-            for mesh in meshes {
-                let _valid_or_not = mesh.to_model();
-                for clip in &mesh.animations {
-                    let _weights = clip.sample(0.7 * clip.duration());
-                }
-            }
+    let options = ReadOptions {
+        memory_limit: MEMORY_LIMIT,
+        ..ReadOptions::default()
+    };
+    let file = match GltfFile::parse(data, Path::new("fuzz/model.glb"), &options) {
+        Ok(file) => file,
+        Err(error) => {
+            assert!(!error.to_string().is_empty());
+            return;
         }
-        Err(error) => assert!(!error.to_string().is_empty()),
+    };
+    let report = FileReport::read(&file);
+    assert!(!report.to_string().is_empty());
+    let _json = serde_json::to_string(&report).expect("a report can be written");
+    for mesh in &report.meshes {
+        let Some(usable) = &mesh.usable else { continue };
+        file.budget().lend(|| {
+            for clip in file.clips(mesh.index, usable.targets.len()).clips {
+                let _weights = clip.sample(0.7 * clip.duration());
+            }
+        });
     }
 }

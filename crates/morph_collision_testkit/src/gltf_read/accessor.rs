@@ -1,25 +1,40 @@
 //! Decodes accessors with every bound checked: views, strides, sparse replacement and normalized integers.
 //!
-//! The `gltf` crate's own iterators assume a validated file and read past or unwrap where it is not one.
+//! An accessor is opened first, which checks that what it claims is there, and decoded once the memory for it is counted.
 
-use gltf::{buffer, json};
-use json::{
-    accessor::{ComponentType, Type},
-    validation::Checked,
-};
+use glam::Vec3;
+use gltf::json::accessor::{BYTE, FLOAT, SHORT, UNSIGNED_BYTE, UNSIGNED_INT, UNSIGNED_SHORT};
 
+use super::GltfFile;
+use super::document::SparsePart;
 use super::error::AccessorProblem;
 
-/// More zeros than this are refused where a file stores none of them (a sparse accessor without a base).
-const MAX_UNSTORED: u64 = 1 << 24;
+/// An accessor whose type and bounds are checked.
+#[derive(Debug)]
+pub(super) struct Opened<'a> {
+    index: usize,
+    count: usize,
+    kind: Component,
+    normalized: bool,
+    /// Zeros if there is no buffer view.
+    stored: Option<Elements<'a>>,
+    /// Which elements are replaced, and with what.
+    replaced: Option<(Component, Elements<'a>, Elements<'a>)>,
+}
 
-/// The accessors of one file and the bytes they look at.
-pub(super) struct Accessors<'a> {
-    root: &'a json::Root,
-    buffers: &'a [buffer::Data],
+/// A type of numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Component {
+    I8,
+    U8,
+    I16,
+    U16,
+    U32,
+    F32,
 }
 
 /// Where a run of equal elements lies: `count` elements of `size` bytes, `stride` bytes apart.
+#[derive(Debug)]
 struct Elements<'a> {
     bytes: &'a [u8],
     size: usize,
@@ -34,132 +49,85 @@ impl<'a> Elements<'a> {
     }
 }
 
-impl<'a> Accessors<'a> {
-    pub(super) fn new(root: &'a json::Root, buffers: &'a [buffer::Data]) -> Self {
-        Self { root, buffers }
-    }
-
-    /// The number of elements, without decoding them.
-    pub(super) fn count(&self, index: usize) -> Result<usize, AccessorProblem> {
-        let accessor = self.root.accessors.get(index).ok_or(AccessorProblem::Missing(index))?;
-        usize::try_from(accessor.count.0).map_err(|_| AccessorProblem::OutOfBounds { accessor: index })
-    }
-
+impl GltfFile {
     /// Points or displacements: floats, or the integers of `KHR_mesh_quantization`.
-    pub(super) fn vec3(&self, index: usize) -> Result<Vec<[f32; 3]>, AccessorProblem> {
+    pub(super) fn open_vec3(&self, index: usize) -> Result<Opened<'_>, AccessorProblem> {
         let expected = "VEC3 of floats or of 8- or 16-bit integers";
-        self.decode(
-            index,
-            Type::Vec3,
-            expected,
-            |kind| kind != ComponentType::U32,
-            |number, bytes| {
-                let size = bytes.len() / 3;
-                [0, 1, 2].map(|c| number(&bytes[c * size..(c + 1) * size]))
-            },
-        )
+        self.open_accessor(index, ("VEC3", 3), expected, |kind| kind != Component::U32)
     }
 
     /// Key times or weights: floats, or normalized integers.
-    pub(super) fn scalars(&self, index: usize) -> Result<Vec<f32>, AccessorProblem> {
+    pub(super) fn open_scalars(&self, index: usize) -> Result<Opened<'_>, AccessorProblem> {
         let expected = "SCALAR of floats or of normalized 8- or 16-bit integers";
-        self.decode(
-            index,
-            Type::Scalar,
-            expected,
-            |kind| kind != ComponentType::U32,
-            |number, bytes| number(bytes),
-        )
+        self.open_accessor(index, ("SCALAR", 1), expected, |kind| kind != Component::U32)
     }
 
     /// Vertex indices of 8, 16 or 32 bits.
-    pub(super) fn indices(&self, index: usize) -> Result<Vec<u32>, AccessorProblem> {
-        let expected = "SCALAR of unsigned integers";
-        let unsigned = |kind| matches!(kind, ComponentType::U8 | ComponentType::U16 | ComponentType::U32);
-        self.decode(index, Type::Scalar, expected, unsigned, |_, bytes| {
-            unsigned_integer(bytes)
-        })
+    pub(super) fn open_indices(&self, index: usize) -> Result<Opened<'_>, AccessorProblem> {
+        self.open_accessor(
+            index,
+            ("SCALAR", 1),
+            "SCALAR of unsigned integers",
+            Component::is_unsigned,
+        )
     }
 
-    fn decode<T: Clone + Default>(
+    fn open_accessor(
         &self,
         index: usize,
-        shape: Type,
+        (shape, components): (&str, usize),
         expected: &'static str,
-        allowed: impl Fn(ComponentType) -> bool,
-        element: impl Fn(&dyn Fn(&[u8]) -> f32, &[u8]) -> T,
-    ) -> Result<Vec<T>, AccessorProblem> {
-        let accessor = self.root.accessors.get(index).ok_or(AccessorProblem::Missing(index))?;
-        let kind = match (&accessor.component_type, &accessor.type_) {
-            (Checked::Valid(kind), Checked::Valid(found)) if *found == shape && allowed(kind.0) => kind.0,
-            (kind, found) => {
-                let kind = match kind {
-                    Checked::Valid(kind) => format!("{:?}", kind.0),
-                    Checked::Invalid => "an unknown component type".into(),
-                };
-                let found = match found {
-                    Checked::Valid(found) => format!("{found:?}").to_uppercase(),
-                    Checked::Invalid => "an unknown shape".into(),
-                };
-                let found = format!("{found} of {kind}");
-                return Err(AccessorProblem::Type {
-                    accessor: index,
-                    found,
-                    expected,
-                });
-            }
+        allowed: impl Fn(Component) -> bool,
+    ) -> Result<Opened<'_>, AccessorProblem> {
+        let accessor = self.root.accessors.get(index, &self.budget);
+        let accessor = accessor.map_err(|problem| AccessorProblem::Element {
+            accessor: index,
+            problem,
+        })?;
+        let wrong = |found: String| AccessorProblem::Type {
+            accessor: index,
+            found,
+            expected,
         };
-        let normalized = accessor.normalized;
-        let number = move |bytes: &[u8]| component(kind, normalized, bytes);
-        let size = kind.size() * shape.multiplicity();
-        let count = self.count(index)?;
-
-        let mut values: Vec<T> = match accessor.buffer_view {
-            Some(view) => {
-                let offset = accessor.byte_offset.unwrap_or_default().0;
-                let elements = self.elements(index, view.value(), offset, size, count)?;
-                elements.iter().map(|bytes| element(&number, bytes)).collect()
-            }
-            None if accessor.count.0 > MAX_UNSTORED => {
-                return Err(AccessorProblem::Unstored {
-                    accessor: index,
-                    count: accessor.count.0,
-                });
-            }
-            None => vec![T::default(); count],
+        let kind = Component::new(accessor.component_type);
+        let Some(kind) = kind.filter(|&kind| accessor.shape == shape && allowed(kind)) else {
+            let kind = kind.map_or("an unknown component type".into(), |kind| format!("{kind:?}"));
+            return Err(wrong(format!("{} of {kind}", accessor.shape)));
         };
-
-        if let Some(sparse) = &accessor.sparse {
-            let Checked::Valid(index_kind) = sparse.indices.component_type else {
-                let found = "sparse indices of an unknown component type".into();
-                return Err(AccessorProblem::Type {
+        let out_of_bounds = |_| AccessorProblem::OutOfBounds { accessor: index };
+        let (size, count) = (
+            kind.size() * components,
+            usize::try_from(accessor.count).map_err(out_of_bounds)?,
+        );
+        let stored = accessor.buffer_view;
+        let stored = stored.map(|view| self.elements(index, view, accessor.byte_offset, size, count));
+        let replaced = match &accessor.sparse {
+            None => None,
+            Some(sparse) => {
+                let index_kind = Component::new(sparse.indices.component_type).filter(|kind| kind.is_unsigned());
+                let index_kind = index_kind.ok_or_else(|| AccessorProblem::Type {
                     accessor: index,
-                    found,
+                    found: "sparse indices of an unknown component type".into(),
                     expected: "unsigned integers",
-                });
-            };
-            let replaced =
-                usize::try_from(sparse.count.0).map_err(|_| AccessorProblem::OutOfBounds { accessor: index })?;
-            let (at, with) = (&sparse.indices, &sparse.values);
-            let at = self.elements(
-                index,
-                at.buffer_view.value(),
-                at.byte_offset.0,
-                index_kind.0.size(),
-                replaced,
-            )?;
-            let with = self.elements(index, with.buffer_view.value(), with.byte_offset.0, size, replaced)?;
-            for (at, with) in at.iter().zip(with.iter()) {
-                let at = unsigned_integer(at) as usize;
-                let value = values.get_mut(at).ok_or(AccessorProblem::SparseIndex {
-                    accessor: index,
-                    element: at,
-                    count,
                 })?;
-                *value = element(&number, with);
+                let replaced = usize::try_from(sparse.count).map_err(out_of_bounds)?;
+                let part =
+                    |part: &SparsePart, size| self.elements(index, part.buffer_view, part.byte_offset, size, replaced);
+                Some((
+                    index_kind,
+                    part(&sparse.indices, index_kind.size())?,
+                    part(&sparse.values, size)?,
+                ))
             }
-        }
-        Ok(values)
+        };
+        Ok(Opened {
+            index,
+            count,
+            kind,
+            normalized: accessor.normalized,
+            stored: stored.transpose()?,
+            replaced,
+        })
     }
 
     fn elements(
@@ -169,22 +137,27 @@ impl<'a> Accessors<'a> {
         offset: u64,
         size: usize,
         count: usize,
-    ) -> Result<Elements<'a>, AccessorProblem> {
+    ) -> Result<Elements<'_>, AccessorProblem> {
         let out_of_bounds = || AccessorProblem::OutOfBounds { accessor };
         let range = |start: u64, length: u64| {
             let start = usize::try_from(start).ok()?;
             Some(start..start.checked_add(usize::try_from(length).ok()?)?)
         };
-        let view = self
-            .root
-            .buffer_views
-            .get(view)
-            .ok_or(AccessorProblem::MissingView { accessor, view })?;
-        let buffer: &[u8] = self.buffers.get(view.buffer.value()).ok_or_else(out_of_bounds)?;
-        let bytes = range(view.byte_offset.unwrap_or_default().0, view.byte_length.0)
+        let json = self.root.buffer_views.get(view, &self.budget);
+        let view = json.map_err(|problem| AccessorProblem::View {
+            accessor,
+            view,
+            problem,
+        })?;
+        let buffer = self.buffers.get(view.buffer, &self.root, &self.budget);
+        let buffer = buffer.map_err(|problem| AccessorProblem::Buffer {
+            accessor,
+            problem: Box::new(problem),
+        })?;
+        let bytes = range(view.byte_offset, view.byte_length)
             .and_then(|range| buffer.get(range))
             .ok_or_else(out_of_bounds)?;
-        let stride = view.byte_stride.map_or(size, |stride| stride.0);
+        let stride = view.byte_stride.unwrap_or(size);
         if stride < size {
             return Err(AccessorProblem::Stride { accessor, size, stride });
         }
@@ -206,16 +179,108 @@ impl<'a> Accessors<'a> {
     }
 }
 
-/// One component as a float. Only called with as many bytes as `kind` has.
-fn component(kind: ComponentType, normalized: bool, bytes: &[u8]) -> f32 {
-    let signed = |value: f32, max: f32| if normalized { (value / max).max(-1.0) } else { value };
-    let unsigned = |value: f32, max: f32| if normalized { value / max } else { value };
-    match (kind, bytes) {
-        (ComponentType::F32, &[a, b, c, d]) => f32::from_le_bytes([a, b, c, d]),
-        (ComponentType::I8, &[a]) => signed(f32::from(a as i8), 127.0),
-        (ComponentType::I16, &[a, b]) => signed(f32::from(i16::from_le_bytes([a, b])), 32767.0),
-        (ComponentType::U16, &[a, b]) => unsigned(f32::from(u16::from_le_bytes([a, b])), 65535.0),
-        _ => unsigned(unsigned_integer(bytes) as f32, 255.0),
+impl Opened<'_> {
+    /// The number of elements.
+    pub(super) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Whether the file stores nothing for it, which makes all its elements zero.
+    pub(super) fn is_unstored(&self) -> bool {
+        self.stored.is_none() && self.replaced.as_ref().is_none_or(|(_, at, _)| at.count == 0)
+    }
+
+    /// Appends points or displacements.
+    pub(super) fn append_vec3(&self, to: &mut Vec<Vec3>) -> Result<(), AccessorProblem> {
+        self.append(to, |opened, bytes| {
+            let size = bytes.len() / 3;
+            Vec3::from_array([0, 1, 2].map(|c| opened.number(&bytes[c * size..(c + 1) * size])))
+        })
+    }
+
+    /// Key times or weights.
+    pub(super) fn scalars(&self) -> Result<Vec<f32>, AccessorProblem> {
+        let mut values = Vec::new();
+        self.append(&mut values, Self::number)?;
+        Ok(values)
+    }
+
+    /// Vertex indices.
+    pub(super) fn indices(&self) -> Result<Vec<u32>, AccessorProblem> {
+        let mut values = Vec::new();
+        self.append(&mut values, |_, bytes| unsigned_integer(bytes))?;
+        Ok(values)
+    }
+
+    fn append<T: Clone + Default>(
+        &self,
+        values: &mut Vec<T>,
+        element: impl Fn(&Self, &[u8]) -> T,
+    ) -> Result<(), AccessorProblem> {
+        let start = values.len();
+        values.reserve_exact(self.count);
+        match &self.stored {
+            Some(elements) => values.extend(elements.iter().map(|bytes| element(self, bytes))),
+            None => values.resize(start + self.count, T::default()),
+        }
+        if let Some((_, at, with)) = &self.replaced {
+            for (at, with) in at.iter().zip(with.iter()) {
+                let at = unsigned_integer(at) as usize;
+                let value = values[start..].get_mut(at);
+                let value = value.ok_or(AccessorProblem::SparseIndex {
+                    accessor: self.index,
+                    element: at,
+                    count: self.count,
+                })?;
+                *value = element(self, with);
+            }
+        }
+        Ok(())
+    }
+
+    /// One component as a float.
+    fn number(&self, bytes: &[u8]) -> f32 {
+        let signed = |value: f32, max: f32| {
+            if self.normalized {
+                (value / max).max(-1.0)
+            } else {
+                value
+            }
+        };
+        let unsigned = |value: f32, max: f32| if self.normalized { value / max } else { value };
+        match (self.kind, bytes) {
+            (Component::F32, &[a, b, c, d]) => f32::from_le_bytes([a, b, c, d]),
+            (Component::I8, &[a]) => signed(f32::from(a as i8), 127.0),
+            (Component::I16, &[a, b]) => signed(f32::from(i16::from_le_bytes([a, b])), 32767.0),
+            (Component::U16, &[a, b]) => unsigned(f32::from(u16::from_le_bytes([a, b])), 65535.0),
+            _ => unsigned(unsigned_integer(bytes) as f32, 255.0),
+        }
+    }
+}
+
+impl Component {
+    fn new(kind: u32) -> Option<Self> {
+        Some(match kind {
+            BYTE => Self::I8,
+            UNSIGNED_BYTE => Self::U8,
+            SHORT => Self::I16,
+            UNSIGNED_SHORT => Self::U16,
+            UNSIGNED_INT => Self::U32,
+            FLOAT => Self::F32,
+            _ => return None,
+        })
+    }
+
+    fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::U32 | Self::F32 => 4,
+        }
+    }
+
+    fn is_unsigned(self) -> bool {
+        matches!(self, Self::U8 | Self::U16 | Self::U32)
     }
 }
 

@@ -1,120 +1,231 @@
 //! Collects the clips that drive the weights of nodes, and gives them to the meshes of those nodes.
 
-use gltf::{
-    animation::{Interpolation, Property},
-    json,
-};
-use json::validation::Checked;
+use super::GltfFile;
+use super::document::{Animation, abridged};
+use super::error::{AccessorProblem, AnimationProblem, ReadError};
+use crate::mesh::WeightAnimation;
 
-use super::{
-    accessor::Accessors,
-    error::{AccessorProblem, AnimationProblem},
-};
-use crate::mesh::{MorphMesh, WeightAnimation};
-
-/// Appends every weight animation to the mesh it drives; on error says which animation by index and name.
-///
-/// Where several nodes of one animation show the same mesh, the clips after the first carry the node in their names.
-pub(super) fn read(
-    root: &json::Root,
-    accessors: &Accessors<'_>,
-    meshes: &mut [MorphMesh],
-) -> Result<(), (usize, String, AnimationProblem)> {
-    for (index, animation) in root.animations.iter().enumerate() {
-        let name = animation.name.clone().unwrap_or_else(|| format!("animation_{index}"));
-        for channel in 0..animation.channels.len() {
-            let read = read_channel(root, accessors, meshes, animation, channel)
-                .map_err(|problem| (index, name.clone(), problem))?;
-            let Some((mesh, node, mut clip)) = read else { continue };
-            let clips = &mut meshes[mesh].animations;
-            clip.name = match clips.iter().any(|other| other.name == name) {
-                true => format!("{name} (node {node})"),
-                false => name.clone(),
-            };
-            clips.push(clip);
-        }
-    }
-    Ok(())
+/// The clips of a mesh, in the order of the file.
+#[derive(Debug, Default)]
+pub struct Clips {
+    /// Those that can be played.
+    pub clips: Vec<WeightAnimation>,
+    /// Why others cannot.
+    pub broken: Vec<ReadError>,
 }
 
-/// The mesh index, the node index and the clip; `None` for a channel that drives something else.
-fn read_channel(
-    root: &json::Root,
-    accessors: &Accessors<'_>,
-    meshes: &[MorphMesh],
-    animation: &json::Animation,
+/// A channel that drives weights.
+struct WeightChannel<'a> {
+    animation: &'a Animation,
+    /// Borrowed, since there can be many channels.
+    name: Option<&'a str>,
+    index: usize,
     channel: usize,
-) -> Result<Option<(usize, usize, WeightAnimation)>, AnimationProblem> {
-    let dangling = |what| AnimationProblem::Dangling { channel, what };
-    let json = &animation.channels[channel];
-    if json.target.path != Checked::Valid(Property::MorphTargetWeights) {
-        return Ok(None);
-    }
-    let node = json.target.node.value();
-    let Some(mesh) = root.nodes.get(node).ok_or_else(|| dangling("node"))?.mesh else {
-        return Ok(None);
-    };
-    let mesh = mesh.value();
-    let targets = meshes.get(mesh).ok_or_else(|| dangling("mesh"))?.targets.len();
-    let sampler = animation
-        .samplers
-        .get(json.sampler.value())
-        .ok_or_else(|| dangling("sampler"))?;
-    let Checked::Valid(interpolation) = sampler.interpolation else {
-        return Err(AnimationProblem::UnknownInterpolation { channel });
-    };
+    node: usize,
+    mesh: usize,
+    sampler: usize,
+}
 
-    let at = |what| move |problem: AccessorProblem| AnimationProblem::Accessor { channel, what, problem };
-    let times = accessors.scalars(sampler.input.value()).map_err(at("key times"))?;
-    let stored = accessors.scalars(sampler.output.value()).map_err(at("weights"))?;
-    check_times(channel, &times)?;
-
-    // A cubic key is an in-tangent, a value and an out-tangent, each a whole weight vector.
-    let (vectors_per_key, value) = if interpolation == Interpolation::CubicSpline {
-        (3, 1)
-    } else {
-        (1, 0)
-    };
-    let keys = times.len();
-    let expected = keys.saturating_mul(targets).saturating_mul(vectors_per_key);
-    if stored.len() != expected {
-        return Err(AnimationProblem::WeightCount {
-            channel,
-            found: stored.len(),
-            keys,
-            targets,
-            expected,
-        });
+impl GltfFile {
+    /// The clips that drive the weights of a mesh with `targets` targets.
+    ///
+    /// Where several nodes of one animation show the mesh, the clips after the first carry the node in their names. Channels without a
+    /// node, and those that drive something else, are passed over.
+    #[must_use]
+    pub fn clips(&self, mesh: usize, targets: usize) -> Clips {
+        let mut found = Clips::default();
+        let channels = self.weight_channels(&mut Vec::new());
+        for channel in channels.into_iter().filter(|channel| channel.mesh == mesh) {
+            match self.read_channel(&channel, targets) {
+                Ok(mut clip) => {
+                    clip.name = match channel.name {
+                        Some(name) => name.to_owned(),
+                        None => made_up(channel.index),
+                    };
+                    if found.clips.iter().any(|other| other.name == clip.name) {
+                        clip.name += &format!(" (node {})", channel.node);
+                    }
+                    found.clips.push(clip);
+                }
+                Err(problem) => found
+                    .broken
+                    .push(self.animation_error(channel.index, channel.name, problem)),
+            }
+        }
+        found
     }
-    let weights: Vec<Vec<f32>> = (0..keys)
-        .map(|key| {
-            let start = (key * vectors_per_key + value) * targets;
-            stored[start..start + targets].to_vec()
-        })
-        .collect();
-    for (key, weights) in weights.iter().enumerate() {
-        if let Some(target) = weights.iter().position(|weight| !weight.is_finite()) {
-            return Err(AnimationProblem::Weight {
-                channel,
-                key,
-                target,
-                weight: weights[target],
-            });
+
+    /// Animations and channels so broken that no mesh can be named that they drive.
+    #[must_use]
+    pub fn stray_animations(&self) -> Vec<ReadError> {
+        let mut problems = Vec::new();
+        self.weight_channels(&mut problems);
+        problems
+    }
+
+    fn animation_error(&self, animation: usize, name: Option<&str>, problem: AnimationProblem) -> ReadError {
+        ReadError::Animation {
+            path: self.path.clone(),
+            animation,
+            name: name.map_or_else(|| made_up(animation), abridged),
+            problem: Box::new(problem),
         }
     }
-    let (times, weights) = match interpolation {
-        Interpolation::Step => steps(&times, &weights),
-        Interpolation::Linear | Interpolation::CubicSpline => (times, weights),
-    };
-    Ok(Some((
-        mesh,
-        node,
-        WeightAnimation {
+
+    /// Every channel that drives weights of a mesh; what cannot be made out goes to `problems`.
+    fn weight_channels(&self, problems: &mut Vec<ReadError>) -> Vec<WeightChannel<'_>> {
+        let mut channels = Vec::new();
+        for index in self.root.animations.indices() {
+            let animation = match self.root.animations.get(index, &self.budget) {
+                Ok(animation) => animation,
+                Err(problem) => {
+                    problems.push(self.animation_error(index, None, AnimationProblem::Element(problem)));
+                    continue;
+                }
+            };
+            let name = animation.name.as_deref();
+            for channel in animation.channels.indices() {
+                match self.weight_channel(animation, channel) {
+                    Ok(None) => {}
+                    Ok(Some((node, mesh, sampler))) => channels.push(WeightChannel {
+                        animation,
+                        name,
+                        index,
+                        channel,
+                        node,
+                        mesh,
+                        sampler,
+                    }),
+                    Err(problem) => problems.push(self.animation_error(index, name, problem)),
+                }
+            }
+        }
+        channels
+    }
+
+    /// The node, the mesh and the sampler; `None` for a channel that drives something else.
+    fn weight_channel(
+        &self,
+        animation: &Animation,
+        channel: usize,
+    ) -> Result<Option<(usize, usize, usize)>, AnimationProblem> {
+        let json = animation.channels.get(channel, &self.budget);
+        let json = json.map_err(|problem| AnimationProblem::Channel { channel, problem })?;
+        let (Some(node), "weights") = (json.target.node, &*json.target.path) else {
+            return Ok(None);
+        };
+        let dangling = |what| AnimationProblem::Dangling { channel, what };
+        let found = self.root.nodes.get(node, &self.budget);
+        let Some(mesh) = found.map_err(|_| dangling("node"))?.mesh else {
+            return Ok(None);
+        };
+        if mesh >= self.root.meshes.len() {
+            return Err(dangling("mesh"));
+        }
+        Ok(Some((node, mesh, json.sampler)))
+    }
+
+    fn read_channel(&self, json: &WeightChannel<'_>, targets: usize) -> Result<WeightAnimation, AnimationProblem> {
+        let channel = json.channel;
+        let sampler = json.animation.samplers.get(json.sampler, &self.budget);
+        let sampler = sampler.map_err(|_| AnimationProblem::Dangling {
+            channel,
+            what: "sampler",
+        })?;
+        let interpolation = Interpolation::new(sampler.interpolation.as_deref());
+        let interpolation = interpolation.ok_or(AnimationProblem::UnknownInterpolation { channel })?;
+        let at = |what| move |problem: AccessorProblem| AnimationProblem::Accessor { channel, what, problem };
+        let times = self.open_scalars(sampler.input).map_err(at("key times"))?;
+        let stored = self.open_scalars(sampler.output).map_err(at("weights"))?;
+
+        let (keys, found) = (times.count(), stored.count());
+        let expected = keys
+            .saturating_mul(targets)
+            .saturating_mul(interpolation.vectors_per_key());
+        if found != expected {
+            return Err(AnimationProblem::WeightCount {
+                channel,
+                found,
+                keys,
+                targets,
+                expected,
+            });
+        }
+        // Numbers as decoded, and each key's vectors, which a step takes twice more; and the name, which reports copy.
+        let bytes = (keys as u64)
+            .saturating_mul(200)
+            .saturating_add((found as u64).saturating_mul(24))
+            .saturating_add(json.name.map_or(0, |name| 4 * name.len() as u64));
+        let what = || format!("its {keys} keys of {targets} targets");
+        let take = self.budget.take(bytes, 1, what);
+        take.map_err(|over| AnimationProblem::OverBudget { channel, over })?;
+        let times = times.scalars().map_err(at("key times"))?;
+        let stored = stored.scalars().map_err(at("weights"))?;
+        check_times(channel, &times)?;
+        interpolation.clip(channel, times, &stored, targets)
+    }
+}
+
+/// The name of an animation that has none.
+fn made_up(index: usize) -> String {
+    format!("animation_{index}")
+}
+
+/// How weights are interpolated between two keys.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Interpolation {
+    Linear,
+    Step,
+    /// A key is an in-tangent, a value and an out-tangent, each a whole weight vector.
+    CubicSpline,
+}
+
+impl Interpolation {
+    fn new(name: Option<&str>) -> Option<Self> {
+        Some(match name {
+            None | Some("LINEAR") => Self::Linear,
+            Some("STEP") => Self::Step,
+            Some("CUBICSPLINE") => Self::CubicSpline,
+            Some(_) => return None,
+        })
+    }
+
+    fn vectors_per_key(self) -> usize {
+        match self {
+            Self::Linear | Self::Step => 1,
+            Self::CubicSpline => 3,
+        }
+    }
+
+    fn clip(
+        self,
+        channel: usize,
+        times: Vec<f32>,
+        stored: &[f32],
+        targets: usize,
+    ) -> Result<WeightAnimation, AnimationProblem> {
+        let vector = |key: usize, part: usize| {
+            let start = (key * self.vectors_per_key() + part) * targets;
+            stored[start..start + targets].to_vec()
+        };
+        let value = if self == Self::CubicSpline { 1 } else { 0 };
+        let weights: Vec<Vec<f32>> = (0..times.len()).map(|key| vector(key, value)).collect();
+        let tangents = match self {
+            Self::Linear | Self::Step => Vec::new(),
+            Self::CubicSpline => (0..times.len()).map(|key| [vector(key, 0), vector(key, 2)]).collect(),
+        };
+        check_finite(channel, &weights, &tangents)?;
+        let (times, weights) = match self {
+            Self::Step => steps(&times, &weights),
+            Self::Linear | Self::CubicSpline => (times, weights),
+        };
+        Ok(WeightAnimation {
             name: String::new(),
             times,
             weights,
-        },
-    )))
+            tangents,
+        })
+    }
 }
 
 fn check_times(channel: usize, times: &[f32]) -> Result<(), AnimationProblem> {
@@ -124,6 +235,35 @@ fn check_times(channel: usize, times: &[f32]) -> Result<(), AnimationProblem> {
             return Err(AnimationProblem::KeyOrder { channel, key, time });
         }
         previous = time;
+    }
+    Ok(())
+}
+
+fn check_finite(channel: usize, weights: &[Vec<f32>], tangents: &[[Vec<f32>; 2]]) -> Result<(), AnimationProblem> {
+    let first_bad = |vector: &[f32]| vector.iter().position(|value| !value.is_finite());
+    for (key, weights) in weights.iter().enumerate() {
+        if let Some(target) = first_bad(weights) {
+            let weight = weights[target];
+            return Err(AnimationProblem::Weight {
+                channel,
+                key,
+                target,
+                weight,
+            });
+        }
+    }
+    for (key, both) in tangents.iter().enumerate() {
+        for tangents in both {
+            if let Some(target) = first_bad(tangents) {
+                let tangent = tangents[target];
+                return Err(AnimationProblem::Tangent {
+                    channel,
+                    key,
+                    target,
+                    tangent,
+                });
+            }
+        }
     }
     Ok(())
 }

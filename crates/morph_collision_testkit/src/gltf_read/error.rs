@@ -2,6 +2,10 @@
 
 use std::path::PathBuf;
 
+use super::document::ElementError;
+use crate::memory::OverBudget;
+use crate::printable::Printable;
+
 /// Why a file could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
@@ -22,23 +26,29 @@ pub enum ReadError {
         reason: String,
     },
     /// The file needs an extension that changes how its geometry is stored.
-    #[error("{}: needs the glTF extension {extension}, which this reader does not know", path.display())]
+    #[error("{}: needs the glTF extension {}, which this reader does not know{}", path.display(), Printable(extension), advice(extension))]
     Extension {
         /// The file.
         path: PathBuf,
         /// The extension's name.
         extension: String,
     },
-    /// A buffer is missing, unreadable or too short.
-    #[error("{}: cannot load the buffers: {reason}", path.display())]
-    Buffer {
+    /// The file is no regular file.
+    #[error("{}: not a regular file", path.display())]
+    NotRegular {
         /// The file.
         path: PathBuf,
-        /// Which buffer, and why.
-        reason: String,
+    },
+    /// The file as a whole is too large.
+    #[error("{}: {over}", path.display())]
+    OverBudget {
+        /// The file.
+        path: PathBuf,
+        /// The part that is too large.
+        over: OverBudget,
     },
     /// A mesh is broken.
-    #[error("{}: mesh {mesh} \"{name}\": {problem}", path.display())]
+    #[error("{}: mesh {mesh} \"{}\": {problem}", path.display(), Printable(name))]
     Mesh {
         /// The file.
         path: PathBuf,
@@ -46,11 +56,11 @@ pub enum ReadError {
         mesh: usize,
         /// The mesh's name, or the one made up for it.
         name: String,
-        /// What is wrong with it.
+        /// The problem.
         problem: Box<MeshProblem>,
     },
     /// A weight animation is broken.
-    #[error("{}: animation {animation} \"{name}\": {problem}", path.display())]
+    #[error("{}: animation {animation} \"{}\": {problem}", path.display(), Printable(name))]
     Animation {
         /// The file.
         path: PathBuf,
@@ -58,14 +68,78 @@ pub enum ReadError {
         animation: usize,
         /// The animation's name, or the one made up for it.
         name: String,
-        /// What is wrong with it.
+        /// The problem.
         problem: Box<AnimationProblem>,
     },
+}
+
+/// How a caller may let a file through that was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Remedy {
+    /// A larger [`ReadOptions::memory_limit`](super::ReadOptions).
+    MoreMemory,
+    /// [`ReadOptions::any_path`](super::ReadOptions).
+    AnyPath,
+}
+
+impl Remedy {
+    /// The end of a message: which option of `morph-collide` lets the file through.
+    pub fn hint(remedy: Option<Self>) -> &'static str {
+        match remedy {
+            None => "",
+            Some(Self::MoreMemory) => "; --memory-limit raises it",
+            Some(Self::AnyPath) => "; pass --allow-any-path to read it",
+        }
+    }
+}
+
+impl ReadError {
+    /// What would let the file through, where a limit or a rule of the reader keeps it out.
+    pub fn remedy(&self) -> Option<Remedy> {
+        match self {
+            Self::OverBudget { .. } => Some(Remedy::MoreMemory),
+            Self::NotRegular { .. } => Some(Remedy::AnyPath),
+            Self::Mesh { problem, .. } => match &**problem {
+                MeshProblem::OverBudget(_) | MeshProblem::Element(ElementError::OverBudget(_)) => {
+                    Some(Remedy::MoreMemory)
+                }
+                MeshProblem::Accessor { problem, .. } => problem.remedy(),
+                _ => None,
+            },
+            Self::Animation { problem, .. } => match &**problem {
+                AnimationProblem::OverBudget { .. } | AnimationProblem::Element(ElementError::OverBudget(_)) => {
+                    Some(Remedy::MoreMemory)
+                }
+                AnimationProblem::Accessor { problem, .. } => problem.remedy(),
+                _ => None,
+            },
+            Self::Io { .. } | Self::NotGltf { .. } | Self::Extension { .. } => None,
+        }
+    }
+}
+
+/// What to do about compressed geometry.
+fn advice(extension: &str) -> &'static str {
+    match extension {
+        "KHR_draco_mesh_compression" => {
+            "; undo the compression, for example with `npx @gltf-transform/cli cp IN.glb OUT.glb`"
+        }
+        "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
+            "; undo the compression, for example with `gltfpack -i IN.glb -o OUT.glb -noq -kn -ke` (version 0.21 or later)"
+        }
+        _ => "",
+    }
 }
 
 /// What is wrong with a mesh.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum MeshProblem {
+    /// The mesh's JSON is missing or malformed.
+    #[error("it {0}")]
+    Element(ElementError),
+    /// It would take more memory than the file may.
+    #[error(transparent)]
+    OverBudget(OverBudget),
     /// A primitive has no positions.
     #[error("primitive {primitive} has no POSITION attribute")]
     MissingPositions {
@@ -141,6 +215,37 @@ pub enum MeshProblem {
 /// What is wrong with a weight animation.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum AnimationProblem {
+    /// The animation's JSON is malformed.
+    #[error("it {0}")]
+    Element(ElementError),
+    /// A channel's JSON is malformed.
+    #[error("channel {channel} {problem}")]
+    Channel {
+        /// The channel's index in the animation.
+        channel: usize,
+        /// The problem.
+        problem: ElementError,
+    },
+    /// A channel would take more memory than the file may.
+    #[error("channel {channel}: {over}")]
+    OverBudget {
+        /// The channel's index in the animation.
+        channel: usize,
+        /// The part that is too large.
+        over: OverBudget,
+    },
+    /// A tangent of a cubic spline is not finite.
+    #[error("channel {channel}, key {key}, target {target}: the tangent {tangent} is not finite")]
+    Tangent {
+        /// The channel's index in the animation.
+        channel: usize,
+        /// The key's index.
+        key: usize,
+        /// The target's index.
+        target: usize,
+        /// The tangent.
+        tangent: f32,
+    },
     /// A channel names a sampler, a node or a mesh that does not exist.
     #[error("channel {channel} refers to a {what} that does not exist")]
     Dangling {
@@ -206,19 +311,34 @@ pub enum AnimationProblem {
 /// Why an accessor cannot be decoded.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum AccessorProblem {
-    /// There is no such accessor.
-    #[error("accessor {0} does not exist")]
-    Missing(usize),
-    /// It refers to a buffer view that does not exist.
-    #[error("accessor {accessor} refers to buffer view {view}, which does not exist")]
-    MissingView {
+    /// There is no such accessor, or it is malformed.
+    #[error("accessor {accessor} {problem}")]
+    Element {
+        /// The accessor's index.
+        accessor: usize,
+        /// The problem.
+        problem: ElementError,
+    },
+    /// It refers to a buffer view that does not exist or is malformed.
+    #[error("accessor {accessor} refers to buffer view {view}, which {problem}")]
+    View {
         /// The accessor's index.
         accessor: usize,
         /// The view's index.
         view: usize,
+        /// The problem with the view.
+        problem: ElementError,
+    },
+    /// Its buffer cannot be loaded.
+    #[error("accessor {accessor}: {problem}")]
+    Buffer {
+        /// The accessor's index.
+        accessor: usize,
+        /// Which buffer, and why.
+        problem: Box<BufferProblem>,
     },
     /// Its component type and shape are not what this place allows.
-    #[error("accessor {accessor} holds {found} where {expected} is needed")]
+    #[error("accessor {accessor} holds {} where {expected} is needed", Printable(found))]
     Type {
         /// The accessor's index.
         accessor: usize,
@@ -253,12 +373,81 @@ pub enum AccessorProblem {
         /// Its number of elements.
         count: usize,
     },
-    /// It stores nothing and claims to hold more zeros than any mesh needs.
-    #[error("accessor {accessor} claims {count} elements without storing them")]
-    Unstored {
-        /// The accessor's index.
-        accessor: usize,
-        /// Its number of elements.
-        count: u64,
+}
+
+impl AccessorProblem {
+    fn remedy(&self) -> Option<Remedy> {
+        match self {
+            Self::Element { problem, .. } | Self::View { problem, .. } => match problem {
+                ElementError::OverBudget(_) => Some(Remedy::MoreMemory),
+                ElementError::Missing | ElementError::Malformed(_) => None,
+            },
+            Self::Buffer { problem, .. } => match &problem.fault {
+                BufferFault::OverBudget(_) | BufferFault::Element(ElementError::OverBudget(_)) => {
+                    Some(Remedy::MoreMemory)
+                }
+                BufferFault::Outside(_) => Some(Remedy::AnyPath),
+                _ => None,
+            },
+            Self::Type { .. } | Self::OutOfBounds { .. } | Self::Stride { .. } | Self::SparseIndex { .. } => None,
+        }
+    }
+}
+
+/// A buffer that cannot be loaded.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("buffer {buffer}{}: {fault}", uri.as_deref().map(|uri| format!(" \"{}\"", Printable(uri))).unwrap_or_default())]
+pub struct BufferProblem {
+    /// The buffer's index in the file.
+    pub buffer: usize,
+    /// Its URI, abridged, if it has one.
+    pub uri: Option<String>,
+    /// Why it cannot be loaded.
+    pub fault: BufferFault,
+}
+
+/// Why a buffer cannot be loaded.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BufferFault {
+    /// Its JSON is missing or malformed.
+    #[error("it {0}")]
+    Element(#[from] ElementError),
+    /// It has no URI, and the file has no binary chunk for it.
+    #[error("it has no URI, and the file holds no binary data for it")]
+    NoChunk,
+    /// Only the file's own bytes are at hand.
+    #[error("it is in another file; here everything has to be in one file, as in a .glb")]
+    NoDirectory,
+    /// It leads where a file may not lead unless that is allowed.
+    #[error("refused, because {0}")]
+    Outside(&'static str),
+    /// Its URI has a scheme that nothing is read from.
+    #[error("nothing is read from URIs that begin with \"{}:\"; store the buffer beside the file", Printable(.0))]
+    Scheme(String),
+    /// Its URI is no path.
+    #[error("the URI is not a path")]
+    NoPath,
+    /// Its URI is not UTF-8.
+    #[error("the URI is not UTF-8 after percent-decoding")]
+    NotUtf8,
+    /// Its data URI is not in base64.
+    #[error("the data URI is not in base64")]
+    Encoding,
+    /// Its data URI cannot be decoded.
+    #[error("the data URI is not valid base64: {0}")]
+    Base64(String),
+    /// Its file cannot be read.
+    #[error("{0}")]
+    Io(String),
+    /// It has fewer bytes than it promises.
+    #[error("it has {found} bytes, but its byteLength is {promised}")]
+    Short {
+        /// How many it has.
+        found: usize,
+        /// How many it promises.
+        promised: u64,
     },
+    /// It would take more memory than the file may.
+    #[error(transparent)]
+    OverBudget(OverBudget),
 }

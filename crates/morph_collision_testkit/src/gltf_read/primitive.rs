@@ -1,161 +1,267 @@
 //! Joins the primitives of a mesh into one list of vertices and one of triangles.
+//!
+//! All accessors are opened first, then the memory of the whole mesh is counted, and only then is anything decoded.
 
 use std::collections::HashMap;
 
 use glam::Vec3;
-use gltf::{Semantic, json};
-use json::validation::Checked;
+use gltf::mesh::Mode;
 
-use super::{
-    accessor::Accessors,
-    error::{AccessorProblem, MeshProblem},
-    triangles,
-};
+use super::accessor::Opened;
+use super::document::{self, Mesh};
+use super::error::{AccessorProblem, MeshProblem};
+use super::{GltfFile, triangles};
 use crate::mesh::MorphMesh;
 
+/// What a mesh draws beside triangles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Drawn {
+    pub(super) triangles: bool,
+    pub(super) lines: bool,
+    pub(super) points: bool,
+}
+
 /// Reads positions, targets and triangles; the names are the caller's.
-pub(super) fn read(mesh: &json::Mesh, accessors: &Accessors<'_>) -> Result<MorphMesh, MeshProblem> {
-    let mut joined = MorphMesh::default();
-    let mut shared = HashMap::new();
-    for (index, primitive) in mesh.primitives.iter().enumerate() {
-        Primitive {
-            index,
-            json: primitive,
-            accessors,
-        }
-        .append_to(&mut joined, &mut shared)?;
+///
+/// Targets for which the file stores nothing are left empty.
+pub(super) fn read(file: &GltfFile, mesh: &Mesh) -> Result<(MorphMesh, Drawn), MeshProblem> {
+    let mut plan = Plan::default();
+    for (index, json) in mesh.primitives.iter().enumerate() {
+        plan.add(file, index, json)?;
     }
-    Ok(joined)
+    plan.count_memory(file)?;
+    Ok((plan.decode()?, plan.drawn))
 }
 
 /// The accessors a vertex comes from: positions, and displacements per target. Primitives with the same ones share vertices.
-type VertexSource = (usize, Vec<Option<usize>>);
+type SourceKey = (usize, Vec<Option<usize>>);
 
-struct Primitive<'a> {
-    index: usize,
-    json: &'a json::mesh::Primitive,
-    accessors: &'a Accessors<'a>,
+/// A mesh that is checked, but not decoded.
+#[derive(Default)]
+struct Plan<'a> {
+    targets: usize,
+    sources: Vec<Source<'a>>,
+    known: HashMap<SourceKey, usize>,
+    parts: Vec<Part<'a>>,
+    vertices: usize,
+    triangles: u64,
+    drawn: Drawn,
 }
 
-impl Primitive<'_> {
-    fn append_to(&self, mesh: &mut MorphMesh, shared: &mut HashMap<VertexSource, u32>) -> Result<(), MeshProblem> {
-        let primitive = self.index;
-        let source = self.vertex_source()?;
+struct Source<'a> {
+    /// The first primitive that has it, for messages.
+    primitive: usize,
+    first_vertex: u32,
+    positions: Opened<'a>,
+    /// Those that are stored, by target.
+    targets: Vec<(usize, Opened<'a>)>,
+}
+
+/// A primitive; one that draws no triangle has no source.
+struct Part<'a> {
+    primitive: usize,
+    source: Option<usize>,
+    mode: Mode,
+    indices: Option<Opened<'a>>,
+}
+
+impl<'a> Plan<'a> {
+    fn add(&mut self, file: &'a GltfFile, primitive: usize, json: &document::Primitive) -> Result<(), MeshProblem> {
+        let positions = json.attributes.positions;
+        let positions = positions.ok_or(MeshProblem::MissingPositions { primitive })?;
+        let targets: Vec<Option<usize>> = json.targets.iter().map(|target| target.positions).collect();
         if primitive == 0 {
-            mesh.targets = vec![Vec::new(); source.1.len()];
-        } else if source.1.len() != mesh.targets.len() {
-            let (found, expected) = (source.1.len(), mesh.targets.len());
+            self.targets = targets.len();
+        } else if targets.len() != self.targets {
             return Err(MeshProblem::TargetCount {
                 primitive,
-                found,
-                expected,
+                found: targets.len(),
+                expected: self.targets,
             });
         }
-
-        let vertices = self.accessors.count(source.0).map_err(self.at("POSITION"))?;
-        let drawn = self.triangles(vertices)?;
-        if !drawn.is_empty() {
-            let first_vertex = match shared.get(&source) {
-                Some(&first) => first,
-                None => {
-                    let first = self.append_vertices(mesh, &source, vertices)?;
-                    shared.insert(source, first);
-                    first
-                }
-            };
-            mesh.triangles
-                .extend(drawn.iter().map(|triangle| triangle.map(|v| first_vertex + v)));
+        let mode = mode(json.mode).ok_or(MeshProblem::UnknownMode { primitive })?;
+        match mode {
+            Mode::Points => self.drawn.points = true,
+            Mode::Lines | Mode::LineLoop | Mode::LineStrip => self.drawn.lines = true,
+            Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan => self.drawn.triangles = true,
         }
+        let mut part = Part {
+            primitive,
+            source: None,
+            mode,
+            indices: None,
+        };
+        if triangles::is_drawn_of_triangles(mode) {
+            let opened = file.open_vec3(positions).map_err(at(primitive, "POSITION"))?;
+            let indices = json.indices.map(|accessor| file.open_indices(accessor));
+            part.indices = indices.transpose().map_err(at(primitive, "indices"))?;
+            let corners = part.indices.as_ref().map_or(opened.count(), Opened::count);
+            let triangles =
+                triangles::count(mode, corners).ok_or(MeshProblem::IncompleteTriangle { primitive, corners })?;
+            // An accessor that stores nothing may claim any count.
+            self.triangles = self.triangles.saturating_add(triangles as u64);
+            if u32::try_from(self.triangles).is_err() {
+                return Err(MeshProblem::TooLarge { primitive });
+            }
+            if triangles > 0 {
+                part.source = Some(self.source(file, primitive, opened, (positions, targets))?);
+            }
+        }
+        self.parts.push(part);
+        Ok(())
+    }
+
+    fn source(
+        &mut self,
+        file: &'a GltfFile,
+        primitive: usize,
+        positions: Opened<'a>,
+        key: SourceKey,
+    ) -> Result<usize, MeshProblem> {
+        if let Some(&known) = self.known.get(&key) {
+            return Ok(known);
+        }
+        let vertices = positions.count();
+        let mut targets = Vec::new();
+        // A target may move normals alone.
+        let moving = key.1.iter().enumerate();
+        for (target, accessor) in moving.filter_map(|(target, accessor)| Some((target, (*accessor)?))) {
+            let opened = file.open_vec3(accessor);
+            let opened = opened.map_err(at(primitive, &format!("target {target} POSITION")))?;
+            if opened.count() != vertices {
+                return Err(MeshProblem::TargetLength {
+                    primitive,
+                    target,
+                    found: opened.count(),
+                    expected: vertices,
+                });
+            }
+            if !opened.is_unstored() {
+                targets.push((target, opened));
+            }
+        }
+        let too_large = MeshProblem::TooLarge { primitive };
+        let end = self
+            .vertices
+            .checked_add(vertices)
+            .filter(|&end| u32::try_from(end).is_ok());
+        let Some(end) = end else { return Err(too_large) };
+        self.sources.push(Source {
+            primitive,
+            first_vertex: self.vertices as u32,
+            positions,
+            targets,
+        });
+        self.vertices = end;
+        self.known.insert(key, self.sources.len() - 1);
+        Ok(self.sources.len() - 1)
+    }
+
+    /// The targets of which anything is stored.
+    fn moving_targets(&self) -> Vec<bool> {
+        let mut moving = vec![false; self.targets];
+        for (target, _) in self.sources.iter().flat_map(|source| &source.targets) {
+            moving[*target] = true;
+        }
+        moving
+    }
+
+    fn count_memory(&self, file: &GltfFile) -> Result<(), MeshProblem> {
+        let moving = self.moving_targets().into_iter().filter(|moving| *moving).count();
+        let (vertices, triangles) = (self.vertices as u64, self.triangles);
+        // Positions and displacements, and what vertices without indices are numbered with.
+        let per_vertex = (moving as u64 + 1) * size_of::<Vec3>() as u64 + 4;
+        // Triangles twice and their corners, while a primitive is decoded.
+        let bytes = vertices.saturating_mul(per_vertex).saturating_add(triangles * 36);
+        let what = || format!("its {vertices} vertices with {moving} stored targets and its {triangles} triangles");
+        file.budget.take(bytes, 1, what).map_err(MeshProblem::OverBudget)
+    }
+
+    fn decode(&self) -> Result<MorphMesh, MeshProblem> {
+        let mut mesh = MorphMesh {
+            positions: Vec::with_capacity(self.vertices),
+            targets: vec![Vec::new(); self.targets],
+            triangles: Vec::with_capacity(self.triangles as usize),
+            ..MorphMesh::default()
+        };
+        for (target, moving) in self.moving_targets().into_iter().enumerate() {
+            if moving {
+                mesh.targets[target].reserve_exact(self.vertices);
+            }
+        }
+        for source in &self.sources {
+            let primitive = source.primitive;
+            source
+                .positions
+                .append_vec3(&mut mesh.positions)
+                .map_err(at(primitive, "POSITION"))?;
+            for (target, opened) in &source.targets {
+                let displacements = &mut mesh.targets[*target];
+                displacements.resize(source.first_vertex as usize, Vec3::ZERO);
+                let attribute = format!("target {target} POSITION");
+                opened.append_vec3(displacements).map_err(at(primitive, &attribute))?;
+            }
+        }
+        for displacements in mesh.targets.iter_mut().filter(|target| !target.is_empty()) {
+            displacements.resize(self.vertices, Vec3::ZERO);
+        }
+        for part in &self.parts {
+            self.decode_triangles(part, &mut mesh)?;
+        }
+        Ok(mesh)
+    }
+
+    fn decode_triangles(&self, part: &Part<'_>, mesh: &mut MorphMesh) -> Result<(), MeshProblem> {
+        let primitive = part.primitive;
         let start = mesh.primitives.last().map_or(0, |range| range.end);
+        if let Some(source) = part.source {
+            let source = &self.sources[source];
+            let vertices = source.positions.count();
+            let corners = match &part.indices {
+                Some(indices) => indices.indices().map_err(at(primitive, "indices"))?,
+                None => (0..vertices as u32).collect(),
+            };
+            if let Some(position) = corners.iter().position(|&v| v as usize >= vertices) {
+                return Err(MeshProblem::VertexOutOfRange {
+                    primitive,
+                    position,
+                    vertex: corners[position],
+                    vertices,
+                });
+            }
+            let drawn = triangles::from_corners(part.mode, &corners);
+            let drawn = drawn.ok_or(MeshProblem::IncompleteTriangle {
+                primitive,
+                corners: corners.len(),
+            })?;
+            let shifted = drawn.iter().map(|triangle| triangle.map(|v| source.first_vertex + v));
+            mesh.triangles.extend(shifted);
+        }
         let end = u32::try_from(mesh.triangles.len()).map_err(|_| MeshProblem::TooLarge { primitive })?;
         mesh.primitives.push(start..end);
         Ok(())
     }
+}
 
-    fn vertex_source(&self) -> Result<VertexSource, MeshProblem> {
-        let positions = self
-            .json
-            .attributes
-            .get(&Checked::Valid(Semantic::Positions))
-            .ok_or(MeshProblem::MissingPositions { primitive: self.index })?;
-        let targets = self.json.targets.iter().flatten();
-        Ok((
-            positions.value(),
-            targets.map(|target| target.positions.map(|p| p.value())).collect(),
-        ))
+fn at(primitive: usize, attribute: &str) -> impl Fn(AccessorProblem) -> MeshProblem + use<> {
+    let attribute = attribute.to_owned();
+    move |problem| MeshProblem::Accessor {
+        primitive,
+        attribute: attribute.clone(),
+        problem,
     }
+}
 
-    fn triangles(&self, vertices: usize) -> Result<Vec<[u32; 3]>, MeshProblem> {
-        let primitive = self.index;
-        let Checked::Valid(mode) = self.json.mode else {
-            return Err(MeshProblem::UnknownMode { primitive });
-        };
-        let corners = match self.json.indices {
-            Some(accessor) => self.accessors.indices(accessor.value()).map_err(self.at("indices"))?,
-            None => {
-                // Decoding first, because a count by itself is only a claim.
-                let position = self.vertex_source()?.0;
-                let stored = self.accessors.vec3(position).map_err(self.at("POSITION"))?.len();
-                (0..u32::try_from(stored).map_err(|_| MeshProblem::TooLarge { primitive })?).collect()
-            }
-        };
-        if let Some(position) = corners.iter().position(|&v| v as usize >= vertices) {
-            let vertex = corners[position];
-            return Err(MeshProblem::VertexOutOfRange {
-                primitive,
-                position,
-                vertex,
-                vertices,
-            });
-        }
-        triangles::from_corners(mode, &corners).ok_or(MeshProblem::IncompleteTriangle {
-            primitive,
-            corners: corners.len(),
-        })
-    }
-
-    /// Appends the vertices and returns the index of the first.
-    fn append_vertices(
-        &self,
-        mesh: &mut MorphMesh,
-        (positions, targets): &VertexSource,
-        vertices: usize,
-    ) -> Result<u32, MeshProblem> {
-        let primitive = self.index;
-        let too_large = |_| MeshProblem::TooLarge { primitive };
-        let first = u32::try_from(mesh.positions.len()).map_err(too_large)?;
-        u32::try_from(mesh.positions.len() + vertices).map_err(too_large)?;
-
-        let decoded = self.accessors.vec3(*positions).map_err(self.at("POSITION"))?;
-        mesh.positions.extend(decoded.into_iter().map(Vec3::from_array));
-        for (target, (accessor, displacements)) in targets.iter().zip(&mut mesh.targets).enumerate() {
-            let Some(accessor) = *accessor else {
-                // A target may move normals alone.
-                displacements.resize(displacements.len() + vertices, Vec3::ZERO);
-                continue;
-            };
-            let attribute = format!("target {target} POSITION");
-            let found = self.accessors.count(accessor).map_err(self.at(&attribute))?;
-            if found != vertices {
-                return Err(MeshProblem::TargetLength {
-                    primitive,
-                    target,
-                    found,
-                    expected: vertices,
-                });
-            }
-            let decoded = self.accessors.vec3(accessor).map_err(self.at(&attribute))?;
-            displacements.extend(decoded.into_iter().map(Vec3::from_array));
-        }
-        Ok(first)
-    }
-
-    fn at(&self, attribute: &str) -> impl Fn(AccessorProblem) -> MeshProblem + use<> {
-        let (primitive, attribute) = (self.index, attribute.to_owned());
-        move |problem| MeshProblem::Accessor {
-            primitive,
-            attribute: attribute.clone(),
-            problem,
-        }
-    }
+fn mode(mode: u32) -> Option<Mode> {
+    use gltf::json::mesh::{LINE_LOOP, LINE_STRIP, LINES, POINTS, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES};
+    Some(match mode {
+        POINTS => Mode::Points,
+        LINES => Mode::Lines,
+        LINE_LOOP => Mode::LineLoop,
+        LINE_STRIP => Mode::LineStrip,
+        TRIANGLES => Mode::Triangles,
+        TRIANGLE_STRIP => Mode::TriangleStrip,
+        TRIANGLE_FAN => Mode::TriangleFan,
+        _ => return None,
+    })
 }

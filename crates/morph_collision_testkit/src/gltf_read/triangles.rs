@@ -2,6 +2,20 @@
 
 use gltf::mesh::Mode;
 
+/// Whether a primitive of this mode is made of triangles.
+pub(super) fn is_drawn_of_triangles(mode: Mode) -> bool {
+    matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
+}
+
+/// The number of triangles that `corners` corners make; `None` where a list of separate triangles ends in the middle of one.
+pub(super) fn count(mode: Mode, corners: usize) -> Option<usize> {
+    match mode {
+        Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => Some(0),
+        Mode::Triangles => corners.is_multiple_of(3).then_some(corners / 3),
+        Mode::TriangleStrip | Mode::TriangleFan => Some(corners.saturating_sub(2)),
+    }
+}
+
 /// The triangles of `corners` (vertex indices); `None` where a list of separate triangles ends in the middle of one.
 ///
 /// Degenerate triangles, such as those that stitch strips together, are kept: a triangle's number is the drawn one.
@@ -56,5 +70,25 @@ mod tests {
             }
         }
         assert_eq!(from_corners(Mode::Triangles, &[0, 1, 2, 3]), None);
+    }
+
+    #[test]
+    fn the_count_is_that_of_the_triangles() {
+        for mode in [
+            Mode::Points,
+            Mode::Lines,
+            Mode::Triangles,
+            Mode::TriangleStrip,
+            Mode::TriangleFan,
+        ] {
+            for corners in 0..8 {
+                let triangles = from_corners(mode, &vec![0; corners]);
+                assert_eq!(
+                    count(mode, corners),
+                    triangles.map(|triangles| triangles.len()),
+                    "{mode:?}"
+                );
+            }
+        }
     }
 }

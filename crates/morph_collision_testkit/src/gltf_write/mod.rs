@@ -179,11 +179,16 @@ fn check(mesh: &MorphMesh) -> Result<(), WriteError> {
     };
     let vertices = mesh.positions.len();
     for (index, target) in mesh.targets.iter().enumerate() {
-        length("target", index, target.len(), vertices)?;
+        if !target.is_empty() {
+            length("target", index, target.len(), vertices)?;
+        }
     }
     for (index, clip) in mesh.animations.iter().enumerate() {
         length("clip", index, clip.weights.len(), clip.times.len())?;
-        for weights in &clip.weights {
+        if !clip.tangents.is_empty() {
+            length("the tangents of clip", index, clip.tangents.len(), clip.times.len())?;
+        }
+        for weights in clip.weights.iter().chain(clip.tangents.iter().flatten()) {
             length("a key of clip", index, weights.len(), mesh.targets.len())?;
         }
     }
@@ -237,7 +242,8 @@ fn vertices(mesh: &MorphMesh, root: &mut Root, packer: &mut Packer) -> (Attribut
         let bent = shading::smooth_normals(&mesh.reference(index), &mesh.triangles);
         let change: Vec<_> = bent.iter().zip(&normals).map(|(&bent, &base)| bent - base).collect();
         MorphTarget {
-            positions: Some(packer.vertices(root, Type::Vec3, &flat(displacements), true)),
+            positions: (!displacements.is_empty())
+                .then(|| packer.vertices(root, Type::Vec3, &flat(displacements), true)),
             normals: Some(packer.vertices(root, Type::Vec3, &flat(&change), false)),
             tangents: None,
         }
@@ -266,7 +272,7 @@ fn target_names(mesh: &MorphMesh) -> json::Extras {
     (!mesh.target_names.is_empty()).then_some(raw)
 }
 
-/// One linear channel on the node's weights. Clips without keys are left out, because glTF has none.
+/// One linear or cubic channel on the node's weights. Clips without keys are left out, because glTF has none.
 fn animation(clip: &WeightAnimation, node: Index<json::Node>, root: &mut Root, packer: &mut Packer) {
     if clip.times.is_empty() || clip.weights.iter().all(Vec::is_empty) {
         return;
@@ -277,7 +283,15 @@ fn animation(clip: &WeightAnimation, node: Index<json::Node>, root: &mut Root, p
         times[key] = times[key].max(times[key - 1].next_up());
     }
     let input = packer.keys(root, &times, true);
-    let output = packer.keys(root, &clip.weights.concat(), false);
+    let (interpolation, weights) = if clip.tangents.is_empty() {
+        (Interpolation::Linear, clip.weights.concat())
+    } else {
+        // A key is its in-tangent, its value and its out-tangent.
+        let keys = clip.weights.iter().zip(&clip.tangents);
+        let keys = keys.map(|(weights, [arriving, leaving])| [&arriving[..], weights, leaving].concat());
+        (Interpolation::CubicSpline, keys.collect::<Vec<_>>().concat())
+    };
+    let output = packer.keys(root, &weights, false);
     root.push(json::Animation {
         extensions: None,
         extras: None,
@@ -297,7 +311,7 @@ fn animation(clip: &WeightAnimation, node: Index<json::Node>, root: &mut Root, p
             extensions: None,
             extras: None,
             input,
-            interpolation: Checked::Valid(Interpolation::Linear),
+            interpolation: Checked::Valid(interpolation),
             output,
         }],
     });

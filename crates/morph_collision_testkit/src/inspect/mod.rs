@@ -2,10 +2,14 @@
 //!
 //! ```
 //! use std::path::Path;
+//! use morph_collision_testkit::gltf_read::{GltfFile, ReadOptions};
+//! use morph_collision_testkit::gltf_write::{Appearance, to_glb};
 //! use morph_collision_testkit::inspect::FileReport;
 //! use morph_collision_testkit::models::dolphin;
 //!
-//! let report = FileReport::new(Path::new("dolphin.glb"), &[dolphin(0)]);
+//! let glb = to_glb(&dolphin(0), &Appearance::default()).unwrap();
+//! let file = GltfFile::parse(&glb, Path::new("dolphin.glb"), &ReadOptions::default()).unwrap();
+//! let report = FileReport::read(&file);
 //! assert_eq!(report.meshes[0].triangles, 564);
 //! assert_eq!(report.why_unusable(), None);
 //! println!("{report}");

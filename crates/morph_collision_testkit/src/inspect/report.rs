@@ -1,13 +1,20 @@
 //! What `inspect` measures, in the shape of its JSON.
 
-use std::path::Path;
 use std::sync::Arc;
 
-use morph_collision::{BuildError, BuildOptions, ModelError, MorphBvh, MorphModel};
+use morph_collision::{BuildError, BuildOptions, ModelError, MorphBvh, MorphModel, VolumeKind};
 use serde::Serialize;
 use thiserror::Error;
 
+use crate::gltf_read::{FoundMesh, GltfFile, ReadError, Remedy};
+use crate::memory::OverBudget;
 use crate::mesh::{MorphMesh, WeightAnimation};
+use crate::numbers::number;
+use crate::printable::Printable;
+
+/// What is said of a mesh with a skin.
+const SKINNED: &str =
+    "it is skinned; collisions ignore bones, so it collides in its bind pose, moved by its targets only";
 
 /// Why a mesh cannot collide.
 #[derive(Debug, Error)]
@@ -18,6 +25,20 @@ pub enum MeshError {
     /// No tree can be built of it.
     #[error(transparent)]
     Build(#[from] BuildError),
+    /// Its tree would take more memory than its file may.
+    #[error(transparent)]
+    OverBudget(#[from] OverBudget),
+    /// It is not made of triangles.
+    #[error("it is made of {0}, and only triangles collide")]
+    NotTriangles(&'static str),
+}
+
+impl MeshError {
+    /// What would let the mesh through, where a limit keeps it out.
+    #[must_use]
+    pub fn remedy(&self) -> Option<Remedy> {
+        matches!(self, Self::OverBudget(_)).then_some(Remedy::MoreMemory)
+    }
 }
 
 /// A file and its meshes, in file order.
@@ -25,6 +46,9 @@ pub enum MeshError {
 pub struct FileReport {
     /// The name it was given.
     pub file: String,
+    /// What is broken and belongs to no mesh.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// All of them, usable or not.
     pub meshes: Vec<MeshReport>,
 }
@@ -44,8 +68,13 @@ pub struct MeshReport {
     pub primitives: usize,
     /// No target moves anything because there is none.
     pub rigid: bool,
+    /// Bones move its vertices, which collisions ignore.
+    pub skinned: bool,
     /// Clips that move its weights.
     pub animations: Vec<AnimationReport>,
+    /// What a user should know: that it is skinned, and clips that cannot be played.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub warnings: Vec<String>,
     /// What it has if it can collide.
     #[serde(flatten)]
     pub usable: Option<UsableReport>,
@@ -87,7 +116,7 @@ pub struct TreeReport {
     pub bytes: usize,
 }
 
-/// A clip's weights; between keys weights are linear, so that the keys hold the extremes.
+/// A clip's weights, overshoots between the keys of a cubic clip included.
 #[derive(Debug, Serialize)]
 pub struct AnimationReport {
     /// Its name, or one made up.
@@ -98,7 +127,7 @@ pub struct AnimationReport {
     pub seconds: f32,
     /// One range per target.
     pub weights: Vec<WeightRange>,
-    /// Of the sum of all weights at a key.
+    /// Sum of all weights, at the keys and between them.
     pub weight_sum: WeightRange,
 }
 
@@ -106,23 +135,24 @@ pub struct AnimationReport {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WeightRange {
     /// The smallest.
-    pub min: f32,
+    #[serde(serialize_with = "number")]
+    pub min: f64,
     /// The largest.
-    pub max: f32,
+    #[serde(serialize_with = "number")]
+    pub max: f64,
 }
 
 impl FileReport {
-    /// Builds a tree of every mesh that one can be built of; `file` is only named.
+    /// Reads every mesh of a file and builds a tree of every one that one can be built of.
+    ///
+    /// One mesh is kept in memory at a time.
     #[must_use]
-    pub fn new(file: &Path, meshes: &[MorphMesh]) -> Self {
-        let meshes = meshes
-            .iter()
-            .enumerate()
-            .map(|(index, mesh)| MeshReport::new(index, mesh))
-            .collect();
+    pub fn read(file: &GltfFile) -> Self {
+        let report = |index| file.budget().lend(|| MeshReport::read(file, index));
         Self {
-            file: file.display().to_string(),
-            meshes,
+            file: file.path().display().to_string(),
+            warnings: file.stray_animations().iter().map(ToString::to_string).collect(),
+            meshes: (0..file.mesh_count()).map(report).collect(),
         }
     }
 
@@ -136,15 +166,34 @@ impl FileReport {
             return Some("the file has no mesh".into());
         };
         let error = first.error.as_deref().unwrap_or_default();
-        Some(format!("mesh {} \"{}\": {error}", first.index, first.name))
+        Some(format!("mesh {} \"{}\": {error}", first.index, Printable(&first.name)))
     }
 }
 
 impl MeshReport {
-    fn new(index: usize, mesh: &MorphMesh) -> Self {
-        let (usable, error) = match UsableReport::new(mesh) {
+    fn read(file: &GltfFile, index: usize) -> Self {
+        let found = match file.mesh(index) {
+            Ok(found) => found,
+            Err(error) => return Self::broken(file, index, &error),
+        };
+        let clips = file.clips(index, found.mesh.targets.len());
+        let usable = || {
+            let mesh = found.check_triangles()?;
+            let bytes = mesh.tree_bytes(VolumeKind::Aabb);
+            file.budget().take(bytes, 1, || "its tree".into())?;
+            UsableReport::new(mesh)
+        };
+        let mut report = Self::of(index, &found.mesh, &clips.clips, usable());
+        report.skinned = found.skinned;
+        report.warnings.extend(found.skinned.then(|| SKINNED.to_owned()));
+        report.warnings.extend(clips.broken.iter().map(left_out));
+        report
+    }
+
+    fn of(index: usize, mesh: &MorphMesh, clips: &[WeightAnimation], usable: Result<UsableReport, MeshError>) -> Self {
+        let (usable, error) = match usable {
             Ok(usable) => (Some(usable), None),
-            Err(error) => (None, Some(error.to_string())),
+            Err(error) => (None, Some(format!("{error}{}", Remedy::hint(error.remedy())))),
         };
         Self {
             index,
@@ -153,14 +202,52 @@ impl MeshReport {
             triangles: mesh.triangles.len(),
             primitives: mesh.primitives.len(),
             rigid: mesh.targets.is_empty(),
-            animations: mesh
-                .animations
+            skinned: false,
+            animations: clips
                 .iter()
                 .map(|clip| AnimationReport::new(clip, mesh.targets.len()))
                 .collect(),
+            warnings: Vec::new(),
             usable,
             error,
         }
+    }
+
+    /// Of a mesh that cannot be read.
+    fn broken(file: &GltfFile, index: usize, error: &ReadError) -> Self {
+        Self {
+            index,
+            name: file.mesh_name(index),
+            vertices_stored: 0,
+            triangles: 0,
+            primitives: 0,
+            rigid: false,
+            skinned: false,
+            animations: Vec::new(),
+            warnings: Vec::new(),
+            usable: None,
+            error: Some(match error {
+                ReadError::Mesh { problem, .. } => format!("{problem}{}", Remedy::hint(error.remedy())),
+                other => other.to_string(),
+            }),
+        }
+    }
+}
+
+/// Without the file's name, which stands above.
+fn left_out(error: &ReadError) -> String {
+    match error {
+        ReadError::Animation {
+            animation,
+            name,
+            problem,
+            ..
+        } => format!(
+            "animation {animation} \"{}\" is left out: {problem}{}",
+            Printable(name),
+            Remedy::hint(error.remedy())
+        ),
+        other => other.to_string(),
     }
 }
 
@@ -182,6 +269,19 @@ impl UsableReport {
     }
 }
 
+impl FoundMesh {
+    /// The mesh, if it has anything that can collide.
+    ///
+    /// # Errors
+    /// [`MeshError::NotTriangles`] for a mesh of points or lines.
+    pub fn check_triangles(&self) -> Result<&MorphMesh, MeshError> {
+        match self.not_triangles {
+            Some(what) => Err(MeshError::NotTriangles(what)),
+            None => Ok(&self.mesh),
+        }
+    }
+}
+
 impl TargetReport {
     fn new(mesh: &MorphMesh, model: &MorphModel, target: usize) -> Self {
         let vertices_moved = model.displaced_vertex_count(target);
@@ -195,30 +295,21 @@ impl TargetReport {
 
 impl AnimationReport {
     fn new(clip: &WeightAnimation, targets: usize) -> Self {
-        let of_target = |target: usize| clip.weights.iter().filter_map(move |key| key.get(target).copied());
         Self {
             name: clip.name.clone(),
             keys: clip.times.len(),
             seconds: clip.duration(),
-            weights: (0..targets).map(|target| WeightRange::of(of_target(target))).collect(),
-            weight_sum: WeightRange::of(clip.weights.iter().map(|key| key.iter().sum())),
+            weights: (0..targets).map(|target| WeightRange::of(clip.range(target))).collect(),
+            weight_sum: WeightRange::of(clip.range_of_sum()),
         }
     }
 }
 
 impl WeightRange {
     /// Zero to zero if there is no weight: a clip without keys leaves weights at rest.
-    fn of(weights: impl Iterator<Item = f32>) -> Self {
-        weights
-            .map(|weight| Self {
-                min: weight,
-                max: weight,
-            })
-            .reduce(|range, weight| Self {
-                min: range.min.min(weight.min),
-                max: range.max.max(weight.max),
-            })
-            .unwrap_or(Self { min: 0.0, max: 0.0 })
+    fn of(range: Option<(f64, f64)>) -> Self {
+        let (min, max) = range.unwrap_or_default();
+        Self { min, max }
     }
 }
 
@@ -232,6 +323,7 @@ mod tests {
             name: "clip".into(),
             times: vec![0.0, 0.5, 2.0],
             weights: vec![vec![0.25, 1.0], vec![-0.5, 0.5], vec![0.0, 4.0]],
+            tangents: Vec::new(),
         };
         let report = AnimationReport::new(&clip, 2);
         assert_eq!((report.keys, report.seconds), (3, 2.0));

@@ -2,18 +2,23 @@
 
 use std::fmt::{self, Display, Formatter, Write};
 
+use crate::printable::Printable;
+
 use super::report::{AnimationReport, FileReport, MeshReport, UsableReport};
 
 /// One block per mesh: its counts, its tree, a table of targets and one of weights per animation.
 impl Display for FileReport {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{}", self.file)?;
+        writeln!(f, "{}", Printable(&self.file))?;
+        for warning in &self.warnings {
+            writeln!(f, "warning: {warning}")?;
+        }
         self.meshes.iter().try_for_each(|mesh| render_mesh(f, mesh))
     }
 }
 
 fn render_mesh(text: &mut impl Write, mesh: &MeshReport) -> fmt::Result {
-    writeln!(text, "\nmesh {} \"{}\"", mesh.index, mesh.name)?;
+    writeln!(text, "\nmesh {} \"{}\"", mesh.index, Printable(&mesh.name))?;
     write!(text, "  vertices    {} stored", mesh.vertices_stored)?;
     if let Some(usable) = &mesh.usable {
         write!(text, ", {} welded", usable.vertices_welded)?;
@@ -26,6 +31,9 @@ fn render_mesh(text: &mut impl Write, mesh: &MeshReport) -> fmt::Result {
     writeln!(text)?;
     if let Some(error) = &mesh.error {
         writeln!(text, "  error       {error}")?;
+    }
+    for warning in &mesh.warnings {
+        writeln!(text, "  warning     {warning}")?;
     }
     if let Some(usable) = &mesh.usable {
         let tree = &usable.tree;
@@ -49,10 +57,11 @@ fn render_mesh(text: &mut impl Write, mesh: &MeshReport) -> fmt::Result {
 /// One row per target, and beside it the range of its weight in every animation.
 fn render_targets(text: &mut impl Write, mesh: &MeshReport, usable: &UsableReport) -> fmt::Result {
     writeln!(text, "  targets     {}", usable.targets.len())?;
+    let shown = |name: &str| Printable(name).to_string();
     let width = usable
         .targets
         .iter()
-        .map(|target| target.name.chars().count())
+        .map(|target| shown(&target.name).chars().count())
         .max()
         .unwrap_or(0)
         .max(4);
@@ -63,7 +72,7 @@ fn render_targets(text: &mut impl Write, mesh: &MeshReport, usable: &UsableRepor
     writeln!(text)?;
     for (index, target) in usable.targets.iter().enumerate() {
         let share = target.share_left_alone * 100.0;
-        write!(text, "    {index:>4}  {:width$}  {share:>8.1} %", target.name)?;
+        write!(text, "    {index:>4}  {:width$}  {share:>8.1} %", shown(&target.name))?;
         for animation in &mesh.animations {
             let range = animation
                 .weights
@@ -87,6 +96,7 @@ fn render_animation(text: &mut impl Write, index: usize, animation: &AnimationRe
         weight_sum,
         ..
     } = animation;
+    let name = Printable(name);
     writeln!(
         text,
         "  animation {index} \"{name}\": {keys} keys, {seconds:.3} s, sum of weights {:.3} .. {:.3}",

@@ -20,6 +20,7 @@ mod vertex;
 
 pub use dyadic::Dyadic;
 pub use pairs::intersecting_pairs;
+pub(crate) use pairs::visit_intersecting_pairs;
 pub use scene::{BodyPairs, BodyPose, scene_pairs};
 pub use triangles::triangles_intersect;
 pub use vertex::{posed_vertices, world_vertices};

@@ -1,5 +1,7 @@
 //! Every intersecting pair of triangles of two bodies.
 
+use std::ops::ControlFlow;
+
 use glam::DVec3;
 
 use super::certain::certainly;
@@ -20,6 +22,23 @@ pub fn intersecting_pairs(
     b: &[DVec3],
     b_triangles: &[[u32; 3]],
 ) -> Vec<(u32, u32)> {
+    let mut pairs = Vec::new();
+    visit_intersecting_pairs(a, a_triangles, b, b_triangles, |of_a, of_b| {
+        pairs.push((of_a, of_b));
+        ControlFlow::Continue(())
+    });
+    pairs.sort_unstable();
+    pairs
+}
+
+/// As [`intersecting_pairs`], in any order, until `found` breaks.
+pub(crate) fn visit_intersecting_pairs(
+    a: &[DVec3],
+    a_triangles: &[[u32; 3]],
+    b: &[DVec3],
+    b_triangles: &[[u32; 3]],
+    mut found: impl FnMut(u32, u32) -> ControlFlow<()>,
+) {
     let boxed_a = boxed_triangles(a, a_triangles);
     let mut boxed_b = boxed_triangles(b, b_triangles);
     boxed_b.sort_by(|p, q| p.min.x.total_cmp(&q.min.x));
@@ -34,19 +53,19 @@ pub fn intersecting_pairs(
         })
         .collect();
 
-    let mut pairs = Vec::new();
     for triangle_a in &boxed_a {
         // Before the first of b that reaches this one's start none can, and none from the first that starts beyond its end.
         let first = reaches.partition_point(|reach| *reach < triangle_a.min.x);
         let end = boxed_b.partition_point(|triangle_b| triangle_b.min.x <= triangle_a.max.x);
         for triangle_b in boxed_b.get(first..end).unwrap_or_default() {
-            if triangle_a.box_overlaps(triangle_b) && triangle_a.meets(triangle_b) {
-                pairs.push((triangle_a.index, triangle_b.index));
+            if triangle_a.box_overlaps(triangle_b)
+                && triangle_a.meets(triangle_b)
+                && found(triangle_a.index, triangle_b.index).is_break()
+            {
+                return;
             }
         }
     }
-    pairs.sort_unstable();
-    pairs
 }
 
 /// A triangle's index and vertices with the box around them.

@@ -4,16 +4,17 @@ use glam::{Affine3A, DVec3, Vec3};
 
 /// Blends every vertex in model space: `b + w_0 d_0 + w_1 d_1 + ...`.
 ///
-/// `targets` hold one displacement per vertex, in model units. The sum runs in `f32` over the targets in ascending order;
+/// `targets` hold one displacement per vertex, in model units, or none where a target moves nothing. The sum runs in `f32` over the targets in ascending order;
 /// a weight of exactly zero leaves its target out, and every step multiplies, rounds, adds and rounds: never fused.
 ///
 /// # Panics
 ///
-/// If there are not as many weights as targets or a target is not as long as `base`.
+/// If there are not as many weights as targets or a target is neither empty nor as long as `base`.
 pub fn posed_vertices(base: &[Vec3], targets: &[Vec<Vec3>], weights: &[f32]) -> Vec<Vec3> {
     assert_eq!(weights.len(), targets.len(), "one weight per target");
     for (index, target) in targets.iter().enumerate() {
-        assert_eq!(target.len(), base.len(), "displacements of target {index}");
+        let fits = target.is_empty() || target.len() == base.len();
+        assert!(fits, "displacements of target {index}");
     }
     let mut posed = base.to_vec();
     for (target, &weight) in targets.iter().zip(weights) {

@@ -35,7 +35,8 @@ impl WeldedMesh {
         }
         let sources: Vec<usize> = sources.into_iter().flatten().collect();
         let base: Vec<Vec3> = sources.iter().map(|&source| mesh.positions[source]).collect();
-        let target = |displacements: &Vec<Vec3>| Target::new(sources.iter().map(|&source| displacements[source]));
+        let displacement = |of: &[Vec3], source: usize| of.get(source).copied().unwrap_or_default();
+        let target = |of: &Vec<Vec3>| Target::new(sources.iter().map(|&source| displacement(of, source)));
         Ok(Self {
             triangles: (0..model.triangle_count()).map(|t| model.triangle(t)).collect(),
             targets: mesh.targets.iter().map(target).collect(),

@@ -7,7 +7,7 @@ use morph_collision::{Aabb, QueryStats, TrianglePair};
 
 use super::blended::{BlendedBody, WeldedMesh};
 use super::{Method, PoseError, Wanted};
-use crate::oracle::intersecting_pairs;
+use crate::oracle::visit_intersecting_pairs;
 
 /// Bodies with all their vertices in world space.
 #[derive(Debug)]
@@ -67,16 +67,9 @@ impl Method for BruteForce {
         let (a, b) = (&self.bodies[a], &self.bodies[b]);
         let (of_a, of_b) = (&a.body.mesh.triangles, &b.body.mesh.triangles);
         self.work.triangle_tests += of_a.len() as u64 * of_b.len() as u64;
-        let found = intersecting_pairs(&a.world, of_a, &b.world, of_b).into_iter();
-        let limit = match wanted {
-            Wanted::All => usize::MAX,
-            Wanted::First => 1,
-        };
-        pairs.extend(
-            found
-                .take(limit)
-                .map(|(triangle_a, triangle_b)| TrianglePair { triangle_a, triangle_b }),
-        );
+        let start = pairs.len();
+        let push = |triangle_a, triangle_b| wanted.push(pairs, start, TrianglePair { triangle_a, triangle_b });
+        visit_intersecting_pairs(&a.world, of_a, &b.world, of_b, push);
     }
 
     fn work(&self) -> QueryStats {

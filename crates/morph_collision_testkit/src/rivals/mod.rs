@@ -58,6 +58,7 @@ mod tree;
 mod walk;
 
 use std::fmt::Debug;
+use std::ops::ControlFlow;
 
 use glam::Affine3A;
 use morph_collision::{Aabb, BuildError, ModelError, QueryStats, TransformError, TrianglePair, WeightsError};
@@ -75,6 +76,32 @@ pub enum Wanted {
     All,
     /// Any one.
     First,
+    /// At most this many; there may be more. The search ends with the last one.
+    UpTo(usize),
+}
+
+impl Wanted {
+    /// The most pairs that are listed of two bodies.
+    #[must_use]
+    pub fn limit(self) -> usize {
+        match self {
+            Self::All => usize::MAX,
+            Self::First => 1,
+            Self::UpTo(limit) => limit,
+        }
+    }
+
+    /// Appends a pair to those from `start` on; breaks once the list is as long as wanted.
+    fn push(self, pairs: &mut Vec<TrianglePair>, start: usize, pair: TrianglePair) -> ControlFlow<()> {
+        if pairs.len() - start < self.limit() {
+            pairs.push(pair);
+        }
+        if pairs.len() - start < self.limit() {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    }
 }
 
 /// A way to find the intersecting triangles of morphing bodies; see [`MethodKind::set_up`].
@@ -117,7 +144,7 @@ pub trait Method: Debug + Send + Sync {
     /// A box in world space around a body, conservative: for a broad phase.
     fn world_bounds(&mut self, body: usize) -> Aabb;
 
-    /// Appends the intersecting pairs of triangles of two bodies, in any order; at most one if only the first is wanted.
+    /// Appends the intersecting pairs of triangles of two bodies, in any order; no more than are wanted.
     fn collide(&mut self, a: usize, b: usize, wanted: Wanted, pairs: &mut Vec<TrianglePair>);
 
     /// The work done since it was set up; volumes refitted and built count as blended.

@@ -1,7 +1,6 @@
 //! The method that this project is about, as one of its kind.
 
 use std::collections::BTreeMap;
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::Affine3A;
@@ -116,13 +115,11 @@ impl Method for Morph {
         } = self;
         let memory = (*remember != Remember::NOTHING)
             .then(|| memories.entry((a, b)).or_insert_with(|| PairMemory::new(*remember)));
-        let push = |pair| {
-            pairs.push(pair);
-            ControlFlow::Continue(())
-        };
+        let start = pairs.len();
+        let push = |pair| wanted.push(pairs, start, pair);
         self.work += match (wanted, memory) {
-            (Wanted::All, None) => query.visit(body_a, body_b, push),
-            (Wanted::All, Some(memory)) => query.visit_with(memory, body_a, body_b, push),
+            (Wanted::All | Wanted::UpTo(_), None) => query.visit(body_a, body_b, push),
+            (Wanted::All | Wanted::UpTo(_), Some(memory)) => query.visit_with(memory, body_a, body_b, push),
             (Wanted::First, memory) => {
                 let (first, stats) = match memory {
                     None => query.first(body_a, body_b),

@@ -166,6 +166,7 @@ impl Method for Octree {
             bodies: [a, b],
             work,
             wanted,
+            start: pairs.len(),
             pairs,
         };
         let everywhere = WorldBox {
@@ -186,6 +187,8 @@ struct Division<'a> {
     bodies: [&'a WorldBody; 2],
     work: &'a mut QueryStats,
     wanted: Wanted,
+    /// Where the pairs of these bodies start in the list.
+    start: usize,
     pairs: &'a mut Vec<TrianglePair>,
 }
 
@@ -253,13 +256,11 @@ impl Division<'_> {
                 }
                 self.work.triangle_tests += 1;
                 if triangles_intersect(&corners_a, &body_b.corners(face_b)) {
-                    self.pairs.push(TrianglePair {
+                    let pair = TrianglePair {
                         triangle_a: face_a,
                         triangle_b: face_b,
-                    });
-                    if self.wanted == Wanted::First {
-                        return ControlFlow::Break(());
-                    }
+                    };
+                    self.wanted.push(self.pairs, self.start, pair)?;
                 }
             }
         }

@@ -242,6 +242,7 @@ impl<T: ParryTree> Method for Parry<T> {
             return;
         }
         let node_tests = Cell::new(0);
+        let start = pairs.len();
         let check = |node_a: &BvhNode, node_b: &BvhNode| {
             node_tests.set(node_tests.get() + 1);
             culls.overlap(&of_node(node_a), &of_node(node_b))
@@ -252,8 +253,8 @@ impl<T: ParryTree> Method for Parry<T> {
             let corners_b = latest_b.corners(b, tree_b.posed(), triangle_b);
             self.work.triangle_tests += 1;
             if triangles_intersect(corners_a, corners_b) {
-                pairs.push(TrianglePair { triangle_a, triangle_b });
-                if wanted == Wanted::First {
+                let pair = TrianglePair { triangle_a, triangle_b };
+                if wanted.push(pairs, start, pair).is_break() {
                     break;
                 }
             }

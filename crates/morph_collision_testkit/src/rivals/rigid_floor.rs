@@ -5,7 +5,6 @@
 //! makes it, so that a measurement can leave that out; what remains is to place bodies and to ask. No method that lets
 //! shapes change can be expected below it.
 
-use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
@@ -143,13 +142,9 @@ impl Method for RigidFloor {
             return;
         };
         let (body_a, body_b) = (Body::new(&mut a.pose, &a.place), Body::new(&mut b.pose, &b.place));
-        self.work += self.query.visit(body_a, body_b, |pair| {
-            pairs.push(pair);
-            match wanted {
-                Wanted::All => ControlFlow::Continue(()),
-                Wanted::First => ControlFlow::Break(()),
-            }
-        });
+        let start = pairs.len();
+        let push = |pair| wanted.push(pairs, start, pair);
+        self.work += self.query.visit(body_a, body_b, push);
     }
 
     fn work(&self) -> QueryStats {

@@ -223,13 +223,8 @@ impl<R: Refit> Method for Trees<R> {
     }
 
     fn collide(&mut self, a: usize, b: usize, wanted: Wanted, pairs: &mut Vec<TrianglePair>) {
-        self.walk(a, b, |pair| {
-            pairs.push(pair);
-            match wanted {
-                Wanted::All => ControlFlow::Continue(()),
-                Wanted::First => ControlFlow::Break(()),
-            }
-        });
+        let start = pairs.len();
+        self.walk(a, b, |pair| wanted.push(pairs, start, pair));
     }
 
     fn work(&self) -> QueryStats {

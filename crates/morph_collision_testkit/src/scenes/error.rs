@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::memory::OverBudget;
+
 /// Why a scene could not be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
@@ -12,6 +14,14 @@ pub enum SceneError {
         path: PathBuf,
         /// The system's reason.
         source: std::io::Error,
+    },
+    /// The scene would take more memory than a file may.
+    #[error("{}: {over}", path.display())]
+    OverBudget {
+        /// The file.
+        path: PathBuf,
+        /// How much it would take.
+        over: OverBudget,
     },
     /// Not JSON, or not the JSON of a scene; the reason ends with line and column.
     #[error("{}: {source}", path.display())]

@@ -12,12 +12,14 @@
 //! Paths of models are relative to the scene's file. `mesh` is an index into the model's meshes (0 where left out).
 //! Rotations are unit quaternions `x, y, z, w`; what is left out is the identity, weights left out are zero.
 
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use glam::{Affine3A, Quat, Vec3};
 use serde::{Deserialize, Serialize};
 
 use super::SceneError;
+use crate::memory::{self, MemoryBudget};
 
 /// Models, and their states in every frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -106,11 +108,25 @@ impl Scene {
     /// # Errors
     /// [`SceneError`] names the file, and line and column, or frame and body.
     pub fn read(path: &Path) -> Result<Self, SceneError> {
+        Self::read_within(path, memory::DEFAULT_LIMIT)
+    }
+
+    /// As [`Scene::read`] with another limit on the memory that the scene may take, in bytes.
+    ///
+    /// # Errors
+    /// As [`Scene::read`].
+    pub fn read_within(path: &Path, memory_limit: u64) -> Result<Self, SceneError> {
         let io = |source| SceneError::Io {
             path: path.to_owned(),
             source,
         };
-        Self::parse(&std::fs::read(path).map_err(io)?, path)
+        let file = std::fs::File::open(path).map_err(io)?;
+        let mut json = Vec::new();
+        // What grows while it is read takes up to twice its length, and then as much again once parsed.
+        file.take((memory_limit / 4).saturating_add(1))
+            .read_to_end(&mut json)
+            .map_err(io)?;
+        Self::parse_within(&json, path, memory_limit)
     }
 
     /// As [`Scene::read`] from bytes; `path` is only for messages.
@@ -118,6 +134,22 @@ impl Scene {
     /// # Errors
     /// As [`Scene::read`].
     pub fn parse(json: &[u8], path: &Path) -> Result<Self, SceneError> {
+        Self::parse_within(json, path, memory::DEFAULT_LIMIT)
+    }
+
+    fn parse_within(json: &[u8], path: &Path, memory_limit: u64) -> Result<Self, SceneError> {
+        // At most: a state of a body for each bracket, a number for each comma, while lists grow.
+        let bytes = |byte: &u8| match byte {
+            b'{' | b'[' => 256,
+            b',' => 16,
+            _ => 4,
+        };
+        let budget = MemoryBudget::new(memory_limit);
+        let take = budget.take(json.iter().map(bytes).sum(), 1, || "the scene".into());
+        take.map_err(|over| SceneError::OverBudget {
+            path: path.to_owned(),
+            over,
+        })?;
         let scene: Self = serde_json::from_slice(json).map_err(|source| SceneError::Json {
             path: path.to_owned(),
             source,

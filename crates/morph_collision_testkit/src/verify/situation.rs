@@ -47,7 +47,9 @@ impl Situation {
         let mesh = meshes[body];
         let corners = mesh.triangles[triangle as usize];
         let of = |values: &[Vec3]| corners.map(|vertex| values[vertex as usize]).to_vec();
-        let targets: Vec<Vec<Vec3>> = mesh.targets.iter().map(|target| of(target)).collect();
+        // An empty target moves nothing.
+        let of_target = |target: &Vec<Vec3>| if target.is_empty() { Vec::new() } else { of(target) };
+        let targets: Vec<Vec<Vec3>> = mesh.targets.iter().map(of_target).collect();
         let posed = posed_vertices(&of(&mesh.positions), &targets, &self.weights[body]);
         let world = world_vertices(&posed, &self.places[body]);
         [world[0], world[1], world[2]]

@@ -1,6 +1,9 @@
 //! glTF in and out: what is read, what is refused, and that the two ends agree.
 
+mod bombs;
 mod broken;
 mod reading;
 mod support;
+mod unused;
+mod uris;
 mod writing;

@@ -174,6 +174,31 @@ fn clips_of_every_interpolation_are_read() -> Result<(), ReadError> {
     assert_eq!(step.sample(0.99), [0.0, 0.5]);
     assert_eq!(step.sample(1.0), [1.0, 0.5]);
     assert_eq!(cubic.weights, [[0.0, 0.25], [1.0, 0.75]]);
+    // In-tangents first, then values, then out-tangents: 8 on leaving, -4 on arriving.
+    let mut document = Document::square(1);
+    document.animate("CUBICSPLINE", &[0.0, 0.5], &[9.0, 0.0, 8.0, -4.0, 1.0, 9.0]);
+    let mesh = document.read()?.remove(0);
+    // Half way: (0 + 1) / 2 + (8 - -4) / 8 of the half second between the keys.
+    assert_eq!(mesh.animations[0].sample(0.25), [0.5 + 0.5 * 12.0 / 8.0]);
+    Ok(())
+}
+
+#[test]
+fn required_extensions_that_leave_geometry_alone_are_accepted() -> Result<(), ReadError> {
+    for extension in [
+        "KHR_materials_unlit",
+        "KHR_texture_basisu",
+        "KHR_texture_transform",
+        "KHR_lights_punctual",
+        "EXT_texture_webp",
+        "KHR_mesh_quantization",
+        "KHR_animation_pointer",
+        "VRMC_materials_mtoon",
+    ] {
+        let mut document = Document::square(1);
+        document.json["extensionsRequired"] = json!([extension]);
+        assert_eq!(document.read()?[0].triangles, SQUARE, "{extension}");
+    }
     Ok(())
 }
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use morph_collision_testkit::{
-    gltf_read::{ReadError, read_meshes},
+    gltf_read::{GltfFile, ReadError, ReadOptions, read_meshes},
     mesh::MorphMesh,
 };
 use serde_json::{Value, json};
@@ -84,7 +84,19 @@ impl Document {
     }
 
     /// Writes the files and reads them.
-    pub(crate) fn read(mut self) -> Result<Vec<MorphMesh>, ReadError> {
+    pub(crate) fn read(self) -> Result<Vec<MorphMesh>, ReadError> {
+        let (_directory, path) = self.save();
+        read_meshes(&path)
+    }
+
+    /// Writes the files and opens them as they should be by default.
+    pub(crate) fn open(self) -> Result<(TempDir, GltfFile), ReadError> {
+        let (directory, path) = self.save();
+        Ok((directory, GltfFile::open(&path, &ReadOptions::default())?))
+    }
+
+    /// Writes the files.
+    pub(crate) fn save(mut self) -> (TempDir, PathBuf) {
         if self.list("buffers").is_empty() {
             let length = self.bin.len();
             self.list("buffers")
@@ -92,7 +104,7 @@ impl Document {
         }
         let (directory, path) = write(self.json.to_string().as_bytes(), "model.gltf");
         std::fs::write(directory.path().join("model.bin"), &self.bin).expect("a temporary file can be written");
-        read_meshes(&path)
+        (directory, path)
     }
 
     /// The message with which reading fails.

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::bounds::WorldFromModel;
 use crate::pose::Place;
@@ -14,8 +15,22 @@ pub enum Wanted {
     /// All of them.
     #[default]
     All,
+    /// At most this many, those of [`PairQuery::up_to`] (with a memory of separations or fronts, possibly others); [`BatchAnswers::is_truncated`](super::BatchAnswers::is_truncated) tells whether
+    /// there are more.
+    UpTo(usize),
     /// The first one that [`PairQuery::first`] comes to.
     First,
+}
+
+impl Wanted {
+    /// How many pairs are listed at most.
+    pub(super) fn limit(self) -> usize {
+        match self {
+            Self::All => usize::MAX,
+            Self::UpTo(limit) => limit,
+            Self::First => 1,
+        }
+    }
 }
 
 /// Two bodies of a batch, by their places in it, and what is wanted of them.
@@ -67,7 +82,10 @@ pub(super) struct Large {
     pub(super) sides: [LargeSide; 2],
     /// Where a walk comes to from the roots, in its order.
     front: Vec<(Place, Place)>,
-    parts: usize,
+    /// Of the task.
+    pub(super) limit: usize,
+    /// How many pairs each part has found, once it is done; one more than the limit where there are more.
+    pub(super) found: Vec<AtomicUsize>,
 }
 
 /// What a worker needs of a body to make a cache of its own.
@@ -81,9 +99,15 @@ pub(super) struct LargeSide {
 impl Large {
     /// Where one of the parts starts from.
     pub(super) fn front(&self, part: usize) -> &[(Place, Place)] {
-        let bound = |part: usize| part * self.front.len() / self.parts;
+        let bound = |part: usize| part * self.front.len() / self.found.len();
         let range: Range<usize> = bound(part)..bound(part + 1);
         &self.front[range]
+    }
+
+    /// Whether the parts before one have already found more than may be listed, so that it can add nothing.
+    pub(super) fn is_full_before(&self, part: usize) -> bool {
+        let found = self.found[..part].iter().map(|found| found.load(Ordering::Relaxed));
+        found.fold(0, usize::saturating_add) > self.limit
     }
 }
 
@@ -106,13 +130,17 @@ impl Plan {
             let triangles = [&*a, &*b].map(|body| body.pose.bvh().model().triangle_count());
             let cut = workers > 1
                 && tasks.len() < 2 * workers
-                && task.wanted == Wanted::All
+                && task.wanted != Wanted::First
                 && task.memory.is_none()
                 && triangles.iter().sum::<usize>() >= LARGE
                 && a.pose.blends_from_references()
-                && b.pose.blends_from_references();
+                && b.pose.blends_from_references()
+                && !query.are_collapsed(
+                    Body::new(a.pose, a.world_from_model),
+                    Body::new(b.pose, b.world_from_model),
+                );
             if cut {
-                plan.cut(index, [a, b], workers * PARTS_PER_WORKER, query);
+                plan.cut((index, task.wanted.limit()), [a, b], workers * PARTS_PER_WORKER, query);
             } else {
                 plan.units.push(Unit::Whole(index));
             }
@@ -128,7 +156,7 @@ impl Plan {
         }
     }
 
-    fn cut(&mut self, task: usize, [a, b]: [&mut Body<'_>; 2], parts: usize, query: &mut PairQuery) {
+    fn cut(&mut self, (task, limit): (usize, usize), [a, b]: [&mut Body<'_>; 2], parts: usize, query: &mut PairQuery) {
         let side = |body: &Body<'_>| LargeSide {
             bvh: body.pose.bvh().clone(),
             weights: body.pose.weights().to_vec(),
@@ -148,7 +176,8 @@ impl Plan {
             task,
             sides,
             front,
-            parts,
+            limit,
+            found: (0..parts).map(|_| AtomicUsize::new(0)).collect(),
         });
     }
 }

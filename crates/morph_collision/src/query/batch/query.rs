@@ -1,11 +1,13 @@
 use std::iter;
-use std::ops::{ControlFlow, Range};
+use std::ops::Range;
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use super::plan::{LargeSide, PairTask, Plan, Unit, Wanted};
 use super::schedule::Schedule;
 use super::workers::Workers;
 use crate::pose::Pose;
+use crate::query::capped::Capped;
 use crate::query::{Body, PairQuery, QueryStats, SeparatingAxes, TrianglePair};
 
 /// Asks many pairs of bodies for their intersecting triangles, on several threads; holds the memory that queries reuse.
@@ -37,6 +39,7 @@ pub struct BatchQuery {
     workers: Vec<Mutex<Worker>>,
     found: Vec<TrianglePair>,
     ends: Vec<usize>,
+    truncated: Vec<bool>,
 }
 
 /// So few pairs are done sooner than another thread wakes up.
@@ -51,10 +54,19 @@ struct Worker {
     query: PairQuery,
     /// For parts of large pairs.
     poses: [Option<Pose>; 2],
-    /// By unit, where its pairs are in `found`.
-    done: Vec<(usize, Range<usize>)>,
+    done: Vec<Done>,
     found: Vec<TrianglePair>,
     stats: QueryStats,
+}
+
+/// A unit that was done.
+#[derive(Clone, Debug)]
+struct Done {
+    unit: usize,
+    /// Where its pairs are in the worker's `found`.
+    found: Range<usize>,
+    /// Whether there are more.
+    is_truncated: bool,
 }
 
 /// What a [`BatchQuery`] found, by task.
@@ -62,6 +74,7 @@ struct Worker {
 pub struct BatchAnswers<'a> {
     found: &'a [TrianglePair],
     ends: &'a [usize],
+    truncated: &'a [bool],
     /// What it took, all threads together. Volumes and vertices that parts of a large pair share are counted for each.
     pub stats: QueryStats,
 }
@@ -73,6 +86,12 @@ impl<'a> BatchAnswers<'a> {
         let Some(&end) = self.ends.get(task) else { return &[] };
         let start = task.checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.found[start..end]
+    }
+
+    /// Whether a task with [`Wanted::UpTo`] found more than it may list.
+    #[must_use]
+    pub fn is_truncated(&self, task: usize) -> bool {
+        self.truncated.get(task).copied().unwrap_or(false)
     }
 
     /// What every task found, in order.
@@ -119,7 +138,7 @@ impl BatchQuery {
             unlocked(worker).begin();
         }
         let plan = Plan::new(bodies, tasks, count, &mut unlocked(&mut self.workers[0]).query);
-        let count_of_tasks = tasks.len();
+        let limits: Vec<usize> = tasks.iter().map(|task| task.wanted.limit()).collect();
         let batch = Batch::new(bodies, tasks, &plan, count);
         let own = &self.workers;
         let work = |worker: usize| {
@@ -133,34 +152,41 @@ impl BatchQuery {
         } else {
             workers.run(&work);
         }
-        self.gather(&plan, count_of_tasks)
+        self.gather(&plan, &limits)
     }
 
-    /// Puts what the workers found in the order of tasks and units.
-    fn gather(&mut self, plan: &Plan, tasks: usize) -> BatchAnswers<'_> {
+    /// Puts what the workers found in the order of tasks and units, each task's up to its limit.
+    fn gather(&mut self, plan: &Plan, limits: &[usize]) -> BatchAnswers<'_> {
         let mut by_unit = vec![None; plan.units.len()];
         let mut stats = plan.stats;
         for (index, worker) in self.workers.iter_mut().enumerate() {
             let worker = unlocked(worker);
             stats += worker.stats;
-            for (unit, range) in worker.done.drain(..) {
-                by_unit[unit] = Some((index, range));
+            for done in worker.done.drain(..) {
+                let unit = done.unit;
+                by_unit[unit] = Some((index, done));
             }
         }
         self.found.clear();
         self.ends.clear();
+        self.truncated.clear();
+        self.truncated.resize(limits.len(), false);
         for (unit, place) in plan.units.iter().zip(by_unit) {
             let task = plan.task_of(unit);
             self.ends
                 .extend(iter::repeat_n(self.found.len(), task.saturating_sub(self.ends.len())));
-            let Some((worker, range)) = place else { continue };
-            self.found
-                .extend_from_slice(&unlocked(&mut self.workers[worker]).found[range]);
+            let Some((worker, done)) = place else { continue };
+            let start = task.checked_sub(1).map_or(0, |before| self.ends[before]);
+            let room = limits[task].saturating_sub(self.found.len() - start);
+            let found = &unlocked(&mut self.workers[worker]).found[done.found];
+            self.found.extend_from_slice(&found[..room.min(found.len())]);
+            self.truncated[task] |= done.is_truncated || found.len() > room;
         }
-        self.ends.resize(tasks, self.found.len());
+        self.ends.resize(limits.len(), self.found.len());
         BatchAnswers {
             found: &self.found,
             ends: &self.ends,
+            truncated: &self.truncated,
             stats,
         }
     }
@@ -210,17 +236,22 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
         while self.schedule.take(most, bodies_of, &mut units) {
             for &index in &units {
                 let start = worker.found.len();
-                match self.plan.units[index] {
+                let is_truncated = match self.plan.units[index] {
                     Unit::Whole(task) => self.whole(task, worker),
                     Unit::Part { large, part } => self.part(large, part, worker),
-                }
-                worker.done.push((index, start..worker.found.len()));
+                };
+                worker.done.push(Done {
+                    unit: index,
+                    found: start..worker.found.len(),
+                    is_truncated,
+                });
             }
             self.schedule.free(units.drain(..).filter_map(bodies_of));
         }
     }
 
-    fn whole(&self, task: usize, worker: &mut Worker) {
+    /// Says whether there are more pairs than the task may list.
+    fn whole(&self, task: usize, worker: &mut Worker) -> bool {
         let [mut a, mut b] = self.pairs[task].map(|body| locked(&self.bodies[body]));
         let mut task = locked(&self.tasks[task]);
         let Worker {
@@ -231,27 +262,28 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
             Body::new(&mut *a.pose, a.world_from_model),
             Body::new(&mut *b.pose, b.world_from_model),
         );
-        let mut push = |pair| {
-            found.push(pair);
-            ControlFlow::Continue(())
-        };
+        let mut listed = Capped::new(found, task.wanted.limit());
         *stats += match (task.wanted, &mut task.memory) {
-            (Wanted::All, None) => query.visit(a, b, push),
-            (Wanted::All, Some(memory)) => query.visit_with(memory, a, b, push),
             (Wanted::First, memory) => {
                 let (first, stats) = match memory {
                     None => query.first(a, b),
                     Some(memory) => query.first_with(memory, a, b),
                 };
-                let _ = first.map(&mut push);
+                let _ = first.map(|pair| listed.push(pair));
                 stats
             }
+            (_, None) => query.visit(a, b, |pair| listed.push(pair)),
+            (_, Some(memory)) => query.visit_with(memory, a, b, |pair| listed.push(pair)),
         };
+        listed.is_truncated
     }
 
-    /// All pairs of a part.
-    fn part(&self, large: usize, part: usize, worker: &mut Worker) {
+    /// The pairs of a part, as many as the whole task may list; says whether there are more.
+    fn part(&self, large: usize, part: usize, worker: &mut Worker) -> bool {
         let large = &self.plan.larges[large];
+        if large.is_full_before(part) {
+            return false;
+        }
         let Worker {
             query,
             poses: [pose_a, pose_b],
@@ -264,10 +296,13 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
             Body::new(side_a.pose(pose_a), &side_a.world_from_model),
             Body::new(side_b.pose(pose_b), &side_b.world_from_model),
         );
-        *stats += query.visit_from(large.front(part), bodies.0, bodies.1, |pair| {
-            found.push(pair);
-            ControlFlow::Continue(())
-        });
+        let before = found.len();
+        let mut listed = Capped::new(found, large.limit);
+        *stats += query.visit_from(large.front(part), bodies.0, bodies.1, |pair| listed.push(pair));
+        let is_truncated = listed.is_truncated;
+        let found = found.len() - before + usize::from(is_truncated);
+        large.found[part].store(found, Ordering::Relaxed);
+        is_truncated
     }
 }
 

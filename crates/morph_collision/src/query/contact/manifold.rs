@@ -32,13 +32,18 @@ pub struct Manifold {
     ///
     /// Where they cancel out it is the normal of the pair with the longest segment; zero if that has none either.
     pub normal: DVec3,
-    /// The shortest way of the first body along the normal that parts every pair of triangles that intersects now.
+    /// The shortest way of the first body along the normal that parts every pair of triangles that intersects now, of those that
+    /// were looked at.
     ///
     /// A lower bound of the way that parts the bodies, which may meet other triangles on it; for that see
     /// [`ContactQuery::separation`](crate::ContactQuery::separation).
     pub depth: f64,
-    /// How many pairs of triangles intersect.
+    /// How many pairs of triangles intersect; if [`is_truncated`](Self::is_truncated), how many of them it was made from.
     pub pair_count: usize,
+    /// Whether more pairs intersect than it was made from; see
+    /// [`ContactQuery::manifold_up_to`](crate::ContactQuery::manifold_up_to). Normal, depth and points are then those of the pairs
+    /// that were looked at.
+    pub is_truncated: bool,
     points: [ContactPoint; 4],
     len: usize,
 }
@@ -52,12 +57,18 @@ impl Manifold {
     }
 
     /// `points` hold at least one, and their order decides between equals.
-    pub(super) fn reduce(normal: DVec3, pair_count: usize, points: &[ContactPoint]) -> Option<Self> {
+    pub(super) fn reduce(
+        normal: DVec3,
+        pair_count: usize,
+        is_truncated: bool,
+        points: &[ContactPoint],
+    ) -> Option<Self> {
         let deepest = best(points, |p| p.depth)?;
         let mut manifold = Self {
             normal,
             depth: deepest.depth,
             pair_count,
+            is_truncated,
             points: [*deepest, ContactPoint::NONE, ContactPoint::NONE, ContactPoint::NONE],
             len: 1,
         };

@@ -21,7 +21,8 @@ pub struct PairContact {
 pub struct Separation {
     /// The way along the direction: no shorter one parts the bodies.
     pub distance: f64,
-    /// Whether that way parts them, up to touching; `false` when the steps did not suffice.
+    /// Whether that way parts them, up to touching; `false` when the steps did not suffice, or too many triangles touch to look
+    /// at them all.
     pub complete: bool,
     /// Pair queries made.
     pub steps: usize,
@@ -92,19 +93,49 @@ impl ContactQuery {
 
     /// Appends a contact for every pair of intersecting triangles.
     pub fn all(&mut self, mut a: Body<'_>, mut b: Body<'_>, contacts: &mut Vec<PairContact>) -> QueryStats {
-        let stats = self.find(&mut a, &mut b);
+        self.append_up_to(usize::MAX, &mut a, &mut b, contacts).1
+    }
+
+    /// Appends a contact for each of at most `limit` pairs of intersecting triangles, those of [`PairQuery::up_to`]; says whether
+    /// there are more.
+    pub fn up_to(
+        &mut self,
+        limit: usize,
+        mut a: Body<'_>,
+        mut b: Body<'_>,
+        contacts: &mut Vec<PairContact>,
+    ) -> (bool, QueryStats) {
+        self.append_up_to(limit, &mut a, &mut b, contacts)
+    }
+
+    fn append_up_to(
+        &mut self,
+        limit: usize,
+        a: &mut Body<'_>,
+        b: &mut Body<'_>,
+        contacts: &mut Vec<PairContact>,
+    ) -> (bool, QueryStats) {
+        let (is_truncated, stats) = self.find(limit, a, b);
         contacts.extend(self.touching.iter().map(|touching| PairContact {
             pair: touching.pair,
             contact: touching.contact,
         }));
-        stats
+        (is_truncated, stats)
     }
 
     /// What all contacts come to; `None` when no triangles intersect.
     ///
     /// Cost: a pair query, and in proportion to the intersecting pairs.
-    pub fn manifold(&mut self, mut a: Body<'_>, mut b: Body<'_>) -> (Option<Manifold>, QueryStats) {
-        let stats = self.find(&mut a, &mut b);
+    pub fn manifold(&mut self, a: Body<'_>, b: Body<'_>) -> (Option<Manifold>, QueryStats) {
+        self.manifold_up_to(usize::MAX, a, b)
+    }
+
+    /// What the contacts of at most `limit` pairs of intersecting triangles come to, those of [`PairQuery::up_to`]; `None` when no
+    /// triangles intersect, or none may be looked at.
+    ///
+    /// Where there are more pairs, [`Manifold::is_truncated`] says so, and exchanging the bodies may give another manifold.
+    pub fn manifold_up_to(&mut self, limit: usize, mut a: Body<'_>, mut b: Body<'_>) -> (Option<Manifold>, QueryStats) {
+        let (is_truncated, stats) = self.find(limit, &mut a, &mut b);
         let normal = mean_normal(&self.touching);
         self.points.clear();
         for touching in &self.touching {
@@ -114,7 +145,8 @@ impl ContactQuery {
             self.points
                 .extend(ends.map(|point| ContactPoint { point, depth, pair }));
         }
-        (Manifold::reduce(normal, self.touching.len(), &self.points), stats)
+        let manifold = Manifold::reduce(normal, self.touching.len(), is_truncated, &self.points);
+        (manifold, stats)
     }
 
     /// The shortest way of `a` along `direction` after which the two surfaces at most touch.
@@ -122,11 +154,13 @@ impl ContactQuery {
     /// `direction` need not be of length 1; the distance is in world units. Zero for bodies that do not intersect. After one
     /// that is longer they may meet again. The bodies are moved on until the triangles that intersect are parted, and looked
     /// at again, at most `steps` times; each costs a pair query. On the way they always intersect, so that the distance is a
-    /// lower bound even where the steps do not suffice.
+    /// lower bound even where the steps do not suffice. A step looks at 65,536 pairs of triangles at most; if there are more, and
+    /// those are parted, the search ends there without being complete.
     ///
     /// Error: about `1e-9` of the distance moved and of the triangles' sizes. `None` if the direction is zero or not finite.
     pub fn separation(&mut self, a: Body<'_>, b: Body<'_>, direction: DVec3, steps: usize) -> Option<Separation> {
         const DONE: f64 = 1e-10;
+        const MOST_PAIRS: usize = 1 << 16;
         let size = direction.abs().max_element();
         let direction = (direction / size).try_normalize()?;
         let mut separation = Separation {
@@ -139,25 +173,31 @@ impl ContactQuery {
             let moved = a.world_from_model.translated(direction * separation.distance);
             let mut a = Body::new(&mut *a.pose, &moved);
             let mut b = Body::new(&mut *b.pose, b.world_from_model);
-            self.find(&mut a, &mut b);
+            let (is_truncated, _) = self.find(MOST_PAIRS, &mut a, &mut b);
             let (mut way, mut size) = (0.0_f64, 0.0_f64);
             for touching in &self.touching {
                 way = way.max(parting_distance(&touching.a, &touching.b, direction));
                 size = size.max(touching.a[0].distance(touching.a[1]));
                 size = size.max(touching.b[0].distance(touching.b[1]));
             }
-            separation.complete = way <= DONE * size.max(separation.distance);
+            let is_parted = way <= DONE * size.max(separation.distance);
+            separation.complete = is_parted && !is_truncated;
             separation.distance += way;
+            if is_parted && is_truncated {
+                break;
+            }
         }
         Some(separation)
     }
 
     /// Fills `touching`, in an order that does not depend on which body was named first.
-    fn find(&mut self, a: &mut Body<'_>, b: &mut Body<'_>) -> QueryStats {
+    ///
+    /// At most `limit` pairs are looked at; says whether there are more.
+    fn find(&mut self, limit: usize, a: &mut Body<'_>, b: &mut Body<'_>) -> (bool, QueryStats) {
         self.found.clear();
         let body_a = Body::new(a.pose, a.world_from_model);
         let body_b = Body::new(b.pose, b.world_from_model);
-        let stats = self.pairs.all(body_a, body_b, &mut self.found);
+        let (is_truncated, stats) = self.pairs.up_to(limit, body_a, body_b, &mut self.found);
         self.touching.clear();
         let [corners_a, corners_b] = &mut self.corners;
         read_outward(a, self.found.iter().map(|pair| pair.triangle_a), corners_a);
@@ -177,7 +217,7 @@ impl ContactQuery {
         };
         self.touching
             .sort_by(|s, t| key(s).partial_cmp(&key(t)).unwrap_or(std::cmp::Ordering::Equal));
-        stats
+        (is_truncated, stats)
     }
 }
 

@@ -9,6 +9,7 @@ use crate::bounds::{Aabb, Volume};
 use crate::exact::Triangle;
 use crate::pose::{Posed, with_posed};
 use crate::query::body::world_triangle;
+use crate::query::capped::Capped;
 use crate::query::{Body, QueryStats};
 use crate::traverse::{OneWalk, Queue};
 
@@ -86,6 +87,20 @@ impl ShapeQuery {
         })
     }
 
+    /// Appends at most `limit` triangles that intersect the shape, the first ones of [`ShapeQuery::all`]; says whether there are
+    /// more.
+    pub fn up_to(
+        &mut self,
+        limit: usize,
+        body: Body<'_>,
+        shape: &PlacedShape,
+        triangles: &mut Vec<u32>,
+    ) -> (bool, QueryStats) {
+        let mut listed = Capped::new(triangles, limit);
+        let stats = self.visit(body, shape, |triangle| listed.push(triangle));
+        (listed.is_truncated, stats)
+    }
+
     /// Calls `visitor` for every triangle that intersects the shape, best first, until it breaks.
     pub fn visit(
         &mut self,
@@ -111,13 +126,27 @@ impl ShapeQuery {
         within: f64,
         contacts: &mut Vec<ShapeContact>,
     ) -> QueryStats {
-        self.walk(body, shape, &Cell::new(within), &mut |triangle, corners| {
+        self.contacts_up_to(usize::MAX, body, shape, within, contacts).1
+    }
+
+    /// Appends at most `limit` contacts, the first ones of [`ShapeQuery::contacts`]; says whether there are more.
+    pub fn contacts_up_to(
+        &mut self,
+        limit: usize,
+        body: Body<'_>,
+        shape: &PlacedShape,
+        within: f64,
+        contacts: &mut Vec<ShapeContact>,
+    ) -> (bool, QueryStats) {
+        let mut listed = Capped::new(contacts, limit);
+        let stats = self.walk(body, shape, &Cell::new(within), &mut |triangle, corners| {
             let contact = contact(shape, triangle, corners);
             if contact.distance <= within {
-                contacts.push(contact);
+                listed.push(contact)?;
             }
             ControlFlow::Continue(())
-        })
+        });
+        (listed.is_truncated, stats)
     }
 
     /// The body's contact: that of the triangle with the smallest signed distance, so the closest, or the deepest where they

@@ -145,6 +145,7 @@ impl Run {
         let wanted = match wanted {
             Wanted::All => morph_collision::Wanted::All,
             Wanted::First => morph_collision::Wanted::First,
+            Wanted::UpTo(limit) => morph_collision::Wanted::UpTo(limit),
         };
         let task = |&(a, b): &(u32, u32)| PairTask::new(a as usize, b as usize, wanted);
         let mut tasks: Vec<_> = overlaps.iter().map(task).collect();

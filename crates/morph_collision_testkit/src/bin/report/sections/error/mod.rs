@@ -12,7 +12,7 @@ use morph_collision::{Aabb, BuildOptions, VolumeKind};
 use morph_collision_testkit::bench::{Contender, Experiment, Plan, disagreement, measure};
 use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::moments::shared_model;
+use morph_collision_testkit::moments::real_model;
 use morph_collision_testkit::rivals::Wanted;
 
 use super::Context;
@@ -51,7 +51,7 @@ pub(crate) fn error(context: &Context, old: &str) -> Result<String, Box<dyn Erro
         text += &of_experiment(&experiment, name, context)?;
     }
     for (file, title) in FACES {
-        let Some(path) = shared_model(file) else {
+        let Some(path) = real_model(file) else {
             eprintln!("error: {title} stay as they are in the page");
             text += &kept(old, title);
             continue;

@@ -1,0 +1,126 @@
+//! What started and ended: in the last run, or in all runs of a frame.
+
+use bevy::app::{FixedFirst, FixedLast, FixedPostUpdate, FixedPreUpdate, FixedUpdate};
+use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
+use bevy::prelude::*;
+
+use crate::contacts::{MorphCollisions, MorphContact};
+
+/// Pairs that started and contacts that ended, in the order of runs.
+///
+/// In a fixed schedule there may be any number of runs in a frame. Systems of the fixed schedules then see the changes of the last
+/// run, and all others those of all runs of the frame: each sees each change once.
+#[derive(Debug, Default)]
+pub(crate) struct Changes {
+    pub(crate) started: Vec<(Entity, Entity)>,
+    pub(crate) ended: Vec<MorphContact>,
+    /// Where the changes of the last run begin.
+    run: (usize, usize),
+    /// Whether the plugin runs in a fixed schedule.
+    is_fixed: bool,
+    /// Whether there was a run since the fixed schedules were entered.
+    has_run: bool,
+    shown: Shown,
+}
+
+#[derive(Debug, Default, Clone, Copy, PartialEq)]
+enum Shown {
+    #[default]
+    Run,
+    Frame,
+    Nothing,
+}
+
+impl Changes {
+    /// Begins a run: nothing has started or ended in it yet.
+    pub(crate) fn begin_run(&mut self) {
+        if !(self.is_fixed && self.has_run) {
+            self.started.clear();
+            self.ended.clear();
+        }
+        self.has_run = true;
+        self.run = (self.started.len(), self.ended.len());
+        if self.shown == Shown::Nothing {
+            self.shown = Shown::Run;
+        }
+    }
+
+    /// Brings the changes of this run into the order of their colliders.
+    pub(crate) fn sort_run(&mut self) {
+        self.started[self.run.0..].sort_unstable();
+        self.ended[self.run.1..].sort_unstable_by_key(|contact| (contact.collider1, contact.collider2));
+    }
+
+    /// The pairs that started in the last run.
+    pub(crate) fn started_in_run(&self) -> &[(Entity, Entity)] {
+        &self.started[self.run.0..]
+    }
+
+    /// The contacts that ended in the last run.
+    pub(crate) fn ended_in_run(&self) -> &[MorphContact] {
+        &self.ended[self.run.1..]
+    }
+
+    /// The pairs that started, for whoever asks now.
+    pub(crate) fn started(&self) -> &[(Entity, Entity)] {
+        match self.shown {
+            Shown::Run => self.started_in_run(),
+            Shown::Frame => &self.started,
+            Shown::Nothing => &[],
+        }
+    }
+
+    /// The contacts that ended, for whoever asks now.
+    pub(crate) fn ended(&self) -> &[MorphContact] {
+        match self.shown {
+            Shown::Run => self.ended_in_run(),
+            Shown::Frame => &self.ended,
+            Shown::Nothing => &[],
+        }
+    }
+}
+
+/// Shows the changes to the systems around a schedule, too, if it is one of the fixed ones.
+pub(crate) fn follow_frames(app: &mut App, schedule: InternedScheduleLabel) {
+    let fixed = [
+        FixedFirst.intern(),
+        FixedPreUpdate.intern(),
+        FixedUpdate.intern(),
+        FixedPostUpdate.intern(),
+        FixedLast.intern(),
+    ];
+    if !fixed.contains(&schedule) {
+        return;
+    }
+    app.world_mut().resource_mut::<MorphCollisions>().changes.is_fixed = true;
+    app.add_systems(
+        RunFixedMainLoop,
+        (
+            show_run
+                .after(RunFixedMainLoopSystems::BeforeFixedMainLoop)
+                .before(RunFixedMainLoopSystems::FixedMainLoop),
+            show_frame
+                .after(RunFixedMainLoopSystems::FixedMainLoop)
+                .before(RunFixedMainLoopSystems::AfterFixedMainLoop),
+        ),
+    );
+}
+
+/// The fixed schedules go on from the last run, which may have been some frames ago.
+fn show_run(mut collisions: ResMut<MorphCollisions>) {
+    let changes = &mut collisions.bypass_change_detection().changes;
+    changes.has_run = false;
+    changes.shown = Shown::Run;
+}
+
+/// The rest of the frame sees what changed in it.
+fn show_frame(mut collisions: ResMut<MorphCollisions>) {
+    let changes = &mut collisions.bypass_change_detection().changes;
+    changes.shown = if changes.has_run { Shown::Frame } else { Shown::Nothing };
+    changes.has_run = false;
+}
+
+/// While the plugin is paused, nothing starts or ends.
+pub(crate) fn begin_empty_run(mut collisions: ResMut<MorphCollisions>) {
+    collisions.bypass_change_detection().changes.begin_run();
+}

@@ -1,0 +1,151 @@
+//! Who uses which tree: colliders ask for trees and get them; trees that nobody uses are dropped.
+
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
+use bevy::mesh::morph::MeshMorphWeights;
+use bevy::platform::collections::{HashMap, HashSet};
+use bevy::platform::time::Instant;
+use bevy::prelude::*;
+use morph_collision::{MorphBvh, Pose};
+use std::sync::Arc;
+
+use super::tree_settings::MorphTreeSettings;
+use super::trees::{MorphTrees, TreeKey};
+use crate::broad_phase::Candidates;
+use crate::collider::{ColliderState, MorphCollider};
+use crate::diagnostics::{MorphCollisionDiagnostics, Preparation};
+use crate::shape::MorphShape;
+
+/// What decides which tree a collider has.
+type Shows = (
+    Option<&'static Mesh3d>,
+    Option<&'static MorphTreeSettings>,
+    Has<MorphShape>,
+);
+
+fn key_of((mesh, settings, has_shape): (Option<&Mesh3d>, Option<&MorphTreeSettings>, bool)) -> Option<TreeKey> {
+    // A shape collides in place of the mesh.
+    mesh.filter(|_| !has_shape).map(|mesh| (mesh.id(), settings.copied()))
+}
+
+/// Trees that a collider has not had yet are asked for.
+pub(crate) fn request_trees(
+    colliders: Query<(Entity, Shows, &ColliderState), With<MorphCollider>>,
+    mut enabled: RemovedComponents<Disabled>,
+    mut trees: ResMut<MorphTrees>,
+    mut preparation: ResMut<Preparation>,
+) {
+    let start = Instant::now();
+    // What was disabled did not see its tree go.
+    let anew = trees.stale || enabled.read().count() > 0;
+    for (entity, shows, state) in &colliders {
+        let key = key_of(shows);
+        if let Some(key) = key.filter(|_| anew || key != state.tree) {
+            trees.request(key, entity);
+        }
+    }
+    preparation.0 += start.elapsed();
+}
+
+/// Changes after which a tree may be unused.
+type ShowsAnother = (
+    Or<(
+        Changed<Mesh3d>,
+        Changed<MorphTreeSettings>,
+        Added<MorphCollider>,
+        Added<MorphShape>,
+    )>,
+    With<MorphCollider>,
+    Allow<Disabled>,
+);
+
+/// Drops unused trees of a mesh while another tree of that mesh is in use. It looks when a use may have ended, and when a tree is new.
+pub(crate) fn drop_unused_trees(
+    colliders: Query<Shows, (With<MorphCollider>, Allow<Disabled>)>,
+    changed: Query<(), ShowsAnother>,
+    mut no_colliders: RemovedComponents<MorphCollider>,
+    mut no_settings: RemovedComponents<MorphTreeSettings>,
+    mut no_meshes: RemovedComponents<Mesh3d>,
+    culled: Query<&Mesh3d, (With<MeshMorphWeights>, Allow<Disabled>)>,
+    culls: Option<Res<Culls>>,
+    mut trees: ResMut<MorphTrees>,
+    mut seen: Local<u64>,
+) {
+    let removed = no_colliders.read().count() + no_settings.read().count() + no_meshes.read().count();
+    let is_new = std::mem::replace(&mut *seen, trees.version) != trees.version;
+    if removed == 0 && changed.is_empty() && !is_new {
+        return;
+    }
+    let MorphTrees { of_mesh, version, .. } = trees.bypass_change_detection();
+    let mut trees_of = HashMap::<AssetId<Mesh>, usize>::default();
+    of_mesh.keys().for_each(|key| *trees_of.entry(key.0).or_default() += 1);
+    if trees_of.values().all(|&trees| trees == 1) {
+        return;
+    }
+    let mut used: HashSet<TreeKey> = colliders.iter().filter_map(key_of).collect();
+    if culls.is_some() {
+        used.extend(culled.iter().map(|mesh| (mesh.id(), None)));
+    }
+    let has_user: HashSet<AssetId<Mesh>> = used
+        .iter()
+        .filter(|key| of_mesh.contains_key(*key))
+        .map(|key| key.0)
+        .collect();
+    let before = of_mesh.len();
+    of_mesh.retain(|key, _| used.contains(key) || !has_user.contains(&key.0));
+    *version += (before - of_mesh.len()) as u64;
+}
+
+/// Whether the bounds of morphing meshes are kept: then these use trees, too.
+#[derive(Resource)]
+pub(crate) struct Culls;
+
+/// Colliders whose mesh or tree is another one than before get a new pose, or none while there is no tree.
+///
+/// Mesh and settings are compared by value: this may run less often than changes are remembered, and not while an entity is disabled.
+pub(crate) fn hand_out_trees(
+    mut colliders: Query<(Entity, Shows, &mut ColliderState), With<MorphCollider>>,
+    candidates: Res<Candidates>,
+    mut trees: ResMut<MorphTrees>,
+    mut version: Local<u64>,
+    mut diagnostics: ResMut<MorphCollisionDiagnostics>,
+) {
+    let start = Instant::now();
+    let every = *version != trees.version;
+    *version = trees.version;
+    for (entity, shows, mut state) in &mut colliders {
+        let key = key_of(shows);
+        let was_away = state.seen != candidates.run();
+        if !every && !was_away && state.tree == key {
+            continue;
+        }
+        if let Some(key) = key.filter(|_| was_away) {
+            trees.request(key, entity);
+        }
+        let tree = key.and_then(|(mesh, settings)| trees.with_settings(mesh, settings));
+        state.take_tree(key, tree);
+    }
+    diagnostics.duration += start.elapsed();
+}
+
+impl ColliderState {
+    fn take_tree(&mut self, key: Option<TreeKey>, tree: Option<&Arc<MorphBvh>>) {
+        self.tree = key;
+        let is_current = match (tree, self.pose.as_ref().map(Pose::bvh)) {
+            (Some(tree), Some(current)) => Arc::ptr_eq(tree, current),
+            (None, None) => true,
+            _ => false,
+        };
+        if is_current {
+            return;
+        }
+        let mut pose = tree.map(|tree| Pose::new(tree.clone()));
+        if let (Some(pose), Some(before)) = (&mut pose, &self.pose) {
+            // The last good weights stay in force if the ones to come are bad; another number of targets starts at rest.
+            let _fits = pose.set_weights(before.weights());
+        }
+        self.pose = pose;
+        self.reposed = true;
+        self.changed = true;
+    }
+}

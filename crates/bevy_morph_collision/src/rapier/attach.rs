@@ -1,0 +1,208 @@
+//! How a mesh gets its surface in physics, and loses it.
+
+use std::sync::Arc;
+
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
+use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::prelude::*;
+use bevy_rapier3d::parry::shape::SharedShape;
+use bevy_rapier3d::plugin::context::RapierContextEntityLink;
+use bevy_rapier3d::prelude::{Collider, ColliderDisabled, RapierColliderHandle};
+use bevy_rapier3d::rapier::geometry::{Collider as RapierCollider, ColliderHandle, ColliderSet};
+use morph_collision::{MorphBvh, Pose};
+
+use super::MorphRapierCollider;
+use super::follow::Following;
+use super::layout::MeshLayouts;
+use super::push::Pushing;
+use super::step::{Contexts, world};
+use super::surface::MorphSurface;
+use crate::collider::MorphCollider;
+use crate::import::{MorphTreeSettings, MorphTrees};
+use crate::shape::MorphShape;
+use crate::weights::take_weights;
+
+/// What the plugin knows of one surface.
+#[derive(Component)]
+pub(crate) struct RapierSurface {
+    pub(super) following: Following,
+    pub(super) pushing: Pushing,
+    bvh: Arc<MorphBvh>,
+    /// The physics world it is in.
+    pub(super) context: Option<Entity>,
+    /// Whether the plugin has switched its collider off. Also true of a new surface, whose collider may have been another's.
+    off: bool,
+    /// Why its place or size keeps it out of physics, so that it is logged once.
+    pub(super) bad_place: Option<String>,
+}
+
+impl RapierSurface {
+    /// Switches the collider on or off. `ColliderDisabled` wins: what it disables stays off.
+    pub(super) fn switch(
+        &mut self,
+        off: bool,
+        collider_disabled: bool,
+        colliders: &mut ColliderSet,
+        handle: ColliderHandle,
+    ) {
+        if off {
+            // What happens to the surface meanwhile is not a motion.
+            self.following.restart();
+        }
+        // Removing `ColliderDisabled` enables the collider, whatever else keeps it off.
+        let slipped = off && colliders.get(handle).is_some_and(RapierCollider::is_enabled);
+        if (slipped || off != self.off)
+            && let Some(collider) = colliders.get_mut(handle)
+        {
+            collider.set_enabled(!off && !collider_disabled);
+        }
+        self.off = off;
+    }
+}
+
+/// What decides whether an entity has a surface, and which.
+type Shows<'w> = (
+    Option<&'w Mesh3d>,
+    Option<&'w MorphTreeSettings>,
+    Option<&'w MeshMorphWeights>,
+    Has<MorphShape>,
+    Has<MorphCollider>,
+    Has<MorphRapierCollider>,
+    Has<Disabled>,
+);
+
+/// Gives colliders whose mesh has a tree a surface. Takes it away where the collider, the mesh or its tree is gone.
+///
+/// It asks [`MorphTrees`] itself, so physics goes on while collision detection is paused.
+pub(super) fn attach_surfaces(
+    mut commands: Commands,
+    colliders: Query<
+        (
+            Entity,
+            Shows,
+            Option<&RapierSurface>,
+            Option<&Collider>,
+            Option<&RapierContextEntityLink>,
+        ),
+        (Allow<Disabled>, Or<(With<MorphRapierCollider>, With<RapierSurface>)>),
+    >,
+    shared: Query<&MorphWeights>,
+    trees: Option<Res<MorphTrees>>,
+    layouts: Res<MeshLayouts>,
+    mut rest: Local<Vec<f32>>,
+) {
+    let Some(trees) = trees else { return };
+    for (entity, shows, surface, collider, context) in &colliders {
+        // A collider of the game's own wins.
+        let is_foreign = collider.is_some_and(|collider| !is_surface(collider));
+        let (mesh, settings, weights, has_shape, collides, wanted, disabled) = shows;
+        // A shape collides in place of the mesh.
+        let mesh = mesh.filter(|_| collides && wanted && !has_shape);
+        let tree = mesh.and_then(|mesh| trees.with_settings(mesh.id(), settings.copied()));
+        match (surface, tree.filter(|_| !is_foreign)) {
+            (None, Some(bvh)) if !disabled => {
+                let mut pose = Pose::new(bvh.clone());
+                // Bad weights are logged when the surface goes on to its first step.
+                let _logged_later = take_weights(&mut pose, weights, &shared, &mut rest);
+                let Some(layout) = layouts.of(bvh) else { continue };
+                let following = Following::new(entity, bvh, pose.weights(), &layout);
+                let shape = SharedShape::new(following.surface.clone());
+                let surface = RapierSurface {
+                    following,
+                    pushing: Pushing::new(entity, layout),
+                    bvh: bvh.clone(),
+                    context: None,
+                    off: true,
+                    bad_place: None,
+                };
+                commands.entity(entity).try_insert((Collider::from(shape), surface));
+            }
+            (None, _) => {}
+            (Some(_), None) => remove_surface(commands.entity(entity), collider),
+            (Some(surface), Some(bvh)) => {
+                let elsewhere = surface.context.is_some() && surface.context != context.map(|link| link.0);
+                if !disabled && (elsewhere || !Arc::ptr_eq(&surface.bvh, bvh)) {
+                    // With its parts; the new one comes next time.
+                    commands.entity(entity).try_remove::<RapierSurface>();
+                }
+            }
+        }
+    }
+}
+
+/// Whether a collider is the surface of a mesh, rather than the game's own.
+fn is_surface(collider: &Collider) -> bool {
+    collider.raw.as_shape::<MorphSurface>().is_some()
+}
+
+/// Removes a surface for good; a collider of the game's own stays.
+///
+/// Its handle goes too: Rapier would keep its own collider, which a surface may have switched off or taken out of the solver, and
+/// give it the next shape.
+fn remove_surface(mut entity: EntityCommands, collider: Option<&Collider>) {
+    entity.try_remove::<(RapierSurface, RapierColliderHandle)>();
+    if collider.is_some_and(is_surface) {
+        entity.try_remove::<Collider>();
+    }
+}
+
+/// Removes a surface from physics at once when [`MorphRapierCollider`] is removed.
+pub(super) fn detach_surface(
+    removed: On<Remove<MorphRapierCollider>>,
+    surfaces: Query<Option<&Collider>, (With<RapierSurface>, Allow<Disabled>)>,
+    mut commands: Commands,
+) {
+    if let Ok(collider) = surfaces.get(removed.entity) {
+        remove_surface(commands.entity(removed.entity), collider);
+    }
+}
+
+/// Removes the parts of a surface that is being removed.
+pub(super) fn take_parts_along(
+    removed: On<Remove<RapierSurface>>,
+    mut surfaces: Query<&mut RapierSurface, Allow<Disabled>>,
+    mut contexts: Contexts,
+) {
+    let Ok(mut surface) = surfaces.get_mut(removed.entity) else {
+        return;
+    };
+    let Some(context) = surface.context else { return };
+    if let Ok((_, mut simulation, mut colliders, mut joints, mut bodies, ..)) = contexts.get_mut(context) {
+        let RapierSurface { following, pushing, .. } = &mut *surface;
+        pushing.finish(&following.surface, &mut bodies.bodies, &mut colliders.colliders);
+        let mut world = world(&mut simulation, &mut colliders, &mut joints, &mut bodies);
+        pushing.stop(&mut world);
+    }
+}
+
+/// Takes surfaces out of physics if their entity is disabled or Rapier has no collider for them any more.
+pub(super) fn stop_absent(
+    mut surfaces: Query<
+        (
+            &mut RapierSurface,
+            Option<&RapierColliderHandle>,
+            Has<Disabled>,
+            Has<ColliderDisabled>,
+        ),
+        (
+            Allow<Disabled>,
+            Or<(With<Disabled>, Without<RapierColliderHandle>, Without<Collider>)>,
+        ),
+    >,
+    mut contexts: Contexts,
+) {
+    for (mut surface, handle, disabled, collider_disabled) in &mut surfaces {
+        let Some(context) = surface.context else { continue };
+        let Ok((_, mut simulation, mut colliders, mut joints, mut bodies, ..)) = contexts.get_mut(context) else {
+            continue;
+        };
+        let mut world = world(&mut simulation, &mut colliders, &mut joints, &mut bodies);
+        if !surface.pushing.is_idle() {
+            surface.pushing.stop(&mut world);
+        }
+        if disabled && let Some(handle) = handle {
+            surface.switch(true, collider_disabled, world.colliders, handle.0);
+        }
+    }
+}

@@ -1,0 +1,78 @@
+//! The sizes and places at which Parry can compute.
+
+use bevy_rapier3d::parry::bounding_volume::Aabb;
+use bevy_rapier3d::parry::math::{Pose, Real, Vector};
+use bevy_rapier3d::parry::shape::{HalfSpace, Shape};
+
+use super::surface::MorphSurface;
+use super::triangles::Patch;
+
+/// The largest coordinate that Parry is asked to work with, in world units; for velocities, units per second.
+///
+/// Parry multiplies up to four lengths with each other. In `f32` that overflows at lengths of 4.3e9: measured answers are right up to
+/// 2^30 = 1.1e9 and are wrong, infinite or NaN from 2^32 on. From 6e18 on squares overflow, and EPA panics (`docs/rapier.md`). Differences
+/// of two shapes' corners are up to 4 sqrt(3) = 7 times as long as a coordinate, so 1e8 leaves room below 1.1e9.
+pub(super) const MAX_COORDINATE: Real = 1e8;
+
+/// Whether every component is within [`MAX_COORDINATE`]; NaN is not.
+pub(super) fn in_range(vector: Vector) -> bool {
+    vector.abs().cmple(Vector::splat(MAX_COORDINATE)).all()
+}
+
+/// The same for both corners of a box.
+pub(super) fn box_in_range(bounds: &Aabb) -> bool {
+    in_range(bounds.mins) && in_range(bounds.maxs)
+}
+
+/// What a pair of shapes is to the dispatcher.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Range {
+    /// Neither is a surface: Parry is asked as it would be without the dispatcher.
+    Foreign,
+    /// Parry can answer.
+    Inside,
+    /// Parry cannot compute with shapes so large, so far apart, or at a place that is not finite.
+    Outside,
+}
+
+/// Checks a pair of shapes. Cost: their boxes.
+pub(super) fn check(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> Range {
+    let is_ours = |shape: &dyn Shape| shape.as_shape::<MorphSurface>().is_some() || shape.as_shape::<Patch>().is_some();
+    if !is_ours(g1) && !is_ours(g2) {
+        return Range::Foreign;
+    }
+    // A half-space is as large as can be, and Parry computes with its normal alone.
+    let fits = |shape: &dyn Shape, bounds: fn(&dyn Shape, &Pose) -> Aabb, pose: &Pose| {
+        shape.as_shape::<HalfSpace>().is_some() || box_in_range(&bounds(shape, pose))
+    };
+    let local = |shape: &dyn Shape, _: &Pose| shape.compute_local_aabb();
+    let placed = |shape: &dyn Shape, pose: &Pose| shape.compute_aabb(pose);
+    let inside = in_range(pos12.translation)
+        && pos12.rotation.is_finite()
+        && fits(g1, local, pos12)
+        && fits(g2, local, pos12)
+        && fits(g2, placed, pos12);
+    if inside { Range::Inside } else { Range::Outside }
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy_rapier3d::parry::math::Rotation;
+    use bevy_rapier3d::parry::shape::Ball;
+
+    use super::*;
+
+    #[test]
+    fn what_is_no_number_is_out_of_range() {
+        for bad in [Real::NAN, Real::INFINITY, -Real::INFINITY, 1e30, -1.1e8] {
+            assert!(!in_range(Vector::new(0.0, bad, 0.0)), "{bad}");
+        }
+        assert!(in_range(Vector::splat(1e8)) && in_range(Vector::splat(-1e-30)));
+    }
+
+    #[test]
+    fn pairs_of_other_shapes_are_left_to_parry() {
+        let far = Pose::from_parts(Vector::splat(1e30), Rotation::IDENTITY);
+        assert!(check(&far, &Ball::new(1e30), &Ball::new(1.0)) == Range::Foreign);
+    }
+}

@@ -1,0 +1,392 @@
+//! Bodies whose vertices fall together: scaled to nothing or nearly so, or morphed into a point.
+
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+
+use glam::{Affine3A, EulerRot, Mat3, Quat, Vec3};
+use morph_collision::{
+    BatchQuery, Body, BuildOptions, ContactQuery, DistanceQuery, MorphBvh, OneThread, PairMemory, PairQuery, PairTask,
+    Pose, QueryStats, Remember, SelfQuery, ThreadWorkers, TrianglePair, VolumeKind, Wanted, Workers, WorldFromModel,
+};
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::models::{dolphin, random};
+use morph_collision_testkit::oracle::{intersecting_pairs, posed_vertices, world_vertices};
+
+const SCALES: [f32; 14] = [
+    0.0, 1e-40, 1e-30, 1e-20, 1e-17, 1e-16, 3e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-10, 1e-8, 1e-6,
+];
+
+/// Apart, but with boxes that overlap.
+const NEXT_TO_DOLPHIN: Vec3 = Vec3::new(0.6, 0.45, 0.3);
+const NEXT_TO_BLOB: Vec3 = Vec3::new(1.4, 1.1, 0.9);
+
+/// Of the 5,089,536 pairs of two dolphins' triangles.
+const FEW_TESTS: u64 = 50_000;
+
+/// A mesh and a copy of it aside.
+fn neighbours(mesh: &MorphMesh, aside: Vec3) -> [MorphMesh; 2] {
+    let mut other = mesh.clone();
+    for position in &mut other.positions {
+        *position += aside;
+    }
+    [mesh.clone(), other]
+}
+
+fn pose(mesh: &MorphMesh, volume: VolumeKind) -> Pose {
+    let options = BuildOptions::default().with_volume(volume);
+    Pose::new(Arc::new(
+        MorphBvh::build(Arc::new(mesh.to_model().unwrap()), &options).unwrap(),
+    ))
+}
+
+/// A place where axes are scaled, all or some of them.
+fn place(scale: Vec3, is_turned: bool, far: f32) -> Affine3A {
+    let turn = if is_turned {
+        Mat3::from_quat(Quat::from_euler(EulerRot::XYZ, 0.6, 0.4, 0.9))
+    } else {
+        Mat3::IDENTITY
+    };
+    Affine3A::from_mat3_translation(turn * Mat3::from_diagonal(scale), Vec3::new(far, 0.7 * far, -0.3 * far))
+}
+
+fn truth(meshes: [&MorphMesh; 2], weights: &[f32], places: [Affine3A; 2]) -> Vec<TrianglePair> {
+    let [a, b] = [0, 1].map(|body: usize| {
+        let mesh = meshes[body];
+        world_vertices(&posed_vertices(&mesh.positions, &mesh.targets, weights), &places[body])
+    });
+    let pairs = intersecting_pairs(&a, &meshes[0].triangles, &b, &meshes[1].triangles);
+    pairs
+        .into_iter()
+        .map(|(triangle_a, triangle_b)| TrianglePair { triangle_a, triangle_b })
+        .collect()
+}
+
+/// Every query agrees with brute force about two bodies; says how many pairs there are.
+fn agrees(name: &str, poses: [&mut Pose; 2], places: [Affine3A; 2], expected: &[TrianglePair]) {
+    let [a, b] = poses;
+    let [place_a, place_b] = places.map(|place| WorldFromModel::new(place).unwrap());
+    let mut query = PairQuery::new();
+    let mut all = Vec::new();
+    query.all(Body::new(a, &place_a), Body::new(b, &place_b), &mut all);
+    let in_order = all.clone();
+    all.sort_unstable();
+    assert!(
+        all == expected,
+        "{name}: {} pairs instead of {}",
+        all.len(),
+        expected.len()
+    );
+
+    let limit = expected.len() / 2;
+    for (limit, is_truncated) in [(limit, limit < expected.len()), (expected.len(), false)] {
+        let mut some = Vec::new();
+        let (cut, _) = query.up_to(limit, Body::new(a, &place_a), Body::new(b, &place_b), &mut some);
+        assert_eq!(
+            (cut, &some[..]),
+            (is_truncated, &in_order[..limit]),
+            "{name}, up to {limit}"
+        );
+    }
+    let (first, _) = query.first(Body::new(a, &place_a), Body::new(b, &place_b));
+    let right = first.map_or(expected.is_empty(), |pair| expected.binary_search(&pair).is_ok());
+    assert!(right, "{name}: first {first:?}");
+    let mut memory = PairMemory::new(Remember {
+        separation: true,
+        front: true,
+        witness: true,
+    });
+    for _ in 0..3 {
+        let (first, _) = query.first_with(&mut memory, Body::new(a, &place_a), Body::new(b, &place_b));
+        assert_eq!(first.is_some(), !expected.is_empty(), "{name}, with a memory");
+    }
+    let (closest, _) = DistanceQuery::new().closest(Body::new(a, &place_a), Body::new(b, &place_b), f64::INFINITY);
+    let distance = closest.expect("they are somewhere").distance;
+    assert_eq!(distance == 0.0, !expected.is_empty(), "{name}: {distance} apart");
+}
+
+#[test]
+fn bodies_of_every_small_size_have_the_pairs_that_brute_force_finds() {
+    let meshes = neighbours(&random::random_blob(3, 1, 0, 0.0), NEXT_TO_BLOB);
+    let mut bodies = meshes.each_ref().map(|mesh| pose(mesh, VolumeKind::Aabb));
+    let (mut touching, mut apart) = (0, 0);
+    for axes in [Vec3::ONE, Vec3::new(1.0, 1.0, 0.0), Vec3::Z] {
+        for far in [0.0, 1.0, 1000.0] {
+            for (i, small) in SCALES.into_iter().enumerate() {
+                let scale = Vec3::select(axes.cmpgt(Vec3::ZERO), Vec3::splat(small), Vec3::ONE);
+                let at = place(scale, i % 2 == 0, far);
+                let [a, b] = &mut bodies;
+                let expected = truth(meshes.each_ref(), &[], [at; 2]);
+                agrees(&format!("{axes} by {small}, at {far}"), [a, b], [at; 2], &expected);
+                (touching, apart) = if expected.is_empty() {
+                    (touching, apart + 1)
+                } else {
+                    (touching + 1, apart)
+                };
+            }
+        }
+    }
+    assert!(touching > 20 && apart > 20, "{touching} touch, {apart} are apart");
+}
+
+#[test]
+fn small_bodies_of_every_kind_of_volume_have_the_same_pairs() {
+    let meshes = neighbours(&random::random_blob(4, 1, 0, 0.0), NEXT_TO_BLOB);
+    for (small, far) in [(0.0, 1.0), (1e-16, 1.0), (3e-16, 1.0), (1e-15, 1.0), (3e-13, 1000.0)] {
+        let at = place(Vec3::splat(small), true, far);
+        let expected = truth(meshes.each_ref(), &[], [at; 2]);
+        for volume in VolumeKind::ALL {
+            let mut bodies = meshes.each_ref().map(|mesh| pose(mesh, volume));
+            let [a, b] = &mut bodies;
+            agrees(&format!("{volume}, {small} at {far}"), [a, b], [at; 2], &expected);
+        }
+    }
+}
+
+#[test]
+fn bodies_of_every_small_size_are_decided_without_products_of_triangles() {
+    let meshes = neighbours(&dolphin(1), NEXT_TO_DOLPHIN);
+    let [mut a, mut b] = meshes.each_ref().map(|mesh| pose(mesh, VolumeKind::Aabb));
+    let mut query = PairQuery::new();
+    let mut distance = DistanceQuery::new();
+    let (mut touching, mut apart) = (0, 0);
+    for far in [0.0, 1.0, 1000.0] {
+        for (i, small) in SCALES.into_iter().enumerate() {
+            for aside in [0.0, 0.001] {
+                let at = place(Vec3::splat(small), i % 2 == 0, far);
+                let place_a = WorldFromModel::new(at).unwrap();
+                let place_b = WorldFromModel::new(Affine3A::from_translation(Vec3::splat(aside)) * at).unwrap();
+                let name = format!("{small} at {far}, {aside} aside");
+
+                let (body_a, body_b) = (Body::new(&mut a, &place_a), Body::new(&mut b, &place_b));
+                let (first, stats) = query.first(body_a, body_b);
+                few(&name, &stats);
+                let (body_a, body_b) = (Body::new(&mut a, &place_a), Body::new(&mut b, &place_b));
+                let mut listed = Vec::new();
+                let (is_truncated, stats) = query.up_to(1000, body_a, body_b, &mut listed);
+                few(&name, &stats);
+                assert_eq!(listed.is_empty(), first.is_none(), "{name}");
+                assert!(!is_truncated || listed.len() == 1000, "{name}");
+                let (body_a, body_b) = (Body::new(&mut a, &place_a), Body::new(&mut b, &place_b));
+                let (closest, stats) = distance.closest(body_a, body_b, f64::INFINITY);
+                few(&name, &stats);
+                assert!(
+                    first.is_none() || closest.is_some_and(|closest| closest.distance == 0.0),
+                    "{name}"
+                );
+                (touching, apart) = if first.is_some() {
+                    (touching + 1, apart)
+                } else {
+                    (touching, apart + 1)
+                };
+            }
+        }
+    }
+    assert!(touching > 10 && apart > 40, "{touching} touch, {apart} are apart");
+}
+
+fn few(name: &str, stats: &QueryStats) {
+    let tests = stats.triangle_tests;
+    assert!(tests < FEW_TESTS, "{name}: {tests} triangle tests");
+}
+
+#[test]
+fn flat_bodies_that_are_apart_are_decided_without_products_of_triangles() {
+    let meshes = neighbours(&dolphin(1), NEXT_TO_DOLPHIN);
+    let [mut a, mut b] = meshes.each_ref().map(|mesh| pose(mesh, VolumeKind::Aabb));
+    let mut query = PairQuery::new();
+    for thin in [0.0, 1e-16, 1e-14, 1e-13, 1e-12, 1e-10, 1e-8, 1e-7] {
+        for is_turned in [false, true] {
+            let at = place(Vec3::new(1.0, 1.0, thin), is_turned, 1.0);
+            let place_a = WorldFromModel::new(at).unwrap();
+            let place_b = WorldFromModel::new(Affine3A::from_translation(Vec3::splat(0.01)) * at).unwrap();
+            let (first, stats) = query.first(Body::new(&mut a, &place_a), Body::new(&mut b, &place_b));
+            assert_eq!(first, None);
+            few(&format!("{thin}, turned: {is_turned}"), &stats);
+        }
+    }
+}
+
+/// A dolphin with a target that moves every vertex to one point, but for rounding.
+fn shrinking() -> MorphMesh {
+    let mut mesh = dolphin(1);
+    let point = Vec3::new(0.3, 0.2, 0.1);
+    mesh.targets = vec![mesh.positions.iter().map(|position| point - position).collect()];
+    mesh.target_names = vec!["shrink".into()];
+    mesh
+}
+
+#[test]
+fn weights_that_collapse_a_mesh_are_decided_without_products_of_triangles() {
+    let mesh = shrinking();
+    let [mut a, mut b] = [(); 2].map(|()| pose(&mesh, VolumeKind::Aabb));
+    for pose in [&mut a, &mut b] {
+        pose.set_weights(&[1.0]).unwrap();
+    }
+    let mut query = PairQuery::new();
+    for aside in [0.0, 3e-8, 1e-7, 3e-7, 1e-6, 1e-5, 0.1] {
+        let at = place(Vec3::ONE, true, 0.0);
+        let places = [at, Affine3A::from_translation(Vec3::X * aside) * at];
+        let [place_a, place_b] = places.map(|place| WorldFromModel::new(place).unwrap());
+        let (first, stats) = query.first(Body::new(&mut a, &place_a), Body::new(&mut b, &place_b));
+        few(&format!("{aside} aside"), &stats);
+        let (any, _) = query.up_to(
+            1,
+            Body::new(&mut a, &place_a),
+            Body::new(&mut b, &place_b),
+            &mut Vec::new(),
+        );
+        // Both are the same points, moved.
+        assert!(aside > 0.0 || first.is_some() && any, "{aside}");
+        assert!(aside < 1e-6 || first.is_none(), "{aside}");
+    }
+    let mut pairs = Vec::new();
+    let (is_truncated, stats) = SelfQuery::new().up_to(1000, &mut a, &mut pairs);
+    assert_eq!((is_truncated, pairs.len()), (true, 1000));
+    few("with itself", &stats);
+}
+
+#[test]
+fn collapsed_weights_have_the_pairs_that_brute_force_finds() {
+    let mut mesh = random::random_blob(5, 1, 0, 0.0);
+    let point = Vec3::new(0.3, 0.2, 0.1);
+    mesh.targets = vec![mesh.positions.iter().map(|position| point - position).collect()];
+    mesh.target_names = vec!["shrink".into()];
+    let [mut a, mut b] = [(); 2].map(|()| pose(&mesh, VolumeKind::Aabb));
+    let mut counts = Vec::new();
+    for weight in [1.0, 0.999_999_9, 0.999_999, 0.9999] {
+        a.set_weights(&[weight]).unwrap();
+        b.set_weights(&[weight]).unwrap();
+        for aside in [0.0, 3e-8, 1e-7, 1e-6] {
+            let at = place(Vec3::ONE, true, 0.0);
+            let places = [at, Affine3A::from_translation(Vec3::X * aside) * at];
+            let expected = truth([&mesh; 2], &[weight], places);
+            agrees(
+                &format!("weight {weight}, {aside} aside"),
+                [&mut a, &mut b],
+                places,
+                &expected,
+            );
+            counts.push(expected.len());
+        }
+    }
+    assert!(
+        counts.contains(&0) && counts.iter().any(|&count| count > 1000),
+        "{counts:?}"
+    );
+}
+
+#[test]
+fn a_list_is_cut_at_the_same_pair_by_any_number_of_workers() {
+    let mesh = dolphin(1);
+    let mut poses = [(); 2].map(|()| pose(&mesh, VolumeKind::Aabb));
+    let mut cut_in_parts = 0;
+    // Deep in each other, and collapsed.
+    for at in [place(Vec3::ONE, true, 0.0), place(Vec3::ZERO, true, 1.0)] {
+        let places = [at, Affine3A::from_translation(Vec3::splat(0.02)) * at];
+        let places = if at.matrix3.determinant() == 0.0 {
+            [at; 2]
+        } else {
+            places
+        };
+        let places = places.map(|place| WorldFromModel::new(place).unwrap());
+        let mut all = Vec::new();
+        let [a, b] = &mut poses;
+        PairQuery::new().up_to(20_000, Body::new(a, &places[0]), Body::new(b, &places[1]), &mut all);
+        assert!(all.len() > 500, "{}", all.len());
+        for limit in [0, 1, 7, 100, all.len() - 1, all.len()] {
+            let mut query = PairQuery::new();
+            let mut expected = Vec::new();
+            let [a, b] = &mut poses;
+            let (is_truncated, _) =
+                query.up_to(limit, Body::new(a, &places[0]), Body::new(b, &places[1]), &mut expected);
+            assert_eq!(expected, all[..limit]);
+            for threads in [1, 2, 8] {
+                let threads = ThreadWorkers {
+                    threads: NonZeroUsize::new(threads).unwrap(),
+                };
+                let workers: [&dyn Workers; 2] = [&threads, &OneThread];
+                for workers in workers {
+                    let each = poses.iter_mut().zip(&places);
+                    let mut bodies: Vec<_> = each.map(|(pose, place)| Body::new(pose, place)).collect();
+                    let mut tasks = [
+                        PairTask::new(0, 1, Wanted::UpTo(limit)),
+                        PairTask::new(1, 0, Wanted::First),
+                    ];
+                    let mut batch = BatchQuery::new();
+                    let answers = batch.run(&mut bodies, &mut tasks, workers);
+                    assert_eq!(answers.get(0), expected, "up to {limit}, {} workers", workers.count());
+                    assert_eq!(answers.is_truncated(0), is_truncated);
+                    assert_eq!(answers.get(1).len(), 1);
+                    assert!(!answers.is_truncated(1) && !answers.is_truncated(9));
+                    // Collapsed bodies are not cut into parts.
+                    let is_cut = workers.count() > 1 && is_truncated && at.matrix3.determinant() != 0.0;
+                    cut_in_parts += u32::from(is_cut);
+                }
+            }
+        }
+    }
+    assert!(cut_in_parts > 5, "{cut_in_parts}");
+}
+
+#[test]
+fn a_limit_saves_the_parts_of_a_batch_that_nothing_is_listed_of() {
+    let mesh = dolphin(1);
+    let mut poses = [(); 2].map(|()| pose(&mesh, VolumeKind::Aabb));
+    let at = WorldFromModel::IDENTITY;
+    let two = ThreadWorkers {
+        threads: NonZeroUsize::new(2).unwrap(),
+    };
+    let [all, some] = [Wanted::All, Wanted::UpTo(10)].map(|wanted| {
+        let mut bodies: Vec<_> = poses.iter_mut().map(|pose| Body::new(pose, &at)).collect();
+        let mut tasks = [PairTask::new(0, 1, wanted)];
+        BatchQuery::new()
+            .run(&mut bodies, &mut tasks, &two)
+            .stats
+            .triangle_tests
+    });
+    assert!(10 * some < all, "{some} of {all} triangle tests");
+}
+
+#[test]
+fn a_manifold_tells_that_it_was_made_from_some_of_the_pairs() {
+    let mesh = dolphin(0);
+    let [mut a, mut b] = [(); 2].map(|()| pose(&mesh, VolumeKind::Aabb));
+    let places = [Vec3::ZERO, Vec3::splat(0.05)].map(|by| WorldFromModel::new(Affine3A::from_translation(by)).unwrap());
+    let mut query = ContactQuery::new();
+    let mut manifold = |limit| {
+        let (manifold, _) = query.manifold_up_to(limit, Body::new(&mut a, &places[0]), Body::new(&mut b, &places[1]));
+        manifold
+    };
+    let whole = manifold(usize::MAX).expect("they touch");
+    assert!(!whole.is_truncated);
+    assert_eq!(manifold(whole.pair_count), Some(whole));
+    let part = manifold(10).expect("they touch");
+    assert_eq!((part.is_truncated, part.pair_count), (true, 10));
+    assert_eq!(manifold(0), None);
+    // A point, 318,096 pairs.
+    let point = WorldFromModel::new(Affine3A::from_scale(Vec3::ZERO)).unwrap();
+    let (collapsed, stats) = query.manifold_up_to(100, Body::new(&mut a, &point), Body::new(&mut b, &point));
+    let collapsed = collapsed.expect("they touch");
+    assert_eq!((collapsed.is_truncated, collapsed.pair_count), (true, 100));
+    few("a point", &stats);
+    let mut contacts = Vec::new();
+    let (is_truncated, _) = query.up_to(100, Body::new(&mut a, &point), Body::new(&mut b, &point), &mut contacts);
+    assert_eq!((is_truncated, contacts.len()), (true, 100));
+}
+
+#[test]
+fn lists_of_shapes_are_cut_too() {
+    use morph_collision::{PlacedShape, Shape, ShapeQuery, WorldFromShape};
+    let mut body = pose(&dolphin(0), VolumeKind::Aabb);
+    let point = WorldFromModel::new(Affine3A::from_scale(Vec3::ZERO)).unwrap();
+    let ball = PlacedShape::new(Shape::Ball { radius: 1.0 }, &WorldFromShape::IDENTITY).unwrap();
+    let mut query = ShapeQuery::new();
+    for (limit, expected) in [(100, (true, 100)), (563, (true, 563)), (564, (false, 564))] {
+        let mut triangles = Vec::new();
+        let (is_truncated, _) = query.up_to(limit, Body::new(&mut body, &point), &ball, &mut triangles);
+        assert_eq!((is_truncated, triangles.len()), expected);
+        let mut contacts = Vec::new();
+        let (is_truncated, _) = query.contacts_up_to(limit, Body::new(&mut body, &point), &ball, 0.0, &mut contacts);
+        assert_eq!((is_truncated, contacts.len()), expected);
+    }
+}

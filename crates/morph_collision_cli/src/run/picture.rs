@@ -1,0 +1,90 @@
+//! The picture of one frame.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use morph_collision_testkit::oracle::{posed_vertices, world_vertices};
+
+use super::bodies::Cast;
+use super::replay::{FrameCounts, Hit};
+use crate::error::CliError;
+use crate::picture::DrawnBody;
+
+/// Whether and what to draw.
+#[derive(Debug, Args)]
+pub(crate) struct PictureArgs {
+    /// Draw the frame with the most touching triangles; they are red. No graphics driver is needed.
+    ///
+    /// With the modes `first` and `any` only the one pair that was found for two bodies is red.
+    #[arg(long, value_name = "OUT.png")]
+    pub(super) picture: Option<PathBuf>,
+    /// Draw this frame instead, counted from 0.
+    #[arg(long, value_name = "N", requires = "picture")]
+    picture_frame: Option<usize>,
+}
+
+/// What was drawn.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub(crate) struct Drawn {
+    pub(crate) file: PathBuf,
+    pub(crate) frame: usize,
+    /// Triangles in red.
+    pub(crate) touching_triangles: usize,
+}
+
+impl PictureArgs {
+    /// # Errors
+    /// There is no such frame.
+    pub(super) fn check(&self, frames: usize) -> Result<(), CliError> {
+        let complain = |flag, reason| Err(CliError::Flag { flag, reason });
+        match (self.picture_frame, frames) {
+            (_, 0) if self.picture.is_some() => complain("--picture", "the scene has no frames to draw".to_owned()),
+            (Some(frame), _) if frame >= frames => complain(
+                "--picture-frame",
+                format!(
+                    "there is no frame {frame}; the scene's frames are 0 to {}",
+                    frames.saturating_sub(1)
+                ),
+            ),
+            _ => Ok(()),
+        }
+    }
+
+    /// The frame to draw: the first of those with the most pairs, unless another was asked for.
+    pub(super) fn frame(&self, counts: &[FrameCounts]) -> usize {
+        let most = || counts.iter().enumerate().rev().max_by_key(|(_, counts)| counts.pairs);
+        self.picture_frame
+            .unwrap_or_else(|| most().map_or(0, |(frame, _)| frame))
+    }
+}
+
+/// The bodies of a frame, `hits` of which touch.
+pub(super) fn bodies(cast: &Cast, frame: usize, hits: &[Hit]) -> Vec<DrawnBody> {
+    let mut bodies: Vec<DrawnBody> = cast.frames[frame]
+        .iter()
+        .zip(&cast.mesh_of_body)
+        .map(|(state, &mesh)| {
+            let mesh = &cast.meshes[mesh];
+            let posed = posed_vertices(&mesh.positions, &mesh.targets, &state.weights);
+            DrawnBody {
+                vertices: world_vertices(&posed, &state.world_from_model),
+                triangles: mesh.triangles.clone(),
+                touching: vec![false; mesh.triangles.len()],
+            }
+        })
+        .collect();
+    for hit in hits {
+        bodies[hit.body_a as usize].touching[hit.pair.triangle_a as usize] = true;
+        bodies[hit.body_b as usize].touching[hit.pair.triangle_b as usize] = true;
+    }
+    bodies
+}
+
+/// How many triangles are red.
+pub(super) fn touching_triangles(bodies: &[DrawnBody]) -> usize {
+    bodies
+        .iter()
+        .flat_map(|body| &body.touching)
+        .filter(|&&touching| touching)
+        .count()
+}

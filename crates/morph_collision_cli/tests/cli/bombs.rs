@@ -1,0 +1,288 @@
+//! Small files that claim gigabytes, under a limit of the system's: an error that says so, and no abort.
+#![cfg(unix)]
+
+use std::error::Error;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::{Value, json};
+use tempfile::tempdir;
+
+use crate::support::{RawMesh, TestResult, error_of, write_gltf};
+
+/// What a process may take, in KiB: twice the tool's own limit.
+const SYSTEM_LIMIT: u32 = 2_000_000;
+
+fn limited(args: &[&OsStr]) -> Result<Output, Box<dyn Error>> {
+    let script = format!("ulimit -v {SYSTEM_LIMIT} && exec \"$0\" \"$@\"");
+    let mut command = Command::new("sh");
+    command.arg("-c").arg(script).arg(env!("CARGO_BIN_EXE_morph-collide"));
+    Ok(command.args(args).output()?)
+}
+
+fn unstored(kind: u32, shape: &str, count: u64) -> Value {
+    json!({"componentType": kind, "type": shape, "count": count})
+}
+
+/// One element of many is stored.
+fn sparse(count: u64) -> Value {
+    let mut accessor = unstored(5126, "VEC3", count);
+    accessor["sparse"] = json!({
+        "count": 1,
+        "indices": {"bufferView": 0, "componentType": 5121},
+        "values": {"bufferView": 1},
+    });
+    accessor
+}
+
+fn model(accessors: &[Value], primitives: &[Value]) -> Value {
+    json!({
+        "asset": {"version": "2.0"},
+        "buffers": [{"byteLength": 16, "uri": "data:;base64,AAAAAAAAAAAAAAAAAAAAAA=="}],
+        "bufferViews": [{"buffer": 0, "byteLength": 1}, {"buffer": 0, "byteOffset": 4, "byteLength": 12}],
+        "accessors": accessors,
+        "meshes": [{"name": "bomb", "primitives": primitives}],
+    })
+}
+
+/// Each with a part of the message that refuses it.
+fn bombs() -> Vec<(&'static str, Value)> {
+    let positions = |count| json!({"attributes": {"POSITION": 0}, "targets": vec![json!({"POSITION": 1}); count]});
+    let indexed = json!({"attributes": {"POSITION": 0}, "indices": 1});
+    vec![
+        (
+            "vertices",
+            model(&[unstored(5126, "VEC3", 3_000_000_000)], &[positions(0)]),
+        ),
+        (
+            "vertices",
+            model(
+                &[unstored(5126, "VEC3", 15_999_999), sparse(15_999_999)],
+                &[positions(100)],
+            ),
+        ),
+        (
+            "vertices",
+            model(&[sparse(15_999_999), sparse(15_999_999)], &[positions(60)]),
+        ),
+        (
+            "triangles",
+            model(
+                &[unstored(5126, "VEC3", 3), unstored(5125, "SCALAR", 300_000_000)],
+                std::slice::from_ref(&indexed),
+            ),
+        ),
+        (
+            "triangles",
+            model(
+                &[unstored(5126, "VEC3", 3), unstored(5125, "SCALAR", 16_000_002)],
+                &vec![indexed; 60],
+            ),
+        ),
+        // Small enough to be read, but not to have a tree.
+        ("tree", model(&[unstored(5126, "VEC3", 15_000_000)], &[positions(0)])),
+        ("tree", model(&[sparse(9_999_999), sparse(9_999_999)], &[positions(1)])),
+    ]
+}
+
+#[test]
+fn a_bomb_is_refused_by_every_command_that_reads_models() -> TestResult {
+    let dir = tempdir()?;
+    let path = dir.path().join("bomb.gltf");
+    let scene = dir.path().join("scene.json");
+    std::fs::write(
+        &scene,
+        r#"{"bodies": [{"model": "bomb.gltf"}, {"model": "bomb.gltf"}], "frames": [[{}, {}]]}"#,
+    )?;
+    for (index, (says, bomb)) in bombs().into_iter().enumerate() {
+        let text = bomb.to_string();
+        assert!(text.len() < 3000, "{} bytes are no small file", text.len());
+        std::fs::write(&path, text)?;
+        let model: &OsStr = path.as_os_str();
+        let commands: [&[&OsStr]; 5] = [
+            &["inspect".as_ref(), model],
+            &["run".as_ref(), scene.as_os_str()],
+            &["query".as_ref(), model, "--self".as_ref()],
+            &["verify".as_ref(), model, "--frames".as_ref(), "1".as_ref()],
+            &["bench".as_ref(), model, "--method".as_ref(), "hybrid".as_ref()],
+        ];
+        for args in commands {
+            let message = error_of(&limited(args)?);
+            let said = message.contains(says);
+            let named = message.contains("bomb.gltf") && message.contains("mesh 0") && message.contains("GiB");
+            assert!(said && named, "bomb {index}, {args:?}: {message}");
+            assert!(message.contains("--memory-limit"), "bomb {index}, {args:?}: {message}");
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn a_scene_of_many_states_is_counted() -> TestResult {
+    let dir = tempdir()?;
+    let model = dir.path().join("model.gltf");
+    let triangle = json!({"attributes": {"POSITION": 0}, "targets": vec![json!({}); 20_000]});
+    std::fs::write(
+        &model,
+        self::model(&[unstored(5126, "VEC3", 3)], &[triangle]).to_string(),
+    )?;
+    // A body at rest takes no weights of its own: 20,000 targets in 40,000 states would be 3.2 GB.
+    let scene = dir.path().join("scene.json");
+    let frames = vec!["[{}]"; 40_000].join(",");
+    std::fs::write(
+        &scene,
+        format!(r#"{{"bodies": [{{"model": "model.gltf"}}], "frames": [{frames}]}}"#),
+    )?;
+    let output = limited(&[
+        "run".as_ref(),
+        scene.as_os_str(),
+        "--method".as_ref(),
+        "brute-force".as_ref(),
+    ])?;
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let output = limited(&[
+        "run".as_ref(),
+        scene.as_os_str(),
+        "--memory-limit".as_ref(),
+        "1MiB".as_ref(),
+    ])?;
+    let message = error_of(&output);
+    assert!(
+        message.contains("scene.json") && message.contains("--memory-limit"),
+        "{message}"
+    );
+    Ok(())
+}
+
+#[test]
+fn what_is_no_regular_file_is_not_read() -> TestResult {
+    let dir = tempdir()?;
+    let zero = Path::new("/dev/zero");
+    let message = error_of(&limited(&["inspect".as_ref(), zero.as_os_str()])?);
+    assert!(
+        message.contains("not a regular file") && message.contains("--allow-any-path"),
+        "{message}"
+    );
+    let message = error_of(&limited(&[
+        "inspect".as_ref(),
+        zero.as_os_str(),
+        "--allow-any-path".as_ref(),
+    ])?);
+    assert!(
+        message.contains("/dev/zero") && message.contains("not a glTF"),
+        "{message}"
+    );
+    let message = error_of(&limited(&["run".as_ref(), zero.as_os_str()])?);
+    assert!(message.contains("/dev/zero"), "{message}");
+
+    let path: PathBuf = dir.path().join("model.gltf");
+    let mut gltf = model(&[sparse(3)], &[json!({"attributes": {"POSITION": 0}})]);
+    gltf["buffers"][0]["uri"] = "/dev/zero".into();
+    std::fs::write(&path, gltf.to_string())?;
+    let message = error_of(&limited(&["inspect".as_ref(), path.as_os_str()])?);
+    assert!(
+        message.contains("/dev/zero") && message.contains("buffer 0"),
+        "{message}"
+    );
+    Ok(())
+}
+
+#[test]
+fn counts_that_overflow_are_refused() -> TestResult {
+    let dir = tempdir()?;
+    let path = dir.path().join("bomb.gltf");
+    for count in [u64::MAX, 1_537_228_672_809_129_303] {
+        let primitive = json!({"attributes": {"POSITION": 0}, "indices": 1});
+        let accessors = [unstored(5126, "VEC3", 3), unstored(5125, "SCALAR", count)];
+        std::fs::write(&path, model(&accessors, &[primitive]).to_string())?;
+        let message = error_of(&limited(&["inspect".as_ref(), path.as_os_str()])?);
+        assert!(message.contains("beyond 2^32"), "{count}: {message}");
+    }
+    Ok(())
+}
+
+/// Triangles that are all the same point.
+fn collapsed(triangles: u64) -> Value {
+    let primitive = json!({"attributes": {"POSITION": 0}});
+    model(&[unstored(5126, "VEC3", 3 * triangles)], &[primitive])
+}
+
+#[test]
+fn pairs_of_collapsed_bodies_are_counted() -> TestResult {
+    let dir = tempdir()?;
+    // 400 million pairs, which would take 12 GB.
+    let model = dir.path().join("point.gltf");
+    std::fs::write(&model, collapsed(20_000).to_string())?;
+    let scene = dir.path().join("scene.json");
+    let bodies = r#"{"bodies": [{"model": "point.gltf"}, {"model": "point.gltf"}], "frames": [[{}, {}]]}"#;
+    std::fs::write(&scene, bodies)?;
+    let limit: [&OsStr; 2] = ["--memory-limit".as_ref(), "256MiB".as_ref()];
+    for method in ["morph", "bottom-up"] {
+        let run: [&OsStr; 4] = ["run".as_ref(), scene.as_os_str(), "--method".as_ref(), method.as_ref()];
+        let message = error_of(&limited(&[&run[..], &limit[..]].concat())?);
+        let named = message.contains("frame 0, bodies 0 and 1") && message.contains("more than 2097152 pairs");
+        assert!(named && message.contains("--memory-limit"), "{method}: {message}");
+    }
+    let first = ["run".as_ref(), scene.as_os_str(), "--mode".as_ref(), "first".as_ref()];
+    assert!(limited(&first)?.status.success());
+    Ok(())
+}
+
+#[test]
+fn pairs_of_a_mesh_that_collapses_into_itself_are_counted() -> TestResult {
+    let dir = tempdir()?;
+    let corners = (0..3000_u16).map(f32::from);
+    let mesh = RawMesh {
+        name: "point",
+        positions: corners.clone().map(|c| [c, (7.0 * c) % 11.0, c % 3.0]).collect(),
+        indices: (0..3000).collect(),
+        targets: vec![corners.map(|c| [-c, -((7.0 * c) % 11.0), -(c % 3.0)]).collect()],
+    };
+    let model = write_gltf(dir.path(), "point.gltf", &[mesh])?;
+    let query = |limit: &str| {
+        limited(&[
+            "query".as_ref(),
+            model.as_os_str(),
+            "--self".as_ref(),
+            "--weights".as_ref(),
+            "1".as_ref(),
+            "--memory-limit".as_ref(),
+            limit.as_ref(),
+        ])
+    };
+    let message = error_of(&query("4MiB")?);
+    let named = message.contains("point.gltf: mesh 0") && message.contains("more than 8192 pairs");
+    assert!(named && message.contains("--memory-limit"), "{message}");
+    let output = query("1GiB")?;
+    assert!(String::from_utf8_lossy(&output.stdout).starts_with("499500 pairs"));
+    Ok(())
+}
+
+#[test]
+fn the_models_of_a_scene_share_the_memory_limit() -> TestResult {
+    let dir = tempdir()?;
+    // About 100 MB each once it is read.
+    let bomb = model(
+        &[sparse(1_999_998), sparse(1_999_998)],
+        &[json!({
+            "attributes": {"POSITION": 0}, "targets": [{"POSITION": 1}],
+        })],
+    );
+    let bomb = bomb.to_string();
+    let mut bodies = Vec::new();
+    for number in 0..60 {
+        let name = format!("{number}.gltf");
+        std::fs::write(dir.path().join(&name), &bomb)?;
+        bodies.push(json!({"model": name}));
+    }
+    let states = vec![json!({}); bodies.len()];
+    let scene = dir.path().join("scene.json");
+    std::fs::write(&scene, json!({"bodies": bodies, "frames": [states]}).to_string())?;
+    let message = error_of(&limited(&["run".as_ref(), scene.as_os_str()])?);
+    assert!(
+        message.contains(".gltf") && message.contains("over the limit"),
+        "{message}"
+    );
+    Ok(())
+}

@@ -1,0 +1,23 @@
+//! The determinism test as a program, for release builds: unlike the test, it is built without what other tests and benchmarks depend on.
+
+use std::process::ExitCode;
+
+use morph_collision_testkit::determinism::{answer_all, differences};
+
+fn main() -> ExitCode {
+    let differences = match answer_all(&[1, 2, 8]) {
+        Ok(lines) => {
+            println!("{} scenes", lines.len());
+            differences(&lines)
+        }
+        Err(error) => vec![error],
+    };
+    for difference in &differences {
+        eprintln!("error: {difference}");
+    }
+    if differences.is_empty() {
+        ExitCode::SUCCESS
+    } else {
+        ExitCode::FAILURE
+    }
+}

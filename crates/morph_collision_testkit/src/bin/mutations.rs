@@ -1,0 +1,114 @@
+//! Feeds mutated files to the readers, for as long as asked: `mutations SECONDS [SEED]`. `just mutations` runs it under `ulimit -v`, in a build
+//! that checks for overflow.
+//!
+//! Seeds are the fuzz corpus, the scenes in `assets/` and a generated model. A mutation replaces a number by an odd one, strikes,
+//! repeats or swaps pieces, or flips a bit. Whatever is neither an error nor a good answer ends the program: a panic, or an abort for want
+//! of memory.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use morph_collision_testkit::fuzzing;
+use morph_collision_testkit::gltf_write::{Appearance, to_glb};
+use morph_collision_testkit::models;
+use rand::{Rng, RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+const NUMBERS: [&str; 16] = [
+    "0",
+    "1",
+    "-1",
+    "2",
+    "3",
+    "255",
+    "65536",
+    "16777216",
+    "1000000000",
+    "4294967295",
+    "4294967296",
+    "18446744073709551615",
+    "1e39",
+    "0.5",
+    "null",
+    "{}",
+];
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut args = std::env::args().skip(1);
+    let seconds: u64 = args.next().ok_or("how many seconds?")?.parse()?;
+    let seed = args.next().map_or(Ok(1), |seed| seed.parse())?;
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let root = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
+    for (name, target) in [("gltf", fuzzing::gltf as fn(&[u8])), ("scene", fuzzing::scene)] {
+        let mut seeds = files(&root.join("fuzz/corpus").join(name))?;
+        if name == "gltf" {
+            let glb = to_glb(&models::random::random_blob(1, 0, 3, 0.5), &Appearance::default())?;
+            seeds.extend(std::iter::repeat_n(glb, seeds.len() / 4 + 1));
+        } else {
+            seeds.extend(files(&root.join("assets/scenes"))?);
+        }
+        let (start, mut runs) = (Instant::now(), 0_u64);
+        while start.elapsed() < Duration::from_secs(seconds) / 2 {
+            let mut bytes = seeds[rng.random_range(0..seeds.len())].clone();
+            for _ in 0..rng.random_range(1..6) {
+                mutate(&mut bytes, &mut rng);
+            }
+            target(&bytes);
+            runs += 1;
+        }
+        println!("{name}: {runs} mutated files of {} seeds, nothing found", seeds.len());
+    }
+    Ok(())
+}
+
+fn files(folder: &Path) -> std::io::Result<Vec<Vec<u8>>> {
+    let mut paths: Vec<_> = std::fs::read_dir(folder)?.collect::<Result<Vec<_>, _>>()?;
+    paths.sort_by_key(std::fs::DirEntry::path);
+    paths.iter().map(|entry| std::fs::read(entry.path())).collect()
+}
+
+fn mutate(bytes: &mut Vec<u8>, rng: &mut impl Rng) {
+    if bytes.is_empty() {
+        bytes.push(b'{');
+    }
+    let at = rng.random_range(0..bytes.len());
+    let end = (at + rng.random_range(1..40)).min(bytes.len());
+    match rng.random_range(0..6) {
+        0 => bytes[at] ^= 1 << rng.random_range(0..8),
+        1 => {
+            bytes.drain(at..end);
+        }
+        2 => {
+            let piece = bytes[at..end].to_vec();
+            bytes.splice(at..at, piece);
+        }
+        3 => {
+            let other = rng.random_range(0..bytes.len());
+            bytes.swap(at, other);
+        }
+        // The number at or after a place.
+        _ => {
+            let Some(first) = bytes[at..].iter().position(u8::is_ascii_digit) else {
+                return;
+            };
+            let first = at + first;
+            let length = bytes[first..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+            let number = NUMBERS[rng.random_range(0..NUMBERS.len())];
+            bytes.splice(first..first + length, number.bytes());
+            keep_glb_lengths(bytes, number.len() as i64 - length as i64);
+        }
+    }
+}
+
+/// A `.glb` whose JSON grew or shrank is still one.
+fn keep_glb_lengths(bytes: &mut [u8], by: i64) {
+    if !bytes.starts_with(b"glTF") {
+        return;
+    }
+    for at in [8, 12] {
+        if let Some(field) = bytes.get_mut(at..at + 4) {
+            let length = u32::from_le_bytes([field[0], field[1], field[2], field[3]]);
+            field.copy_from_slice(&((i64::from(length) + by) as u32).to_le_bytes());
+        }
+    }
+}

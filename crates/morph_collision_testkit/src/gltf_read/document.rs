@@ -1,0 +1,262 @@
+//! The JSON of a file, as far as meshes and their clips need it.
+//!
+//! Elements of the top-level lists are parsed when they are first used, so broken elements matter only when they are used.
+
+use std::cell::OnceCell;
+use std::collections::HashMap;
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Deserializer};
+use serde_json::value::RawValue;
+
+use crate::memory::{MemoryBudget, OverBudget};
+
+/// At most what an element of a list takes, parsed or not, while the list grows.
+const BYTES_PER_ELEMENT: u64 = 128;
+
+/// The top level.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Root {
+    /// Required, so that any other JSON is recognised.
+    #[serde(rename = "asset")]
+    _asset: HashMap<String, serde::de::IgnoredAny>,
+    #[serde(default)]
+    pub(super) extensions_required: Vec<String>,
+    #[serde(default)]
+    pub(super) buffers: List<Buffer>,
+    #[serde(default)]
+    pub(super) buffer_views: List<View>,
+    #[serde(default)]
+    pub(super) accessors: List<Accessor>,
+    #[serde(default)]
+    pub(super) meshes: List<Mesh>,
+    #[serde(default)]
+    pub(super) nodes: List<Node>,
+    #[serde(default)]
+    pub(super) animations: List<Animation>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Buffer {
+    pub(super) byte_length: u64,
+    pub(super) uri: Option<String>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct View {
+    pub(super) buffer: usize,
+    #[serde(default)]
+    pub(super) byte_offset: u64,
+    pub(super) byte_length: u64,
+    pub(super) byte_stride: Option<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Accessor {
+    pub(super) buffer_view: Option<usize>,
+    #[serde(default)]
+    pub(super) byte_offset: u64,
+    pub(super) component_type: u32,
+    #[serde(default)]
+    pub(super) normalized: bool,
+    pub(super) count: u64,
+    #[serde(rename = "type")]
+    pub(super) shape: String,
+    pub(super) sparse: Option<Sparse>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Sparse {
+    pub(super) count: u64,
+    pub(super) indices: SparsePart,
+    pub(super) values: SparsePart,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct SparsePart {
+    pub(super) buffer_view: usize,
+    #[serde(default)]
+    pub(super) byte_offset: u64,
+    /// Of indices only.
+    #[serde(default)]
+    pub(super) component_type: u32,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Mesh {
+    pub(super) name: Option<String>,
+    #[serde(default)]
+    pub(super) primitives: Vec<Primitive>,
+    pub(super) extras: Option<Box<RawValue>>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Primitive {
+    #[serde(default)]
+    pub(super) attributes: Attributes,
+    pub(super) indices: Option<usize>,
+    /// Triangles where left out.
+    #[serde(default = "triangles")]
+    pub(super) mode: u32,
+    #[serde(default)]
+    pub(super) targets: Vec<Target>,
+}
+
+const fn triangles() -> u32 {
+    gltf::json::mesh::TRIANGLES
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct Attributes {
+    #[serde(rename = "POSITION")]
+    pub(super) positions: Option<usize>,
+    #[serde(rename = "JOINTS_0")]
+    pub(super) joints: Option<usize>,
+    #[serde(rename = "WEIGHTS_0")]
+    pub(super) joint_weights: Option<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Target {
+    #[serde(rename = "POSITION")]
+    pub(super) positions: Option<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Node {
+    pub(super) mesh: Option<usize>,
+    pub(super) skin: Option<usize>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Animation {
+    pub(super) name: Option<String>,
+    #[serde(default)]
+    pub(super) channels: List<Channel>,
+    #[serde(default)]
+    pub(super) samplers: List<Sampler>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Channel {
+    pub(super) sampler: usize,
+    pub(super) target: ChannelTarget,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct ChannelTarget {
+    /// Absent where an extension says what is animated.
+    pub(super) node: Option<usize>,
+    pub(super) path: String,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Sampler {
+    pub(super) input: usize,
+    pub(super) output: usize,
+    pub(super) interpolation: Option<String>,
+}
+
+impl Root {
+    /// Parses the top level; the error is the parser's.
+    pub(super) fn parse(json: &[u8], budget: &MemoryBudget) -> Result<Self, RootError> {
+        budget.take(bytes_of(json), 1, || "the JSON".into())?;
+        Ok(serde_json::from_slice(json)?)
+    }
+}
+
+/// At most what JSON takes once parsed: its text, and one element for each of these characters.
+fn bytes_of(json: &[u8]) -> u64 {
+    let elements = json.iter().filter(|byte| matches!(byte, b',' | b'[' | b'{')).count();
+    json.len() as u64 + elements as u64 * BYTES_PER_ELEMENT
+}
+
+/// Why the top level cannot be parsed.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum RootError {
+    #[error(transparent)]
+    Json(#[from] serde_json::Error),
+    #[error(transparent)]
+    OverBudget(#[from] OverBudget),
+}
+
+/// The first 200 characters of a text from a file: enough for a message, and no cost to copy.
+pub(super) fn abridged(text: &str) -> String {
+    match text.char_indices().nth(200) {
+        None => text.to_owned(),
+        Some((end, _)) => format!("{}...", &text[..end]),
+    }
+}
+
+/// A list whose elements are parsed one by one, on first use.
+#[derive(Debug)]
+pub(super) struct List<T>(Vec<Element<T>>);
+
+#[derive(Debug)]
+struct Element<T> {
+    text: Box<RawValue>,
+    parsed: OnceCell<Box<Result<T, ElementError>>>,
+}
+
+/// Why an element of a list cannot be used.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ElementError {
+    /// There are fewer.
+    #[error("does not exist")]
+    Missing,
+    /// It is not what its place in the file asks for.
+    #[error("is malformed: {0}")]
+    Malformed(String),
+    /// Parsing it would take too much memory.
+    #[error("is too large: {0}")]
+    OverBudget(OverBudget),
+}
+
+impl<T> Default for List<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<'de, T> Deserialize<'de> for List<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let texts = Vec::<Box<RawValue>>::deserialize(deserializer)?;
+        let unparsed = |text| Element {
+            text,
+            parsed: OnceCell::new(),
+        };
+        Ok(Self(texts.into_iter().map(unparsed).collect()))
+    }
+}
+
+impl<T: DeserializeOwned> List<T> {
+    pub(super) fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    pub(super) fn indices(&self) -> std::ops::Range<usize> {
+        0..self.0.len()
+    }
+
+    pub(super) fn get(&self, index: usize, budget: &MemoryBudget) -> Result<&T, ElementError> {
+        let element = self.0.get(index).ok_or(ElementError::Missing)?;
+        if element.parsed.get().is_none() {
+            // A refusal is not remembered: there may be more memory later.
+            let bytes = bytes_of(element.text.get().as_bytes());
+            let keep = budget.keep(bytes, 1, || "its JSON".into());
+            keep.map_err(ElementError::OverBudget)?;
+        }
+        let parse = || {
+            let parsed = serde_json::from_str(element.text.get());
+            // The parser quotes whole strings.
+            parsed.map_err(|error| ElementError::Malformed(abridged(&error.to_string())))
+        };
+        let parsed = element.parsed.get_or_init(|| Box::new(parse()));
+        (**parsed).as_ref().map_err(Clone::clone)
+    }
+}

@@ -1,0 +1,270 @@
+//! Files are loaded as the README shows, and collide and are drawn as what is in them.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use bevy::animation::AnimationPlugin;
+use bevy::gltf::GltfPlugin;
+use bevy::mesh::MeshPlugin;
+use bevy::prelude::*;
+use bevy::world_serialization::{WorldAsset, WorldInstanceReady, WorldSerializationPlugin};
+use bevy_morph_collision::morph_collision::Pose;
+use bevy_morph_collision::{MorphTrees, prelude::*};
+use morph_collision_testkit::gltf_read::read_meshes;
+use morph_collision_testkit::gltf_write::{Appearance, to_glb};
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_workspace::app::{headless, is_loaded, ready, update_until};
+
+use crate::support::{assets, settle, stretching_cube};
+
+/// An app with the first scene of a file in it.
+fn load(file: &Path, scene: MorphColliderScene) -> App {
+    let mut app = headless(file.parent().unwrap());
+    ready(&mut app);
+    show(&mut app, file, scene);
+    app
+}
+
+/// Loads the first scene of a file.
+fn show(app: &mut App, file: &Path, colliders: MorphColliderScene) {
+    #[derive(Resource, Default)]
+    struct IsThere(bool);
+    app.init_resource::<IsThere>();
+    app.world_mut()
+        .add_observer(|_: On<WorldInstanceReady>, mut is_there: ResMut<IsThere>| is_there.0 = true);
+    let name = file.file_name().unwrap().to_str().unwrap();
+    let scene: Handle<WorldAsset> = app.world().resource::<AssetServer>().load(format!("{name}#Scene0"));
+    let id = scene.id().untyped();
+    app.world_mut()
+        .spawn((WorldAssetRoot(scene), Transform::default(), colliders));
+    update_until(app, file, |world| {
+        is_loaded(world.resource::<AssetServer>(), id, file)?;
+        Ok(world.resource::<IsThere>().0)
+    })
+    .expect("the scene is spawned");
+    settle(app);
+}
+
+/// The numbers of mesh and primitive that an asset was loaded from.
+fn source(app: &App, mesh: AssetId<Mesh>) -> (usize, usize) {
+    let path = app.world().resource::<AssetServer>().get_path(mesh).unwrap();
+    let label = path.label().unwrap();
+    let (mesh, primitive) = label.strip_prefix("Mesh").unwrap().split_once("/Primitive").unwrap();
+    (mesh.parse().unwrap(), primitive.parse().unwrap())
+}
+
+/// A mesh asset has the triangles and displacements of a primitive in the file, and its tree poses them as the file says.
+fn compare(app: &App, id: AssetId<Mesh>, file: &MorphMesh, primitive: usize, name: &str) {
+    let range = &file.primitives[primitive];
+    let triangles = &file.triangles[range.start as usize..range.end as usize];
+    let (targets, corners) = (file.targets.len(), triangles.as_flattened());
+
+    let drawn = app.world().resource::<Assets<Mesh>>().get(id).unwrap();
+    assert!(drawn.contains_attribute(Mesh::ATTRIBUTE_NORMAL), "{name} is shaded");
+    let vertices = drawn.count_vertices();
+    let positions = drawn.attribute(Mesh::ATTRIBUTE_POSITION).unwrap().as_float3().unwrap();
+    let displacements = drawn.morph_targets().map_or(&[][..], Vec::as_slice);
+    assert_eq!(displacements.len(), vertices * targets, "{name}");
+    let indices: Vec<usize> = match drawn.indices() {
+        Some(indices) => indices.iter().collect(),
+        None => (0..vertices).collect(),
+    };
+    assert_eq!(indices.len(), corners.len(), "{name}");
+    for (&vertex, &corner) in indices.iter().zip(corners) {
+        assert_eq!(Vec3::from(positions[vertex]), file.positions[corner as usize], "{name}");
+    }
+    for (target, in_file) in file.targets.iter().enumerate() {
+        let drawn = &displacements[target * vertices..][..vertices];
+        for (&vertex, &corner) in indices.iter().zip(corners) {
+            let expected = in_file[corner as usize];
+            assert_eq!(
+                drawn[vertex].position, expected,
+                "{name}: target {target}, vertex {corner}"
+            );
+        }
+    }
+
+    let tree = app.world().resource::<MorphTrees>().get(id);
+    let tree = tree.unwrap_or_else(|| panic!("{name} has no tree"));
+    let model = tree.model();
+    let sizes = (
+        model.source_vertex_count(),
+        model.target_count(),
+        model.triangle_count(),
+    );
+    assert_eq!(sizes, (vertices, targets, triangles.len()), "{name}");
+    let mut pose = Pose::new(tree.clone());
+    for turn in 0..3 {
+        let weight = |target: usize| ((target * 7 + turn * 3) as f32 * 0.37).sin();
+        let weights: Vec<f32> = (0..targets).map(weight).collect();
+        pose.set_weights(&weights).unwrap();
+        let expected = file.posed(&weights);
+        for (number, triangle) in (0..).zip(triangles) {
+            let expected = triangle.map(|corner| expected[corner as usize]);
+            assert_eq!(pose.triangle(number), Some(expected), "{name}: triangle {number}");
+        }
+    }
+}
+
+/// Loads a file and compares what morphs in it, or all of it if nothing does; returns how many meshes morph.
+fn loads_as_it_is(path: &Path) -> usize {
+    let file = read_meshes(path).unwrap();
+    let morphing = file.iter().filter(|mesh| !mesh.targets.is_empty());
+    let morphing: usize = morphing.map(|mesh| mesh.primitives.len()).sum();
+    let app = load(path, MorphColliderScene::default());
+    assert_eq!(
+        compare_all(app, path, &file),
+        morphing,
+        "{}: all that morphs collides",
+        path.display()
+    );
+    if morphing == 0 {
+        let everything = MorphColliderScene {
+            only_morphing: false,
+            ..default()
+        };
+        let all: usize = file.iter().map(|mesh| mesh.primitives.len()).sum();
+        assert_eq!(
+            compare_all(load(path, everything), path, &file),
+            all,
+            "{}",
+            path.display()
+        );
+    }
+    morphing
+}
+
+/// Compares all mesh assets that collide; returns how many there are.
+fn compare_all(mut app: App, path: &Path, file: &[MorphMesh]) -> usize {
+    let mut colliders = app.world_mut().query_filtered::<&Mesh3d, With<MorphCollider>>();
+    let colliding: BTreeSet<_> = colliders
+        .iter(app.world())
+        .map(|mesh| (source(&app, mesh.id()), mesh.id()))
+        .collect();
+    for &((mesh, primitive), id) in &colliding {
+        compare(&app, id, &file[mesh], primitive, &path.display().to_string());
+    }
+    colliding.len()
+}
+
+/// The models in a folder.
+fn models(folder: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = folder.read_dir() else {
+        println!("skipped: {} is not there", folder.display());
+        return Vec::new();
+    };
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.retain(|file| {
+        file.extension()
+            .is_some_and(|extension| extension == "glb" || extension == "gltf")
+    });
+    files.sort();
+    files
+}
+
+#[test]
+fn every_model_of_the_repository_loads_as_it_is() {
+    let files = models(&assets());
+    assert!(files.len() >= 5, "{files:?}");
+    for file in files {
+        assert!(loads_as_it_is(&file) > 0, "{} morphs", file.display());
+    }
+}
+
+#[test]
+fn every_model_from_elsewhere_loads_as_it_is() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models");
+    if !folder.is_dir() {
+        println!("skipped: {} is not there", folder.display());
+        return;
+    }
+    assert!(!models(&folder).is_empty());
+    for file in models(&folder).into_iter().chain(models(&folder.join("sequences"))) {
+        let morphing = loads_as_it_is(&file);
+        println!("{}: {morphing} morphing meshes", file.display());
+    }
+}
+
+/// The same file without normals.
+fn without_normals(glb: &[u8]) -> Vec<u8> {
+    let word = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().unwrap()) as usize;
+    let end = 20 + word(12);
+    let mut json: serde_json::Value = serde_json::from_slice(&glb[20..end]).unwrap();
+    let mut removed = 0;
+    for primitive in json["meshes"]
+        .as_array_mut()
+        .unwrap()
+        .iter_mut()
+        .flat_map(|mesh| mesh["primitives"].as_array_mut().unwrap())
+    {
+        removed += usize::from(
+            primitive["attributes"]
+                .as_object_mut()
+                .unwrap()
+                .remove("NORMAL")
+                .is_some(),
+        );
+        for target in primitive["targets"].as_array_mut().unwrap() {
+            target.as_object_mut().unwrap().remove("NORMAL");
+        }
+    }
+    assert!(removed > 0);
+    let mut json = serde_json::to_vec(&json).unwrap();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let mut bare = glb[..8].to_vec();
+    bare.extend(((20 + json.len() + glb.len() - end) as u32).to_le_bytes());
+    bare.extend((json.len() as u32).to_le_bytes());
+    bare.extend(b"JSON");
+    bare.extend(json);
+    bare.extend(&glb[end..]);
+    bare
+}
+
+/// A folder with the stretching cube in a file without normals: two primitives with vertices in common.
+fn bare_cube() -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("bare.glb");
+    let mut mesh = stretching_cube();
+    mesh.targets
+        .push((0..8).map(|i| Vec3::new(0.0, i as f32, -0.25)).collect());
+    mesh.targets.push((0..8).map(|i| Vec3::splat(0.5 - i as f32)).collect());
+    mesh.target_names.extend(["rise".into(), "shrink".into()]);
+    mesh.primitives = vec![0..5, 5..12];
+    let bytes = to_glb(&mesh, &Appearance::default()).unwrap();
+    std::fs::write(&file, without_normals(&bytes)).unwrap();
+    (folder, file)
+}
+
+#[test]
+fn a_mesh_without_normals_is_drawn_and_collides_as_it_is() {
+    let (_folder, file) = bare_cube();
+    assert_eq!(loads_as_it_is(&file), 2);
+    // The names say how many targets there are. Without them that cannot be told from a split mesh.
+    let mut bytes = std::fs::read(&file).unwrap();
+    let at = bytes.windows(11).position(|text| text == b"targetNames").unwrap();
+    bytes[at] = b'T';
+    std::fs::write(&file, bytes).unwrap();
+    assert_eq!(loads_as_it_is(&file), 2);
+}
+
+#[test]
+fn meshes_without_normals_are_repaired_whichever_plugin_comes_first() {
+    let (folder, file) = bare_cube();
+    let read = read_meshes(&file).unwrap();
+    let assets = AssetPlugin {
+        file_path: folder.path().to_str().unwrap().into(),
+        ..default()
+    };
+    let mut app = App::new();
+    app.add_plugins((MorphCollisionPlugin, MinimalPlugins, TransformPlugin, assets))
+        .add_plugins((
+            WorldSerializationPlugin,
+            ImagePlugin::default(),
+            MeshPlugin,
+            GltfPlugin::default(),
+            AnimationPlugin,
+        ));
+    ready(&mut app);
+    show(&mut app, &file, MorphColliderScene::default());
+    assert_eq!(compare_all(app, &file, &read), 2);
+}

@@ -1,0 +1,124 @@
+//! An app with a few small meshes, and the entities that live in it.
+
+use std::collections::HashMap;
+
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::prelude::*;
+use bevy_morph_collision::{MorphTrees, prelude::*};
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::models::random::{random_blob, triangle_soup};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use crate::support::{add_mesh, app, bevy_mesh, cube, settle, stretching_cube};
+
+pub(super) struct Zoo {
+    pub(super) app: App,
+    pub(super) rng: Pcg64Mcg,
+    /// The meshes that assets hold at the moment; none for an asset that was removed.
+    pub(super) meshes: HashMap<AssetId<Mesh>, Option<MorphMesh>>,
+    pub(super) handles: Vec<Handle<Mesh>>,
+    /// Meshes that assets may be given.
+    pub(super) shapes: Vec<MorphMesh>,
+    /// What may be a collider; some may have been despawned.
+    pub(super) animals: Vec<Entity>,
+    /// What animals may hang on.
+    pub(super) cages: Vec<Entity>,
+}
+
+impl Zoo {
+    pub(super) fn new(seed: u64) -> Self {
+        let mut app = app();
+        let shapes = vec![
+            cube(),
+            stretching_cube(),
+            random_blob(seed, 0, 3, 0.5),
+            random_blob(seed + 100, 1, 2, 0.3),
+            triangle_soup(seed, 12, 2),
+        ];
+        let handles: Vec<_> = shapes.iter().map(|mesh| add_mesh(&mut app, mesh)).collect();
+        let meshes = handles
+            .iter()
+            .map(Handle::id)
+            .zip(shapes.iter().cloned().map(Some))
+            .collect();
+        // Somebody always shows each mesh, so that its tree is kept and nobody else has to wait for it.
+        for handle in &handles {
+            let keeper = (
+                Mesh3d(handle.clone()),
+                MorphCollider::default(),
+                MorphCollisionLayers::NONE,
+            );
+            app.world_mut().spawn(keeper);
+        }
+        // Every other life with lists that are cut early.
+        if seed % 2 == 1 {
+            app.world_mut()
+                .resource_mut::<MorphCollisionSettings>()
+                .max_triangle_pairs = 40;
+        }
+        let cages = (0..3)
+            .map(|_| app.world_mut().spawn(Transform::default()).id())
+            .collect();
+        settle(&mut app);
+        Self {
+            app,
+            rng: Pcg64Mcg::seed_from_u64(seed),
+            meshes,
+            handles,
+            shapes,
+            animals: Vec::new(),
+            cages,
+        }
+    }
+
+    /// A number from 1 to `most`.
+    pub(super) fn up_to(&mut self, most: usize) -> usize {
+        self.rng.random_range(1..=most)
+    }
+
+    /// One of some things.
+    pub(super) fn one_of<T: Clone>(&mut self, things: &[T]) -> T {
+        things[self.rng.random_range(0..things.len())].clone()
+    }
+
+    pub(super) fn is_paused(&self) -> bool {
+        self.app.world().resource::<MorphCollisionSettings>().paused
+    }
+
+    /// Whether any animal has a tree that is not kept for it.
+    pub(super) fn has_trees_of_its_own(&mut self) -> bool {
+        let world = self.app.world_mut();
+        let mut settings = world.query_filtered::<(), (With<MorphTreeSettings>, Allow<Disabled>)>();
+        settings.iter(world).next().is_some()
+    }
+
+    /// Runs frames until no tree is being built and all have been handed out.
+    pub(super) fn settle(&mut self, mut after_frame: impl FnMut(&mut App)) {
+        for _ in 0..100_000 {
+            self.app.update();
+            after_frame(&mut self.app);
+            if self.app.world().resource::<MorphTrees>().building() == 0 {
+                return;
+            }
+        }
+        panic!("a tree is never finished");
+    }
+
+    /// Puts another shape into a mesh asset.
+    pub(super) fn reshape(&mut self, handle: &Handle<Mesh>, shape: MorphMesh) {
+        let mut assets = self.app.world_mut().resource_mut::<Assets<Mesh>>();
+        assets
+            .insert(handle.id(), bevy_mesh(&shape))
+            .expect("the handle is kept");
+        self.meshes.insert(handle.id(), Some(shape));
+    }
+
+    pub(super) fn despawn_everything(&mut self) {
+        self.app.world_mut().resource_mut::<MorphCollisionSettings>().paused = false;
+        for entity in self.animals.drain(..).chain(self.cages.drain(..)) {
+            self.app.world_mut().try_despawn(entity).ok();
+        }
+        self.app.update();
+    }
+}

@@ -5,7 +5,7 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
-use crate::log::{Errors, run_here};
+use crate::log::Errors;
 use crate::support::{app, bevy_mesh, cube, settle, spawn};
 
 /// A cube whose vertices all follow one bone.
@@ -34,7 +34,6 @@ fn spawn_skinned(app: &mut App, mesh: &Handle<Mesh>, name: &'static str) -> Enti
 fn each_mesh_with_bones_is_warned_of_once() {
     Errors::collect(|log| {
         let mut app = app();
-        run_here(&mut app);
         let [shared, other] = [boned_cube(), boned_cube()].map(|mesh| add(&mut app, mesh));
         for name in ["first", "second", "third"] {
             spawn_skinned(&mut app, &shared, name);
@@ -60,7 +59,6 @@ fn each_mesh_with_bones_is_warned_of_once() {
 fn a_mesh_that_is_loaded_late_is_warned_of_then() {
     Errors::collect(|log| {
         let mut app = app();
-        run_here(&mut app);
         let handle = app.world().resource::<Assets<Mesh>>().reserve_handle();
         spawn_skinned(&mut app, &handle, "late");
         settle(&mut app);
@@ -76,7 +74,6 @@ fn a_mesh_that_is_loaded_late_is_warned_of_then() {
 fn what_no_bone_moves_is_not_warned_of() {
     Errors::collect(|log| {
         let mut app = app();
-        run_here(&mut app);
         let [boned, rigid] = [boned_cube(), bevy_mesh(&cube())].map(|mesh| add(&mut app, mesh));
         // Bevy draws all of these where their transforms are: a mesh without a skeleton, and a skeleton without a mesh to move.
         spawn(&mut app, &boned, 0.0);

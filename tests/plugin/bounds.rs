@@ -7,15 +7,15 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::{MorphTrees, prelude::*};
-use morph_collision_workspace::app::{headless, ready};
+use morph_collision_workspace::app::headless;
 
-use crate::log::{Errors, run_here};
+use crate::log::{Errors, start};
 use crate::support::{add_mesh, assets, bevy_mesh, set_weight, settle, stretching_cube};
 
 fn app() -> App {
     let mut app = headless(&assets());
     app.add_plugins((VisibilityPlugin, MorphBoundsPlugin));
-    ready(&mut app);
+    start(&mut app);
     app
 }
 
@@ -60,7 +60,7 @@ fn bounds_alone() -> App {
         VisibilityPlugin,
         MorphBoundsPlugin,
     ));
-    ready(&mut app);
+    start(&mut app);
     app
 }
 
@@ -195,7 +195,6 @@ fn a_mesh_that_cannot_be_bounded_is_logged_as_such() {
     // With the collision plugin or without it; the last one is a collider, too.
     for (mut app, collides) in [(bounds_alone(), false), (app(), false), (app(), true)] {
         Errors::collect(|errors| {
-            run_here(&mut app);
             let cube = spawn(&mut app, Name::new("jelly"));
             let mut broken = bevy_mesh(&stretching_cube());
             let vertices = broken.count_vertices();

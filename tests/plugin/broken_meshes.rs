@@ -5,7 +5,7 @@ use bevy::mesh::{Indices, PrimitiveTopology, morph::MorphAttributes};
 use bevy::prelude::*;
 use bevy_morph_collision::{ImportError, MorphTrees, morph_collision::ModelError};
 
-use crate::log::{Errors, run_here};
+use crate::log::Errors;
 use crate::support::{
     add_mesh, app, bevy_mesh, cube, diagnostics, move_to, settle, spawn, stretching_cube, touches, two_cubes,
 };
@@ -44,7 +44,6 @@ fn refusal(mesh: Mesh) -> ImportError {
     let mut found = None;
     Errors::collect(|errors| {
         let mut app = app();
-        run_here(&mut app);
         let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
         let good = add_mesh(&mut app, &cube());
         let [a, broken, b] = [(&good, 0.0), (&mesh, 0.4), (&good, 0.8)].map(|(mesh, x)| spawn(&mut app, mesh, x));
@@ -157,7 +156,6 @@ fn heard_of_renderer_only(mesh_first: bool) -> (Option<ImportError>, Vec<String>
     let mut heard = None;
     Errors::collect(|errors| {
         let mut app = app();
-        run_here(&mut app);
         let mut mesh = bevy_mesh(&cube());
         mesh.asset_usage = RenderAssetUsages::RENDER_WORLD;
         let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
@@ -225,7 +223,6 @@ fn indices_of_any_kind_give_the_same_contact() {
 fn a_transform_that_is_not_finite_is_logged_once_and_leaves_its_collider_out() {
     Errors::collect(|errors| {
         let (mut app, [a, b]) = two_cubes(0.8);
-        run_here(&mut app);
         move_to(&mut app, b, f32::NAN);
         app.update();
         app.update();

@@ -7,8 +7,9 @@ use bevy::gizmos::{GizmoAsset, GizmoHandles, GizmoPlugin};
 use bevy::prelude::*;
 use bevy_morph_collision::morph_collision::Pose;
 use bevy_morph_collision::{MorphTrees, prelude::*};
-use morph_collision_workspace::app::{headless, ready};
+use morph_collision_workspace::app::headless;
 
+use crate::log::start;
 use crate::support::{add_mesh, assets, diagnostics, set_weight, settle, spawn, stretching_cube};
 
 /// Where the second cube is.
@@ -18,7 +19,7 @@ const APART: f32 = 0.8;
 fn two_drawn_cubes() -> (App, [Entity; 2]) {
     let mut app = headless(&assets());
     app.add_plugins((GizmoPlugin, MorphGizmosPlugin));
-    ready(&mut app);
+    start(&mut app);
     let mesh = add_mesh(&mut app, &stretching_cube());
     let cubes = [0.0, APART].map(|x| spawn(&mut app, &mesh, x));
     for cube in cubes {

@@ -13,14 +13,15 @@ use bevy_morph_collision::{MorphTrees, prelude::*};
 use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::gltf_write::{Appearance, to_glb};
 use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_workspace::app::{headless, is_loaded, ready, update_until};
+use morph_collision_workspace::app::{headless, is_loaded, update_until};
 
+use crate::log::start;
 use crate::support::{assets, settle, stretching_cube};
 
 /// An app with the first scene of a file in it.
 fn load(file: &Path, scene: MorphColliderScene) -> App {
     let mut app = headless(file.parent().unwrap());
-    ready(&mut app);
+    start(&mut app);
     show(&mut app, file, scene);
     app
 }
@@ -264,7 +265,7 @@ fn meshes_without_normals_are_repaired_whichever_plugin_comes_first() {
             GltfPlugin::default(),
             AnimationPlugin,
         ));
-    ready(&mut app);
+    start(&mut app);
     show(&mut app, &file, MorphColliderScene::default());
     assert_eq!(compare_all(app, &file, &read), 2);
 }

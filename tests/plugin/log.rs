@@ -5,10 +5,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use bevy::app::App;
 use bevy::ecs::schedule::{Schedules, SingleThreadedExecutor};
+use morph_collision_workspace::app::ready;
 use tracing::field::{Field, Visit};
 use tracing::{Event, Level, Metadata, Subscriber, span};
 
-/// The plugin's errors and warnings, in order, of apps whose systems [`run_here`]. Tests do not see each other's.
+/// The plugin's errors and warnings, in order, of apps that this test [`start`]ed. Tests do not see each other's.
 #[derive(Clone, Default)]
 pub(crate) struct Errors(Arc<Mutex<Vec<(Level, String)>>>);
 
@@ -41,7 +42,16 @@ impl Errors {
     }
 }
 
-/// Lets the app's systems run on this thread, where what they log is collected.
+/// Makes the app ready for its first frame, with its systems on this thread, where what they log is collected.
+///
+/// Every app of these tests should start so: a system that is left to Bevy's threads may be run by the thread of another test, while that
+/// waits for tasks of its own, and then the other test hears what it logs.
+pub(crate) fn start(app: &mut App) {
+    ready(app);
+    run_here(app);
+}
+
+/// What [`start`] does for an app that is ready already.
 pub(crate) fn run_here(app: &mut App) {
     for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
         schedule.set_executor(SingleThreadedExecutor::new());

@@ -16,9 +16,9 @@ use bevy_morph_collision::prelude::*;
 use bevy_morph_collision::{Facing, MorphClosestPoints, MorphContactPoint, MorphContacts, MorphProjection};
 use serde::de::DeserializeSeed;
 
-use morph_collision_workspace::app::{headless, ready};
+use morph_collision_workspace::app::headless;
 
-use crate::log::{Errors, run_here};
+use crate::log::{Errors, start};
 use crate::support::{app, assets, cube, move_to, settle, spawn, touches};
 
 /// How many pairs of systems conflict without being ordered, in all schedules together.
@@ -76,7 +76,7 @@ fn the_plugin_runs_in_the_fixed_schedule_too() {
     // Two frames to a step.
     let step = Time::<Fixed>::default().timestep();
     app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(step / 2));
-    ready(&mut app);
+    start(&mut app);
     let mesh = crate::support::add_mesh(&mut app, &cube());
     let [a, b] = [0.0, 3.0].map(|x| spawn(&mut app, &mesh, x));
     settle(&mut app);
@@ -266,8 +266,7 @@ fn plugins_that_need_others_say_so_and_do_not_panic() {
                 bevy::mesh::MeshPlugin,
             ));
             plugins(&mut app);
-            run_here(&mut app);
-            ready(&mut app);
+            start(&mut app);
             for _ in 0..3 {
                 app.update();
             }

@@ -123,7 +123,6 @@ fn within_their_margins_colliders_count_as_touching() {
 fn a_bad_margin_is_logged_and_leaves_the_collider_out() {
     crate::log::Errors::collect(|errors| {
         let (mut app, [a, b]) = two_cubes(0.8);
-        crate::log::run_here(&mut app);
         app.world_mut()
             .entity_mut(a)
             .insert(MorphCollider::default().with_margin(f32::NAN));
@@ -251,7 +250,6 @@ fn colliders_can_have_trees_of_their_own() {
     app.world_mut()
         .entity_mut(a)
         .insert(MorphTreeSettings { arity: 3, ..settings });
-    crate::log::run_here(&mut app);
     crate::log::Errors::collect(|errors| {
         settle(&mut app);
         let logged = errors.take();

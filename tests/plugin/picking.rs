@@ -9,8 +9,9 @@ use bevy::prelude::*;
 use bevy_morph_collision::MorphPickingSettings;
 use bevy_morph_collision::prelude::*;
 
-use morph_collision_workspace::app::{headless, ready};
+use morph_collision_workspace::app::headless;
 
+use crate::log::start;
 use crate::support::{add_mesh, assets, set_weight, settle, spawn, stretching_cube};
 
 struct Picked {
@@ -27,7 +28,7 @@ impl Picked {
         app.init_resource::<RayMap>()
             .add_message::<PointerHits>()
             .add_plugins(MorphPickingPlugin);
-        ready(&mut app);
+        start(&mut app);
         let mesh = add_mesh(&mut app, &stretching_cube());
         let cubes = [spawn(&mut app, &mesh, 0.0), spawn(&mut app, &mesh, 4.0)];
         let camera = app.world_mut().spawn(Camera { order: 3, ..default() }).id();

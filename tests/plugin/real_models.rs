@@ -10,8 +10,9 @@ use bevy::mesh::morph::{MeshMorphWeights, MorphAttributes, MorphWeights};
 use bevy::prelude::*;
 use bevy::world_serialization::WorldInstanceReady;
 use bevy_morph_collision::prelude::*;
-use morph_collision_workspace::app::{headless, load_gltf, ready, update_until};
+use morph_collision_workspace::app::{headless, load_gltf, update_until};
 
+use crate::log::start;
 use crate::support::{Messages, assets, settle, touches};
 
 /// The head that comes with the repository: a real face without a clip.
@@ -35,7 +36,7 @@ fn shared(name: &str) -> Option<PathBuf> {
 fn with_model(file: &Path) -> (App, Vec<Handle<AnimationClip>>) {
     let mut app = headless(file.parent().unwrap());
     app.add_plugins((VisibilityPlugin, MorphBoundsPlugin));
-    ready(&mut app);
+    start(&mut app);
     let gltf = load_gltf(&mut app, file).expect("the model can be loaded");
     let (scene, clips) = {
         let gltf = app.world().resource::<Assets<Gltf>>().get(&gltf).unwrap();

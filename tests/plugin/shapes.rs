@@ -156,7 +156,6 @@ fn two_shapes_are_left_to_physics() {
 fn a_bad_shape_is_logged_with_its_name() {
     crate::log::Errors::collect(|errors| {
         let mut app = app();
-        crate::log::run_here(&mut app);
         let ball = spawn_shape(&mut app, MorphShape::Ball { radius: -1.0 }, Transform::default());
         app.world_mut().entity_mut(ball).insert(Name::new("bubble"));
         app.update();

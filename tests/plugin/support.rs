@@ -7,18 +7,20 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::{MorphTrees, prelude::*};
 use morph_collision_testkit::{mesh::MorphMesh, models::rigid};
-use morph_collision_workspace::app::{headless, ready};
+use morph_collision_workspace::app::headless;
 pub(crate) use morph_collision_workspace::physics::bevy_mesh;
+
+use crate::log::start;
 
 /// The folder of the models that come with the repository.
 pub(crate) fn assets() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
 }
 
-/// An app with all plugins, ready for its first frame.
+/// An app with all plugins, ready for its first frame, with its systems on this thread: see [`start`].
 pub(crate) fn app() -> App {
     let mut app = headless(&assets());
-    ready(&mut app);
+    start(&mut app);
     app
 }
 
@@ -34,7 +36,7 @@ pub(crate) fn fixed_app(frames_per_tick: u32, ticks_per_frame: u32) -> App {
     ));
     let frame = Time::<Fixed>::default().timestep() * ticks_per_frame / frames_per_tick;
     app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(frame));
-    ready(&mut app);
+    start(&mut app);
     app
 }
 

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::morph_collision::{MorphBvh, Pose};
 use bevy_morph_collision::{MorphTrees, prelude::*};
 
-use crate::log::{Errors, run_here};
+use crate::log::{Errors, start};
 use crate::support::{
     add_mesh, bevy_mesh, cube, diagnostics, move_to, settle, spawn, stretching_cube, touches, two_cubes,
 };
@@ -61,7 +61,6 @@ fn a_mesh_may_come_back_with_other_targets() {
 fn a_mesh_that_breaks_keeps_its_last_good_tree() {
     Errors::collect(|errors| {
         let (mut app, [a, b]) = two_cubes(0.8);
-        run_here(&mut app);
         let mesh = mesh_of(&app, a);
         let mut broken = bevy_mesh(&cube());
         broken.insert_attribute(Mesh::ATTRIBUTE_POSITION, vec![Vec3::NAN; 8]);
@@ -229,7 +228,7 @@ fn bounds_keep_the_tree_that_they_use() {
     use bevy::camera::visibility::VisibilityPlugin;
     let mut app = morph_collision_workspace::app::headless(&crate::support::assets());
     app.add_plugins((VisibilityPlugin, MorphBoundsPlugin));
-    morph_collision_workspace::app::ready(&mut app);
+    start(&mut app);
     let mesh = add_mesh(&mut app, &stretching_cube());
     let collider = spawn(&mut app, &mesh, 0.0);
     crate::support::set_weight(&mut app, collider, 0.0);

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::mesh::MorphMesh;
 
-use crate::log::{Errors, run_here};
+use crate::log::Errors;
 use crate::support::{add_mesh, app, bevy_mesh, cube, move_to, set_weight, settle, spawn, stretching_cube, touches};
 
 /// A stretching cube at 0, and a rigid one that it reaches with weight 1 but not at rest.
@@ -56,7 +56,6 @@ fn weights_by_reference_are_followed() {
 fn bad_weights_are_logged_once_and_the_last_good_ones_stay() {
     Errors::collect(|errors| {
         let (mut app, [a, b]) = cubes_apart();
-        run_here(&mut app);
         set_weight(&mut app, a, 1.0);
         app.update();
         let nobody = app.world_mut().spawn_empty().id();
@@ -117,7 +116,6 @@ fn targets_and_weights_may_change_one_after_the_other() {
         for case in 0..16 {
             let (in_place, mesh_first, gap) = (case % 2 == 0, case / 2 % 2 == 0, [0, 1, 3, 6][case / 4]);
             let (mut app, [a, _]) = cubes_apart();
-            run_here(&mut app);
             set_weight(&mut app, a, 1.0);
             app.update();
             let change_mesh = |app: &mut App| {
@@ -168,7 +166,6 @@ fn targets_and_weights_may_change_one_after_the_other() {
 fn a_wrong_number_of_weights_that_stays_is_logged_once() {
     Errors::collect(|errors| {
         let (mut app, [a, _]) = cubes_apart();
-        run_here(&mut app);
         for change in [0, 1] {
             if change == 0 {
                 let weights = MeshMorphWeights::Value { weights: vec![0.0; 2] };
@@ -197,7 +194,6 @@ fn a_wrong_number_of_weights_that_stays_is_logged_once() {
 fn weights_on_a_mesh_without_targets_mean_nothing() {
     Errors::collect(|errors| {
         let (mut app, [a, b]) = cubes_apart();
-        run_here(&mut app);
         set_weight(&mut app, b, 1.0);
         for _ in 0..30 {
             app.update();

@@ -7,7 +7,6 @@ use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::physics::{body, settle, sheet};
 
-use crate::log::run_here;
 use crate::support::{
     BALL, app, ball_on_sheet, below, collect_errors, diagnostics, place, put, run, set_weights, spawn, velocity,
 };
@@ -61,7 +60,6 @@ fn at_a_bad_place_a_surface_is_left_out_which_is_logged_once_and_at_a_good_one_i
         for listening in [false, true] {
             collect_errors(|errors| {
                 let (mut app, surface, ball) = ball_on_sheet();
-                run_here(&mut app);
                 let bystander = add_bystander(&mut app);
                 app.world_mut()
                     .entity_mut(surface)
@@ -203,7 +201,6 @@ fn a_body_too_large_falls_through_which_is_logged_once_and_others_stay_where_the
         ] {
             collect_errors(|errors| {
                 let (mut app, surface, ball) = ball_on_sheet();
-                run_here(&mut app);
                 let bystander = add_bystander(&mut app);
                 app.world_mut()
                     .entity_mut(surface)

@@ -6,9 +6,10 @@ use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
-use morph_collision_workspace::app::{headless, ready};
+use morph_collision_workspace::app::headless;
 use morph_collision_workspace::physics::{DT, body, settle, sheet};
 
+use crate::log::start;
 use crate::support::{Log, app, ask, pair, place, run, set_weights, spawn};
 
 /// No friction, whatever it touches.
@@ -262,7 +263,7 @@ fn hooks_know_the_surface() {
     let mut app = headless(Path::new("."));
     app.add_plugins((RapierPhysicsPlugin::<Falls>::default(), MorphRapierPlugin))
         .insert_resource(TimestepMode::Fixed { dt: DT, substeps: 1 });
-    ready(&mut app);
+    start(&mut app);
     let surface = spawn(&mut app, &sheet(16), ());
     settle(&mut app);
     let hooked = (ActiveHooks::FILTER_CONTACT_PAIRS, ActiveEvents::COLLISION_EVENTS);

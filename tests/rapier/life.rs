@@ -9,9 +9,10 @@ use bevy::time::TimeUpdateStrategy;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_testkit::models::rigid;
-use morph_collision_workspace::app::{headless, ready};
+use morph_collision_workspace::app::headless;
 use morph_collision_workspace::physics::{DT, body, settle, sheet};
 
+use crate::log::start;
 use crate::support::{app, ball_on_sheet, diagnostics, place, population, run, set_weights, spawn, velocity};
 
 #[test]
@@ -165,7 +166,7 @@ fn physics_in_the_fixed_schedule_carries() {
     })
     // One frame in three has two steps.
     .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(1.0 / 48.0)));
-    ready(&mut app);
+    start(&mut app);
     let surface = spawn(&mut app, &sheet(16), ());
     settle(&mut app);
     let ball = body(&mut app, Collider::ball(0.3), Vec3::new(0.1, 0.31, 0.05));

@@ -15,10 +15,12 @@ use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::oracle::{posed_vertices, world_vertices};
 use morph_collision_workspace::physics::{self, bevy_mesh, body, settle, sheet, state};
 
-use crate::log::Errors;
+use crate::log::{Errors, run_here};
 
 pub(crate) fn app() -> App {
-    physics::app(Path::new("."))
+    let mut app = physics::app(Path::new("."));
+    run_here(&mut app);
+    app
 }
 
 /// A mesh in physics, at rest.

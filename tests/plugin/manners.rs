@@ -23,7 +23,7 @@ use crate::support::{app, assets, cube, move_to, settle, spawn, touches};
 
 /// How many pairs of systems conflict without being ordered, in all schedules together.
 fn ambiguities(app: &mut App) -> usize {
-    ready(app);
+    start(app);
     app.update();
     let schedules = app.world().resource::<Schedules>();
     let conflicts = schedules

@@ -131,7 +131,7 @@ fn a_rigid_mesh_is_a_surface_like_any_other() {
 
 /// How many pairs of systems conflict without being ordered, in all schedules together.
 fn ambiguities(app: &mut App) -> usize {
-    ready(app);
+    start(app);
     app.update();
     let schedules = app.world().resource::<Schedules>();
     let conflicts = schedules

@@ -1,8 +1,11 @@
+mod best;
+
 use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use glam::DVec3;
 
+use self::best::Best;
 use super::body::{Body, as_boxes};
 use super::collapsed::{Collapsed, CollapsedTests};
 use super::leaves::Leaves;
@@ -11,12 +14,9 @@ use super::pairs::TrianglePair;
 use super::places::Places;
 use super::stats::QueryStats;
 use crate::bounds::{Aabb, Box64, BoxLanes, GapFrame, LANES, Slab, Volume};
-use crate::exact::{Between, Triangle, closest_between};
+use crate::exact::Triangle;
 use crate::pose::NodeRef;
 use crate::traverse::{Opened, PairRule, PairWalk, Side, Stack, Walkable};
-
-/// As in a point's projection: what may be closer by no more than distances may be off is looked at.
-const MARGIN: f64 = 1.0 + 1e-9;
 
 /// Closest points of two bodies' surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,9 +37,10 @@ pub struct ClosestPair {
 /// Measures how far two bodies are apart; holds the memory that queries reuse.
 ///
 /// The distance is that of the surfaces, so a body inside another one is not at distance 0. It does not depend on the
-/// trees, nor do the triangles and points while it is above 0; of intersecting triangles the walk takes the first pair. Bodies
-/// less than a millionth of their distance in size are different: all their triangles are about as close, the search ends when none
-/// can be closer by more than rounding, and which ones are named may depend on the trees.
+/// trees, nor do the triangles and points while it is above 0; of intersecting triangles the walk takes the first pair. There are
+/// two exceptions, where the triangles that are named may depend on the trees, and the distance may be a billionth too long: bodies
+/// smaller than a millionth of their distance, all of whose triangles are about as close; and bodies with more than 16,384 pairs of
+/// triangles at the same distance but for rounding, such as two that are flattened to parallel lines.
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -138,7 +139,9 @@ impl DistanceQuery {
             let triangles_b = leaves_b.triangles(b.topology(), of_b, block_b);
             for (triangle_a, corners_a) in triangles_a.iter() {
                 for (triangle_b, corners_b) in triangles_b.iter() {
-                    if boxes_apart(&corners_a, &corners_b) > rule.limit.get() {
+                    if boxes_apart(&corners_a, &corners_b) > rule.limit.get()
+                        || best.is_tied_enough(&corners_a, &corners_b)
+                    {
                         continue;
                     }
                     triangle_tests += 1;
@@ -155,66 +158,6 @@ impl DistanceQuery {
             ..QueryStats::blending(before, after)
         };
         (best.pair, stats)
-    }
-}
-
-/// The closest triangles so far.
-struct Best {
-    pair: Option<ClosestPair>,
-    squared: f64,
-    max_distance: f64,
-    /// Whether near ties are looked at.
-    with_ties: bool,
-    /// A squared distance: pairs with a lower bound above it are not worth looking at.
-    limit: f64,
-}
-
-impl Best {
-    fn within(max_distance: f64, with_ties: bool) -> Self {
-        Self {
-            pair: None,
-            squared: f64::INFINITY,
-            max_distance,
-            with_ties,
-            limit: max_distance * max_distance * MARGIN,
-        }
-    }
-
-    /// Measures two triangles and returns the new limit; breaks if they share a point.
-    #[inline]
-    fn look(&mut self, pair: TrianglePair, corners_a: &Triangle, corners_b: &Triangle) -> ControlFlow<(), f64> {
-        let Between { on_a, on_b, squared } = closest_between(corners_a, corners_b);
-        let found = ClosestPair {
-            triangle_a: pair.triangle_a,
-            triangle_b: pair.triangle_b,
-            point_a: on_a,
-            point_b: on_b,
-            distance: squared.sqrt(),
-        };
-        let closer = self
-            .pair
-            .as_ref()
-            .is_none_or(|best| squared < self.squared || (squared == self.squared && found.is_before(best)));
-        if found.distance <= self.max_distance && closer {
-            self.pair = Some(found);
-            self.squared = squared;
-            if squared == 0.0 {
-                return ControlFlow::Break(());
-            }
-            let limit = if self.with_ties {
-                squared * MARGIN
-            } else {
-                squared.next_down()
-            };
-            self.limit = limit.min(self.limit);
-        }
-        ControlFlow::Continue(self.limit)
-    }
-}
-
-impl ClosestPair {
-    fn is_before(&self, other: &Self) -> bool {
-        (self.triangle_a, self.triangle_b) < (other.triangle_a, other.triangle_b)
     }
 }
 

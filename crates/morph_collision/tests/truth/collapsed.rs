@@ -206,6 +206,30 @@ fn flat_bodies_that_are_apart_are_decided_without_products_of_triangles() {
     }
 }
 
+#[test]
+fn the_distance_of_bodies_on_parallel_lines_is_measured_without_products_of_triangles() {
+    let mesh = dolphin(1);
+    let [mut a, mut b] = [(); 2].map(|()| pose(&mesh, VolumeKind::Aabb));
+    let mut query = DistanceQuery::new();
+    for is_turned in [false, true] {
+        let line = place(Vec3::X, is_turned, 1.0);
+        let aside = line.matrix3.x_axis.normalize().any_orthonormal_vector();
+        for apart in [1e-3, 0.1, 10.0] {
+            let place_a = WorldFromModel::new(line).unwrap();
+            let place_b = WorldFromModel::new(Affine3A::from_translation((apart * aside).into()) * line).unwrap();
+            let bodies = (Body::new(&mut a, &place_a), Body::new(&mut b, &place_b));
+            let (closest, stats) = query.closest(bodies.0, bodies.1, f64::INFINITY);
+            let distance = closest.unwrap().distance;
+            // Moved by a vector in `f32`.
+            assert!(
+                (distance / f64::from(apart) - 1.0).abs() < 1e-3,
+                "{distance}, not {apart}"
+            );
+            few(&format!("{apart} apart, turned: {is_turned}"), &stats);
+        }
+    }
+}
+
 /// A dolphin with a target that moves every vertex to one point, but for rounding.
 fn shrinking() -> MorphMesh {
     let mut mesh = dolphin(1);

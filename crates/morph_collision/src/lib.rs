@@ -59,8 +59,6 @@
 //! | one body: where it intersects itself | [`SelfQuery`] |
 //! | a place on the surface that follows the shape | [`SurfaceAnchor`] |
 //! | bounds, positions and normals of a shape | [`Pose`] |
-//! | two bodies, within a tolerance or a budget of work | [`ApproximateQuery`] |
-//! | anything, of a shape that may be off by a length | [`ApproximatePose`] |
 //!
 //! How a tree is built ([`BuildOptions`]) never changes an answer; `docs/performance.md` in the repository says what each option is worth.
 //!
@@ -84,25 +82,18 @@ mod tree;
 pub use bounds::{Aabb, Kernel, TransformError, WorldFromModel};
 pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect, triangles_intersect_filtered};
 pub use model::{ModelError, MorphModel, Subject};
-pub use pose::{
-    Approximate, ApproximatePose, ContainmentReport, ContainmentViolation, NoSuchVertex, Pose, TreeQuality,
-    WeightsError,
-};
+pub use pose::{ContainmentReport, ContainmentViolation, NoSuchVertex, Pose, TreeQuality, WeightsError};
 #[cfg(feature = "rayon")]
 pub use query::RayonWorkers;
 pub use query::{
-    ApproximatePairs, ApproximateQuery, ApproximateTouch, Approximation, Ball, BatchAnswers, BatchQuery, Body,
-    ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion, DistanceQuery, Facing, HalfSpace, InputError,
-    Manifold, MeshPart, OneThread, OverlapQuery, PairContact, PairMemory, PairQuery, PairTask, PartPair, PlacedShape,
-    PointQuery, QueryStats, Ray, RayHit, RayQuery, Remember, SelfQuery, SeparatingAxes, Separation, Shape,
+    Ball, BatchAnswers, BatchQuery, Body, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion,
+    DistanceQuery, Facing, HalfSpace, InputError, Manifold, OneThread, OverlapQuery, PairContact, PairMemory,
+    PairQuery, PairTask, PlacedShape, PointQuery, QueryStats, Ray, RayHit, RayQuery, SelfQuery, Separation, Shape,
     ShapeContact, ShapeError, ShapeQuery, SurfaceAnchor, SurfaceFrame, ThreadWorkers, TrianglePair, Wanted, Workers,
     WorldFromShape,
 };
 pub use traverse::overlapping_pairs;
-pub use tree::{
-    BrokenTree, BuildError, BuildOptions, BvhStats, LayoutError, MorphBvh, PartitionShape, Split, TreeLayout,
-    UnknownName, VolumeKind,
-};
+pub use tree::{BrokenTree, BuildError, BuildOptions, BvhStats, LayoutError, MorphBvh, TreeLayout};
 
 /// The README's snippet, run.
 #[cfg(doctest)]

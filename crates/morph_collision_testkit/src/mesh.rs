@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use glam::Vec3;
-use morph_collision::{ModelError, MorphModel, VolumeKind};
+use morph_collision::{ModelError, MorphModel};
 
 pub use crate::clip::WeightAnimation;
 
@@ -94,18 +94,11 @@ impl MorphMesh {
     /// About the most that a tree of the mesh takes in memory while it is built, with its model, in bytes.
     ///
     /// Looks at every displacement. Measured on meshes of random points, all of which every target moves, and rounded up.
-    pub fn tree_bytes(&self, volume: VolumeKind) -> u64 {
+    pub fn tree_bytes(&self) -> u64 {
         let moving = |displacements: &Vec<Vec3>| displacements.iter().filter(|d| **d != Vec3::ZERO).count() as u64;
         let displacements: u64 = self.targets.iter().map(moving).sum();
         let (vertices, triangles) = (self.positions.len() as u64, self.triangles.len() as u64);
-        // As many boxes as the volume has axes for.
-        let boxes = match volume {
-            VolumeKind::Aabb => 1,
-            VolumeKind::Sphere => 2,
-            VolumeKind::Kdop14 | VolumeKind::Kdop18 => 3,
-            _ => 5,
-        };
-        vertices * 64 + boxes * (triangles * 160 + displacements * 80) + self.targets.len() as u64 * 64
+        vertices * 64 + triangles * 160 + displacements * 80 + self.targets.len() as u64 * 64
     }
 
     /// About the most that a body of the mesh takes beside its tree, in bytes: a pose, or, for methods that have one, a tree over blended vertices.

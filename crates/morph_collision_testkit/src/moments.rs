@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use glam::{Affine3A, Mat3, Quat, Vec3};
-use morph_collision::{Aabb, BuildOptions, QueryStats};
+use morph_collision::{Aabb, QueryStats};
 
 use crate::gltf_read::{ReadError, read_meshes};
 use crate::mesh::MorphMesh;
 use crate::models::{degenerate, dolphin, pass_through_body, random};
-use crate::rivals::{MethodKind, PoseError, SetUpError, Wanted};
+use crate::rivals::{MethodKind, MethodOptions, PoseError, SetUpError, Wanted};
 use crate::{oracle, scenes};
 
 /// A body: the index of its mesh, its weights and its place.
@@ -76,7 +76,7 @@ impl Moment {
     pub fn answer(
         &self,
         method: MethodKind,
-        options: &BuildOptions,
+        options: &MethodOptions,
         wanted: Wanted,
     ) -> Result<(Vec<Touch>, QueryStats), AnswerError> {
         let of_bodies: Vec<usize> = self.bodies.iter().map(|(mesh, ..)| *mesh).collect();

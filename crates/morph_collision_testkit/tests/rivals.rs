@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use morph_collision::{BuildOptions, QueryStats};
+use morph_collision::QueryStats;
 use morph_collision_testkit::moments::{self, Moment};
-use morph_collision_testkit::rivals::{MethodKind, Wanted};
+use morph_collision_testkit::rivals::{MethodKind, MethodOptions, Wanted};
 
 /// All but the oracle itself.
 fn methods() -> impl Iterator<Item = MethodKind> {
@@ -13,11 +13,11 @@ fn methods() -> impl Iterator<Item = MethodKind> {
         .filter(|kind| *kind != MethodKind::BruteForce)
 }
 
-fn answer(moment: &Moment, kind: MethodKind, options: &BuildOptions) -> (Vec<[u32; 4]>, QueryStats) {
+fn answer(moment: &Moment, kind: MethodKind, options: &MethodOptions) -> (Vec<[u32; 4]>, QueryStats) {
     moment.answer(kind, options, Wanted::All).unwrap()
 }
 
-fn all_agree(moment: &Moment, options: &BuildOptions) -> usize {
+fn all_agree(moment: &Moment, options: &MethodOptions) -> usize {
     let truth = moment.truth();
     for kind in methods() {
         let (found, _) = answer(moment, kind, options);
@@ -48,7 +48,7 @@ fn all_agree(moment: &Moment, options: &BuildOptions) -> usize {
 fn all_methods_agree_on_generated_models_in_odd_places() {
     let pairs: usize = moments::generated()
         .iter()
-        .map(|moment| all_agree(moment, &BuildOptions::default()))
+        .map(|moment| all_agree(moment, &MethodOptions::default()))
         .sum();
     assert!(pairs > 1000, "only {pairs} pairs to find");
 }
@@ -58,7 +58,11 @@ fn all_methods_agree_whatever_the_arity_and_the_leaf_size() {
     let moment = &moments::generated()[3];
     for arity in [2, 4, 8] {
         for leaf_size in [1, 3, 40, 255] {
-            let options = BuildOptions::default().with_arity(arity).with_leaf_size(leaf_size);
+            let options = MethodOptions {
+                arity,
+                leaf_size,
+                ..MethodOptions::default()
+            };
             assert!(all_agree(moment, &options) > 0);
         }
     }
@@ -67,7 +71,7 @@ fn all_methods_agree_whatever_the_arity_and_the_leaf_size() {
 #[test]
 fn all_methods_agree_in_the_pass_through() {
     for step in [45, 200] {
-        assert!(all_agree(&moments::pass_through(step), &BuildOptions::default()) > 0);
+        assert!(all_agree(&moments::pass_through(step), &MethodOptions::default()) > 0);
     }
 }
 
@@ -83,7 +87,7 @@ fn all_methods_agree_on_real_faces_with_large_and_negative_sums_of_weights() {
     for name in ["MorphStressTest.gltf", HEAD] {
         for weights in weights {
             if let Some(moment) = moments::from_real_model(name, weights).unwrap() {
-                assert!(all_agree(&moment, &BuildOptions::default()) > 0, "{name}");
+                assert!(all_agree(&moment, &MethodOptions::default()) > 0, "{name}");
                 judged += usize::from(name == HEAD);
             }
         }
@@ -94,7 +98,7 @@ fn all_methods_agree_on_real_faces_with_large_and_negative_sums_of_weights() {
 #[test]
 fn the_brute_force_method_is_the_oracle() {
     let moment = &moments::generated()[0];
-    let (found, work) = answer(moment, MethodKind::BruteForce, &BuildOptions::default());
+    let (found, work) = answer(moment, MethodKind::BruteForce, &MethodOptions::default());
     assert_eq!(found, moment.truth());
     assert!(work.triangle_tests > 0);
 }
@@ -106,7 +110,7 @@ fn all_methods_agree_frame_after_frame_with_one_body_at_rest_now_and_then() {
     let (first, of_bodies) = (&frames[0], vec![0; frames[0].bodies.len()]);
     for kind in methods() {
         let mut method = kind
-            .set_up(&first.meshes, &of_bodies, &BuildOptions::default())
+            .set_up(&first.meshes, &of_bodies, &MethodOptions::default())
             .unwrap();
         for frame in &frames {
             let mut found = Vec::new();
@@ -134,7 +138,7 @@ fn boxes_for_the_broad_phase_hold_every_vertex() {
         let of_bodies: Vec<usize> = moment.bodies.iter().map(|(mesh, ..)| *mesh).collect();
         for kind in MethodKind::ALL {
             let mut method = kind
-                .set_up(&moment.meshes, &of_bodies, &BuildOptions::default())
+                .set_up(&moment.meshes, &of_bodies, &MethodOptions::default())
                 .unwrap();
             for (body, (mesh, weights, place)) in moment.bodies.iter().enumerate() {
                 method.set_body(body, weights, place).unwrap();
@@ -157,7 +161,7 @@ fn boxes_for_the_broad_phase_hold_every_vertex() {
 #[test]
 fn the_work_is_what_each_method_is_known_for() {
     let moment = moments::pass_through(42);
-    let work = |kind| answer(&moment, kind, &BuildOptions::default()).1;
+    let work = |kind| answer(&moment, kind, &MethodOptions::default()).1;
     let (morph, bottom_up, hybrid) = (
         work(MethodKind::Morph),
         work(MethodKind::BottomUp),
@@ -174,7 +178,7 @@ fn the_work_is_what_each_method_is_known_for() {
 fn a_body_with_the_weights_that_it_had_costs_nothing_again() {
     let moment = moments::dolphins(100);
     for kind in [MethodKind::BottomUp, MethodKind::Hybrid, MethodKind::ParryBvh] {
-        let mut method = kind.set_up(&moment.meshes, &[0], &BuildOptions::default()).unwrap();
+        let mut method = kind.set_up(&moment.meshes, &[0], &MethodOptions::default()).unwrap();
         let (_, weights, place) = &moment.bodies[0];
         method.set_body(0, weights, place).unwrap();
         let before = method.work();
@@ -192,7 +196,7 @@ fn bad_weights_and_places_are_refused_by_all_and_leave_the_pose_as_it_was() {
     for kind in methods() {
         let of_bodies = vec![0; moment.bodies.len()];
         let mut method = kind
-            .set_up(&moment.meshes, &of_bodies, &BuildOptions::default())
+            .set_up(&moment.meshes, &of_bodies, &MethodOptions::default())
             .unwrap();
         for (body, (_, weights, place)) in moment.bodies.iter().enumerate() {
             method.set_body(body, weights, place).unwrap();

@@ -9,6 +9,13 @@ pub struct Aabb {
     pub max: Vec3,
 }
 
+impl Default for Aabb {
+    /// [`Aabb::EMPTY`].
+    fn default() -> Self {
+        Self::EMPTY
+    }
+}
+
 impl Aabb {
     /// The box that holds nothing: the neutral element of [`Aabb::union`].
     pub const EMPTY: Self = Self {
@@ -56,6 +63,12 @@ impl Aabb {
     #[must_use]
     pub fn size(&self) -> Vec3 {
         self.max - self.min
+    }
+
+    /// The sum of the edge lengths: to tell which of two boxes is larger.
+    #[inline]
+    pub(crate) fn girth(&self) -> f32 {
+        self.size().element_sum()
     }
 
     /// The largest absolute coordinate along each axis.

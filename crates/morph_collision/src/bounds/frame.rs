@@ -1,14 +1,13 @@
 //! Frames in which volumes of two bodies are compared: the space of either body, or world space when neither body can be
 //! inverted.
 //!
-//! All maps are made in `f64` with a bound on their own error; a kind of volume rounds them to `f32` and adds a slack for
-//! everything `f32` does to a volume on its way. `docs/numerics.md` derives both.
+//! All maps are made in `f64` with a bound on their own error; [`BoxMap`] rounds them to `f32` and adds a slack for
+//! everything `f32` does to a box on its way. `docs/numerics.md` derives both.
 
 use glam::{DMat3, DVec3, Vec3};
 
 use super::rounding::U64;
-use super::slabs::Slab;
-use super::{Aabb, BoxLanes, Volume, WorldFromModel};
+use super::{Aabb, BoxMap, WorldFromModel};
 
 /// Roundings of a row on its way through a map: three products and sums, the entries' own, the offset's, and the final
 /// comparison's; each at most half a unit in the last place of the largest magnitude reached.
@@ -45,8 +44,6 @@ impl Frame {
 pub(crate) struct Frames {
     pub(crate) a: Option<Frame>,
     pub(crate) b: Option<Frame>,
-    /// What a length in this frame is at least in A's space (in the world, where the frame is world space).
-    pub(crate) stretch: f64,
 }
 
 /// The frames that decide whether volumes of two placed bodies may meet: SAT-lite, both bodies' own axes. Each is made when it is
@@ -108,16 +105,12 @@ fn in_a(world_from_a: &WorldFromModel, world_from_b: &WorldFromModel, b: DVec3, 
     Some(Frames {
         a: None,
         b: Some(relative(world_from_a, world_from_b, b, error)?),
-        stretch: 1.0,
     })
 }
 
 fn in_b(world_from_a: &WorldFromModel, a: DVec3, world_from_b: &WorldFromModel, error: DVec3) -> Option<Frames> {
-    let a = relative(world_from_b, world_from_a, a, error)?;
     Some(Frames {
-        // The Frobenius norm of the map to this frame is at least its largest stretch; the margin covers its error.
-        stretch: 0.9 / frobenius(a.linear),
-        a: Some(a),
+        a: Some(relative(world_from_b, world_from_a, a, error)?),
         b: None,
     })
 }
@@ -129,7 +122,6 @@ pub(super) fn world_frames(world_from_a: &WorldFromModel, a: DVec3, world_from_b
     Frames {
         a: Some(to_world(world_from_a, origin, a, error)),
         b: Some(to_world(world_from_b, origin, b, error)),
-        stretch: 1.0,
     }
 }
 
@@ -145,14 +137,9 @@ fn turned_world_frames(world_from_a: &WorldFromModel, a: DVec3, world_from_b: &W
         error: abs(axes) * (frame.error + 8.0 * U64 * frame.reach()),
     };
     let frames = world_frames(world_from_a, a, world_from_b, b);
-    let norm = frobenius(world_from_a.linear());
     Frames {
         a: frames.a.map(turned),
         b: frames.b.map(turned),
-        stretch: match world_from_a.inverse() {
-            Some(_) => 0.9 / norm,
-            None => 1.0,
-        },
     }
 }
 
@@ -198,8 +185,8 @@ pub(crate) fn world_bounds(world_from_model: &WorldFromModel, bounds: &Aabb) -> 
     let magnitude = bounds.magnitude().as_dvec3();
     let error = placement_error(world_from_model, magnitude);
     let frame = to_world(world_from_model, DVec3::ZERO, magnitude, error);
-    match BoxLanes::map(&frame) {
-        Some(map) => BoxLanes::bounds(&BoxLanes::map_one(&map, &Slab::of_box(bounds))),
+    match BoxMap::new(&frame) {
+        Some(map) => map.one(bounds),
         None => Aabb {
             min: Vec3::NEG_INFINITY,
             max: Vec3::INFINITY,
@@ -255,6 +242,7 @@ fn relative(
     })
 }
 
+#[cfg(test)]
 /// `a_from_b` for points within the bodies' bounds, its error covering their placement too; `None` where A cannot be
 /// inverted.
 pub(crate) fn a_from_b(
@@ -266,12 +254,6 @@ pub(crate) fn a_from_b(
     let [a, b] = [a, b].map(|bounds| bounds.magnitude().as_dvec3());
     let error = placement_error(world_from_a, a) + placement_error(world_from_b, b);
     relative(world_from_a, world_from_b, b, error)
-}
-
-/// At least as large as the largest stretch.
-pub(crate) fn frobenius(m: DMat3) -> f64 {
-    let squares = |c: DVec3| c.length_squared();
-    (squares(m.x_axis) + squares(m.y_axis) + squares(m.z_axis)).sqrt()
 }
 
 /// The inverse of a linear map, with what is known of its error.

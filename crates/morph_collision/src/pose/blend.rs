@@ -1,129 +1,91 @@
-//! The blended volumes of a group of children: the paper's Eq. 3 within the budget, interval arithmetic beyond it, and an
+//! The blended boxes of a group of children: the paper's Eq. 3 within the budget, interval arithmetic beyond it, and an
 //! outward widening for every rounding on the way.
 
 use fearless_simd::Simd;
 
-use crate::bounds::Volume;
+use super::anchor::Anchored;
+use crate::bounds::BoxLanes;
 use crate::model::MorphModel;
 use crate::tree::{CornerLanes, GroupTables, PatchColumns};
 
 /// Half a unit in the last place of 1.
 const U: f32 = f32::EPSILON / 2.0;
 
-/// Volumes that hold every vertex of each child with tables, both its exact position and the one rounded to `f32`, and how
-/// far the others are to be widened for the same.
+/// Makes `boxes` hold every vertex of each child, both its exact position and the one rounded to `f32`.
 ///
-/// `amounts` is scratch memory. Cost: one pass over the group's local targets and steps, one multiply-add of eight lanes
-/// per row for each of them that gets some weight.
+/// Cost: one pass over the group's local targets, one multiply-add of eight lanes per row for each of them that gets some
+/// weight, or two where the budget ends.
 #[inline(always)]
-pub(super) fn blend_group<S: Simd, V: Volume>(
-    simd: S,
-    tables: GroupTables<'_, V>,
-    weights: &[f32],
-    amounts: &mut Vec<f32>,
-    volume: &mut V,
-) -> f32 {
-    let widening = evaluate(simd, tables, weights, amounts, volume);
-    volume.widen(simd, widening);
-    widening
+pub(super) fn blend_group<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &[f32], boxes: &mut BoxLanes) {
+    let widening = evaluate(simd, tables, weights, boxes);
+    boxes.widen(simd, widening);
 }
 
 /// The same before it is widened, and by how much it is to be.
 #[inline(always)]
-pub(super) fn evaluate<S: Simd, V: Volume>(
-    simd: S,
-    tables: GroupTables<'_, V>,
-    weights: &[f32],
-    amounts: &mut Vec<f32>,
-    volume: &mut V,
-) -> f32 {
+pub(super) fn evaluate<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &[f32], boxes: &mut BoxLanes) -> f32 {
+    *boxes = *tables.base;
     let mut reach = tables.base_reach;
-    let (mut active, mut sum, mut least) = (0_u32, 0.0_f32, 0.0_f32);
-    for local in tables.targets {
+    let (mut active, mut products) = (0, 0);
+    let mut budget = budget(tables.references.len());
+    let mut room = BoxLanes::default();
+    for (i, local) in tables.targets.iter().enumerate() {
         let weight = weights[local.target as usize];
-        let magnitude = weight.abs();
-        reach += magnitude * local.reach;
-        active += u32::from(magnitude > 0.0);
-        (sum, least) = (sum + magnitude, least.min(weight));
-    }
-    *volume = *tables.base;
-    if tables.lanes == 0 || active == 0 {
-        return widening(reach, active, active);
-    }
-    let mut room = V::default();
-    if tables.whole_weights && least >= 0.0 && sum <= room_for(&tables) {
-        // The budget holds all weights: each goes to its reference as it is.
-        for (i, step) in tables.steps.iter().enumerate() {
-            let weight = weights[tables.targets[step.local as usize].target as usize];
-            if weight > 0.0 {
-                volume.add_scaled(simd, weight, tables.references.column(i, &mut room));
-            }
+        if weight == 0.0 {
+            continue;
         }
-        return widening(reach, active, 2 * active);
-    }
-    let mut products = active;
-    amounts.clear();
-    amounts.extend(tables.targets.iter().map(|local| weights[local.target as usize].abs()));
-    spend_budget(&tables, weights, amounts);
-    let (rests, steps) = amounts.split_at(tables.targets.len());
-    for (i, (local, &rest)) in tables.targets.iter().zip(rests).enumerate() {
-        if rest > 0.0 {
+        active += 1;
+        reach += weight.abs() * local.reach;
+        let mut rest = weight;
+        if weight > 0.0 && budget > 0.0 && i < tables.references.len() {
+            let amount = weight.min(budget);
+            budget -= amount;
+            rest -= amount;
             products += 1;
-            let weight = rest.copysign(weights[local.target as usize]);
-            volume.add_interval(simd, weight, tables.intervals.column(i, &mut room));
+            boxes.add_scaled(simd, amount, tables.references.column(i, &mut room));
         }
-    }
-    for (i, &amount) in steps.iter().enumerate() {
-        if amount > 0.0 {
+        if rest != 0.0 {
             products += 1;
-            volume.add_scaled(simd, amount, tables.references.column(i, &mut room));
+            boxes.add_interval(simd, rest, tables.intervals.column(i, &mut room));
         }
     }
-    widening(reach, active, products)
+    widening(reach, active, active + products)
 }
 
-/// Volumes as [`blend_group`]'s, from an anchor's: tight at weights `w*`, moved by the interval form of `w - w*`.
+/// Boxes as [`blend_group`]'s, from an anchor's: tight at weights `w*`, moved by the interval form of `w - w*`.
 #[inline(always)]
-pub(super) fn move_anchored<S: Simd, V: Volume>(
+pub(super) fn move_anchored<S: Simd>(
     simd: S,
-    tables: GroupTables<'_, V>,
-    anchored: &V,
-    anchor: &[f32],
-    differences: &[f32],
+    tables: GroupTables<'_>,
+    anchor: Anchored<'_>,
     weights: &[f32],
-    volume: &mut V,
-) -> f32 {
-    let widening = evaluate_anchored(simd, tables, anchored, anchor, differences, weights, volume);
-    volume.widen(simd, widening);
-    widening
+    boxes: &mut BoxLanes,
+) {
+    let widening = evaluate_anchored(simd, tables, anchor, weights, boxes);
+    boxes.widen(simd, widening);
 }
 
 /// The same before it is widened, and by how much it is to be.
 #[inline(always)]
-pub(super) fn evaluate_anchored<S: Simd, V: Volume>(
+pub(super) fn evaluate_anchored<S: Simd>(
     simd: S,
-    tables: GroupTables<'_, V>,
-    anchored: &V,
-    anchor: &[f32],
-    differences: &[f32],
+    tables: GroupTables<'_>,
+    anchor: Anchored<'_>,
     weights: &[f32],
-    volume: &mut V,
+    boxes: &mut BoxLanes,
 ) -> f32 {
-    *volume = *anchored;
-    let mut room = V::default();
+    *boxes = *anchor.boxes;
+    let mut room = BoxLanes::default();
     let mut reach = tables.base_reach;
     let (mut active, mut products) = (0, 0);
     for (i, local) in tables.targets.iter().enumerate() {
-        // In-between targets are made of the others.
         let k = local.target as usize;
-        let (Some(&difference), Some(&from), Some(&to)) = (differences.get(k), anchor.get(k), weights.get(k)) else {
-            continue;
-        };
+        let (difference, from, to) = (anchor.differences[k], anchor.weights[k], weights[k]);
         active += u32::from(from != 0.0) + u32::from(to != 0.0);
         reach += (from.abs() + to.abs() + difference.abs()) * local.reach;
-        if difference != 0.0 && tables.lanes != 0 {
+        if difference != 0.0 {
             products += 1;
-            volume.add_interval(simd, difference, tables.intervals.column(i, &mut room));
+            boxes.add_interval(simd, difference, tables.intervals.column(i, &mut room));
         }
     }
     widening(reach, active, products)
@@ -145,42 +107,18 @@ pub(super) fn blend_patch<S: Simd>(simd: S, patch: PatchColumns<'_>, weights: &[
     }
 }
 
-/// Moves weight from the intervals to the scaled references, most gain per cost first, until the budget is spent.
-///
-/// `amounts` holds the weight left to each interval, and gets one more entry per step: the weight at its reference.
+/// The budget in `f32`. What is spent stays below 1 in exact arithmetic: taking an amount from it rounds once, by at most `U`.
 #[inline(always)]
-fn spend_budget<V: Volume>(tables: &GroupTables<'_, V>, weights: &[f32], amounts: &mut Vec<f32>) {
-    let targets = tables.targets.len();
-    let mut budget = room_for(tables);
-    for step in tables.steps {
-        let local = step.local as usize;
-        let source = step.after.map_or(local, |earlier| targets + earlier as usize);
-        let weight = weights[tables.targets[local].target as usize];
-        let usable = if (weight < 0.0) == step.negative {
-            amounts[source]
-        } else {
-            0.0
-        };
-        let amount = usable.min(budget / step.cost);
-        budget = (budget - amount * step.cost).max(0.0);
-        amounts[source] -= amount;
-        amounts.push(amount);
-    }
-}
-
-/// The budget in `f32`. What is spent stays below 1 in exact arithmetic: a step rounds at most four times, each time by at most
-/// `U`.
-#[inline(always)]
-fn room_for<V>(tables: &GroupTables<'_, V>) -> f32 {
-    (1.0 - tables.steps.len() as f32 * (4.0 * U)).max(0.0)
+fn budget(references: usize) -> f32 {
+    (1.0 - references as f32 * (4.0 * U)).max(0.0)
 }
 
 /// As much as any group of a tree may be widened, about.
 #[cold]
-pub(super) fn most_widening(model: &MorphModel, spread: &[f32]) -> f32 {
+pub(super) fn most_widening(model: &MorphModel, weights: &[f32]) -> f32 {
     let mut reach = model.base_reach();
     let mut active = 0;
-    for (weight, target) in spread.iter().zip(model.target_reach()) {
+    for (weight, target) in weights.iter().zip(model.target_reach()) {
         reach += weight.abs() * target;
         active += u32::from(*weight != 0.0);
     }
@@ -190,9 +128,9 @@ pub(super) fn most_widening(model: &MorphModel, spread: &[f32]) -> f32 {
 /// How far volumes and vertices may be off their exact values, together, per coordinate.
 ///
 /// With `reach = B + sum |w_k| D_k` and `m` active targets: a vertex is rounded `m + 1` times, a row at most once per
-/// product and once per sum, and once more when it is widened; moving weight from one product to another rounds once per
-/// product; the split over in-betweens rounds twice, `reach` itself `m + 1` times relative to itself. Each is at most
-/// `U * reach`. Products that underflow add half the smallest subnormal each.
+/// product and once per sum, and once more when it is widened; what is left of a weight for its interval rounds once;
+/// `reach` itself `m + 1` times relative to itself. Each is at most `U * reach`. Products that underflow add half the smallest
+/// subnormal each.
 #[inline(always)]
 fn widening(reach: f32, active: u32, products: u32) -> f32 {
     let roundings = (active + 2 * products + 8) as f32;

@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{Pose, Posed, with_posed};
-use crate::bounds::Volume;
+use super::{Pose, Posed};
+use crate::bounds::Aabb;
 use crate::model::MorphModel;
 use crate::tree::ChildKind;
 
@@ -36,21 +36,16 @@ impl Pose {
     /// A tool for tests and tools; it blends the whole mesh. Any violation is a bug of this crate.
     pub fn check_containment(&mut self) -> ContainmentReport {
         let mut report = ContainmentReport::default();
-        with_posed!(self.posed(), mut posed => check_group(&mut posed, 0, &mut Vec::new(), &mut report));
+        check_group(&mut self.posed(), 0, &mut Vec::new(), &mut report);
         report
     }
 }
 
-fn check_group<V: Volume>(
-    posed: &mut Posed<'_, V>,
-    group: usize,
-    above: &mut Vec<V::One>,
-    report: &mut ContainmentReport,
-) {
+fn check_group(posed: &mut Posed<'_>, group: usize, above: &mut Vec<Aabb>, report: &mut ContainmentReport) {
     let slot = posed.open(group);
     let topology = posed.topology;
     for (lane, child) in topology.group(group).children().iter().enumerate() {
-        above.push(posed.volumes(slot).get(lane));
+        above.push(posed.boxes(slot).get(lane));
         match child.kind() {
             ChildKind::Group(group) => check_group(posed, group, above, report),
             ChildKind::Leaf(leaf) => {
@@ -65,12 +60,13 @@ fn check_group<V: Volume>(
     }
 }
 
-fn check_vertex<V: Volume>(posed: &mut Posed<'_, V>, vertex: u32, above: &[V::One], report: &mut ContainmentReport) {
+fn check_vertex(posed: &mut Posed<'_>, vertex: u32, above: &[Aabb], report: &mut ContainmentReport) {
     let rounded: Vec3 = posed.vertex(vertex);
     for position in [rounded.as_dvec3(), exact_vertex(posed.model, vertex, posed.weights)] {
-        for (depth, volume) in above.iter().enumerate() {
+        for (depth, bounds) in above.iter().enumerate() {
             report.checks += 1;
-            if !V::contains(volume, position) {
+            let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
+            if !(min.cmple(position) & position.cmple(max)).all() {
                 report.violations += 1;
                 report.first.get_or_insert(ContainmentViolation {
                     vertex,

@@ -1,4 +1,4 @@
-//! No vertex outside its blended volume: rounded or exact, for weights of any sign and sum.
+//! No vertex outside its blended box: rounded or exact, for weights of any sign and sum.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use super::Pose;
 use crate::bounds::Aabb;
 use crate::model::MorphModel;
-use crate::tree::{BuildOptions, MorphBvh, Split, VolumeKind};
+use crate::tree::{BuildOptions, MorphBvh};
 
 /// A mesh of random triangles over random vertices, with targets that leave about half of the vertices alone.
 fn models() -> impl Strategy<Value = MorphModel> {
@@ -47,37 +47,15 @@ fn weights() -> impl Strategy<Value = [f32; 6]> {
 }
 
 fn options() -> impl Strategy<Value = BuildOptions> {
-    let scales = prop_oneof![
-        Just(vec![1.0]),
-        Just(vec![]),
-        Just(vec![4.0]),
-        Just(vec![1.0, 4.0, 64.0])
-    ];
-    (
-        (0..VolumeKind::ALL.len(), 1_usize..4, 1_usize..5, 0..Split::ALL.len()),
-        (scales, prop::array::uniform4(any::<bool>())),
-    )
-        .prop_map(
-            |((volume, arity, leaf_size, split), (scales, [reflected, in_betweens, leaf_tables, compact]))| {
-                BuildOptions::default()
-                    .with_volume(VolumeKind::ALL[volume])
-                    .with_arity(1 << arity)
-                    .with_leaf_size(leaf_size)
-                    .with_split(Split::ALL[split])
-                    .with_scales(scales)
-                    .with_reflected(reflected)
-                    .with_in_betweens(in_betweens)
-                    .with_leaf_tables(leaf_tables)
-                    .with_compact(compact)
-            },
-        )
+    (1_usize..12, any::<bool>())
+        .prop_map(|(leaf_size, compact)| BuildOptions::default().with_leaf_size(leaf_size).with_compact(compact))
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2048))]
 
     #[test]
-    fn every_vertex_lies_in_every_volume_above_it(model in models(), weights in weights(), options in options()) {
+    fn every_vertex_lies_in_every_box_above_it(model in models(), weights in weights(), options in options()) {
         let bvh = Arc::new(MorphBvh::build(Arc::new(model), &options).unwrap());
         let mut pose = Pose::new(bvh.clone());
         pose.set_weights(&weights[..bvh.model().target_count()]).unwrap();
@@ -113,7 +91,7 @@ fn two_references() -> Arc<MorphBvh> {
         vec![Vec3::Z, Vec3::splat(5.0), Vec3::NEG_ONE],
     ];
     let model = MorphModel::from_references(&references, &[[0, 1, 2]]).unwrap();
-    Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::paper()).unwrap())
+    Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()).unwrap())
 }
 
 #[test]

@@ -6,10 +6,10 @@ use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::{Pose, Posed, with_posed};
-use crate::bounds::{LANES, Lanes, Volume, levels};
+use super::{Pose, Posed};
+use crate::bounds::{LANES, Lanes, levels};
 use crate::model::MorphModel;
-use crate::tree::{BuildOptions, Leaf, MorphBvh, Split};
+use crate::tree::{BuildOptions, Leaf, MorphBvh};
 
 /// Coordinates of many sizes, some of them zero of either sign.
 fn vector(rng: &mut Pcg64Mcg) -> Vec3 {
@@ -63,16 +63,15 @@ enum Way {
 }
 
 fn judge(rng: &mut Pcg64Mcg, model: &Arc<MorphModel>, leaf_size: usize, way: Way) {
-    // Full leaves.
-    let options = BuildOptions::default().with_leaf_size(leaf_size).with_split(Split::Sah);
+    let options = BuildOptions::default().with_leaf_size(leaf_size);
     let mut pose = Pose::new(Arc::new(MorphBvh::build(model.clone(), &options).unwrap()));
     for _ in 0..4 {
         pose.set_weights(&weights(rng, model.target_count())).unwrap();
-        with_posed!(pose.posed(), mut posed => judge_posed(&mut posed, way));
+        judge_posed(&mut pose.posed(), way);
     }
 }
 
-fn judge_posed<V: Volume>(posed: &mut Posed<'_, V>, way: Way) {
+fn judge_posed(posed: &mut Posed<'_>, way: Way) {
     assert_eq!(posed.leaf_lanes.is_some(), way == Way::SideBySide);
     let topology = posed.topology;
     for &level in levels() {

@@ -5,12 +5,12 @@ use glam::Vec3;
 
 use super::anchor::{Anchor, Rest, Resting};
 use super::cache::Stamped;
-use super::posed::{AnyPosed, Blended, Posed, Scratch, with_posed};
+use super::posed::{Blended, Posed, Scratch};
 use super::weights::{self, WeightsError};
-use crate::bounds::{Aabb, Kernel, Slabs, Spheres, Volume, WorldFromModel, world_bounds};
-use crate::tree::{AnyTables, MorphBvh, Tables};
+use crate::bounds::{Aabb, BoxLanes, Kernel, WorldFromModel, world_bounds};
+use crate::tree::MorphBvh;
 
-/// One instance of a morphing mesh: its weights, and the volumes and vertices blended for them so far.
+/// One instance of a morphing mesh: its weights, and the boxes and vertices blended for them so far.
 ///
 /// New weights cost a comparison and a stamp; nothing is blended until a query looks at a node, and then once. Weights that
 /// do not change keep everything that was blended. A pose is in the mesh's model space; where it stands in the world is
@@ -21,97 +21,37 @@ use crate::tree::{AnyTables, MorphBvh, Tables};
 pub struct Pose {
     bvh: Arc<MorphBvh>,
     weights: Vec<f32>,
-    /// One weight per target of the tree, in-betweens included.
-    spread: Vec<f32>,
-    volumes: AnyCache,
+    source: Source,
+    boxes: Stamped<BoxLanes>,
     vertices: Stamped<Vec3>,
     resting: Option<Resting>,
     blended: Blended,
     scratch: Scratch,
-    /// Whether the volumes in the cache are those of a refit.
-    refitted: bool,
 }
 
-/// The volumes made so far, beside the tables they are made from.
+/// What a pose's boxes are made from.
 #[derive(Clone, Debug)]
-struct Cache<V> {
-    tables: Arc<Tables<V>>,
-    volumes: Stamped<V>,
-    anchor: Option<Anchor<V>>,
-}
-
-#[derive(Clone, Debug)]
-enum AnyCache {
-    Aabb(Cache<Slabs<3>>),
-    Kdop14(Cache<Slabs<7>>),
-    Kdop18(Cache<Slabs<9>>),
-    Kdop26(Cache<Slabs<13>>),
-    Sphere(Cache<Spheres>),
-}
-
-impl<V: Volume> Cache<V> {
-    fn new(tables: &Arc<Tables<V>>, groups: usize) -> Self {
-        Self {
-            tables: tables.clone(),
-            volumes: Stamped::new(groups),
-            anchor: None,
-        }
-    }
-
-    fn next_epoch(&mut self, weights: &[f32]) {
-        self.volumes.next_epoch();
-        if let Some(anchor) = &mut self.anchor {
-            anchor.follow(weights);
-        }
-    }
-
-    fn bytes(&self) -> usize {
-        self.volumes.bytes() + self.anchor.as_ref().map_or(0, Anchor::bytes)
-    }
-}
-
-/// Evaluates an expression for the [`Cache`] in an [`AnyCache`], whatever its kind of volume.
-macro_rules! with_cache {
-    ($any:expr, $cache:ident => $body:expr) => {
-        match $any {
-            AnyCache::Aabb($cache) => $body,
-            AnyCache::Kdop14($cache) => $body,
-            AnyCache::Kdop18($cache) => $body,
-            AnyCache::Kdop26($cache) => $body,
-            AnyCache::Sphere($cache) => $body,
-        }
-    };
-}
-
-impl AnyCache {
-    fn new(bvh: &MorphBvh) -> Self {
-        let groups = bvh.topology().group_count();
-        match bvh.tables() {
-            AnyTables::Aabb(tables) => Self::Aabb(Cache::new(tables, groups)),
-            AnyTables::Kdop14(tables) => Self::Kdop14(Cache::new(tables, groups)),
-            AnyTables::Kdop18(tables) => Self::Kdop18(Cache::new(tables, groups)),
-            AnyTables::Kdop26(tables) => Self::Kdop26(Cache::new(tables, groups)),
-            AnyTables::Sphere(tables) => Self::Sphere(Cache::new(tables, groups)),
-        }
-    }
+enum Source {
+    /// The tree's references.
+    References,
+    /// Tight boxes at other weights.
+    Anchor(Anchor),
+    /// The vertices at the weights in force: all boxes are there.
+    Vertices,
 }
 
 impl Pose {
     /// An instance at rest: all weights zero.
     #[must_use]
     pub fn new(bvh: Arc<MorphBvh>) -> Self {
-        let weights = vec![0.0; bvh.model().target_count()];
-        let mut spread = Vec::new();
-        weights::spread(bvh.columns(), &weights, &mut spread);
         Self {
-            weights,
-            spread,
-            volumes: AnyCache::new(&bvh),
+            weights: vec![0.0; bvh.model().target_count()],
+            source: Source::References,
+            boxes: Stamped::new(bvh.topology().group_count()),
             vertices: Stamped::new(bvh.model().vertex_count()),
             resting: None,
             blended: Blended::default(),
             scratch: Scratch::default(),
-            refitted: false,
             bvh,
         }
     }
@@ -132,10 +72,13 @@ impl Pose {
         let changed = self.weights != weights;
         if changed {
             self.weights.copy_from_slice(weights);
-            weights::spread(self.bvh.columns(), weights, &mut self.spread);
-            with_cache!(&mut self.volumes, cache => cache.next_epoch(weights));
+            self.boxes.next_epoch();
             self.vertices.next_epoch();
-            self.refitted = false;
+            match &mut self.source {
+                Source::References => {}
+                Source::Anchor(anchor) => anchor.follow(weights),
+                Source::Vertices => self.source = Source::References,
+            }
         }
         match rest {
             Some(Rest::Moved) => self.drop_anchor(),
@@ -154,10 +97,10 @@ impl Pose {
         Ok(changed)
     }
 
-    /// Fits all volumes tightly to the shape at the weights in force, and blends from there until the anchor is dropped.
+    /// Fits all boxes tightly to the shape at the weights in force, and blends from there until the anchor is dropped.
     ///
-    /// Worth it for weights that are set and then rest, such as a character's sliders: while they do, volumes are exact in
-    /// them. Other weights are then bounded by intervals. Cost: the whole mesh is blended once; memory: one volume per node.
+    /// Worth it for weights that are set and then rest, such as a character's sliders: while they do, boxes are exact in
+    /// them. Other weights are then bounded by intervals. Cost: the whole mesh is blended once; memory: one box per node.
     pub fn take_anchor(&mut self) {
         let weights = self.weights.clone();
         self.anchor_at(&weights);
@@ -165,18 +108,14 @@ impl Pose {
 
     /// Goes back to blending from the tree's references.
     pub fn drop_anchor(&mut self) {
-        let weights = &self.weights;
-        with_cache!(&mut self.volumes, cache => {
-            cache.anchor = None;
-            cache.next_epoch(weights);
-        });
-        self.refitted = false;
+        self.source = Source::References;
+        self.boxes.next_epoch();
     }
 
     /// Whether an anchor is in use.
     #[must_use]
     pub fn is_anchored(&self) -> bool {
-        with_cache!(&self.volumes, cache => cache.anchor.is_some())
+        matches!(self.source, Source::Anchor(_))
     }
 
     /// Takes an anchor by itself once weights that make up most of the shape have not changed in so many calls of
@@ -187,29 +126,26 @@ impl Pose {
     }
 
     fn anchor_at(&mut self, weights: &[f32]) {
-        let bvh = &self.bvh;
-        let in_force = &self.weights;
-        with_cache!(&mut self.volumes, cache => {
-            cache.anchor = Some(Anchor::fit(bvh.model(), bvh.topology(), weights));
-            cache.next_epoch(in_force);
-        });
-        self.refitted = false;
+        let mut anchor = Anchor::fit(self.bvh.model(), self.bvh.topology(), weights);
+        anchor.follow(&self.weights);
+        self.source = Source::Anchor(anchor);
+        self.boxes.next_epoch();
     }
 
-    /// Fits all volumes tightly to the shape at the weights in force, at once, until other weights are set.
+    /// Fits all boxes tightly to the shape at the weights in force, at once, until other weights are set; an anchor is dropped.
     ///
     /// Pays where a query is going to look at most of the tree: two bodies deep in each other of which all pairs are wanted.
     /// Otherwise leave it to queries to blend what they look at; `docs/performance.md` compares both. Cost: every vertex is
-    /// blended and every volume fitted, `O(n)`.
+    /// blended and every box fitted, `O(n)`.
     pub fn refit(&mut self) {
-        with_posed!(self.posed(), mut posed => posed.refit());
-        self.refitted = true;
+        self.source = Source::Vertices;
+        self.posed().refit();
     }
 
-    /// Whether volumes are made from the tree's references alone, so that any other pose of it makes the same for the same
+    /// Whether boxes are made from the tree's references alone, so that any other pose of it makes the same for the same
     /// weights.
     pub(crate) fn blends_from_references(&self) -> bool {
-        !self.refitted && !self.is_anchored()
+        matches!(self.source, Source::References)
     }
 
     /// The weights in force, one per target.
@@ -226,9 +162,9 @@ impl Pose {
 
     /// A box around the posed mesh in model space: conservative, not always the smallest.
     ///
-    /// Cost: the root's volume is blended, in `O(active targets)`, unless it already was for these weights.
+    /// Cost: the root's box is blended, in `O(active targets)`, unless it already was for these weights.
     pub fn bounds(&mut self) -> Aabb {
-        with_posed!(self.posed(), mut posed => posed.bounds())
+        self.posed().bounds()
     }
 
     /// A world-space box around the posed mesh placed in the world; conservative.
@@ -242,21 +178,22 @@ impl Pose {
     /// A vertex of the mesh as it was given, posed, in model space; `None` if there is no such vertex.
     pub fn source_vertex(&mut self, source: usize) -> Option<Vec3> {
         let welded = *self.bvh.model().welded_from_source().get(source)?;
-        Some(with_posed!(self.posed(), mut posed => posed.vertex(welded)))
+        Some(self.posed().vertex(welded))
     }
 
     /// A vertex as the model numbers it after welding ([`MorphModel::triangle`](crate::MorphModel::triangle)), posed, in model
     /// space; `None` if there is no such vertex.
     pub fn vertex(&mut self, vertex: u32) -> Option<Vec3> {
         let exists = (vertex as usize) < self.bvh.model().vertex_count();
-        exists.then(|| with_posed!(self.posed(), mut posed => posed.vertex(vertex)))
+        exists.then(|| self.posed().vertex(vertex))
     }
 
     /// The corners of a triangle, posed, in model space; `None` if there is no such triangle.
     pub fn triangle(&mut self, triangle: u32) -> Option<[Vec3; 3]> {
         let exists = (triangle as usize) < self.bvh.model().triangle_count();
         let corners = exists.then(|| self.bvh.model().triangle(triangle as usize))?;
-        Some(with_posed!(self.posed(), mut posed => corners.map(|corner| posed.vertex(corner))))
+        let mut posed = self.posed();
+        Some(corners.map(|corner| posed.vertex(corner)))
     }
 
     /// Other weights under volumes that were blended for these: what a bug would do.
@@ -278,47 +215,29 @@ impl Pose {
     /// Bytes held on the heap, the shared tree's not included.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        let volumes = with_cache!(&self.volumes, cache => cache.bytes());
-        size_of_val(&*self.weights) + size_of_val(&*self.spread) + volumes + self.vertices.bytes()
+        let anchor = match &self.source {
+            Source::Anchor(anchor) => anchor.bytes(),
+            Source::References | Source::Vertices => 0,
+        };
+        size_of_val(&*self.weights) + anchor + self.boxes.bytes() + self.vertices.bytes()
     }
 
-    pub(crate) fn posed(&mut self) -> AnyPosed<'_> {
-        let Self {
-            bvh,
-            weights,
-            spread,
-            volumes,
-            vertices,
-            resting: _,
-            blended,
-            scratch,
-            refitted: _,
-        } = self;
-        let level = Kernel::level();
-        macro_rules! posed {
-            ($cache:expr) => {
-                Posed {
-                    model: bvh.model(),
-                    topology: bvh.topology(),
-                    tables: &$cache.tables,
-                    leaf_lanes: bvh.leaf_lanes(),
-                    anchor: $cache.anchor.as_ref(),
-                    weights,
-                    spread,
-                    volumes: &mut $cache.volumes,
-                    vertices,
-                    blended,
-                    scratch,
-                    level,
-                }
-            };
-        }
-        match volumes {
-            AnyCache::Aabb(cache) => AnyPosed::Aabb(posed!(cache)),
-            AnyCache::Kdop14(cache) => AnyPosed::Kdop14(posed!(cache)),
-            AnyCache::Kdop18(cache) => AnyPosed::Kdop18(posed!(cache)),
-            AnyCache::Kdop26(cache) => AnyPosed::Kdop26(posed!(cache)),
-            AnyCache::Sphere(cache) => AnyPosed::Sphere(posed!(cache)),
+    pub(crate) fn posed(&mut self) -> Posed<'_> {
+        Posed {
+            model: self.bvh.model(),
+            topology: self.bvh.topology(),
+            tables: self.bvh.tables(),
+            leaf_lanes: self.bvh.leaf_lanes(),
+            weights: &self.weights,
+            anchor: match &self.source {
+                Source::Anchor(anchor) => Some(anchor),
+                Source::References | Source::Vertices => None,
+            },
+            boxes: &mut self.boxes,
+            vertices: &mut self.vertices,
+            blended: &mut self.blended,
+            scratch: &mut self.scratch,
+            level: Kernel::level(),
         }
     }
 }

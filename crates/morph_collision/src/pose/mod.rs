@@ -1,10 +1,9 @@
 //! One instance: its weights, and what has been blended for them so far.
 //!
-//! A node's volume comes from one place, [`Posed::open`]: blended from tables (`blend`) or fitted to vertices, kept by
-//! stamp (`cache`). Weights that rest can be given tight volumes (`anchor`).
+//! A node's box comes from one place, [`Posed::open`]: blended from tables (`blend`) and kept by stamp (`cache`). Weights that
+//! rest can be given tight boxes to blend from (`anchor`), and all boxes can be fitted to the vertices at once (`refit`).
 
 mod anchor;
-mod approximate;
 mod blend;
 mod cache;
 mod containment;
@@ -16,10 +15,9 @@ mod shape;
 mod visit;
 mod weights;
 
-pub use approximate::{Approximate, ApproximatePose};
 pub use containment::{ContainmentReport, ContainmentViolation};
 pub use instance::Pose;
-pub(crate) use posed::{AnyPosed, Blended, NodeRef, Place, Posed, with_posed};
+pub(crate) use posed::{Blended, NodeRef, Place, Posed};
 pub use quality::TreeQuality;
 pub use shape::NoSuchVertex;
 pub use weights::WeightsError;

@@ -4,9 +4,9 @@ use glam::Vec3;
 use super::anchor::Anchor;
 use super::blend::{blend_group, blend_patch, most_widening, move_anchored};
 use super::cache::Stamped;
-use crate::bounds::{Aabb, LANES, Slabs, Spheres, Volume, with_simd};
+use crate::bounds::{Aabb, BoxLanes, LANES, with_simd};
 use crate::model::MorphModel;
-use crate::tree::{Child, ChildKind, CornerLanes, Leaf, LeafLanes, Tables, Topology, in_lanes, put};
+use crate::tree::{Child, CornerLanes, Leaf, LeafLanes, Tables, Topology, in_lanes, put};
 
 /// How much a pose has blended in its life.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -22,7 +22,7 @@ pub(crate) struct Place {
     pub(crate) lane: u8,
 }
 
-/// A node as a traversal holds it: its place, which child it is, and where its volume is in the pose's cache.
+/// A node as a traversal holds it: its place, which child it is, and where its box is in the pose's cache.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NodeRef {
     pub(crate) child: Child,
@@ -30,17 +30,16 @@ pub(crate) struct NodeRef {
     pub(crate) place: Place,
 }
 
-/// A pose borrowed for a query, its kind of volume known: what traversals walk over.
+/// A pose borrowed for a query: what traversals walk over.
 #[derive(Debug)]
-pub(crate) struct Posed<'a, V> {
+pub(crate) struct Posed<'a> {
     pub(crate) model: &'a MorphModel,
     pub(crate) topology: &'a Topology,
-    pub(super) tables: &'a Tables<V>,
+    pub(super) tables: &'a Tables,
     pub(super) leaf_lanes: Option<&'a LeafLanes>,
     pub(super) weights: &'a [f32],
-    pub(super) spread: &'a [f32],
-    pub(super) anchor: Option<&'a Anchor<V>>,
-    pub(super) volumes: &'a mut Stamped<V>,
+    pub(super) anchor: Option<&'a Anchor>,
+    pub(super) boxes: &'a mut Stamped<BoxLanes>,
     pub(super) vertices: &'a mut Stamped<Vec3>,
     pub(super) blended: &'a mut Blended,
     pub(super) scratch: &'a mut Scratch,
@@ -51,128 +50,66 @@ pub(crate) struct Posed<'a, V> {
 /// Memory that blending reuses.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Scratch {
-    pub(super) amounts: Vec<f32>,
     pub(super) corners: Vec<CornerLanes>,
     pub(super) points: Vec<Vec3>,
 }
 
-/// A [`Posed`] of any kind of volume.
-#[derive(Debug)]
-pub(crate) enum AnyPosed<'a> {
-    Aabb(Posed<'a, Slabs<3>>),
-    Kdop14(Posed<'a, Slabs<7>>),
-    Kdop18(Posed<'a, Slabs<9>>),
-    Kdop26(Posed<'a, Slabs<13>>),
-    Sphere(Posed<'a, Spheres>),
-}
-
-/// Evaluates an expression for the [`Posed`] in an [`AnyPosed`], whatever its kind of volume.
-macro_rules! with_posed {
-    ($any:expr, $posed:pat => $body:expr) => {
-        match $any {
-            $crate::pose::AnyPosed::Aabb($posed) => $body,
-            $crate::pose::AnyPosed::Kdop14($posed) => $body,
-            $crate::pose::AnyPosed::Kdop18($posed) => $body,
-            $crate::pose::AnyPosed::Kdop26($posed) => $body,
-            $crate::pose::AnyPosed::Sphere($posed) => $body,
-        }
-    };
-}
-pub(crate) use with_posed;
-
-impl<V: Volume> Posed<'_, V> {
+impl Posed<'_> {
     pub(crate) fn root(&mut self) -> NodeRef {
         let slot = self.open(0);
         self.node(slot, 0, 0)
     }
 
-    /// Makes a group's volumes unless they are there; returns the slot to read them from.
+    /// Makes a group's boxes unless they are there; returns the slot to read them from.
     #[inline(always)]
     pub(crate) fn open(&mut self, group: usize) -> usize {
-        match self.volumes.find(group) {
+        match self.boxes.find(group) {
             Some(slot) => slot,
             None => self.make(group),
         }
     }
 
-    /// Whether a group's volumes are there.
+    /// Whether a group's boxes are there.
     pub(super) fn is_open(&self, group: usize) -> bool {
-        self.volumes.find(group).is_some()
+        self.boxes.find(group).is_some()
     }
 
     #[inline(never)]
     fn make(&mut self, group: usize) -> usize {
-        let children = self.topology.group(group);
-        self.blended.volumes += children.children().len() as u64;
+        self.blended.volumes += self.topology.group(group).children().len() as u64;
         let tables = self.tables.group(group);
-        let slot = self.volumes.insert(group, V::default());
-        let volume = self.volumes.get_mut(slot);
-        let widening = match self.anchor {
-            Some(anchor) => with_simd!(self.level, simd => move_anchored(
-                simd,
-                tables,
-                &anchor.volumes[group],
-                &anchor.weights,
-                &anchor.differences,
-                self.weights,
-                volume,
-            )),
-            None => with_simd!(self.level, simd => blend_group(
-                simd,
-                tables,
-                self.spread,
-                &mut self.scratch.amounts,
-                volume,
-            )),
-        };
-        if tables.lanes != children.mask() {
-            self.fit_leaves(group, slot, tables.lanes, widening);
+        let slot = self.boxes.insert(group, BoxLanes::default());
+        let boxes = self.boxes.get_mut(slot);
+        match self.anchor {
+            Some(anchor) => {
+                with_simd!(self.level, simd => move_anchored(simd, tables, anchor.group(group), self.weights, boxes));
+            }
+            None => with_simd!(self.level, simd => blend_group(simd, tables, self.weights, boxes)),
         }
         slot
     }
 
-    /// Fits the lanes without tables, which are leaves, to their blended vertices.
-    #[cold]
-    fn fit_leaves(&mut self, group: usize, slot: usize, with_tables: u8, widening: f32) {
-        let topology = self.topology;
-        let mut fitted = V::default();
-        let mut points = std::mem::take(&mut self.scratch.points);
-        for (lane, child) in topology.group(group).children().iter().enumerate() {
-            let ChildKind::Leaf(leaf) = child.kind() else { continue };
-            if with_tables >> lane & 1 == 0 {
-                points.clear();
-                for &triangle in topology.leaf_triangles(leaf) {
-                    points.extend(self.corners(triangle));
-                }
-                fitted.fit(lane, &points);
-            }
-        }
-        self.scratch.points = points;
-        with_simd!(self.level, simd => fitted.widen(simd, widening));
-        for lane in (0..topology.group(group).children().len()).filter(|lane| with_tables >> lane & 1 == 0) {
-            self.volumes.get_mut(slot).set(lane, &fitted.get(lane));
-        }
+    /// The boxes in a slot.
+    #[inline]
+    pub(crate) fn boxes(&self, slot: usize) -> &BoxLanes {
+        self.boxes.get(slot)
     }
 
+    /// A node's box, in model space.
     #[inline]
-    pub(crate) fn volumes(&self, slot: usize) -> &V {
-        self.volumes.get(slot)
-    }
-
-    #[inline]
-    pub(crate) fn volume(&self, node: NodeRef) -> V::One {
-        self.volumes.get(node.slot as usize).get(usize::from(node.place.lane))
+    pub(crate) fn node_box(&self, node: NodeRef) -> Aabb {
+        self.boxes.get(node.slot as usize).get(usize::from(node.place.lane))
     }
 
     pub(crate) fn bounds(&mut self) -> Aabb {
         let root = self.root();
-        V::bounds(&self.volume(root))
+        self.node_box(root)
     }
 
-    #[inline]
+    #[inline(always)]
     pub(crate) fn node(&self, slot: usize, group: usize, lane: usize) -> NodeRef {
         NodeRef {
-            child: self.topology.group(group).children()[lane],
+            child: self.topology.group(group).child(lane),
             slot: slot as u32,
             place: Place {
                 group: group as u32,
@@ -181,7 +118,7 @@ impl<V: Volume> Posed<'_, V> {
         }
     }
 
-    /// A posed welded vertex, blended unless it is.
+    /// A posed welded vertex; blended at the first call for these weights.
     #[inline(always)]
     pub(crate) fn vertex(&mut self, vertex: u32) -> Vec3 {
         match self.vertices.find(vertex as usize) {
@@ -245,14 +182,14 @@ impl<V: Volume> Posed<'_, V> {
         self.scratch.points = points;
     }
 
-    /// How far volumes may be widened for rounding, if the pose has made the mesh much smaller than it is at rest; otherwise 0.
+    /// How far boxes may be widened for rounding, if the pose has made the mesh much smaller than it is at rest; otherwise 0.
     #[inline]
     pub(crate) fn rounding(&self, size: f32) -> f32 {
         const MUCH: f32 = 512.0;
         if size * MUCH > self.model.base_reach() {
             return 0.0;
         }
-        most_widening(self.model, self.spread)
+        most_widening(self.model, self.weights)
     }
 
     pub(crate) fn blended(&self) -> Blended {

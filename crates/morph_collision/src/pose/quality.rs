@@ -1,8 +1,8 @@
 //! How good a tree is at some weights.
 
 use super::anchor::Anchor;
-use super::{Pose, Posed, with_posed};
-use crate::bounds::{Aabb, Volume};
+use super::{Pose, Posed};
+use crate::bounds::Aabb;
 use crate::tree::{ChildKind, Topology};
 
 /// What a tree costs at some weights, by the surface-area heuristic: how many tests a random query that hits the root's
@@ -24,17 +24,17 @@ impl TreeQuality {
 }
 
 impl Pose {
-    /// Measures the tree at the weights in force: the cost of its blended volumes and of tight ones, both as boxes.
+    /// Measures the tree at the weights in force: the cost of its blended boxes and of tight ones.
     ///
     /// A tool for choosing build options; it blends the whole mesh. A mesh that is a point costs 0.
     pub fn quality(&mut self) -> TreeQuality {
-        with_posed!(self.posed(), mut posed => quality(&mut posed))
+        quality(&mut self.posed())
     }
 }
 
-fn quality<V: Volume>(posed: &mut Posed<'_, V>) -> TreeQuality {
-    let tight = Anchor::<V>::fit(posed.model, posed.topology, posed.weights);
-    let root = half_area(&V::bounds(&tight.volumes[0].get(0)));
+fn quality(posed: &mut Posed<'_>) -> TreeQuality {
+    let tight = Anchor::fit(posed.model, posed.topology, posed.weights);
+    let root = half_area(&tight.boxes[0].get(0));
     let mut quality = TreeQuality {
         cost: 0.0,
         tight_cost: 0.0,
@@ -46,8 +46,8 @@ fn quality<V: Volume>(posed: &mut Posed<'_, V>) -> TreeQuality {
         let slot = posed.open(group);
         for (lane, child) in posed.topology.group(group).children().iter().enumerate() {
             let tests = tests_below(posed.topology, child.kind()) as f64 / root;
-            quality.cost += tests * half_area(&V::bounds(&posed.volumes(slot).get(lane)));
-            quality.tight_cost += tests * half_area(&V::bounds(&tight.volumes[group].get(lane)));
+            quality.cost += tests * half_area(&posed.boxes(slot).get(lane));
+            quality.tight_cost += tests * half_area(&tight.boxes[group].get(lane));
         }
     }
     quality

@@ -1,39 +1,28 @@
-//! All volumes at once, fitted to the vertices: what every other method does, and what pays where nearly all of a tree is
+//! All boxes at once, fitted to the vertices: what every other method does, and what pays where nearly all of a tree is
 //! looked at anyway.
 
-use std::mem;
-
+use super::anchor::fit_bottom_up;
 use super::posed::Posed;
-use crate::bounds::{Volume, with_simd};
-use crate::tree::ChildKind;
+use crate::bounds::{BoxLanes, with_simd};
 
-impl<V: Volume> Posed<'_, V> {
-    /// Makes every group's volumes tight, from the leaves up; those that were blended are replaced. `O(n)`.
+impl Posed<'_> {
+    /// Makes every group's boxes tight, from the leaves up; those that were blended are replaced. `O(n)`.
     pub(super) fn refit(&mut self) {
         let topology = self.topology;
-        let mut corners = mem::take(&mut self.scratch.corners);
-        self.volumes.next_epoch();
-        // Groups are in preorder: children come later, and slots are numbered from the last group on.
-        let groups = topology.group_count();
-        let slot_of = |group: usize| groups - 1 - group;
-        for group in (0..groups).rev() {
-            let mut volumes = V::default();
-            for (lane, child) in topology.group(group).children().iter().enumerate() {
-                match child.kind() {
-                    ChildKind::Group(below) => {
-                        let mask = topology.group(below).mask();
-                        volumes.set(lane, &self.volumes.get(slot_of(below)).hull(mask));
-                    }
-                    ChildKind::Leaf(leaf) => {
-                        corners.clear();
-                        self.leaf_corners(leaf, &mut corners);
-                        with_simd!(self.level, simd => volumes.fit_corners(simd, lane, &corners));
-                    }
-                }
-            }
-            self.volumes.insert(group, volumes);
+        let mut boxes = vec![BoxLanes::default(); topology.group_count()];
+        let mut corners = std::mem::take(&mut self.scratch.corners);
+        fit_bottom_up(topology, &mut boxes, |leaf| {
+            corners.clear();
+            self.leaf_corners(leaf, &mut corners);
+            let mut fitted = BoxLanes::default();
+            with_simd!(self.level, simd => fitted.fit_corners(simd, 0, &corners));
+            fitted.get(0)
+        });
+        self.scratch.corners = corners;
+        self.boxes.next_epoch();
+        for (group, boxes) in boxes.into_iter().enumerate() {
+            self.boxes.insert(group, boxes);
             self.blended.volumes += topology.group(group).children().len() as u64;
         }
-        self.scratch.corners = corners;
     }
 }

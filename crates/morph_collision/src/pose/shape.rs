@@ -4,8 +4,8 @@ use glam::{DVec3, Vec3};
 use thiserror::Error;
 
 use super::Pose;
-use super::posed::{Posed, with_posed};
-use crate::bounds::{Aabb, Volume, WorldFromModel, down, up};
+use super::posed::Posed;
+use crate::bounds::{Aabb, WorldFromModel, down, up};
 
 /// A vertex that the mesh does not have was asked for.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -54,9 +54,13 @@ impl Pose {
     pub fn source_positions(&mut self, positions: &mut Vec<Vec3>) {
         positions.clear();
         let bvh = self.bvh().clone();
-        with_posed!(self.posed(), mut posed => {
-            positions.extend(bvh.model().welded_from_source().iter().map(|welded| posed.vertex(*welded)));
-        });
+        let mut posed = self.posed();
+        positions.extend(
+            bvh.model()
+                .welded_from_source()
+                .iter()
+                .map(|welded| posed.vertex(*welded)),
+        );
     }
 
     /// Replaces `normals` by those of all vertices of the mesh as it was given, posed, in model space: unit vectors.
@@ -68,14 +72,13 @@ impl Pose {
         let bvh = self.bvh().clone();
         let model = bvh.model();
         let mut sums = vec![DVec3::ZERO; model.vertex_count()];
-        with_posed!(self.posed(), mut posed => {
-            for triangle in 0..model.triangle_count() {
-                let normal = area_normal(&mut posed, triangle as u32);
-                for vertex in model.triangle(triangle) {
-                    sums[vertex as usize] += normal;
-                }
+        let mut posed = self.posed();
+        for triangle in 0..model.triangle_count() {
+            let normal = area_normal(&mut posed, triangle as u32);
+            for vertex in model.triangle(triangle) {
+                sums[vertex as usize] += normal;
             }
-        });
+        }
         normals.clear();
         normals.extend(
             model
@@ -91,7 +94,8 @@ impl Pose {
     /// [`NoSuchVertex`] names the first entry that is out of range; then nothing is blended.
     pub fn source_positions_of(&mut self, vertices: &[usize]) -> Result<Vec<Vec3>, NoSuchVertex> {
         let welded = self.welded(vertices)?;
-        Ok(with_posed!(self.posed(), mut posed => welded.iter().map(|vertex| posed.vertex(*vertex)).collect()))
+        let mut posed = self.posed();
+        Ok(welded.iter().map(|vertex| posed.vertex(*vertex)).collect())
     }
 
     /// The normals of some vertices, as [`Pose::source_normals`] has them; only the triangles around these are blended.
@@ -108,18 +112,19 @@ impl Pose {
         wanted.sort_unstable();
         wanted.dedup();
         let mut sums = vec![DVec3::ZERO; wanted.len()];
-        with_posed!(self.posed(), mut posed => {
-            for triangle in 0..model.triangle_count() {
-                let places = model.triangle(triangle).map(|vertex| wanted.binary_search(&vertex).ok());
-                if places == [None; 3] {
-                    continue;
-                }
-                let normal = area_normal(&mut posed, triangle as u32);
-                for place in places.into_iter().flatten() {
-                    sums[place] += normal;
-                }
+        let mut posed = self.posed();
+        for triangle in 0..model.triangle_count() {
+            let places = model
+                .triangle(triangle)
+                .map(|vertex| wanted.binary_search(&vertex).ok());
+            if places == [None; 3] {
+                continue;
             }
-        });
+            let normal = area_normal(&mut posed, triangle as u32);
+            for place in places.into_iter().flatten() {
+                sums[place] += normal;
+            }
+        }
         let normal_of = |vertex: &u32| {
             wanted
                 .binary_search(vertex)
@@ -142,16 +147,15 @@ impl Pose {
 
     fn for_each_corner(&mut self, mut visit: impl FnMut(Vec3)) {
         let triangles = self.bvh().model().triangle_count() as u32;
-        with_posed!(self.posed(), mut posed => {
-            for triangle in 0..triangles {
-                posed.corners(triangle).into_iter().for_each(&mut visit);
-            }
-        });
+        let mut posed = self.posed();
+        for triangle in 0..triangles {
+            posed.corners(triangle).into_iter().for_each(&mut visit);
+        }
     }
 }
 
 /// Twice a posed triangle's area along its normal, in model space.
-fn area_normal<V: Volume>(posed: &mut Posed<'_, V>, triangle: u32) -> DVec3 {
+fn area_normal(posed: &mut Posed<'_>, triangle: u32) -> DVec3 {
     let [a, b, c] = posed.corners(triangle).map(Vec3::as_dvec3);
     (b - a).cross(c - a)
 }

@@ -2,9 +2,9 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::{Blended, Pose, WeightsError, with_posed};
+use super::{Blended, Pose, WeightsError};
 use crate::model::MorphModel;
-use crate::tree::{BuildOptions, MorphBvh, VolumeKind};
+use crate::tree::{BuildOptions, MorphBvh};
 
 fn lifted_triangle() -> Pose {
     let base = [Vec3::ZERO, Vec3::X, Vec3::Y];
@@ -15,7 +15,7 @@ fn lifted_triangle() -> Pose {
 }
 
 fn blended(pose: &mut Pose) -> Blended {
-    with_posed!(pose.posed(), posed => posed.blended())
+    pose.posed().blended()
 }
 
 #[test]
@@ -146,24 +146,14 @@ fn the_displacement_between_weights_covers_roundings() {
 fn a_tree_is_as_tight_as_it_is_measured_to_be() {
     let mesh = morph_collision_testkit::models::dolphin(0);
     let model = Arc::new(MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap());
-    // No sphere is the smallest around a node's vertices, so a blended one may be smaller than a fitted one.
-    for volume in VolumeKind::ALL
-        .into_iter()
-        .filter(|volume| *volume != VolumeKind::Sphere)
-    {
-        let options = BuildOptions::default().with_volume(volume);
-        let mut pose = Pose::new(Arc::new(MorphBvh::build(model.clone(), &options).unwrap()));
-        let rest = pose.quality();
-        assert!(rest.tight_cost > 1.0 && rest.looseness() >= 1.0, "{volume}: {rest:?}");
-        pose.set_weights(&[0.4, 0.7]).unwrap();
-        let bent = pose.quality();
-        assert!(
-            bent.looseness() > rest.looseness(),
-            "{volume}: {bent:?} against {rest:?}"
-        );
-        pose.take_anchor();
-        assert!(pose.quality().looseness() < 1.001, "{volume}");
-    }
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(model, &BuildOptions::default()).unwrap()));
+    let rest = pose.quality();
+    assert!(rest.tight_cost > 1.0 && rest.looseness() >= 1.0, "{rest:?}");
+    pose.set_weights(&[0.4, 0.7]).unwrap();
+    let bent = pose.quality();
+    assert!(bent.looseness() > rest.looseness(), "{bent:?} against {rest:?}");
+    pose.take_anchor();
+    assert!(pose.quality().looseness() < 1.001);
     let point = MorphModel::from_displacements(&[Vec3::X; 3], &[[0, 1, 2]], &[] as &[[Vec3; 3]]).unwrap();
     let bvh = MorphBvh::build(Arc::new(point), &BuildOptions::default()).unwrap();
     assert_eq!(Pose::new(Arc::new(bvh)).quality().cost, 0.0);
@@ -183,11 +173,11 @@ fn memory_grows_with_what_was_visited() {
 }
 
 #[test]
-fn a_volume_that_holds_too_little_is_found() {
+fn a_box_that_holds_too_little_is_found() {
     let mut pose = lifted_triangle();
     pose.set_weights(&[0.5, 0.0]).unwrap();
     assert_eq!(pose.check_containment().violations, 0);
-    // Volumes of other weights under these ones.
+    // Boxes of other weights under these ones.
     pose.bounds();
     pose.pretend_weights(&[2.0, 0.0]);
     let report = pose.check_containment();

@@ -1,8 +1,7 @@
 //! The nodes of a posed tree, to look at.
 
-use super::posed::with_posed;
 use super::{NodeRef, Pose, Posed};
-use crate::bounds::{Aabb, Volume};
+use crate::bounds::Aabb;
 use crate::tree::ChildKind;
 
 impl Pose {
@@ -11,11 +10,11 @@ impl Pose {
     ///
     /// Volumes that were not are blended for it: to look at a tree changes what was looked at, and no answer.
     pub fn visit_bounds(&mut self, depth: usize, mut visitor: impl FnMut(Aabb, bool)) {
-        with_posed!(self.posed(), mut posed => posed.visit_bounds(depth, &mut visitor));
+        self.posed().visit_bounds(depth, &mut visitor);
     }
 }
 
-impl<V: Volume> Posed<'_, V> {
+impl Posed<'_> {
     fn visit_bounds(&mut self, depth: usize, visitor: &mut impl FnMut(Aabb, bool)) {
         let was_fresh = self.is_open(0);
         let root = self.root();
@@ -30,7 +29,7 @@ impl<V: Volume> Posed<'_, V> {
                     let nodes: Vec<NodeRef> = lanes.map(|lane| self.node(slot, group, lane)).collect();
                     left.extend(nodes.into_iter().map(|node| (node, was_fresh, at + 1)));
                 }
-                _ => visitor(V::bounds(&self.volume(node)), was_fresh),
+                _ => visitor(self.node_box(node), was_fresh),
             }
         }
     }
@@ -46,11 +45,11 @@ mod tests {
 
     #[test]
     fn every_depth_holds_every_vertex_and_says_what_was_there() {
-        let strip: Vec<Vec3> = (0..42).map(|i| Vec3::new(i as f32, (i % 2) as f32, 0.0)).collect();
-        let triangles: Vec<[u32; 3]> = (0..40).map(|i| [i, i + 1, i + 2]).collect();
+        let strip: Vec<Vec3> = (0..402).map(|i| Vec3::new(i as f32, (i % 2) as f32, 0.0)).collect();
+        let triangles: Vec<[u32; 3]> = (0..400).map(|i| [i, i + 1, i + 2]).collect();
         let lift: Vec<Vec3> = strip.iter().map(|p| Vec3::Z * p.x).collect();
         let model = MorphModel::from_displacements(&strip, &triangles, &[lift]).unwrap();
-        let options = BuildOptions::default().with_leaf_size(2).with_arity(4);
+        let options = BuildOptions::default().with_leaf_size(2);
         let bvh = Arc::new(MorphBvh::build(Arc::new(model), &options).unwrap());
         let mut pose = Pose::new(bvh);
         pose.set_weights(&[0.5]).unwrap();

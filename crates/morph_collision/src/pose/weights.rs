@@ -1,7 +1,6 @@
 use thiserror::Error;
 
 use crate::model::{LARGEST, MorphModel};
-use crate::tree::Columns;
 
 /// Why a pose refuses weights; it keeps the ones it had.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -73,30 +72,4 @@ pub(super) fn displacement(model: &MorphModel, before: &[f32], after: &[f32]) ->
     };
     // Reaches are per coordinate.
     3_f64.sqrt() * (moved + rounded)
-}
-
-/// The weights of a tree's targets: the model's, or, where exactly two consecutive ones are active and the tree has the
-/// reference between them, as much of that as they share.
-pub(super) fn spread(columns: &Columns, weights: &[f32], spread: &mut Vec<f32>) {
-    spread.clear();
-    spread.extend_from_slice(weights);
-    if columns.between().is_empty() {
-        return;
-    }
-    spread.resize(weights.len() + columns.between().len(), 0.0);
-    let mut active = weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
-    let (Some((j, &wj)), Some((k, &wk)), None) = (active.next(), active.next(), active.next()) else {
-        return;
-    };
-    let pair = [j as u32, k as u32];
-    if let Some(i) = columns.between().iter().position(|between| *between == pair)
-        && wj > 0.0
-        && wk > 0.0
-    {
-        // The mean of both targets at weight 2 s is each of them at weight s.
-        let shared = wj.min(wk);
-        spread[j] = wj - shared;
-        spread[k] = wk - shared;
-        spread[weights.len() + i] = 2.0 * shared;
-    }
 }

@@ -1,6 +1,6 @@
 use glam::{DMat3, DVec3};
 
-use super::body::{Body, as_boxes, world_triangle};
+use super::body::{Body, world_triangle};
 use super::point::ClosestPoint;
 use super::ray::RayHit;
 use crate::exact::Triangle;
@@ -68,10 +68,7 @@ impl SurfaceAnchor {
 
     fn corners(&self, body: Body<'_>) -> Option<Triangle> {
         let exists = (self.triangle as usize) < body.pose.bvh().model().triangle_count();
-        exists.then(|| {
-            let mut posed = body.pose.posed();
-            world_triangle(&mut as_boxes(&mut posed), body.world_from_model, self.triangle)
-        })
+        exists.then(|| world_triangle(&mut body.pose.posed(), body.world_from_model, self.triangle))
     }
 
     /// Relative to the first corner, so that barycentrics that sum to 1 up to rounding do not magnify a far place.

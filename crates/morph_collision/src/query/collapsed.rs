@@ -14,7 +14,7 @@ use super::body::world_triangle;
 use super::pairs::TrianglePair;
 use super::places::Places;
 use crate::exact::{Facet, Triangle, facets_intersect_counting};
-use crate::traverse::Walkable;
+use crate::pose::Posed;
 
 /// The placed triangles of two collapsed bodies; the memory is reused by the next query.
 #[derive(Debug, Default)]
@@ -34,12 +34,12 @@ pub(super) struct CollapsedTests {
 
 impl Collapsed {
     /// Places both bodies' triangles. Cost: every vertex is blended, `O(n log n)`.
-    pub(super) fn place<T: Walkable>(&mut self, a: &mut T, b: &mut T, places: &Places<'_>) {
-        let corners_of = |tree: &mut T, place, number| world_triangle(tree, place, number);
+    pub(super) fn place(&mut self, a: &mut Posed<'_>, b: &mut Posed<'_>, places: &Places<'_>) {
+        let corners_of = |tree: &mut Posed<'_>, place, number| world_triangle(tree, place, number);
         self.a
-            .fill(a.topology().triangle_count(), |n| corners_of(a, places.world_from_a, n));
+            .fill(a.topology.triangle_count(), |n| corners_of(a, places.world_from_a, n));
         self.b
-            .fill(b.topology().triangle_count(), |n| corners_of(b, places.world_from_b, n));
+            .fill(b.topology.triangle_count(), |n| corners_of(b, places.world_from_b, n));
     }
 
     /// Calls `visitor` for every pair of intersecting triangles, until it breaks. Triangles with the same corners are tested once.

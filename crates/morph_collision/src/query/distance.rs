@@ -6,17 +6,17 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use self::best::Best;
-use super::body::{Body, as_boxes};
+use super::body::Body;
 use super::collapsed::{Collapsed, CollapsedTests};
 use super::leaves::Leaves;
 use super::one::magnitude;
 use super::pairs::TrianglePair;
 use super::places::Places;
 use super::stats::QueryStats;
-use crate::bounds::{Aabb, Box64, BoxLanes, GapFrame, LANES, Slab, Volume};
+use crate::bounds::{Aabb, Box64, GapFrame, LANES};
 use crate::exact::Triangle;
-use crate::pose::NodeRef;
-use crate::traverse::{Opened, PairRule, PairWalk, Side, Stack, Walkable};
+use crate::pose::{NodeRef, Posed};
+use crate::traverse::{Opened, PairRule, PairWalk, Side, Stack};
 
 /// Closest points of two bodies' surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -79,8 +79,7 @@ impl DistanceQuery {
             return (None, QueryStats::default());
         }
         let (world_from_a, world_from_b) = (a.world_from_model, b.world_from_model);
-        let (mut posed_a, mut posed_b) = (a.pose.posed(), b.pose.posed());
-        let (mut a, mut b) = (as_boxes(&mut posed_a), as_boxes(&mut posed_b));
+        let (mut a, mut b) = (a.pose.posed(), b.pose.posed());
         let before = [a.blended(), b.blended()];
         let places = Places {
             world_from_a,
@@ -121,7 +120,6 @@ impl DistanceQuery {
             a_from_b_scale: (world_from_b.scale() / world_from_a.scale()) as f32,
             node_tests: 0,
             deepest_first: false,
-            trace: None,
         };
         let mut triangle_tests = 0;
         let Self {
@@ -130,13 +128,13 @@ impl DistanceQuery {
             leaves_b,
             ..
         } = self;
-        leaves_a.begin(walk.a.topology().leaf_count());
-        leaves_b.begin(walk.b.topology().leaf_count());
+        leaves_a.begin(walk.a.topology.leaf_count());
+        leaves_b.begin(walk.b.topology.leaf_count());
         let _stopped_early = walk.run(stack, &[], |a, b, of_a, of_b| {
             let block_a = leaves_a.read(a, world_from_a, of_a);
             let block_b = leaves_b.read(b, world_from_b, of_b);
-            let triangles_a = leaves_a.triangles(a.topology(), of_a, block_a);
-            let triangles_b = leaves_b.triangles(b.topology(), of_b, block_b);
+            let triangles_a = leaves_a.triangles(a.topology, of_a, block_a);
+            let triangles_b = leaves_b.triangles(b.topology, of_b, block_b);
             for (triangle_a, corners_a) in triangles_a.iter() {
                 for (triangle_b, corners_b) in triangles_b.iter() {
                     if boxes_apart(&corners_a, &corners_b) > rule.limit.get()
@@ -190,38 +188,37 @@ fn squared_gap(frames: &[GapFrame], a: &Box64, b: &Box64) -> f64 {
 }
 
 /// Whether two bodies are so much smaller than the distance between them that all their triangles are about as close.
-fn are_far<T: Walkable<Kind = BoxLanes>>(frames: &[GapFrame], places: &Places<'_>, a: &mut T, b: &mut T) -> bool {
+fn are_far(frames: &[GapFrame], places: &Places<'_>, a: &mut Posed<'_>, b: &mut Posed<'_>) -> bool {
     const FAR: f64 = 1e6;
-    let (root_a, root_b) = (a.root(), b.root());
-    let boxes = [box_of(&a.volume(root_a)), box_of(&b.volume(root_b))];
+    let boxes = [Box64::of(&a.bounds()), Box64::of(&b.bounds())];
     let size_a = boxes[0].half.element_sum() * places.world_from_a.scale();
     let size_b = boxes[1].half.element_sum() * places.world_from_b.scale();
     let far = 2.0 * FAR * (size_a + size_b);
     far * far <= squared_gap(frames, &boxes[0], &boxes[1])
 }
 
-impl PairRule<BoxLanes> for Closer<'_> {
+impl PairRule for Closer<'_> {
     type Key = f64;
 
-    fn start(&self, a: &Slab<3>, b: &Slab<3>) -> Option<f64> {
-        let squared = self.squared(&box_of(a), &box_of(b));
+    fn start(&self, a: &Aabb, b: &Aabb) -> Option<f64> {
+        let squared = self.squared(&Box64::of(a), &Box64::of(b));
         self.still_wanted(squared).then_some(squared)
     }
 
-    fn children<T: Walkable<Kind = BoxLanes>>(
+    fn children(
         &self,
         side: Side,
-        (tree, opened): (&T, Opened),
-        (other, node): (&T, NodeRef),
+        (tree, opened): (&Posed<'_>, Opened),
+        (other, node): (&Posed<'_>, NodeRef),
         keys: &mut [f64; LANES],
     ) -> u8 {
-        let other = box_of(&other.volume(node));
+        let other = Box64::of(&other.node_box(node));
         let mut wanted = 0;
         for (lane, key) in keys.iter_mut().enumerate() {
             if opened.mask >> lane & 1 == 0 {
                 continue;
             }
-            let child = box_of(&tree.volume(tree.node(opened.slot, opened.group, lane)));
+            let child = Box64::of(&tree.boxes(opened.slot).get(lane));
             *key = match side {
                 Side::A => self.squared(&child, &other),
                 Side::B => self.squared(&other, &child),
@@ -234,9 +231,4 @@ impl PairRule<BoxLanes> for Closer<'_> {
     fn still_wanted(&self, squared: f64) -> bool {
         squared <= self.limit.get()
     }
-}
-
-fn box_of(slab: &Slab<3>) -> Box64 {
-    let bounds: Aabb = BoxLanes::bounds(slab);
-    Box64::of(&bounds)
 }

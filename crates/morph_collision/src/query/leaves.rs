@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use crate::bounds::WorldFromModel;
 use crate::exact::Triangle;
-use crate::traverse::Walkable;
+use crate::pose::Posed;
 use crate::tree::{Leaf, LeafMesh, Topology};
 
 /// Which leaves of a body a query has read, and as which of its blocks.
@@ -60,7 +60,7 @@ impl Leaves {
     }
 
     /// A leaf's block; its vertices are blended and placed at the first call.
-    pub(super) fn read(&mut self, tree: &mut impl Walkable, world_from_model: &WorldFromModel, leaf: Leaf) -> usize {
+    pub(super) fn read(&mut self, tree: &mut Posed<'_>, world_from_model: &WorldFromModel, leaf: Leaf) -> usize {
         if let Some(block) = self.stamps.find(leaf) {
             return block;
         }

@@ -1,7 +1,6 @@
 //! What a user asks: each query is a walk and what it does at the leaves.
 
 mod anchor;
-mod approximate;
 mod batch;
 mod body;
 mod capped;
@@ -25,7 +24,6 @@ mod shape;
 mod stats;
 
 pub use anchor::{SurfaceAnchor, SurfaceFrame};
-pub use approximate::{ApproximatePairs, ApproximateQuery, ApproximateTouch, Approximation, MeshPart, PartPair};
 #[cfg(feature = "rayon")]
 pub use batch::RayonWorkers;
 pub use batch::{BatchAnswers, BatchQuery, OneThread, PairTask, ThreadWorkers, Wanted, Workers};
@@ -33,9 +31,9 @@ pub use body::Body;
 pub use contact::{ContactPoint, ContactQuery, Manifold, PairContact, Separation};
 pub use distance::{ClosestPair, DistanceQuery};
 pub use input::{Ball, ConvexRegion, HalfSpace, InputError, Ray};
-pub use memory::{PairMemory, Remember};
+pub use memory::PairMemory;
 pub use overlap::OverlapQuery;
-pub use pairs::{PairQuery, SeparatingAxes, TrianglePair};
+pub use pairs::{PairQuery, TrianglePair};
 pub use point::{ClosestPoint, PointQuery};
 pub use ray::{Facing, RayHit, RayQuery};
 pub use self_pairs::SelfQuery;

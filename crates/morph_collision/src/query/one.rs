@@ -4,9 +4,10 @@ use glam::DVec3;
 
 use super::body::world_triangle;
 use super::stats::QueryStats;
-use crate::bounds::{Box64, Volume, WorldFromModel};
+use crate::bounds::{Box64, WorldFromModel};
 use crate::exact::Triangle;
-use crate::traverse::{AsBoxes, OneWalk, Queue, Walkable};
+use crate::pose::Posed;
+use crate::traverse::{OneWalk, Queue};
 
 /// The memory of a query over one body, and the way it goes about it.
 #[derive(Debug, Default)]
@@ -20,7 +21,7 @@ impl OneBody {
     /// at most at the limit, leaves with lower bounds first. It returns the new limit, or breaks.
     pub(super) fn walk(
         &mut self,
-        tree: &mut AsBoxes<'_>,
+        tree: &mut Posed<'_>,
         world_from_model: &WorldFromModel,
         limit: f64,
         bound: impl Fn(&Box64) -> Option<f64>,
@@ -36,7 +37,7 @@ impl OneBody {
             |bounds| bound(&Box64::of(bounds)),
             |tree, leaf| {
                 numbers.clear();
-                numbers.extend_from_slice(tree.topology().leaf_triangles(leaf));
+                numbers.extend_from_slice(tree.topology.leaf_triangles(leaf));
                 let mut limit = f64::INFINITY;
                 for &number in &*numbers {
                     triangle_tests += 1;
@@ -55,7 +56,6 @@ impl OneBody {
 }
 
 /// The largest absolute model-space coordinates of a posed tree.
-pub(super) fn magnitude<V: Volume>(tree: &mut impl Walkable<Kind = V>) -> DVec3 {
-    let root = tree.root();
-    V::bounds(&tree.volume(root)).magnitude().as_dvec3()
+pub(super) fn magnitude(tree: &mut Posed<'_>) -> DVec3 {
+    tree.bounds().magnitude().as_dvec3()
 }

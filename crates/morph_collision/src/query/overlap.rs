@@ -1,6 +1,6 @@
 use std::ops::ControlFlow;
 
-use super::body::{Body, as_boxes};
+use super::body::Body;
 use super::input::{Ball, ConvexRegion};
 use super::one::{OneBody, magnitude};
 use super::stats::QueryStats;
@@ -92,8 +92,7 @@ impl OverlapQuery {
         region: &ConvexRegion,
         mut visitor: impl FnMut(u32) -> ControlFlow<()>,
     ) -> QueryStats {
-        let mut posed = body.pose.posed();
-        let mut tree = as_boxes(&mut posed);
+        let mut tree = body.pose.posed();
         let magnitude = magnitude(&mut tree);
         let planes: Vec<_> = region
             .planes

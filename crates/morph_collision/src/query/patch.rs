@@ -11,7 +11,7 @@ use fearless_simd::prelude::*;
 use self::vectors::{Corners, cross, dot, one, sub};
 use self::verdict::Doubt;
 use super::neighbourhood::{Neighbourhood, Placement};
-use crate::bounds::{BoxLanes, LANES, Lanes, Slab, Volume, WorldFromModel};
+use crate::bounds::{Aabb, BoxLanes, LANES, Lanes, WorldFromModel};
 use crate::tree::CornerLanes;
 
 mod vectors;
@@ -21,7 +21,7 @@ mod verdict;
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Patch {
     boxes: BoxLanes,
-    hull: Slab<3>,
+    hull: Aabb,
     /// By corner and coordinate.
     corners: CornerLanes,
     /// Across each triangle; the largest coordinate is about 1, or all are 0.
@@ -81,11 +81,8 @@ impl Patch {
         let span = size[0].max(size[1]).max(size[2]);
         self.boxes.store(least, most);
         self.hull = self.boxes.hull_of_all();
-        let Slab { min, max } = &self.hull;
-        let mut reach = 0.0_f32;
-        for i in 0..3 {
-            reach = reach.max(-min[i]).max(max[i]);
-        }
+        let Aabb { min, max } = self.hull;
+        let reach = (-min).max(max).max_element().max(0.0);
         self.reach = if reach <= MOST { reach } else { f32::INFINITY };
         let normal = cross(sub(b, a), sub(c, a));
         let largest = normal[0].abs().max(normal[1].abs()).max(normal[2].abs());

@@ -11,7 +11,7 @@ use super::pairs::TrianglePair;
 use super::patch::{Patch, PatchPairs};
 use crate::bounds::{LANES, Lanes, WorldFromModel, with_simd};
 use crate::exact::{Facet, Triangle, facets_intersect_counting};
-use crate::traverse::Walkable;
+use crate::pose::Posed;
 use crate::tree::{CornerLanes, Leaf};
 
 /// The leaves of one body that a query has read, as patches of up to eight triangles; the memory is reused by the next query.
@@ -56,7 +56,7 @@ impl Patches {
 
     /// A leaf's block; its corners are blended and placed at the first call.
     #[inline]
-    pub(super) fn read(&mut self, tree: &mut impl Walkable, leaf: Leaf) -> Block {
+    pub(super) fn read(&mut self, tree: &mut Posed<'_>, leaf: Leaf) -> Block {
         match self.stamps.find(leaf) {
             Some(block) => self.blocks[block],
             None => self.place(tree, leaf),
@@ -64,11 +64,11 @@ impl Patches {
     }
 
     #[inline(never)]
-    fn place(&mut self, tree: &mut impl Walkable, leaf: Leaf) -> Block {
+    fn place(&mut self, tree: &mut Posed<'_>, leaf: Leaf) -> Block {
         let first = self.posed.len();
         tree.leaf_corners(leaf, &mut self.posed);
-        let level = tree.level();
-        let triangles = tree.topology().leaf_mesh(leaf).triangles;
+        let level = tree.level;
+        let triangles = tree.topology.leaf_mesh(leaf).triangles;
         for (posed, numbers) in self.posed[first..].iter().zip(triangles.chunks(LANES)) {
             self.placed.push(Patch::default());
             if let Some(patch) = self.placed.last_mut() {

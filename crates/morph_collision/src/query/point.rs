@@ -2,7 +2,7 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 
-use super::body::{Body, as_boxes};
+use super::body::Body;
 use super::input::Ball;
 use super::one::{OneBody, magnitude};
 use super::stats::QueryStats;
@@ -89,8 +89,7 @@ impl OneBody {
         ball: &Ball,
         mut at_foot: impl FnMut(u32, &OnTriangle) -> ControlFlow<(), f64>,
     ) -> QueryStats {
-        let mut posed = body.pose.posed();
-        let mut tree = as_boxes(&mut posed);
+        let mut tree = body.pose.posed();
         let center = Box64::point(ball.center);
         let reach = ball.center.abs();
         let frames = GapFrame::list(

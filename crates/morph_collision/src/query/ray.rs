@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 
-use super::body::{Body, as_boxes};
+use super::body::Body;
 use super::input::Ray;
 use super::one::{OneBody, magnitude};
 use super::stats::QueryStats;
@@ -157,8 +157,7 @@ impl RayQuery {
         ray: &Ray,
         mut at_hit: impl FnMut(u32, &Crossing, &Triangle) -> Next,
     ) -> QueryStats {
-        let mut posed = body.pose.posed();
-        let mut tree = as_boxes(&mut posed);
+        let mut tree = body.pose.posed();
         let line = &ray.line;
         let cull = RayCull::new(line.origin, line.direction, body.world_from_model, magnitude(&mut tree));
         let mut limit = line.max_t;

@@ -4,9 +4,8 @@ use glam::Vec3;
 
 use super::capped::Capped;
 use super::{QueryStats, TrianglePair};
-use crate::bounds::Volume;
 use crate::exact::{Triangle, triangles_intersect_counting};
-use crate::pose::{Pose, Posed, with_posed};
+use crate::pose::{Pose, Posed};
 use crate::traverse::{SelfStack, walk_within};
 use crate::tree::Leaf;
 
@@ -76,14 +75,10 @@ impl SelfQuery {
     ///
     /// Volumes and vertices that the query looks at are blended into the pose's cache.
     pub fn visit(&mut self, pose: &mut Pose, mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>) -> QueryStats {
-        with_posed!(pose.posed(), mut posed => self.walk(&mut posed, &mut visitor))
+        self.walk(&mut pose.posed(), &mut visitor)
     }
 
-    fn walk<V: Volume>(
-        &mut self,
-        posed: &mut Posed<'_, V>,
-        visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
-    ) -> QueryStats {
+    fn walk(&mut self, posed: &mut Posed<'_>, visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>) -> QueryStats {
         let before = posed.blended();
         let mut stats = QueryStats::default();
         let Self { stack, leaf_a, leaf_b } = self;
@@ -116,7 +111,7 @@ impl SelfQuery {
 }
 
 /// A leaf's triangles: number, welded vertices and posed corners.
-fn read<V: Volume>(posed: &mut Posed<'_, V>, leaf: Leaf, triangles: &mut Vec<(u32, [u32; 3], Triangle)>) {
+fn read(posed: &mut Posed<'_>, leaf: Leaf, triangles: &mut Vec<(u32, [u32; 3], Triangle)>) {
     let topology = posed.topology;
     triangles.clear();
     for &number in topology.leaf_triangles(leaf) {

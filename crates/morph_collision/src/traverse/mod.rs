@@ -6,13 +6,11 @@ mod meeting;
 mod one;
 mod pairs;
 mod sweep;
-mod walkable;
 mod within;
 
-pub(crate) use cull::{AnyCulls, CrossCull, Culls, Side};
+pub(crate) use cull::{Culls, Side};
 pub(crate) use meeting::Meeting;
 pub(crate) use one::{OneWalk, Queue};
-pub(crate) use pairs::{Opened, PairRule, PairWalk, Stack, Trace};
+pub(crate) use pairs::{Opened, PairRule, PairWalk, Stack};
 pub use sweep::overlapping_pairs;
-pub(crate) use walkable::{AsBoxes, Walkable};
 pub(crate) use within::{SelfStack, walk_within};

@@ -4,9 +4,8 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 
-use super::Walkable;
-use crate::bounds::{Aabb, Volume};
-use crate::pose::NodeRef;
+use crate::bounds::Aabb;
+use crate::pose::{NodeRef, Posed};
 use crate::tree::{ChildKind, Leaf};
 
 /// Nodes still to be looked at, lowest bound first; reused between walks.
@@ -40,14 +39,14 @@ impl PartialEq for Entry {
 
 impl Eq for Entry {}
 
-/// A walk over the nodes of a posed tree, best first: no node's volume is blended that could not hold an answer.
-pub(crate) struct OneWalk<'a, T> {
-    pub(crate) tree: &'a mut T,
+/// A walk over the nodes of a posed tree, best first: no node's box is blended that could not hold an answer.
+pub(crate) struct OneWalk<'a, 'p> {
+    pub(crate) tree: &'a mut Posed<'p>,
     /// Nodes bounded so far.
     pub(crate) node_tests: u64,
 }
 
-impl<T: Walkable> OneWalk<'_, T> {
+impl<'p> OneWalk<'_, 'p> {
     /// Calls `at_leaf` for leaves by ascending bound, as long as that is at most the limit, until it breaks.
     ///
     /// `bound` is given a node's model-space box, and says what its triangles give at least (their distance, say), or
@@ -57,7 +56,7 @@ impl<T: Walkable> OneWalk<'_, T> {
         queue: &mut Queue,
         mut limit: f64,
         mut bound: impl FnMut(&Aabb) -> Option<f64>,
-        mut at_leaf: impl FnMut(&mut T, Leaf) -> ControlFlow<(), f64>,
+        mut at_leaf: impl FnMut(&mut Posed<'p>, Leaf) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
         queue.clear();
         let root = self.tree.root();
@@ -70,7 +69,7 @@ impl<T: Walkable> OneWalk<'_, T> {
                 ChildKind::Leaf(leaf) => limit = at_leaf(self.tree, leaf)?,
                 ChildKind::Group(group) => {
                     let slot = self.tree.open(group);
-                    for lane in 0..self.tree.topology().group(group).children().len() {
+                    for lane in 0..self.tree.topology.group(group).children().len() {
                         let child = self.tree.node(slot, group, lane);
                         self.enqueue(queue, child, limit, &mut bound);
                     }
@@ -83,7 +82,7 @@ impl<T: Walkable> OneWalk<'_, T> {
     #[inline]
     fn enqueue(&mut self, queue: &mut Queue, node: NodeRef, limit: f64, bound: &mut impl FnMut(&Aabb) -> Option<f64>) {
         self.node_tests += 1;
-        let bounds = T::Kind::bounds(&self.tree.volume(node));
+        let bounds = self.tree.node_box(node);
         if let Some(bound) = bound(&bounds)
             && bound <= limit
         {

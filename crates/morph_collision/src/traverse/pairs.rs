@@ -4,9 +4,8 @@ use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
 use super::cull::Side;
-use super::walkable::Walkable;
-use crate::bounds::{LANES, Volume};
-use crate::pose::{NodeRef, Place};
+use crate::bounds::{Aabb, LANES};
+use crate::pose::{NodeRef, Place, Posed};
 use crate::tree::{ChildKind, Leaf};
 
 /// Nodes whose sizes differ by less than this are descended together.
@@ -16,19 +15,19 @@ const ALIKE: f32 = 3.0;
 pub(crate) type Stack<K = ()> = Vec<(K, NodeRef, NodeRef)>;
 
 /// Which node pairs a walk looks at, and in which order.
-pub(crate) trait PairRule<V: Volume> {
+pub(crate) trait PairRule {
     /// What decides about a pair; lower ones come first among the children of a node.
     type Key: Copy + Default + PartialOrd;
 
     /// The key of two nodes to start from, usually the roots; `None` not to look at them.
-    fn start(&self, a: &V::One, b: &V::One) -> Option<Self::Key>;
+    fn start(&self, a: &Aabb, b: &Aabb) -> Option<Self::Key>;
 
     /// The keys of an opened group's children against a node of the other side's tree, and the lanes to look at.
-    fn children<T: Walkable<Kind = V>>(
+    fn children(
         &self,
         side: Side,
-        own: (&T, Opened),
-        other: (&T, NodeRef),
+        own: (&Posed<'_>, Opened),
+        other: (&Posed<'_>, NodeRef),
         keys: &mut [Self::Key; LANES],
     ) -> u8;
 
@@ -40,59 +39,24 @@ pub(crate) trait PairRule<V: Volume> {
 
     /// For each lane of `rows`, a mask of A's children, which ones of B's it is to be looked at with.
     #[inline]
-    fn both<T: Walkable<Kind = V>>(&self, _a: (&T, Opened), _b: (&T, Opened), _rows: u8) -> [u8; LANES] {
+    fn both(&self, _a: (&Posed<'_>, Opened), _b: (&Posed<'_>, Opened), _rows: u8) -> [u8; LANES] {
         [0; LANES]
     }
 
     /// How far each child in an opened group's slot reaches into a node of the other side's tree, about, by its slot and lane; both
     /// were looked at.
     #[inline]
-    fn depths<T: Walkable<Kind = V>>(
-        &self,
-        _side: Side,
-        _own: (&T, usize),
-        _other: (&T, usize, usize),
-    ) -> [f32; LANES] {
+    fn depths(&self, _side: Side, _own: (&Posed<'_>, usize), _other: (&Posed<'_>, usize, usize)) -> [f32; LANES] {
         [0.0; LANES]
     }
 
     /// Whether a pair that comes off the stack is still worth looking at.
     fn still_wanted(&self, key: Self::Key) -> bool;
-
-    /// Whether the walk may take the next pair off the stack; if not it ends there, and what it leaves stays on the stack.
-    #[inline]
-    fn goes_on(&self, _node_tests: u64) -> bool {
-        true
-    }
-
-    /// Whether [`PairRule::settles`] is to be asked.
-    const SETTLES: bool = false;
-
-    /// Whether a pair that comes off the stack is answered as it is, so that nothing below it is looked at.
-    #[inline]
-    fn settles(&self, _a: (NodeRef, &V::One), _b: (NodeRef, &V::One)) -> bool {
-        false
-    }
-
-    /// A lower bound of the distance in A's space between two volumes that the rule does not want.
-    fn gap(&self, _a: &V::One, _b: &V::One) -> f64 {
-        0.0
-    }
 }
 
-/// What a walk leaves behind for the next frame.
-#[derive(Debug, Default)]
-pub(crate) struct Trace {
-    /// The node pairs at which the walk ended: not wanted, or leaves. Whatever they become, all leaf pairs are below them.
-    pub(crate) front: Vec<(Place, Place)>,
-    /// A lower bound of the distance in A's space between the bodies' parts that were not wanted; 0 if leaves were.
-    pub(crate) gap: f64,
-}
-
-/// A group whose volumes are made: where they are, and a bit per child.
+/// A group whose boxes are made: where they are, and a bit per child.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Opened {
-    pub(crate) group: usize,
     pub(crate) slot: usize,
     pub(crate) mask: u8,
 }
@@ -101,9 +65,9 @@ pub(crate) struct Opened {
 ///
 /// The children of the larger node are made, if they are not yet, and tested against the other node, eight at once (the
 /// paper's Sect. 3: descend the larger).
-pub(crate) struct PairWalk<'a, R, T> {
-    pub(crate) a: &'a mut T,
-    pub(crate) b: &'a mut T,
+pub(crate) struct PairWalk<'a, 'p, R> {
+    pub(crate) a: &'a mut Posed<'p>,
+    pub(crate) b: &'a mut Posed<'p>,
     pub(crate) rule: &'a R,
     /// Whether the roots are known to be a pair to look at, with the default key.
     pub(crate) roots_meet: bool,
@@ -112,13 +76,11 @@ pub(crate) struct PairWalk<'a, R, T> {
     /// Whether pairs that reach deeper into each other come first among the children of a node: where the first intersection
     /// ends the walk.
     pub(crate) deepest_first: bool,
-    /// Volumes tested against volumes so far.
+    /// Boxes tested against boxes so far.
     pub(crate) node_tests: u64,
-    /// Filled if it is there.
-    pub(crate) trace: Option<&'a mut Trace>,
 }
 
-impl<V: Volume, R: PairRule<V>, T: Walkable<Kind = V>> PairWalk<'_, R, T> {
+impl<'p, R: PairRule> PairWalk<'_, 'p, R> {
     /// Calls `at_leaves` for every pair of leaves that the rule wants, until it breaks.
     ///
     /// Starts from the roots, or from the front of an earlier walk over the same trees.
@@ -126,27 +88,20 @@ impl<V: Volume, R: PairRule<V>, T: Walkable<Kind = V>> PairWalk<'_, R, T> {
         &mut self,
         stack: &mut Stack<R::Key>,
         front: &[(Place, Place)],
-        mut at_leaves: impl FnMut(&mut T, &mut T, Leaf, Leaf) -> ControlFlow<()>,
+        mut at_leaves: impl FnMut(&mut Posed<'p>, &mut Posed<'p>, Leaf, Leaf) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         stack.clear();
         let root = Place { group: 0, lane: 0 };
         let start = if front.is_empty() { &[(root, root)] } else { front };
-        for (done, (a, b)) in start.iter().enumerate() {
+        for (a, b) in start {
             let (a, b) = (node_at(self.a, *a), node_at(self.b, *b));
             self.node_tests += 1;
             let known = (front.is_empty() && self.roots_meet).then(R::Key::default);
-            let key = known.or_else(|| self.rule.start(&self.a.volume(a), &self.b.volume(b)));
-            match key {
-                Some(key) => stack.push((key, a, b)),
-                None => self.note_unwanted(a, b),
+            let key = known.or_else(|| self.rule.start(&self.a.node_box(a), &self.b.node_box(b)));
+            if let Some(key) = key {
+                stack.push((key, a, b));
             }
-            if self.drain(stack, &mut at_leaves).is_break() {
-                if let Some(trace) = &mut self.trace {
-                    trace.front.extend(stack.iter().map(|(_, a, b)| (a.place, b.place)));
-                    trace.front.extend(&start[done + 1..]);
-                }
-                return ControlFlow::Break(());
-            }
+            self.drain(stack, &mut at_leaves)?;
         }
         ControlFlow::Continue(())
     }
@@ -154,25 +109,14 @@ impl<V: Volume, R: PairRule<V>, T: Walkable<Kind = V>> PairWalk<'_, R, T> {
     fn drain(
         &mut self,
         stack: &mut Stack<R::Key>,
-        at_leaves: &mut impl FnMut(&mut T, &mut T, Leaf, Leaf) -> ControlFlow<()>,
+        at_leaves: &mut impl FnMut(&mut Posed<'p>, &mut Posed<'p>, Leaf, Leaf) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        while !stack.is_empty() && self.rule.goes_on(self.node_tests) {
-            let Some((key, a, b)) = stack.pop() else { break };
+        while let Some((key, a, b)) = stack.pop() {
             if !self.rule.still_wanted(key) {
-                self.note_unwanted(a, b);
-                continue;
-            }
-            if R::SETTLES && self.rule.settles((a, &self.a.volume(a)), (b, &self.b.volume(b))) {
                 continue;
             }
             match (a.child.kind(), b.child.kind()) {
-                (ChildKind::Leaf(leaf_a), ChildKind::Leaf(leaf_b)) => {
-                    if let Some(trace) = &mut self.trace {
-                        trace.front.push((a.place, b.place));
-                        trace.gap = 0.0;
-                    }
-                    at_leaves(self.a, self.b, leaf_a, leaf_b)?;
-                }
+                (ChildKind::Leaf(leaf_a), ChildKind::Leaf(leaf_b)) => at_leaves(self.a, self.b, leaf_a, leaf_b)?,
                 _ => self.descend(a, b, stack),
             }
         }
@@ -217,10 +161,10 @@ impl<V: Volume, R: PairRule<V>, T: Walkable<Kind = V>> PairWalk<'_, R, T> {
             (ChildKind::Group(group), ChildKind::Leaf(_)) => self.descend_a(group, b, stack),
             (ChildKind::Leaf(_), ChildKind::Group(group)) => self.descend_b(a, group, stack),
             (ChildKind::Group(group_a), ChildKind::Group(group_b)) => {
-                let size_a = V::size(&self.a.volume(a));
-                let size_b = V::size(&self.b.volume(b)) * self.a_from_b_scale;
+                let size_a = self.a.node_box(a).girth();
+                let size_b = self.b.node_box(b).girth() * self.a_from_b_scale;
                 let alike = size_a < ALIKE * size_b && size_b < ALIKE * size_a;
-                if alike && self.trace.is_none() && self.rule.takes_both() {
+                if alike && self.rule.takes_both() {
                     self.descend_both(group_a, (group_b, b), stack);
                 } else if size_a >= size_b {
                     self.descend_a(group_a, b, stack);
@@ -247,9 +191,6 @@ impl<V: Volume, R: PairRule<V>, T: Walkable<Kind = V>> PairWalk<'_, R, T> {
                 depths[usize::from(a.place.lane) % LANES]
             });
         }
-        if self.trace.is_some() {
-            lanes_of(opened.mask & !mask).for_each(|lane| self.note_unwanted(self.a.node(opened.slot, group, lane), b));
-        }
     }
 
     #[inline(always)]
@@ -268,9 +209,6 @@ impl<V: Volume, R: PairRule<V>, T: Walkable<Kind = V>> PairWalk<'_, R, T> {
                 depths[usize::from(b.place.lane) % LANES]
             });
         }
-        if self.trace.is_some() {
-            lanes_of(opened.mask & !mask).for_each(|lane| self.note_unwanted(a, self.b.node(opened.slot, group, lane)));
-        }
     }
 
     /// The children of two nodes of about the same size against each other; as many tests as one after the other, but one
@@ -286,9 +224,8 @@ impl<V: Volume, R: PairRule<V>, T: Walkable<Kind = V>> PairWalk<'_, R, T> {
             return;
         }
         let slot = self.b.open(group_b);
-        let group = self.b.topology().group(group_b);
+        let group = self.b.topology.group(group_b);
         let opened_b = Opened {
-            group: group_b,
             slot,
             mask: group.mask(),
         };
@@ -310,29 +247,20 @@ impl<V: Volume, R: PairRule<V>, T: Walkable<Kind = V>> PairWalk<'_, R, T> {
             });
         }
     }
-
-    /// The walk ends at two nodes that are no pair of leaves.
-    fn note_unwanted(&mut self, a: NodeRef, b: NodeRef) {
-        let Some(trace) = &mut self.trace else { return };
-        trace.front.push((a.place, b.place));
-        if trace.gap > 0.0 {
-            trace.gap = trace.gap.min(self.rule.gap(&self.a.volume(a), &self.b.volume(b)));
-        }
-    }
 }
 
-fn node_at(tree: &mut impl Walkable, place: Place) -> NodeRef {
+fn node_at(tree: &mut Posed<'_>, place: Place) -> NodeRef {
     let slot = tree.open(place.group as usize);
     tree.node(slot, place.group as usize, usize::from(place.lane))
 }
 
-/// Makes a group's volumes unless they are there.
+/// Makes a group's boxes unless they are there.
 #[inline(always)]
-fn open(tree: &mut impl Walkable, group: usize, node_tests: &mut u64) -> Opened {
+fn open(tree: &mut Posed<'_>, group: usize, node_tests: &mut u64) -> Opened {
     let slot = tree.open(group);
-    let mask = tree.topology().group(group).mask();
+    let mask = tree.topology.group(group).mask();
     *node_tests += u64::from(mask.count_ones());
-    Opened { group, slot, mask }
+    Opened { slot, mask }
 }
 
 /// Pushes the lanes of a mask so that the lowest key comes off the stack first, among equals the first lane.

@@ -3,21 +3,21 @@
 use std::ops::ControlFlow;
 
 use super::pairs::lanes_of;
-use crate::bounds::{LANES, Volume, with_simd};
+use crate::bounds::{LANES, with_simd};
 use crate::pose::{NodeRef, Posed};
 use crate::tree::{ChildKind, Leaf};
 
 /// Node pairs of one tree still to be looked at; reused between walks.
 pub(crate) type SelfStack = Vec<(NodeRef, NodeRef)>;
 
-/// Calls `at_leaves` for every pair of leaves of a posed tree whose volumes share a point, each leaf with itself included,
-/// until it breaks; returns how many volumes were tested against volumes.
+/// Calls `at_leaves` for every pair of leaves of a posed tree whose boxes share a point, each leaf with itself included,
+/// until it breaks; returns how many boxes were tested against boxes.
 ///
-/// Subtrees whose volumes are apart are culled. No frame is involved: both sides are in the same model space.
-pub(crate) fn walk_within<V: Volume>(
-    posed: &mut Posed<'_, V>,
+/// Subtrees whose boxes are apart are culled. No frame is involved: both sides are in the same model space.
+pub(crate) fn walk_within<'p>(
+    posed: &mut Posed<'p>,
     stack: &mut SelfStack,
-    mut at_leaves: impl FnMut(&mut Posed<'_, V>, Leaf, Leaf) -> ControlFlow<()>,
+    mut at_leaves: impl FnMut(&mut Posed<'p>, Leaf, Leaf) -> ControlFlow<()>,
 ) -> u64 {
     let mut tests = 0;
     stack.clear();
@@ -31,7 +31,7 @@ pub(crate) fn walk_within<V: Volume>(
                 ControlFlow::Continue(())
             }
             (ChildKind::Group(group_a), ChildKind::Group(group_b)) => {
-                let a_is_larger = V::size(&posed.volume(a)) >= V::size(&posed.volume(b));
+                let a_is_larger = posed.node_box(a).girth() >= posed.node_box(b).girth();
                 let (group, other) = if a_is_larger { (group_a, b) } else { (group_b, a) };
                 tests += push_pairs_with(posed, group, other, stack);
                 ControlFlow::Continue(())
@@ -52,27 +52,27 @@ pub(crate) fn walk_within<V: Volume>(
     tests
 }
 
-/// Every child of a group with itself, and with every later one that its volume shares a point with.
-fn push_pairs_among<V: Volume>(posed: &mut Posed<'_, V>, group: usize, stack: &mut SelfStack) -> u64 {
+/// Every child of a group with itself, and with every later one that its box shares a point with.
+fn push_pairs_among(posed: &mut Posed<'_>, group: usize, stack: &mut SelfStack) -> u64 {
     let slot = posed.open(group);
     let children = posed.topology.group(group).children().len();
     for lane in (0..children).rev() {
         let node = posed.node(slot, group, lane);
         let later = posed.topology.group(group).mask() & lanes_after(lane);
-        let volume = posed.volume(node);
-        let mask = with_simd!(posed.level, simd => posed.volumes(slot).overlap_mask(simd, &volume)) & later;
+        let bounds = posed.node_box(node);
+        let mask = with_simd!(posed.level, simd => posed.boxes(slot).overlap_mask(simd, &bounds)) & later;
         stack.extend(lanes_of(mask).map(|other| (node, posed.node(slot, group, other))));
         stack.push((node, node));
     }
     (children * (children - 1) / 2) as u64
 }
 
-/// Every child of a group whose volume shares a point with another node's.
-fn push_pairs_with<V: Volume>(posed: &mut Posed<'_, V>, group: usize, other: NodeRef, stack: &mut SelfStack) -> u64 {
-    let volume = posed.volume(other);
+/// Every child of a group whose box shares a point with another node's.
+fn push_pairs_with(posed: &mut Posed<'_>, group: usize, other: NodeRef, stack: &mut SelfStack) -> u64 {
+    let bounds = posed.node_box(other);
     let slot = posed.open(group);
     let children = posed.topology.group(group).mask();
-    let mask = with_simd!(posed.level, simd => posed.volumes(slot).overlap_mask(simd, &volume)) & children;
+    let mask = with_simd!(posed.level, simd => posed.boxes(slot).overlap_mask(simd, &bounds)) & children;
     stack.extend(lanes_of(mask).map(|lane| (posed.node(slot, group, lane), other)));
     u64::from(children.count_ones())
 }

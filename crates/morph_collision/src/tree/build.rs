@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use super::extents::NodeExtents;
 use super::partition::Partition;
-use super::topology::{Child, ChildKind, Group};
-use super::{AnyTables, BuildError, BuildOptions, Columns, LeafLanes, MorphBvh, Tables, Topology, VolumeKind};
-use crate::bounds::Volume;
+use super::topology::{Child, Group};
+use super::{BuildError, BuildOptions, LeafLanes, MorphBvh, Tables, Topology};
+use crate::bounds::LANES;
 use crate::model::MorphModel;
 
 /// Deeper nodes are split by count, so that no mesh makes a tree too deep to recurse into.
@@ -18,25 +18,29 @@ pub(super) trait Splits {
     fn split(&mut self, triangles: &mut [u32], depth: usize) -> Option<Vec<usize>>;
 }
 
-/// Splits by a rule, down to leaves of a size.
-struct ByRule<'a> {
-    partition: &'a Partition,
+/// Splits by the surface-area heuristic, down to leaves of a size.
+struct ByArea {
+    partition: Partition,
     leaf_size: usize,
-    arity: usize,
 }
 
-impl Splits for ByRule<'_> {
+impl Splits for ByArea {
     fn split(&mut self, triangles: &mut [u32], depth: usize) -> Option<Vec<usize>> {
         if triangles.len() <= self.leaf_size {
             return None;
         }
         // Splitting by count takes at most 32 levels more.
         if depth + 33 > MOST_DEPTH {
-            let chunk = triangles.len().div_ceil(self.arity);
-            return Some(triangles.chunks(chunk).map(<[u32]>::len).collect());
+            return Some(by_count(triangles));
         }
         Some(self.partition.split(triangles))
     }
+}
+
+/// The lengths of as many equal parts as a node may have children.
+pub(super) fn by_count(triangles: &[u32]) -> Vec<usize> {
+    let chunk = triangles.len().div_ceil(LANES);
+    triangles.chunks(chunk).map(<[u32]>::len).collect()
 }
 
 /// Splits as recorded in a layout, whose triangles are in order already.
@@ -60,13 +64,11 @@ impl Splits for Recorded<'_> {
 }
 
 pub(super) fn build(model: Arc<MorphModel>, options: &BuildOptions) -> Result<MorphBvh, BuildError> {
-    options.check(model.target_count())?;
-    let partition = Partition::new(&model, options);
+    options.check()?;
     let triangles = (0..model.triangle_count() as u32).collect();
-    let splits = ByRule {
-        partition: &partition,
+    let splits = ByArea {
+        partition: Partition::new(&model, options.leaf_size),
         leaf_size: options.leaf_size,
-        arity: options.arity,
     };
     Ok(build_over(model, options, triangles, splits))
 }
@@ -75,93 +77,41 @@ pub(super) fn build(model: Arc<MorphModel>, options: &BuildOptions) -> Result<Mo
 pub(super) fn build_over(
     model: Arc<MorphModel>,
     options: &BuildOptions,
-    triangles: Vec<u32>,
+    mut triangles: Vec<u32>,
     splits: impl Splits,
 ) -> MorphBvh {
-    let columns = columns_of(&model, options);
-    let make = Make {
+    let mut builder = Builder {
         model: &model,
-        options,
-        columns: &columns,
+        splits,
+        topology: Topology::new(),
+        tables: Tables::new(options.compact),
     };
-    let (topology, tables) = match options.volume {
-        VolumeKind::Aabb => make.tree(triangles, splits, AnyTables::Aabb),
-        VolumeKind::Kdop14 => make.tree(triangles, splits, AnyTables::Kdop14),
-        VolumeKind::Kdop18 => make.tree(triangles, splits, AnyTables::Kdop18),
-        VolumeKind::Kdop26 => make.tree(triangles, splits, AnyTables::Kdop26),
-        VolumeKind::Sphere => make.tree(triangles, splits, AnyTables::Sphere),
-    };
+    let above_root = builder.reserve();
+    let (root, extents) = builder.node(&mut triangles, 0);
+    builder.finish(above_root, &[root], &[extents]);
+    let Builder {
+        mut topology, tables, ..
+    } = builder;
+    topology.triangles = triangles;
     MorphBvh {
         leaf_lanes: LeafLanes::new(&model, &topology).map(Arc::new),
         model,
         topology: Arc::new(topology),
-        columns,
-        tables,
+        tables: Arc::new(tables),
         options: options.clone(),
     }
 }
 
-fn columns_of(model: &MorphModel, options: &BuildOptions) -> Columns {
-    let targets = model.target_count() as u32;
-    let mut scales = options.scales.clone();
-    let mut between = Vec::new();
-    if options.in_betweens {
-        // Half way from the base to a target is the target at scale 1/2, half way between two is a target of its own.
-        scales.push(0.5);
-        between.extend((1..targets).map(|k| [k - 1, k]));
-    }
-    scales.sort_by(|a, b| b.total_cmp(a));
-    scales.dedup();
-    Columns {
-        model_targets: targets,
-        between,
-        scales,
-        reflected: options.reflected,
-    }
-}
-
-/// What a tree is made over.
-#[derive(Clone, Copy)]
-struct Make<'a> {
+struct Builder<'a, S> {
     model: &'a MorphModel,
-    options: &'a BuildOptions,
-    columns: &'a Columns,
-}
-
-impl Make<'_> {
-    fn tree<V: Volume>(
-        self,
-        mut triangles: Vec<u32>,
-        splits: impl Splits,
-        any: impl FnOnce(Arc<Tables<V>>) -> AnyTables,
-    ) -> (Topology, AnyTables) {
-        let mut builder = Builder {
-            make: self,
-            splits,
-            topology: Topology::new(),
-            tables: Tables::<V>::new(self.options.compact),
-        };
-        let above_root = builder.reserve();
-        let (root, extents) = builder.node(&mut triangles, 0);
-        builder.finish(above_root, &[root], &[extents]);
-        let Builder {
-            mut topology, tables, ..
-        } = builder;
-        topology.triangles = triangles;
-        (topology, any(Arc::new(tables)))
-    }
-}
-
-struct Builder<'a, V: Volume, S> {
-    make: Make<'a>,
     splits: S,
     topology: Topology,
-    tables: Tables<V>,
+    tables: Tables,
 }
 
-impl<V: Volume, S: Splits> Builder<'_, V, S> {
+impl<S: Splits> Builder<'_, S> {
     /// The node over these triangles, which it reorders, and what the node spans.
-    fn node(&mut self, triangles: &mut [u32], depth: usize) -> (Child, NodeExtents<V>) {
+    fn node(&mut self, triangles: &mut [u32], depth: usize) -> (Child, NodeExtents) {
         self.topology.depth = self.topology.depth.max(depth);
         let Some(counts) = self.splits.split(triangles, depth) else {
             return self.leaf(triangles);
@@ -177,18 +127,14 @@ impl<V: Volume, S: Splits> Builder<'_, V, S> {
             rest = others;
         }
         self.finish(group, &children, &extents);
-        (
-            Child::group(group),
-            NodeExtents::of_children(self.make.columns, &extents),
-        )
+        (Child::group(group), NodeExtents::of_children(&extents))
     }
 
-    fn leaf(&mut self, triangles: &[u32]) -> (Child, NodeExtents<V>) {
-        let Make { model, columns, .. } = self.make;
-        let corners: Vec<[u32; 3]> = triangles.iter().map(|&t| model.triangle(t as usize)).collect();
+    fn leaf(&mut self, triangles: &[u32]) -> (Child, NodeExtents) {
+        let corners: Vec<[u32; 3]> = triangles.iter().map(|&t| self.model.triangle(t as usize)).collect();
         let leaf = self.topology.push_leaf(&corners);
-        let vertices = self.topology.leaf_vertices(leaf).to_vec();
-        (Child::leaf(leaf.0), NodeExtents::of_vertices(model, columns, vertices))
+        let extents = NodeExtents::of_vertices(self.model, self.topology.leaf_vertices(leaf));
+        (Child::leaf(leaf.0), extents)
     }
 
     /// Takes the next place in preorder for a group whose children are not known yet.
@@ -198,17 +144,10 @@ impl<V: Volume, S: Splits> Builder<'_, V, S> {
         self.topology.groups.len() - 1
     }
 
-    fn finish(&mut self, group: usize, children: &[Child], extents: &[NodeExtents<V>]) {
+    fn finish(&mut self, group: usize, children: &[Child], extents: &[NodeExtents]) {
         let slot = &mut self.topology.groups[group];
         slot.children[..children.len()].copy_from_slice(children);
         slot.len = children.len() as u8;
-        let has_table = |child: &Child| self.make.options.leaf_tables || matches!(child.kind(), ChildKind::Group(_));
-        let lanes = children
-            .iter()
-            .enumerate()
-            .map(|(lane, child)| u8::from(has_table(child)) << lane)
-            .sum();
-        self.tables
-            .fill(group, self.make.model, self.make.columns, extents, lanes);
+        self.tables.fill(group, extents);
     }
 }

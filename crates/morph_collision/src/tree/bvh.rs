@@ -1,14 +1,13 @@
 use std::sync::Arc;
 
 use super::build::build;
-use super::{AnyTables, BuildError, BuildOptions, Columns, LeafLanes, Topology};
+use super::{BuildError, BuildOptions, LeafLanes, Tables, Topology};
 use crate::model::MorphModel;
 
 /// A bounding-volume tree for every pose of a [`MorphModel`]: immutable, shared by all instances of the mesh.
 ///
-/// Each node holds its volume at the base and, for each target that moves any of its vertices, how the volume moves; a
-/// [`Pose`](crate::Pose) blends them when a query looks at the node. [`BuildOptions`] choose the kind of volume and the
-/// way the tree is built; no answer depends on them.
+/// Each node holds its box at the base and, for each target that moves any of its vertices, how the box moves; a
+/// [`Pose`](crate::Pose) blends them when a query looks at the node.
 ///
 /// Building takes `O(n log n)` time for `n` triangles, and memory in proportion to the sum over all nodes of the targets
 /// that move them. Cloning is cheap.
@@ -16,8 +15,7 @@ use crate::model::MorphModel;
 pub struct MorphBvh {
     pub(super) model: Arc<MorphModel>,
     pub(super) topology: Arc<Topology>,
-    pub(super) columns: Columns,
-    pub(super) tables: AnyTables,
+    pub(super) tables: Arc<Tables>,
     pub(super) leaf_lanes: Option<Arc<LeafLanes>>,
     pub(super) options: BuildOptions,
 }
@@ -72,15 +70,11 @@ impl MorphBvh {
         &self.topology
     }
 
-    pub(crate) fn tables(&self) -> &AnyTables {
+    pub(crate) fn tables(&self) -> &Tables {
         &self.tables
     }
 
     pub(crate) fn leaf_lanes(&self) -> Option<&LeafLanes> {
         self.leaf_lanes.as_deref()
-    }
-
-    pub(crate) fn columns(&self) -> &Columns {
-        &self.columns
     }
 }

@@ -1,119 +1,157 @@
-//! What a node's vertices span: at the base, at each scaled reference, and the displacements themselves.
+//! What a node's vertices span, in `f64`: at the base, with each target at weight 1, and the displacements themselves.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
-use super::columns::{Columns, Shape};
-use crate::bounds::Volume;
+use crate::bounds::{Aabb, down, up};
 use crate::model::MorphModel;
 
+/// What points span along each axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
+    min: DVec3,
+    max: DVec3,
+}
+
+impl Extent {
+    const EMPTY: Self = Self {
+        min: DVec3::INFINITY,
+        max: DVec3::NEG_INFINITY,
+    };
+    const ZERO: Self = Self {
+        min: DVec3::ZERO,
+        max: DVec3::ZERO,
+    };
+
+    fn of(points: impl Iterator<Item = DVec3>) -> Self {
+        points.fold(Self::EMPTY, |extent, p| extent.union(&Self { min: p, max: p }))
+    }
+
+    fn union(&self, other: &Self) -> Self {
+        Self {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+        }
+    }
+
+    /// The box around the points, rounded outward.
+    pub(super) fn outward(&self) -> Aabb {
+        Aabb {
+            min: Vec3::from_array(self.min.to_array().map(down)),
+            max: Vec3::from_array(self.max.to_array().map(up)),
+        }
+    }
+
+    /// How far the ends of a base box must move to reach these, rounded outward. Covers the roundings of points that are
+    /// sums of two vectors.
+    pub(super) fn slope_from(&self, base: &Aabb) -> Aabb {
+        let reach = self.min.abs().max(self.max.abs()).max_element();
+        let pad = 8.0 * f64::EPSILON * reach + 4.0 * f64::EPSILON * base.magnitude().as_dvec3();
+        let (low, high) = (
+            self.min - base.min.as_dvec3() - pad,
+            self.max - base.max.as_dvec3() + pad,
+        );
+        Self { min: low, max: high }.outward()
+    }
+}
+
 /// A target that moves some vertex of a node.
-#[derive(Clone, Debug)]
-pub(super) struct TargetExtents<V: Volume> {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TargetExtents {
     pub(super) target: u32,
     /// The largest absolute displacement.
     pub(super) reach: f32,
     /// Of `d_k`: the interval of displacements.
-    pub(super) displacement: V::Extent,
-    /// Of `b + S d_k` for each signed scale `S`: the paper's reference volume for `S = 1`.
-    pub(super) references: Vec<V::Extent>,
+    pub(super) displacement: Extent,
+    /// Of `b + d_k`: the paper's reference volume.
+    pub(super) reference: Extent,
 }
 
-/// Everything a node's volumes are made from; `targets` ascending.
+/// Everything that a node's boxes are made from; `targets` ascending.
 #[derive(Clone, Debug)]
-pub(super) struct NodeExtents<V: Volume> {
-    pub(super) base: V::Extent,
+pub(super) struct NodeExtents {
+    pub(super) base: Extent,
     /// The largest absolute base coordinate.
     pub(super) base_reach: f32,
-    pub(super) targets: Vec<TargetExtents<V>>,
-    /// The node's vertices, if the kind of volume looks at them or the node is a leaf.
-    pub(super) vertices: Vec<u32>,
+    pub(super) targets: Vec<TargetExtents>,
 }
 
-impl<V: Volume> NodeExtents<V> {
+impl NodeExtents {
     /// Of a leaf's vertices.
-    pub(super) fn of_vertices(model: &MorphModel, columns: &Columns, vertices: Vec<u32>) -> Self {
-        let mut node = Self {
-            base: V::extent(&|_| {}),
-            base_reach: 0.0,
-            targets: Vec::new(),
-            vertices,
-        };
-        let of = |shape: Shape| V::extent(&|each| columns.for_each_point(model, &node.vertices, shape, each));
-        let base = of(Shape::Base);
-        let targets = columns
-            .local_targets(model, &node.vertices)
-            .into_iter()
-            .map(|target| TargetExtents {
+    pub(super) fn of_vertices(model: &MorphModel, vertices: &[u32]) -> Self {
+        let base = |vertex: u32| model.base(vertex).as_dvec3();
+        let targets = moving(model, vertices).into_iter().map(|target| {
+            let displacement = |vertex: u32| displacement(model, vertex, target);
+            let reach = |reach: f64, &vertex: &u32| displacement(vertex).abs().max_element().max(reach);
+            TargetExtents {
                 target,
-                reach: columns.reach(model, &node.vertices, target),
-                displacement: of(Shape::Displacement(target)),
-                references: columns
-                    .scales()
-                    .map(|scale| of(Shape::Reference(target, scale)))
-                    .collect(),
-            })
-            .collect();
-        node.base_reach = node
-            .vertices
-            .iter()
-            .fold(0.0, |reach, &v| model.base(v).abs().max_element().max(reach));
-        node.base = base;
-        node.targets = targets;
-        node
+                reach: up(vertices.iter().fold(0.0, reach)),
+                displacement: Extent::of(vertices.iter().map(|&v| displacement(v))),
+                reference: Extent::of(vertices.iter().map(|&v| base(v) + displacement(v))),
+            }
+        });
+        Self {
+            base: Extent::of(vertices.iter().map(|&v| base(v))),
+            base_reach: vertices
+                .iter()
+                .fold(0.0, |reach, &v| model.base(v).abs().max_element().max(reach)),
+            targets: targets.collect(),
+        }
     }
 
     /// Of a node from its children. A child that a target leaves alone is at its base under that target.
-    pub(super) fn of_children(columns: &Columns, children: &[Self]) -> Self {
-        let still = V::extent(&|each| each(DVec3::ZERO));
-        let all = |of: &dyn Fn(&Self) -> V::Extent| {
-            let extents = children.iter().map(of);
-            extents.reduce(|a, b| V::union(&a, &b)).unwrap_or_else(|| still.clone())
+    pub(super) fn of_children(children: &[Self]) -> Self {
+        let all = |of: &dyn Fn(&Self) -> Extent| {
+            children
+                .iter()
+                .fold(Extent::EMPTY, |extent, child| extent.union(&of(child)))
         };
-        let targets = local_targets(children)
-            .into_iter()
-            .map(|target| TargetExtents {
-                target,
-                reach: children
-                    .iter()
-                    .filter_map(|c| c.under(target))
-                    .fold(0.0, |reach, t| reach.max(t.reach)),
-                displacement: all(&|child| {
-                    child
-                        .under(target)
-                        .map_or_else(|| still.clone(), |t| t.displacement.clone())
-                }),
-                references: (0..columns.scales().len())
-                    .map(|s| all(&|child| child.under(target).map_or(&child.base, |t| &t.references[s]).clone()))
-                    .collect(),
-            })
-            .collect();
-        let vertices = if V::LOOKS_AT_POINTS {
-            let mut vertices: Vec<u32> = children.iter().flat_map(|c| &c.vertices).copied().collect();
-            vertices.sort_unstable();
-            vertices.dedup();
-            vertices
-        } else {
-            Vec::new()
-        };
+        let targets = local_targets(children).into_iter().map(|target| TargetExtents {
+            target,
+            reach: reach_under(children, target),
+            displacement: all(&|child| child.under(target).map_or(Extent::ZERO, |t| t.displacement)),
+            reference: all(&|child| child.under(target).map_or(child.base, |t| t.reference)),
+        });
         Self {
-            base: all(&|child| child.base.clone()),
+            base: all(&|child| child.base),
             base_reach: children.iter().fold(0.0, |reach, c| reach.max(c.base_reach)),
-            targets,
-            vertices,
+            targets: targets.collect(),
         }
     }
 
     /// What the node spans under a target that moves it, `None` under one that does not.
-    pub(super) fn under(&self, target: u32) -> Option<&TargetExtents<V>> {
+    pub(super) fn under(&self, target: u32) -> Option<&TargetExtents> {
         let i = self.targets.binary_search_by_key(&target, |t| t.target).ok()?;
         Some(&self.targets[i])
     }
 }
 
 /// The targets that move any of the nodes, ascending.
-pub(super) fn local_targets<V: Volume>(nodes: &[NodeExtents<V>]) -> Vec<u32> {
+pub(super) fn local_targets(nodes: &[NodeExtents]) -> Vec<u32> {
     let mut targets: Vec<u32> = nodes.iter().flat_map(|n| n.targets.iter().map(|t| t.target)).collect();
     targets.sort_unstable();
     targets.dedup();
     targets
+}
+
+/// The largest absolute displacement of a target in the nodes.
+pub(super) fn reach_under(nodes: &[NodeExtents], target: u32) -> f32 {
+    let under = nodes.iter().filter_map(|node| node.under(target));
+    under.fold(0.0, |reach, t| reach.max(t.reach))
+}
+
+/// The targets that move any of the vertices, ascending.
+fn moving(model: &MorphModel, vertices: &[u32]) -> Vec<u32> {
+    let moving = vertices.iter().flat_map(|&vertex| model.displacements(vertex));
+    let mut targets: Vec<u32> = moving.map(|displacement| displacement.target).collect();
+    targets.sort_unstable();
+    targets.dedup();
+    targets
+}
+
+fn displacement(model: &MorphModel, vertex: u32, target: u32) -> DVec3 {
+    let displacements = model.displacements(vertex);
+    match displacements.binary_search_by_key(&target, |d| d.target) {
+        Ok(i) => displacements[i].delta.as_dvec3(),
+        Err(_) => DVec3::ZERO,
+    }
 }

@@ -6,10 +6,11 @@ use thiserror::Error;
 
 use super::topology::{ChildKind, Topology};
 use super::{BuildError, BuildOptions, MorphBvh, build};
+use crate::bounds::LANES;
 use crate::model::MorphModel;
 
 /// The version of [`TreeLayout`] that this crate writes and reads.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Which triangles of a mesh a tree puts together, and the options it was built with; serialisable with the feature
 /// `serde`.
@@ -123,7 +124,7 @@ impl TreeLayout {
                 expected: model.fingerprint(),
             });
         }
-        self.options.check(model.target_count())?;
+        self.options.check()?;
         let expected = model.triangle_count();
         if self.triangles.len() != expected {
             return Err(LayoutError::TriangleCount {
@@ -158,7 +159,7 @@ impl TreeLayout {
                 continue;
             }
             let children = children as usize;
-            if !(2..=self.options.arity).contains(&children) || depth >= build::MOST_DEPTH {
+            if !(2..=LANES).contains(&children) || depth >= build::MOST_DEPTH {
                 return Err(broken);
             }
             let Some(counts) = self.nodes.get(place..place + children) else {

@@ -1,19 +1,14 @@
 //! The immutable tree: which triangles are together, and what blends into a volume for each node.
 //!
-//! `partition` (with `midpoint` and `sah`) decides the `topology` on one or several shapes, `extents` measures every node
-//! on the shapes that `columns` names, `tables` turns extents into what a pose blends,
-//! `leaf_lanes` lays out the leaves' triangles for the exact tests, `kinds` lets the kind of volume be
-//! chosen at run time, and `build` puts all of it together in preorder.
+//! `partition` (with `sah`) decides the `topology` on the base and the targets, `extents` measures every node on each of them,
+//! `tables` turns extents into what a pose blends, `leaf_lanes` lays out the leaves' triangles for the exact tests, and `build`
+//! puts all of it together in preorder.
 
 mod build;
 mod bvh;
-mod choices;
-mod columns;
 mod extents;
-mod kinds;
 mod layout;
 mod leaf_lanes;
-mod midpoint;
 mod options;
 mod partition;
 mod sah;
@@ -24,9 +19,6 @@ mod tables;
 mod topology;
 
 pub use bvh::MorphBvh;
-pub use choices::{PartitionShape, Split, UnknownName, VolumeKind};
-pub(crate) use columns::Columns;
-pub(crate) use kinds::AnyTables;
 pub use layout::{LayoutError, TreeLayout};
 pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, in_lanes, put};
 pub use options::{BuildError, BuildOptions};

@@ -1,4 +1,4 @@
-//! Surface-area heuristic, over one shape or summed over several: binned, and by a sweep over all planes where few triangles
+//! Surface-area heuristic, summed over several shapes: binned, and by a sweep over all planes where few triangles
 //! are left.
 //!
 //! Planes are placed on the first shape; what a split costs is summed over all of them. A node gets more than two children
@@ -8,7 +8,7 @@
 use std::ops::Range;
 
 use super::partition::Shape;
-use crate::bounds::Aabb;
+use crate::bounds::{Aabb, LANES};
 
 const BINS: usize = 16;
 /// Up to so many leaves' triangles are swept.
@@ -23,9 +23,9 @@ pub(super) struct Rule<'a> {
 }
 
 /// Reorders the triangles child by child; the children's lengths, a single one if their midpoints are all the same.
-pub(super) fn split(rule: &Rule<'_>, arity: usize, triangles: &mut [u32]) -> Vec<usize> {
+pub(super) fn split(rule: &Rule<'_>, triangles: &mut [u32]) -> Vec<usize> {
     let mut parts = vec![Part::new(rule, triangles, 0..triangles.len())];
-    while parts.len() < arity {
+    while parts.len() < LANES {
         let Some(costliest) = (0..parts.len())
             .filter(|&i| parts[i].divisible)
             .max_by(|&i, &j| parts[i].cost.total_cmp(&parts[j].cost))

@@ -1,7 +1,7 @@
 use thiserror::Error;
 
-use super::{AnyTables, ChildKind, Leaf, MorphBvh, Tables, Topology};
-use crate::bounds::Volume;
+use super::{ChildKind, Leaf, MorphBvh};
+use crate::bounds::{BoxLanes, LANES};
 
 /// What a tree is made of. From [`MorphBvh::stats`]; its quality at some weights is [`Pose::quality`](crate::Pose::quality).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,13 +109,7 @@ impl MorphBvh {
     /// [`BrokenTree`] says what is broken first, and where.
     pub fn validate(&self) -> Result<(), BrokenTree> {
         self.validate_topology()?;
-        match &self.tables {
-            AnyTables::Aabb(tables) => validate_tables(tables, &self.topology),
-            AnyTables::Kdop14(tables) => validate_tables(tables, &self.topology),
-            AnyTables::Kdop18(tables) => validate_tables(tables, &self.topology),
-            AnyTables::Kdop26(tables) => validate_tables(tables, &self.topology),
-            AnyTables::Sphere(tables) => validate_tables(tables, &self.topology),
-        }
+        self.validate_tables()
     }
 
     fn validate_topology(&self) -> Result<(), BrokenTree> {
@@ -143,6 +137,26 @@ impl MorphBvh {
             None => Ok(()),
         }
     }
+
+    fn validate_tables(&self) -> Result<(), BrokenTree> {
+        for group in 0..self.topology.group_count() {
+            let table = self.tables.group(group);
+            let mut bad = None;
+            let mut check = |boxes: &BoxLanes| {
+                let mut numbers = boxes.rows().flat_map(|row| row.0);
+                bad = bad.or_else(|| numbers.find(|x| !x.is_finite()));
+            };
+            check(table.base);
+            for slopes in [table.intervals, table.references] {
+                (0..slopes.len()).for_each(|i| check(slopes.column(i, &mut BoxLanes::default())));
+            }
+            if let Some(value) = bad {
+                let value = value.to_string();
+                return Err(BrokenTree::Table { group, value });
+            }
+        }
+        Ok(())
+    }
 }
 
 /// What comes next in preorder.
@@ -157,7 +171,7 @@ impl Expected<'_> {
     fn walk(&mut self, group: usize) -> Result<(), BrokenTree> {
         let topology = &self.bvh.topology;
         let children = topology.group(group).children();
-        if children.is_empty() || children.len() > self.bvh.options.arity {
+        if children.is_empty() || children.len() > LANES {
             return Err(BrokenTree::Children {
                 group,
                 children: children.len(),
@@ -192,24 +206,4 @@ impl Expected<'_> {
         }
         Ok(())
     }
-}
-
-fn validate_tables<V: Volume>(tables: &Tables<V>, topology: &Topology) -> Result<(), BrokenTree> {
-    for group in 0..topology.group_count() {
-        let table = tables.group(group);
-        let mut bad = None;
-        let mut check = |volume: &V| {
-            let mut numbers = volume.rows().iter().flat_map(|row| row.0);
-            bad = bad.or_else(|| numbers.find(|x| !x.is_finite()));
-        };
-        check(table.base);
-        let columns = if table.lanes == 0 { 0 } else { table.targets.len() };
-        (0..columns).for_each(|i| check(table.intervals.column(i, &mut V::default())));
-        (0..table.steps.len()).for_each(|i| check(table.references.column(i, &mut V::default())));
-        if let Some(value) = bad {
-            let value = value.to_string();
-            return Err(BrokenTree::Table { group, value });
-        }
-    }
-    Ok(())
 }

@@ -10,27 +10,14 @@ fn model_of(mesh: &morph_collision_testkit::mesh::MorphMesh) -> Arc<MorphModel> 
 }
 
 fn every_option() -> Vec<BuildOptions> {
-    let mut all = vec![BuildOptions::paper()];
-    for volume in VolumeKind::ALL {
-        for split in Split::ALL {
-            for arity in [2, 4, 8] {
-                all.push(
-                    BuildOptions::default()
-                        .with_volume(volume)
-                        .with_split(split)
-                        .with_arity(arity),
-                );
-            }
-        }
-        let base = BuildOptions::default().with_volume(volume);
-        all.push(base.clone().with_leaf_tables(false).with_compact(true));
-        all.push(base.with_scales([1.0, 8.0]).with_reflected(true).with_in_betweens(true));
-    }
+    let leaf_size = |size| BuildOptions::default().with_leaf_size(size);
+    let mut all: Vec<BuildOptions> = [1, 2, 8, 9, 255].map(leaf_size).to_vec();
+    all.push(BuildOptions::default().with_compact(true));
     all
 }
 
 #[test]
-fn every_tree_is_valid_and_has_the_arity_and_leaf_size_asked_for() {
+fn every_tree_is_valid_and_has_the_leaf_size_asked_for() {
     let meshes = [
         dolphin(0),
         random::triangle_soup(3, 300, 2),
@@ -43,28 +30,20 @@ fn every_tree_is_valid_and_has_the_arity_and_leaf_size_asked_for() {
             let bvh = MorphBvh::build(model.clone(), &options).unwrap();
             assert_eq!(bvh.validate(), Ok(()), "{} with {options:?}", mesh.name);
             let stats = bvh.stats();
-            assert!(stats.mean_children <= options.arity as f64);
+            assert!(stats.mean_children <= 8.0);
             assert!(stats.mean_leaf_triangles <= options.leaf_size as f64);
         }
     }
 }
 
 #[test]
-fn options_out_of_range_are_refused_by_name() {
+fn a_leaf_size_out_of_range_is_refused() {
     let model = model_of(&dolphin(0));
     let error = |options: BuildOptions| MorphBvh::build(model.clone(), &options).unwrap_err();
-    let options = BuildOptions::default();
-    assert_eq!(error(options.clone().with_arity(3)), BuildError::Arity(3));
-    assert_eq!(error(options.clone().with_leaf_size(0)), BuildError::LeafSize(0));
-    assert_eq!(error(options.clone().with_scales([1.0, -2.0])), BuildError::Scale(-2.0));
-    assert_eq!(
-        error(options.clone().with_shape(PartitionShape::Target(2))),
-        BuildError::NoSuchTarget { target: 2, targets: 2 }
-    );
-    assert_eq!(
-        error(options.with_shape(PartitionShape::Weights(vec![1.0]))),
-        BuildError::ShapeWeights { given: 1, expected: 2 }
-    );
+    for leaf_size in [0, 256] {
+        let options = BuildOptions::default().with_leaf_size(leaf_size);
+        assert_eq!(error(options), BuildError::LeafSize(leaf_size));
+    }
 }
 
 #[test]
@@ -125,30 +104,18 @@ fn corrupt_layouts_are_errors_or_valid_trees() {
     }
     assert!(refused > accepted, "{refused} refused, {accepted} accepted");
     let mut newer = json;
-    newer["version"] = 2.into();
+    newer["version"] = 3.into();
     assert_eq!(
         MorphBvh::from_layout(model, &serde_json::from_value(newer).unwrap()).unwrap_err(),
-        LayoutError::Version { found: 2 }
+        LayoutError::Version { found: 3 }
     );
-}
-
-#[test]
-fn scales_are_fitted_to_the_weights_a_model_will_have() {
-    let fitted = |samples: &[[f32; 3]]| BuildOptions::default().fitted_to(samples);
-    assert_eq!(fitted(&[[0.5, 0.5, -1e-7], [1.0, 6e-8, 0.0]]), BuildOptions::default());
-    let face = fitted(&[[3.0, 3.0, 2.0]; 5]);
-    assert_eq!((face.scales, face.reflected), (vec![4.0], false));
-    let signed = fitted(&[[0.3, -0.4, 0.2]]);
-    assert_eq!((signed.scales, signed.reflected), (vec![1.0], true));
-    assert_eq!(fitted(&[]), BuildOptions::default());
-    assert_eq!(fitted(&[[f32::INFINITY; 3]]), BuildOptions::default());
 }
 
 #[test]
 fn subtrees_hold_every_triangle_once() {
     let model = model_of(&dolphin(1));
-    for arity in [2, 8] {
-        let bvh = MorphBvh::build(model.clone(), &BuildOptions::default().with_arity(arity)).unwrap();
+    for leaf_size in [1, 8] {
+        let bvh = MorphBvh::build(model.clone(), &BuildOptions::default().with_leaf_size(leaf_size)).unwrap();
         for most in [0, 1, 16, 100, usize::MAX] {
             let parts = bvh.subtrees(most);
             let mut all: Vec<u32> = parts.concat();

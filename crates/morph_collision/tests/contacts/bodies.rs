@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, DVec3, Mat3, Quat, Vec3};
-use morph_collision::{Body, BuildOptions, MorphBvh, Pose, VolumeKind, WorldFromModel};
+use morph_collision::{Body, BuildOptions, MorphBvh, Pose, WorldFromModel};
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::{degenerate, dolphin, random};
 use morph_collision_testkit::oracle;
@@ -69,14 +69,14 @@ pub(crate) fn odd_places() -> Vec<(&'static str, Affine3A)> {
     .to_vec()
 }
 
-/// Blobs, soups, dolphins and degenerate meshes in odd places, in trees of every kind of volume.
+/// Blobs, soups, dolphins and degenerate meshes in odd places, in trees with leaves of several sizes.
 pub(crate) fn assorted() -> Vec<Placed> {
     let mut all = Vec::new();
-    let mut kinds = VolumeKind::ALL.into_iter().cycle();
+    let mut leaf_sizes = [8, 1, 3, 20].into_iter().cycle();
     let mut add = |mesh: &MorphMesh, weights: &[f32]| {
         for (name, place) in odd_places() {
             let name = format!("{}, {name}", mesh.name);
-            let options = BuildOptions::default().with_volume(kinds.next().unwrap());
+            let options = BuildOptions::default().with_leaf_size(leaf_sizes.next().unwrap());
             all.push(Placed::new(&name, mesh, weights, place, &options));
         }
     };

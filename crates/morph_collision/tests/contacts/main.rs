@@ -1,6 +1,5 @@
 //! Contacts of bodies with each other and with primitive shapes, against slow and independent twins.
 
-mod axes;
 mod bodies;
 mod manifold;
 mod shape_bodies;

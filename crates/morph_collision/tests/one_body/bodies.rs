@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, DVec3, Mat3, Quat, Vec3};
-use morph_collision::{BuildOptions, MorphBvh, Pose, VolumeKind, WorldFromModel};
+use morph_collision::{BuildOptions, MorphBvh, Pose, WorldFromModel};
 use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::{degenerate, dolphin, random};
@@ -44,16 +44,13 @@ impl Case {
         WorldFromModel::new(self.place).unwrap()
     }
 
-    /// Instances over trees of several kinds.
+    /// Instances over several trees.
     pub(crate) fn poses(&self) -> Vec<Pose> {
         let model = Arc::new(self.mesh.to_model().unwrap());
         let all = [
             BuildOptions::default(),
-            BuildOptions::paper(),
-            BuildOptions::default().with_volume(VolumeKind::Sphere).with_arity(4),
-            BuildOptions::default()
-                .with_volume(VolumeKind::Kdop18)
-                .with_leaf_tables(false),
+            BuildOptions::default().with_leaf_size(1),
+            BuildOptions::default().with_leaf_size(20).with_compact(true),
         ];
         let pose = |options: &BuildOptions| {
             let mut pose = Pose::new(Arc::new(MorphBvh::build(model.clone(), options).unwrap()));

@@ -4,8 +4,8 @@ use std::num::NonZeroUsize;
 
 use crate::scenes::{self, Scene};
 use morph_collision::{
-    BatchQuery, Body, BuildOptions, OneThread, PairMemory, PairQuery, PairTask, Pose, QueryStats, Remember,
-    ThreadWorkers, TrianglePair, Wanted, Workers, WorldFromModel,
+    BatchQuery, Body, BuildOptions, OneThread, PairMemory, PairQuery, PairTask, Pose, QueryStats, ThreadWorkers,
+    TrianglePair, Wanted, Workers, WorldFromModel,
 };
 
 struct Bodies {
@@ -265,7 +265,7 @@ fn memories_are_used_and_change_no_answer() {
         let mut tasks = bodies.tasks(Wanted::First);
         let plain = bodies.one_by_one(&tasks);
         tests += work(&mut bodies, &mut tasks).0;
-        memories.resize_with(tasks.len(), || PairMemory::new(Remember::default()));
+        memories.resize_with(tasks.len(), PairMemory::new);
         for (task, memory) in tasks.iter_mut().zip(&mut memories) {
             task.memory = Some(memory);
         }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::{Affine3A, EulerRot, Mat3, Quat, Vec3};
 use morph_collision::{
     BatchQuery, Body, BuildOptions, ContactQuery, DistanceQuery, MorphBvh, OneThread, PairMemory, PairQuery, PairTask,
-    Pose, QueryStats, Remember, SelfQuery, ThreadWorkers, TrianglePair, VolumeKind, Wanted, Workers, WorldFromModel,
+    Pose, QueryStats, SelfQuery, ThreadWorkers, TrianglePair, Wanted, Workers, WorldFromModel,
 };
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::{dolphin, random};
@@ -32,8 +32,8 @@ fn neighbours(mesh: &MorphMesh, aside: Vec3) -> [MorphMesh; 2] {
     [mesh.clone(), other]
 }
 
-fn pose(mesh: &MorphMesh, volume: VolumeKind) -> Pose {
-    let options = BuildOptions::default().with_volume(volume);
+fn pose(mesh: &MorphMesh, leaf_size: usize) -> Pose {
+    let options = BuildOptions::default().with_leaf_size(leaf_size);
     Pose::new(Arc::new(
         MorphBvh::build(Arc::new(mesh.to_model().unwrap()), &options).unwrap(),
     ))
@@ -90,11 +90,7 @@ fn agrees(name: &str, poses: [&mut Pose; 2], places: [Affine3A; 2], expected: &[
     let (first, _) = query.first(Body::new(a, &place_a), Body::new(b, &place_b));
     let right = first.map_or(expected.is_empty(), |pair| expected.binary_search(&pair).is_ok());
     assert!(right, "{name}: first {first:?}");
-    let mut memory = PairMemory::new(Remember {
-        separation: true,
-        front: true,
-        witness: true,
-    });
+    let mut memory = PairMemory::new();
     for _ in 0..3 {
         let (first, _) = query.first_with(&mut memory, Body::new(a, &place_a), Body::new(b, &place_b));
         assert_eq!(first.is_some(), !expected.is_empty(), "{name}, with a memory");
@@ -107,7 +103,7 @@ fn agrees(name: &str, poses: [&mut Pose; 2], places: [Affine3A; 2], expected: &[
 #[test]
 fn bodies_of_every_small_size_have_the_pairs_that_brute_force_finds() {
     let meshes = neighbours(&random::random_blob(3, 1, 0, 0.0), NEXT_TO_BLOB);
-    let mut bodies = meshes.each_ref().map(|mesh| pose(mesh, VolumeKind::Aabb));
+    let mut bodies = meshes.each_ref().map(|mesh| pose(mesh, 8));
     let (mut touching, mut apart) = (0, 0);
     for axes in [Vec3::ONE, Vec3::new(1.0, 1.0, 0.0), Vec3::Z] {
         for far in [0.0, 1.0, 1000.0] {
@@ -129,15 +125,20 @@ fn bodies_of_every_small_size_have_the_pairs_that_brute_force_finds() {
 }
 
 #[test]
-fn small_bodies_of_every_kind_of_volume_have_the_same_pairs() {
+fn small_bodies_have_the_same_pairs_in_every_tree() {
     let meshes = neighbours(&random::random_blob(4, 1, 0, 0.0), NEXT_TO_BLOB);
     for (small, far) in [(0.0, 1.0), (1e-16, 1.0), (3e-16, 1.0), (1e-15, 1.0), (3e-13, 1000.0)] {
         let at = place(Vec3::splat(small), true, far);
         let expected = truth(meshes.each_ref(), &[], [at; 2]);
-        for volume in VolumeKind::ALL {
-            let mut bodies = meshes.each_ref().map(|mesh| pose(mesh, volume));
+        for leaf_size in [1, 3, 8, 255] {
+            let mut bodies = meshes.each_ref().map(|mesh| pose(mesh, leaf_size));
             let [a, b] = &mut bodies;
-            agrees(&format!("{volume}, {small} at {far}"), [a, b], [at; 2], &expected);
+            agrees(
+                &format!("leaves of {leaf_size}, {small} at {far}"),
+                [a, b],
+                [at; 2],
+                &expected,
+            );
         }
     }
 }
@@ -145,7 +146,7 @@ fn small_bodies_of_every_kind_of_volume_have_the_same_pairs() {
 #[test]
 fn bodies_of_every_small_size_are_decided_without_products_of_triangles() {
     let meshes = neighbours(&dolphin(1), NEXT_TO_DOLPHIN);
-    let [mut a, mut b] = meshes.each_ref().map(|mesh| pose(mesh, VolumeKind::Aabb));
+    let [mut a, mut b] = meshes.each_ref().map(|mesh| pose(mesh, 8));
     let mut query = PairQuery::new();
     let mut distance = DistanceQuery::new();
     let (mut touching, mut apart) = (0, 0);
@@ -192,7 +193,7 @@ fn few(name: &str, stats: &QueryStats) {
 #[test]
 fn flat_bodies_that_are_apart_are_decided_without_products_of_triangles() {
     let meshes = neighbours(&dolphin(1), NEXT_TO_DOLPHIN);
-    let [mut a, mut b] = meshes.each_ref().map(|mesh| pose(mesh, VolumeKind::Aabb));
+    let [mut a, mut b] = meshes.each_ref().map(|mesh| pose(mesh, 8));
     let mut query = PairQuery::new();
     for thin in [0.0, 1e-16, 1e-14, 1e-13, 1e-12, 1e-10, 1e-8, 1e-7] {
         for is_turned in [false, true] {
@@ -209,7 +210,7 @@ fn flat_bodies_that_are_apart_are_decided_without_products_of_triangles() {
 #[test]
 fn the_distance_of_bodies_on_parallel_lines_is_measured_without_products_of_triangles() {
     let mesh = dolphin(1);
-    let [mut a, mut b] = [(); 2].map(|()| pose(&mesh, VolumeKind::Aabb));
+    let [mut a, mut b] = [(); 2].map(|()| pose(&mesh, 8));
     let mut query = DistanceQuery::new();
     for is_turned in [false, true] {
         let line = place(Vec3::X, is_turned, 1.0);
@@ -242,7 +243,7 @@ fn shrinking() -> MorphMesh {
 #[test]
 fn weights_that_collapse_a_mesh_are_decided_without_products_of_triangles() {
     let mesh = shrinking();
-    let [mut a, mut b] = [(); 2].map(|()| pose(&mesh, VolumeKind::Aabb));
+    let [mut a, mut b] = [(); 2].map(|()| pose(&mesh, 8));
     for pose in [&mut a, &mut b] {
         pose.set_weights(&[1.0]).unwrap();
     }
@@ -275,7 +276,7 @@ fn collapsed_weights_have_the_pairs_that_brute_force_finds() {
     let point = Vec3::new(0.3, 0.2, 0.1);
     mesh.targets = vec![mesh.positions.iter().map(|position| point - position).collect()];
     mesh.target_names = vec!["shrink".into()];
-    let [mut a, mut b] = [(); 2].map(|()| pose(&mesh, VolumeKind::Aabb));
+    let [mut a, mut b] = [(); 2].map(|()| pose(&mesh, 8));
     let mut counts = Vec::new();
     for weight in [1.0, 0.999_999_9, 0.999_999, 0.9999] {
         a.set_weights(&[weight]).unwrap();
@@ -302,7 +303,7 @@ fn collapsed_weights_have_the_pairs_that_brute_force_finds() {
 #[test]
 fn a_list_is_cut_at_the_same_pair_by_any_number_of_workers() {
     let mesh = dolphin(1);
-    let mut poses = [(); 2].map(|()| pose(&mesh, VolumeKind::Aabb));
+    let mut poses = [(); 2].map(|()| pose(&mesh, 8));
     let mut cut_in_parts = 0;
     // Deep in each other, and collapsed.
     for at in [place(Vec3::ONE, true, 0.0), place(Vec3::ZERO, true, 1.0)] {
@@ -355,7 +356,7 @@ fn a_list_is_cut_at_the_same_pair_by_any_number_of_workers() {
 #[test]
 fn a_limit_saves_the_parts_of_a_batch_that_nothing_is_listed_of() {
     let mesh = dolphin(1);
-    let mut poses = [(); 2].map(|()| pose(&mesh, VolumeKind::Aabb));
+    let mut poses = [(); 2].map(|()| pose(&mesh, 8));
     let at = WorldFromModel::IDENTITY;
     let two = ThreadWorkers {
         threads: NonZeroUsize::new(2).unwrap(),
@@ -374,7 +375,7 @@ fn a_limit_saves_the_parts_of_a_batch_that_nothing_is_listed_of() {
 #[test]
 fn a_manifold_tells_that_it_was_made_from_some_of_the_pairs() {
     let mesh = dolphin(0);
-    let [mut a, mut b] = [(); 2].map(|()| pose(&mesh, VolumeKind::Aabb));
+    let [mut a, mut b] = [(); 2].map(|()| pose(&mesh, 8));
     let places = [Vec3::ZERO, Vec3::splat(0.05)].map(|by| WorldFromModel::new(Affine3A::from_translation(by)).unwrap());
     let mut query = ContactQuery::new();
     let mut manifold = |limit| {
@@ -401,7 +402,7 @@ fn a_manifold_tells_that_it_was_made_from_some_of_the_pairs() {
 #[test]
 fn lists_of_shapes_are_cut_too() {
     use morph_collision::{PlacedShape, Shape, ShapeQuery, WorldFromShape};
-    let mut body = pose(&dolphin(0), VolumeKind::Aabb);
+    let mut body = pose(&dolphin(0), 8);
     let point = WorldFromModel::new(Affine3A::from_scale(Vec3::ZERO)).unwrap();
     let ball = PlacedShape::new(Shape::Ball { radius: 1.0 }, &WorldFromShape::IDENTITY).unwrap();
     let mut query = ShapeQuery::new();

@@ -1,12 +1,12 @@
 //! The work of pair queries, counted. A tree that answers correctly but visits everything would pass every other test.
 
 use crate::scenes::{self, dolphins, pass_through};
-use morph_collision::{Body, BuildOptions, ConvexRegion, OverlapQuery, PairQuery, QueryStats, VolumeKind};
+use morph_collision::{Body, BuildOptions, ConvexRegion, OverlapQuery, PairQuery, QueryStats};
 
 #[test]
 fn only_the_roots_are_blended_when_they_are_apart() {
     let scene = pass_through(0);
-    for options in [BuildOptions::paper(), BuildOptions::default()] {
+    for options in [BuildOptions::default().with_leaf_size(1), BuildOptions::default()] {
         let (pairs, stats) = scenes::answer(&scene, &options);
         assert!(pairs.is_empty());
         assert_eq!(stats.volumes_blended, 2, "one root for each body");
@@ -19,10 +19,10 @@ fn only_the_roots_are_blended_when_they_are_apart() {
 fn a_few_percent_of_the_nodes_are_blended_when_bodies_barely_touch() {
     let scene = pass_through(42);
     let model = std::sync::Arc::new(scene.meshes[0].to_model().unwrap());
-    let nodes = 2 * morph_collision::MorphBvh::build(model, &BuildOptions::paper())
+    let nodes = 2 * morph_collision::MorphBvh::build(model, &BuildOptions::default().with_leaf_size(1))
         .unwrap()
         .node_count() as u64;
-    let (pairs, stats) = scenes::answer(&scene, &BuildOptions::paper());
+    let (pairs, stats) = scenes::answer(&scene, &BuildOptions::default().with_leaf_size(1));
     assert!(!pairs.is_empty());
     assert!(
         stats.volumes_blended * 25 < nodes,
@@ -41,9 +41,9 @@ fn a_few_percent_of_the_nodes_are_blended_when_bodies_barely_touch() {
 fn a_node_is_blended_once_however_many_bodies_meet_it() {
     let everywhere = ConvexRegion::from_half_spaces(&[]);
     for scene in [dolphins(200), pass_through(200)] {
-        for volume in VolumeKind::ALL {
-            let options = BuildOptions::paper().with_volume(volume);
-            let about = format!("{}, {volume}", scene.name);
+        for leaf_size in [1, 8] {
+            let options = BuildOptions::default().with_leaf_size(leaf_size);
+            let about = format!("{}, leaves of {leaf_size}", scene.name);
             let (mut poses, places) = scenes::poses(&scene, &options);
             let nodes: u64 = poses.iter().map(|pose| pose.bvh().node_count() as u64).sum();
             let mut query = PairQuery::new();

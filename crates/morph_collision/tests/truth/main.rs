@@ -1,6 +1,5 @@
 //! Answers judged by brute force, over every way to build a tree, and the work they took.
 
-mod approximate;
 mod batch;
 mod collapsed;
 mod laziness;

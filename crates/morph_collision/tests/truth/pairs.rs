@@ -1,25 +1,14 @@
 //! Intersecting triangle pairs against brute force in exact arithmetic, for every way to build a tree.
 
 use crate::scenes::{self, Scene};
-use morph_collision::{BuildOptions, PartitionShape, Split, VolumeKind};
+use morph_collision::BuildOptions;
 
-/// Every kind of volume with every arity and split rule, and one of each further option.
+/// Leaves of every sort: single triangles, too few for patches, full and half-empty patches, several, all in one; and both forms
+/// of tables.
 fn matrix() -> Vec<BuildOptions> {
-    let mut all = vec![BuildOptions::paper(), BuildOptions::default()];
-    for volume in VolumeKind::ALL {
-        for arity in [2, 4, 8] {
-            for split in Split::ALL {
-                let options = BuildOptions::default().with_volume(volume);
-                all.push(options.with_arity(arity).with_split(split));
-            }
-        }
-        let base = BuildOptions::default().with_volume(volume);
-        all.push(base.clone().with_leaf_tables(false));
-        all.push(base.clone().with_scales([1.0, 4.0, 64.0]).with_reflected(true));
-        all.push(base.clone().with_scales([]).with_leaf_size(1));
-        all.push(base.clone().with_in_betweens(true).with_shape(PartitionShape::Average));
-        all.push(base.with_leaf_size(255));
-    }
+    let leaf_size = |size| BuildOptions::default().with_leaf_size(size);
+    let mut all: Vec<BuildOptions> = [1, 2, 3, 5, 8, 9, 16, 255].map(leaf_size).to_vec();
+    all.push(BuildOptions::default().with_compact(true));
     all
 }
 
@@ -52,7 +41,10 @@ fn the_pass_through_agrees_with_the_oracle() {
     for step in [45, 200] {
         let scene = scenes::pass_through(step);
         assert!(!scene.truth().is_empty());
-        agrees(&scene, &[BuildOptions::paper(), BuildOptions::default()]);
+        agrees(
+            &scene,
+            &[BuildOptions::default(), BuildOptions::default().with_leaf_size(1)],
+        );
     }
 }
 
@@ -67,13 +59,9 @@ fn real_models_agree_with_weights_of_any_sign_and_sum() {
         |_, target| if target % 4 == 0 { 1.0 } else { -0.05 },
     ];
     let options = [
-        BuildOptions::paper(),
         BuildOptions::default(),
-        BuildOptions::default()
-            .with_volume(VolumeKind::Kdop18)
-            .with_leaf_tables(false),
-        BuildOptions::default().with_volume(VolumeKind::Sphere),
-        BuildOptions::default().with_scales([4.0]).with_reflected(true),
+        BuildOptions::default().with_leaf_size(1),
+        BuildOptions::default().with_leaf_size(20).with_compact(true),
     ];
     for name in [
         "AnimatedMorphCube.gltf",
@@ -94,7 +82,7 @@ fn real_models_agree_with_weights_of_any_sign_and_sum() {
 }
 
 #[test]
-fn bodies_of_different_kinds_of_volume_give_the_same_pairs() {
+fn bodies_with_different_trees_give_the_same_pairs() {
     use std::sync::Arc;
 
     use morph_collision::{Body, MorphBvh, PairQuery, Pose, WorldFromModel};
@@ -103,11 +91,10 @@ fn bodies_of_different_kinds_of_volume_give_the_same_pairs() {
     let truth = scene.truth();
     assert!(!truth.is_empty());
     let model = Arc::new(scene.meshes[0].to_model().unwrap());
-    for kind_a in VolumeKind::ALL {
-        for kind_b in VolumeKind::ALL {
-            let mut bodies = [(0, kind_a), (1, kind_b)].map(|(body, kind)| {
-                let options = BuildOptions::default().with_volume(kind);
-                let mut pose = Pose::new(Arc::new(MorphBvh::build(model.clone(), &options).unwrap()));
+    for options_a in matrix() {
+        for options_b in matrix() {
+            let mut bodies = [(0, &options_a), (1, &options_b)].map(|(body, options)| {
+                let mut pose = Pose::new(Arc::new(MorphBvh::build(model.clone(), options).unwrap()));
                 pose.set_weights(&scene.bodies[body].1).unwrap();
                 (pose, WorldFromModel::new(scene.bodies[body].2).unwrap())
             });
@@ -118,7 +105,7 @@ fn bodies_of_different_kinds_of_volume_give_the_same_pairs() {
             assert_eq!(count, pairs.len() as u64);
             let mut pairs: Vec<_> = pairs.iter().map(|p| [0, 1, p.triangle_a, p.triangle_b]).collect();
             pairs.sort_unstable();
-            assert_eq!(pairs, truth, "{kind_a} against {kind_b}");
+            assert_eq!(pairs, truth, "{options_a:?} against {options_b:?}");
         }
     }
 }

@@ -1,9 +1,7 @@
 //! What is measured against what.
 
-use morph_collision::BuildOptions;
-
 use super::Experiment;
-use crate::rivals::{Method, MethodKind, MorphTuning, SetUpError};
+use crate::rivals::{Method, MethodKind, MethodOptions, SetUpError};
 
 /// A method that is ready for an experiment's bodies.
 #[derive(Debug)]
@@ -23,14 +21,13 @@ impl Contender {
         name: impl Into<String>,
         kind: MethodKind,
         experiment: &Experiment,
-        options: &BuildOptions,
-        tuning: MorphTuning,
+        options: &MethodOptions,
     ) -> Result<Self, SetUpError> {
         let of_bodies = vec![0; experiment.bodies];
         let meshes = std::slice::from_ref(&experiment.mesh);
         Ok(Self {
             name: name.into(),
-            method: kind.set_up_tuned(meshes, &of_bodies, options, tuning)?,
+            method: kind.set_up(meshes, &of_bodies, options)?,
         })
     }
 }
@@ -88,11 +85,15 @@ impl Entrant {
     ///
     /// # Errors
     /// As [`MethodKind::set_up`].
-    pub fn set_up(&self, experiment: &Experiment, ours: &BuildOptions) -> Result<Contender, SetUpError> {
+    pub fn set_up(&self, experiment: &Experiment, ours: &MethodOptions) -> Result<Contender, SetUpError> {
         let options = match self.trees {
-            Trees::Ours => ours.clone(),
-            Trees::Own { arity, leaf_size } => BuildOptions::default().with_arity(arity).with_leaf_size(leaf_size),
+            Trees::Ours => *ours,
+            Trees::Own { arity, leaf_size } => MethodOptions {
+                arity,
+                leaf_size,
+                ..MethodOptions::default()
+            },
         };
-        Contender::set_up(self.name, self.kind, experiment, &options, MorphTuning::default())
+        Contender::set_up(self.name, self.kind, experiment, &options)
     }
 }

@@ -184,13 +184,13 @@ pub fn disagreement(experiment: &Experiment, rows: &[Row], wanted: Wanted) -> Op
 mod tests {
     use super::super::Entrant;
     use super::*;
-    use morph_collision::BuildOptions;
+    use crate::rivals::MethodOptions;
 
     fn rows(wanted: Wanted) -> Result<(Experiment, Vec<Row>), Box<dyn std::error::Error>> {
         let experiment = Experiment::dolphins(0, 200);
         let contenders = Entrant::ALL
             .iter()
-            .map(|entrant| entrant.set_up(&experiment, &BuildOptions::default()));
+            .map(|entrant| entrant.set_up(&experiment, &MethodOptions::default()));
         let plan = Plan {
             wanted,
             rounds: 1,
@@ -231,7 +231,7 @@ mod tests {
     #[test]
     fn a_frame_is_new_in_every_round_even_if_there_is_only_one() -> Result<(), Box<dyn std::error::Error>> {
         let experiment = Experiment::dolphins(0, 400);
-        let morph = Entrant::ALL[0].set_up(&experiment, &BuildOptions::default())?;
+        let morph = Entrant::ALL[0].set_up(&experiment, &MethodOptions::default())?;
         let plan = Plan {
             wanted: Wanted::All,
             rounds: 2,

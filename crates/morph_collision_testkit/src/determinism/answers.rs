@@ -57,7 +57,7 @@ struct Item {
 /// All answers of a scene.
 pub(super) fn of(scene: &Scene, run: Run) -> Answers {
     run.kernel.choose();
-    let options = BuildOptions::default().with_volume(run.volume);
+    let options = BuildOptions::default().with_leaf_size(run.leaf_size);
     let trees: Vec<Arc<MorphBvh>> = scene
         .meshes
         .iter()

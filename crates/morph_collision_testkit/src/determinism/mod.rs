@@ -1,5 +1,5 @@
-//! The same bits everywhere: hashes of answers and posed vertices against a file of expected ones, for every kind of volume
-//! and any number of threads and every set of instructions the machine has. Debug and release builds, and every machine, browsers
+//! The same bits everywhere: hashes of answers and posed vertices against a file of expected ones, for trees of
+//! several leaf sizes and any number of threads and every set of instructions the machine has. Debug and release builds, and every machine, browsers
 //! among them, are judged by the same file.
 //!
 //! Only what is promised is in the file: what does not depend on the tree. Which of several pairs a walk comes to first does;
@@ -12,18 +12,19 @@ mod scenes;
 
 use std::fmt;
 
-use morph_collision::{Kernel, VolumeKind};
+use morph_collision::Kernel;
 
 pub use expected::{differences, write};
 pub use scenes::{Scene, all as scenes};
 
+use crate::verify::LEAF_SIZES;
 use answers::{Answers, COLUMNS};
 use hash::Hash;
 
 /// A way to run the queries, which no answer may depend on.
 #[derive(Clone, Copy, Debug)]
 struct Run {
-    volume: VolumeKind,
+    leaf_size: usize,
     kernel: Kernel,
     threads: usize,
 }
@@ -34,9 +35,9 @@ fn runs(threads: &[usize]) -> impl Iterator<Item = Run> + Clone {
         let threads = if i == 0 { threads } else { &[1] };
         threads.iter().map(move |&threads| (kernel, threads))
     });
-    VolumeKind::ALL.into_iter().flat_map(move |volume| {
+    LEAF_SIZES.into_iter().flat_map(move |leaf_size| {
         ways.clone().map(move |(kernel, threads)| Run {
-            volume,
+            leaf_size,
             kernel,
             threads,
         })
@@ -99,21 +100,21 @@ pub fn answer_all(threads: &[usize]) -> Result<Vec<Line>, String> {
 /// A query contradicts itself, or answers with NaN.
 pub fn answer(scene: &Scene, threads: &[usize]) -> Result<Line, String> {
     let mut first: Option<Answers> = None;
-    // The pairs that walks come to first depend on the tree, and so on its volumes, but on nothing else.
-    let mut of_volume: Option<(VolumeKind, Hash)> = None;
+    // The pairs that walks come to first depend on the tree, and so on its leaves, but on nothing else.
+    let mut of_tree: Option<(usize, Hash)> = None;
     for run in runs(threads) {
         let answers = answers::of(scene, run);
         let reference = *first.get_or_insert(answers);
         if answers.hashes != reference.hashes {
             return Err(format!("{}: {run:?} differs", scene.name));
         }
-        match of_volume {
-            Some((volume, firsts)) if volume == run.volume => {
+        match of_tree {
+            Some((leaf_size, firsts)) if leaf_size == run.leaf_size => {
                 if firsts != answers.firsts {
                     return Err(format!("{}: first pairs of {run:?} differ", scene.name));
                 }
             }
-            _ => of_volume = Some((run.volume, answers.firsts)),
+            _ => of_tree = Some((run.leaf_size, answers.firsts)),
         }
     }
     let Some(reference) = first else {

@@ -2,7 +2,7 @@
 
 use arbitrary::Unstructured;
 use glam::{Affine3A, Vec3};
-use morph_collision::{BuildOptions, Split, VolumeKind};
+use morph_collision::BuildOptions;
 
 use crate::mesh::MorphMesh;
 
@@ -86,23 +86,8 @@ impl<'a> Draw<'a> {
     }
 
     pub(super) fn options(&mut self) -> BuildOptions {
-        let scales = match self.byte() % 5 {
-            0 => vec![1.0],
-            1 => Vec::new(),
-            2 => vec![1.0, 4.0, 64.0],
-            3 => vec![2.0],
-            _ => vec![self.number()],
-        };
-        let (volume, split) = (VolumeKind::ALL[self.among(0, 4)], Split::ALL[self.among(0, 2)]);
         BuildOptions::default()
-            .with_volume(volume)
-            .with_split(split)
-            .with_scales(scales)
-            .with_arity([2, 4, 8][self.among(0, 2)])
-            .with_leaf_size(self.among(1, 4))
-            .with_reflected(self.flag())
-            .with_in_betweens(self.flag())
-            .with_leaf_tables(self.flag())
+            .with_leaf_size(self.among(1, 9))
             .with_compact(self.flag())
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use morph_collision::{BuildError, BuildOptions, ModelError, MorphBvh, MorphModel, VolumeKind};
+use morph_collision::{BuildError, BuildOptions, ModelError, MorphBvh, MorphModel};
 use serde::Serialize;
 use thiserror::Error;
 
@@ -179,7 +179,7 @@ impl MeshReport {
         let clips = file.clips(index, found.mesh.targets.len());
         let usable = || {
             let mesh = found.check_triangles()?;
-            let bytes = mesh.tree_bytes(VolumeKind::Aabb);
+            let bytes = mesh.tree_bytes();
             file.budget().take(bytes, 1, || "its tree".into())?;
             UsableReport::new(mesh)
         };

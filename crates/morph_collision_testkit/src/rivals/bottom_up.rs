@@ -4,8 +4,8 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use morph_collision::BuildOptions;
 
+use super::MethodOptions;
 use super::blended::WeldedMesh;
 use super::boxes::{Box3, Box8};
 use super::build::{Builder, Cut, Limits};
@@ -21,7 +21,7 @@ pub(super) struct BottomUp {
 }
 
 /// The tree that [`BottomUp`] and the hybrid keep: a good one, since it is built only once.
-pub(super) fn tree_at_rest(mesh: &WeldedMesh, options: &BuildOptions) -> Tree {
+pub(super) fn tree_at_rest(mesh: &WeldedMesh, options: &MethodOptions) -> Tree {
     let mut tree = Tree::default();
     let limits = Limits {
         arity: options.arity.clamp(2, 8),
@@ -40,7 +40,7 @@ pub(super) fn box_around(vertices: &[u32], posed: &[Vec3]) -> Box3 {
 impl Refit for BottomUp {
     const LAZY: bool = false;
 
-    fn new(mesh: &WeldedMesh, options: &BuildOptions) -> Self {
+    fn new(mesh: &WeldedMesh, options: &MethodOptions) -> Self {
         let tree = tree_at_rest(mesh, options);
         let is_leaf = |child| matches!(child, Child::Leaf(_));
         Self {

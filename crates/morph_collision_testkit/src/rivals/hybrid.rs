@@ -5,8 +5,8 @@
 use std::sync::Arc;
 
 use glam::Vec3;
-use morph_collision::BuildOptions;
 
+use super::MethodOptions;
 use super::blended::WeldedMesh;
 use super::bottom_up::{box_around, tree_at_rest};
 use super::boxes::Box8;
@@ -51,7 +51,7 @@ impl Hybrid {
 impl Refit for Hybrid {
     const LAZY: bool = true;
 
-    fn new(mesh: &WeldedMesh, options: &BuildOptions) -> Self {
+    fn new(mesh: &WeldedMesh, options: &MethodOptions) -> Self {
         let tree = tree_at_rest(mesh, options);
         let deepest = tree.groups.iter().map(|group| group.depth).max().unwrap_or(0);
         let middle = deepest / 2;

@@ -4,20 +4,19 @@ use std::fmt;
 use std::str::FromStr;
 use std::sync::Arc;
 
-use morph_collision::BuildOptions;
 use thiserror::Error;
 
 use super::blended::WeldedMesh;
 use super::bottom_up::BottomUp;
 use super::brute_force::BruteForce;
 use super::hybrid::Hybrid;
-use super::morph::{Follow, Morph, MorphTuning};
+use super::morph::{Follow, Morph};
 use super::octree::Octree;
 use super::parry::{Meshed, Parry, Rebuilt, Refitted};
 use super::rebuild::Rebuild;
 use super::rigid_floor::RigidFloor;
 use super::walk::Trees;
-use super::{Method, SetUpError};
+use super::{Method, MethodOptions, SetUpError};
 use crate::mesh::MorphMesh;
 
 /// A method, by name; what each does stands in the [module's table](super).
@@ -82,29 +81,13 @@ impl MethodKind {
 
     /// Builds what is built once per mesh, and one body for each entry of `bodies`, the index of its mesh.
     ///
-    /// `options` are for `morph`, `morph-eager` and `rigid-floor`; `bottom-up` and `hybrid` take arity and leaf size from them, `rebuild` the leaf size.
-    ///
     /// # Errors
     /// A mesh that [`MorphMesh::to_model`] refuses, options out of range, or a body of a mesh that is not there.
     pub fn set_up(
         self,
         meshes: &[MorphMesh],
         bodies: &[usize],
-        options: &BuildOptions,
-    ) -> Result<Box<dyn Method>, SetUpError> {
-        self.set_up_tuned(meshes, bodies, options, MorphTuning::default())
-    }
-
-    /// As [`MethodKind::set_up`], with what only `morph` can be told.
-    ///
-    /// # Errors
-    /// As [`MethodKind::set_up`].
-    pub fn set_up_tuned(
-        self,
-        meshes: &[MorphMesh],
-        bodies: &[usize],
-        options: &BuildOptions,
-        tuning: MorphTuning,
+        options: &MethodOptions,
     ) -> Result<Box<dyn Method>, SetUpError> {
         if let Some(body) = bodies.iter().position(|&mesh| mesh >= meshes.len()) {
             let (mesh, meshes) = (bodies[body], meshes.len());
@@ -121,8 +104,8 @@ impl MethodKind {
                 .collect::<Result<Vec<_>, _>>()
         };
         Ok(match self {
-            Self::Morph => Box::new(Morph::new(Follow::Lazily, meshes, bodies, options, tuning)?),
-            Self::MorphEager => Box::new(Morph::new(Follow::AtOnce, meshes, bodies, options, tuning)?),
+            Self::Morph => Box::new(Morph::new(Follow::Lazily, meshes, bodies, options)?),
+            Self::MorphEager => Box::new(Morph::new(Follow::AtOnce, meshes, bodies, options)?),
             Self::RigidFloor => Box::new(RigidFloor::new(meshes, bodies, options)?),
             Self::BottomUp => Box::new(Trees::<BottomUp>::new(&welded()?, bodies, options)),
             Self::Hybrid => Box::new(Trees::<Hybrid>::new(&welded()?, bodies, options)),

@@ -25,12 +25,11 @@
 //!
 //! ```
 //! use glam::{Affine3A, Vec3};
-//! use morph_collision::BuildOptions;
 //! use morph_collision_testkit::models::dolphin;
-//! use morph_collision_testkit::rivals::{MethodKind, Wanted};
+//! use morph_collision_testkit::rivals::{MethodKind, MethodOptions, Wanted};
 //!
 //! let meshes = [dolphin(0)];
-//! let mut method = MethodKind::BottomUp.set_up(&meshes, &[0, 0], &BuildOptions::default())?;
+//! let mut method = MethodKind::BottomUp.set_up(&meshes, &[0, 0], &MethodOptions::default())?;
 //! method.set_body(0, &[0.5, 0.0], &Affine3A::IDENTITY)?;
 //! method.set_body(1, &[0.0, 0.5], &Affine3A::from_translation(Vec3::new(0.0, 0.2, 0.1)))?;
 //! let mut pairs = Vec::new();
@@ -51,6 +50,7 @@ mod kind;
 mod limits;
 mod morph;
 mod octree;
+mod options;
 mod parry;
 mod rebuild;
 mod rigid_floor;
@@ -67,7 +67,7 @@ use thiserror::Error;
 pub use broad::BroadPhase;
 pub use kind::{MethodKind, UnknownMethod};
 pub use limits::WeightLimits;
-pub use morph::MorphTuning;
+pub use options::MethodOptions;
 
 /// How many intersecting pairs of triangles are wanted of two bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,12 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::Affine3A;
-use morph_collision::{
-    Aabb, Body, BuildOptions, MorphBvh, PairMemory, PairQuery, Pose, QueryStats, Remember, SeparatingAxes,
-    TrianglePair, WorldFromModel,
-};
+use morph_collision::{Aabb, Body, MorphBvh, PairMemory, PairQuery, Pose, QueryStats, TrianglePair, WorldFromModel};
 
-use super::{Method, PoseError, SetUpError, Wanted};
+use super::{Method, MethodOptions, PoseError, SetUpError, Wanted};
 use crate::mesh::MorphMesh;
 
 /// Poses of shared trees of blended volumes.
@@ -18,19 +15,10 @@ pub(super) struct Morph {
     bodies: Vec<(Pose, WorldFromModel)>,
     follow: Follow,
     query: PairQuery,
-    remember: Remember,
-    /// Of every pair of bodies that was asked about, if anything is to be remembered.
+    witness: bool,
+    /// Of every pair of bodies that was asked about, if witnesses are remembered.
     memories: BTreeMap<(usize, usize), PairMemory>,
     work: QueryStats,
-}
-
-/// What `morph` can be told beside how to build its trees; no answer depends on it.
-#[derive(Clone, Copy, Debug)]
-pub struct MorphTuning {
-    /// Along which axes nodes are compared.
-    pub axes: SeparatingAxes,
-    /// What is kept of a pair of bodies from frame to frame.
-    pub remember: Remember,
 }
 
 /// When volumes and vertices follow new weights.
@@ -42,35 +30,24 @@ pub(super) enum Follow {
     AtOnce,
 }
 
-impl Default for MorphTuning {
-    /// Nothing is kept: each frame by itself.
-    fn default() -> Self {
-        Self {
-            axes: SeparatingAxes::default(),
-            remember: Remember::NOTHING,
-        }
-    }
-}
-
 impl Morph {
     pub(super) fn new(
         follow: Follow,
         meshes: &[MorphMesh],
         bodies: &[usize],
-        options: &BuildOptions,
-        tuning: MorphTuning,
+        options: &MethodOptions,
     ) -> Result<Self, SetUpError> {
         let mut trees = Vec::with_capacity(meshes.len());
         for (mesh, source) in meshes.iter().enumerate() {
             let model = source.to_model().map_err(|reason| SetUpError::Model { mesh, reason })?;
-            trees.push(Arc::new(MorphBvh::build(Arc::new(model), options)?));
+            trees.push(Arc::new(MorphBvh::build(Arc::new(model), &options.build())?));
         }
         let pose = |&mesh: &usize| (Pose::new(Arc::clone(&trees[mesh])), WorldFromModel::IDENTITY);
         Ok(Self {
             bodies: bodies.iter().map(pose).collect(),
             follow,
-            query: PairQuery::new().with_axes(tuning.axes),
-            remember: tuning.remember,
+            query: PairQuery::new(),
+            witness: options.witness,
             memories: BTreeMap::new(),
             work: QueryStats::default(),
         })
@@ -110,20 +87,17 @@ impl Method for Morph {
         let Self {
             query,
             memories,
-            remember,
+            witness,
             ..
         } = self;
-        let memory = (*remember != Remember::NOTHING)
-            .then(|| memories.entry((a, b)).or_insert_with(|| PairMemory::new(*remember)));
         let start = pairs.len();
-        let push = |pair| wanted.push(pairs, start, pair);
-        self.work += match (wanted, memory) {
-            (Wanted::All | Wanted::UpTo(_), None) => query.visit(body_a, body_b, push),
-            (Wanted::All | Wanted::UpTo(_), Some(memory)) => query.visit_with(memory, body_a, body_b, push),
-            (Wanted::First, memory) => {
-                let (first, stats) = match memory {
-                    None => query.first(body_a, body_b),
-                    Some(memory) => query.first_with(memory, body_a, body_b),
+        self.work += match wanted {
+            Wanted::All | Wanted::UpTo(_) => query.visit(body_a, body_b, |pair| wanted.push(pairs, start, pair)),
+            Wanted::First => {
+                let (first, stats) = if *witness {
+                    query.first_with(memories.entry((a, b)).or_default(), body_a, body_b)
+                } else {
+                    query.first(body_a, body_b)
                 };
                 pairs.extend(first);
                 stats

@@ -1,8 +1,8 @@
 //! A tree of the posed triangles, built anew whenever they have moved: the price of always having a tree of this shape.
 
 use glam::Vec3;
-use morph_collision::BuildOptions;
 
+use super::MethodOptions;
 use super::blended::WeldedMesh;
 use super::boxes::{Box3, Box8};
 use super::build::{Builder, Cut, Limits};
@@ -21,7 +21,7 @@ pub(super) struct Rebuild {
 impl Refit for Rebuild {
     const LAZY: bool = false;
 
-    fn new(_: &WeldedMesh, options: &BuildOptions) -> Self {
+    fn new(_: &WeldedMesh, options: &MethodOptions) -> Self {
         Self {
             builder: Builder::default(),
             tree: Tree::default(),

@@ -9,12 +9,12 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 use morph_collision::{
-    Aabb, Body, BuildOptions, MorphBvh, MorphModel, PairQuery, Pose, QueryStats, TreeLayout, TrianglePair,
-    WeightsError, WorldFromModel,
+    Aabb, Body, MorphBvh, MorphModel, PairQuery, Pose, QueryStats, TreeLayout, TrianglePair, WeightsError,
+    WorldFromModel,
 };
 use serde_json::Value;
 
-use super::{Method, PoseError, SetUpError, Wanted, WeightLimits};
+use super::{Method, MethodOptions, PoseError, SetUpError, Wanted, WeightLimits};
 use crate::mesh::MorphMesh;
 
 /// Bodies of frozen meshes.
@@ -44,14 +44,12 @@ struct FrozenBody {
 }
 
 impl Kind {
-    fn new(index: usize, mesh: &MorphMesh, options: &BuildOptions) -> Result<Self, SetUpError> {
+    fn new(index: usize, mesh: &MorphMesh, options: &MethodOptions) -> Result<Self, SetUpError> {
         let model = mesh.to_model();
         let model = model.map_err(|reason| SetUpError::Model { mesh: index, reason })?;
-        let layout = MorphBvh::build(Arc::new(model), options)?.layout();
+        let layout = MorphBvh::build(Arc::new(model), &options.build())?.layout();
         // Numbers, strings and lists always become JSON.
-        let mut layout = serde_json::to_value(layout).unwrap_or_default();
-        // What it was split on may be a target, of which a frozen mesh has none; nothing is split again.
-        layout["options"]["shape"] = "Base".into();
+        let layout = serde_json::to_value(layout).unwrap_or_default();
         Ok(Self {
             mesh: mesh.clone(),
             limits: WeightLimits::of(mesh),
@@ -80,7 +78,7 @@ impl Kind {
 }
 
 impl RigidFloor {
-    pub(super) fn new(meshes: &[MorphMesh], bodies: &[usize], options: &BuildOptions) -> Result<Self, SetUpError> {
+    pub(super) fn new(meshes: &[MorphMesh], bodies: &[usize], options: &MethodOptions) -> Result<Self, SetUpError> {
         let (mut kinds, mut at_rest) = (Vec::with_capacity(meshes.len()), Vec::with_capacity(meshes.len()));
         for (kind, mesh) in meshes.iter().enumerate() {
             let frozen = Kind::new(kind, mesh, options)?;

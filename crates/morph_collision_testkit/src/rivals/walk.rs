@@ -5,18 +5,18 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
-use morph_collision::{Aabb, BuildOptions, QueryStats, Triangle, TrianglePair, triangles_intersect};
+use morph_collision::{Aabb, QueryStats, Triangle, TrianglePair, triangles_intersect};
 
 use super::blended::{BlendedBody, WeldedMesh};
 use super::boxes::{Box3, Box8};
 use super::frames::{SatLite, Side, world_bounds};
 use super::tree::{Child, Tree};
-use super::{Method, PoseError, Wanted};
+use super::{Method, MethodOptions, PoseError, Wanted};
 
 /// A tree with boxes, and how they follow the vertices. Bodies of one mesh start as clones.
 pub(super) trait Refit: Debug + Clone + Send + Sync {
     /// Over a mesh at rest.
-    fn new(mesh: &WeldedMesh, options: &BuildOptions) -> Self;
+    fn new(mesh: &WeldedMesh, options: &MethodOptions) -> Self;
     /// All vertices have moved; returns how many boxes were made.
     fn update(&mut self, mesh: &WeldedMesh, posed: &[Vec3]) -> u64;
     /// Whether [`Refit::open`] ever makes any.
@@ -68,7 +68,7 @@ pub(super) struct Trees<R> {
 }
 
 impl<R: Refit> Trees<R> {
-    pub(super) fn new(meshes: &[Arc<WeldedMesh>], bodies: &[usize], options: &BuildOptions) -> Self {
+    pub(super) fn new(meshes: &[Arc<WeldedMesh>], bodies: &[usize], options: &MethodOptions) -> Self {
         let at_rest: Vec<_> = meshes
             .iter()
             .map(|mesh| {

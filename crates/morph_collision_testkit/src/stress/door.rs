@@ -5,8 +5,8 @@ use std::path::Path;
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
 use morph_collision::{
-    Aabb, Ball, BuildOptions, ConvexRegion, HalfSpace, MorphBvh, PartitionShape, PlacedShape, Ray, Shape,
-    WorldFromModel, WorldFromShape,
+    Aabb, Ball, BuildOptions, ConvexRegion, HalfSpace, MorphBvh, PlacedShape, Ray, Shape, WorldFromModel,
+    WorldFromShape,
 };
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
@@ -123,12 +123,8 @@ pub fn knock(door: u64, rng: &mut Pcg64Mcg, case: &Case, trees: &mut Trees) -> R
         }
         25 => {
             let model = std::sync::Arc::clone(trees.poses()[0].bvh().model());
-            let scales = BuildOptions::default().with_scales([1.0, bad]);
-            refused(MorphBvh::build(std::sync::Arc::clone(&model), &scales), &["scale"])?;
-            let mut shape = weights.clone();
-            shape[target] = bad;
-            let shape = BuildOptions::default().with_shape(PartitionShape::Weights(shape));
-            refused(MorphBvh::build(model, &shape), &[&format!("weight {target}")])
+            let none = BuildOptions::default().with_leaf_size(0);
+            refused(MorphBvh::build(model, &none), &["leaf_size", "0"])
         }
         _ => {
             let scene = |weight: &str| {

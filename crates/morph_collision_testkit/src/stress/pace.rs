@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use morph_collision::{BuildOptions, VolumeKind};
+use morph_collision::BuildOptions;
 
 use super::{Case, Family};
 use crate::verify::{AnswerSource, Situation, Trees};
@@ -38,9 +38,9 @@ impl Pace {
         })
     }
 
-    /// Of the ordinary family with one kind of volume.
-    pub(super) fn ordinary(volume: VolumeKind, seed: u64) -> Option<Self> {
-        let options = BuildOptions::default().with_volume(volume);
+    /// Of the ordinary family with trees of a leaf size.
+    pub(super) fn ordinary(leaf_size: usize, seed: u64) -> Option<Self> {
+        let options = BuildOptions::default().with_leaf_size(leaf_size);
         let (mut seconds, mut pairs) = (Vec::new(), Vec::new());
         for index in 0..ORDINARY {
             let case = Case::new(Family::Ordinary, index, seed);

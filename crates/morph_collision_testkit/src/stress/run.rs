@@ -1,11 +1,11 @@
-use morph_collision::{BuildOptions, VolumeKind};
+use morph_collision::BuildOptions;
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
 use super::pace::Pace;
 use super::panics::caught;
 use super::{Case, Family, knock};
-use crate::verify::{AnswerSource, Counts, Trees, judge};
+use crate::verify::{AnswerSource, Counts, LEAF_SIZES, Trees, judge};
 
 /// How a family fared.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,7 +14,7 @@ pub struct FamilyReport {
     pub family: Family,
     /// Cases tried.
     pub cases: u64,
-    /// Answers against the truth, and volumes against vertices.
+    /// Answers against the truth, and boxes against vertices.
     pub counts: Counts,
     /// Bad input that was turned away by name.
     pub errors_reported: u64,
@@ -36,12 +36,12 @@ impl FamilyReport {
     }
 }
 
-/// Tries `cases` cases of every family, the kinds of volume in turn; `progress` is called after each.
+/// Tries `cases` cases of every family, trees of each of [`LEAF_SIZES`] in turn; `progress` is called after each.
 ///
 /// The cases are the same for the same seed; only times differ. Panics are caught; who wants them silent holds a
 /// [`Silence`](super::Silence).
 pub fn stress(cases: u64, seed: u64, mut progress: impl FnMut()) -> Vec<FamilyReport> {
-    let ordinary = VolumeKind::ALL.map(|volume| caught(|| Pace::ordinary(volume, seed)).ok().flatten());
+    let ordinary = LEAF_SIZES.map(|leaf_size| caught(|| Pace::ordinary(leaf_size, seed)).ok().flatten());
     let family = |family| {
         let mut report = FamilyReport::new(family);
         for index in 0..cases {
@@ -77,10 +77,10 @@ impl FamilyReport {
         }
     }
 
-    fn take(&mut self, index: u64, seed: u64, ordinary: &[Option<Pace>; 5]) {
-        let kind = (index % VolumeKind::ALL.len() as u64) as usize;
+    fn take(&mut self, index: u64, seed: u64, ordinary: &[Option<Pace>; LEAF_SIZES.len()]) {
+        let kind = (index % LEAF_SIZES.len() as u64) as usize;
         let family = self.family;
-        let outcome = caught(|| tried(family, index, seed, VolumeKind::ALL[kind], ordinary[kind].as_ref()));
+        let outcome = caught(|| tried(family, index, seed, LEAF_SIZES[kind], ordinary[kind].as_ref()));
         self.cases += 1;
         let trouble = match outcome {
             Ok(outcome) => {
@@ -96,17 +96,18 @@ impl FamilyReport {
             }
         };
         if self.first.is_none() {
-            let volume = VolumeKind::ALL[kind];
-            self.first = trouble.map(|trouble| format!("{family}, case {index} of seed {seed}, {volume}: {trouble}"));
+            let leaf = LEAF_SIZES[kind];
+            let case = format!("{family}, case {index} of seed {seed}, leaves of {leaf}");
+            self.first = trouble.map(|trouble| format!("{case}: {trouble}"));
         }
     }
 }
 
-fn tried(family: Family, index: u64, seed: u64, volume: VolumeKind, ordinary: Option<&Pace>) -> Outcome {
+fn tried(family: Family, index: u64, seed: u64, leaf_size: usize, ordinary: Option<&Pace>) -> Outcome {
     let case = Case::new(family, index, seed);
     let meshes = [&case.meshes[0], &case.meshes[1]];
     let mut outcome = Outcome::default();
-    let mut trees = match Trees::build(meshes, &BuildOptions::default().with_volume(volume)) {
+    let mut trees = match Trees::build(meshes, &BuildOptions::default().with_leaf_size(leaf_size)) {
         Ok(trees) => trees,
         Err(error) => {
             outcome.unexpected = Some(format!("refused: {error}"));

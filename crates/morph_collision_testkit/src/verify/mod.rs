@@ -24,4 +24,4 @@ pub use run::{Finding, Verification, verify};
 pub use search::nearly_touching;
 pub use shrink::{Reproduction, shrink};
 pub use situation::{Meshes, Situation};
-pub use source::{Answer, AnswerSource, Trees};
+pub use source::{Answer, AnswerSource, LEAF_SIZES, Trees};

@@ -30,11 +30,15 @@ pub trait AnswerSource {
     /// Whether any triangles intersect.
     fn touches(&mut self) -> bool;
 
-    /// Whether the volumes of a body, 0 or 1, hold its vertices.
+    /// Whether the boxes of a body, 0 or 1, hold its vertices.
     fn containment(&mut self, body: usize) -> ContainmentReport;
 }
 
-/// The trees of this project, of one kind each.
+/// Leaf sizes of trees that answers are compared over: the library's, and two whose leaves are blended vertex by vertex or are
+/// longer than a patch.
+pub const LEAF_SIZES: [usize; 3] = [8, 2, 20];
+
+/// The trees of this project.
 #[derive(Debug)]
 pub struct Trees {
     poses: [Pose; 2],

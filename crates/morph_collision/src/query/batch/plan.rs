@@ -15,8 +15,8 @@ pub enum Wanted {
     /// All of them.
     #[default]
     All,
-    /// At most this many, those of [`PairQuery::up_to`] (with a memory of separations or fronts, possibly others); [`BatchAnswers::is_truncated`](super::BatchAnswers::is_truncated) tells whether
-    /// there are more.
+    /// At most this many, those of [`PairQuery::up_to`]; [`BatchAnswers::is_truncated`](super::BatchAnswers::is_truncated) tells
+    /// whether there are more.
     UpTo(usize),
     /// The first one that [`PairQuery::first`] comes to.
     First,
@@ -42,8 +42,7 @@ pub struct PairTask<'m> {
     pub b: usize,
     /// What is wanted.
     pub wanted: Wanted,
-    /// What is remembered of these two bodies, if anything; what [`PairQuery::first_with`] and [`PairQuery::visit_with`] do with
-    /// it. A first pair may then be another one than without.
+    /// What is remembered of these two bodies, if anything, for [`Wanted::First`]: see [`PairQuery::first_with`].
     pub memory: Option<&'m mut PairMemory>,
 }
 
@@ -131,14 +130,10 @@ impl Plan {
             let cut = workers > 1
                 && tasks.len() < 2 * workers
                 && task.wanted != Wanted::First
-                && task.memory.is_none()
                 && triangles.iter().sum::<usize>() >= LARGE
                 && a.pose.blends_from_references()
                 && b.pose.blends_from_references()
-                && !query.are_collapsed(
-                    Body::new(a.pose, a.world_from_model),
-                    Body::new(b.pose, b.world_from_model),
-                );
+                && !query.are_collapsed(a.reborrow(), b.reborrow());
             if cut {
                 plan.cut((index, task.wanted.limit()), [a, b], workers * PARTS_PER_WORKER, query);
             } else {

@@ -8,7 +8,7 @@ use super::schedule::Schedule;
 use super::workers::Workers;
 use crate::pose::Pose;
 use crate::query::capped::Capped;
-use crate::query::{Body, PairQuery, QueryStats, SeparatingAxes, TrianglePair};
+use crate::query::{Body, PairQuery, QueryStats, TrianglePair};
 
 /// Asks many pairs of bodies for their intersecting triangles, on several threads; holds the memory that queries reuse.
 ///
@@ -34,7 +34,6 @@ use crate::query::{Body, PairQuery, QueryStats, SeparatingAxes, TrianglePair};
 /// ```
 #[derive(Debug, Default)]
 pub struct BatchQuery {
-    axes: SeparatingAxes,
     /// By worker, so that each finds its memory again.
     workers: Vec<Mutex<Worker>>,
     found: Vec<TrianglePair>,
@@ -108,14 +107,6 @@ impl BatchQuery {
         Self::default()
     }
 
-    /// The same query with other axes to compare nodes along.
-    #[must_use]
-    pub fn with_axes(mut self, axes: SeparatingAxes) -> Self {
-        self.axes = axes;
-        self.workers.clear();
-        self
-    }
-
     /// Does every task.
     pub fn run(
         &mut self,
@@ -124,10 +115,9 @@ impl BatchQuery {
         workers: &dyn Workers,
     ) -> BatchAnswers<'_> {
         let count = workers.count().max(1);
-        let axes = self.axes;
         let worker = || {
             Mutex::new(Worker {
-                query: PairQuery::new().with_axes(axes),
+                query: PairQuery::new(),
                 ..Worker::default()
             })
         };
@@ -257,11 +247,7 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
         let Worker {
             query, found, stats, ..
         } = worker;
-        let (a, b) = (&mut **a, &mut **b);
-        let (a, b) = (
-            Body::new(&mut *a.pose, a.world_from_model),
-            Body::new(&mut *b.pose, b.world_from_model),
-        );
+        let (a, b) = (a.reborrow(), b.reborrow());
         let mut listed = Capped::new(found, task.wanted.limit());
         *stats += match (task.wanted, &mut task.memory) {
             (Wanted::First, memory) => {
@@ -272,8 +258,7 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
                 let _ = first.map(|pair| listed.push(pair));
                 stats
             }
-            (_, None) => query.visit(a, b, |pair| listed.push(pair)),
-            (_, Some(memory)) => query.visit_with(memory, a, b, |pair| listed.push(pair)),
+            _ => query.visit(a, b, |pair| listed.push(pair)),
         };
         listed.is_truncated
     }

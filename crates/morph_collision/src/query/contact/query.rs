@@ -3,7 +3,6 @@ use glam::DVec3;
 use super::manifold::{ContactPoint, Manifold};
 use super::parting::parting_distance;
 use crate::exact::{Triangle, TriangleContact, triangle_contact};
-use crate::pose::with_posed;
 use crate::query::body::world_triangle;
 use crate::query::{Body, PairQuery, QueryStats, TrianglePair};
 
@@ -82,15 +81,6 @@ impl ContactQuery {
         Self::default()
     }
 
-    /// The same with triangle pairs found by a pair query with options of its own.
-    #[must_use]
-    pub fn with_pairs(pairs: PairQuery) -> Self {
-        Self {
-            pairs,
-            ..Self::default()
-        }
-    }
-
     /// Appends a contact for every pair of intersecting triangles.
     pub fn all(&mut self, mut a: Body<'_>, mut b: Body<'_>, contacts: &mut Vec<PairContact>) -> QueryStats {
         self.append_up_to(usize::MAX, &mut a, &mut b, contacts).1
@@ -158,7 +148,7 @@ impl ContactQuery {
     /// those are parted, the search ends there without being complete.
     ///
     /// Error: about `1e-9` of the distance moved and of the triangles' sizes. `None` if the direction is zero or not finite.
-    pub fn separation(&mut self, a: Body<'_>, b: Body<'_>, direction: DVec3, steps: usize) -> Option<Separation> {
+    pub fn separation(&mut self, a: Body<'_>, mut b: Body<'_>, direction: DVec3, steps: usize) -> Option<Separation> {
         const DONE: f64 = 1e-10;
         const MOST_PAIRS: usize = 1 << 16;
         let size = direction.abs().max_element();
@@ -171,8 +161,8 @@ impl ContactQuery {
         while separation.steps < steps && !separation.complete {
             separation.steps += 1;
             let moved = a.world_from_model.translated(direction * separation.distance);
-            let mut a = Body::new(&mut *a.pose, &moved);
-            let mut b = Body::new(&mut *b.pose, b.world_from_model);
+            let mut a = Body::new(a.pose, &moved);
+            let mut b = b.reborrow();
             let (is_truncated, _) = self.find(MOST_PAIRS, &mut a, &mut b);
             let (mut way, mut size) = (0.0_f64, 0.0_f64);
             for touching in &self.touching {
@@ -226,10 +216,11 @@ fn read_outward(body: &mut Body<'_>, triangles: impl Iterator<Item = u32>, corne
     let world_from_model = body.world_from_model;
     let mirrors = world_from_model.mirrors();
     corners.clear();
-    with_posed!(body.pose.posed(), mut posed => corners.extend(triangles.map(|triangle| {
+    let mut posed = body.pose.posed();
+    corners.extend(triangles.map(|triangle| {
         let [p, q, r] = world_triangle(&mut posed, world_from_model, triangle);
         if mirrors { [p, r, q] } else { [p, q, r] }
-    })));
+    }));
 }
 
 /// See [`Manifold::normal`].

@@ -9,7 +9,7 @@ use rand::RngExt;
 use super::vectors::Vector;
 use super::verdict::{Along as Parted, Doubt, Sides, lone_first};
 use super::*;
-use crate::bounds::{Slabs, Volume, levels, with_simd};
+use crate::bounds::{levels, with_simd};
 use crate::tree::put;
 
 /// An axis of the filter, as far as `f32` got with it: along it one triangle looks to be beyond the other by `gap`.
@@ -294,7 +294,7 @@ fn what_says_that_triangles_meet_needs_less_than_it_allows_for() {
             // Edges that rounding does not drown, as with every triangle whose sides are clear.
             let least = 21.0 * f32::EPSILON / 2.0 * reach;
             let edges = a.span.0[0].min(b.span.0[0]) > least && a.tilt.0[0].min(b.tilt.0[0]) > 0.0;
-            if !edges || !Slabs::<3>::overlap(&a.hull, &b.hull) || !reach.is_finite() {
+            if !edges || !a.hull.overlaps(&b.hull) || !reach.is_finite() {
                 return None;
             }
             let share = with_simd!(level, simd => certainty(simd, &pair));

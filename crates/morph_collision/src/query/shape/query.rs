@@ -5,9 +5,8 @@ use glam::DVec3;
 
 use super::bound::NodeBound;
 use super::placed::PlacedShape;
-use crate::bounds::{Aabb, Volume};
+use crate::bounds::Aabb;
 use crate::exact::Triangle;
-use crate::pose::{Posed, with_posed};
 use crate::query::body::world_triangle;
 use crate::query::capped::Capped;
 use crate::query::{Body, QueryStats};
@@ -181,26 +180,13 @@ impl ShapeQuery {
         at_triangle: &mut dyn FnMut(u32, &Triangle) -> ControlFlow<()>,
     ) -> QueryStats {
         let world_from_model = body.world_from_model;
-        with_posed!(body.pose.posed(), mut posed => {
-            let bound = NodeBound::new(shape, world_from_model, &posed.bounds());
-            self.walk_posed(&mut posed, &bound, limit, &mut |posed, triangle| {
-                at_triangle(triangle, &world_triangle(posed, world_from_model, triangle))
-            })
-        })
-    }
-
-    fn walk_posed<V: Volume>(
-        &mut self,
-        posed: &mut Posed<'_, V>,
-        bound: &NodeBound<'_>,
-        limit: &Cell<f64>,
-        at_triangle: &mut dyn FnMut(&mut Posed<'_, V>, u32) -> ControlFlow<()>,
-    ) -> QueryStats {
+        let mut posed = body.pose.posed();
+        let bound = NodeBound::new(shape, world_from_model, &posed.bounds());
         let before = posed.blended();
         let mut triangle_tests = 0;
         let Self { queue, numbers } = self;
         let mut walk = OneWalk {
-            tree: posed,
+            tree: &mut posed,
             node_tests: 0,
         };
         let lower_bound = |node: &Aabb| Some(bound.lower_bound(node));
@@ -209,7 +195,7 @@ impl ShapeQuery {
             numbers.extend_from_slice(posed.topology.leaf_triangles(leaf));
             for &triangle in &*numbers {
                 triangle_tests += 1;
-                at_triangle(posed, triangle)?;
+                at_triangle(triangle, &world_triangle(posed, world_from_model, triangle))?;
             }
             ControlFlow::Continue(limit.get())
         });

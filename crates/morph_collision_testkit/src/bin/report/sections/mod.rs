@@ -1,6 +1,6 @@
 //! The places of the page and what fills them, a file each for those that are more than a sweep.
 
-mod error;
+mod faces;
 mod kernels;
 mod paper;
 mod scale;
@@ -48,10 +48,6 @@ pub(crate) const SECTIONS: &[Section] = &[
         make: |context, _| sweep(context, "options", &Experiment::tuning(context.every), sweeps::options),
     },
     Section {
-        name: "shape",
-        make: |context, _| sweep(context, "shape", &Experiment::tuning(context.every), sweeps::shape),
-    },
-    Section {
         name: "memory",
         make: |context, _| {
             let steps = if context.quick { 60 } else { 100 };
@@ -59,7 +55,7 @@ pub(crate) const SECTIONS: &[Section] = &[
                 .into_iter()
                 .flat_map(|rate| Experiment::consecutive(steps, rate))
                 .collect();
-            sweep(context, "memory", &experiments, sweeps::memory)
+            sweep(context, "memory", &experiments, sweeps::options)
         },
     },
     Section {
@@ -79,8 +75,8 @@ pub(crate) const SECTIONS: &[Section] = &[
         make: paper::claims,
     },
     Section {
-        name: "error",
-        make: error::error,
+        name: "faces",
+        make: faces::faces,
     },
     Section {
         name: "kernels",

@@ -3,31 +3,35 @@
 use std::error::Error;
 use std::fmt::Write;
 
-use morph_collision::BuildOptions;
 use morph_collision_testkit::bench::{Experiment, Plan, Row, measure};
-use morph_collision_testkit::rivals::{MethodKind, MorphTuning, Wanted};
+use morph_collision_testkit::rivals::{MethodKind, MethodOptions, PaperOptions, Wanted};
 
 use super::{Context, race};
 use crate::plot::{Axis, Figure, Panel, Series, exponent};
-use crate::sweeps::{Candidate, morph};
+use crate::sweeps::{Candidate, morph, rival};
 
 const MODES: [(Wanted, &str); 2] = [(Wanted::All, "all pairs"), (Wanted::First, "first pair")];
 
-fn hybrid(label: &str, arity: usize) -> Candidate {
-    Candidate {
-        label: label.to_owned(),
-        method: MethodKind::Hybrid,
-        options: BuildOptions::default().with_arity(arity).with_leaf_size(4),
-        tuning: MorphTuning::default(),
-    }
+fn binary() -> Candidate {
+    let mut binary = rival("hybrid, binary", MethodKind::Hybrid);
+    binary.options.arity = 2;
+    binary
+}
+
+fn ours() -> Candidate {
+    morph("morph", MethodOptions::default())
+}
+
+fn theirs(options: PaperOptions) -> Candidate {
+    rival("paper", MethodKind::Paper(options))
 }
 
 fn methods() -> Vec<Candidate> {
     vec![
-        morph("morph", BuildOptions::default()),
-        morph("morph, the paper's tree", BuildOptions::paper()),
-        hybrid("hybrid", 8),
-        hybrid("hybrid, binary", 2),
+        ours(),
+        theirs(PaperOptions::BOXES),
+        rival("hybrid", MethodKind::Hybrid),
+        binary(),
     ]
 }
 
@@ -134,18 +138,19 @@ pub(crate) fn resolution(context: &Context, _: &str) -> Result<String, Box<dyn E
 
 /// What the paper reports beside its figures, next to what comes out here.
 pub(crate) fn claims(context: &Context, _: &str) -> Result<String, Box<dyn Error>> {
-    let mut text =
-        "\n| | the paper | here, the paper's tree | here, the default tree |\n|---|--:|--:|--:|\n".to_owned();
-    let trees = [BuildOptions::paper(), BuildOptions::default()];
-    // The more general method over ours, at the resolutions of Fig. 8.
-    for ((wanted, mode), theirs) in MODES.into_iter().zip(["1.5 to 9", "2 to 58"]) {
-        write!(text, "| dolphins, {mode}: hybrid's time over morph's | {theirs} |")?;
-        for tree in &trees {
+    let mut text = "\n| | the paper | here, the method `paper` | here, `morph` |\n|---|--:|--:|--:|\n".to_owned();
+    let methods = || [theirs(PaperOptions::BOXES), ours()];
+    // The more general method over the one for morphing, at the resolutions of Fig. 8.
+    for ((wanted, mode), reported) in MODES.into_iter().zip(["1.5 to 9", "2 to 58"]) {
+        write!(text, "| dolphins, {mode}: hybrid's time over it | {reported} |")?;
+        for method in 0..2 {
             let mut ratios = Vec::new();
             for level in 0..4 {
                 let experiment = Experiment::dolphins(level, context.every);
                 eprintln!("claims: {}, {mode}", experiment.title);
-                let candidates = [morph("morph", tree.clone()), hybrid("hybrid", 8), hybrid("binary", 2)];
+                let [theirs, ours] = methods();
+                let first = if method == 0 { theirs } else { ours };
+                let candidates = [first, rival("hybrid", MethodKind::Hybrid), binary()];
                 let rows = race(&experiment, &candidates, wanted, context.rounds)?;
                 ratios.push([rows[1].ratio, rows[2].ratio]);
             }
@@ -161,51 +166,52 @@ pub(crate) fn claims(context: &Context, _: &str) -> Result<String, Box<dyn Error
         }
         writeln!(text)?;
     }
-    for (experiment, theirs) in [
+    for (experiment, reported) in [
         (Experiment::pass_through(5, context.every), "15 %"),
         (Experiment::dolphins(3, context.every), "10 %"),
     ] {
         eprintln!("claims: stamps, {}", experiment.title);
-        write!(text, "| {}, all pairs: saved by stamps | {theirs} |", experiment.title)?;
-        for tree in &trees {
-            write!(text, " {} |", stamps(context, &experiment, tree)?)?;
+        write!(
+            text,
+            "| {}, all pairs: saved by stamps | {reported} |",
+            experiment.title
+        )?;
+        for method in methods() {
+            write!(text, " {} |", stamps(context, &experiment, method)?)?;
         }
         writeln!(text)?;
     }
     let experiment = Experiment::pass_through(5, context.every);
     eprintln!("claims: in-betweens");
-    let mut gains = Vec::new();
-    for tree in &trees {
-        let candidates = [
-            morph("with", tree.clone().with_in_betweens(true)),
-            morph("without", tree.clone()),
-        ];
-        let rows = race(&experiment, &candidates, Wanted::All, context.rounds)?;
-        let steps = rows[0].frame_times.iter().zip(&rows[1].frame_times);
-        let best = steps.map(|(with, without)| without / with).fold(0.0, f64::max);
-        gains.push((rows[1].ratio, best));
-    }
+    let with = theirs(PaperOptions {
+        in_betweens: true,
+        ..PaperOptions::BOXES
+    });
+    let rows = race(
+        &experiment,
+        &[with, theirs(PaperOptions::BOXES)],
+        Wanted::All,
+        context.rounds,
+    )?;
+    let steps = rows[0].frame_times.iter().zip(&rows[1].frame_times);
+    let best = steps.map(|(with, without)| without / with).fold(0.0, f64::max);
     let percent = |ratio: f64| format!("{:+.0} %", 100.0 * (ratio - 1.0));
-    let row = |what: &str, theirs: &str, of: fn(&(f64, f64)) -> f64| {
-        let ours: Vec<String> = gains.iter().map(|gain| percent(of(gain))).collect();
-        format!(
-            "| {}, all pairs: {what} | {theirs} | {} |\n",
-            experiment.title,
-            ours.join(" | ")
-        )
-    };
-    text += &row("faster with in-betweens", "+5 %", |gain| gain.0);
-    text += &row("the same in the step that gains most", "up to +40 %", |gain| gain.1);
+    for (what, reported, ratio) in [
+        ("faster with in-betweens", "+5 %", rows[1].ratio),
+        ("the same in the step that gains most", "up to +40 %", best),
+    ] {
+        let (title, ratio) = (&experiment.title, percent(ratio));
+        writeln!(text, "| {title}, all pairs: {what} | {reported} | {ratio} | |")?;
+    }
     Ok(text
         + "\nMeasured anew, times as ratios within rounds: the paper's processor ran at 1333 MHz and its hybrid was another program, so only ratios can be \
-           compared. *Stamps* keep a node from being refitted again in a frame. The library has no switch to turn them off, so their row is not a measurement \
+           compared. *Stamps* keep a node from being refitted again in a frame. Neither method has a switch to turn them off, so their row is not a measurement \
            of it: without stamps every tested node would be refitted, so that the counts with and without are those of volumes blended and of node \
            tests; the time is estimated from them at the price of a volume, which two neighbours give that blend volumes and no vertices.\n")
 }
 
 /// How many refits stamps save, and about how much time.
-fn stamps(context: &Context, experiment: &Experiment, tree: &BuildOptions) -> Result<String, Box<dyn Error>> {
-    let candidate = morph("morph", tree.clone());
+fn stamps(context: &Context, experiment: &Experiment, candidate: Candidate) -> Result<String, Box<dyn Error>> {
     let row = race(
         experiment,
         std::slice::from_ref(&candidate),

@@ -8,13 +8,13 @@ use morph_collision::{Body, BuildOptions, MorphBvh, PairQuery, Pose, WorldFromMo
 use morph_collision_testkit::bench::{Experiment, Stopwatch, median};
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::random::random_blob;
-use morph_collision_testkit::rivals::{MethodKind, MorphTuning, Wanted};
+use morph_collision_testkit::rivals::{MethodKind, MethodOptions, Wanted};
 use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 
 use super::{Context, race};
 use crate::plot::{Axis, Figure, Panel, Series, exponent};
-use crate::sweeps::{Candidate, morph};
+use crate::sweeps::{morph, rival};
 
 /// One size of what grows.
 struct Size {
@@ -22,8 +22,6 @@ struct Size {
     /// Seconds of a frame: ours, and the hybrid's.
     all: [f64; 2],
     first: [f64; 2],
-    /// Of all pairs with a tree fitted to the frames' weights, over the default tree's.
-    fitted: f64,
     memory: Memory,
     /// Seconds.
     build: f64,
@@ -132,7 +130,7 @@ pub(crate) fn scale(context: &Context, _: &str) -> Result<String, Box<dyn Error>
     let shown = figure.write(&context.plots, "Time against bodies, triangles and targets")?;
     Ok(format!(
         "\n{shown}\nTime of a frame while one number grows; both axes are logarithmic. The hybrid is the eight-wide one. In the tables, *power* is the exponent \
-         of growth, fitted by least squares over all sizes but a single body. *Fitted* is `BuildOptions::fitted_to` the weights of the frames. Memory is that of the mesh (base and displacements), of the tree that all bodies share, and of one body's pose \
+         of growth, fitted by least squares over all sizes but a single body. Memory is that of the mesh (base and displacements), of the tree that all bodies share, and of one body's pose \
          after it was asked for all pairs. Building is our default tree, with its tables, next to Parry's binned tree over the same triangles at rest, in turns. All targets are active, at weights of both signs; \
          sizes of 16 of them sum to about 4, and stay there with more targets, or grow along where that is said, to about 70.\n{text}"
     ))
@@ -142,18 +140,17 @@ fn write_table(text: &mut String, growth: &Growth, sizes: &[Size]) -> std::fmt::
     writeln!(text, "\n**{}.**\n", growth.what)?;
     writeln!(
         text,
-        "| {} | all pairs, us | fitted / default | hybrid / morph | first pair, us | hybrid / morph | mesh, kB | tree, kB | pose, kB | build, ms | Parry's build, ms |",
+        "| {} | all pairs, us | hybrid / morph | first pair, us | hybrid / morph | mesh, kB | tree, kB | pose, kB | build, ms | Parry's build, ms |",
         growth.axis
     )?;
-    writeln!(text, "|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|")?;
+    writeln!(text, "|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|")?;
     let kilo = |bytes: usize| bytes as f64 / 1e3;
     for row in sizes {
         writeln!(
             text,
-            "| {} | {:.1} | {:.2} | {:.2} | {:.1} | {:.2} | {:.0} | {:.0} | {:.1} | {:.2} | {:.2} |",
+            "| {} | {:.1} | {:.2} | {:.1} | {:.2} | {:.0} | {:.0} | {:.1} | {:.2} | {:.2} |",
             row.size,
             row.all[0] * 1e6,
-            row.fitted,
             row.all[1] / row.all[0],
             row.first[0] * 1e6,
             row.first[1] / row.first[0],
@@ -167,7 +164,7 @@ fn write_table(text: &mut String, growth: &Growth, sizes: &[Size]) -> std::fmt::
     let power = |of: &dyn Fn(&Size) -> f64| exponent(&points(sizes, of));
     writeln!(
         text,
-        "| power | {:.2} | | | {:.2} | | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} |",
+        "| power | {:.2} | | {:.2} | | {:.2} | {:.2} | {:.2} | {:.2} | {:.2} |",
         power(&|row| row.all[0]),
         power(&|row| row.first[0]),
         power(&|row| row.memory.model as f64),
@@ -213,27 +210,18 @@ fn panel(growth: &Growth, sizes: &[Size]) -> Panel {
 }
 
 fn measure_size(size: usize, experiment: &Experiment, context: &Context) -> Result<Size, Box<dyn Error>> {
-    let samples = experiment.frames.iter().flatten().map(|(weights, _)| weights);
-    let fitted = BuildOptions::default().fitted_to(samples);
     let candidates = [
-        morph("morph", BuildOptions::default()),
-        Candidate {
-            label: "hybrid".to_owned(),
-            method: MethodKind::Hybrid,
-            options: BuildOptions::default().with_leaf_size(4),
-            tuning: MorphTuning::default(),
-        },
-        morph("fitted", fitted),
+        morph("morph", MethodOptions::default()),
+        rival("hybrid", MethodKind::Hybrid),
     ];
     let rounds = context.rounds.min(3);
     let all = race(experiment, &candidates, Wanted::All, rounds)?;
-    let first = race(experiment, &candidates[..2], Wanted::First, rounds)?;
+    let first = race(experiment, &candidates, Wanted::First, rounds)?;
     let [build, parry] = build_times(&experiment.mesh, rounds)?;
     Ok(Size {
         size,
         all: [all[0].time, all[1].time],
         first: [first[0].time, first[1].time],
-        fitted: all[2].ratio,
         memory: memory(experiment)?,
         build,
         parry,

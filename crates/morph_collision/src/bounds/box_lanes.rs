@@ -17,18 +17,9 @@ pub(crate) struct BoxLanes {
 }
 
 impl BoxLanes {
-    /// Numbers per box.
-    pub(crate) const ROWS: usize = 6;
-
     /// Lower ends along each axis, then upper ends.
     pub(crate) fn rows(&self) -> impl Iterator<Item = &Lanes> {
         self.min.iter().chain(&self.max)
-    }
-
-    /// See [`BoxLanes::rows`].
-    #[inline(always)]
-    pub(crate) fn rows_mut(&mut self) -> impl Iterator<Item = &mut Lanes> {
-        self.min.iter_mut().chain(&mut self.max)
     }
 
     #[inline(always)]

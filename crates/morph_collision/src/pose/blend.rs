@@ -28,8 +28,7 @@ pub(super) fn evaluate<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &[f32
     let mut reach = tables.base_reach;
     let (mut active, mut products) = (0, 0);
     let mut budget = budget(tables.references.len());
-    let mut room = BoxLanes::default();
-    for (i, local) in tables.targets.iter().enumerate() {
+    for (i, (local, interval)) in tables.targets.iter().zip(tables.intervals).enumerate() {
         let weight = weights[local.target as usize];
         if weight == 0.0 {
             continue;
@@ -37,16 +36,19 @@ pub(super) fn evaluate<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &[f32
         active += 1;
         reach += weight.abs() * local.reach;
         let mut rest = weight;
-        if weight > 0.0 && budget > 0.0 && i < tables.references.len() {
+        if let Some(reference) = tables.references.get(i)
+            && weight > 0.0
+            && budget > 0.0
+        {
             let amount = weight.min(budget);
             budget -= amount;
             rest -= amount;
             products += 1;
-            boxes.add_scaled(simd, amount, tables.references.column(i, &mut room));
+            boxes.add_scaled(simd, amount, reference);
         }
         if rest != 0.0 {
             products += 1;
-            boxes.add_interval(simd, rest, tables.intervals.column(i, &mut room));
+            boxes.add_interval(simd, rest, interval);
         }
     }
     widening(reach, active, active + products)
@@ -75,17 +77,16 @@ pub(super) fn evaluate_anchored<S: Simd>(
     boxes: &mut BoxLanes,
 ) -> f32 {
     *boxes = *anchor.boxes;
-    let mut room = BoxLanes::default();
     let mut reach = tables.base_reach;
     let (mut active, mut products) = (0, 0);
-    for (i, local) in tables.targets.iter().enumerate() {
+    for (local, interval) in tables.targets.iter().zip(tables.intervals) {
         let k = local.target as usize;
         let (difference, from, to) = (anchor.differences[k], anchor.weights[k], weights[k]);
         active += u32::from(from != 0.0) + u32::from(to != 0.0);
         reach += (from.abs() + to.abs() + difference.abs()) * local.reach;
         if difference != 0.0 {
             products += 1;
-            boxes.add_interval(simd, difference, tables.intervals.column(i, &mut room));
+            boxes.add_interval(simd, difference, interval);
         }
     }
     widening(reach, active, products)

@@ -47,8 +47,7 @@ fn weights() -> impl Strategy<Value = [f32; 6]> {
 }
 
 fn options() -> impl Strategy<Value = BuildOptions> {
-    (1_usize..12, any::<bool>())
-        .prop_map(|(leaf_size, compact)| BuildOptions::default().with_leaf_size(leaf_size).with_compact(compact))
+    (1_usize..12).prop_map(|leaf_size| BuildOptions::default().with_leaf_size(leaf_size))
 }
 
 proptest! {

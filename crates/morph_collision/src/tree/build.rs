@@ -84,7 +84,7 @@ pub(super) fn build_over(
         model: &model,
         splits,
         topology: Topology::new(),
-        tables: Tables::new(options.compact),
+        tables: Tables::default(),
     };
     let above_root = builder.reserve();
     let (root, extents) = builder.node(&mut triangles, 0);
@@ -98,7 +98,7 @@ pub(super) fn build_over(
         model,
         topology: Arc::new(topology),
         tables: Arc::new(tables),
-        options: options.clone(),
+        options: *options,
     }
 }
 

@@ -108,7 +108,7 @@ impl TreeLayout {
         Self {
             version: VERSION,
             fingerprint: bvh.model().fingerprint(),
-            options: bvh.options().clone(),
+            options: *bvh.options(),
             nodes,
             triangles: topology.triangles.clone(),
         }

@@ -12,7 +12,6 @@ mod leaf_lanes;
 mod options;
 mod partition;
 mod sah;
-mod slopes;
 mod stats;
 mod subtrees;
 mod tables;

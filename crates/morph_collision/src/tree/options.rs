@@ -1,14 +1,12 @@
 use thiserror::Error;
 
 /// How to build a [`MorphBvh`](crate::MorphBvh). No answer depends on it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]
 pub struct BuildOptions {
     /// A node with at most this many triangles becomes a leaf; 1 to 255.
     pub leaf_size: usize,
-    /// Whether tables are kept in 16 bits per number, rounded outward: half the bytes, a little more time.
-    pub compact: bool,
 }
 
 impl BuildOptions {
@@ -16,13 +14,6 @@ impl BuildOptions {
     #[must_use]
     pub fn with_leaf_size(mut self, leaf_size: usize) -> Self {
         self.leaf_size = leaf_size;
-        self
-    }
-
-    /// Sets [`BuildOptions::compact`].
-    #[must_use]
-    pub fn with_compact(mut self, compact: bool) -> Self {
-        self.compact = compact;
         self
     }
 
@@ -36,10 +27,7 @@ impl BuildOptions {
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        Self {
-            leaf_size: 8,
-            compact: false,
-        }
+        Self { leaf_size: 8 }
     }
 }
 

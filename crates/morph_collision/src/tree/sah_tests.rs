@@ -98,13 +98,10 @@ fn leaves_of_smooth_meshes_are_nearly_full() {
     ] {
         let model = MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap();
         let model = Arc::new(model);
-        for split in [Split::Sah, Split::PoseSah] {
-            let options = BuildOptions::default().with_split(split).with_leaf_size(8);
-            let bvh = MorphBvh::build(model.clone(), &options).unwrap();
-            let fill = bvh.stats().mean_leaf_triangles / 8.0;
-            println!("{}, {split}: {fill:.2} full", mesh.name);
-            assert!(fill >= 0.6, "{}, {split}: {fill}", mesh.name);
-        }
+        let bvh = MorphBvh::build(model, &BuildOptions::default().with_leaf_size(8)).unwrap();
+        let fill = bvh.stats().mean_leaf_triangles / 8.0;
+        println!("{}: {fill:.2} full", mesh.name);
+        assert!(fill >= 0.6, "{}: {fill}", mesh.name);
     }
 }
 
@@ -113,12 +110,10 @@ fn identical_triangles_make_nearly_full_leaves_and_a_tree_that_is_not_deep() {
     let triangle = [Vec3::ZERO, Vec3::X, Vec3::new(0.0, 1.0, 1.0)];
     let no_targets: [[Vec3; 3]; 0] = [];
     let model = Arc::new(MorphModel::from_displacements(&triangle, &[[0, 1, 2]; 5000], &no_targets).unwrap());
-    for split in [Split::Sah, Split::PoseSah] {
-        let bvh = MorphBvh::build(model.clone(), &BuildOptions::default().with_split(split)).unwrap();
-        assert_eq!(bvh.validate(), Ok(()));
-        let stats = bvh.stats();
-        assert!(stats.mean_leaf_triangles >= 0.6 * 8.0 && stats.depth <= 6, "{stats:?}");
-    }
+    let bvh = MorphBvh::build(model, &BuildOptions::default()).unwrap();
+    assert_eq!(bvh.validate(), Ok(()));
+    let stats = bvh.stats();
+    assert!(stats.mean_leaf_triangles >= 0.6 * 8.0 && stats.depth <= 6, "{stats:?}");
 }
 
 #[test]
@@ -126,9 +121,7 @@ fn triangles_that_are_all_the_same_point_make_a_tree_that_is_not_deep() {
     // No plane costs anything, so leaves need not be full.
     let mesh = degenerate::all_equal(5000);
     let model = Arc::new(MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap());
-    for split in [Split::Sah, Split::PoseSah] {
-        let bvh = MorphBvh::build(model.clone(), &BuildOptions::default().with_split(split)).unwrap();
-        assert_eq!(bvh.validate(), Ok(()));
-        assert!(bvh.depth() <= 6, "{}", bvh.depth());
-    }
+    let bvh = MorphBvh::build(model, &BuildOptions::default()).unwrap();
+    assert_eq!(bvh.validate(), Ok(()));
+    assert!(bvh.depth() <= 6, "{}", bvh.depth());
 }

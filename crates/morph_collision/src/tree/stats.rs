@@ -147,9 +147,7 @@ impl MorphBvh {
                 bad = bad.or_else(|| numbers.find(|x| !x.is_finite()));
             };
             check(table.base);
-            for slopes in [table.intervals, table.references] {
-                (0..slopes.len()).for_each(|i| check(slopes.column(i, &mut BoxLanes::default())));
-            }
+            table.intervals.iter().chain(table.references).for_each(&mut check);
             if let Some(value) = bad {
                 let value = value.to_string();
                 return Err(BrokenTree::Table { group, value });

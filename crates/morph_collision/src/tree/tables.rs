@@ -14,7 +14,6 @@
 use std::ops::Range;
 
 use super::extents::{NodeExtents, TargetExtents, local_targets, reach_under};
-use super::slopes::{Slopes, SlopesView};
 use crate::bounds::{Aabb, BoxLanes};
 
 /// A target that moves some child of a group.
@@ -35,14 +34,14 @@ struct Header {
 }
 
 /// The tables of all groups, one after the other.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(crate) struct Tables {
     headers: Vec<Header>,
     base: Vec<BoxLanes>,
     /// As many as `intervals`.
     targets: Vec<LocalTarget>,
-    intervals: Slopes,
-    references: Slopes,
+    intervals: Vec<BoxLanes>,
+    references: Vec<BoxLanes>,
 }
 
 /// The tables of one group.
@@ -53,22 +52,12 @@ pub(crate) struct GroupTables<'a> {
     /// Those whose references gain most first.
     pub(crate) targets: &'a [LocalTarget],
     /// `I_k`, one per target.
-    pub(crate) intervals: SlopesView<'a>,
+    pub(crate) intervals: &'a [BoxLanes],
     /// `X_k` of the first targets; the others' would gain nothing.
-    pub(crate) references: SlopesView<'a>,
+    pub(crate) references: &'a [BoxLanes],
 }
 
 impl Tables {
-    pub(super) fn new(compact: bool) -> Self {
-        Self {
-            headers: Vec::new(),
-            base: Vec::new(),
-            targets: Vec::new(),
-            intervals: Slopes::new(compact),
-            references: Slopes::new(compact),
-        }
-    }
-
     #[inline]
     pub(crate) fn group(&self, group: usize) -> GroupTables<'_> {
         let header = &self.headers[group];
@@ -76,8 +65,8 @@ impl Tables {
             base: &self.base[group],
             base_reach: header.base_reach,
             targets: &self.targets[header.targets.clone()],
-            intervals: self.intervals.view(header.targets.clone()),
-            references: self.references.view(header.references.clone()),
+            intervals: &self.intervals[header.targets.clone()],
+            references: &self.references[header.references.clone()],
         }
     }
 
@@ -85,8 +74,8 @@ impl Tables {
         size_of_val(&*self.headers)
             + size_of_val(&*self.base)
             + size_of_val(&*self.targets)
-            + self.intervals.bytes()
-            + self.references.bytes()
+            + size_of_val(&*self.intervals)
+            + size_of_val(&*self.references)
     }
 
     /// Targets that move something in a group, summed over all groups.
@@ -116,9 +105,9 @@ impl Tables {
         let (targets, references) = (self.targets.len(), self.references.len());
         for column in &columns {
             self.targets.push(column.local);
-            self.intervals.push(&column.interval);
+            self.intervals.push(column.interval);
             if column.gain > 0.0 {
-                self.references.push(&column.reference);
+                self.references.push(column.reference);
             }
         }
         self.headers[group] = Header {

@@ -11,9 +11,7 @@ fn model_of(mesh: &morph_collision_testkit::mesh::MorphMesh) -> Arc<MorphModel> 
 
 fn every_option() -> Vec<BuildOptions> {
     let leaf_size = |size| BuildOptions::default().with_leaf_size(size);
-    let mut all: Vec<BuildOptions> = [1, 2, 8, 9, 255].map(leaf_size).to_vec();
-    all.push(BuildOptions::default().with_compact(true));
-    all
+    [1, 2, 8, 9, 255].map(leaf_size).to_vec()
 }
 
 #[test]
@@ -44,16 +42,6 @@ fn a_leaf_size_out_of_range_is_refused() {
         let options = BuildOptions::default().with_leaf_size(leaf_size);
         assert_eq!(error(options), BuildError::LeafSize(leaf_size));
     }
-}
-
-#[test]
-fn compact_tables_take_half_the_bytes() {
-    let model = model_of(&dolphin(1));
-    let bytes = |compact| {
-        let options = BuildOptions::default().with_compact(compact);
-        MorphBvh::build(model.clone(), &options).unwrap().stats().table_bytes as f64
-    };
-    assert!(bytes(true) < 0.7 * bytes(false));
 }
 
 #[test]

@@ -50,7 +50,7 @@ impl Case {
         let all = [
             BuildOptions::default(),
             BuildOptions::default().with_leaf_size(1),
-            BuildOptions::default().with_leaf_size(20).with_compact(true),
+            BuildOptions::default().with_leaf_size(20),
         ];
         let pose = |options: &BuildOptions| {
             let mut pose = Pose::new(Arc::new(MorphBvh::build(model.clone(), options).unwrap()));

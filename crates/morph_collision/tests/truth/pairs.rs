@@ -3,13 +3,10 @@
 use crate::scenes::{self, Scene};
 use morph_collision::BuildOptions;
 
-/// Leaves of every sort: single triangles, too few for patches, full and half-empty patches, several, all in one; and both forms
-/// of tables.
+/// Leaves of every sort: single triangles, too few for patches, full and half-empty patches, several, all in one.
 fn matrix() -> Vec<BuildOptions> {
     let leaf_size = |size| BuildOptions::default().with_leaf_size(size);
-    let mut all: Vec<BuildOptions> = [1, 2, 3, 5, 8, 9, 16, 255].map(leaf_size).to_vec();
-    all.push(BuildOptions::default().with_compact(true));
-    all
+    [1, 2, 3, 5, 8, 9, 16, 255].map(leaf_size).to_vec()
 }
 
 fn agrees(scene: &Scene, options: &[BuildOptions]) {
@@ -61,7 +58,7 @@ fn real_models_agree_with_weights_of_any_sign_and_sum() {
     let options = [
         BuildOptions::default(),
         BuildOptions::default().with_leaf_size(1),
-        BuildOptions::default().with_leaf_size(20).with_compact(true),
+        BuildOptions::default().with_leaf_size(20),
     ];
     for name in [
         "AnimatedMorphCube.gltf",

@@ -9,7 +9,9 @@ use morph_collision_testkit::rivals::{MethodKind, Wanted};
 
 /// All intersecting triangle pairs through trees, and what it took.
 pub(crate) fn answer(scene: &Scene, options: &BuildOptions) -> (Vec<[u32; 4]>, QueryStats) {
-    scene.answer(MethodKind::Morph, options, Wanted::All).unwrap()
+    scene
+        .answer(MethodKind::Morph, &(*options).into(), Wanted::All)
+        .unwrap()
 }
 
 /// A scene's bodies, posed and placed; bodies of one mesh share its tree.

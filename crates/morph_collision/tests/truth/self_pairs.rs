@@ -95,7 +95,7 @@ fn only_pairs_whose_boxes_overlap_are_tested_each_of_them_once() {
             let all = (triangles.len() * (triangles.len() - 1) / 2) as u64;
             assert!(expected > 0 && expected < all / 2, "{expected} of {all}");
             let stats = SelfQuery::new().all(&mut pose, &mut Vec::new());
-            assert_eq!(stats.triangle_tests, expected, "{}, arity {arity}", mesh.name);
+            assert_eq!(stats.triangle_tests, expected, "{}", mesh.name);
         }
     }
 }

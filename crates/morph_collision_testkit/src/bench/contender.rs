@@ -90,8 +90,7 @@ impl Entrant {
             Trees::Ours => *ours,
             Trees::Own { arity, leaf_size } => MethodOptions {
                 arity,
-                leaf_size,
-                ..MethodOptions::default()
+                ..MethodOptions::default().with_leaf_size(leaf_size)
             },
         };
         Contender::set_up(self.name, self.kind, experiment, &options)

@@ -32,11 +32,10 @@ fn main() -> ExitCode {
 }
 
 /// The ways to make boxes.
-fn forms() -> [(&'static str, BuildOptions); 4] {
+fn forms() -> [(&'static str, BuildOptions); 3] {
     let default = BuildOptions::default;
     [
         ("blended", default()),
-        ("16 bits", default().with_compact(true)),
         ("leaves of 1", default().with_leaf_size(1)),
         ("anchored", default()),
     ]

@@ -86,9 +86,7 @@ impl<'a> Draw<'a> {
     }
 
     pub(super) fn options(&mut self) -> BuildOptions {
-        BuildOptions::default()
-            .with_leaf_size(self.among(1, 9))
-            .with_compact(self.flag())
+        BuildOptions::default().with_leaf_size(self.among(1, 9))
     }
 }
 

@@ -3,10 +3,10 @@ use morph_collision::BuildOptions;
 /// How the methods are set up; each takes what it knows, and no answer depends on any of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MethodOptions {
+    /// Our trees. `bottom-up`, `hybrid` and `rebuild` take the leaf size.
+    pub tree: BuildOptions,
     /// Most children of a node of `bottom-up` and `hybrid`: 2, 4 or 8.
     pub arity: usize,
-    /// Most triangles in a leaf of our trees, and of `bottom-up`, `hybrid` and `rebuild`; 1 to 255.
-    pub leaf_size: usize,
     /// Whether `morph` tries the leaves first in which it found a pair the last time, where only first pairs are wanted.
     pub witness: bool,
 }
@@ -15,13 +15,10 @@ impl MethodOptions {
     /// The same with other leaves.
     #[must_use]
     pub fn with_leaf_size(self, leaf_size: usize) -> Self {
-        Self { leaf_size, ..self }
-    }
-
-    /// For our trees.
-    #[must_use]
-    pub fn build(&self) -> BuildOptions {
-        BuildOptions::default().with_leaf_size(self.leaf_size)
+        Self {
+            tree: self.tree.with_leaf_size(leaf_size),
+            ..self
+        }
     }
 }
 
@@ -29,9 +26,18 @@ impl Default for MethodOptions {
     /// The library's, eight children, and each frame by itself.
     fn default() -> Self {
         Self {
+            tree: BuildOptions::default(),
             arity: 8,
-            leaf_size: BuildOptions::default().leaf_size,
             witness: false,
+        }
+    }
+}
+
+impl From<BuildOptions> for MethodOptions {
+    fn from(tree: BuildOptions) -> Self {
+        Self {
+            tree,
+            ..Self::default()
         }
     }
 }

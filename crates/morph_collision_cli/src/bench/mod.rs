@@ -11,10 +11,9 @@ use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
-use morph_collision::BuildOptions;
 use morph_collision_testkit::bench::{self, Disagreement, Entrant, Plan, Row, disagreement, measure};
 use morph_collision_testkit::moments::AnswerError;
-use morph_collision_testkit::rivals::Wanted;
+use morph_collision_testkit::rivals::{MethodOptions, Wanted};
 
 use crate::error::CliError;
 use crate::model_file::FileArgs;
@@ -130,11 +129,12 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<Verdict, CliError> {
     let mut wrong: Option<Disagreement> = None;
     for scene in &scenes {
         for &mode in &modes {
-            let rows =
-                run(scene, &entrants, &args.tree.build(), plan(mode), &bar).map_err(|reason| CliError::Bench {
+            let rows = run(scene, &entrants, &args.tree.build().into(), plan(mode), &bar).map_err(|reason| {
+                CliError::Bench {
                     scene: scene.origin.clone(),
                     reason,
-                })?;
+                }
+            })?;
             wrong = wrong.or_else(|| disagreement(&scene.experiment, &rows, mode.wanted()));
             measured.push(Measured { scene, mode, rows });
         }
@@ -158,7 +158,7 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<Verdict, CliError> {
 fn run(
     scene: &BenchScene,
     entrants: &[Entrant],
-    ours: &BuildOptions,
+    ours: &MethodOptions,
     plan: Plan,
     bar: &Progress,
 ) -> Result<Vec<Row>, AnswerError> {

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use morph_collision::VolumeKind;
 use morph_collision_testkit::bench::Experiment;
 
 use super::BenchArgs;
@@ -75,7 +74,7 @@ fn of_model(args: &BenchArgs, model: &Path, name: String, methods: u64) -> Resul
     }
     let mut mesh = read_mesh(&file, index)?;
     let bodies = u64::from(args.bodies);
-    let of_method = mesh.tree_bytes(VolumeKind::Aabb) + bodies * mesh.body_bytes(true);
+    let of_method = mesh.tree_bytes() + bodies * mesh.body_bytes(true);
     count_memory(&file, index, methods.saturating_mul(of_method), || {
         format!("its trees for {bodies} bodies and {methods} methods")
     })?;

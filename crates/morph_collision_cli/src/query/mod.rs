@@ -7,9 +7,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
-use morph_collision::{
-    Ball, Body, BuildOptions, MorphBvh, PointQuery, Pose, Ray, RayQuery, SelfQuery, VolumeKind, WorldFromModel,
-};
+use morph_collision::{Ball, Body, BuildOptions, MorphBvh, PointQuery, Pose, Ray, RayQuery, SelfQuery, WorldFromModel};
 use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::mesh::MorphMesh;
 
@@ -99,9 +97,7 @@ fn show(args: &QueryArgs, report: &impl QueryReport) -> Result<(), CliError> {
 /// The mesh asked about, with its weights.
 fn pose(args: &QueryArgs) -> Result<Pose, CliError> {
     let (file, mesh) = args.files.open_mesh(&args.model, args.mesh, "--mesh")?;
-    count_memory(&file, args.mesh, mesh.tree_bytes(VolumeKind::Aabb), || {
-        "its tree".into()
-    })?;
+    count_memory(&file, args.mesh, mesh.tree_bytes(), || "its tree".into())?;
     let tree = build(&mesh).map_err(|reason| CliError::Mesh {
         file: args.model.clone(),
         mesh: args.mesh,

@@ -62,7 +62,7 @@ impl Cast {
         library.count_memory(&of_bodies, options)?;
         let method = options
             .method()
-            .set_up_tuned(&library.meshes, &of_bodies, &options.build(), options.tuning())
+            .set_up(&library.meshes, &of_bodies, &options.options())
             .map_err(|error| library.blame(error))?;
 
         let limits: Vec<WeightLimits> = library.meshes.iter().map(WeightLimits::of).collect();
@@ -168,14 +168,13 @@ impl Library {
 
     /// Counts the trees of all meshes, and what each body has of its own.
     fn count_memory(&self, of_bodies: &[usize], options: &MethodArgs) -> Result<(), CliError> {
-        let volume = options.volume();
         let has_tree = !matches!(options.method(), MethodKind::Morph | MethodKind::MorphEager);
         for (mesh, (path, index)) in self.origins.iter().enumerate() {
             let Some(file) = self.files.get(path) else { continue };
             let bodies = of_bodies.iter().filter(|&&of_body| of_body == mesh).count() as u64;
             let what = || format!("its trees for {bodies} bodies");
             let mesh = &self.meshes[mesh];
-            let bytes = mesh.tree_bytes(volume) + bodies.saturating_mul(mesh.body_bytes(has_tree));
+            let bytes = mesh.tree_bytes() + bodies.saturating_mul(mesh.body_bytes(has_tree));
             count_memory(file, *index, bytes, what)?;
         }
         Ok(())

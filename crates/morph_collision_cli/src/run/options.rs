@@ -1,8 +1,7 @@
 //! How pairs are found: the method, and how its trees are built.
 
-use clap::{Args, ValueEnum};
-use morph_collision::{BuildOptions, Remember, SeparatingAxes, VolumeKind};
-use morph_collision_testkit::rivals::{MethodKind, MorphTuning};
+use clap::Args;
+use morph_collision_testkit::rivals::{MethodKind, MethodOptions};
 
 use super::Mode;
 use crate::error::CliError;
@@ -15,32 +14,23 @@ pub(crate) struct MethodArgs {
     /// How to find pairs: morph, morph-eager, rigid-floor, bottom-up, hybrid, rebuild, octree, parry-trimesh, parry-bvh, parry-rebuild or brute-force.
     #[arg(long, value_name = "NAME", default_value_t)]
     method: MethodKind,
-    /// Bounding volumes of morph: aabb, kdop14, kdop18, kdop26 or sphere.
-    #[arg(long, value_name = "KIND")]
-    volume: Option<VolumeKind>,
     #[command(flatten)]
     tree: TreeArgs,
-    /// Along which axes morph compares nodes: those of both bodies, or also their nine products, on boxes.
-    #[arg(long, value_enum)]
-    sat: Option<Sat>,
-    /// Let morph start each walk where the last one over the same two bodies ended.
-    #[arg(long)]
-    front: bool,
+    /// Most children of a node of bottom-up and hybrid: 2, 4 or 8.
+    #[arg(long, value_name = "N", value_parser = arity)]
+    arity: Option<usize>,
     /// Let morph try the leaves first in which it found a pair the last time, where only first pairs are wanted.
     #[arg(long)]
     witness: bool,
-    /// Let morph leave two bodies alone until they could have moved as far as they were last proved apart.
-    #[arg(long)]
-    separation: bool,
 }
 
-/// Axes that may separate two nodes.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Sat {
-    /// The axes of both bodies.
-    Lite,
-    /// And the nine products of an axis of one and an axis of the other.
-    Full,
+fn arity(text: &str) -> Result<usize, String> {
+    match text {
+        "2" => Ok(2),
+        "4" => Ok(4),
+        "8" => Ok(8),
+        _ => Err("it must be 2, 4 or 8".to_owned()),
+    }
 }
 
 impl MethodArgs {
@@ -49,17 +39,15 @@ impl MethodArgs {
         use MethodKind::{BottomUp, Hybrid, Morph, MorphEager, Rebuild, RigidFloor};
         let method = self.method;
         let ours = matches!(method, Morph | MorphEager | RigidFloor);
-        let (arity, leaf, split) = self.tree.given();
-        let asks = matches!(method, Morph | MorphEager);
+        let has_arity = matches!(method, BottomUp | Hybrid);
         for (flag, given, fits) in [
-            ("--volume", self.volume.is_some(), ours),
-            ("--arity", arity, ours || matches!(method, BottomUp | Hybrid)),
-            ("--leaf", leaf, ours || matches!(method, BottomUp | Hybrid | Rebuild)),
-            ("--split", split, ours),
-            ("--sat", self.sat.is_some(), asks),
-            ("--front", self.front, asks),
-            ("--witness", self.witness, asks),
-            ("--separation", self.separation, asks),
+            ("--arity", self.arity.is_some(), has_arity),
+            (
+                "--leaf",
+                self.tree.leaf().is_some(),
+                ours || has_arity || method == Rebuild,
+            ),
+            ("--witness", self.witness, matches!(method, Morph | MorphEager)),
         ] {
             if given && !fits {
                 let reason = format!("the method {method} has no such option");
@@ -79,28 +67,13 @@ impl MethodArgs {
         self.method
     }
 
-    pub(super) fn volume(&self) -> VolumeKind {
-        self.volume.unwrap_or(VolumeKind::Aabb)
-    }
-
-    pub(crate) fn tuning(&self) -> MorphTuning {
-        MorphTuning {
-            axes: match self.sat {
-                None | Some(Sat::Lite) => SeparatingAxes::Lite,
-                Some(Sat::Full) => SeparatingAxes::Full,
-            },
-            remember: Remember {
-                separation: self.separation,
-                front: self.front,
-                witness: self.witness,
-            },
-        }
-    }
-
-    pub(crate) fn build(&self) -> BuildOptions {
-        let options = self.tree.build();
-        match self.volume {
-            Some(volume) => options.with_volume(volume),
+    pub(super) fn options(&self) -> MethodOptions {
+        let options = MethodOptions {
+            witness: self.witness,
+            ..self.tree.build().into()
+        };
+        match self.arity {
+            Some(arity) => MethodOptions { arity, ..options },
             None => options,
         }
     }

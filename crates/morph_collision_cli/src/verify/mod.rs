@@ -5,15 +5,14 @@ mod report;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use morph_collision::VolumeKind;
+use morph_collision::BuildOptions;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::rivals::SetUpError;
-use morph_collision_testkit::verify::{Trees, verify as compare};
+use morph_collision_testkit::verify::{LEAF_SIZES, Trees, verify as compare};
 
 use crate::error::CliError;
 use crate::model_file::{FileArgs, count_memory, read_clips};
 use crate::progress::ProgressArgs;
-use crate::tree_options::TreeArgs;
 use crate::{Verdict, output};
 use report::{VerifyReport, WhichMesh};
 
@@ -22,7 +21,7 @@ use report::{VerifyReport, WhichMesh};
 /// Two bodies of a mesh, or one each of two, take shapes from the mesh's own clips and at random (convex, signed, above one, twelve
 /// in sum, one-hot, zero) and places of every sort (turned, stretched, mirrored, sheared), from far apart to deep in each
 /// other; some nearly touch, found by bisection down to neighbouring numbers. In every frame all intersecting pairs of triangles are
-/// compared, and all volumes are held against the vertices below them.
+/// compared, and all boxes are held against the vertices below them.
 ///
 /// The exit code is 1 if anything differs, and the smallest case found is printed.
 #[derive(Debug, Args)]
@@ -43,11 +42,9 @@ pub(crate) struct VerifyArgs {
     /// Random seed; the same seed gives the same situations.
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Bounding volumes: aabb, kdop14, kdop18, kdop26, sphere, or all of them in turn.
-    #[arg(long, value_name = "KIND", default_value = "all", value_parser = kinds)]
-    volume: Kinds,
-    #[command(flatten)]
-    tree: TreeArgs,
+    /// Most triangles in a leaf of the trees, 1 to 255; otherwise trees of several leaf sizes are compared.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
+    leaf: Option<u8>,
     #[command(flatten)]
     files: FileArgs,
     #[command(flatten)]
@@ -55,18 +52,6 @@ pub(crate) struct VerifyArgs {
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
-}
-
-/// The kinds of volume to try; a type of its own, since a list would be a repeated flag.
-#[derive(Clone, Debug)]
-struct Kinds(Vec<VolumeKind>);
-
-fn kinds(text: &str) -> Result<Kinds, String> {
-    if text == "all" {
-        return Ok(Kinds(VolumeKind::ALL.to_vec()));
-    }
-    let kind: VolumeKind = text.parse().map_err(|error| format!("{error}, or all"))?;
-    Ok(Kinds(vec![kind]))
 }
 
 /// Draws situations, compares, and says what differs.
@@ -80,9 +65,10 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<Verdict, CliError> {
     let meshes = [&mesh, second.as_ref().unwrap_or(&mesh)];
     let which = which_meshes(args);
 
+    let leaf_sizes = args.leaf_sizes();
     let mut sources = Vec::new();
-    for &volume in &args.volume.0 {
-        let options = args.tree.build().with_volume(volume);
+    for &leaf_size in &leaf_sizes {
+        let options = BuildOptions::default().with_leaf_size(leaf_size);
         sources.push(Trees::build(meshes, &options).map_err(|error| blame(error, &which, meshes))?);
     }
     let bar = args.progress.start("frame", args.frames);
@@ -95,7 +81,7 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<Verdict, CliError> {
         reason,
     })?;
 
-    let report = VerifyReport::new(which, &args.volume.0, args.seed, &verification);
+    let report = VerifyReport::new(which, &leaf_sizes, args.seed, &verification);
     if args.json {
         output::print_json(&report)?;
     } else {
@@ -105,10 +91,14 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<Verdict, CliError> {
 }
 
 impl VerifyArgs {
+    fn leaf_sizes(&self) -> Vec<usize> {
+        self.leaf.map_or(LEAF_SIZES.to_vec(), |leaf| vec![usize::from(leaf)])
+    }
+
     /// Reads a mesh with its clips and counts its trees.
     fn read(&self, model: &Path, index: usize, flag: &'static str) -> Result<MorphMesh, CliError> {
         let (file, mut mesh) = self.files.open_mesh(model, index, flag)?;
-        let trees = self.volume.0.iter().map(|&volume| mesh.tree_bytes(volume)).sum();
+        let trees = self.leaf_sizes().len() as u64 * mesh.tree_bytes();
         count_memory(&file, index, trees, || "its trees".into())?;
         read_clips(&file, index, &mut mesh)?;
         Ok(mesh)

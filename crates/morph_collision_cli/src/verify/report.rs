@@ -3,21 +3,20 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use morph_collision::VolumeKind;
 use morph_collision_testkit::printable::Printable;
 use morph_collision_testkit::verify::{Counts, Finding, Trouble, Verification};
 use serde::Serialize;
 
 use crate::Verdict;
 
-/// The JSON of `verify`. Frames and pairs of triangles are counted once, all else over all kinds of volume.
+/// The JSON of `verify`. Frames and pairs of triangles are counted once, all else over all trees.
 #[derive(Debug, Serialize)]
 pub(super) struct VerifyReport {
     bodies: [WhichMesh; 2],
     seed: u64,
     #[serde(flatten)]
     total: CountsReport,
-    volumes: Vec<VolumeReport>,
+    trees: Vec<TreeReport>,
     /// The smallest wrong answer found.
     reproduction: Option<ReproductionReport>,
 }
@@ -30,8 +29,8 @@ pub(super) struct WhichMesh {
 }
 
 #[derive(Debug, Serialize)]
-struct VolumeReport {
-    volume: String,
+struct TreeReport {
+    leaf_size: usize,
     #[serde(flatten)]
     counts: CountsReport,
 }
@@ -50,12 +49,12 @@ struct CountsReport {
 /// Everything that is needed to see a wrong answer again; numbers are written so that reading them gives the same bits.
 #[derive(Debug, Serialize)]
 struct ReproductionReport {
-    volume: String,
+    leaf_size: usize,
     /// `missed`, `spurious` or `outside`.
     trouble: &'static str,
-    /// One of each body; none where a vertex is outside a volume.
+    /// One of each body; none where a vertex is outside a box.
     triangles: Option<[u32; 2]>,
-    /// The body and the welded vertex, where it is outside a volume.
+    /// The body and the welded vertex, where it is outside a box.
     body_and_vertex: Option<(usize, u32)>,
     weights: [Vec<f32>; 2],
     /// Column by column, the translation last.
@@ -65,14 +64,14 @@ struct ReproductionReport {
 }
 
 impl VerifyReport {
-    pub(super) fn new(bodies: [WhichMesh; 2], volumes: &[VolumeKind], seed: u64, verification: &Verification) -> Self {
+    pub(super) fn new(bodies: [WhichMesh; 2], leaf_sizes: &[usize], seed: u64, verification: &Verification) -> Self {
         let mut total = Counts::default();
         verification.counts.iter().for_each(|counts| total += *counts);
         if let Some(first) = verification.counts.first() {
             (total.frames, total.pairs_truth) = (first.frames, first.pairs_truth);
         }
-        let volume = |(volume, counts): (&VolumeKind, &Counts)| VolumeReport {
-            volume: volume.to_string(),
+        let tree = |(&leaf_size, counts): (&usize, &Counts)| TreeReport {
+            leaf_size,
             counts: CountsReport::new(counts),
         };
         let reproduction = verification.smallest.as_ref();
@@ -80,8 +79,8 @@ impl VerifyReport {
             bodies,
             seed,
             total: CountsReport::new(&total),
-            volumes: volumes.iter().zip(&verification.counts).map(volume).collect(),
-            reproduction: reproduction.map(|finding| ReproductionReport::new(volumes[finding.source], finding)),
+            trees: leaf_sizes.iter().zip(&verification.counts).map(tree).collect(),
+            reproduction: reproduction.map(|finding| ReproductionReport::new(leaf_sizes[finding.source], finding)),
         }
     }
 
@@ -111,9 +110,9 @@ impl VerifyReport {
         writeln!(
             text,
             "{:8} {:>8} {:>8} {:>12} {:>14} {:>10}",
-            "volume", "missed", "spurious", "undecided", "containment", "outside"
+            "leaf", "missed", "spurious", "undecided", "containment", "outside"
         )?;
-        for row in &self.volumes {
+        for row in &self.trees {
             let CountsReport {
                 missed,
                 spurious,
@@ -128,7 +127,7 @@ impl VerifyReport {
             writeln!(
                 text,
                 "{:8} {missed:8} {spurious:8} {undecided_by_filter:12} {containment_checks:14} {containment_violations:10}",
-                row.volume
+                row.leaf_size
             )?;
         }
         match &self.reproduction {
@@ -153,7 +152,7 @@ impl CountsReport {
 }
 
 impl ReproductionReport {
-    fn new(volume: VolumeKind, finding: &Finding) -> Self {
+    fn new(leaf_size: usize, finding: &Finding) -> Self {
         let reproduction = &finding.reproduction;
         let (trouble, triangles, body_and_vertex) = match reproduction.trouble {
             Trouble::Missed(a, b) => ("missed", Some([a, b]), None),
@@ -161,7 +160,7 @@ impl ReproductionReport {
             Trouble::Outside { body, vertex } => ("outside", None, Some((body, vertex))),
         };
         Self {
-            volume: volume.to_string(),
+            leaf_size,
             trouble,
             triangles,
             body_and_vertex,
@@ -176,8 +175,8 @@ impl ReproductionReport {
     fn write_text(&self, bodies: &[WhichMesh; 2], text: &mut String) -> std::fmt::Result {
         writeln!(
             text,
-            "\nthe smallest that differs: {} with {}",
-            self.trouble, self.volume
+            "\nthe smallest that differs: {} with leaves of {}",
+            self.trouble, self.leaf_size
         )?;
         for (body, which) in bodies.iter().enumerate() {
             let model = which.model.display().to_string();
@@ -189,10 +188,7 @@ impl ReproductionReport {
             }
         }
         match self.body_and_vertex {
-            Some((body, vertex)) => writeln!(
-                text,
-                "welded vertex {vertex} of body {body} is outside a volume above it"
-            ),
+            Some((body, vertex)) => writeln!(text, "welded vertex {vertex} of body {body} is outside a box above it"),
             None => Ok(()),
         }
     }
@@ -231,8 +227,8 @@ mod tests {
             model: "a.glb".into(),
             mesh: 3,
         };
-        let volumes = [VolumeKind::Aabb, VolumeKind::Sphere];
-        VerifyReport::new([which.clone(), which], &volumes, 9, &verification)
+        let leaf_sizes = [8, 2];
+        VerifyReport::new([which.clone(), which], &leaf_sizes, 9, &verification)
     }
 
     #[test]
@@ -245,7 +241,7 @@ mod tests {
         );
         let text = report.text();
         for part in [
-            "missed with sphere",
+            "missed with leaves of 2",
             "a.glb mesh 3",
             "[-1.5e-7]",
             "triangle 6",

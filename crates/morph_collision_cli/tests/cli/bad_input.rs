@@ -205,7 +205,6 @@ fn a_command_line_that_makes_no_sense_is_an_error_too() -> TestResult {
         &["run", "a.json", "--leaf", "0"],
         &["run", "a.json", "--arity", "3"],
         &["run", "a.json", "--volume", "cube"],
-        &["run", "a.json", "--split", "in-two"],
         &["run", "a.json", "--method", "magic"],
         &["inspect", "a.glb", "--memory-limit", "much"],
     ] {
@@ -222,15 +221,10 @@ fn an_option_that_the_method_or_the_mode_does_not_know_is_an_error() -> TestResu
             &["--method", "bottom-up", "--volume", "sphere"][..],
             &["--volume", "bottom-up"][..],
         ),
-        (&["--method", "hybrid", "--split", "sah"], &["--split", "hybrid"]),
+        (&["--arity", "2"], &["--arity", "morph"]),
         (&["--method", "rebuild", "--arity", "2"], &["--arity", "rebuild"]),
         (&["--method", "octree", "--leaf", "2"], &["--leaf", "octree"]),
-        (&["--method", "brute-force", "--front"], &["--front", "brute-force"]),
-        (&["--method", "rigid-floor", "--sat", "full"], &["--sat", "rigid-floor"]),
-        (
-            &["--method", "parry-bvh", "--separation"],
-            &["--separation", "parry-bvh"],
-        ),
+        (&["--method", "parry-bvh", "--witness"], &["--witness", "parry-bvh"]),
         (&["--witness"], &["--witness", "--mode first"]),
     ] {
         let args = [
@@ -242,7 +236,7 @@ fn an_option_that_the_method_or_the_mode_does_not_know_is_an_error() -> TestResu
     for options in [
         &["--method", "rebuild", "--leaf", "3"][..],
         &["--method", "bottom-up", "--arity", "2", "--leaf", "2"],
-        &["--method", "morph-eager", "--sat", "full"],
+        &["--method", "morph-eager", "--leaf", "2"],
         &["--witness", "--mode", "any"],
     ] {
         let args = [

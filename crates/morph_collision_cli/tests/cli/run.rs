@@ -277,11 +277,10 @@ fn every_method_and_every_tree_finds_the_same_pairs() -> TestResult {
         assert_eq!(report["method"], method);
     }
     for tree in [
-        ["--volume", "kdop14", "--arity", "2", "--split", "sah"],
-        ["--volume", "sphere", "--arity", "4", "--split", "midpoint"],
-        ["--volume", "kdop26", "--leaf", "9", "--split", "pose-sah"],
+        &["--leaf", "9"][..],
+        &["--method", "hybrid", "--arity", "2", "--leaf", "1"],
     ] {
-        assert_eq!(rows(&run(&scene, &tree)?.1)?, expected, "{tree:?}");
+        assert_eq!(rows(&run(&scene, tree)?.1)?, expected, "{tree:?}");
     }
     Ok(())
 }
@@ -293,12 +292,7 @@ fn the_tree_changes_the_work() -> TestResult {
         Ok(run(&scene, options)?.0["node_tests"].as_u64())
     };
     let default = work(&[])?;
-    for options in [
-        ["--volume", "kdop18"],
-        ["--arity", "2"],
-        ["--split", "midpoint"],
-        ["--method", "hybrid"],
-    ] {
+    for options in [["--leaf", "4"], ["--method", "hybrid"]] {
         assert_ne!(work(&options)?, default, "{options:?}");
     }
     Ok(())

@@ -20,7 +20,7 @@ fn json(model: &Path, flags: &[&str]) -> Result<Value, Box<dyn Error>> {
 }
 
 #[test]
-fn a_dolphin_is_verified_with_every_kind_of_volume() -> TestResult {
+fn a_dolphin_is_verified_with_trees_of_several_leaf_sizes() -> TestResult {
     let report = json(&asset("dolphin_564.glb"), &["--frames", "12", "--seed", "3"])?;
     assert_eq!((&report["frames"], &report["seed"]), (&12.into(), &3.into()));
     assert!(report["pairs_truth"].as_u64() > Some(20), "{report}");
@@ -30,10 +30,10 @@ fn a_dolphin_is_verified_with_every_kind_of_volume() -> TestResult {
     }
     assert!(report["undecided_by_filter"].is_u64());
     assert!(report["reproduction"].is_null());
-    let volumes = report["volumes"].as_array().ok_or("no list of volumes")?;
-    let names: Vec<_> = volumes.iter().filter_map(|row| row["volume"].as_str()).collect();
-    assert_eq!(names, ["aabb", "kdop14", "kdop18", "kdop26", "sphere"]);
-    for row in volumes {
+    let trees = report["trees"].as_array().ok_or("no list of trees")?;
+    let leaf_sizes: Vec<_> = trees.iter().filter_map(|row| row["leaf_size"].as_u64()).collect();
+    assert_eq!(leaf_sizes, [8, 2, 20]);
+    for row in trees {
         assert_eq!(
             (&row["frames"], &row["pairs_truth"]),
             (&report["frames"], &report["pairs_truth"])
@@ -45,7 +45,7 @@ fn a_dolphin_is_verified_with_every_kind_of_volume() -> TestResult {
 #[test]
 fn the_seed_decides_the_situations() -> TestResult {
     let model = asset("dolphin_564.glb");
-    let of_seed = |seed| json(&model, &["--frames", "8", "--volume", "sphere", "--seed", seed]);
+    let of_seed = |seed| json(&model, &["--frames", "8", "--leaf", "3", "--seed", seed]);
     assert_eq!(of_seed("1")?, of_seed("1")?);
     assert_ne!(of_seed("1")?["pairs_truth"], of_seed("2")?["pairs_truth"]);
     Ok(())
@@ -57,17 +57,15 @@ fn two_models_and_other_trees_are_verified_too() -> TestResult {
     let two = [RawMesh::triangle("One"), RawMesh::triangle("Two")];
     let path = write_gltf(dir.path(), "two.gltf", &two)?;
     let dolphin = asset("dolphin_564.glb").display().to_string();
-    let flags = [
-        &*dolphin, "--mesh", "1", "--frames", "20", "--arity", "2", "--leaf", "1", "--split", "sah",
-    ];
+    let flags = [&*dolphin, "--mesh", "1", "--frames", "20", "--leaf", "1"];
     let report = json(&path, &flags)?;
     assert_eq!(report["bodies"][0]["mesh"], 1);
     assert_eq!(report["bodies"][1]["model"], *dolphin);
     assert!(report["pairs_truth"].as_u64() > Some(0), "{report}");
     assert_eq!(report["missed"], 0);
-    let text = stdout_of(&verify(&path, &["--frames", "5", "--volume", "kdop18"])?);
+    let text = stdout_of(&verify(&path, &["--frames", "5", "--leaf", "7"])?);
     assert!(
-        text.starts_with("5 frames of seed 1") && text.contains("kdop18") && !text.contains("aabb"),
+        text.starts_with("5 frames of seed 1") && text.contains("\n7 ") && !text.contains("\n8 "),
         "{text}"
     );
     Ok(())
@@ -86,8 +84,7 @@ fn bad_input_is_named() -> TestResult {
         (&["--mesh", "2"][..], &["--mesh", "two.gltf", "2"][..]),
         (&["--mesh2", "1"], &["MODEL2"]),
         (&[&second, "--mesh2", "5"], &["--mesh2", "two.gltf"]),
-        (&["--volume", "cube"], &["--volume", "cube"]),
-        (&["--arity", "3"], &["--arity"]),
+        (&["--leaf", "0"], &["--leaf", "0"]),
         (&["--frames", "-1"], &["-1"]),
     ] {
         let message = error_of(&verify(&path, flags)?);
@@ -117,7 +114,7 @@ fn a_comparison_of_nothing_is_a_usage_error() -> TestResult {
 
 #[test]
 fn without_a_terminal_progress_comes_in_lines() -> TestResult {
-    let flags = ["--frames", "3", "--volume", "aabb", "--progress", "0"];
+    let flags = ["--frames", "3", "--leaf", "8", "--progress", "0"];
     let output = verify(&asset("dolphin_564.glb"), &flags)?;
     let stderr = String::from_utf8_lossy(&output.stderr);
     let lines: Vec<&str> = stderr.lines().collect();

@@ -53,6 +53,7 @@ mod morph;
 mod octree;
 mod parry;
 mod rebuild;
+mod relative;
 mod rigid_floor;
 mod tree;
 mod walk;

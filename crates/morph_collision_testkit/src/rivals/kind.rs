@@ -13,6 +13,7 @@ use super::brute_force::BruteForce;
 use super::hybrid::Hybrid;
 use super::morph::{Follow, Morph, MorphTuning};
 use super::octree::Octree;
+use super::paper::{self, PaperOptions};
 use super::parry::{Meshed, Parry, Rebuilt, Refitted};
 use super::rebuild::Rebuild;
 use super::rigid_floor::RigidFloor;
@@ -30,6 +31,8 @@ pub enum MethodKind {
     MorphEager,
     /// The same over meshes frozen in every shape beforehand.
     RigidFloor,
+    /// The paper's own.
+    Paper(PaperOptions),
     /// Every box refitted, from the leaves up.
     BottomUp,
     /// The upper half refitted bottom-up, the lower half on demand.
@@ -49,11 +52,12 @@ pub enum MethodKind {
 }
 
 impl MethodKind {
-    /// All methods.
-    pub const ALL: [Self; 11] = [
+    /// All methods, the paper's with boxes.
+    pub const ALL: [Self; 12] = [
         Self::Morph,
         Self::MorphEager,
         Self::RigidFloor,
+        Self::Paper(PaperOptions::BOXES),
         Self::BottomUp,
         Self::Hybrid,
         Self::Rebuild,
@@ -69,6 +73,7 @@ impl MethodKind {
             Self::Morph => "morph",
             Self::MorphEager => "morph-eager",
             Self::RigidFloor => "rigid-floor",
+            Self::Paper(_) => "paper",
             Self::BottomUp => "bottom-up",
             Self::Hybrid => "hybrid",
             Self::Rebuild => "rebuild",
@@ -82,7 +87,8 @@ impl MethodKind {
 
     /// Builds what is built once per mesh, and one body for each entry of `bodies`, the index of its mesh.
     ///
-    /// `options` are for `morph`, `morph-eager` and `rigid-floor`; `bottom-up` and `hybrid` take arity and leaf size from them, `rebuild` the leaf size.
+    /// `options` are for `morph`, `morph-eager` and `rigid-floor`; `bottom-up` and `hybrid` take arity and leaf size from them, `rebuild` the leaf size. The paper's
+    /// tree is as the paper has it.
     ///
     /// # Errors
     /// A mesh that [`MorphMesh::to_model`] refuses, options out of range, or a body of a mesh that is not there.
@@ -124,6 +130,7 @@ impl MethodKind {
             Self::Morph => Box::new(Morph::new(Follow::Lazily, meshes, bodies, options, tuning)?),
             Self::MorphEager => Box::new(Morph::new(Follow::AtOnce, meshes, bodies, options, tuning)?),
             Self::RigidFloor => Box::new(RigidFloor::new(meshes, bodies, options)?),
+            Self::Paper(options) => paper::set_up(&welded()?, bodies, options),
             Self::BottomUp => Box::new(Trees::<BottomUp>::new(&welded()?, bodies, options)),
             Self::Hybrid => Box::new(Trees::<Hybrid>::new(&welded()?, bodies, options)),
             Self::Rebuild => Box::new(Trees::<Rebuild>::new(&welded()?, bodies, options)),

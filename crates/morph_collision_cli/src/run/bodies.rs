@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::Affine3A;
-use morph_collision::WorldFromModel;
+use morph_collision::{VolumeKind, WorldFromModel};
 use morph_collision_testkit::gltf_read::GltfFile;
 use morph_collision_testkit::memory::MemoryBudget;
 use morph_collision_testkit::mesh::MorphMesh;
@@ -168,14 +168,18 @@ impl Library {
 
     /// Counts the trees of all meshes, and what each body has of its own.
     fn count_memory(&self, of_bodies: &[usize], options: &MethodArgs) -> Result<(), CliError> {
-        let volume = options.volume();
-        let has_tree = !matches!(options.method(), MethodKind::Morph | MethodKind::MorphEager);
+        let method = options.method();
+        let has_tree = !matches!(method, MethodKind::Morph | MethodKind::MorphEager);
         for (mesh, (path, index)) in self.origins.iter().enumerate() {
             let Some(file) = self.files.get(path) else { continue };
             let bodies = of_bodies.iter().filter(|&&of_body| of_body == mesh).count() as u64;
             let what = || format!("its trees for {bodies} bodies");
             let mesh = &self.meshes[mesh];
-            let bytes = mesh.tree_bytes(volume) + bodies.saturating_mul(mesh.body_bytes(has_tree));
+            let (tree, body) = match method {
+                MethodKind::Paper(paper) => (paper.tree_bytes(mesh), paper.body_bytes(mesh)),
+                _ => (mesh.tree_bytes(VolumeKind::Aabb), mesh.body_bytes(has_tree)),
+            };
+            let bytes = tree.saturating_add(bodies.saturating_mul(body));
             count_memory(file, *index, bytes, what)?;
         }
         Ok(())

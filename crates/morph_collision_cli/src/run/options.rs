@@ -1,23 +1,23 @@
 //! How pairs are found: the method, and how its trees are built.
 
 use clap::{Args, ValueEnum};
-use morph_collision::{BuildOptions, Remember, SeparatingAxes, VolumeKind};
+use morph_collision::{BuildOptions, Remember, SeparatingAxes};
 use morph_collision_testkit::rivals::{MethodKind, MorphTuning};
 
 use super::Mode;
 use crate::error::CliError;
+use crate::paper_options::PaperArgs;
 use crate::tree_options::TreeArgs;
 
 /// The options of `run` that change how it works, never its answer. Defaults are the library's. An option the method does not
 /// support is an error.
 #[derive(Debug, Args)]
 pub(crate) struct MethodArgs {
-    /// How to find pairs: morph, morph-eager, rigid-floor, bottom-up, hybrid, rebuild, octree, parry-trimesh, parry-bvh, parry-rebuild or brute-force.
+    /// How to find pairs: morph, morph-eager, rigid-floor, paper, bottom-up, hybrid, rebuild, octree, parry-trimesh, parry-bvh, parry-rebuild or brute-force.
     #[arg(long, value_name = "NAME", default_value_t)]
     method: MethodKind,
-    /// Bounding volumes of morph: aabb, kdop14, kdop18, kdop26 or sphere.
-    #[arg(long, value_name = "KIND")]
-    volume: Option<VolumeKind>,
+    #[command(flatten)]
+    paper: PaperArgs,
     #[command(flatten)]
     tree: TreeArgs,
     /// Along which axes morph compares nodes: those of both bodies, or also their nine products, on boxes.
@@ -48,11 +48,12 @@ impl MethodArgs {
     pub(super) fn check(&self, mode: Mode) -> Result<(), CliError> {
         use MethodKind::{BottomUp, Hybrid, Morph, MorphEager, Rebuild, RigidFloor};
         let method = self.method;
+        let paper = matches!(method, MethodKind::Paper(_));
         let ours = matches!(method, Morph | MorphEager | RigidFloor);
         let (arity, leaf, split) = self.tree.given();
         let asks = matches!(method, Morph | MorphEager);
-        for (flag, given, fits) in [
-            ("--volume", self.volume.is_some(), ours),
+        let of_paper = self.paper.given().map(|(flag, given)| (flag, given, paper));
+        let others = [
             ("--arity", arity, ours || matches!(method, BottomUp | Hybrid)),
             ("--leaf", leaf, ours || matches!(method, BottomUp | Hybrid | Rebuild)),
             ("--split", split, ours),
@@ -60,7 +61,8 @@ impl MethodArgs {
             ("--front", self.front, asks),
             ("--witness", self.witness, asks),
             ("--separation", self.separation, asks),
-        ] {
+        ];
+        for (flag, given, fits) in of_paper.into_iter().chain(others) {
             if given && !fits {
                 let reason = format!("the method {method} has no such option");
                 return Err(CliError::Flag { flag, reason });
@@ -76,11 +78,10 @@ impl MethodArgs {
     }
 
     pub(crate) fn method(&self) -> MethodKind {
-        self.method
-    }
-
-    pub(super) fn volume(&self) -> VolumeKind {
-        self.volume.unwrap_or(VolumeKind::Aabb)
+        match self.method {
+            MethodKind::Paper(_) => MethodKind::Paper(self.paper.options()),
+            other => other,
+        }
     }
 
     pub(crate) fn tuning(&self) -> MorphTuning {
@@ -98,10 +99,6 @@ impl MethodArgs {
     }
 
     pub(crate) fn build(&self) -> BuildOptions {
-        let options = self.tree.build();
-        match self.volume {
-            Some(volume) => options.with_volume(volume),
-            None => options,
-        }
+        self.tree.build()
     }
 }

@@ -262,6 +262,7 @@ fn every_method_and_every_tree_finds_the_same_pairs() -> TestResult {
     let expected = expected_rows(&scene)?;
     let methods = [
         "morph",
+        "paper",
         "bottom-up",
         "hybrid",
         "rebuild",
@@ -277,11 +278,17 @@ fn every_method_and_every_tree_finds_the_same_pairs() -> TestResult {
         assert_eq!(report["method"], method);
     }
     for tree in [
-        ["--volume", "kdop14", "--arity", "2", "--split", "sah"],
-        ["--volume", "sphere", "--arity", "4", "--split", "midpoint"],
-        ["--volume", "kdop26", "--leaf", "9", "--split", "pose-sah"],
+        ["--arity", "2", "--split", "sah"],
+        ["--arity", "4", "--split", "midpoint"],
+        ["--leaf", "9", "--split", "pose-sah"],
     ] {
         assert_eq!(rows(&run(&scene, &tree)?.1)?, expected, "{tree:?}");
+    }
+    for volume in ["aabb", "kdop14", "kdop18", "kdop26", "sphere"] {
+        let paper = ["--method", "paper", "--volume", volume];
+        for options in [&paper[..], &[&paper[..], &["--in-betweens"]].concat()] {
+            assert_eq!(rows(&run(&scene, options)?.1)?, expected, "{options:?}");
+        }
     }
     Ok(())
 }
@@ -293,13 +300,14 @@ fn the_tree_changes_the_work() -> TestResult {
         Ok(run(&scene, options)?.0["node_tests"].as_u64())
     };
     let default = work(&[])?;
-    for options in [
-        ["--volume", "kdop18"],
-        ["--arity", "2"],
-        ["--split", "midpoint"],
-        ["--method", "hybrid"],
-    ] {
+    for options in [["--arity", "2"], ["--split", "midpoint"], ["--method", "hybrid"]] {
         assert_ne!(work(&options)?, default, "{options:?}");
+    }
+    let paper = ["--method", "paper"];
+    let boxes = work(&paper)?;
+    assert_eq!(work(&[&paper[..], &["--volume", "aabb"]].concat())?, boxes);
+    for options in [&["--volume", "kdop18"][..], &["--volume", "sphere"], &["--in-betweens"]] {
+        assert_ne!(work(&[&paper[..], options].concat())?, boxes, "{options:?}");
     }
     Ok(())
 }

@@ -82,17 +82,27 @@ impl<V: Volume> Body<V> {
         &self.volumes[node as usize]
     }
 
-    /// A triangle in world space; blends its vertices if that has not happened yet for these weights.
+    /// A triangle in world space.
+    #[inline]
     pub(super) fn world_triangle(&mut self, triangle: u32, work: &mut QueryStats) -> Triangle {
-        self.references.triangles[triangle as usize].map(|vertex| {
-            let index = vertex as usize;
-            if self.vertex_stamps[index] != self.frame {
-                self.vertex_stamps[index] = self.frame;
-                self.vertices[index] = self.references.blend(vertex, self.body.weights());
-                work.vertices_blended += 1;
-            }
-            self.body.world_vertex(self.vertices[index])
-        })
+        let [a, b, c] = self.references.triangles[triangle as usize];
+        [
+            self.world_vertex(a, work),
+            self.world_vertex(b, work),
+            self.world_vertex(c, work),
+        ]
+    }
+
+    /// Blends a vertex if that has not happened yet for these weights.
+    #[inline]
+    fn world_vertex(&mut self, vertex: u32, work: &mut QueryStats) -> DVec3 {
+        let index = vertex as usize;
+        if self.vertex_stamps[index] != self.frame {
+            self.vertex_stamps[index] = self.frame;
+            self.vertices[index] = self.references.blend(vertex, self.body.weights());
+            work.vertices_blended += 1;
+        }
+        self.body.world_vertex(self.vertices[index])
     }
 
     /// The corners of a box around the whole body in model space.

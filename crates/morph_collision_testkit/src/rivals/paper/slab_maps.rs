@@ -42,8 +42,8 @@ impl<const H: usize> SlabMap<H> {
         let (mut start, mut end) = self.offsets[normal];
         for &(i, factor) in &self.terms[normal] {
             let (p, q) = (factor * slabs.start[i], factor * slabs.end[i]);
-            start += p.min(q);
-            end += p.max(q);
+            start += if p < q { p } else { q };
+            end += if p < q { q } else { p };
         }
         (start, end)
     }

@@ -12,6 +12,7 @@ mod inspect;
 mod model_file;
 mod output;
 mod output_file;
+mod paper_options;
 mod picture;
 mod progress;
 mod query;

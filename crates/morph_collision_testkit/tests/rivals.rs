@@ -4,13 +4,13 @@ use std::collections::BTreeSet;
 
 use morph_collision::QueryStats;
 use morph_collision_testkit::moments::{self, Moment};
-use morph_collision_testkit::rivals::{MethodKind, MethodOptions, Wanted};
+use morph_collision_testkit::rivals::{MethodKind, MethodOptions, PaperOptions, Wanted};
 
-/// All but the oracle itself.
+/// All but the oracle itself, the paper's with every kind of volume, with and without in-betweens.
 fn methods() -> impl Iterator<Item = MethodKind> {
-    MethodKind::ALL
-        .into_iter()
-        .filter(|kind| *kind != MethodKind::BruteForce)
+    let others = |kind: &MethodKind| !matches!(kind, MethodKind::BruteForce | MethodKind::Paper(_));
+    let paper = PaperOptions::all().map(MethodKind::Paper);
+    MethodKind::ALL.into_iter().filter(others).chain(paper)
 }
 
 fn answer(moment: &Moment, kind: MethodKind, options: &MethodOptions) -> (Vec<[u32; 4]>, QueryStats) {
@@ -25,7 +25,7 @@ fn all_agree(moment: &Moment, options: &MethodOptions) -> usize {
         let spurious = found.iter().find(|pair| truth.binary_search(pair).is_err());
         assert!(
             missed.is_none() && spurious.is_none() && found.len() == truth.len(),
-            "{}: {kind} finds {} of {}, missed {missed:?}, spurious {spurious:?}",
+            "{}: {kind:?} finds {} of {}, missed {missed:?}, spurious {spurious:?}",
             moment.name,
             found.len(),
             truth.len(),
@@ -34,10 +34,10 @@ fn all_agree(moment: &Moment, options: &MethodOptions) -> usize {
         let mut touching: Vec<_> = truth.iter().map(|pair| [pair[0], pair[1]]).collect();
         touching.dedup();
         let firsts: Vec<_> = first.iter().map(|pair| [pair[0], pair[1]]).collect();
-        assert_eq!(firsts, touching, "{}: {kind}, first pairs", moment.name);
+        assert_eq!(firsts, touching, "{}: {kind:?}, first pairs", moment.name);
         assert!(
             first.iter().all(|pair| truth.binary_search(pair).is_ok()),
-            "{}: {kind}",
+            "{}: {kind:?}",
             moment.name
         );
     }
@@ -124,7 +124,7 @@ fn all_methods_agree_frame_after_frame_with_one_body_at_rest_now_and_then() {
                 }
             }
             found.sort_unstable();
-            assert_eq!(found, frame.truth(), "{kind} in {}", frame.name);
+            assert_eq!(found, frame.truth(), "{kind:?} in {}", frame.name);
         }
     }
 }
@@ -135,7 +135,7 @@ fn boxes_for_the_broad_phase_hold_every_vertex() {
 
     for moment in moments::generated() {
         let of_bodies: Vec<usize> = moment.bodies.iter().map(|(mesh, ..)| *mesh).collect();
-        for kind in MethodKind::ALL {
+        for kind in methods().chain([MethodKind::BruteForce]) {
             let mut method = kind
                 .set_up(&moment.meshes, &of_bodies, &MethodOptions::default())
                 .unwrap();
@@ -148,7 +148,7 @@ fn boxes_for_the_broad_phase_hold_every_vertex() {
                 for vertex in world_vertices(&posed, place) {
                     assert!(
                         min.cmple(vertex).all() && vertex.cmple(max).all(),
-                        "{}: {kind}, {vertex}",
+                        "{}: {kind:?}, {vertex}",
                         moment.name
                     );
                 }
@@ -171,6 +171,15 @@ fn the_work_is_what_each_method_is_known_for() {
     assert!(morph.vertices_blended * 20 < bottom_up.vertices_blended);
     assert!(hybrid.volumes_blended * 4 < bottom_up.volumes_blended);
     assert!(morph.volumes_blended < hybrid.volumes_blended * 4);
+    for options in PaperOptions::all() {
+        let paper = work(MethodKind::Paper(options));
+        assert!(
+            paper.vertices_blended * 20 < bottom_up.vertices_blended,
+            "{options:?}: {paper:?}"
+        );
+        // Its trees have more nodes than triangles.
+        assert!(paper.volumes_blended * 10 < 2 * 20480, "{options:?}: {paper:?}");
+    }
 }
 
 #[test]
@@ -205,7 +214,7 @@ fn bad_weights_and_places_are_refused_by_all_and_leave_the_pose_as_it_was() {
                 method.set_body(body, &[0.0, f32::MAX], place),
                 method.set_body(body, &[0.1, 0.2], &glam::Affine3A::from_scale(glam::Vec3::INFINITY)),
             ];
-            assert!(errors.iter().all(Result::is_err), "{kind}: {errors:?}");
+            assert!(errors.iter().all(Result::is_err), "{kind:?}: {errors:?}");
             // Not compared as values: NaN is not NaN.
             messages.insert(format!("{errors:?}"));
         }
@@ -218,7 +227,7 @@ fn bad_weights_and_places_are_refused_by_all_and_leave_the_pose_as_it_was() {
             }
         }
         found.sort_unstable();
-        assert_eq!(found, truth, "{kind}");
+        assert_eq!(found, truth, "{kind:?}");
     }
     assert_eq!(messages.len(), 1, "all refuse in the same words: {messages:?}");
 }

@@ -17,6 +17,7 @@ use morph_collision_testkit::rivals::{MethodOptions, Wanted};
 
 use crate::error::CliError;
 use crate::model_file::FileArgs;
+use crate::paper_options::PaperArgs;
 use crate::progress::{Progress, ProgressArgs};
 use crate::tree_options::TreeArgs;
 use crate::{Verdict, output};
@@ -40,7 +41,7 @@ const SPLIT_ROUNDS: usize = 1;
 ///
 /// morph-eager blends every vertex and fits every volume at once, by the same code: its distance to morph is what the method gains, its
 /// distance to bottom-up what the engineering does. rigid-floor is no rival: it is morph's tree over meshes frozen in each frame's shape beforehand, of which only placing and queries are
-/// timed, with warm caches.
+/// timed, with warm caches. paper is the method as the paper has it: its tree, its volumes, one node and one triangle at a time.
 #[derive(Debug, Args)]
 pub(crate) struct BenchArgs {
     /// .glb or .gltf files, a scene each: bodies of the mesh with most triangles, close together and moving. The paper's scenes if none.
@@ -65,6 +66,8 @@ pub(crate) struct BenchArgs {
     /// Only all pairs of triangles, or only one for each pair of bodies; both where left out.
     #[arg(long, value_enum)]
     mode: Option<Mode>,
+    #[command(flatten)]
+    paper: PaperArgs,
     #[command(flatten)]
     tree: TreeArgs,
     #[command(flatten)]
@@ -107,11 +110,18 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<Verdict, CliError> {
     let wanted = |entrant: &Entrant| {
         entrant.name == "morph" || args.methods.is_empty() || args.methods.iter().any(|name| name == entrant.name)
     };
-    let entrants: Vec<Entrant> = Entrant::ALL.into_iter().filter(wanted).collect();
+    let told = |entrant: Entrant| entrant.with_paper(args.paper.options());
+    let entrants: Vec<Entrant> = Entrant::ALL.into_iter().filter(wanted).map(told).collect();
+    if !entrants.iter().any(Entrant::is_paper)
+        && let Some((flag, _)) = args.paper.given().into_iter().find(|(_, given)| *given)
+    {
+        let reason = "it is for the method paper, which --method leaves out".to_owned();
+        return Err(CliError::Flag { flag, reason });
+    }
     if args.models.is_empty() {
         args.files.refuse_without_files()?;
     }
-    let scenes = scenes::scenes(args, entrants.len() as u64)?;
+    let scenes = scenes::scenes(args, &entrants)?;
     if bench::pin().is_none() {
         output::complain("cannot pin this thread to a core; going on without, times will vary more");
     }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use morph_collision_testkit::bench::Experiment;
+use morph_collision_testkit::bench::{Entrant, Experiment};
 
 use super::BenchArgs;
 use crate::error::CliError;
@@ -16,8 +16,8 @@ pub(super) struct BenchScene {
     pub(super) origin: String,
 }
 
-/// The scenes that the flags name. Counts their memory for `methods` methods.
-pub(super) fn scenes(args: &BenchArgs, methods: u64) -> Result<Vec<BenchScene>, CliError> {
+/// The scenes that the flags name. Counts their memory for all methods.
+pub(super) fn scenes(args: &BenchArgs, entrants: &[Entrant]) -> Result<Vec<BenchScene>, CliError> {
     let every = usize::from(args.every);
     let names: Vec<String> = if args.models.is_empty() {
         Experiment::paper_names().iter().map(ToString::to_string).collect()
@@ -42,7 +42,7 @@ pub(super) fn scenes(args: &BenchArgs, methods: u64) -> Result<Vec<BenchScene>, 
     }
     let chosen = args.models.iter().zip(names).filter(|(_, name)| wanted(name));
     chosen
-        .map(|(model, name)| of_model(args, model, name, methods))
+        .map(|(model, name)| of_model(args, model, name, entrants))
         .collect()
 }
 
@@ -50,7 +50,7 @@ fn name_of(model: &Path) -> String {
     model.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-fn of_model(args: &BenchArgs, model: &Path, name: String, methods: u64) -> Result<BenchScene, CliError> {
+fn of_model(args: &BenchArgs, model: &Path, name: String, entrants: &[Entrant]) -> Result<BenchScene, CliError> {
     let file = args.files.open(model)?;
     let no_mesh = |reason| CliError::NoUsableMesh {
         file: model.into(),
@@ -74,9 +74,17 @@ fn of_model(args: &BenchArgs, model: &Path, name: String, methods: u64) -> Resul
     }
     let mut mesh = read_mesh(&file, index)?;
     let bodies = u64::from(args.bodies);
-    let of_method = mesh.tree_bytes() + bodies * mesh.body_bytes(true);
-    count_memory(&file, index, methods.saturating_mul(of_method), || {
-        format!("its trees for {bodies} bodies and {methods} methods")
+    let of_method = |entrant: &Entrant| {
+        if entrant.is_paper() {
+            let paper = args.paper.options();
+            paper.tree_bytes(&mesh) + bodies * paper.body_bytes(&mesh)
+        } else {
+            mesh.tree_bytes() + bodies * mesh.body_bytes(true)
+        }
+    };
+    let bytes = entrants.iter().map(of_method).fold(0, u64::saturating_add);
+    count_memory(&file, index, bytes, || {
+        format!("its trees for {bodies} bodies and {} methods", entrants.len())
     })?;
     read_clips(&file, index, &mut mesh)?;
     Ok(BenchScene {

@@ -168,13 +168,18 @@ impl Library {
 
     /// Counts the trees of all meshes, and what each body has of its own.
     fn count_memory(&self, of_bodies: &[usize], options: &MethodArgs) -> Result<(), CliError> {
-        let has_tree = !matches!(options.method(), MethodKind::Morph | MethodKind::MorphEager);
+        let method = options.method();
+        let has_tree = !matches!(method, MethodKind::Morph | MethodKind::MorphEager);
         for (mesh, (path, index)) in self.origins.iter().enumerate() {
             let Some(file) = self.files.get(path) else { continue };
             let bodies = of_bodies.iter().filter(|&&of_body| of_body == mesh).count() as u64;
             let what = || format!("its trees for {bodies} bodies");
             let mesh = &self.meshes[mesh];
-            let bytes = mesh.tree_bytes() + bodies.saturating_mul(mesh.body_bytes(has_tree));
+            let (tree, body) = match method {
+                MethodKind::Paper(paper) => (paper.tree_bytes(mesh), paper.body_bytes(mesh)),
+                _ => (mesh.tree_bytes(), mesh.body_bytes(has_tree)),
+            };
+            let bytes = tree.saturating_add(bodies.saturating_mul(body));
             count_memory(file, *index, bytes, what)?;
         }
         Ok(())

@@ -5,15 +5,18 @@ use morph_collision_testkit::rivals::{MethodKind, MethodOptions};
 
 use super::Mode;
 use crate::error::CliError;
+use crate::paper_options::PaperArgs;
 use crate::tree_options::TreeArgs;
 
 /// The options of `run` that change how it works, never its answer. Defaults are the library's. An option the method does not
 /// support is an error.
 #[derive(Debug, Args)]
 pub(crate) struct MethodArgs {
-    /// How to find pairs: morph, morph-eager, rigid-floor, bottom-up, hybrid, rebuild, octree, parry-trimesh, parry-bvh, parry-rebuild or brute-force.
+    /// How to find pairs: morph, morph-eager, rigid-floor, paper, bottom-up, hybrid, rebuild, octree, parry-trimesh, parry-bvh, parry-rebuild or brute-force.
     #[arg(long, value_name = "NAME", default_value_t)]
     method: MethodKind,
+    #[command(flatten)]
+    paper: PaperArgs,
     #[command(flatten)]
     tree: TreeArgs,
     /// Most children of a node of bottom-up and hybrid: 2, 4 or 8.
@@ -38,9 +41,11 @@ impl MethodArgs {
     pub(super) fn check(&self, mode: Mode) -> Result<(), CliError> {
         use MethodKind::{BottomUp, Hybrid, Morph, MorphEager, Rebuild, RigidFloor};
         let method = self.method;
+        let paper = matches!(method, MethodKind::Paper(_));
         let ours = matches!(method, Morph | MorphEager | RigidFloor);
         let has_arity = matches!(method, BottomUp | Hybrid);
-        for (flag, given, fits) in [
+        let of_paper = self.paper.given().map(|(flag, given)| (flag, given, paper));
+        let others = [
             ("--arity", self.arity.is_some(), has_arity),
             (
                 "--leaf",
@@ -48,7 +53,8 @@ impl MethodArgs {
                 ours || has_arity || method == Rebuild,
             ),
             ("--witness", self.witness, matches!(method, Morph | MorphEager)),
-        ] {
+        ];
+        for (flag, given, fits) in of_paper.into_iter().chain(others) {
             if given && !fits {
                 let reason = format!("the method {method} has no such option");
                 return Err(CliError::Flag { flag, reason });
@@ -64,7 +70,10 @@ impl MethodArgs {
     }
 
     pub(crate) fn method(&self) -> MethodKind {
-        self.method
+        match self.method {
+            MethodKind::Paper(_) => MethodKind::Paper(self.paper.options()),
+            other => other,
+        }
     }
 
     pub(super) fn options(&self) -> MethodOptions {

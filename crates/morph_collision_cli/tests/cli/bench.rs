@@ -37,6 +37,7 @@ fn every_method_has_a_row_and_all_find_the_same_pairs() -> TestResult {
         for name in [
             "morph-eager",
             "rigid-floor",
+            "paper",
             "hybrid",
             "hybrid-binary",
             "bottom-up",
@@ -80,6 +81,18 @@ fn models_scenes_methods_and_modes_can_be_chosen() -> TestResult {
 }
 
 #[test]
+fn the_papers_method_takes_its_volumes() -> TestResult {
+    let paper = ["--scene", "dolphins-564", "--method", "paper", "--mode", "all"];
+    for volume in ["kdop26", "sphere"] {
+        let report = bench(&[&paper[..], &["--volume", volume, "--in-betweens"]].concat())?;
+        let methods = list(&list(&report, "scenes")?[0], "methods")?;
+        assert_eq!(methods[1]["name"], "paper");
+        assert!(methods[1]["pairs"] == methods[0]["pairs"] && methods[0]["pairs"].as_u64() > Some(0));
+    }
+    Ok(())
+}
+
+#[test]
 fn the_tables_say_what_the_numbers_are() -> TestResult {
     let args = [
         "bench",
@@ -114,6 +127,10 @@ fn wrong_names_and_files_are_told_and_what_there_is() -> TestResult {
         method.contains("'hybird'") && method.contains("hybrid-binary"),
         "{method}"
     );
+    let volume = error(&["--volume", "cube"])?;
+    assert!(volume.contains("'cube'") && volume.contains("aabb, kdop14"), "{volume}");
+    let volume = error(&["--method", "hybrid", "--volume", "kdop18"])?;
+    assert!(volume.contains("--volume") && volume.contains("paper"), "{volume}");
     let model = error(&["absent.glb"])?;
     assert!(model.contains("absent.glb"), "{model}");
     let bodies = error(&["--bodies", "3"])?;

@@ -262,6 +262,7 @@ fn every_method_and_every_tree_finds_the_same_pairs() -> TestResult {
     let expected = expected_rows(&scene)?;
     let methods = [
         "morph",
+        "paper",
         "bottom-up",
         "hybrid",
         "rebuild",
@@ -282,6 +283,12 @@ fn every_method_and_every_tree_finds_the_same_pairs() -> TestResult {
     ] {
         assert_eq!(rows(&run(&scene, tree)?.1)?, expected, "{tree:?}");
     }
+    for volume in ["aabb", "kdop14", "kdop18", "kdop26", "sphere"] {
+        let paper = ["--method", "paper", "--volume", volume];
+        for options in [&paper[..], &[&paper[..], &["--in-betweens"]].concat()] {
+            assert_eq!(rows(&run(&scene, options)?.1)?, expected, "{options:?}");
+        }
+    }
     Ok(())
 }
 
@@ -294,6 +301,12 @@ fn the_tree_changes_the_work() -> TestResult {
     let default = work(&[])?;
     for options in [["--leaf", "4"], ["--method", "hybrid"]] {
         assert_ne!(work(&options)?, default, "{options:?}");
+    }
+    let paper = ["--method", "paper"];
+    let boxes = work(&paper)?;
+    assert_eq!(work(&[&paper[..], &["--volume", "aabb"]].concat())?, boxes);
+    for options in [&["--volume", "kdop18"][..], &["--volume", "sphere"], &["--in-betweens"]] {
+        assert_ne!(work(&[&paper[..], options].concat())?, boxes, "{options:?}");
     }
     Ok(())
 }

@@ -1,7 +1,7 @@
 //! What is measured against what.
 
 use super::Experiment;
-use crate::rivals::{Method, MethodKind, MethodOptions, SetUpError};
+use crate::rivals::{Method, MethodKind, MethodOptions, PaperOptions, SetUpError};
 
 /// A method that is ready for an experiment's bodies.
 #[derive(Debug)]
@@ -58,10 +58,11 @@ const BINARY: Trees = Trees::Own { arity: 2, leaf_size: 4 };
 
 impl Entrant {
     /// All that a benchmark runs, ours first; the octree and brute force are not in it, being far behind.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::new("morph", MethodKind::Morph, Trees::Ours),
         Self::new("morph-eager", MethodKind::MorphEager, Trees::Ours),
         Self::new("rigid-floor", MethodKind::RigidFloor, Trees::Ours),
+        Self::new("paper", MethodKind::Paper(PaperOptions::BOXES), Trees::Ours),
         Self::new("hybrid", MethodKind::Hybrid, WIDE),
         Self::new("hybrid-binary", MethodKind::Hybrid, BINARY),
         Self::new("bottom-up", MethodKind::BottomUp, WIDE),
@@ -73,6 +74,21 @@ impl Entrant {
 
     const fn new(name: &'static str, kind: MethodKind, trees: Trees) -> Self {
         Self { name, kind, trees }
+    }
+
+    /// The same, with other options if it is the paper's method.
+    #[must_use]
+    pub fn with_paper(self, options: PaperOptions) -> Self {
+        match self.kind {
+            MethodKind::Paper(_) => Self::new(self.name, MethodKind::Paper(options), self.trees),
+            _ => self,
+        }
+    }
+
+    /// Whether it is the paper's method, which has a tree of its own.
+    #[must_use]
+    pub fn is_paper(&self) -> bool {
+        matches!(self.kind, MethodKind::Paper(_))
     }
 
     /// Whether it is no rival but the price of the same bodies if they did not morph.

@@ -45,6 +45,21 @@ impl WeldedMesh {
         })
     }
 
+    pub(super) fn target_count(&self) -> usize {
+        self.targets.len()
+    }
+
+    /// The displacements that are not zero, target by target: target, vertex, and how far.
+    pub(super) fn displacements(&self) -> impl Iterator<Item = (u32, u32, Vec3)> {
+        (0..).zip(&self.targets).flat_map(|(index, target)| {
+            let deltas = target.deltas.iter().enumerate();
+            deltas.map(move |(i, &delta)| {
+                let vertex = target.vertices.as_ref().map_or(i as u32, |vertices| vertices[i]);
+                (index, vertex, delta)
+            })
+        })
+    }
+
     /// Every vertex in model space: `f32`, ascending target order, zero weights left out, multiply then add.
     pub(super) fn blend(&self, weights: &[f32], posed: &mut [Vec3]) {
         posed.copy_from_slice(&self.base);
@@ -115,6 +130,10 @@ impl BlendedBody {
         }
         self.weights.copy_from_slice(weights);
         Ok(true)
+    }
+
+    pub(super) fn weights(&self) -> &[f32] {
+        &self.weights
     }
 
     /// Blends all vertices.

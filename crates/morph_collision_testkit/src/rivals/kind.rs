@@ -12,6 +12,7 @@ use super::brute_force::BruteForce;
 use super::hybrid::Hybrid;
 use super::morph::{Follow, Morph};
 use super::octree::Octree;
+use super::paper::{self, PaperOptions};
 use super::parry::{Meshed, Parry, Rebuilt, Refitted};
 use super::rebuild::Rebuild;
 use super::rigid_floor::RigidFloor;
@@ -29,6 +30,8 @@ pub enum MethodKind {
     MorphEager,
     /// The same over meshes frozen in every shape beforehand.
     RigidFloor,
+    /// The paper's own.
+    Paper(PaperOptions),
     /// Every box refitted, from the leaves up.
     BottomUp,
     /// The upper half refitted bottom-up, the lower half on demand.
@@ -48,11 +51,12 @@ pub enum MethodKind {
 }
 
 impl MethodKind {
-    /// All methods.
-    pub const ALL: [Self; 11] = [
+    /// All methods, the paper's with boxes.
+    pub const ALL: [Self; 12] = [
         Self::Morph,
         Self::MorphEager,
         Self::RigidFloor,
+        Self::Paper(PaperOptions::BOXES),
         Self::BottomUp,
         Self::Hybrid,
         Self::Rebuild,
@@ -68,6 +72,7 @@ impl MethodKind {
             Self::Morph => "morph",
             Self::MorphEager => "morph-eager",
             Self::RigidFloor => "rigid-floor",
+            Self::Paper(_) => "paper",
             Self::BottomUp => "bottom-up",
             Self::Hybrid => "hybrid",
             Self::Rebuild => "rebuild",
@@ -107,6 +112,7 @@ impl MethodKind {
             Self::Morph => Box::new(Morph::new(Follow::Lazily, meshes, bodies, options)?),
             Self::MorphEager => Box::new(Morph::new(Follow::AtOnce, meshes, bodies, options)?),
             Self::RigidFloor => Box::new(RigidFloor::new(meshes, bodies, options)?),
+            Self::Paper(options) => paper::set_up(&welded()?, bodies, options),
             Self::BottomUp => Box::new(Trees::<BottomUp>::new(&welded()?, bodies, options)),
             Self::Hybrid => Box::new(Trees::<Hybrid>::new(&welded()?, bodies, options)),
             Self::Rebuild => Box::new(Trees::<Rebuild>::new(&welded()?, bodies, options)),

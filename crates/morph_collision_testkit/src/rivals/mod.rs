@@ -10,6 +10,7 @@
 //! | `morph` | nothing | this project |
 //! | `morph-eager` | every vertex blended, every volume fitted to them, by this project's own code: what is method and what is engineering | |
 //! | `rigid-floor` | nothing: every shape has a tree of its own, made beforehand; a floor, not a rival | |
+//! | `paper` | nothing | Larsson, Akenine-Moller 2003: the method that this project starts from, as the paper has it |
 //! | `bottom-up` | every vertex blended, every box refitted | van den Bergen 1997 |
 //! | `hybrid` | every vertex blended, the upper half of the tree refitted, the rest when a walk gets there | Larsson, Akenine-Moller 2001 |
 //! | `rebuild` | every vertex blended, the tree built anew | |
@@ -51,8 +52,10 @@ mod limits;
 mod morph;
 mod octree;
 mod options;
+mod paper;
 mod parry;
 mod rebuild;
+mod relative;
 mod rigid_floor;
 mod tree;
 mod walk;
@@ -68,6 +71,7 @@ pub use broad::BroadPhase;
 pub use kind::{MethodKind, UnknownMethod};
 pub use limits::WeightLimits;
 pub use options::MethodOptions;
+pub use paper::{PaperOptions, PaperVolume, UnknownVolume};
 
 /// How many intersecting pairs of triangles are wanted of two bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -28,9 +28,14 @@ features:
     for feature in serde rayon; do cargo check -p morph_collision --no-default-features --features "$feature"; done
     for feature in "" gltf picking gizmos diagnostics rapier; do cargo check -p bevy_morph_collision --no-default-features --features "$feature"; done
 
-# What is published, built from its packages.
+# Packages the published crates and builds each from its package (the last one compiles Bevy).
 package:
-    cargo package -p morph_collision -p bevy_morph_collision
+    cargo package -p morph_collision -p morph_collision_testkit -p morph_collision_cli -p bevy_morph_collision
+
+# The same, but does not build the plugin, which would compile Bevy.
+package-short:
+    cargo package -p morph_collision -p morph_collision_testkit -p morph_collision_cli
+    cargo package --no-verify -p morph_collision -p bevy_morph_collision
 
 # The same bits in debug and release, for every kind of volume, on any number of threads.
 determinism: && determinism-release
@@ -184,7 +189,7 @@ mutations SECONDS="900" SEED="1":
 
 # Makes every table and plot of docs/performance.md again, in place: --quick for rough ones, --only PLACE for one.
 report *ARGS:
-    cargo run --release -p morph_collision_testkit --bin report -- {{ARGS}} docs/performance.md
+    cargo run --release -p morph_collision_testkit --features report --bin report -- {{ARGS}} docs/performance.md
 
 # Makes the tables of docs/rapier.md again, in place: bodies on a morphing surface, here and with what a game can do by itself.
 physics-report *ARGS:

@@ -1,24 +1,42 @@
-//! What the tests, tools and examples of `morph_collision` share, and what nobody else needs.
+//! The library behind the tests, benchmarks, examples and the command-line tool of `morph_collision`.
 //!
-//! - [`mesh`], [`clip`]: a triangle mesh with morph targets and weight animations, as a file holds it.
-//! - [`gltf_read`], [`gltf_write`]: that mesh from and to glTF 2.0.
-//! - [`memory`]: a limit on what a file may claim.
-//! - [`printable`]: names from files, safe to show.
-//! - [`inspect`]: what a file of such meshes is made of.
-//! - [`models`]: generated meshes: a dolphin, the body of a pass-through, random, degenerate and rigid ones.
-//! - [`scenes`]: scripted motion for them, and the JSON scene format.
-//! - [`assets`]: what lies in `assets/`, made of the above.
-//! - [`numbers`]: numbers in JSON that may not be finite.
-//! - [`oracle`]: the same question answered by brute force in exact arithmetic.
-//! - [`mod@bench`]: every method timed against every other one.
-//! - [`moments`]: bodies in one moment, ordinary and odd, that every method has to agree on.
-//! - [`determinism`]: hashes of answers, which must be the same everywhere.
-//! - [`fuzzing`]: what the fuzz targets do with bytes.
+//! It is published because `morph_collision_cli` depends on it. **Its API may change in any release**, including patch releases: name
+//! an exact version if you depend on it. To detect collisions, use `morph_collision` or `bevy_morph_collision` instead.
+//!
+//! # Models
+//!
+//! - [`mesh`], [`clip`]: a triangle mesh with morph targets and weight animations, as stored in a file.
+//! - [`models`]: generated meshes: a dolphin, the body of the pass-through scene, random, degenerate and rigid meshes.
+//! - [`gltf_read`], [`gltf_write`]: read such meshes from glTF 2.0 files and write them.
+//! - [`memory`]: limits the memory that reading a file may take.
+//! - [`inspect`]: reports what the meshes of a file contain.
+//! - [`scenes`]: scripted motion of the models, and the JSON scene format.
+//! - [`assets`]: the models and scenes in the repository's `assets/`.
+//!
+//! # Correctness
+//!
+//! - [`oracle`]: brute force in exact arithmetic. It uses nothing of `morph_collision`.
+//! - [`moments`]: bodies at one moment, ordinary and odd, on which every method has to agree.
+//! - [`verify`]: compares the answers of trees with brute force, in random situations.
+//! - [`stress`]: the same with generated, difficult meshes, and with bad input.
+//! - [`fuzzing`]: the functions that the fuzz targets call.
 //! - [`near_degenerate`]: pairs of triangles that rounded arithmetic gets wrong.
-//! - [`rivals`]: the same question answered by every other method that `morph_collision` is compared with.
-//! - [`verify`]: the answers of trees against brute force, over situations drawn at random.
-//! - [`stress`]: the same over generated trouble, family by family, and bad input at every door.
-//! - [`search`]: hill climbing, to look for the worst rounding.
+//! - [`search`]: hill climbing that looks for the largest rounding error.
+//! - [`determinism`]: hashes of answers, which must be the same on every machine.
+//!
+//! # Speed
+//!
+//! - [`rivals`]: the other methods that `morph_collision` is compared with, among them Parry's.
+//! - [`mod@bench`]: times all methods against each other.
+//!
+//! # Output
+//!
+//! - [`printable`]: makes names from files safe to print.
+//! - [`numbers`]: JSON numbers that may not be finite.
+//!
+//! # Features
+//!
+//! - `report` (off by default): the program `report`, which fills the repository's performance page and draws its plots.
 #![forbid(unsafe_code)]
 
 pub mod assets;
@@ -42,3 +60,8 @@ pub mod scenes;
 pub mod search;
 pub mod stress;
 pub mod verify;
+
+/// The README's snippet, run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

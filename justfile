@@ -45,6 +45,17 @@ determinism: && determinism-release
 determinism-release: release
     "${CARGO_TARGET_DIR:-target}/release/determinism"
 
+# The release half on 64-bit Arm, emulated, to run the NEON kernels. On Debian: apt install gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user
+determinism-aarch64:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    rustup target add aarch64-unknown-linux-gnu
+    export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_LINKER=aarch64-linux-gnu-gcc
+    export CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="qemu-aarch64 -L /usr/aarch64-linux-gnu"
+    output=$(cargo run --release --target aarch64-unknown-linux-gnu -p morph_collision_testkit --bin determinism)
+    echo "$output"
+    grep -q 'kernels: neon$' <<< "$output"
+
 # The command-line tool and the determinism check.
 release:
     cargo build --release -p morph_collision_cli -p morph_collision_testkit --bin morph-collide --bin determinism

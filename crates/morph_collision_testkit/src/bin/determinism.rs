@@ -1,13 +1,16 @@
-//! The determinism test as a program, for release builds: unlike the test, it is built without what other tests and benchmarks depend on.
+//! The determinism test as a program, for release builds and other processors: unlike the test, it is built without what other tests and
+//! benchmarks depend on.
 
 use std::process::ExitCode;
 
+use morph_collision::Kernel;
 use morph_collision_testkit::determinism::{answer_all, differences};
 
 fn main() -> ExitCode {
     let differences = match answer_all(&[1, 2, 8]) {
         Ok(lines) => {
-            println!("{} scenes", lines.len());
+            let kernels: Vec<&str> = Kernel::available().iter().map(|kernel| kernel.name()).collect();
+            println!("{} scenes, kernels: {}", lines.len(), kernels.join(", "));
             differences(&lines)
         }
         Err(error) => vec![error],

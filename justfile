@@ -5,7 +5,7 @@ default:
 
 # Everything that must hold before a change lands. Steps are in this order so that later ones find what earlier ones compiled: clippy and the
 # docs share one build of Bevy, the tests and the examples another, and everything in release a third without Bevy.
-ci: fmt-check clippy doc test demo-check features first-run determinism-release verify-short fuzz-short
+ci: fmt-check clippy doc test demo-check features package-short first-run determinism-release verify-short fuzz-short
 
 # Formats the code.
 fmt:
@@ -32,10 +32,10 @@ features:
 package:
     cargo package -p morph_collision -p morph_collision_testkit -p morph_collision_cli -p bevy_morph_collision
 
-# The same, but does not build the plugin, which would compile Bevy.
+# The same for CI: does not build the plugin, which would compile Bevy, and also packages what is not committed yet.
 package-short:
-    cargo package -p morph_collision -p morph_collision_testkit -p morph_collision_cli
-    cargo package --no-verify -p morph_collision -p bevy_morph_collision
+    cargo package --allow-dirty --config profile.dev.debug=false -p morph_collision -p morph_collision_testkit -p morph_collision_cli
+    cargo package --allow-dirty --no-verify -p morph_collision -p bevy_morph_collision
 
 # The same bits in debug and release, for every kind of volume, on any number of threads.
 determinism: && determinism-release

@@ -120,6 +120,15 @@ impl<V: Volume> Tree<V> {
         self.nodes.len()
     }
 
+    /// What its lists take, with the room they have left.
+    #[cfg(test)]
+    pub(super) fn bytes(&self) -> u64 {
+        let nodes = self.nodes.capacity() * size_of::<Node<V>>();
+        let references = self.references.capacity() * size_of::<Reference<V>>();
+        let in_betweens = self.in_betweens.capacity() * size_of::<InBetween<V>>();
+        (nodes + references + in_betweens) as u64
+    }
+
     #[inline]
     pub(super) fn content(&self, node: u32) -> &Content {
         &self.nodes[node as usize].content

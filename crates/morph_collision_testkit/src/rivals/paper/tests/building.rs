@@ -3,10 +3,15 @@
 use glam::Vec3;
 
 use super::super::body::Body;
+use super::super::references::References;
 use super::super::slabs::Slabs;
-use super::super::tree::Content;
+use super::super::sphere::Sphere;
+use super::super::tree::{Content, Tree};
+use super::super::volume::Volume;
+use super::super::{PaperOptions, PaperVolume};
 use super::{below, meshes, welded};
 use crate::mesh::MorphMesh;
+use crate::models::{self, dolphin, random};
 
 #[test]
 fn leaves_have_one_triangle_each_and_no_child_is_empty() {
@@ -21,6 +26,34 @@ fn leaves_have_one_triangle_each_and_no_child_is_empty() {
             }
         }
     }
+}
+
+fn bytes_are_bounded<V: Volume>(volume: PaperVolume) {
+    for mesh in [
+        random::random_blob(3, 4, 20, 0.9),
+        random::random_blob(4, 3, 40, 0.0),
+        random::triangle_soup(11, 500, 8),
+        dolphin(1),
+        models::rigid::box_mesh(Vec3::ONE),
+    ] {
+        for in_betweens in [false, true] {
+            let options = PaperOptions { volume, in_betweens };
+            let tree = Tree::<V>::build(&References::new(&welded(&mesh)), in_betweens);
+            // A list that grows is there twice for a moment, the old one half as large.
+            let (bytes, most) = (tree.bytes() * 3 / 2, options.tree_bytes(&mesh));
+            assert!(bytes <= most, "{options:?}, {}: {bytes} of {most}", mesh.name);
+            assert!(most <= bytes * 20, "{options:?}, {}: {bytes} of {most}", mesh.name);
+        }
+    }
+}
+
+#[test]
+fn a_tree_takes_no_more_than_is_said_beforehand() {
+    bytes_are_bounded::<Slabs<3>>(PaperVolume::Aabb);
+    bytes_are_bounded::<Slabs<7>>(PaperVolume::Kdop14);
+    bytes_are_bounded::<Slabs<9>>(PaperVolume::Kdop18);
+    bytes_are_bounded::<Slabs<13>>(PaperVolume::Kdop26);
+    bytes_are_bounded::<Sphere>(PaperVolume::Sphere);
 }
 
 /// Small triangles in some corners of a cube.

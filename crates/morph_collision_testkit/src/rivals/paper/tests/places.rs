@@ -45,18 +45,21 @@ fn disguised(mesh: &MorphMesh, place: &Affine3A, power: i32) -> (MorphMesh, Affi
     (other, moved)
 }
 
-/// The nodes over triangles of a list, from the leaves to the root.
-fn nodes_over<V: Volume>(body: &Body<V>, node: u32, triangles: &[u32], over: &mut Vec<u32>) -> bool {
-    let any = match body.tree.content(node).clone() {
+/// Lists the nodes over any of some triangles, from the leaves to the root.
+fn nodes_over<V: Volume>(body: &Body<V>, node: u32, triangles: &[u32], over: &mut Vec<u32>) {
+    let before = over.len();
+    let is_over = match body.tree.content(node).clone() {
         Content::Triangle(triangle) => triangles.contains(&triangle),
         Content::Children(children) => {
-            children.fold(false, |any, child| nodes_over(body, child, triangles, over) || any)
+            for child in children {
+                nodes_over(body, child, triangles, over);
+            }
+            over.len() > before
         }
     };
-    if any {
+    if is_over {
         over.push(node);
     }
-    any
 }
 
 /// How many pairs of nodes share a vertex, and how many are told apart.

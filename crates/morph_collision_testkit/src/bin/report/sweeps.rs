@@ -33,21 +33,25 @@ pub(crate) fn rival(label: impl Into<String>, method: MethodKind) -> Candidate {
     }
 }
 
-/// The defaults, other leaves, and what is kept from frame to frame.
-pub(crate) fn options(_: &Experiment) -> Vec<Candidate> {
+/// The defaults and other leaves.
+pub(crate) fn leaves(_: &Experiment) -> Vec<Candidate> {
     let default = MethodOptions::default();
-    let mut rows = vec![morph("default", default)];
+    let mut rows = vec![morph("leaf 8, the default", default)];
     for leaf in [1, 2, 4, 16] {
         rows.push(morph(format!("leaf {leaf}"), default.with_leaf_size(leaf)));
     }
-    let witness = MethodOptions {
-        witness: true,
-        ..default
-    };
-    rows.push(morph("witness", witness));
     // How far it is from 1 is the noise.
     rows.push(morph("leaf 8 (the default again)", default));
     rows
+}
+
+/// What is kept from frame to frame.
+pub(crate) fn memory(_: &Experiment) -> Vec<Candidate> {
+    let witness = MethodOptions {
+        witness: true,
+        ..MethodOptions::default()
+    };
+    vec![morph("default", MethodOptions::default()), morph("witness", witness)]
 }
 
 /// Every method; the oracle only where it comes to an end.

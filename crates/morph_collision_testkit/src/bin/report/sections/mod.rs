@@ -44,8 +44,8 @@ type Make = fn(&Context, &str) -> Result<String, Box<dyn Error>>;
 /// All of them.
 pub(crate) const SECTIONS: &[Section] = &[
     Section {
-        name: "options",
-        make: |context, _| sweep(context, "options", &Experiment::tuning(context.every), sweeps::options),
+        name: "leaves",
+        make: |context, _| sweep(context, "leaves", &Experiment::tuning(context.every), sweeps::leaves),
     },
     Section {
         name: "memory",
@@ -55,7 +55,7 @@ pub(crate) const SECTIONS: &[Section] = &[
                 .into_iter()
                 .flat_map(|rate| Experiment::consecutive(steps, rate))
                 .collect();
-            sweep(context, "memory", &experiments, sweeps::options)
+            sweep(context, "memory", &experiments, sweeps::memory)
         },
     },
     Section {

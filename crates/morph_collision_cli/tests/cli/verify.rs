@@ -65,7 +65,7 @@ fn two_models_and_other_trees_are_verified_too() -> TestResult {
     assert_eq!(report["missed"], 0);
     let text = stdout_of(&verify(&path, &["--frames", "5", "--leaf", "7"])?);
     assert!(
-        text.starts_with("5 frames of seed 1") && text.contains("\n7 ") && !text.contains("\n8 "),
+        text.starts_with("5 frames of seed 1") && text.contains("\n       7 ") && !text.contains("\n       8 "),
         "{text}"
     );
     Ok(())

@@ -37,7 +37,7 @@ package-short:
     cargo package --allow-dirty --config profile.dev.debug=false -p morph_collision -p morph_collision_testkit -p morph_collision_cli
     cargo package --allow-dirty --no-verify -p morph_collision -p bevy_morph_collision
 
-# The same bits in debug and release, for every kind of volume, on any number of threads.
+# The same bits in debug and release, for trees of several leaf sizes, on any number of threads.
 determinism: && determinism-release
     cargo test -p morph_collision_testkit --test determinism
 
@@ -132,7 +132,7 @@ references:
 assets:
     cargo run --release -p morph_collision_testkit --bin make_assets -- assets
 
-# Looks for vertices outside their blended volumes: at least CHECKS checks for each kind and form, ten million by default.
+# Looks for vertices outside their blended boxes: at least CHECKS checks for each form, ten million by default.
 containment *CHECKS:
     cargo run --release -p morph_collision_testkit --bin containment -- {{CHECKS}}
 

@@ -298,7 +298,7 @@ fn a_collider_that_the_user_removed_stays_away() {
     }
     app.world_mut()
         .resource_mut::<MorphCollisionSettings>()
-        .separation_cache = true;
+        .max_triangle_pairs = 100;
     app.update();
     assert_eq!(colliders(&app, meshes)[..2], [None, None]);
     set_all(&mut app, Some(MorphCollider::default()));

@@ -157,9 +157,9 @@ fn a_mesh_that_is_modified_every_frame_still_gets_trees() {
     assert!((reach - 0.699).abs() < 1e-4, "the last one is in force: {reach}");
 }
 
-/// Another leaf size than the default one.
+/// Settings with a leaf size.
 fn leaves_of(leaf_size: u8) -> MorphTreeSettings {
-    MorphTreeSettings { leaf_size, ..default() }
+    MorphTreeSettings { leaf_size }
 }
 
 fn tree_count(app: &App) -> usize {

@@ -28,10 +28,10 @@ impl Answers {
         self.scenes.len()
     }
 
-    /// Asks the next scene's questions for every kind of volume: its line of hashes. `None` when all are asked.
+    /// Asks the next scene's questions of trees with several leaf sizes; returns its line of hashes, or `None` after the last scene.
     ///
     /// # Errors
-    /// Two kinds of volume give different answers.
+    /// Two trees, or two sets of instructions, give different answers.
     pub fn next(&mut self) -> Result<Option<String>, String> {
         let Some(scene) = self.scenes.get(self.lines.len()) else {
             return Ok(None);

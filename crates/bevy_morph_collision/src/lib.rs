@@ -103,7 +103,7 @@ pub use diagnostics::MorphCollisionDiagnosticsPlugin;
 pub use events::{MorphCollidingEntities, MorphCollisionEnd, MorphCollisionEventsEnabled, MorphCollisionStart};
 #[cfg(feature = "gizmos")]
 pub use gizmos::{MorphGizmos, MorphGizmosPlugin};
-pub use import::{ImportError, MorphTreeOptions, MorphTreeSettings, MorphTrees, MorphVolume};
+pub use import::{ImportError, MorphTreeOptions, MorphTreeSettings, MorphTrees};
 pub use layers::MorphCollisionLayers;
 pub use morph_collision;
 pub use morph_collision::{BuildOptions, Facing, InputError, QueryStats, TrianglePair};

@@ -12,7 +12,7 @@ use bevy::transform::systems::{mark_dirty_trees, propagate_parent_transforms, sy
 use crate::contacts::{MorphCollisions, MorphContact, MorphContactPoint};
 use crate::diagnostics::MorphCollisionDiagnostics;
 use crate::events::{MorphCollidingEntities, MorphCollisionEnd, MorphCollisionEventsEnabled, MorphCollisionStart};
-use crate::import::{MorphTreeOptions, MorphTreeSettings, MorphTrees, MorphVolume};
+use crate::import::{MorphTreeOptions, MorphTreeSettings, MorphTrees};
 use crate::spatial::{MorphClosestPoints, MorphContacts, MorphProjection, MorphQueryFilter, MorphRayHit};
 use crate::{
     CollisionMode, MorphBody, MorphCollider, MorphColliderDisabled, MorphColliderScene, MorphCollisionLayers,
@@ -208,7 +208,6 @@ fn register_types(app: &mut App) {
         .register_type::<MorphShape>()
         .register_type::<MorphSurfaceAnchor>()
         .register_type::<MorphTreeSettings>()
-        .register_type::<MorphVolume>()
         .register_type::<CollisionMode>()
         .register_type::<MorphCollidingEntities>()
         .register_type::<MorphCollisionEventsEnabled>()

@@ -11,10 +11,6 @@ pub struct MorphCollisionSettings {
     /// Whether collision detection is paused: contacts stay as they are, nothing starts or ends, and spatial queries answer
     /// from the last run. Surface anchors and morphed bounds go on following what is drawn.
     pub paused: bool,
-    /// Remembers how far apart two colliders are, and skips the pair until they could have met. Helps where bodies stay close but
-    /// rarely touch; slower where they touch. Off by default (`docs/tried.md`). No answer depends on it, except which pairs a
-    /// [cut](crate::MorphContact::is_truncated) list has.
-    pub separation_cache: bool,
     /// Makes every mesh with morph weights a collider like this one. All meshes below one root are one body.
     ///
     /// A mesh that already is a collider stays as it is, and a [`MorphColliderScene`](crate::MorphColliderScene) decides about its own
@@ -36,7 +32,6 @@ impl Default for MorphCollisionSettings {
     fn default() -> Self {
         Self {
             paused: false,
-            separation_cache: false,
             every_morphing_mesh: None,
             max_triangle_pairs: 8192,
         }

@@ -397,10 +397,8 @@ fn toggle_asset(zoo: &mut Zoo) {
 fn toggle_tree_settings(zoo: &mut Zoo) {
     all_weigh_well(zoo);
     let Some(animal) = animal(zoo) else { return };
-    let settings = MorphTreeSettings {
-        leaf_size: zoo.one_of(&[1, 4]),
-        ..default()
-    };
+    let leaf_size = zoo.one_of(&[1, 4]);
+    let settings = MorphTreeSettings { leaf_size };
     let mut entity = zoo.app.world_mut().entity_mut(animal);
     if entity.contains::<MorphTreeSettings>() {
         entity.remove::<MorphTreeSettings>();

@@ -87,7 +87,7 @@ impl MeshTree {
         on_built: &[OnBuilt],
         build: impl FnOnce(&BuildOptions) -> Result<Finished, ImportError> + Send + 'static,
     ) {
-        let options = key.1.map_or_else(|| options.clone(), |settings| settings.over(options));
+        let options = key.1.map_or(*options, |settings| settings.over(*options));
         let on_built = on_built.to_vec();
         let pool = AsyncComputeTaskPool::get_or_init(Default::default);
         self.work = Work::Building(pool.spawn(async move {

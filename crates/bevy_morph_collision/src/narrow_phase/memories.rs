@@ -1,29 +1,39 @@
-//! What is remembered of pairs from one run to the next.
+//! Where pairs touched in the last run.
 
-use morph_collision::{PairMemory, Remember};
+use std::collections::BTreeMap;
+
+use morph_collision::PairMemory;
 
 use super::touch::wants_all;
 use super::{Asked, Pair};
-use crate::collider::CollisionMode;
+use crate::contacts::MorphContact;
 
-/// Whether something is remembered of a pair: always where one pair of triangles is asked for.
-pub(super) fn has_memory(mode: CollisionMode, remember: Remember) -> bool {
-    remember.separation || !wants_all(mode)
-}
+/// Memories, sorted by pair.
+pub(super) type Memories = Vec<(Pair, PairMemory)>;
 
-/// Makes `memories` those of the pairs that have one, in their order: the ones there are, and new ones. Both are sorted.
+/// Replaces `memories` by those of the asked pairs that have one: known ones stay, the others are new. `asked` is sorted.
+///
+/// A pair has a memory if one pair of triangles is wanted and its triangles intersected in the last run, of which `contacts` is
+/// the outcome.
+///
+/// PERF: a memory for every candidate costs 12 % of the instructions in a sparse crowd. One for those that touched costs at most
+/// 0.5 %, and saves 3 to 21 % where colliders touch.
 pub(super) fn keep_memories(
     asked: &[Asked],
-    remember: Remember,
-    memories: &mut Vec<(Pair, PairMemory)>,
-    next: &mut Vec<(Pair, PairMemory)>,
+    contacts: &BTreeMap<Pair, MorphContact>,
+    memories: &mut Memories,
+    next: &mut Memories,
 ) {
+    let touched = |pair: Pair| contacts.get(&pair).is_some_and(|contact| contact.distance == 0.0);
     let mut known = memories.drain(..).peekable();
     next.clear();
-    for &Asked { pair, .. } in asked.iter().filter(|asked| has_memory(asked.mode, remember)) {
+    for &Asked { pair, mode, .. } in asked {
+        if wants_all(mode) || !touched(pair) {
+            continue;
+        }
         while known.next_if(|(other, _)| *other < pair).is_some() {}
         let memory = known.next_if(|(other, _)| *other == pair);
-        next.push(memory.unwrap_or_else(|| (pair, PairMemory::new(remember))));
+        next.push(memory.unwrap_or_else(|| (pair, PairMemory::new())));
     }
     drop(known);
     std::mem::swap(memories, next);

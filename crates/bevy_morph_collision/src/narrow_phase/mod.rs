@@ -1,18 +1,19 @@
 //! Which triangles intersect, and where colliders touch.
 //!
-//! The system asks for all pairs of meshes at once (`mod`), with what is remembered of each (`memories`), and tells what was found as
-//! contacts (`touch`).
+//! The system asks about all pairs of meshes at once (`mod`), starting where they touched in the last run (`memories`), and makes
+//! contacts of what was found (`touch`).
 
 mod memories;
 mod touch;
 
-use bevy::platform::time::Instant;
+use std::collections::BTreeMap;
 
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
-use morph_collision::{BatchQuery, Body, PairMemory, PairTask, Pose, Remember, Wanted};
+use morph_collision::{BatchQuery, Body, PairTask, Pose, Wanted};
 use tracing::debug_span;
 
-use self::memories::{has_memory, keep_memories};
+use self::memories::{Memories, keep_memories};
 pub(crate) use self::touch::world_triangle;
 use self::touch::{Listed, Touch, wants_all};
 
@@ -34,10 +35,9 @@ pub(crate) struct Scratch {
     limit: usize,
     /// Pairs of meshes that are asked about.
     asked: Vec<Asked>,
-    /// What is remembered of pairs, and of which ones; in the order of the pairs, and the next ones.
-    remember: Remember,
-    memories: Vec<(Pair, PairMemory)>,
-    next_memories: Vec<(Pair, PairMemory)>,
+    /// Where pairs touched in the last run; `next_memories` is room for making the next ones.
+    memories: Memories,
+    next_memories: Memories,
     answers: Vec<(Pair, Option<MorphContact>)>,
 }
 
@@ -68,9 +68,8 @@ pub(crate) fn find_contacts(
     if collisions.compared {
         let scratch = &mut *scratch;
         scratch.answers.clear();
-        scratch.set_remember(&settings);
         scratch.limit = settings.list_limit();
-        let unchanged = scratch.ask(&candidates.pairs, &mut colliders, &mut diagnostics);
+        let unchanged = scratch.ask(&candidates.pairs, &mut colliders, &collisions.current, &mut diagnostics);
         diagnostics.skipped_unchanged = unchanged;
         collisions.replace(&candidates.pairs, &mut scratch.answers);
         for (_, mut state) in &mut colliders {
@@ -114,22 +113,12 @@ impl MorphCollisions {
 }
 
 impl Scratch {
-    fn set_remember(&mut self, settings: &MorphCollisionSettings) {
-        let remember = Remember {
-            separation: settings.separation_cache,
-            ..Remember::default()
-        };
-        if self.remember != remember {
-            self.remember = remember;
-            self.memories.clear();
-        }
-    }
-
-    /// Asks about pairs with a collider that changed; says how many have none.
+    /// Asks about pairs with a collider that changed; returns how many pairs have none. `contacts` is the outcome of the last run.
     fn ask(
         &mut self,
         candidates: &[Pair],
         colliders: &mut Query<(Entity, &mut ColliderState)>,
+        contacts: &BTreeMap<Pair, MorphContact>,
         diagnostics: &mut MorphCollisionDiagnostics,
     ) -> u64 {
         let mut placed: Vec<_> = colliders
@@ -168,37 +157,39 @@ impl Scratch {
                 .with_shape(&mut placed, asked, (&shape, shape_first), self.limit, diagnostics);
             self.answers.push((asked.pair, contact));
         }
-        self.ask_meshes(&mut placed, diagnostics);
+        self.ask_meshes(&mut placed, contacts, diagnostics);
         unchanged
     }
 
-    fn ask_meshes(&mut self, placed: &mut [Placed<'_>], diagnostics: &mut MorphCollisionDiagnostics) {
+    fn ask_meshes(
+        &mut self,
+        placed: &mut [Placed<'_>],
+        contacts: &BTreeMap<Pair, MorphContact>,
+        diagnostics: &mut MorphCollisionDiagnostics,
+    ) {
         let Self {
             touch,
             batch,
             limit,
-            remember,
             asked,
             memories,
             next_memories,
             answers,
         } = self;
-        keep_memories(asked, *remember, memories, next_memories);
-        let mut left = memories.iter_mut();
+        keep_memories(asked, contacts, memories, next_memories);
+        let mut memories = memories.iter_mut().peekable();
         let mut tasks: Vec<_> = asked
             .iter()
             .map(|asked| {
                 let (a, b) = asked.places;
-                let mode = asked.mode;
-                let wanted = if wants_all(mode) {
+                let wanted = if wants_all(asked.mode) {
                     Wanted::UpTo(*limit)
                 } else {
                     Wanted::First
                 };
                 let mut task = PairTask::new(a, b, wanted);
-                if has_memory(mode, *remember) {
-                    task.memory = left.next().map(|(_, memory)| memory);
-                }
+                let memory = memories.next_if(|(pair, _)| *pair == asked.pair);
+                task.memory = memory.map(|(_, memory)| memory);
                 task
             })
             .collect();

@@ -173,7 +173,7 @@ impl MorphContact {
 pub(crate) fn world_triangle(body: &mut Body<'_>, triangle: u32) -> Option<morph_collision::Triangle> {
     let mut corner = |barycentrics| {
         let anchor = SurfaceAnchor { triangle, barycentrics };
-        anchor.point(Body::new(body.pose, body.world_from_model))
+        anchor.point(body.reborrow())
     };
     Some([
         corner([1.0, 0.0, 0.0])?,

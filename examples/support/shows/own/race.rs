@@ -7,10 +7,10 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::mesh::{Indices, VertexAttributeValues};
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
-use bevy_morph_collision::morph_collision::{BuildOptions, TrianglePair};
+use bevy_morph_collision::morph_collision::TrianglePair;
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::rivals::{Method, MethodKind, Wanted};
+use morph_collision_testkit::rivals::{Method, MethodKind, MethodOptions, Wanted};
 
 use super::super::group::Member;
 use super::{Verdict, notes};
@@ -65,7 +65,7 @@ impl Race {
             ("whole mesh refitted", MethodKind::BottomUp),
         ];
         for (name, kind) in ways {
-            match kind.set_up(meshes, bodies, &BuildOptions::default()) {
+            match kind.set_up(meshes, bodies, &MethodOptions::default()) {
                 Ok(method) => self.contenders.push(Contender {
                     name,
                     method,

@@ -82,7 +82,7 @@ mod tree;
 pub use bounds::{Aabb, Kernel, TransformError, WorldFromModel};
 pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect, triangles_intersect_filtered};
 pub use model::{ModelError, MorphModel, Subject};
-pub use pose::{ContainmentReport, ContainmentViolation, NoSuchVertex, Pose, TreeQuality, WeightsError};
+pub use pose::{ContainmentReport, ContainmentViolation, NoSuchVertex, Pose, WeightsError};
 #[cfg(feature = "rayon")]
 pub use query::RayonWorkers;
 pub use query::{

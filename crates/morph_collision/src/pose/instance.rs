@@ -1,9 +1,8 @@
-use std::num::NonZeroU32;
 use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::anchor::{Anchor, Rest, Resting};
+use super::anchor::Anchor;
 use super::cache::Stamped;
 use super::posed::{Blended, Posed, Scratch};
 use super::weights::{self, WeightsError};
@@ -24,7 +23,6 @@ pub struct Pose {
     source: Source,
     boxes: Stamped<BoxLanes>,
     vertices: Stamped<Vec3>,
-    resting: Option<Resting>,
     blended: Blended,
     scratch: Scratch,
 }
@@ -49,7 +47,6 @@ impl Pose {
             source: Source::References,
             boxes: Stamped::new(bvh.topology().group_count()),
             vertices: Stamped::new(bvh.model().vertex_count()),
-            resting: None,
             blended: Blended::default(),
             scratch: Scratch::default(),
             bvh,
@@ -65,10 +62,6 @@ impl Pose {
     /// pose keeps the weights it had.
     pub fn set_weights(&mut self, weights: &[f32]) -> Result<bool, WeightsError> {
         weights::check(self.bvh.model(), weights)?;
-        let rest = self
-            .resting
-            .as_mut()
-            .map(|resting| resting.count(&self.weights, weights));
         let changed = self.weights != weights;
         if changed {
             self.weights.copy_from_slice(weights);
@@ -80,20 +73,6 @@ impl Pose {
                 Source::Vertices => self.source = Source::References,
             }
         }
-        match rest {
-            Some(Rest::Moved) => self.drop_anchor(),
-            Some(Rest::Settled) => {
-                let reach = self.bvh.model().target_reach();
-                let settled = self
-                    .resting
-                    .as_ref()
-                    .and_then(|resting| resting.settled(weights, reach));
-                if let Some(settled) = settled {
-                    self.anchor_at(&settled);
-                }
-            }
-            Some(Rest::Unchanged) | None => {}
-        }
         Ok(changed)
     }
 
@@ -102,8 +81,10 @@ impl Pose {
     /// Worth it for weights that are set and then rest, such as a character's sliders: while they do, boxes are exact in
     /// them. Other weights are then bounded by intervals. Cost: the whole mesh is blended once; memory: one box per node.
     pub fn take_anchor(&mut self) {
-        let weights = self.weights.clone();
-        self.anchor_at(&weights);
+        let mut anchor = Anchor::fit(self.bvh.model(), self.bvh.topology(), &self.weights);
+        anchor.follow(&self.weights);
+        self.source = Source::Anchor(anchor);
+        self.boxes.next_epoch();
     }
 
     /// Goes back to blending from the tree's references.
@@ -116,20 +97,6 @@ impl Pose {
     #[must_use]
     pub fn is_anchored(&self) -> bool {
         matches!(self.source, Source::Anchor(_))
-    }
-
-    /// Takes an anchor by itself once weights that make up most of the shape have not changed in so many calls of
-    /// [`Pose::set_weights`], and drops it when one of them moves; `None`, the default, never does.
-    pub fn anchor_after(&mut self, calls: Option<NonZeroU32>) {
-        let targets = self.weights.len();
-        self.resting = calls.map(|calls| Resting::new(calls.get(), targets));
-    }
-
-    fn anchor_at(&mut self, weights: &[f32]) {
-        let mut anchor = Anchor::fit(self.bvh.model(), self.bvh.topology(), weights);
-        anchor.follow(&self.weights);
-        self.source = Source::Anchor(anchor);
-        self.boxes.next_epoch();
     }
 
     /// Fits all boxes tightly to the shape at the weights in force, at once, until other weights are set; an anchor is dropped.

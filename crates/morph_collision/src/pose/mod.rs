@@ -9,7 +9,6 @@ mod cache;
 mod containment;
 mod instance;
 mod posed;
-mod quality;
 mod refit;
 mod shape;
 mod visit;
@@ -18,7 +17,6 @@ mod weights;
 pub use containment::{ContainmentReport, ContainmentViolation};
 pub use instance::Pose;
 pub(crate) use posed::{Blended, NodeRef, Place, Posed};
-pub use quality::TreeQuality;
 pub use shape::NoSuchVertex;
 pub use weights::WeightsError;
 

@@ -76,52 +76,6 @@ fn a_vertex_that_does_not_exist_is_none() {
     assert_eq!(lifted_triangle().triangle(1), None);
 }
 
-#[test]
-fn an_anchor_is_taken_when_weights_rest_and_dropped_when_they_move() {
-    let mut pose = lifted_triangle();
-    pose.anchor_after(std::num::NonZeroU32::new(3));
-    // Target 0 rests at 2 while target 1 moves a little.
-    for frame in 0..4 {
-        assert!(!pose.is_anchored(), "frame {frame}");
-        pose.set_weights(&[2.0, 0.01 * frame as f32]).unwrap();
-    }
-    assert!(pose.is_anchored());
-    let bounds = pose.bounds();
-    assert!(bounds.min.z > 1.999 && bounds.max.z < 2.001, "{bounds:?} is not tight");
-    pose.set_weights(&[2.0, 0.5]).unwrap();
-    assert!(pose.is_anchored());
-    assert!(pose.bounds().max.x >= 1.5);
-    pose.set_weights(&[1.5, 0.5]).unwrap();
-    assert!(!pose.is_anchored());
-}
-
-#[test]
-fn weights_that_rest_at_zero_or_matter_little_are_not_anchored() {
-    let mut pose = lifted_triangle();
-    pose.anchor_after(std::num::NonZeroU32::new(2));
-    for frame in 0..10 {
-        pose.set_weights(&[0.01, frame as f32]).unwrap();
-        pose.set_weights(&[0.0, frame as f32]).unwrap();
-        assert!(!pose.is_anchored());
-    }
-}
-
-#[test]
-fn an_anchor_outlasts_weights_that_begin_to_move_from_zero() {
-    let mut pose = lifted_triangle();
-    pose.anchor_after(std::num::NonZeroU32::new(2));
-    for _ in 0..4 {
-        pose.set_weights(&[1.0, 0.0]).unwrap();
-    }
-    assert!(pose.is_anchored());
-    for frame in 1..6 {
-        pose.set_weights(&[1.0, 0.01 * frame as f32]).unwrap();
-        assert!(pose.is_anchored(), "frame {frame}");
-    }
-    pose.set_weights(&[0.5, 0.05]).unwrap();
-    assert!(!pose.is_anchored());
-}
-
 /// Far from the origin a small change of a weight moves a vertex by a whole unit in its last place.
 #[test]
 fn the_displacement_between_weights_covers_roundings() {
@@ -143,20 +97,35 @@ fn the_displacement_between_weights_covers_roundings() {
 }
 
 #[test]
-fn a_tree_is_as_tight_as_it_is_measured_to_be() {
-    let mesh = morph_collision_testkit::models::dolphin(0);
-    let model = Arc::new(MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap());
-    let mut pose = Pose::new(Arc::new(MorphBvh::build(model, &BuildOptions::default()).unwrap()));
-    let rest = pose.quality();
-    assert!(rest.tight_cost > 1.0 && rest.looseness() >= 1.0, "{rest:?}");
-    pose.set_weights(&[0.4, 0.7]).unwrap();
-    let bent = pose.quality();
-    assert!(bent.looseness() > rest.looseness(), "{bent:?} against {rest:?}");
+fn an_anchor_is_tight_at_its_weights_and_holds_at_others() {
+    let mut pose = lifted_triangle();
+    pose.set_weights(&[2.0, 0.0]).unwrap();
     pose.take_anchor();
-    assert!(pose.quality().looseness() < 1.001);
-    let point = MorphModel::from_displacements(&[Vec3::X; 3], &[[0, 1, 2]], &[] as &[[Vec3; 3]]).unwrap();
-    let bvh = MorphBvh::build(Arc::new(point), &BuildOptions::default()).unwrap();
-    assert_eq!(Pose::new(Arc::new(bvh)).quality().cost, 0.0);
+    assert!(pose.is_anchored());
+    let bounds = pose.bounds();
+    assert!(bounds.min.z > 1.999 && bounds.max.z < 2.001, "{bounds:?} is not tight");
+    pose.set_weights(&[2.0, 0.5]).unwrap();
+    assert!(pose.is_anchored());
+    assert!(pose.bounds().max.x >= 1.5);
+    pose.drop_anchor();
+    assert!(!pose.is_anchored());
+    assert!(pose.bounds().max.x >= 1.5);
+}
+
+/// Sums of weights above 1 are where references end and intervals begin, which an anchor is tighter than.
+#[test]
+fn an_anchor_is_tighter_than_intervals() {
+    let mesh = morph_collision_testkit::models::random::random_blob(3, 2, 6, 0.5);
+    let model = MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap();
+    let bvh = MorphBvh::build(Arc::new(model), &BuildOptions::default()).unwrap();
+    let mut pose = Pose::new(Arc::new(bvh));
+    pose.set_weights(&[-1.0, 2.0, 0.5, 1.0, -0.3, 0.8]).unwrap();
+    let blended = pose.bounds().size();
+    pose.take_anchor();
+    let anchored = pose.bounds().size();
+    let tight = pose.tight_bounds().size();
+    assert!(anchored.abs_diff_eq(tight, 1e-4), "{anchored} and {tight}");
+    assert!(blended.cmpgt(1.05 * anchored).all(), "{blended} and {anchored}");
 }
 
 #[test]

@@ -3,7 +3,7 @@ use thiserror::Error;
 use super::{ChildKind, Leaf, MorphBvh};
 use crate::bounds::{BoxLanes, LANES};
 
-/// What a tree is made of. From [`MorphBvh::stats`]; its quality at some weights is [`Pose::quality`](crate::Pose::quality).
+/// What a tree is made of. From [`MorphBvh::stats`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BvhStats {
     /// Nodes, leaves and root included.

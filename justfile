@@ -137,7 +137,7 @@ containment *CHECKS:
     cargo run --release -p morph_collision_testkit --bin containment -- {{CHECKS}}
 
 # Compares the answers about every model in assets/ and ../shared/models with brute force: FRAMES situations each (30 by
-# default), every kind of volume, three seeds.
+# default), trees of several leaf sizes, three seeds.
 verify FRAMES="30":
     #!/usr/bin/env bash
     set -euo pipefail

@@ -1,8 +1,8 @@
 //! Exact collision detection for meshes deformed by morph targets (blend shapes).
 //!
 //! A morphing mesh is a base shape plus one displacement per vertex and target; an instance of it is a vector of weights.
-//! This crate builds one bounding-volume tree per *mesh*, good for every weight vector: each node keeps a volume per
-//! reference shape, and a node is refitted by blending those volumes, when and only when a query looks at it. Vertices
+//! This crate builds one bounding-volume tree per *mesh*, good for every weight vector: each node keeps a box per
+//! reference shape, and a node is refitted by blending those boxes, when and only when a query looks at it. Vertices
 //! are blended only in the leaves that a query reaches.
 //!
 //! # Is this the crate you need?
@@ -66,7 +66,7 @@
 //!
 //! A posed vertex is the `f32` blend of base and displacements in ascending target order, taken to world space in `f64`
 //! by the body's affine; see [`WorldFromModel::transform_point`]. Over those vertices the answer is exact: touching counts,
-//! coplanar and degenerate triangles are handled, and there is no epsilon. Trees and volumes change only the speed.
+//! coplanar and degenerate triangles are handled, and there is no epsilon. Trees change only the speed.
 #![forbid(unsafe_code)]
 // docs.rs says which feature has what.
 #![cfg_attr(docsrs, feature(doc_cfg))]

@@ -1,4 +1,4 @@
-//! Frames in which volumes of two bodies are compared: the space of either body, or world space when neither body can be
+//! Frames in which boxes of two bodies are compared: the space of either body, or world space when neither body can be
 //! inverted.
 //!
 //! All maps are made in `f64` with a bound on their own error; [`BoxMap`] rounds them to `f32` and adds a slack for
@@ -39,14 +39,14 @@ impl Frame {
     }
 }
 
-/// A frame to compare volumes of two bodies in; a side without a map is in its own space there.
+/// A frame to compare boxes of two bodies in; a side without a map is in its own space there.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Frames {
     pub(crate) a: Option<Frame>,
     pub(crate) b: Option<Frame>,
 }
 
-/// The frames that decide whether volumes of two placed bodies may meet: SAT-lite, both bodies' own axes. Each is made when it is
+/// The frames that decide whether boxes of two placed bodies may meet: SAT-lite, both bodies' own axes. Each is made when it is
 /// asked for; `visit` says whether to go on.
 ///
 /// `a` and `b` are the bodies' whole model-space bounds. World space serves where neither body can be inverted sharply: where
@@ -216,7 +216,7 @@ pub(super) fn world_reach(world_from_model: &WorldFromModel, magnitude: DVec3) -
     abs(world_from_model.linear()) * magnitude + world_from_model.translation().abs()
 }
 
-/// `target_from_source` for volumes within a magnitude; `None` where the target body cannot be inverted safely.
+/// `target_from_source` for boxes within a magnitude; `None` where the target body cannot be inverted safely.
 fn relative(
     world_from_target: &WorldFromModel,
     world_from_source: &WorldFromModel,

@@ -1,4 +1,4 @@
-//! How far volumes of two bodies are apart in the world, from below: boxes in `f64`, compared in a frame whose lengths are
+//! How far boxes of two bodies are apart in the world, from below: boxes in `f64`, compared in a frame whose lengths are
 //! bounded by world lengths.
 
 use glam::{DMat3, DVec3};

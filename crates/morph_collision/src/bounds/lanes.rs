@@ -16,7 +16,7 @@ pub(crate) fn greater(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// One number of eight volumes.
+/// One number of eight boxes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]
 pub(crate) struct Lanes(pub(crate) [f32; LANES]);

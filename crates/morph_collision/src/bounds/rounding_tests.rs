@@ -1,4 +1,4 @@
-//! How near the errors of placements and of volumes in another body's space come to their bounds, in exact arithmetic.
+//! How near the errors of placements and of boxes in another body's space come to their bounds, in exact arithmetic.
 
 use glam::{Affine3A, Vec3};
 use morph_collision_testkit::oracle::Dyadic;
@@ -99,7 +99,7 @@ fn adjugate(place: &Affine3A) -> ([ExactPoint; 3], Dyadic) {
 fn map_ratio(numbers: &[f32]) -> Option<f64> {
     let (place_a, place_b) = (place_of(numbers), place_of(&numbers[12..]));
     let [world_from_a, world_from_b] = [WorldFromModel::new(place_a).ok()?, WorldFromModel::new(place_b).ok()?];
-    // Few bits, so that the point's own volume is exact.
+    // Few bits, so that the point's own box is exact.
     let q = Vec3::from_slice(&numbers[24..27]).clamp(Vec3::NEG_ONE, Vec3::ONE);
     let q = (q * 4096.0).round() / 4096.0;
     let (rows, determinant) = adjugate(&place_a);

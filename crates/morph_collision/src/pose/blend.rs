@@ -126,7 +126,7 @@ pub(super) fn most_widening(model: &MorphModel, weights: &[f32]) -> f32 {
     widening(reach, active, 3 * active)
 }
 
-/// How far volumes and vertices may be off their exact values, together, per coordinate.
+/// How far boxes and vertices may be off their exact values, together, per coordinate.
 ///
 /// With `reach = B + sum |w_k| D_k` and `m` active targets: a vertex is rounded `m + 1` times, a row at most once per
 /// product and once per sum, and once more when it is widened; what is left of a weight for its interval rounds once;

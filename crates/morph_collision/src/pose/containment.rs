@@ -1,4 +1,4 @@
-//! Every volume of a posed tree checked against every vertex below it.
+//! Every box of a posed tree checked against every vertex below it.
 
 use glam::{DVec3, Vec3};
 
@@ -10,7 +10,7 @@ use crate::tree::ChildKind;
 /// The outcome of [`Pose::check_containment`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ContainmentReport {
-    /// How often a vertex was looked for in a volume.
+    /// How often a vertex was looked for in a box.
     pub checks: u64,
     /// How often it was outside.
     pub violations: u64,
@@ -18,7 +18,7 @@ pub struct ContainmentReport {
     pub first: Option<ContainmentViolation>,
 }
 
-/// A vertex outside a volume that should hold it.
+/// A vertex outside a box that should hold it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContainmentViolation {
     /// The welded vertex.
@@ -30,7 +30,7 @@ pub struct ContainmentViolation {
 }
 
 impl Pose {
-    /// Checks every volume of the tree, blended for the weights in force, against every vertex below it: both the posed
+    /// Checks every box of the tree, blended for the weights in force, against every vertex below it: both the posed
     /// vertex in `f32` and its position to `f64` precision.
     ///
     /// A tool for tests and tools; it blends the whole mesh. Any violation is a bug of this crate.

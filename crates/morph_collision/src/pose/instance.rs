@@ -163,7 +163,7 @@ impl Pose {
         Some(corners.map(|corner| posed.vertex(corner)))
     }
 
-    /// Other weights under volumes that were blended for these: what a bug would do.
+    /// Other weights under boxes that were blended for these: what a bug would do.
     #[cfg(test)]
     pub(super) fn pretend_weights(&mut self, weights: &[f32]) {
         self.weights.copy_from_slice(weights);

@@ -6,9 +6,9 @@ use crate::tree::ChildKind;
 
 impl Pose {
     /// Calls `visitor` with the boxes, in model space, around the nodes `depth` levels below the root, and around leaves that
-    /// are higher up; with each, whether its volume had been blended for these weights before.
+    /// are higher up; with each, whether its box had been blended for these weights before.
     ///
-    /// Volumes that were not are blended for it: to look at a tree changes what was looked at, and no answer.
+    /// Boxes that were not are blended for it: to look at a tree changes what was looked at, and no answer.
     pub fn visit_bounds(&mut self, depth: usize, mut visitor: impl FnMut(Aabb, bool)) {
         self.posed().visit_bounds(depth, &mut visitor);
     }

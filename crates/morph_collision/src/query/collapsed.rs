@@ -1,6 +1,6 @@
 //! Bodies so small, for where they stand, that rounding decides where their vertices are.
 //!
-//! No volume can tell parts of such bodies apart: the slack for rounding is larger than they are, and a walk over their trees
+//! No box of a tree can tell parts of such bodies apart: the slack for rounding is larger than they are, and a walk over their trees
 //! would look at every pair of triangles. But their vertices take few positions, and few of their triangles differ. So the
 //! triangles are placed in the world, those with the same corners are counted once, and a tree of exact `f64` boxes is built
 //! over the rest: linear in the triangles up to a logarithm.

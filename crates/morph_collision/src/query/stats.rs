@@ -5,15 +5,16 @@ use crate::pose::Blended;
 /// What a query had to do.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct QueryStats {
-    /// Volumes tested against volumes, or against what was asked about.
+    /// Boxes tested against boxes, or against what was asked about.
     pub node_tests: u64,
     /// Triangles, or pairs of triangles, given to the exact test.
     pub triangle_tests: u64,
     /// Pairs of triangles among them whose boxes overlap and that the error-bounded filter left to the exact predicates.
     pub undecided_by_filter: u64,
-    /// Volumes blended; ones already blended for these weights are not counted again.
+    /// Boxes blended; ones already blended for these weights are not counted again.
     pub volumes_blended: u64,
-    /// Vertices blended, likewise.
+    /// Vertices blended: for pairs of bodies the vertices of each leaf that the query reads, otherwise those that were not yet
+    /// blended for these weights.
     pub vertices_blended: u64,
 }
 

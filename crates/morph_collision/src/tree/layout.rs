@@ -15,7 +15,7 @@ const VERSION: u32 = 2;
 /// Which triangles of a mesh a tree puts together, and the options it was built with; serialisable with the feature
 /// `serde`.
 ///
-/// Volumes are not in it: they are measured again on the mesh when the tree is restored, which is cheaper than splitting
+/// Boxes are not in it: they are measured again on the mesh when the tree is restored, which is cheaper than splitting
 /// it, keeps files small, and leaves no way for a corrupt file to make an answer wrong.
 ///
 /// ```
@@ -188,7 +188,7 @@ impl MorphBvh {
 
     /// Restores a tree over the mesh it was built for.
     ///
-    /// Cost: the volumes are measured, `O(n)` for `n` triangles; nothing is split.
+    /// Cost: the boxes are measured, `O(n)` for `n` triangles; nothing is split.
     ///
     /// # Errors
     /// [`LayoutError`] if the layout is of another version or mesh, or corrupt.

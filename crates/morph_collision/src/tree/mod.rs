@@ -1,4 +1,4 @@
-//! The immutable tree: which triangles are together, and what blends into a volume for each node.
+//! The immutable tree: which triangles are together, and what blends into a box for each node.
 //!
 //! `partition` (with `sah`) decides the `topology` on the base and the targets, `extents` measures every node on each of them,
 //! `tables` turns extents into what a pose blends, `leaf_lanes` lays out the leaves' triangles for the exact tests, and `build`

@@ -102,7 +102,7 @@ impl MorphBvh {
 
     /// Checks everything that the tree's own code relies on; `O(n)`.
     ///
-    /// That volumes hold their vertices is checked for given weights by
+    /// That boxes hold their vertices is checked for given weights by
     /// [`Pose::check_containment`](crate::Pose::check_containment).
     ///
     /// # Errors

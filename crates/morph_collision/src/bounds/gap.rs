@@ -3,7 +3,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::frame::{abs, own_frames, world_frames};
+use super::frame::{own_frames, world_frames};
+use super::inverse::abs;
 use super::rounding::U64;
 use super::{Aabb, Frame, Frames, WorldFromModel};
 

@@ -5,6 +5,7 @@ mod box_lanes;
 mod box_map;
 mod frame;
 mod gap;
+mod inverse;
 mod kernel;
 mod lanes;
 #[cfg(test)]

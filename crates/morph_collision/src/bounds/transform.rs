@@ -1,7 +1,7 @@
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 use thiserror::Error;
 
-use super::frame::Inverse;
+use super::inverse::Inverse;
 
 /// Where a body stands: a validated affine map from its model space to world space.
 ///

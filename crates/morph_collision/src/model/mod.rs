@@ -1,5 +1,6 @@
 //! The immutable mesh: base shape, sparse displacements, triangles, and the way back to the user's indices.
 
+mod check;
 mod error;
 mod morph_model;
 mod weld;

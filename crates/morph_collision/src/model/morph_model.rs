@@ -3,7 +3,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 use super::weld::weld;
-use super::{ModelError, Subject};
+use super::{ModelError, Subject, check};
 
 /// Coordinates beyond this leave no room for sums in `f32`.
 pub(crate) const LARGEST: f32 = 1e37;
@@ -49,10 +49,10 @@ impl MorphModel {
         triangles: &[[u32; 3]],
         targets: &[T],
     ) -> Result<Self, ModelError> {
-        check_positions(Subject::Base, base)?;
+        check::positions(Subject::Base, base)?;
         for (k, target) in targets.iter().enumerate() {
-            check_length(Subject::Target(k), target.as_ref(), base.len())?;
-            check_positions(Subject::Target(k), target.as_ref())?;
+            check::length(Subject::Target(k), target.as_ref(), base.len())?;
+            check::positions(Subject::Target(k), target.as_ref())?;
         }
         Self::from_valid_displacements(base, triangles, targets)
     }
@@ -67,12 +67,12 @@ impl MorphModel {
     pub fn from_references<T: AsRef<[Vec3]>>(references: &[T], triangles: &[[u32; 3]]) -> Result<Self, ModelError> {
         let (base, others) = references.split_first().ok_or(ModelError::NoReferences)?;
         let base = base.as_ref();
-        check_positions(Subject::Reference(0), base)?;
+        check::positions(Subject::Reference(0), base)?;
         let mut targets = Vec::with_capacity(others.len());
         for (k, reference) in others.iter().enumerate() {
             let reference = reference.as_ref();
-            check_length(Subject::Reference(k + 1), reference, base.len())?;
-            check_positions(Subject::Reference(k + 1), reference)?;
+            check::length(Subject::Reference(k + 1), reference, base.len())?;
+            check::positions(Subject::Reference(k + 1), reference)?;
             targets.push(reference.iter().zip(base).map(|(p, b)| p - b).collect::<Vec<_>>());
         }
         Self::from_valid_displacements(base, triangles, &targets)
@@ -86,9 +86,9 @@ impl MorphModel {
         if base.is_empty() {
             return Err(ModelError::NoVertices);
         }
-        check_count("vertices", base.len(), u32::MAX as usize / 4)?;
-        check_count("targets", targets.len(), u16::MAX as usize)?;
-        check_triangles(triangles, base.len())?;
+        check::count("vertices", base.len(), u32::MAX as usize / 4)?;
+        check::count("targets", targets.len(), u16::MAX as usize)?;
+        check::triangles(triangles, base.len())?;
 
         let sparse = SparseRows::gather(base.len(), targets);
         let (welded_from_source, firsts) = weld(base, |vertex| sparse.row(vertex));
@@ -256,55 +256,6 @@ impl SparseRows {
     fn row(&self, vertex: usize) -> &[Displacement] {
         &self.entries[self.rows[vertex].clone()]
     }
-}
-
-fn check_count(what: &'static str, count: usize, limit: usize) -> Result<(), ModelError> {
-    if count > limit {
-        return Err(ModelError::TooMany { what, count, limit });
-    }
-    Ok(())
-}
-
-fn check_length(subject: Subject, vectors: &[Vec3], expected: usize) -> Result<(), ModelError> {
-    let length = vectors.len();
-    if length != expected {
-        return Err(ModelError::LengthMismatch {
-            subject,
-            length,
-            expected,
-        });
-    }
-    Ok(())
-}
-
-fn check_positions(subject: Subject, positions: &[Vec3]) -> Result<(), ModelError> {
-    for (vertex, position) in positions.iter().enumerate() {
-        let bad = |value: &f32| !value.is_finite() || value.abs() > LARGEST;
-        if let Some(value) = position.to_array().into_iter().find(bad) {
-            return Err(ModelError::BadCoordinate { subject, vertex, value });
-        }
-    }
-    Ok(())
-}
-
-fn check_triangles(triangles: &[[u32; 3]], vertices: usize) -> Result<(), ModelError> {
-    if triangles.is_empty() {
-        return Err(ModelError::NoTriangles);
-    }
-    check_count("triangles", triangles.len(), i32::MAX as usize)?;
-    for (triangle, corners) in triangles.iter().enumerate() {
-        for (corner, &index) in corners.iter().enumerate() {
-            if index as usize >= vertices {
-                return Err(ModelError::IndexOutOfRange {
-                    triangle,
-                    corner,
-                    index,
-                    vertices,
-                });
-            }
-        }
-    }
-    Ok(())
 }
 
 fn reach(vectors: &[Vec3]) -> f32 {

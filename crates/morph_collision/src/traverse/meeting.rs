@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use super::cull::{Culls, Side};
-use super::pairs::{Opened, PairRule};
+use super::rule::{Opened, PairRule};
 use crate::bounds::{Aabb, LANES, with_simd};
 use crate::pose::{NodeRef, Posed};
 

@@ -5,12 +5,14 @@ mod cull;
 mod meeting;
 mod one;
 mod pairs;
+mod rule;
 mod sweep;
 mod within;
 
 pub(crate) use cull::{Culls, Side};
 pub(crate) use meeting::Meeting;
 pub(crate) use one::{OneWalk, Queue};
-pub(crate) use pairs::{Opened, PairRule, PairWalk, Stack};
+pub(crate) use pairs::{PairWalk, Stack};
+pub(crate) use rule::{Opened, PairRule};
 pub use sweep::overlapping_pairs;
 pub(crate) use within::{SelfStack, walk_within};

@@ -10,6 +10,7 @@
 mod plan;
 mod query;
 mod schedule;
+mod work;
 mod workers;
 
 pub use plan::{PairTask, Wanted};

@@ -8,7 +8,7 @@ use crate::query::{Body, QueryStats, TrianglePair};
 
 /// Asks many pairs of bodies for their intersecting triangles, on several threads; holds the memory that queries reuse.
 ///
-/// What it finds is what [`PairQuery`] finds, in the same order, on any number of threads. Pairs that share no body are looked
+/// What it finds is what [`PairQuery`](crate::PairQuery) finds, in the same order, on any number of threads. Pairs that share no body are looked
 /// at at the same time; where there are few, large ones are cut into parts.
 ///
 /// ```

@@ -142,13 +142,6 @@ impl Posed<'_> {
         [self.vertex(a), self.vertex(b), self.vertex(c)]
     }
 
-    /// Appends the posed vertices of a leaf, in model space.
-    #[inline]
-    pub(crate) fn leaf_vertices(&mut self, leaf: Leaf, posed: &mut Vec<Vec3>) {
-        let vertices = self.topology.leaf_mesh(leaf).vertices;
-        posed.extend(vertices.iter().map(|&vertex| self.vertex(vertex)));
-    }
-
     /// Appends the posed corners of a leaf's triangles, in model space, eight triangles at a time.
     #[inline]
     pub(crate) fn leaf_corners(&mut self, leaf: Leaf, posed: &mut Vec<CornerLanes>) {
@@ -169,7 +162,7 @@ impl Posed<'_> {
         let mesh = self.topology.leaf_mesh(leaf);
         let mut points = std::mem::take(&mut self.scratch.points);
         points.clear();
-        self.leaf_vertices(leaf, &mut points);
+        points.extend(mesh.vertices.iter().map(|&vertex| self.vertex(vertex)));
         for triangles in mesh.corners.chunks(LANES) {
             let mut lanes = CornerLanes::default();
             for (lane, corners) in in_lanes(triangles) {

@@ -133,18 +133,15 @@ impl DistanceQuery {
         let _stopped_early = walk.run(stack, &[], |a, b, of_a, of_b| {
             let block_a = leaves_a.read(a, world_from_a, of_a);
             let block_b = leaves_b.read(b, world_from_b, of_b);
-            let triangles_a = leaves_a.triangles(a.topology, of_a, block_a);
-            let triangles_b = leaves_b.triangles(b.topology, of_b, block_b);
-            for (triangle_a, corners_a) in triangles_a.iter() {
-                for (triangle_b, corners_b) in triangles_b.iter() {
-                    if boxes_apart(&corners_a, &corners_b) > rule.limit.get()
-                        || best.is_tied_enough(&corners_a, &corners_b)
+            for &(triangle_a, ref corners_a) in leaves_a.triangles(block_a) {
+                for &(triangle_b, ref corners_b) in leaves_b.triangles(block_b.clone()) {
+                    if boxes_apart(corners_a, corners_b) > rule.limit.get() || best.is_tied_enough(corners_a, corners_b)
                     {
                         continue;
                     }
                     triangle_tests += 1;
                     let pair = TrianglePair { triangle_a, triangle_b };
-                    rule.limit.set(best.look(pair, &corners_a, &corners_b)?);
+                    rule.limit.set(best.look(pair, corners_a, corners_b)?);
                 }
             }
             ControlFlow::Continue(())

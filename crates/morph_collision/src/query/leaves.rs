@@ -1,11 +1,13 @@
 //! The triangles of leaves in world space, kept for the time of a query: a leaf meets several of the other body's.
 
-use glam::{DVec3, Vec3};
+use std::ops::Range;
 
-use crate::bounds::WorldFromModel;
+use glam::Vec3;
+
+use crate::bounds::{LANES, Lanes, WorldFromModel};
 use crate::exact::Triangle;
 use crate::pose::Posed;
-use crate::tree::{Leaf, LeafMesh, Topology};
+use crate::tree::{CornerLanes, Leaf};
 
 /// Which leaves of a body a query has read, and as which of its blocks.
 #[derive(Debug, Default)]
@@ -40,61 +42,69 @@ impl LeafStamps {
     }
 }
 
-/// The placed vertices of the leaves of one body that a query has read; the memory is reused by the next query.
+/// The triangles of the leaves of one body that a query has read, placed in the world; the memory is reused by the next query.
 #[derive(Debug, Default)]
 pub(super) struct Leaves {
     stamps: LeafStamps,
-    /// Where the vertices of a block are among `points`.
-    blocks: Vec<usize>,
-    points: Vec<DVec3>,
+    /// Where each block's triangles are among `placed`.
+    blocks: Vec<Range<usize>>,
+    placed: Vec<(u32, Triangle)>,
     /// Of the leaf that is being read.
-    posed: Vec<Vec3>,
+    posed: Vec<CornerLanes>,
 }
 
 impl Leaves {
-    /// Forgets the leaves of the query before.
+    /// Forgets the leaves of the query before; there are so many.
     pub(super) fn begin(&mut self, leaves: usize) {
         self.stamps.begin(leaves);
         self.blocks.clear();
-        self.points.clear();
+        self.placed.clear();
     }
 
-    /// A leaf's block; its vertices are blended and placed at the first call.
-    pub(super) fn read(&mut self, tree: &mut Posed<'_>, world_from_model: &WorldFromModel, leaf: Leaf) -> usize {
+    /// Where a leaf's triangles are; they are blended and placed at the first call.
+    pub(super) fn read(&mut self, tree: &mut Posed<'_>, world_from_model: &WorldFromModel, leaf: Leaf) -> Range<usize> {
         if let Some(block) = self.stamps.find(leaf) {
-            return block;
+            return self.blocks[block].clone();
         }
-        let block = self.blocks.len();
-        self.stamps.insert(leaf, block);
-        self.blocks.push(self.points.len());
-        self.posed.clear();
-        tree.leaf_vertices(leaf, &mut self.posed);
-        let points = self.posed.iter().map(|&posed| world_from_model.transform_point(posed));
-        self.points.extend(points);
+        let start = self.placed.len();
+        place_leaf(tree, world_from_model, leaf, &mut self.posed, &mut self.placed);
+        let block = start..self.placed.len();
+        self.stamps.insert(leaf, self.blocks.len());
+        self.blocks.push(block.clone());
         block
     }
 
-    /// The triangles of a leaf that was read.
-    pub(super) fn triangles<'a>(&'a self, topology: &'a Topology, leaf: Leaf, block: usize) -> Triangles<'a> {
-        Triangles {
-            mesh: topology.leaf_mesh(leaf),
-            points: &self.points[self.blocks[block]..],
-        }
+    /// Triangles that were read, each with its number.
+    pub(super) fn triangles(&self, block: Range<usize>) -> &[(u32, Triangle)] {
+        &self.placed[block]
     }
 }
 
-/// The placed triangles of a leaf.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Triangles<'a> {
-    mesh: LeafMesh<'a>,
-    points: &'a [DVec3],
+/// Appends a leaf's triangles to `placed`, each with its number and its corners in world space; `posed` is scratch memory.
+pub(super) fn place_leaf(
+    tree: &mut Posed<'_>,
+    world_from_model: &WorldFromModel,
+    leaf: Leaf,
+    posed: &mut Vec<CornerLanes>,
+    placed: &mut Vec<(u32, Triangle)>,
+) {
+    posed.clear();
+    tree.leaf_corners(leaf, posed);
+    let numbers = tree.topology.leaf_triangles(leaf);
+    for (corners, numbers) in posed.iter().zip(numbers.chunks(LANES)) {
+        let triangles = numbers.iter().enumerate();
+        placed.extend(triangles.map(|(lane, &number)| (number, placed_triangle(corners, lane, world_from_model))));
+    }
 }
 
-impl Triangles<'_> {
-    /// Each with its number.
-    pub(super) fn iter(&self) -> impl Iterator<Item = (u32, Triangle)> {
-        let corners = self.mesh.corners.iter();
-        let placed = corners.map(|corners| corners.map(|corner| self.points[usize::from(corner)]));
-        self.mesh.triangles.iter().copied().zip(placed)
-    }
+/// The corners of a triangle of a patch in world space.
+#[inline(always)]
+pub(super) fn placed_triangle(posed: &CornerLanes, lane: usize, world_from_model: &WorldFromModel) -> Triangle {
+    let lane = lane % LANES;
+    let corner = |[x, y, z]: &[Lanes; 3]| {
+        let posed = Vec3::new(x.0[lane], y.0[lane], z.0[lane]);
+        world_from_model.transform_point(posed)
+    };
+    let [a, b, c] = posed;
+    [corner(a), corner(b), corner(c)]
 }

@@ -2,18 +2,20 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 
-use super::body::world_triangle;
+use super::leaves::place_leaf;
 use super::stats::QueryStats;
 use crate::bounds::{Box64, WorldFromModel};
 use crate::exact::Triangle;
 use crate::pose::Posed;
 use crate::traverse::{OneWalk, Queue};
+use crate::tree::CornerLanes;
 
 /// The memory of a query over one body, and the way it goes about it.
 #[derive(Debug, Default)]
 pub(super) struct OneBody {
     queue: Queue,
-    numbers: Vec<u32>,
+    posed: Vec<CornerLanes>,
+    placed: Vec<(u32, Triangle)>,
 }
 
 impl OneBody {
@@ -30,18 +32,18 @@ impl OneBody {
         let before = tree.blended();
         let mut walk = OneWalk { tree, node_tests: 0 };
         let mut triangle_tests = 0;
-        let Self { queue, numbers } = self;
+        let Self { queue, posed, placed } = self;
         let _stopped_early = walk.run(
             queue,
             limit,
             |bounds| bound(&Box64::of(bounds)),
             |tree, leaf| {
-                numbers.clear();
-                numbers.extend_from_slice(tree.topology.leaf_triangles(leaf));
+                placed.clear();
+                place_leaf(tree, world_from_model, leaf, posed, placed);
                 let mut limit = f64::INFINITY;
-                for &number in &*numbers {
+                for (number, triangle) in &*placed {
                     triangle_tests += 1;
-                    limit = at_triangle(number, &world_triangle(tree, world_from_model, number))?;
+                    limit = at_triangle(*number, triangle)?;
                 }
                 ControlFlow::Continue(limit)
             },

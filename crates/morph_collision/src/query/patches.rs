@@ -2,17 +2,15 @@
 
 use std::ops::{ControlFlow, Range};
 
-use fearless_simd::Level;
-use glam::Vec3;
-
-use super::leaves::LeafStamps;
+use super::leaves::{LeafStamps, placed_triangle};
 use super::neighbourhood::Neighbourhood;
 use super::pairs::TrianglePair;
 use super::patch::{Patch, PatchPairs};
-use crate::bounds::{LANES, Lanes, WorldFromModel, with_simd};
+use crate::bounds::{LANES, WorldFromModel, with_simd};
 use crate::exact::{Facet, Triangle, facets_intersect_counting};
 use crate::pose::Posed;
 use crate::tree::{CornerLanes, Leaf};
+use fearless_simd::Level;
 
 /// The leaves of one body that a query has read, as patches of up to eight triangles; the memory is reused by the next query.
 #[derive(Debug, Default)]
@@ -90,13 +88,7 @@ impl Patches {
     /// The corners of a triangle in world space.
     #[inline(always)]
     fn triangle(&self, patch: usize, lane: usize) -> Triangle {
-        let [a, b, c] = &self.posed[patch];
-        let lane = lane % LANES;
-        let corner = |[x, y, z]: &[Lanes; 3]| {
-            let posed = Vec3::new(x.0[lane], y.0[lane], z.0[lane]);
-            self.world_from_model.transform_point(posed)
-        };
-        [corner(a), corner(b), corner(c)]
+        placed_triangle(&self.posed[patch], lane, &self.world_from_model)
     }
 }
 

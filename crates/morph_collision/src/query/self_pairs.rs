@@ -1,13 +1,12 @@
 use std::ops::ControlFlow;
 
-use glam::Vec3;
-
 use super::capped::Capped;
+use super::leaves::Leaves;
 use super::{QueryStats, TrianglePair};
-use crate::exact::{Triangle, triangles_intersect_counting};
+use crate::bounds::WorldFromModel;
+use crate::exact::triangles_intersect_counting;
 use crate::pose::{Pose, Posed};
 use crate::traverse::{SelfStack, walk_within};
-use crate::tree::Leaf;
 
 /// Asks which triangles of one posed mesh intersect each other; holds the memory that queries reuse.
 ///
@@ -34,8 +33,7 @@ use crate::tree::Leaf;
 #[derive(Debug, Default)]
 pub struct SelfQuery {
     stack: SelfStack,
-    leaf_a: Vec<(u32, [u32; 3], Triangle)>,
-    leaf_b: Vec<(u32, [u32; 3], Triangle)>,
+    leaves: Leaves,
 }
 
 impl SelfQuery {
@@ -81,23 +79,25 @@ impl SelfQuery {
     fn walk(&mut self, posed: &mut Posed<'_>, visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>) -> QueryStats {
         let before = posed.blended();
         let mut stats = QueryStats::default();
-        let Self { stack, leaf_a, leaf_b } = self;
+        let Self { stack, leaves } = self;
+        leaves.begin(posed.topology.leaf_count());
         stats.node_tests = walk_within(posed, stack, |posed, a, b| {
-            read(posed, a, leaf_a);
-            if a != b {
-                read(posed, b, leaf_b);
-            }
-            for (i, (number_a, vertices_a, corners_a)) in leaf_a.iter().enumerate() {
-                let others = if a == b { &leaf_a[i + 1..] } else { &leaf_b[..] };
-                for (number_b, vertices_b, corners_b) in others {
-                    if vertices_a.iter().any(|vertex| vertices_b.contains(vertex)) {
+            // In model space, where the shape alone decides.
+            let [block_a, block_b] = [a, b].map(|leaf| leaves.read(posed, &WorldFromModel::IDENTITY, leaf));
+            let vertices = |number: u32| posed.model.triangle(number as usize);
+            for (i, &(number_a, ref corners_a)) in leaves.triangles(block_a).iter().enumerate() {
+                let others = leaves.triangles(block_b.clone());
+                let others = if a == b { &others[i + 1..] } else { others };
+                let vertices_a = vertices(number_a);
+                for &(number_b, ref corners_b) in others {
+                    if vertices_a.iter().any(|vertex| vertices(number_b).contains(vertex)) {
                         continue;
                     }
                     stats.triangle_tests += 1;
                     if triangles_intersect_counting(corners_a, corners_b, &mut stats.undecided_by_filter) {
                         visitor(TrianglePair {
-                            triangle_a: *number_a.min(number_b),
-                            triangle_b: *number_a.max(number_b),
+                            triangle_a: number_a.min(number_b),
+                            triangle_b: number_a.max(number_b),
                         })?;
                     }
                 }
@@ -107,15 +107,5 @@ impl SelfQuery {
         let after = posed.blended();
         stats += QueryStats::blending([before], [after]);
         stats
-    }
-}
-
-/// A leaf's triangles: number, welded vertices and posed corners.
-fn read(posed: &mut Posed<'_>, leaf: Leaf, triangles: &mut Vec<(u32, [u32; 3], Triangle)>) {
-    let topology = posed.topology;
-    triangles.clear();
-    for &number in topology.leaf_triangles(leaf) {
-        let vertices = posed.model.triangle(number as usize);
-        triangles.push((number, vertices, posed.corners(number).map(Vec3::as_dvec3)));
     }
 }

@@ -13,8 +13,8 @@ pub struct QueryStats {
     pub undecided_by_filter: u64,
     /// Boxes blended; ones already blended for these weights are not counted again.
     pub volumes_blended: u64,
-    /// Vertices blended: for pairs of bodies the vertices of each leaf that the query reads, otherwise those that were not yet
-    /// blended for these weights.
+    /// Vertices blended: those of each leaf that the query reads, every time; where leaves are blended vertex by vertex (few triangles
+    /// in a leaf, or many targets), only those that were not yet blended for these weights.
     pub vertices_blended: u64,
 }
 

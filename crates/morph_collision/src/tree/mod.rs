@@ -23,7 +23,7 @@ pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, in_lanes, put}
 pub use options::{BuildError, BuildOptions};
 pub use stats::{BrokenTree, BvhStats};
 pub(crate) use tables::{GroupTables, Tables};
-pub(crate) use topology::{Child, ChildKind, Leaf, LeafMesh, Topology};
+pub(crate) use topology::{Child, ChildKind, Leaf, Topology};
 
 #[cfg(test)]
 mod sah_tests;

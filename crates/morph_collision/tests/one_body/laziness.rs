@@ -81,9 +81,10 @@ fn a_distance_looks_at_a_small_part_of_both_trees() {
     assert!(stats.node_tests < 10 && stats.triangle_tests == 0, "{stats:?}");
 }
 
-/// Every kind of query finds what earlier ones blended; in the end each node and each vertex was blended exactly once.
+/// Every kind of query finds the boxes that earlier ones blended; in the end each was blended exactly once. Vertices are those of the
+/// leaves that a query reads.
 #[test]
-fn what_one_query_blends_the_next_one_finds() {
+fn the_boxes_that_one_query_blends_the_next_one_finds() {
     type Ask<'a> = Box<dyn Fn(Body<'_>) -> QueryStats + 'a>;
     let case = swimming(0.0);
     let place = case.world_from_model();
@@ -118,10 +119,13 @@ fn what_one_query_blends_the_next_one_finds() {
                 again.triangle_tests > 0 && again.node_tests == first.node_tests,
                 "{what}: {again:?}"
             );
-            assert_eq!((again.volumes_blended, again.vertices_blended), (0, 0), "{what}");
+            assert_eq!(again.volumes_blended, 0, "{what}");
+            for stats in [first, again] {
+                assert!(stats.vertices_blended <= 3 * stats.triangle_tests, "{what}: {stats:?}");
+            }
             total += first;
         }
         assert_eq!(total.volumes_blended, bvh.node_count() as u64);
-        assert_eq!(total.vertices_blended, bvh.model().vertex_count() as u64);
+        assert!(total.vertices_blended >= bvh.model().vertex_count() as u64);
     }
 }

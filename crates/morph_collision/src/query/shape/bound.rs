@@ -2,7 +2,7 @@ use glam::{DMat3, DVec3};
 
 use super::placed::PlacedShape;
 use super::solid::Solid;
-use crate::bounds::{Aabb, WorldFromModel};
+use crate::bounds::{Aabb, Box64, WorldFromModel};
 use crate::exact::closest_on_segment;
 
 /// Lower bounds for the signed distances of all that is in a box in model space.
@@ -50,11 +50,10 @@ impl<'a> NodeBound<'a> {
         }
     }
 
-    pub(super) fn lower_bound(&self, node: &Aabb) -> f64 {
+    pub(super) fn lower_bound(&self, node: &Box64) -> f64 {
         let m = self.world_from_model.linear();
-        let (min, max) = (node.min.as_dvec3(), node.max.as_dvec3());
-        let half = (max - min) * 0.5;
-        let center = m * ((min + max) * 0.5) + self.world_from_model.translation();
+        let half = node.half;
+        let center = m * node.center + self.world_from_model.translation();
         let radius_along = |w: DVec3| {
             (w.dot(m.x_axis) * half.x).abs() + (w.dot(m.y_axis) * half.y).abs() + (w.dot(m.z_axis) * half.z).abs()
         };

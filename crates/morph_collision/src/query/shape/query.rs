@@ -5,12 +5,10 @@ use glam::DVec3;
 
 use super::bound::NodeBound;
 use super::placed::PlacedShape;
-use crate::bounds::Aabb;
 use crate::exact::Triangle;
-use crate::query::body::world_triangle;
 use crate::query::capped::Capped;
+use crate::query::one::OneBody;
 use crate::query::{Body, QueryStats};
-use crate::traverse::{OneWalk, Queue};
 
 /// The closest or deepest contact of a triangle with a shape, in world space and `f64`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,8 +55,7 @@ pub struct ShapeContact {
 /// ```
 #[derive(Debug, Default)]
 pub struct ShapeQuery {
-    queue: Queue,
-    numbers: Vec<u32>,
+    one: OneBody,
 }
 
 impl ShapeQuery {
@@ -182,30 +179,16 @@ impl ShapeQuery {
         let world_from_model = body.world_from_model;
         let mut posed = body.pose.posed();
         let bound = NodeBound::new(shape, world_from_model, &posed.bounds());
-        let before = posed.blended();
-        let mut triangle_tests = 0;
-        let Self { queue, numbers } = self;
-        let mut walk = OneWalk {
-            tree: &mut posed,
-            node_tests: 0,
-        };
-        let lower_bound = |node: &Aabb| Some(bound.lower_bound(node));
-        let _stopped_early = walk.run(queue, limit.get(), lower_bound, |posed, leaf| {
-            numbers.clear();
-            numbers.extend_from_slice(posed.topology.leaf_triangles(leaf));
-            for &triangle in &*numbers {
-                triangle_tests += 1;
-                at_triangle(triangle, &world_triangle(posed, world_from_model, triangle))?;
-            }
-            ControlFlow::Continue(limit.get())
-        });
-        let node_tests = walk.node_tests;
-        let after = posed.blended();
-        QueryStats {
-            node_tests,
-            triangle_tests,
-            ..QueryStats::blending([before], [after])
-        }
+        self.one.walk(
+            &mut posed,
+            world_from_model,
+            limit.get(),
+            |node| Some(bound.lower_bound(node)),
+            |triangle, corners| {
+                at_triangle(triangle, corners)?;
+                ControlFlow::Continue(limit.get())
+            },
+        )
     }
 }
 

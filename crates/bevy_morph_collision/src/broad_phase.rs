@@ -53,7 +53,7 @@ pub(crate) struct Participant {
 
 /// Places every collider and pairs those of different bodies whose world bounds overlap.
 ///
-/// Only the root volume of each tree is refitted for this, and only where something changed. A transform that is not finite is
+/// Only the root box of each tree is refitted for this, and only where something changed. A transform that is not finite is
 /// logged once, until it is finite again, and leaves its collider out.
 pub(crate) fn find_candidates(
     mut colliders: Query<Participant>,
@@ -147,7 +147,7 @@ impl ParticipantItem<'_, '_> {
         if !(0.0..1e30).contains(&margin) {
             return Err(BadPlace::Margin(margin));
         }
-        // A pose keeps its root volume as long as its weights stay.
+        // A pose keeps its root box as long as its weights stay.
         state.reposed = false;
         Ok(Some(Placement {
             form,

@@ -13,7 +13,7 @@ use crate::contacts::MorphCollisions;
 use crate::narrow_phase::world_triangle;
 use crate::plugin::MorphCollisionSystems;
 
-/// Draws volumes, contacts and touching triangles, as [`MorphGizmos`] says.
+/// Draws boxes of trees, contacts and touching triangles, as [`MorphGizmos`] says.
 ///
 /// It needs [`MorphCollisionPlugin`](crate::MorphCollisionPlugin) and Bevy's `GizmoPlugin` (one of `DefaultPlugins`); an error in the log
 /// says which one is missing. The lines are Bevy's gizmos: to see them you need a renderer with `bevy_gizmos_render`.

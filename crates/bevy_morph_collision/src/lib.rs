@@ -50,7 +50,7 @@
 //! - [`MorphSpatialQuery`] (`spatial`): rays, overlaps, closest points, contacts, posed vertices, for any system.
 //! - [`MorphBoundsPlugin`] (`bounds`): the `Aabb` that Bevy culls morphing meshes by.
 //! - `MorphPickingPlugin` (`picking`, feature `picking`): pointers hit what is drawn.
-//! - `MorphGizmosPlugin` (`gizmos`, feature `gizmos`): volumes, contacts, touching triangles, drawn.
+//! - `MorphGizmosPlugin` (`gizmos`, feature `gizmos`): boxes of trees, contacts, touching triangles, drawn.
 //! - `MorphRapierPlugin` (`rapier`, feature `rapier`): rigid bodies of `bevy_rapier3d` feel the surface.
 //! - `MorphCollisionDiagnosticsPlugin` (feature `diagnostics`): the counts in Bevy's `DiagnosticsStore`.
 //!

@@ -60,7 +60,7 @@
 //! | a place on the surface that follows the shape | [`SurfaceAnchor`] |
 //! | bounds, positions and normals of a shape | [`Pose`] |
 //!
-//! How a tree is built ([`BuildOptions`]) never changes an answer; `docs/performance.md` in the repository says what each option is worth.
+//! How a tree is built ([`BuildOptions`]) never changes an answer; `docs/performance.md` in the repository says what the size of leaves is worth.
 //!
 //! # What an answer means
 //!

@@ -1,4 +1,4 @@
-//! The same bits for every kind of volume, on any number of threads, with all instructions that this machine has.
+//! The same bits for trees of several leaf sizes, on any number of threads, with all instructions that this machine has.
 
 use morph_collision_testkit::determinism::{answer_all, differences, write};
 
@@ -6,7 +6,7 @@ use morph_collision_testkit::determinism::{answer_all, differences, write};
 const WRITE: &str = "WRITE_EXPECTED";
 
 #[test]
-fn answers_and_vertices_are_the_expected_bits_for_every_volume_and_thread_count() {
+fn answers_and_vertices_are_the_expected_bits_for_every_tree_and_thread_count() {
     let lines = answer_all(&[1, 2, 8]).unwrap_or_else(|error| panic!("{error}"));
     if std::env::var_os(WRITE).is_some() {
         write(&lines).expect("the file can be written");

@@ -2,7 +2,6 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};
 use glam::Vec3;
 
-use super::box_map::BoxMap;
 use super::{Aabb, LANES, Lanes};
 
 /// Eight boxes side by side, as structure of arrays: the children of a node, or the triangles of a patch.
@@ -82,9 +81,10 @@ impl BoxLanes {
         }
     }
 
-    /// Makes one lane the smallest box around the corners of triangles side by side; every lane of `corners` holds a triangle.
+    /// The smallest box around the corners of triangles side by side; every lane of `corners` holds a triangle.
     #[inline(always)]
-    pub(crate) fn fit_corners<S: Simd>(&mut self, simd: S, lane: usize, corners: &[[[Lanes; 3]; 3]]) {
+    pub(crate) fn around<S: Simd>(simd: S, corners: &[[[Lanes; 3]; 3]]) -> Aabb {
+        let mut bounds = Aabb::EMPTY;
         for axis in 0..3 {
             let mut low = f32x8::splat(simd, f32::INFINITY);
             let mut high = f32x8::splat(simd, f32::NEG_INFINITY);
@@ -96,15 +96,10 @@ impl BoxLanes {
             let (mut lows, mut highs) = (Lanes::default(), Lanes::default());
             low.store_slice(&mut lows.0);
             high.store_slice(&mut highs.0);
-            self.min[axis].0[lane % LANES] = lows.least();
-            self.max[axis].0[lane % LANES] = highs.most();
+            bounds.min[axis] = lows.least();
+            bounds.max[axis] = highs.most();
         }
-    }
-
-    /// Takes the boxes to another frame, outward; what lanes without a child become does not matter.
-    #[inline(always)]
-    pub(crate) fn map_all<S: Simd>(&self, simd: S, map: &BoxMap, mapped: &mut Self) {
-        map.all(simd, self, mapped);
+        bounds
     }
 
     /// How far each lane reaches into `other`, about: where intersections are the more likely the deeper.

@@ -75,9 +75,9 @@ impl BoxMap {
         }
     }
 
-    /// The images of eight.
+    /// The images of eight; what lanes without a child become does not matter.
     #[inline(always)]
-    pub(super) fn all<S: Simd>(&self, simd: S, source: &BoxLanes, mapped: &mut BoxLanes) {
+    pub(crate) fn all<S: Simd>(&self, simd: S, source: &BoxLanes, mapped: &mut BoxLanes) {
         let ends: [&Lanes; 6] = {
             let ([a, b, c], [d, e, f]) = (&source.min, &source.max);
             [a, b, c, d, e, f]

@@ -243,9 +243,9 @@ fn relative(
     })
 }
 
-#[cfg(test)]
 /// `a_from_b` for points within the bodies' bounds, its error covering their placement too; `None` where A cannot be
 /// inverted.
+#[cfg(test)]
 pub(crate) fn a_from_b(
     world_from_a: &WorldFromModel,
     a: &Aabb,

@@ -51,7 +51,7 @@ pub(super) fn evaluate<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &[f32
             boxes.add_interval(simd, rest, interval);
         }
     }
-    widening(reach, active, active + products)
+    widening(reach, active, products)
 }
 
 /// Boxes as [`blend_group`]'s, from an anchor's: tight at weights `w*`, moved by the interval form of `w - w*`.

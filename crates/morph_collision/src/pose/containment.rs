@@ -33,7 +33,8 @@ impl Pose {
     /// Checks every box of the tree, blended for the weights in force, against every vertex below it: both the posed
     /// vertex in `f32` and its position to `f64` precision.
     ///
-    /// A tool for tests and tools; it blends the whole mesh. Any violation is a bug of this crate.
+    /// A tool for tests and tools; it blends the whole mesh. Any violation is a bug of this crate, but after a
+    /// [`Pose::refit`]: those boxes are fitted to the rounded vertices alone.
     pub fn check_containment(&mut self) -> ContainmentReport {
         let mut report = ContainmentReport::default();
         check_group(&mut self.posed(), 0, &mut Vec::new(), &mut report);

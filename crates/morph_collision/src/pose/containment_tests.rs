@@ -18,7 +18,7 @@ fn models() -> impl Strategy<Value = MorphModel> {
         let displacement = prop_oneof![Just(Vec3::ZERO), vector()];
         (
             prop::collection::vec(vector(), vertices),
-            prop::collection::vec(prop::array::uniform3(0..vertices as u32), 1..40),
+            prop::collection::vec(prop::array::uniform3(0..vertices as u32), 1..200),
             prop::collection::vec(prop::collection::vec(displacement, vertices), targets),
         )
             .prop_map(|(base, triangles, targets)| MorphModel::from_displacements(&base, &triangles, &targets).unwrap())
@@ -47,7 +47,7 @@ fn weights() -> impl Strategy<Value = [f32; 6]> {
 }
 
 fn options() -> impl Strategy<Value = BuildOptions> {
-    (1_usize..12).prop_map(|leaf_size| BuildOptions::default().with_leaf_size(leaf_size))
+    (1_usize..5).prop_map(|leaf_size| BuildOptions::default().with_leaf_size(leaf_size))
 }
 
 proptest! {

@@ -87,10 +87,12 @@ impl Pose {
         self.boxes.next_epoch();
     }
 
-    /// Goes back to blending from the tree's references.
+    /// Goes back to blending from the tree's references; without an anchor nothing changes.
     pub fn drop_anchor(&mut self) {
-        self.source = Source::References;
-        self.boxes.next_epoch();
+        if self.is_anchored() {
+            self.source = Source::References;
+            self.boxes.next_epoch();
+        }
     }
 
     /// Whether an anchor is in use.

@@ -14,9 +14,7 @@ impl Posed<'_> {
         fit_bottom_up(topology, &mut boxes, |leaf| {
             corners.clear();
             self.leaf_corners(leaf, &mut corners);
-            let mut fitted = BoxLanes::default();
-            with_simd!(self.level, simd => fitted.fit_corners(simd, 0, &corners));
-            fitted.get(0)
+            with_simd!(self.level, simd => BoxLanes::around(simd, &corners))
         });
         self.scratch.corners = corners;
         self.boxes.next_epoch();

@@ -99,3 +99,91 @@ fn other_weights_end_a_refit() {
         assert_eq!(pose.check_containment().first, None);
     }
 }
+
+fn assert_tight(posed: &mut Posed<'_>, about: &str) {
+    let size = posed.bounds().size().max_element();
+    each_box(posed, 0, &mut |bounds, points, _| {
+        let tight = Aabb::from_points(points.iter().copied());
+        let near = 1e-4 * size;
+        assert!(
+            bounds.min.abs_diff_eq(tight.min, near),
+            "{about}: {bounds:?}, {tight:?}"
+        );
+        assert!(
+            bounds.max.abs_diff_eq(tight.max, near),
+            "{about}: {bounds:?}, {tight:?}"
+        );
+    });
+}
+
+#[test]
+fn every_box_is_tight_at_the_base_at_each_target_and_at_an_anchor() {
+    let meshes = [
+        morph_collision_testkit::models::dolphin(0),
+        morph_collision_testkit::models::random::random_blob(3, 3, 5, 0.5),
+    ];
+    for mesh in meshes {
+        let model = MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap();
+        let bvh = MorphBvh::build(Arc::new(model), &BuildOptions::default()).unwrap();
+        let mut pose = Pose::new(Arc::new(bvh));
+        let targets = mesh.targets.len();
+        assert_tight(&mut pose.posed(), "base");
+        for target in 0..targets {
+            let mut weights = vec![0.0; targets];
+            weights[target] = 1.0;
+            pose.set_weights(&weights).unwrap();
+            assert_tight(&mut pose.posed(), &format!("target {target}"));
+        }
+        pose.set_weights(&vec![-0.7; targets]).unwrap();
+        pose.take_anchor();
+        assert_tight(&mut pose.posed(), "anchor");
+    }
+}
+
+/// Anchors, refits and weights one after the other in any order: no box is left over from before.
+#[test]
+fn boxes_hold_every_vertex_whatever_they_were_made_from_before() {
+    let mut rng = Pcg64Mcg::seed_from_u64(4);
+    for _ in 0..60 {
+        let mut pose = refitted(&mut rng);
+        for _ in 0..12 {
+            match rng.random_range(0..5) {
+                0 => pose.take_anchor(),
+                1 => pose.drop_anchor(),
+                2 => pose.refit(),
+                _ => {
+                    let weights: Vec<f32> = pose.weights().iter().map(|_| rng.random_range(-2.0..3.0)).collect();
+                    pose.set_weights(&weights).unwrap();
+                }
+            }
+            each_box(&mut pose.posed(), 0, &mut |bounds, points, _| {
+                assert!(points.iter().all(|point| bounds.contains(*point)), "{bounds:?}");
+            });
+        }
+    }
+}
+
+/// The bound that physics moves surfaces by.
+#[test]
+fn no_vertex_moves_farther_between_weights_than_the_bound() {
+    let mut rng = Pcg64Mcg::seed_from_u64(5);
+    let mut nearest = 0.0_f64;
+    for _ in 0..60 {
+        let mut pose = refitted(&mut rng);
+        let count = pose.bvh().model().vertex_count() as u32;
+        let mut before = pose.weights().to_vec();
+        for _ in 0..4 {
+            let places: Vec<Vec3> = (0..count).map(|vertex| pose.vertex(vertex).unwrap()).collect();
+            let weights: Vec<f32> = before.iter().map(|_| rng.random_range(-2.0..3.0)).collect();
+            pose.set_weights(&weights).unwrap();
+            let bound = pose.displacement_from(&before);
+            for (vertex, place) in (0..count).zip(places) {
+                let moved = pose.vertex(vertex).unwrap().as_dvec3().distance(place.as_dvec3());
+                assert!(moved <= bound, "{moved}, bound {bound}");
+                nearest = nearest.max(if bound > 0.0 { moved / bound } else { 0.0 });
+            }
+            before = weights;
+        }
+    }
+    assert!(nearest > 0.3, "the bound is far from reached: {nearest}");
+}

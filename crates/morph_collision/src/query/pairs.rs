@@ -240,7 +240,7 @@ impl PairQuery {
                     *front = walk.front(stack, least);
                     ControlFlow::Continue(())
                 }
-                Start::Roots | Start::Deepest | Start::Leaves(_) => walk.run(stack, &[], at_leaves),
+                _ => walk.run(stack, &[], at_leaves),
             };
             node_tests = walk.node_tests;
         }

@@ -71,7 +71,7 @@ impl SelfQuery {
 
     /// Calls `visitor` for every pair of intersecting triangles, the smaller number first, until it breaks.
     ///
-    /// Volumes and vertices that the query looks at are blended into the pose's cache.
+    /// Boxes and vertices that the query looks at are blended into the pose's cache.
     pub fn visit(&mut self, pose: &mut Pose, mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>) -> QueryStats {
         self.walk(&mut pose.posed(), &mut visitor)
     }

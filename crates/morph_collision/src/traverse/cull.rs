@@ -53,7 +53,7 @@ impl View {
             self.grow(slot);
         }
         let Some(map) = &self.map else { return };
-        tree.boxes(slot).map_all(simd, map, &mut self.mapped[slot]);
+        map.all(simd, tree.boxes(slot), &mut self.mapped[slot]);
         self.stamps[slot] = query;
     }
 

@@ -16,6 +16,8 @@ pub(crate) struct Meeting<'a> {
 impl PairRule for Meeting<'_> {
     type Key = ();
 
+    const TAKES_BOTH: bool = true;
+
     fn start(&self, a: &Aabb, b: &Aabb) -> Option<()> {
         self.culls.borrow().overlap(a, b).then_some(())
     }
@@ -31,11 +33,6 @@ impl PairRule for Meeting<'_> {
         let mut culls = self.culls.borrow_mut();
         let own = (tree, opened.slot, opened.mask);
         with_simd!(tree.level, simd => culls.overlap_mask(simd, side, own, (other, node)))
-    }
-
-    #[inline(always)]
-    fn takes_both(&self) -> bool {
-        true
     }
 
     #[inline(always)]

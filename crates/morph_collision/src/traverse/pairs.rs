@@ -118,7 +118,7 @@ impl<'p, R: PairRule> PairWalk<'_, 'p, R> {
                 let size_a = self.a.node_box(a).girth();
                 let size_b = self.b.node_box(b).girth() * self.a_from_b_scale;
                 let alike = size_a < ALIKE * size_b && size_b < ALIKE * size_a;
-                if alike && self.rule.takes_both() {
+                if alike && R::TAKES_BOTH {
                     self.descend_both(group_a, (group_b, b), stack);
                 } else if size_a >= size_b {
                     self.descend_a(group_a, b, stack);

@@ -20,10 +20,7 @@ pub(crate) trait PairRule {
     ) -> u8;
 
     /// Whether [`PairRule::both`] may be asked: keys need no order, and a step of the walk may be a large one.
-    #[inline]
-    fn takes_both(&self) -> bool {
-        false
-    }
+    const TAKES_BOTH: bool = false;
 
     /// For each lane of `rows`, a mask of A's children, which ones of B's it is to be looked at with.
     #[inline]

@@ -29,15 +29,13 @@ fn judge(shape: &Shape, others: &[Shape], about: &str) {
             others,
             leaf_size,
         };
-        {
-            let mut triangles: Vec<u32> = (0..count as u32).collect();
-            let lengths = split(&rule, &mut triangles);
-            let about = format!("{about}, {count} triangles, {leaf_size} to a leaf: {lengths:?}");
-            assert!(!lengths.contains(&0) && lengths.len() <= 8, "{about}");
-            assert_eq!(lengths.iter().sum::<usize>(), count, "{about}");
-            triangles.sort_unstable();
-            assert!(triangles.into_iter().eq(0..count as u32), "{about}");
-        }
+        let mut triangles: Vec<u32> = (0..count as u32).collect();
+        let lengths = split(&rule, &mut triangles);
+        let about = format!("{about}, {count} triangles, {leaf_size} to a leaf: {lengths:?}");
+        assert!(!lengths.contains(&0) && lengths.len() <= 8, "{about}");
+        assert_eq!(lengths.iter().sum::<usize>(), count, "{about}");
+        triangles.sort_unstable();
+        assert!(triangles.into_iter().eq(0..count as u32), "{about}");
     }
 }
 

@@ -109,13 +109,30 @@ fn a_pair_that_goes_on_touching_is_found_where_it_touched() {
 
 #[test]
 fn a_memory_of_one_tree_says_nothing_about_another() {
+    let touching_at = |x: f32| [0.0, x].map(|x| (vec![], Affine3A::from_translation(Vec3::X * x)));
     let mut memory = PairMemory::new();
-    let (mesh, frames) = swimming(0.0);
-    let (before, _) = replay(&mesh, &frames, Ask::FirstWith(&mut memory));
-    assert!(before.iter().any(|pairs| !pairs.is_empty()));
-    // The same memory, but other trees, whose leaves have other numbers.
-    let (mesh, frames) = jumping();
-    let (plain, _) = replay(&mesh, &frames, Ask::First);
-    let (with, _) = replay(&mesh, &frames, Ask::FirstWith(&mut memory));
-    assert_eq!(touching(&with), touching(&plain));
+    // The last triangles of a long row touch, which a small tree has no leaves for.
+    let row = |cubes: usize| {
+        let mut mesh = random::random_blob(3, 1, 0, 0.0);
+        let one = mesh.clone();
+        for cube in 1..cubes as u32 {
+            let first = mesh.positions.len() as u32;
+            mesh.positions
+                .extend(one.positions.iter().map(|p| *p + Vec3::X * 4.0 * cube as f32));
+            mesh.triangles.extend(
+                one.triangles
+                    .iter()
+                    .map(|triangle| triangle.map(|vertex| vertex + first)),
+            );
+        }
+        mesh
+    };
+    let (long, short) = (row(20), row(1));
+    let at_the_end = vec![touching_at(4.0 * 19.0 + 0.5)];
+    let (before, _) = replay(&long, &at_the_end, Ask::FirstWith(&mut memory));
+    assert!(!before[0].is_empty());
+    let frames = vec![touching_at(0.5)];
+    let (plain, _) = replay(&short, &frames, Ask::First);
+    let (with, _) = replay(&short, &frames, Ask::FirstWith(&mut memory));
+    assert!(!plain[0].is_empty() && with == plain);
 }

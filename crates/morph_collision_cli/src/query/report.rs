@@ -129,7 +129,7 @@ impl WorkReport {
 
     fn text(&self) -> String {
         format!(
-            "looked at {} volumes and {} triangles; blended {} volumes and {} vertices\n",
+            "looked at {} boxes and {} triangles; blended {} boxes and {} vertices\n",
             self.node_tests, self.triangle_tests, self.volumes_blended, self.vertices_blended
         )
     }

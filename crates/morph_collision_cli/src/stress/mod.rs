@@ -10,13 +10,13 @@ use crate::progress::ProgressArgs;
 use crate::{Verdict, output};
 use report::StressReport;
 
-/// Try the library on generated trouble, a row for every family, with every kind of bounding volume in turn.
+/// Try the library on generated trouble, a row for every family, with trees of several leaf sizes in turn.
 ///
-/// Answers are compared with brute force in exact arithmetic, and volumes with vertices. Bad input must be refused by an
+/// Answers are compared with brute force in exact arithmetic, and boxes with vertices. Bad input must be refused by an
 /// error that names it, and what was good before must still answer right. `slowdown` is the slowest case's time over that of an ordinary
 /// case with as many intersecting pairs.
 ///
-/// The exit code is 1 if a pair is missed or made up, a vertex is outside its volume, bad input gets through, or anything panics.
+/// The exit code is 1 if a pair is missed or made up, a vertex is outside its box, bad input gets through, or anything panics.
 #[derive(Debug, Args)]
 pub(crate) struct StressArgs {
     /// How many cases of every family.

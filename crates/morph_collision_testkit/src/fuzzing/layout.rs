@@ -61,7 +61,7 @@ pub fn layout(data: &[u8]) {
             .collect();
         pose.set_weights(&weights).expect("the weights are small");
         let report = pose.check_containment();
-        assert_eq!(report.first, None, "a vertex outside its volume");
+        assert_eq!(report.first, None, "a vertex outside its box");
     }
     let places = [
         Affine3A::IDENTITY,

@@ -2,7 +2,7 @@
 //!
 //! | target | bytes are | must hold |
 //! |---|---|---|
-//! | [`pairs()`] | two small meshes, tree options, weights and placements | the oracle's pairs; no vertex outside its volume |
+//! | [`pairs()`] | two small meshes, tree options, weights and placements | the oracle's pairs; no vertex outside its box |
 //! | [`triangles()`] | two triangles, mostly near-degenerate | the oracle's answer, in any order of corners |
 //! | [`layout()`] | a serialised tree | an error, or a tree that answers right |
 //! | [`scene()`] | a JSON scene | an error, or a scene that is written as it was read |

@@ -78,9 +78,9 @@ impl FamilyReport {
     }
 
     fn take(&mut self, index: u64, seed: u64, ordinary: &[Option<Pace>; LEAF_SIZES.len()]) {
-        let kind = (index % LEAF_SIZES.len() as u64) as usize;
+        let tree = (index % LEAF_SIZES.len() as u64) as usize;
         let family = self.family;
-        let outcome = caught(|| tried(family, index, seed, LEAF_SIZES[kind], ordinary[kind].as_ref()));
+        let outcome = caught(|| tried(family, index, seed, LEAF_SIZES[tree], ordinary[tree].as_ref()));
         self.cases += 1;
         let trouble = match outcome {
             Ok(outcome) => {
@@ -96,7 +96,7 @@ impl FamilyReport {
             }
         };
         if self.first.is_none() {
-            let leaf = LEAF_SIZES[kind];
+            let leaf = LEAF_SIZES[tree];
             let case = format!("{family}, case {index} of seed {seed}, leaves of {leaf}");
             self.first = trouble.map(|trouble| format!("{case}: {trouble}"));
         }

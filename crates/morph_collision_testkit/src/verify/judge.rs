@@ -16,7 +16,7 @@ pub struct Counts {
     pub spurious: u64,
     /// Pairs of triangles that the tree's own error-bounded filter could not decide.
     pub undecided_by_filter: u64,
-    /// How often a vertex was looked for in a volume that should hold it.
+    /// How often a vertex was looked for in a box that should hold it.
     pub containment_checks: u64,
     /// How often it was outside.
     pub containment_violations: u64,
@@ -49,7 +49,7 @@ pub enum Trouble {
     Missed(u32, u32),
     /// A pair of triangles that was answered and does not intersect, or was answered twice.
     Spurious(u32, u32),
-    /// A vertex of a body, 0 or 1, is outside a volume above it.
+    /// A vertex of a body, 0 or 1, is outside a box above it.
     Outside {
         /// The body.
         body: usize,

@@ -12,7 +12,7 @@ pub struct Reproduction {
     pub trouble: Trouble,
     /// With these weights and places.
     pub situation: Situation,
-    /// The corners of the two triangles in world space; `None` where a vertex is outside a volume.
+    /// The corners of the two triangles in world space; `None` where a vertex is outside a box.
     pub world: Option<[[DVec3; 3]; 2]>,
 }
 

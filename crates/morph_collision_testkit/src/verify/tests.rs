@@ -131,7 +131,7 @@ fn pairs_made_up_or_told_twice_are_found() -> Result<(), Box<dyn std::error::Err
 }
 
 #[test]
-fn a_vertex_outside_its_volume_is_found() -> Result<(), Box<dyn std::error::Error>> {
+fn a_vertex_outside_its_box_is_found() -> Result<(), Box<dyn std::error::Error>> {
     let (counts, smallest) = verified(Fault::LetsOut)?;
     assert!(counts.containment_violations > 0 && counts.missed + counts.spurious == 0);
     let smallest = smallest.ok_or("nothing to show")?;

@@ -159,11 +159,7 @@ impl Plan {
         };
         let sides = [side(a), side(b)];
         let mut front = Vec::new();
-        let (a, b) = (
-            Body::new(a.pose, a.world_from_model),
-            Body::new(b.pose, b.world_from_model),
-        );
-        self.stats += query.front(a, b, 4 * parts, &mut front);
+        self.stats += query.front(a.reborrow(), b.reborrow(), 4 * parts, &mut front);
         let parts = parts.min(front.len());
         let large = self.larges.len();
         self.units.extend((0..parts).map(|part| Unit::Part { large, part }));

@@ -10,7 +10,7 @@ use bevy_morph_collision::{MorphTrees, prelude::*};
 use morph_collision_workspace::app::headless;
 
 use crate::log::{Errors, start};
-use crate::support::{add_mesh, assets, bevy_mesh, set_weight, settle, stretching_cube};
+use crate::support::{add_mesh, assets, bevy_mesh, plain_app, set_weight, settle, stretching_cube};
 
 fn app() -> App {
     let mut app = headless(&assets());
@@ -51,15 +51,8 @@ fn the_box_follows_the_morph_without_any_collider() {
 
 /// An app in which nothing collides.
 fn bounds_alone() -> App {
-    let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins,
-        TransformPlugin,
-        AssetPlugin::default(),
-        bevy::mesh::MeshPlugin,
-        VisibilityPlugin,
-        MorphBoundsPlugin,
-    ));
+    let mut app = plain_app();
+    app.add_plugins((VisibilityPlugin, MorphBoundsPlugin));
     start(&mut app);
     app
 }

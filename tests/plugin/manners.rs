@@ -19,7 +19,7 @@ use serde::de::DeserializeSeed;
 use morph_collision_workspace::app::headless;
 
 use crate::log::{Errors, start};
-use crate::support::{app, assets, cube, move_to, settle, spawn, touches};
+use crate::support::{app, assets, cube, move_to, plain_app, settle, spawn, touches};
 
 /// How many pairs of systems conflict without being ordered, in all schedules together.
 fn ambiguities(app: &mut App) -> usize {
@@ -35,13 +35,7 @@ fn ambiguities(app: &mut App) -> usize {
 #[test]
 fn the_plugins_add_no_ambiguous_order_of_systems() {
     let bevy = || {
-        let mut app = App::new();
-        app.add_plugins((
-            MinimalPlugins,
-            TransformPlugin,
-            AssetPlugin::default(),
-            bevy::mesh::MeshPlugin,
-        ));
+        let mut app = plain_app();
         app.add_plugins(VisibilityPlugin);
         app
     };
@@ -65,13 +59,7 @@ fn the_plugins_add_no_ambiguous_order_of_systems() {
 
 #[test]
 fn the_plugin_runs_in_the_fixed_schedule_too() {
-    let mut app = App::new();
-    app.add_plugins((
-        MinimalPlugins,
-        TransformPlugin,
-        AssetPlugin::default(),
-        bevy::mesh::MeshPlugin,
-    ));
+    let mut app = plain_app();
     app.add_plugins(MorphCollisionPlugin.in_schedule(FixedPostUpdate));
     // Two frames to a step.
     let step = Time::<Fixed>::default().timestep();
@@ -255,13 +243,7 @@ fn plugins_that_need_others_say_so_and_do_not_panic() {
     let errors_of = |plugins: &dyn Fn(&mut App)| {
         let mut logged = Vec::new();
         Errors::collect(|errors| {
-            let mut app = App::new();
-            app.add_plugins((
-                MinimalPlugins,
-                TransformPlugin,
-                AssetPlugin::default(),
-                bevy::mesh::MeshPlugin,
-            ));
+            let mut app = plain_app();
             plugins(&mut app);
             start(&mut app);
             for _ in 0..3 {

@@ -24,16 +24,22 @@ pub(crate) fn app() -> App {
     app
 }
 
-/// An app with the collision plugin in [`FixedPostUpdate`], so many frames to a tick, or so many ticks to a frame.
-pub(crate) fn fixed_app(frames_per_tick: u32, ticks_per_frame: u32) -> App {
+/// An app with those of Bevy's plugins that the collision plugin needs, and none of ours; not ready yet.
+pub(crate) fn plain_app() -> App {
     let mut app = App::new();
     app.add_plugins((
         MinimalPlugins,
         TransformPlugin,
         AssetPlugin::default(),
         bevy::mesh::MeshPlugin,
-        MorphCollisionPlugin.in_schedule(FixedPostUpdate),
     ));
+    app
+}
+
+/// An app with the collision plugin in [`FixedPostUpdate`], so many frames to a tick, or so many ticks to a frame.
+pub(crate) fn fixed_app(frames_per_tick: u32, ticks_per_frame: u32) -> App {
+    let mut app = plain_app();
+    app.add_plugins(MorphCollisionPlugin.in_schedule(FixedPostUpdate));
     let frame = Time::<Fixed>::default().timestep() * ticks_per_frame / frames_per_tick;
     app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(frame));
     start(&mut app);

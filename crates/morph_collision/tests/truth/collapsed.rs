@@ -221,11 +221,10 @@ fn the_distance_of_bodies_on_parallel_lines_is_measured_without_products_of_tria
             let bodies = (Body::new(&mut a, &place_a), Body::new(&mut b, &place_b));
             let (closest, stats) = query.closest(bodies.0, bodies.1, f64::INFINITY);
             let distance = closest.unwrap().distance;
-            // Moved by a vector in `f32`.
-            assert!(
-                (distance / f64::from(apart) - 1.0).abs() < 1e-3,
-                "{distance}, not {apart}"
-            );
+            let [from, to] = [&place_a, &place_b].map(|place| place.transform_point(Vec3::ZERO));
+            let along = (place_a.transform_point(Vec3::X) - from).normalize();
+            let between = (to - from).cross(along).length();
+            assert!((distance / between - 1.0).abs() < 2e-9, "{distance}, not {between}");
             few(&format!("{apart} apart, turned: {is_turned}"), &stats);
         }
     }

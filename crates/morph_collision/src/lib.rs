@@ -73,6 +73,7 @@
 
 mod bounds;
 mod exact;
+mod input_error;
 mod model;
 mod pose;
 mod query;
@@ -81,16 +82,16 @@ mod tree;
 
 pub use bounds::{Aabb, Kernel, TransformError, WorldFromModel};
 pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect, triangles_intersect_filtered};
+pub use input_error::InputError;
 pub use model::{ModelError, MorphModel, Subject};
 pub use pose::{ContainmentReport, ContainmentViolation, NoSuchVertex, Pose, WeightsError};
 #[cfg(feature = "rayon")]
 pub use query::RayonWorkers;
 pub use query::{
     Ball, BatchAnswers, BatchQuery, Body, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion,
-    DistanceQuery, Facing, HalfSpace, InputError, Manifold, OneThread, OverlapQuery, PairContact, PairMemory,
-    PairQuery, PairTask, PlacedShape, PointQuery, QueryStats, Ray, RayHit, RayQuery, SelfQuery, Separation, Shape,
-    ShapeContact, ShapeError, ShapeQuery, SurfaceAnchor, SurfaceFrame, ThreadWorkers, TrianglePair, Wanted, Workers,
-    WorldFromShape,
+    DistanceQuery, Facing, HalfSpace, Manifold, OneThread, OverlapQuery, PairContact, PairMemory, PairQuery, PairTask,
+    PlacedShape, PointQuery, QueryStats, Ray, RayHit, RayQuery, SelfQuery, Separation, Shape, ShapeContact, ShapeError,
+    ShapeQuery, SurfaceAnchor, SurfaceFrame, ThreadWorkers, TrianglePair, Wanted, Workers, WorldFromShape,
 };
 pub use traverse::overlapping_pairs;
 pub use tree::{BrokenTree, BuildError, BuildOptions, BvhStats, LayoutError, MorphBvh, TreeLayout};

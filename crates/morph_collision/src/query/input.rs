@@ -1,47 +1,10 @@
 //! What one-body queries are asked about, validated once: rays, balls and convex regions of world space.
 
-use glam::DVec3;
-use thiserror::Error;
-
+use crate::InputError;
 use crate::bounds::Aabb;
 use crate::exact::{Line, Plane};
-
-/// Coordinates beyond this leave no room for products in `f64`.
-const LARGEST: f64 = 1e50;
-
-/// Why something cannot be asked about.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum InputError {
-    /// A coordinate is NaN, infinite, or beyond 1e50.
-    #[error("{what}: coordinate {axis} is {value}, not a number between -1e50 and 1e50")]
-    BadCoordinate {
-        /// Which vector.
-        what: &'static str,
-        /// 0 to 2.
-        axis: usize,
-        /// The offending coordinate.
-        value: f64,
-    },
-    /// A direction or normal is zero, or not finite.
-    #[error("{what}: {value} is no direction, it must be finite and not zero")]
-    NoDirection {
-        /// Which vector.
-        what: &'static str,
-        /// Its value.
-        value: DVec3,
-    },
-    /// A length, parameter or offset is NaN or out of range.
-    #[error("{what} is {value}, it must be {expected}")]
-    BadNumber {
-        /// Which number.
-        what: &'static str,
-        /// Its value.
-        value: f64,
-        /// What it may be.
-        expected: &'static str,
-    },
-}
+use crate::input_error::{check_direction, check_length, check_number, check_point};
+use glam::DVec3;
 
 /// A ray of world space: the points `origin + t direction` for all real `t` from 0 to `max_t`.
 ///
@@ -129,13 +92,8 @@ impl HalfSpace {
             normal: normal / scale,
             offset: offset / scale,
         };
-        if plane.offset.is_nan() || plane.offset.abs() > LARGEST {
-            return Err(InputError::BadNumber {
-                what: "offset",
-                value: offset,
-                expected: "at most 1e50 times the length of the normal",
-            });
-        }
+        let is_good = plane.offset.abs() <= 1e50;
+        check_number("offset", offset, is_good, "at most 1e50 times the length of the normal")?;
         Ok(Self { plane })
     }
 }
@@ -171,36 +129,6 @@ impl ConvexRegion {
             planes: (0..3).flat_map(slab).collect(),
         })
     }
-}
-
-fn check_point(what: &'static str, point: DVec3) -> Result<(), InputError> {
-    let bad = |value: &f64| value.is_nan() || value.abs() > LARGEST;
-    match point.to_array().iter().position(bad) {
-        Some(axis) => Err(InputError::BadCoordinate {
-            what,
-            axis,
-            value: point[axis],
-        }),
-        None => Ok(()),
-    }
-}
-
-fn check_direction(what: &'static str, value: DVec3) -> Result<(), InputError> {
-    if !value.is_finite() || value == DVec3::ZERO {
-        return Err(InputError::NoDirection { what, value });
-    }
-    Ok(())
-}
-
-pub(super) fn check_length(what: &'static str, value: f64) -> Result<(), InputError> {
-    if value.is_nan() || value < 0.0 {
-        return Err(InputError::BadNumber {
-            what,
-            value,
-            expected: "0 or more",
-        });
-    }
-    Ok(())
 }
 
 /// The largest power of two that is not above a positive number: dividing by it loses nothing.

@@ -30,7 +30,7 @@ pub use batch::{BatchAnswers, BatchQuery, OneThread, PairTask, ThreadWorkers, Wa
 pub use body::Body;
 pub use contact::{ContactPoint, ContactQuery, Manifold, PairContact, Separation};
 pub use distance::{ClosestPair, DistanceQuery};
-pub use input::{Ball, ConvexRegion, HalfSpace, InputError, Ray};
+pub use input::{Ball, ConvexRegion, HalfSpace, Ray};
 pub use memory::PairMemory;
 pub use overlap::OverlapQuery;
 pub use pairs::{PairQuery, TrianglePair};

@@ -1,0 +1,89 @@
+//! The one error for values that a caller passes in, and the checks that return it.
+
+use glam::DVec3;
+use thiserror::Error;
+
+/// Coordinates beyond this leave no room for products in `f64`.
+const LARGEST: f64 = 1e50;
+
+/// Why a value was refused.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum InputError {
+    /// A coordinate is NaN, infinite, or too large.
+    #[error("{what}: coordinate {axis} is {value}, not a finite number of at most {limit:e}")]
+    BadCoordinate {
+        /// The name of the vector.
+        what: &'static str,
+        /// 0 to 2.
+        axis: usize,
+        /// The offending coordinate.
+        value: f64,
+        /// The largest magnitude allowed.
+        limit: f64,
+    },
+    /// A direction or normal is zero or not finite.
+    #[error("{what} is {value}, a direction must be finite and not zero")]
+    NoDirection {
+        /// The name of the direction.
+        what: &'static str,
+        /// Its value.
+        value: DVec3,
+    },
+    /// A number is NaN or out of range.
+    #[error("{what} is {value}, it must be {expected}")]
+    BadNumber {
+        /// The name of the number.
+        what: &'static str,
+        /// Its value.
+        value: f64,
+        /// The allowed values.
+        expected: &'static str,
+    },
+}
+
+/// Checks that all coordinates are finite and at most 1e50.
+pub(crate) fn check_point(what: &'static str, point: DVec3) -> Result<(), InputError> {
+    check_vector(what, point, LARGEST)
+}
+
+/// Checks that all coordinates are finite and at most `limit`.
+pub(crate) fn check_vector(what: &'static str, vector: DVec3, limit: f64) -> Result<(), InputError> {
+    let is_bad = |value: &f64| value.is_nan() || value.abs() > limit;
+    match vector.to_array().iter().position(is_bad) {
+        Some(axis) => Err(InputError::BadCoordinate {
+            what,
+            axis,
+            value: vector[axis],
+            limit,
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Checks that a direction is finite and not zero.
+pub(crate) fn check_direction(what: &'static str, value: DVec3) -> Result<(), InputError> {
+    if !value.is_finite() || value == DVec3::ZERO {
+        return Err(InputError::NoDirection { what, value });
+    }
+    Ok(())
+}
+
+/// Checks that a length is neither NaN nor negative; it may be infinite.
+pub(crate) fn check_length(what: &'static str, value: f64) -> Result<(), InputError> {
+    check_number(what, value, value >= 0.0, "0 or more")
+}
+
+/// Checks a condition that a number must meet.
+pub(crate) fn check_number(
+    what: &'static str,
+    value: f64,
+    is_good: bool,
+    expected: &'static str,
+) -> Result<(), InputError> {
+    if is_good {
+        Ok(())
+    } else {
+        Err(InputError::BadNumber { what, value, expected })
+    }
+}

@@ -35,30 +35,32 @@
 //! let above = WorldFromModel::new(Affine3A::from_translation(Vec3::new(0.0, 0.0, 0.5)))?;
 //!
 //! let mut query = PairQuery::new();
-//! let (touching, _) = query.any(Body::new(&mut a, &at_origin), Body::new(&mut b, &above));
+//! let touching = query.any(Body::new(&mut a, &at_origin), Body::new(&mut b, &above));
 //! assert!(!touching);
 //!
 //! a.set_weights(&[0.5])?; // the lower one morphs up to the upper one
-//! let (touching, _) = query.any(Body::new(&mut a, &at_origin), Body::new(&mut b, &above));
+//! let touching = query.any(Body::new(&mut a, &at_origin), Body::new(&mut b, &above));
 //! assert!(touching);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! # What can be asked
 //!
-//! | of | by |
+//! | question | answer |
 //! |---|---|
-//! | two bodies: which triangles intersect | [`PairQuery`], with [`PairMemory`] from frame to frame |
-//! | two bodies: where they touch, how deep, which way out | [`ContactQuery`], [`triangle_contact`] |
-//! | two bodies: how far apart | [`DistanceQuery`] |
-//! | many pairs of bodies at once, on several threads | [`BatchQuery`], on [`Workers`] |
-//! | many bodies: which boxes overlap | [`overlapping_pairs`] |
-//! | a body and a ball, capsule, cuboid, half-space or segment | [`ShapeQuery`] |
-//! | one body: what a ray hits | [`RayQuery`] |
-//! | one body: the closest point, what is in a ball, box or frustum | [`PointQuery`], [`OverlapQuery`] |
-//! | one body: where it intersects itself | [`SelfQuery`] |
-//! | a place on the surface that follows the shape | [`SurfaceAnchor`] |
-//! | bounds, positions and normals of a shape | [`Pose`] |
+//! | Which triangles of two bodies intersect? | [`PairQuery`], with [`PairMemory`] from frame to frame |
+//! | Where do two bodies touch, how deep, and which way is out? | [`ContactQuery`], [`triangle_contact`] |
+//! | How far apart are two bodies? | [`DistanceQuery`] |
+//! | The same for many pairs, on several threads? | [`BatchQuery`], on [`Workers`] |
+//! | Which of many boxes overlap? | [`overlapping_pairs`] |
+//! | What does a ray hit? | [`RayQuery`] |
+//! | What touches a ball, capsule, cuboid, half-space, segment, box or frustum? Which point is closest? | [`ShapeQuery`] |
+//! | Where does a body intersect itself? | [`SelfQuery`] |
+//! | Where is a point on the surface as the shape changes? | [`SurfaceAnchor`] |
+//! | What are the bounds, positions and normals of a shape? | [`Pose`] |
+//!
+//! A query object holds scratch memory: create it once and reuse it. Its methods return the answer; `stats()` tells how much work the last
+//! one took. Lists are appended to; the `up_to` forms stop at a limit and return whether there is more.
 //!
 //! How a tree is built ([`BuildOptions`]) never changes an answer; `docs/performance.md` in the repository says what the size of leaves is worth.
 //!
@@ -88,10 +90,10 @@ pub use pose::{ContainmentReport, ContainmentViolation, NoSuchVertex, Pose, Weig
 #[cfg(feature = "rayon")]
 pub use query::RayonWorkers;
 pub use query::{
-    Ball, BatchAnswers, BatchQuery, Body, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion,
-    DistanceQuery, Facing, HalfSpace, Manifold, OneThread, OverlapQuery, PairContact, PairMemory, PairQuery, PairTask,
-    PlacedShape, PointQuery, QueryStats, Ray, RayHit, RayQuery, SelfQuery, Separation, Shape, ShapeContact, ShapeError,
-    ShapeQuery, SurfaceAnchor, SurfaceFrame, ThreadWorkers, TrianglePair, Wanted, Workers, WorldFromShape,
+    BatchAnswers, BatchQuery, Body, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion, DistanceQuery,
+    Facing, Manifold, PairContact, PairMemory, PairQuery, PairTask, PlacedShape, QueryStats, Ray, RayHit, RayQuery,
+    SelfQuery, Shape, ShapeContact, ShapeQuery, SurfaceAnchor, SurfaceFrame, ThreadWorkers, TrianglePair, Wanted,
+    Workers,
 };
 pub use traverse::overlapping_pairs;
 pub use tree::{BrokenTree, BuildError, BuildOptions, BvhStats, LayoutError, MorphBvh, TreeLayout};

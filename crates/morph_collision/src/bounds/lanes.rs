@@ -55,3 +55,14 @@ impl Lanes {
         (self.load(simd) + f32x8::splat(simd, value)).store_slice(&mut self.0);
     }
 }
+
+/// The lanes of a bit mask, ascending.
+#[inline]
+pub(crate) fn lanes_of(mask: u8) -> impl Iterator<Item = usize> {
+    let mut left = mask;
+    std::iter::from_fn(move || {
+        let lane = left.trailing_zeros() as usize;
+        left &= left.checked_sub(1)?;
+        Some(lane)
+    })
+}

@@ -25,7 +25,7 @@ pub(crate) use frame::{Frame, Frames, are_below_resolution, visit_frames, world_
 pub(crate) use gap::{Box64, GapFrame};
 pub use kernel::Kernel;
 pub(crate) use kernel::with_simd;
-pub(crate) use lanes::{LANES, Lanes};
+pub(crate) use lanes::{LANES, Lanes, lanes_of};
 #[cfg(test)]
 pub(crate) use levels::levels;
 #[cfg(test)]

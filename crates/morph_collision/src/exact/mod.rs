@@ -34,7 +34,7 @@ pub(crate) use ray::{Crossing, Line, ray_meets_triangle};
 pub(crate) use region::{Plane, triangle_meets_region};
 pub(crate) use segment::Segment;
 pub use triangle::{Triangle, triangles_intersect};
-pub(crate) use triangle::{facets_intersect_counting, triangles_intersect_counting};
+pub(crate) use triangle::facets_intersect_counting;
 
 #[cfg(test)]
 mod one_body_tests;

@@ -111,12 +111,6 @@ impl Pose {
         self.posed().refit();
     }
 
-    /// Whether boxes are made from the tree's references alone, so that any other pose of it makes the same for the same
-    /// weights.
-    pub(crate) fn blends_from_references(&self) -> bool {
-        matches!(self.source, Source::References)
-    }
-
     /// The weights in force, one per target.
     #[must_use]
     pub fn weights(&self) -> &[f32] {

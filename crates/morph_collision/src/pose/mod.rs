@@ -16,7 +16,7 @@ mod weights;
 
 pub use containment::{ContainmentReport, ContainmentViolation};
 pub use instance::Pose;
-pub(crate) use posed::{Blended, NodeRef, Place, Posed};
+pub(crate) use posed::{Blended, NodeId, NodeRef, Posed};
 pub use shape::NoSuchVertex;
 pub use weights::WeightsError;
 

@@ -17,7 +17,7 @@ pub(crate) struct Blended {
 
 /// A node by the group that it is a child of; good for every pose of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Place {
+pub(crate) struct NodeId {
     pub(crate) group: u32,
     pub(crate) lane: u8,
 }
@@ -27,7 +27,7 @@ pub(crate) struct Place {
 pub(crate) struct NodeRef {
     pub(crate) child: Child,
     pub(crate) slot: u32,
-    pub(crate) place: Place,
+    pub(crate) id: NodeId,
 }
 
 /// A pose borrowed for a query: what traversals walk over.
@@ -98,7 +98,7 @@ impl Posed<'_> {
     /// A node's box, in model space.
     #[inline]
     pub(crate) fn node_box(&self, node: NodeRef) -> Aabb {
-        self.boxes.get(node.slot as usize).get(usize::from(node.place.lane))
+        self.boxes.get(node.slot as usize).get(usize::from(node.id.lane))
     }
 
     pub(crate) fn bounds(&mut self) -> Aabb {
@@ -111,7 +111,7 @@ impl Posed<'_> {
         NodeRef {
             child: self.topology.group(group).child(lane),
             slot: slot as u32,
-            place: Place {
+            id: NodeId {
                 group: group as u32,
                 lane: lane as u8,
             },

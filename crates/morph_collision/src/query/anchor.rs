@@ -1,8 +1,8 @@
 use glam::{DMat3, DVec3};
 
 use super::body::{Body, world_triangle};
-use super::point::ClosestPoint;
 use super::ray::RayHit;
+use super::shape::ClosestPoint;
 use crate::exact::Triangle;
 
 /// A place on a mesh's surface that stays with it as the shape and the body move.

@@ -1,37 +1,40 @@
+use glam::DVec3;
+
 use crate::bounds::WorldFromModel;
 use crate::exact::Triangle;
 use crate::pose::{Pose, Posed};
 
-/// A posed mesh and where it stands, for the time of one query.
+/// A pose and its placement, borrowed for one query.
 #[derive(Debug)]
 pub struct Body<'a> {
-    /// The shape; boxes and vertices that the query looks at are blended into its cache.
+    /// The shape. Queries blend the bounds and vertices they need into its cache.
     pub pose: &'a mut Pose,
-    /// The place.
+    /// The placement.
     pub world_from_model: &'a WorldFromModel,
 }
 
 impl<'a> Body<'a> {
-    /// A pose at a place.
+    /// Pairs a pose with its placement.
     #[must_use]
     pub fn new(pose: &'a mut Pose, world_from_model: &'a WorldFromModel) -> Self {
         Self { pose, world_from_model }
     }
 
-    /// The same body, for a query that is not the last one.
+    /// Borrows the same body again, for one query of several.
     #[must_use]
     pub fn reborrow(&mut self) -> Body<'_> {
         Body::new(self.pose, self.world_from_model)
+    }
+
+    /// The largest absolute model-space coordinates.
+    pub(super) fn magnitude(&mut self) -> DVec3 {
+        self.pose.bounds().magnitude().as_dvec3()
     }
 }
 
 /// A triangle's corners in world space.
 #[inline]
 pub(super) fn world_triangle(tree: &mut Posed<'_>, world_from_model: &WorldFromModel, triangle: u32) -> Triangle {
-    let [a, b, c] = tree.corners(triangle);
-    [
-        world_from_model.transform_point(a),
-        world_from_model.transform_point(b),
-        world_from_model.transform_point(c),
-    ]
+    tree.corners(triangle)
+        .map(|corner| world_from_model.transform_point(corner))
 }

@@ -1,9 +1,8 @@
-//! Bodies so small, for where they stand, that rounding decides where their vertices are.
+//! Pairs of bodies that are tiny compared with their distance from the origin, or with their own rest shape.
 //!
-//! No box of a tree can tell parts of such bodies apart: the slack for rounding is larger than they are, and a walk over their trees
-//! would look at every pair of triangles. But their vertices take few positions, and few of their triangles differ. So the
-//! triangles are placed in the world, those with the same corners are counted once, and a tree of exact `f64` boxes is built
-//! over the rest: linear in the triangles up to a logarithm.
+//! Rounding errors are then as large as the bodies. No bounds can tell their parts apart, and a walk over their trees would test every
+//! pair of triangles. But few of their triangles are different. So this places all triangles in the world, merges those with
+//! equal corners, and walks trees of exact `f64` boxes over the rest.
 
 use std::cmp::Ordering;
 use std::ops::{ControlFlow, Range};
@@ -12,11 +11,12 @@ use glam::DVec3;
 
 use super::body::world_triangle;
 use super::pairs::TrianglePair;
-use super::places::Places;
+use super::placements::Placements;
+use super::stats::QueryStats;
 use crate::exact::{Facet, Triangle, facets_intersect_counting};
 use crate::pose::Posed;
 
-/// The placed triangles of two collapsed bodies; the memory is reused by the next query.
+/// The placed triangles of two collapsed bodies. The next query reuses the memory.
 #[derive(Debug, Default)]
 pub(super) struct Collapsed {
     a: DistinctTriangles,
@@ -24,87 +24,75 @@ pub(super) struct Collapsed {
     stack: Vec<(Node, Node)>,
 }
 
-/// What a walk over two collapsed bodies took.
-#[derive(Debug, Default)]
-pub(super) struct CollapsedTests {
-    pub(super) nodes: u64,
-    pub(super) triangles: u64,
-    pub(super) undecided_by_filter: u64,
-}
-
 impl Collapsed {
-    /// Places both bodies' triangles. Cost: every vertex is blended, `O(n log n)`.
-    pub(super) fn place(&mut self, a: &mut Posed<'_>, b: &mut Posed<'_>, places: &Places<'_>) {
-        let corners_of = |tree: &mut Posed<'_>, place, number| world_triangle(tree, place, number);
+    /// Places both bodies' triangles. Blends every vertex; `O(n log n)`.
+    pub(super) fn place(&mut self, a: &mut Posed<'_>, b: &mut Posed<'_>, placements: &Placements<'_>) {
+        let (world_from_a, world_from_b) = (placements.world_from_a, placements.world_from_b);
         self.a
-            .fill(a.topology.triangle_count(), |n| corners_of(a, places.world_from_a, n));
+            .fill(a.topology.triangle_count(), |n| world_triangle(a, world_from_a, n));
         self.b
-            .fill(b.topology.triangle_count(), |n| corners_of(b, places.world_from_b, n));
+            .fill(b.topology.triangle_count(), |n| world_triangle(b, world_from_b, n));
     }
 
-    /// Calls `visitor` for every pair of intersecting triangles, until it breaks. Triangles with the same corners are tested once.
+    /// Calls `visitor` for every pair of intersecting triangles until it breaks. Tests triangles with equal corners once.
     pub(super) fn intersecting(
         &mut self,
-        tests: &mut CollapsedTests,
+        stats: &mut QueryStats,
         visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let Self { a, b, stack } = self;
-        stack.clear();
-        stack.extend(a.root().zip(b.root()));
-        while let Some((node_a, node_b)) = stack.pop() {
-            tests.nodes += 1;
-            if !a.boxes[node_a.index].overlaps(&b.boxes[node_b.index]) {
-                continue;
-            }
-            match node_a.split_with(&node_b) {
-                Some(pairs) => stack.extend(pairs.into_iter().rev()),
-                None => {
-                    let (same_a, same_b) = (&a.triangles[node_a.first], &b.triangles[node_b.first]);
-                    tests.triangles += 1;
-                    let facets = [same_a, same_b].map(|same| Facet::new(same.corners));
-                    if facets_intersect_counting(&facets[0], &facets[1], &mut tests.undecided_by_filter) {
-                        for &triangle_a in &a.numbers[same_a.numbers.clone()] {
-                            for &triangle_b in &b.numbers[same_b.numbers.clone()] {
-                                visitor(TrianglePair { triangle_a, triangle_b })?;
-                            }
-                        }
+        let mut undecided = 0;
+        let flow = self.walk(0.0, stats, |a, b| {
+            let facets = [&a, &b].map(|same| Facet::new(same.corners));
+            if facets_intersect_counting(&facets[0], &facets[1], &mut undecided) {
+                for &triangle_a in a.numbers {
+                    for &triangle_b in b.numbers {
+                        visitor(TrianglePair { triangle_a, triangle_b })?;
                     }
                 }
             }
-        }
-        ControlFlow::Continue(())
+            ControlFlow::Continue(0.0)
+        });
+        stats.undecided_by_filter += undecided;
+        flow
     }
 
-    /// Calls `visitor` for pairs of triangles, of those with the same corners the first by number, whose boxes are nearer to each
-    /// other than a limit, until it breaks; near ones come first. It returns the new limit, a squared distance.
-    pub(super) fn nearer(
+    /// Calls `visitor` for pairs of triangles whose boxes are at most `limit` apart, nearest boxes first, until it breaks. It
+    /// returns the new limit. Limits are squared distances. Of triangles with equal corners it visits the one with the lowest index.
+    pub(super) fn nearest(
         &mut self,
-        mut limit: f64,
-        tests: &mut CollapsedTests,
+        limit: f64,
+        stats: &mut QueryStats,
         mut visitor: impl FnMut(TrianglePair, &Triangle, &Triangle) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
+        self.walk(limit, stats, |a, b| {
+            let (triangle_a, triangle_b) = (a.numbers[0], b.numbers[0]);
+            visitor(TrianglePair { triangle_a, triangle_b }, &a.corners, &b.corners)
+        })
+    }
+
+    fn walk(
+        &mut self,
+        mut limit: f64,
+        stats: &mut QueryStats,
+        mut at_pair: impl FnMut(SameTriangles<'_>, SameTriangles<'_>) -> ControlFlow<(), f64>,
+    ) -> ControlFlow<()> {
         let Self { a, b, stack } = self;
+        let gap = |at_a: &Node, at_b: &Node| a.boxes[at_a.index].squared_distance(&b.boxes[at_b.index]);
         stack.clear();
         stack.extend(a.root().zip(b.root()));
         while let Some((node_a, node_b)) = stack.pop() {
-            tests.nodes += 1;
-            let apart = |a_at: &Node, b_at: &Node| a.boxes[a_at.index].squared_distance(&b.boxes[b_at.index]);
-            if apart(&node_a, &node_b) > limit {
+            stats.node_tests += 1;
+            if gap(&node_a, &node_b) > limit {
                 continue;
             }
             match node_a.split_with(&node_b) {
                 Some(mut pairs) => {
-                    pairs.sort_by(|(a, b), (c, d)| apart(c, d).total_cmp(&apart(a, b)));
+                    pairs.sort_by(|(a, b), (c, d)| gap(c, d).total_cmp(&gap(a, b)));
                     stack.extend(pairs);
                 }
                 None => {
-                    let (same_a, same_b) = (&a.triangles[node_a.first], &b.triangles[node_b.first]);
-                    tests.triangles += 1;
-                    let pair = TrianglePair {
-                        triangle_a: a.numbers[same_a.numbers.start],
-                        triangle_b: b.numbers[same_b.numbers.start],
-                    };
-                    limit = visitor(pair, &same_a.corners, &same_b.corners)?;
+                    stats.triangle_tests += 1;
+                    limit = at_pair(a.same(&node_a), b.same(&node_b))?;
                 }
             }
         }
@@ -112,24 +100,30 @@ impl Collapsed {
     }
 }
 
-/// The triangles of a body in the world, those with the same corners together, and a tree of boxes over them.
+/// Triangles with equal corners.
+struct SameTriangles<'a> {
+    corners: Triangle,
+    /// Their indices, ascending.
+    numbers: &'a [u32],
+}
+
+/// A body's triangles in world space, merged where corners are equal, and a tree of boxes over them.
 #[derive(Debug, Default)]
 struct DistinctTriangles {
     placed: Vec<(Triangle, u32)>,
-    /// Ordered so that each node of the tree has a range of them.
+    /// In the order of the tree's leaves.
     triangles: Vec<Same>,
-    /// By triangle, ascending.
+    /// Triangle indices, merged triangles side by side.
     numbers: Vec<u32>,
-    /// Of the tree's nodes in preorder.
+    /// The nodes' boxes in preorder.
     boxes: Vec<ExactBox>,
 }
 
-/// Triangles with the same corners, in whatever order each has them.
+/// Triangles with equal sorted corners.
 #[derive(Clone, Debug)]
 struct Same {
-    /// Of the first by number.
     corners: Triangle,
-    /// Where their numbers are.
+    /// Their range in [`DistinctTriangles::numbers`].
     numbers: Range<usize>,
 }
 
@@ -167,6 +161,15 @@ impl DistinctTriangles {
         }
     }
 
+    /// The triangles of a leaf.
+    fn same(&self, node: &Node) -> SameTriangles<'_> {
+        let Same { corners, numbers } = &self.triangles[node.first];
+        SameTriangles {
+            corners: *corners,
+            numbers: &self.numbers[numbers.clone()],
+        }
+    }
+
     fn root(&self) -> Option<Node> {
         let len = self.triangles.len();
         (len > 0).then_some(Node {
@@ -177,7 +180,7 @@ impl DistinctTriangles {
     }
 }
 
-/// Halves the triangles along the longest side of their box, again and again.
+/// Halves the triangles recursively, along the longest side of their box.
 fn build(triangles: &mut [Same], boxes: &mut Vec<ExactBox>) {
     let bounds = triangles
         .iter()
@@ -200,7 +203,7 @@ fn build(triangles: &mut [Same], boxes: &mut Vec<ExactBox>) {
     build(upper, boxes);
 }
 
-/// A node of a tree in preorder that always halves what it has.
+/// A node of a binary tree in preorder, over a range of triangles that each node halves.
 #[derive(Clone, Copy, Debug)]
 struct Node {
     index: usize,
@@ -226,7 +229,7 @@ impl Node {
         ]
     }
 
-    /// The pairs below two nodes, the larger of them split; `None` for two triangles.
+    /// The pairs that replace two nodes when the larger one is split; `None` for two leaves.
     fn split_with(&self, other: &Self) -> Option<[(Self, Self); 2]> {
         if self.len == 1 && other.len == 1 {
             None
@@ -238,7 +241,7 @@ impl Node {
     }
 }
 
-/// A closed box; comparing coordinates is exact.
+/// A closed `f64` box. Comparing coordinates is exact.
 #[derive(Clone, Copy, Debug)]
 struct ExactBox {
     min: DVec3,
@@ -265,11 +268,7 @@ impl ExactBox {
         }
     }
 
-    fn overlaps(&self, other: &Self) -> bool {
-        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
-    }
-
-    /// From below, up to a few roundings.
+    /// The squared distance, from below but for a few roundings; 0 for boxes that overlap.
     fn squared_distance(&self, other: &Self) -> f64 {
         let gap = (self.min - other.max).max(other.min - self.max).max(DVec3::ZERO);
         gap.length_squared()
@@ -281,7 +280,7 @@ fn lexicographic(p: &DVec3, q: &DVec3) -> Ordering {
     p.partial_cmp(&q).unwrap_or(Ordering::Equal)
 }
 
-/// Of sorted corners.
+/// Compares sorted corners.
 fn compare(s: &Triangle, t: &Triangle) -> Ordering {
     let key = |triangle: &Triangle| triangle.map(|corner| corner.to_array());
     key(s).partial_cmp(&key(t)).unwrap_or(Ordering::Equal)

@@ -7,18 +7,18 @@ use glam::DVec3;
 
 use self::best::Best;
 use super::body::Body;
-use super::collapsed::{Collapsed, CollapsedTests};
+use super::collapsed::Collapsed;
 use super::leaves::Leaves;
-use super::one::magnitude;
 use super::pairs::TrianglePair;
-use super::places::Places;
+use super::placements::Placements;
 use super::stats::QueryStats;
 use crate::bounds::{Aabb, Box64, GapFrame, LANES};
 use crate::exact::Triangle;
+use crate::input_error::{InputError, check_length};
 use crate::pose::{NodeRef, Posed};
 use crate::traverse::{Opened, PairRule, PairWalk, Side, Stack};
 
-/// Closest points of two bodies' surfaces.
+/// The closest points of two bodies' surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClosestPair {
     /// A triangle of the first body.
@@ -29,18 +29,18 @@ pub struct ClosestPair {
     pub point_a: DVec3,
     /// The point on the second body's triangle, in world space.
     pub point_b: DVec3,
-    /// The distance, in world units: 0 if and only if the triangles share a point, which is exact; otherwise off by a few
-    /// `f64` roundings of the triangles' sizes and the distance.
+    /// The distance, in world units. It is 0 exactly if the triangles share a point; otherwise its error is a few `f64` roundings of the
+    /// triangles' sizes and the distance.
     pub distance: f64,
 }
 
-/// Measures how far two bodies are apart; holds the memory that queries reuse.
+/// Finds the closest points of two bodies. Keep the query: it reuses its memory.
 ///
-/// The distance is that of the surfaces, so a body inside another one is not at distance 0. It does not depend on the
-/// trees, nor do the triangles and points while it is above 0; of intersecting triangles the walk takes the first pair. There are
-/// two exceptions, where the triangles that are named may depend on the trees, and the distance may be a billionth too long: bodies
-/// smaller than a millionth of their distance, all of whose triangles are about as close; and bodies with more than 16,384 pairs of
-/// triangles at the same distance but for rounding, such as two that are flattened to parallel lines.
+/// The distance is that of the surfaces: a body inside another one is not at distance 0. It does not depend on the trees, nor do
+/// the triangles and points if it is above 0; if triangles intersect, any intersecting pair is returned. There are two
+/// exceptions, in which the returned triangles may depend on the trees and the distance may be too long by a factor of 1e-9: bodies smaller than a
+/// millionth of their distance, and bodies with more than 16,384 triangle pairs at the same distance up to rounding, such as two
+/// bodies flattened to parallel lines.
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -52,7 +52,7 @@ pub struct ClosestPair {
 /// a.set_weights(&[0.5])?; // lifts the triangle to z = 0.5
 /// let above = WorldFromModel::new(Affine3A::from_translation(Vec3::new(0.0, 0.0, 2.0)))?;
 /// let bodies = (Body::new(&mut a, &WorldFromModel::IDENTITY), Body::new(&mut b, &above));
-/// let (closest, _) = DistanceQuery::new().closest(bodies.0, bodies.1, f64::INFINITY);
+/// let closest = DistanceQuery::new().closest(bodies.0, bodies.1, f64::INFINITY)?;
 /// assert_eq!(closest.map(|pair| pair.distance), Some(1.5));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -62,121 +62,144 @@ pub struct DistanceQuery {
     leaves_a: Leaves,
     leaves_b: Leaves,
     collapsed: Collapsed,
+    stats: QueryStats,
 }
 
 impl DistanceQuery {
-    /// A query with nothing allocated yet.
+    /// An empty query; allocates on first use.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Closest points of two bodies at most `max_distance` apart; `None` if they are farther apart, or it is negative or NaN.
+    /// The work of the last call.
+    #[must_use]
+    pub fn stats(&self) -> QueryStats {
+        self.stats
+    }
+
+    /// The closest points of two bodies; `None` if they are farther apart than `max_distance`, which may be infinite.
     ///
-    /// `max_distance` may be infinite; the smaller it is, the less is looked at.
-    pub fn closest(&mut self, a: Body<'_>, b: Body<'_>, max_distance: f64) -> (Option<ClosestPair>, QueryStats) {
-        if max_distance.is_nan() || max_distance < 0.0 {
-            return (None, QueryStats::default());
-        }
-        let (world_from_a, world_from_b) = (a.world_from_model, b.world_from_model);
-        let (mut a, mut b) = (a.pose.posed(), b.pose.posed());
-        let before = [a.blended(), b.blended()];
-        let places = Places {
+    /// The smaller `max_distance`, the less work.
+    ///
+    /// # Errors
+    /// [`InputError`] if `max_distance` is negative or NaN.
+    pub fn closest(
+        &mut self,
+        mut a: Body<'_>,
+        mut b: Body<'_>,
+        max_distance: f64,
+    ) -> Result<Option<ClosestPair>, InputError> {
+        check_length("max_distance", max_distance)?;
+        let placements = Placements {
+            world_from_a: a.world_from_model,
+            world_from_b: b.world_from_model,
+        };
+        let before = [a.pose.posed().blended(), b.pose.posed().blended()];
+        let (magnitude_a, magnitude_b) = (a.magnitude(), b.magnitude());
+        let (a, b) = (&mut a.pose.posed(), &mut b.pose.posed());
+        self.stats = QueryStats::default();
+        let best = if placements.are_collapsed(a, b) {
+            self.closest_collapsed(a, b, &placements, max_distance)
+        } else {
+            self.closest_by_trees(a, b, &placements, [magnitude_a, magnitude_b], max_distance)
+        };
+        self.stats += QueryStats::blending(before, [a.blended(), b.blended()]);
+        Ok(best)
+    }
+
+    fn closest_collapsed(
+        &mut self,
+        a: &mut Posed<'_>,
+        b: &mut Posed<'_>,
+        placements: &Placements<'_>,
+        max_distance: f64,
+    ) -> Option<ClosestPair> {
+        let mut best = Best::within(max_distance, false);
+        self.collapsed.place(a, b, placements);
+        let limit = best.limit;
+        let look = |pair, corners_a: &Triangle, corners_b: &Triangle| best.look(pair, corners_a, corners_b);
+        let _stopped_early = self.collapsed.nearest(limit, &mut self.stats, look);
+        best.pair
+    }
+
+    fn closest_by_trees<'p>(
+        &mut self,
+        a: &mut Posed<'p>,
+        b: &mut Posed<'p>,
+        placements: &Placements<'_>,
+        [magnitude_a, magnitude_b]: [DVec3; 2],
+        max_distance: f64,
+    ) -> Option<ClosestPair> {
+        let Placements {
             world_from_a,
             world_from_b,
-        };
-        if places.are_collapsed(&mut a, &mut b) {
-            let mut best = Best::within(max_distance, false);
-            let mut tests = CollapsedTests::default();
-            self.collapsed.place(&mut a, &mut b, &places);
-            let limit = best.limit;
-            let _stopped_early = self.collapsed.nearer(limit, &mut tests, |pair, corners_a, corners_b| {
-                best.look(pair, corners_a, corners_b)
-            });
-            let stats = QueryStats {
-                node_tests: tests.nodes,
-                triangle_tests: tests.triangles,
-                ..QueryStats::blending(before, [a.blended(), b.blended()])
-            };
-            return (best.pair, stats);
-        }
-        let (magnitude_a, magnitude_b) = (magnitude(&mut a), magnitude(&mut b));
+        } = *placements;
         let mut frames = GapFrame::list(world_from_a, magnitude_a, world_from_b, magnitude_b);
-        let are_far = are_far(&frames, &places, &mut a, &mut b);
+        let are_far = are_far(&frames, placements, a, b);
         if are_far {
-            // A rotation in `f32` is not quite one, and lengths in the bodies' spaces are off by more than the bodies' sizes.
+            // An `f32` rotation is not quite orthogonal: lengths in the bodies' own spaces are off by more than the bodies' sizes.
             frames.push(GapFrame::world(world_from_a, magnitude_a, world_from_b, magnitude_b));
         }
         let mut best = Best::within(max_distance, !are_far);
-        let rule = Closer {
+        let rule = DistanceRule {
             frames: &frames,
             limit: Cell::new(best.limit),
         };
-        let mut walk = PairWalk {
-            a: &mut a,
-            b: &mut b,
-            rule: &rule,
-            roots_meet: false,
-            a_from_b_scale: (world_from_b.scale() / world_from_a.scale()) as f32,
-            node_tests: 0,
-            deepest_first: false,
-        };
-        let mut triangle_tests = 0;
         let Self {
             stack,
             leaves_a,
             leaves_b,
+            stats,
             ..
         } = self;
-        leaves_a.begin(walk.a.topology.leaf_count());
-        leaves_b.begin(walk.b.topology.leaf_count());
+        leaves_a.begin(a.topology.leaf_count());
+        leaves_b.begin(b.topology.leaf_count());
+        let mut walk = PairWalk {
+            a,
+            b,
+            rule: &rule,
+            roots_overlap: false,
+            a_from_b_scale: placements.a_from_b_scale(),
+            node_tests: 0,
+            deepest_first: false,
+        };
         let _stopped_early = walk.run(stack, &[], |a, b, of_a, of_b| {
             let block_a = leaves_a.read(a, world_from_a, of_a);
             let block_b = leaves_b.read(b, world_from_b, of_b);
             for &(triangle_a, ref corners_a) in leaves_a.triangles(block_a) {
                 for &(triangle_b, ref corners_b) in leaves_b.triangles(block_b.clone()) {
-                    if boxes_apart(corners_a, corners_b) > rule.limit.get() || best.is_tied_enough(corners_a, corners_b)
-                    {
+                    let is_farther = boxes_apart(corners_a, corners_b) > rule.limit.get();
+                    if is_farther || best.is_tied_enough(corners_a, corners_b) {
                         continue;
                     }
-                    triangle_tests += 1;
+                    stats.triangle_tests += 1;
                     let pair = TrianglePair { triangle_a, triangle_b };
                     rule.limit.set(best.look(pair, corners_a, corners_b)?);
                 }
             }
             ControlFlow::Continue(())
         });
-        let after = [walk.a.blended(), walk.b.blended()];
-        let stats = QueryStats {
-            node_tests: walk.node_tests,
-            triangle_tests,
-            ..QueryStats::blending(before, after)
-        };
-        (best.pair, stats)
+        stats.node_tests = walk.node_tests;
+        best.pair
     }
 }
 
-/// The squared distance of two triangles' boxes, from below up to a rounding that the margin covers.
+/// The squared distance of two triangles' boxes, a lower bound but for a rounding that the margin covers.
 fn boxes_apart(a: &Triangle, b: &Triangle) -> f64 {
     let span = |t: &Triangle| (t[0].min(t[1]).min(t[2]), t[0].max(t[1]).max(t[2]));
     let ((min_a, max_a), (min_b, max_b)) = (span(a), span(b));
     (min_a - max_b).max(min_b - max_a).max(DVec3::ZERO).length_squared()
 }
 
-/// The rule of node pairs that may be closer than a limit, the closest first.
-struct Closer<'a> {
+/// Visits node pairs that may be closer than a limit, the closest first.
+struct DistanceRule<'a> {
     frames: &'a [GapFrame],
     /// A squared world distance.
     limit: Cell<f64>,
 }
 
-impl Closer<'_> {
-    fn squared(&self, a: &Box64, b: &Box64) -> f64 {
-        squared_gap(self.frames, a, b)
-    }
-}
-
-/// A lower bound of the squared distance of what two boxes hold.
+/// A lower bound for the squared distance between the contents of two boxes.
 fn squared_gap(frames: &[GapFrame], a: &Box64, b: &Box64) -> f64 {
     frames
         .iter()
@@ -184,21 +207,21 @@ fn squared_gap(frames: &[GapFrame], a: &Box64, b: &Box64) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Whether two bodies are so much smaller than the distance between them that all their triangles are about as close.
-fn are_far(frames: &[GapFrame], places: &Places<'_>, a: &mut Posed<'_>, b: &mut Posed<'_>) -> bool {
+/// Whether two bodies are so small compared with their distance that all their triangles are about equally close.
+fn are_far(frames: &[GapFrame], placements: &Placements<'_>, a: &mut Posed<'_>, b: &mut Posed<'_>) -> bool {
     const FAR: f64 = 1e6;
     let boxes = [Box64::of(&a.bounds()), Box64::of(&b.bounds())];
-    let size_a = boxes[0].half.element_sum() * places.world_from_a.scale();
-    let size_b = boxes[1].half.element_sum() * places.world_from_b.scale();
+    let size_a = boxes[0].half.element_sum() * placements.world_from_a.scale();
+    let size_b = boxes[1].half.element_sum() * placements.world_from_b.scale();
     let far = 2.0 * FAR * (size_a + size_b);
     far * far <= squared_gap(frames, &boxes[0], &boxes[1])
 }
 
-impl PairRule for Closer<'_> {
+impl PairRule for DistanceRule<'_> {
     type Key = f64;
 
     fn start(&self, a: &Aabb, b: &Aabb) -> Option<f64> {
-        let squared = self.squared(&Box64::of(a), &Box64::of(b));
+        let squared = squared_gap(self.frames, &Box64::of(a), &Box64::of(b));
         self.still_wanted(squared).then_some(squared)
     }
 
@@ -217,8 +240,8 @@ impl PairRule for Closer<'_> {
             }
             let child = Box64::of(&tree.boxes(opened.slot).get(lane));
             *key = match side {
-                Side::A => self.squared(&child, &other),
-                Side::B => self.squared(&other, &child),
+                Side::A => squared_gap(self.frames, &child, &other),
+                Side::B => squared_gap(self.frames, &other, &child),
             };
             wanted |= u8::from(self.still_wanted(*key)) << lane;
         }

@@ -3,11 +3,11 @@ use std::sync::Arc;
 use super::body::Body;
 use crate::tree::{Leaf, MorphBvh};
 
-/// What is remembered of one pair of bodies between frames: the two leaves whose triangles intersected when one pair was asked
-/// for. [`PairQuery::first_with`](crate::PairQuery::first_with) tries them before anything else.
+/// The memory of one pair of bodies between frames: the two leaves that intersected when
+/// [`PairQuery::first_with`](crate::PairQuery::first_with) last found a pair. The next call tries them first.
 ///
-/// Whether there is a pair does not depend on it; which pair is named may. Keep one per pair of bodies, always with the bodies
-/// in the same order; a body whose tree is another one than before is noticed.
+/// Keep one per pair of bodies and pass the bodies in the same order. If a body's tree changes, the memory is dropped. Weights and
+/// placements may change freely.
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -21,7 +21,7 @@ use crate::tree::{Leaf, MorphBvh};
 /// for frame in 0..20 {
 ///     a.set_weights(&[0.1 * frame as f32])?; // rises from 0 to 1.9
 ///     let bodies = (Body::new(&mut a, &WorldFromModel::IDENTITY), Body::new(&mut b, &WorldFromModel::IDENTITY));
-///     let (pair, _) = query.first_with(&mut memory, bodies.0, bodies.1);
+///     let pair = query.first_with(&mut memory, bodies.0, bodies.1);
 ///     assert_eq!(pair.is_some(), frame == 0);
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -33,7 +33,7 @@ pub struct PairMemory {
 }
 
 impl PairMemory {
-    /// Nothing remembered yet.
+    /// An empty memory.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
@@ -44,21 +44,19 @@ impl PairMemory {
         *self = Self::default();
     }
 
-    /// The leaves to try first, if it is about these trees.
+    /// The leaves to try first. Forgets them if a tree has changed.
     pub(super) fn witness_of(&mut self, a: &Body<'_>, b: &Body<'_>) -> Option<(Leaf, Leaf)> {
         let trees = [a.pose.bvh(), b.pose.bvh()];
-        let same = self
-            .trees
-            .as_ref()
-            .is_some_and(|known| known.iter().zip(trees).all(|(known, tree)| Arc::ptr_eq(known, tree)));
-        if !same {
+        let is_known =
+            |known: &[Arc<MorphBvh>; 2]| known.iter().zip(trees).all(|(known, tree)| Arc::ptr_eq(known, tree));
+        if !self.trees.as_ref().is_some_and(is_known) {
             self.trees = Some(trees.map(Arc::clone));
             self.witness = None;
         }
         self.witness
     }
 
-    /// The leaves whose triangles intersect now, of the trees that were asked about last.
+    /// Stores the leaves that intersect, for the trees of the last [`PairMemory::witness_of`].
     pub(super) fn remember(&mut self, witness: Option<(Leaf, Leaf)>) {
         self.witness = witness;
     }

@@ -1,45 +1,49 @@
 use std::ops::ControlFlow;
 
-use glam::DVec3;
-
+use super::body::Body;
 use super::leaves::place_leaf;
 use super::stats::QueryStats;
-use crate::bounds::{Box64, WorldFromModel};
+use crate::bounds::Box64;
 use crate::exact::Triangle;
-use crate::pose::Posed;
 use crate::traverse::{OneWalk, Queue};
 use crate::tree::CornerLanes;
 
-/// The memory of a query over one body, and the way it goes about it.
+/// The walk that all queries about one body share, and its scratch memory.
 #[derive(Debug, Default)]
 pub(super) struct OneBody {
     queue: Queue,
     posed: Vec<CornerLanes>,
     placed: Vec<(u32, Triangle)>,
+    pub(super) stats: QueryStats,
 }
 
 impl OneBody {
-    /// Calls `at_triangle` with the number and the world-space corners of every triangle in a leaf that `bound` lets through
-    /// at most at the limit, leaves with lower bounds first. It returns the new limit, or breaks.
+    /// Visits leaves in ascending order of `lower_bound` and calls `at_triangle` with the number and the world-space corners of each
+    /// triangle. Ends when the lowest bound left exceeds the limit, or at a break.
+    ///
+    /// `lower_bound` maps a node's model-space box to a lower bound for its triangles, `None` to skip the node.
+    /// `at_triangle` returns the new limit.
     pub(super) fn walk(
         &mut self,
-        tree: &mut Posed<'_>,
-        world_from_model: &WorldFromModel,
+        body: Body<'_>,
         limit: f64,
-        bound: impl Fn(&Box64) -> Option<f64>,
+        lower_bound: impl Fn(&Box64) -> Option<f64>,
         mut at_triangle: impl FnMut(u32, &Triangle) -> ControlFlow<(), f64>,
-    ) -> QueryStats {
+    ) {
+        let tree = &mut body.pose.posed();
         let before = tree.blended();
         let mut walk = OneWalk { tree, node_tests: 0 };
         let mut triangle_tests = 0;
-        let Self { queue, posed, placed } = self;
+        let Self {
+            queue, posed, placed, ..
+        } = self;
         let _stopped_early = walk.run(
             queue,
             limit,
-            |bounds| bound(&Box64::of(bounds)),
+            |bounds| lower_bound(&Box64::of(bounds)),
             |tree, leaf| {
                 placed.clear();
-                place_leaf(tree, world_from_model, leaf, posed, placed);
+                place_leaf(tree, body.world_from_model, leaf, posed, placed);
                 let mut limit = f64::INFINITY;
                 for (number, triangle) in &*placed {
                     triangle_tests += 1;
@@ -48,16 +52,10 @@ impl OneBody {
                 ControlFlow::Continue(limit)
             },
         );
-        let after = walk.tree.blended();
-        QueryStats {
+        self.stats = QueryStats {
             node_tests: walk.node_tests,
             triangle_tests,
-            ..QueryStats::blending([before], [after])
-        }
+            ..QueryStats::blending([before], [walk.tree.blended()])
+        };
     }
-}
-
-/// The largest absolute model-space coordinates of a posed tree.
-pub(super) fn magnitude(tree: &mut Posed<'_>) -> DVec3 {
-    tree.bounds().magnitude().as_dvec3()
 }

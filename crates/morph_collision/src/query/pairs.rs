@@ -2,16 +2,16 @@ use std::ops::ControlFlow;
 
 use super::body::Body;
 use super::capped::Capped;
-use super::collapsed::{Collapsed, CollapsedTests};
+use super::collapsed::Collapsed;
 use super::memory::PairMemory;
-use super::patches::{LeafTests, Patches, intersecting_pairs};
-use super::places::Places;
+use super::patches::{Patches, intersecting_pairs};
+use super::placements::Placements;
 use super::stats::QueryStats;
-use crate::pose::{Place, Posed};
-use crate::traverse::{Culls, Meeting, PairWalk, Stack};
+use crate::pose::{NodeId, Posed};
+use crate::traverse::{Culls, OverlapRule, PairWalk, Stack};
 use crate::tree::Leaf;
 
-/// Two intersecting triangles, each by its number in its own mesh.
+/// Two intersecting triangles, each by its index in its own mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TrianglePair {
     /// A triangle of the first body.
@@ -20,10 +20,10 @@ pub struct TrianglePair {
     pub triangle_b: u32,
 }
 
-/// Asks which triangles of two bodies intersect; holds the memory that queries reuse.
+/// Finds the intersecting triangles of two bodies. Keep the query: it reuses its memory.
 ///
-/// The answer is exact over the posed vertices in world space, see the crate's introduction; touching counts. It does not
-/// depend on the tree, and the same triangles come out whichever body is named first.
+/// The answer is exact over the posed vertices in world space (see the crate's introduction); touching counts. It does not
+/// depend on the tree, and swapping the bodies finds the same triangles.
 #[derive(Debug, Default)]
 pub struct PairQuery {
     stack: Stack,
@@ -31,154 +31,134 @@ pub struct PairQuery {
     leaves_a: Patches,
     leaves_b: Patches,
     collapsed: Collapsed,
+    stats: QueryStats,
 }
 
 impl PairQuery {
-    /// A query with nothing allocated yet.
+    /// An empty query; allocates on first use.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
+    /// The work of the last call.
+    #[must_use]
+    pub fn stats(&self) -> QueryStats {
+        self.stats
+    }
+
     /// Appends every pair of intersecting triangles, in the order of the walk.
     ///
-    /// Bodies that collapse to a point touch in every pair of their triangles; [`PairQuery::up_to`] bounds the list.
-    pub fn all(&mut self, a: Body<'_>, b: Body<'_>, pairs: &mut Vec<TrianglePair>) -> QueryStats {
-        self.visit(a, b, |pair| {
-            pairs.push(pair);
-            ControlFlow::Continue(())
-        })
+    /// If bodies collapse to a point, all pairs of their triangles intersect; [`PairQuery::up_to`] limits the list.
+    pub fn all(&mut self, a: Body<'_>, b: Body<'_>, pairs: &mut Vec<TrianglePair>) {
+        self.up_to(a, b, usize::MAX, pairs);
     }
 
-    /// Appends at most `limit` pairs of intersecting triangles, the first ones of [`PairQuery::all`]; says whether there are more.
+    /// Appends the first `limit` pairs of [`PairQuery::all`]; returns whether there are more.
     ///
-    /// The walk ends at the first pair that there is no room for. So two bodies that touch everywhere, as two that were scaled to
-    /// a point, do not list the product of their triangles. Which pairs come first depends on the tree and on the order of the
+    /// The walk ends at the first pair that does not fit. Which pairs come first depends on the tree and on the order of the
     /// bodies.
-    pub fn up_to(
-        &mut self,
-        limit: usize,
-        a: Body<'_>,
-        b: Body<'_>,
-        pairs: &mut Vec<TrianglePair>,
-    ) -> (bool, QueryStats) {
+    pub fn up_to(&mut self, a: Body<'_>, b: Body<'_>, limit: usize, pairs: &mut Vec<TrianglePair>) -> bool {
         let mut listed = Capped::new(pairs, limit);
-        let stats = self.visit(a, b, |pair| listed.push(pair));
-        (listed.is_truncated, stats)
+        self.visit(a, b, |pair| listed.push(pair));
+        listed.is_truncated
     }
 
-    /// The first pair of intersecting triangles that a walk comes to which looks first where nodes reach deepest into each other.
-    pub fn first(&mut self, a: Body<'_>, b: Body<'_>) -> (Option<TrianglePair>, QueryStats) {
-        let mut first = None;
-        let (stats, _) = self.run(a, b, Start::Deepest, &mut |pair| {
-            first = Some(pair);
-            ControlFlow::Break(())
-        });
-        (first, stats)
+    /// An intersecting pair, if there is one. The walk starts where nodes overlap deepest and ends at the first pair.
+    pub fn first(&mut self, a: Body<'_>, b: Body<'_>) -> Option<TrianglePair> {
+        self.first_from(a, b, Start::Deepest).0
     }
 
     /// How many pairs of triangles intersect.
-    pub fn count(&mut self, a: Body<'_>, b: Body<'_>) -> (u64, QueryStats) {
+    pub fn count(&mut self, a: Body<'_>, b: Body<'_>) -> u64 {
         let mut count = 0;
-        let stats = self.visit(a, b, |_| {
+        self.visit(a, b, |_| {
             count += 1;
             ControlFlow::Continue(())
         });
-        (count, stats)
+        count
     }
 
     /// Whether any triangles intersect.
-    pub fn any(&mut self, a: Body<'_>, b: Body<'_>) -> (bool, QueryStats) {
-        let (first, stats) = self.first(a, b);
-        (first.is_some(), stats)
+    pub fn any(&mut self, a: Body<'_>, b: Body<'_>) -> bool {
+        self.first(a, b).is_some()
     }
 
     /// Calls `visitor` for every pair of intersecting triangles, in the order of the walk, until it breaks.
-    pub fn visit(
+    pub fn visit(&mut self, a: Body<'_>, b: Body<'_>, mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>) {
+        self.run(a, b, Start::Roots, &mut visitor);
+    }
+
+    /// Like [`PairQuery::first`], but tries the leaves that intersected last time before anything else.
+    ///
+    /// Whether there is a pair does not depend on the memory; which pair is returned may.
+    pub fn first_with(&mut self, memory: &mut PairMemory, mut a: Body<'_>, mut b: Body<'_>) -> Option<TrianglePair> {
+        let mut stats = QueryStats::default();
+        if let Some(leaves) = memory.witness_of(&a, &b) {
+            let (first, _) = self.first_from(a.reborrow(), b.reborrow(), Start::Leaves(leaves));
+            if first.is_some() {
+                return first;
+            }
+            stats = self.stats;
+        }
+        let (first, witness) = self.first_from(a, b, Start::Deepest);
+        self.stats += stats;
+        memory.remember(witness);
+        first
+    }
+
+    fn first_from(
         &mut self,
         a: Body<'_>,
         b: Body<'_>,
-        mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>,
-    ) -> QueryStats {
-        self.run(a, b, Start::Roots, &mut visitor).0
+        start: Start<'_>,
+    ) -> (Option<TrianglePair>, Option<(Leaf, Leaf)>) {
+        let mut first = None;
+        let witness = self.run(a, b, start, &mut |pair| {
+            first = Some(pair);
+            ControlFlow::Break(())
+        });
+        (first, witness)
     }
 
-    /// As [`PairQuery::visit`], from some node pairs on.
+    /// Like [`PairQuery::visit`], but walks only the given node pairs.
     pub(super) fn visit_from(
         &mut self,
-        front: &[(Place, Place)],
+        front: &[(NodeId, NodeId)],
         a: Body<'_>,
         b: Body<'_>,
         mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>,
-    ) -> QueryStats {
-        if front.is_empty() {
-            return QueryStats::default();
-        }
-        self.run(a, b, Start::Front(front), &mut visitor).0
+    ) {
+        self.run(a, b, Start::Front(front), &mut visitor);
     }
 
-    /// Whether the bodies are too small to be culled; then there is no walk over their trees.
+    /// Whether the bodies are too small for culling. Queries then do not walk their trees.
     pub(super) fn are_collapsed(&self, a: Body<'_>, b: Body<'_>) -> bool {
-        let places = Places {
+        let placements = Placements {
             world_from_a: a.world_from_model,
             world_from_b: b.world_from_model,
         };
-        places.are_collapsed(&mut a.pose.posed(), &mut b.pose.posed())
+        placements.are_collapsed(&mut a.pose.posed(), &mut b.pose.posed())
     }
 
-    /// The node pairs that the walk comes to from the roots, in its order, once there are so many: each can be walked from by
-    /// itself.
-    pub(super) fn front(
-        &mut self,
-        a: Body<'_>,
-        b: Body<'_>,
-        least: usize,
-        front: &mut Vec<(Place, Place)>,
-    ) -> QueryStats {
-        let mut nothing = |_| ControlFlow::Continue(());
-        self.run(a, b, Start::Expand(least, front), &mut nothing).0
+    /// Expands the roots, level by level, into at least `least` node pairs if there are that many, in the order of the walk.
+    /// Each can be walked by itself.
+    pub(super) fn front(&mut self, a: Body<'_>, b: Body<'_>, least: usize) -> Vec<(NodeId, NodeId)> {
+        let mut front = Vec::new();
+        let mut ignore = |_| ControlFlow::Continue(());
+        self.run(a, b, Start::Expand(least, &mut front), &mut ignore);
+        front
     }
 
-    /// A pair of intersecting triangles if there is any: of the leaves in which one was found the last time, if they still
-    /// have one, and otherwise that of [`PairQuery::first`].
-    pub fn first_with(
-        &mut self,
-        memory: &mut PairMemory,
-        mut a: Body<'_>,
-        mut b: Body<'_>,
-    ) -> (Option<TrianglePair>, QueryStats) {
-        let mut first = None;
-        let mut visitor = |pair| {
-            first = Some(pair);
-            ControlFlow::Break(())
-        };
-        let mut stats = QueryStats::default();
-        if let Some(leaves) = memory.witness_of(&a, &b) {
-            stats = self
-                .run(a.reborrow(), b.reborrow(), Start::Leaves(leaves), &mut visitor)
-                .0;
-        }
-        if first.is_none() {
-            let (more, witness) = self.run(a, b, Start::Deepest, &mut |pair| {
-                first = Some(pair);
-                ControlFlow::Break(())
-            });
-            stats += more;
-            memory.remember(witness);
-        }
-        (first, stats)
-    }
-
-    /// Calls `visitor` for pairs of intersecting triangles until it breaks; returns the leaves at which it did, if they were
-    /// walked to.
+    /// Calls `visitor` for intersecting pairs until it breaks; returns the leaves at which it did, if it walked the trees.
     fn run(
         &mut self,
         a: Body<'_>,
         b: Body<'_>,
         start: Start<'_>,
         visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
-    ) -> (QueryStats, Option<(Leaf, Leaf)>) {
-        let places = Places {
+    ) -> Option<(Leaf, Leaf)> {
+        let placements = Placements {
             world_from_a: a.world_from_model,
             world_from_b: b.world_from_model,
         };
@@ -190,79 +170,66 @@ impl PairQuery {
             leaves_a,
             leaves_b,
             collapsed,
+            stats,
         } = self;
-        let roots_meet = matches!(start, Start::Leaves(_)) || places.begin_culls(a, b, culls);
-        if !roots_meet && !matches!(start, Start::Expand(..)) {
-            let stats = QueryStats {
-                node_tests: 1,
-                ..QueryStats::blending(before, [a.blended(), b.blended()])
-            };
-            return (stats, None);
-        }
-        if roots_meet && matches!(start, Start::Roots | Start::Deepest) && places.are_collapsed(a, b) {
-            let mut tests = CollapsedTests::default();
-            collapsed.place(a, b, &places);
-            let _stopped_early = collapsed.intersecting(&mut tests, visitor);
-            let stats = QueryStats {
-                node_tests: tests.nodes,
-                triangle_tests: tests.triangles,
-                undecided_by_filter: tests.undecided_by_filter,
-                ..QueryStats::blending(before, [a.blended(), b.blended()])
-            };
-            return (stats, None);
-        }
-        let level = a.level;
-        let (mut tests, mut node_tests, mut stopped_at) = (LeafTests::default(), 0, None);
-        places.begin_leaves(a, b, [leaves_a, leaves_b]);
-        let mut at_leaves = |a: &mut Posed<'_>, b: &mut Posed<'_>, of_a, of_b| {
-            let (block_a, block_b) = (leaves_a.read(a, of_a), leaves_b.read(b, of_b));
-            let flow = intersecting_pairs(level, (leaves_a, block_a), (leaves_b, block_b), &mut tests, visitor);
-            if flow.is_break() {
-                stopped_at = Some((of_a, of_b));
-            }
-            flow
-        };
-        if let Start::Leaves((of_a, of_b)) = start {
-            let _only_these = at_leaves(a, b, of_a, of_b);
+        *stats = QueryStats::default();
+        let mut stopped_at = None;
+        let roots_overlap = matches!(start, Start::Leaves(_)) || placements.begin_culls(a, b, culls);
+        if !roots_overlap {
+            stats.node_tests = 1;
+        } else if matches!(start, Start::Roots | Start::Deepest) && placements.are_collapsed(a, b) {
+            collapsed.place(a, b, &placements);
+            let _stopped_early = collapsed.intersecting(stats, visitor);
         } else {
-            let mut walk = PairWalk {
-                a: &mut *a,
-                b: &mut *b,
-                rule: &Meeting { culls: culls.into() },
-                roots_meet,
-                a_from_b_scale: places.a_from_b_scale(),
-                deepest_first: matches!(start, Start::Deepest),
-                node_tests: 0,
-            };
-            let _stopped_early = match start {
-                Start::Front(front) => walk.run(stack, front, at_leaves),
-                Start::Expand(least, front) => {
-                    *front = walk.front(stack, least);
-                    ControlFlow::Continue(())
+            let level = a.level;
+            placements.begin_leaves(a, b, [leaves_a, leaves_b]);
+            let mut node_tests = 0;
+            let mut at_leaves = |a: &mut Posed<'_>, b: &mut Posed<'_>, of_a, of_b| {
+                let (block_a, block_b) = (leaves_a.read(a, of_a), leaves_b.read(b, of_b));
+                let flow = intersecting_pairs(level, (leaves_a, block_a), (leaves_b, block_b), stats, visitor);
+                if flow.is_break() {
+                    stopped_at = Some((of_a, of_b));
                 }
-                _ => walk.run(stack, &[], at_leaves),
+                flow
             };
-            node_tests = walk.node_tests;
+            if let Start::Leaves((of_a, of_b)) = start {
+                let _only_these = at_leaves(a, b, of_a, of_b);
+            } else {
+                let mut walk = PairWalk {
+                    a: &mut *a,
+                    b: &mut *b,
+                    rule: &OverlapRule { culls: culls.into() },
+                    roots_overlap,
+                    a_from_b_scale: placements.a_from_b_scale(),
+                    deepest_first: matches!(start, Start::Deepest),
+                    node_tests: 0,
+                };
+                let _stopped_early = match start {
+                    Start::Front(front) => walk.run(stack, front, at_leaves),
+                    Start::Expand(least, front) => {
+                        *front = walk.front(stack, least);
+                        ControlFlow::Continue(())
+                    }
+                    _ => walk.run(stack, &[], at_leaves),
+                };
+                node_tests = walk.node_tests;
+            }
+            stats.node_tests = node_tests;
         }
-        let stats = QueryStats {
-            node_tests,
-            triangle_tests: tests.triangles,
-            undecided_by_filter: tests.undecided_by_filter,
-            ..QueryStats::blending(before, [a.blended(), b.blended()])
-        };
-        (stats, stopped_at)
+        *stats += QueryStats::blending(before, [a.blended(), b.blended()]);
+        stopped_at
     }
 }
 
-/// What a query starts from.
+/// Where a query starts.
 enum Start<'a> {
     Roots,
-    /// The roots; nodes that reach deepest into each other come first.
+    /// The roots, descending first where nodes overlap deepest.
     Deepest,
-    /// Node pairs that an earlier walk came to.
-    Front(&'a [(Place, Place)]),
-    /// No walk: these leaves alone.
+    /// Node pairs of an earlier walk.
+    Front(&'a [(NodeId, NodeId)]),
+    /// Two leaves, without a walk.
     Leaves((Leaf, Leaf)),
-    /// The roots; it only goes on until there are so many node pairs, which go there.
-    Expand(usize, &'a mut Vec<(Place, Place)>),
+    /// The roots, expanded into at least this many node pairs, which are stored here.
+    Expand(usize, &'a mut Vec<(NodeId, NodeId)>),
 }

@@ -3,13 +3,13 @@
 //! Two of them are turned away where an axis is found along which they are apart by more than every rounding on the way, and
 //! any axis will do: how well it was chosen decides the speed alone. The axes are the world's, both normals, and the two
 //! products of edges of which one parts triangles that reach through each other's planes (Guigue and Devillers 2003). Where
-//! all the signs that these depend on are beyond doubt and none parts two triangles, they meet.
+//! all the signs that these depend on are beyond errors and none parts two triangles, they meet.
 
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 
 use self::vectors::{Corners, cross, dot, one, sub};
-use self::verdict::Doubt;
+use self::verdict::ErrorBounds;
 use super::neighbourhood::{Neighbourhood, Placement};
 use crate::bounds::{Aabb, BoxLanes, LANES, Lanes, WorldFromModel};
 use crate::tree::CornerLanes;
@@ -100,9 +100,17 @@ impl Patch {
         (span * inverse).store_slice(&mut self.tilt.0);
     }
 
-    /// What may be of the pairs of triangles; says if any may meet.
+    /// Filters the pairs of triangles; returns whether any pair might intersect.
+    ///
+    /// `select` is given a triangle of this patch and a mask of triangles of the other with overlapping boxes; it returns those to test.
     #[inline(always)]
-    pub(super) fn compare<S: Simd>(&self, simd: S, other: &Self, pairs: &mut PatchPairs) -> bool {
+    pub(super) fn compare<S: Simd>(
+        &self,
+        simd: S,
+        other: &Self,
+        select: impl Fn(usize, u8) -> u8,
+        pairs: &mut PatchPairs,
+    ) -> bool {
         *pairs = PatchPairs::default();
         let mut own = self.boxes.overlap_mask(simd, &other.hull) & self.lanes;
         if own == 0 {
@@ -112,14 +120,14 @@ impl Patch {
         if others == 0 {
             return false;
         }
-        let doubt = Doubt::new(simd, self.reach.max(other.reach));
+        let errors = ErrorBounds::new(simd, self.reach.max(other.reach));
         let mut any = 0;
         while own != 0 {
             let lane = own.trailing_zeros() as usize;
             own &= own - 1;
-            let mut near = other.boxes.overlap_mask(simd, &self.boxes.get(lane)) & others;
+            let mut near = select(lane, other.boxes.overlap_mask(simd, &self.boxes.get(lane)) & others);
             if near != 0 {
-                let verdict = other.judge(simd, self, lane, &doubt, near);
+                let verdict = other.judge(simd, self, lane, &errors, near);
                 near &= !verdict.apart;
                 pairs.near[lane] = near;
                 pairs.meet[lane] = near & verdict.meet;

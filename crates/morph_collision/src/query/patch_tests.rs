@@ -65,7 +65,7 @@ impl Tally {
                 near: [0xff; LANES],
                 meet: [0xff; LANES],
             };
-            let any = with_simd!(level, simd => patch_a.compare(simd, &patch_b, &mut pairs));
+            let any = with_simd!(level, simd => patch_a.compare(simd, &patch_b, |_, near| near, &mut pairs));
             assert_eq!(any, pairs.near != [0; LANES], "{about}");
             assert_eq!(*first.get_or_insert(pairs), pairs, "{about}: kernels differ");
         }
@@ -325,7 +325,7 @@ fn every_number_of_triangles_has_rows_and_bits_of_its_own() {
                     placed.patch(*level, &Neighbourhood::default())
                 });
                 let mut pairs = PatchPairs::default();
-                assert!(with_simd!(*level, simd => a.compare(simd, &b, &mut pairs)));
+                assert!(with_simd!(*level, simd => a.compare(simd, &b, |_, near| near, &mut pairs)));
                 let all = u8::MAX >> (LANES - of_b);
                 let expected: [u8; LANES] = std::array::from_fn(|i| if i < of_a { all } else { 0 });
                 assert_eq!(pairs.near, expected, "{of_a} and {of_b}");

@@ -1,4 +1,4 @@
-//! The leaves of two bodies against each other: what the filter of their patches leaves over is decided exactly.
+//! Leaves as patches of eight triangles: placed once per query, compared eight at a time, decided exactly where the filter cannot.
 
 use std::ops::{ControlFlow, Range};
 
@@ -6,27 +6,28 @@ use super::leaves::{LeafStamps, placed_triangle};
 use super::neighbourhood::Neighbourhood;
 use super::pairs::TrianglePair;
 use super::patch::{Patch, PatchPairs};
-use crate::bounds::{LANES, WorldFromModel, with_simd};
+use super::stats::QueryStats;
+use crate::bounds::{LANES, WorldFromModel, lanes_of, with_simd};
 use crate::exact::{Facet, Triangle, facets_intersect_counting};
 use crate::pose::Posed;
 use crate::tree::{CornerLanes, Leaf};
 use fearless_simd::Level;
 
-/// The leaves of one body that a query has read, as patches of up to eight triangles; the memory is reused by the next query.
+/// The leaves of one body that a query has read, as patches of up to eight triangles. The next query reuses the memory.
 #[derive(Debug, Default)]
 pub(super) struct Patches {
     stamps: LeafStamps,
     blocks: Vec<Block>,
     neighbourhood: Neighbourhood,
     world_from_model: WorldFromModel,
-    /// In model space, and the same near both bodies; both by patch.
+    /// By patch: the corners in model space, and the patch in the neighbourhood of both bodies.
     posed: Vec<CornerLanes>,
     placed: Vec<Patch>,
     /// By patch and lane.
     numbers: Vec<[u32; LANES]>,
 }
 
-/// A leaf that was read: its patches.
+/// The patches of a leaf.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Block {
     first: u32,
@@ -41,7 +42,7 @@ impl Block {
 }
 
 impl Patches {
-    /// Forgets the leaves of the query before.
+    /// Starts a query: forgets all leaves.
     pub(super) fn begin(&mut self, leaves: usize, world_from_model: &WorldFromModel, neighbourhood: Neighbourhood) {
         self.stamps.begin(leaves);
         self.world_from_model = *world_from_model;
@@ -52,7 +53,7 @@ impl Patches {
         self.numbers.clear();
     }
 
-    /// A leaf's block; its corners are blended and placed at the first call.
+    /// A leaf's block. Blends and places its corners on the first call.
     #[inline]
     pub(super) fn read(&mut self, tree: &mut Posed<'_>, leaf: Leaf) -> Block {
         match self.stamps.find(leaf) {
@@ -85,18 +86,11 @@ impl Patches {
         block
     }
 
-    /// The corners of a triangle in world space.
+    /// A triangle's corners in world space.
     #[inline(always)]
     fn triangle(&self, patch: usize, lane: usize) -> Triangle {
         placed_triangle(&self.posed[patch], lane, &self.world_from_model)
     }
-}
-
-/// What testing the triangles of leaves took.
-#[derive(Debug, Default)]
-pub(super) struct LeafTests {
-    pub(super) triangles: u64,
-    pub(super) undecided_by_filter: u64,
 }
 
 /// Calls `visitor` for every pair of intersecting triangles of two leaves, until it breaks.
@@ -105,39 +99,82 @@ pub(super) fn intersecting_pairs(
     level: Level,
     (of_a, block_a): (&Patches, Block),
     (of_b, block_b): (&Patches, Block),
-    tests: &mut LeafTests,
+    stats: &mut QueryStats,
     visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    tests.triangles += u64::from(block_a.triangles) * u64::from(block_b.triangles);
+    stats.triangle_tests += u64::from(block_a.triangles) * u64::from(block_b.triangles);
     for a in block_a.patches() {
         for b in block_b.patches() {
-            let (patch_a, patch_b) = (&of_a.placed[a], &of_b.placed[b]);
             let mut pairs = PatchPairs::default();
-            if with_simd!(level, simd => patch_a.compare(simd, patch_b, &mut pairs)) {
-                report((of_a, a), (of_b, b), &pairs, tests, visitor)?;
+            let (patch_a, patch_b) = (&of_a.placed[a], &of_b.placed[b]);
+            if with_simd!(level, simd => patch_a.compare(simd, patch_b, |_, candidates| candidates, &mut pairs)) {
+                report((of_a, a), (of_b, b), &pairs, stats, visitor)?;
             }
         }
     }
     ControlFlow::Continue(())
 }
 
-/// Gives the pairs that meet to the visitor; what the filter leaves open is decided exactly.
+impl Patches {
+    /// Calls `visitor` for every pair of intersecting triangles of two leaves of this body, or of a leaf and itself, until it
+    /// breaks. Leaves out triangles that share a vertex.
+    pub(super) fn intersecting_pairs_within(
+        &self,
+        posed: &Posed<'_>,
+        [block_a, block_b]: [Block; 2],
+        stats: &mut QueryStats,
+        visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        let is_same_leaf = block_a.first == block_b.first;
+        let triangles = u64::from(block_a.triangles);
+        stats.triangle_tests += if is_same_leaf {
+            triangles * (triangles - 1) / 2
+        } else {
+            triangles * u64::from(block_b.triangles)
+        };
+        for a in block_a.patches() {
+            for b in block_b.patches().filter(|&b| !is_same_leaf || b >= a) {
+                let unrelated = |lane: usize, candidates: u8| {
+                    let later = if a == b { (u8::MAX << 1) << lane } else { u8::MAX };
+                    candidates & later & !self.neighbours(posed, (a, lane), b, candidates)
+                };
+                let mut pairs = PatchPairs::default();
+                let (patch_a, patch_b) = (&self.placed[a], &self.placed[b]);
+                if with_simd!(posed.level, simd => patch_a.compare(simd, patch_b, unrelated, &mut pairs)) {
+                    report((self, a), (self, b), &pairs, stats, visitor)?;
+                }
+            }
+        }
+        ControlFlow::Continue(())
+    }
+
+    /// The candidates in patch `b` that share a vertex with a triangle of patch `a`, as a bit mask.
+    fn neighbours(&self, posed: &Posed<'_>, (a, lane): (usize, usize), b: usize, candidates: u8) -> u8 {
+        let vertices = |number: u32| posed.model.triangle(number as usize);
+        let [x, y, z] = vertices(self.numbers[a][lane]);
+        lanes_of(candidates)
+            .filter(|&other| {
+                let others = vertices(self.numbers[b][other]);
+                others.contains(&x) || others.contains(&y) || others.contains(&z)
+            })
+            .fold(0, |mask, other| mask | 1 << other)
+    }
+}
+
+/// Passes the intersecting pairs to the visitor; decides exactly what the filter left open.
 #[inline(never)]
 fn report(
     (of_a, a): (&Patches, usize),
     (of_b, b): (&Patches, usize),
     pairs: &PatchPairs,
-    tests: &mut LeafTests,
+    stats: &mut QueryStats,
     visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     let (numbers_a, numbers_b) = (&of_a.numbers[a], &of_b.numbers[b]);
     for (lane_a, triangle_a) in numbers_a.iter().enumerate() {
-        let mut near = pairs.near[lane_a];
-        while near != 0 {
-            let lane_b = near.trailing_zeros() as usize;
-            near &= near - 1;
-            let certain = pairs.meet[lane_a] >> lane_b & 1 == 1;
-            if certain || decide(of_a.triangle(a, lane_a), of_b.triangle(b, lane_b), tests) {
+        for lane_b in lanes_of(pairs.near[lane_a]) {
+            let is_certain = pairs.meet[lane_a] >> lane_b & 1 == 1;
+            if is_certain || decide(of_a.triangle(a, lane_a), of_b.triangle(b, lane_b), stats) {
                 visitor(TrianglePair {
                     triangle_a: *triangle_a,
                     triangle_b: numbers_b[lane_b],
@@ -149,6 +186,6 @@ fn report(
 }
 
 #[inline(never)]
-fn decide(a: Triangle, b: Triangle, tests: &mut LeafTests) -> bool {
-    facets_intersect_counting(&Facet::new(a), &Facet::new(b), &mut tests.undecided_by_filter)
+fn decide(a: Triangle, b: Triangle, stats: &mut QueryStats) -> bool {
+    facets_intersect_counting(&Facet::new(a), &Facet::new(b), &mut stats.undecided_by_filter)
 }

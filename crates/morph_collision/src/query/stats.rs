@@ -1,56 +1,71 @@
-use std::ops::{AddAssign, Sub};
+use std::iter::Sum;
+use std::ops::{Add, AddAssign, Sub};
 
 use crate::pose::Blended;
 
-/// What a query had to do.
+/// The work that a query did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct QueryStats {
-    /// Boxes tested against boxes, or against what was asked about.
+    /// Node bounds tested, against another node's or against the question's.
     pub node_tests: u64,
-    /// Triangles, or pairs of triangles, given to the exact test.
+    /// Triangles, or pairs of triangles, tested.
     pub triangle_tests: u64,
-    /// Pairs of triangles among them whose boxes overlap and that the error-bounded filter left to the exact predicates.
+    /// Triangle pairs with overlapping boxes that the `f64` filter could not decide and that exact arithmetic decided.
     pub undecided_by_filter: u64,
-    /// Boxes blended; ones already blended for these weights are not counted again.
-    pub volumes_blended: u64,
-    /// Vertices blended: those of each leaf that the query reads, every time; where leaves are blended vertex by vertex (few triangles
-    /// in a leaf, or many targets), only those that were not yet blended for these weights.
+    /// Nodes whose bounds were blended. Bounds that are cached for the current weights are not blended again.
+    pub nodes_blended: u64,
+    /// Vertices blended. A leaf blends all its vertices each time a query reads it; in trees whose leaves are blended vertex by
+    /// vertex (many targets), vertices that are cached for the current weights are not blended again.
     pub vertices_blended: u64,
 }
 
 impl QueryStats {
-    /// What was blended on each of some bodies between two readings.
+    /// The bounds and vertices blended between two readings of each body's counters.
     pub(super) fn blending<const N: usize>(before: [Blended; N], after: [Blended; N]) -> Self {
-        let mut stats = Self::default();
-        for (before, after) in before.into_iter().zip(after) {
-            stats.volumes_blended += after.volumes - before.volumes;
-            stats.vertices_blended += after.vertices - before.vertices;
+        let differences = before.into_iter().zip(after).map(|(before, after)| Self {
+            nodes_blended: after.volumes - before.volumes,
+            vertices_blended: after.vertices - before.vertices,
+            ..Self::default()
+        });
+        differences.sum()
+    }
+
+    fn zip(self, other: Self, combine: impl Fn(u64, u64) -> u64) -> Self {
+        Self {
+            node_tests: combine(self.node_tests, other.node_tests),
+            triangle_tests: combine(self.triangle_tests, other.triangle_tests),
+            undecided_by_filter: combine(self.undecided_by_filter, other.undecided_by_filter),
+            nodes_blended: combine(self.nodes_blended, other.nodes_blended),
+            vertices_blended: combine(self.vertices_blended, other.vertices_blended),
         }
-        stats
+    }
+}
+
+impl Add for QueryStats {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |x, y| x + y)
     }
 }
 
 impl AddAssign for QueryStats {
     fn add_assign(&mut self, other: Self) {
-        self.node_tests += other.node_tests;
-        self.triangle_tests += other.triangle_tests;
-        self.undecided_by_filter += other.undecided_by_filter;
-        self.volumes_blended += other.volumes_blended;
-        self.vertices_blended += other.vertices_blended;
+        *self = *self + other;
     }
 }
 
-/// What was done between two readings of a running total.
+/// The work between two readings of a running total.
 impl Sub for QueryStats {
     type Output = Self;
 
     fn sub(self, earlier: Self) -> Self {
-        Self {
-            node_tests: self.node_tests - earlier.node_tests,
-            triangle_tests: self.triangle_tests - earlier.triangle_tests,
-            undecided_by_filter: self.undecided_by_filter - earlier.undecided_by_filter,
-            volumes_blended: self.volumes_blended - earlier.volumes_blended,
-            vertices_blended: self.vertices_blended - earlier.vertices_blended,
-        }
+        self.zip(earlier, |x, y| x - y)
+    }
+}
+
+impl Sum for QueryStats {
+    fn sum<I: Iterator<Item = Self>>(stats: I) -> Self {
+        stats.fold(Self::default(), Self::add)
     }
 }

@@ -122,7 +122,7 @@ impl Culls {
         (other, node): (&Posed<'_>, NodeRef),
     ) -> u8 {
         let query = self.query;
-        let (other_slot, lane) = (node.slot as usize, usize::from(node.place.lane));
+        let (other_slot, lane) = (node.slot as usize, usize::from(node.id.lane));
         for cull in &mut self.culls[..self.len] {
             let (own_view, other_view) = match side {
                 Side::A => (&mut cull.a, &mut cull.b),

@@ -2,16 +2,16 @@
 //! leaves is the caller's.
 
 mod cull;
-mod meeting;
 mod one;
+mod overlap_rule;
 mod pairs;
 mod rule;
 mod sweep;
 mod within;
 
 pub(crate) use cull::{Culls, Side};
-pub(crate) use meeting::Meeting;
 pub(crate) use one::{OneWalk, Queue};
+pub(crate) use overlap_rule::OverlapRule;
 pub(crate) use pairs::{PairWalk, Stack};
 pub(crate) use rule::{Opened, PairRule};
 pub use sweep::overlapping_pairs;

@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use super::cull::Side;
 use super::rule::{Opened, PairRule};
 use crate::bounds::LANES;
-use crate::pose::{NodeRef, Place, Posed};
+use crate::pose::{NodeId, NodeRef, Posed};
 use crate::tree::{ChildKind, Leaf};
 
 /// Nodes whose sizes differ by less than this are descended together.
@@ -24,7 +24,7 @@ pub(crate) struct PairWalk<'a, 'p, R> {
     pub(crate) b: &'a mut Posed<'p>,
     pub(crate) rule: &'a R,
     /// Whether the roots are known to be a pair to look at, with the default key.
-    pub(crate) roots_meet: bool,
+    pub(crate) roots_overlap: bool,
     /// Lengths in A's units per length in B's: to tell which of two nodes is larger.
     pub(crate) a_from_b_scale: f32,
     /// Whether pairs that reach deeper into each other come first among the children of a node: where the first intersection
@@ -41,16 +41,16 @@ impl<'p, R: PairRule> PairWalk<'_, 'p, R> {
     pub(crate) fn run(
         &mut self,
         stack: &mut Stack<R::Key>,
-        front: &[(Place, Place)],
+        front: &[(NodeId, NodeId)],
         mut at_leaves: impl FnMut(&mut Posed<'p>, &mut Posed<'p>, Leaf, Leaf) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         stack.clear();
-        let root = Place { group: 0, lane: 0 };
+        let root = NodeId { group: 0, lane: 0 };
         let start = if front.is_empty() { &[(root, root)] } else { front };
         for (a, b) in start {
             let (a, b) = (node_at(self.a, *a), node_at(self.b, *b));
             self.node_tests += 1;
-            let known = (front.is_empty() && self.roots_meet).then(R::Key::default);
+            let known = (front.is_empty() && self.roots_overlap).then(R::Key::default);
             let key = known.or_else(|| self.rule.start(&self.a.node_box(a), &self.b.node_box(b)));
             if let Some(key) = key {
                 stack.push((key, a, b));
@@ -78,9 +78,9 @@ impl<'p, R: PairRule> PairWalk<'_, 'p, R> {
     }
 
     /// The node pairs that a walk from the roots comes to, in its order, once there are so many or no more.
-    pub(crate) fn front(&mut self, stack: &mut Stack<R::Key>, least: usize) -> Vec<(Place, Place)> {
+    pub(crate) fn front(&mut self, stack: &mut Stack<R::Key>, least: usize) -> Vec<(NodeId, NodeId)> {
         let (root_a, root_b) = (self.a.root(), self.b.root());
-        let mut front = if self.roots_meet {
+        let mut front = if self.roots_overlap {
             vec![(root_a, root_b)]
         } else {
             Vec::new()
@@ -104,7 +104,7 @@ impl<'p, R: PairRule> PairWalk<'_, 'p, R> {
             }
             front = next;
         }
-        front.into_iter().map(|(a, b)| (a.place, b.place)).collect()
+        front.into_iter().map(|(a, b)| (a.id, b.id)).collect()
     }
 
     /// Pushes the pairs below two nodes, of which one at least is no leaf, that are to be looked at.
@@ -139,11 +139,9 @@ impl<'p, R: PairRule> PairWalk<'_, 'p, R> {
         let first = stack.len();
         push(stack, mask, &keys, |lane| (self.a.node(opened.slot, group, lane), b));
         if self.deepest_first && mask & mask.wrapping_sub(1) != 0 {
-            let other = (&*self.b, b.slot as usize, usize::from(b.place.lane));
+            let other = (&*self.b, b.slot as usize, usize::from(b.id.lane));
             let depths = self.rule.depths(Side::A, (&*self.a, opened.slot), other);
-            sort_by_depth(&mut stack[first..], |(_, a, _)| {
-                depths[usize::from(a.place.lane) % LANES]
-            });
+            sort_by_depth(&mut stack[first..], |(_, a, _)| depths[usize::from(a.id.lane) % LANES]);
         }
     }
 
@@ -157,11 +155,9 @@ impl<'p, R: PairRule> PairWalk<'_, 'p, R> {
         let first = stack.len();
         push(stack, mask, &keys, |lane| (a, self.b.node(opened.slot, group, lane)));
         if self.deepest_first && mask & mask.wrapping_sub(1) != 0 {
-            let other = (&*self.a, a.slot as usize, usize::from(a.place.lane));
+            let other = (&*self.a, a.slot as usize, usize::from(a.id.lane));
             let depths = self.rule.depths(Side::B, (&*self.b, opened.slot), other);
-            sort_by_depth(&mut stack[first..], |(_, _, b)| {
-                depths[usize::from(b.place.lane) % LANES]
-            });
+            sort_by_depth(&mut stack[first..], |(_, _, b)| depths[usize::from(b.id.lane) % LANES]);
         }
     }
 
@@ -186,24 +182,24 @@ impl<'p, R: PairRule> PairWalk<'_, 'p, R> {
         self.node_tests += u64::from(rows.count_ones()) * u64::from(opened_b.mask.count_ones());
         let masks = self.rule.both((&*self.a, opened_a), (&*self.b, opened_b), rows);
         let first = stack.len();
-        for lane in lanes_of(rows) {
+        for lane in lanes_reversed(rows) {
             let a = self.a.node(opened_a.slot, group_a, lane);
             push(stack, masks[lane], &keys, |lane| (a, self.b.node(slot, group_b, lane)));
         }
         if self.deepest_first && stack.len() > first + 1 {
             let mut depths = [[0.0; LANES]; LANES];
-            for lane in lanes_of(rows).filter(|&lane| masks[lane] != 0) {
+            for lane in lanes_reversed(rows).filter(|&lane| masks[lane] != 0) {
                 let other = (&*self.a, opened_a.slot, lane);
                 depths[lane] = self.rule.depths(Side::B, (&*self.b, slot), other);
             }
             sort_by_depth(&mut stack[first..], |(_, a, b)| {
-                depths[usize::from(a.place.lane) % LANES][usize::from(b.place.lane) % LANES]
+                depths[usize::from(a.id.lane) % LANES][usize::from(b.id.lane) % LANES]
             });
         }
     }
 }
 
-fn node_at(tree: &mut Posed<'_>, place: Place) -> NodeRef {
+fn node_at(tree: &mut Posed<'_>, place: NodeId) -> NodeRef {
     let slot = tree.open(place.group as usize);
     tree.node(slot, place.group as usize, usize::from(place.lane))
 }
@@ -255,6 +251,6 @@ fn sort_by_depth<K: Copy>(pairs: &mut [(K, NodeRef, NodeRef)], depth: impl Fn(&(
 }
 
 /// The set bits, last first, so that the first lane comes off the stack first.
-pub(super) fn lanes_of(mask: u8) -> impl Iterator<Item = usize> {
+pub(super) fn lanes_reversed(mask: u8) -> impl Iterator<Item = usize> {
     (0..8).rev().filter(move |lane| mask >> lane & 1 == 1)
 }

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::pairs::lanes_of;
+use super::pairs::lanes_reversed;
 use crate::bounds::{LANES, with_simd};
 use crate::pose::{NodeRef, Posed};
 use crate::tree::{ChildKind, Leaf};
@@ -61,7 +61,7 @@ fn push_pairs_among(posed: &mut Posed<'_>, group: usize, stack: &mut SelfStack) 
         let later = posed.topology.group(group).mask() & lanes_after(lane);
         let bounds = posed.node_box(node);
         let mask = with_simd!(posed.level, simd => posed.boxes(slot).overlap_mask(simd, &bounds)) & later;
-        stack.extend(lanes_of(mask).map(|other| (node, posed.node(slot, group, other))));
+        stack.extend(lanes_reversed(mask).map(|other| (node, posed.node(slot, group, other))));
         stack.push((node, node));
     }
     (children * (children - 1) / 2) as u64
@@ -73,7 +73,7 @@ fn push_pairs_with(posed: &mut Posed<'_>, group: usize, other: NodeRef, stack: &
     let slot = posed.open(group);
     let children = posed.topology.group(group).mask();
     let mask = with_simd!(posed.level, simd => posed.boxes(slot).overlap_mask(simd, &bounds)) & children;
-    stack.extend(lanes_of(mask).map(|lane| (posed.node(slot, group, lane), other)));
+    stack.extend(lanes_reversed(mask).map(|lane| (posed.node(slot, group, lane), other)));
     u64::from(children.count_ones())
 }
 

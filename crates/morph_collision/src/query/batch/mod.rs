@@ -1,11 +1,11 @@
 //! Many pairs of bodies at once, on as many threads as the caller has.
 //!
 //! ```text
-//! tasks --plan--> units (a pair; or a part of one large pair) --schedule, on workers--> found --gather--> answers by task
+//! tasks --plan--> units (a pair, or a part of a large pair) --schedule, on workers--> found --gather--> answers by task
 //! ```
 //!
-//! Two units that need the same body's cache never run at the same time, and parts of one pair have caches of their own; so
-//! nothing waits for a lock while it works, and no answer depends on how many threads there are.
+//! Units with a common body never run at once, and parts of a cut pair work on copies. So no lock is contended while a unit runs, and no
+//! answer depends on the number of threads.
 
 mod plan;
 mod query;
@@ -17,4 +17,4 @@ pub use plan::{PairTask, Wanted};
 pub use query::{BatchAnswers, BatchQuery};
 #[cfg(feature = "rayon")]
 pub use workers::RayonWorkers;
-pub use workers::{OneThread, ThreadWorkers, Workers};
+pub use workers::{ThreadWorkers, Workers};

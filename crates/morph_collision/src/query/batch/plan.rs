@@ -1,29 +1,27 @@
-//! What is asked, and how it is cut into units that can be done by themselves.
+//! Splits a batch into units of work that can run independently.
 
 use std::ops::Range;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::bounds::WorldFromModel;
-use crate::pose::Place;
+use crate::pose::{NodeId, Pose};
 use crate::query::{Body, PairMemory, PairQuery, QueryStats};
-use crate::tree::MorphBvh;
 
-/// How many intersecting pairs of triangles are wanted of two bodies.
+/// How many intersecting triangle pairs of two bodies to find.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wanted {
     /// All of them.
     #[default]
     All,
-    /// At most this many, those of [`PairQuery::up_to`]; [`BatchAnswers::is_truncated`](super::BatchAnswers::is_truncated) tells
+    /// At most this many, those of [`PairQuery::up_to`]. [`BatchAnswers::is_truncated`](super::BatchAnswers::is_truncated) says
     /// whether there are more.
     UpTo(usize),
-    /// The first one that [`PairQuery::first`] comes to.
+    /// The one of [`PairQuery::first`].
     First,
 }
 
 impl Wanted {
-    /// How many pairs are listed at most.
+    /// The longest list allowed.
     pub(super) fn limit(self) -> usize {
         match self {
             Self::All => usize::MAX,
@@ -33,21 +31,21 @@ impl Wanted {
     }
 }
 
-/// Two bodies of a batch, by their places in it, and what is wanted of them.
+/// A pair of bodies in a batch, by index, and what to find.
 #[derive(Debug)]
 pub struct PairTask<'m> {
     /// The first body.
     pub a: usize,
-    /// The second one. A task with bodies that are not there, or with one body twice, finds nothing.
+    /// The second body. A task whose indices are equal or out of range finds nothing.
     pub b: usize,
-    /// What is wanted.
+    /// What to find.
     pub wanted: Wanted,
-    /// What is remembered of these two bodies, if anything, for [`Wanted::First`]: see [`PairQuery::first_with`].
+    /// The pair's memory for [`Wanted::First`], see [`PairQuery::first_with`].
     pub memory: Option<&'m mut PairMemory>,
 }
 
 impl PairTask<'_> {
-    /// Without a memory.
+    /// A task without memory.
     #[must_use]
     pub fn new(a: usize, b: usize, wanted: Wanted) -> Self {
         Self {
@@ -59,58 +57,51 @@ impl PairTask<'_> {
     }
 }
 
-/// A pair with fewer triangles than this, both bodies together, is one unit; so is one of which only the first intersecting
-/// triangles are wanted.
-const LARGE: usize = 4000;
-/// Parts that a large pair is cut into for each worker, so that they come out even.
+/// Pairs with fewer triangles in both bodies together are not cut. Not measured precisely: a walk over this many takes some 100
+/// microseconds, about ten times what waking a thread and copying two poses does.
+const MIN_TRIANGLES_TO_CUT: usize = 4000;
+/// Parts per worker, so that parts of different cost balance. Not measured.
 const PARTS_PER_WORKER: usize = 8;
 
 /// A piece of work.
 #[derive(Debug)]
 pub(super) enum Unit {
-    /// A task as it is, on the bodies' own caches.
+    /// A task on the bodies' own poses.
     Whole(usize),
-    /// A part of a large pair, on caches of the worker's.
+    /// A part of a cut pair, on poses of the worker's own.
     Part { large: usize, part: usize },
 }
 
-/// A pair that is done in parts.
+/// A pair that is cut into parts.
 #[derive(Debug)]
 pub(super) struct Large {
     task: usize,
-    pub(super) sides: [LargeSide; 2],
-    /// Where a walk comes to from the roots, in its order.
-    front: Vec<(Place, Place)>,
-    /// Of the task.
+    /// Copies of both bodies, for the workers to clone.
+    pub(super) bodies: [(Pose, WorldFromModel); 2],
+    /// The node pairs to walk, in order.
+    front: Vec<(NodeId, NodeId)>,
+    /// The task's limit.
     pub(super) limit: usize,
-    /// How many pairs each part has found, once it is done; one more than the limit where there are more.
+    /// How many pairs each finished part has found; one more than the limit if there are more.
     pub(super) found: Vec<AtomicUsize>,
 }
 
-/// What a worker needs of a body to make a cache of its own.
-#[derive(Debug)]
-pub(super) struct LargeSide {
-    pub(super) bvh: Arc<MorphBvh>,
-    pub(super) weights: Vec<f32>,
-    pub(super) world_from_model: WorldFromModel,
-}
-
 impl Large {
-    /// Where one of the parts starts from.
-    pub(super) fn front(&self, part: usize) -> &[(Place, Place)] {
+    /// The node pairs of one part.
+    pub(super) fn front(&self, part: usize) -> &[(NodeId, NodeId)] {
         let bound = |part: usize| part * self.front.len() / self.found.len();
         let range: Range<usize> = bound(part)..bound(part + 1);
         &self.front[range]
     }
 
-    /// Whether the parts before one have already found more than may be listed, so that it can add nothing.
+    /// Whether earlier parts have already found more than the limit.
     pub(super) fn is_full_before(&self, part: usize) -> bool {
         let found = self.found[..part].iter().map(|found| found.load(Ordering::Relaxed));
         found.fold(0, usize::saturating_add) > self.limit
     }
 }
 
-/// The units of a batch; those of one task stand together, in the order of the walk.
+/// The units of a batch. Units of one task are adjacent and in the order of the walk.
 #[derive(Debug, Default)]
 pub(super) struct Plan {
     pub(super) units: Vec<Unit>,
@@ -130,12 +121,12 @@ impl Plan {
             let cut = workers > 1
                 && tasks.len() < 2 * workers
                 && task.wanted != Wanted::First
-                && triangles.iter().sum::<usize>() >= LARGE
-                && a.pose.blends_from_references()
-                && b.pose.blends_from_references()
+                && triangles.iter().sum::<usize>() >= MIN_TRIANGLES_TO_CUT
                 && !query.are_collapsed(a.reborrow(), b.reborrow());
             if cut {
-                plan.cut((index, task.wanted.limit()), [a, b], workers * PARTS_PER_WORKER, query);
+                let front = query.front(a.reborrow(), b.reborrow(), 4 * workers * PARTS_PER_WORKER);
+                plan.stats += query.stats();
+                plan.cut(index, task.wanted.limit(), [a, b], front, workers * PARTS_PER_WORKER);
             } else {
                 plan.units.push(Unit::Whole(index));
             }
@@ -143,7 +134,7 @@ impl Plan {
         plan
     }
 
-    /// Which task a unit is of.
+    /// The task of a unit.
     pub(super) fn task_of(&self, unit: &Unit) -> usize {
         match *unit {
             Unit::Whole(task) => task,
@@ -151,21 +142,20 @@ impl Plan {
         }
     }
 
-    fn cut(&mut self, (task, limit): (usize, usize), [a, b]: [&mut Body<'_>; 2], parts: usize, query: &mut PairQuery) {
-        let side = |body: &Body<'_>| LargeSide {
-            bvh: body.pose.bvh().clone(),
-            weights: body.pose.weights().to_vec(),
-            world_from_model: *body.world_from_model,
-        };
-        let sides = [side(a), side(b)];
-        let mut front = Vec::new();
-        self.stats += query.front(a.reborrow(), b.reborrow(), 4 * parts, &mut front);
+    fn cut(
+        &mut self,
+        task: usize,
+        limit: usize,
+        bodies: [&mut Body<'_>; 2],
+        front: Vec<(NodeId, NodeId)>,
+        parts: usize,
+    ) {
         let parts = parts.min(front.len());
         let large = self.larges.len();
         self.units.extend((0..parts).map(|part| Unit::Part { large, part }));
         self.larges.push(Large {
             task,
-            sides,
+            bodies: bodies.map(|body| (body.pose.clone(), *body.world_from_model)),
             front,
             limit,
             found: (0..parts).map(|_| AtomicUsize::new(0)).collect(),

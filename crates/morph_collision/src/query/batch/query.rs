@@ -6,10 +6,10 @@ use super::work::{Batch, Worker, locked, unlocked};
 use super::workers::Workers;
 use crate::query::{Body, QueryStats, TrianglePair};
 
-/// Asks many pairs of bodies for their intersecting triangles, on several threads; holds the memory that queries reuse.
+/// Finds the intersecting triangles of many pairs of bodies on several threads. Keep the query: it reuses its memory.
 ///
-/// What it finds is what [`PairQuery`](crate::PairQuery) finds, in the same order, on any number of threads. Pairs that share no body are looked
-/// at at the same time; where there are few, large ones are cut into parts.
+/// It finds what [`PairQuery`](crate::PairQuery) finds, in the same order, on any number of threads. Pairs without a common body run
+/// in parallel; if there are few pairs, large ones are cut into parts.
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -23,35 +23,40 @@ use crate::query::{Body, QueryStats, TrianglePair};
 /// let mut tasks = [(0, 1), (0, 2)].map(|(a, b)| PairTask::new(a, b, Wanted::All));
 ///
 /// let mut query = BatchQuery::new();
-/// let answers = query.run(&mut bodies, &mut tasks, &OneThread);
+/// let answers = query.run(&mut bodies, &mut tasks, &ThreadWorkers::new(2));
 /// assert!(answers.get(0).is_empty());
 /// assert_eq!(answers.get(1).len(), 1);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Default)]
 pub struct BatchQuery {
-    /// By worker, so that each finds its memory again.
+    /// By worker: each reuses its memory.
     workers: Vec<Mutex<Worker>>,
     found: Vec<TrianglePair>,
     ends: Vec<usize>,
     truncated: Vec<bool>,
 }
 
-/// So few pairs are done sooner than another thread wakes up.
-const FEW: usize = 16;
+/// Smaller batches run on the calling thread. Not measured precisely: so few pairs take less time than waking a thread.
+const MIN_UNITS_FOR_THREADS: usize = 16;
 
-/// What a [`BatchQuery`] found, by task.
+/// The answers of a [`BatchQuery`], by task.
 #[derive(Clone, Copy, Debug)]
 pub struct BatchAnswers<'a> {
     found: &'a [TrianglePair],
     ends: &'a [usize],
     truncated: &'a [bool],
-    /// What it took, all threads together. Volumes and vertices that parts of a large pair share are counted for each.
-    pub stats: QueryStats,
+    stats: QueryStats,
 }
 
 impl<'a> BatchAnswers<'a> {
-    /// What a task found; nothing if there is no such task.
+    /// The work of all threads together. Parts of a cut pair count the nodes and vertices that each of them blends.
+    #[must_use]
+    pub fn stats(&self) -> QueryStats {
+        self.stats
+    }
+
+    /// The pairs that a task found; empty if there is no such task.
     #[must_use]
     pub fn get(&self, task: usize) -> &'a [TrianglePair] {
         let Some(&end) = self.ends.get(task) else { return &[] };
@@ -59,13 +64,13 @@ impl<'a> BatchAnswers<'a> {
         &self.found[start..end]
     }
 
-    /// Whether a task with [`Wanted::UpTo`](super::Wanted::UpTo) found more than it may list.
+    /// Whether a task with [`Wanted::UpTo`](super::Wanted::UpTo) has more pairs than its limit.
     #[must_use]
     pub fn is_truncated(&self, task: usize) -> bool {
         self.truncated.get(task).copied().unwrap_or(false)
     }
 
-    /// What every task found, in order.
+    /// The pairs of every task, in order.
     pub fn iter(&self) -> impl Iterator<Item = &'a [TrianglePair]> {
         let answers = *self;
         (0..self.ends.len()).map(move |task| answers.get(task))
@@ -73,13 +78,13 @@ impl<'a> BatchAnswers<'a> {
 }
 
 impl BatchQuery {
-    /// A query with nothing allocated yet.
+    /// An empty query; allocates on first use.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Does every task.
+    /// Runs every task.
     pub fn run(
         &mut self,
         bodies: &mut [Body<'_>],
@@ -98,12 +103,12 @@ impl BatchQuery {
         let batch = Batch::new(bodies, tasks, &plan, count);
         let own = &self.workers;
         let work = |worker: usize| {
-            // A number out of range has nothing to do: the others do it all.
+            // Without a worker of that index there is nothing to do: the others do it all.
             if let Some(worker) = own.get(worker) {
                 batch.work(&mut locked(worker));
             }
         };
-        if plan.larges.is_empty() && plan.units.len() < FEW {
+        if plan.larges.is_empty() && plan.units.len() < MIN_UNITS_FOR_THREADS {
             work(0);
         } else {
             workers.run(&work);
@@ -111,7 +116,7 @@ impl BatchQuery {
         self.gather(&plan, &limits)
     }
 
-    /// Puts what the workers found in the order of tasks and units, each task's up to its limit.
+    /// Collects what the workers found in the order of tasks and units, up to each task's limit.
     fn gather(&mut self, plan: &Plan, limits: &[usize]) -> BatchAnswers<'_> {
         let mut by_unit = vec![None; plan.units.len()];
         let mut stats = plan.stats;

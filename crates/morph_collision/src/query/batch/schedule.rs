@@ -1,8 +1,8 @@
-//! Which unit comes next.
+//! Decides which unit comes next.
 
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// Units that are left to do; of those that need the same body one is given out at a time.
+/// The units left to do. Never gives out two units with a common body at once.
 #[derive(Debug)]
 pub(super) struct Schedule {
     state: Mutex<State>,
@@ -11,9 +11,9 @@ pub(super) struct Schedule {
 
 #[derive(Debug)]
 struct State {
-    /// The last one comes first.
+    /// A stack: the last unit comes first.
     left: Vec<usize>,
-    /// By body.
+    /// By body: whether a unit in progress needs it.
     busy: Vec<bool>,
 }
 
@@ -28,8 +28,8 @@ impl Schedule {
         }
     }
 
-    /// The next units, up to so many, whose bodies are free, which then are busy: one, and those after it of the same first
-    /// body, whose cache stays where it is. Waits while there are only others; says if there are any.
+    /// Takes the next unit with free bodies, and up to `most` units after it with the same first body, whose cache is warm. Waits
+    /// while no unit is free; returns false if none is left.
     pub(super) fn take(
         &self,
         most: usize,
@@ -63,7 +63,7 @@ impl Schedule {
         }
     }
 
-    /// Frees bodies of units that are done.
+    /// Frees the bodies of finished units.
     pub(super) fn free(&self, bodies: impl Iterator<Item = [usize; 2]>) {
         let mut state = self.lock();
         for [a, b] in bodies {
@@ -73,7 +73,7 @@ impl Schedule {
         self.freed.notify_all();
     }
 
-    /// A worker that panicked leaves the state as good as it was.
+    /// A panic elsewhere leaves the state valid.
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -1,34 +1,34 @@
-//! What a worker does: units of a batch, one after the other, until none is left.
+//! What a worker does: takes units of a batch until none is left.
 
 use std::ops::Range;
 use std::sync::atomic::Ordering;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::plan::{LargeSide, PairTask, Plan, Unit, Wanted};
+use super::plan::{PairTask, Plan, Unit, Wanted};
 use super::schedule::Schedule;
 use crate::pose::Pose;
 use crate::query::capped::Capped;
 use crate::query::{Body, PairQuery, QueryStats, TrianglePair};
 
-/// Pairs that a worker takes from the schedule at a time, at most.
-const MOST_AT_ONCE: usize = 8;
+/// The most pairs a worker takes from the schedule at once. Not measured precisely: taking units costs a lock.
+const MAX_UNITS_AT_ONCE: usize = 8;
 
-/// What a worker has of its own.
+/// What a worker owns.
 #[derive(Debug, Default)]
 pub(super) struct Worker {
     pub(super) query: PairQuery,
-    /// For parts of large pairs.
-    poses: [Option<Pose>; 2],
+    /// Copies of the bodies of the large pair that the worker took a part of last.
+    copies: Option<(usize, [Pose; 2])>,
     pub(super) done: Vec<Done>,
     pub(super) found: Vec<TrianglePair>,
     pub(super) stats: QueryStats,
 }
 
-/// A unit that was done.
+/// A finished unit.
 #[derive(Clone, Debug)]
 pub(super) struct Done {
     pub(super) unit: usize,
-    /// Where its pairs are in the worker's `found`.
+    /// The range of its pairs in the worker's `found`.
     pub(super) found: Range<usize>,
     /// Whether there are more.
     pub(super) is_truncated: bool,
@@ -42,13 +42,13 @@ pub(super) fn unlocked(worker: &mut Mutex<Worker>) -> &mut Worker {
     worker.get_mut().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A batch while it is worked on.
+/// A batch in progress.
 pub(super) struct Batch<'a, 'b, 'm> {
-    /// Locked without waiting: the schedule keeps units apart that need the same one.
+    /// Locks never wait: the schedule never gives out two units with a common body at once.
     bodies: Vec<Mutex<&'a mut Body<'b>>>,
     /// The bodies of each task.
     pairs: Vec<[usize; 2]>,
-    /// Locked without waiting: a task is done once.
+    /// Locks never wait: each task is done once.
     tasks: Vec<Mutex<&'a mut PairTask<'m>>>,
     plan: &'a Plan,
     schedule: Schedule,
@@ -72,13 +72,13 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
         }
     }
 
-    /// Does units until none is left.
+    /// Takes units until none is left.
     pub(super) fn work(&self, worker: &mut Worker) {
         let bodies_of = |unit: usize| match self.plan.units[unit] {
             Unit::Whole(task) => Some(self.pairs[task]),
             Unit::Part { .. } => None,
         };
-        let most = (self.plan.units.len() / (4 * self.workers)).clamp(1, MOST_AT_ONCE);
+        let most = (self.plan.units.len() / (4 * self.workers)).clamp(1, MAX_UNITS_AT_ONCE);
         let mut units = Vec::with_capacity(most);
         while self.schedule.take(most, bodies_of, &mut units) {
             for &index in &units {
@@ -97,7 +97,7 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
         }
     }
 
-    /// Says whether there are more pairs than the task may list.
+    /// Does a task; returns whether there are more pairs than its limit.
     fn whole(&self, task: usize, worker: &mut Worker) -> bool {
         let [mut a, mut b] = self.pairs[task].map(|body| locked(&self.bodies[body]));
         let mut task = locked(&self.tasks[task]);
@@ -105,62 +105,48 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
             query, found, stats, ..
         } = worker;
         let (a, b) = (a.reborrow(), b.reborrow());
-        let mut listed = Capped::new(found, task.wanted.limit());
-        *stats += match (task.wanted, &mut task.memory) {
+        let is_truncated = match (task.wanted, &mut task.memory) {
             (Wanted::First, memory) => {
-                let (first, stats) = match memory {
+                found.extend(match memory {
                     None => query.first(a, b),
                     Some(memory) => query.first_with(memory, a, b),
-                };
-                let _ = first.map(|pair| listed.push(pair));
-                stats
+                });
+                false
             }
-            _ => query.visit(a, b, |pair| listed.push(pair)),
+            (wanted, _) => query.up_to(a, b, wanted.limit(), found),
         };
-        listed.is_truncated
+        *stats += query.stats();
+        is_truncated
     }
 
-    /// The pairs of a part, as many as the whole task may list; says whether there are more.
-    fn part(&self, large: usize, part: usize, worker: &mut Worker) -> bool {
-        let large = &self.plan.larges[large];
+    /// Does a part of a large pair, up to the whole task's limit; returns whether there are more pairs.
+    fn part(&self, index: usize, part: usize, worker: &mut Worker) -> bool {
+        let large = &self.plan.larges[index];
         if large.is_full_before(part) {
             return false;
         }
-        let Worker {
-            query,
-            poses: [pose_a, pose_b],
-            found,
-            stats,
-            ..
-        } = worker;
-        let [side_a, side_b] = &large.sides;
-        let bodies = (
-            Body::new(side_a.pose(pose_a), &side_a.world_from_model),
-            Body::new(side_b.pose(pose_b), &side_b.world_from_model),
-        );
-        let before = found.len();
-        let mut listed = Capped::new(found, large.limit);
-        *stats += query.visit_from(large.front(part), bodies.0, bodies.1, |pair| listed.push(pair));
+        let [(pose_a, world_from_a), (pose_b, world_from_b)] = &large.bodies;
+        let copies = worker.copies.take().filter(|(copied, _)| *copied == index);
+        let copies = copies.unwrap_or_else(|| (index, [pose_a.clone(), pose_b.clone()]));
+        let (_, [a, b]) = worker.copies.insert(copies);
+        let before = worker.found.len();
+        let mut listed = Capped::new(&mut worker.found, large.limit);
+        let bodies = (Body::new(a, world_from_a), Body::new(b, world_from_b));
+        worker
+            .query
+            .visit_from(large.front(part), bodies.0, bodies.1, |pair| listed.push(pair));
         let is_truncated = listed.is_truncated;
-        let found = found.len() - before + usize::from(is_truncated);
+        worker.stats += worker.query.stats();
+        let found = worker.found.len() - before + usize::from(is_truncated);
         large.found[part].store(found, Ordering::Relaxed);
         is_truncated
     }
 }
 
-impl LargeSide {
-    /// A cache of the worker's for this body; one that is there already keeps what it has blended if it can.
-    fn pose<'p>(&self, room: &'p mut Option<Pose>) -> &'p mut Pose {
-        let kept = room.take().filter(|pose| Arc::ptr_eq(pose.bvh(), &self.bvh));
-        let pose = room.insert(kept.unwrap_or_else(|| Pose::new(self.bvh.clone())));
-        // Always taken: the body's own pose has taken them.
-        let _ = pose.set_weights(&self.weights);
-        pose
-    }
-}
-
 impl Worker {
+    /// Starts a batch.
     pub(super) fn begin(&mut self) {
+        self.copies = None;
         self.done.clear();
         self.found.clear();
         self.stats = QueryStats::default();

@@ -1,15 +1,13 @@
-//! Who does the work.
+//! The threads of a batch.
 
-use std::num::NonZeroUsize;
 use std::thread;
 
-/// Threads that a [`BatchQuery`](super::BatchQuery) may use: the one thing an engine has to provide to spread queries over its own
-/// threads.
+/// The threads of a [`BatchQuery`](super::BatchQuery). Implement it to run batches on your engine's threads.
 ///
 /// ```
 /// use morph_collision::Workers;
 ///
-/// /// Not a good idea, but it works.
+/// /// Starts two new threads for each batch.
 /// struct TwoNewThreads;
 ///
 /// impl Workers for TwoNewThreads {
@@ -26,44 +24,38 @@ use std::thread;
 /// }
 /// ```
 pub trait Workers {
-    /// How many may work at the same time, at least 1.
+    /// The number of workers, at least 1.
     fn count(&self) -> usize;
 
-    /// Calls `work` once with each number below [`Workers::count`], at the same time if it can be, and returns when all calls
-    /// have returned. Calls may also come one after the other: each does what is left to do.
+    /// Calls `work` once with each index below [`Workers::count`], in parallel if possible, and waits for all calls to return.
+    /// Calls may also run one after the other: each does whatever is left to do.
     fn run(&self, work: &(dyn Fn(usize) + Sync));
 }
 
-/// The caller's own thread.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct OneThread;
-
-impl Workers for OneThread {
-    fn count(&self) -> usize {
-        1
-    }
-
-    fn run(&self, work: &(dyn Fn(usize) + Sync)) {
-        work(0);
-    }
-}
-
-/// So many threads, the caller's among them; the others are started for each batch, which costs some tens of microseconds.
-/// An engine has threads that wait for work: use those.
+/// The calling thread and new ones, started for each batch at a cost of some tens of microseconds. Prefer the threads of your engine.
 #[derive(Clone, Copy, Debug)]
 pub struct ThreadWorkers {
-    /// How many.
-    pub threads: NonZeroUsize,
+    threads: usize,
+}
+
+impl ThreadWorkers {
+    /// Workers on this many threads, the calling one included; at least 1. One thread starts no others.
+    #[must_use]
+    pub fn new(threads: usize) -> Self {
+        Self {
+            threads: threads.max(1),
+        }
+    }
 }
 
 impl Workers for ThreadWorkers {
     fn count(&self) -> usize {
-        self.threads.get()
+        self.threads
     }
 
     fn run(&self, work: &(dyn Fn(usize) + Sync)) {
         thread::scope(|scope| {
-            for worker in 1..self.threads.get() {
+            for worker in 1..self.threads {
                 scope.spawn(move || work(worker));
             }
             work(0);
@@ -71,7 +63,7 @@ impl Workers for ThreadWorkers {
     }
 }
 
-/// The threads of the `rayon` pool that the caller runs in, the global one if it runs in none (feature `rayon`).
+/// The current `rayon` pool, the global one outside of a pool (feature `rayon`).
 #[cfg(feature = "rayon")]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RayonWorkers;

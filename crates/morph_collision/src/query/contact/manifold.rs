@@ -2,12 +2,12 @@ use glam::DVec3;
 
 use crate::query::TrianglePair;
 
-/// A point common to two bodies.
+/// A point that two bodies share.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactPoint {
-    /// In world space; an end of the segment in which the two triangles meet.
+    /// An end of the segment in which the two triangles meet, in world space.
     pub point: DVec3,
-    /// How far the first triangle can be moved along the manifold's normal and still share a point with the second.
+    /// How far the first triangle can move along the manifold's normal before it leaves the second, in world units.
     pub depth: f64,
     /// The two triangles.
     pub pair: TrianglePair,
@@ -24,39 +24,36 @@ impl ContactPoint {
     };
 }
 
-/// What the contacts of two bodies come to: a direction, a depth and up to four points.
+/// A summary of the contacts of two bodies: a normal, a depth and up to four points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manifold {
-    /// The direction in which the first body leaves the second: the unit vector along the sum of the triangle pairs' normals,
-    /// each weighted by the length of the pair's segment (all alike when every pair touches in a point).
+    /// The unit direction in which the first body leaves the second: the sum of the triangle pairs' normals, each weighted by the
+    /// length of the pair's segment (equally if all segments are points).
     ///
-    /// Where they cancel out it is the normal of the pair with the longest segment; zero if that has none either.
+    /// If the sum cancels out, the normal of the pair with the longest segment; zero if that pair has none.
     pub normal: DVec3,
-    /// The shortest way of the first body along the normal that parts every pair of triangles that intersects now, of those that
-    /// were looked at.
+    /// How far the first body must move along the normal to separate every pair of triangles that intersects now, in world units.
     ///
-    /// A lower bound of the way that parts the bodies, which may meet other triangles on it; for that see
-    /// [`ContactQuery::separation`](crate::ContactQuery::separation).
+    /// A lower bound for separating the bodies: they may meet with other triangles on the way.
     pub depth: f64,
-    /// How many pairs of triangles intersect; if [`is_truncated`](Self::is_truncated), how many of them it was made from.
+    /// How many pairs of triangles it summarises.
     pub pair_count: usize,
-    /// Whether more pairs intersect than it was made from; see
-    /// [`ContactQuery::manifold_up_to`](crate::ContactQuery::manifold_up_to). Normal, depth and points are then those of the pairs
-    /// that were looked at.
+    /// Whether more pairs intersect than the limit of
+    /// [`ContactQuery::manifold_up_to`](crate::ContactQuery::manifold_up_to) allowed.
     pub is_truncated: bool,
     points: [ContactPoint; 4],
     len: usize,
 }
 
 impl Manifold {
-    /// At most four points of contact, the deepest first: then the one farthest from it, the one farthest from the line
-    /// through both, and the one that adds most area on another side of the three. None is listed twice.
+    /// At most four distinct points: the deepest, the one farthest from it, the one farthest from the line through both, and the
+    /// one that adds the most area to the triangle of the first three.
     #[must_use]
     pub fn points(&self) -> &[ContactPoint] {
         &self.points[..self.len]
     }
 
-    /// `points` hold at least one, and their order decides between equals.
+    /// The manifold of some points; `None` if there are none. Among equals, the first point wins.
     pub(super) fn reduce(
         normal: DVec3,
         pair_count: usize,
@@ -77,7 +74,7 @@ impl Manifold {
     }
 
     fn spread(&mut self, points: &[ContactPoint]) {
-        /// Points closer than this share of their coordinates, or of the others' extent, are one.
+        /// Points closer than this share of their coordinates, or of the extent so far, count as equal.
         const SAME: f64 = 1e-12;
         let p = self.points[0].point;
         let Some(second) = best(points, |c| c.point.distance_squared(p)) else {

@@ -1,8 +1,8 @@
-//! Where two bodies touch: a contact per pair of intersecting triangles, and what they come to together.
+//! Where two bodies touch: a contact per pair of intersecting triangles, and a manifold that summarises them.
 
 mod manifold;
 mod parting;
 mod query;
 
 pub use manifold::{ContactPoint, Manifold};
-pub use query::{ContactQuery, PairContact, Separation};
+pub use query::{ContactQuery, PairContact};

@@ -1,3 +1,5 @@
+use std::cmp::Ordering;
+
 use glam::DVec3;
 
 use super::manifold::{ContactPoint, Manifold};
@@ -15,26 +17,13 @@ pub struct PairContact {
     pub contact: TriangleContact,
 }
 
-/// How far a body has to go until it leaves another; see [`ContactQuery::separation`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Separation {
-    /// The way along the direction: no shorter one parts the bodies.
-    pub distance: f64,
-    /// Whether that way parts them, up to touching; `false` when the steps did not suffice, or too many triangles touch to look
-    /// at them all.
-    pub complete: bool,
-    /// Pair queries made.
-    pub steps: usize,
-}
-
-/// Asks where and how two bodies touch; holds the memory that queries reuse.
+/// Finds where and how two bodies touch. Keep the query: it reuses its memory.
 ///
-/// It finds the intersecting triangles as [`PairQuery`] does, exactly, and then describes them in `f64`. Bodies are
-/// surfaces: one that is wholly inside the other without meeting its surface has no contact. Normals suppose closed
-/// surfaces with triangles that turn counter-clockwise seen from outside; a body that is placed mirrored counts as turned
-/// back.
+/// It finds the intersecting triangles exactly, like [`PairQuery`], and describes them in `f64`. Bodies are surfaces: a body
+/// wholly inside another without touching its surface has no contact. Normals assume closed surfaces whose triangles are
+/// counter-clockwise seen from outside; windings of mirrored bodies are flipped back.
 ///
-/// With the bodies exchanged, points and depths are the same, bit for bit, and normals the opposite.
+/// Swapping the bodies gives the same points and depths, bit for bit, and opposite normals.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -50,8 +39,8 @@ pub struct Separation {
 /// let lower = WorldFromModel::new(Affine3A::from_scale(Vec3::new(-1.0, -1.0, -1.0)))?;
 ///
 /// let (mut a, mut b) = (Pose::new(bvh.clone()), Pose::new(bvh));
-/// let (manifold, _) = ContactQuery::new().manifold(Body::new(&mut a, &upper), Body::new(&mut b, &lower));
-/// let manifold = manifold.expect("the tips are in each other");
+/// let manifold = ContactQuery::new().manifold(Body::new(&mut a, &upper), Body::new(&mut b, &lower));
+/// let manifold = manifold.expect("the tips intersect");
 /// assert!(manifold.normal.z > 0.9); // up and away
 /// assert!(manifold.depth > 0.2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -65,7 +54,7 @@ pub struct ContactQuery {
     points: Vec<ContactPoint>,
 }
 
-/// A pair of intersecting triangles in world space, outward windings counter-clockwise.
+/// Two intersecting triangles in world space, counter-clockwise seen from outside.
 #[derive(Clone, Copy, Debug)]
 struct Touching {
     pair: TrianglePair,
@@ -75,125 +64,66 @@ struct Touching {
 }
 
 impl ContactQuery {
-    /// A query with nothing allocated yet.
+    /// An empty query; allocates on first use.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
+    /// The work of the last call.
+    #[must_use]
+    pub fn stats(&self) -> QueryStats {
+        self.pairs.stats()
+    }
+
     /// Appends a contact for every pair of intersecting triangles.
-    pub fn all(&mut self, mut a: Body<'_>, mut b: Body<'_>, contacts: &mut Vec<PairContact>) -> QueryStats {
-        self.append_up_to(usize::MAX, &mut a, &mut b, contacts).1
+    pub fn all(&mut self, a: Body<'_>, b: Body<'_>, contacts: &mut Vec<PairContact>) {
+        self.up_to(a, b, usize::MAX, contacts);
     }
 
-    /// Appends a contact for each of at most `limit` pairs of intersecting triangles, those of [`PairQuery::up_to`]; says whether
-    /// there are more.
-    pub fn up_to(
-        &mut self,
-        limit: usize,
-        mut a: Body<'_>,
-        mut b: Body<'_>,
-        contacts: &mut Vec<PairContact>,
-    ) -> (bool, QueryStats) {
-        self.append_up_to(limit, &mut a, &mut b, contacts)
-    }
-
-    fn append_up_to(
-        &mut self,
-        limit: usize,
-        a: &mut Body<'_>,
-        b: &mut Body<'_>,
-        contacts: &mut Vec<PairContact>,
-    ) -> (bool, QueryStats) {
-        let (is_truncated, stats) = self.find(limit, a, b);
+    /// Appends a contact for each pair of [`PairQuery::up_to`]; returns whether there are more.
+    pub fn up_to(&mut self, a: Body<'_>, b: Body<'_>, limit: usize, contacts: &mut Vec<PairContact>) -> bool {
+        let is_truncated = self.find(a, b, limit);
         contacts.extend(self.touching.iter().map(|touching| PairContact {
             pair: touching.pair,
             contact: touching.contact,
         }));
-        (is_truncated, stats)
+        is_truncated
     }
 
-    /// What all contacts come to; `None` when no triangles intersect.
+    /// The summary of all contacts; `None` if no triangles intersect.
     ///
-    /// Cost: a pair query, and in proportion to the intersecting pairs.
-    pub fn manifold(&mut self, a: Body<'_>, b: Body<'_>) -> (Option<Manifold>, QueryStats) {
-        self.manifold_up_to(usize::MAX, a, b)
+    /// Cost: a pair query, plus time proportional to the number of intersecting pairs.
+    pub fn manifold(&mut self, a: Body<'_>, b: Body<'_>) -> Option<Manifold> {
+        self.manifold_up_to(a, b, usize::MAX)
     }
 
-    /// What the contacts of at most `limit` pairs of intersecting triangles come to, those of [`PairQuery::up_to`]; `None` when no
-    /// triangles intersect, or none may be looked at.
+    /// The summary of the contacts of [`ContactQuery::up_to`]; `None` if there are none.
     ///
-    /// Where there are more pairs, [`Manifold::is_truncated`] says so, and exchanging the bodies may give another manifold.
-    pub fn manifold_up_to(&mut self, limit: usize, mut a: Body<'_>, mut b: Body<'_>) -> (Option<Manifold>, QueryStats) {
-        let (is_truncated, stats) = self.find(limit, &mut a, &mut b);
+    /// If there are more pairs than `limit`, [`Manifold::is_truncated`] is set, and swapping the bodies may give another manifold.
+    pub fn manifold_up_to(&mut self, a: Body<'_>, b: Body<'_>, limit: usize) -> Option<Manifold> {
+        let is_truncated = self.find(a, b, limit);
         let normal = mean_normal(&self.touching);
         self.points.clear();
-        for touching in &self.touching {
-            let depth = parting_distance(&touching.a, &touching.b, normal);
-            let pair = touching.pair;
-            let ends = touching.contact.segment;
-            self.points
-                .extend(ends.map(|point| ContactPoint { point, depth, pair }));
+        for &Touching { pair, a, b, contact } in &self.touching {
+            let depth = parting_distance(&a, &b, normal);
+            let points = contact.segment.map(|point| ContactPoint { point, depth, pair });
+            self.points.extend(points);
         }
-        let manifold = Manifold::reduce(normal, self.touching.len(), is_truncated, &self.points);
-        (manifold, stats)
+        Manifold::reduce(normal, self.touching.len(), is_truncated, &self.points)
     }
 
-    /// The shortest way of `a` along `direction` after which the two surfaces at most touch.
-    ///
-    /// `direction` need not be of length 1; the distance is in world units. Zero for bodies that do not intersect. After one
-    /// that is longer they may meet again. The bodies are moved on until the triangles that intersect are parted, and looked
-    /// at again, at most `steps` times; each costs a pair query. On the way they always intersect, so that the distance is a
-    /// lower bound even where the steps do not suffice. A step looks at 65,536 pairs of triangles at most; if there are more, and
-    /// those are parted, the search ends there without being complete.
-    ///
-    /// Error: about `1e-9` of the distance moved and of the triangles' sizes. `None` if the direction is zero or not finite.
-    pub fn separation(&mut self, a: Body<'_>, mut b: Body<'_>, direction: DVec3, steps: usize) -> Option<Separation> {
-        const DONE: f64 = 1e-10;
-        const MOST_PAIRS: usize = 1 << 16;
-        let size = direction.abs().max_element();
-        let direction = (direction / size).try_normalize()?;
-        let mut separation = Separation {
-            distance: 0.0,
-            complete: false,
-            steps: 0,
-        };
-        while separation.steps < steps && !separation.complete {
-            separation.steps += 1;
-            let moved = a.world_from_model.translated(direction * separation.distance);
-            let mut a = Body::new(a.pose, &moved);
-            let mut b = b.reborrow();
-            let (is_truncated, _) = self.find(MOST_PAIRS, &mut a, &mut b);
-            let (mut way, mut size) = (0.0_f64, 0.0_f64);
-            for touching in &self.touching {
-                way = way.max(parting_distance(&touching.a, &touching.b, direction));
-                size = size.max(touching.a[0].distance(touching.a[1]));
-                size = size.max(touching.b[0].distance(touching.b[1]));
-            }
-            let is_parted = way <= DONE * size.max(separation.distance);
-            separation.complete = is_parted && !is_truncated;
-            separation.distance += way;
-            if is_parted && is_truncated {
-                break;
-            }
-        }
-        Some(separation)
-    }
-
-    /// Fills `touching`, in an order that does not depend on which body was named first.
-    ///
-    /// At most `limit` pairs are looked at; says whether there are more.
-    fn find(&mut self, limit: usize, a: &mut Body<'_>, b: &mut Body<'_>) -> (bool, QueryStats) {
+    /// Fills `touching` with at most `limit` pairs, in an order that does not depend on which body is named first; returns whether
+    /// there are more.
+    fn find(&mut self, mut a: Body<'_>, mut b: Body<'_>, limit: usize) -> bool {
         self.found.clear();
-        let body_a = Body::new(a.pose, a.world_from_model);
-        let body_b = Body::new(b.pose, b.world_from_model);
-        let (is_truncated, stats) = self.pairs.up_to(limit, body_a, body_b, &mut self.found);
+        let is_truncated = self.pairs.up_to(a.reborrow(), b.reborrow(), limit, &mut self.found);
         self.touching.clear();
         let [corners_a, corners_b] = &mut self.corners;
         read_outward(a, self.found.iter().map(|pair| pair.triangle_a), corners_a);
         read_outward(b, self.found.iter().map(|pair| pair.triangle_b), corners_b);
         for ((&pair, &a), &b) in self.found.iter().zip(&*corners_a).zip(&*corners_b) {
-            // Always: the pair query asks the same predicates.
+            // Never `None`: the pair query uses the same predicates.
             if let Some(contact) = triangle_contact(&a, &b) {
                 self.touching.push(Touching { pair, a, b, contact });
             }
@@ -201,18 +131,18 @@ impl ContactQuery {
         let key = |touching: &Touching| {
             let TriangleContact { segment, normal } = touching.contact;
             let TrianglePair { triangle_a, triangle_b } = touching.pair;
-            // Of two equal shapes on top of each other each pair comes twice, both ways round.
+            // Two equal shapes at the same place have each pair twice, in both orders.
             let numbers = [triangle_a.min(triangle_b), triangle_a.max(triangle_b), triangle_a];
             ([segment[0], segment[1], normal.abs()].map(|v| v.to_array()), numbers)
         };
         self.touching
-            .sort_by(|s, t| key(s).partial_cmp(&key(t)).unwrap_or(std::cmp::Ordering::Equal));
-        (is_truncated, stats)
+            .sort_by(|s, t| key(s).partial_cmp(&key(t)).unwrap_or(Ordering::Equal));
+        is_truncated
     }
 }
 
-/// Corners of a body's triangles in world space; those of a mirrored one turned back.
-fn read_outward(body: &mut Body<'_>, triangles: impl Iterator<Item = u32>, corners: &mut Vec<Triangle>) {
+/// The corners of triangles in world space; flips the windings of a mirrored body.
+fn read_outward(body: Body<'_>, triangles: impl Iterator<Item = u32>, corners: &mut Vec<Triangle>) {
     let world_from_model = body.world_from_model;
     let mirrors = world_from_model.mirrors();
     corners.clear();
@@ -225,7 +155,7 @@ fn read_outward(body: &mut Body<'_>, triangles: impl Iterator<Item = u32>, corne
 
 /// See [`Manifold::normal`].
 fn mean_normal(touching: &[Touching]) -> DVec3 {
-    /// Sums shorter than this share of their terms have cancelled out.
+    /// Sums shorter than this share of their terms count as cancelled out.
     const CANCELLED: f64 = 1e-9;
     let total: f64 = touching.iter().map(|t| t.contact.length()).sum();
     let weight = |t: &Touching| if total > 0.0 { t.contact.length() / total } else { 1.0 };

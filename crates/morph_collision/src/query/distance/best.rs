@@ -6,27 +6,28 @@ use super::ClosestPair;
 use crate::exact::{Between, Triangle, closest_between};
 use crate::query::pairs::TrianglePair;
 
-/// Distances may be off by their rounding: what may be closer by no more than that is measured, so that ties end the same for every tree.
+/// Computed distances have rounding errors. Pairs that may be closer by up to this factor are measured, so that the answer does not depend on
+/// the tree.
 const MARGIN: f64 = 1.0 + 1e-9;
 
-/// How many pairs at the closest distance are measured before others that cannot be closer are passed over. Measuring a pair takes about 0.4
-/// microseconds, so this bounds a query's time in bodies that are flattened to parallel lines.
+/// How many pairs at the closest distance are measured before the query skips others that cannot be closer. Measuring a pair takes about 0.4
+/// microseconds, so this bounds the time for bodies flattened to parallel lines.
 const TIES: u32 = 16_384;
 
-/// What cannot be closer than this part of the distance is as close, but for rounding: the closest points are known to about `1e-16` of
-/// the bodies' size, so for bodies more than a thousandth of their size apart the line between the points is known well enough.
+/// A pair whose lower bound exceeds this share of the distance counts as equally close. The closest points have errors of about 1e-16 of the
+/// bodies' size, so the direction between them is accurate enough for bodies more than a thousandth of their size apart.
 const NO_CLOSER: f64 = 1.0 - 1e-9;
 
-/// The closest triangles so far.
+/// The closest pair so far.
 pub(super) struct Best {
     pub(super) pair: Option<ClosestPair>,
     squared: f64,
     max_distance: f64,
-    /// Whether near ties are looked at.
+    /// Whether to measure near ties.
     with_ties: bool,
-    /// How many pairs have been measured that are about as close.
+    /// How many measured pairs were about equally close.
     ties: u32,
-    /// A squared distance: pairs with a lower bound above it are not worth looking at.
+    /// A squared distance. Pairs with a greater lower bound are skipped.
     pub(super) limit: f64,
 }
 
@@ -42,7 +43,7 @@ impl Best {
         }
     }
 
-    /// Measures two triangles and returns the new limit; breaks if they share a point.
+    /// Measures two triangles and returns the new limit. Breaks if they share a point.
     #[inline]
     pub(super) fn look(
         &mut self,
@@ -83,13 +84,13 @@ impl Best {
         ControlFlow::Continue(self.limit)
     }
 
-    /// Whether so many pairs were as close as the closest that two triangles which cannot be closer need not be measured.
+    /// Whether to skip two triangles: there were many ties already, and these are no closer.
     #[inline]
     pub(super) fn is_tied_enough(&self, corners_a: &Triangle, corners_b: &Triangle) -> bool {
         self.ties > TIES && self.are_no_closer(corners_a, corners_b)
     }
 
-    /// Whether two triangles are as far apart as the closest pair along the line between its points, up to rounding.
+    /// Whether two triangles are at least as far apart as the closest pair, measured along the line between its points, up to rounding.
     fn are_no_closer(&self, corners_a: &Triangle, corners_b: &Triangle) -> bool {
         let Some(best) = &self.pair else { return false };
         let across = best.point_b - best.point_a;

@@ -7,7 +7,7 @@ use morph_collision_testkit::search::{Climb, is_as_known};
 use rand::RngExt;
 
 use super::vectors::Vector;
-use super::verdict::{Along as Parted, Doubt, Sides, lone_first};
+use super::verdict::{Along as Parted, ErrorBounds, Sides, lone_first};
 use super::*;
 use crate::bounds::{levels, with_simd};
 use crate::tree::put;
@@ -98,7 +98,7 @@ impl Pair {
 /// The axes that the filter looks along, and what it sees there.
 #[inline(always)]
 fn look_along<S: Simd>(simd: S, a: &Patch, b: &Patch, all: &mut Vec<Along>) {
-    let doubt = Doubt::new(simd, a.reach.max(b.reach));
+    let errors = ErrorBounds::new(simd, a.reach.max(b.reach));
     let (own, theirs) = (a.load(simd), b.load(simd));
     let mut above = Vec::new();
     for (plane, corners, a_has_plane) in [(b, &own, false), (a, &theirs, true)] {
@@ -108,7 +108,7 @@ fn look_along<S: Simd>(simd: S, a: &Patch, b: &Patch, all: &mut Vec<Along>) {
         above.push(sides.above());
         let heights = sides.heights;
         let [least, most] = least_and_most(heights);
-        let bound = doubt.of_normals;
+        let bound = errors.of_normals;
         // Compared with `high + doubt` and `low - doubt`, rounded.
         let limits = [high + bound, low - bound];
         let doubt = Dyadic::from(first(bound));
@@ -131,7 +131,7 @@ fn look_along<S: Simd>(simd: S, a: &Patch, b: &Patch, all: &mut Vec<Along>) {
             let axis = cross(edge, other);
             let [a_least, a_most] = least_and_most([dot(axis, own[0]), dot(axis, own[1]), dot(axis, own[2])]);
             let [b_least, b_most] = least_and_most([dot(axis, theirs[0]), dot(axis, theirs[1]), dot(axis, theirs[2])]);
-            let error = Parted::new(axis, own, theirs, &doubt).error;
+            let error = Parted::new(axis, own, theirs, &errors).error;
             for (gap, a_beyond) in [(a_least - b_most, true), (b_least - a_most, false)] {
                 all.push(Along {
                     axis: axis.map(first),
@@ -148,7 +148,7 @@ fn look_along<S: Simd>(simd: S, a: &Patch, b: &Patch, all: &mut Vec<Along>) {
 #[inline(always)]
 fn certainty<S: Simd>(simd: S, pair: &Pair) -> f64 {
     let [a, b] = &pair.patches;
-    let doubt = Doubt::new(simd, a.reach.max(b.reach));
+    let errors = ErrorBounds::new(simd, a.reach.max(b.reach));
     let (own, theirs) = (a.load(simd), b.load(simd));
     let spans = a.span.load(simd) + b.span.load(simd);
     let mut most = 0.0_f64;
@@ -159,7 +159,7 @@ fn certainty<S: Simd>(simd: S, pair: &Pair) -> f64 {
         let normal = plane.normals.map(|row| row.load(simd));
         let (low, high) = (plane.low.load(simd), plane.high.load(simd));
         let sides = Sides::new(normal, corners, low, high);
-        let allowed = first(doubt.of_sides + doubt.of_tilts * spans * plane.tilt.load(simd) + (high - low));
+        let allowed = first(errors.of_sides + errors.of_tilts * spans * plane.tilt.load(simd) + (high - low));
         let [p, q, r] = exact_plane;
         let exact_normal = exact_cross(&exact_sub(q, p), &exact_sub(r, p));
         let largest = exact_normal.iter().map(|n| n.to_f64().abs()).fold(0.0, f64::max);
@@ -173,8 +173,8 @@ fn certainty<S: Simd>(simd: S, pair: &Pair) -> f64 {
     for (i, j) in CORNERS {
         for (k, l) in CORNERS {
             let (p, q, u, v) = (own[i], own[j], theirs[k], theirs[l]);
-            let along = Parted::new(cross(sub(q, p), sub(v, u)), [p; 3], [u; 3], &doubt);
-            let allowed = first(along.error + doubt.of_products * (spans * spans));
+            let along = Parted::new(cross(sub(q, p), sub(v, u)), [p; 3], [u; 3], &errors);
+            let allowed = first(along.error + errors.of_products * (spans * spans));
             let [exact_a, exact_b] = &pair.exact;
             let (p, q, u, v) = (&exact_a[i], &exact_a[j], &exact_b[k], &exact_b[l]);
             let axis = exact_cross(&exact_sub(q, p), &exact_sub(v, u));

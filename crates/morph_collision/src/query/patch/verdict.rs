@@ -16,7 +16,14 @@ pub(super) struct Verdict {
 impl Patch {
     /// These triangles, of which the ones in `near` count, against one of another patch.
     #[inline(always)]
-    pub(super) fn judge<S: Simd>(&self, simd: S, other: &Self, lane: usize, doubt: &Doubt<S>, near: u8) -> Verdict {
+    pub(super) fn judge<S: Simd>(
+        &self,
+        simd: S,
+        other: &Self,
+        lane: usize,
+        errors: &ErrorBounds<S>,
+        near: u8,
+    ) -> Verdict {
         let own = self.load(simd);
         let theirs = other.splat(simd, lane);
 
@@ -25,13 +32,13 @@ impl Patch {
         let normal = [one(simd, x, lane), one(simd, y, lane), one(simd, z, lane)];
         let (low, high) = (one(simd, &other.low, lane), one(simd, &other.high, lane));
         let own_sides = Sides::new(normal, own, low, high);
-        let mut apart = own_sides.apart(doubt.of_normals);
+        let mut apart = own_sides.apart(errors.of_normals);
 
         // Our planes.
         let [x, y, z] = &self.normals;
         let normal = [x.load(simd), y.load(simd), z.load(simd)];
         let their_sides = Sides::new(normal, theirs, self.low.load(simd), self.high.load(simd));
-        apart |= their_sides.apart(doubt.of_normals);
+        apart |= their_sides.apart(errors.of_normals);
         let by_planes = apart.to_bitmask() as u8;
         if near & !by_planes == 0 {
             return Verdict {
@@ -49,8 +56,8 @@ impl Patch {
         let their_above = t0 ^ t1 ^ t2;
         let odd = own_above ^ their_above;
         let (v, w) = (choose(odd, w, v), choose(odd, v, w));
-        let first = Along::new(cross(sub(q, p), sub(v, u)), [p, q, r], [u, v, w], doubt);
-        let second = Along::new(cross(sub(r, p), sub(w, u)), [p, q, r], [u, v, w], doubt);
+        let first = Along::new(cross(sub(q, p), sub(v, u)), [p, q, r], [u, v, w], errors);
+        let second = Along::new(cross(sub(r, p), sub(w, u)), [p, q, r], [u, v, w], errors);
         apart |= first.apart() | second.apart();
         let apart = apart.to_bitmask() as u8;
         if near & !apart == 0 {
@@ -60,13 +67,13 @@ impl Patch {
         // Triangles that reach through each other's planes meet if both products say so.
         let (own_span, their_span) = (self.span.load(simd), one(simd, &other.span, lane));
         let spans = own_span + their_span;
-        let error = doubt.of_products * (spans * spans);
+        let error = errors.of_products * (spans * spans);
         let rising = first.step.simd_gt(first.error + error) & second.step.simd_lt(-(second.error + error));
         let falling = first.step.simd_lt(-(first.error + error)) & second.step.simd_gt(second.error + error);
-        let tilt = doubt.of_tilts * spans;
+        let tilt = errors.of_tilts * spans;
         let meet = (their_above & rising | !their_above & falling)
-            & own_sides.clear(doubt.of_sides + tilt * one(simd, &other.tilt, lane))
-            & their_sides.clear(doubt.of_sides + tilt * self.tilt.load(simd));
+            & own_sides.clear(errors.of_sides + tilt * one(simd, &other.tilt, lane))
+            & their_sides.clear(errors.of_sides + tilt * self.tilt.load(simd));
         Verdict {
             apart,
             meet: meet.to_bitmask() as u8 & !apart,
@@ -86,7 +93,7 @@ impl Patch {
 /// That they meet takes the right axes. With spans `A` and `B`, the edges of both triangles are known within `4.1 u R`, the
 /// product of two edges of one within `29 u R A` in each coordinate, of one of each within `14 u R (A + B)`; no two corners
 /// of triangles whose boxes overlap are farther from each other than `A + B`. See `docs/numerics.md`.
-pub(super) struct Doubt<S: Simd> {
+pub(super) struct ErrorBounds<S: Simd> {
     pub(super) per_length: f32x8<S>,
     pub(super) floor: f32x8<S>,
     /// For axes whose coordinates are at most 1.
@@ -97,7 +104,7 @@ pub(super) struct Doubt<S: Simd> {
     pub(super) of_products: f32x8<S>,
 }
 
-impl<S: Simd> Doubt<S> {
+impl<S: Simd> ErrorBounds<S> {
     #[inline(always)]
     pub(super) fn new(simd: S, reach: f32) -> Self {
         const ROUNDINGS: f32 = 16.0 * (f32::EPSILON / 2.0);
@@ -137,9 +144,9 @@ impl<S: Simd> Sides<S> {
 
     /// Where all heights are beyond the interval.
     #[inline(always)]
-    fn apart(&self, doubt: f32x8<S>) -> mask32x8<S> {
+    fn apart(&self, errors: f32x8<S>) -> mask32x8<S> {
         let [a, b, c] = self.heights;
-        a.min(b).min(c).simd_gt(self.high + doubt) | a.max(b).max(c).simd_lt(self.low - doubt)
+        a.min(b).min(c).simd_gt(self.high + errors) | a.max(b).max(c).simd_lt(self.low - errors)
     }
 
     /// Which heights are above the interval's middle.
@@ -165,10 +172,10 @@ impl<S: Simd> Sides<S> {
         off - (self.high - self.low)
     }
 
-    /// Where no height is in doubt about its side.
+    /// Where no height is in errors about its side.
     #[inline(always)]
-    fn clear(&self, doubt: f32x8<S>) -> mask32x8<S> {
-        self.clearance().simd_gt(doubt)
+    fn clear(&self, errors: f32x8<S>) -> mask32x8<S> {
+        self.clearance().simd_gt(errors)
     }
 }
 
@@ -183,14 +190,14 @@ pub(super) struct Along<S: Simd> {
 
 impl<S: Simd> Along<S> {
     #[inline(always)]
-    pub(super) fn new(axis: Vector<S>, a: Corners<S>, b: Corners<S>, doubt: &Doubt<S>) -> Self {
+    pub(super) fn new(axis: Vector<S>, a: Corners<S>, b: Corners<S>, errors: &ErrorBounds<S>) -> Self {
         let (a0, a1, a2) = (dot(axis, a[0]), dot(axis, a[1]), dot(axis, a[2]));
         let (b0, b1, b2) = (dot(axis, b[0]), dot(axis, b[1]), dot(axis, b[2]));
         let above = a0.min(a1).min(a2) - b0.max(b1).max(b2);
         let below = b0.min(b1).min(b2) - a0.max(a1).max(a2);
         Self {
             gap: above.max(below),
-            error: (axis[0].abs() + axis[1].abs() + axis[2].abs()) * doubt.per_length + doubt.floor,
+            error: (axis[0].abs() + axis[1].abs() + axis[2].abs()) * errors.per_length + errors.floor,
             step: b0 - a0,
         }
     }

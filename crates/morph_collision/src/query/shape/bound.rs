@@ -5,34 +5,35 @@ use super::solid::Solid;
 use crate::bounds::{Aabb, Box64, WorldFromModel};
 use crate::exact::closest_on_segment;
 
-/// Lower bounds for the signed distances of all that is in a box in model space.
+/// Lower bounds for the signed distances of everything in a model-space box.
 ///
-/// A direction bounds it from below by how far the box, taken to world space, stands before the shape along it. Tried are the
-/// normals of the box's faces, which are the same for every node, and the direction from the shape to the box's centre.
+/// Any direction gives a bound: the gap along it between the shape and the box taken to world space. Tests the normals of the
+/// box's faces, which are the same for every node, and the direction from the shape to the box's centre.
 pub(super) struct NodeBound<'a> {
     shape: &'a PlacedShape,
     world_from_model: &'a WorldFromModel,
     faces: [FaceDirection; 3],
-    /// Covers the roundings of a bound, of the vertices' way to world space, and of the distances that the leaves compute.
+    /// Covers the rounding errors of a bound, of the vertices in world space, and of the distances computed in leaves.
     slack: f64,
 }
 
-/// A direction, and how far the shape reaches along it and against it.
+/// A direction, and the shape's supports along it and against it.
 #[derive(Clone, Copy, Debug)]
 struct FaceDirection {
     direction: DVec3,
     supports: [f64; 2],
 }
 
-/// See [`NodeBound::slack`]: 64 roundings of all that takes part.
+/// See [`NodeBound::slack`]: 64 roundings, each at most half an epsilon of all magnitudes that take part. More than the longest chain of
+/// operations here has.
 const ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 impl<'a> NodeBound<'a> {
-    /// For nodes within `root`, a body's bounds in model space.
+    /// For nodes inside `root`, the body's bounds in model space.
     pub(super) fn new(shape: &'a PlacedShape, world_from_model: &'a WorldFromModel, root: &Aabb) -> Self {
         let m = world_from_model.linear();
         let faces = [(m.y_axis, m.z_axis), (m.z_axis, m.x_axis), (m.x_axis, m.y_axis)].map(|(u, v)| {
-            // Scaled first; a flattened body has fewer faces, and zero bounds nothing.
+            // Normalised first to avoid overflow. A flattened body has fewer faces; a zero direction bounds nothing.
             let direction = u.normalize_or_zero().cross(v.normalize_or_zero()).normalize_or_zero();
             FaceDirection {
                 direction,
@@ -66,7 +67,7 @@ impl<'a> NodeBound<'a> {
                 bound = bound.max(-along - radius - face.supports[1]);
             }
         }
-        // Where magnitudes are beyond f64 nothing is culled.
+        // Overflow culls nothing.
         if bound.is_nan() {
             f64::NEG_INFINITY
         } else {
@@ -76,10 +77,11 @@ impl<'a> NodeBound<'a> {
 }
 
 impl PlacedShape {
-    /// The largest `direction . x` over the shape; infinite where it has no end.
+    /// The largest `direction . x` over the shape; may be infinite.
     fn support(&self, direction: DVec3) -> f64 {
         match &self.solid {
-            Solid::Round { axis, radius } => support_of(axis, direction) + radius,
+            Solid::Ball { center, radius } => direction.dot(*center) + radius,
+            Solid::Capsule { axis, radius } => support_of(axis, direction) + radius,
             Solid::Cuboid(cuboid) => cuboid.support(direction),
             Solid::HalfSpace { point, normal } if direction == *normal => direction.dot(*point),
             Solid::HalfSpace { .. } => f64::INFINITY,
@@ -87,22 +89,24 @@ impl PlacedShape {
         }
     }
 
-    /// The unit vector along which the signed distance grows at a point; any where that is none.
+    /// The gradient of the signed distance at a point: a unit vector, an arbitrary one where the gradient does not exist.
     fn outward(&self, point: DVec3) -> DVec3 {
         let from = |axis| (point - closest_on_segment(point, axis)).normalize_or(DVec3::X);
         match &self.solid {
-            Solid::Round { axis, .. } => from(*axis),
+            Solid::Ball { center, .. } => from([*center; 2]),
+            Solid::Capsule { axis, .. } => from(*axis),
             Solid::Cuboid(cuboid) => cuboid.outward(point),
             Solid::HalfSpace { normal, .. } => *normal,
             Solid::Segment(segment) => from(*segment),
         }
     }
 
-    /// At least the largest coordinate that takes part in a distance to the shape.
+    /// An upper bound for the coordinates that take part in a distance to the shape.
     fn reach(&self) -> f64 {
         let of = |p: DVec3| p.abs().max_element();
         match &self.solid {
-            Solid::Round { axis, radius } => of(axis[0]).max(of(axis[1])) + radius,
+            Solid::Ball { center, radius } => of(*center) + radius,
+            Solid::Capsule { axis, radius } => of(axis[0]).max(of(axis[1])) + radius,
             Solid::Cuboid(cuboid) => cuboid.reach(),
             Solid::HalfSpace { point, .. } => of(*point),
             Solid::Segment(segment) => of(segment[0]).max(of(segment[1])),

@@ -1,16 +1,17 @@
-//! Bodies against balls, capsules, cuboids, half-spaces and segments.
+//! Bodies against points, convex regions, balls, capsules, cuboids, half-spaces and segments.
 //!
-//! All shapes are convex, and one notion serves every question: the *signed distance* of a point, positive outside, zero on
-//! the surface, negative inside, which is a convex function; a triangle's is the smallest of its points'. It is the largest of
-//! `w . x - support(w)` over all directions `w`, so each direction tried gives a lower bound for a node (`bound`).
+//! Shapes are convex and share one notion: the *signed distance* of a point, which is positive outside, zero on the surface and
+//! negative inside. It is a convex function, the maximum of `w . x - support(w)` over all unit vectors `w`; so any direction
+//! gives a lower bound for a node (`bound`). A triangle's signed distance is the minimum over its points.
 
 mod bound;
 mod cuboid;
-mod error;
 mod placed;
+mod point;
 mod query;
+mod region;
 mod solid;
 
-pub use error::ShapeError;
-pub use placed::{PlacedShape, Shape, WorldFromShape};
+pub use placed::{PlacedShape, Shape};
+pub use point::ClosestPoint;
 pub use query::{ShapeContact, ShapeQuery};

@@ -1,92 +1,56 @@
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
-use super::ShapeError;
 use super::cuboid::Cuboid;
 use super::solid::Solid;
+use crate::input_error::{InputError, check_direction, check_number, check_point, check_vector};
 
-/// A primitive shape in its own space; all are closed: their surfaces belong to them.
+/// The largest number in a [`Shape`] or its placement.
+const LARGEST: f64 = 1e37;
+
+/// A primitive shape in its own space. All shapes are closed: they include their surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Shape {
     /// A solid ball around the origin.
     Ball {
-        /// Its radius; 0 makes a point.
+        /// The radius; 0 makes a point.
         radius: f32,
     },
     /// All points within a radius of a segment along the y axis.
     Capsule {
-        /// Half the length of the segment, the round ends not included.
+        /// Half the length of the segment, without the round ends.
         half_length: f32,
         /// The radius.
         radius: f32,
     },
     /// A solid box around the origin.
     Cuboid {
-        /// Half its edges; 0 makes it flat.
+        /// Half the edge lengths; a 0 makes it flat.
         half_extents: Vec3,
     },
-    /// A plane through the origin and all that is below it.
+    /// A plane through the origin and everything below it.
     HalfSpace {
-        /// The direction that is up; any length but 0.
+        /// The direction out of the half-space; any length but 0.
         normal: Vec3,
     },
-    /// All points between two.
+    /// The points between two ends.
     Segment {
         /// One end.
         a: Vec3,
-        /// The other.
+        /// The other end.
         b: Vec3,
     },
 }
 
-/// Where a shape stands: a validated rotation and translation from its own space to world space.
-///
-/// No scale, so that radii are in world units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WorldFromShape {
-    pub(super) rotation: DMat3,
-    pub(super) translation: DVec3,
-}
-
-impl WorldFromShape {
-    /// The shape's own space is world space.
-    pub const IDENTITY: Self = Self {
-        rotation: DMat3::IDENTITY,
-        translation: DVec3::ZERO,
-    };
-
-    /// Validates a rotation, which is brought to length 1 in `f64`, and a translation.
-    ///
-    /// # Errors
-    /// A number that is not finite or beyond 1e37; a rotation whose length is off 1 by more than 1e-3.
-    pub fn new(rotation: Quat, translation: Vec3) -> Result<Self, ShapeError> {
-        check("the rotation", &rotation.to_array())?;
-        check("the translation", &translation.to_array())?;
-        let length = rotation.length();
-        if (length - 1.0).abs() > 1e-3 {
-            return Err(ShapeError::NotUnit { length });
-        }
-        let [x, y, z, w] = rotation.to_array().map(f64::from);
-        Ok(Self {
-            rotation: DMat3::from_quat(DQuat::from_xyzw(x, y, z, w).normalize()),
-            translation: translation.as_dvec3(),
-        })
-    }
-
-    fn point(&self, local: DVec3) -> DVec3 {
-        self.rotation * local + self.translation
-    }
-}
-
-/// A validated shape in world space, to ask about bodies with [`ShapeQuery`](crate::ShapeQuery).
+/// A validated shape in world space, for [`ShapeQuery`](crate::ShapeQuery).
 ///
 /// ```
 /// use glam::{DVec3, Quat, Vec3};
-/// use morph_collision::{PlacedShape, Shape, WorldFromShape};
+/// use morph_collision::{PlacedShape, Shape};
 ///
-/// let place = WorldFromShape::new(Quat::IDENTITY, Vec3::new(0.0, 3.0, 0.0))?;
-/// let capsule = PlacedShape::new(Shape::Capsule { half_length: 1.0, radius: 0.5 }, &place)?;
+/// let shape = Shape::Capsule { half_length: 1.0, radius: 0.5 };
+/// let capsule = PlacedShape::new(shape, Quat::IDENTITY, Vec3::new(0.0, 3.0, 0.0))?;
 /// assert_eq!(capsule.signed_distance(DVec3::ZERO), 1.5);
-/// # Ok::<(), morph_collision::ShapeError>(())
+/// # Ok::<(), morph_collision::InputError>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PlacedShape {
@@ -94,61 +58,74 @@ pub struct PlacedShape {
 }
 
 impl PlacedShape {
-    /// Places a shape.
+    /// Rotates a shape, then moves it, into world space. There is no scale, so sizes are in world units.
     ///
     /// # Errors
-    /// A number that is not finite or beyond 1e37, a negative size, a half-space without a direction.
-    pub fn new(shape: Shape, world_from_shape: &WorldFromShape) -> Result<Self, ShapeError> {
-        let at = world_from_shape;
+    /// [`InputError`] if a number is not finite or beyond 1e37, a size is negative, a half-space has no direction, or the rotation's length
+    /// differs from 1 by more than 1e-3. (The rotation is normalised in `f64`.)
+    pub fn new(shape: Shape, rotation: Quat, translation: Vec3) -> Result<Self, InputError> {
+        let [x, y, z, w] = rotation.to_array().map(f64::from);
+        let rotation = DQuat::from_xyzw(x, y, z, w);
+        let is_unit = (rotation.length() - 1.0).abs() <= 1e-3;
+        check_number("length of the rotation", rotation.length(), is_unit, "1")?;
+        let rotation = DMat3::from_quat(rotation.normalize());
+        let translation = vector("translation", translation)?;
+        let to_world = |local: DVec3| rotation * local + translation;
         let solid = match shape {
-            Shape::Ball { radius } => Solid::Round {
-                axis: [at.translation; 2],
-                radius: size("the radius", radius)?,
+            Shape::Ball { radius } => Solid::Ball {
+                center: translation,
+                radius: size("radius", radius)?,
             },
             Shape::Capsule { half_length, radius } => {
-                let half = DVec3::Y * size("the half length", half_length)?;
-                Solid::Round {
-                    axis: [at.point(-half), at.point(half)],
-                    radius: size("the radius", radius)?,
+                let half = DVec3::Y * size("half_length", half_length)?;
+                Solid::Capsule {
+                    axis: [-half, half].map(to_world),
+                    radius: size("radius", radius)?,
                 }
             }
             Shape::Cuboid { half_extents } => {
                 for half in half_extents.to_array() {
-                    size("the half extents", half)?;
+                    size("half_extents", half)?;
                 }
-                Solid::Cuboid(Cuboid::new(half_extents.as_dvec3(), at.rotation, at.translation))
+                Solid::Cuboid(Cuboid::new(half_extents.as_dvec3(), rotation, translation))
             }
             Shape::HalfSpace { normal } => {
-                check("the normal", &normal.to_array())?;
-                let normal = normal.as_dvec3().try_normalize();
-                let normal = normal.ok_or(ShapeError::NoDirection { what: "the normal" })?;
+                let normal = vector("normal", normal)?;
+                check_direction("normal", normal)?;
                 Solid::HalfSpace {
-                    point: at.translation,
-                    normal: (at.rotation * normal).normalize(),
+                    point: translation,
+                    normal: (rotation * normal.normalize()).normalize(),
                 }
             }
             Shape::Segment { a, b } => {
-                check("the segment", &[a.to_array(), b.to_array()].concat())?;
-                Solid::Segment([a, b].map(|end| at.point(end.as_dvec3())))
+                Solid::Segment([to_world(vector("segment", a)?), to_world(vector("segment", b)?)])
             }
         };
         Ok(Self { solid })
     }
-}
 
-fn check(what: &'static str, numbers: &[f32]) -> Result<(), ShapeError> {
-    match numbers.iter().find(|number| number.is_nan() || number.abs() > 1e37) {
-        Some(&value) => Err(ShapeError::BadNumber { what, value }),
-        None => Ok(()),
+    /// A ball around a point of world space, in `f64`.
+    ///
+    /// # Errors
+    /// [`InputError`] if the centre is not finite or beyond 1e50, or the radius is not between 0 and 1e50.
+    pub fn ball(center: DVec3, radius: f64) -> Result<Self, InputError> {
+        check_point("center", center)?;
+        check_number("radius", radius, (0.0..=1e50).contains(&radius), "from 0 to 1e50")?;
+        let solid = Solid::Ball { center, radius };
+        Ok(Self { solid })
     }
 }
 
-fn size(what: &'static str, value: f32) -> Result<f64, ShapeError> {
-    check(what, &[value])?;
-    if value < 0.0 {
-        return Err(ShapeError::Negative { what, value });
-    }
-    Ok(f64::from(value))
+fn vector(what: &'static str, vector: Vec3) -> Result<DVec3, InputError> {
+    let vector = vector.as_dvec3();
+    check_vector(what, vector, LARGEST)?;
+    Ok(vector)
+}
+
+fn size(what: &'static str, value: f32) -> Result<f64, InputError> {
+    let value = f64::from(value);
+    check_number(what, value, (0.0..=LARGEST).contains(&value), "from 0 to 1e37")?;
+    Ok(value)
 }
 
 #[cfg(test)]
@@ -156,39 +133,38 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bad_numbers_are_turned_away_by_name() {
-        let place = |shape| {
-            PlacedShape::new(shape, &WorldFromShape::IDENTITY)
-                .unwrap_err()
-                .to_string()
+    fn bad_numbers_are_refused_by_name() {
+        let message = |shape| {
+            let placed = PlacedShape::new(shape, Quat::IDENTITY, Vec3::ZERO);
+            placed.map_err(|error| error.to_string()).unwrap_err()
         };
-        assert_eq!(
-            place(Shape::Ball { radius: -1.0 }),
-            "the radius is -1, a size cannot be negative"
-        );
-        let nan = Shape::Capsule {
+        let negative = message(Shape::Ball { radius: -1.0 });
+        assert_eq!(negative, "radius is -1, it must be from 0 to 1e37");
+        let nan = message(Shape::Capsule {
             half_length: f32::NAN,
             radius: 1.0,
-        };
-        assert_eq!(
-            place(nan),
-            "the half length holds NaN, not a number between -1e37 and 1e37"
-        );
+        });
+        assert_eq!(nan, "half_length is NaN, it must be from 0 to 1e37");
         let half_extents = Vec3::new(1.0, f32::INFINITY, 1.0);
-        assert!(place(Shape::Cuboid { half_extents }).contains("half extents holds inf"));
-        assert!(place(Shape::HalfSpace { normal: Vec3::ZERO }).contains("no direction"));
-        let ends = [Vec3::ZERO, Vec3::splat(2e37)];
-        assert!(place(Shape::Segment { a: ends[0], b: ends[1] }).contains("the segment holds"));
+        assert!(message(Shape::Cuboid { half_extents }).contains("half_extents is inf"));
+        assert!(message(Shape::HalfSpace { normal: Vec3::ZERO }).contains("normal is [0, 0, 0]"));
+        let (a, b) = (Vec3::ZERO, Vec3::splat(2e37));
+        assert!(message(Shape::Segment { a, b }).starts_with("segment: coordinate 0 is 2"));
     }
 
     #[test]
-    fn rotations_must_be_of_length_one() {
-        assert!(WorldFromShape::new(Quat::from_rotation_x(1.0), Vec3::ONE).is_ok());
-        let twice = Quat::from_xyzw(0.0, 0.0, 0.0, 2.0);
-        assert_eq!(
-            WorldFromShape::new(twice, Vec3::ONE),
-            Err(ShapeError::NotUnit { length: 2.0 })
-        );
-        assert!(WorldFromShape::new(Quat::IDENTITY, Vec3::NAN).is_err());
+    fn bad_placements_are_refused_by_name() {
+        let message = |rotation, translation| {
+            let placed = PlacedShape::new(Shape::Ball { radius: 1.0 }, rotation, translation);
+            placed.err().map(|error| error.to_string())
+        };
+        assert_eq!(message(Quat::from_rotation_x(1.0), Vec3::ONE), None);
+        let twice = message(Quat::from_xyzw(0.0, 0.0, 0.0, 2.0), Vec3::ONE);
+        assert_eq!(twice.as_deref(), Some("length of the rotation is 2, it must be 1"));
+        let nan = message(Quat::IDENTITY, Vec3::NAN);
+        assert!(nan.is_some_and(|message| message.contains("translation: coordinate 0 is NaN")));
+        assert!(PlacedShape::ball(DVec3::ZERO, f64::NAN).is_err());
+        assert!(PlacedShape::ball(DVec3::splat(1e60), 1.0).is_err());
+        assert!(PlacedShape::ball(DVec3::ZERO, -0.5).is_err());
     }
 }

@@ -6,167 +6,173 @@ use glam::DVec3;
 use super::bound::NodeBound;
 use super::placed::PlacedShape;
 use crate::exact::Triangle;
+use crate::input_error::{InputError, check_number};
 use crate::query::capped::Capped;
 use crate::query::one::OneBody;
 use crate::query::{Body, QueryStats};
 
-/// The closest or deepest contact of a triangle with a shape, in world space and `f64`.
+/// The contact of a triangle with a shape: the closest points if they are apart, the deepest ones if they intersect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeContact {
-    /// The triangle, by its number in the body's mesh.
+    /// The triangle's index in the body's mesh.
     pub triangle: u32,
-    /// The triangle's smallest signed distance from the shape: negative is a depth, and at most 0 exactly where they intersect.
+    /// The triangle's smallest signed distance from the shape, in world units. At most 0 exactly if they intersect; then it is a
+    /// negative depth.
     pub distance: f64,
-    /// The point of the triangle that has it.
+    /// The point of the triangle with that distance, in world space.
     pub point_on_triangle: DVec3,
     /// The nearest point of the shape's surface: `point_on_triangle - distance * normal`.
     pub point_on_shape: DVec3,
-    /// The unit vector out of the shape towards the body: the direction in which the distance grows.
+    /// The unit vector out of the shape towards the body: the gradient of the distance.
     ///
-    /// Where there is no single one, because the triangle meets a ball's centre, a capsule's axis or a segment, it is the
-    /// triangle's normal, to the side that less of the segment is on; zero if the triangle has none.
+    /// Where the gradient does not exist, because the triangle meets a ball's centre, a capsule's axis or a segment, it is the
+    /// triangle's normal, towards the side with less of the segment; zero if the triangle has no normal.
     pub normal: DVec3,
 }
 
-/// Asks which triangles of a body a primitive shape intersects, and where; holds the memory that queries reuse.
+/// Finds where a body meets a primitive shape, a convex region or a point. Keep the query: it reuses its memory.
 ///
-/// Shapes are solid: a triangle wholly inside intersects. What is exact is told at [`PlacedShape::intersects`]; no answer
-/// depends on the tree. Distances are `f64`, off by a few roundings of the largest coordinate that takes part.
+/// Shapes are solid: a triangle wholly inside intersects. [`PlacedShape::intersects`] says what is exact. No answer depends on the
+/// tree. Distances are `f64`, with an error of a few roundings of the largest coordinate that takes part.
 ///
 /// ```
 /// use std::sync::Arc;
 /// use glam::{Quat, Vec3};
 /// use morph_collision::{
-///     Body, BuildOptions, MorphBvh, MorphModel, PlacedShape, Pose, Shape, ShapeQuery, WorldFromModel, WorldFromShape,
+///     Body, BuildOptions, MorphBvh, MorphModel, PlacedShape, Pose, Shape, ShapeQuery, WorldFromModel,
 /// };
 ///
 /// let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
 /// let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?));
-/// let above = WorldFromShape::new(Quat::IDENTITY, Vec3::new(0.25, 0.25, 2.0))?;
-/// let ball = PlacedShape::new(Shape::Ball { radius: 1.5 }, &above)?;
+/// let ball = PlacedShape::new(Shape::Ball { radius: 1.5 }, Quat::IDENTITY, Vec3::new(0.25, 0.25, 2.0))?;
 ///
 /// let mut query = ShapeQuery::new();
 /// let place = WorldFromModel::IDENTITY;
-/// let (contact, _) = query.closest(Body::new(&mut pose, &place), &ball, 10.0);
-/// assert_eq!(contact.map(|c| c.distance), Some(0.5));
+/// let contact = query.closest(Body::new(&mut pose, &place), &ball, 10.0)?;
+/// assert_eq!(contact.map(|contact| contact.distance), Some(0.5));
 /// pose.set_weights(&[1.0])?; // lifts the triangle into the ball
-/// assert!(query.any(Body::new(&mut pose, &place), &ball).0);
+/// assert!(query.any(Body::new(&mut pose, &place), &ball));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Default)]
 pub struct ShapeQuery {
-    one: OneBody,
+    pub(super) one: OneBody,
 }
 
 impl ShapeQuery {
-    /// A query with nothing allocated yet.
+    /// An empty query; allocates on first use.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
+    /// The work of the last call.
+    #[must_use]
+    pub fn stats(&self) -> QueryStats {
+        self.one.stats
+    }
+
     /// Whether any triangle intersects the shape.
-    pub fn any(&mut self, body: Body<'_>, shape: &PlacedShape) -> (bool, QueryStats) {
+    pub fn any(&mut self, body: Body<'_>, shape: &PlacedShape) -> bool {
         let mut any = false;
-        let stats = self.visit(body, shape, |_| {
+        self.visit(body, shape, |_| {
             any = true;
             ControlFlow::Break(())
         });
-        (any, stats)
+        any
     }
 
-    /// Appends every triangle that intersects the shape, best first.
-    pub fn all(&mut self, body: Body<'_>, shape: &PlacedShape, triangles: &mut Vec<u32>) -> QueryStats {
-        self.visit(body, shape, |triangle| {
-            triangles.push(triangle);
-            ControlFlow::Continue(())
-        })
+    /// Appends every triangle that intersects the shape, in the order of [`ShapeQuery::visit`].
+    pub fn all(&mut self, body: Body<'_>, shape: &PlacedShape, triangles: &mut Vec<u32>) {
+        self.up_to(body, shape, usize::MAX, triangles);
     }
 
-    /// Appends at most `limit` triangles that intersect the shape, the first ones of [`ShapeQuery::all`]; says whether there are
-    /// more.
-    pub fn up_to(
-        &mut self,
-        limit: usize,
-        body: Body<'_>,
-        shape: &PlacedShape,
-        triangles: &mut Vec<u32>,
-    ) -> (bool, QueryStats) {
+    /// Appends the first `limit` triangles of [`ShapeQuery::all`]; returns whether there are more.
+    pub fn up_to(&mut self, body: Body<'_>, shape: &PlacedShape, limit: usize, triangles: &mut Vec<u32>) -> bool {
         let mut listed = Capped::new(triangles, limit);
-        let stats = self.visit(body, shape, |triangle| listed.push(triangle));
-        (listed.is_truncated, stats)
+        self.visit(body, shape, |triangle| listed.push(triangle));
+        listed.is_truncated
     }
 
-    /// Calls `visitor` for every triangle that intersects the shape, best first, until it breaks.
-    pub fn visit(
-        &mut self,
-        body: Body<'_>,
-        shape: &PlacedShape,
-        mut visitor: impl FnMut(u32) -> ControlFlow<()>,
-    ) -> QueryStats {
-        self.walk(body, shape, &Cell::new(0.0), &mut |triangle, corners| {
+    /// Calls `visitor` for every triangle that intersects the shape until it breaks. Leaves that reach deepest come first.
+    pub fn visit(&mut self, body: Body<'_>, shape: &PlacedShape, mut visitor: impl FnMut(u32) -> ControlFlow<()>) {
+        self.walk(body, shape, &Cell::new(0.0), |triangle, corners| {
             if shape.intersects(corners) {
                 visitor(triangle)?;
             }
             ControlFlow::Continue(())
-        })
+        });
     }
 
-    /// Appends the contact of every triangle whose signed distance is at most `within`, best first.
+    /// Appends the contact of every triangle with a signed distance of at most `within`, leaves with lower bounds first.
     ///
-    /// With 0 these are the intersecting triangles; with a negative number those that are deeper.
+    /// With 0 these are the intersecting triangles; with a negative number, only deeper ones.
+    ///
+    /// # Errors
+    /// [`InputError`] if `within` is NaN.
     pub fn contacts(
         &mut self,
         body: Body<'_>,
         shape: &PlacedShape,
         within: f64,
         contacts: &mut Vec<ShapeContact>,
-    ) -> QueryStats {
-        self.contacts_up_to(usize::MAX, body, shape, within, contacts).1
+    ) -> Result<(), InputError> {
+        self.contacts_up_to(body, shape, within, usize::MAX, contacts)?;
+        Ok(())
     }
 
-    /// Appends at most `limit` contacts, the first ones of [`ShapeQuery::contacts`]; says whether there are more.
+    /// Appends the first `limit` contacts of [`ShapeQuery::contacts`]; returns whether there are more.
+    ///
+    /// # Errors
+    /// [`InputError`] if `within` is NaN.
     pub fn contacts_up_to(
         &mut self,
-        limit: usize,
         body: Body<'_>,
         shape: &PlacedShape,
         within: f64,
+        limit: usize,
         contacts: &mut Vec<ShapeContact>,
-    ) -> (bool, QueryStats) {
+    ) -> Result<bool, InputError> {
+        check_within(within)?;
         let mut listed = Capped::new(contacts, limit);
-        let stats = self.walk(body, shape, &Cell::new(within), &mut |triangle, corners| {
+        self.walk(body, shape, &Cell::new(within), |triangle, corners| {
             let contact = contact(shape, triangle, corners);
             if contact.distance <= within {
                 listed.push(contact)?;
             }
             ControlFlow::Continue(())
         });
-        (listed.is_truncated, stats)
+        Ok(listed.is_truncated)
     }
 
-    /// The body's contact: that of the triangle with the smallest signed distance, so the closest, or the deepest where they
-    /// intersect. `None` if that is above `within`.
+    /// The contact of the triangle with the smallest signed distance: the closest one, or the deepest if they intersect.
     ///
-    /// Of triangles with the same distance it is the first by number.
-    pub fn closest(&mut self, body: Body<'_>, shape: &PlacedShape, within: f64) -> (Option<ShapeContact>, QueryStats) {
+    /// `None` if the distance is above `within`. Among equal distances the lowest triangle index wins.
+    ///
+    /// # Errors
+    /// [`InputError`] if `within` is NaN.
+    pub fn closest(
+        &mut self,
+        body: Body<'_>,
+        shape: &PlacedShape,
+        within: f64,
+    ) -> Result<Option<ShapeContact>, InputError> {
+        check_within(within)?;
         let limit = Cell::new(within);
         let mut best: Option<ShapeContact> = None;
-        let stats = self.walk(body, shape, &limit, &mut |triangle, corners| {
+        self.walk(body, shape, &limit, |triangle, corners| {
             let contact = contact(shape, triangle, corners);
-            let better = match &best {
-                Some(best) => {
-                    contact.distance < best.distance || contact.distance == best.distance && triangle < best.triangle
-                }
+            let is_better = match &best {
+                Some(best) => (contact.distance, triangle) < (best.distance, best.triangle),
                 None => contact.distance <= within,
             };
-            if better {
+            if is_better {
                 limit.set(contact.distance);
                 best = Some(contact);
             }
             ControlFlow::Continue(())
         });
-        (best, stats)
+        Ok(best)
     }
 
     fn walk(
@@ -174,22 +180,23 @@ impl ShapeQuery {
         body: Body<'_>,
         shape: &PlacedShape,
         limit: &Cell<f64>,
-        at_triangle: &mut dyn FnMut(u32, &Triangle) -> ControlFlow<()>,
-    ) -> QueryStats {
-        let world_from_model = body.world_from_model;
-        let mut posed = body.pose.posed();
-        let bound = NodeBound::new(shape, world_from_model, &posed.bounds());
+        mut at_triangle: impl FnMut(u32, &Triangle) -> ControlFlow<()>,
+    ) {
+        let bound = NodeBound::new(shape, body.world_from_model, &body.pose.bounds());
         self.one.walk(
-            &mut posed,
-            world_from_model,
+            body,
             limit.get(),
             |node| Some(bound.lower_bound(node)),
             |triangle, corners| {
                 at_triangle(triangle, corners)?;
                 ControlFlow::Continue(limit.get())
             },
-        )
+        );
     }
+}
+
+fn check_within(within: f64) -> Result<(), InputError> {
+    check_number("within", within, !within.is_nan(), "a number")
 }
 
 fn contact(shape: &PlacedShape, triangle: u32, corners: &Triangle) -> ShapeContact {

@@ -3,23 +3,17 @@ use glam::DVec3;
 use super::cuboid::Cuboid;
 use super::placed::PlacedShape;
 use crate::exact::{
-    Segment, Triangle, closest_of_segment_and_triangle, closest_on_segment, common_segment, triangles_intersect,
-    unit_normal,
+    OnTriangle, Segment, Triangle, closest_of_segment_and_triangle, closest_on_segment, closest_on_triangle,
+    common_segment, triangles_intersect, unit_normal,
 };
 
 /// A shape in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Solid {
-    /// A ball or a capsule.
-    Round {
-        axis: Segment,
-        radius: f64,
-    },
+    Ball { center: DVec3, radius: f64 },
+    Capsule { axis: Segment, radius: f64 },
     Cuboid(Cuboid),
-    HalfSpace {
-        point: DVec3,
-        normal: DVec3,
-    },
+    HalfSpace { point: DVec3, normal: DVec3 },
     Segment(Segment),
 }
 
@@ -33,24 +27,25 @@ pub(super) struct Closest {
 }
 
 impl PlacedShape {
-    /// The signed distance of a point, in world units: negative inside, `f64`.
+    /// The signed distance of a point, in world units; negative inside.
     ///
-    /// Inside a cuboid it is the distance to the nearest face; a segment has no inside.
+    /// Inside a cuboid it is the distance to the nearest face. A segment has no inside.
     #[must_use]
     pub fn signed_distance(&self, point: DVec3) -> f64 {
         match &self.solid {
-            Solid::Round { axis, radius } => point.distance(closest_on_segment(point, *axis)) - radius,
+            Solid::Ball { center, radius } => point.distance(*center) - radius,
+            Solid::Capsule { axis, radius } => point.distance(closest_on_segment(point, *axis)) - radius,
             Solid::Cuboid(cuboid) => cuboid.signed_distance(point),
             Solid::HalfSpace { point: foot, normal } => (point - foot).dot(*normal),
             Solid::Segment(segment) => point.distance(closest_on_segment(point, *segment)),
         }
     }
 
-    /// Whether a closed triangle, given in world space, shares a point with the shape.
+    /// Whether a closed triangle in world space shares a point with the shape.
     ///
-    /// Exact for a segment with its `f64` ends, and for a cuboid: the solid that its eight `f64` corners and its `f64` centre
-    /// span, with each face as two triangles. For balls, capsules and half-spaces it is whether the triangle's signed
-    /// distance, as computed in `f64`, is at most 0.
+    /// Exact for a segment with its `f64` ends, and for a cuboid, understood as the solid spanned by its eight `f64` corners and its
+    /// `f64` centre, with each face split into two triangles. For balls, capsules and half-spaces: whether the triangle's signed
+    /// distance, computed in `f64`, is at most 0.
     #[must_use]
     pub fn intersects(&self, triangle: &Triangle) -> bool {
         match &self.solid {
@@ -60,13 +55,23 @@ impl PlacedShape {
         }
     }
 
-    /// The point of a triangle with the smallest signed distance; at most 0 exactly where they intersect.
+    /// The point of a triangle with the smallest signed distance, which is at most 0 exactly if they intersect.
     pub(super) fn closest(&self, triangle: &Triangle) -> Closest {
         match &self.solid {
-            Solid::Round { axis, radius } => {
-                let mut closest = closest_to_segment(*axis, triangle);
-                closest.distance -= radius;
-                closest
+            Solid::Ball { center, radius } => {
+                let OnTriangle { point, squared, .. } = closest_on_triangle(*center, triangle);
+                Closest {
+                    point,
+                    normal: (point - center).try_normalize().unwrap_or(unit_normal(triangle)),
+                    distance: squared.sqrt() - radius,
+                }
+            }
+            Solid::Capsule { axis, radius } => {
+                let closest = closest_to_segment(*axis, triangle);
+                Closest {
+                    distance: closest.distance - radius,
+                    ..closest
+                }
             }
             Solid::Cuboid(cuboid) => cuboid.closest(triangle),
             Solid::HalfSpace { point, normal } => {
@@ -86,12 +91,12 @@ impl PlacedShape {
     }
 }
 
-/// The distance is 0 exactly where they share a point.
+/// The distance is 0 exactly if they share a point.
 fn closest_to_segment(segment: Segment, triangle: &Triangle) -> Closest {
     let [p, q] = segment;
     if let Some([s, t]) = common_segment(triangle, &[p, q, q]) {
         let point = s + (t - s) * 0.5;
-        // Out of the triangle towards the nearer end of the segment, so that the way out is the short one.
+        // Points away from the end of the segment that reaches farther through the triangle.
         let normal = unit_normal(triangle);
         let faces_middle = normal.dot(p - point + (q - point)) > 0.0;
         return Closest {

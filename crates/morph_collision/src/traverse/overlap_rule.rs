@@ -9,11 +9,11 @@ use crate::pose::{NodeRef, Posed};
 
 /// The rule of node pairs whose boxes may meet in every one of some frames.
 #[derive(Debug)]
-pub(crate) struct Meeting<'a> {
+pub(crate) struct OverlapRule<'a> {
     pub(crate) culls: RefCell<&'a mut Culls>,
 }
 
-impl PairRule for Meeting<'_> {
+impl PairRule for OverlapRule<'_> {
     type Key = ();
 
     const TAKES_BOTH: bool = true;

@@ -7,23 +7,23 @@ use crate::pose::Posed;
 use crate::traverse::Culls;
 
 /// Where the two bodies of a query stand.
-pub(super) struct Places<'a> {
+pub(super) struct Placements<'a> {
     pub(super) world_from_a: &'a WorldFromModel,
     pub(super) world_from_b: &'a WorldFromModel,
 }
 
-impl Places<'_> {
+impl Placements<'_> {
     /// Prepares what compares nodes; says whether the roots may meet.
     pub(super) fn begin_culls(&self, a: &mut Posed<'_>, b: &mut Posed<'_>, culls: &mut Culls) -> bool {
         let (a, b) = (a.bounds(), b.bounds());
-        let mut roots_meet = true;
+        let mut roots_overlap = true;
         culls.begin();
         visit_frames(self.world_from_a, &a, self.world_from_b, &b, |frames| {
             // One that parts the bodies is enough.
-            roots_meet = culls.push(frames, &a, &b);
-            roots_meet
+            roots_overlap = culls.push(frames, &a, &b);
+            roots_overlap
         });
-        roots_meet
+        roots_overlap
     }
 
     /// Whether both bodies are too small for where they stand, or for how far they are posed from their rest, to be culled.

@@ -1,0 +1,91 @@
+//! The closest point of a body's surface.
+
+use std::ops::ControlFlow;
+
+use glam::DVec3;
+
+use super::ShapeQuery;
+use crate::bounds::{Box64, GapFrame, WorldFromModel};
+use crate::exact::{OnTriangle, closest_on_triangle};
+use crate::input_error::{InputError, check_length, check_point};
+use crate::query::Body;
+
+/// Computed distances have rounding errors. The walk visits everything that may be closer by up to this factor, so that the answer does
+/// not depend on the tree.
+const MARGIN: f64 = 1.0 + 1e-9;
+
+/// The point of a body's surface closest to a given point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ClosestPoint {
+    /// The triangle's index in its mesh.
+    pub triangle: u32,
+    /// The barycentric coordinates of [`ClosestPoint::point`]: not negative, with sum 1.
+    pub barycentrics: [f64; 3],
+    /// The closest point, in world space.
+    pub point: DVec3,
+    /// The distance, in world units. Its error is a few `f64` roundings of the triangle's size and the distance.
+    pub distance: f64,
+}
+
+impl ShapeQuery {
+    /// The point of the surface closest to `point`; `None` if it is farther away than `max_distance`, which may be infinite.
+    ///
+    /// The surface is the union of the closed triangles, degenerate ones included. The mesh need not be closed; a point inside it
+    /// has a positive distance. Among equally close triangles the one with the lowest index wins.
+    ///
+    /// # Errors
+    /// [`InputError`] if the point is not finite or beyond 1e50, or `max_distance` is negative or NaN.
+    ///
+    /// ```
+    /// # use std::sync::Arc;
+    /// # use glam::{DVec3, Vec3};
+    /// # use morph_collision::*;
+    /// # let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
+    /// # let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?));
+    /// # let place = WorldFromModel::IDENTITY;
+    /// pose.set_weights(&[0.5])?; // lifts the triangle to z = 0.5
+    /// let body = Body::new(&mut pose, &place);
+    /// let closest = ShapeQuery::new().closest_point(body, DVec3::new(-2.0, 0.0, 0.5), f64::INFINITY)?;
+    /// let closest = closest.ok_or("nothing there")?;
+    /// assert_eq!((closest.distance, closest.point), (2.0, DVec3::new(0.0, 0.0, 0.5)));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn closest_point(
+        &mut self,
+        mut body: Body<'_>,
+        point: DVec3,
+        max_distance: f64,
+    ) -> Result<Option<ClosestPoint>, InputError> {
+        check_point("point", point)?;
+        check_length("max_distance", max_distance)?;
+        let target = Box64::point(point);
+        let world = &WorldFromModel::IDENTITY;
+        let frames = GapFrame::list(body.world_from_model, body.magnitude(), world, point.abs());
+        let targets: Vec<_> = frames.iter().map(|frame| (frame, frame.image_of_b(&target))).collect();
+        let squared_distance = |bounds: &Box64| {
+            let distances = targets
+                .iter()
+                .map(|(frame, target)| frame.squared(&frame.image_of_a(bounds), target));
+            Some(distances.fold(0.0, f64::max))
+        };
+        let mut closest: Option<(u32, OnTriangle)> = None;
+        let mut limit = max_distance * max_distance * MARGIN;
+        self.one.walk(body, limit, squared_distance, |number, triangle| {
+            let foot = closest_on_triangle(point, triangle);
+            let is_closer = closest.as_ref().is_none_or(|(best_number, best)| {
+                foot.squared < best.squared || (foot.squared == best.squared && number < *best_number)
+            });
+            if is_closer && foot.squared.sqrt() <= max_distance {
+                closest = Some((number, foot));
+                limit = limit.min(foot.squared * MARGIN);
+            }
+            ControlFlow::Continue(limit)
+        });
+        Ok(closest.map(|(triangle, foot)| ClosestPoint {
+            triangle,
+            barycentrics: foot.barycentrics,
+            point: foot.point,
+            distance: foot.squared.sqrt(),
+        }))
+    }
+}

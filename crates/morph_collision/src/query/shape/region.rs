@@ -1,0 +1,70 @@
+//! Convex regions: which triangles they intersect.
+
+use std::ops::ControlFlow;
+
+use super::ShapeQuery;
+use crate::bounds::{Box64, ModelPlane};
+use crate::exact::triangle_meets_region;
+use crate::query::Body;
+use crate::query::input::ConvexRegion;
+
+impl ShapeQuery {
+    /// Whether any triangle shares a point with a convex region, such as a box or a camera's frustum.
+    ///
+    /// Exact over the posed vertices in world space; touching counts. Only the surface counts: a region wholly inside a
+    /// closed mesh intersects no triangle.
+    ///
+    /// ```
+    /// # use std::sync::Arc;
+    /// # use glam::{DVec3, Vec3};
+    /// # use morph_collision::*;
+    /// # let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
+    /// # let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?));
+    /// # let place = WorldFromModel::IDENTITY;
+    /// let upper = ConvexRegion::from_half_spaces(&[(DVec3::Z, -0.5)])?; // z >= 0.5
+    /// let mut query = ShapeQuery::new();
+    /// assert!(!query.any_in_region(Body::new(&mut pose, &place), &upper));
+    /// pose.set_weights(&[0.5])?; // lifts the triangle to z = 0.5
+    /// assert!(query.any_in_region(Body::new(&mut pose, &place), &upper));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn any_in_region(&mut self, body: Body<'_>, region: &ConvexRegion) -> bool {
+        let mut any = false;
+        self.visit_region(body, region, |_| {
+            any = true;
+            ControlFlow::Break(())
+        });
+        any
+    }
+
+    /// Appends the triangles that share a point with a convex region, ascending; as exact as [`ShapeQuery::any_in_region`].
+    pub fn all_in_region(&mut self, body: Body<'_>, region: &ConvexRegion, triangles: &mut Vec<u32>) {
+        let start = triangles.len();
+        self.visit_region(body, region, |number| {
+            triangles.push(number);
+            ControlFlow::Continue(())
+        });
+        triangles[start..].sort_unstable();
+    }
+
+    fn visit_region(
+        &mut self,
+        mut body: Body<'_>,
+        region: &ConvexRegion,
+        mut visitor: impl FnMut(u32) -> ControlFlow<()>,
+    ) {
+        let magnitude = body.magnitude();
+        let world_from_model = body.world_from_model;
+        let to_model = region.planes.iter();
+        let planes: Vec<_> = to_model
+            .map(|plane| ModelPlane::new(plane.normal, plane.offset, world_from_model, magnitude))
+            .collect();
+        let reached = |bounds: &Box64| planes.iter().all(|plane| plane.reaches(bounds)).then_some(0.0);
+        self.one.walk(body, 0.0, reached, |number, triangle| {
+            if triangle_meets_region(triangle, &region.planes) {
+                visitor(number)?;
+            }
+            ControlFlow::Continue(0.0)
+        });
+    }
+}

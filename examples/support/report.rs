@@ -31,7 +31,7 @@ pub struct Report {
     /// Nodes of all bodies' trees.
     pub nodes_total: u64,
     /// Nodes that were refitted.
-    pub volumes_blended: u64,
+    pub nodes_blended: u64,
     /// Exact tests of two triangles.
     pub triangle_tests: u64,
     /// What the plugin took.
@@ -71,7 +71,7 @@ impl Report {
         self.triangle_pairs += diagnostics.triangle_pairs;
         self.body_pairs += body_pairs as u64;
         self.nodes_total += diagnostics.nodes_total;
-        self.volumes_blended += diagnostics.stats.volumes_blended;
+        self.nodes_blended += diagnostics.stats.nodes_blended;
         self.triangle_tests += diagnostics.stats.triangle_tests;
         self.durations.push(diagnostics.duration);
     }
@@ -95,7 +95,7 @@ impl Report {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let share = 100.0 * self.volumes_blended as f64 / self.nodes_total.max(1) as f64;
+        let share = 100.0 * self.nodes_blended as f64 / self.nodes_total.max(1) as f64;
         let Times { median, mean, worst } = self.us_per_frame;
         writeln!(
             f,
@@ -111,7 +111,7 @@ impl fmt::Display for Report {
         writeln!(
             f,
             "  refitted       {} of {} nodes ({share:.2} %)",
-            self.volumes_blended, self.nodes_total
+            self.nodes_blended, self.nodes_total
         )?;
         writeln!(f, "  exact tests    {} triangle pairs", self.triangle_tests)?;
         write!(

@@ -4,7 +4,7 @@ use bevy::platform::time::Instant;
 
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
-use morph_collision::{Aabb, TransformError, WorldFromModel, overlapping_pairs};
+use morph_collision::{Aabb, InputError, TransformError, WorldFromModel, overlapping_pairs};
 use tracing::{debug_span, error};
 
 use crate::collider::{ColliderState, CollisionMode, Form, MorphBody, MorphCollider, MorphColliderDisabled, Placement};
@@ -70,7 +70,7 @@ pub(crate) fn find_candidates(
     for mut participant in &mut colliders {
         let stale = participant.state.seen.wrapping_add(1) != candidates.run;
         let reposed = participant.state.reposed && participant.state.pose.is_some();
-        diagnostics.stats.volumes_blended += u64::from(reposed);
+        diagnostics.stats.nodes_blended += u64::from(reposed);
         let place = participant.place(stale);
         let state = &mut *participant.state;
         state.seen = candidates.run;
@@ -170,7 +170,7 @@ enum BadPlace {
     #[error(transparent)]
     Transform(#[from] TransformError),
     #[error("its shape: {0}")]
-    Shape(#[from] morph_collision::ShapeError),
+    Shape(#[from] InputError),
     #[error("its margin is {0}, it must be a finite number that is not negative")]
     Margin(f32),
 }

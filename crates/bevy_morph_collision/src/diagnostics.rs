@@ -29,7 +29,7 @@ pub struct MorphCollisionDiagnostics {
     pub touching_pairs: u64,
     /// Triangle pairs listed in [`MorphCollisions`](crate::MorphCollisions).
     pub triangle_pairs: u64,
-    /// Tree nodes of all colliders that took part: what `stats.volumes_blended` is a share of.
+    /// Tree nodes of all colliders that took part: what `stats.nodes_blended` is a share of.
     pub nodes_total: u64,
     /// What broad and narrow phase had to do. Nothing is blended again while weights stay as they are.
     #[reflect(ignore)]
@@ -72,7 +72,7 @@ mod store {
         /// Touching pairs.
         pub const TOUCHING_PAIRS: DiagnosticPath = DiagnosticPath::const_new("morph_collision/touching_pairs");
         /// Volumes blended.
-        pub const VOLUMES_BLENDED: DiagnosticPath = DiagnosticPath::const_new("morph_collision/volumes_blended");
+        pub const VOLUMES_BLENDED: DiagnosticPath = DiagnosticPath::const_new("morph_collision/nodes_blended");
         /// Pairs of triangles compared.
         pub const TRIANGLE_TESTS: DiagnosticPath = DiagnosticPath::const_new("morph_collision/triangle_tests");
     }
@@ -98,7 +98,7 @@ mod store {
         theirs.add_measurement(&Paths::DURATION, || ours.duration.as_secs_f64() * 1e3);
         theirs.add_measurement(&Paths::CANDIDATE_PAIRS, || ours.candidate_pairs as f64);
         theirs.add_measurement(&Paths::TOUCHING_PAIRS, || ours.touching_pairs as f64);
-        theirs.add_measurement(&Paths::VOLUMES_BLENDED, || ours.stats.volumes_blended as f64);
+        theirs.add_measurement(&Paths::VOLUMES_BLENDED, || ours.stats.nodes_blended as f64);
         theirs.add_measurement(&Paths::TRIANGLE_TESTS, || ours.stats.triangle_tests as f64);
     }
 }

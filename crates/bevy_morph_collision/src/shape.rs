@@ -2,7 +2,7 @@
 
 use bevy::math::Mat3A;
 use bevy::prelude::*;
-use morph_collision::{Aabb, PlacedShape, Shape, ShapeError, WorldFromShape};
+use morph_collision::{Aabb, InputError, PlacedShape, Shape};
 
 use crate::collider::MorphCollider;
 
@@ -53,10 +53,9 @@ impl Default for MorphShape {
 
 impl MorphShape {
     /// The shape in world space, and a box around it.
-    pub(crate) fn place(&self, transform: &GlobalTransform) -> Result<(PlacedShape, Aabb), ShapeError> {
+    pub(crate) fn place(&self, transform: &GlobalTransform) -> Result<(PlacedShape, Aabb), InputError> {
         let (scale, rotation) = scale_and_rotation(transform.affine().matrix3);
         let translation = transform.translation();
-        let place = WorldFromShape::new(rotation, translation)?;
         let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| rotation * axis);
         let (shape, half) = match *self {
             Self::Ball { radius } => {
@@ -75,7 +74,7 @@ impl MorphShape {
             }
             Self::HalfSpace { normal } => (Shape::HalfSpace { normal }, Vec3::INFINITY),
         };
-        let shape = PlacedShape::new(shape, &place)?;
+        let shape = PlacedShape::new(shape, rotation, translation)?;
         // What all of this rounds is far less than a millionth.
         let slack = 1e-6 * (half + translation.abs()) + f32::MIN_POSITIVE;
         let bounds = Aabb {

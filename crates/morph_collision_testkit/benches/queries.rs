@@ -44,7 +44,7 @@ fn pairs(criterion: &mut Criterion) {
         let mut query = PairQuery::new();
         ask(criterion, &format!("pairs/first/{name}"), scene, |two| {
             let (a, b) = two.bodies();
-            query.first(a, b).0
+            query.first(a, b)
         });
     }
 }
@@ -61,7 +61,7 @@ fn contacts(criterion: &mut Criterion) {
         let mut query = ContactQuery::new();
         ask(criterion, &format!("contacts/manifold/{name}"), scene, |two| {
             let (a, b) = two.bodies();
-            query.manifold(a, b).0.is_some()
+            query.manifold(a, b).is_some()
         });
     }
 }
@@ -70,7 +70,7 @@ fn distance(criterion: &mut Criterion) {
     let mut query = DistanceQuery::new();
     ask(criterion, "distance/apart", Scene::Apart, |two| {
         let (a, b) = two.bodies();
-        query.closest(a, b, f64::INFINITY).0
+        query.closest(a, b, f64::INFINITY)
     });
 }
 
@@ -78,7 +78,7 @@ fn ray(criterion: &mut Criterion) {
     let mut query = RayQuery::new();
     let ray = Two::new(Scene::Apart).ray();
     ask(criterion, "ray/closest", Scene::Apart, |two| {
-        query.closest(two.bodies().0, &ray).0
+        query.closest(two.bodies().0, &ray)
     });
 }
 

@@ -169,8 +169,8 @@ fn the_work_is_what_each_method_is_known_for() {
     assert_eq!(bottom_up.vertices_blended, 2 * 10242, "all vertices of both bodies");
     assert_eq!(hybrid.vertices_blended, bottom_up.vertices_blended);
     assert!(morph.vertices_blended * 20 < bottom_up.vertices_blended);
-    assert!(hybrid.volumes_blended * 4 < bottom_up.volumes_blended);
-    assert!(morph.volumes_blended < hybrid.volumes_blended * 4);
+    assert!(hybrid.nodes_blended * 4 < bottom_up.nodes_blended);
+    assert!(morph.nodes_blended < hybrid.nodes_blended * 4);
     for options in PaperOptions::all() {
         let paper = work(MethodKind::Paper(options));
         assert!(
@@ -178,7 +178,7 @@ fn the_work_is_what_each_method_is_known_for() {
             "{options:?}: {paper:?}"
         );
         // Its trees have more nodes than triangles.
-        assert!(paper.volumes_blended * 10 < 2 * 20480, "{options:?}: {paper:?}");
+        assert!(paper.nodes_blended * 10 < 2 * 20480, "{options:?}: {paper:?}");
     }
 }
 
@@ -190,7 +190,7 @@ fn a_body_with_the_weights_that_it_had_costs_nothing_again() {
         let (_, weights, place) = &moment.bodies[0];
         method.set_body(0, weights, place).unwrap();
         let before = method.work();
-        assert!(before.volumes_blended > 0);
+        assert!(before.nodes_blended > 0);
         method.set_body(0, weights, place).unwrap();
         assert_eq!(method.work(), before, "{kind}");
     }

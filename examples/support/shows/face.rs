@@ -141,10 +141,12 @@ fn find_self_intersections(
             continue;
         }
         touching.0.clear();
-        let stats = SelfQuery::new().all(pose, &mut touching.0);
+        let mut query = SelfQuery::new();
+        query.all(pose, &mut touching.0);
+        let stats = query.stats();
         notes.0 = vec![
             ("self-intersections", format!("{} pairs", touching.0.len())),
-            ("nodes refitted for it", stats.volumes_blended.to_string()),
+            ("nodes refitted for it", stats.nodes_blended.to_string()),
             ("exact tests for it", stats.triangle_tests.to_string()),
         ];
     }

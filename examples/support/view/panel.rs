@@ -164,7 +164,7 @@ fn weights(ui: &mut egui::Ui, sliders: &mut Sliders) {
 /// What was done, and what was skipped, in this frame. In pictures, nothing that depends on the machine.
 fn counts(diagnostics: &MorphCollisionDiagnostics, bill: &Playbill, real: &Time<Real>) -> Vec<(&'static str, String)> {
     let stats = &diagnostics.stats;
-    let share = 100.0 * stats.volumes_blended as f64 / diagnostics.nodes_total.max(1) as f64;
+    let share = 100.0 * stats.nodes_blended as f64 / diagnostics.nodes_total.max(1) as f64;
     let skipped = [
         diagnostics.skipped_same_body,
         diagnostics.skipped_layers,
@@ -179,10 +179,7 @@ fn counts(diagnostics: &MorphCollisionDiagnostics, bill: &Playbill, real: &Time<
         ("touching", format!("{} pairs", diagnostics.touching_pairs)),
         (
             "nodes refitted",
-            format!(
-                "{} of {} ({share:.1} %)",
-                stats.volumes_blended, diagnostics.nodes_total
-            ),
+            format!("{} of {} ({share:.1} %)", stats.nodes_blended, diagnostics.nodes_total),
         ),
         ("vertices blended", stats.vertices_blended.to_string()),
         ("exact tests", stats.triangle_tests.to_string()),

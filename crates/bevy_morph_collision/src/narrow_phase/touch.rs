@@ -55,8 +55,8 @@ impl Touch {
             if margin == 0.0 {
                 return None;
             }
-            let (closest, stats) = self.distance.closest(a.body()?, b.body()?, margin);
-            diagnostics.stats += stats;
+            let closest = self.distance.closest(a.body()?, b.body()?, margin).ok()?;
+            diagnostics.stats += self.distance.stats();
             let closest = closest?;
             contact.point = closest.point_a.midpoint(closest.point_b).as_vec3();
             contact.normal = (closest.point_a - closest.point_b).normalize_or_zero().as_vec3();
@@ -72,8 +72,8 @@ impl Touch {
             contact.normal = met.normal.as_vec3();
         }
         if asked.mode == CollisionMode::Contacts {
-            let (manifold, stats) = self.contact.manifold_up_to(limit, a.body()?, b.body()?);
-            diagnostics.stats += stats;
+            let manifold = self.contact.manifold_up_to(a.body()?, b.body()?, limit);
+            diagnostics.stats += self.contact.stats();
             if let Some(manifold) = manifold {
                 contact.normal = manifold.normal.as_vec3();
                 contact
@@ -121,8 +121,8 @@ impl Touch {
         };
         // Out of the shape towards the mesh is how the mesh leaves it.
         let turn = if shape_first { -1.0 } else { 1.0 };
-        let (closest, stats) = self.shape.closest(mesh.body()?, shape, margin);
-        diagnostics.stats += stats;
+        let closest = self.shape.closest(mesh.body()?, shape, margin).ok()?;
+        diagnostics.stats += self.shape.stats();
         let closest: ShapeContact = closest?;
         contact.point = closest.point_on_triangle.midpoint(closest.point_on_shape).as_vec3();
         contact.normal = (closest.normal * turn).as_vec3();
@@ -133,9 +133,9 @@ impl Touch {
         }
         if touches && wants_all(asked.mode) {
             let mut met = Vec::new();
-            let (is_truncated, stats) = self.shape.contacts_up_to(limit, mesh.body()?, shape, 0.0, &mut met);
-            diagnostics.stats += stats;
-            contact.is_truncated = is_truncated;
+            let is_truncated = self.shape.contacts_up_to(mesh.body()?, shape, 0.0, limit, &mut met);
+            diagnostics.stats += self.shape.stats();
+            contact.is_truncated = is_truncated.ok()?;
             contact.triangles = met.iter().map(|met| pair(met.triangle)).collect();
             contact.triangles.sort_unstable();
             if asked.mode == CollisionMode::Contacts {

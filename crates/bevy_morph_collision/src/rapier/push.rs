@@ -8,7 +8,7 @@ use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use bevy_rapier3d::rapier::dynamics::{RigidBody, RigidBodyHandle, RigidBodySet};
 use bevy_rapier3d::rapier::geometry::{ColliderHandle, ColliderSet};
 use bevy_rapier3d::rapier::pipeline::ActiveEvents;
-use morph_collision::{Body, ConvexRegion, OverlapQuery};
+use morph_collision::{Body, ConvexRegion, ShapeQuery};
 
 use super::follow::Following;
 use super::layout::MeshLayout;
@@ -51,7 +51,7 @@ const MAX_CUT: usize = 8;
 
 #[derive(Default)]
 struct Scratch {
-    overlap: OverlapQuery,
+    shapes: ShapeQuery,
     /// For each triangle of the mesh the last step in which a part had it.
     taken: Vec<u32>,
     free: Vec<u32>,
@@ -240,11 +240,11 @@ impl Pushing {
             min: near.region.mins,
             max: near.region.maxs,
         };
-        if let Ok(region) = ConvexRegion::from_box(&bounds) {
+        if let Ok(region) = ConvexRegion::from_aabb(&bounds) {
             let mut posed = following.surface.lock();
             let body = Body::new(&mut posed.pose, &following.world_from_model);
-            let overlap = &mut self.scratch.overlap;
-            overlap.triangles_in_region(body, &region, &mut near.triangles);
+            let shapes = &mut self.scratch.shapes;
+            shapes.all_in_region(body, &region, &mut near.triangles);
         }
         !near.triangles.is_empty()
     }

@@ -10,9 +10,7 @@ use bevy_rapier3d::parry::mass_properties::MassProperties;
 use bevy_rapier3d::parry::math::{Real, Vector};
 use bevy_rapier3d::parry::query::{PointProjection, Ray, RayCast, RayIntersection};
 use bevy_rapier3d::parry::shape::{FeatureId, Shape, ShapeType, Triangle, TypedShape};
-use morph_collision::{
-    Ball, Body, ConvexRegion, Facing, InputError, OverlapQuery, PointQuery, Pose, RayQuery, WorldFromModel,
-};
+use morph_collision::{Body, ConvexRegion, Facing, InputError, Pose, RayQuery, ShapeQuery, WorldFromModel};
 use tracing::error;
 
 use super::layout::MeshLayout;
@@ -50,8 +48,7 @@ pub(super) struct Posed {
 #[derive(Default)]
 struct Queries {
     ray: RayQuery,
-    point: PointQuery,
-    overlap: OverlapQuery,
+    shape: ShapeQuery,
     found: Vec<u32>,
 }
 
@@ -154,9 +151,9 @@ impl Posed {
             min: region.mins,
             max: region.maxs,
         };
-        if let Ok(region) = ConvexRegion::from_box(&bounds) {
+        if let Ok(region) = ConvexRegion::from_aabb(&bounds) {
             let body = Body::new(pose, collider_from_model);
-            queries.overlap.triangles_in_region(body, &region, &mut queries.found);
+            queries.shape.all_in_region(body, &region, &mut queries.found);
         }
         self.gather(for_contacts)
     }
@@ -242,7 +239,7 @@ impl Posed {
         let (origin, direction) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
         let asked = morph_collision::Ray::new(origin, direction, f64::from(max_time_of_impact))?;
         let body = Body::new(&mut self.pose, &self.collider_from_model);
-        let hit = self.queries.ray.closest(body, &asked).0;
+        let hit = self.queries.ray.closest(body, &asked);
         Ok(hit.map(|hit| {
             // As a triangle of Parry's answers: the normal of the side that was hit, and which side it was.
             let (side, feature) = match hit.facing {
@@ -256,9 +253,9 @@ impl Posed {
     }
 
     fn project(&mut self, point: Vector) -> Option<PointProjection> {
-        let ball = Ball::unbounded(point.as_dvec3()).ok()?;
         let body = Body::new(&mut self.pose, &self.collider_from_model);
-        let closest = self.queries.point.closest(body, &ball).0?;
+        let closest = self.queries.shape.closest_point(body, point.as_dvec3(), f64::INFINITY);
+        let closest = closest.ok()??;
         Some(PointProjection::new(false, closest.point.as_vec3()).with_subshape(closest.triangle))
     }
 }

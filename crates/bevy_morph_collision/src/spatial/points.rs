@@ -2,7 +2,7 @@
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use morph_collision::{Aabb, Ball, Body, ClosestPoint, InputError};
+use morph_collision::{Aabb, Body, ClosestPoint, InputError};
 
 use super::query::body;
 use super::{MorphClosestPoints, MorphContacts, MorphProjection, MorphQueryFilter, MorphSpatialQuery};
@@ -19,14 +19,10 @@ impl MorphSpatialQuery<'_, '_> {
         max_distance: f32,
         filter: &MorphQueryFilter,
     ) -> Result<Option<MorphProjection>, InputError> {
-        let mut ball = if max_distance == f32::INFINITY {
-            Ball::unbounded(point.as_dvec3())?
-        } else {
-            Ball::new(point.as_dvec3(), f64::from(max_distance))?
-        };
         let near = self.near(filter, |bounds| {
             Some(away(bounds, point)).filter(|&away| away <= max_distance)
         });
+        let mut within = f64::from(max_distance);
         let mut best: Option<(Entity, ClosestPoint)> = None;
         for &(at_least, entity) in &near {
             if best.is_some_and(|(_, closest)| f64::from(at_least) > closest.distance) {
@@ -36,9 +32,9 @@ impl MorphSpatialQuery<'_, '_> {
                 continue;
             };
             let Some(body) = body(&mut state) else { continue };
-            let closest = self.queries.point.closest(body, &ball).0;
+            let closest = self.queries.shape.closest_point(body, point.as_dvec3(), within)?;
             if let Some(closest) = closest.filter(|new| best.is_none_or(|(_, old)| new.distance < old.distance)) {
-                ball = Ball::new(point.as_dvec3(), closest.distance)?;
+                within = closest.distance;
                 best = Some((entity, closest));
             }
         }
@@ -62,10 +58,9 @@ impl MorphSpatialQuery<'_, '_> {
     pub fn closest_points(&mut self, a: Entity, b: Entity, max_distance: f32) -> Option<MorphClosestPoints> {
         let Self { colliders, queries, .. } = self;
         let [mut a, mut b] = colliders.get_many_mut([a, b]).ok()?;
-        let (closest, _) = queries
-            .distance
-            .closest(body(&mut a.1)?, body(&mut b.1)?, f64::from(max_distance));
-        closest.map(|closest| MorphClosestPoints {
+        let distance = &mut queries.distance;
+        let closest = distance.closest(body(&mut a.1)?, body(&mut b.1)?, f64::from(max_distance));
+        closest.ok()?.map(|closest| MorphClosestPoints {
             point1: closest.point_a.as_vec3(),
             point2: closest.point_b.as_vec3(),
             distance: closest.distance as f32,
@@ -84,7 +79,7 @@ impl MorphSpatialQuery<'_, '_> {
         let Self { colliders, queries, .. } = self;
         let [mut a, mut b] = colliders.get_many_mut([a, b]).ok()?;
         let (body_a, body_b) = (body(&mut a.1)?, body(&mut b.1)?);
-        let (manifold, _) = queries.contact.manifold_up_to(limit, body_a, body_b);
+        let manifold = queries.contact.manifold_up_to(body_a, body_b, limit);
         manifold.as_ref().map(MorphContacts::from)
     }
 

@@ -1,9 +1,7 @@
 use bevy::ecs::system::SystemParam;
 use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
-use morph_collision::{
-    Aabb, Body, ContactQuery, DistanceQuery, OverlapQuery, PointQuery, Pose, RayHit, RayQuery, WorldFromModel,
-};
+use morph_collision::{Aabb, Body, ContactQuery, DistanceQuery, Pose, RayHit, RayQuery, ShapeQuery, WorldFromModel};
 
 use super::MorphQueryFilter;
 use crate::collider::{ColliderState, Form};
@@ -48,8 +46,7 @@ pub struct MorphSpatialQuery<'w, 's> {
 #[derive(Default)]
 pub(super) struct Queries {
     pub(super) ray: RayQuery,
-    pub(super) overlap: OverlapQuery,
-    pub(super) point: PointQuery,
+    pub(super) shape: ShapeQuery,
     pub(super) distance: DistanceQuery,
     pub(super) contact: ContactQuery,
     pub(super) hits: Vec<RayHit>,

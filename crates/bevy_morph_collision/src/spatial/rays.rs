@@ -48,7 +48,7 @@ impl MorphSpatialQuery<'_, '_> {
                 continue;
             };
             let Some(body) = body(&mut state) else { continue };
-            let hit = self.queries.ray.closest_where(body, &ray, |hit| filter.sees(hit)).0;
+            let hit = self.queries.ray.closest_where(body, &ray, |hit| filter.sees(hit));
             if let Some(hit) = hit.filter(|hit| best.is_none_or(|(_, before)| hit.distance < before.distance)) {
                 best = Some((entity, hit));
             }

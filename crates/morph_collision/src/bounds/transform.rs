@@ -94,6 +94,15 @@ impl WorldFromModel {
         self.linear.determinant() < 0.0
     }
 
+    /// The same placement, moved.
+    #[cfg(test)]
+    pub(crate) fn translated(&self, by: DVec3) -> Self {
+        Self {
+            translation: self.translation + by,
+            ..*self
+        }
+    }
+
     /// A typical stretch: the longest image of a unit axis.
     pub(crate) fn scale(&self) -> f64 {
         self.scale

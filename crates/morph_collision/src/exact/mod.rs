@@ -33,8 +33,8 @@ pub(crate) use predicates::plane_side;
 pub(crate) use ray::{Crossing, Line, ray_meets_triangle};
 pub(crate) use region::{Plane, triangle_meets_region};
 pub(crate) use segment::Segment;
-pub use triangle::{Triangle, triangles_intersect};
 pub(crate) use triangle::facets_intersect_counting;
+pub use triangle::{Triangle, triangles_intersect};
 
 #[cfg(test)]
 mod one_body_tests;

@@ -1,5 +1,6 @@
 //! Leaves as patches of eight triangles: placed once per query, compared eight at a time, decided exactly where the filter cannot.
 
+use std::cell::Cell;
 use std::ops::{ControlFlow, Range};
 
 use super::leaves::{LeafStamps, placed_triangle};
@@ -126,21 +127,20 @@ impl Patches {
         visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let is_same_leaf = block_a.first == block_b.first;
-        let triangles = u64::from(block_a.triangles);
-        stats.triangle_tests += if is_same_leaf {
-            triangles * (triangles - 1) / 2
-        } else {
-            triangles * u64::from(block_b.triangles)
-        };
+        let tests = Cell::new(0);
         for a in block_a.patches() {
             for b in block_b.patches().filter(|&b| !is_same_leaf || b >= a) {
                 let unrelated = |lane: usize, candidates: u8| {
                     let later = if a == b { (u8::MAX << 1) << lane } else { u8::MAX };
-                    candidates & later & !self.neighbours(posed, (a, lane), b, candidates)
+                    let unrelated = candidates & later & !self.neighbours(posed, (a, lane), b, candidates);
+                    tests.set(tests.get() + u64::from(unrelated.count_ones()));
+                    unrelated
                 };
                 let mut pairs = PatchPairs::default();
                 let (patch_a, patch_b) = (&self.placed[a], &self.placed[b]);
-                if with_simd!(posed.level, simd => patch_a.compare(simd, patch_b, unrelated, &mut pairs)) {
+                let any = with_simd!(posed.level, simd => patch_a.compare(simd, patch_b, unrelated, &mut pairs));
+                stats.triangle_tests += tests.take();
+                if any {
                     report((self, a), (self, b), &pairs, stats, visitor)?;
                 }
             }

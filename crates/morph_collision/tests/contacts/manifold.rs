@@ -1,7 +1,7 @@
-//! Manifolds and separations of two bodies.
+//! Manifolds of two bodies.
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
-use morph_collision::{Body, BuildOptions, ContactQuery, Manifold, PairQuery, WorldFromModel};
+use morph_collision::{BuildOptions, ContactQuery, Manifold, PairQuery, TrianglePair};
 use morph_collision_testkit::models::{dolphin, random, rigid};
 use morph_collision_testkit::oracle;
 
@@ -9,7 +9,7 @@ use crate::bodies::{Placed, assorted, at};
 use crate::triangles::distance;
 
 fn manifold(a: &mut Placed, b: &mut Placed) -> Option<Manifold> {
-    ContactQuery::new().manifold(a.body(), b.body()).0
+    ContactQuery::new().manifold(a.body(), b.body())
 }
 
 /// A bar that stands in a big box by 0.25, from the left.
@@ -41,29 +41,6 @@ fn a_bar_leaves_a_wall_the_way_it_came_by_its_depth() {
 }
 
 #[test]
-fn separation_takes_a_bar_through_the_wall_where_that_is_the_way_asked_for() {
-    let (mut bar, mut wall) = bar_in_wall(false);
-    let mut query = ContactQuery::new();
-    let mut way = |direction| query.separation(bar.body(), wall.body(), direction, 64).unwrap();
-    for (direction, expected) in [
-        (DVec3::NEG_X, 0.25),
-        (DVec3::NEG_X * 1e-200, 0.25),
-        (DVec3::Y, 4.5),
-        // Into the wall until it is wholly inside: surfaces do not know that it is still in the way.
-        (DVec3::X, 1.75),
-    ] {
-        let separation = way(direction);
-        assert!(separation.complete, "{direction}: {separation:?}");
-        assert!(
-            (separation.distance - expected).abs() < 1e-9,
-            "{direction}: {separation:?}"
-        );
-    }
-    assert_eq!(query.separation(bar.body(), wall.body(), DVec3::ZERO, 64), None);
-    assert_eq!(query.separation(bar.body(), wall.body(), DVec3::NAN, 64), None);
-}
-
-#[test]
 fn two_crossed_edges_are_parted_by_what_they_overlap() {
     // Square bars turned onto an edge, one along x with an edge down, one along z with an edge up.
     let above = Affine3A::from_translation(Vec3::Y * 1.3) * Affine3A::from_rotation_x(std::f32::consts::FRAC_PI_4);
@@ -84,15 +61,13 @@ fn two_crossed_edges_are_parted_by_what_they_overlap() {
 }
 
 #[test]
-fn bodies_apart_have_no_manifold_and_need_no_way() {
+fn separate_bodies_have_no_manifold() {
     let mesh = rigid::box_mesh(Vec3::ONE);
     let (mut a, mut b) = (
         Placed::rigid(&mesh, at(0.0, 0.0, 0.0)),
         Placed::rigid(&mesh, at(3.0, 0.0, 0.0)),
     );
     assert!(manifold(&mut a, &mut b).is_none());
-    let separation = ContactQuery::new().separation(a.body(), b.body(), DVec3::X, 8).unwrap();
-    assert!(separation.complete && separation.distance == 0.0 && separation.steps == 1);
 }
 
 /// Two finely tessellated bodies, deep in each other.
@@ -117,36 +92,25 @@ fn deep_pairs() -> Vec<(Placed, Placed)> {
 }
 
 #[test]
-fn bodies_touch_all_the_way_of_a_separation_and_not_after_it() {
+fn moving_by_the_depth_separates_the_pairs_and_less_does_not() {
     for (mut a, mut b) in deep_pairs() {
-        let mut query = ContactQuery::new();
-        let normal = query.manifold(a.body(), b.body()).0.unwrap().normal;
-        for direction in [normal, DVec3::Y, DVec3::new(1.0, -1.0, 0.3).normalize()] {
-            let separation = query.separation(a.body(), b.body(), direction, 500).unwrap();
-            assert!(separation.complete, "{}: {separation:?}", a.name);
-            let mut touches = |way: f64| {
-                let moved = Affine3A::from_translation((direction * way).as_vec3());
-                let moved = WorldFromModel::new(moved).unwrap();
-                PairQuery::new().any(Body::new(&mut a.pose, &moved), b.body()).0
-            };
-            for i in 0..40 {
-                let way = separation.distance * f64::from(i) / 40.0;
-                assert!(touches(way), "parted at {way} of {separation:?}");
-            }
-            assert!(touches(separation.distance - 1e-5), "{separation:?}");
-            assert!(!touches(separation.distance + 1e-5), "{separation:?}");
-        }
-    }
-}
-
-#[test]
-fn the_first_step_of_a_separation_is_the_depth() {
-    for (mut a, mut b) in deep_pairs() {
-        let mut query = ContactQuery::new();
-        let manifold = query.manifold(a.body(), b.body()).0.unwrap();
-        let one = query.separation(a.body(), b.body(), manifold.normal, 1).unwrap();
-        assert!((one.distance - manifold.depth).abs() < 1e-12 && !one.complete);
-        assert!(manifold.depth > 0.0);
+        let manifold = manifold(&mut a, &mut b).unwrap();
+        let mut pairs = Vec::new();
+        PairQuery::new().all(a.body(), b.body(), &mut pairs);
+        let intersecting_after = |way: f64| {
+            let moved = |triangle: u32| a.triangles[triangle as usize].map(|corner| corner + manifold.normal * way);
+            let of_b = |triangle: u32| &b.triangles[triangle as usize];
+            let still =
+                |pair: &&TrianglePair| oracle::triangles_intersect(&moved(pair.triangle_a), of_b(pair.triangle_b));
+            pairs.iter().filter(still).count()
+        };
+        assert_eq!(intersecting_after(0.0), pairs.len());
+        assert!(
+            intersecting_after(manifold.depth - 1e-9) > 0,
+            "{}: {manifold:?}",
+            a.name
+        );
+        assert_eq!(intersecting_after(manifold.depth + 1e-9), 0, "{}: {manifold:?}", a.name);
     }
 }
 
@@ -229,11 +193,9 @@ fn a_tip_is_pushed_back_out_of_the_face_it_pierces() {
     assert!(lowest < 0.0);
     let found = manifold(&mut ball, &mut plate).unwrap();
     assert!(found.normal.y > 0.9, "{}", found.normal);
-    let separation = ContactQuery::new()
-        .separation(ball.body(), plate.body(), DVec3::Y, 200)
-        .unwrap();
+    // The deepest pair of triangles cannot be deeper than the ball.
     assert!(
-        (separation.distance + lowest).abs() < 1e-9,
-        "{separation:?}, lowest {lowest}"
+        found.depth > 0.0 && found.depth * found.normal.y <= -lowest + 1e-9,
+        "{found:?}"
     );
 }

@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
-use morph_collision::{BuildOptions, PlacedShape, Shape, ShapeContact, ShapeQuery, WorldFromShape};
+use morph_collision::{BuildOptions, PlacedShape, Shape, ShapeContact, ShapeQuery};
 use morph_collision_testkit::models::random;
 use morph_collision_testkit::oracle;
 
@@ -38,7 +38,7 @@ fn one_by_one(placed: &Placed, shape: &PlacedShape) -> Vec<u32> {
 /// Every contact of a body with a shape, by triangle.
 fn all_contacts(query: &mut ShapeQuery, placed: &mut Placed, shape: &PlacedShape, within: f64) -> Vec<ShapeContact> {
     let mut contacts = Vec::new();
-    query.contacts(placed.body(), shape, within, &mut contacts);
+    query.contacts(placed.body(), shape, within, &mut contacts).unwrap();
     contacts.sort_by_key(|contact| contact.triangle);
     contacts
 }
@@ -53,7 +53,7 @@ fn intersecting_triangles_are_those_found_one_by_one() {
             let expected = one_by_one(&placed, &twin.placed);
             let found = triangles_of(&mut query, &mut placed, &twin.placed);
             assert_eq!(found, expected, "{} and {:?}", placed.name, twin.shape);
-            assert_eq!(query.any(placed.body(), &twin.placed).0, !expected.is_empty());
+            assert_eq!(query.any(placed.body(), &twin.placed), !expected.is_empty());
             hits += expected.len();
             misses += placed.triangles.len() - expected.len();
         }
@@ -98,7 +98,7 @@ fn signed_distances_agree_with_a_search_and_contacts_hold_together() {
                     "{name}: {contact:?}, {searched}"
                 );
             }
-            let (closest, _) = query.closest(placed.body(), &twin.placed, f64::INFINITY);
+            let closest = query.closest(placed.body(), &twin.placed, f64::INFINITY).unwrap();
             // Not by the total order, in which -0 comes before 0.
             let best = contacts
                 .iter()
@@ -124,7 +124,7 @@ fn contacts_within_a_distance_are_those_of_all_that_are() {
                 let expected: Vec<_> = all.iter().filter(|c| c.distance <= within).copied().collect();
                 let found = all_contacts(&mut query, &mut placed, &twin.placed, within);
                 assert_eq!(found, expected, "{} within {within} of {:?}", placed.name, twin.shape);
-                let (closest, _) = query.closest(placed.body(), &twin.placed, within);
+                let closest = query.closest(placed.body(), &twin.placed, within).unwrap();
                 assert_eq!(closest.is_some(), !expected.is_empty());
             }
         }
@@ -142,9 +142,9 @@ fn balls_that_just_touch_or_just_do_not_are_told_apart() {
             Vec3::new(-0.3, 0.2, 1.7),
             Vec3::new(0.05, 0.1, -0.1),
         ] {
-            let place = WorldFromShape::new(Quat::IDENTITY, center + offset * radius).unwrap();
-            let ball = |radius| PlacedShape::new(Shape::Ball { radius }, &place).unwrap();
-            let (closest, _) = query.closest(placed.body(), &ball(0.0), f64::INFINITY);
+            let place = center + offset * radius;
+            let ball = |radius| PlacedShape::new(Shape::Ball { radius }, Quat::IDENTITY, place).unwrap();
+            let closest = query.closest(placed.body(), &ball(0.0), f64::INFINITY).unwrap();
             let nearest = closest.unwrap().distance.max(0.0) as f32;
             for radius in [nearest.next_down().max(0.0), nearest, nearest.next_up()] {
                 let ball = ball(radius);
@@ -173,8 +173,8 @@ fn half_spaces_touched_by_one_corner_are_told_apart() {
             .map(|p| p.y)
             .fold(f64::INFINITY, f64::min);
         for height in [(lowest as f32).next_down(), lowest as f32, (lowest as f32).next_up()] {
-            let place = WorldFromShape::new(Quat::IDENTITY, Vec3::Y * height).unwrap();
-            let floor = PlacedShape::new(Shape::HalfSpace { normal: Vec3::Y }, &place).unwrap();
+            let place = Vec3::Y * height;
+            let floor = PlacedShape::new(Shape::HalfSpace { normal: Vec3::Y }, Quat::IDENTITY, place).unwrap();
             let truth: Vec<u32> = (0..placed.triangles.len() as u32)
                 .filter(|&t| placed.triangles[t as usize].iter().any(|p| p.y <= f64::from(height)))
                 .collect();
@@ -190,7 +190,7 @@ fn segments_agree_with_the_oracle_on_bodies() {
         // Between two corners of the mesh, so that many are only touched.
         let ends = [placed.triangles[0][0], placed.triangles[placed.triangles.len() / 2][1]].map(DVec3::as_vec3);
         let segment = Shape::Segment { a: ends[0], b: ends[1] };
-        let segment = PlacedShape::new(segment, &WorldFromShape::IDENTITY).unwrap();
+        let segment = PlacedShape::new(segment, Quat::IDENTITY, Vec3::ZERO).unwrap();
         let [p, q] = ends.map(Vec3::as_dvec3);
         let truth: Vec<u32> = (0..placed.triangles.len() as u32)
             .filter(|&t| oracle::triangles_intersect(&placed.triangles[t as usize], &[p, q, q]))
@@ -240,8 +240,8 @@ fn a_ball_inside_a_closed_surface_touches_nothing() {
     let mut placed = Placed::new("blob", &mesh, &[0.1, 0.1], at(0.0, 0.0, 0.0), &BuildOptions::default());
     let twin = Twin::new(Shape::Ball { radius: 0.05 }, Quat::IDENTITY, Vec3::ZERO);
     let mut query = ShapeQuery::new();
-    assert!(!query.any(placed.body(), &twin.placed).0);
-    let (closest, _) = query.closest(placed.body(), &twin.placed, 10.0);
+    assert!(!query.any(placed.body(), &twin.placed));
+    let closest = query.closest(placed.body(), &twin.placed, 10.0).unwrap();
     assert!(closest.unwrap().distance > 0.2);
 }
 
@@ -253,15 +253,17 @@ fn few_nodes_are_looked_at() {
     let mut query = ShapeQuery::new();
     for shape in [Shape::Ball { radius: 0.5 }, Shape::HalfSpace { normal: Vec3::NEG_X }] {
         let far = Twin::new(shape, Quat::IDENTITY, Vec3::X * 5.0);
-        let (any, stats) = query.any(placed.body(), &far.placed);
-        assert!(!any);
+        assert!(!query.any(placed.body(), &far.placed));
+        let stats = query.stats();
         assert_eq!((stats.node_tests, stats.triangle_tests), (1, 0), "{shape:?}");
     }
-    let (surface, _) = query.closest(
-        placed.body(),
-        &Twin::new(Shape::Ball { radius: 0.0 }, Quat::IDENTITY, Vec3::X * 5.0).placed,
-        f64::INFINITY,
-    );
+    let surface = query
+        .closest(
+            placed.body(),
+            &Twin::new(Shape::Ball { radius: 0.0 }, Quat::IDENTITY, Vec3::X * 5.0).placed,
+            f64::INFINITY,
+        )
+        .unwrap();
     let near = surface.unwrap().point_on_triangle.as_vec3();
     for shape in [
         Shape::Ball { radius: 0.02 },
@@ -281,17 +283,19 @@ fn few_nodes_are_looked_at() {
         placed.pose.set_weights(&[0.1, 0.1]).unwrap();
         let twin = Twin::new(shape, Quat::from_rotation_z(0.3), near);
         let mut found = 0;
-        let stats = query.visit(placed.body(), &twin.placed, |_| {
+        query.visit(placed.body(), &twin.placed, |_| {
             found += 1;
             ControlFlow::Continue(())
         });
+        let stats = query.stats();
         assert!(found > 0, "{shape:?}");
-        assert!(stats.volumes_blended * 20 < nodes, "{shape:?}: {stats:?} of {nodes}");
+        assert!(stats.nodes_blended * 20 < nodes, "{shape:?}: {stats:?} of {nodes}");
         placed.pose.set_weights(&[0.0, 0.0]).unwrap();
         placed.pose.set_weights(&[0.1, 0.1]).unwrap();
-        let (_, stats) = query.closest(placed.body(), &twin.placed, f64::INFINITY);
+        query.closest(placed.body(), &twin.placed, f64::INFINITY).unwrap();
+        let stats = query.stats();
         assert!(
-            stats.volumes_blended * 20 < nodes,
+            stats.nodes_blended * 20 < nodes,
             "{shape:?}, closest: {stats:?} of {nodes}"
         );
     }

@@ -1,7 +1,7 @@
 //! Shapes against single triangles.
 
 use glam::{DVec2, DVec3, Quat, Vec3};
-use morph_collision::{PlacedShape, Shape, WorldFromShape};
+use morph_collision::{PlacedShape, Shape};
 use morph_collision_testkit::oracle;
 use proptest::prelude::*;
 
@@ -9,7 +9,7 @@ use crate::signed_distance::{Twin, in_triangle};
 
 fn unit_cube() -> PlacedShape {
     let half_extents = Vec3::ONE;
-    PlacedShape::new(Shape::Cuboid { half_extents }, &WorldFromShape::IDENTITY).unwrap()
+    PlacedShape::new(Shape::Cuboid { half_extents }, Quat::IDENTITY, Vec3::ZERO).unwrap()
 }
 
 #[test]
@@ -52,7 +52,7 @@ fn a_flat_cuboid_is_no_more_than_its_rectangle() {
     let shape = Shape::Cuboid {
         half_extents: Vec3::new(1.0, 0.0, 1.0),
     };
-    let plate = PlacedShape::new(shape, &WorldFromShape::IDENTITY).unwrap();
+    let plate = PlacedShape::new(shape, Quat::IDENTITY, Vec3::ZERO).unwrap();
     let coplanar = |x: f64| {
         [
             DVec3::new(x, 0.0, 0.0),
@@ -102,7 +102,8 @@ proptest! {
         let half = Vec3::from_array(half.map(f32::from)) * 0.5;
         let placed = PlacedShape::new(
             Shape::Cuboid { half_extents: half },
-            &WorldFromShape::new(Quat::IDENTITY, center).unwrap(),
+            Quat::IDENTITY,
+            center,
         ).unwrap();
         let (half, center) = (half.as_dvec3(), center.as_dvec3());
         let inside = triangle.iter().any(|p| (p - center).abs().cmple(half).all());
@@ -128,7 +129,7 @@ proptest! {
 
     #[test]
     fn a_segment_agrees_with_the_oracle_on_a_grid(triangle in grid_triangle(), a in grid_point(), b in grid_point()) {
-        let placed = PlacedShape::new(Shape::Segment { a, b }, &WorldFromShape::IDENTITY).unwrap();
+        let placed = PlacedShape::new(Shape::Segment { a, b }, Quat::IDENTITY, Vec3::ZERO).unwrap();
         let (p, q) = (a.as_dvec3(), b.as_dvec3());
         prop_assert_eq!(placed.intersects(&triangle), oracle::triangles_intersect(&triangle, &[p, p, q]));
     }

@@ -1,7 +1,7 @@
 //! Signed distances written out a second time, and a triangle's smallest by searching for it.
 
 use glam::{DMat3, DQuat, DVec2, DVec3, Quat, Vec3};
-use morph_collision::{PlacedShape, Shape, WorldFromShape};
+use morph_collision::{PlacedShape, Shape};
 
 /// A shape and the same numbers for the twin.
 pub(crate) struct Twin {
@@ -13,11 +13,10 @@ pub(crate) struct Twin {
 
 impl Twin {
     pub(crate) fn new(shape: Shape, rotation: Quat, translation: Vec3) -> Self {
-        let place = WorldFromShape::new(rotation, translation).unwrap();
         let [x, y, z, w] = rotation.to_array().map(f64::from);
         Self {
             shape,
-            placed: PlacedShape::new(shape, &place).unwrap(),
+            placed: PlacedShape::new(shape, rotation, translation).unwrap(),
             rotation: DMat3::from_quat(DQuat::from_xyzw(x, y, z, w).normalize()),
             translation: translation.as_dvec3(),
         }

@@ -1,7 +1,7 @@
 //! Anchors stay where they were put as shape and place change.
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
-use morph_collision::{Ball, Body, PointQuery, Ray, RayQuery, SurfaceAnchor, WorldFromModel};
+use morph_collision::{Body, Ray, RayQuery, ShapeQuery, SurfaceAnchor, WorldFromModel};
 
 use crate::bodies;
 use crate::reference::at;
@@ -14,13 +14,12 @@ fn an_anchor_from_a_hit_or_a_projection_is_at_its_point_and_follows_it() {
         let center = place.transform_point(Vec3::ZERO);
         for direction in [DVec3::X, DVec3::new(-1.0, 0.5, 0.2), DVec3::NEG_Z] {
             let ray = Ray::new(center, direction, f64::INFINITY).unwrap();
-            let Some(hit) = RayQuery::new().closest(Body::new(&mut pose, &place), &ray).0 else {
+            let Some(hit) = RayQuery::new().closest(Body::new(&mut pose, &place), &ray) else {
                 continue;
             };
-            let ball = Ball::unbounded(center + 10.0 * direction).unwrap();
-            let closest = PointQuery::new()
-                .closest(Body::new(&mut pose, &place), &ball)
-                .0
+            let closest = ShapeQuery::new()
+                .closest_point(Body::new(&mut pose, &place), center + 10.0 * direction, f64::INFINITY)
+                .unwrap()
                 .unwrap();
             for (anchor, point) in [
                 (SurfaceAnchor::from(&hit), hit.point),

@@ -34,7 +34,7 @@ fn agrees(a: &Case, b: &Case) -> bool {
     for (mut pose_a, mut pose_b) in a.poses().into_iter().cycle().zip(poses_b) {
         let mut closest = |limit| {
             let bodies = (Body::new(&mut pose_a, &place_a), Body::new(&mut pose_b, &place_b));
-            query.closest(bodies.0, bodies.1, limit).0
+            query.closest(bodies.0, bodies.1, limit).unwrap()
         };
         let pair = closest(f64::INFINITY).unwrap();
         assert!((pair.distance - least).abs() <= slack, "{name}: {pair:?}, not {least}");

@@ -1,9 +1,7 @@
 //! The work of queries about one body, counted. Walks that cull nothing would pass every other test.
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
-use morph_collision::{
-    Aabb, Ball, Body, ConvexRegion, DistanceQuery, OverlapQuery, PointQuery, Pose, QueryStats, Ray, RayQuery,
-};
+use morph_collision::{Aabb, Body, ConvexRegion, DistanceQuery, Pose, QueryStats, Ray, RayQuery, ShapeQuery};
 use morph_collision_testkit::models::dolphin;
 
 use crate::bodies::Case;
@@ -22,33 +20,33 @@ fn a_query_blends_a_small_part_of_the_tree() {
     let fresh = || -> Pose { case.poses().swap_remove(0) };
     let nodes = fresh().bvh().node_count() as u64;
     let small = |stats: QueryStats, what: &str| {
-        assert!(stats.volumes_blended * 12 < nodes, "{what}: {stats:?} of {nodes} nodes");
+        assert!(stats.nodes_blended * 12 < nodes, "{what}: {stats:?} of {nodes} nodes");
         assert!(
             stats.vertices_blended > 0 && stats.triangle_tests < 400,
             "{what}: {stats:?}"
         );
-        assert!(stats.node_tests >= stats.volumes_blended, "{what}: {stats:?}");
+        assert!(stats.node_tests >= stats.nodes_blended, "{what}: {stats:?}");
     };
     let ray = Ray::new(center + DVec3::new(0.1, 5.0, 0.0), DVec3::NEG_Y, f64::INFINITY).unwrap();
-    small(
-        RayQuery::new().closest(Body::new(&mut fresh(), &place), &ray).1,
-        "closest hit",
-    );
-    small(RayQuery::new().any(Body::new(&mut fresh(), &place), &ray).1, "any hit");
-    let ball = Ball::unbounded(center + DVec3::new(0.2, 0.4, 0.1)).unwrap();
-    small(
-        PointQuery::new().closest(Body::new(&mut fresh(), &place), &ball).1,
-        "projection",
-    );
+    let mut rays = RayQuery::new();
+    assert!(rays.closest(Body::new(&mut fresh(), &place), &ray).is_some());
+    small(rays.stats(), "closest hit");
+    assert!(rays.any(Body::new(&mut fresh(), &place), &ray));
+    small(rays.stats(), "any hit");
+    let point = center + DVec3::new(0.2, 0.4, 0.1);
+    let mut shapes = ShapeQuery::new();
+    let closest = shapes.closest_point(Body::new(&mut fresh(), &place), point, f64::INFINITY);
+    assert!(closest.unwrap().is_some());
+    small(shapes.stats(), "closest point");
     let middle = (center + DVec3::new(0.4, 0.0, -0.3)).as_vec3();
-    let region = ConvexRegion::from_box(&Aabb {
+    let region = ConvexRegion::from_aabb(&Aabb {
         min: middle - 0.05,
         max: middle + 0.05,
     });
     let mut triangles = Vec::new();
-    let stats =
-        OverlapQuery::new().triangles_in_region(Body::new(&mut fresh(), &place), &region.unwrap(), &mut triangles);
-    assert!(stats.volumes_blended * 5 < nodes, "region: {stats:?} of {nodes} nodes");
+    shapes.all_in_region(Body::new(&mut fresh(), &place), &region.unwrap(), &mut triangles);
+    let stats = shapes.stats();
+    assert!(stats.nodes_blended * 5 < nodes, "region: {stats:?} of {nodes} nodes");
 }
 
 #[test]
@@ -57,10 +55,15 @@ fn a_miss_looks_at_the_root_only() {
     let place = case.world_from_model();
     let mut pose = case.poses().swap_remove(0);
     let past = Ray::new(DVec3::new(0.0, 9.0, 0.0), DVec3::Y, f64::INFINITY).unwrap();
-    let (hit, stats) = RayQuery::new().closest(Body::new(&mut pose, &place), &past);
+    let mut rays = RayQuery::new();
+    let hit = rays.closest(Body::new(&mut pose, &place), &past);
+    let stats = rays.stats();
     assert_eq!((hit, stats.node_tests, stats.vertices_blended), (None, 1, 0));
-    let far = Ball::new(DVec3::splat(50.0), 1.0).unwrap();
-    let (closest, stats) = PointQuery::new().closest(Body::new(&mut pose, &place), &far);
+    let mut shapes = ShapeQuery::new();
+    let closest = shapes
+        .closest_point(Body::new(&mut pose, &place), DVec3::splat(50.0), 1.0)
+        .unwrap();
+    let stats = shapes.stats();
     assert_eq!((closest, stats.node_tests, stats.vertices_blended), (None, 1, 0));
 }
 
@@ -72,12 +75,12 @@ fn a_distance_looks_at_a_small_part_of_both_trees() {
     let nodes = 2 * pose_a.bvh().node_count() as u64;
     let mut query = DistanceQuery::new();
     let bodies = (Body::new(&mut pose_a, &place_a), Body::new(&mut pose_b, &place_b));
-    let (closest, stats) = query.closest(bodies.0, bodies.1, f64::INFINITY);
-    assert!(closest.is_some());
-    assert!(stats.volumes_blended * 8 < nodes, "{stats:?} of {nodes} nodes");
+    assert!(query.closest(bodies.0, bodies.1, f64::INFINITY).unwrap().is_some());
+    let stats = query.stats();
+    assert!(stats.nodes_blended * 8 < nodes, "{stats:?} of {nodes} nodes");
     let bodies = (Body::new(&mut pose_a, &place_a), Body::new(&mut pose_b, &place_b));
-    let (closest, stats) = query.closest(bodies.0, bodies.1, 0.01);
-    assert_eq!(closest, None);
+    assert_eq!(query.closest(bodies.0, bodies.1, 0.01).unwrap(), None);
+    let stats = query.stats();
     assert!(stats.node_tests < 10 && stats.triangle_tests == 0, "{stats:?}");
 }
 
@@ -90,18 +93,40 @@ fn the_boxes_that_one_query_blends_the_next_one_finds() {
     let place = case.world_from_model();
     let center = place.transform_point(Vec3::ZERO);
     let ray = Ray::new(center + DVec3::new(0.1, 5.0, 0.0), DVec3::NEG_Y, f64::INFINITY).unwrap();
-    let ball = Ball::unbounded(center + DVec3::new(0.2, 0.4, 0.1)).unwrap();
-    let everywhere = ConvexRegion::from_half_spaces(&[]);
+    let point = center + DVec3::new(0.2, 0.4, 0.1);
+    let everywhere = ConvexRegion::from_half_spaces(&[]).unwrap();
     let asks: [(&str, Ask<'_>); 4] = [
-        ("ray", Box::new(|body| RayQuery::new().closest(body, &ray).1)),
+        (
+            "ray",
+            Box::new(|body| {
+                let mut query = RayQuery::new();
+                query.closest(body, &ray);
+                query.stats()
+            }),
+        ),
         (
             "all hits",
-            Box::new(|body| RayQuery::new().all(body, &ray, &mut Vec::new())),
+            Box::new(|body| {
+                let mut query = RayQuery::new();
+                query.all(body, &ray, &mut Vec::new());
+                query.stats()
+            }),
         ),
-        ("projection", Box::new(|body| PointQuery::new().closest(body, &ball).1)),
+        (
+            "closest point",
+            Box::new(|body| {
+                let mut query = ShapeQuery::new();
+                query.closest_point(body, point, f64::INFINITY).unwrap();
+                query.stats()
+            }),
+        ),
         (
             "region",
-            Box::new(|body| OverlapQuery::new().triangles_in_region(body, &everywhere, &mut Vec::new())),
+            Box::new(|body| {
+                let mut query = ShapeQuery::new();
+                query.all_in_region(body, &everywhere, &mut Vec::new());
+                query.stats()
+            }),
         ),
     ];
     for mut pose in case.poses() {
@@ -109,7 +134,7 @@ fn the_boxes_that_one_query_blends_the_next_one_finds() {
         // Queries look at the root's size before they count.
         pose.bounds();
         let mut total = QueryStats {
-            volumes_blended: 1,
+            nodes_blended: 1,
             ..QueryStats::default()
         };
         for (what, ask) in &asks {
@@ -119,13 +144,13 @@ fn the_boxes_that_one_query_blends_the_next_one_finds() {
                 again.triangle_tests > 0 && again.node_tests == first.node_tests,
                 "{what}: {again:?}"
             );
-            assert_eq!(again.volumes_blended, 0, "{what}");
+            assert_eq!(again.nodes_blended, 0, "{what}");
             for stats in [first, again] {
                 assert!(stats.vertices_blended <= 3 * stats.triangle_tests, "{what}: {stats:?}");
             }
             total += first;
         }
-        assert_eq!(total.volumes_blended, bvh.node_count() as u64);
+        assert_eq!(total.nodes_blended, bvh.node_count() as u64);
         assert!(total.vertices_blended >= bvh.model().vertex_count() as u64);
     }
 }

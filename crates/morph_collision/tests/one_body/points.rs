@@ -1,7 +1,7 @@
 //! Projections onto the surface against every triangle.
 
 use glam::DVec3;
-use morph_collision::{Ball, Body, ClosestPoint, OverlapQuery, PointQuery};
+use morph_collision::{Body, ClosestPoint, PlacedShape, ShapeQuery};
 
 use crate::bodies::{self, Case, Random, box_around};
 use crate::reference::{Corners, at, point_triangle};
@@ -29,7 +29,7 @@ fn agrees(case: &Case, count: usize) {
     let place = case.world_from_model();
     let (min, max) = box_around(&triangles);
     let mut poses = case.poses();
-    let mut query = PointQuery::new();
+    let mut query = ShapeQuery::new();
     for point in points(&triangles, count) {
         let distances: Vec<f64> = triangles.iter().map(|t| point_triangle(point, t)).collect();
         let least = distances.iter().copied().fold(f64::INFINITY, f64::min);
@@ -38,8 +38,8 @@ fn agrees(case: &Case, count: usize) {
         let slack = share * (least + (max - min).length());
         let mut first: Option<ClosestPoint> = None;
         for pose in &mut poses {
-            let ball = Ball::unbounded(point).unwrap();
-            let closest = query.closest(Body::new(pose, &place), &ball).0.unwrap();
+            let closest = query.closest_point(Body::new(pose, &place), point, f64::INFINITY);
+            let closest = closest.unwrap().unwrap();
             assert!(
                 (closest.distance - least).abs() <= slack,
                 "{}: {closest:?} from {point}, not {least}",
@@ -53,9 +53,9 @@ fn agrees(case: &Case, count: usize) {
 
             // A ball that just holds it finds it, one that does not finds nothing.
             let mut within = |radius: f64| {
-                let ball = Ball::new(point, radius).unwrap();
-                let found = query.closest(Body::new(pose, &place), &ball).0;
-                let (meets, _) = OverlapQuery::new().meets_ball(Body::new(pose, &place), &ball);
+                let ball = PlacedShape::ball(point, radius).unwrap();
+                let found = query.closest_point(Body::new(pose, &place), point, radius).unwrap();
+                let meets = ShapeQuery::new().any(Body::new(pose, &place), &ball);
                 assert_eq!(found.is_some(), meets);
                 found
             };
@@ -66,8 +66,9 @@ fn agrees(case: &Case, count: usize) {
 
             let radius = least + 0.2 * (max - min).length();
             let mut inside = Vec::new();
-            let ball = Ball::new(point, radius).unwrap();
-            OverlapQuery::new().triangles_in_ball(Body::new(pose, &place), &ball, &mut inside);
+            let ball = PlacedShape::ball(point, radius).unwrap();
+            ShapeQuery::new().all(Body::new(pose, &place), &ball, &mut inside);
+            inside.sort_unstable();
             for (number, distance) in distances.iter().enumerate() {
                 if (distance - radius).abs() > slack {
                     let found = inside.binary_search(&(number as u32)).is_ok();

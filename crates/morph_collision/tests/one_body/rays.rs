@@ -113,9 +113,9 @@ fn agrees(case: &Case, count: usize) -> usize {
             assert!(hits.is_sorted_by(|a, b| (a.t, a.triangle) < (b.t, b.triangle)));
             numbers.sort_unstable();
             assert_eq!(numbers, truth, "{}: {shot:?}", case.name);
-            let (any, _) = query.any(Body::new(pose, &place), &ray);
+            let any = query.any(Body::new(pose, &place), &ray);
             assert_eq!(any, !truth.is_empty());
-            let (closest, _) = query.closest(Body::new(pose, &place), &ray);
+            let closest = query.closest(Body::new(pose, &place), &ray);
             assert_eq!(closest, hits.first().copied(), "{}: {shot:?}", case.name);
             // Bit for bit, whatever the tree.
             assert_eq!(first.get_or_insert_with(|| hits.clone()), &hits, "{}", case.name);
@@ -160,7 +160,7 @@ fn no_ray_leaves_a_closed_surface_unseen() {
         for [a, b, c] in triangles {
             for target in [a, 0.5 * (a + b), a + (b - a) * 0.3, (a + b + c) / 3.0] {
                 let ray = Ray::new(center, target - center, f64::INFINITY).unwrap();
-                let (hit, _) = RayQuery::new().closest(Body::new(&mut pose, &place), &ray);
+                let hit = RayQuery::new().closest(Body::new(&mut pose, &place), &ray);
                 assert!(hit.is_some(), "{name}: towards {target}");
             }
         }
@@ -181,7 +181,7 @@ fn the_predicate_sees_through_what_it_rejects() {
             let back = |hit: &RayHit| hit.facing == Facing::Back;
             let expected = hits.iter().copied().find(back);
             rejected += usize::from(expected != hits.first().copied());
-            let (closest, _) = RayQuery::new().closest_where(Body::new(pose, &place), &ray, back);
+            let closest = RayQuery::new().closest_where(Body::new(pose, &place), &ray, back);
             assert_eq!(closest, expected);
         }
     }
@@ -209,7 +209,7 @@ fn the_length_of_the_direction_scales_only_t() {
     let (origin, direction) = (DVec3::new(0.4, 0.3, 5.0), DVec3::new(0.01, 0.0, -1.0));
     let mut cast = |factor: f64| {
         let ray = Ray::new(origin, direction * factor, f64::INFINITY).unwrap();
-        RayQuery::new().closest(Body::new(&mut pose, &place), &ray).0.unwrap()
+        RayQuery::new().closest(Body::new(&mut pose, &place), &ray).unwrap()
     };
     let one = cast(1.0);
     for factor in [1024.0, 2_f64.powi(-600), 2_f64.powi(900)] {

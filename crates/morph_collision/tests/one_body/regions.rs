@@ -1,7 +1,7 @@
 //! Boxes and frusta against every triangle, by the exact oracle.
 
 use glam::{DVec3, Vec3};
-use morph_collision::{Aabb, Body, ConvexRegion, HalfSpace, OverlapQuery, Pose};
+use morph_collision::{Aabb, Body, ConvexRegion, Pose, ShapeQuery};
 
 use crate::bodies::{self, Case, Random, box_around, snap};
 use crate::reference::{Corners, touch};
@@ -10,10 +10,10 @@ fn ask(case: &Case, poses: &mut [Pose], region: &ConvexRegion, truth: &[u32], wh
     let place = case.world_from_model();
     for pose in poses {
         let mut found = Vec::new();
-        let mut query = OverlapQuery::new();
-        query.triangles_in_region(Body::new(pose, &place), region, &mut found);
+        let mut query = ShapeQuery::new();
+        query.all_in_region(Body::new(pose, &place), region, &mut found);
         assert_eq!(found, truth, "{}: {what}", case.name);
-        let (meets, _) = query.meets_region(Body::new(pose, &place), region);
+        let meets = query.any_in_region(Body::new(pose, &place), region);
         assert_eq!(meets, !truth.is_empty());
     }
 }
@@ -85,7 +85,7 @@ fn boxes_meet_the_triangles_that_the_oracle_says() {
             ask(
                 &case,
                 &mut poses,
-                &ConvexRegion::from_box(&bounds).unwrap(),
+                &ConvexRegion::from_aabb(&bounds).unwrap(),
                 &truth,
                 &format!("{bounds:?}"),
             );
@@ -105,9 +105,9 @@ fn tetrahedron(random: &mut Random, bounds: (DVec3, DVec3)) -> Option<([DVec3; 4
         if normal.dot(corners[skipped] - a) == 0.0 {
             return None;
         }
-        sides.push(HalfSpace::new(inward, -inward.dot(a)).unwrap());
+        sides.push((inward, -inward.dot(a)));
     }
-    Some((corners, ConvexRegion::from_half_spaces(&sides)))
+    Some((corners, ConvexRegion::from_half_spaces(&sides).unwrap()))
 }
 
 #[test]
@@ -151,16 +151,16 @@ fn all_of_space_holds_everything_and_contradictions_hold_nothing() {
     ask(
         case,
         &mut poses,
-        &ConvexRegion::from_half_spaces(&[]),
+        &ConvexRegion::from_half_spaces(&[]).unwrap(),
         &all,
         "all of space",
     );
-    let up = HalfSpace::new(DVec3::Z, -0.1).unwrap();
-    let down = HalfSpace::new(DVec3::NEG_Z, -0.1).unwrap();
+    let up = (DVec3::Z, -0.1);
+    let down = (DVec3::NEG_Z, -0.1);
     ask(
         case,
         &mut poses,
-        &ConvexRegion::from_half_spaces(&[up, down]),
+        &ConvexRegion::from_half_spaces(&[up, down]).unwrap(),
         &[],
         "nothing",
     );
@@ -172,12 +172,12 @@ fn half_spaces_that_share_only_a_plane_hold_what_touches_it() {
     let count = mesh.triangles.len() as u32;
     let case = Case::new("sheets", mesh, vec![0.0], glam::Affine3A::IDENTITY);
     let mut poses = case.poses();
-    let sides = [DVec3::Z, DVec3::NEG_Z].map(|normal| HalfSpace::new(normal, 0.0).unwrap());
+    let sides = [DVec3::Z, DVec3::NEG_Z].map(|normal| (normal, 0.0));
     let all: Vec<u32> = (0..count).collect();
     ask(
         &case,
         &mut poses,
-        &ConvexRegion::from_half_spaces(&sides),
+        &ConvexRegion::from_half_spaces(&sides).unwrap(),
         &all,
         "the plane z = 0",
     );

@@ -1,11 +1,9 @@
 //! Batches on any number of threads against one query at a time.
 
-use std::num::NonZeroUsize;
-
 use crate::scenes::{self, Scene};
 use morph_collision::{
-    BatchQuery, Body, BuildOptions, OneThread, PairMemory, PairQuery, PairTask, Pose, QueryStats, ThreadWorkers,
-    TrianglePair, Wanted, Workers, WorldFromModel,
+    BatchQuery, Body, BuildOptions, PairMemory, PairQuery, PairTask, Pose, QueryStats, ThreadWorkers, TrianglePair,
+    Wanted, Workers, WorldFromModel,
 };
 
 struct Bodies {
@@ -57,9 +55,9 @@ impl Bodies {
                     query.all(a, b, &mut found);
                 }
                 Wanted::UpTo(limit) => {
-                    query.up_to(limit, a, b, &mut found);
+                    query.up_to(a, b, limit, &mut found);
                 }
-                Wanted::First => found.extend(query.first(a, b).0),
+                Wanted::First => found.extend(query.first(a, b)),
             }
             found
         };
@@ -84,14 +82,12 @@ impl Bodies {
         let bodies = self.poses.iter_mut().zip(&self.places);
         let mut bodies: Vec<_> = bodies.map(|(pose, place)| Body::new(pose, place)).collect();
         let answers = query.run(&mut bodies, tasks, workers);
-        (answers.iter().map(<[TrianglePair]>::to_vec).collect(), answers.stats)
+        (answers.iter().map(<[TrianglePair]>::to_vec).collect(), answers.stats())
     }
 }
 
 fn threads(count: usize) -> ThreadWorkers {
-    ThreadWorkers {
-        threads: NonZeroUsize::new(count).unwrap(),
-    }
+    ThreadWorkers::new(count)
 }
 
 #[cfg(feature = "rayon")]
@@ -133,7 +129,8 @@ fn any_number_of_threads_finds_what_one_query_at_a_time_finds_in_the_same_order(
             touching += expected.iter().map(Vec::len).sum::<usize>();
             let mut query = BatchQuery::new();
             let (two, three, eight) = (threads(2), threads(3), threads(8));
-            let mut all: Vec<&dyn Workers> = vec![&OneThread, &two, &three, &eight, &OneAfterTheOther];
+            let one = threads(1);
+            let mut all: Vec<&dyn Workers> = vec![&one, &two, &three, &eight, &OneAfterTheOther];
             all.extend(rayon());
             for workers in all {
                 for mut bodies in [Bodies::new(&scene), Bodies::full(&scene)] {
@@ -164,11 +161,11 @@ fn caches_that_are_full_are_read_and_not_filled_again() {
                 assert!(tasks.len() > 2 * workers);
                 let mut run = |bodies: &mut Bodies| bodies.batch_counted(&mut query, &mut tasks, &threads(workers));
                 let (expected, work) = run(&mut fresh);
-                assert!(work.volumes_blended > 100, "{work:?}");
+                assert!(work.nodes_blended > 100, "{work:?}");
                 for bodies in [&mut full, &mut fresh] {
                     let (found, again) = run(bodies);
                     assert_eq!(found, expected);
-                    assert_eq!(again.volumes_blended, 0, "{wanted:?}, {workers} threads");
+                    assert_eq!(again.nodes_blended, 0, "{wanted:?}, {workers} threads");
                     assert_eq!(again.node_tests, work.node_tests);
                 }
             }
@@ -187,9 +184,9 @@ fn parts_of_a_large_pair_keep_what_is_blended_and_follow_new_weights() {
     let mut run = |bodies: &mut Bodies| bodies.batch_counted(&mut query, &mut tasks, &OneAfterTheOther);
     let (found, first) = run(&mut bodies);
     let (same, again) = run(&mut bodies);
-    assert!(!found[0].is_empty() && first.volumes_blended > 500, "{first:?}");
+    assert!(!found[0].is_empty() && first.nodes_blended > 500, "{first:?}");
     assert_eq!(same, found);
-    assert_eq!(again.volumes_blended, 0, "the worker has them all");
+    assert_eq!(again.nodes_blended, 0, "the worker has them all");
     let mut before = found;
     for step in [210, 45, 200] {
         bodies.follow(&scenes::pass_through(step));
@@ -232,7 +229,7 @@ fn work(bodies: &mut Bodies, tasks: &mut [PairTask<'_>]) -> (u64, Vec<Vec<Triang
     let mut query = BatchQuery::new();
     let answers = query.run(&mut placed, tasks, &threads(2));
     (
-        answers.stats.node_tests,
+        answers.stats().node_tests,
         answers.iter().map(<[TrianglePair]>::to_vec).collect(),
     )
 }
@@ -249,7 +246,7 @@ fn tasks_that_make_no_sense_find_nothing_and_the_others_are_done() {
         assert!(found[0].is_empty() && found[2].is_empty() && found[3].is_empty());
     }
     let mut query = BatchQuery::new();
-    let answers = query.run(&mut [], &mut tasks, &OneThread);
+    let answers = query.run(&mut [], &mut tasks, &ThreadWorkers::new(1));
     assert_eq!(answers.iter().count(), 4);
     assert!(answers.get(1).is_empty() && answers.get(99).is_empty());
 }
@@ -272,7 +269,7 @@ fn memories_are_used_and_change_no_answer() {
         let each = bodies.poses.iter_mut().zip(&bodies.places);
         let mut placed: Vec<_> = each.map(|(pose, place)| Body::new(pose, place)).collect();
         let answers = query.run(&mut placed, &mut tasks, &threads(3));
-        tests_remembering += answers.stats.node_tests;
+        tests_remembering += answers.stats().node_tests;
         for (found, plain) in answers.iter().zip(&plain) {
             assert_eq!(found.is_empty(), plain.is_empty());
             touching += plain.len();

@@ -1,12 +1,11 @@
 //! Bodies whose vertices fall together: scaled to nothing or nearly so, or morphed into a point.
 
-use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 use glam::{Affine3A, EulerRot, Mat3, Quat, Vec3};
 use morph_collision::{
-    BatchQuery, Body, BuildOptions, ContactQuery, DistanceQuery, MorphBvh, OneThread, PairMemory, PairQuery, PairTask,
-    Pose, QueryStats, SelfQuery, ThreadWorkers, TrianglePair, Wanted, Workers, WorldFromModel,
+    BatchQuery, Body, BuildOptions, ContactQuery, DistanceQuery, MorphBvh, PairMemory, PairQuery, PairTask, Pose,
+    QueryStats, SelfQuery, ThreadWorkers, TrianglePair, Wanted, Workers, WorldFromModel,
 };
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::{dolphin, random};
@@ -80,22 +79,24 @@ fn agrees(name: &str, poses: [&mut Pose; 2], places: [Affine3A; 2], expected: &[
     let limit = expected.len() / 2;
     for (limit, is_truncated) in [(limit, limit < expected.len()), (expected.len(), false)] {
         let mut some = Vec::new();
-        let (cut, _) = query.up_to(limit, Body::new(a, &place_a), Body::new(b, &place_b), &mut some);
+        let cut = query.up_to(Body::new(a, &place_a), Body::new(b, &place_b), limit, &mut some);
         assert_eq!(
             (cut, &some[..]),
             (is_truncated, &in_order[..limit]),
             "{name}, up to {limit}"
         );
     }
-    let (first, _) = query.first(Body::new(a, &place_a), Body::new(b, &place_b));
+    let first = query.first(Body::new(a, &place_a), Body::new(b, &place_b));
     let right = first.map_or(expected.is_empty(), |pair| expected.binary_search(&pair).is_ok());
     assert!(right, "{name}: first {first:?}");
     let mut memory = PairMemory::new();
     for _ in 0..3 {
-        let (first, _) = query.first_with(&mut memory, Body::new(a, &place_a), Body::new(b, &place_b));
+        let first = query.first_with(&mut memory, Body::new(a, &place_a), Body::new(b, &place_b));
         assert_eq!(first.is_some(), !expected.is_empty(), "{name}, with a memory");
     }
-    let (closest, _) = DistanceQuery::new().closest(Body::new(a, &place_a), Body::new(b, &place_b), f64::INFINITY);
+    let closest = DistanceQuery::new()
+        .closest(Body::new(a, &place_a), Body::new(b, &place_b), f64::INFINITY)
+        .unwrap();
     let distance = closest.expect("they are somewhere").distance;
     assert_eq!(distance == 0.0, !expected.is_empty(), "{name}: {distance} apart");
 }
@@ -159,16 +160,19 @@ fn bodies_of_every_small_size_are_decided_without_products_of_triangles() {
                 let name = format!("{small} at {far}, {aside} aside");
 
                 let (body_a, body_b) = (Body::new(&mut a, &place_a), Body::new(&mut b, &place_b));
-                let (first, stats) = query.first(body_a, body_b);
+                let first = query.first(body_a, body_b);
+                let stats = query.stats();
                 few(&name, &stats);
                 let (body_a, body_b) = (Body::new(&mut a, &place_a), Body::new(&mut b, &place_b));
                 let mut listed = Vec::new();
-                let (is_truncated, stats) = query.up_to(1000, body_a, body_b, &mut listed);
+                let is_truncated = query.up_to(body_a, body_b, 1000, &mut listed);
+                let stats = query.stats();
                 few(&name, &stats);
                 assert_eq!(listed.is_empty(), first.is_none(), "{name}");
                 assert!(!is_truncated || listed.len() == 1000, "{name}");
                 let (body_a, body_b) = (Body::new(&mut a, &place_a), Body::new(&mut b, &place_b));
-                let (closest, stats) = distance.closest(body_a, body_b, f64::INFINITY);
+                let closest = distance.closest(body_a, body_b, f64::INFINITY).unwrap();
+                let stats = distance.stats();
                 few(&name, &stats);
                 assert!(
                     first.is_none() || closest.is_some_and(|closest| closest.distance == 0.0),
@@ -200,7 +204,8 @@ fn flat_bodies_that_are_apart_are_decided_without_products_of_triangles() {
             let at = place(Vec3::new(1.0, 1.0, thin), is_turned, 1.0);
             let place_a = WorldFromModel::new(at).unwrap();
             let place_b = WorldFromModel::new(Affine3A::from_translation(Vec3::splat(0.01)) * at).unwrap();
-            let (first, stats) = query.first(Body::new(&mut a, &place_a), Body::new(&mut b, &place_b));
+            let first = query.first(Body::new(&mut a, &place_a), Body::new(&mut b, &place_b));
+            let stats = query.stats();
             assert_eq!(first, None);
             few(&format!("{thin}, turned: {is_turned}"), &stats);
         }
@@ -219,7 +224,8 @@ fn the_distance_of_bodies_on_parallel_lines_is_measured_without_products_of_tria
             let place_a = WorldFromModel::new(line).unwrap();
             let place_b = WorldFromModel::new(Affine3A::from_translation((apart * aside).into()) * line).unwrap();
             let bodies = (Body::new(&mut a, &place_a), Body::new(&mut b, &place_b));
-            let (closest, stats) = query.closest(bodies.0, bodies.1, f64::INFINITY);
+            let closest = query.closest(bodies.0, bodies.1, f64::INFINITY).unwrap();
+            let stats = query.stats();
             let distance = closest.unwrap().distance;
             let [from, to] = [&place_a, &place_b].map(|place| place.transform_point(Vec3::ZERO));
             let along = (place_a.transform_point(Vec3::X) - from).normalize();
@@ -251,20 +257,19 @@ fn weights_that_collapse_a_mesh_are_decided_without_products_of_triangles() {
         let at = place(Vec3::ONE, true, 0.0);
         let places = [at, Affine3A::from_translation(Vec3::X * aside) * at];
         let [place_a, place_b] = places.map(|place| WorldFromModel::new(place).unwrap());
-        let (first, stats) = query.first(Body::new(&mut a, &place_a), Body::new(&mut b, &place_b));
+        let first = query.first(Body::new(&mut a, &place_a), Body::new(&mut b, &place_b));
+        let stats = query.stats();
         few(&format!("{aside} aside"), &stats);
-        let (any, _) = query.up_to(
-            1,
-            Body::new(&mut a, &place_a),
-            Body::new(&mut b, &place_b),
-            &mut Vec::new(),
-        );
+        let bodies = (Body::new(&mut a, &place_a), Body::new(&mut b, &place_b));
+        let any = query.up_to(bodies.0, bodies.1, 1, &mut Vec::new());
         // Both are the same points, moved.
         assert!(aside > 0.0 || first.is_some() && any, "{aside}");
         assert!(aside < 1e-6 || first.is_none(), "{aside}");
     }
     let mut pairs = Vec::new();
-    let (is_truncated, stats) = SelfQuery::new().up_to(1000, &mut a, &mut pairs);
+    let mut query = SelfQuery::new();
+    let is_truncated = query.up_to(&mut a, 1000, &mut pairs);
+    let stats = query.stats();
     assert_eq!((is_truncated, pairs.len()), (true, 1000));
     few("with itself", &stats);
 }
@@ -315,20 +320,17 @@ fn a_list_is_cut_at_the_same_pair_by_any_number_of_workers() {
         let places = places.map(|place| WorldFromModel::new(place).unwrap());
         let mut all = Vec::new();
         let [a, b] = &mut poses;
-        PairQuery::new().up_to(20_000, Body::new(a, &places[0]), Body::new(b, &places[1]), &mut all);
+        PairQuery::new().up_to(Body::new(a, &places[0]), Body::new(b, &places[1]), 20_000, &mut all);
         assert!(all.len() > 500, "{}", all.len());
         for limit in [0, 1, 7, 100, all.len() - 1, all.len()] {
             let mut query = PairQuery::new();
             let mut expected = Vec::new();
             let [a, b] = &mut poses;
-            let (is_truncated, _) =
-                query.up_to(limit, Body::new(a, &places[0]), Body::new(b, &places[1]), &mut expected);
+            let is_truncated = query.up_to(Body::new(a, &places[0]), Body::new(b, &places[1]), limit, &mut expected);
             assert_eq!(expected, all[..limit]);
             for threads in [1, 2, 8] {
-                let threads = ThreadWorkers {
-                    threads: NonZeroUsize::new(threads).unwrap(),
-                };
-                let workers: [&dyn Workers; 2] = [&threads, &OneThread];
+                let threads = ThreadWorkers::new(threads);
+                let workers: [&dyn Workers; 2] = [&threads, &ThreadWorkers::new(1)];
                 for workers in workers {
                     let each = poses.iter_mut().zip(&places);
                     let mut bodies: Vec<_> = each.map(|(pose, place)| Body::new(pose, place)).collect();
@@ -357,15 +359,13 @@ fn a_limit_saves_the_parts_of_a_batch_that_nothing_is_listed_of() {
     let mesh = dolphin(1);
     let mut poses = [(); 2].map(|()| pose(&mesh, 8));
     let at = WorldFromModel::IDENTITY;
-    let two = ThreadWorkers {
-        threads: NonZeroUsize::new(2).unwrap(),
-    };
+    let two = ThreadWorkers::new(2);
     let [all, some] = [Wanted::All, Wanted::UpTo(10)].map(|wanted| {
         let mut bodies: Vec<_> = poses.iter_mut().map(|pose| Body::new(pose, &at)).collect();
         let mut tasks = [PairTask::new(0, 1, wanted)];
         BatchQuery::new()
             .run(&mut bodies, &mut tasks, &two)
-            .stats
+            .stats()
             .triangle_tests
     });
     assert!(10 * some < all, "{some} of {all} triangle tests");
@@ -378,7 +378,7 @@ fn a_manifold_tells_that_it_was_made_from_some_of_the_pairs() {
     let places = [Vec3::ZERO, Vec3::splat(0.05)].map(|by| WorldFromModel::new(Affine3A::from_translation(by)).unwrap());
     let mut query = ContactQuery::new();
     let mut manifold = |limit| {
-        let (manifold, _) = query.manifold_up_to(limit, Body::new(&mut a, &places[0]), Body::new(&mut b, &places[1]));
+        let manifold = query.manifold_up_to(Body::new(&mut a, &places[0]), Body::new(&mut b, &places[1]), limit);
         manifold
     };
     let whole = manifold(usize::MAX).expect("they touch");
@@ -389,28 +389,31 @@ fn a_manifold_tells_that_it_was_made_from_some_of_the_pairs() {
     assert_eq!(manifold(0), None);
     // A point, 318,096 pairs.
     let point = WorldFromModel::new(Affine3A::from_scale(Vec3::ZERO)).unwrap();
-    let (collapsed, stats) = query.manifold_up_to(100, Body::new(&mut a, &point), Body::new(&mut b, &point));
+    let collapsed = query.manifold_up_to(Body::new(&mut a, &point), Body::new(&mut b, &point), 100);
+    let stats = query.stats();
     let collapsed = collapsed.expect("they touch");
     assert_eq!((collapsed.is_truncated, collapsed.pair_count), (true, 100));
     few("a point", &stats);
     let mut contacts = Vec::new();
-    let (is_truncated, _) = query.up_to(100, Body::new(&mut a, &point), Body::new(&mut b, &point), &mut contacts);
+    let is_truncated = query.up_to(Body::new(&mut a, &point), Body::new(&mut b, &point), 100, &mut contacts);
     assert_eq!((is_truncated, contacts.len()), (true, 100));
 }
 
 #[test]
 fn lists_of_shapes_are_cut_too() {
-    use morph_collision::{PlacedShape, Shape, ShapeQuery, WorldFromShape};
+    use morph_collision::{PlacedShape, Shape, ShapeQuery};
     let mut body = pose(&dolphin(0), 8);
     let point = WorldFromModel::new(Affine3A::from_scale(Vec3::ZERO)).unwrap();
-    let ball = PlacedShape::new(Shape::Ball { radius: 1.0 }, &WorldFromShape::IDENTITY).unwrap();
+    let ball = PlacedShape::new(Shape::Ball { radius: 1.0 }, Quat::IDENTITY, Vec3::ZERO).unwrap();
     let mut query = ShapeQuery::new();
     for (limit, expected) in [(100, (true, 100)), (563, (true, 563)), (564, (false, 564))] {
         let mut triangles = Vec::new();
-        let (is_truncated, _) = query.up_to(limit, Body::new(&mut body, &point), &ball, &mut triangles);
+        let is_truncated = query.up_to(Body::new(&mut body, &point), &ball, limit, &mut triangles);
         assert_eq!((is_truncated, triangles.len()), expected);
         let mut contacts = Vec::new();
-        let (is_truncated, _) = query.contacts_up_to(limit, Body::new(&mut body, &point), &ball, 0.0, &mut contacts);
+        let is_truncated = query
+            .contacts_up_to(Body::new(&mut body, &point), &ball, 0.0, limit, &mut contacts)
+            .unwrap();
         assert_eq!((is_truncated, contacts.len()), expected);
     }
 }

@@ -1,7 +1,7 @@
 //! The work of pair queries, counted. A tree that answers correctly but visits everything would pass every other test.
 
 use crate::scenes::{self, dolphins, pass_through};
-use morph_collision::{Body, BuildOptions, ConvexRegion, OverlapQuery, PairQuery, QueryStats};
+use morph_collision::{Body, BuildOptions, ConvexRegion, PairQuery, QueryStats, ShapeQuery};
 
 #[test]
 fn only_the_roots_are_blended_when_they_are_apart() {
@@ -9,7 +9,7 @@ fn only_the_roots_are_blended_when_they_are_apart() {
     for options in [BuildOptions::default().with_leaf_size(1), BuildOptions::default()] {
         let (pairs, stats) = scenes::answer(&scene, &options);
         assert!(pairs.is_empty());
-        assert_eq!(stats.volumes_blended, 2, "one root for each body");
+        assert_eq!(stats.nodes_blended, 2, "one root for each body");
         assert_eq!(stats.node_tests, 1);
         assert_eq!((stats.triangle_tests, stats.vertices_blended), (0, 0));
     }
@@ -25,9 +25,9 @@ fn a_few_percent_of_the_nodes_are_blended_when_bodies_barely_touch() {
     let (pairs, stats) = scenes::answer(&scene, &BuildOptions::default().with_leaf_size(1));
     assert!(!pairs.is_empty());
     assert!(
-        stats.volumes_blended * 25 < nodes,
+        stats.nodes_blended * 25 < nodes,
         "{} of {nodes} nodes",
-        stats.volumes_blended
+        stats.nodes_blended
     );
     assert!(
         stats.vertices_blended * 50 < 2 * 10242,
@@ -39,7 +39,7 @@ fn a_few_percent_of_the_nodes_are_blended_when_bodies_barely_touch() {
 /// What pair queries blend and what is still missing afterwards add up to every tree, each node counted once.
 #[test]
 fn a_node_is_blended_once_however_many_bodies_meet_it() {
-    let everywhere = ConvexRegion::from_half_spaces(&[]);
+    let everywhere = ConvexRegion::from_half_spaces(&[]).unwrap();
     for scene in [dolphins(200), pass_through(200)] {
         for leaf_size in [1, 8] {
             let options = BuildOptions::default().with_leaf_size(leaf_size);
@@ -53,32 +53,34 @@ fn a_node_is_blended_once_however_many_bodies_meet_it() {
                     for a in 0..b {
                         let [pose_a, pose_b] = poses.get_disjoint_mut([a, b]).unwrap();
                         let (a, b) = (Body::new(pose_a, &places[a]), Body::new(pose_b, &places[b]));
-                        stats += query.all(a, b, &mut Vec::new());
+                        query.all(a, b, &mut Vec::new());
+                        stats += query.stats();
                     }
                 }
                 stats
             };
             let (first, again) = (ask_all_pairs(), ask_all_pairs());
             assert!(
-                first.volumes_blended > 0 && first.triangle_tests > 0,
+                first.nodes_blended > 0 && first.triangle_tests > 0,
                 "{about}: {first:?}"
             );
             assert!(
-                first.node_tests > 2 * first.volumes_blended,
+                first.node_tests > 2 * first.nodes_blended,
                 "{about}: nodes must be met more than once: {first:?}"
             );
             assert_eq!(again.node_tests, first.node_tests, "{about}");
-            assert_eq!(again.volumes_blended, 0, "{about}: everything is there already");
+            assert_eq!(again.nodes_blended, 0, "{about}: everything is there already");
             let missing: u64 = poses
                 .iter_mut()
                 .zip(&places)
                 .map(|(pose, place)| {
                     let body = Body::new(pose, place);
-                    let stats = OverlapQuery::new().triangles_in_region(body, &everywhere, &mut Vec::new());
-                    stats.volumes_blended
+                    let mut query = ShapeQuery::new();
+                    query.all_in_region(body, &everywhere, &mut Vec::new());
+                    query.stats().nodes_blended
                 })
                 .sum();
-            assert_eq!(first.volumes_blended + missing, nodes, "{about}");
+            assert_eq!(first.nodes_blended + missing, nodes, "{about}");
         }
     }
 }
@@ -105,15 +107,16 @@ fn a_first_pair_is_looked_for_where_bodies_reach_deepest_into_each_other() {
             let [a, b] = &mut poses;
             let (a, b) = (Body::new(a, &places[0]), Body::new(b, &places[1]));
             if deepest_first {
-                let (found, stats) = query.first(a, b);
+                let found = query.first(a, b);
+                let stats = query.stats();
                 (found.is_some(), stats)
             } else {
                 let mut found = false;
-                let stats = query.visit(a, b, |_| {
+                query.visit(a, b, |_| {
                     found = true;
                     ControlFlow::Break(())
                 });
-                (found, stats)
+                (found, query.stats())
             }
         };
         let (one, other) = (ask(true), ask(false));
@@ -123,7 +126,7 @@ fn a_first_pair_is_looked_for_where_bodies_reach_deepest_into_each_other() {
     }
     let much_less = |less: u64, more: u64| less * 4 < more * 3;
     assert!(
-        much_less(first.volumes_blended, in_order.volumes_blended)
+        much_less(first.nodes_blended, in_order.nodes_blended)
             && much_less(first.triangle_tests, in_order.triangle_tests),
         "{first:?} and {in_order:?}"
     );

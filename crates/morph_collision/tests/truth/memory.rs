@@ -64,13 +64,12 @@ fn replay(mesh: &MorphMesh, frames: &Frames, mut ask: Ask<'_>) -> (Vec<Vec<Trian
         let places = [of_a.1, of_b.1].map(|place| WorldFromModel::new(place).unwrap());
         let (body_a, body_b) = (Body::new(&mut a, &places[0]), Body::new(&mut b, &places[1]));
         let mut pairs = Vec::new();
-        let (first, work) = match &mut ask {
-            Ask::All => (None, query.all(body_a, body_b, &mut pairs)),
-            Ask::First => query.first(body_a, body_b),
-            Ask::FirstWith(memory) => query.first_with(memory, body_a, body_b),
-        };
-        pairs.extend(first);
-        stats += work;
+        match &mut ask {
+            Ask::All => query.all(body_a, body_b, &mut pairs),
+            Ask::First => pairs.extend(query.first(body_a, body_b)),
+            Ask::FirstWith(memory) => pairs.extend(query.first_with(memory, body_a, body_b)),
+        }
+        stats += query.stats();
         pairs.sort_unstable();
         pairs
     });

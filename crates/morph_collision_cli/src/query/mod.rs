@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
-use morph_collision::{Ball, Body, BuildOptions, MorphBvh, PointQuery, Pose, Ray, RayQuery, SelfQuery, WorldFromModel};
+use morph_collision::{Body, BuildOptions, MorphBvh, Pose, Ray, RayQuery, SelfQuery, ShapeQuery, WorldFromModel};
 use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::mesh::MorphMesh;
 
@@ -64,24 +64,26 @@ pub(crate) fn query(args: &QueryArgs) -> Result<(), CliError> {
     if args.question.of_itself {
         let mut pairs = Vec::new();
         let most = usize::try_from(args.files.memory_limit() / BYTES_PER_PAIR).unwrap_or(usize::MAX);
-        let (is_cut, stats) = SelfQuery::new().up_to(most, &mut pose, &mut pairs);
-        if is_cut {
+        let mut query = SelfQuery::new();
+        if query.up_to(&mut pose, most, &mut pairs) {
             let (file, mesh) = (args.model.clone(), args.mesh);
             return Err(CliError::TooManySelfPairs { file, mesh, most });
         }
-        return show(args, &SelfReport::new(pairs, stats));
+        return show(args, &SelfReport::new(pairs, query.stats()));
     }
     let body = Body::new(&mut pose, &WorldFromModel::IDENTITY);
     if let Some(Triple([origin, direction])) = args.question.ray {
         let ray = Ray::new(origin, direction, f64::INFINITY).map_err(|error| bad_flag("--ray", &error))?;
         let mut hits = Vec::new();
-        let stats = RayQuery::new().all(body, &ray, &mut hits);
-        return show(args, &RayReport::new(&hits, stats));
+        let mut query = RayQuery::new();
+        query.all(body, &ray, &mut hits);
+        return show(args, &RayReport::new(&hits, query.stats()));
     }
     if let Some(Triple([point])) = args.question.point {
-        let everywhere = Ball::unbounded(point).map_err(|error| bad_flag("--point", &error))?;
-        let (closest, stats) = PointQuery::new().closest(body, &everywhere);
-        return show(args, &PointReport::new(closest.as_ref(), stats));
+        let mut query = ShapeQuery::new();
+        let closest = query.closest_point(body, point, f64::INFINITY);
+        let closest = closest.map_err(|error| bad_flag("--point", &error))?;
+        return show(args, &PointReport::new(closest.as_ref(), query.stats()));
     }
     Ok(())
 }

@@ -66,7 +66,7 @@ pub(super) struct SelfReport {
 struct WorkReport {
     node_tests: u64,
     triangle_tests: u64,
-    volumes_blended: u64,
+    nodes_blended: u64,
     vertices_blended: u64,
 }
 
@@ -122,7 +122,7 @@ impl WorkReport {
         Self {
             node_tests: stats.node_tests,
             triangle_tests: stats.triangle_tests,
-            volumes_blended: stats.volumes_blended,
+            nodes_blended: stats.nodes_blended,
             vertices_blended: stats.vertices_blended,
         }
     }
@@ -130,7 +130,7 @@ impl WorkReport {
     fn text(&self) -> String {
         format!(
             "looked at {} boxes and {} triangles; blended {} boxes and {} vertices\n",
-            self.node_tests, self.triangle_tests, self.volumes_blended, self.vertices_blended
+            self.node_tests, self.triangle_tests, self.nodes_blended, self.vertices_blended
         )
     }
 }

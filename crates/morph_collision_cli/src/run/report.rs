@@ -23,7 +23,7 @@ pub(crate) struct RunReport {
     body_pairs: Vec<u64>,
     node_tests: u64,
     triangle_tests: u64,
-    volumes_blended: u64,
+    nodes_blended: u64,
     vertices_blended: u64,
     us_per_frame: Spread,
     /// Only where one was asked for.
@@ -55,7 +55,7 @@ impl RunReport {
             body_pairs: replay.frames.iter().map(|frame| frame.body_pairs).collect(),
             node_tests: stats.node_tests,
             triangle_tests: stats.triangle_tests,
-            volumes_blended: stats.volumes_blended,
+            nodes_blended: stats.nodes_blended,
             vertices_blended: stats.vertices_blended,
             us_per_frame: Spread::of(replay.frames.iter().map(|frame| frame.time)),
             picture,
@@ -102,7 +102,7 @@ impl RunReport {
         }
         writeln!(text, "node tests          {}", self.node_tests)?;
         writeln!(text, "triangle tests      {}", self.triangle_tests)?;
-        writeln!(text, "volumes blended     {}", self.volumes_blended)?;
+        writeln!(text, "nodes blended       {}", self.nodes_blended)?;
         writeln!(text, "vertices blended    {}", self.vertices_blended)?;
         writeln!(
             text,

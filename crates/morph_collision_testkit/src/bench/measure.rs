@@ -239,7 +239,7 @@ mod tests {
             split_rounds: 0,
         };
         let rows = measure(&experiment, vec![morph], plan, || ())?;
-        assert!(rows[0].work.volumes_blended > 0, "{:?}", rows[0]);
+        assert!(rows[0].work.nodes_blended > 0, "{:?}", rows[0]);
         Ok(())
     }
 }

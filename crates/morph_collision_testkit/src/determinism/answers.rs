@@ -152,7 +152,7 @@ impl<'a> Worker<'a> {
         for ray in rays(place) {
             hits.clear();
             self.rays.all(Body::new(pose, place), &ray, &mut hits);
-            let (closest, _) = self.rays.closest(Body::new(pose, place), &ray);
+            let closest = self.rays.closest(Body::new(pose, place), &ray);
             assert_eq!(closest.as_ref().map(|hit| hit.t), hits.first().map(|hit| hit.t));
             let hash = &mut answers.hashes[RAYS];
             hash.u64(hits.len() as u64);
@@ -179,7 +179,7 @@ impl<'a> Worker<'a> {
             };
         }
         let (a, b) = bodies!();
-        let (first, _) = self.pairs.first(a, b);
+        let first = self.pairs.first(a, b);
         let (a, b) = bodies!();
         let mut pairs = Vec::new();
         self.pairs.all(a, b, &mut pairs);
@@ -192,7 +192,7 @@ impl<'a> Worker<'a> {
         }
 
         let (a, b) = bodies!();
-        let (manifold, _) = self.contacts.manifold(a, b);
+        let manifold = self.contacts.manifold(a, b);
         let hash = &mut answers.hashes[CONTACTS];
         if let Some(manifold) = manifold {
             hash.u64(manifold.pair_count as u64);
@@ -206,8 +206,8 @@ impl<'a> Worker<'a> {
         }
 
         let (a, b) = bodies!();
-        let (closest, _) = self.distances.closest(a, b, f64::INFINITY);
-        let closest = closest.expect("no distance is beyond infinity");
+        let closest = self.distances.closest(a, b, f64::INFINITY);
+        let closest = closest.ok().flatten().expect("no distance is beyond infinity");
         let hash = &mut answers.hashes[DISTANCES];
         hash.number(closest.distance);
         // Which common point of two bodies that touch comes first depends on the tree.

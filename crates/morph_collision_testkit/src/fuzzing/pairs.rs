@@ -56,7 +56,7 @@ pub fn pairs(data: &[u8]) {
         // Twice: the second time there is a witness, if there is a pair.
         for _ in 0..2 {
             let (a, b) = (Body::new(a, world_from_a), Body::new(b, world_from_b));
-            let (first, _) = query.first_with(&mut memory, a, b);
+            let first = query.first_with(&mut memory, a, b);
             let first: Vec<_> = first.into_iter().collect();
             assert_eq!(first.is_empty(), truth.is_empty(), "first with a memory");
             assert!(

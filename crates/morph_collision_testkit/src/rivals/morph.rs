@@ -66,7 +66,7 @@ impl Method for Morph {
     fn refit(&mut self, body: usize) {
         let pose = &mut self.bodies[body].0;
         pose.refit();
-        self.work.volumes_blended += pose.bvh().node_count() as u64;
+        self.work.nodes_blended += pose.bvh().node_count() as u64;
         self.work.vertices_blended += pose.bvh().model().vertex_count() as u64;
     }
 
@@ -91,18 +91,15 @@ impl Method for Morph {
             ..
         } = self;
         let start = pairs.len();
-        self.work += match wanted {
+        match wanted {
             Wanted::All | Wanted::UpTo(_) => query.visit(body_a, body_b, |pair| wanted.push(pairs, start, pair)),
-            Wanted::First => {
-                let (first, stats) = if *witness {
-                    query.first_with(memories.entry((a, b)).or_default(), body_a, body_b)
-                } else {
-                    query.first(body_a, body_b)
-                };
-                pairs.extend(first);
-                stats
-            }
-        };
+            Wanted::First => pairs.extend(if *witness {
+                query.first_with(memories.entry((a, b)).or_default(), body_a, body_b)
+            } else {
+                query.first(body_a, body_b)
+            }),
+        }
+        self.work += query.stats();
     }
 
     fn work(&self) -> QueryStats {

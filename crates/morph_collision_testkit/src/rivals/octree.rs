@@ -130,7 +130,7 @@ impl Method for Octree {
 
     fn refit(&mut self, body: usize) {
         self.bodies[body].place();
-        self.work.volumes_blended += 1;
+        self.work.nodes_blended += 1;
     }
 
     fn is_lazy(&self) -> bool {
@@ -156,7 +156,7 @@ impl Method for Octree {
         }
         let overlap = a.bounds.intersection(&b.bounds);
         for (body, inside) in [&mut *a, &mut *b].into_iter().zip(&mut *faces) {
-            work.volumes_blended += body.make_faces();
+            work.nodes_blended += body.make_faces();
             work.node_tests += body.faces.len() as u64;
             inside.clear();
             let reaching = (0..).zip(&body.faces).filter(|(_, face)| face.overlaps(&overlap));

@@ -271,7 +271,7 @@ impl<T: ParryTree> Method for Parry<T> {
 fn work_of_update(mesh: &WeldedMesh) -> QueryStats {
     QueryStats {
         vertices_blended: mesh.base.len() as u64,
-        volumes_blended: 2 * mesh.triangles.len() as u64 - 1,
+        nodes_blended: 2 * mesh.triangles.len() as u64 - 1,
         ..QueryStats::default()
     }
 }

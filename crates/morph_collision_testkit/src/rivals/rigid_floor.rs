@@ -142,7 +142,8 @@ impl Method for RigidFloor {
         let (body_a, body_b) = (Body::new(&mut a.pose, &a.place), Body::new(&mut b.pose, &b.place));
         let start = pairs.len();
         let push = |pair| wanted.push(pairs, start, pair);
-        self.work += self.query.visit(body_a, body_b, push);
+        self.query.visit(body_a, body_b, push);
+        self.work += self.query.stats();
     }
 
     fn work(&self) -> QueryStats {

@@ -101,7 +101,7 @@ impl<R: Refit> Trees<R> {
         };
         stack.clear();
         for body in [&mut *a, &mut *b] {
-            work.volumes_blended += body.refit.open(0, &body.posed);
+            work.nodes_blended += body.refit.open(0, &body.posed);
         }
         let (root_a, root_b) = (a.root(), b.root());
         let (box_a, box_b) = (a.box_of(root_a), b.box_of(root_b));
@@ -156,7 +156,7 @@ fn descend<R: Refit>(
     work: &mut QueryStats,
     mut push: impl FnMut(NodeRef),
 ) {
-    work.volumes_blended += body.refit.open(group as usize, &body.posed);
+    work.nodes_blended += body.refit.open(group as usize, &body.posed);
     let children = body.refit.tree().groups[group as usize].children();
     work.node_tests += children.len() as u64;
     let mask = culls.overlap_mask(side, body.refit.boxes(group as usize), other);
@@ -209,7 +209,7 @@ impl<R: Refit> Method for Trees<R> {
 
     fn refit(&mut self, body: usize) {
         let TreeBody { body, posed, refit } = &mut self.bodies[body];
-        self.work.volumes_blended += refit.update(&body.mesh, posed);
+        self.work.nodes_blended += refit.update(&body.mesh, posed);
     }
 
     fn is_lazy(&self) -> bool {
@@ -218,7 +218,7 @@ impl<R: Refit> Method for Trees<R> {
 
     fn world_bounds(&mut self, body: usize) -> Aabb {
         let body = &mut self.bodies[body];
-        self.work.volumes_blended += body.refit.open(0, &body.posed);
+        self.work.nodes_blended += body.refit.open(0, &body.posed);
         world_bounds(&body.body.affine, &body.box_of(body.root()))
     }
 

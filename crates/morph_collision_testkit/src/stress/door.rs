@@ -4,10 +4,7 @@ use std::fmt::Display;
 use std::path::Path;
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
-use morph_collision::{
-    Aabb, Ball, BuildOptions, ConvexRegion, HalfSpace, MorphBvh, PlacedShape, Ray, Shape, WorldFromModel,
-    WorldFromShape,
-};
+use morph_collision::{Aabb, BuildOptions, ConvexRegion, MorphBvh, PlacedShape, Ray, Shape, WorldFromModel};
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
@@ -32,7 +29,7 @@ pub fn knock(door: u64, rng: &mut Pcg64Mcg, case: &Case, trees: &mut Trees) -> R
         vector[axis] = value;
         vector
     };
-    let shape = |shape: Shape| PlacedShape::new(shape, &WorldFromShape::IDENTITY);
+    let shape = |shape: Shape| PlacedShape::new(shape, Quat::IDENTITY, Vec3::ZERO);
     let weights = &case.situation.weights[0];
     let target = rng.random_range(0..weights.len().max(1));
     match door % DOORS {
@@ -81,14 +78,17 @@ pub fn knock(door: u64, rng: &mut Pcg64Mcg, case: &Case, trees: &mut Trees) -> R
         12 => refused(Ray::new(DVec3::ZERO, with(bad).as_dvec3(), 1.0), &["direction"]),
         13 => refused(Ray::new(DVec3::ZERO, DVec3::X, not_positive.into()), &["max_t"]),
         14 => refused(
-            Ball::new(with(bad).as_dvec3(), 1.0),
+            PlacedShape::ball(with(bad).as_dvec3(), 1.0),
             &["center", &format!("coordinate {axis}")],
         ),
-        15 => refused(Ball::new(DVec3::ZERO, not_positive.into()), &["radius"]),
-        16 => refused(HalfSpace::new(with(bad).as_dvec3(), 1.0), &["normal"]),
-        17 => refused(HalfSpace::new(DVec3::X, bad.into()), &["offset"]),
+        15 => refused(PlacedShape::ball(DVec3::ZERO, bad.into()), &["radius"]),
+        16 => refused(
+            ConvexRegion::from_half_spaces(&[(with(bad).as_dvec3(), 1.0)]),
+            &["normal"],
+        ),
+        17 => refused(ConvexRegion::from_half_spaces(&[(DVec3::X, bad.into())]), &["offset"]),
         18 => refused(
-            ConvexRegion::from_box(&Aabb {
+            ConvexRegion::from_aabb(&Aabb {
                 min: with(bad),
                 max: Vec3::ONE,
             }),
@@ -100,13 +100,13 @@ pub fn knock(door: u64, rng: &mut Pcg64Mcg, case: &Case, trees: &mut Trees) -> R
                 half_length: bad,
                 radius: 1.0,
             };
-            refused(shape(capsule), &["half length"])
+            refused(shape(capsule), &["half_length"])
         }
         21 => refused(
             shape(Shape::Cuboid {
                 half_extents: with(bad),
             }),
-            &["half extents"],
+            &["half_extents"],
         ),
         22 => refused(shape(Shape::HalfSpace { normal: with(bad) }), &["normal"]),
         23 => {
@@ -118,8 +118,9 @@ pub fn knock(door: u64, rng: &mut Pcg64Mcg, case: &Case, trees: &mut Trees) -> R
         }
         24 => {
             let rotation = Quat::from_xyzw(0.0, bad, 0.0, 1.0);
-            refused(WorldFromShape::new(rotation, Vec3::ONE), &["rotation"])?;
-            refused(WorldFromShape::new(Quat::IDENTITY, with(bad)), &["translation"])
+            let ball = Shape::Ball { radius: 1.0 };
+            refused(PlacedShape::new(ball, rotation, Vec3::ONE), &["rotation"])?;
+            refused(PlacedShape::new(ball, Quat::IDENTITY, with(bad)), &["translation"])
         }
         25 => {
             let model = std::sync::Arc::clone(trees.poses()[0].bvh().model());

@@ -104,7 +104,8 @@ impl AnswerSource for Trees {
         let [a, b] = &mut self.poses;
         self.pairs.clear();
         let [at_a, at_b] = &self.places;
-        let stats = self.query.all(Body::new(a, at_a), Body::new(b, at_b), &mut self.pairs);
+        self.query.all(Body::new(a, at_a), Body::new(b, at_b), &mut self.pairs);
+        let stats = self.query.stats();
         let mut pairs: Vec<_> = self
             .pairs
             .iter()
@@ -117,7 +118,7 @@ impl AnswerSource for Trees {
     fn touches(&mut self) -> bool {
         let [a, b] = &mut self.poses;
         let [at_a, at_b] = &self.places;
-        self.query.any(Body::new(a, at_a), Body::new(b, at_b)).0
+        self.query.any(Body::new(a, at_a), Body::new(b, at_b))
     }
 
     fn containment(&mut self, body: usize) -> ContainmentReport {

@@ -37,7 +37,7 @@ fn write_table(text: &mut String, experiment: &Experiment, all: &[Row], first: &
         for row in [all, first] {
             let work = row.work;
             for count in [
-                work.volumes_blended,
+                work.nodes_blended,
                 work.vertices_blended,
                 work.node_tests,
                 work.triangle_tests,

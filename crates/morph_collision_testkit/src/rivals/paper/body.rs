@@ -72,7 +72,7 @@ impl<V: Volume> Body<V> {
         if self.volume_stamps[index] != self.frame {
             self.volume_stamps[index] = self.frame;
             self.volumes[index] = self.tree.blend(node, &self.blend);
-            work.volumes_blended += 1;
+            work.nodes_blended += 1;
         }
     }
 

@@ -228,12 +228,12 @@ fn stamps(context: &Context, experiment: &Experiment, candidate: Candidate) -> R
     };
     let prices = measure(&neighbours, vec![candidate.set_up(&neighbours)?], plan, || ())?;
     let refit = prices[0].parts.map_or(0.0, |parts| parts.refit);
-    let price = refit * neighbours.frames.len() as f64 / prices[0].work.volumes_blended.max(1) as f64;
-    let saved = row.work.node_tests.saturating_sub(row.work.volumes_blended) as f64;
+    let price = refit * neighbours.frames.len() as f64 / prices[0].work.nodes_blended.max(1) as f64;
+    let saved = row.work.node_tests.saturating_sub(row.work.nodes_blended) as f64;
     let time = row.time * experiment.frames.len() as f64;
     Ok(format!(
         "{:.1} times fewer refits, about {:.0} % of time",
-        row.work.node_tests as f64 / row.work.volumes_blended.max(1) as f64,
+        row.work.node_tests as f64 / row.work.nodes_blended.max(1) as f64,
         100.0 * saved * price / (time + saved * price),
     ))
 }

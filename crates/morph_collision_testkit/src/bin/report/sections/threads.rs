@@ -2,7 +2,6 @@
 
 use std::error::Error;
 use std::fmt::Write;
-use std::num::NonZeroUsize;
 use std::sync::Arc;
 use std::thread;
 use std::time::Instant;
@@ -155,9 +154,7 @@ impl Run {
             .zip(&places)
             .map(|(pose, place)| Body::new(pose, place))
             .collect();
-        let workers = ThreadWorkers {
-            threads: NonZeroUsize::new(threads).unwrap_or(NonZeroUsize::MIN),
-        };
+        let workers = ThreadWorkers::new(threads);
         let answers = self.query.run(&mut bodies, &mut tasks, &workers);
         answers.iter().map(<[_]>::len).sum()
     }

@@ -29,7 +29,7 @@ fn volumes_and_vertices_are_blended_once_for_the_same_weights_and_only_where_a_q
         let work = |method: &Option<Box<dyn Method>>| method.as_ref().map(|method| method.work()).unwrap_or_default();
         let apart = work(&method);
         assert_eq!(
-            (apart.node_tests, apart.volumes_blended, apart.vertices_blended),
+            (apart.node_tests, apart.nodes_blended, apart.vertices_blended),
             (1, 2, 0),
             "{options:?}"
         );
@@ -37,20 +37,20 @@ fn volumes_and_vertices_are_blended_once_for_the_same_weights_and_only_where_a_q
         assert!(two(options, [0.3, 0.2], 0.05, &mut method) > 0);
         let close = work(&method);
         let nodes = 2 * 2256;
-        assert!(close.volumes_blended > 2 && close.vertices_blended > 0, "{close:?}");
+        assert!(close.nodes_blended > 2 && close.vertices_blended > 0, "{close:?}");
         assert!(
-            close.vertices_blended < nodes && close.node_tests > 2 * close.volumes_blended,
+            close.vertices_blended < nodes && close.node_tests > 2 * close.nodes_blended,
             "{close:?}"
         );
 
         assert!(two(options, [0.3, 0.2], 0.05, &mut method) > 0);
         let again = work(&method);
         assert_eq!(again.node_tests, 2 * close.node_tests - apart.node_tests, "{options:?}");
-        assert_eq!(again.volumes_blended, close.volumes_blended, "{options:?}");
+        assert_eq!(again.nodes_blended, close.nodes_blended, "{options:?}");
         assert_eq!(again.vertices_blended, close.vertices_blended, "{options:?}");
 
         assert!(two(options, [0.3, 0.25], 0.05, &mut method) > 0);
-        assert!(work(&method).volumes_blended > again.volumes_blended + 2, "{options:?}");
+        assert!(work(&method).nodes_blended > again.nodes_blended + 2, "{options:?}");
     }
 }
 

@@ -1,5 +1,7 @@
 //! The one error for values that a caller passes in, and the checks that return it.
 
+use std::fmt;
+
 use glam::DVec3;
 use thiserror::Error;
 
@@ -11,7 +13,7 @@ const LARGEST: f64 = 1e50;
 #[non_exhaustive]
 pub enum InputError {
     /// A coordinate is NaN, infinite, or too large.
-    #[error("{what}: coordinate {axis} is {value}, not a finite number of at most {limit:e}")]
+    #[error("{what}: coordinate {axis} is {}, not a finite number of at most {limit:e}", Short(*value))]
     BadCoordinate {
         /// The name of the vector.
         what: &'static str,
@@ -31,7 +33,7 @@ pub enum InputError {
         value: DVec3,
     },
     /// A number is NaN or out of range.
-    #[error("{what} is {value}, it must be {expected}")]
+    #[error("{what} is {}, it must be {expected}", Short(*value))]
     BadNumber {
         /// The name of the number.
         what: &'static str,
@@ -40,6 +42,20 @@ pub enum InputError {
         /// The allowed values.
         expected: &'static str,
     },
+}
+
+/// Prints a number with no more digits than it was given with, which may have been as `f32`.
+struct Short(f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let single = self.0 as f32;
+        if f64::from(single) == self.0 {
+            write!(f, "{single:?}")
+        } else {
+            write!(f, "{:?}", self.0)
+        }
+    }
 }
 
 /// Checks that all coordinates are finite and at most 1e50.

@@ -159,6 +159,22 @@ impl Pose {
         Some(corners.map(|corner| posed.vertex(corner)))
     }
 
+    /// Brings a copy of a pose, if there is one, to that pose's state. Keeps what the copy has blended if the state is the same.
+    pub(crate) fn copied<'c>(copy: &'c mut Option<Self>, pose: &Self) -> &'c mut Self {
+        let copy = copy.get_or_insert_with(|| pose.clone());
+        let is_current = Arc::ptr_eq(&copy.bvh, &pose.bvh)
+            && match (&copy.source, &pose.source) {
+                // Never an error: the pose has accepted these weights.
+                (Source::References, Source::References) => copy.set_weights(&pose.weights).is_ok(),
+                (Source::Vertices, Source::Vertices) => copy.weights == pose.weights,
+                _ => false,
+            };
+        if !is_current {
+            copy.clone_from(pose);
+        }
+        copy
+    }
+
     /// Other weights under boxes that were blended for these: what a bug would do.
     #[cfg(test)]
     pub(super) fn pretend_weights(&mut self, weights: &[f32]) {

@@ -56,7 +56,9 @@ fn agrees(a: &Case, b: &Case) -> bool {
             assert_eq!(closest(pair.distance), Some(pair), "{name}");
             assert_eq!(closest(pair.distance * (1.0 - 1e-9)), None, "{name}");
         }
-        assert_eq!(closest(f64::NAN), None);
+        let bodies = (Body::new(&mut pose_a, &place_a), Body::new(&mut pose_b, &place_b));
+        let error = query.closest(bodies.0, bodies.1, f64::NAN).unwrap_err().to_string();
+        assert_eq!(error, "max_distance is NaN, it must be 0 or more");
     }
     touching
 }

@@ -199,7 +199,7 @@ fn parts_of_a_large_pair_keep_what_is_blended_and_follow_new_weights() {
 
 #[test]
 fn tight_volumes_change_no_answer() {
-    let mut bodies = Bodies::new(&scenes::pass_through(200));
+    let mut bodies = Bodies::new(&scenes::pass_through(230));
     let mut tasks = bodies.tasks(Wanted::All);
     let sorted = |found: Vec<Vec<TrianglePair>>| {
         let mut pairs = found.concat();

@@ -17,8 +17,8 @@ const MAX_UNITS_AT_ONCE: usize = 8;
 #[derive(Debug, Default)]
 pub(super) struct Worker {
     pub(super) query: PairQuery,
-    /// Copies of the bodies of the large pair that the worker took a part of last.
-    copies: Option<(usize, [Pose; 2])>,
+    /// Copies of the poses of the last large pair that the worker took a part of.
+    poses: [Option<Pose>; 2],
     pub(super) done: Vec<Done>,
     pub(super) found: Vec<TrianglePair>,
     pub(super) stats: QueryStats,
@@ -120,15 +120,14 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
     }
 
     /// Does a part of a large pair, up to the whole task's limit; returns whether there are more pairs.
-    fn part(&self, index: usize, part: usize, worker: &mut Worker) -> bool {
-        let large = &self.plan.larges[index];
+    fn part(&self, large: usize, part: usize, worker: &mut Worker) -> bool {
+        let large = &self.plan.larges[large];
         if large.is_full_before(part) {
             return false;
         }
         let [(pose_a, world_from_a), (pose_b, world_from_b)] = &large.bodies;
-        let copies = worker.copies.take().filter(|(copied, _)| *copied == index);
-        let copies = copies.unwrap_or_else(|| (index, [pose_a.clone(), pose_b.clone()]));
-        let (_, [a, b]) = worker.copies.insert(copies);
+        let [copy_a, copy_b] = &mut worker.poses;
+        let (a, b) = (Pose::copied(copy_a, pose_a), Pose::copied(copy_b, pose_b));
         let before = worker.found.len();
         let mut listed = Capped::new(&mut worker.found, large.limit);
         let bodies = (Body::new(a, world_from_a), Body::new(b, world_from_b));
@@ -146,7 +145,6 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
 impl Worker {
     /// Starts a batch.
     pub(super) fn begin(&mut self) {
-        self.copies = None;
         self.done.clear();
         self.found.clear();
         self.stats = QueryStats::default();

@@ -214,6 +214,22 @@ bench *NAME:
 bench-instructions *ARGS:
     cargo bench -p morph_collision_testkit --bench instructions -- {{ARGS}}
 
+# Counts the instructions of all frames of the bench scenes, in millions (valgrind). The first pass fills caches and is left out.
+instructions:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    cargo build --release -p morph_collision_testkit --bin frames
+    count() {
+        valgrind --tool=callgrind --callgrind-out-file=/dev/null "${CARGO_TARGET_DIR:-target}/release/frames" "$@" 2>&1 | sed -n 's/.*Collected : //p'
+    }
+    for scene in pass-through-20480 dolphins-564 dolphins-9024 dolphins-36096; do
+        for wanted in all first; do
+            one=$(count $scene $wanted 1)
+            two=$(count $scene $wanted 2)
+            awk -v s=$scene -v w=$wanted -v n=$((two - one)) 'BEGIN { printf "%-20s %-6s %10.3f\n", s, w, n / 1e6 }'
+        done
+    done
+
 # Judges nearly degenerate pairs of triangles in exact arithmetic: a million of them by default.
 triangles *ARGS:
     cargo run --release -p morph_collision_testkit --bin triangles -- {{ARGS}}

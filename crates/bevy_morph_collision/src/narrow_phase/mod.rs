@@ -206,7 +206,7 @@ impl Scratch {
             (task.a, task.b) = (place_of[task.a], place_of[task.b]);
         }
         let found = batch.run(&mut bodies, &mut tasks, &TaskPoolWorkers);
-        diagnostics.stats += found.stats;
+        diagnostics.stats += found.stats();
         let listed = |task| Listed {
             triangles: found.get(task).to_vec(),
             is_truncated: found.is_truncated(task),

@@ -1,4 +1,4 @@
-//! Boxes of two bodies compared in frames that both can be taken to.
+//! Boxes of two bodies, compared in common frames.
 
 use fearless_simd::Simd;
 
@@ -12,29 +12,29 @@ pub(crate) enum Side {
     B,
 }
 
-/// The frames in which the boxes of two bodies are compared, for the time of a query; the memory is reused by the next one.
+/// The frames of a query, and the boxes mapped to them so far. The next query reuses the memory.
 #[derive(Debug, Default)]
 pub(crate) struct Culls {
     culls: Vec<Cull>,
-    /// How many of them this query has.
+    /// How many of `culls` this query uses.
     len: usize,
     query: u32,
 }
 
-/// A frame.
+/// One frame.
 #[derive(Debug, Default)]
 struct Cull {
     a: View,
     b: View,
 }
 
-/// How a frame sees one body's boxes: as they are, or through a map, each group of them once in a query.
+/// One body's boxes in a frame: unchanged, or mapped, each group once per query.
 #[derive(Debug, Default)]
 struct View {
     map: Option<BoxMap>,
-    /// By slot in the pose's cache.
+    /// By slot of the pose's cache.
     mapped: Vec<BoxLanes>,
-    /// The query that mapped a slot last.
+    /// By slot: the last query that mapped it.
     stamps: Vec<u32>,
 }
 
@@ -43,9 +43,9 @@ impl View {
         self.map.as_ref().map_or(*one, |map| map.one(one))
     }
 
-    /// Maps the boxes in a slot, unless that was done in this query or they stay as they are.
+    /// Maps the boxes of a slot if this query has not done so yet.
     #[inline(always)]
-    fn look<S: Simd>(&mut self, simd: S, query: u32, slot: usize, tree: &Posed<'_>) {
+    fn prepare<S: Simd>(&mut self, simd: S, query: u32, slot: usize, tree: &Posed<'_>) {
         if self.map.is_none() || self.stamps.get(slot) == Some(&query) {
             return;
         }
@@ -63,7 +63,7 @@ impl View {
         self.mapped.resize(slot + 1, BoxLanes::default());
     }
 
-    /// The boxes in a slot that was looked at.
+    /// The boxes of a prepared slot.
     #[inline(always)]
     fn boxes<'a>(&'a self, slot: usize, tree: &'a Posed<'_>) -> &'a BoxLanes {
         match self.map {
@@ -74,7 +74,7 @@ impl View {
 }
 
 impl Culls {
-    /// Forgets the query before.
+    /// Starts a query, without frames.
     pub(crate) fn begin(&mut self) {
         self.len = 0;
         self.query = self.query.wrapping_add(1);
@@ -87,8 +87,7 @@ impl Culls {
         }
     }
 
-    /// Adds a frame; one that is beyond `f32` would cull nothing and is left out. Says if two boxes may share a point as
-    /// far as this frame can tell.
+    /// Adds a frame; returns whether two boxes overlap in it. Ignores frames beyond the range of `f32`, which would cull nothing.
     pub(crate) fn push(&mut self, frames: &Frames, a: &Aabb, b: &Aabb) -> bool {
         let map = |frame: &Option<_>| match frame {
             Some(frame) => BoxMap::new(frame).map(Some),
@@ -106,13 +105,13 @@ impl Culls {
         cull.a.one(a).overlaps(&cull.b.one(b))
     }
 
-    /// Whether two boxes may share a point.
+    /// Whether two boxes overlap in every frame.
     pub(crate) fn overlap(&self, a: &Aabb, b: &Aabb) -> bool {
         let overlap = |cull: &Cull| cull.a.one(a).overlaps(&cull.b.one(b));
         self.culls[..self.len].iter().all(overlap)
     }
 
-    /// Which boxes in an opened group's slot of one side, out of `mask`, may share a point with a node of the other.
+    /// The boxes in an opened slot of one side, out of a mask, that overlap a node of the other side in every frame.
     #[inline(always)]
     pub(super) fn overlap_mask<S: Simd>(
         &mut self,
@@ -128,8 +127,8 @@ impl Culls {
                 Side::A => (&mut cull.a, &mut cull.b),
                 Side::B => (&mut cull.b, &mut cull.a),
             };
-            own_view.look(simd, query, slot, own);
-            other_view.look(simd, query, other_slot, other);
+            own_view.prepare(simd, query, slot, own);
+            other_view.prepare(simd, query, other_slot, other);
             let other = other_view.boxes(other_slot, other).get(lane);
             mask &= own_view.boxes(slot, own).overlap_mask(simd, &other);
             if mask == 0 {
@@ -139,8 +138,7 @@ impl Culls {
         mask
     }
 
-    /// For each lane of `rows` in an opened group's slot of A, which boxes in a slot of B, out of `mask`, may share a point
-    /// with it.
+    /// For each lane of a slot of A, out of `rows`: the boxes in a slot of B, out of a mask, that overlap it in every frame.
     #[inline(always)]
     pub(super) fn overlap_rows<S: Simd>(
         &mut self,
@@ -152,8 +150,8 @@ impl Culls {
         let query = self.query;
         *masks = [mask; LANES];
         for cull in &mut self.culls[..self.len] {
-            cull.a.look(simd, query, slot_a, a);
-            cull.b.look(simd, query, slot_b, b);
+            cull.a.prepare(simd, query, slot_a, a);
+            cull.b.prepare(simd, query, slot_b, b);
             let (boxes_a, boxes_b) = (cull.a.boxes(slot_a, a), cull.b.boxes(slot_b, b));
             let mut left = rows;
             while left != 0 {
@@ -169,7 +167,7 @@ impl Culls {
         }
     }
 
-    /// How far each box in an opened group's slot of one side reaches into a node of the other, about; both were compared.
+    /// Roughly how deep each box in an opened slot of one side overlaps a node of the other side. Both were tested before.
     #[inline(always)]
     pub(super) fn depths<S: Simd>(
         &self,

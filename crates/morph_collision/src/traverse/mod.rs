@@ -1,5 +1,5 @@
-//! Walks that cull: over one list of bodies, over one tree, over two, and over a tree and itself. What happens at the
-//! leaves is the caller's.
+//! Culling: the sweep over many boxes, and the walks over one tree, over two trees, and over a tree and itself. Callers decide what
+//! happens at the leaves.
 
 mod cull;
 mod one;

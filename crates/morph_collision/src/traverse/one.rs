@@ -1,4 +1,4 @@
-//! The one walk over one tree.
+//! The walk over one tree.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -8,10 +8,10 @@ use crate::bounds::Aabb;
 use crate::pose::{NodeRef, Posed};
 use crate::tree::{ChildKind, Leaf};
 
-/// Nodes still to be looked at, lowest bound first; reused between walks.
+/// The nodes still to visit, lowest bound first. Walks reuse the memory.
 pub(crate) type Queue = BinaryHeap<Entry>;
 
-/// A node and the caller's lower bound on what it can give.
+/// A node and its lower bound.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Entry {
     bound: f64,
@@ -19,7 +19,7 @@ pub(crate) struct Entry {
 }
 
 impl Ord for Entry {
-    /// The greatest entry of a heap comes first: the one with the lowest bound.
+    /// The heap pops the greatest entry: the one with the lowest bound.
     fn cmp(&self, other: &Self) -> Ordering {
         other.bound.total_cmp(&self.bound)
     }
@@ -39,18 +39,18 @@ impl PartialEq for Entry {
 
 impl Eq for Entry {}
 
-/// A walk over the nodes of a posed tree, best first: no node's box is blended that could not hold an answer.
+/// A best-first walk over a posed tree. Blends no bounds below nodes that cannot hold an answer.
 pub(crate) struct OneWalk<'a, 'p> {
     pub(crate) tree: &'a mut Posed<'p>,
-    /// Nodes bounded so far.
+    /// Nodes tested so far.
     pub(crate) node_tests: u64,
 }
 
 impl<'p> OneWalk<'_, 'p> {
-    /// Calls `at_leaf` for leaves by ascending bound, as long as that is at most the limit, until it breaks.
+    /// Calls `at_leaf` for leaves in ascending order of their bounds until the bounds exceed the limit or it breaks.
     ///
-    /// `bound` is given a node's model-space box, and says what its triangles give at least (their distance, say), or
-    /// `None` where they give nothing. `at_leaf` returns the new limit.
+    /// `bound` maps a node's model-space box to a lower bound for its triangles (of their distance, say), `None` to skip the node.
+    /// `at_leaf` returns the new limit.
     pub(crate) fn run(
         &mut self,
         queue: &mut Queue,

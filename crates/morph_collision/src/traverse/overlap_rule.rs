@@ -1,4 +1,4 @@
-//! The rule by which pair queries walk.
+//! The rule of pair queries.
 
 use std::cell::RefCell;
 
@@ -7,7 +7,7 @@ use super::rule::{Opened, PairRule};
 use crate::bounds::{Aabb, LANES, with_simd};
 use crate::pose::{NodeRef, Posed};
 
-/// The rule of node pairs whose boxes may meet in every one of some frames.
+/// Selects node pairs whose boxes overlap in every frame.
 #[derive(Debug)]
 pub(crate) struct OverlapRule<'a> {
     pub(crate) culls: RefCell<&'a mut Culls>,
@@ -16,7 +16,7 @@ pub(crate) struct OverlapRule<'a> {
 impl PairRule for OverlapRule<'_> {
     type Key = ();
 
-    const TAKES_BOTH: bool = true;
+    const OPENS_BOTH: bool = true;
 
     fn start(&self, a: &Aabb, b: &Aabb) -> Option<()> {
         self.culls.borrow().overlap(a, b).then_some(())

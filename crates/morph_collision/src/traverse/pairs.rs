@@ -1,43 +1,42 @@
-//! The one walk over two trees.
+//! The walk over two trees.
 
 use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
 use super::cull::Side;
 use super::rule::{Opened, PairRule};
-use crate::bounds::LANES;
+use crate::bounds::{LANES, lanes_of};
 use crate::pose::{NodeId, NodeRef, Posed};
 use crate::tree::{ChildKind, Leaf};
 
-/// Nodes whose sizes differ by less than this are descended together.
-const ALIKE: f32 = 3.0;
+/// Nodes whose sizes differ by less than this factor are opened together. Chosen by instructions on the bench scenes (docs/tried.md).
+const MAX_SIZE_RATIO: f32 = 3.0;
 
-/// Node pairs still to be looked at, with what the walk's rule says of them; reused between walks.
+/// The node pairs still to visit, with the rule's keys. Walks reuse the memory.
 pub(crate) type Stack<K = ()> = Vec<(K, NodeRef, NodeRef)>;
 
-/// A walk over the node pairs of two posed trees that a rule wants looked at, depth first.
+/// A depth-first walk over the node pairs of two posed trees that a rule selects.
 ///
-/// The children of the larger node are made, if they are not yet, and tested against the other node, eight at once (the
-/// paper's Sect. 3: descend the larger).
+/// Opens the larger node and tests its children against the other node, eight at once (the paper's Sect. 3: descend the larger).
+/// Opens both nodes if they are of similar size and the rule allows it.
 pub(crate) struct PairWalk<'a, 'p, R> {
     pub(crate) a: &'a mut Posed<'p>,
     pub(crate) b: &'a mut Posed<'p>,
     pub(crate) rule: &'a R,
-    /// Whether the roots are known to be a pair to look at, with the default key.
+    /// Whether the roots are known to be selected, with the default key.
     pub(crate) roots_overlap: bool,
-    /// Lengths in A's units per length in B's: to tell which of two nodes is larger.
+    /// The length in A's units of a length of 1 in B's, to compare sizes.
     pub(crate) a_from_b_scale: f32,
-    /// Whether pairs that reach deeper into each other come first among the children of a node: where the first intersection
-    /// ends the walk.
+    /// Whether to visit children that overlap deepest first. Pays if the walk ends at the first intersection.
     pub(crate) deepest_first: bool,
-    /// Boxes tested against boxes so far.
+    /// Node bounds tested so far.
     pub(crate) node_tests: u64,
 }
 
 impl<'p, R: PairRule> PairWalk<'_, 'p, R> {
-    /// Calls `at_leaves` for every pair of leaves that the rule wants, until it breaks.
+    /// Calls `at_leaves` for every pair of leaves that the rule selects until it breaks.
     ///
-    /// Starts from the roots, or from the front of an earlier walk over the same trees.
+    /// Starts at the roots if `front` is empty, otherwise at its node pairs.
     pub(crate) fn run(
         &mut self,
         stack: &mut Stack<R::Key>,
@@ -77,7 +76,7 @@ impl<'p, R: PairRule> PairWalk<'_, 'p, R> {
         ControlFlow::Continue(())
     }
 
-    /// The node pairs that a walk from the roots comes to, in its order, once there are so many or no more.
+    /// Expands the roots, level by level, into at least `least` node pairs if there are that many, in the order of the walk.
     pub(crate) fn front(&mut self, stack: &mut Stack<R::Key>, least: usize) -> Vec<(NodeId, NodeId)> {
         let (root_a, root_b) = (self.a.root(), self.b.root());
         let mut front = if self.roots_overlap {
@@ -107,62 +106,60 @@ impl<'p, R: PairRule> PairWalk<'_, 'p, R> {
         front.into_iter().map(|(a, b)| (a.id, b.id)).collect()
     }
 
-    /// Pushes the pairs below two nodes, of which one at least is no leaf, that are to be looked at.
+    /// Pushes the selected pairs below two nodes, at least one of which is not a leaf.
     #[inline(always)]
     fn descend(&mut self, a: NodeRef, b: NodeRef, stack: &mut Stack<R::Key>) {
         match (a.child.kind(), b.child.kind()) {
             (ChildKind::Leaf(_), ChildKind::Leaf(_)) => {}
-            (ChildKind::Group(group), ChildKind::Leaf(_)) => self.descend_a(group, b, stack),
-            (ChildKind::Leaf(_), ChildKind::Group(group)) => self.descend_b(a, group, stack),
+            (ChildKind::Group(group), ChildKind::Leaf(_)) => self.descend_one(Side::A, group, b, stack),
+            (ChildKind::Leaf(_), ChildKind::Group(group)) => self.descend_one(Side::B, group, a, stack),
             (ChildKind::Group(group_a), ChildKind::Group(group_b)) => {
                 let size_a = self.a.node_box(a).girth();
                 let size_b = self.b.node_box(b).girth() * self.a_from_b_scale;
-                let alike = size_a < ALIKE * size_b && size_b < ALIKE * size_a;
-                if alike && R::TAKES_BOTH {
+                let are_alike = size_a < MAX_SIZE_RATIO * size_b && size_b < MAX_SIZE_RATIO * size_a;
+                if are_alike && R::OPENS_BOTH {
                     self.descend_both(group_a, (group_b, b), stack);
                 } else if size_a >= size_b {
-                    self.descend_a(group_a, b, stack);
+                    self.descend_one(Side::A, group_a, b, stack);
                 } else {
-                    self.descend_b(a, group_b, stack);
+                    self.descend_one(Side::B, group_b, a, stack);
                 }
             }
         }
     }
 
+    /// Pushes the children of one side's group, each with a node of the other side.
     #[inline(always)]
-    fn descend_a(&mut self, group: usize, b: NodeRef, stack: &mut Stack<R::Key>) {
+    fn descend_one(&mut self, side: Side, group: usize, other: NodeRef, stack: &mut Stack<R::Key>) {
+        let (own_tree, other_tree) = match side {
+            Side::A => (&mut *self.a, &*self.b),
+            Side::B => (&mut *self.b, &*self.a),
+        };
         let mut keys = [R::Key::default(); LANES];
-        let opened = open(self.a, group, &mut self.node_tests);
+        let opened = open(own_tree, group, &mut self.node_tests);
+        let own_tree = &*own_tree;
         let mask = self
             .rule
-            .children(Side::A, (&*self.a, opened), (&*self.b, b), &mut keys);
+            .children(side, (own_tree, opened), (other_tree, other), &mut keys);
         let first = stack.len();
-        push(stack, mask, &keys, |lane| (self.a.node(opened.slot, group, lane), b));
+        push(stack, mask, &keys, |lane| {
+            let own = own_tree.node(opened.slot, group, lane);
+            match side {
+                Side::A => (own, other),
+                Side::B => (other, own),
+            }
+        });
         if self.deepest_first && mask & mask.wrapping_sub(1) != 0 {
-            let other = (&*self.b, b.slot as usize, usize::from(b.id.lane));
-            let depths = self.rule.depths(Side::A, (&*self.a, opened.slot), other);
-            sort_by_depth(&mut stack[first..], |(_, a, _)| depths[usize::from(a.id.lane) % LANES]);
+            let at = (other_tree, other.slot as usize, usize::from(other.id.lane));
+            let depths = self.rule.depths(side, (own_tree, opened.slot), at);
+            sort_by_depth(&mut stack[first..], |(_, a, b)| {
+                let own = if side == Side::A { a } else { b };
+                depths[usize::from(own.id.lane) % LANES]
+            });
         }
     }
 
-    #[inline(always)]
-    fn descend_b(&mut self, a: NodeRef, group: usize, stack: &mut Stack<R::Key>) {
-        let mut keys = [R::Key::default(); LANES];
-        let opened = open(self.b, group, &mut self.node_tests);
-        let mask = self
-            .rule
-            .children(Side::B, (&*self.b, opened), (&*self.a, a), &mut keys);
-        let first = stack.len();
-        push(stack, mask, &keys, |lane| (a, self.b.node(opened.slot, group, lane)));
-        if self.deepest_first && mask & mask.wrapping_sub(1) != 0 {
-            let other = (&*self.a, a.slot as usize, usize::from(a.id.lane));
-            let depths = self.rule.depths(Side::B, (&*self.b, opened.slot), other);
-            sort_by_depth(&mut stack[first..], |(_, _, b)| depths[usize::from(b.id.lane) % LANES]);
-        }
-    }
-
-    /// The children of two nodes of about the same size against each other; as many tests as one after the other, but one
-    /// step of the walk.
+    /// Pushes the pairs of children of two nodes. As many tests as opening one after the other, but one step of the walk.
     #[inline(always)]
     fn descend_both(&mut self, group_a: usize, (group_b, b): (usize, NodeRef), stack: &mut Stack<R::Key>) {
         let mut keys = [R::Key::default(); LANES];
@@ -188,7 +185,7 @@ impl<'p, R: PairRule> PairWalk<'_, 'p, R> {
         }
         if self.deepest_first && stack.len() > first + 1 {
             let mut depths = [[0.0; LANES]; LANES];
-            for lane in lanes_reversed(rows).filter(|&lane| masks[lane] != 0) {
+            for lane in lanes_of(rows).filter(|&lane| masks[lane] != 0) {
                 let other = (&*self.a, opened_a.slot, lane);
                 depths[lane] = self.rule.depths(Side::B, (&*self.b, slot), other);
             }
@@ -204,7 +201,7 @@ fn node_at(tree: &mut Posed<'_>, place: NodeId) -> NodeRef {
     tree.node(slot, place.group as usize, usize::from(place.lane))
 }
 
-/// Makes a group's boxes unless they are there.
+/// A group's boxes, blended if necessary.
 #[inline(always)]
 fn open(tree: &mut Posed<'_>, group: usize, node_tests: &mut u64) -> Opened {
     let slot = tree.open(group);
@@ -213,7 +210,7 @@ fn open(tree: &mut Posed<'_>, group: usize, node_tests: &mut u64) -> Opened {
     Opened { slot, mask }
 }
 
-/// Pushes the lanes of a mask so that the lowest key comes off the stack first, among equals the first lane.
+/// Pushes the lanes of a mask so that the lowest key is popped first, and among equals the first lane.
 #[inline(always)]
 fn push<K: Copy + PartialOrd>(
     stack: &mut Stack<K>,
@@ -230,15 +227,15 @@ fn push<K: Copy + PartialOrd>(
         let (a, b) = pair(lane);
         stack.push((keys[lane], a, b));
     }
-    // Keys without content need no order.
+    // Keys of size zero need no order.
     if size_of::<K>() > 0 {
         stack[first..].sort_by(|x, y| y.0.partial_cmp(&x.0).unwrap_or(Ordering::Equal));
     }
 }
 
-/// The deepest last, so that it comes off the stack first; equals stay in order.
+/// Sorts so that the deepest pair is popped first. Stable.
 fn sort_by_depth<K: Copy>(pairs: &mut [(K, NodeRef, NodeRef)], depth: impl Fn(&(K, NodeRef, NodeRef)) -> f32) {
-    // By insertion: they are few.
+    // Insertion sort, for up to 64 pairs.
     for place in 1..pairs.len() {
         let (pair, deep) = (pairs[place], depth(&pairs[place]));
         let mut hole = place;
@@ -250,7 +247,7 @@ fn sort_by_depth<K: Copy>(pairs: &mut [(K, NodeRef, NodeRef)], depth: impl Fn(&(
     }
 }
 
-/// The set bits, last first, so that the first lane comes off the stack first.
+/// The lanes of a mask in descending order, so that the first lane is popped first.
 pub(super) fn lanes_reversed(mask: u8) -> impl Iterator<Item = usize> {
     (0..8).rev().filter(move |lane| mask >> lane & 1 == 1)
 }

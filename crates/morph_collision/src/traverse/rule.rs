@@ -2,15 +2,15 @@ use super::cull::Side;
 use crate::bounds::{Aabb, LANES};
 use crate::pose::{NodeRef, Posed};
 
-/// Which node pairs a walk looks at, and in which order.
+/// Selects the node pairs that a walk visits, and their order.
 pub(crate) trait PairRule {
-    /// What decides about a pair; lower ones come first among the children of a node.
+    /// The sort key of a pair. Among the children of a node, lower keys come first.
     type Key: Copy + Default + PartialOrd;
 
-    /// The key of two nodes to start from, usually the roots; `None` not to look at them.
+    /// The key of two nodes to start at; `None` to skip them.
     fn start(&self, a: &Aabb, b: &Aabb) -> Option<Self::Key>;
 
-    /// The keys of an opened group's children against a node of the other side's tree, and the lanes to look at.
+    /// Writes the keys of an opened group's children against a node of the other tree; returns the selected lanes.
     fn children(
         &self,
         side: Side,
@@ -19,27 +19,27 @@ pub(crate) trait PairRule {
         keys: &mut [Self::Key; LANES],
     ) -> u8;
 
-    /// Whether [`PairRule::both`] may be asked: keys need no order, and a step of the walk may be a large one.
-    const TAKES_BOTH: bool = false;
+    /// Whether the walk may call [`PairRule::both`]. Keys then have no order.
+    const OPENS_BOTH: bool = false;
 
-    /// For each lane of `rows`, a mask of A's children, which ones of B's it is to be looked at with.
+    /// For each lane of `rows`, a mask of A's children, the selected children of B.
     #[inline]
     fn both(&self, _a: (&Posed<'_>, Opened), _b: (&Posed<'_>, Opened), _rows: u8) -> [u8; LANES] {
         [0; LANES]
     }
 
-    /// How far each child in an opened group's slot reaches into a node of the other side's tree, about, by its slot and lane; both
-    /// were looked at.
+    /// Roughly how deep each child in an opened slot overlaps a node of the other tree, given by its slot and lane. Both were tested
+    /// before.
     #[inline]
     fn depths(&self, _side: Side, _own: (&Posed<'_>, usize), _other: (&Posed<'_>, usize, usize)) -> [f32; LANES] {
         [0.0; LANES]
     }
 
-    /// Whether a pair that comes off the stack is still worth looking at.
+    /// Whether to visit a pair that was popped.
     fn still_wanted(&self, key: Self::Key) -> bool;
 }
 
-/// A group whose boxes are made: where they are, and a bit per child.
+/// A group with blended boxes: their slot, and a bit per child.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Opened {
     pub(crate) slot: usize,

@@ -1,8 +1,8 @@
 use crate::bounds::Aabb;
 
-/// The broad phase: appends the index pairs `(i, j)`, `i < j`, whose boxes share a point, sorted.
+/// The broad phase: appends the index pairs `(i, j)`, `i < j`, of overlapping boxes, sorted. Skips `None`.
 ///
-/// A body without a box takes part in no pair. Sort and sweep along the x axis: `O(n log n)` and the overlaps along x.
+/// Sorts and sweeps along the x axis: `O(n log n)` plus the number of overlaps along x.
 pub fn overlapping_pairs(bounds: &[Option<Aabb>], pairs: &mut Vec<(u32, u32)>) {
     let start = pairs.len();
     let mut order: Vec<(Aabb, u32)> = bounds

@@ -1,4 +1,4 @@
-//! The one walk over a tree and itself.
+//! The walk over a tree and itself.
 
 use std::ops::ControlFlow;
 
@@ -7,13 +7,13 @@ use crate::bounds::{LANES, with_simd};
 use crate::pose::{NodeRef, Posed};
 use crate::tree::{ChildKind, Leaf};
 
-/// Node pairs of one tree still to be looked at; reused between walks.
+/// The node pairs of one tree still to visit. Walks reuse the memory.
 pub(crate) type SelfStack = Vec<(NodeRef, NodeRef)>;
 
-/// Calls `at_leaves` for every pair of leaves of a posed tree whose boxes share a point, each leaf with itself included,
-/// until it breaks; returns how many boxes were tested against boxes.
+/// Calls `at_leaves` for every pair of leaves of a posed tree with overlapping boxes, and for each leaf with itself, until it
+/// breaks; returns the number of box tests.
 ///
-/// Subtrees whose boxes are apart are culled. No frame is involved: both sides are in the same model space.
+/// Compares boxes in model space, so no frame is involved.
 pub(crate) fn walk_within<'p>(
     posed: &mut Posed<'p>,
     stack: &mut SelfStack,
@@ -24,35 +24,26 @@ pub(crate) fn walk_within<'p>(
     let root = posed.root();
     stack.push((root, root));
     while let Some((a, b)) = stack.pop() {
-        let flow = match (a.child.kind(), b.child.kind()) {
-            (ChildKind::Leaf(leaf_a), ChildKind::Leaf(leaf_b)) => at_leaves(posed, leaf_a, leaf_b),
-            (ChildKind::Group(group), _) if a.child == b.child => {
-                tests += push_pairs_among(posed, group, stack);
-                ControlFlow::Continue(())
+        match (a.child.kind(), b.child.kind()) {
+            (ChildKind::Leaf(leaf_a), ChildKind::Leaf(leaf_b)) => {
+                if at_leaves(posed, leaf_a, leaf_b).is_break() {
+                    break;
+                }
             }
+            (ChildKind::Group(group), _) if a.child == b.child => tests += push_pairs_among(posed, group, stack),
+            (ChildKind::Group(group), ChildKind::Leaf(_)) => tests += push_pairs_with(posed, group, b, stack),
+            (ChildKind::Leaf(_), ChildKind::Group(group)) => tests += push_pairs_with(posed, group, a, stack),
             (ChildKind::Group(group_a), ChildKind::Group(group_b)) => {
                 let a_is_larger = posed.node_box(a).girth() >= posed.node_box(b).girth();
                 let (group, other) = if a_is_larger { (group_a, b) } else { (group_b, a) };
                 tests += push_pairs_with(posed, group, other, stack);
-                ControlFlow::Continue(())
             }
-            (ChildKind::Group(group), ChildKind::Leaf(_)) => {
-                tests += push_pairs_with(posed, group, b, stack);
-                ControlFlow::Continue(())
-            }
-            (ChildKind::Leaf(_), ChildKind::Group(group)) => {
-                tests += push_pairs_with(posed, group, a, stack);
-                ControlFlow::Continue(())
-            }
-        };
-        if flow.is_break() {
-            break;
         }
     }
     tests
 }
 
-/// Every child of a group with itself, and with every later one that its box shares a point with.
+/// Pushes every child of a group with itself, and with every later child whose box overlaps.
 fn push_pairs_among(posed: &mut Posed<'_>, group: usize, stack: &mut SelfStack) -> u64 {
     let slot = posed.open(group);
     let children = posed.topology.group(group).children().len();
@@ -67,7 +58,7 @@ fn push_pairs_among(posed: &mut Posed<'_>, group: usize, stack: &mut SelfStack) 
     (children * (children - 1) / 2) as u64
 }
 
-/// Every child of a group whose box shares a point with another node's.
+/// Pushes another node with every child of a group whose box overlaps.
 fn push_pairs_with(posed: &mut Posed<'_>, group: usize, other: NodeRef, stack: &mut SelfStack) -> u64 {
     let bounds = posed.node_box(other);
     let slot = posed.open(group);

@@ -377,10 +377,8 @@ fn a_manifold_tells_that_it_was_made_from_some_of_the_pairs() {
     let [mut a, mut b] = [(); 2].map(|()| pose(&mesh, 8));
     let places = [Vec3::ZERO, Vec3::splat(0.05)].map(|by| WorldFromModel::new(Affine3A::from_translation(by)).unwrap());
     let mut query = ContactQuery::new();
-    let mut manifold = |limit| {
-        let manifold = query.manifold_up_to(Body::new(&mut a, &places[0]), Body::new(&mut b, &places[1]), limit);
-        manifold
-    };
+    let mut manifold =
+        |limit| query.manifold_up_to(Body::new(&mut a, &places[0]), Body::new(&mut b, &places[1]), limit);
     let whole = manifold(usize::MAX).expect("they touch");
     assert!(!whole.is_truncated);
     assert_eq!(manifold(whole.pair_count), Some(whole));

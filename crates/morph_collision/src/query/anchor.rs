@@ -5,7 +5,7 @@ use super::ray::RayHit;
 use super::shape::ClosestPoint;
 use crate::exact::Triangle;
 
-/// A place on a mesh's surface that stays with it as the shape and the body move.
+/// A point on a mesh's surface that follows it as the shape and the body move.
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -21,16 +21,16 @@ use crate::exact::Triangle;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceAnchor {
-    /// The triangle's number in its mesh.
+    /// The triangle's index in its mesh.
     pub triangle: u32,
-    /// The weights of the triangle's corners.
+    /// The barycentric coordinates in the triangle.
     pub barycentrics: [f64; 3],
 }
 
-/// Where a [`SurfaceAnchor`] is, and which way the surface faces there: three orthogonal unit vectors in world space.
+/// The position of a [`SurfaceAnchor`] and the orientation of the surface there: three orthogonal unit vectors in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceFrame {
-    /// The anchor's place.
+    /// The anchor's position.
     pub point: DVec3,
     /// Along the edge from the triangle's first corner to its second.
     pub tangent: DVec3,
@@ -41,22 +41,22 @@ pub struct SurfaceFrame {
 }
 
 impl SurfaceAnchor {
-    /// Where the anchor is in world space; `None` if the mesh has no such triangle.
+    /// The anchor's position in world space; `None` if the mesh has no such triangle.
     ///
-    /// Cost: the triangle's corners are blended, unless they already were for these weights.
+    /// Cost: blends the triangle's corners if they are not cached for the current weights.
     #[must_use]
     pub fn point(&self, body: Body<'_>) -> Option<DVec3> {
         Some(self.point_on(&self.corners(body)?))
     }
 
-    /// As [`SurfaceAnchor::point`] with the directions of the surface; `None` also where the triangle has no area.
+    /// The anchor's position and orientation; `None` if the mesh has no such triangle or it has no area.
     #[must_use]
     pub fn frame(&self, body: Body<'_>) -> Option<SurfaceFrame> {
         let triangle = self.corners(body)?;
         let [a, b, c] = triangle;
         let tangent = (b - a).try_normalize()?;
         let normal = (b - a).cross(c - a).try_normalize()?;
-        // Orthogonal up to one rounding, whatever the triangle's shape.
+        // Orthogonalised again, for slivers.
         let normal = (normal - tangent * tangent.dot(normal)).try_normalize()?;
         Some(SurfaceFrame {
             point: self.point_on(&triangle),
@@ -71,7 +71,7 @@ impl SurfaceAnchor {
         exists.then(|| world_triangle(&mut body.pose.posed(), body.world_from_model, self.triangle))
     }
 
-    /// Relative to the first corner, so that barycentrics that sum to 1 up to rounding do not magnify a far place.
+    /// Computed relative to the first corner: the sum of the barycentrics is rounded, which would matter far from the origin.
     fn point_on(&self, &[a, b, c]: &Triangle) -> DVec3 {
         let [_, v, w] = self.barycentrics;
         a + ((b - a) * v + (c - a) * w)

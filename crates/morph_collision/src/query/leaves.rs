@@ -1,4 +1,4 @@
-//! The triangles of leaves in world space, kept for the time of a query: a leaf meets several of the other body's.
+//! The triangles of leaves in world space, cached for the duration of a query: a leaf meets several leaves of the other body.
 
 use std::ops::Range;
 
@@ -9,16 +9,16 @@ use crate::exact::Triangle;
 use crate::pose::Posed;
 use crate::tree::{CornerLanes, Leaf};
 
-/// Which leaves of a body a query has read, and as which of its blocks.
+/// The leaves of a body that a query has read, and the block of each.
 #[derive(Debug, Default)]
 pub(super) struct LeafStamps {
-    /// Per leaf: the query that read it last, and the block it is in that one.
+    /// Per leaf: the last query that read it, and its block then.
     stamps: Vec<(u32, u32)>,
     query: u32,
 }
 
 impl LeafStamps {
-    /// Forgets the query before; there are so many leaves.
+    /// Starts a query on a tree with this many leaves.
     pub(super) fn begin(&mut self, leaves: usize) {
         self.query = self.query.wrapping_add(1);
         if self.query == 0 {
@@ -30,7 +30,7 @@ impl LeafStamps {
         }
     }
 
-    /// The block of a leaf that was read.
+    /// The block of a leaf, if this query has read it.
     #[inline]
     pub(super) fn find(&self, leaf: Leaf) -> Option<usize> {
         let (query, block) = self.stamps[leaf.0];
@@ -42,26 +42,26 @@ impl LeafStamps {
     }
 }
 
-/// The triangles of the leaves of one body that a query has read, placed in the world; the memory is reused by the next query.
+/// The triangles of the leaves of one body that a query has read, in world space. The next query reuses the memory.
 #[derive(Debug, Default)]
 pub(super) struct Leaves {
     stamps: LeafStamps,
-    /// Where each block's triangles are among `placed`.
+    /// Each block's range of `placed`.
     blocks: Vec<Range<usize>>,
     placed: Vec<(u32, Triangle)>,
-    /// Of the leaf that is being read.
+    /// Scratch memory of `read`.
     posed: Vec<CornerLanes>,
 }
 
 impl Leaves {
-    /// Forgets the leaves of the query before; there are so many.
+    /// Starts a query on a tree with this many leaves.
     pub(super) fn begin(&mut self, leaves: usize) {
         self.stamps.begin(leaves);
         self.blocks.clear();
         self.placed.clear();
     }
 
-    /// Where a leaf's triangles are; they are blended and placed at the first call.
+    /// The block of a leaf. Blends and places its triangles on the first call.
     pub(super) fn read(&mut self, tree: &mut Posed<'_>, world_from_model: &WorldFromModel, leaf: Leaf) -> Range<usize> {
         if let Some(block) = self.stamps.find(leaf) {
             return self.blocks[block].clone();
@@ -74,13 +74,13 @@ impl Leaves {
         block
     }
 
-    /// Triangles that were read, each with its number.
+    /// The triangles of a block, each with its number.
     pub(super) fn triangles(&self, block: Range<usize>) -> &[(u32, Triangle)] {
         &self.placed[block]
     }
 }
 
-/// Appends a leaf's triangles to `placed`, each with its number and its corners in world space; `posed` is scratch memory.
+/// Appends a leaf's triangles to `placed`, each with its number and its corners in world space. `posed` is scratch memory.
 pub(super) fn place_leaf(
     tree: &mut Posed<'_>,
     world_from_model: &WorldFromModel,

@@ -1,4 +1,4 @@
-//! Where the leaves of two bodies are compared in `f32`, and the way there.
+//! The local frame in which leaves of two bodies are compared in `f32`.
 
 use fearless_simd::f64x4;
 use fearless_simd::prelude::*;
@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::bounds::{Lanes, WorldFromModel};
 
-/// Where `f32` says most of what `f64` does: near both bodies, in units of their size.
+/// A frame near both bodies, in units of their size, where `f32` loses little of `f64`'s precision.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Neighbourhood {
     origin: DVec3,
@@ -15,10 +15,10 @@ pub(super) struct Neighbourhood {
 }
 
 impl Neighbourhood {
-    /// Of bodies near `origin`, one of which is about of a size.
+    /// A frame for bodies near `origin`, of roughly this size.
     pub(super) fn new(origin: DVec3, size: f64) -> Self {
         const MANTISSA: u32 = f64::MANTISSA_DIGITS - 1;
-        // The power of two below, inverted, within what leaves room on both sides.
+        // The inverse of the power of two below, far enough from the ends of the range.
         let exponent = (size.to_bits() >> MANTISSA) as i64 - 1023;
         let exponent = if size.is_normal() { exponent.clamp(-900, 900) } else { 0 };
         Self {
@@ -34,8 +34,10 @@ impl Default for Neighbourhood {
     }
 }
 
-/// The way of eight posed corners to the neighbourhood: exactly as [`WorldFromModel::transform_point`] places them, and then
-/// rounded, but for what subtraction in `f64` loses, once; monotonic in every coordinate.
+/// Maps eight posed corners to the neighbourhood.
+///
+/// Places them exactly like [`WorldFromModel::transform_point`], subtracts the origin in `f64` and rounds once. Monotonic in every
+/// coordinate.
 pub(super) struct Placement<S: Simd> {
     linear: [[f64x4<S>; 3]; 3],
     translation: [f64x4<S>; 3],

@@ -1,9 +1,9 @@
-//! Up to eight triangles side by side in `f32`, and what is certain of them and those of another patch.
+//! Up to eight triangles side by side in `f32`, tested against those of another patch with error bounds.
 //!
-//! Two of them are turned away where an axis is found along which they are apart by more than every rounding on the way, and
-//! any axis will do: how well it was chosen decides the speed alone. The axes are the world's, both normals, and the two
-//! products of edges of which one parts triangles that reach through each other's planes (Guigue and Devillers 2003). Where
-//! all the signs that these depend on are beyond errors and none parts two triangles, they meet.
+//! A pair is rejected if the triangles are apart along some axis by more than the error bound. Any axis is valid; a well-chosen one
+//! only saves time. Tested are the coordinate axes, both normals, and the two cross products of edges of which one separates
+//! disjoint triangles that cross each other's planes (Guigue and Devillers 2003). If all signs involved are certain and no axis
+//! separates the triangles, they intersect. What is neither rejected nor certain is decided elsewhere.
 
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
@@ -24,31 +24,31 @@ pub(super) struct Patch {
     hull: Aabb,
     /// By corner and coordinate.
     corners: CornerLanes,
-    /// Across each triangle; the largest coordinate is about 1, or all are 0.
+    /// Perpendicular to each triangle, with a largest coordinate of about 1; zero for degenerate ones.
     normals: [Lanes; 3],
-    /// What the triangle spans along its own normal.
+    /// Each triangle's interval along its own normal.
     low: Lanes,
     high: Lanes,
-    /// The longest side of each triangle's box, and the same for a normal whose largest coordinate is 1.
+    /// The longest side of each triangle's box; the same divided by the length that the normal had before scaling.
     span: Lanes,
     tilt: Lanes,
-    /// The largest absolute coordinate, or infinite where products would leave `f32`.
+    /// The largest absolute coordinate, infinite if products would leave the range of `f32`.
     reach: f32,
     /// A bit per triangle.
     lanes: u8,
 }
 
-/// The pairs of triangles of two patches: in each row a bit for each triangle of the other one.
+/// The pairs of triangles of two patches: a row per triangle of one, a bit per triangle of the other.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct PatchPairs {
-    /// Those that may meet.
+    /// Pairs that might intersect.
     pub(super) near: [u8; LANES],
-    /// Those of them that do.
+    /// Those of them that certainly do.
     pub(super) meet: [u8; LANES],
 }
 
 impl Patch {
-    /// Takes posed triangles to the neighbourhood and measures them; lanes beyond their number repeat one of them.
+    /// Fills the patch with posed triangles, taken to the neighbourhood. Unused lanes must repeat one of the triangles.
     #[inline(always)]
     pub(super) fn place<S: Simd>(
         &mut self,
@@ -66,11 +66,11 @@ impl Patch {
         self.measure(simd);
     }
 
-    /// Boxes, hull, normals and heights of the corners.
+    /// Computes boxes, hull, normals and intervals from the corners.
     #[inline(always)]
     fn measure<S: Simd>(&mut self, simd: S) {
-        // Coordinates beyond this leave no room for products of four.
-        const MOST: f32 = 1e6;
+        // Products of four larger coordinates could overflow.
+        const LARGEST: f32 = 1e6;
         let [a, b, c] = self.load(simd);
         let (mut least, mut most) = (a, a);
         for i in 0..3 {
@@ -83,7 +83,7 @@ impl Patch {
         self.hull = self.boxes.hull_of_all();
         let Aabb { min, max } = self.hull;
         let reach = (-min).max(max).max_element().max(0.0);
-        self.reach = if reach <= MOST { reach } else { f32::INFINITY };
+        self.reach = if reach <= LARGEST { reach } else { f32::INFINITY };
         let normal = cross(sub(b, a), sub(c, a));
         let largest = normal[0].abs().max(normal[1].abs()).max(normal[2].abs());
         let known = largest.simd_gt(f32x8::splat(simd, f32::MIN_POSITIVE));

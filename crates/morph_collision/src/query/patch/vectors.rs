@@ -1,4 +1,4 @@
-//! Vectors of eight, a coordinate at a time.
+//! Eight vectors side by side, as structure of arrays.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};

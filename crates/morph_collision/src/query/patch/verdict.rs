@@ -1,4 +1,4 @@
-//! One triangle against eight: which ones are certainly apart from it, and which ones certainly meet it.
+//! One triangle against eight: which are certainly separate from it, and which certainly intersect it.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};
@@ -6,7 +6,7 @@ use fearless_simd::{f32x8, mask32x8};
 use super::Patch;
 use super::vectors::{Corners, Vector, choose, cross, dot, one, sub};
 
-/// What is certain of eight pairs, a bit each.
+/// What is certain about eight pairs, as bit masks.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Verdict {
     pub(super) apart: u8,
@@ -14,7 +14,7 @@ pub(super) struct Verdict {
 }
 
 impl Patch {
-    /// These triangles, of which the ones in `near` count, against one of another patch.
+    /// Tests the triangles in `near` against one triangle of another patch.
     #[inline(always)]
     pub(super) fn judge<S: Simd>(
         &self,
@@ -27,14 +27,14 @@ impl Patch {
         let own = self.load(simd);
         let theirs = other.splat(simd, lane);
 
-        // Their plane.
+        // Our corners against their plane.
         let [x, y, z] = &other.normals;
         let normal = [one(simd, x, lane), one(simd, y, lane), one(simd, z, lane)];
         let (low, high) = (one(simd, &other.low, lane), one(simd, &other.high, lane));
         let own_sides = Sides::new(normal, own, low, high);
         let mut apart = own_sides.apart(errors.of_normals);
 
-        // Our planes.
+        // Their corners against our planes.
         let [x, y, z] = &self.normals;
         let normal = [x.load(simd), y.load(simd), z.load(simd)];
         let their_sides = Sides::new(normal, theirs, self.low.load(simd), self.high.load(simd));
@@ -47,7 +47,7 @@ impl Patch {
             };
         }
 
-        // The edges from the corners that are alone on their sides; the pairs that count depend on which sides these are.
+        // The edges from the corner that is alone on its side of the other plane. Which pairs of edges matter depends on the sides.
         let [s0, s1, s2] = own_sides.above();
         let [t0, t1, t2] = their_sides.above();
         let [p, q, r] = lone_first(own, [s0, s1, s2]);
@@ -64,7 +64,7 @@ impl Patch {
             return Verdict { apart, meet: 0 };
         }
 
-        // Triangles that reach through each other's planes meet if both products say so.
+        // Triangles that cross each other's planes intersect if both products have the right signs.
         let (own_span, their_span) = (self.span.load(simd), one(simd, &other.span, lane));
         let spans = own_span + their_span;
         let error = errors.of_products * (spans * spans);
@@ -81,24 +81,23 @@ impl Patch {
     }
 }
 
-/// By how much heights along an axis, and products, may come out farther from zero than they are.
+/// Upper bounds for the errors of heights along an axis, and of products of edges. Derived in `docs/numerics.md`.
 ///
-/// With `R` the reach and `u = 2^-24`:
+/// Let `R` be the reach and `u = 2^-24`.
 ///
-/// A coordinate is rounded once when it is taken to the neighbourhood, and a height three times more, each time by at most
-/// `u` of the axis' sum of coordinates times `R`; two heights make 8 of these, their comparison and the bound's own rounding
-/// 3 more. Products that underflow add less than `FLOOR`. That is all there is to triangles being apart, for which any axis
-/// will do.
+/// To reject a pair, any axis is valid, so only heights matter. A coordinate is rounded once when it is taken to the
+/// neighbourhood, and a height three more times, each by at most `u R` times the sum of the axis's coordinates. Two heights make
+/// 8 such roundings; their comparison and the bound itself add 3. Products that underflow add less than `FLOOR`.
 ///
-/// That they meet takes the right axes. With spans `A` and `B`, the edges of both triangles are known within `4.1 u R`, the
-/// product of two edges of one within `29 u R A` in each coordinate, of one of each within `14 u R (A + B)`; no two corners
-/// of triangles whose boxes overlap are farther from each other than `A + B`. See `docs/numerics.md`.
+/// To accept a pair, the axes themselves must be accurate. With spans `A` and `B`, the error of an edge is at most `4.1 u R`, that of
+/// the product of two edges of one triangle `29 u R A` per coordinate, and of one edge of each `14 u R (A + B)`. Corners of triangles
+/// with overlapping boxes are at most `A + B` apart.
 pub(super) struct ErrorBounds<S: Simd> {
     pub(super) per_length: f32x8<S>,
     pub(super) floor: f32x8<S>,
-    /// For axes whose coordinates are at most 1.
+    /// For axes with coordinates of at most 1.
     pub(super) of_normals: f32x8<S>,
-    /// The same with a normal's own rounding, and that of its tilt; for [`Sides::clear`].
+    /// The same including the normal's own rounding and tilt, for [`Sides::clear`].
     pub(super) of_sides: f32x8<S>,
     pub(super) of_tilts: f32x8<S>,
     pub(super) of_products: f32x8<S>,
@@ -115,7 +114,7 @@ impl<S: Simd> ErrorBounds<S> {
             per_length: f32x8::splat(simd, per_length),
             floor: f32x8::splat(simd, FLOOR),
             of_normals: f32x8::splat(simd, of_normals),
-            // Twice, as heights are there.
+            // Doubled, because the heights there are.
             of_sides: f32x8::splat(simd, 2.0 * 3.0 * of_normals),
             of_tilts: f32x8::splat(simd, 2.0 * 8.0 * per_length),
             of_products: f32x8::splat(simd, 4.0 * per_length),
@@ -123,10 +122,10 @@ impl<S: Simd> ErrorBounds<S> {
     }
 }
 
-/// Where the corners of triangles are beside planes, or the other way round.
+/// The heights of corners over planes: of eight triangles over one plane, or of one triangle over eight.
 pub(super) struct Sides<S: Simd> {
     pub(super) heights: Vector<S>,
-    /// What the planes' own triangles span along their normals.
+    /// The intervals of the planes' own triangles along their normals.
     pub(super) low: f32x8<S>,
     pub(super) high: f32x8<S>,
 }
@@ -142,18 +141,18 @@ impl<S: Simd> Sides<S> {
         }
     }
 
-    /// Where all heights are beyond the interval.
+    /// The lanes in which all heights lie beyond the interval.
     #[inline(always)]
     fn apart(&self, errors: f32x8<S>) -> mask32x8<S> {
         let [a, b, c] = self.heights;
         a.min(b).min(c).simd_gt(self.high + errors) | a.max(b).max(c).simd_lt(self.low - errors)
     }
 
-    /// Which heights are above the interval's middle.
+    /// Whether each height is above the middle of the interval.
     #[inline(always)]
     pub(super) fn above(&self) -> [mask32x8<S>; 3] {
         let [a, b, c] = self.heights;
-        // Twice the height, so that nothing is halved.
+        // Doubles the heights instead of halving the sum.
         let middle = self.low + self.high;
         [
             (a + a).simd_gt(middle),
@@ -162,7 +161,7 @@ impl<S: Simd> Sides<S> {
         ]
     }
 
-    /// How far outside of the interval the nearest of the heights is, twice; below 0 where it is inside.
+    /// Twice the distance from the interval to the nearest height; negative inside.
     #[inline(always)]
     pub(super) fn clearance(&self) -> f32x8<S> {
         let [a, b, c] = self.heights;
@@ -172,19 +171,19 @@ impl<S: Simd> Sides<S> {
         off - (self.high - self.low)
     }
 
-    /// Where no height is in errors about its side.
+    /// The lanes in which every height is certainly on its side.
     #[inline(always)]
     fn clear(&self, errors: f32x8<S>) -> mask32x8<S> {
         self.clearance().simd_gt(errors)
     }
 }
 
-/// Two triangles along an axis.
+/// Pairs of triangles projected onto an axis.
 pub(super) struct Along<S: Simd> {
-    /// By how much one is beyond the other; below 0 where they overlap.
+    /// The gap between them; negative if they overlap.
     pub(super) gap: f32x8<S>,
     pub(super) error: f32x8<S>,
-    /// From the first corner of one to that of the other.
+    /// The distance from the first corner of one to the first corner of the other.
     pub(super) step: f32x8<S>,
 }
 
@@ -208,7 +207,7 @@ impl<S: Simd> Along<S> {
     }
 }
 
-/// A triangle turned so that the corner that is alone on its side comes first.
+/// Rotates a triangle so that the corner that is alone on its side comes first.
 #[inline(always)]
 pub(super) fn lone_first<S: Simd>([a, b, c]: Corners<S>, [sa, sb, sc]: [mask32x8<S>; 3]) -> Corners<S> {
     let (b_alone, c_alone) = (!(sa ^ sc), !(sa ^ sb));

@@ -7,7 +7,7 @@ use crate::exact::{
     Nearest, Segment, Triangle, closest_of_segments, closest_on_triangle, edges, plane_side, triangles_intersect,
 };
 
-/// A box in world space, given by its frame; exact answers are about its eight corners as [`Cuboid::corners`] rounds them.
+/// A box in world space, given by its frame. Exact answers refer to its eight corners as rounded by [`Cuboid::corners`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Cuboid {
     half: DVec3,
@@ -15,7 +15,7 @@ pub(super) struct Cuboid {
     center: DVec3,
 }
 
-/// Each face as two triangles of corners; the diagonals are part of the definition.
+/// Each face as two triangles. The diagonals are part of the definition.
 const FACES: [[usize; 3]; 12] = [
     [0, 4, 6],
     [0, 6, 2],
@@ -31,7 +31,7 @@ const FACES: [[usize; 3]; 12] = [
     [4, 7, 6],
 ];
 
-/// The largest and smallest things that happen to a coordinate in this file are this share of all that takes part.
+/// Bounds the error of a local coordinate, relative to the largest coordinate that takes part: 128 roundings, more than the operations here.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 impl Cuboid {
@@ -39,7 +39,7 @@ impl Cuboid {
         Self { half, rotation, center }
     }
 
-    /// Corner `i` in the box's own frame: it has the upper end along axis `k` where bit `k` is set.
+    /// Corner `i` in the box's own frame. Bit `k` selects the upper end along axis `k`.
     fn local_corner(&self, i: usize) -> DVec3 {
         let sign = |bit: usize| if i & bit == 0 { -1.0 } else { 1.0 };
         self.half * DVec3::new(sign(1), sign(2), sign(4))
@@ -62,7 +62,7 @@ impl Cuboid {
         self.center.abs().max_element() + self.half.element_sum()
     }
 
-    /// The unit vector along which the signed distance grows at a point.
+    /// The gradient of the signed distance at a point, a unit vector.
     pub(super) fn outward(&self, point: DVec3) -> DVec3 {
         let local = self.local(point);
         let outside = local - local.clamp(-self.half, self.half);
@@ -70,7 +70,7 @@ impl Cuboid {
         self.rotation * direction
     }
 
-    /// The outward axis of the face nearest to a local point that is inside.
+    /// The outward axis of the face nearest to a local point inside.
     fn nearest_face(&self, local: DVec3) -> DVec3 {
         let beyond = local.abs() - self.half;
         let axis = if beyond.x >= beyond.y && beyond.x >= beyond.z {
@@ -97,7 +97,7 @@ impl Cuboid {
         FACES.iter().map(move |face| face.map(|corner| corners[corner]))
     }
 
-    /// Exact over the corners, the centre and the triangle; rounded local coordinates decide where they are clear enough.
+    /// Exact over the corners, the centre and the triangle. Rounded local coordinates decide clear cases.
     pub(super) fn intersects(&self, triangle: &Triangle) -> bool {
         let local = triangle.map(|corner| self.local(corner));
         let reach = triangle
@@ -116,9 +116,9 @@ impl Cuboid {
         self.faces().any(|face| triangles_intersect(triangle, &face)) || self.holds(triangle[0])
     }
 
-    /// Whether a point is in one of the twelve tetrahedra that the centre spans with the faces' triangles; exact.
+    /// Whether a point is in one of the twelve tetrahedra between the centre and the faces' triangles. Exact.
     ///
-    /// A tetrahedron without volume is left out: all it holds belongs to a face, or it belongs to a box that is flat.
+    /// Skips tetrahedra without volume: their points belong to a face, or the box is flat.
     fn holds(&self, point: DVec3) -> bool {
         self.faces().any(|[a, b, c]| {
             let apex = self.center;
@@ -162,8 +162,7 @@ impl Cuboid {
         }
     }
 
-    /// The closest points of the box and a triangle that is outside, in local coordinates: a corner of one or an edge of each
-    /// takes part.
+    /// The closest points of the box and a triangle outside, in local coordinates. They lie on a corner of one, or on an edge of each.
     fn closest_outside(&self, triangle: &Triangle) -> (DVec3, DVec3) {
         let mut nearest = Nearest::default();
         for &corner in triangle {
@@ -183,10 +182,10 @@ impl Cuboid {
         nearest.points()
     }
 
-    /// The point of a triangle that is deepest inside, in local coordinates, and its signed distance.
+    /// The deepest point of a triangle, in local coordinates, and its signed distance.
     ///
-    /// Inside, that is the largest of six linear functions. On the triangle its minimum lies at a corner, on an edge where
-    /// two of them agree, or where three agree.
+    /// Inside, the signed distance is the maximum of six linear functions. Its minimum over the triangle lies at a corner, on an
+    /// edge where two of them agree, or where three agree.
     fn deepest(&self, triangle: &Triangle) -> (DVec3, f64) {
         let [a, b, c] = *triangle;
         let mut best = (a, self.local_distance(a));
@@ -201,7 +200,7 @@ impl Cuboid {
         };
         offer(1.0, 0.0);
         offer(0.0, 1.0);
-        // Face function i over the barycentric coordinates of b and c: at a, and how it grows along both.
+        // Face function i over the barycentric coordinates of b and c: its value at a, and its slopes.
         let face = |i: usize| {
             let sign = if i < 3 { 1.0 } else { -1.0 };
             let along = |p: DVec3| sign * p[i % 3];

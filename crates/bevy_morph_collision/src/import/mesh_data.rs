@@ -155,7 +155,7 @@ impl MeshData {
             _ => self.displacements.chunks_exact(vertices).collect(),
         };
         let model = MorphModel::from_displacements(&self.positions, &corners, &targets)?;
-        let tree = MorphBvh::build(Arc::new(model), options)?;
+        let tree = MorphBvh::build(Arc::new(model), options);
         Ok(Built { tree, corners })
     }
 

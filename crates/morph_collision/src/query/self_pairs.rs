@@ -23,7 +23,7 @@ use crate::traverse::{SelfStack, walk_within};
 /// let base = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::Z + Vec3::X, Vec3::Z * 2.0];
 /// let push = [Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, Vec3::NEG_Z * 1.5, Vec3::NEG_Z * 1.5, Vec3::NEG_Z * 1.5];
 /// let model = MorphModel::from_displacements(&base, &[[0, 1, 2], [3, 4, 5]], &[push])?;
-/// let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?));
+/// let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
 /// let mut query = SelfQuery::new();
 /// assert!(!query.any(&mut pose).0);
 /// pose.set_weights(&[1.0])?;
@@ -84,7 +84,7 @@ impl SelfQuery {
         stats.node_tests = walk_within(posed, stack, |posed, a, b| {
             // In model space, where the shape alone decides.
             let [block_a, block_b] = [a, b].map(|leaf| leaves.read(posed, &WorldFromModel::IDENTITY, leaf));
-            let vertices = |number: u32| posed.model.triangle(number as usize);
+            let vertices = |number: u32| posed.model.corners(number);
             for (i, &(number_a, ref corners_a)) in leaves.triangles(block_a).iter().enumerate() {
                 let others = leaves.triangles(block_b.clone());
                 let others = if a == b { &others[i + 1..] } else { others };

@@ -7,6 +7,7 @@ use serde_json::Value;
 use super::pairs::{sorted, truth};
 use crate::mesh::MorphMesh;
 use crate::models::{degenerate, random};
+use crate::verify::check_containment;
 
 /// Meshes whose layouts are read.
 static MESHES: LazyLock<[(MorphMesh, Arc<MorphModel>); 4]> = LazyLock::new(|| {
@@ -60,7 +61,7 @@ pub fn layout(data: &[u8]) {
             .map(|k| 0.6 * k as f32 - 0.4 * i as f32)
             .collect();
         pose.set_weights(&weights).expect("the weights are small");
-        let report = pose.check_containment();
+        let report = check_containment(mesh, pose);
         assert_eq!(report.first, None, "a vertex outside its box");
     }
     let places = [

@@ -7,6 +7,7 @@
 //!
 //! Who answers is behind a trait, [`AnswerSource`], so that the comparison itself can be tried on answers known to be wrong.
 
+mod containment;
 mod draw;
 mod judge;
 mod run;
@@ -18,6 +19,7 @@ mod source;
 #[cfg(test)]
 mod tests;
 
+pub use containment::{ContainmentReport, ContainmentViolation, check_containment};
 pub use draw::Draw;
 pub use judge::{Counts, Trouble, judge};
 pub use run::{Finding, Verification, verify};

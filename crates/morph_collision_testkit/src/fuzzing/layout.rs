@@ -1,7 +1,7 @@
 use std::sync::{Arc, LazyLock};
 
 use glam::{Affine3A, Vec3};
-use morph_collision::{Body, MorphBvh, MorphModel, PairQuery, Pose, TreeLayout, WorldFromModel};
+use morph_collision::{Body, BuildOptions, MorphBvh, MorphModel, PairQuery, Pose, TreeLayout, WorldFromModel};
 use serde_json::Value;
 
 use super::pairs::{sorted, truth};
@@ -26,7 +26,7 @@ static MESHES: LazyLock<[(MorphMesh, Arc<MorphModel>); 4]> = LazyLock::new(|| {
 
 /// A tree's layout as JSON, after one byte that says of which mesh: refused, or a tree that answers right.
 ///
-/// With the byte's upper bit unset version and fingerprint are put right first, so that the rest is looked at.
+/// If the byte's upper bit is not set, version and fingerprint are corrected first, so that the rest is checked.
 ///
 /// # Panics
 /// If a restored tree answers wrong.
@@ -41,8 +41,11 @@ pub fn layout(data: &[u8]) {
     if first & 128 == 0
         && let Value::Object(fields) = &mut value
     {
-        fields.insert("version".to_owned(), 1.into());
-        fields.insert("fingerprint".to_owned(), model.fingerprint().into());
+        let right = MorphBvh::build(model.clone(), &BuildOptions::default()).layout();
+        let right = serde_json::to_value(right).expect("a layout is serialisable");
+        for name in ["version", "fingerprint"] {
+            fields.insert(name.to_owned(), right[name].clone());
+        }
     }
     let Ok(layout) = serde_json::from_value::<TreeLayout>(value) else {
         return;

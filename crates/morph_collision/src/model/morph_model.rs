@@ -1,5 +1,4 @@
 use std::fmt;
-use std::ops::Range;
 
 use glam::Vec3;
 
@@ -87,12 +86,12 @@ impl MorphModel {
         check::count("targets", targets.len(), u16::MAX as usize)?;
         check::triangles(triangles, base.len())?;
 
-        let sparse = SparseRows::gather(base.len(), targets);
-        let (welded_from_source, firsts) = weld(base, |vertex| sparse.row(vertex));
+        let of_vertex: Vec<_> = (0..base.len()).map(|vertex| sparse(vertex, targets)).collect();
+        let (welded_from_source, firsts) = weld(base, &of_vertex);
         let mut displacements = Vec::new();
         let mut starts = vec![0];
         for &first in &firsts {
-            displacements.extend_from_slice(sparse.row(first));
+            displacements.extend_from_slice(&of_vertex[first]);
             starts.push(displacements.len() as u32);
         }
         Ok(Self {
@@ -235,35 +234,13 @@ impl fmt::Debug for MorphModel {
     }
 }
 
-/// The nonzero displacements of each vertex, gathered from dense displacements per target.
-struct SparseRows {
-    entries: Vec<Displacement>,
-    rows: Vec<Range<usize>>,
-}
-
-impl SparseRows {
-    fn gather<T: AsRef<[Vec3]>>(vertices: usize, targets: &[T]) -> Self {
-        let mut entries = Vec::new();
-        let rows = (0..vertices)
-            .map(|vertex| {
-                let start = entries.len();
-                let moved = targets.iter().enumerate().filter_map(|(target, deltas)| {
-                    let delta = deltas.as_ref()[vertex];
-                    (delta != Vec3::ZERO).then_some(Displacement {
-                        target: target as u32,
-                        delta,
-                    })
-                });
-                entries.extend(moved);
-                start..entries.len()
-            })
-            .collect();
-        Self { entries, rows }
-    }
-
-    fn row(&self, vertex: usize) -> &[Displacement] {
-        &self.entries[self.rows[vertex].clone()]
-    }
+/// The nonzero displacements of a vertex.
+fn sparse<T: AsRef<[Vec3]>>(vertex: usize, targets: &[T]) -> Vec<Displacement> {
+    let deltas = (0..)
+        .zip(targets)
+        .map(|(target, deltas)| (target, deltas.as_ref()[vertex]));
+    let moving = deltas.filter(|(_, delta)| *delta != Vec3::ZERO);
+    moving.map(|(target, delta)| Displacement { target, delta }).collect()
 }
 
 fn reach(vectors: &[Vec3]) -> f32 {

@@ -33,15 +33,17 @@ fn hash_vector<H: Hasher>(v: Vec3, state: &mut H) {
 }
 
 /// Returns the welded vertex of each vertex, numbered by first appearance, and the first vertex of each welded one.
-pub(super) fn weld<'a>(base: &[Vec3], displacements: impl Fn(usize) -> &'a [Displacement]) -> (Vec<u32>, Vec<usize>) {
+pub(super) fn weld(base: &[Vec3], displacements: &[Vec<Displacement>]) -> (Vec<u32>, Vec<usize>) {
     let mut welded_of = HashMap::with_capacity(base.len());
     let mut firsts = Vec::new();
-    let welded_from_source = base
+    let keys = base
         .iter()
+        .zip(displacements)
+        .map(|(&base, displacements)| Key { base, displacements });
+    let welded_from_source = keys
         .enumerate()
-        .map(|(vertex, &base)| {
-            let displacements = displacements(vertex);
-            *welded_of.entry(Key { base, displacements }).or_insert_with(|| {
+        .map(|(vertex, key)| {
+            *welded_of.entry(key).or_insert_with(|| {
                 firsts.push(vertex);
                 firsts.len() as u32 - 1
             })

@@ -34,7 +34,7 @@ impl Pose {
         Self {
             weights: vec![0.0; bvh.model().target_count()],
             is_refitted: false,
-            boxes: EpochCache::new(bvh.topology().group_count()),
+            boxes: EpochCache::new(bvh.topology.group_count()),
             vertices: EpochCache::new(bvh.model().vertex_count()),
             blended: Blended::default(),
             scratch: Scratch::default(),
@@ -141,9 +141,9 @@ impl Pose {
     pub(crate) fn posed(&mut self) -> Posed<'_> {
         Posed {
             model: self.bvh.model(),
-            topology: self.bvh.topology(),
-            tables: self.bvh.tables(),
-            leaf_lanes: self.bvh.leaf_lanes(),
+            topology: &self.bvh.topology,
+            tables: &self.bvh.tables,
+            leaf_lanes: self.bvh.leaf_lanes.as_deref(),
             weights: &self.weights,
             boxes: &mut self.boxes,
             vertices: &mut self.vertices,

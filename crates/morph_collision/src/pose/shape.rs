@@ -11,12 +11,7 @@ impl Pose {
     /// Cost: every vertex is blended unless it is cached. [`Pose::bounds`] costs far less.
     pub fn tight_bounds(&mut self) -> Aabb {
         let mut bounds = Aabb::EMPTY;
-        self.for_each_triangle(|_, corners| {
-            for corner in corners {
-                bounds.min = bounds.min.min(corner);
-                bounds.max = bounds.max.max(corner);
-            }
-        });
+        self.for_each_triangle(|_, corners| bounds = bounds.union(&Aabb::from_points(corners)));
         bounds
     }
 

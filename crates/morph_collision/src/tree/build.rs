@@ -51,10 +51,14 @@ impl Splits for Recorded<'_> {
     }
 }
 
-pub(super) fn build(model: Arc<MorphModel>, options: &BuildOptions) -> MorphBvh {
-    let triangles = (0..model.triangle_count() as u32).collect();
-    let splits = Partition::new(&model, options.leaf_size());
-    build_over(model, options, triangles, splits)
+impl MorphBvh {
+    /// Builds the tree.
+    #[must_use]
+    pub fn build(model: Arc<MorphModel>, options: &BuildOptions) -> Self {
+        let triangles = (0..model.triangle_count() as u32).collect();
+        let splits = Partition::new(&model, options.leaf_size());
+        build_over(model, options, triangles, splits)
+    }
 }
 
 /// Builds a tree over all triangles, given in any order.

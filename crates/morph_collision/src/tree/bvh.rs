@@ -1,7 +1,6 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::build::build;
 use super::{BuildOptions, Child, ChildKind, LeafLanes, Tables, Topology};
 use crate::model::MorphModel;
 
@@ -15,19 +14,13 @@ use crate::model::MorphModel;
 #[derive(Clone)]
 pub struct MorphBvh {
     pub(super) model: Arc<MorphModel>,
-    pub(super) topology: Arc<Topology>,
-    pub(super) tables: Arc<Tables>,
-    pub(super) leaf_lanes: Option<Arc<LeafLanes>>,
+    pub(crate) topology: Arc<Topology>,
+    pub(crate) tables: Arc<Tables>,
+    pub(crate) leaf_lanes: Option<Arc<LeafLanes>>,
     pub(super) options: BuildOptions,
 }
 
 impl MorphBvh {
-    /// Builds the tree.
-    #[must_use]
-    pub fn build(model: Arc<MorphModel>, options: &BuildOptions) -> Self {
-        build(model, options)
-    }
-
     /// The mesh.
     #[must_use]
     pub fn model(&self) -> &Arc<MorphModel> {
@@ -72,7 +65,7 @@ impl MorphBvh {
     /// the depth of the tree.
     #[must_use]
     pub fn subtrees(&self, max_triangles: usize) -> Vec<&[u32]> {
-        let topology = self.topology();
+        let topology = &self.topology;
         let mut parts = Vec::new();
         let mut rest: Vec<Child> = topology.group(0).children().to_vec();
         while let Some(node) = rest.pop() {
@@ -85,18 +78,6 @@ impl MorphBvh {
             }
         }
         parts
-    }
-
-    pub(crate) fn topology(&self) -> &Topology {
-        &self.topology
-    }
-
-    pub(crate) fn tables(&self) -> &Tables {
-        &self.tables
-    }
-
-    pub(crate) fn leaf_lanes(&self) -> Option<&LeafLanes> {
-        self.leaf_lanes.as_deref()
     }
 }
 

@@ -3,7 +3,8 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use super::{BuildOptions, ChildKind, MorphBvh, build};
+use super::build::{MAX_DEPTH, Recorded, build_over};
+use super::{BuildOptions, ChildKind, MorphBvh};
 use crate::bounds::LANES;
 use crate::model::MorphModel;
 
@@ -115,9 +116,7 @@ impl TreeLayout {
             let broken = LayoutError::Nodes { place };
             let children = match self.nodes.get(place) {
                 Some(0) if count <= self.options.leaf_size() => 0,
-                Some(&children) if (2..=LANES as u32).contains(&children) && depth < build::MAX_DEPTH => {
-                    children as usize
-                }
+                Some(&children) if (2..=LANES as u32).contains(&children) && depth < MAX_DEPTH => children as usize,
                 _ => return Err(broken),
             };
             place += 1;
@@ -153,7 +152,7 @@ impl MorphBvh {
     /// The tree's shape, to store and restore.
     #[must_use]
     pub fn layout(&self) -> TreeLayout {
-        let topology = self.topology();
+        let topology = &self.topology;
         let mut nodes = Vec::new();
         let mut rest = topology.group(0).children().to_vec();
         while let Some(node) = rest.pop() {
@@ -188,12 +187,7 @@ impl MorphBvh {
     /// [`LayoutError`] if the layout is of another version or another mesh, or corrupt.
     pub fn from_layout(model: Arc<MorphModel>, layout: &TreeLayout) -> Result<Self, LayoutError> {
         layout.check(&model)?;
-        let splits = build::Recorded(&layout.nodes);
-        Ok(build::build_over(
-            model,
-            &layout.options,
-            layout.triangles.clone(),
-            splits,
-        ))
+        let (triangles, splits) = (layout.triangles.clone(), Recorded(&layout.nodes));
+        Ok(build_over(model, &layout.options, triangles, splits))
     }
 }

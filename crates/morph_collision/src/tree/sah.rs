@@ -116,8 +116,8 @@ impl Partition {
 
     /// Tries the planes between equal bins along each axis.
     fn halve_binned(&self, triangles: &mut [u32]) -> Option<usize> {
-        let midpoints = &self.shapes[0].midpoints;
-        let spread = Aabb::from_points(triangles.iter().map(|&t| midpoints[t as usize]));
+        let midpoint = |&t: &u32| self.shapes[0].midpoints[t as usize];
+        let spread = Aabb::from_points(triangles.iter().map(midpoint));
         let mut best: Option<(f64, Vec<usize>, usize)> = None;
         for axis in 0..3 {
             let (start, end) = (f64::from(spread.min[axis]), f64::from(spread.max[axis]));
@@ -125,7 +125,7 @@ impl Partition {
                 continue;
             }
             let per_unit = BINS as f64 / (end - start);
-            let bin = |&t: &u32| ((f64::from(midpoints[t as usize][axis]) - start) * per_unit) as usize;
+            let bin = |t: &u32| ((f64::from(midpoint(t)[axis]) - start) * per_unit) as usize;
             let bins: Vec<usize> = triangles.iter().map(|t| bin(t).min(BINS - 1)).collect();
             let mut costs = [0.0; BINS];
             for shape in &self.shapes {

@@ -9,7 +9,7 @@ use crate::bounds::LANES;
 /// # Panics
 /// If the tree is broken; the message says where.
 pub(super) fn validate(bvh: &MorphBvh) {
-    let topology = bvh.topology();
+    let topology = &bvh.topology;
     let (mut next_group, mut next_leaf) = (1, 0);
     let mut triangles: Vec<u32> = Vec::new();
     let mut rest: Vec<ChildKind> = topology.group(0).children().iter().map(|root| root.kind()).collect();
@@ -50,7 +50,7 @@ pub(super) fn validate(bvh: &MorphBvh) {
         "each triangle once"
     );
     for group in 0..topology.group_count() {
-        let tables = bvh.tables().group(group);
+        let tables = bvh.tables.group(group);
         let boxes = tables.intervals.iter().chain(tables.references).chain([tables.base]);
         let mut numbers = boxes
             .flat_map(|boxes| boxes.min.iter().chain(&boxes.max))

@@ -5,6 +5,8 @@
 //!                                               AnswerSource (Trees) --> pairs -- judge --> Counts, Reproduction (shrink)
 //! ```
 //!
+//! [`check_containment`] checks the boxes of a posed tree against vertices that it blends itself.
+//!
 //! Who answers is behind a trait, [`AnswerSource`], so that the comparison itself can be tried on answers known to be wrong.
 
 mod containment;

@@ -77,9 +77,7 @@ pub(super) fn build_over(
     let above_root = builder.reserve();
     let (root, extents) = builder.node(&mut triangles, 0);
     builder.finish(above_root, &[root], &[extents]);
-    let Builder {
-        mut topology, tables, ..
-    } = builder;
+    let (mut topology, tables) = (builder.topology, builder.tables);
     topology.triangles = triangles;
     MorphBvh {
         leaf_lanes: LeafLanes::new(&model, &topology).map(Arc::new),
@@ -106,14 +104,11 @@ impl<S: Splits> Builder<'_, S> {
         };
         let group = self.reserve();
         let mut rest = triangles;
-        let (mut children, mut extents) = (Vec::with_capacity(counts.len()), Vec::with_capacity(counts.len()));
-        for count in counts {
-            let (part, others) = rest.split_at_mut(count);
-            let (child, spanned) = self.node(part, depth + 1);
-            children.push(child);
-            extents.push(spanned);
-            rest = others;
-        }
+        let build_child = |count| {
+            let part = rest.split_off_mut(..count).unwrap_or_default();
+            self.node(part, depth + 1)
+        };
+        let (children, extents): (Vec<_>, Vec<_>) = counts.into_iter().map(build_child).unzip();
         (Child::group(group), self.finish(group, &children, &extents))
     }
 

@@ -36,7 +36,7 @@ impl MorphBvh {
     /// The number of nodes, including the root and the leaves.
     #[must_use]
     pub fn node_count(&self) -> usize {
-        self.topology.node_count()
+        self.topology.groups.iter().map(|group| group.children().len()).sum()
     }
 
     /// The number of leaves.

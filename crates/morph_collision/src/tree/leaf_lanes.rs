@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::Topology;
+use super::{Leaf, Topology};
 use crate::bounds::{LANES, Lanes};
 use crate::model::MorphModel;
 
@@ -49,7 +49,7 @@ impl LeafLanes {
             targets: Vec::new(),
             displacements: Vec::new(),
         };
-        let leaves = || topology.leaves().map(|leaf| topology.leaf_triangles(leaf));
+        let leaves = || (0..topology.leaf_count()).map(|leaf| topology.leaf_triangles(Leaf(leaf)));
         let patches: usize = leaves().map(|triangles| triangles.len().div_ceil(LANES)).sum();
         if model.triangle_count() < MIN_TRIANGLES * patches {
             return None;

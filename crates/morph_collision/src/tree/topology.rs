@@ -123,14 +123,6 @@ impl Topology {
         self.leaf_starts.len() - 1
     }
 
-    pub(super) fn node_count(&self) -> usize {
-        self.groups.iter().map(|group| usize::from(group.len)).sum()
-    }
-
-    pub(super) fn leaves(&self) -> impl Iterator<Item = Leaf> {
-        (0..self.leaf_count()).map(Leaf)
-    }
-
     /// The model's numbers of a leaf's triangles.
     #[inline]
     pub(crate) fn leaf_triangles(&self, leaf: Leaf) -> &[u32] {

@@ -170,8 +170,11 @@ fn the_nodes_of_a_depth_are_boxes_in_the_colour_of_their_state() {
         for (weight, x) in [(weight, 0.0), (0.0, 50.0)] {
             let mut pose = Pose::new(tree.clone());
             pose.set_weights(&[weight]).unwrap();
-            pose.visit_bounds(depth, |bounds, _| {
-                expected.push([bounds.min, bounds.max].map(|p| p + x * Vec3::X));
+            pose.visit_nodes(|node| {
+                if node.depth == depth || node.is_leaf {
+                    expected.push([node.bounds.min, node.bounds.max].map(|p| p + x * Vec3::X));
+                }
+                node.depth < depth
             });
         }
         let Drawn { lines, strips, colors } = drawn(&app);

@@ -192,7 +192,7 @@ fn posed_vertices_and_bounds_are_those_of_the_pose() {
     assert_eq!(posed.len(), expected.len());
     let affine: Affine3A = turned.compute_affine();
     let bounds = ask(&mut app, move |s| s.bounds(a)).unwrap();
-    for (i, (posed, expected)) in posed.iter().zip(expected).enumerate() {
+    for (i, (posed, expected)) in (0..).zip(posed.iter().zip(expected)) {
         assert!(posed.distance(affine.transform_point3(expected)) < 1e-5);
         assert!(bounds.contains(*posed));
         assert_eq!(ask(&mut app, move |s| s.posed_vertex(a, i)), Some(*posed));

@@ -302,7 +302,7 @@ fn a_large_mesh_is_copied_a_part_in_each_frame() {
         let mut weights = [0.0; 50];
         weights[target] = 1.0;
         pose.set_weights(&weights).unwrap();
-        pose.source_vertex(target).unwrap().z
+        pose.source_vertex(target as u32).unwrap().z
     };
     let lifts: Vec<f32> = (0..50).map(lift).collect();
     assert!(lifts.is_sorted() && lifts[0] == 1.0, "{lifts:?}");
@@ -334,7 +334,7 @@ fn a_mesh_that_changes_while_it_is_copied_is_copied_anew() {
     pose.set_weights(&[1.0; 50]).unwrap();
     for vertex in [0, 25, 49] {
         assert_eq!(
-            pose.source_vertex(vertex),
+            pose.source_vertex(vertex as u32),
             Some(shape.positions[vertex] + shape.targets[vertex][vertex])
         );
     }

@@ -104,10 +104,13 @@ fn draw(
             else {
                 continue;
             };
-            pose.visit_bounds(depth, |bounds, was_fresh| {
-                let color = if was_fresh { style.refitted } else { style.resting };
-                let cube = Transform::from_translation(bounds.center()).with_scale(bounds.size());
-                gizmos.cube(*place * cube, color);
+            pose.visit_nodes(|node| {
+                if node.depth == depth || node.is_leaf {
+                    let color = if node.was_fresh { style.refitted } else { style.resting };
+                    let cube = Transform::from_translation(node.bounds.center()).with_scale(node.bounds.size());
+                    gizmos.cube(*place * cube, color);
+                }
+                node.depth < depth
             });
         }
     }

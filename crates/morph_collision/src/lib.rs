@@ -28,7 +28,7 @@
 //! let base = [Vec3::ZERO, Vec3::X, Vec3::Y];
 //! let lift = [Vec3::Z; 3];
 //! let model = MorphModel::from_displacements(&base, &[[0, 1, 2]], &[lift])?;
-//! let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?);
+//! let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
 //!
 //! let (mut a, mut b) = (Pose::new(bvh.clone()), Pose::new(bvh));
 //! let at_origin = WorldFromModel::IDENTITY;
@@ -85,8 +85,8 @@ mod tree;
 pub use bounds::{Aabb, Kernel, TransformError, WorldFromModel};
 pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect, triangles_intersect_filtered};
 pub use input_error::InputError;
-pub use model::{ModelError, MorphModel, Subject};
-pub use pose::{ContainmentReport, ContainmentViolation, NoSuchVertex, Pose, WeightsError};
+pub use model::{ModelError, MorphModel};
+pub use pose::{Pose, PosedNode, WeightsError};
 #[cfg(feature = "rayon")]
 pub use query::RayonWorkers;
 pub use query::{
@@ -96,7 +96,7 @@ pub use query::{
     Workers,
 };
 pub use traverse::overlapping_pairs;
-pub use tree::{BrokenTree, BuildError, BuildOptions, BvhStats, LayoutError, MorphBvh, TreeLayout};
+pub use tree::{BuildOptions, LayoutError, MorphBvh, TreeLayout};
 
 /// The README's snippet, run.
 #[cfg(doctest)]

@@ -1,27 +1,31 @@
-//! How trees are built, as far as commands let one choose.
+//! The options of trees that commands share.
 
 use clap::Args;
 use morph_collision::BuildOptions;
 
-/// The shape of trees; what is not given is as the library has it by default.
+/// How trees are built; by default as the library builds them.
 #[derive(Debug, Args)]
 pub(crate) struct TreeArgs {
     /// Most triangles in a leaf of a tree, 1 to 255.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
-    leaf: Option<u8>,
+    #[arg(long, value_name = "N", value_parser = parse_leaf)]
+    leaf: Option<BuildOptions>,
+}
+
+fn parse_leaf(text: &str) -> Result<BuildOptions, String> {
+    let leaf_size = text
+        .parse()
+        .map_err(|error: std::num::ParseIntError| error.to_string())?;
+    let options = BuildOptions::default().with_leaf_size(leaf_size);
+    options.map_err(|error| error.to_string())
 }
 
 impl TreeArgs {
     /// The leaf size, if it was given.
     pub(crate) fn leaf(&self) -> Option<usize> {
-        self.leaf.map(usize::from)
+        self.leaf.map(|options| options.leaf_size())
     }
 
     pub(crate) fn build(&self) -> BuildOptions {
-        let options = BuildOptions::default();
-        match self.leaf() {
-            Some(leaf) => options.with_leaf_size(leaf),
-            None => options,
-        }
+        self.leaf.unwrap_or_default()
     }
 }

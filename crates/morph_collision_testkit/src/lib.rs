@@ -17,7 +17,7 @@
 //!
 //! - [`oracle`]: brute force in exact arithmetic. It uses nothing of `morph_collision`.
 //! - [`moments`]: bodies at one moment, ordinary and odd, on which every method has to agree.
-//! - [`verify`]: compares the answers of trees with brute force, in random situations.
+//! - [`verify`]: compares the answers of trees with brute force in random situations, and checks their boxes against vertices.
 //! - [`stress`]: the same with generated, difficult meshes, and with bad input.
 //! - [`fuzzing`]: the functions that the fuzz targets call.
 //! - [`near_degenerate`]: pairs of triangles that rounded arithmetic gets wrong.

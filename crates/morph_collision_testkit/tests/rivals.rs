@@ -60,7 +60,7 @@ fn all_methods_agree_whatever_the_arity_and_the_leaf_size() {
         for leaf_size in [1, 3, 40, 255] {
             let options = MethodOptions {
                 arity,
-                ..MethodOptions::default().with_leaf_size(leaf_size)
+                ..MethodOptions::default().with_leaf_size(leaf_size).unwrap()
             };
             assert!(all_agree(moment, &options) > 0);
         }

@@ -10,7 +10,7 @@ use morph_collision_testkit::{
 };
 
 fn poses(mesh: &MorphMesh, count: usize) -> Result<Vec<Pose>, Box<dyn Error>> {
-    let bvh = Arc::new(MorphBvh::build(Arc::new(mesh.to_model()?), &BuildOptions::default())?);
+    let bvh = Arc::new(MorphBvh::build(Arc::new(mesh.to_model()?), &BuildOptions::default()));
     Ok((0..count).map(|_| Pose::new(bvh.clone())).collect())
 }
 

@@ -224,7 +224,7 @@ fn painted(mesh: &MorphMesh, colors: &[Color]) -> Mesh {
 /// At rest, and at full weight of each target.
 fn normals(mesh: &MorphMesh) -> Option<(Vec<Vec3>, Vec<Vec<Vec3>>)> {
     let model = Arc::new(mesh.to_model().ok()?);
-    let mut pose = Pose::new(Arc::new(MorphBvh::build(model, &BuildOptions::default()).ok()?));
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(model, &BuildOptions::default())));
     let mut of = |target: Option<usize>| {
         let mut weights = vec![0.0; mesh.targets.len()];
         if let Some(target) = target {

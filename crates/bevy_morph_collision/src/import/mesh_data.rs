@@ -5,7 +5,7 @@ use std::sync::Arc;
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, MeshAccessError, PrimitiveTopology, VertexAttributeValues};
 use bevy::prelude::*;
-use morph_collision::{BuildError, BuildOptions, ModelError, MorphBvh, MorphModel};
+use morph_collision::{BuildOptions, InputError, ModelError, MorphBvh, MorphModel};
 use thiserror::Error;
 
 /// Why a mesh cannot collide.
@@ -55,9 +55,9 @@ pub enum ImportError {
     /// The shape cannot be used.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// The plugin's build options are out of range.
+    /// A setting of [`MorphTreeSettings`](crate::MorphTreeSettings) is out of range.
     #[error(transparent)]
-    Build(#[from] BuildError),
+    Settings(#[from] InputError),
 }
 
 impl From<MeshAccessError> for ImportError {
@@ -155,7 +155,7 @@ impl MeshData {
             _ => self.displacements.chunks_exact(vertices).collect(),
         };
         let model = MorphModel::from_displacements(&self.positions, &corners, &targets)?;
-        let tree = MorphBvh::build(Arc::new(model), options)?;
+        let tree = MorphBvh::build(Arc::new(model), options);
         Ok(Built { tree, corners })
     }
 

@@ -87,11 +87,11 @@ impl MeshTree {
         on_built: &[OnBuilt],
         build: impl FnOnce(&BuildOptions) -> Result<Finished, ImportError> + Send + 'static,
     ) {
-        let options = key.1.map_or(*options, |settings| settings.over(*options));
+        let options = key.1.map_or(Ok(*options), |settings| settings.over(*options));
         let on_built = on_built.to_vec();
         let pool = AsyncComputeTaskPool::get_or_init(Default::default);
         self.work = Work::Building(pool.spawn(async move {
-            let finished = build(&options)?;
+            let finished = build(&options?)?;
             on_built.iter().for_each(|work| work(&finished.0));
             Ok(finished)
         }));

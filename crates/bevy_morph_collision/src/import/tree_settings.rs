@@ -1,7 +1,7 @@
 //! How trees are built: for all meshes, or for what one entity shows.
 
 use bevy::prelude::*;
-use morph_collision::BuildOptions;
+use morph_collision::{BuildOptions, InputError};
 
 /// How trees are built, for all meshes. No answer depends on it.
 ///
@@ -9,8 +9,9 @@ use morph_collision::BuildOptions;
 /// # use bevy::prelude::*;
 /// # use bevy_morph_collision::{BuildOptions, MorphCollisionPlugin, MorphTreeOptions};
 /// # let mut app = App::new();
-/// app.insert_resource(MorphTreeOptions(BuildOptions::default().with_leaf_size(16)));
+/// app.insert_resource(MorphTreeOptions(BuildOptions::default().with_leaf_size(16)?));
 /// app.add_plugins(MorphCollisionPlugin);
+/// # Ok::<(), bevy_morph_collision::InputError>(())
 /// ```
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Resource, Clone, Debug, Default)]
@@ -28,14 +29,14 @@ pub struct MorphTreeSettings {
 impl Default for MorphTreeSettings {
     fn default() -> Self {
         Self {
-            leaf_size: BuildOptions::default().leaf_size as u8,
+            leaf_size: BuildOptions::default().leaf_size() as u8,
         }
     }
 }
 
 impl MorphTreeSettings {
-    /// The app's options with these settings in place of its own.
-    pub(crate) fn over(&self, options: BuildOptions) -> BuildOptions {
+    /// The app's options with these settings in place of its own, or an error that names the bad one.
+    pub(crate) fn over(&self, options: BuildOptions) -> Result<BuildOptions, InputError> {
         options.with_leaf_size(self.leaf_size.into())
     }
 }

@@ -215,7 +215,7 @@ pub(crate) fn start_trees(
             // The mesh has been read for another tree.
             let (model, corners) = (tree.model().clone(), corners.clone());
             entry.build(&key, &options.0, on_built, move |options| {
-                Ok((MorphBvh::build(model, options)?.into(), corners))
+                Ok((MorphBvh::build(model, options).into(), corners))
             });
         } else {
             entry.start(&key, mesh, &complaints);

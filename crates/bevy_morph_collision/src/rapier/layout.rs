@@ -36,10 +36,10 @@ impl MeshLayout {
 
 /// What is on the other sides of edges, and whether the surface is closed.
 fn across(model: &MorphModel) -> (Vec<[u32; 3]>, bool) {
-    let mut across = vec![[NONE; 3]; model.triangle_count()];
+    let triangles: Vec<[u32; 3]> = (0..).map_while(|triangle| model.triangle(triangle)).collect();
+    let mut across = vec![[NONE; 3]; triangles.len()];
     let mut edges = Vec::with_capacity(3 * across.len());
-    for triangle in 0..across.len() {
-        let corners = model.triangle(triangle);
+    for (triangle, corners) in triangles.iter().enumerate() {
         for edge in 0..3 {
             let (a, b) = (corners[edge], corners[(edge + 1) % 3]);
             edges.push((a.min(b), a.max(b), triangle, edge));
@@ -52,8 +52,8 @@ fn across(model: &MorphModel) -> (Vec<[u32; 3]>, bool) {
             closed = false;
             continue;
         };
-        closed &= model.triangle(one)[one_edge] != model.triangle(other)[other_edge];
-        let third = |triangle: usize, edge: usize| model.triangle(triangle)[(edge + 2) % 3];
+        closed &= triangles[one][one_edge] != triangles[other][other_edge];
+        let third = |triangle: usize, edge: usize| triangles[triangle][(edge + 2) % 3];
         across[one][one_edge] = third(other, other_edge);
         across[other][other_edge] = third(one, one_edge);
     }
@@ -117,7 +117,7 @@ mod tests {
         let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
         let all = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
         let model = MorphModel::from_displacements::<Vec<Vec3>>(&positions, &all[..triangles], &[]).unwrap();
-        Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()).unwrap())
+        Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()))
     }
 
     #[test]

@@ -112,8 +112,8 @@ impl Part {
             }
             place.1
         };
-        for &triangle in triangles {
-            self.corners.push(model.triangle(triangle as usize).map(&mut place_of));
+        for corners in triangles.iter().filter_map(|&triangle| model.triangle(triangle)) {
+            self.corners.push(corners.map(&mut place_of));
         }
         for &triangle in triangles {
             self.across.push(layout.across[triangle as usize].map(&mut place_of));

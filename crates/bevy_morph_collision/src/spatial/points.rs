@@ -92,7 +92,7 @@ impl MorphSpatialQuery<'_, '_> {
 
     /// A vertex of a collider's mesh as it is posed, in world space.
     #[must_use]
-    pub fn posed_vertex(&mut self, collider: Entity, vertex: usize) -> Option<Vec3> {
+    pub fn posed_vertex(&mut self, collider: Entity, vertex: u32) -> Option<Vec3> {
         let (_, mut state, _) = self.colliders.get_mut(collider).ok()?;
         let Body { pose, world_from_model } = body(&mut state)?;
         Some(world_from_model.transform_point(pose.source_vertex(vertex)?).as_vec3())

@@ -16,11 +16,6 @@ pub(crate) struct BoxLanes {
 }
 
 impl BoxLanes {
-    /// Lower ends along each axis, then upper ends.
-    pub(crate) fn rows(&self) -> impl Iterator<Item = &Lanes> {
-        self.min.iter().chain(&self.max)
-    }
-
     #[inline(always)]
     pub(crate) fn get(&self, lane: usize) -> Aabb {
         // Cut off rather than checked for every row.

@@ -1,9 +1,9 @@
-//! What a mesh must be: the one door for positions, displacements and triangles.
+//! The checks on a mesh's positions, displacements and triangles.
 
 use glam::Vec3;
 
+use super::ModelError;
 use super::morph_model::LARGEST;
-use super::{ModelError, Subject};
 
 pub(super) fn count(what: &'static str, count: usize, limit: usize) -> Result<(), ModelError> {
     if count > limit {
@@ -12,23 +12,23 @@ pub(super) fn count(what: &'static str, count: usize, limit: usize) -> Result<()
     Ok(())
 }
 
-pub(super) fn length(subject: Subject, vectors: &[Vec3], expected: usize) -> Result<(), ModelError> {
-    let length = vectors.len();
-    if length != expected {
+/// Checks the vectors of a shape: as many as the base has, with coordinates within the range.
+pub(super) fn vectors(shape: &str, vectors: &[Vec3], expected: usize) -> Result<(), ModelError> {
+    if vectors.len() != expected {
         return Err(ModelError::LengthMismatch {
-            subject,
-            length,
+            shape: shape.to_owned(),
+            length: vectors.len(),
             expected,
         });
     }
-    Ok(())
-}
-
-pub(super) fn positions(subject: Subject, positions: &[Vec3]) -> Result<(), ModelError> {
-    for (vertex, position) in positions.iter().enumerate() {
-        let bad = |value: &f32| !value.is_finite() || value.abs() > LARGEST;
-        if let Some(value) = position.to_array().into_iter().find(bad) {
-            return Err(ModelError::BadCoordinate { subject, vertex, value });
+    for (vertex, vector) in vectors.iter().enumerate() {
+        let is_bad = |value: &f32| !value.is_finite() || value.abs() > LARGEST;
+        if let Some(value) = vector.to_array().into_iter().find(is_bad) {
+            return Err(ModelError::BadCoordinate {
+                shape: shape.to_owned(),
+                vertex,
+                value,
+            });
         }
     }
     Ok(())
@@ -40,15 +40,13 @@ pub(super) fn triangles(triangles: &[[u32; 3]], vertices: usize) -> Result<(), M
     }
     count("triangles", triangles.len(), i32::MAX as usize)?;
     for (triangle, corners) in triangles.iter().enumerate() {
-        for (corner, &index) in corners.iter().enumerate() {
-            if index as usize >= vertices {
-                return Err(ModelError::IndexOutOfRange {
-                    triangle,
-                    corner,
-                    index,
-                    vertices,
-                });
-            }
+        if let Some(corner) = corners.iter().position(|&index| index as usize >= vertices) {
+            return Err(ModelError::IndexOutOfRange {
+                triangle,
+                corner,
+                index: corners[corner],
+                vertices,
+            });
         }
     }
     Ok(())

@@ -1,33 +1,10 @@
-use std::fmt;
-
 use thiserror::Error;
-
-/// Which set of vectors an error speaks of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Subject {
-    /// The base positions, or reference 0.
-    Base,
-    /// The displacements of a target, counted from 0.
-    Target(usize),
-    /// The positions of a reference, counted from 0.
-    Reference(usize),
-}
-
-impl fmt::Display for Subject {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Base => write!(f, "base"),
-            Self::Target(k) => write!(f, "target {k}"),
-            Self::Reference(k) => write!(f, "reference {k}"),
-        }
-    }
-}
 
 /// Why a mesh cannot become a [`MorphModel`](crate::MorphModel).
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// There is no reference to take the base positions from.
+    /// There is no reference shape.
     #[error("no reference shape was given")]
     NoReferences,
     /// The base has no vertices.
@@ -36,17 +13,17 @@ pub enum ModelError {
     /// The mesh has no triangles.
     #[error("the mesh has no triangles")]
     NoTriangles,
-    /// More vertices, triangles or targets than can be counted.
+    /// There are more vertices, triangles or targets than their indices can number.
     #[error("the mesh has {count} {what}, at most {limit} are supported")]
     TooMany {
-        /// What there is too much of.
+        /// "vertices", "triangles" or "targets".
         what: &'static str,
-        /// How many there are.
+        /// The number of them.
         count: usize,
-        /// How many there may be.
+        /// The largest number allowed.
         limit: usize,
     },
-    /// A triangle names a vertex that is not there.
+    /// A triangle has a vertex index that is out of range.
     #[error(
         "triangle {triangle}, corner {corner}: vertex index {index} is out of range, the mesh has {vertices} vertices"
     )]
@@ -55,29 +32,29 @@ pub enum ModelError {
         triangle: usize,
         /// 0, 1 or 2.
         corner: usize,
-        /// The index it names.
+        /// The vertex index.
         index: u32,
-        /// How many vertices there are.
+        /// The number of vertices.
         vertices: usize,
     },
-    /// A target or reference has another length than the base.
-    #[error("{subject} has {length} vertices, the base has {expected}")]
+    /// A target or reference has a different length from the base.
+    #[error("{shape} has {length} vertices, the base has {expected}")]
     LengthMismatch {
-        /// The target or reference.
-        subject: Subject,
+        /// "target" or "reference" and its index, such as "target 3".
+        shape: String,
         /// Its length.
         length: usize,
         /// The length of the base.
         expected: usize,
     },
-    /// A coordinate is NaN, infinite, or larger than 1e37.
-    #[error("{subject}, vertex {vertex}: coordinate {value} is not a number between -1e37 and 1e37")]
+    /// A coordinate is NaN, infinite, or beyond 1e37.
+    #[error("{shape}, vertex {vertex}: coordinate {value} is not a number between -1e37 and 1e37")]
     BadCoordinate {
-        /// Base, target or reference.
-        subject: Subject,
+        /// "base", or "target" or "reference" and its index, such as "target 3".
+        shape: String,
         /// The vertex.
         vertex: usize,
-        /// The offending coordinate.
+        /// The coordinate.
         value: f32,
     },
 }

@@ -1,11 +1,11 @@
-//! The immutable mesh: base shape, sparse displacements, triangles, and the way back to the user's indices.
+//! The immutable mesh: welded base positions, sparse displacements, triangles, and the map from source vertices.
 
 mod check;
 mod error;
 mod morph_model;
 mod weld;
 
-pub use error::{ModelError, Subject};
+pub use error::ModelError;
 pub use morph_model::MorphModel;
 pub(crate) use morph_model::{Displacement, LARGEST};
 

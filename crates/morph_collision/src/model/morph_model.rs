@@ -1,29 +1,29 @@
-use std::ops::Range;
+use std::fmt;
 
 use glam::Vec3;
 
 use super::weld::weld;
-use super::{ModelError, Subject, check};
+use super::{ModelError, check};
 
-/// Coordinates beyond this leave no room for sums in `f32`.
+/// The largest coordinate of a mesh. It leaves room for sums in `f32`, which ends near 3.4e38 (docs/numerics.md).
 pub(crate) const LARGEST: f32 = 1e37;
 
-/// How one target moves one vertex.
+/// The displacement of one vertex by one target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Displacement {
     pub(crate) target: u32,
     pub(crate) delta: Vec3,
 }
 
-/// A triangle mesh with morph targets, immutable and shared by all instances.
+/// A triangle mesh with morph targets: immutable, shared by all instances.
 ///
-/// Vertices that agree in position and all displacements are welded; displacements are stored sparsely per vertex.
-/// Triangles keep the user's order and numbering, and [`MorphModel::welded_from_source`] leads from the user's vertices to
-/// the welded ones. A mesh without targets is an ordinary rigid mesh.
+/// Vertices with equal positions and equal displacements are welded. The vertices that were passed in are the *source*
+/// vertices; [`MorphModel::welded_from_source`] maps them to welded ones. Triangles keep their order and winding. A mesh without
+/// targets is an ordinary rigid mesh.
 ///
-/// Positions are in the mesh's own space and unit; memory is 12 bytes per welded vertex and triangle, 16 per vertex that
-/// a target moves.
-#[derive(Clone, Debug)]
+/// Positions are in the mesh's own space and unit. Memory: 12 bytes per welded vertex and per triangle, and 16 bytes per vertex
+/// and target that moves it.
+#[derive(Clone)]
 pub struct MorphModel {
     base: Vec<Vec3>,
     /// `displacements[starts[v]..starts[v + 1]]` belong to vertex `v`, in ascending target order.
@@ -31,50 +31,46 @@ pub struct MorphModel {
     starts: Vec<u32>,
     triangles: Vec<[u32; 3]>,
     welded_from_source: Vec<u32>,
-    /// The largest absolute coordinate of the base, and of each target's displacements.
+    /// The largest absolute coordinate of the base.
     base_reach: f32,
+    /// For each target the largest absolute coordinate of its displacements.
     target_reach: Vec<f32>,
 }
 
 impl MorphModel {
-    /// From base positions and per-target displacements, as glTF stores them: a vertex is `base + sum_k w_k d_k`.
+    /// Makes a model from base positions and per-target displacements, as glTF stores them: a vertex is `base + sum_k w_k d_k`.
     ///
-    /// Every target has as many displacements as the base has vertices; `triangles` index the base.
+    /// Each target has one displacement per base vertex. `triangles` index the base.
     ///
     /// # Errors
-    /// No vertices or triangles, an index out of range, a target of another length, a coordinate that is not finite (or
-    /// beyond 1e37): the error names the target, vertex or triangle.
+    /// [`ModelError`] if there are no vertices or triangles, an index is out of range, a target has a different length, or a
+    /// coordinate is not finite or beyond 1e37. It names the target, vertex or triangle.
     pub fn from_displacements<T: AsRef<[Vec3]>>(
         base: &[Vec3],
         triangles: &[[u32; 3]],
         targets: &[T],
     ) -> Result<Self, ModelError> {
-        check::positions(Subject::Base, base)?;
+        check::vectors("base", base, base.len())?;
         for (k, target) in targets.iter().enumerate() {
-            check::length(Subject::Target(k), target.as_ref(), base.len())?;
-            check::positions(Subject::Target(k), target.as_ref())?;
+            check::vectors(&format!("target {k}"), target.as_ref(), base.len())?;
         }
         Self::from_valid_displacements(base, triangles, targets)
     }
 
-    /// From reference shapes, as the paper has them: reference 0 is the base, and the weights are those of references 1,
-    /// 2, ..., so that reference 0 has the weight that is missing to 1.
+    /// Makes a model from reference shapes, as in the paper: reference 0 is the base, and each further reference is a target
+    /// with a weight. The weight of reference 0 is 1 minus the sum of the others.
     ///
-    /// The displacement of a reference is its difference to reference 0, rounded to `f32`.
+    /// The displacements of a target are its differences from reference 0, rounded to `f32`.
     ///
     /// # Errors
-    /// As [`MorphModel::from_displacements`], and when there is no reference at all.
+    /// Those of [`MorphModel::from_displacements`], and if there is no reference.
     pub fn from_references<T: AsRef<[Vec3]>>(references: &[T], triangles: &[[u32; 3]]) -> Result<Self, ModelError> {
-        let (base, others) = references.split_first().ok_or(ModelError::NoReferences)?;
-        let base = base.as_ref();
-        check::positions(Subject::Reference(0), base)?;
-        let mut targets = Vec::with_capacity(others.len());
-        for (k, reference) in others.iter().enumerate() {
-            let reference = reference.as_ref();
-            check::length(Subject::Reference(k + 1), reference, base.len())?;
-            check::positions(Subject::Reference(k + 1), reference)?;
-            targets.push(reference.iter().zip(base).map(|(p, b)| p - b).collect::<Vec<_>>());
+        let base = references.first().ok_or(ModelError::NoReferences)?.as_ref();
+        for (k, reference) in references.iter().enumerate() {
+            check::vectors(&format!("reference {k}"), reference.as_ref(), base.len())?;
         }
+        let differences = |reference: &T| reference.as_ref().iter().zip(base).map(|(p, b)| p - b).collect();
+        let targets: Vec<Vec<Vec3>> = references[1..].iter().map(differences).collect();
         Self::from_valid_displacements(base, triangles, &targets)
     }
 
@@ -90,12 +86,12 @@ impl MorphModel {
         check::count("targets", targets.len(), u16::MAX as usize)?;
         check::triangles(triangles, base.len())?;
 
-        let sparse = SparseRows::gather(base.len(), targets);
-        let (welded_from_source, firsts) = weld(base, |vertex| sparse.row(vertex));
+        let of_vertex: Vec<_> = (0..base.len()).map(|vertex| sparse(vertex, targets)).collect();
+        let (welded_from_source, firsts) = weld(base, &of_vertex);
         let mut displacements = Vec::new();
         let mut starts = vec![0];
         for &first in &firsts {
-            displacements.extend_from_slice(sparse.row(first));
+            displacements.extend_from_slice(&of_vertex[first]);
             starts.push(displacements.len() as u32);
         }
         Ok(Self {
@@ -112,59 +108,53 @@ impl MorphModel {
         })
     }
 
-    /// How many targets the mesh has, and so how many weights an instance.
+    /// The number of targets, which is the number of weights of an instance.
     #[must_use]
     pub fn target_count(&self) -> usize {
         self.target_reach.len()
     }
 
-    /// How many triangles; they are numbered as the user gave them.
+    /// The number of triangles.
     #[must_use]
     pub fn triangle_count(&self) -> usize {
         self.triangles.len()
     }
 
-    /// How many vertices the user gave.
+    /// The number of vertices before welding.
     #[must_use]
     pub fn source_vertex_count(&self) -> usize {
         self.welded_from_source.len()
     }
 
-    /// How many vertices are left after welding.
+    /// The number of vertices after welding.
     #[must_use]
     pub fn vertex_count(&self) -> usize {
         self.base.len()
     }
 
-    /// The welded vertices of a triangle, in the user's winding.
-    ///
-    /// # Panics
-    /// If `triangle` is not below [`MorphModel::triangle_count`].
+    /// The welded vertices of a triangle, in source winding, or `None` if there is no such triangle.
     #[must_use]
-    pub fn triangle(&self, triangle: usize) -> [u32; 3] {
-        self.triangles[triangle]
+    pub fn triangle(&self, triangle: u32) -> Option<[u32; 3]> {
+        self.triangles.get(triangle as usize).copied()
     }
 
-    /// For each of the user's vertices the index of its welded vertex.
+    /// The welded vertex of each source vertex.
     #[must_use]
     pub fn welded_from_source(&self) -> &[u32] {
         &self.welded_from_source
     }
 
-    /// How many welded vertices a target moves at all; 0 for a target that does not exist.
+    /// The number of welded vertices that a target moves; 0 if there is no such target.
     ///
     /// Cost: linear in the number of stored displacements.
     #[must_use]
-    pub fn displaced_vertex_count(&self, target: usize) -> usize {
-        self.displacements
-            .iter()
-            .filter(|d| d.target as usize == target)
-            .count()
+    pub fn displaced_vertex_count(&self, target: u32) -> usize {
+        self.displacements.iter().filter(|d| d.target == target).count()
     }
 
-    /// A number that differs between meshes: of all positions, displacements and triangles (FNV-1a).
+    /// A hash (FNV-1a) of all positions, displacements and triangles, to tell meshes apart. It is the same on every machine.
     ///
-    /// The same on every machine. Cost: one pass over the mesh.
+    /// Cost: one pass over the mesh.
     #[must_use]
     pub fn fingerprint(&self) -> u64 {
         let words = |v: &Vec3| v.to_array().map(f32::to_bits);
@@ -181,7 +171,7 @@ impl MorphModel {
         })
     }
 
-    /// Bytes held on the heap.
+    /// Bytes on the heap.
     #[must_use]
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.base)
@@ -190,6 +180,12 @@ impl MorphModel {
             + size_of_val(&*self.triangles)
             + size_of_val(&*self.welded_from_source)
             + size_of_val(&*self.target_reach)
+    }
+
+    /// The welded vertices of a triangle that exists.
+    #[inline]
+    pub(crate) fn corners(&self, triangle: u32) -> [u32; 3] {
+        self.triangles[triangle as usize]
     }
 
     pub(crate) fn base(&self, vertex: u32) -> Vec3 {
@@ -210,10 +206,10 @@ impl MorphModel {
         &self.target_reach
     }
 
-    /// A posed welded vertex in model space: the definition that every answer rests on.
+    /// The posed position of a welded vertex in model space. This is the definition that every answer rests on.
     ///
-    /// `f32`, ascending target order, zero weights left out, multiply then add. Leaving out displacements that are zero
-    /// changes no value.
+    /// It is computed in `f32`, in ascending target order, with zero weights left out, by a multiplication and then an
+    /// addition. Zero displacements are not stored; adding them would change no value.
     #[inline]
     pub(crate) fn blend_vertex(&self, vertex: u32, weights: &[f32]) -> Vec3 {
         let mut position = self.base[vertex as usize];
@@ -227,35 +223,24 @@ impl MorphModel {
     }
 }
 
-/// Target-major dense displacements turned into vertex-major sparse ones.
-struct SparseRows {
-    entries: Vec<Displacement>,
-    rows: Vec<Range<usize>>,
+impl fmt::Debug for MorphModel {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("MorphModel")
+            .field("source_vertices", &self.source_vertex_count())
+            .field("vertices", &self.vertex_count())
+            .field("triangles", &self.triangle_count())
+            .field("targets", &self.target_count())
+            .finish_non_exhaustive()
+    }
 }
 
-impl SparseRows {
-    fn gather<T: AsRef<[Vec3]>>(vertices: usize, targets: &[T]) -> Self {
-        let mut entries = Vec::new();
-        let rows = (0..vertices)
-            .map(|vertex| {
-                let start = entries.len();
-                let moved = targets.iter().enumerate().filter_map(|(target, deltas)| {
-                    let delta = deltas.as_ref()[vertex];
-                    (delta != Vec3::ZERO).then_some(Displacement {
-                        target: target as u32,
-                        delta,
-                    })
-                });
-                entries.extend(moved);
-                start..entries.len()
-            })
-            .collect();
-        Self { entries, rows }
-    }
-
-    fn row(&self, vertex: usize) -> &[Displacement] {
-        &self.entries[self.rows[vertex].clone()]
-    }
+/// The nonzero displacements of a vertex.
+fn sparse<T: AsRef<[Vec3]>>(vertex: usize, targets: &[T]) -> Vec<Displacement> {
+    let deltas = (0..)
+        .zip(targets)
+        .map(|(target, deltas)| (target, deltas.as_ref()[vertex]));
+    let moving = deltas.filter(|(_, delta)| *delta != Vec3::ZERO);
+    moving.map(|(target, delta)| Displacement { target, delta }).collect()
 }
 
 fn reach(vectors: &[Vec3]) -> f32 {

@@ -1,6 +1,6 @@
 use glam::Vec3;
 
-use super::{ModelError, MorphModel, Subject};
+use super::{ModelError, MorphModel};
 
 const CORNERS: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
 
@@ -14,7 +14,8 @@ fn vertices_are_welded_only_if_they_move_alike() {
     assert_eq!(model.source_vertex_count(), 6);
     assert_eq!(model.vertex_count(), 5);
     assert_eq!(model.welded_from_source(), [0, 1, 2, 3, 1, 4]);
-    assert_eq!(model.triangle(1), [3, 1, 4]);
+    assert_eq!(model.triangle(1), Some([3, 1, 4]));
+    assert_eq!(model.triangle(2), None);
     assert_eq!(model.displaced_vertex_count(0), 1);
     assert_eq!(model.displaced_vertex_count(7), 0);
 }
@@ -61,7 +62,7 @@ fn unusable_meshes_are_refused_with_what_and_where() {
     assert_eq!(
         build(&CORNERS, &[[0, 1, 2]], &vec![vec![Vec3::ZERO; 3], vec![Vec3::ZERO; 2]]),
         ModelError::LengthMismatch {
-            subject: Subject::Target(1),
+            shape: "target 1".into(),
             length: 2,
             expected: 3
         }
@@ -73,7 +74,7 @@ fn unusable_meshes_are_refused_with_what_and_where() {
             &vec![vec![Vec3::ZERO, Vec3::X * 2e37, Vec3::ZERO]]
         ),
         ModelError::BadCoordinate {
-            subject: Subject::Target(0),
+            shape: "target 0".into(),
             vertex: 1,
             value: 2e37
         }
@@ -83,7 +84,11 @@ fn unusable_meshes_are_refused_with_what_and_where() {
         &[[0, 1, 2]],
         &none,
     );
-    assert!(matches!(nan, ModelError::BadCoordinate { subject: Subject::Base, vertex: 1, value } if value.is_nan()));
+    assert!(matches!(&nan, ModelError::BadCoordinate { shape, vertex: 1, value } if shape == "base" && value.is_nan()));
+    let mut bent = CORNERS;
+    bent[2].y = f32::INFINITY;
+    let error = MorphModel::from_references(&[CORNERS, bent], &[[0, 1, 2]]).unwrap_err();
+    assert!(error.to_string().starts_with("reference 1, vertex 2: "), "{error}");
     assert_eq!(
         MorphModel::from_references::<[Vec3; 3]>(&[], &[[0, 1, 2]]).unwrap_err(),
         ModelError::NoReferences

@@ -1,4 +1,4 @@
-//! Welding: vertices that agree in position and in every displacement move as one, whatever the weights.
+//! Welding: vertices with equal positions and equal displacements move together at all weights, so one is kept.
 
 use std::collections::HashMap;
 use std::hash::{Hash, Hasher};
@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::Displacement;
 
-/// Everything that decides where a vertex can go; equal keys mean equal vertices for all weights.
+/// Everything that decides where a vertex can be: equal keys mean equal vertices at all weights.
 #[derive(PartialEq)]
 struct Key<'a> {
     base: Vec3,
@@ -27,21 +27,23 @@ impl Hash for Key<'_> {
     }
 }
 
-/// -0 and 0 are equal, so they must hash alike.
+/// Hashes -0 as 0, because they are equal.
 fn hash_vector<H: Hasher>(v: Vec3, state: &mut H) {
     (v + Vec3::ZERO).to_array().map(f32::to_bits).hash(state);
 }
 
-/// For each vertex the index of its welded vertex, numbered in the order of first appearance, and the first vertex of each.
-pub(super) fn weld<'a>(base: &[Vec3], displacements: impl Fn(usize) -> &'a [Displacement]) -> (Vec<u32>, Vec<usize>) {
+/// Returns the welded vertex of each vertex, numbered by first appearance, and the first vertex of each welded one.
+pub(super) fn weld(base: &[Vec3], displacements: &[Vec<Displacement>]) -> (Vec<u32>, Vec<usize>) {
     let mut welded_of = HashMap::with_capacity(base.len());
     let mut firsts = Vec::new();
-    let welded_from_source = base
+    let keys = base
         .iter()
+        .zip(displacements)
+        .map(|(&base, displacements)| Key { base, displacements });
+    let welded_from_source = keys
         .enumerate()
-        .map(|(vertex, &base)| {
-            let displacements = displacements(vertex);
-            *welded_of.entry(Key { base, displacements }).or_insert_with(|| {
+        .map(|(vertex, key)| {
+            *welded_of.entry(key).or_insert_with(|| {
                 firsts.push(vertex);
                 firsts.len() as u32 - 1
             })

@@ -1,16 +1,17 @@
-//! Values made at the first visit in an epoch and found again until the next one (the paper's Sect. 5).
+//! A cache of values by index that forgets everything at once when the weights change (the paper's Sect. 5).
 
-/// Which slot of a growing store holds the value of an index, if any does in this epoch.
+/// Values by index, each valid in the epoch in which it was stored.
 ///
-/// Only the slots grow with what is visited; the table of stamps is 8 bytes per index.
-#[derive(Clone, Debug)]
-pub(super) struct Stamped<T> {
+/// Values are stored densely in slots, so memory grows with what is visited; the stamps take 8 bytes per index.
+#[derive(Clone)]
+pub(super) struct EpochCache<T> {
     epoch: u32,
+    /// For each index the epoch and the slot of its last value.
     stamps: Vec<(u32, u32)>,
     slots: Vec<T>,
 }
 
-impl<T> Stamped<T> {
+impl<T> EpochCache<T> {
     pub(super) fn new(indices: usize) -> Self {
         Self {
             epoch: 1,
@@ -19,7 +20,7 @@ impl<T> Stamped<T> {
         }
     }
 
-    /// Forgets every value; keeps the memory.
+    /// Forgets every value and keeps the memory.
     pub(super) fn next_epoch(&mut self) {
         self.slots.clear();
         self.epoch = self.epoch.wrapping_add(1);
@@ -29,14 +30,14 @@ impl<T> Stamped<T> {
         }
     }
 
-    /// The slot of an index visited in this epoch.
+    /// The slot of an index, if its value was stored in this epoch.
     #[inline]
     pub(super) fn find(&self, index: usize) -> Option<usize> {
         let (epoch, slot) = self.stamps[index];
         (epoch == self.epoch).then_some(slot as usize)
     }
 
-    /// Stores the value of an index at its first visit.
+    /// Stores the value of an index and returns its slot.
     #[inline]
     pub(super) fn insert(&mut self, index: usize, value: T) -> usize {
         let slot = self.slots.len();
@@ -65,8 +66,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn old_values_stay_forgotten_when_epochs_begin_again() {
-        let mut values = Stamped::new(2);
+    fn old_values_stay_forgotten_when_the_epoch_wraps() {
+        let mut values = EpochCache::new(2);
         values.insert(0, 'a');
         values.epoch = u32::MAX;
         values.insert(1, 'b');
@@ -74,7 +75,7 @@ mod tests {
             (values.find(0), values.find(1).map(|slot| *values.get(slot))),
             (None, Some('b'))
         );
-        // The stamp of 'a' is that of the epoch that comes next.
+        // The next epoch has the number of the one in which 'a' was stored.
         values.next_epoch();
         assert_eq!((values.find(0), values.find(1)), (None, None));
         values.insert(1, 'c');

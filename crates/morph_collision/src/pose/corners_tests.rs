@@ -1,4 +1,4 @@
-//! Corners that are blended side by side against the definition of a posed vertex, bit for bit but for the sign of a zero.
+//! Corners blended side by side are the posed vertices by definition, bit for bit except for the sign of a zero.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ fn vector(rng: &mut Pcg64Mcg) -> Vec3 {
     Vec3::new(coordinate(), coordinate(), coordinate())
 }
 
-/// Random triangles over random vertices, of which each target moves such a share.
+/// Random triangles over random vertices. Each target moves the share `moved` of them.
 fn model(rng: &mut Pcg64Mcg, triangles: usize, targets: usize, moved: f64) -> Arc<MorphModel> {
     let vertices = rng.random_range(3..=triangles + 2);
     let base: Vec<Vec3> = (0..vertices).map(|_| vector(rng)).collect();
@@ -55,7 +55,7 @@ fn weights(rng: &mut Pcg64Mcg, targets: usize) -> Vec<f32> {
     (0..targets).map(|_| weight()).collect()
 }
 
-/// How the corners of a tree's leaves are to come about.
+/// How a tree's corners are expected to be blended.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Way {
     SideBySide,
@@ -63,8 +63,8 @@ enum Way {
 }
 
 fn judge(rng: &mut Pcg64Mcg, model: &Arc<MorphModel>, leaf_size: usize, way: Way) {
-    let options = BuildOptions::default().with_leaf_size(leaf_size);
-    let mut pose = Pose::new(Arc::new(MorphBvh::build(model.clone(), &options).unwrap()));
+    let options = BuildOptions::default().with_leaf_size(leaf_size).unwrap();
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(model.clone(), &options)));
     for _ in 0..4 {
         pose.set_weights(&weights(rng, model.target_count())).unwrap();
         judge_posed(&mut pose.posed(), way);
@@ -77,7 +77,7 @@ fn judge_posed(posed: &mut Posed<'_>, way: Way) {
     for &level in levels() {
         posed.level = level;
         for leaf in 0..topology.leaf_count() {
-            // What is there already stays.
+            // The list is extended, not replaced.
             let mut patches = vec![[[Lanes::default(); 3]; 3]];
             posed.leaf_corners(Leaf(leaf), &mut patches);
             assert_eq!(patches.remove(0), [[Lanes::default(); 3]; 3]);
@@ -87,7 +87,7 @@ fn judge_posed(posed: &mut Posed<'_>, way: Way) {
                 for lane in 0..LANES {
                     // Lanes beyond the last triangle repeat it.
                     let triangle = triangles[lane.min(triangles.len() - 1)];
-                    let vertices = posed.model.triangle(triangle as usize);
+                    let vertices = posed.model.corners(triangle);
                     for ([x, y, z], vertex) in patch.iter().zip(vertices) {
                         let corner = Vec3::new(x.0[lane], y.0[lane], z.0[lane]);
                         let expected = posed.model.blend_vertex(vertex, posed.weights);
@@ -115,7 +115,7 @@ fn corners_blended_side_by_side_are_the_posed_vertices() {
 #[test]
 fn corners_gathered_one_by_one_are_the_posed_vertices() {
     let mut rng = Pcg64Mcg::seed_from_u64(2);
-    // Leaves too small, or more targets in each than are worth it.
+    // Leaves with too few triangles or too many targets.
     for (leaf_size, targets, moved) in [(1, 3, 1.0), (2, 3, 0.3), (3, 0, 0.0), (8, 9, 1.0), (20, 60, 0.5)] {
         for _ in 0..4 {
             let triangles = rng.random_range(60..300);

@@ -1,65 +1,54 @@
+use std::fmt;
 use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::anchor::Anchor;
-use super::cache::Stamped;
+use super::cache::EpochCache;
 use super::posed::{Blended, Posed, Scratch};
 use super::weights::{self, WeightsError};
 use crate::bounds::{Aabb, BoxLanes, Kernel, WorldFromModel, world_bounds};
 use crate::tree::MorphBvh;
 
-/// One instance of a morphing mesh: its weights, and the boxes and vertices blended for them so far.
+/// One instance of a morphing mesh: its weights, and a cache of the boxes and vertices blended for them.
 ///
-/// New weights cost a comparison and a stamp; nothing is blended until a query looks at a node, and then once. Weights that
-/// do not change keep everything that was blended. A pose is in the mesh's model space; where it stands in the world is
-/// given with each query.
+/// New weights cost a comparison and a copy. Boxes are blended when a query first looks at their node. Setting equal weights
+/// keeps the cache. A pose is in the mesh's model space; each query takes the transform to world space.
 ///
-/// Memory: 8 bytes per inner node and 8 per vertex, and what was visited.
-#[derive(Clone, Debug)]
+/// Memory: 8 bytes per inner node and per vertex, plus what was visited.
+#[derive(Clone)]
 pub struct Pose {
     bvh: Arc<MorphBvh>,
     weights: Vec<f32>,
-    source: Source,
-    boxes: Stamped<BoxLanes>,
-    vertices: Stamped<Vec3>,
+    /// Whether [`Pose::refit`] made the cached boxes.
+    is_refitted: bool,
+    boxes: EpochCache<BoxLanes>,
+    vertices: EpochCache<Vec3>,
     blended: Blended,
     scratch: Scratch,
 }
 
-/// What a pose's boxes are made from.
-#[derive(Clone, Debug)]
-enum Source {
-    /// The tree's references.
-    References,
-    /// Tight boxes at other weights.
-    Anchor(Anchor),
-    /// The vertices at the weights in force: all boxes are there.
-    Vertices,
-}
-
 impl Pose {
-    /// An instance at rest: all weights zero.
+    /// An instance at rest: all weights are zero.
     #[must_use]
     pub fn new(bvh: Arc<MorphBvh>) -> Self {
         Self {
             weights: vec![0.0; bvh.model().target_count()],
-            source: Source::References,
-            boxes: Stamped::new(bvh.topology().group_count()),
-            vertices: Stamped::new(bvh.model().vertex_count()),
+            is_refitted: false,
+            boxes: EpochCache::new(bvh.topology.group_count()),
+            vertices: EpochCache::new(bvh.model().vertex_count()),
             blended: Blended::default(),
             scratch: Scratch::default(),
             bvh,
         }
     }
 
-    /// Takes new weights, one per target, of any sign and size; says whether they differ from the ones before.
+    /// Sets the weights, one per target, of any sign and sum. Returns whether they differ from the previous ones.
     ///
     /// Cost: one pass over the weights.
     ///
     /// # Errors
-    /// A wrong count, a weight that is not finite, or weights so large that a vertex could leave the range of `f32`. The
-    /// pose keeps the weights it had.
+    /// [`WeightsError`] for a wrong number of weights, a weight that is not finite, or weights that could move a vertex out of
+    /// the range of `f32`. The pose then keeps its weights.
     pub fn set_weights(&mut self, weights: &[f32]) -> Result<bool, WeightsError> {
         weights::check(self.bvh.model(), weights)?;
         let changed = self.weights != weights;
@@ -67,57 +56,28 @@ impl Pose {
             self.weights.copy_from_slice(weights);
             self.boxes.next_epoch();
             self.vertices.next_epoch();
-            match &mut self.source {
-                Source::References => {}
-                Source::Anchor(anchor) => anchor.follow(weights),
-                Source::Vertices => self.source = Source::References,
-            }
+            self.is_refitted = false;
         }
         Ok(changed)
     }
 
-    /// Fits all boxes tightly to the shape at the weights in force, and blends from there until the anchor is dropped.
+    /// Fits all boxes tightly to the posed vertices now. They last until the weights change.
     ///
-    /// Worth it for weights that are set and then rest, such as a character's sliders: while they do, boxes are exact in
-    /// them. Other weights are then bounded by intervals. Cost: the whole mesh is blended once; memory: one box per node.
-    pub fn take_anchor(&mut self) {
-        let mut anchor = Anchor::fit(self.bvh.model(), self.bvh.topology(), &self.weights);
-        anchor.follow(&self.weights);
-        self.source = Source::Anchor(anchor);
-        self.boxes.next_epoch();
-    }
-
-    /// Goes back to blending from the tree's references; without an anchor nothing changes.
-    pub fn drop_anchor(&mut self) {
-        if self.is_anchored() {
-            self.source = Source::References;
-            self.boxes.next_epoch();
-        }
-    }
-
-    /// Whether an anchor is in use.
-    #[must_use]
-    pub fn is_anchored(&self) -> bool {
-        matches!(self.source, Source::Anchor(_))
-    }
-
-    /// Fits all boxes tightly to the shape at the weights in force, at once, until other weights are set; an anchor is dropped.
-    ///
-    /// Pays where a query is going to look at most of the tree: two bodies deep in each other of which all pairs are wanted.
-    /// Otherwise leave it to queries to blend what they look at; `docs/performance.md` compares both. Cost: every vertex is
-    /// blended and every box fitted, `O(n)`.
+    /// This pays for weights that rest, and where a query looks at most of the tree, such as all pairs of two bodies that
+    /// overlap deeply. Otherwise let queries blend what they look at; `docs/performance.md` compares both. Cost: `O(n)`, every
+    /// vertex is blended and every box fitted.
     pub fn refit(&mut self) {
-        self.source = Source::Vertices;
+        self.is_refitted = true;
         self.posed().refit();
     }
 
-    /// The weights in force, one per target.
+    /// The weights, one per target.
     #[must_use]
     pub fn weights(&self) -> &[f32] {
         &self.weights
     }
 
-    /// The tree that this is an instance of.
+    /// The tree of the mesh.
     #[must_use]
     pub fn bvh(&self) -> &Arc<MorphBvh> {
         &self.bvh
@@ -125,65 +85,54 @@ impl Pose {
 
     /// A box around the posed mesh in model space: conservative, not always the smallest.
     ///
-    /// Cost: the root's box is blended, in `O(active targets)`, unless it already was for these weights.
+    /// Cost: the root's box is blended from the active targets unless it is cached.
     pub fn bounds(&mut self) -> Aabb {
         self.posed().bounds()
     }
 
-    /// A world-space box around the posed mesh placed in the world; conservative.
+    /// A conservative box in world space around the posed mesh.
     ///
-    /// It holds every posed vertex as [`WorldFromModel::transform_point`] places it. Where the world coordinates are beyond
-    /// `f32` the box is infinite. Cost as [`Pose::bounds`].
+    /// It holds every posed vertex as [`WorldFromModel::transform_point`] places it. It is infinite where world coordinates
+    /// exceed the range of `f32`. Cost: that of [`Pose::bounds`].
     pub fn world_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
         world_bounds(world_from_model, &self.bounds())
     }
 
-    /// A vertex of the mesh as it was given, posed, in model space; `None` if there is no such vertex.
-    pub fn source_vertex(&mut self, source: usize) -> Option<Vec3> {
-        let welded = *self.bvh.model().welded_from_source().get(source)?;
+    /// The posed position of a source vertex in model space, or `None` if there is no such vertex.
+    pub fn source_vertex(&mut self, source: u32) -> Option<Vec3> {
+        let welded = *self.bvh.model().welded_from_source().get(source as usize)?;
         Some(self.posed().vertex(welded))
     }
 
-    /// A vertex as the model numbers it after welding ([`MorphModel::triangle`](crate::MorphModel::triangle)), posed, in model
-    /// space; `None` if there is no such vertex.
+    /// The posed position of a welded vertex in model space, or `None` if there is no such vertex.
+    ///
+    /// [`MorphModel::triangle`](crate::MorphModel::triangle) gives the welded vertices of a triangle.
     pub fn vertex(&mut self, vertex: u32) -> Option<Vec3> {
         let exists = (vertex as usize) < self.bvh.model().vertex_count();
         exists.then(|| self.posed().vertex(vertex))
     }
 
-    /// The corners of a triangle, posed, in model space; `None` if there is no such triangle.
+    /// The posed corners of a triangle in model space, or `None` if there is no such triangle.
     pub fn triangle(&mut self, triangle: u32) -> Option<[Vec3; 3]> {
         let exists = (triangle as usize) < self.bvh.model().triangle_count();
-        let corners = exists.then(|| self.bvh.model().triangle(triangle as usize))?;
-        let mut posed = self.posed();
-        Some(corners.map(|corner| posed.vertex(corner)))
+        exists.then(|| self.posed().corners(triangle))
     }
 
     /// Brings a copy of a pose, if there is one, to that pose's state. Keeps what the copy has blended if the state is the same.
     pub(crate) fn copied<'c>(copy: &'c mut Option<Self>, pose: &Self) -> &'c mut Self {
         let copy = copy.get_or_insert_with(|| pose.clone());
         let is_current = Arc::ptr_eq(&copy.bvh, &pose.bvh)
-            && match (&copy.source, &pose.source) {
-                // Never an error: the pose has accepted these weights.
-                (Source::References, Source::References) => copy.set_weights(&pose.weights).is_ok(),
-                (Source::Vertices, Source::Vertices) => copy.weights == pose.weights,
-                _ => false,
-            };
+            && copy.is_refitted == pose.is_refitted
+            // Refitted boxes are those of one vector of weights. Weights that a pose has accepted are never refused.
+            && (copy.weights == pose.weights || !copy.is_refitted && copy.set_weights(&pose.weights).is_ok());
         if !is_current {
             copy.clone_from(pose);
         }
         copy
     }
 
-    /// Other weights under boxes that were blended for these: what a bug would do.
-    #[cfg(test)]
-    pub(super) fn pretend_weights(&mut self, weights: &[f32]) {
-        self.weights.copy_from_slice(weights);
-        self.vertices.next_epoch();
-    }
-
-    /// How far any vertex can be, in model space, from where it is with other weights, of which there is one per target: a bound,
-    /// what both blends round included.
+    /// A bound on the distance in model space between any vertex and the same vertex at the weights `before`, roundings
+    /// included. `before` has one weight per target.
     ///
     /// Cost: linear in the number of targets.
     #[must_use]
@@ -191,32 +140,34 @@ impl Pose {
         weights::displacement(self.bvh.model(), before, &self.weights)
     }
 
-    /// Bytes held on the heap, the shared tree's not included.
+    /// Bytes on the heap, without the shared tree.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        let anchor = match &self.source {
-            Source::Anchor(anchor) => anchor.bytes(),
-            Source::References | Source::Vertices => 0,
-        };
-        size_of_val(&*self.weights) + anchor + self.boxes.bytes() + self.vertices.bytes()
+        size_of_val(&*self.weights) + self.boxes.bytes() + self.vertices.bytes()
     }
 
     pub(crate) fn posed(&mut self) -> Posed<'_> {
         Posed {
             model: self.bvh.model(),
-            topology: self.bvh.topology(),
-            tables: self.bvh.tables(),
-            leaf_lanes: self.bvh.leaf_lanes(),
+            topology: &self.bvh.topology,
+            tables: &self.bvh.tables,
+            leaf_lanes: self.bvh.leaf_lanes.as_deref(),
             weights: &self.weights,
-            anchor: match &self.source {
-                Source::Anchor(anchor) => Some(anchor),
-                Source::References | Source::Vertices => None,
-            },
             boxes: &mut self.boxes,
             vertices: &mut self.vertices,
             blended: &mut self.blended,
             scratch: &mut self.scratch,
             level: Kernel::level(),
         }
+    }
+}
+
+impl fmt::Debug for Pose {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Pose")
+            .field("bvh", &self.bvh)
+            .field("weights", &self.weights)
+            .field("is_refitted", &self.is_refitted)
+            .finish_non_exhaustive()
     }
 }

@@ -1,28 +1,27 @@
 use fearless_simd::Level;
 use glam::Vec3;
 
-use super::anchor::Anchor;
-use super::blend::{blend_group, blend_patch, most_widening, move_anchored};
-use super::cache::Stamped;
+use super::blend::{blend_group, blend_patch, max_widening};
+use super::cache::EpochCache;
 use crate::bounds::{Aabb, BoxLanes, LANES, with_simd};
 use crate::model::MorphModel;
-use crate::tree::{Child, CornerLanes, Leaf, LeafLanes, Tables, Topology, in_lanes, put};
+use crate::tree::{Child, ChildKind, CornerLanes, Leaf, LeafLanes, Tables, Topology, in_lanes, put};
 
-/// How much a pose has blended in its life.
+/// The numbers of boxes and vertices that a pose has blended since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Blended {
     pub(crate) volumes: u64,
     pub(crate) vertices: u64,
 }
 
-/// A node by the group that it is a child of; good for every pose of the tree.
+/// A node as a child of a group. It names the same node in every pose of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct NodeId {
     pub(crate) group: u32,
     pub(crate) lane: u8,
 }
 
-/// A node as a traversal holds it: its place, which child it is, and where its box is in the pose's cache.
+/// A node as a traversal holds it: its place, its child entry, and the slot of its box in the pose's cache.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NodeRef {
     pub(crate) child: Child,
@@ -31,27 +30,25 @@ pub(crate) struct NodeRef {
 }
 
 /// A pose borrowed for a query: what traversals walk over.
-#[derive(Debug)]
 pub(crate) struct Posed<'a> {
     pub(crate) model: &'a MorphModel,
     pub(crate) topology: &'a Topology,
     pub(super) tables: &'a Tables,
     pub(super) leaf_lanes: Option<&'a LeafLanes>,
     pub(super) weights: &'a [f32],
-    pub(super) anchor: Option<&'a Anchor>,
-    pub(super) boxes: &'a mut Stamped<BoxLanes>,
-    pub(super) vertices: &'a mut Stamped<Vec3>,
+    pub(super) boxes: &'a mut EpochCache<BoxLanes>,
+    pub(super) vertices: &'a mut EpochCache<Vec3>,
     pub(super) blended: &'a mut Blended,
     pub(super) scratch: &'a mut Scratch,
-    /// The instructions to blend and to compare with.
+    /// The SIMD level of the kernels.
     pub(crate) level: Level,
 }
 
-/// Memory that blending reuses.
-#[derive(Clone, Debug, Default)]
+/// Buffers that blending reuses.
+#[derive(Clone, Default)]
 pub(super) struct Scratch {
-    pub(super) corners: Vec<CornerLanes>,
-    pub(super) points: Vec<Vec3>,
+    corners: Vec<CornerLanes>,
+    points: Vec<Vec3>,
 }
 
 impl Posed<'_> {
@@ -60,36 +57,31 @@ impl Posed<'_> {
         self.node(slot, 0, 0)
     }
 
-    /// Makes a group's boxes unless they are there; returns the slot to read them from.
+    /// Blends a group's boxes unless they are cached, and returns their slot.
     #[inline(always)]
     pub(crate) fn open(&mut self, group: usize) -> usize {
         match self.boxes.find(group) {
             Some(slot) => slot,
-            None => self.make(group),
+            None => self.blend(group),
         }
     }
 
-    /// Whether a group's boxes are there.
+    /// Whether a group's boxes are cached.
     pub(super) fn is_open(&self, group: usize) -> bool {
         self.boxes.find(group).is_some()
     }
 
     #[inline(never)]
-    fn make(&mut self, group: usize) -> usize {
+    fn blend(&mut self, group: usize) -> usize {
         self.blended.volumes += self.topology.group(group).children().len() as u64;
         let tables = self.tables.group(group);
         let slot = self.boxes.insert(group, BoxLanes::default());
         let boxes = self.boxes.get_mut(slot);
-        match self.anchor {
-            Some(anchor) => {
-                with_simd!(self.level, simd => move_anchored(simd, tables, anchor.group(group), self.weights, boxes));
-            }
-            None => with_simd!(self.level, simd => blend_group(simd, tables, self.weights, boxes)),
-        }
+        with_simd!(self.level, simd => blend_group(simd, tables, self.weights, boxes));
         slot
     }
 
-    /// The boxes in a slot.
+    /// The boxes in a slot of the cache.
     #[inline]
     pub(crate) fn boxes(&self, slot: usize) -> &BoxLanes {
         self.boxes.get(slot)
@@ -118,7 +110,7 @@ impl Posed<'_> {
         }
     }
 
-    /// A posed welded vertex; blended at the first call for these weights.
+    /// The posed position of a welded vertex, in model space; blended unless it is cached.
     #[inline(always)]
     pub(crate) fn vertex(&mut self, vertex: u32) -> Vec3 {
         match self.vertices.find(vertex as usize) {
@@ -135,14 +127,14 @@ impl Posed<'_> {
         position
     }
 
-    /// A triangle's posed corners, in model space.
+    /// The posed corners of a triangle, in model space.
     #[inline]
     pub(crate) fn corners(&mut self, triangle: u32) -> [Vec3; 3] {
-        let [a, b, c] = self.model.triangle(triangle as usize);
+        let [a, b, c] = self.model.corners(triangle);
         [self.vertex(a), self.vertex(b), self.vertex(c)]
     }
 
-    /// Appends the posed corners of a leaf's triangles, in model space, eight triangles at a time.
+    /// Appends the posed corners of a leaf's triangles, in model space, in patches of eight triangles.
     #[inline]
     pub(crate) fn leaf_corners(&mut self, leaf: Leaf, posed: &mut Vec<CornerLanes>) {
         let mesh = self.topology.leaf_mesh(leaf);
@@ -175,14 +167,44 @@ impl Posed<'_> {
         self.scratch.points = points;
     }
 
-    /// How far boxes may be widened for rounding, if the pose has made the mesh much smaller than it is at rest; otherwise 0.
+    /// How much boxes may be widened for rounding, if the posed mesh is much smaller than the base; otherwise 0.
+    ///
+    /// `size` is that of the posed mesh. docs/numerics.md, "Collapsed bodies", says why 0 is right for the others.
     #[inline]
     pub(crate) fn rounding(&self, size: f32) -> f32 {
+        // Not measured; it only spares ordinary bodies the pass over the targets.
         const MUCH: f32 = 512.0;
         if size * MUCH > self.model.base_reach() {
             return 0.0;
         }
-        most_widening(self.model, self.weights)
+        max_widening(self.model, self.weights)
+    }
+
+    /// Replaces all cached boxes by tight ones, fitted from the leaves up. Cost: `O(n)`.
+    pub(super) fn refit(&mut self) {
+        let topology = self.topology;
+        self.boxes.next_epoch();
+        // In this order the slot of each group is its number.
+        for group in 0..topology.group_count() {
+            self.boxes.insert(group, BoxLanes::default());
+            self.blended.volumes += topology.group(group).children().len() as u64;
+        }
+        let mut corners = std::mem::take(&mut self.scratch.corners);
+        // Groups are in preorder, so children come after their parents.
+        for group in (0..topology.group_count()).rev() {
+            for (lane, child) in topology.group(group).children().iter().enumerate() {
+                let bounds = match child.kind() {
+                    ChildKind::Group(below) => self.boxes.get(below).hull(topology.group(below).mask()),
+                    ChildKind::Leaf(leaf) => {
+                        corners.clear();
+                        self.leaf_corners(leaf, &mut corners);
+                        with_simd!(self.level, simd => BoxLanes::around(simd, &corners))
+                    }
+                };
+                self.boxes.get_mut(group).set(lane, &bounds);
+            }
+        }
+        self.scratch.corners = corners;
     }
 
     pub(crate) fn blended(&self) -> Blended {

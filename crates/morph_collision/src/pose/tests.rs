@@ -9,9 +9,7 @@ use crate::tree::{BuildOptions, MorphBvh};
 fn lifted_triangle() -> Pose {
     let base = [Vec3::ZERO, Vec3::X, Vec3::Y];
     let model = MorphModel::from_displacements(&base, &[[0, 1, 2]], &[[Vec3::Z; 3], [Vec3::X; 3]]).unwrap();
-    Pose::new(Arc::new(
-        MorphBvh::build(Arc::new(model), &BuildOptions::default()).unwrap(),
-    ))
+    Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())))
 }
 
 fn blended(pose: &mut Pose) -> Blended {
@@ -66,7 +64,7 @@ fn refused_weights_leave_the_last_good_ones_in_force() {
     assert_eq!(pose.source_vertex(1), Some(Vec3::new(2.0, 0.0, 0.25)));
     let [_, second, _] = pose.triangle(0).unwrap();
     assert_eq!(second, Vec3::new(2.0, 0.0, 0.25));
-    assert_eq!(pose.vertex(pose.bvh().model().triangle(0)[1]), Some(second));
+    assert_eq!(pose.vertex(pose.bvh().model().corners(0)[1]), Some(second));
 }
 
 #[test]
@@ -81,9 +79,7 @@ fn a_vertex_that_does_not_exist_is_none() {
 fn the_displacement_between_weights_covers_roundings() {
     let base = [Vec3::splat(1e6), Vec3::splat(1e6) + Vec3::X, Vec3::splat(1e6) + Vec3::Y];
     let model = MorphModel::from_displacements(&base, &[[0, 1, 2]], &[[Vec3::ONE; 3]]).unwrap();
-    let mut pose = Pose::new(Arc::new(
-        MorphBvh::build(Arc::new(model), &BuildOptions::default()).unwrap(),
-    ));
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
     let mut jumps = 0;
     for weight in [0.0, 0.031, 0.0313, 0.05, 0.094] {
         pose.set_weights(&[0.0]).unwrap();
@@ -97,60 +93,55 @@ fn the_displacement_between_weights_covers_roundings() {
 }
 
 #[test]
-fn an_anchor_is_tight_at_its_weights_and_holds_at_others() {
-    let mut pose = lifted_triangle();
-    pose.set_weights(&[2.0, 0.0]).unwrap();
-    pose.take_anchor();
-    assert!(pose.is_anchored());
-    let bounds = pose.bounds();
-    assert!(bounds.min.z > 1.999 && bounds.max.z < 2.001, "{bounds:?} is not tight");
-    pose.set_weights(&[2.0, 0.5]).unwrap();
-    assert!(pose.is_anchored());
-    assert!(pose.bounds().max.x >= 1.5);
-    pose.drop_anchor();
-    assert!(!pose.is_anchored());
-    assert!(pose.bounds().max.x >= 1.5);
-}
-
-/// Sums of weights above 1 are where references end and intervals begin, which an anchor is tighter than.
-#[test]
-fn an_anchor_is_tighter_than_intervals() {
-    let mesh = morph_collision_testkit::models::random::random_blob(3, 2, 6, 0.5);
-    let model = MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap();
-    let bvh = MorphBvh::build(Arc::new(model), &BuildOptions::default()).unwrap();
-    let mut pose = Pose::new(Arc::new(bvh));
-    pose.set_weights(&[-1.0, 2.0, 0.5, 1.0, -0.3, 0.8]).unwrap();
-    let blended = pose.bounds().size();
-    pose.take_anchor();
-    let anchored = pose.bounds().size();
-    let tight = pose.tight_bounds().size();
-    assert!(anchored.abs_diff_eq(tight, 1e-4), "{anchored} and {tight}");
-    assert!(blended.cmpgt(1.05 * anchored).all(), "{blended} and {anchored}");
-}
-
-#[test]
 fn memory_grows_with_what_was_visited() {
     let mut pose = lifted_triangle();
     let before = pose.bytes();
     pose.tight_bounds();
     pose.bounds();
-    let visited = pose.bytes();
-    assert!(visited > before);
-    pose.take_anchor();
-    pose.bounds();
-    assert!(pose.bytes() > visited);
+    assert!(pose.bytes() > before);
+}
+
+/// Two references that differ wildly, as the paper's figures have them.
+fn two_references() -> Pose {
+    let references = [
+        vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+        vec![Vec3::Z, Vec3::splat(5.0), Vec3::NEG_ONE],
+    ];
+    let model = MorphModel::from_references(&references, &[[0, 1, 2]]).unwrap();
+    Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())))
 }
 
 #[test]
-fn a_box_that_holds_too_little_is_found() {
-    let mut pose = lifted_triangle();
-    pose.set_weights(&[0.5, 0.0]).unwrap();
-    assert_eq!(pose.check_containment().violations, 0);
-    // Boxes of other weights under these ones.
-    pose.bounds();
-    pose.pretend_weights(&[2.0, 0.0]);
-    let report = pose.check_containment();
-    let first = report.first.expect("a vertex is outside");
-    assert_eq!(report.violations, report.checks);
-    assert_eq!((first.depth, first.position.z), (0, 2.0));
+fn blended_boxes_are_tight_at_each_reference() {
+    let mut pose = two_references();
+    let expected = [
+        (0.0, [Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0)]),
+        (1.0, [Vec3::NEG_ONE, Vec3::splat(5.0)]),
+    ];
+    for (weight, [min, max]) in expected {
+        pose.set_weights(&[weight]).unwrap();
+        let bounds = pose.bounds();
+        assert!(bounds.min.abs_diff_eq(min, 1e-5), "{bounds:?} at {weight}");
+        assert!(bounds.max.abs_diff_eq(max, 1e-5), "{bounds:?} at {weight}");
+    }
+}
+
+#[test]
+fn a_weight_just_above_one_loosens_a_box_by_next_to_nothing() {
+    let mut pose = two_references();
+    pose.set_weights(&[1.0 + 2.0 * f32::EPSILON]).unwrap();
+    assert!(pose.bounds().max.max_element() < 5.0 + 1e-4);
+}
+
+#[test]
+fn debug_output_has_counts_and_no_mesh() {
+    let mesh = morph_collision_testkit::models::random::random_blob(3, 4, 2, 0.5);
+    let model = MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap();
+    let bvh = MorphBvh::build(Arc::new(model), &BuildOptions::default());
+    let layout = format!("{:?}", bvh.layout());
+    let pose = format!("{:?}", Pose::new(Arc::new(bvh)));
+    for text in [layout, pose] {
+        assert!(text.contains(&format!("triangles: {}", mesh.triangles.len())), "{text}");
+        assert!(text.len() < 400, "{text}");
+    }
 }

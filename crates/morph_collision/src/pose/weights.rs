@@ -2,16 +2,16 @@ use thiserror::Error;
 
 use crate::model::{LARGEST, MorphModel};
 
-/// Why a pose refuses weights; it keeps the ones it had.
+/// Why a pose refuses weights. It keeps the weights that it has.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum WeightsError {
     /// There must be one weight per target.
     #[error("{given} weights were given, the mesh has {expected} targets")]
     WrongCount {
-        /// How many were given.
+        /// The number of weights.
         given: usize,
-        /// How many targets there are.
+        /// The number of targets.
         expected: usize,
     },
     /// A weight is NaN or infinite.
@@ -22,7 +22,7 @@ pub enum WeightsError {
         /// Its weight.
         value: f32,
     },
-    /// The weights could take a vertex out of the range of `f32`.
+    /// The weights could move a vertex out of the range of `f32`.
     #[error("weight {index} is {value}: posed vertices could be beyond 1e37")]
     TooLarge {
         /// The target at which the sum of the possible displacements went out of range.
@@ -32,7 +32,7 @@ pub enum WeightsError {
     },
 }
 
-/// The door for weights.
+/// Checks weights before a pose takes them.
 pub(super) fn check(model: &MorphModel, weights: &[f32]) -> Result<(), WeightsError> {
     if weights.len() != model.target_count() {
         return Err(WeightsError::WrongCount {
@@ -53,8 +53,8 @@ pub(super) fn check(model: &MorphModel, weights: &[f32]) -> Result<(), WeightsEr
     Ok(())
 }
 
-/// How far any posed vertex can be from where it is with other weights, in model space: `sum |dw_k| D_k`, and what both
-/// blends round.
+/// A bound on how far any posed vertex moves between two weight vectors, in model space: `sum |dw_k| D_k` plus the roundings
+/// of both blends (docs/numerics.md, "Vertices").
 pub(super) fn displacement(model: &MorphModel, before: &[f32], after: &[f32]) -> f64 {
     let mut moved = 0.0;
     let mut reach = f64::from(model.base_reach());
@@ -65,6 +65,7 @@ pub(super) fn displacement(model: &MorphModel, before: &[f32], after: &[f32]) ->
         reach += before.abs().max(after.abs()) * target;
         active += f64::from(u8::from(before != 0.0 || after != 0.0));
     }
+    // Without any move both blends round alike.
     let rounded = if moved == 0.0 {
         0.0
     } else {

@@ -12,7 +12,7 @@ use crate::exact::Triangle;
 /// # use glam::{DVec3, Vec3};
 /// # use morph_collision::*;
 /// # let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
-/// # let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?));
+/// # let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
 /// # let place = WorldFromModel::IDENTITY;
 /// let anchor = SurfaceAnchor { triangle: 0, barycentrics: [0.5, 0.5, 0.0] };
 /// pose.set_weights(&[2.0])?;

@@ -47,7 +47,7 @@ pub struct ClosestPair {
 /// # use glam::{Affine3A, Vec3};
 /// # use morph_collision::*;
 /// # let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
-/// # let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?);
+/// # let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
 /// let (mut a, mut b) = (Pose::new(bvh.clone()), Pose::new(bvh));
 /// a.set_weights(&[0.5])?; // lifts the triangle to z = 0.5
 /// let above = WorldFromModel::new(Affine3A::from_translation(Vec3::new(0.0, 0.0, 2.0)))?;

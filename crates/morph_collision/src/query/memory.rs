@@ -14,7 +14,7 @@ use crate::tree::{Leaf, MorphBvh};
 /// # use glam::Vec3;
 /// # use morph_collision::*;
 /// # let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
-/// # let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?);
+/// # let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
 /// let (mut a, mut b) = (Pose::new(bvh.clone()), Pose::new(bvh));
 /// let mut memory = PairMemory::new();
 /// let mut query = PairQuery::new();

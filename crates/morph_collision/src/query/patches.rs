@@ -150,7 +150,7 @@ impl Patches {
 
     /// The candidates in patch `b` that share a vertex with a triangle of patch `a`, as a bit mask.
     fn neighbours(&self, posed: &Posed<'_>, (a, lane): (usize, usize), b: usize, candidates: u8) -> u8 {
-        let vertices = |number: u32| posed.model.triangle(number as usize);
+        let vertices = |number: u32| posed.model.corners(number);
         let [x, y, z] = vertices(self.numbers[a][lane]);
         lanes_of(candidates)
             .filter(|&other| {

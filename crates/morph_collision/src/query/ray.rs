@@ -51,7 +51,7 @@ pub struct RayHit {
 /// # use glam::{DVec3, Vec3};
 /// # use morph_collision::*;
 /// # let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
-/// # let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?));
+/// # let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
 /// # let place = WorldFromModel::IDENTITY;
 /// pose.set_weights(&[0.5])?; // lifts the triangle to z = 0.5
 /// let down = Ray::new(DVec3::new(0.25, 0.25, 2.0), DVec3::NEG_Z, f64::INFINITY)?;

@@ -22,7 +22,7 @@ use crate::traverse::{SelfStack, walk_within};
 /// let base = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::Z + Vec3::X, Vec3::Z * 2.0];
 /// let push = [Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, Vec3::NEG_Z * 1.5, Vec3::NEG_Z * 1.5, Vec3::NEG_Z * 1.5];
 /// let model = MorphModel::from_displacements(&base, &[[0, 1, 2], [3, 4, 5]], &[push])?;
-/// let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?));
+/// let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
 /// let mut query = SelfQuery::new();
 /// assert!(!query.any(&mut pose));
 /// pose.set_weights(&[1.0])?;

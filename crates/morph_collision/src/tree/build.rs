@@ -1,79 +1,67 @@
-//! Top-down topology, bottom-up extents, in one recursion.
+//! Building: splits nodes from the top down and measures them from the bottom up, in one recursion.
 
 use std::sync::Arc;
 
 use super::extents::NodeExtents;
 use super::partition::Partition;
 use super::topology::{Child, Group};
-use super::{BuildError, BuildOptions, LeafLanes, MorphBvh, Tables, Topology};
+use super::{BuildOptions, LeafLanes, MorphBvh, Tables, Topology};
 use crate::bounds::LANES;
 use crate::model::MorphModel;
 
-/// Deeper nodes are split by count, so that no mesh makes a tree too deep to recurse into.
-pub(super) const MOST_DEPTH: usize = 256;
+/// The most levels of a tree, so that recursion never overflows the stack. Not measured; trees of real meshes have about ten.
+pub(super) const MAX_DEPTH: usize = 256;
+/// More levels than splitting by count takes: each one divides 2^31 triangles by eight.
+const COUNT_DEPTH: usize = 33;
 
-/// Decides how a node's triangles are shared out among its children.
+/// Decides how a node's triangles are divided among its children.
 pub(super) trait Splits {
-    /// Reorders a node's triangles child by child and returns the children's lengths, `None` for a leaf.
+    /// Reorders a node's triangles child by child and returns the number of triangles of each child, `None` for a leaf.
     fn split(&mut self, triangles: &mut [u32], depth: usize) -> Option<Vec<usize>>;
 }
 
-/// Splits by the surface-area heuristic, down to leaves of a size.
-struct ByArea {
-    partition: Partition,
-    leaf_size: usize,
-}
-
-impl Splits for ByArea {
+impl Splits for Partition {
     fn split(&mut self, triangles: &mut [u32], depth: usize) -> Option<Vec<usize>> {
         if triangles.len() <= self.leaf_size {
             return None;
         }
-        // Splitting by count takes at most 32 levels more.
-        if depth + 33 > MOST_DEPTH {
-            return Some(by_count(triangles));
+        let counts = if depth + COUNT_DEPTH > MAX_DEPTH {
+            Vec::new()
+        } else {
+            self.by_area(triangles)
+        };
+        if counts.len() > 1 {
+            return Some(counts);
         }
-        Some(self.partition.split(triangles))
+        // No plane separates the midpoints.
+        let chunks = triangles.chunks(triangles.len().div_ceil(LANES));
+        Some(chunks.map(<[u32]>::len).collect())
     }
 }
 
-/// The lengths of as many equal parts as a node may have children.
-pub(super) fn by_count(triangles: &[u32]) -> Vec<usize> {
-    let chunk = triangles.len().div_ceil(LANES);
-    triangles.chunks(chunk).map(<[u32]>::len).collect()
-}
-
-/// Splits as recorded in a layout, whose triangles are in order already.
-pub(super) struct Recorded<'a> {
-    rest: &'a [u32],
-}
-
-impl<'a> Recorded<'a> {
-    pub(super) fn new(nodes: &'a [u32]) -> Self {
-        Self { rest: nodes }
-    }
-}
+/// Replays the splits of a layout, whose triangles are already in order. The rest of its nodes.
+pub(super) struct Recorded<'a>(pub(super) &'a [u32]);
 
 impl Splits for Recorded<'_> {
     fn split(&mut self, _: &mut [u32], _: usize) -> Option<Vec<usize>> {
-        let (&children, rest) = self.rest.split_first()?;
+        let (&children, rest) = self.0.split_first()?;
         let (counts, rest) = rest.split_at_checked(children as usize)?;
-        self.rest = rest;
+        self.0 = rest;
         (children > 0).then(|| counts.iter().map(|&count| count as usize).collect())
     }
 }
 
-pub(super) fn build(model: Arc<MorphModel>, options: &BuildOptions) -> Result<MorphBvh, BuildError> {
-    options.check()?;
-    let triangles = (0..model.triangle_count() as u32).collect();
-    let splits = ByArea {
-        partition: Partition::new(&model, options.leaf_size),
-        leaf_size: options.leaf_size,
-    };
-    Ok(build_over(model, options, triangles, splits))
+impl MorphBvh {
+    /// Builds the tree.
+    #[must_use]
+    pub fn build(model: Arc<MorphModel>, options: &BuildOptions) -> Self {
+        let triangles = (0..model.triangle_count() as u32).collect();
+        let splits = Partition::new(&model, options.leaf_size());
+        build_over(model, options, triangles, splits)
+    }
 }
 
-/// Builds with options that were checked, over triangles in any order.
+/// Builds a tree over all triangles, given in any order.
 pub(super) fn build_over(
     model: Arc<MorphModel>,
     options: &BuildOptions,
@@ -89,9 +77,7 @@ pub(super) fn build_over(
     let above_root = builder.reserve();
     let (root, extents) = builder.node(&mut triangles, 0);
     builder.finish(above_root, &[root], &[extents]);
-    let Builder {
-        mut topology, tables, ..
-    } = builder;
+    let (mut topology, tables) = (builder.topology, builder.tables);
     topology.triangles = triangles;
     MorphBvh {
         leaf_lanes: LeafLanes::new(&model, &topology).map(Arc::new),
@@ -110,7 +96,7 @@ struct Builder<'a, S> {
 }
 
 impl<S: Splits> Builder<'_, S> {
-    /// The node over these triangles, which it reorders, and what the node spans.
+    /// Builds the node over `triangles`, which it reorders. Returns it with what it spans.
     fn node(&mut self, triangles: &mut [u32], depth: usize) -> (Child, NodeExtents) {
         self.topology.depth = self.topology.depth.max(depth);
         let Some(counts) = self.splits.split(triangles, depth) else {
@@ -118,36 +104,38 @@ impl<S: Splits> Builder<'_, S> {
         };
         let group = self.reserve();
         let mut rest = triangles;
-        let (mut children, mut extents) = (Vec::with_capacity(counts.len()), Vec::with_capacity(counts.len()));
-        for count in counts {
-            let (part, others) = rest.split_at_mut(count);
-            let (child, spanned) = self.node(part, depth + 1);
-            children.push(child);
-            extents.push(spanned);
-            rest = others;
-        }
-        self.finish(group, &children, &extents);
-        (Child::group(group), NodeExtents::of_children(&extents))
+        let build_child = |count| {
+            let part = rest.split_off_mut(..count).unwrap_or_default();
+            self.node(part, depth + 1)
+        };
+        let (children, extents): (Vec<_>, Vec<_>) = counts.into_iter().map(build_child).unzip();
+        (Child::group(group), self.finish(group, &children, &extents))
     }
 
     fn leaf(&mut self, triangles: &[u32]) -> (Child, NodeExtents) {
-        let corners: Vec<[u32; 3]> = triangles.iter().map(|&t| self.model.triangle(t as usize)).collect();
+        let corners: Vec<[u32; 3]> = triangles.iter().map(|&triangle| self.model.corners(triangle)).collect();
         let leaf = self.topology.push_leaf(&corners);
-        let extents = NodeExtents::of_vertices(self.model, self.topology.leaf_vertices(leaf));
-        (Child::leaf(leaf.0), extents)
+        let vertices = self.topology.leaf_vertices(leaf).iter();
+        let extents: Vec<_> = vertices
+            .map(|&vertex| NodeExtents::of_vertex(self.model, vertex))
+            .collect();
+        (Child::leaf(leaf), NodeExtents::of_parts(&extents))
     }
 
-    /// Takes the next place in preorder for a group whose children are not known yet.
+    /// Takes the next number in preorder for a group whose children are not known yet.
     fn reserve(&mut self) -> usize {
         self.topology.groups.push(Group::default());
         self.tables.reserve();
         self.topology.groups.len() - 1
     }
 
-    fn finish(&mut self, group: usize, children: &[Child], extents: &[NodeExtents]) {
+    /// Stores the children of a group and returns what they span together.
+    fn finish(&mut self, group: usize, children: &[Child], extents: &[NodeExtents]) -> NodeExtents {
         let slot = &mut self.topology.groups[group];
         slot.children[..children.len()].copy_from_slice(children);
         slot.len = children.len() as u8;
-        self.tables.fill(group, extents);
+        let whole = NodeExtents::of_parts(extents);
+        self.tables.fill(group, extents, &whole);
+        whole
     }
 }

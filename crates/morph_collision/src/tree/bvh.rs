@@ -1,80 +1,94 @@
+use std::fmt;
 use std::sync::Arc;
 
-use super::build::build;
-use super::{BuildError, BuildOptions, LeafLanes, Tables, Topology};
+use super::{BuildOptions, Child, ChildKind, LeafLanes, Tables, Topology};
 use crate::model::MorphModel;
 
-/// A bounding-volume tree for every pose of a [`MorphModel`]: immutable, shared by all instances of the mesh.
+/// A bounding-volume tree over a [`MorphModel`], valid at all weights: immutable, shared by all instances of the mesh.
 ///
-/// Each node holds its box at the base and, for each target that moves any of its vertices, how the box moves; a
-/// [`Pose`](crate::Pose) blends them when a query looks at the node.
+/// Each node stores its box at the base and, for each target that moves any of its vertices, how the box moves. A
+/// [`Pose`](crate::Pose) blends these when a query looks at the node.
 ///
-/// Building takes `O(n log n)` time for `n` triangles, and memory in proportion to the sum over all nodes of the targets
-/// that move them. Cloning is cheap.
-#[derive(Clone, Debug)]
+/// Building takes `O(n log n)` time for `n` triangles. Memory is proportional to the number of targets that move a node, summed
+/// over all nodes. Cloning is cheap.
+#[derive(Clone)]
 pub struct MorphBvh {
     pub(super) model: Arc<MorphModel>,
-    pub(super) topology: Arc<Topology>,
-    pub(super) tables: Arc<Tables>,
-    pub(super) leaf_lanes: Option<Arc<LeafLanes>>,
+    pub(crate) topology: Arc<Topology>,
+    pub(crate) tables: Arc<Tables>,
+    pub(crate) leaf_lanes: Option<Arc<LeafLanes>>,
     pub(super) options: BuildOptions,
 }
 
 impl MorphBvh {
-    /// Builds the tree.
-    ///
-    /// # Errors
-    /// [`BuildError`] if an option is out of range.
-    pub fn build(model: Arc<MorphModel>, options: &BuildOptions) -> Result<Self, BuildError> {
-        build(model, options)
-    }
-
-    /// The mesh the tree was built over.
+    /// The mesh.
     #[must_use]
     pub fn model(&self) -> &Arc<MorphModel> {
         &self.model
     }
 
-    /// How the tree was built.
+    /// The options that the tree was built with.
     #[must_use]
     pub fn options(&self) -> &BuildOptions {
         &self.options
     }
 
-    /// How many nodes there are, leaves and root included.
+    /// The number of nodes, including the root and the leaves.
     #[must_use]
     pub fn node_count(&self) -> usize {
-        self.topology.node_count()
+        self.topology.groups.iter().map(|group| group.children().len()).sum()
     }
 
-    /// How many of the nodes are leaves.
+    /// The number of leaves.
     #[must_use]
     pub fn leaf_count(&self) -> usize {
-        self.topology.leaf_starts.len() - 1
+        self.topology.leaf_count()
     }
 
-    /// Edges on the longest way from the root to a leaf; 0 when the root is a leaf.
+    /// The number of edges on the longest path from the root to a leaf; 0 if the root is a leaf.
     #[must_use]
     pub fn depth(&self) -> usize {
         self.topology.depth
     }
 
-    /// Bytes held on the heap, the model's not included.
+    /// Bytes on the heap, without the model.
     #[must_use]
     pub fn bytes(&self) -> usize {
         let leaf_lanes = self.leaf_lanes.as_ref().map_or(0, |lanes| lanes.bytes());
         self.topology.bytes() + self.tables.bytes() + leaf_lanes
     }
 
-    pub(crate) fn topology(&self) -> &Topology {
-        &self.topology
+    /// Cuts the mesh into parts of nearby triangles: the largest subtrees of at most `max_triangles` triangles. Every triangle is
+    /// in exactly one part, and successive parts are near each other.
+    ///
+    /// A leaf is never cut, so a part has more than `max_triangles` triangles where a leaf does. Cost: the number of parts times
+    /// the depth of the tree.
+    #[must_use]
+    pub fn subtrees(&self, max_triangles: usize) -> Vec<&[u32]> {
+        let topology = &self.topology;
+        let mut parts = Vec::new();
+        let mut rest: Vec<Child> = topology.group(0).children().to_vec();
+        while let Some(node) = rest.pop() {
+            let triangles = topology.triangles_below(node);
+            match node.kind() {
+                ChildKind::Group(group) if triangles.len() > max_triangles => {
+                    rest.extend(topology.group(group).children().iter().rev());
+                }
+                _ => parts.push(triangles),
+            }
+        }
+        parts
     }
+}
 
-    pub(crate) fn tables(&self) -> &Tables {
-        &self.tables
-    }
-
-    pub(crate) fn leaf_lanes(&self) -> Option<&LeafLanes> {
-        self.leaf_lanes.as_deref()
+impl fmt::Debug for MorphBvh {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("MorphBvh")
+            .field("model", &self.model)
+            .field("options", &self.options)
+            .field("nodes", &self.node_count())
+            .field("leaves", &self.leaf_count())
+            .field("depth", &self.depth())
+            .finish_non_exhaustive()
     }
 }

@@ -1,22 +1,21 @@
-//! A tree's shape, apart from its mesh and its tables: what a game ships to save the time of splitting.
-
+use std::fmt;
 use std::sync::Arc;
 
 use thiserror::Error;
 
-use super::topology::{ChildKind, Topology};
-use super::{BuildError, BuildOptions, MorphBvh, build};
+use super::build::{MAX_DEPTH, Recorded, build_over};
+use super::{BuildOptions, ChildKind, MorphBvh};
 use crate::bounds::LANES;
 use crate::model::MorphModel;
 
 /// The version of [`TreeLayout`] that this crate writes and reads.
 const VERSION: u32 = 2;
 
-/// Which triangles of a mesh a tree puts together, and the options it was built with; serialisable with the feature
-/// `serde`.
+/// The shape of a tree without its boxes: which triangles are together, and the build options. A game can ship it to save the
+/// time of splitting. It is serialisable with the feature `serde`.
 ///
-/// Boxes are not in it: they are measured again on the mesh when the tree is restored, which is cheaper than splitting
-/// it, keeps files small, and leaves no way for a corrupt file to make an answer wrong.
+/// [`MorphBvh::from_layout`] measures the boxes again on the mesh. That is cheaper than splitting, keeps files small, and no
+/// corrupt file can make an answer wrong.
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -24,21 +23,21 @@ const VERSION: u32 = 2;
 /// # use morph_collision::{BuildOptions, MorphBvh, MorphModel};
 /// # let base = [Vec3::ZERO, Vec3::X, Vec3::Y];
 /// # let model = Arc::new(MorphModel::from_displacements::<[Vec3; 3]>(&base, &[[0, 1, 2]], &[])?);
-/// let bvh = MorphBvh::build(model.clone(), &BuildOptions::default())?;
+/// let bvh = MorphBvh::build(model.clone(), &BuildOptions::default());
 /// let layout = bvh.layout(); // write it to a file, read it back in the game
 /// let restored = MorphBvh::from_layout(model, &layout)?;
 /// assert_eq!(restored.node_count(), bvh.node_count());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(deny_unknown_fields))]
 pub struct TreeLayout {
     version: u32,
-    /// Of the mesh: see [`MorphModel::fingerprint`].
+    /// [`MorphModel::fingerprint`] of the mesh.
     fingerprint: u64,
     options: BuildOptions,
-    /// Nodes in preorder: the number of children and then their triangle counts; a leaf is a 0.
+    /// The nodes in preorder. A node is its number of children, then the number of triangles below each of them; a leaf is a 0.
     nodes: Vec<u32>,
     /// The mesh's triangle numbers in leaf order.
     triangles: Vec<u32>,
@@ -48,32 +47,29 @@ pub struct TreeLayout {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum LayoutError {
-    /// Written by another version of this crate.
+    /// The layout was written by another version of this crate.
     #[error("tree layout has version {found}, this is version {VERSION}")]
     Version {
         /// The layout's version.
         found: u32,
     },
-    /// Written for another mesh.
+    /// The layout was written for another mesh.
     #[error("tree layout is of another mesh: its fingerprint is {found:016x}, the mesh's is {expected:016x}")]
     OtherMesh {
         /// The layout's fingerprint.
         found: u64,
-        /// The mesh's.
+        /// The mesh's fingerprint.
         expected: u64,
     },
-    /// The options in it are out of range.
-    #[error("tree layout: {0}")]
-    Options(#[from] BuildError),
     /// There are too few or too many triangles.
     #[error("tree layout: {found} triangles, the mesh has {expected}")]
     TriangleCount {
-        /// How many the layout has.
+        /// The number of triangles in the layout.
         found: usize,
-        /// How many the mesh has.
+        /// The number of triangles of the mesh.
         expected: usize,
     },
-    /// The triangles are not those of the mesh, each once.
+    /// A triangle is out of range or listed twice.
     #[error("tree layout: entry {place} of the triangles is {triangle}, which is out of range or there twice")]
     Triangle {
         /// Index into the layout's triangles.
@@ -81,7 +77,7 @@ pub enum LayoutError {
         /// The triangle there.
         triangle: u32,
     },
-    /// The nodes are no tree over the triangles.
+    /// The nodes are not a tree over the triangles.
     #[error("tree layout: the nodes are no tree over the triangles at entry {place}")]
     Nodes {
         /// Index into the layout's nodes.
@@ -90,47 +86,17 @@ pub enum LayoutError {
 }
 
 impl TreeLayout {
-    fn of(bvh: &MorphBvh) -> Self {
-        let topology = bvh.topology();
-        let mut nodes = Vec::new();
-        let mut rest: Vec<ChildKind> = topology.group(0).children().iter().map(|root| root.kind()).collect();
-        while let Some(node) = rest.pop() {
-            match node {
-                ChildKind::Leaf(_) => nodes.push(0),
-                ChildKind::Group(group) => {
-                    let children = topology.group(group).children();
-                    nodes.push(children.len() as u32);
-                    nodes.extend(children.iter().map(|child| triangles_below(topology, child.kind())));
-                    rest.extend(children.iter().rev().map(|child| child.kind()));
-                }
-            }
-        }
-        Self {
-            version: VERSION,
-            fingerprint: bvh.model().fingerprint(),
-            options: *bvh.options(),
-            nodes,
-            triangles: topology.triangles.clone(),
-        }
-    }
-
     fn check(&self, model: &MorphModel) -> Result<(), LayoutError> {
         if self.version != VERSION {
             return Err(LayoutError::Version { found: self.version });
         }
-        if self.fingerprint != model.fingerprint() {
-            return Err(LayoutError::OtherMesh {
-                found: self.fingerprint,
-                expected: model.fingerprint(),
-            });
+        let (found, expected) = (self.fingerprint, model.fingerprint());
+        if found != expected {
+            return Err(LayoutError::OtherMesh { found, expected });
         }
-        self.options.check()?;
-        let expected = model.triangle_count();
-        if self.triangles.len() != expected {
-            return Err(LayoutError::TriangleCount {
-                found: self.triangles.len(),
-                expected,
-            });
+        let (found, expected) = (self.triangles.len(), model.triangle_count());
+        if found != expected {
+            return Err(LayoutError::TriangleCount { found, expected });
         }
         let mut seen = vec![false; expected];
         for (place, &triangle) in self.triangles.iter().enumerate() {
@@ -142,34 +108,26 @@ impl TreeLayout {
         self.check_nodes()
     }
 
-    /// Walks the nodes with the triangle counts and depths that they should have.
+    /// Walks the nodes with the number of triangles and the depth that each must have.
     fn check_nodes(&self) -> Result<(), LayoutError> {
-        let mut due = vec![(self.triangles.len(), 0)];
+        let mut rest = vec![(self.triangles.len(), 0)];
         let mut place = 0;
-        while let Some((count, depth)) = due.pop() {
+        while let Some((count, depth)) = rest.pop() {
             let broken = LayoutError::Nodes { place };
-            let Some(&children) = self.nodes.get(place) else {
-                return Err(broken);
+            let children = match self.nodes.get(place) {
+                Some(0) if count <= self.options.leaf_size() => 0,
+                Some(&children) if (2..=LANES as u32).contains(&children) && depth < MAX_DEPTH => children as usize,
+                _ => return Err(broken),
             };
             place += 1;
-            if children == 0 {
-                if count > self.options.leaf_size {
-                    return Err(broken);
-                }
-                continue;
-            }
-            let children = children as usize;
-            if !(2..=LANES).contains(&children) || depth >= build::MOST_DEPTH {
-                return Err(broken);
-            }
             let Some(counts) = self.nodes.get(place..place + children) else {
                 return Err(broken);
             };
             let sum: usize = counts.iter().map(|&count| count as usize).sum();
-            if sum != count || counts.contains(&0) {
+            if children > 0 && sum != count || counts.contains(&0) {
                 return Err(broken);
             }
-            due.extend(counts.iter().rev().map(|&count| (count as usize, depth + 1)));
+            rest.extend(counts.iter().rev().map(|&count| (count as usize, depth + 1)));
             place += children;
         }
         if place != self.nodes.len() {
@@ -179,40 +137,57 @@ impl TreeLayout {
     }
 }
 
-impl MorphBvh {
-    /// The tree's shape, to be shipped and restored.
-    #[must_use]
-    pub fn layout(&self) -> TreeLayout {
-        TreeLayout::of(self)
-    }
-
-    /// Restores a tree over the mesh it was built for.
-    ///
-    /// Cost: the boxes are measured, `O(n)` for `n` triangles; nothing is split.
-    ///
-    /// # Errors
-    /// [`LayoutError`] if the layout is of another version or mesh, or corrupt.
-    pub fn from_layout(model: Arc<MorphModel>, layout: &TreeLayout) -> Result<Self, LayoutError> {
-        layout.check(&model)?;
-        let splits = build::Recorded::new(&layout.nodes);
-        Ok(build::build_over(
-            model,
-            &layout.options,
-            layout.triangles.clone(),
-            splits,
-        ))
+impl fmt::Debug for TreeLayout {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("TreeLayout")
+            .field("version", &self.version)
+            .field("fingerprint", &self.fingerprint)
+            .field("options", &self.options)
+            .field("triangles", &self.triangles.len())
+            .finish_non_exhaustive()
     }
 }
 
-fn triangles_below(topology: &Topology, node: ChildKind) -> u32 {
-    match node {
-        ChildKind::Leaf(leaf) => topology.leaf_triangles(leaf).len() as u32,
-        ChildKind::Group(group) => {
-            let children = topology.group(group).children();
-            children
-                .iter()
-                .map(|child| triangles_below(topology, child.kind()))
-                .sum()
+impl MorphBvh {
+    /// The tree's shape, to store and restore.
+    #[must_use]
+    pub fn layout(&self) -> TreeLayout {
+        let topology = &self.topology;
+        let mut nodes = Vec::new();
+        let mut rest = topology.group(0).children().to_vec();
+        while let Some(node) = rest.pop() {
+            match node.kind() {
+                ChildKind::Leaf(_) => nodes.push(0),
+                ChildKind::Group(group) => {
+                    let children = topology.group(group).children();
+                    nodes.push(children.len() as u32);
+                    nodes.extend(
+                        children
+                            .iter()
+                            .map(|&child| topology.triangles_below(child).len() as u32),
+                    );
+                    rest.extend(children.iter().rev());
+                }
+            }
         }
+        TreeLayout {
+            version: VERSION,
+            fingerprint: self.model().fingerprint(),
+            options: *self.options(),
+            nodes,
+            triangles: topology.triangles.clone(),
+        }
+    }
+
+    /// Restores a tree over the mesh that it was built for.
+    ///
+    /// Cost: `O(n)` for `n` triangles; boxes are measured, nothing is split.
+    ///
+    /// # Errors
+    /// [`LayoutError`] if the layout is of another version or another mesh, or corrupt.
+    pub fn from_layout(model: Arc<MorphModel>, layout: &TreeLayout) -> Result<Self, LayoutError> {
+        layout.check(&model)?;
+        let (triangles, splits) = (layout.triangles.clone(), Recorded(&layout.nodes));
+        Ok(build_over(model, &layout.options, triangles, splits))
     }
 }

@@ -1,43 +1,46 @@
-//! The corners of leaves' triangles side by side, as they are blended for an exact test.
+//! The corners of the leaves' triangles, eight triangles side by side, as they are blended for the exact tests.
 
 use glam::Vec3;
 
-use super::Topology;
+use super::{Leaf, Topology};
 use crate::bounds::{LANES, Lanes};
 use crate::model::MorphModel;
 
 /// Three corners of up to eight triangles, by corner and coordinate.
 pub(crate) type CornerLanes = [[Lanes; 3]; 3];
 
-/// More targets than this in an average patch would take more memory than blending them side by side is worth.
-const MOST_TARGETS: usize = 8;
-/// And so would patches with fewer triangles than this on average.
-const LEAST_TRIANGLES: usize = 4;
+/// With more targets per patch than this on average, no lanes are stored. Not measured; it caps the displacements at 288 bytes
+/// per triangle.
+const MAX_TARGETS: usize = 8;
+/// With fewer triangles per patch than this on average, no lanes are stored. Not measured; more than half of the lanes would be
+/// unused.
+const MIN_TRIANGLES: usize = 4;
 
-/// The triangles of every leaf in patches of eight: base corners, and displacements for each target that moves any of them.
-#[derive(Clone, Debug)]
+/// The triangles of every leaf in patches of eight: base corners, and displacements of each target that moves any of them.
+#[derive(Clone)]
 pub(crate) struct LeafLanes {
     /// The first patch of each leaf.
     firsts: Vec<u32>,
     bases: Vec<CornerLanes>,
-    /// Targets of patch `i` and their displacements stand at `starts[i]..starts[i + 1]`, ascending.
+    /// `starts[i]..starts[i + 1]` are the entries of patch `i` in `targets` and `displacements`, ascending by target.
     starts: Vec<u32>,
     targets: Vec<u32>,
     displacements: Vec<CornerLanes>,
 }
 
-/// A patch as it is blended.
-#[derive(Clone, Copy, Debug)]
+/// One patch.
+#[derive(Clone, Copy)]
 pub(crate) struct PatchColumns<'a> {
     pub(crate) base: &'a CornerLanes,
-    /// Ascending, as `displacements`.
+    /// Ascending.
     pub(crate) targets: &'a [u32],
+    /// One entry per target.
     pub(crate) displacements: &'a [CornerLanes],
 }
 
 impl LeafLanes {
-    /// `None` where too many targets move the average patch, or it has too few triangles; such a tree blends its vertices one
-    /// by one.
+    /// `None` if the average patch has too many targets or too few triangles. The vertices of such a tree are blended one by
+    /// one.
     pub(super) fn new(model: &MorphModel, topology: &Topology) -> Option<Self> {
         let mut lanes = Self {
             firsts: Vec::new(),
@@ -46,16 +49,16 @@ impl LeafLanes {
             targets: Vec::new(),
             displacements: Vec::new(),
         };
-        let lengths = topology.leaves().map(|leaf| topology.leaf_mesh(leaf).triangles.len());
-        let patches: usize = lengths.map(|triangles| triangles.div_ceil(LANES)).sum();
-        if model.triangle_count() < LEAST_TRIANGLES * patches {
+        let leaves = || (0..topology.leaf_count()).map(|leaf| topology.leaf_triangles(Leaf(leaf)));
+        let patches: usize = leaves().map(|triangles| triangles.len().div_ceil(LANES)).sum();
+        if model.triangle_count() < MIN_TRIANGLES * patches {
             return None;
         }
-        for leaf in topology.leaves() {
+        for triangles in leaves() {
             lanes.firsts.push(lanes.bases.len() as u32);
-            for triangles in topology.leaf_mesh(leaf).triangles.chunks(LANES) {
+            for triangles in triangles.chunks(LANES) {
                 lanes.push(model, triangles);
-                if lanes.targets.len() > MOST_TARGETS * patches {
+                if lanes.targets.len() > MAX_TARGETS * patches {
                     return None;
                 }
             }
@@ -63,11 +66,12 @@ impl LeafLanes {
         Some(lanes)
     }
 
+    /// Adds the next patch.
     fn push(&mut self, model: &MorphModel, triangles: &[u32]) {
         let corners = || {
             in_lanes(triangles).flat_map(|(lane, triangle)| {
-                let corners = model.triangle(triangle as usize);
-                (0..).zip(corners).map(move |(corner, vertex)| (lane, corner, vertex))
+                let corners = model.corners(triangle).into_iter().enumerate();
+                corners.map(move |(corner, vertex)| (lane, corner, vertex))
             })
         };
         let mut base = CornerLanes::default();
@@ -78,26 +82,20 @@ impl LeafLanes {
         }
         targets.sort_unstable();
         targets.dedup();
-        let first = self.displacements.len();
-        self.displacements.resize(first + targets.len(), CornerLanes::default());
+        let mut displacements = vec![CornerLanes::default(); targets.len()];
         for (lane, corner, vertex) in corners() {
             for displacement in model.displacements(vertex) {
-                if let Ok(column) = targets.binary_search(&displacement.target) {
-                    put(
-                        &mut self.displacements[first + column],
-                        lane,
-                        corner,
-                        displacement.delta,
-                    );
-                }
+                let column = targets.partition_point(|&target| target < displacement.target);
+                put(&mut displacements[column], lane, corner, displacement.delta);
             }
         }
         self.bases.push(base);
         self.targets.extend(targets);
+        self.displacements.extend(displacements);
         self.starts.push(self.targets.len() as u32);
     }
 
-    /// The patches of a leaf that has so many triangles.
+    /// The patches of a leaf with that number of triangles.
     pub(crate) fn patches(&self, leaf: usize, triangles: usize) -> impl Iterator<Item = PatchColumns<'_>> {
         let first = self.firsts[leaf] as usize;
         (first..first + triangles.div_ceil(LANES)).map(|patch| {
@@ -119,15 +117,14 @@ impl LeafLanes {
     }
 }
 
-/// Every lane with what is in it; lanes beyond the last item repeat it, so that what is true of all lanes is true of the
-/// items.
+/// Pairs every lane with an item. Lanes beyond the last item repeat it, so that a condition on all lanes is one on the items.
 pub(crate) fn in_lanes<T: Copy>(items: &[T]) -> impl Iterator<Item = (usize, T)> {
     let last = items.last().copied();
     let rest = std::iter::repeat_with(move || last).flatten();
     (0..LANES).zip(items.iter().copied().chain(rest))
 }
 
-/// Puts a corner's coordinates in a lane.
+/// Stores a corner in a lane.
 #[inline]
 pub(crate) fn put(lanes: &mut CornerLanes, lane: usize, corner: usize, point: Vec3) {
     let rows = &mut lanes[corner % 3];

@@ -1,8 +1,8 @@
 //! The immutable tree: which triangles are together, and what blends into a box for each node.
 //!
-//! `partition` (with `sah`) decides the `topology` on the base and the targets, `extents` measures every node on each of them,
-//! `tables` turns extents into what a pose blends, `leaf_lanes` lays out the leaves' triangles for the exact tests, and `build`
-//! puts all of it together in preorder.
+//! `build` runs the stages. `partition` splits a node's triangles by the surface-area heuristic (`sah`). `topology` records the
+//! result in preorder. `extents` measures the base and each target over every node. `tables` turns extents into what a pose
+//! blends. `leaf_lanes` stores the corners of the leaves' triangles for the exact tests.
 
 mod build;
 mod bvh;
@@ -12,16 +12,13 @@ mod leaf_lanes;
 mod options;
 mod partition;
 mod sah;
-mod stats;
-mod subtrees;
 mod tables;
 mod topology;
 
 pub use bvh::MorphBvh;
 pub use layout::{LayoutError, TreeLayout};
 pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, in_lanes, put};
-pub use options::{BuildError, BuildOptions};
-pub use stats::{BrokenTree, BvhStats};
+pub use options::BuildOptions;
 pub(crate) use tables::{GroupTables, Tables};
 pub(crate) use topology::{Child, ChildKind, Leaf, Topology};
 
@@ -29,3 +26,5 @@ pub(crate) use topology::{Child, ChildKind, Leaf, Topology};
 mod sah_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod validate_tests;

@@ -1,41 +1,43 @@
-use thiserror::Error;
+use crate::input_error::{InputError, check_number};
 
-/// How to build a [`MorphBvh`](crate::MorphBvh). No answer depends on it.
+/// How to build a [`MorphBvh`](crate::MorphBvh). Options affect speed and memory, never an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
 pub struct BuildOptions {
-    /// A node with at most this many triangles becomes a leaf; 1 to 255.
-    pub leaf_size: usize,
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "deserialize_leaf_size"))]
+    leaf_size: usize,
 }
 
 impl BuildOptions {
-    /// Sets [`BuildOptions::leaf_size`].
+    /// A node with at most this many triangles becomes a leaf.
     #[must_use]
-    pub fn with_leaf_size(mut self, leaf_size: usize) -> Self {
-        self.leaf_size = leaf_size;
-        self
+    pub fn leaf_size(&self) -> usize {
+        self.leaf_size
     }
 
-    pub(super) fn check(&self) -> Result<(), BuildError> {
-        if !(1..=255).contains(&self.leaf_size) {
-            return Err(BuildError::LeafSize(self.leaf_size));
-        }
-        Ok(())
+    /// Sets the leaf size; the default is 8.
+    ///
+    /// # Errors
+    /// [`InputError::BadNumber`] unless `leaf_size` is from 1 to 255.
+    pub fn with_leaf_size(mut self, leaf_size: usize) -> Result<Self, InputError> {
+        let is_good = (1..=255).contains(&leaf_size);
+        check_number("leaf_size", leaf_size as f64, is_good, "a whole number from 1 to 255")?;
+        self.leaf_size = leaf_size;
+        Ok(self)
     }
 }
 
 impl Default for BuildOptions {
     fn default() -> Self {
+        // A leaf then fills one patch of eight lanes. Leaves of 4 take 1.2 to 1.9 times as long (docs/tried.md and
+        // docs/performance.md).
         Self { leaf_size: 8 }
     }
 }
 
-/// Why a tree cannot be built.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum BuildError {
-    /// [`BuildOptions::leaf_size`] is 0 or above 255.
-    #[error("leaf_size is {0}, it must be from 1 to 255")]
-    LeafSize(usize),
+#[cfg(feature = "serde")]
+fn deserialize_leaf_size<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<usize, D::Error> {
+    let leaf_size = serde::Deserialize::deserialize(deserializer)?;
+    let options = BuildOptions::default().with_leaf_size(leaf_size);
+    options.map(|_| leaf_size).map_err(serde::de::Error::custom)
 }

@@ -1,4 +1,4 @@
-//! What the surface-area splits have to keep to: every child gets something, and leaves come out nearly full.
+//! Splits by the surface-area heuristic: no child is empty, and leaves come out nearly full.
 
 use std::sync::Arc;
 
@@ -7,8 +7,8 @@ use morph_collision_testkit::models::{degenerate, dolphin, random};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::partition::Shape;
-use super::sah::{Rule, split};
+use super::partition::{Partition, Shape};
+use super::validate_tests::validate;
 use super::*;
 use crate::bounds::Aabb;
 use crate::model::MorphModel;
@@ -20,17 +20,14 @@ fn shape(triangles: &[[Vec3; 3]]) -> Shape {
     }
 }
 
-/// Splits all triangles; they all are there once after it, and no child is empty.
-fn judge(shape: &Shape, others: &[Shape], about: &str) {
-    let count = shape.midpoints.len();
+/// Checks that a split keeps every triangle once and makes no empty child.
+fn judge(shapes: Vec<Shape>, about: &str) {
+    let count = shapes[0].midpoints.len();
+    let mut partition = Partition { leaf_size: 1, shapes };
     for leaf_size in [1, 3, 8, 255] {
-        let rule = Rule {
-            shape,
-            others,
-            leaf_size,
-        };
+        partition.leaf_size = leaf_size;
         let mut triangles: Vec<u32> = (0..count as u32).collect();
-        let lengths = split(&rule, &mut triangles);
+        let lengths = partition.by_area(&mut triangles);
         let about = format!("{about}, {count} triangles, {leaf_size} to a leaf: {lengths:?}");
         assert!(!lengths.contains(&0) && lengths.len() <= 8, "{about}");
         assert_eq!(lengths.iter().sum::<usize>(), count, "{about}");
@@ -71,20 +68,17 @@ fn no_split_makes_an_empty_child() {
             ("anywhere", of(&mut |_| [point(1.0), point(1.0), point(1.0)])),
         ];
         for (name, shape) in &shapes {
-            judge(shape, &[], name);
+            judge(vec![shape.clone()], name);
         }
-        // Costs over several shapes, planes on one.
+        // Planes are placed on the first shape, costs are summed over both.
         let [(_, identical), .., (_, anywhere)] = &shapes;
-        judge(identical, &[copy(anywhere)], "identical at the base only");
-        judge(anywhere, &[copy(identical)], "identical at a target");
+        judge(vec![identical.clone(), anywhere.clone()], "identical at the base only");
+        judge(vec![anywhere.clone(), identical.clone()], "identical at a target");
     }
 }
 
-fn copy(shape: &Shape) -> Shape {
-    Shape {
-        midpoints: shape.midpoints.clone(),
-        bounds: shape.bounds.clone(),
-    }
+fn mean_leaf_triangles(bvh: &MorphBvh) -> f64 {
+    bvh.model().triangle_count() as f64 / bvh.leaf_count() as f64
 }
 
 #[test]
@@ -96,30 +90,29 @@ fn leaves_of_smooth_meshes_are_nearly_full() {
     ] {
         let model = MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap();
         let model = Arc::new(model);
-        let bvh = MorphBvh::build(model, &BuildOptions::default().with_leaf_size(8)).unwrap();
-        let fill = bvh.stats().mean_leaf_triangles / 8.0;
+        let bvh = MorphBvh::build(model, &BuildOptions::default());
+        let fill = mean_leaf_triangles(&bvh) / 8.0;
         println!("{}: {fill:.2} full", mesh.name);
         assert!(fill >= 0.6, "{}: {fill}", mesh.name);
     }
 }
 
 #[test]
-fn identical_triangles_make_nearly_full_leaves_and_a_tree_that_is_not_deep() {
+fn identical_triangles_make_nearly_full_leaves_and_a_shallow_tree() {
     let triangle = [Vec3::ZERO, Vec3::X, Vec3::new(0.0, 1.0, 1.0)];
     let no_targets: [[Vec3; 3]; 0] = [];
     let model = Arc::new(MorphModel::from_displacements(&triangle, &[[0, 1, 2]; 5000], &no_targets).unwrap());
-    let bvh = MorphBvh::build(model, &BuildOptions::default()).unwrap();
-    assert_eq!(bvh.validate(), Ok(()));
-    let stats = bvh.stats();
-    assert!(stats.mean_leaf_triangles >= 0.6 * 8.0 && stats.depth <= 6, "{stats:?}");
+    let bvh = MorphBvh::build(model, &BuildOptions::default());
+    validate(&bvh);
+    assert!(mean_leaf_triangles(&bvh) >= 0.6 * 8.0 && bvh.depth() <= 6, "{bvh:?}");
 }
 
 #[test]
-fn triangles_that_are_all_the_same_point_make_a_tree_that_is_not_deep() {
+fn triangles_at_one_point_make_a_shallow_tree() {
     // No plane costs anything, so leaves need not be full.
     let mesh = degenerate::all_equal(5000);
     let model = Arc::new(MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap());
-    let bvh = MorphBvh::build(model, &BuildOptions::default()).unwrap();
-    assert_eq!(bvh.validate(), Ok(()));
+    let bvh = MorphBvh::build(model, &BuildOptions::default());
+    validate(&bvh);
     assert!(bvh.depth() <= 6, "{}", bvh.depth());
 }

@@ -1,19 +1,19 @@
-//! What a pose blends: per group of children the base boxes and, per local target, how they move.
+//! What a pose blends: for each group of children the base boxes and, per local target, how they move.
 //!
-//! With `s` an end of a child's base box and `w_k` the weights, the posed end is bounded by
+//! Let `s` be an end of a child's base box and `w_k` the weights. The posed end is bounded by
 //!
 //! ```text
 //! s + sum_k a_k X_k + sum_k r_k I_k,   a_k + r_k = w_k,   a >= 0,   sum a_k <= 1
 //! ```
 //!
 //! The last condition is the *budget*. `X_k` moves the end to that of the target's reference box, which is the paper's
-//! blending (Eq. 3); `I_k` moves it by the extreme displacement, which is interval arithmetic, costs no budget and holds for
-//! any weights. Every slope is rounded outward. Spending the budget is a fractional knapsack: the targets of a group are in
-//! the order of what a reference gains over the interval.
+//! blending (Eq. 3). `I_k` moves it by the extreme displacement: interval arithmetic, which costs no budget and holds for any
+//! weights. Every slope is rounded outward. Spending the budget is a fractional knapsack, so the targets of a group are sorted
+//! by how much tighter a reference is than the interval.
 
 use std::ops::Range;
 
-use super::extents::{NodeExtents, TargetExtents, local_targets, reach_under};
+use super::extents::NodeExtents;
 use crate::bounds::{Aabb, BoxLanes};
 
 /// A target that moves some child of a group.
@@ -24,36 +24,35 @@ pub(crate) struct LocalTarget {
     pub(crate) reach: f32,
 }
 
-/// Where the tables of a group are.
-#[derive(Clone, Debug)]
+/// A group's base boxes, and the ranges of its entries.
+#[derive(Clone, Default)]
 struct Header {
+    base: BoxLanes,
     base_reach: f32,
     targets: Range<usize>,
-    /// Of the first targets.
     references: Range<usize>,
 }
 
-/// The tables of all groups, one after the other.
-#[derive(Clone, Debug, Default)]
+/// The tables of all groups.
+#[derive(Clone, Default)]
 pub(crate) struct Tables {
     headers: Vec<Header>,
-    base: Vec<BoxLanes>,
-    /// As many as `intervals`.
     targets: Vec<LocalTarget>,
     intervals: Vec<BoxLanes>,
     references: Vec<BoxLanes>,
 }
 
 /// The tables of one group.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub(crate) struct GroupTables<'a> {
     pub(crate) base: &'a BoxLanes,
+    /// The largest absolute base coordinate in the group.
     pub(crate) base_reach: f32,
-    /// Those whose references gain most first.
+    /// Sorted by descending gain of the reference over the interval.
     pub(crate) targets: &'a [LocalTarget],
     /// `I_k`, one per target.
     pub(crate) intervals: &'a [BoxLanes],
-    /// `X_k` of the first targets; the others' would gain nothing.
+    /// `X_k` of the first targets, those that gain by it.
     pub(crate) references: &'a [BoxLanes],
 }
 
@@ -62,7 +61,7 @@ impl Tables {
     pub(crate) fn group(&self, group: usize) -> GroupTables<'_> {
         let header = &self.headers[group];
         GroupTables {
-            base: &self.base[group],
+            base: &header.base,
             base_reach: header.base_reach,
             targets: &self.targets[header.targets.clone()],
             intervals: &self.intervals[header.targets.clone()],
@@ -72,35 +71,30 @@ impl Tables {
 
     pub(crate) fn bytes(&self) -> usize {
         size_of_val(&*self.headers)
-            + size_of_val(&*self.base)
             + size_of_val(&*self.targets)
             + size_of_val(&*self.intervals)
             + size_of_val(&*self.references)
     }
 
-    /// Targets that move something in a group, summed over all groups.
-    pub(super) fn local_targets(&self) -> usize {
-        self.targets.len()
-    }
-
-    /// Makes room for the next group in preorder.
+    /// Adds the next group in preorder, to be filled later.
     pub(super) fn reserve(&mut self) {
-        self.headers.push(Header {
-            base_reach: 0.0,
-            targets: 0..0,
-            references: 0..0,
-        });
-        self.base.push(BoxLanes::default());
+        self.headers.push(Header::default());
     }
 
-    /// Fills a group's tables from what its children span.
-    pub(super) fn fill(&mut self, group: usize, children: &[NodeExtents]) {
+    /// Fills a group's tables from what its children span, each and together.
+    pub(super) fn fill(&mut self, group: usize, children: &[NodeExtents], whole: &NodeExtents) {
         let bases: Vec<Aabb> = children.iter().map(|child| child.base.outward()).collect();
-        for (lane, base) in bases.iter().enumerate() {
-            self.base[group].set(lane, base);
-        }
-        let measure = |target| Columns::new(children, &bases, target);
-        let mut columns: Vec<Columns> = local_targets(children).into_iter().map(measure).collect();
+        let mut columns: Vec<Column> = whole
+            .targets
+            .iter()
+            .map(|of_target| {
+                let local = LocalTarget {
+                    target: of_target.target,
+                    reach: of_target.displacement.reach() as f32,
+                };
+                Column::new(local, children, &bases)
+            })
+            .collect();
         columns.sort_by(|a, b| b.gain.total_cmp(&a.gain));
         let (targets, references) = (self.targets.len(), self.references.len());
         for column in &columns {
@@ -110,16 +104,19 @@ impl Tables {
                 self.references.push(column.reference);
             }
         }
-        self.headers[group] = Header {
-            base_reach: children.iter().fold(0.0, |reach, c| reach.max(c.base_reach)),
-            targets: targets..self.targets.len(),
-            references: references..self.references.len(),
-        };
+        let header = &mut self.headers[group];
+        for (lane, base) in bases.iter().enumerate() {
+            header.base.set(lane, base);
+        }
+        // Both reaches are exact: they are coordinates of the mesh.
+        header.base_reach = whole.base.reach() as f32;
+        header.targets = targets..self.targets.len();
+        header.references = references..self.references.len();
     }
 }
 
 /// The slopes of one target in a group.
-struct Columns {
+struct Column {
     local: LocalTarget,
     interval: BoxLanes,
     reference: BoxLanes,
@@ -127,35 +124,27 @@ struct Columns {
     gain: f64,
 }
 
-impl Columns {
-    fn new(children: &[NodeExtents], bases: &[Aabb], target: u32) -> Self {
-        let mut columns = Self {
-            local: LocalTarget {
-                target,
-                reach: reach_under(children, target),
-            },
+impl Column {
+    fn new(local: LocalTarget, children: &[NodeExtents], bases: &[Aabb]) -> Self {
+        let mut column = Self {
+            local,
             interval: BoxLanes::default(),
             reference: BoxLanes::default(),
             gain: 0.0,
         };
         for (lane, (child, base)) in children.iter().zip(bases).enumerate() {
-            if let Some(TargetExtents {
-                displacement,
-                reference,
-                ..
-            }) = child.under(target)
-            {
-                let (interval, reference) = (displacement.outward(), reference.slope_from(base));
-                columns.interval.set(lane, &interval);
-                columns.reference.set(lane, &reference);
-                columns.gain += looseness(&interval) - looseness(&reference);
+            if let Some(extents) = child.under(local.target) {
+                let (interval, reference) = (extents.displacement.outward(), extents.reference.slope_from(base));
+                column.interval.set(lane, &interval);
+                column.reference.set(lane, &reference);
+                column.gain += looseness(&interval) - looseness(&reference);
             }
         }
-        columns
+        column
     }
 }
 
-/// How much a unit of a slope loosens a box: the sum over the axes.
+/// How much a unit of a slope loosens a box, summed over the axes.
 fn looseness(slope: &Aabb) -> f64 {
     (slope.max.as_dvec3() - slope.min.as_dvec3()).element_sum()
 }

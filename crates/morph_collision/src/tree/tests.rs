@@ -2,7 +2,9 @@ use std::sync::Arc;
 
 use morph_collision_testkit::models::{degenerate, dolphin, random};
 
+use super::validate_tests::validate;
 use super::*;
+use crate::input_error::InputError;
 use crate::model::MorphModel;
 
 fn model_of(mesh: &morph_collision_testkit::mesh::MorphMesh) -> Arc<MorphModel> {
@@ -10,7 +12,7 @@ fn model_of(mesh: &morph_collision_testkit::mesh::MorphMesh) -> Arc<MorphModel> 
 }
 
 fn every_option() -> Vec<BuildOptions> {
-    let leaf_size = |size| BuildOptions::default().with_leaf_size(size);
+    let leaf_size = |size| BuildOptions::default().with_leaf_size(size).unwrap();
     [1, 2, 8, 9, 255].map(leaf_size).to_vec()
 }
 
@@ -25,21 +27,29 @@ fn every_tree_is_valid_and_has_the_leaf_size_asked_for() {
     for mesh in &meshes {
         let model = model_of(mesh);
         for options in every_option() {
-            let bvh = MorphBvh::build(model.clone(), &options).unwrap();
-            assert_eq!(bvh.validate(), Ok(()), "{} with {options:?}", mesh.name);
-            let stats = bvh.stats();
-            assert!(stats.mean_leaf_triangles <= options.leaf_size as f64);
+            let bvh = MorphBvh::build(model.clone(), &options);
+            println!("{} with {options:?}", mesh.name);
+            validate(&bvh);
         }
     }
 }
 
 #[test]
-fn a_leaf_size_out_of_range_is_refused() {
-    let model = model_of(&dolphin(0));
-    let error = |options: BuildOptions| MorphBvh::build(model.clone(), &options).unwrap_err();
+fn a_leaf_size_out_of_range_is_refused_by_name() {
     for leaf_size in [0, 256] {
-        let options = BuildOptions::default().with_leaf_size(leaf_size);
-        assert_eq!(error(options), BuildError::LeafSize(leaf_size));
+        let error = BuildOptions::default().with_leaf_size(leaf_size).unwrap_err();
+        assert!(
+            matches!(error, InputError::BadNumber { what: "leaf_size", .. }),
+            "{error:?}"
+        );
+        let message = format!("leaf_size is {leaf_size}, it must be a whole number from 1 to 255");
+        assert_eq!(error.to_string(), message);
+        #[cfg(feature = "serde")]
+        {
+            let json = serde_json::json!({ "leaf_size": leaf_size });
+            let error = serde_json::from_value::<BuildOptions>(json).unwrap_err();
+            assert!(error.to_string().contains(&message), "{error}");
+        }
     }
 }
 
@@ -47,18 +57,19 @@ fn a_leaf_size_out_of_range_is_refused() {
 fn a_tree_restored_from_its_layout_is_the_same_tree() {
     let model = model_of(&dolphin(0));
     for options in every_option() {
-        let bvh = MorphBvh::build(model.clone(), &options).unwrap();
+        let bvh = MorphBvh::build(model.clone(), &options);
         let restored = MorphBvh::from_layout(model.clone(), &bvh.layout()).unwrap();
         assert_eq!(restored.layout(), bvh.layout());
-        assert_eq!(restored.stats(), bvh.stats());
-        assert_eq!(restored.validate(), Ok(()));
+        assert_eq!(restored.bytes(), bvh.bytes());
+        assert_eq!(restored.node_count(), bvh.node_count());
+        validate(&restored);
     }
 }
 
 #[test]
 fn a_layout_of_another_mesh_is_refused() {
     let (small, large) = (model_of(&dolphin(0)), model_of(&dolphin(1)));
-    let layout = MorphBvh::build(small, &BuildOptions::default()).unwrap().layout();
+    let layout = MorphBvh::build(small, &BuildOptions::default()).layout();
     assert!(matches!(
         MorphBvh::from_layout(large, &layout),
         Err(LayoutError::OtherMesh { .. })
@@ -69,9 +80,7 @@ fn a_layout_of_another_mesh_is_refused() {
 #[test]
 fn corrupt_layouts_are_errors_or_valid_trees() {
     let model = model_of(&random::triangle_soup(9, 40, 2));
-    let layout = MorphBvh::build(model.clone(), &BuildOptions::default())
-        .unwrap()
-        .layout();
+    let layout = MorphBvh::build(model.clone(), &BuildOptions::default()).layout();
     let json = serde_json::to_value(&layout).unwrap();
     let (mut refused, mut accepted) = (0, 0);
     for field in ["nodes", "triangles"] {
@@ -81,7 +90,7 @@ fn corrupt_layouts_are_errors_or_valid_trees() {
                 broken[field][place] = value.into();
                 match MorphBvh::from_layout(model.clone(), &serde_json::from_value(broken).unwrap()) {
                     Ok(bvh) => {
-                        assert_eq!(bvh.validate(), Ok(()));
+                        validate(&bvh);
                         accepted += 1;
                     }
                     Err(_) => refused += 1,
@@ -90,6 +99,9 @@ fn corrupt_layouts_are_errors_or_valid_trees() {
         }
     }
     assert!(refused > accepted, "{refused} refused, {accepted} accepted");
+    let mut bad_options = json.clone();
+    bad_options["options"]["leaf_size"] = 0.into();
+    assert!(serde_json::from_value::<TreeLayout>(bad_options).is_err());
     let mut newer = json;
     newer["version"] = 3.into();
     assert_eq!(
@@ -102,13 +114,14 @@ fn corrupt_layouts_are_errors_or_valid_trees() {
 fn subtrees_hold_every_triangle_once() {
     let model = model_of(&dolphin(1));
     for leaf_size in [1, 8] {
-        let bvh = MorphBvh::build(model.clone(), &BuildOptions::default().with_leaf_size(leaf_size)).unwrap();
+        let options = BuildOptions::default().with_leaf_size(leaf_size).unwrap();
+        let bvh = MorphBvh::build(model.clone(), &options);
         for most in [0, 1, 16, 100, usize::MAX] {
             let parts = bvh.subtrees(most);
             let mut all: Vec<u32> = parts.concat();
             all.sort_unstable();
             assert_eq!(all, (0..model.triangle_count() as u32).collect::<Vec<_>>());
-            let leaf = bvh.options().leaf_size;
+            let leaf = bvh.options().leaf_size();
             assert!(
                 parts
                     .iter()

@@ -2,11 +2,11 @@ use std::ops::Range;
 
 use crate::bounds::LANES;
 
-/// A node as its parent's group names it: a group of children of its own, or a leaf.
+/// A node as an entry of its parent's group: a group of its own children, or a leaf.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Child(u32);
 
-/// A [`Child`] taken apart.
+/// A decoded [`Child`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ChildKind {
     Group(usize),
@@ -24,8 +24,8 @@ impl Child {
         Self(index as u32)
     }
 
-    pub(super) fn leaf(index: usize) -> Self {
-        Self(index as u32 | Self::LEAF)
+    pub(super) fn leaf(leaf: Leaf) -> Self {
+        Self(leaf.0 as u32 | Self::LEAF)
     }
 
     #[inline]
@@ -39,7 +39,7 @@ impl Child {
     }
 }
 
-/// The up to eight children of an inner node, which are blended and tested together.
+/// The children of an inner node, at most eight, which are blended and tested together.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Group {
     pub(super) children: [Child; LANES],
@@ -57,42 +57,43 @@ impl Group {
         self.children[lane % LANES]
     }
 
-    /// A bit per child.
+    /// One set bit per child.
     #[inline]
     pub(crate) fn mask(&self) -> u8 {
         u8::MAX >> (LANES as u8 - self.len)
     }
 }
 
-/// Which triangles are together: groups and leaves in preorder, so that a subtree is a contiguous range of each.
-#[derive(Clone, Debug)]
+/// Which triangles are together. Groups and leaves are in preorder, so a subtree is a contiguous range of each.
+#[derive(Clone)]
 pub(crate) struct Topology {
     /// Group 0 has one child: the root.
     pub(super) groups: Vec<Group>,
-    /// Triangles of leaf `i` stand at `leaf_starts[i]..leaf_starts[i + 1]`; one more entry than leaves.
-    pub(super) leaf_starts: Vec<u32>,
+    /// `leaf_starts[i]..leaf_starts[i + 1]` are the entries of leaf `i` in `triangles` and `corners`.
+    leaf_starts: Vec<u32>,
     /// The model's triangle numbers in leaf order.
     pub(super) triangles: Vec<u32>,
-    /// The distinct vertices of leaf `i` stand at `vertex_starts[i]..vertex_starts[i + 1]`, ascending.
-    pub(super) vertex_starts: Vec<u32>,
-    pub(super) vertices: Vec<u32>,
-    /// In leaf order, the corners of each triangle as places among its leaf's vertices.
-    pub(super) corners: Vec<[u16; 3]>,
+    /// `vertex_starts[i]..vertex_starts[i + 1]` are the entries of leaf `i` in `vertices`.
+    vertex_starts: Vec<u32>,
+    /// The distinct vertices of each leaf, ascending.
+    vertices: Vec<u32>,
+    /// The corners of each triangle as indices into its leaf's vertices.
+    corners: Vec<[u16; 3]>,
     pub(super) depth: usize,
 }
 
 /// The triangles of a leaf over its distinct vertices.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub(crate) struct LeafMesh<'a> {
     pub(crate) vertices: &'a [u32],
-    /// Places among `vertices`, for each of `triangles`.
+    /// Indices into `vertices`, one entry per triangle.
     pub(crate) corners: &'a [[u16; 3]],
-    /// As the model numbers them.
+    /// The model's triangle numbers.
     pub(crate) triangles: &'a [u32],
 }
 
 impl Topology {
-    /// Of no nodes yet.
+    /// Without any nodes.
     pub(super) fn new() -> Self {
         Self {
             groups: Vec::new(),
@@ -122,14 +123,10 @@ impl Topology {
         self.leaf_starts.len() - 1
     }
 
-    /// The triangles of a leaf, as the model numbers them.
+    /// The model's numbers of a leaf's triangles.
     #[inline]
     pub(crate) fn leaf_triangles(&self, leaf: Leaf) -> &[u32] {
         &self.triangles[self.leaf_range(leaf)]
-    }
-
-    pub(super) fn leaves(&self) -> impl Iterator<Item = Leaf> {
-        (0..self.leaf_count()).map(Leaf)
     }
 
     #[inline]
@@ -142,54 +139,40 @@ impl Topology {
         }
     }
 
-    /// Adds the next leaf, of triangles with these corners in the model.
-    pub(super) fn push_leaf(&mut self, corners: &[[u32; 3]]) -> Leaf {
-        let leaf = Leaf(self.leaf_starts.len() - 1);
-        let mut vertices: Vec<u32> = corners.iter().flatten().copied().collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        // At most three for each of 255 triangles.
-        let place = |vertex: u32| vertices.binary_search(&vertex).unwrap_or(0) as u16;
-        self.corners.extend(corners.iter().map(|triangle| triangle.map(place)));
-        self.vertices.extend_from_slice(&vertices);
-        self.vertex_starts.push(self.vertices.len() as u32);
-        self.leaf_starts.push(self.corners.len() as u32);
-        leaf
-    }
-
     /// The distinct vertices of a leaf, ascending.
+    #[inline]
     pub(super) fn leaf_vertices(&self, leaf: Leaf) -> &[u32] {
         &self.vertices[self.vertex_starts[leaf.0] as usize..self.vertex_starts[leaf.0 + 1] as usize]
     }
 
-    /// Where the triangles below a node stand in [`Topology::triangles_at`]. Cost: the depth of the tree.
-    pub(crate) fn range_below(&self, node: Child) -> Range<usize> {
-        let end = |pick: fn(&[Child]) -> Option<&Child>| {
-            let mut node = node;
-            loop {
-                match node.kind() {
-                    ChildKind::Leaf(leaf) => return self.leaf_range(leaf),
-                    ChildKind::Group(group) => match pick(self.group(group).children()) {
-                        Some(child) => node = *child,
-                        None => return 0..0,
-                    },
-                }
-            }
-        };
-        end(<[Child]>::first).start..end(<[Child]>::last).end
-    }
-
-    /// The model's triangle numbers in a range of the order of leaves.
-    pub(crate) fn triangles_at(&self, range: Range<usize>) -> &[u32] {
-        &self.triangles[range]
-    }
-
-    pub(super) fn leaf_range(&self, leaf: Leaf) -> Range<usize> {
+    #[inline]
+    fn leaf_range(&self, leaf: Leaf) -> Range<usize> {
         self.leaf_starts[leaf.0] as usize..self.leaf_starts[leaf.0 + 1] as usize
     }
 
-    pub(super) fn node_count(&self) -> usize {
-        self.groups.iter().map(|group| usize::from(group.len)).sum()
+    /// The model's numbers of the triangles below a node. Cost: the depth of the tree.
+    pub(crate) fn triangles_below(&self, node: Child) -> &[u32] {
+        let leaf = |mut node: Child, lane: fn(&Group) -> usize| loop {
+            match node.kind() {
+                ChildKind::Leaf(leaf) => break self.leaf_range(leaf),
+                ChildKind::Group(group) => node = self.group(group).child(lane(self.group(group))),
+            }
+        };
+        &self.triangles[leaf(node, |_| 0).start..leaf(node, |group| group.children().len() - 1).end]
+    }
+
+    /// Adds the next leaf, given the corners of its triangles in the model.
+    pub(super) fn push_leaf(&mut self, corners: &[[u32; 3]]) -> Leaf {
+        let mut vertices: Vec<u32> = corners.iter().flatten().copied().collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        // Fits: at most 255 triangles have at most 765 vertices.
+        let place = |vertex: u32| vertices.partition_point(|&other| other < vertex) as u16;
+        self.corners.extend(corners.iter().map(|triangle| triangle.map(place)));
+        self.vertices.extend_from_slice(&vertices);
+        self.vertex_starts.push(self.vertices.len() as u32);
+        self.leaf_starts.push(self.corners.len() as u32);
+        Leaf(self.leaf_count() - 1)
     }
 
     pub(super) fn bytes(&self) -> usize {

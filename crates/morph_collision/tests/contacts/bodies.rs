@@ -18,7 +18,7 @@ pub(crate) struct Placed {
 
 impl Placed {
     pub(crate) fn new(name: &str, mesh: &MorphMesh, weights: &[f32], place: Affine3A, options: &BuildOptions) -> Self {
-        let bvh = MorphBvh::build(Arc::new(mesh.to_model().unwrap()), options).unwrap();
+        let bvh = MorphBvh::build(Arc::new(mesh.to_model().unwrap()), options);
         let mut pose = Pose::new(Arc::new(bvh));
         pose.set_weights(weights).unwrap();
         let posed = oracle::posed_vertices(&mesh.positions, &mesh.targets, weights);
@@ -76,7 +76,9 @@ pub(crate) fn assorted() -> Vec<Placed> {
     let mut add = |mesh: &MorphMesh, weights: &[f32]| {
         for (name, place) in odd_places() {
             let name = format!("{}, {name}", mesh.name);
-            let options = BuildOptions::default().with_leaf_size(leaf_sizes.next().unwrap());
+            let options = BuildOptions::default()
+                .with_leaf_size(leaf_sizes.next().unwrap())
+                .unwrap();
             all.push(Placed::new(&name, mesh, weights, place, &options));
         }
     };

@@ -49,11 +49,11 @@ impl Case {
         let model = Arc::new(self.mesh.to_model().unwrap());
         let all = [
             BuildOptions::default(),
-            BuildOptions::default().with_leaf_size(1),
-            BuildOptions::default().with_leaf_size(20),
+            BuildOptions::default().with_leaf_size(1).unwrap(),
+            BuildOptions::default().with_leaf_size(20).unwrap(),
         ];
         let pose = |options: &BuildOptions| {
-            let mut pose = Pose::new(Arc::new(MorphBvh::build(model.clone(), options).unwrap()));
+            let mut pose = Pose::new(Arc::new(MorphBvh::build(model.clone(), options)));
             pose.set_weights(&self.weights).unwrap();
             pose
         };

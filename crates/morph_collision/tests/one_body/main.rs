@@ -2,6 +2,7 @@
 
 mod anchors;
 mod bodies;
+mod containment;
 mod distance;
 mod laziness;
 mod points;

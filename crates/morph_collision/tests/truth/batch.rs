@@ -22,7 +22,7 @@ impl Bodies {
     fn full(scene: &Scene) -> Self {
         let mut bodies = Self::new(scene);
         for pose in &mut bodies.poses {
-            pose.visit_bounds(usize::MAX, |_, _| ());
+            pose.visit_nodes(|_| true);
             pose.source_positions(&mut Vec::new());
         }
         bodies

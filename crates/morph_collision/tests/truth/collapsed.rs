@@ -32,10 +32,8 @@ fn neighbours(mesh: &MorphMesh, aside: Vec3) -> [MorphMesh; 2] {
 }
 
 fn pose(mesh: &MorphMesh, leaf_size: usize) -> Pose {
-    let options = BuildOptions::default().with_leaf_size(leaf_size);
-    Pose::new(Arc::new(
-        MorphBvh::build(Arc::new(mesh.to_model().unwrap()), &options).unwrap(),
-    ))
+    let options = BuildOptions::default().with_leaf_size(leaf_size).unwrap();
+    Pose::new(Arc::new(MorphBvh::build(Arc::new(mesh.to_model().unwrap()), &options)))
 }
 
 /// A place where axes are scaled, all or some of them.

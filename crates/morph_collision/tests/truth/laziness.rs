@@ -6,7 +6,10 @@ use morph_collision::{Body, BuildOptions, ConvexRegion, PairQuery, QueryStats, S
 #[test]
 fn only_the_roots_are_blended_when_they_are_apart() {
     let scene = pass_through(0);
-    for options in [BuildOptions::default().with_leaf_size(1), BuildOptions::default()] {
+    for options in [
+        BuildOptions::default().with_leaf_size(1).unwrap(),
+        BuildOptions::default(),
+    ] {
         let (pairs, stats) = scenes::answer(&scene, &options);
         assert!(pairs.is_empty());
         assert_eq!(stats.nodes_blended, 2, "one root for each body");
@@ -19,10 +22,9 @@ fn only_the_roots_are_blended_when_they_are_apart() {
 fn a_few_percent_of_the_nodes_are_blended_when_bodies_barely_touch() {
     let scene = pass_through(42);
     let model = std::sync::Arc::new(scene.meshes[0].to_model().unwrap());
-    let nodes = 2 * morph_collision::MorphBvh::build(model, &BuildOptions::default().with_leaf_size(1))
-        .unwrap()
+    let nodes = 2 * morph_collision::MorphBvh::build(model, &BuildOptions::default().with_leaf_size(1).unwrap())
         .node_count() as u64;
-    let (pairs, stats) = scenes::answer(&scene, &BuildOptions::default().with_leaf_size(1));
+    let (pairs, stats) = scenes::answer(&scene, &BuildOptions::default().with_leaf_size(1).unwrap());
     assert!(!pairs.is_empty());
     assert!(
         stats.nodes_blended * 25 < nodes,
@@ -42,7 +44,7 @@ fn a_node_is_blended_once_however_many_bodies_meet_it() {
     let everywhere = ConvexRegion::from_half_spaces(&[]).unwrap();
     for scene in [dolphins(200), pass_through(200)] {
         for leaf_size in [1, 8] {
-            let options = BuildOptions::default().with_leaf_size(leaf_size);
+            let options = BuildOptions::default().with_leaf_size(leaf_size).unwrap();
             let about = format!("{}, leaves of {leaf_size}", scene.name);
             let (mut poses, places) = scenes::poses(&scene, &options);
             let nodes: u64 = poses.iter().map(|pose| pose.bvh().node_count() as u64).sum();
@@ -91,7 +93,7 @@ fn a_first_pair_is_looked_for_where_bodies_reach_deepest_into_each_other() {
     use std::ops::ControlFlow;
 
     let model = std::sync::Arc::new(pass_through(0).meshes[0].to_model().unwrap());
-    let bvh = std::sync::Arc::new(MorphBvh::build(model, &BuildOptions::default()).unwrap());
+    let bvh = std::sync::Arc::new(MorphBvh::build(model, &BuildOptions::default()));
     let (mut first, mut in_order) = (QueryStats::default(), QueryStats::default());
     for frame in (60..340).step_by(20) {
         let scene = pass_through(frame);

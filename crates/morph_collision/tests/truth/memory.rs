@@ -54,7 +54,7 @@ enum Ask<'a> {
 
 /// The pairs of every frame, sorted, and the work they took.
 fn replay(mesh: &MorphMesh, frames: &Frames, mut ask: Ask<'_>) -> (Vec<Vec<TrianglePair>>, QueryStats) {
-    let bvh = MorphBvh::build(Arc::new(mesh.to_model().unwrap()), &BuildOptions::default()).unwrap();
+    let bvh = MorphBvh::build(Arc::new(mesh.to_model().unwrap()), &BuildOptions::default());
     let bvh = Arc::new(bvh);
     let (mut a, mut b) = (Pose::new(bvh.clone()), Pose::new(bvh));
     let (mut query, mut stats) = (PairQuery::new(), QueryStats::default());

@@ -5,7 +5,7 @@ use morph_collision::BuildOptions;
 
 /// Leaves of every sort: single triangles, too few for patches, full and half-empty patches, several, all in one.
 fn matrix() -> Vec<BuildOptions> {
-    let leaf_size = |size| BuildOptions::default().with_leaf_size(size);
+    let leaf_size = |size| BuildOptions::default().with_leaf_size(size).unwrap();
     [1, 2, 3, 5, 8, 9, 16, 255].map(leaf_size).to_vec()
 }
 
@@ -40,7 +40,10 @@ fn the_pass_through_agrees_with_the_oracle() {
         assert!(!scene.truth().is_empty());
         agrees(
             &scene,
-            &[BuildOptions::default(), BuildOptions::default().with_leaf_size(1)],
+            &[
+                BuildOptions::default(),
+                BuildOptions::default().with_leaf_size(1).unwrap(),
+            ],
         );
     }
 }
@@ -57,8 +60,8 @@ fn real_models_agree_with_weights_of_any_sign_and_sum() {
     ];
     let options = [
         BuildOptions::default(),
-        BuildOptions::default().with_leaf_size(1),
-        BuildOptions::default().with_leaf_size(20),
+        BuildOptions::default().with_leaf_size(1).unwrap(),
+        BuildOptions::default().with_leaf_size(20).unwrap(),
     ];
     for name in [
         "AnimatedMorphCube.gltf",
@@ -91,7 +94,7 @@ fn bodies_with_different_trees_give_the_same_pairs() {
     for options_a in matrix() {
         for options_b in matrix() {
             let mut bodies = [(0, &options_a), (1, &options_b)].map(|(body, options)| {
-                let mut pose = Pose::new(Arc::new(MorphBvh::build(model.clone(), options).unwrap()));
+                let mut pose = Pose::new(Arc::new(MorphBvh::build(model.clone(), options)));
                 pose.set_weights(&scene.bodies[body].1).unwrap();
                 (pose, WorldFromModel::new(scene.bodies[body].2).unwrap())
             });

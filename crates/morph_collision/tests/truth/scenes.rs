@@ -21,7 +21,7 @@ pub(crate) fn poses(scene: &Scene, options: &BuildOptions) -> (Vec<Pose>, Vec<Wo
         .iter()
         .map(|mesh| {
             let model = Arc::new(mesh.to_model().unwrap());
-            Arc::new(MorphBvh::build(model, options).unwrap())
+            Arc::new(MorphBvh::build(model, options))
         })
         .collect();
     let pose = |(mesh, weights, _): &(usize, Vec<f32>, _)| {

@@ -31,8 +31,8 @@ fn agrees(mesh: &MorphMesh, weights: &[f32]) -> usize {
     let model = Arc::new(mesh.to_model().unwrap());
     {
         for leaf_size in [1, 4, 8, 20] {
-            let options = BuildOptions::default().with_leaf_size(leaf_size);
-            let mut pose = Pose::new(Arc::new(MorphBvh::build(model.clone(), &options).unwrap()));
+            let options = BuildOptions::default().with_leaf_size(leaf_size).unwrap();
+            let mut pose = Pose::new(Arc::new(MorphBvh::build(model.clone(), &options)));
             pose.set_weights(weights).unwrap();
             let mut pairs = Vec::new();
             let mut query = SelfQuery::new();
@@ -76,17 +76,17 @@ fn only_pairs_whose_boxes_overlap_are_tested_each_of_them_once() {
     ] {
         let model = Arc::new(mesh.to_model().unwrap());
         {
-            let options = BuildOptions::default().with_leaf_size(1);
-            let bvh = MorphBvh::build(model.clone(), &options).unwrap();
+            let options = BuildOptions::default().with_leaf_size(1).unwrap();
+            let bvh = MorphBvh::build(model.clone(), &options);
             assert_eq!(bvh.leaf_count(), mesh.triangles.len());
             let mut pose = Pose::new(Arc::new(bvh));
             pose.set_weights(&weights).unwrap();
             pose.refit();
-            let mut corners = |triangle: usize| {
-                let points = pose.triangle(triangle as u32).unwrap();
-                (model.triangle(triangle), Aabb::from_points(points))
+            let mut corners = |triangle: u32| {
+                let points = pose.triangle(triangle).unwrap();
+                (model.triangle(triangle).unwrap(), Aabb::from_points(points))
             };
-            let triangles: Vec<_> = (0..mesh.triangles.len()).map(&mut corners).collect();
+            let triangles: Vec<_> = (0..mesh.triangles.len() as u32).map(&mut corners).collect();
             let mut expected = 0;
             for (i, (vertices, bounds)) in triangles.iter().enumerate() {
                 for (others, other) in &triangles[..i] {
@@ -119,7 +119,7 @@ fn a_face_that_moves_its_lips_and_tongue_agrees_with_the_oracle() {
         .collect();
     let truth = truth(&mesh, &weights);
     let model = Arc::new(mesh.to_model().unwrap());
-    let mut pose = Pose::new(Arc::new(MorphBvh::build(model, &BuildOptions::default()).unwrap()));
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(model, &BuildOptions::default())));
     pose.set_weights(&weights).unwrap();
     let mut pairs = Vec::new();
     SelfQuery::new().all(&mut pose, &mut pairs);

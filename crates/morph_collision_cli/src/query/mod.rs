@@ -115,7 +115,7 @@ fn pose(args: &QueryArgs) -> Result<Pose, CliError> {
 }
 
 fn build(mesh: &MorphMesh) -> Result<MorphBvh, MeshError> {
-    Ok(MorphBvh::build(Arc::new(mesh.to_model()?), &BuildOptions::default())?)
+    Ok(MorphBvh::build(Arc::new(mesh.to_model()?), &BuildOptions::default()))
 }
 
 fn bad_flag(flag: &'static str, reason: &impl ToString) -> CliError {

@@ -68,8 +68,11 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<Verdict, CliError> {
     let leaf_sizes = args.leaf_sizes();
     let mut sources = Vec::new();
     for &leaf_size in &leaf_sizes {
-        let options = BuildOptions::default().with_leaf_size(leaf_size);
-        sources.push(Trees::build(meshes, &options).map_err(|error| blame(error, &which, meshes))?);
+        let options = BuildOptions::default()
+            .with_leaf_size(leaf_size)
+            .map_err(SetUpError::from);
+        let trees = options.and_then(|options| Trees::build(meshes, &options));
+        sources.push(trees.map_err(|error| blame(error, &which, meshes))?);
     }
     let bar = args.progress.start("frame", args.frames);
     let verification = compare(meshes, &mut sources, args.frames, args.seed, || bar.step());

@@ -33,7 +33,7 @@ fn the_json_describes_the_mesh_its_targets_its_clip_and_its_tree() -> TestResult
     for (index, name) in ["tail_down", "tail_up"].into_iter().enumerate() {
         let target = &mesh["targets"][index];
         assert_eq!(target["name"], name);
-        let moved = model.displaced_vertex_count(index);
+        let moved = model.displaced_vertex_count(index as u32);
         assert_eq!(target["vertices_moved"], moved);
         let share = 1.0 - moved as f64 / model.vertex_count() as f64;
         assert_eq!(target["share_left_alone"].as_f64(), Some(share));

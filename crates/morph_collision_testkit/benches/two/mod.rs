@@ -56,7 +56,7 @@ impl Two {
     pub(crate) fn new(scene: Scene) -> Self {
         let experiment = scene.experiment();
         let model = Arc::new(experiment.mesh.to_model().expect("the scene's mesh"));
-        let bvh = Arc::new(MorphBvh::build(model, &BuildOptions::default()).expect("the default options"));
+        let bvh = Arc::new(MorphBvh::build(model, &BuildOptions::default()));
         let frame = &experiment.frames[1];
         let body = |index: usize| {
             let (weights, place) = &frame[index];

@@ -106,7 +106,7 @@ impl Entrant {
             Trees::Ours => *ours,
             Trees::Own { arity, leaf_size } => MethodOptions {
                 arity,
-                ..MethodOptions::default().with_leaf_size(leaf_size)
+                ..MethodOptions::default().with_leaf_size(leaf_size)?
             },
         };
         Contender::set_up(self.name, self.kind, experiment, &options)

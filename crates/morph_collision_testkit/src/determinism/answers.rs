@@ -57,13 +57,13 @@ struct Item {
 /// All answers of a scene.
 pub(super) fn of(scene: &Scene, run: Run) -> Answers {
     run.kernel.choose();
-    let options = BuildOptions::default().with_leaf_size(run.leaf_size);
+    let options = BuildOptions::default().with_leaf_size(run.leaf_size).expect("1 to 255");
     let trees: Vec<Arc<MorphBvh>> = scene
         .meshes
         .iter()
         .map(|mesh| {
             let model = mesh.to_model().expect("the model is valid");
-            Arc::new(MorphBvh::build(Arc::new(model), &options).expect("the options are"))
+            Arc::new(MorphBvh::build(Arc::new(model), &options))
         })
         .collect();
     let items = items(scene);

@@ -86,7 +86,9 @@ impl<'a> Draw<'a> {
     }
 
     pub(super) fn options(&mut self) -> BuildOptions {
-        BuildOptions::default().with_leaf_size(self.among(1, 9))
+        BuildOptions::default()
+            .with_leaf_size(self.among(1, 9))
+            .expect("1 to 9 are leaf sizes")
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use morph_collision::{BuildError, BuildOptions, ModelError, MorphBvh, MorphModel};
+use morph_collision::{BuildOptions, ModelError, MorphBvh, MorphModel};
 use serde::Serialize;
 use thiserror::Error;
 
@@ -22,9 +22,6 @@ pub enum MeshError {
     /// It is no model.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// No tree can be built of it.
-    #[error(transparent)]
-    Build(#[from] BuildError),
     /// Its tree would take more memory than its file may.
     #[error(transparent)]
     OverBudget(#[from] OverBudget),
@@ -254,7 +251,7 @@ fn left_out(error: &ReadError) -> String {
 impl UsableReport {
     fn new(mesh: &MorphMesh) -> Result<Self, MeshError> {
         let model = Arc::new(mesh.to_model()?);
-        let bvh = MorphBvh::build(Arc::clone(&model), &BuildOptions::default())?;
+        let bvh = MorphBvh::build(Arc::clone(&model), &BuildOptions::default());
         Ok(Self {
             vertices_welded: model.vertex_count(),
             targets: (0..model.target_count())
@@ -284,7 +281,7 @@ impl FoundMesh {
 
 impl TargetReport {
     fn new(mesh: &MorphMesh, model: &MorphModel, target: usize) -> Self {
-        let vertices_moved = model.displaced_vertex_count(target);
+        let vertices_moved = model.displaced_vertex_count(target as u32);
         Self {
             name: mesh.target_names.get(target).cloned().unwrap_or_default(),
             vertices_moved,

@@ -38,7 +38,7 @@ impl WeldedMesh {
         let displacement = |of: &[Vec3], source: usize| of.get(source).copied().unwrap_or_default();
         let target = |of: &Vec<Vec3>| Target::new(sources.iter().map(|&source| displacement(of, source)));
         Ok(Self {
-            triangles: (0..model.triangle_count()).map(|t| model.triangle(t)).collect(),
+            triangles: (0..).map_while(|triangle| model.triangle(triangle)).collect(),
             targets: mesh.targets.iter().map(target).collect(),
             limits: WeightLimits::of(mesh),
             base,

@@ -25,7 +25,7 @@ pub(super) fn tree_at_rest(mesh: &WeldedMesh, options: &MethodOptions) -> Tree {
     let mut tree = Tree::default();
     let limits = Limits {
         arity: options.arity.clamp(2, 8),
-        leaf_size: options.tree.leaf_size.max(1),
+        leaf_size: options.tree.leaf_size(),
     };
     Builder::default().build(&mut tree, &mesh.triangles, &mesh.base, Cut::Sah, limits);
     tree

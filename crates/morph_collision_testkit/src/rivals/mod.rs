@@ -66,7 +66,7 @@ use std::fmt::Debug;
 use std::ops::ControlFlow;
 
 use glam::Affine3A;
-use morph_collision::{Aabb, BuildError, ModelError, QueryStats, TransformError, TrianglePair, WeightsError};
+use morph_collision::{Aabb, InputError, ModelError, QueryStats, TransformError, TrianglePair, WeightsError};
 use thiserror::Error;
 
 pub use broad::BroadPhase;
@@ -168,9 +168,9 @@ pub enum SetUpError {
         /// What is wrong.
         reason: ModelError,
     },
-    /// The options are no good.
+    /// An option is out of range.
     #[error(transparent)]
-    Build(#[from] BuildError),
+    Options(#[from] InputError),
     /// Parry refuses a mesh.
     #[error("mesh {mesh}: parry: {reason}")]
     Parry {

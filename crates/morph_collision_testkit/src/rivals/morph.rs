@@ -40,7 +40,7 @@ impl Morph {
         let mut trees = Vec::with_capacity(meshes.len());
         for (mesh, source) in meshes.iter().enumerate() {
             let model = source.to_model().map_err(|reason| SetUpError::Model { mesh, reason })?;
-            trees.push(Arc::new(MorphBvh::build(Arc::new(model), &options.tree)?));
+            trees.push(Arc::new(MorphBvh::build(Arc::new(model), &options.tree)));
         }
         let pose = |&mesh: &usize| (Pose::new(Arc::clone(&trees[mesh])), WorldFromModel::IDENTITY);
         Ok(Self {

@@ -1,4 +1,4 @@
-use morph_collision::BuildOptions;
+use morph_collision::{BuildOptions, InputError};
 
 /// How the methods are set up; each takes what it knows, and no answer depends on any of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,13 +12,13 @@ pub struct MethodOptions {
 }
 
 impl MethodOptions {
-    /// The same with other leaves.
-    #[must_use]
-    pub fn with_leaf_size(self, leaf_size: usize) -> Self {
-        Self {
-            tree: self.tree.with_leaf_size(leaf_size),
-            ..self
-        }
+    /// Sets the leaf size.
+    ///
+    /// # Errors
+    /// [`InputError::BadNumber`] unless it is from 1 to 255.
+    pub fn with_leaf_size(self, leaf_size: usize) -> Result<Self, InputError> {
+        let tree = self.tree.with_leaf_size(leaf_size)?;
+        Ok(Self { tree, ..self })
     }
 }
 

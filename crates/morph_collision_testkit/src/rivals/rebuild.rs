@@ -27,7 +27,7 @@ impl Refit for Rebuild {
             tree: Tree::default(),
             limits: Limits {
                 arity: options.arity.clamp(2, 8),
-                leaf_size: options.tree.leaf_size.max(1),
+                leaf_size: options.tree.leaf_size(),
             },
             boxes: Vec::new(),
         }

@@ -47,7 +47,7 @@ impl Kind {
     fn new(index: usize, mesh: &MorphMesh, options: &MethodOptions) -> Result<Self, SetUpError> {
         let model = mesh.to_model();
         let model = model.map_err(|reason| SetUpError::Model { mesh: index, reason })?;
-        let layout = MorphBvh::build(Arc::new(model), &options.tree)?.layout();
+        let layout = MorphBvh::build(Arc::new(model), &options.tree).layout();
         // Numbers, strings and lists always become JSON.
         let layout = serde_json::to_value(layout).unwrap_or_default();
         Ok(Self {

@@ -40,7 +40,7 @@ impl Pace {
 
     /// Of the ordinary family with trees of a leaf size.
     pub(super) fn ordinary(leaf_size: usize, seed: u64) -> Option<Self> {
-        let options = BuildOptions::default().with_leaf_size(leaf_size);
+        let options = BuildOptions::default().with_leaf_size(leaf_size).ok()?;
         let (mut seconds, mut pairs) = (Vec::new(), Vec::new());
         for index in 0..ORDINARY {
             let case = Case::new(Family::Ordinary, index, seed);

@@ -5,6 +5,7 @@ use rand_pcg::Pcg64Mcg;
 use super::pace::Pace;
 use super::panics::caught;
 use super::{Case, Family, knock};
+use crate::rivals::SetUpError;
 use crate::verify::{AnswerSource, Counts, LEAF_SIZES, Trees, judge};
 
 /// How a family fared.
@@ -107,7 +108,10 @@ fn tried(family: Family, index: u64, seed: u64, leaf_size: usize, ordinary: Opti
     let case = Case::new(family, index, seed);
     let meshes = [&case.meshes[0], &case.meshes[1]];
     let mut outcome = Outcome::default();
-    let mut trees = match Trees::build(meshes, &BuildOptions::default().with_leaf_size(leaf_size)) {
+    let options = BuildOptions::default()
+        .with_leaf_size(leaf_size)
+        .map_err(SetUpError::from);
+    let mut trees = match options.and_then(|options| Trees::build(meshes, &options)) {
         Ok(trees) => trees,
         Err(error) => {
             outcome.unexpected = Some(format!("refused: {error}"));

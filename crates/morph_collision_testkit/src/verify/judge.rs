@@ -53,7 +53,7 @@ pub enum Trouble {
     Outside {
         /// The body.
         body: usize,
-        /// The welded vertex.
+        /// The vertex of its mesh.
         vertex: u32,
     },
 }

@@ -5,8 +5,11 @@
 //!                                               AnswerSource (Trees) --> pairs -- judge --> Counts, Reproduction (shrink)
 //! ```
 //!
+//! [`check_containment`] checks the boxes of a posed tree against vertices that it blends itself.
+//!
 //! Who answers is behind a trait, [`AnswerSource`], so that the comparison itself can be tried on answers known to be wrong.
 
+mod containment;
 mod draw;
 mod judge;
 mod run;
@@ -18,6 +21,7 @@ mod source;
 #[cfg(test)]
 mod tests;
 
+pub use containment::{ContainmentReport, ContainmentViolation, check_containment};
 pub use draw::Draw;
 pub use judge::{Counts, Trouble, judge};
 pub use run::{Finding, Verification, verify};

@@ -1,10 +1,9 @@
 use std::sync::Arc;
 
-use morph_collision::{
-    Body, BuildOptions, ContainmentReport, MorphBvh, PairQuery, Pose, QueryStats, TrianglePair, WorldFromModel,
-};
+use morph_collision::{Body, BuildOptions, MorphBvh, PairQuery, Pose, QueryStats, TrianglePair, WorldFromModel};
 
-use super::{Meshes, Situation};
+use super::{ContainmentReport, Meshes, Situation, check_containment};
+use crate::mesh::MorphMesh;
 use crate::rivals::{PoseError, SetUpError};
 
 /// All intersecting pairs of triangles, as somebody says.
@@ -41,6 +40,7 @@ pub const LEAF_SIZES: [usize; 3] = [8, 2, 20];
 /// The trees of this project.
 #[derive(Debug)]
 pub struct Trees {
+    meshes: [Arc<MorphMesh>; 2],
     poses: [Pose; 2],
     places: [WorldFromModel; 2],
     query: PairQuery,
@@ -51,12 +51,12 @@ impl Trees {
     /// Builds the trees of two meshes; two references to one mesh share a tree.
     ///
     /// # Errors
-    /// A mesh or options that are refused.
+    /// [`SetUpError::Model`] for a mesh that is refused.
     pub fn build(meshes: Meshes<'_>, options: &BuildOptions) -> Result<Self, SetUpError> {
         let tree = |mesh: usize| {
             let model = meshes[mesh].to_model();
             let model = model.map_err(|reason| SetUpError::Model { mesh, reason })?;
-            Ok::<_, SetUpError>(Arc::new(MorphBvh::build(Arc::new(model), options)?))
+            Ok::<_, SetUpError>(Arc::new(MorphBvh::build(Arc::new(model), options)))
         };
         let a = tree(0)?;
         let b = if std::ptr::eq(meshes[0], meshes[1]) {
@@ -65,6 +65,7 @@ impl Trees {
             tree(1)?
         };
         Ok(Self {
+            meshes: meshes.map(|mesh| Arc::new(mesh.clone())),
             poses: [Pose::new(a), Pose::new(b)],
             places: [WorldFromModel::IDENTITY; 2],
             query: PairQuery::new(),
@@ -76,6 +77,7 @@ impl Trees {
     #[must_use]
     pub fn at_rest(&self) -> Self {
         Self {
+            meshes: self.meshes.clone(),
             poses: [0, 1].map(|body| Pose::new(Arc::clone(self.poses[body].bvh()))),
             places: [WorldFromModel::IDENTITY; 2],
             query: PairQuery::new(),
@@ -122,6 +124,6 @@ impl AnswerSource for Trees {
     }
 
     fn containment(&mut self, body: usize) -> ContainmentReport {
-        self.poses[body].check_containment()
+        check_containment(&self.meshes[body], &mut self.poses[body])
     }
 }

@@ -1,6 +1,6 @@
 //! A checker is worth something if it finds what is wrong: here the answers are.
 
-use morph_collision::{BuildOptions, ContainmentReport, ContainmentViolation};
+use morph_collision::BuildOptions;
 
 use super::*;
 use crate::mesh::MorphMesh;

@@ -16,7 +16,7 @@ use crate::query::{Body, QueryStats, TrianglePair};
 /// # use glam::{Affine3A, Vec3};
 /// # use morph_collision::*;
 /// # let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
-/// # let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?);
+/// # let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
 /// let mut poses = [Pose::new(bvh.clone()), Pose::new(bvh.clone()), Pose::new(bvh)];
 /// poses[1].set_weights(&[2.0])?; // lifts the triangle to z = 2
 /// let mut bodies: Vec<Body<'_>> = poses.iter_mut().map(|pose| Body::new(pose, &WorldFromModel::IDENTITY)).collect();

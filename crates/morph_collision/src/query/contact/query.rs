@@ -34,7 +34,7 @@ pub struct PairContact {
 /// let corners = [Vec3::ZERO, Vec3::new(1.0, 0.0, 1.0), Vec3::new(-1.0, 1.0, 1.0), Vec3::new(-1.0, -1.0, 1.0)];
 /// let faces = [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]];
 /// let model = MorphModel::from_displacements::<Vec<Vec3>>(&corners, &faces, &[])?;
-/// let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?);
+/// let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
 /// let upper = WorldFromModel::new(Affine3A::from_translation(Vec3::new(0.0, 0.0, -0.25)))?;
 /// let lower = WorldFromModel::new(Affine3A::from_scale(Vec3::new(-1.0, -1.0, -1.0)))?;
 ///

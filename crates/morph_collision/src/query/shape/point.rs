@@ -41,7 +41,7 @@ impl ShapeQuery {
     /// # use glam::{DVec3, Vec3};
     /// # use morph_collision::*;
     /// # let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
-    /// # let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?));
+    /// # let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
     /// # let place = WorldFromModel::IDENTITY;
     /// pose.set_weights(&[0.5])?; // lifts the triangle to z = 0.5
     /// let body = Body::new(&mut pose, &place);

@@ -43,7 +43,7 @@ pub struct ShapeContact {
 /// };
 ///
 /// let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
-/// let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?));
+/// let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
 /// let ball = PlacedShape::new(Shape::Ball { radius: 1.5 }, Quat::IDENTITY, Vec3::new(0.25, 0.25, 2.0))?;
 ///
 /// let mut query = ShapeQuery::new();

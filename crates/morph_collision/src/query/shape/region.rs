@@ -19,7 +19,7 @@ impl ShapeQuery {
     /// # use glam::{DVec3, Vec3};
     /// # use morph_collision::*;
     /// # let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
-    /// # let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())?));
+    /// # let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
     /// # let place = WorldFromModel::IDENTITY;
     /// let upper = ConvexRegion::from_half_spaces(&[(DVec3::Z, -0.5)])?; // z >= 0.5
     /// let mut query = ShapeQuery::new();

@@ -29,8 +29,12 @@ pub(crate) fn rival(label: impl Into<String>, method: MethodKind) -> Candidate {
     Candidate {
         label: label.into(),
         method,
-        options: MethodOptions::default().with_leaf_size(4),
+        options: with_leaf_size(4),
     }
+}
+
+fn with_leaf_size(leaf_size: usize) -> MethodOptions {
+    MethodOptions::default().with_leaf_size(leaf_size).expect("1 to 255")
 }
 
 /// The defaults and other leaves.
@@ -38,7 +42,7 @@ pub(crate) fn leaves(_: &Experiment) -> Vec<Candidate> {
     let default = MethodOptions::default();
     let mut rows = vec![morph("leaf 8, the default", default)];
     for leaf in [1, 2, 4, 16] {
-        rows.push(morph(format!("leaf {leaf}"), default.with_leaf_size(leaf)));
+        rows.push(morph(format!("leaf {leaf}"), with_leaf_size(leaf)));
     }
     // How far it is from 1 is the noise.
     rows.push(morph("leaf 8 (the default again)", default));

@@ -113,7 +113,7 @@ pub(super) struct Run {
 impl Run {
     pub(super) fn new(experiment: &Experiment) -> Result<Self, Box<dyn Error>> {
         let model = Arc::new(experiment.mesh.to_model()?);
-        let bvh = Arc::new(MorphBvh::build(model, &BuildOptions::default())?);
+        let bvh = Arc::new(MorphBvh::build(model, &BuildOptions::default()));
         Ok(Self {
             poses: (0..experiment.bodies).map(|_| Pose::new(bvh.clone())).collect(),
             query: BatchQuery::new(),

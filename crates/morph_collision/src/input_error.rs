@@ -49,11 +49,14 @@ struct Short(f64);
 
 impl fmt::Display for Short {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let single = self.0 as f32;
-        if f64::from(single) == self.0 {
+        let Self(value) = *self;
+        let single = value as f32;
+        if value.abs() < 1e15 && value.fract() == 0.0 {
+            write!(f, "{value}")
+        } else if f64::from(single) == value {
             write!(f, "{single:?}")
         } else {
-            write!(f, "{:?}", self.0)
+            write!(f, "{value:?}")
         }
     }
 }

@@ -139,7 +139,7 @@ mod tests {
             placed.map_err(|error| error.to_string()).unwrap_err()
         };
         let negative = message(Shape::Ball { radius: -1.0 });
-        assert_eq!(negative, "radius is -1.0, it must be from 0 to 1e37");
+        assert_eq!(negative, "radius is -1, it must be from 0 to 1e37");
         let nan = message(Shape::Capsule {
             half_length: f32::NAN,
             radius: 1.0,
@@ -160,7 +160,7 @@ mod tests {
         };
         assert_eq!(message(Quat::from_rotation_x(1.0), Vec3::ONE), None);
         let twice = message(Quat::from_xyzw(0.0, 0.0, 0.0, 2.0), Vec3::ONE);
-        assert_eq!(twice.as_deref(), Some("length of the rotation is 2.0, it must be 1"));
+        assert_eq!(twice.as_deref(), Some("length of the rotation is 2, it must be 1"));
         let nan = message(Quat::IDENTITY, Vec3::NAN);
         assert!(nan.is_some_and(|message| message.contains("translation: coordinate 0 is NaN")));
         assert!(PlacedShape::ball(DVec3::ZERO, f64::NAN).is_err());

@@ -80,8 +80,8 @@ mod query;
 mod traverse;
 mod tree;
 
-pub use bounds::{Aabb, Kernel, TransformError, WorldFromModel};
-pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect, triangles_intersect_filtered};
+pub use bounds::{Aabb, Kernel, WorldFromModel};
+pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect};
 pub use input_error::InputError;
 pub use model::{ModelError, MorphModel, Subject};
 pub use pose::{ContainmentReport, ContainmentViolation, NoSuchVertex, Pose, WeightsError};

@@ -20,7 +20,7 @@ impl Inverse {
     };
 
     /// `None` where it is not safe.
-    pub(super) fn of(linear: DMat3) -> Option<Self> {
+    pub(super) fn new(linear: DMat3) -> Option<Self> {
         let inverse = inverse(linear)?;
         // inverse * linear = I - R gives |linear^-1 - inverse| <= |R| / (1 - |R|) |inverse|, with R's own rounding in it.
         let residual = abs(DMat3::IDENTITY - inverse * linear);

@@ -9,8 +9,6 @@ mod inverse;
 mod kernel;
 mod lanes;
 #[cfg(test)]
-mod levels;
-#[cfg(test)]
 mod probe;
 mod rounding;
 mod transform;
@@ -24,14 +22,14 @@ pub(crate) use frame::a_from_b;
 pub(crate) use frame::{Frame, Frames, are_below_resolution, visit_frames, world_bounds};
 pub(crate) use gap::{Box64, GapFrame};
 pub use kernel::Kernel;
+#[cfg(test)]
+pub(crate) use kernel::levels;
 pub(crate) use kernel::with_simd;
 pub(crate) use lanes::{LANES, Lanes};
 #[cfg(test)]
-pub(crate) use levels::levels;
-#[cfg(test)]
 pub(crate) use probe::{ExactPoint, holds, lack};
 pub(crate) use rounding::{down, up};
-pub use transform::{TransformError, WorldFromModel};
+pub use transform::WorldFromModel;
 pub(crate) use world_query::{ModelPlane, RayCull};
 
 #[cfg(test)]

@@ -4,7 +4,9 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::{Line, Plane, Triangle, closest_between, closest_on_triangle, ray_meets_triangle, triangle_meets_region};
+use super::{
+    Line, Plane, Triangle, closest_of_triangles, closest_on_triangle, ray_meets_triangle, triangle_meets_region,
+};
 
 /// Points of a coarse grid, where rays in the plane of a triangle, through its corners and along its edges are common.
 fn grid_point() -> impl Strategy<Value = DVec3> {
@@ -65,11 +67,11 @@ proptest! {
 
     #[test]
     fn closest_points_of_two_triangles_lie_on_both(a in grid_triangle(), b in grid_triangle()) {
-        let between = closest_between(&a, &b);
-        prop_assert_eq!(between.squared == 0.0, oracle::triangles_intersect(&a, &b));
-        prop_assert!((between.on_a.distance(between.on_b) - between.squared.sqrt()).abs() < 1e-12);
-        prop_assert!(closest_on_triangle(between.on_a, &a).squared < 1e-24);
-        prop_assert!(closest_on_triangle(between.on_b, &b).squared < 1e-24);
+        let closest = closest_of_triangles(&a, &b);
+        prop_assert_eq!(closest.squared == 0.0, oracle::triangles_intersect(&a, &b));
+        prop_assert!((closest.on_a.distance(closest.on_b) - closest.squared.sqrt()).abs() < 1e-12);
+        prop_assert!(closest_on_triangle(closest.on_a, &a).squared < 1e-24);
+        prop_assert!(closest_on_triangle(closest.on_b, &b).squared < 1e-24);
     }
 }
 
@@ -91,10 +93,10 @@ fn the_inside_of_nearly_parallel_edges_is_found() {
         let flat = |a: DVec3, b: DVec3| [a, b, b];
         let first = flat(DVec3::new(-1.0, -slope, 0.0), DVec3::new(1.0, slope, 0.0));
         let second = flat(DVec3::new(-1.0, slope, height), DVec3::new(1.0, -slope, height));
-        let between = closest_between(&first, &second);
+        let closest = closest_of_triangles(&first, &second);
         assert!(
-            (between.squared.sqrt() / height - 1.0).abs() < 1e-12,
-            "{slope}: {between:?}"
+            (closest.squared.sqrt() / height - 1.0).abs() < 1e-12,
+            "{slope}: {closest:?}"
         );
     }
 }

@@ -7,7 +7,7 @@ use super::input::Ball;
 use super::one::{OneBody, magnitude};
 use super::stats::QueryStats;
 use crate::bounds::{Box64, GapFrame, WorldFromModel};
-use crate::exact::{OnTriangle, closest_on_triangle};
+use crate::exact::{TrianglePoint, closest_on_triangle};
 
 /// Pruning keeps what may be closer by no more than distances may be off, so that the closest does not depend on the tree.
 const MARGIN: f64 = 1.0 + 1e-9;
@@ -59,7 +59,7 @@ impl PointQuery {
     /// The point of the surface closest to the ball's centre, if any is in the ball; among equally close ones, that of the
     /// lowest triangle.
     pub fn closest(&mut self, body: Body<'_>, ball: &Ball) -> (Option<ClosestPoint>, QueryStats) {
-        let mut closest: Option<(u32, OnTriangle)> = None;
+        let mut closest: Option<(u32, TrianglePoint)> = None;
         let stats = self.one.near(body, ball, |number, foot| {
             let closer = closest.as_ref().is_none_or(|(triangle, best)| {
                 foot.squared < best.squared || (foot.squared == best.squared && number < *triangle)
@@ -87,7 +87,7 @@ impl OneBody {
         &mut self,
         body: Body<'_>,
         ball: &Ball,
-        mut at_foot: impl FnMut(u32, &OnTriangle) -> ControlFlow<(), f64>,
+        mut at_foot: impl FnMut(u32, &TrianglePoint) -> ControlFlow<(), f64>,
     ) -> QueryStats {
         let mut tree = body.pose.posed();
         let center = Box64::point(ball.center);

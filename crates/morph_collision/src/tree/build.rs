@@ -6,7 +6,7 @@ use super::extents::NodeExtents;
 use super::partition::Partition;
 use super::topology::{Child, Group};
 use super::{BuildError, BuildOptions, LeafLanes, MorphBvh, Tables, Topology};
-use crate::bounds::LANES;
+use crate::bounds::{Kernel, LANES};
 use crate::model::MorphModel;
 
 /// Deeper nodes are split by count, so that no mesh makes a tree too deep to recurse into.
@@ -99,6 +99,7 @@ pub(super) fn build_over(
         topology: Arc::new(topology),
         tables: Arc::new(tables),
         options: *options,
+        kernel: Kernel::default(),
     }
 }
 

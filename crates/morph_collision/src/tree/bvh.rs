@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use super::build::build;
 use super::{BuildError, BuildOptions, LeafLanes, Tables, Topology};
+use crate::bounds::Kernel;
 use crate::model::MorphModel;
 
 /// A bounding-volume tree for every pose of a [`MorphModel`]: immutable, shared by all instances of the mesh.
@@ -18,6 +19,7 @@ pub struct MorphBvh {
     pub(super) tables: Arc<Tables>,
     pub(super) leaf_lanes: Option<Arc<LeafLanes>>,
     pub(super) options: BuildOptions,
+    pub(super) kernel: Kernel,
 }
 
 impl MorphBvh {
@@ -27,6 +29,21 @@ impl MorphBvh {
     /// [`BuildError`] if an option is out of range.
     pub fn build(model: Arc<MorphModel>, options: &BuildOptions) -> Result<Self, BuildError> {
         build(model, options)
+    }
+
+    /// Makes queries use this instruction set instead of the machine's best one: for tests and measurements.
+    ///
+    /// The bits of the answers do not change. Where the trees of two bodies differ, pairs are compared with the first body's.
+    #[must_use]
+    pub fn with_kernel(mut self, kernel: Kernel) -> Self {
+        self.kernel = kernel;
+        self
+    }
+
+    /// The instruction set that queries use.
+    #[must_use]
+    pub fn kernel(&self) -> Kernel {
+        self.kernel
     }
 
     /// The mesh the tree was built over.

@@ -56,14 +56,14 @@ struct Item {
 
 /// All answers of a scene.
 pub(super) fn of(scene: &Scene, run: Run) -> Answers {
-    run.kernel.choose();
     let options = BuildOptions::default().with_leaf_size(run.leaf_size);
     let trees: Vec<Arc<MorphBvh>> = scene
         .meshes
         .iter()
         .map(|mesh| {
             let model = mesh.to_model().expect("the model is valid");
-            Arc::new(MorphBvh::build(Arc::new(model), &options).expect("the options are"))
+            let bvh = MorphBvh::build(Arc::new(model), &options).expect("the options are");
+            Arc::new(bvh.with_kernel(run.kernel))
         })
         .collect();
     let items = items(scene);

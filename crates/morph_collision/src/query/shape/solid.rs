@@ -100,7 +100,8 @@ fn closest_to_segment(segment: Segment, triangle: &Triangle) -> Closest {
             distance: 0.0,
         };
     }
-    let (on_segment, point) = closest_of_segment_and_triangle(segment, triangle);
+    let closest = closest_of_segment_and_triangle(segment, triangle);
+    let (on_segment, point) = (closest.on_a, closest.on_b);
     let distance = point.distance(on_segment);
     Closest {
         point,

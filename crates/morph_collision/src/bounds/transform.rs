@@ -1,6 +1,7 @@
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 
-use super::inverse::Inverse;
+use super::inverse::{Inverse, abs};
+use super::rounding::U64;
 use crate::input_error::{InputError, check_vector};
 
 /// Where a body stands: a checked affine map from its model space to world space.
@@ -91,6 +92,16 @@ impl WorldFromModel {
     /// The length of the longest image of a unit axis.
     pub(crate) fn scale(&self) -> f64 {
         self.scale
+    }
+
+    /// The largest absolute world coordinates of points within a magnitude.
+    pub(super) fn reach(&self, magnitude: DVec3) -> DVec3 {
+        abs(self.linear) * magnitude + self.translation.abs()
+    }
+
+    /// A bound on the error of [`WorldFromModel::transform_point`] for points within a magnitude, per world axis.
+    pub(super) fn placement_error(&self, magnitude: DVec3) -> DVec3 {
+        4.0 * U64 * self.reach(magnitude)
     }
 
     pub(super) fn inverse(&self) -> Option<&Inverse> {

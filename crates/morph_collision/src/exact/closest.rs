@@ -206,39 +206,28 @@ pub(crate) fn closest_of_segment_and_triangle(segment: Segment, triangle: &Trian
 pub(crate) fn closest_of_triangles(a: &Triangle, b: &Triangle) -> ClosestPoints {
     let intersect = triangles_intersect(a, b);
     let mut best = ClosestPoints::NONE;
-    let offer_a = |best: &mut ClosestPoints, on_a| {
-        let TrianglePoint { point, squared, .. } = closest_on_triangle(on_a, b);
-        best.keep(ClosestPoints {
-            on_a,
-            on_b: point,
-            squared,
-        });
+    let from_a = |on_a| {
+        let foot = closest_on_triangle(on_a, b);
+        let (on_b, squared) = (foot.point, foot.squared);
+        ClosestPoints { on_a, on_b, squared }
     };
-    let offer_b = |best: &mut ClosestPoints, on_b| {
-        let TrianglePoint { point, squared, .. } = closest_on_triangle(on_b, a);
-        best.keep(ClosestPoints {
-            on_a: point,
-            on_b,
-            squared,
-        });
+    let from_b = |on_b| {
+        let foot = closest_on_triangle(on_b, a);
+        let (on_a, squared) = (foot.point, foot.squared);
+        ClosestPoints { on_a, on_b, squared }
     };
-    a.iter().for_each(|&corner| offer_a(&mut best, corner));
-    b.iter().for_each(|&corner| offer_b(&mut best, corner));
+    a.iter().for_each(|&corner| best.keep(from_a(corner)));
+    b.iter().for_each(|&corner| best.keep(from_b(corner)));
     if intersect {
         for (edge_a, edge_b) in edges(a).into_iter().zip(edges(b)) {
-            plane_crossing(edge_a, b)
-                .into_iter()
-                .for_each(|point| offer_a(&mut best, point));
-            plane_crossing(edge_b, a)
-                .into_iter()
-                .for_each(|point| offer_b(&mut best, point));
+            best.keep(plane_crossing(edge_a, b).map_or(ClosestPoints::NONE, from_a));
+            best.keep(plane_crossing(edge_b, a).map_or(ClosestPoints::NONE, from_b));
         }
     }
     for edge_a in edges(a) {
         for edge_b in edges(b) {
-            if let Some(inside) = closest_inside_segments(edge_a, edge_b, best.squared) {
-                best.keep(inside);
-            }
+            let inside = closest_inside_segments(edge_a, edge_b, best.squared);
+            best.keep(inside.unwrap_or(ClosestPoints::NONE));
         }
     }
     best.squared = if intersect {

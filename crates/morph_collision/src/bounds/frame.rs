@@ -222,15 +222,3 @@ fn relative(
             + 16.0 * U64 * (abs(inverse) * reach),
     })
 }
-
-/// `a_from_b` for points within the bodies' bounds; its error covers both placements. `None` where A cannot be inverted.
-#[cfg(test)]
-pub(crate) fn a_from_b(
-    world_from_a: &WorldFromModel,
-    a: &Aabb,
-    world_from_b: &WorldFromModel,
-    b: &Aabb,
-) -> Option<Frame> {
-    let [a, b] = [a, b].map(|bounds| bounds.magnitude().as_dvec3());
-    PlacedPair::new(world_from_a, a, world_from_b, b).in_a()?.b
-}

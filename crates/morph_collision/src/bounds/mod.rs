@@ -18,8 +18,6 @@ mod world_query;
 pub use aabb::Aabb;
 pub(crate) use box_lanes::BoxLanes;
 pub(crate) use box_map::BoxMap;
-#[cfg(test)]
-pub(crate) use frame::a_from_b;
 pub(crate) use frame::{Frame, Frames, are_below_resolution, visit_frames, world_bounds};
 pub(crate) use gap::{Box64, GapFrame};
 pub use kernel::Kernel;

@@ -34,21 +34,6 @@ impl Dyadic {
         let leading = i64::try_from(&self.mantissa >> dropped).unwrap_or(0);
         (leading as f64, self.exponent + dropped as i64)
     }
-
-    /// Applies an operation to the mantissas at a common exponent.
-    fn combined(&self, other: &Self, operation: impl Fn(IBig, IBig) -> IBig) -> Self {
-        let exponent = match (self.mantissa.is_zero(), other.mantissa.is_zero()) {
-            (true, _) => other.exponent,
-            (_, true) => self.exponent,
-            _ => self.exponent.min(other.exponent),
-        };
-        // Only the exponent of a zero can be lower.
-        let [a, b] = [self, other].map(|n| &n.mantissa << (n.exponent - exponent).max(0) as usize);
-        Self {
-            mantissa: operation(a, b),
-            exponent,
-        }
-    }
 }
 
 impl Number for Dyadic {
@@ -69,11 +54,24 @@ impl Number for Dyadic {
     }
 
     fn plus(&self, other: &Self) -> Self {
-        self.combined(other, |a, b| a + b)
+        let exponent = match (self.mantissa.is_zero(), other.mantissa.is_zero()) {
+            (true, _) => other.exponent,
+            (_, true) => self.exponent,
+            _ => self.exponent.min(other.exponent),
+        };
+        // Only the exponent of a zero can be lower.
+        let [a, b] = [self, other].map(|n| &n.mantissa << (n.exponent - exponent).max(0) as usize);
+        Self {
+            mantissa: a + b,
+            exponent,
+        }
     }
 
     fn minus(&self, other: &Self) -> Self {
-        self.combined(other, |a, b| a - b)
+        self.plus(&Self {
+            mantissa: -&other.mantissa,
+            exponent: other.exponent,
+        })
     }
 
     fn times(&self, other: &Self) -> Self {
@@ -138,7 +136,7 @@ mod tests {
     }
 
     #[test]
-    fn every_finite_number_is_one() {
+    fn every_finite_f64_is_represented() {
         for value in [0.0, -0.0, 1.0, -3.5, 5e-324, -f64::MIN_POSITIVE, f64::MAX, 0.1] {
             let same = Dyadic::new(value).over(&Dyadic::new(1.0));
             assert_eq!(same, value);

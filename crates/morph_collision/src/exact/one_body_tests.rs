@@ -8,7 +8,7 @@ use super::{
     Line, Plane, Triangle, closest_of_triangles, closest_on_triangle, ray_meets_triangle, triangle_meets_region,
 };
 
-/// Points of a coarse grid, where rays in the plane of a triangle, through its corners and along its edges are common.
+/// Points of a coarse grid. Rays in a triangle's plane, through its corners and along its edges are common there.
 fn grid_point() -> impl Strategy<Value = DVec3> {
     prop::array::uniform3(-2_i8..3).prop_map(|c| DVec3::from_array(c.map(f64::from)))
 }
@@ -43,7 +43,7 @@ proptest! {
     }
 
     #[test]
-    fn a_triangle_meets_the_box_that_the_oracle_says(a in grid_point(), b in grid_point(), triangle in grid_triangle()) {
+    fn a_triangle_meets_a_box_exactly_if_the_oracle_says_so(a in grid_point(), b in grid_point(), triangle in grid_triangle()) {
         let (min, max) = (a.min(b), a.max(b));
         let planes: Vec<Plane> = (0..3)
             .flat_map(|axis| {
@@ -77,7 +77,7 @@ proptest! {
 
 #[test]
 fn the_inside_of_a_sliver_is_found() {
-    // Down to a billionth of a thousandth as wide as long; the edges are 40 times as far as the inside.
+    // The edges are 40 times as far away as the inside.
     for width in [1e-3, 1e-6, 1e-9, 1e-12] {
         let sliver = [DVec3::ZERO, DVec3::X, DVec3::new(0.5, width, 0.0)];
         let height = 0.01 * width;
@@ -101,9 +101,9 @@ fn the_inside_of_nearly_parallel_edges_is_found() {
     }
 }
 
-/// Points a few roundings in front of a plane and behind it, decided as the exact sum of products says.
+/// Points a few roundings in front of a plane or behind it; the exact sum of products is the truth.
 #[test]
-fn points_within_roundings_of_a_half_space_are_told_apart() {
+fn points_within_roundings_of_a_plane_are_classified_exactly() {
     let mut rng = Pcg64Mcg::seed_from_u64(1);
     let mut decided = [0, 0];
     for _ in 0..20_000 {
@@ -126,9 +126,9 @@ fn points_within_roundings_of_a_half_space_are_told_apart() {
     assert!(decided.iter().all(|count| *count > 5000), "{decided:?}");
 }
 
-/// A point on a sliver that lies askew is at distance 0 from it but for roundings, far from where rounded normals would put it.
+/// The distance of a point on a tilted sliver is 0 up to roundings; rounded normals would give a much larger one.
 #[test]
-fn points_on_slivers_that_lie_askew_are_on_them() {
+fn points_on_tilted_slivers_have_distance_zero() {
     let mut rng = Pcg64Mcg::seed_from_u64(2);
     for round in 0..600 {
         let width = [1e-3, 1e-6, 1e-9][round % 3];

@@ -64,7 +64,7 @@ fn triangles_degenerate_to_segments_and_points() {
     let collinear_gap = segment.map(|p| p + v(0.0, 0.0, 2.5));
     assert!(!triangles_intersect(&segment, &collinear_gap));
     assert!(triangles_intersect(&segment, &segment.map(|p| p + v(0.0, 0.0, 2.0))));
-    // They cross between corners of which neither is the first or second along its line.
+    // They cross between the second and third corner along each line.
     let along_x = [v(0.0, 0.0, 0.0), v(1.0, 0.0, 0.0), v(4.0, 0.0, 0.0)];
     let along_y = [v(3.0, -3.0, 0.0), v(3.0, -2.0, 0.0), v(3.0, 1.0, 0.0)];
     assert!(triangles_intersect(&along_x, &along_y));
@@ -93,7 +93,7 @@ proptest! {
     }
 }
 
-/// Three corners on one line, in any order; common ones are not the outermost.
+/// Three corners on one line, in any order, so that shared corners need not be ends.
 fn collinear_triangles() -> impl Strategy<Value = Triangle> {
     let vector = || prop::array::uniform3(-2_i8..3).prop_map(|c| DVec3::from_array(c.map(f64::from)));
     (vector(), vector(), prop::array::uniform3(-3_i8..4))
@@ -111,7 +111,7 @@ proptest! {
     }
 }
 
-/// Corners in general position, some of them a few roundings away from a plane or an edge of the other triangle.
+/// Corners in general position; some are a few roundings from a plane or an edge of the other triangle.
 fn close_triangles() -> impl Strategy<Value = [Triangle; 2]> {
     let point = || prop::array::uniform3(-1.0..1.0_f64).prop_map(DVec3::from_array);
     let nudge = || prop::array::uniform3(-4_i8..5).prop_map(|c| DVec3::from_array(c.map(f64::from)) * 1e-16);
@@ -121,7 +121,7 @@ fn close_triangles() -> impl Strategy<Value = [Triangle; 2]> {
         match how {
             0 => {}
             1 => b[0] = on_a + nudge,
-            // An edge through a point of an edge.
+            // An edge through a point of the other triangle's edge.
             _ => b[0] = b[1] + (a[0].lerp(a[1], at.z.abs()) + nudge - b[1]) * 2.0,
         }
         [a, b]
@@ -132,15 +132,15 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(3000))]
 
     #[test]
-    fn the_filter_says_what_the_oracle_says_or_nothing([a, b] in close_triangles()) {
+    fn the_filter_agrees_with_the_oracle_or_is_undecided([a, b] in close_triangles()) {
         let truth = oracle::triangles_intersect(&a, &b);
         prop_assert!(filtered(&a, &b).is_none_or(|decided| decided == truth));
         prop_assert_eq!(triangles_intersect(&a, &b), truth);
     }
 
-    /// Near the ends of the range of `f64` products underflow and overflow; the filter must leave such pairs open.
+    /// Near the ends of the range of `f64`, products underflow and overflow; the filter must leave such pairs undecided.
     #[test]
-    fn the_filter_is_right_or_silent_at_every_scale(
+    fn the_filter_is_right_or_undecided_at_every_scale(
         [a, b] in close_triangles(), power in prop_oneof![-370_i32..-290, 290..345],
     ) {
         let scaled = |triangle: &Triangle| triangle.map(|p| p * 2.0_f64.powi(power));
@@ -175,7 +175,7 @@ proptest! {
 }
 
 #[test]
-fn the_filter_decides_what_is_in_general_position() {
+fn the_filter_decides_triangles_in_general_position() {
     let through = [v(1.0, 1.0, -1.0), v(1.1, 1.0, 1.0), v(2.0, 1.2, 1.0)];
     assert_eq!(filtered(&FLAT, &through), Some(true));
     assert_eq!(filtered(&through, &FLAT), Some(true));
@@ -186,7 +186,7 @@ fn the_filter_decides_what_is_in_general_position() {
     assert_eq!(filtered(&FLAT, &FLAT), None);
 }
 
-/// Pairs that rounded determinants get wrong, also without the comparison of boxes in front of the filter.
+/// Pairs that rounded determinants get wrong, without the box test that comes before the filter in queries.
 #[test]
 fn the_filter_never_contradicts_the_oracle_on_nearly_degenerate_triangles() {
     let mut rng = Pcg64Mcg::seed_from_u64(1);

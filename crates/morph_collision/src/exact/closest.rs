@@ -218,16 +218,18 @@ pub(crate) fn closest_of_triangles(a: &Triangle, b: &Triangle) -> ClosestPoints 
     };
     a.iter().for_each(|&corner| best.keep(from_a(corner)));
     b.iter().for_each(|&corner| best.keep(from_b(corner)));
+    let (edges_a, edges_b) = (edges(a), edges(b));
     if intersect {
-        for (edge_a, edge_b) in edges(a).into_iter().zip(edges(b)) {
+        for (&edge_a, &edge_b) in edges_a.iter().zip(&edges_b) {
             best.keep(plane_crossing(edge_a, b).map_or(ClosestPoints::NONE, from_a));
             best.keep(plane_crossing(edge_b, a).map_or(ClosestPoints::NONE, from_b));
         }
     }
-    for edge_a in edges(a) {
-        for edge_b in edges(b) {
-            let inside = closest_inside_segments(edge_a, edge_b, best.squared);
-            best.keep(inside.unwrap_or(ClosestPoints::NONE));
+    for &edge_a in &edges_a {
+        for &edge_b in &edges_b {
+            if let Some(inside) = closest_inside_segments(edge_a, edge_b, best.squared) {
+                best.keep(inside);
+            }
         }
     }
     best.squared = if intersect {

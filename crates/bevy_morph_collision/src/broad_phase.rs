@@ -4,7 +4,7 @@ use bevy::platform::time::Instant;
 
 use bevy::ecs::query::QueryData;
 use bevy::prelude::*;
-use morph_collision::{Aabb, InputError, TransformError, WorldFromModel, overlapping_pairs};
+use morph_collision::{Aabb, InputError, WorldFromModel, overlapping_pairs};
 use tracing::{debug_span, error};
 
 use crate::collider::{ColliderState, CollisionMode, Form, MorphBody, MorphCollider, MorphColliderDisabled, Placement};
@@ -168,7 +168,7 @@ impl ParticipantItem<'_, '_> {
 #[derive(Debug, thiserror::Error)]
 enum BadPlace {
     #[error(transparent)]
-    Transform(#[from] TransformError),
+    Transform(#[from] InputError),
     #[error("its shape: {0}")]
     Shape(#[from] InputError),
     #[error("its margin is {0}, it must be a finite number that is not negative")]

@@ -82,8 +82,8 @@ mod query;
 mod traverse;
 mod tree;
 
-pub use bounds::{Aabb, Kernel, TransformError, WorldFromModel};
-pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect, triangles_intersect_filtered};
+pub use bounds::{Aabb, Kernel, WorldFromModel};
+pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect};
 pub use input_error::InputError;
 pub use model::{ModelError, MorphModel};
 pub use pose::{Pose, PosedNode, WeightsError};

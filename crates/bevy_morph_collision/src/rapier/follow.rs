@@ -8,7 +8,7 @@ use bevy::prelude::*;
 use bevy_rapier3d::parry::math::Pose as Place;
 use bevy_rapier3d::rapier::dynamics::{RigidBodySet, RigidBodyType};
 use bevy_rapier3d::rapier::geometry::Collider as RapierCollider;
-use morph_collision::{Aabb, MorphBvh, Pose, TransformError, WorldFromModel};
+use morph_collision::{Aabb, InputError, MorphBvh, Pose, WorldFromModel};
 
 use super::layout::MeshLayout;
 use super::surface::MorphSurface;
@@ -207,7 +207,7 @@ pub(super) fn places(
     bodies: &RigidBodySet,
     entity: &GlobalTransform,
     dt: f32,
-) -> Result<(WorldFromModel, WorldFromModel), TransformError> {
+) -> Result<(WorldFromModel, WorldFromModel), InputError> {
     let affine = entity.affine();
     // Rapier's collider has the entity's place and rotation; what is left is scale and shear.
     let Place {

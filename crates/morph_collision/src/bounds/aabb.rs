@@ -1,11 +1,11 @@
 use glam::Vec3;
 
-/// An axis-aligned box, closed: its faces belong to it.
+/// A closed axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Aabb {
-    /// The corner with the smallest coordinates.
+    /// The smallest coordinates.
     pub min: Vec3,
-    /// The corner with the largest coordinates.
+    /// The largest coordinates.
     pub max: Vec3,
 }
 
@@ -17,19 +17,17 @@ impl Default for Aabb {
 }
 
 impl Aabb {
-    /// The box that holds nothing: the neutral element of [`Aabb::union`].
+    /// The box without points: the neutral element of [`Aabb::union`].
     pub const EMPTY: Self = Self {
         min: Vec3::INFINITY,
         max: Vec3::NEG_INFINITY,
     };
 
-    /// The smallest box around some points; [`Aabb::EMPTY`] around none.
+    /// The smallest box around points; [`Aabb::EMPTY`] if there are none.
     #[must_use]
     pub fn from_points(points: impl IntoIterator<Item = Vec3>) -> Self {
-        points.into_iter().fold(Self::EMPTY, |hull, p| Self {
-            min: hull.min.min(p),
-            max: hull.max.max(p),
-        })
+        let boxes = points.into_iter().map(|p| Self { min: p, max: p });
+        boxes.fold(Self::EMPTY, |hull, one| hull.union(&one))
     }
 
     /// The smallest box around both.
@@ -59,13 +57,13 @@ impl Aabb {
         0.5 * self.min + 0.5 * self.max
     }
 
-    /// Edge lengths.
+    /// The edge lengths.
     #[must_use]
     pub fn size(&self) -> Vec3 {
         self.max - self.min
     }
 
-    /// The sum of the edge lengths: to tell which of two boxes is larger.
+    /// The sum of the edge lengths, to compare the sizes of boxes.
     #[inline]
     pub(crate) fn girth(&self) -> f32 {
         self.size().element_sum()

@@ -4,10 +4,10 @@ use glam::Vec3;
 
 use super::{Aabb, LANES, Lanes};
 
-/// Eight boxes side by side, as structure of arrays: the children of a node, or the triangles of a patch.
+/// Eight boxes as structure of arrays: the children of a node, or the triangles of a patch.
 ///
-/// A box is a row of numbers that depend linearly on the points it is made from, so that boxes are blended as numbers:
-/// `base + sum a * slope`. Lanes without a child hold zeros and are masked out by the caller.
+/// The ends of a box depend linearly on the points it is made from, so boxes are blended as numbers: `base + sum a * slope`.
+/// Lanes without a child hold zeros; callers mask them out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
 pub(crate) struct BoxLanes {
@@ -18,7 +18,7 @@ pub(crate) struct BoxLanes {
 impl BoxLanes {
     #[inline(always)]
     pub(crate) fn get(&self, lane: usize) -> Aabb {
-        // Cut off rather than checked for every row.
+        // Cheaper than a bounds check for every row.
         let lane = lane % LANES;
         let corner = |[x, y, z]: &[Lanes; 3]| Vec3::new(x.0[lane], y.0[lane], z.0[lane]);
         Aabb {
@@ -34,7 +34,7 @@ impl BoxLanes {
         }
     }
 
-    /// Makes these the boxes between corners.
+    /// Sets all eight boxes.
     #[inline(always)]
     pub(crate) fn store<S: Simd>(&mut self, min: [f32x8<S>; 3], max: [f32x8<S>; 3]) {
         for axis in 0..3 {
@@ -46,14 +46,11 @@ impl BoxLanes {
     /// `self += a * slopes` for `a >= 0`.
     #[inline(always)]
     pub(crate) fn add_scaled<S: Simd>(&mut self, simd: S, a: f32, slopes: &Self) {
-        for axis in 0..3 {
-            self.min[axis].add_scaled(simd, a, &slopes.min[axis]);
-            self.max[axis].add_scaled(simd, a, &slopes.max[axis]);
-        }
+        self.add_rows(simd, a, &slopes.min, &slopes.max);
     }
 
-    /// Adds the interval of a displacement, scaled by a weight of any sign: a negative one takes the lower end by the largest
-    /// displacement and the upper end by the smallest.
+    /// Adds the interval of a displacement, scaled by a weight of any sign. A negative weight moves lower ends by the largest
+    /// displacement and upper ends by the smallest.
     #[inline(always)]
     pub(crate) fn add_interval<S: Simd>(&mut self, simd: S, weight: f32, interval: &Self) {
         let (low, high) = if weight < 0.0 {
@@ -61,9 +58,14 @@ impl BoxLanes {
         } else {
             (&interval.min, &interval.max)
         };
+        self.add_rows(simd, weight, low, high);
+    }
+
+    #[inline(always)]
+    fn add_rows<S: Simd>(&mut self, simd: S, a: f32, low: &[Lanes; 3], high: &[Lanes; 3]) {
         for axis in 0..3 {
-            self.min[axis].add_scaled(simd, weight, &low[axis]);
-            self.max[axis].add_scaled(simd, weight, &high[axis]);
+            self.min[axis].add_scaled(simd, a, &low[axis]);
+            self.max[axis].add_scaled(simd, a, &high[axis]);
         }
     }
 
@@ -76,10 +78,10 @@ impl BoxLanes {
         }
     }
 
-    /// The smallest box around the corners of triangles side by side; every lane of `corners` holds a triangle.
+    /// The smallest box around the corners of triangles in lanes, all of which are used.
     #[inline(always)]
     pub(crate) fn around<S: Simd>(simd: S, corners: &[[[Lanes; 3]; 3]]) -> Aabb {
-        let mut bounds = Aabb::EMPTY;
+        let mut boxes = Self::default();
         for axis in 0..3 {
             let mut low = f32x8::splat(simd, f32::INFINITY);
             let mut high = f32x8::splat(simd, f32::NEG_INFINITY);
@@ -88,16 +90,13 @@ impl BoxLanes {
                 low = low.min(along);
                 high = high.max(along);
             }
-            let (mut lows, mut highs) = (Lanes::default(), Lanes::default());
-            low.store_slice(&mut lows.0);
-            high.store_slice(&mut highs.0);
-            bounds.min[axis] = lows.least();
-            bounds.max[axis] = highs.most();
+            low.store_slice(&mut boxes.min[axis].0);
+            high.store_slice(&mut boxes.max[axis].0);
         }
-        bounds
+        boxes.hull_of_all()
     }
 
-    /// How far each lane reaches into `other`, about: where intersections are the more likely the deeper.
+    /// The approximate depth of each lane in `other`: deeper boxes are more likely to hold intersections.
     #[inline(always)]
     pub(crate) fn depths<S: Simd>(&self, simd: S, other: &Aabb, depths: &mut [f32; LANES]) {
         let mut depth = f32x8::splat(simd, f32::INFINITY);
@@ -108,7 +107,7 @@ impl BoxLanes {
         depth.store_slice(depths);
     }
 
-    /// The lanes that share a point with `other`, as a bit mask; touching counts.
+    /// The bit mask of the lanes that share a point with `other`; touching counts.
     #[inline(always)]
     pub(crate) fn overlap_mask<S: Simd>(&self, simd: S, other: &Aabb) -> u8 {
         let mut overlap = mask32x8::splat(simd, true);
@@ -129,11 +128,10 @@ impl BoxLanes {
     /// The smallest box around all eight.
     #[inline(always)]
     pub(crate) fn hull_of_all(&self) -> Aabb {
-        let [min_x, min_y, min_z] = &self.min;
-        let [max_x, max_y, max_z] = &self.max;
+        let ([a, b, c], [d, e, f]) = (&self.min, &self.max);
         Aabb {
-            min: Vec3::new(min_x.least(), min_y.least(), min_z.least()),
-            max: Vec3::new(max_x.most(), max_y.most(), max_z.most()),
+            min: Vec3::new(a.min(), b.min(), c.min()),
+            max: Vec3::new(d.max(), e.max(), f.max()),
         }
     }
 }

@@ -1,9 +1,8 @@
-//! How far boxes of two bodies are apart in the world, from below: boxes in `f64`, compared in a frame whose lengths are
-//! bounded by world lengths.
+//! Lower bounds on the world distance between boxes of two bodies, in `f64`.
 
 use glam::{DMat3, DVec3};
 
-use super::frame::{own_frames, world_frames};
+use super::frame::PlacedPair;
 use super::inverse::abs;
 use super::rounding::U64;
 use super::{Aabb, Frame, Frames, WorldFromModel};
@@ -16,7 +15,7 @@ pub(crate) struct Box64 {
 }
 
 impl Box64 {
-    /// Its roundings are part of a [`GapFrame`]'s slack.
+    /// The slack of a [`GapFrame`] covers the roundings.
     #[inline]
     pub(crate) fn of(bounds: &Aabb) -> Self {
         let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
@@ -34,52 +33,54 @@ impl Box64 {
     }
 }
 
-/// A frame for boxes of a body A and a body B, and how long its axes are in the world.
+/// A frame for boxes of two bodies, with the length of its axes in the world.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GapFrame {
     pub(super) frames: Frames,
     /// A vector `v` of the frame is at least `sqrt(sum metric_i v_i^2)` long in the world.
     metric: DVec3,
-    /// What boxes may be off in the frame, all roundings together.
+    /// The error bound of two boxes in the frame, for all roundings together.
     pub(super) slack: DVec3,
 }
 
 impl GapFrame {
-    /// The frames of two bodies whose model-space points lie within magnitudes.
+    /// The frames of two bodies whose model-space points are within magnitudes: the spaces of both, where they can be inverted.
     ///
-    /// The spaces of both, where they can be inverted; and world space, where neither can, or where both are so
-    /// sheared that their coordinates say little about lengths.
+    /// World space is added where neither can be, and where both are so sheared that their coordinates say little about lengths.
     pub(crate) fn list(world_from_a: &WorldFromModel, a: DVec3, world_from_b: &WorldFromModel, b: DVec3) -> Vec<Self> {
-        let [in_a, in_b] = own_frames(world_from_a, a, world_from_b, b);
-        let metric_a = diagonal_below(world_from_a.linear());
-        let metric_b = diagonal_below(world_from_b.linear());
-        let faithful = [(in_a, metric_a), (in_b, metric_b)]
-            .iter()
-            .any(|(frames, (_, kept))| frames.is_some() && *kept > 0.5);
-        let in_world = (!faithful).then(|| world_frames(world_from_a, a, world_from_b, b));
-        [
-            in_a.map(|f| (f, metric_a.0)),
-            in_b.map(|f| (f, metric_b.0)),
-            in_world.map(|f| (f, DVec3::ONE)),
-        ]
-        .into_iter()
-        .flatten()
-        .map(|(frames, metric)| Self::new(frames, metric, a, b))
-        .collect()
+        let pair = PlacedPair::new(world_from_a, a, world_from_b, b);
+        let own = [(pair.in_a(), world_from_a), (pair.in_b(), world_from_b)];
+        let mut any_faithful = false;
+        let mut list = Vec::new();
+        for (frames, place) in own {
+            let (metric, kept) = diagonal_below(place.linear());
+            if let Some(frames) = frames {
+                // Not measured; it decides only how often the third frame is made.
+                any_faithful |= kept > 0.5;
+                list.push(Self::new(frames, metric, a, b));
+            }
+        }
+        if !any_faithful {
+            list.push(Self::new(pair.in_world(), DVec3::ONE, a, b));
+        }
+        list
     }
 
-    /// World space: a length there is one in the world, but for a few roundings.
+    /// World space, where lengths are world lengths up to a few roundings.
     pub(crate) fn world(world_from_a: &WorldFromModel, a: DVec3, world_from_b: &WorldFromModel, b: DVec3) -> Self {
-        Self::new(world_frames(world_from_a, a, world_from_b, b), DVec3::ONE, a, b)
+        let pair = PlacedPair::new(world_from_a, a, world_from_b, b);
+        Self::new(pair.in_world(), DVec3::ONE, a, b)
     }
 
     fn new(frames: Frames, metric: DVec3, a: DVec3, b: DVec3) -> Self {
-        let reach = |frame: &Option<Frame>, own: DVec3| frame.as_ref().map_or(own, Frame::reach);
-        let error = |frame: &Option<Frame>| frame.as_ref().map_or(DVec3::ZERO, |frame| frame.error);
+        let slack = |frame: &Option<Frame>, own: DVec3| match frame {
+            Some(frame) => frame.error + 32.0 * U64 * frame.reach(),
+            None => 32.0 * U64 * own,
+        };
         Self {
             frames,
             metric,
-            slack: error(&frames.a) + error(&frames.b) + 32.0 * U64 * (reach(&frames.a, a) + reach(&frames.b, b)),
+            slack: slack(&frames.a, a) + slack(&frames.b, b),
         }
     }
 
@@ -93,7 +94,7 @@ impl GapFrame {
         self.frames.b.as_ref().map_or(*b, |frame| image(frame, b))
     }
 
-    /// A lower bound on the squared world distance of what two boxes hold, by their images.
+    /// A lower bound on the squared world distance between points of two boxes, given the boxes' images.
     #[inline]
     pub(crate) fn squared(&self, a: &Box64, b: &Box64) -> f64 {
         let gap = ((a.center - b.center).abs() - (a.half + b.half) - self.slack).max(DVec3::ZERO);
@@ -109,8 +110,8 @@ fn image(frame: &Frame, source: &Box64) -> Box64 {
     }
 }
 
-/// A diagonal matrix below `linear^T linear` (their difference is diagonally dominant, so positive semidefinite), and the
-/// smallest share of its diagonal that it keeps. Nothing is lost where the axes stay orthogonal.
+/// A diagonal matrix below `linear^T linear`, and the smallest fraction of that one's diagonal that it keeps: 1 where the axes
+/// stay orthogonal. The difference of the two is diagonally dominant, so positive semidefinite.
 fn diagonal_below(linear: DMat3) -> (DVec3, f64) {
     let gram = linear.transpose() * linear;
     let diagonal = DVec3::new(gram.x_axis.x, gram.y_axis.y, gram.z_axis.z);

@@ -1,91 +1,81 @@
-//! Which of the processor's instructions the kernels use: found out once, at run time.
+//! The instruction sets that kernels are compiled for.
 //!
-//! Kernels are written once, as `#[inline(always)]` functions with a [`Simd`](fearless_simd::Simd) token, and compiled for each set of
-//! instructions by [`with_simd!`]. Every set multiplies and adds in the same order without fusing, so that all give the
-//! same bits.
+//! A kernel is one `#[inline(always)]` function with a [`Simd`](fearless_simd::Simd) token; [`with_simd!`] compiles it for
+//! each instruction set. All sets multiply and add in the same order without fusing, so all give the same bits.
 
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use fearless_simd::Level;
 
-/// A set of instructions that this machine has. It is a matter of speed alone: answers are the same bits with any.
+/// An instruction set of this machine. It decides the speed only: all of them give the same bits.
 ///
-/// The best one is in use from the start; others are for tests and measurements.
+/// The default is the best one, which is detected once. Set another with
+/// [`MorphBvh::with_kernel`](crate::MorphBvh::with_kernel) in tests and measurements.
 #[derive(Clone, Copy, Debug)]
 pub struct Kernel {
     name: &'static str,
     level: Level,
 }
 
-/// Index into [`Kernel::available`].
-static IN_USE: AtomicUsize = AtomicUsize::new(0);
+impl Default for Kernel {
+    /// The first of [`Kernel::available`].
+    fn default() -> Self {
+        Self::available()[0]
+    }
+}
 
 impl Kernel {
-    /// What this machine has, the one that is used if none is chosen first. The last one is what every machine of its kind has.
+    /// The instruction sets of this machine, best first. The last one exists on every machine of its kind.
     #[must_use]
     pub fn available() -> &'static [Self] {
         static AVAILABLE: OnceLock<Vec<Kernel>> = OnceLock::new();
         AVAILABLE.get_or_init(Self::detect)
     }
 
-    /// The one in use.
-    #[must_use]
-    pub fn in_use() -> Self {
-        let available = Self::available();
-        available[IN_USE.load(Ordering::Relaxed).min(available.len() - 1)]
-    }
-
-    /// Makes all queries of this process that start from now on use it.
-    pub fn choose(self) {
-        let index = Self::available().iter().position(|kernel| kernel.name == self.name);
-        IN_USE.store(index.unwrap_or(0), Ordering::Relaxed);
-    }
-
-    /// What it is called: `avx2`, `sse2`, `neon`, `simd128` or `scalar`.
+    /// `avx2`, `sse2`, `neon`, `simd128` or `scalar`.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.name
     }
 
     #[inline]
-    pub(crate) fn level() -> Level {
-        Self::in_use().level
+    pub(crate) fn level(self) -> Level {
+        self.level
     }
 
     fn detect() -> Vec<Self> {
         let best = Level::new();
         let mut kernels = Vec::new();
+        #[allow(unused)] // on processors not named below
+        let mut add = |name, level: Option<Level>| kernels.extend(level.map(|level| Self { name, level }));
+        // AVX-512 is left out: a kernel has eight lanes, which fill 256 bits.
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         {
-            // 512-bit vectors gain nothing with eight lanes.
-            kernels.extend(best.as_avx2().map(|avx2| Self {
-                name: "avx2",
-                level: Level::Avx2(avx2),
-            }));
-            kernels.extend(best.as_sse2().map(|sse2| Self {
-                name: "sse2",
-                level: Level::Sse2(sse2),
-            }));
+            add("avx2", best.as_avx2().map(Level::Avx2));
+            add("sse2", best.as_sse2().map(Level::Sse2));
         }
         #[cfg(target_arch = "aarch64")]
-        kernels.extend(best.as_neon().map(|neon| Self {
-            name: "neon",
-            level: Level::Neon(neon),
-        }));
+        add("neon", best.as_neon().map(Level::Neon));
+        #[cfg(target_arch = "wasm32")]
+        add("simd128", (!best.is_fallback()).then_some(best));
         if kernels.is_empty() {
-            let name = if cfg!(target_arch = "wasm32") && !best.is_fallback() {
-                "simd128"
-            } else {
-                "scalar"
-            };
-            kernels.push(Self { name, level: best });
+            kernels.push(Self {
+                name: "scalar",
+                level: best,
+            });
         }
         kernels
     }
 }
 
-/// Evaluates an expression, a call of one kernel, with the token of a level's instructions.
+/// The levels of [`Kernel::available`], for tests of single kernels.
+#[cfg(test)]
+pub(crate) fn levels() -> &'static [Level] {
+    static LEVELS: OnceLock<Vec<Level>> = OnceLock::new();
+    LEVELS.get_or_init(|| Kernel::available().iter().map(|kernel| kernel.level).collect())
+}
+
+/// Evaluates an expression that calls one kernel, with the token of a level's instructions.
 macro_rules! with_simd {
     ($level:expr, $simd:pat => $kernel:expr) => {
         fearless_simd::dispatch!($level, $simd => $kernel)

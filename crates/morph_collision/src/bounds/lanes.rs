@@ -1,18 +1,18 @@
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 
-/// Children of a node at most, and the width of every kernel.
+/// The most children that a node can have, and the width of every kernel.
 pub(crate) const LANES: usize = 8;
 
-/// The lesser of two numbers, in one instruction: `f32::min` takes three, for what is not a number.
+/// The smaller of two numbers, in one instruction. `f32::min` takes three, because it handles NaN.
 #[inline(always)]
-pub(crate) fn lesser(a: f32, b: f32) -> f32 {
+pub(crate) fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// The greater of two numbers.
+/// The larger of two numbers.
 #[inline(always)]
-pub(crate) fn greater(a: f32, b: f32) -> f32 {
+pub(crate) fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
@@ -27,24 +27,19 @@ impl Lanes {
         f32x8::from_slice(simd, &self.0)
     }
 
-    /// The least of eight numbers.
     #[inline(always)]
-    pub(crate) fn least(&self) -> f32 {
+    pub(crate) fn min(&self) -> f32 {
         let [a, b, c, d, e, f, g, h] = self.0;
-        lesser(lesser(lesser(a, b), lesser(c, d)), lesser(lesser(e, f), lesser(g, h)))
+        min(min(min(a, b), min(c, d)), min(min(e, f), min(g, h)))
     }
 
-    /// The greatest of eight numbers.
     #[inline(always)]
-    pub(crate) fn most(&self) -> f32 {
+    pub(crate) fn max(&self) -> f32 {
         let [a, b, c, d, e, f, g, h] = self.0;
-        greater(
-            greater(greater(a, b), greater(c, d)),
-            greater(greater(e, f), greater(g, h)),
-        )
+        max(max(max(a, b), max(c, d)), max(max(e, f), max(g, h)))
     }
 
-    /// `self += a * x`, lane by lane, multiply then add.
+    /// `self += a * x` in each lane; multiplies, then adds.
     #[inline(always)]
     pub(crate) fn add_scaled<S: Simd>(&mut self, simd: S, a: f32, x: &Self) {
         (self.load(simd) + x.load(simd) * f32x8::splat(simd, a)).store_slice(&mut self.0);

@@ -1,4 +1,5 @@
-//! Bounding boxes, one ([`Aabb`]) or eight at a time ([`BoxLanes`]), and the frames in which boxes of two bodies are compared.
+//! Bounding boxes, one ([`Aabb`]) or eight at a time ([`BoxLanes`]), and the frames in which the boxes of two bodies are
+//! compared.
 
 mod aabb;
 mod box_lanes;
@@ -9,8 +10,6 @@ mod inverse;
 mod kernel;
 mod lanes;
 #[cfg(test)]
-mod levels;
-#[cfg(test)]
 mod probe;
 mod rounding;
 mod transform;
@@ -19,19 +18,17 @@ mod world_query;
 pub use aabb::Aabb;
 pub(crate) use box_lanes::BoxLanes;
 pub(crate) use box_map::BoxMap;
-#[cfg(test)]
-pub(crate) use frame::a_from_b;
 pub(crate) use frame::{Frame, Frames, are_below_resolution, visit_frames, world_bounds};
 pub(crate) use gap::{Box64, GapFrame};
 pub use kernel::Kernel;
+#[cfg(test)]
+pub(crate) use kernel::levels;
 pub(crate) use kernel::with_simd;
 pub(crate) use lanes::{LANES, Lanes, lanes_of};
 #[cfg(test)]
-pub(crate) use levels::levels;
-#[cfg(test)]
 pub(crate) use probe::{ExactPoint, holds, lack};
 pub(crate) use rounding::{down, up};
-pub use transform::{TransformError, WorldFromModel};
+pub use transform::WorldFromModel;
 pub(crate) use world_query::{ModelPlane, RayCull};
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! How a box stands to exact points: what the tests of the error bounds measure.
+//! Exact points against boxes, for tests of the error bounds.
 
 use glam::Vec3;
 use morph_collision_testkit::oracle::Dyadic;
@@ -8,18 +8,18 @@ use super::{Aabb, BoxMap};
 /// An exact point.
 pub(crate) type ExactPoint = [Dyadic; 3];
 
-/// Where a map should have taken a point, times a determinant, and how far beside it a body's point may lie.
+/// The exact image of a point, times a determinant, and how far from it a body's point may lie.
 #[derive(Debug)]
 pub(crate) struct Image {
     /// Positive.
     pub(crate) determinant: Dyadic,
     pub(crate) scaled: ExactPoint,
-    /// Rows of a matrix, times the determinant, and the largest coordinates of the vector that it takes to an offset.
+    /// A matrix by rows, times the determinant, and the largest coordinates of the vectors that it maps to offsets.
     pub(crate) scaled_offset: ([ExactPoint; 3], ExactPoint),
 }
 
 impl Image {
-    /// How far an offset may reach along an axis, times the determinant.
+    /// The largest offset along an axis, times the determinant.
     fn offset_along(&self, axis: usize) -> Dyadic {
         let (rows, reach) = &self.scaled_offset;
         (0..3)
@@ -38,7 +38,7 @@ pub(crate) fn holds(bounds: &Aabb, point: &ExactPoint) -> bool {
     (0..3).all(|i| Dyadic::from(bounds.min[i]) <= point[i] && point[i] <= Dyadic::from(bounds.max[i]))
 }
 
-/// The least by which a box must be widened to hold a point; negative for a point inside.
+/// How far a box must be widened to hold a point; negative for a point inside.
 pub(crate) fn lack(bounds: &Aabb, point: &ExactPoint) -> f64 {
     let beyond = |i: usize| {
         let below = Dyadic::from(bounds.min[i]) - point[i].clone();
@@ -47,7 +47,7 @@ pub(crate) fn lack(bounds: &Aabb, point: &ExactPoint) -> f64 {
     (0..3).map(beyond).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The share of a map's slack that is needed for the mapped box of a point to hold its image.
+/// The fraction of a map's slack that the mapped box of a point needs to hold the exact image.
 pub(crate) fn slack_used(map: &BoxMap, point: &Aabb, image: &Image) -> f64 {
     let mapped = map.one(point);
     let used = |i: usize| {

@@ -1,4 +1,4 @@
-//! Units of rounding, and conversions that round outward.
+//! Half units in the last place, and conversions to `f32` that round outward.
 
 /// Half a unit in the last place of 1, in `f64`.
 pub(crate) const U64: f64 = f64::EPSILON / 2.0;
@@ -20,10 +20,10 @@ pub(crate) fn up(value: f64) -> f32 {
     -down(-value)
 }
 
-/// Two `f32` of which one is below a value and the other above, within three units in the last place; without a branch.
+/// An `f32` below `low` and one above `high`, each within three units in the last place; without a branch.
 #[inline(always)]
 pub(crate) fn around(low: f64, high: f64) -> (f32, f32) {
-    // The nearest is off by half a unit at most, and the step is at least one.
+    // Rounding to nearest is off by at most half a unit; the step is at least one.
     let (low, high) = (low as f32, high as f32);
     let step = |value: f32| value.abs() * f32::EPSILON + f32::MIN_POSITIVE;
     (low - step(low), high + step(high))

@@ -1,12 +1,13 @@
-//! How near the errors of placements and of boxes in another body's space come to their bounds, in exact arithmetic.
+//! How close the errors of placed vertices, and of boxes in another body's space, come to their bounds; in exact arithmetic.
 
 use glam::{Affine3A, Vec3};
 use morph_collision_testkit::oracle::Dyadic;
 use morph_collision_testkit::search::{Climb, is_as_known};
 use rand::RngExt;
 
+use super::frame::PlacedPair;
 use super::probe::{ExactPoint, Image, box_at, slack_used};
-use super::{Aabb, BoxMap, WorldFromModel, a_from_b};
+use super::{BoxMap, WorldFromModel, up};
 
 /// `3 v (|M| |p| + |t|) (1 + 3 v)` per coordinate.
 fn placement_bound(place: &Affine3A, magnitude: [Dyadic; 3]) -> ExactPoint {
@@ -78,7 +79,7 @@ fn a_placed_vertex_is_off_by_nearly_its_bound_and_never_by_more() {
     assert!(is_as_known(ratio, 0.987), "{ratio} of the bound, known is 0.987");
 }
 
-/// The inverse of the linear part times its determinant, and that, positive.
+/// The inverse of the linear part times its determinant, and the determinant; with signs such that the latter is positive.
 fn adjugate(place: &Affine3A) -> ([ExactPoint; 3], Dyadic) {
     let m = |row: usize, column: usize| Dyadic::from(place.matrix3.col(column)[row]);
     // Entry (row, column) is the cofactor of (column, row).
@@ -95,7 +96,7 @@ fn adjugate(place: &Affine3A) -> ([ExactPoint; 3], Dyadic) {
     (rows, determinant)
 }
 
-/// The share of its slack that the map `a_from_b` needs at a point of B.
+/// The fraction of its slack that the map to A's space needs at a point of B.
 fn map_ratio(numbers: &[f32]) -> Option<f64> {
     let (place_a, place_b) = (place_of(numbers), place_of(&numbers[12..]));
     let [world_from_a, world_from_b] = [WorldFromModel::new(place_a).ok()?, WorldFromModel::new(place_b).ok()?];
@@ -117,13 +118,9 @@ fn map_ratio(numbers: &[f32]) -> Option<f64> {
     if reach_a.iter().any(|x| !(0.0..1e30).contains(x)) {
         return None;
     }
-    let bounds_a = Aabb {
-        min: Vec3::from_array(reach_a.map(|x| -super::up(x))),
-        max: Vec3::from_array(reach_a.map(super::up)),
-    };
-    let bounds_b = Aabb { min: q, max: q };
-    let frame = a_from_b(&world_from_a, &bounds_a, &world_from_b, &bounds_b)?;
-    let map = BoxMap::new(&frame)?;
+    let magnitude_a = Vec3::from_array(reach_a.map(up)).as_dvec3();
+    let frames = PlacedPair::new(&world_from_a, magnitude_a, &world_from_b, q.abs().as_dvec3()).in_a()?;
+    let map = BoxMap::new(&frames.b?)?;
     let error_a = placement_bound(&place_a, reach_a.map(Dyadic::from));
     let error_b = placement_bound(&place_b, exact_q.map(Dyadic::abs));
     let image = Image {
@@ -136,9 +133,8 @@ fn map_ratio(numbers: &[f32]) -> Option<f64> {
     Some(used)
 }
 
-/// `known` are the shares of the slack that are needed near the origin and far from it.
-///
-/// Bodies near the origin, where `f32` loses most, and far from it, where the placements do.
+/// `known` are the fractions of the slack that are needed near the origin, where `f32` loses most, and far from it, where the
+/// placements do.
 fn search_map(known: [f64; 2]) {
     for (where_, range, known) in [("near", -8..3, known[0]), ("far", 36..60, known[1])] {
         let climb = Climb {
@@ -155,7 +151,7 @@ fn search_map(known: [f64; 2]) {
                     (0..3).for_each(|i| numbers[body + 4 * i] += 2.0);
                     numbers[body + 9..body + 12].iter_mut().for_each(|t| *t *= distance);
                 }
-                // The same place but for a little, so that they may touch.
+                // Nearly the same translation, so that the bodies may touch.
                 for i in 9..12 {
                     numbers[12 + i] = numbers[i];
                 }

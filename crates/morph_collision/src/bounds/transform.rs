@@ -1,34 +1,19 @@
 use glam::{Affine3A, DMat3, DVec3, Vec3};
-use thiserror::Error;
 
-use super::inverse::Inverse;
+use super::inverse::{Inverse, abs};
+use super::rounding::U64;
+use crate::input_error::{InputError, check_vector};
 
-/// Where a body stands: a validated affine map from its model space to world space.
+/// Where a body stands: a checked affine map from its model space to world space.
 ///
-/// Any finite affine will do: non-uniform scale, shear, mirroring, even scale 0 along an axis.
+/// Every finite affine map is allowed: non-uniform scale, shear, mirroring, and scale 0 along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldFromModel {
     linear: DMat3,
     translation: DVec3,
-    /// Found once, since every pair of bodies needs it.
+    /// Computed once, because every pair of bodies needs it; `None` where [`Inverse::new`] refuses.
     inverse: Option<Inverse>,
     scale: f64,
-}
-
-/// Why an affine map cannot place a body.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum TransformError {
-    /// An entry is NaN or infinite.
-    #[error("world_from_model: column {column}, row {row} is {value}, not a finite number")]
-    NotFinite {
-        /// 0 to 2 for the axes, 3 for the translation.
-        column: usize,
-        /// 0 to 2.
-        row: usize,
-        /// The offending entry.
-        value: f32,
-    },
 }
 
 impl Default for WorldFromModel {
@@ -46,32 +31,34 @@ impl WorldFromModel {
         scale: 1.0,
     };
 
-    /// Validates an affine map.
+    /// Checks an affine map.
     ///
     /// # Errors
-    /// [`TransformError::NotFinite`] names the first entry that is NaN or infinite.
-    pub fn new(world_from_model: Affine3A) -> Result<Self, TransformError> {
-        let columns = world_from_model.to_cols_array_2d();
-        for (column, entries) in columns.iter().enumerate() {
-            for (row, &value) in entries.iter().enumerate() {
-                if !value.is_finite() {
-                    return Err(TransformError::NotFinite { column, row, value });
-                }
-            }
+    /// [`InputError`] names the first entry that is NaN or infinite.
+    pub fn new(world_from_model: Affine3A) -> Result<Self, InputError> {
+        let [x, y, z, translation] = world_from_model
+            .to_cols_array_2d()
+            .map(|column| Vec3::from_array(column).as_dvec3());
+        for (what, column) in [
+            ("x axis of world_from_model", x),
+            ("y axis of world_from_model", y),
+            ("z axis of world_from_model", z),
+            ("translation of world_from_model", translation),
+        ] {
+            check_vector(what, column, f64::from(f32::MAX))?;
         }
-        let [x, y, z, t] = columns.map(|c| Vec3::from_array(c).as_dvec3());
         let linear = DMat3::from_cols(x, y, z);
         Ok(Self {
             linear,
-            translation: t,
-            inverse: Inverse::of(linear),
+            translation,
+            inverse: Inverse::new(linear),
             scale: x.length().max(y.length()).max(z.length()),
         })
     }
 
     /// A model-space point in world space: per coordinate `((m_x p_x + m_y p_y) + m_z p_z) + t` in `f64`.
     ///
-    /// The products are exact, the three sums are rounded in this order. This is part of the contract of every answer.
+    /// The products are exact; the three sums are rounded in this order. Every answer of this crate is about these points.
     #[must_use]
     #[inline]
     pub fn transform_point(&self, point: Vec3) -> DVec3 {
@@ -79,22 +66,22 @@ impl WorldFromModel {
         ((self.linear.x_axis * p.x + self.linear.y_axis * p.y) + self.linear.z_axis * p.z) + self.translation
     }
 
-    /// The world-space direction normal to what a model-space normal is normal to, with the length that an area-weighted
-    /// normal gets: by the matrix of cofactors, which needs no inverse and follows the winding through a mirroring.
+    /// A model-space normal in world space, scaled as the area of its surface is scaled: an area-weighted normal stays one.
     ///
-    /// Zero for a surface that the map flattens to a line. Not exact: a few roundings of `f64`.
+    /// It is multiplied by the cofactor matrix, which needs no inverse and follows the winding through a mirroring. The
+    /// result is zero where the map flattens the surface to a line. Error: a few `f64` roundings.
     #[must_use]
     pub fn transform_normal(&self, normal: DVec3) -> DVec3 {
         let [x, y, z] = [self.linear.x_axis, self.linear.y_axis, self.linear.z_axis];
         y.cross(z) * normal.x + z.cross(x) * normal.y + x.cross(y) * normal.z
     }
 
-    /// Whether it turns outward windings inward.
+    /// Whether the map turns outward windings inward.
     pub(crate) fn mirrors(&self) -> bool {
         self.linear.determinant() < 0.0
     }
 
-    /// The same placement, moved.
+    /// The same map followed by a translation in world space.
     #[cfg(test)]
     pub(crate) fn translated(&self, by: DVec3) -> Self {
         Self {
@@ -103,12 +90,21 @@ impl WorldFromModel {
         }
     }
 
-    /// A typical stretch: the longest image of a unit axis.
+    /// The length of the longest image of a unit axis.
     pub(crate) fn scale(&self) -> f64 {
         self.scale
     }
 
-    /// `None` for a map that cannot be inverted safely.
+    /// The largest absolute world coordinates of points within a magnitude.
+    pub(super) fn reach(&self, magnitude: DVec3) -> DVec3 {
+        abs(self.linear) * magnitude + self.translation.abs()
+    }
+
+    /// A bound on the error of [`WorldFromModel::transform_point`] for points within a magnitude, per world axis.
+    pub(super) fn placement_error(&self, magnitude: DVec3) -> DVec3 {
+        4.0 * U64 * self.reach(magnitude)
+    }
+
     pub(super) fn inverse(&self) -> Option<&Inverse> {
         self.inverse.as_ref()
     }

@@ -1,12 +1,11 @@
-//! Rays and half-spaces of the world against a body's model-space boxes.
+//! Rays and half-spaces of world space against a body's model-space boxes.
 
 use glam::DVec3;
 
-use super::frame::world_reach;
 use super::rounding::U64;
 use super::{Box64, GapFrame, WorldFromModel};
 
-/// A ray of the world in a frame where it can be compared with a body's boxes.
+/// A world-space ray in a frame where it can be compared with a body's boxes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RayCull {
     frame: GapFrame,
@@ -22,8 +21,8 @@ impl RayCull {
         world_from_model: &WorldFromModel,
         magnitude: DVec3,
     ) -> Option<Self> {
-        // Where the ray is near the body, no coordinate of `t direction` is larger than those of the body and the origin.
-        let near = 2.0 * origin.abs() + world_reach(world_from_model, magnitude);
+        // Where the ray is near the body, no coordinate of `t direction` is larger than the body's plus the origin's.
+        let near = 2.0 * origin.abs() + world_from_model.reach(magnitude);
         let frame = *GapFrame::list(world_from_model, magnitude, &WorldFromModel::IDENTITY, near).first()?;
         let (origin, direction) = match &frame.frames.b {
             Some(to_model) => (
@@ -39,7 +38,7 @@ impl RayCull {
         })
     }
 
-    /// Below the smallest `t >= 0` at which the ray is in a box; `None` if it never is.
+    /// A lower bound on the smallest `t >= 0` at which the ray is in a box; `None` if it never is.
     #[inline]
     pub(crate) fn enter(&self, bounds: &Box64) -> Option<f64> {
         let bounds = self.frame.image_of_a(bounds);
@@ -58,13 +57,13 @@ impl RayCull {
                 leave = leave.min(ends[0].max(ends[1]));
             }
         }
-        // What rounding did to the ends themselves is in the slack; this is for the quotients.
+        // For the quotients. The slack covers the roundings of the boxes' ends.
         let rounding = 8.0 * U64;
         (enter * (1.0 - rounding) <= leave * (1.0 + rounding)).then_some(enter * (1.0 - rounding))
     }
 }
 
-/// A half-space of the world in a body's own coordinates.
+/// A world-space half-space in a body's model space.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ModelPlane {
     normal: DVec3,
@@ -72,18 +71,18 @@ pub(crate) struct ModelPlane {
 }
 
 impl ModelPlane {
-    /// The half-space `normal . x + offset >= 0` of the world, for model-space points within a magnitude; widened so that it
-    /// holds every point of a triangle that meets the half-space.
+    /// The half-space `normal . x + offset >= 0` of world space, for model-space points within a magnitude. It is widened to
+    /// contain every point of a triangle that meets the half-space.
     pub(crate) fn new(normal: DVec3, offset: f64, world_from_model: &WorldFromModel, magnitude: DVec3) -> Self {
-        let linear = world_from_model.linear();
-        let reach = normal.abs().dot(world_reach(world_from_model, magnitude)) + offset.abs();
+        let reach = normal.abs().dot(world_from_model.reach(magnitude)) + offset.abs();
         Self {
-            normal: linear.transpose() * normal,
+            normal: world_from_model.linear().transpose() * normal,
+            // A few roundings per term, 64 to be safe.
             offset: normal.dot(world_from_model.translation()) + offset + 64.0 * U64 * reach,
         }
     }
 
-    /// Whether the half-space may hold a point of a box.
+    /// Whether a point of a box may be in the half-space.
     #[inline]
     pub(crate) fn reaches(&self, bounds: &Box64) -> bool {
         self.normal.dot(bounds.center) + self.normal.abs().dot(bounds.half) + self.offset >= 0.0

@@ -1,43 +1,75 @@
-//! Closest points of a point and a triangle, in `f64`: a length is rounded, and says so.
-
-use std::cmp::Ordering;
+//! Closest points of points, segments and triangles, in `f64`.
+//!
+//! The points lie on what they are said to lie on. A distance is too large by a few roundings of the coordinates at most, for
+//! segments and triangles of any shape.
 
 use glam::DVec3;
 
-use super::Triangle;
 use super::dyadic::Dyadic;
 use super::number::{Number, difference, dot};
+use super::segment::{Segment, edges};
+use super::triangle::{Triangle, triangles_intersect};
 
 /// The point of a triangle that is closest to some point.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct OnTriangle {
-    /// Not negative, and 1 in sum up to rounding.
+pub(crate) struct TrianglePoint {
+    /// Not negative; their sum is 1 up to rounding.
     pub(crate) barycentrics: [f64; 3],
     pub(crate) point: DVec3,
     /// The squared distance.
     pub(crate) squared: f64,
 }
 
+/// A pair of points on two sets, `a` and `b`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ClosestPoints {
+    pub(crate) on_a: DVec3,
+    pub(crate) on_b: DVec3,
+    /// The squared distance.
+    pub(crate) squared: f64,
+}
+
+impl ClosestPoints {
+    /// Farther apart than any two points.
+    pub(crate) const NONE: Self = Self {
+        on_a: DVec3::ZERO,
+        on_b: DVec3::ZERO,
+        squared: f64::INFINITY,
+    };
+
+    pub(crate) fn new(on_a: DVec3, on_b: DVec3) -> Self {
+        let squared = on_a.distance_squared(on_b);
+        Self { on_a, on_b, squared }
+    }
+
+    /// Takes another pair if it is closer.
+    pub(crate) fn keep(&mut self, other: Self) {
+        if other.squared < self.squared {
+            *self = other;
+        }
+    }
+}
+
 /// The closest point of a closed triangle, degenerate or not.
 ///
-/// The distance is off by a few roundings of the largest distance between the four points; also for slivers, whose inside
-/// is found exactly.
-pub(crate) fn closest_on_triangle(point: DVec3, triangle: &Triangle) -> OnTriangle {
+/// The distance is off by a few roundings of the largest distance between the four points. That holds for slivers too: the
+/// foot on their plane is found exactly.
+pub(crate) fn closest_on_triangle(point: DVec3, triangle: &Triangle) -> TrianglePoint {
     let [a, b, c] = *triangle;
-    let mut best = on_edge(point, a, b, 0);
-    for (start, end, first) in [(b, c, 1), (c, a, 2)] {
-        let other = on_edge(point, start, end, first);
+    let mut best = closest_on_edge(point, [a, b], 0);
+    for (edge, first) in [([b, c], 1), ([c, a], 2)] {
+        let other = closest_on_edge(point, edge, first);
         if other.squared < best.squared {
             best = other;
         }
     }
-    if let Some([y, z]) = plane_coordinates((a, point), (a, b), (a, c), best.squared)
+    if let Some([y, z]) = plane_coordinates([a, point], [a, b], [a, c], best.squared)
         && y >= 0.0
         && z >= 0.0
         && y + z <= 1.0
     {
         let (ab, ac) = (b - a, c - a);
-        best = OnTriangle {
+        best = TrianglePoint {
             barycentrics: [(1.0 - y - z).max(0.0), y, z],
             point: a + (ab * y + ac * z),
             squared: (point - a - ab * y - ac * z).length_squared(),
@@ -46,27 +78,28 @@ pub(crate) fn closest_on_triangle(point: DVec3, triangle: &Triangle) -> OnTriang
     best
 }
 
-/// The closest point of the edge from corner `first` to the next one.
-fn on_edge(point: DVec3, start: DVec3, end: DVec3, first: usize) -> OnTriangle {
-    let s = along_segment(point, start, end);
+/// The closest point of a triangle's edge; `first` is the number of the corner where the edge starts.
+fn closest_on_edge(point: DVec3, [start, end]: Segment, first: usize) -> TrianglePoint {
+    let t = closest_parameter(point, [start, end]);
     let mut barycentrics = [0.0; 3];
-    barycentrics[first] = 1.0 - s;
-    barycentrics[(first + 1) % 3] = s;
-    let on_edge = if s == 1.0 { end } else { start + (end - start) * s };
-    let residual = if s == 1.0 {
-        point - end
+    barycentrics[first] = 1.0 - t;
+    barycentrics[(first + 1) % 3] = t;
+    // The difference is not taken from the rounded point, which would cost accuracy near the edge.
+    let (on_edge, residual) = if t == 1.0 {
+        (end, point - end)
     } else {
-        point - start - (end - start) * s
+        let along = (end - start) * t;
+        (start + along, point - start - along)
     };
-    OnTriangle {
+    TrianglePoint {
         barycentrics,
         point: on_edge,
         squared: residual.length_squared(),
     }
 }
 
-/// How far along a closed segment its point closest to `point` is, from 0 to 1.
-pub(super) fn along_segment(point: DVec3, start: DVec3, end: DVec3) -> f64 {
+/// Where on a closed segment its point closest to `point` lies, from 0 to 1.
+fn closest_parameter(point: DVec3, [start, end]: Segment) -> f64 {
     let edge = end - start;
     let length_squared = edge.length_squared();
     if length_squared > 0.0 {
@@ -76,29 +109,42 @@ pub(super) fn along_segment(point: DVec3, start: DVec3, end: DVec3) -> f64 {
     }
 }
 
-/// `[y, z]` such that `y u + z v` is the point closest to `r` in the plane of `u` and `v`, each given by where it starts and ends.
+/// The point of a closed segment closest to `point`.
+pub(crate) fn closest_on_segment(point: DVec3, segment: Segment) -> DVec3 {
+    lerp(segment, closest_parameter(point, segment))
+}
+
+/// The point of a segment at `t` in 0..=1, computed from the nearer end.
+pub(super) fn lerp([p, q]: Segment, t: f64) -> DVec3 {
+    if t <= 0.5 {
+        p + (q - p) * t
+    } else {
+        q + (p - q) * (1.0 - t)
+    }
+}
+
+/// `[y, z]` such that `y u + z v` is the point closest to `r` in the plane of `u` and `v`. Each vector is given by its ends.
 ///
-/// Vectors that span a small angle get exact arithmetic; `None` where they span none, or so small a one that the plane's
-/// points within them are as far off as its edges are: `edges` is the squared distance of those.
-pub(super) fn plane_coordinates(
-    r: (DVec3, DVec3),
-    u: (DVec3, DVec3),
-    v: (DVec3, DVec3),
-    edges: f64,
-) -> Option<[f64; 2]> {
-    let [from_r, along_u, along_v] = [r, u, v].map(|(from, to)| to - from);
+/// Vectors at a small angle take exact arithmetic. `None` where they span no plane; and where the angle is so small that
+/// points between the edges are no closer than the edges, whose squared distance is `edges_squared`.
+fn plane_coordinates(r: Segment, u: Segment, v: Segment, edges_squared: f64) -> Option<[f64; 2]> {
+    // The squared sine of the angle, which decides how much roundings are magnified. Here they lose four digits at most; not
+    // measured, exact arithmetic is rare at this bound.
+    const SMALL_ANGLE: f64 = 1e-4;
+    // Gains below `1e-14` of a squared distance are rounding.
+    const NO_CLOSER: f64 = 1e-14;
+    let [from_r, along_u, along_v] = [r, u, v].map(|[from, to]| to - from);
     let normal = along_u.cross(along_v);
     let area = normal.length_squared();
     let (uu, vv) = (along_u.length_squared(), along_v.length_squared());
-    // The squared sine of the angle decides how much rounding is magnified.
-    if area > 1e-4 * (uu * vv) {
+    if area > SMALL_ANGLE * (uu * vv) {
         let y = from_r.cross(along_v).dot(normal) / area;
         let z = along_u.cross(from_r).dot(normal) / area;
         return Some([y, z]);
     }
-    // Edges and what lies between them are closer together than `sqrt(area / uu)`. The area may be nothing but rounding.
-    let area_at_most = area + 1e-30 * (uu * vv);
-    if area_at_most <= 1e-14 * (uu.min(vv) * edges) {
+    // Points between the edges are within `sqrt(area / uu)` of them. The area may be nothing but rounding, hence the sum.
+    let max_area = area + 1e-30 * (uu * vv);
+    if max_area <= NO_CLOSER * (uu.min(vv) * edges_squared) {
         return None;
     }
     exact_plane_coordinates(r, u, v)
@@ -106,15 +152,109 @@ pub(super) fn plane_coordinates(
 
 /// Solves the two normal equations without rounding.
 #[cold]
-fn exact_plane_coordinates(r: (DVec3, DVec3), u: (DVec3, DVec3), v: (DVec3, DVec3)) -> Option<[f64; 2]> {
-    let [r, u, v] = [r, u, v].map(|(from, to)| difference::<Dyadic>(to, from));
+fn exact_plane_coordinates(r: Segment, u: Segment, v: Segment) -> Option<[f64; 2]> {
+    let [r, u, v] = [r, u, v].map(|[from, to]| difference::<Dyadic>(to, from));
     let (uu, uv, vv) = (dot(&u, &u), dot(&u, &v), dot(&v, &v));
     let (ru, rv) = (dot(&r, &u), dot(&r, &v));
     let determinant = uu.times(&vv).minus(&uv.times(&uv));
-    if determinant.order() != Ordering::Greater {
+    if !determinant.order().is_gt() {
         return None;
     }
     let y = ru.times(&vv).minus(&rv.times(&uv)).over(&determinant);
     let z = rv.times(&uu).minus(&ru.times(&uv)).over(&determinant);
     (y.is_finite() && z.is_finite()).then_some([y, z])
+}
+
+/// The closest points of two segments.
+pub(crate) fn closest_of_segments(s: Segment, t: Segment) -> ClosestPoints {
+    let mut best = ClosestPoints::NONE;
+    for p in s {
+        best.keep(ClosestPoints::new(p, closest_on_segment(p, t)));
+    }
+    for q in t {
+        best.keep(ClosestPoints::new(closest_on_segment(q, s), q));
+    }
+    // Inside both segments, where the lines are closest: by Cramer's rule, if that lies inside the first segment.
+    let (d, e, r) = (s[1] - s[0], t[1] - t[0], t[0] - s[0]);
+    let (dd, de, ee) = (d.length_squared(), d.dot(e), e.length_squared());
+    let along = (r.dot(d) * ee - r.dot(e) * de) / (dd * ee - de * de);
+    if along > 0.0 && along < 1.0 {
+        let q = closest_on_segment(lerp(s, along), t);
+        best.keep(ClosestPoints::new(closest_on_segment(q, s), q));
+    }
+    best
+}
+
+/// The closest points of a segment and a triangle that does not cross it.
+pub(crate) fn closest_of_segment_and_triangle(segment: Segment, triangle: &Triangle) -> ClosestPoints {
+    let at_end = |p| ClosestPoints::new(p, closest_on_triangle(p, triangle).point);
+    let mut best = at_end(segment[0]);
+    if segment[0] != segment[1] {
+        best.keep(at_end(segment[1]));
+        for edge in edges(triangle) {
+            best.keep(closest_of_segments(segment, edge));
+        }
+    }
+    best
+}
+
+/// The closest points of two closed triangles, degenerate or not.
+///
+/// The squared distance is 0 exactly if they share a point. The points, and a distance that is not 0, are off by a few
+/// roundings of the largest distance between the six corners. Triangles apart are closest at a corner of one or at an edge of
+/// each.
+pub(crate) fn closest_of_triangles(a: &Triangle, b: &Triangle) -> ClosestPoints {
+    let intersect = triangles_intersect(a, b);
+    let mut best = ClosestPoints::NONE;
+    let from_a = |on_a| {
+        let foot = closest_on_triangle(on_a, b);
+        let (on_b, squared) = (foot.point, foot.squared);
+        ClosestPoints { on_a, on_b, squared }
+    };
+    let from_b = |on_b| {
+        let foot = closest_on_triangle(on_b, a);
+        let (on_a, squared) = (foot.point, foot.squared);
+        ClosestPoints { on_a, on_b, squared }
+    };
+    a.iter().for_each(|&corner| best.keep(from_a(corner)));
+    b.iter().for_each(|&corner| best.keep(from_b(corner)));
+    let (edges_a, edges_b) = (edges(a), edges(b));
+    if intersect {
+        for (&edge_a, &edge_b) in edges_a.iter().zip(&edges_b) {
+            best.keep(plane_crossing(edge_a, b).map_or(ClosestPoints::NONE, from_a));
+            best.keep(plane_crossing(edge_b, a).map_or(ClosestPoints::NONE, from_b));
+        }
+    }
+    for &edge_a in &edges_a {
+        for &edge_b in &edges_b {
+            if let Some(inside) = closest_inside_segments(edge_a, edge_b, best.squared) {
+                best.keep(inside);
+            }
+        }
+    }
+    best.squared = if intersect {
+        0.0
+    } else {
+        best.squared.max(f64::MIN_POSITIVE)
+    };
+    best
+}
+
+/// The point of a segment closest to where its line crosses a triangle's plane; `None` if they are parallel.
+fn plane_crossing([p, q]: Segment, &[a, b, c]: &Triangle) -> Option<DVec3> {
+    let normal = (b - a).cross(c - a);
+    let t = normal.dot(a - p) / normal.dot(q - p);
+    t.is_finite().then(|| p + (q - p) * t.clamp(0.0, 1.0))
+}
+
+/// The closest points of two segments if neither is an end. Points at ends are found from the corners, whose squared distance
+/// is `corners_squared`.
+fn closest_inside_segments([p, q]: Segment, [r, s]: Segment, corners_squared: f64) -> Option<ClosestPoints> {
+    let [x, y] = plane_coordinates([p, r], [p, q], [s, r], corners_squared)?;
+    let inside = (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y);
+    inside.then(|| ClosestPoints {
+        on_a: p + (q - p) * x,
+        on_b: r + (s - r) * y,
+        squared: ((r - p) - (q - p) * x + (s - r) * y).length_squared(),
+    })
 }

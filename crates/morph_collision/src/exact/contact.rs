@@ -2,28 +2,31 @@ use std::cmp::Ordering::{self, Equal};
 
 use glam::DVec3;
 
-use super::between::closest_between;
-use super::closest::closest_on_triangle;
-use super::nearest::{closest_of_segment_and_triangle, edges, lerp, unit_normal};
-use super::predicates::{Projection, line_crossing, line_height, line_side, plane_crossing, plane_height, plane_side};
-use super::segment::{Segment, all_on_one_side, flat_segments_cross, lexicographic, segments_intersect, sorted};
-use super::triangle::{Triangle, hull_of_line, projection_of, sides, strictly_one_side, triangles_intersect};
+use super::closest::{closest_of_segment_and_triangle, closest_of_triangles, closest_on_triangle, lerp};
+use super::number::{power_of_two, power_of_two_below};
+use super::predicates::{Projection, line_crossing, line_height, plane_crossing, plane_height};
+use super::segment::{
+    Segment, edges, flat_segments_cross, flat_triangle_contains, lexicographic, line_pierces, segments_intersect,
+    sorted,
+};
+use super::triangle::{Triangle, hull_of_line, sides_of_both, triangles_intersect};
 
 /// Where two intersecting triangles meet.
 ///
-/// That they meet, and which edges pierce which triangle, is decided exactly; coordinates are `f64`. The ends lie on both
-/// triangles but for about `1e-13` times the larger one's size and a few roundings of the coordinates.
+/// That they meet, and which edges pierce which triangle, is decided exactly. Coordinates are `f64`: the ends of the segment
+/// lie on both triangles up to about `1e-13` times the larger one's size and a few roundings of the coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TriangleContact {
-    /// The two points common to both triangles that are farthest apart, in lexicographic order.
+    /// The two common points that are farthest apart, in lexicographic order.
     ///
-    /// Of two triangles that cross, the ends of their line of intersection; the same point twice, up to rounding, where they
-    /// touch in one; a longest diagonal of the common area of two coplanar triangles.
+    /// - Triangles that cross: the ends of their line of intersection.
+    /// - Triangles that touch in one point: that point twice, up to rounding.
+    /// - Coplanar triangles: a longest diagonal of the common area.
     pub segment: [DVec3; 2],
-    /// The direction in which the first triangle leaves the second: the unit vector along `n_b - n_a`, with the unit
-    /// normals `n_a`, `n_b` of triangles whose corners turn counter-clockwise seen from outside.
+    /// The direction in which the first triangle leaves the second: the unit vector along `n_b - n_a`. `n_a` and `n_b` are the
+    /// unit normals of triangles whose corners turn counter-clockwise seen from outside.
     ///
-    /// Zero where that is zero: for two coplanar triangles that face the same way, and two without area.
+    /// Zero where `n_a` equals `n_b`: for coplanar triangles that face the same way, and for two triangles without area.
     pub normal: DVec3,
 }
 
@@ -43,10 +46,9 @@ impl TriangleContact {
     }
 }
 
-/// Where two closed triangles meet; `None` exactly when [`triangles_intersect`](crate::triangles_intersect) says they do
-/// not.
+/// Where two closed triangles meet; `None` exactly when [`triangles_intersect`](crate::triangles_intersect) is false.
 ///
-/// With the triangles exchanged the segment is the same and the normal the opposite.
+/// Exchanging the triangles keeps the segment and reverses the normal.
 ///
 /// ```
 /// use glam::DVec3;
@@ -63,54 +65,52 @@ pub fn triangle_contact(a: &Triangle, b: &Triangle) -> Option<TriangleContact> {
     if !triangles_intersect(a, b) {
         return None;
     }
-    // Lengths and determinants need room in both directions; scaling by a power of two loses nothing that they would show.
-    let scale = power_of_two_near(
-        a.iter()
-            .chain(b)
-            .map(|corner| corner.abs().max_element())
-            .fold(0.0, f64::max),
-    );
+    let scale = scale_of(a, b);
     let [a, b] = [a, b].map(|triangle| triangle.map(|corner| corner / scale));
-    let (a, b) = (&a, &b);
-    let segment = match point_of(a).or_else(|| point_of(b)) {
-        Some(point) => [point; 2],
-        None => common_segment(a, b).unwrap_or_else(|| {
-            let between = closest_between(a, b);
-            sorted([between.on_a, between.on_b])
+    let segment = match [&a, &b].into_iter().find(|[p, q, r]| p == q && p == r) {
+        Some([point, ..]) => [*point; 2],
+        None => common_segment(&a, &b).unwrap_or_else(|| {
+            let closest = closest_of_triangles(&a, &b);
+            sorted([closest.on_a, closest.on_b])
         }),
     };
+    let normal = (unit_normal(&b) - unit_normal(&a)).normalize_or_zero();
     let segment = segment.map(|end| end * scale);
-    let normal = (unit_normal(b) - unit_normal(a)).normalize_or_zero();
     Some(TriangleContact { segment, normal })
 }
 
-/// The point that a triangle is, if all its corners are one.
-fn point_of([a, b, c]: &Triangle) -> Option<DVec3> {
-    (a == b && a == c).then_some(*a)
-}
-
-/// A power of two by which lengths like `largest` become ordinary; 1 where they are.
-fn power_of_two_near(largest: f64) -> f64 {
+/// A power of two; dividing by it leaves room for squares and determinants of coordinates.
+fn scale_of(a: &Triangle, b: &Triangle) -> f64 {
+    /// Sizes that have room: fourth powers stay in range.
     const ORDINARY: std::ops::Range<f64> = 1e-60..1e60;
+    let largest = a
+        .iter()
+        .chain(b)
+        .map(|corner| corner.abs().max_element())
+        .fold(0.0, f64::max);
     if largest == 0.0 || ORDINARY.contains(&largest) {
         return 1.0;
     }
-    // Short of the ends of the range, so that neither it nor its inverse is subnormal.
-    2.0_f64.powi((largest.log2() as i32).clamp(-1000, 1000))
+    // Neither the scale nor its inverse may be subnormal.
+    power_of_two_below(largest).clamp(power_of_two(-1000), power_of_two(1000))
+}
+
+/// The unit normal by the right-hand rule; zero for a triangle without area. A sliver's normal is as uncertain as its shape.
+pub(crate) fn unit_normal([a, b, c]: &Triangle) -> DVec3 {
+    let (u, v) = (b - a, c - a);
+    // Scaled first, so that tiny and huge triangles have a normal like any other.
+    let size = u.abs().max(v.abs()).max_element();
+    if size == 0.0 {
+        return DVec3::ZERO;
+    }
+    (u / size).cross(v / size).normalize_or_zero()
 }
 
 /// The two points common to both triangles that are farthest apart.
 ///
 /// What two triangles have in common is convex, and each of its corners is a point where an edge of one meets the other.
 pub(crate) fn common_segment(a: &Triangle, b: &Triangle) -> Option<Segment> {
-    let b_sides = sides(a, b);
-    if strictly_one_side(b_sides) {
-        return None;
-    }
-    let a_sides = sides(b, a);
-    if strictly_one_side(a_sides) {
-        return None;
-    }
+    let [a_sides, b_sides] = sides_of_both(a, b)?;
     let mut corners = Corners::default();
     corners.add_edges(b, b_sides, a);
     corners.add_edges(a, a_sides, b);
@@ -133,10 +133,10 @@ impl Corners {
         }
     }
 
-    /// In lexicographic order first, so that it does not depend on which triangle was named first.
     fn farthest(mut self) -> Option<Segment> {
         let points = self.points.get_mut(..self.len)?;
-        points.sort_by(|p, q| lexicographic(*p, *q));
+        // Sorted, so that ties do not depend on which triangle is the first.
+        points.sort_by(lexicographic);
         let mut farthest = [*points.first()?; 2];
         let mut length = 0.0;
         for (i, &p) in points.iter().enumerate() {
@@ -150,44 +150,40 @@ impl Corners {
         Some(farthest)
     }
 
-    /// Where the edges of `triangle`, whose corners lie on these sides of the plane of `other`, meet `other`.
+    /// Adds where the edges of `triangle`, whose corners lie on these sides of the plane of `other`, meet `other`.
     fn add_edges(&mut self, triangle: &Triangle, sides: [Ordering; 3], other: &Triangle) {
-        let projection = projection_of(other);
-        let sides = [[sides[0], sides[1]], [sides[1], sides[2]], [sides[2], sides[0]]];
-        for (edge, sides) in edges(triangle).into_iter().zip(sides) {
+        let projection = Projection::of_plane(*other);
+        for (edge, sides) in edges(triangle).into_iter().zip(edges(&sides)) {
             match projection {
-                Some(projection) => self.add_edge(edge, sides, other, projection),
+                Some(projection) if sides == [Equal, Equal] => self.add_flat(edge, other, projection),
+                Some(_) => self.add_piercing(edge, sides, other),
                 None => self.add_collapsed(edge, other),
             }
         }
     }
 
-    fn add_edge(&mut self, edge: Segment, sides: [Ordering; 2], triangle: &Triangle, projection: Projection) {
-        let [a, b, c] = *triangle;
-        let [p, q] = edge;
-        if sides == [Equal, Equal] {
-            self.add_flat(edge, triangle, projection);
-        } else if sides[0] != sides[1]
-            && all_on_one_side([plane_side(p, q, a, b), plane_side(p, q, b, c), plane_side(p, q, c, a)])
-        {
-            self.add(match sides {
-                [Equal, _] => p,
-                [_, Equal] => q,
-                _ => {
-                    let heights = [p, q].map(|end| plane_height(a, b, c, end));
-                    crossing(edge, heights, || plane_crossing(*triangle, edge), triangle)
-                }
-            });
+    /// Adds where an edge that is not in the plane of a triangle meets it.
+    fn add_piercing(&mut self, edge: Segment, sides: [Ordering; 2], triangle: &Triangle) {
+        if sides[0] == sides[1] || !line_pierces(edge, triangle) {
+            return;
         }
+        let [a, b, c] = *triangle;
+        self.add(match sides {
+            [Equal, _] => edge[0],
+            [_, Equal] => edge[1],
+            _ => {
+                let heights = edge.map(|end| plane_height(a, b, c, end));
+                crossing(edge, heights, || plane_crossing(*triangle, edge), triangle)
+            }
+        });
     }
 
-    /// An edge in the plane of the triangle: its ends inside, and where it crosses the triangle's edges.
+    /// For an edge in the plane of the triangle: adds its ends inside, and where it crosses the triangle's edges.
     fn add_flat(&mut self, edge: Segment, triangle: &Triangle, projection: Projection) {
         let flat = |point| projection.apply(point);
-        let [a, b, c] = triangle.map(flat);
+        let flat_triangle = triangle.map(flat);
         for end in edge {
-            let p = flat(end);
-            if all_on_one_side([line_side(a, b, p), line_side(b, c, p), line_side(c, a, p)]) {
+            if flat_triangle_contains(&flat_triangle, flat(end)) {
                 self.add(end);
             }
         }
@@ -196,7 +192,7 @@ impl Corners {
         }
     }
 
-    /// Where two segments cross each other inside, if they do.
+    /// Adds where two segments in a plane cross in a point that is an end of neither.
     fn add_flat_crossing(&mut self, edge: Segment, side: Segment, projection: Projection, triangle: &Triangle) {
         let flat = |point| projection.apply(point);
         let ([p, q], [u, v]) = (edge.map(flat), side.map(flat));
@@ -206,37 +202,36 @@ impl Corners {
         }
     }
 
-    /// An edge and a triangle that is a segment or a point.
+    /// Adds where an edge meets a triangle that is a segment or a point.
     fn add_collapsed(&mut self, edge: Segment, triangle: &Triangle) {
         let hull = hull_of_line(triangle);
         if !segments_intersect(edge, hull) {
             return;
         }
         let before = self.len;
-        for end in edge {
-            if segments_intersect([end; 2], hull) {
-                self.add(end);
-            }
-        }
-        for end in hull {
-            if segments_intersect([end; 2], edge) {
+        for (end, other) in edge
+            .map(|end| (end, hull))
+            .into_iter()
+            .chain(hull.map(|end| (end, edge)))
+        {
+            if segments_intersect([end; 2], other) {
                 self.add(end);
             }
         }
         if self.len == before
-            && let Some(projection) = Projection::keeping_apart(edge[0], edge[1], hull[0])
+            && let Some(projection) = Projection::of_plane([edge[0], edge[1], hull[0]])
         {
             self.add_flat_crossing(edge, hull, projection, triangle);
         }
     }
 }
 
-/// Where an edge crosses a triangle, from the signed heights of its ends over the triangle's plane or edge.
+/// Where an edge crosses a triangle, from the heights of its ends over the triangle's plane or edge.
 ///
-/// Heights of an edge that lies nearly in the plane are mostly rounding. Where the point they lead to is off, `exactly` tells
-/// where along itself the edge crosses; and if that is still off, the point of the edge that is closest to the triangle's own
-/// edges may serve better.
+/// Heights of an edge nearly in the plane are mostly rounding. Where the point they give is off the triangle, `exactly` gives
+/// where along itself the edge crosses. If that is still off, the point of the edge closest to the triangle may be better.
 fn crossing(edge: Segment, heights: [f64; 2], exactly: impl FnOnce() -> f64, triangle: &Triangle) -> DVec3 {
+    // About 90 roundings, which crossings at ordinary angles stay below. Not measured.
     const TOLERANCE: f64 = 1e-14;
     let at = |t: f64| lerp(edge, if t.is_finite() { t.clamp(0.0, 1.0) } else { 0.5 });
     let point = at(heights[0] / (heights[0] - heights[1]));
@@ -248,8 +243,7 @@ fn crossing(edge: Segment, heights: [f64; 2], exactly: impl FnOnce() -> f64, tri
     if off(point) <= TOLERANCE * TOLERANCE * size {
         return point;
     }
-    let others = [at(exactly()), closest_of_segment_and_triangle(edge, triangle).0];
-    others
+    [at(exactly()), closest_of_segment_and_triangle(edge, triangle).on_a]
         .into_iter()
         .fold(point, |best, other| if off(other) < off(best) { other } else { best })
 }

@@ -1,15 +1,15 @@
-//! Exact arithmetic on whole multiples of powers of two, which all `f64` are.
+//! Exact arithmetic on `f64`s and their sums, differences and products.
 
 use std::cmp::Ordering;
 
+use dashu_int::IBig;
 use dashu_int::ops::BitTest;
-use dashu_int::{IBig, Sign};
 
-use super::number::Number;
+use super::number::{Number, power_of_two};
 
-/// The real number `mantissa * 2^exponent`: any sum, difference and product of finite `f64` is one, whatever its size.
+/// The number `mantissa * 2^exponent`. Sums, differences and products of finite `f64`s are such numbers, whatever their size.
 ///
-/// This is where the few cases end up that [`Approx`](super::number::Approx) cannot decide.
+/// Slow, and used only where [`Approx`](super::number::Approx) or the `robust` predicates cannot decide.
 #[derive(Clone, Debug)]
 pub(crate) struct Dyadic {
     mantissa: IBig,
@@ -17,45 +17,26 @@ pub(crate) struct Dyadic {
 }
 
 impl Dyadic {
+    /// The sign.
     pub(crate) fn order(&self) -> Ordering {
-        match (self.mantissa.is_zero(), self.mantissa.sign()) {
-            (true, _) => Ordering::Equal,
-            (false, Sign::Positive) => Ordering::Greater,
-            (false, Sign::Negative) => Ordering::Less,
-        }
+        self.mantissa.cmp(&IBig::ZERO)
     }
 
-    /// The quotient of two of them to a few roundings, also where they are no `f64` themselves.
+    /// The quotient, to a few roundings. The operands need not be in the range of `f64`.
     pub(crate) fn over(&self, divisor: &Self) -> f64 {
         let ((a, a_exponent), (b, b_exponent)) = (self.leading(), divisor.leading());
         scaled(a / b, a_exponent - b_exponent)
     }
 
-    /// The first 62 bits as a rounded `f64`, and the power of two that it is to be multiplied with.
+    /// The first 62 bits of the mantissa, which fit an `i64`, as a rounded `f64`; and its exponent.
     fn leading(&self) -> (f64, i64) {
-        const KEPT: usize = 62;
-        let dropped = self.mantissa.bit_len().saturating_sub(KEPT);
+        let dropped = self.mantissa.bit_len().saturating_sub(62);
         let leading = i64::try_from(&self.mantissa >> dropped).unwrap_or(0);
         (leading as f64, self.exponent + dropped as i64)
-    }
-
-    fn combined(&self, other: &Self, add: impl Fn(IBig, IBig) -> IBig) -> Self {
-        let exponent = match (self.mantissa.is_zero(), other.mantissa.is_zero()) {
-            (true, _) => other.exponent,
-            (_, true) => self.exponent,
-            _ => self.exponent.min(other.exponent),
-        };
-        // Only a zero's exponent can be below.
-        let [a, b] = [self, other].map(|n| &n.mantissa << (n.exponent - exponent).max(0) as usize);
-        Self {
-            mantissa: add(a, b),
-            exponent,
-        }
     }
 }
 
 impl Number for Dyadic {
-    /// Of a finite value.
     fn new(value: f64) -> Self {
         const FRACTION_BITS: u32 = 52;
         let bits = value.to_bits();
@@ -72,16 +53,25 @@ impl Number for Dyadic {
         }
     }
 
-    fn difference(a: f64, b: f64) -> Self {
-        Self::new(a).minus(&Self::new(b))
-    }
-
     fn plus(&self, other: &Self) -> Self {
-        self.combined(other, |a, b| a + b)
+        let exponent = match (self.mantissa.is_zero(), other.mantissa.is_zero()) {
+            (true, _) => other.exponent,
+            (_, true) => self.exponent,
+            _ => self.exponent.min(other.exponent),
+        };
+        // Only the exponent of a zero can be lower.
+        let [a, b] = [self, other].map(|n| &n.mantissa << (n.exponent - exponent).max(0) as usize);
+        Self {
+            mantissa: a + b,
+            exponent,
+        }
     }
 
     fn minus(&self, other: &Self) -> Self {
-        self.combined(other, |a, b| a - b)
+        self.plus(&Self {
+            mantissa: -&other.mantissa,
+            exponent: other.exponent,
+        })
     }
 
     fn times(&self, other: &Self) -> Self {
@@ -106,7 +96,7 @@ fn scaled(value: f64, exponent: i64) -> f64 {
     let (mut value, mut rest) = (value, exponent.clamp(-5000, 5000));
     while rest != 0 {
         let step = rest.clamp(-STEP, STEP);
-        value *= 2.0_f64.powi(step as i32);
+        value *= power_of_two(step);
         rest -= step;
     }
     value
@@ -140,13 +130,13 @@ mod tests {
 
         #[test]
         fn differences_keep_what_rounding_would_lose(a in -1e10..1e10, b in -1e-300..1e-300) {
-            let difference = Dyadic::difference(a, b).plus(&Dyadic::new(b));
+            let difference = Dyadic::new(a).minus(&Dyadic::new(b)).plus(&Dyadic::new(b));
             prop_assert_eq!(difference.minus(&Dyadic::new(a)).order(), Ordering::Equal);
         }
     }
 
     #[test]
-    fn every_finite_number_is_one() {
+    fn every_finite_f64_is_represented() {
         for value in [0.0, -0.0, 1.0, -3.5, 5e-324, -f64::MIN_POSITIVE, f64::MAX, 0.1] {
             let same = Dyadic::new(value).over(&Dyadic::new(1.0));
             assert_eq!(same, value);

@@ -1,59 +1,62 @@
-//! Most pairs of triangles are decided here: in `f64`, with a bound on what rounding can have done.
+//! The first test of two triangles: in `f64`, with an error bound. It decides most pairs.
 
 use std::cmp::Ordering::{self, Equal, Greater, Less};
 
 use glam::DVec3;
 
-use super::Triangle;
+use super::number::{UNIT_ROUNDOFF, power_of_two};
+use super::triangle::{Triangle, strictly_one_side};
 
-/// Whether two closed triangles share a point; `None` where a determinant is too close to zero to be sure of its sign.
-///
-/// What it says is what [`triangles_intersect`](crate::triangles_intersect) says. Triangles that touch, or are coplanar or
-/// degenerate, are never decided here unless one lies wholly beyond the other's plane; of pairs in general position nearly
-/// all are. Cost: two normals, six heights, and two determinants where the triangles reach through each other's planes.
-///
-/// With all corners off the other's plane, each triangle has one corner alone on its side, and meets the planes' common
-/// line between the two edges from there; the intervals overlap iff two determinants of an edge of each say so (Guigue and
-/// Devillers 2003).
-#[must_use]
-#[inline]
-pub fn triangles_intersect_filtered(a: &Triangle, b: &Triangle) -> Option<bool> {
-    facets_intersect(&Facet::new(*a), &Facet::new(*b))
-}
-
-/// A triangle with what the filter needs of it in every pair.
+/// A triangle with what the filter computes once per triangle.
 #[derive(Clone, Debug)]
 pub(crate) struct Facet {
     pub(crate) corners: Triangle,
-    plane: Plane,
+    normal: DVec3,
+    /// The product of the largest coordinates of the two edges that span the normal.
+    size: f64,
 }
 
 impl Facet {
     #[inline]
     pub(crate) fn new(corners: Triangle) -> Self {
+        let [a, b, c] = corners;
+        let (u, v) = (b - a, c - a);
         Self {
-            plane: Plane::of(&corners),
             corners,
+            normal: u.cross(v),
+            size: largest(u) * largest(v),
         }
+    }
+
+    /// The sides of the plane on which some corners lie; `Equal` where that is not certain.
+    #[inline]
+    fn sides(&self, &[a, b, c]: &Triangle) -> [Ordering; 3] {
+        [self.side(a), self.side(b), self.side(c)]
+    }
+
+    #[inline]
+    fn side(&self, corner: DVec3) -> Ordering {
+        let to = corner - self.corners[0];
+        certain_sign(self.normal.dot(to), self.size * largest(to))
     }
 }
 
+/// Whether two closed triangles share a point; `None` where the sign of a determinant is not certain.
+///
+/// Triangles that touch, are coplanar or are degenerate are undecided unless a plane separates them with certainty. Cost: six
+/// heights over planes, and two determinants where each triangle reaches through the other's plane.
+///
+/// With all corners off the other's plane, each triangle has one corner alone on its side. It meets the common line of the
+/// planes between the two edges from that corner, and two determinants tell whether the two intervals overlap (Guigue and
+/// Devillers 2003).
 #[inline]
-pub(super) fn facets_intersect(
-    Facet {
-        corners: a,
-        plane: a_plane,
-    }: &Facet,
-    Facet {
-        corners: b,
-        plane: b_plane,
-    }: &Facet,
-) -> Option<bool> {
-    let b_sides = a_plane.sides(b);
+pub(super) fn facets_intersect(facet_a: &Facet, facet_b: &Facet) -> Option<bool> {
+    let (a, b) = (&facet_a.corners, &facet_b.corners);
+    let b_sides = facet_a.sides(b);
     if strictly_one_side(b_sides) {
         return Some(false);
     }
-    let a_sides = b_plane.sides(a);
+    let a_sides = facet_b.sides(a);
     if strictly_one_side(a_sides) {
         return Some(false);
     }
@@ -62,7 +65,7 @@ pub(super) fn facets_intersect(
     }
     let ([p, mut q, mut r], above_b) = lone_corner_first(a, a_sides);
     let ([u, mut v, mut w], above_a) = lone_corner_first(b, b_sides);
-    // Turned so that each lone corner is above the other's plane.
+    // Wind both triangles so that each lone corner is above the other's plane.
     if !above_a {
         (q, r) = (r, q);
     }
@@ -76,41 +79,17 @@ pub(super) fn facets_intersect(
     }
 }
 
-fn strictly_one_side(sides: [Ordering; 3]) -> bool {
-    sides[0] != Equal && sides[0] == sides[1] && sides[1] == sides[2]
-}
-
-/// The plane through a triangle.
-#[derive(Clone, Debug)]
-struct Plane {
-    origin: DVec3,
-    normal: DVec3,
-    /// The product of the largest coordinates of the two edges that the normal is of.
-    size: f64,
-}
-
-impl Plane {
-    #[inline]
-    fn of([a, b, c]: &Triangle) -> Self {
-        let (u, v) = (*b - *a, *c - *a);
-        Self {
-            origin: *a,
-            normal: u.cross(v),
-            size: largest(u) * largest(v),
-        }
-    }
-
-    /// On which sides some corners lie; `Equal` where that is not certain.
-    #[inline]
-    fn sides(&self, [a, b, c]: &Triangle) -> [Ordering; 3] {
-        [self.side(*a), self.side(*b), self.side(*c)]
-    }
-
-    #[inline]
-    fn side(&self, corner: DVec3) -> Ordering {
-        let to = corner - self.origin;
-        certain_sign(self.normal.dot(to), self.size * largest(to))
-    }
+/// Rotates a triangle so that the corner alone on its side comes first; also says whether that is the upper side.
+#[inline]
+fn lone_corner_first(&[a, b, c]: &Triangle, sides: [Ordering; 3]) -> (Triangle, bool) {
+    let (rotated, side) = if sides[0] == sides[1] {
+        ([c, a, b], sides[2])
+    } else if sides[0] == sides[2] {
+        ([b, c, a], sides[1])
+    } else {
+        ([a, b, c], sides[0])
+    };
+    (rotated, side == Greater)
 }
 
 /// The sign of the determinant of three differences; `Equal` where it is not certain.
@@ -119,20 +98,21 @@ fn determinant(u: DVec3, v: DVec3, w: DVec3) -> Ordering {
     certain_sign(u.cross(v).dot(w), largest(u) * largest(v) * largest(w))
 }
 
-/// The error of a determinant of three rounded differences, at most, per product of their largest coordinates.
+/// The error bound of a determinant of three rounded differences, relative to the product of their largest coordinates.
 ///
 /// Each of its six terms is at most that product and is rounded at most eight times: in three differences, two products and
-/// three sums. So it is off by less than `6 * 8 * 2^-53` products.
-const RELATIVE: f64 = 52.0 * (f64::EPSILON / 2.0);
+/// three sums. So the error is below `6 * 8` roundings; the rest covers terms of second order.
+const RELATIVE: f64 = 52.0 * UNIT_ROUNDOFF;
 
-/// The sign of a determinant of three rounded differences whose largest coordinates have this product; `Equal` where its error, or
-/// the range of `f64`, leaves it open.
+/// The sign of a determinant, given the product of the largest coordinates of its differences; `Equal` where the error or the
+/// range of `f64` leaves it open.
 #[inline]
 fn certain_sign(determinant: f64, product: f64) -> Ordering {
-    const LEAST: f64 = f64::from_bits((1023 - 900) << 52);
-    const MOST: f64 = f64::from_bits((1023 + 900) << 52);
+    // Within these, no part of the determinant overflows, and what underflows is far below the error.
+    const MIN: f64 = power_of_two(-900);
+    const MAX: f64 = power_of_two(900);
     let error = product * RELATIVE;
-    if determinant.abs() > error && error > LEAST && error < MOST {
+    if determinant.abs() > error && error > MIN && error < MAX {
         if determinant > 0.0 { Greater } else { Less }
     } else {
         Equal
@@ -142,19 +122,6 @@ fn certain_sign(determinant: f64, product: f64) -> Ordering {
 #[inline]
 fn largest(v: DVec3) -> f64 {
     v.abs().max_element()
-}
-
-/// A triangle turned so that the corner that is alone on its side comes first, and whether that is the upper side.
-#[inline]
-fn lone_corner_first(&[a, b, c]: &Triangle, sides: [Ordering; 3]) -> (Triangle, bool) {
-    let (turned, side) = if sides[0] == sides[1] {
-        ([c, a, b], sides[2])
-    } else if sides[0] == sides[2] {
-        ([b, c, a], sides[1])
-    } else {
-        ([a, b, c], sides[0])
-    };
-    (turned, side == Greater)
 }
 
 #[cfg(test)]

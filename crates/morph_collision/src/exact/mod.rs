@@ -1,17 +1,14 @@
-//! Exact answers over `f64` points: signs of determinants decide, never a rounded length.
+//! Exact answers about `f64` points: signs of determinants decide, never rounded lengths.
 //!
-//! Two triangles are mostly decided in `f64` with an error bound (`filter`). Where it leaves them open, orientation comes from
-//! adaptive predicates (`predicates`); tests that need other polynomials are written once over a [`Number`](number::Number)
-//! and run with an error bound first, exactly where that leaves a sign open. What is a point or a length (`closest`,
-//! `between`, `nearest`, `contact`) is in `f64`, with a stated error.
+//! Most pairs of triangles are decided by a `filter` in `f64` with an error bound, the rest by adaptive `predicates`. Tests
+//! that need other polynomials (`ray`, `region`) are written once over a [`Number`](number::Number). They run with error
+//! bounds first, and in exact arithmetic (`dyadic`) where a sign is left open. Points and lengths (`closest`, `contact`) are
+//! in `f64`, with stated errors.
 
-mod between;
 mod closest;
 mod contact;
 mod dyadic;
-mod edge_on;
 mod filter;
-mod nearest;
 mod number;
 mod predicates;
 mod ray;
@@ -19,20 +16,18 @@ mod region;
 mod segment;
 mod triangle;
 
-pub(crate) use between::{Between, closest_between};
-pub(crate) use closest::{OnTriangle, closest_on_triangle};
-pub(crate) use contact::common_segment;
-pub use contact::{TriangleContact, triangle_contact};
-pub(crate) use filter::Facet;
-pub use filter::triangles_intersect_filtered;
-pub(crate) use nearest::{
-    Nearest, closest_of_segment_and_triangle, closest_of_segments, closest_on_segment, edges, unit_normal,
+pub(crate) use closest::{
+    ClosestPoints, TrianglePoint, closest_of_segment_and_triangle, closest_of_segments, closest_of_triangles,
+    closest_on_segment, closest_on_triangle,
 };
-pub(crate) use number::VALUE_ERROR;
+pub use contact::{TriangleContact, triangle_contact};
+pub(crate) use contact::{common_segment, unit_normal};
+pub(crate) use filter::Facet;
+pub(crate) use number::{VALUE_ERROR, power_of_two, power_of_two_below};
 pub(crate) use predicates::plane_side;
 pub(crate) use ray::{Crossing, Line, ray_meets_triangle};
 pub(crate) use region::{Plane, triangle_meets_region};
-pub(crate) use segment::Segment;
+pub(crate) use segment::{Segment, edges};
 pub(crate) use triangle::facets_intersect_counting;
 pub use triangle::{Triangle, triangles_intersect};
 

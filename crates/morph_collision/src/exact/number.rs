@@ -1,31 +1,49 @@
-//! Geometry written once for two kinds of numbers: with an error bound first, exactly where that leaves a sign open.
+//! Geometry written once over a [`Number`]: run with error bounds first, and exactly where a sign is left open.
 
 use std::cmp::Ordering;
 
 use glam::DVec3;
 
 /// Half a unit in the last place of 1.
-const U: f64 = f64::EPSILON / 2.0;
+pub(super) const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
+
+/// `2^exponent`, for exponents of normal numbers.
+pub(crate) const fn power_of_two(exponent: i64) -> f64 {
+    f64::from_bits(((1023 + exponent) as u64) << 52)
+}
+
+/// The largest power of two that is at most a positive number. Dividing by it is exact.
+pub(crate) fn power_of_two_below(value: f64) -> f64 {
+    const EXPONENT: u64 = 0x7ff << 52;
+    const SHIFT: f64 = power_of_two(60);
+    if value < f64::MIN_POSITIVE {
+        f64::from_bits((value * SHIFT).to_bits() & EXPONENT) / SHIFT
+    } else {
+        f64::from_bits(value.to_bits() & EXPONENT)
+    }
+}
 
 /// A number that knows whether its sign is certain.
 ///
-/// A test is a function of [`Number`]s that returns `None` as soon as it needs a sign or value that is not certain;
-/// it is run with [`Approx`], and, after a `None`, with [`Dyadic`](super::dyadic::Dyadic), which always is.
+/// A test is a function of [`Number`]s that returns `None` as soon as it needs a sign or value that is not certain. It is run
+/// with [`Approx`] first. After a `None` it is run with [`Dyadic`](super::dyadic::Dyadic), which is always certain.
 pub(crate) trait Number: Clone {
+    /// A finite number.
     fn new(value: f64) -> Self;
-    fn difference(a: f64, b: f64) -> Self;
     fn plus(&self, other: &Self) -> Self;
     fn minus(&self, other: &Self) -> Self;
     fn times(&self, other: &Self) -> Self;
     fn sign(&self) -> Option<Ordering>;
-    /// The quotient to a relative error of at most three [`VALUE_ERROR`]s.
+    /// The quotient, to a relative error of at most three [`VALUE_ERROR`]s.
     fn ratio(&self, divisor: &Self) -> Option<f64>;
 }
 
 /// The largest relative error of a dividend or divisor of [`Number::ratio`].
+///
+/// Not measured: thousands of roundings, so that exact arithmetic is rare, and far below what a caller can see.
 pub(crate) const VALUE_ERROR: f64 = 1e-12;
 
-/// An `f64` and a bound on how far it is off the exact value.
+/// An `f64` and a bound on its error.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Approx {
     value: f64,
@@ -33,11 +51,12 @@ pub(crate) struct Approx {
 }
 
 impl Approx {
-    /// `rounding` is at least what the operation lost; the factor covers the roundings of the error itself.
-    fn with_error(value: f64, carried: f64) -> Self {
+    /// The result of an operation: adds the rounding of `value` to the error carried over. The factor covers the roundings of
+    /// the error itself.
+    fn rounded(value: f64, carried: f64) -> Self {
         Self {
             value,
-            error: (carried + U * value.abs()) * (1.0 + 8.0 * U),
+            error: (carried + UNIT_ROUNDOFF * value.abs()) * (1.0 + 8.0 * UNIT_ROUNDOFF),
         }
     }
 }
@@ -49,18 +68,13 @@ impl Number for Approx {
     }
 
     #[inline]
-    fn difference(a: f64, b: f64) -> Self {
-        Self::with_error(a - b, 0.0)
-    }
-
-    #[inline]
     fn plus(&self, other: &Self) -> Self {
-        Self::with_error(self.value + other.value, self.error + other.error)
+        Self::rounded(self.value + other.value, self.error + other.error)
     }
 
     #[inline]
     fn minus(&self, other: &Self) -> Self {
-        Self::with_error(self.value - other.value, self.error + other.error)
+        Self::rounded(self.value - other.value, self.error + other.error)
     }
 
     #[inline]
@@ -70,17 +84,14 @@ impl Number for Approx {
             return Self::new(0.0);
         }
         let carried = self.value.abs() * other.error + self.error * other.value.abs() + self.error * other.error;
-        // A product that underflows loses up to half the smallest subnormal, the error's terms each as much.
-        Self::with_error(self.value * other.value, carried + f64::from_bits(4))
+        // The product and the three terms above can each underflow by half the smallest subnormal; this is four of them.
+        Self::rounded(self.value * other.value, carried + f64::from_bits(4))
     }
 
     #[inline]
     fn sign(&self) -> Option<Ordering> {
-        if self.value.abs() > self.error || self.error == 0.0 {
-            self.value.partial_cmp(&0.0)
-        } else {
-            None
-        }
+        let is_certain = self.value.abs() > self.error || self.error == 0.0;
+        if is_certain { self.value.partial_cmp(&0.0) } else { None }
     }
 
     #[inline]
@@ -90,7 +101,6 @@ impl Number for Approx {
     }
 }
 
-/// A vector of numbers.
 pub(crate) type Vector<N> = [N; 3];
 
 #[inline]
@@ -101,11 +111,7 @@ pub(crate) fn vector<N: Number>(v: DVec3) -> Vector<N> {
 /// `a - b`.
 #[inline]
 pub(crate) fn difference<N: Number>(a: DVec3, b: DVec3) -> Vector<N> {
-    [
-        N::difference(a.x, b.x),
-        N::difference(a.y, b.y),
-        N::difference(a.z, b.z),
-    ]
+    std::array::from_fn(|axis| N::new(a[axis]).minus(&N::new(b[axis])))
 }
 
 #[inline]
@@ -123,4 +129,23 @@ pub(crate) fn cross_coordinate<N: Number>(a: &Vector<N>, b: &Vector<N>, axis: us
 #[inline]
 pub(crate) fn cross<N: Number>(a: &Vector<N>, b: &Vector<N>) -> Vector<N> {
     std::array::from_fn(|axis| cross_coordinate(a, b, axis))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn powers_of_two_are_found_for_numbers_of_every_size() {
+        for (value, power) in [
+            (1.0, 1.0),
+            (3.9, 2.0),
+            (0.3, 0.25),
+            (5e-324, 5e-324),
+            (f64::MAX, power_of_two(1023)),
+        ] {
+            assert_eq!(power_of_two_below(value), power);
+        }
+        assert_eq!(power_of_two(-3), 0.125);
+    }
 }

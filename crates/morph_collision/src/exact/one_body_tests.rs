@@ -4,9 +4,11 @@ use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::{Line, Plane, Triangle, closest_between, closest_on_triangle, ray_meets_triangle, triangle_meets_region};
+use super::{
+    Line, Plane, Triangle, closest_of_triangles, closest_on_triangle, ray_meets_triangle, triangle_meets_region,
+};
 
-/// Points of a coarse grid, where rays in the plane of a triangle, through its corners and along its edges are common.
+/// Points of a coarse grid. Rays in a triangle's plane, through its corners and along its edges are common there.
 fn grid_point() -> impl Strategy<Value = DVec3> {
     prop::array::uniform3(-2_i8..3).prop_map(|c| DVec3::from_array(c.map(f64::from)))
 }
@@ -41,7 +43,7 @@ proptest! {
     }
 
     #[test]
-    fn a_triangle_meets_the_box_that_the_oracle_says(a in grid_point(), b in grid_point(), triangle in grid_triangle()) {
+    fn a_triangle_meets_a_box_exactly_if_the_oracle_says_so(a in grid_point(), b in grid_point(), triangle in grid_triangle()) {
         let (min, max) = (a.min(b), a.max(b));
         let planes: Vec<Plane> = (0..3)
             .flat_map(|axis| {
@@ -65,17 +67,17 @@ proptest! {
 
     #[test]
     fn closest_points_of_two_triangles_lie_on_both(a in grid_triangle(), b in grid_triangle()) {
-        let between = closest_between(&a, &b);
-        prop_assert_eq!(between.squared == 0.0, oracle::triangles_intersect(&a, &b));
-        prop_assert!((between.on_a.distance(between.on_b) - between.squared.sqrt()).abs() < 1e-12);
-        prop_assert!(closest_on_triangle(between.on_a, &a).squared < 1e-24);
-        prop_assert!(closest_on_triangle(between.on_b, &b).squared < 1e-24);
+        let closest = closest_of_triangles(&a, &b);
+        prop_assert_eq!(closest.squared == 0.0, oracle::triangles_intersect(&a, &b));
+        prop_assert!((closest.on_a.distance(closest.on_b) - closest.squared.sqrt()).abs() < 1e-12);
+        prop_assert!(closest_on_triangle(closest.on_a, &a).squared < 1e-24);
+        prop_assert!(closest_on_triangle(closest.on_b, &b).squared < 1e-24);
     }
 }
 
 #[test]
 fn the_inside_of_a_sliver_is_found() {
-    // Down to a billionth of a thousandth as wide as long; the edges are 40 times as far as the inside.
+    // The edges are 40 times as far away as the inside.
     for width in [1e-3, 1e-6, 1e-9, 1e-12] {
         let sliver = [DVec3::ZERO, DVec3::X, DVec3::new(0.5, width, 0.0)];
         let height = 0.01 * width;
@@ -91,17 +93,17 @@ fn the_inside_of_nearly_parallel_edges_is_found() {
         let flat = |a: DVec3, b: DVec3| [a, b, b];
         let first = flat(DVec3::new(-1.0, -slope, 0.0), DVec3::new(1.0, slope, 0.0));
         let second = flat(DVec3::new(-1.0, slope, height), DVec3::new(1.0, -slope, height));
-        let between = closest_between(&first, &second);
+        let closest = closest_of_triangles(&first, &second);
         assert!(
-            (between.squared.sqrt() / height - 1.0).abs() < 1e-12,
-            "{slope}: {between:?}"
+            (closest.squared.sqrt() / height - 1.0).abs() < 1e-12,
+            "{slope}: {closest:?}"
         );
     }
 }
 
-/// Points a few roundings in front of a plane and behind it, decided as the exact sum of products says.
+/// Points a few roundings in front of a plane or behind it; the exact sum of products is the truth.
 #[test]
-fn points_within_roundings_of_a_half_space_are_told_apart() {
+fn points_within_roundings_of_a_plane_are_classified_exactly() {
     let mut rng = Pcg64Mcg::seed_from_u64(1);
     let mut decided = [0, 0];
     for _ in 0..20_000 {
@@ -124,9 +126,9 @@ fn points_within_roundings_of_a_half_space_are_told_apart() {
     assert!(decided.iter().all(|count| *count > 5000), "{decided:?}");
 }
 
-/// A point on a sliver that lies askew is at distance 0 from it but for roundings, far from where rounded normals would put it.
+/// The distance of a point on a tilted sliver is 0 up to roundings; rounded normals would give a much larger one.
 #[test]
-fn points_on_slivers_that_lie_askew_are_on_them() {
+fn points_on_tilted_slivers_have_distance_zero() {
     let mut rng = Pcg64Mcg::seed_from_u64(2);
     for round in 0..600 {
         let width = [1e-3, 1e-6, 1e-9][round % 3];

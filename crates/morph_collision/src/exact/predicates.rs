@@ -1,5 +1,5 @@
 //! Signs of orientation determinants, exact for all finite points: by the adaptive predicates of the `robust` crate
-//! (Shewchuk 1997) where their products stay in range, in whole numbers elsewhere.
+//! (Shewchuk 1997) where products stay in range, and in exact arithmetic elsewhere.
 
 use std::cmp::Ordering;
 
@@ -7,9 +7,9 @@ use glam::{DVec2, DVec3};
 use robust::{Coord, Coord3D};
 
 use super::dyadic::Dyadic;
-use super::number::{Number, Vector, cross, cross_coordinate, difference, dot};
+use super::number::{Number, Vector, cross, cross_coordinate, difference, dot, power_of_two};
 
-/// On which side of the plane through `a`, `b`, `c` the point `d` lies; `Equal` on it, or when the plane is none.
+/// The side of the plane through `a`, `b`, `c` on which `d` lies; `Equal` in the plane, or where the three span none.
 #[inline]
 pub(crate) fn plane_side(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Ordering {
     if !in_range([a, b, c, d].iter().flat_map(DVec3::to_array)) {
@@ -18,30 +18,30 @@ pub(crate) fn plane_side(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Ordering {
     sign(plane_height(a, b, c, d))
 }
 
-/// A number about in proportion to the height of `d` over the plane; it has the sign of [`plane_side`] for points in range.
+/// A number roughly proportional to the height of `d` over the plane. For points in range its sign is [`plane_side`].
 #[inline]
 pub(crate) fn plane_height(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
     let point = |p: DVec3| Coord3D { x: p.x, y: p.y, z: p.z };
     robust::orient3d(point(a), point(b), point(c), point(d))
 }
 
-/// Where the segment from `p` to `q` crosses the plane, as a share of its length: to a few roundings, however flat the angle.
+/// Where the segment from `p` to `q` crosses the plane, as a fraction of its length: to a few roundings, at any angle.
 #[cold]
 pub(crate) fn plane_crossing([a, b, c]: [DVec3; 3], [p, q]: [DVec3; 2]) -> f64 {
-    share(plane_determinant(a, b, c, p), plane_determinant(a, b, c, q))
+    fraction(plane_determinant(a, b, c, p), plane_determinant(a, b, c, q))
 }
 
-/// Where the segment from `p` to `q` crosses the line through `a` and `b`, likewise.
+/// Where the segment from `p` to `q` crosses the line through `a` and `b`, as a fraction of its length: to a few roundings.
 #[cold]
 pub(crate) fn line_crossing([a, b]: [DVec2; 2], [p, q]: [DVec2; 2]) -> f64 {
-    share(line_determinant(a, b, p), line_determinant(a, b, q))
+    fraction(line_determinant(a, b, p), line_determinant(a, b, q))
 }
 
-fn share(first: Dyadic, second: Dyadic) -> f64 {
+fn fraction(first: Dyadic, second: Dyadic) -> f64 {
     first.over(&first.minus(&second))
 }
 
-/// On which side of the line through `a`, `b` the point `c` lies; `Equal` on it, or when the line is none.
+/// The side of the line through `a`, `b` on which `c` lies; `Equal` on the line, or where `a` is `b`.
 #[inline]
 pub(crate) fn line_side(a: DVec2, b: DVec2, c: DVec2) -> Ordering {
     if !in_range([a, b, c].iter().flat_map(DVec2::to_array)) {
@@ -50,23 +50,23 @@ pub(crate) fn line_side(a: DVec2, b: DVec2, c: DVec2) -> Ordering {
     sign(line_height(a, b, c))
 }
 
-/// A number about in proportion to the distance of `c` from the line; it has the sign of [`line_side`] for points in range.
+/// A number roughly proportional to the distance of `c` from the line. For points in range its sign is [`line_side`].
 #[inline]
 pub(crate) fn line_height(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     let point = |p: DVec2| Coord { x: p.x, y: p.y };
     robust::orient2d(point(a), point(b), point(c))
 }
 
-/// Whether products of three differences of these coordinates, and all parts of them, are `f64` that neither overflow nor
-/// underflow: each is 0 or between `2^-277` and `2^300` in size, and so a whole multiple of `2^-330`.
+/// Whether no product of three differences of these coordinates overflows or underflows, in any part: each coordinate is 0 or
+/// between `2^-277` and `2^300` in size, and so a whole multiple of `2^-330`.
 ///
-/// Bodies' corners in world space are whole multiples of `2^-298` below `2^256` whatever the mesh and its place, so that
-/// only tiny ones are sent the long way, and needlessly.
+/// Corners of bodies in world space are whole multiples of `2^-298` below `2^256`, whatever the mesh and its place. So only
+/// tiny ones take the slow path without need.
 #[inline]
 fn in_range(mut coordinates: impl Iterator<Item = f64>) -> bool {
-    const LEAST: f64 = f64::from_bits((1023 - 277) << 52);
-    const MOST: f64 = f64::from_bits((1023 + 300) << 52);
-    coordinates.all(|c| c == 0.0 || (LEAST..=MOST).contains(&c.abs()))
+    const MIN: f64 = power_of_two(-277);
+    const MAX: f64 = power_of_two(300);
+    coordinates.all(|c| c == 0.0 || (MIN..=MAX).contains(&c.abs()))
 }
 
 #[cold]
@@ -81,37 +81,27 @@ fn line_determinant(a: DVec2, b: DVec2, c: DVec2) -> Dyadic {
     cross_coordinate(&a, &b, 2)
 }
 
-/// Determinants of finite points are numbers; -0 is zero.
+/// Determinants of finite points in range are not NaN.
 fn sign(determinant: f64) -> Ordering {
     determinant.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
 }
 
-/// A coordinate plane to which points are projected by leaving out one coordinate, which is exact.
+/// A projection along a coordinate axis, which is exact: it drops that coordinate.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Projection {
-    AlongX,
-    AlongY,
-    AlongZ,
+pub(crate) struct Projection {
+    axis: usize,
 }
 
 impl Projection {
-    const ALL: [Self; 3] = [Self::AlongX, Self::AlongY, Self::AlongZ];
-
-    pub(crate) fn apply(self, p: DVec3) -> DVec2 {
-        match self {
-            Self::AlongX => DVec2::new(p.y, p.z),
-            Self::AlongY => DVec2::new(p.z, p.x),
-            Self::AlongZ => DVec2::new(p.x, p.y),
-        }
-    }
-
-    /// A projection in which the three points are not on one line; `None` when they are on one line in space.
-    ///
-    /// Projection is one to one on the points' plane then.
-    pub(crate) fn keeping_apart(a: DVec3, b: DVec3, c: DVec3) -> Option<Self> {
-        Self::ALL.into_iter().find(|projection| {
-            let [a, b, c] = [a, b, c].map(|p| projection.apply(p));
+    /// A projection that is one to one on the plane through three points; `None` if they are on one line.
+    pub(crate) fn of_plane(points: [DVec3; 3]) -> Option<Self> {
+        (0..3).map(|axis| Self { axis }).find(|projection| {
+            let [a, b, c] = points.map(|p| projection.apply(p));
             line_side(a, b, c) != Ordering::Equal
         })
+    }
+
+    pub(crate) fn apply(self, p: DVec3) -> DVec2 {
+        DVec2::new(p[(self.axis + 1) % 3], p[(self.axis + 2) % 3])
     }
 }

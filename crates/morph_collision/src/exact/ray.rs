@@ -1,37 +1,36 @@
-//! A ray against a closed triangle, exact in whether they meet.
-
 use std::cmp::Ordering::{self, Equal, Greater, Less};
 
 use glam::DVec3;
 
-use super::Triangle;
 use super::dyadic::Dyadic;
-use super::edge_on::edge_on;
-use super::number::{Approx, Number, cross, difference, dot, vector};
+use super::number::{Approx, Number, Vector, cross, cross_coordinate, difference, dot, vector};
+use super::predicates::Projection;
+use super::segment::{Segment, edges, flat_triangle_contains};
+use super::triangle::Triangle;
 
 /// The points `origin + t direction` for real `t` from 0 to `max_t`, which may be infinite.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Line {
     pub(crate) origin: DVec3,
-    /// Not zero; its largest coordinate of a size around 1.
+    /// Not zero; its largest coordinate has a size around 1.
     pub(crate) direction: DVec3,
     pub(crate) max_t: f64,
 }
 
-/// Where a ray meets a triangle first.
+/// Where a ray first meets a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing {
-    /// To a relative error of a few [`VALUE_ERROR`](super::number::VALUE_ERROR).
+    /// To a relative error of a few [`VALUE_ERROR`](super::number::VALUE_ERROR)s.
     pub(crate) t: f64,
-    /// The sign of the direction along the triangle's normal: `Less` on its front; `Equal` where it is seen edge-on.
+    /// The sign of the direction along the triangle's normal: `Less` on the front, `Equal` where the triangle is edge-on.
     pub(crate) along_normal: Ordering,
 }
 
-/// Whether, where and from which side a ray meets a closed triangle: exactly, but for the roundings of `t`.
+/// Whether, where and from which side a ray meets a closed triangle: exactly, up to the roundings of `t`.
 ///
-/// The line sees the triangle's edges turn one way iff it passes through it: three determinants of the direction and two
-/// corners, seen from the origin. Triangles that share an edge share its determinant up to the sign, so nothing slips
-/// through between them. All three are zero where the ray lies in the triangle's plane or the triangle is none.
+/// The line passes through the triangle iff all edges turn the same way around it. Each turn is a determinant of the direction
+/// and two corners, seen from the origin. Triangles with a common edge share its determinant up to the sign, so no ray slips
+/// between them. All three are zero where the ray is in the triangle's plane or the triangle is degenerate.
 pub(crate) fn ray_meets_triangle(line: &Line, triangle: &Triangle) -> Option<Crossing> {
     match crossing::<Approx>(line, triangle) {
         Some(decided) => decided,
@@ -39,23 +38,24 @@ pub(crate) fn ray_meets_triangle(line: &Line, triangle: &Triangle) -> Option<Cro
     }
 }
 
-/// `None` where the numbers do not suffice to decide.
+/// The outer `None` says that the numbers are not exact enough to decide.
 #[inline]
 fn crossing<N: Number>(line: &Line, triangle: &Triangle) -> Option<Option<Crossing>> {
     let [a, b, c] = *triangle;
     let direction: [N; 3] = vector(line.direction);
     let [u, v, w] = triangle.map(|corner| difference::<N>(corner, line.origin));
-    let sides = [(&u, &v), (&v, &w), (&w, &u)].map(|(p, q)| dot(&direction, &cross(p, q)).sign());
-    if sides.contains(&Some(Less)) && sides.contains(&Some(Greater)) {
+    let turns = [(&u, &v), (&v, &w), (&w, &u)].map(|(p, q)| dot(&direction, &cross(p, q)).sign());
+    if turns.contains(&Some(Less)) && turns.contains(&Some(Greater)) {
         return Some(None);
     }
-    let sides = [sides[0]?, sides[1]?, sides[2]?];
-    let Some(&turn) = sides.iter().find(|side| **side != Equal) else {
-        return Some(edge_on(line, triangle));
+    let turns = [turns[0]?, turns[1]?, turns[2]?];
+    let Some(&turn) = turns.iter().find(|turn| **turn != Equal) else {
+        let t = edge_on_parameter(line, triangle);
+        return Some(t.map(|t| Crossing { t, along_normal: Equal }));
     };
     let normal = cross(&difference::<N>(b, a), &difference::<N>(c, a));
+    // The determinants of the turns sum to the speed, so `turn` is the sign of the speed.
     let (height, speed) = (dot(&normal, &u), dot(&normal, &direction));
-    // The sides sum to the speed, so that their sign is its.
     let ahead = height.sign()?;
     if ahead != Equal && ahead != turn {
         return Some(None);
@@ -70,4 +70,66 @@ fn crossing<N: Number>(line: &Line, triangle: &Triangle) -> Option<Option<Crossi
         t: if ahead == Equal { 0.0 } else { height.ratio(&speed)? },
         along_normal: turn,
     }))
+}
+
+/// The first `t` at which a ray meets a triangle whose plane it is in, or which is a segment or a point; exact decisions.
+///
+/// The ray starts inside the triangle, or enters through an edge.
+#[cold]
+fn edge_on_parameter(line: &Line, triangle: &Triangle) -> Option<f64> {
+    // The edges alone decide for a degenerate triangle.
+    let starts_inside = Projection::of_plane(*triangle).is_some_and(|projection| {
+        let flat = |point| projection.apply(point);
+        flat_triangle_contains(&triangle.map(flat), flat(line.origin))
+    });
+    if starts_inside {
+        return Some(0.0);
+    }
+    let edges = edges(triangle).into_iter();
+    edges
+        .filter_map(|edge| segment_parameter(line, edge))
+        .min_by(f64::total_cmp)
+}
+
+/// The first `t` at which a ray meets a closed segment in a common plane.
+fn segment_parameter(line: &Line, [p, q]: Segment) -> Option<f64> {
+    let direction: Vector<Dyadic> = vector(line.direction);
+    let (to_p, to_q, edge) = (difference(p, line.origin), difference(q, line.origin), difference(q, p));
+    for axis in 0..3 {
+        let speed = cross_coordinate(&direction, &edge, axis);
+        if speed.order() == Equal {
+            continue;
+        }
+        // Not parallel in this projection, and so not in space: they meet if the ends are on different sides of the line.
+        let sides = [&to_p, &to_q].map(|to| cross_coordinate(&direction, to, axis).order());
+        if sides[0] == sides[1] {
+            return None;
+        }
+        return parameter(&cross_coordinate(&to_p, &edge, axis), &speed, line.max_t);
+    }
+    if cross(&direction, &to_p)
+        .iter()
+        .any(|coordinate| coordinate.order() != Equal)
+    {
+        return None;
+    }
+    let axis = line.direction.abs().max_position();
+    let speed = &direction[axis];
+    let ends = [&to_p[axis], &to_q[axis]];
+    if is_negative(ends[0], speed) != is_negative(ends[1], speed) {
+        return Some(0.0);
+    }
+    let parameters = ends.into_iter().filter_map(|end| parameter(end, speed, line.max_t));
+    parameters.min_by(f64::total_cmp)
+}
+
+/// `distance / speed` if that is in 0..=`max_t`.
+fn parameter(distance: &Dyadic, speed: &Dyadic, max_t: f64) -> Option<f64> {
+    let is_beyond = || max_t.is_finite() && is_negative(&speed.times(&Dyadic::new(max_t)).minus(distance), speed);
+    (!is_negative(distance, speed) && !is_beyond()).then(|| distance.over(speed))
+}
+
+/// Whether a quotient is negative.
+fn is_negative(dividend: &Dyadic, divisor: &Dyadic) -> bool {
+    matches!((dividend.order(), divisor.order()), (Less, Greater) | (Greater, Less))
 }

@@ -1,12 +1,10 @@
-//! A closed triangle against an intersection of half-spaces, exact.
-
-use std::cmp::Ordering::{Equal, Greater, Less};
+use std::cmp::Ordering::{Equal, Less};
 
 use glam::DVec3;
 
-use super::Triangle;
 use super::dyadic::Dyadic;
-use super::number::{Approx, Number, Vector, cross, dot, vector};
+use super::number::{Approx, Number, UNIT_ROUNDOFF, Vector, cross, dot, vector};
+use super::triangle::Triangle;
 
 /// The points `x` with `normal . x + offset >= 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,28 +13,28 @@ pub(crate) struct Plane {
     pub(crate) offset: f64,
 }
 
-/// Whether a closed triangle shares a point with the intersection of some half-spaces: exactly.
+/// Whether a closed triangle shares a point with the intersection of half-spaces: exactly.
 ///
 /// In barycentric coordinates the shared points are a bounded polygon, cut out by one line per half-space and one per
-/// edge. It has a point iff it has a corner: one where two of the lines cross on the right side of all others. That needs
-/// no special case for degenerate triangles or an empty region.
+/// edge. It has a point iff it has a corner: a crossing of two lines that is on the right side of all others. Degenerate
+/// triangles and empty regions need no special case.
 pub(crate) fn triangle_meets_region(triangle: &Triangle, sides: &[Plane]) -> bool {
-    plainly(triangle, sides)
+    filter(triangle, sides)
         .or_else(|| meets::<Approx>(triangle, sides))
         .or_else(|| meets::<Dyadic>(triangle, sides))
         .unwrap_or(false)
 }
 
-/// Most triangles have a corner in the region, or are beyond one side; rounding is far below what is left open here.
-fn plainly(triangle: &Triangle, sides: &[Plane]) -> Option<bool> {
-    // Three products, three sums: at most 5 units in the last place of the sum of magnitudes, and what underflows.
-    const ROUNDED: f64 = 8.0 * f64::EPSILON;
+/// Decides most triangles: those with a corner certainly inside, and those certainly beyond one half-space.
+fn filter(triangle: &Triangle, sides: &[Plane]) -> Option<bool> {
+    // Three products and three sums round by at most 6 half units in the last place of the sum of magnitudes.
+    const RELATIVE: f64 = 16.0 * UNIT_ROUNDOFF;
     let mut inside = [true; 3];
     for Plane { normal, offset } in sides {
         let mut outside = true;
         for (inside, corner) in inside.iter_mut().zip(triangle) {
             let depth = normal.dot(*corner) + offset;
-            let error = ROUNDED * (normal.abs().dot(corner.abs()) + offset.abs()) + f64::MIN_POSITIVE;
+            let error = RELATIVE * (normal.abs().dot(corner.abs()) + offset.abs()) + f64::MIN_POSITIVE;
             *inside &= depth > error;
             outside &= depth < -error;
         }
@@ -47,7 +45,7 @@ fn plainly(triangle: &Triangle, sides: &[Plane]) -> Option<bool> {
     inside.contains(&true).then_some(true)
 }
 
-/// `None` where the numbers do not suffice to decide.
+/// `None` where the numbers are not exact enough to decide.
 fn meets<N: Number>(triangle: &Triangle, sides: &[Plane]) -> Option<bool> {
     let corners = triangle.map(vector::<N>);
     let mut inside = [true; 3];
@@ -73,7 +71,7 @@ fn meets<N: Number>(triangle: &Triangle, sides: &[Plane]) -> Option<bool> {
     cuts.extend(edges);
     for (i, first) in cuts.iter().enumerate() {
         for (j, second) in cuts[..i].iter().enumerate() {
-            // The two cuts themselves are kept exactly; asking again would only ask for the sign of zero.
+            // The point is on the two cuts that define it; testing them would ask for the sign of zero.
             let others = cuts.iter().enumerate().filter(|(k, _)| *k != i && *k != j);
             if is_common_point(&cross(first, second), others.map(|(_, cut)| cut))? {
                 return Some(true);
@@ -85,12 +83,11 @@ fn meets<N: Number>(triangle: &Triangle, sides: &[Plane]) -> Option<bool> {
 
 /// Whether homogeneous barycentric coordinates are those of a point on the right side of every cut.
 fn is_common_point<'a, N: Number + 'a>(point: &Vector<N>, cuts: impl Iterator<Item = &'a Vector<N>>) -> Option<bool> {
-    let wrong = match point[0].plus(&point[1]).plus(&point[2]).sign()? {
-        Greater => Less,
-        Less => Greater,
+    let wrong = point[0].plus(&point[1]).plus(&point[2]).sign()?.reverse();
+    if wrong == Equal {
         // The lines are parallel.
-        Equal => return Some(false),
-    };
+        return Some(false);
+    }
     let mut decided = Some(true);
     for cut in cuts {
         match dot(cut, point).sign() {

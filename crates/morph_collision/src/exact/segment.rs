@@ -6,72 +6,76 @@ use glam::{DVec2, DVec3};
 
 use super::predicates::{Projection, line_side, plane_side};
 
-/// A closed segment; a point when both ends agree.
+/// A closed segment; a point if both ends are equal.
 pub(crate) type Segment = [DVec3; 2];
 
-/// Whether two coplanar-or-not segments share a point.
+/// The edges of a triangle, in order.
+#[inline]
+pub(crate) fn edges<T: Copy>(&[a, b, c]: &[T; 3]) -> [[T; 2]; 3] {
+    [[a, b], [b, c], [c, a]]
+}
+
+/// Whether two segments in space share a point.
 pub(crate) fn segments_intersect([p, q]: Segment, [u, v]: Segment) -> bool {
     if plane_side(p, q, u, v) != Equal {
         return false;
     }
-    let triples = [(p, q, u), (p, q, v), (u, v, p), (u, v, q)];
-    match triples
-        .into_iter()
-        .find_map(|(a, b, c)| Projection::keeping_apart(a, b, c))
-    {
+    let triples = [[p, q, u], [p, q, v], [u, v, p], [u, v, q]];
+    match triples.into_iter().find_map(Projection::of_plane) {
         Some(projection) => {
             let [p, q, u, v] = [p, q, u, v].map(|point| projection.apply(point));
             flat_segments_intersect([p, q], [u, v])
         }
-        // All four on one line, or both segments are points: order along the line is lexicographic order.
+        // All four are on one line, or both segments are points. Along a line, points are in lexicographic order.
         None => {
             let ([p, q], [u, v]) = (sorted([p, q]), sorted([u, v]));
-            lexicographic(p, v).is_le() && lexicographic(u, q).is_le()
+            lexicographic(&p, &v).is_le() && lexicographic(&u, &q).is_le()
         }
     }
 }
 
-/// Whether a segment and a triangle that is not degenerate share a point, both in the projection's plane.
-pub(crate) fn flat_segment_meets_triangle(segment: [DVec2; 2], [a, b, c]: [DVec2; 3]) -> bool {
-    let p = segment[0];
-    let sides = [line_side(a, b, p), line_side(b, c, p), line_side(c, a, p)];
-    all_on_one_side(sides)
-        || flat_segments_intersect(segment, [a, b])
-        || flat_segments_intersect(segment, [b, c])
-        || flat_segments_intersect(segment, [c, a])
+/// Whether a segment and a triangle that is not degenerate share a point, both projected from one plane.
+pub(crate) fn flat_segment_meets_triangle(segment: [DVec2; 2], triangle: [DVec2; 3]) -> bool {
+    flat_triangle_contains(&triangle, segment[0])
+        || edges(&triangle)
+            .into_iter()
+            .any(|edge| flat_segments_intersect(segment, edge))
 }
 
-/// No two signs contradict each other; zero agrees with both.
-pub(crate) fn all_on_one_side(sides: [Ordering; 3]) -> bool {
+/// Whether a point lies in a triangle that is not degenerate, both projected from one plane.
+pub(crate) fn flat_triangle_contains(triangle: &[DVec2; 3], p: DVec2) -> bool {
+    all_on_one_side(edges(triangle).map(|[a, b]| line_side(a, b, p)))
+}
+
+/// Whether a line through a triangle's plane, but not in it, meets the triangle: its edges see the line on one side then.
+pub(crate) fn line_pierces([p, q]: Segment, triangle: &[DVec3; 3]) -> bool {
+    all_on_one_side(edges(triangle).map(|[a, b]| plane_side(p, q, a, b)))
+}
+
+/// Whether no two signs are opposite; zero agrees with both.
+fn all_on_one_side(sides: [Ordering; 3]) -> bool {
     sides.iter().all(|side| side.is_ge()) || sides.iter().all(|side| side.is_le())
 }
 
 /// Whether two segments cross in a point that is an end of neither.
 pub(crate) fn flat_segments_cross([p, q]: [DVec2; 2], [u, v]: [DVec2; 2]) -> bool {
-    let apart = |s: Ordering, t: Ordering| s != Equal && t != Equal && s != t;
-    apart(line_side(u, v, p), line_side(u, v, q)) && apart(line_side(p, q, u), line_side(p, q, v))
+    let opposite = |s: Ordering, t: Ordering| s != Equal && s == t.reverse();
+    opposite(line_side(u, v, p), line_side(u, v, q)) && opposite(line_side(p, q, u), line_side(p, q, v))
 }
 
-fn flat_segments_intersect([p, q]: [DVec2; 2], [u, v]: [DVec2; 2]) -> bool {
-    let (up, uq) = (line_side(u, v, p), line_side(u, v, q));
-    let (pu, pv) = (line_side(p, q, u), line_side(p, q, v));
-    let apart = |s: Ordering, t: Ordering| s != Equal && t != Equal && s != t;
-    (apart(up, uq) && apart(pu, pv))
-        || (up == Equal && in_box(p, u, v))
-        || (uq == Equal && in_box(q, u, v))
-        || (pu == Equal && in_box(u, p, q))
-        || (pv == Equal && in_box(v, p, q))
+fn flat_segments_intersect(s @ [p, q]: [DVec2; 2], t @ [u, v]: [DVec2; 2]) -> bool {
+    let contains = |[a, b]: [DVec2; 2], point| {
+        line_side(a, b, point) == Equal && a.min(b).cmple(point).all() && point.cmple(a.max(b)).all()
+    };
+    flat_segments_cross(s, t) || contains(t, p) || contains(t, q) || contains(s, u) || contains(s, v)
 }
 
-/// For a point on the line through `a` and `b`: whether it lies between them.
-fn in_box(point: DVec2, a: DVec2, b: DVec2) -> bool {
-    a.min(b).cmple(point).all() && point.cmple(a.max(b)).all()
-}
-
-pub(crate) fn lexicographic(a: DVec3, b: DVec3) -> Ordering {
+pub(crate) fn lexicographic(a: &DVec3, b: &DVec3) -> Ordering {
     a.to_array().partial_cmp(&b.to_array()).unwrap_or(Equal)
 }
 
-pub(crate) fn sorted([p, q]: Segment) -> Segment {
-    if lexicographic(p, q).is_le() { [p, q] } else { [q, p] }
+/// Points in lexicographic order.
+pub(crate) fn sorted<const N: usize>(mut points: [DVec3; N]) -> [DVec3; N] {
+    points.sort_by(lexicographic);
+    points
 }

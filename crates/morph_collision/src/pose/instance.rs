@@ -6,7 +6,7 @@ use glam::Vec3;
 use super::cache::EpochCache;
 use super::posed::{Blended, Posed, Scratch};
 use super::weights::{self, WeightsError};
-use crate::bounds::{Aabb, BoxLanes, Kernel, WorldFromModel, world_bounds};
+use crate::bounds::{Aabb, BoxLanes, WorldFromModel, world_bounds};
 use crate::tree::MorphBvh;
 
 /// One instance of a morphing mesh: its weights, and a cache of the boxes and vertices blended for them.
@@ -157,7 +157,7 @@ impl Pose {
             vertices: &mut self.vertices,
             blended: &mut self.blended,
             scratch: &mut self.scratch,
-            level: Kernel::level(),
+            level: self.bvh.kernel().level(),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::InputError;
 use crate::bounds::Aabb;
-use crate::exact::{Line, Plane};
+use crate::exact::{Line, Plane, power_of_two_below};
 use crate::input_error::{check_direction, check_length, check_number, check_point};
 use glam::DVec3;
 
@@ -94,33 +94,9 @@ impl ConvexRegion {
     }
 }
 
-/// The largest power of two that is not above a positive number: dividing by it loses nothing.
-fn power_of_two_below(value: f64) -> f64 {
-    const EXPONENT: u64 = 0x7ff << 52;
-    const SHIFT: f64 = (1_u64 << 60) as f64;
-    if value < f64::MIN_POSITIVE {
-        f64::from_bits((value * SHIFT).to_bits() & EXPONENT) / SHIFT
-    } else {
-        f64::from_bits(value.to_bits() & EXPONENT)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn powers_of_two_are_found_for_numbers_of_every_size() {
-        for (value, power) in [
-            (1.0, 1.0),
-            (3.9, 2.0),
-            (0.3, 0.25),
-            (5e-324, 5e-324),
-            (f64::MAX, 2_f64.powi(1023)),
-        ] {
-            assert_eq!(power_of_two_below(value), power);
-        }
-    }
 
     #[test]
     fn bad_input_is_turned_away_and_named() {

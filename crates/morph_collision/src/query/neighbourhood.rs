@@ -5,6 +5,7 @@ use fearless_simd::prelude::*;
 use glam::DVec3;
 
 use crate::bounds::{Lanes, WorldFromModel};
+use crate::exact::{power_of_two, power_of_two_below};
 
 /// A frame near both bodies, in units of their size, where `f32` loses little of `f64`'s precision.
 #[derive(Clone, Copy, Debug)]
@@ -17,13 +18,12 @@ pub(super) struct Neighbourhood {
 impl Neighbourhood {
     /// A frame for bodies near `origin`, of roughly this size.
     pub(super) fn new(origin: DVec3, size: f64) -> Self {
-        const MANTISSA: u32 = f64::MANTISSA_DIGITS - 1;
-        // The inverse of the power of two below, far enough from the ends of the range.
-        let exponent = (size.to_bits() >> MANTISSA) as i64 - 1023;
-        let exponent = if size.is_normal() { exponent.clamp(-900, 900) } else { 0 };
+        let size = if size.is_normal() { size } else { 1.0 };
+        // Within what leaves room on both sides.
+        let unit = power_of_two_below(size).clamp(power_of_two(-900), power_of_two(900));
         Self {
             origin,
-            scale: f64::from_bits(((1023 - exponent) as u64) << MANTISSA),
+            scale: unit.recip(),
         }
     }
 }

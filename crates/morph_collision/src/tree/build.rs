@@ -6,7 +6,7 @@ use super::extents::NodeExtents;
 use super::partition::Partition;
 use super::topology::{Child, Group};
 use super::{BuildOptions, LeafLanes, MorphBvh, Tables, Topology};
-use crate::bounds::LANES;
+use crate::bounds::{Kernel, LANES};
 use crate::model::MorphModel;
 
 /// The most levels of a tree, so that recursion never overflows the stack. Not measured; trees of real meshes have about ten.
@@ -85,6 +85,7 @@ pub(super) fn build_over(
         topology: Arc::new(topology),
         tables: Arc::new(tables),
         options: *options,
+        kernel: Kernel::default(),
     }
 }
 

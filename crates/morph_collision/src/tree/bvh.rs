@@ -2,6 +2,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::{BuildOptions, Child, ChildKind, LeafLanes, Tables, Topology};
+use crate::bounds::Kernel;
 use crate::model::MorphModel;
 
 /// A bounding-volume tree over a [`MorphModel`], valid at all weights: immutable, shared by all instances of the mesh.
@@ -18,9 +19,25 @@ pub struct MorphBvh {
     pub(crate) tables: Arc<Tables>,
     pub(crate) leaf_lanes: Option<Arc<LeafLanes>>,
     pub(super) options: BuildOptions,
+    pub(super) kernel: Kernel,
 }
 
 impl MorphBvh {
+    /// Makes queries use this instruction set instead of the machine's best one: for tests and measurements.
+    ///
+    /// The bits of the answers do not change. Where the trees of two bodies differ, pairs are compared with the first body's.
+    #[must_use]
+    pub fn with_kernel(mut self, kernel: Kernel) -> Self {
+        self.kernel = kernel;
+        self
+    }
+
+    /// The instruction set that queries use.
+    #[must_use]
+    pub fn kernel(&self) -> Kernel {
+        self.kernel
+    }
+
     /// The mesh.
     #[must_use]
     pub fn model(&self) -> &Arc<MorphModel> {

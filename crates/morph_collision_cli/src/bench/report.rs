@@ -88,7 +88,7 @@ impl BenchReport {
         };
         Self {
             cpu: bench::cpu(),
-            kernel: Kernel::in_use().name(),
+            kernel: Kernel::default().name(),
             rounds,
             scenes: measured.iter().map(scene).collect(),
         }

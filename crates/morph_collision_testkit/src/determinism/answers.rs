@@ -56,14 +56,13 @@ struct Item {
 
 /// All answers of a scene.
 pub(super) fn of(scene: &Scene, run: Run) -> Answers {
-    run.kernel.choose();
     let options = BuildOptions::default().with_leaf_size(run.leaf_size).expect("1 to 255");
     let trees: Vec<Arc<MorphBvh>> = scene
         .meshes
         .iter()
         .map(|mesh| {
             let model = mesh.to_model().expect("the model is valid");
-            Arc::new(MorphBvh::build(Arc::new(model), &options))
+            Arc::new(MorphBvh::build(Arc::new(model), &options).with_kernel(run.kernel))
         })
         .collect();
     let items = items(scene);

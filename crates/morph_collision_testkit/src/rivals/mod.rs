@@ -66,7 +66,7 @@ use std::fmt::Debug;
 use std::ops::ControlFlow;
 
 use glam::Affine3A;
-use morph_collision::{Aabb, InputError, ModelError, QueryStats, TransformError, TrianglePair, WeightsError};
+use morph_collision::{Aabb, InputError, ModelError, QueryStats, TrianglePair, WeightsError};
 use thiserror::Error;
 
 pub use broad::BroadPhase;
@@ -199,5 +199,5 @@ pub enum PoseError {
     Weights(#[from] WeightsError),
     /// The place.
     #[error(transparent)]
-    Transform(#[from] TransformError),
+    Place(#[from] InputError),
 }

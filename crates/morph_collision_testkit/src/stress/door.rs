@@ -61,7 +61,8 @@ pub fn knock(door: u64, rng: &mut Pcg64Mcg, case: &Case, trees: &mut Trees) -> R
             let (column, mut entries) = (rng.random_range(0..4_usize), Affine3A::IDENTITY.to_cols_array());
             entries[column * 3 + axis] = bad;
             let place = Affine3A::from_cols_array(&entries);
-            let names = format!("column {column}, row {axis}");
+            let vector = ["x axis", "y axis", "z axis", "translation"][column];
+            let names = format!("{vector} of world_from_model: coordinate {axis}");
             if door % DOORS == 9 {
                 return refused(WorldFromModel::new(place), &[&names]);
             }

@@ -1,4 +1,4 @@
-//! The largest share of its bound that the error of a determinant reaches, in exact arithmetic.
+//! How close the error of a determinant comes to its bound; in exact arithmetic.
 
 use glam::DVec3;
 use morph_collision_testkit::oracle::Dyadic;
@@ -7,7 +7,7 @@ use rand::RngExt;
 
 use super::{RELATIVE, determinant, largest};
 
-/// Four points, each coordinate made of two `f32` so that it fills an `f64`.
+/// Four points. Each coordinate is the sum of two `f32`, so that it fills an `f64`.
 fn points(numbers: &[f32]) -> [DVec3; 4] {
     let coordinate = |i: usize| f64::from(numbers[2 * i]) + f64::from(numbers[2 * i + 1]) * 2_f64.powi(-27);
     std::array::from_fn(|p| DVec3::from_array(std::array::from_fn(|axis| coordinate(3 * p + axis))))
@@ -23,7 +23,7 @@ fn exact_determinant([o, p, q, r]: [DVec3; 4]) -> Dyadic {
     (0..3).map(|i| cross(i) * w[i].clone()).sum()
 }
 
-/// Error over bound; `None` outside of ordinary sizes, where the filter decides nothing.
+/// Error over bound; `None` outside of ordinary sizes, where the filter is always undecided.
 fn share(numbers: &[f32]) -> Option<f64> {
     let [o, p, q, r] = points(numbers);
     let (u, v, w) = (p - o, q - o, r - o);
@@ -49,7 +49,7 @@ fn a_determinant_is_off_by_a_known_share_of_its_bound_and_never_by_more() {
     };
     let (share, _) = climb.highest(
         |i, rng| {
-            // Coordinates alike in size, so that every term of the determinant counts.
+            // Coordinates of similar size, so that every term of the determinant counts.
             let spread = [1.0, 0.5, 0.1][i % 3];
             let mut coordinate = || {
                 let sign = if rng.random_bool(0.5) { 1.0 } else { -1.0 };

@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use super::ClosestPair;
-use crate::exact::{Between, Triangle, closest_between};
+use crate::exact::{ClosestPoints, Triangle, closest_of_triangles};
 use crate::query::pairs::TrianglePair;
 
 /// Computed distances have rounding errors. Pairs that may be closer by up to this factor are measured, so that the answer does not depend on
@@ -51,7 +51,7 @@ impl Best {
         corners_a: &Triangle,
         corners_b: &Triangle,
     ) -> ControlFlow<(), f64> {
-        let Between { on_a, on_b, squared } = closest_between(corners_a, corners_b);
+        let ClosestPoints { on_a, on_b, squared } = closest_of_triangles(corners_a, corners_b);
         let found = ClosestPair {
             triangle_a: pair.triangle_a,
             triangle_b: pair.triangle_b,

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 
 use super::solid::Closest;
 use crate::exact::{
-    Nearest, Segment, Triangle, closest_of_segments, closest_on_triangle, edges, plane_side, triangles_intersect,
+    ClosestPoints, Segment, Triangle, closest_of_segments, closest_on_triangle, edges, plane_side, triangles_intersect,
 };
 
 /// A box in world space, given by its frame. Exact answers refer to its eight corners as rounded by [`Cuboid::corners`].
@@ -164,22 +164,21 @@ impl Cuboid {
 
     /// The closest points of the box and a triangle outside, in local coordinates. They lie on a corner of one, or on an edge of each.
     fn closest_outside(&self, triangle: &Triangle) -> (DVec3, DVec3) {
-        let mut nearest = Nearest::default();
+        let mut nearest = ClosestPoints::NONE;
         for &corner in triangle {
-            nearest.offer(corner.clamp(-self.half, self.half), corner);
+            nearest.keep(ClosestPoints::new(corner.clamp(-self.half, self.half), corner));
         }
         for i in 0..8 {
             let corner = self.local_corner(i);
-            nearest.offer(corner, closest_on_triangle(corner, triangle).point);
+            nearest.keep(ClosestPoints::new(corner, closest_on_triangle(corner, triangle).point));
             for bit in [1, 2, 4].into_iter().filter(|bit| i & bit == 0) {
                 let of_box: Segment = [corner, self.local_corner(i | bit)];
                 for of_triangle in edges(triangle) {
-                    let (p, q) = closest_of_segments(of_box, of_triangle);
-                    nearest.offer(p, q);
+                    nearest.keep(closest_of_segments(of_box, of_triangle));
                 }
             }
         }
-        nearest.points()
+        (nearest.on_a, nearest.on_b)
     }
 
     /// The deepest point of a triangle, in local coordinates, and its signed distance.

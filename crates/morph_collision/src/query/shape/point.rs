@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::ShapeQuery;
 use crate::bounds::{Box64, GapFrame, WorldFromModel};
-use crate::exact::{OnTriangle, closest_on_triangle};
+use crate::exact::{TrianglePoint, closest_on_triangle};
 use crate::input_error::{InputError, check_length, check_point};
 use crate::query::Body;
 
@@ -68,7 +68,7 @@ impl ShapeQuery {
                 .map(|(frame, target)| frame.squared(&frame.image_of_a(bounds), target));
             Some(distances.fold(0.0, f64::max))
         };
-        let mut closest: Option<(u32, OnTriangle)> = None;
+        let mut closest: Option<(u32, TrianglePoint)> = None;
         let mut limit = max_distance * max_distance * MARGIN;
         self.one.walk(body, limit, squared_distance, |number, triangle| {
             let foot = closest_on_triangle(point, triangle);

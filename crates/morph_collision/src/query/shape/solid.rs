@@ -3,7 +3,7 @@ use glam::DVec3;
 use super::cuboid::Cuboid;
 use super::placed::PlacedShape;
 use crate::exact::{
-    OnTriangle, Segment, Triangle, closest_of_segment_and_triangle, closest_on_segment, closest_on_triangle,
+    Segment, Triangle, TrianglePoint, closest_of_segment_and_triangle, closest_on_segment, closest_on_triangle,
     common_segment, triangles_intersect, unit_normal,
 };
 
@@ -59,7 +59,7 @@ impl PlacedShape {
     pub(super) fn closest(&self, triangle: &Triangle) -> Closest {
         match &self.solid {
             Solid::Ball { center, radius } => {
-                let OnTriangle { point, squared, .. } = closest_on_triangle(*center, triangle);
+                let TrianglePoint { point, squared, .. } = closest_on_triangle(*center, triangle);
                 Closest {
                     point,
                     normal: (point - center).try_normalize().unwrap_or(unit_normal(triangle)),
@@ -105,7 +105,8 @@ fn closest_to_segment(segment: Segment, triangle: &Triangle) -> Closest {
             distance: 0.0,
         };
     }
-    let (on_segment, point) = closest_of_segment_and_triangle(segment, triangle);
+    let closest = closest_of_segment_and_triangle(segment, triangle);
+    let (on_segment, point) = (closest.on_a, closest.on_b);
     let distance = point.distance(on_segment);
     Closest {
         point,

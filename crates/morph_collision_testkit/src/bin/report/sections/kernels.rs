@@ -21,12 +21,14 @@ pub(crate) fn kernels(context: &Context, _: &str) -> Result<String, Box<dyn Erro
     for experiment in Experiment::paper(context.every) {
         for wanted in [Wanted::All, Wanted::First] {
             eprintln!("kernels: {}", experiment.title);
-            let mut run = Run::new(&experiment)?;
+            let mut runs = kernels
+                .iter()
+                .map(|&kernel| Run::with_kernel(&experiment, kernel))
+                .collect::<Result<Vec<_>, _>>()?;
             let mut times = vec![Vec::new(); kernels.len()];
             // Round 0 fills caches.
             for round in 0..=context.rounds {
-                for (kernel, times) in kernels.iter().zip(&mut times) {
-                    kernel.choose();
+                for (run, times) in runs.iter_mut().zip(&mut times) {
                     let start = Stopwatch::start();
                     run.pass(&experiment, wanted, 1);
                     if round > 0 {
@@ -42,9 +44,6 @@ pub(crate) fn kernels(context: &Context, _: &str) -> Result<String, Box<dyn Erro
             }
             writeln!(text)?;
         }
-    }
-    if let Some(best) = kernels.first() {
-        best.choose();
     }
     Ok(text)
 }

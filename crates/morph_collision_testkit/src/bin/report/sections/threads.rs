@@ -7,7 +7,7 @@ use std::thread;
 use std::time::Instant;
 
 use morph_collision::{
-    BatchQuery, Body, BuildOptions, MorphBvh, PairTask, Pose, ThreadWorkers, WorldFromModel, overlapping_pairs,
+    BatchQuery, Body, BuildOptions, Kernel, MorphBvh, PairTask, Pose, ThreadWorkers, WorldFromModel, overlapping_pairs,
 };
 use morph_collision_testkit::bench::{Experiment, Frame, median};
 use morph_collision_testkit::rivals::Wanted;
@@ -112,8 +112,12 @@ pub(super) struct Run {
 
 impl Run {
     pub(super) fn new(experiment: &Experiment) -> Result<Self, Box<dyn Error>> {
+        Self::with_kernel(experiment, Kernel::default())
+    }
+
+    pub(super) fn with_kernel(experiment: &Experiment, kernel: Kernel) -> Result<Self, Box<dyn Error>> {
         let model = Arc::new(experiment.mesh.to_model()?);
-        let bvh = Arc::new(MorphBvh::build(model, &BuildOptions::default()));
+        let bvh = Arc::new(MorphBvh::build(model, &BuildOptions::default()).with_kernel(kernel));
         Ok(Self {
             poses: (0..experiment.bodies).map(|_| Pose::new(bvh.clone())).collect(),
             query: BatchQuery::new(),

@@ -134,11 +134,11 @@ impl ParticipantItem<'_, '_> {
         let (form, bounds) = match (before, &self.shape, &mut state.pose) {
             (Some(Placement { form, bounds, .. }), ..) if kept => (form, bounds),
             (_, Some(shape), _) => {
-                let (shape, bounds) = shape.place(&self.transform)?;
+                let (shape, bounds) = shape.place(&self.transform).map_err(BadPlace::Shape)?;
                 (Form::Shape(shape), bounds)
             }
             (_, None, Some(pose)) => {
-                let world_from_model = WorldFromModel::new(self.transform.affine())?;
+                let world_from_model = WorldFromModel::new(self.transform.affine()).map_err(BadPlace::Transform)?;
                 (Form::Mesh(world_from_model), pose.world_bounds(&world_from_model))
             }
             (_, None, None) => return Ok(None),
@@ -168,9 +168,9 @@ impl ParticipantItem<'_, '_> {
 #[derive(Debug, thiserror::Error)]
 enum BadPlace {
     #[error(transparent)]
-    Transform(#[from] InputError),
+    Transform(InputError),
     #[error("its shape: {0}")]
-    Shape(#[from] InputError),
+    Shape(InputError),
     #[error("its margin is {0}, it must be a finite number that is not negative")]
     Margin(f32),
 }

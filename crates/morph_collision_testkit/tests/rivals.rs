@@ -182,6 +182,35 @@ fn the_work_is_what_each_method_is_known_for() {
     }
 }
 
+/// The floor is the same tree over a mesh that never moved: it visits what has to be visited, with tight boxes.
+#[test]
+fn blended_boxes_visit_little_more_than_tight_ones() {
+    for (moment, most) in [
+        (moments::pass_through(42), 1.55),
+        // The weights are those of a target alone: its boxes are tight.
+        (moments::pass_through(200), 1.0),
+        (moments::dolphins(100), 1.02),
+        (moments::dolphins(200), 1.05),
+    ] {
+        let work = |kind| answer(&moment, kind, &MethodOptions::default()).1;
+        let (morph, floor) = (work(MethodKind::Morph), work(MethodKind::RigidFloor));
+        for (what, of) in [
+            ("node tests", (|work| work.node_tests) as fn(QueryStats) -> u64),
+            ("nodes blended", |work| work.nodes_blended),
+            ("vertices blended", |work| work.vertices_blended),
+            ("triangle tests", |work| work.triangle_tests),
+        ] {
+            let (ours, least) = (of(morph), of(floor));
+            let ratio = ours as f64 / least as f64;
+            assert!(
+                least > 0 && ratio <= most,
+                "{}: {what}, {ours} for {least}, {ratio} times",
+                moment.name
+            );
+        }
+    }
+}
+
 #[test]
 fn a_body_with_the_weights_that_it_had_costs_nothing_again() {
     let moment = moments::dolphins(100);

@@ -8,15 +8,6 @@ use crate::exact::{Triangle, TriangleContact, triangle_contact};
 use crate::query::body::world_triangle;
 use crate::query::{Body, PairQuery, QueryStats, TrianglePair};
 
-/// Two intersecting triangles and where they meet.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PairContact {
-    /// The triangles.
-    pub pair: TrianglePair,
-    /// Where they meet, in world space.
-    pub contact: TriangleContact,
-}
-
 /// Finds where and how two bodies touch. Keep the query: it reuses its memory.
 ///
 /// It finds the intersecting triangles exactly, like [`PairQuery`], and describes them in `f64`. Bodies are surfaces: a body
@@ -76,21 +67,6 @@ impl ContactQuery {
         self.pairs.stats()
     }
 
-    /// Appends a contact for every pair of intersecting triangles.
-    pub fn all(&mut self, a: Body<'_>, b: Body<'_>, contacts: &mut Vec<PairContact>) {
-        self.up_to(a, b, usize::MAX, contacts);
-    }
-
-    /// Appends a contact for each pair of [`PairQuery::up_to`]; returns whether there are more.
-    pub fn up_to(&mut self, a: Body<'_>, b: Body<'_>, limit: usize, contacts: &mut Vec<PairContact>) -> bool {
-        let is_truncated = self.find(a, b, limit);
-        contacts.extend(self.touching.iter().map(|touching| PairContact {
-            pair: touching.pair,
-            contact: touching.contact,
-        }));
-        is_truncated
-    }
-
     /// The summary of all contacts; `None` if no triangles intersect.
     ///
     /// Cost: a pair query, plus time proportional to the number of intersecting pairs.
@@ -98,7 +74,7 @@ impl ContactQuery {
         self.manifold_up_to(a, b, usize::MAX)
     }
 
-    /// The summary of the contacts of [`ContactQuery::up_to`]; `None` if there are none.
+    /// The summary of the pairs of [`PairQuery::up_to`]; `None` if there are none.
     ///
     /// If there are more pairs than `limit`, [`Manifold::is_truncated`] is set, and swapping the bodies may give another manifold.
     pub fn manifold_up_to(&mut self, a: Body<'_>, b: Body<'_>, limit: usize) -> Option<Manifold> {

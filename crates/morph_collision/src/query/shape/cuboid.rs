@@ -15,20 +15,14 @@ pub(super) struct Cuboid {
     center: DVec3,
 }
 
-/// Each face as two triangles. The diagonals are part of the definition.
-const FACES: [[usize; 3]; 12] = [
-    [0, 4, 6],
-    [0, 6, 2],
-    [1, 3, 7],
-    [1, 7, 5],
-    [0, 1, 5],
-    [0, 5, 4],
-    [2, 6, 7],
-    [2, 7, 3],
-    [0, 2, 3],
-    [0, 3, 1],
-    [4, 5, 7],
-    [4, 7, 6],
+/// The corners of each face in order. Its diagonal from the first corner, which cuts it into two triangles, is part of the definition.
+const FACES: [[usize; 4]; 6] = [
+    [0, 4, 6, 2],
+    [1, 3, 7, 5],
+    [0, 1, 5, 4],
+    [2, 6, 7, 3],
+    [0, 2, 3, 1],
+    [4, 5, 7, 6],
 ];
 
 /// Bounds the error of a local coordinate, relative to the largest coordinate that takes part: 128 roundings, more than the operations here.
@@ -72,14 +66,7 @@ impl Cuboid {
 
     /// The outward axis of the face nearest to a local point inside.
     fn nearest_face(&self, local: DVec3) -> DVec3 {
-        let beyond = local.abs() - self.half;
-        let axis = if beyond.x >= beyond.y && beyond.x >= beyond.z {
-            0
-        } else if beyond.y >= beyond.z {
-            1
-        } else {
-            2
-        };
+        let axis = (local.abs() - self.half).max_position();
         DVec3::AXES[axis] * local[axis].signum()
     }
 
@@ -94,7 +81,8 @@ impl Cuboid {
 
     fn faces(&self) -> impl Iterator<Item = Triangle> {
         let corners = self.corners();
-        FACES.iter().map(move |face| face.map(|corner| corners[corner]))
+        let halves = FACES.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        halves.map(move |half| half.map(|corner| corners[corner]))
     }
 
     /// Exact over the corners, the centre and the triangle. Rounded local coordinates decide clear cases.

@@ -1,4 +1,4 @@
-//! Bodies against points, convex regions, balls, capsules, cuboids, half-spaces and segments.
+//! Bodies against points, convex regions, balls, capsules, cuboids and half-spaces.
 //!
 //! Shapes are convex and share one notion: the *signed distance* of a point, which is positive outside, zero on the surface and
 //! negative inside. It is a convex function, the maximum of `w . x - support(w)` over all unit vectors `w`; so any direction

@@ -19,7 +19,7 @@ pub enum Shape {
     Capsule {
         /// Half the length of the segment, without the round ends.
         half_length: f32,
-        /// The radius.
+        /// The radius; 0 makes a segment.
         radius: f32,
     },
     /// A solid box around the origin.
@@ -31,13 +31,6 @@ pub enum Shape {
     HalfSpace {
         /// The direction out of the half-space; any length but 0.
         normal: Vec3,
-    },
-    /// The points between two ends.
-    Segment {
-        /// One end.
-        a: Vec3,
-        /// The other end.
-        b: Vec3,
     },
 }
 
@@ -70,16 +63,15 @@ impl PlacedShape {
         check_number("length of the rotation", rotation.length(), is_unit, "1")?;
         let rotation = DMat3::from_quat(rotation.normalize());
         let translation = vector("translation", translation)?;
-        let to_world = |local: DVec3| rotation * local + translation;
         let solid = match shape {
-            Shape::Ball { radius } => Solid::Ball {
-                center: translation,
+            Shape::Ball { radius } => Solid::Round {
+                axis: [translation; 2],
                 radius: size("radius", radius)?,
             },
             Shape::Capsule { half_length, radius } => {
-                let half = DVec3::Y * size("half_length", half_length)?;
-                Solid::Capsule {
-                    axis: [-half, half].map(to_world),
+                let half = rotation * (DVec3::Y * size("half_length", half_length)?);
+                Solid::Round {
+                    axis: [translation - half, translation + half],
                     radius: size("radius", radius)?,
                 }
             }
@@ -97,9 +89,6 @@ impl PlacedShape {
                     normal: (rotation * normal.normalize()).normalize(),
                 }
             }
-            Shape::Segment { a, b } => {
-                Solid::Segment([to_world(vector("segment", a)?), to_world(vector("segment", b)?)])
-            }
         };
         Ok(Self { solid })
     }
@@ -111,8 +100,10 @@ impl PlacedShape {
     pub fn ball(center: DVec3, radius: f64) -> Result<Self, InputError> {
         check_point("center", center)?;
         check_number("radius", radius, (0.0..=1e50).contains(&radius), "from 0 to 1e50")?;
-        let solid = Solid::Ball { center, radius };
-        Ok(Self { solid })
+        let axis = [center; 2];
+        Ok(Self {
+            solid: Solid::Round { axis, radius },
+        })
     }
 }
 
@@ -148,8 +139,6 @@ mod tests {
         let half_extents = Vec3::new(1.0, f32::INFINITY, 1.0);
         assert!(message(Shape::Cuboid { half_extents }).contains("half_extents is inf"));
         assert!(message(Shape::HalfSpace { normal: Vec3::ZERO }).contains("normal is [0, 0, 0]"));
-        let (a, b) = (Vec3::ZERO, Vec3::splat(2e37));
-        assert!(message(Shape::Segment { a, b }).starts_with("segment: coordinate 0 is 2e37"));
     }
 
     #[test]

@@ -25,8 +25,8 @@ pub struct ShapeContact {
     pub point_on_shape: DVec3,
     /// The unit vector out of the shape towards the body: the gradient of the distance.
     ///
-    /// Where the gradient does not exist, because the triangle meets a ball's centre, a capsule's axis or a segment, it is the
-    /// triangle's normal, towards the side with less of the segment; zero if the triangle has no normal.
+    /// Where the gradient does not exist, because the triangle meets a ball's centre or a capsule's axis, it is the triangle's
+    /// normal, towards the side with less of the axis; zero if the triangle has no normal.
     pub normal: DVec3,
 }
 
@@ -74,12 +74,7 @@ impl ShapeQuery {
 
     /// Whether any triangle intersects the shape.
     pub fn any(&mut self, body: Body<'_>, shape: &PlacedShape) -> bool {
-        let mut any = false;
-        self.visit(body, shape, |_| {
-            any = true;
-            ControlFlow::Break(())
-        });
-        any
+        self.up_to(body, shape, 0, &mut Vec::new())
     }
 
     /// Appends every triangle that intersects the shape, in the order of [`ShapeQuery::visit`].

@@ -3,18 +3,23 @@ use glam::DVec3;
 use super::cuboid::Cuboid;
 use super::placed::PlacedShape;
 use crate::exact::{
-    Segment, Triangle, TrianglePoint, closest_of_segment_and_triangle, closest_on_segment, closest_on_triangle,
-    common_segment, triangles_intersect, unit_normal,
+    Segment, Triangle, closest_of_segment_and_triangle, closest_on_segment, closest_on_triangle, common_segment,
+    unit_normal,
 };
 
 /// A shape in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Solid {
-    Ball { center: DVec3, radius: f64 },
-    Capsule { axis: Segment, radius: f64 },
+    /// A ball or a capsule: all points within a radius of a segment. A ball's segment is a point.
+    Round {
+        axis: Segment,
+        radius: f64,
+    },
     Cuboid(Cuboid),
-    HalfSpace { point: DVec3, normal: DVec3 },
-    Segment(Segment),
+    HalfSpace {
+        point: DVec3,
+        normal: DVec3,
+    },
 }
 
 /// The point of a triangle with the smallest signed distance.
@@ -29,28 +34,25 @@ pub(super) struct Closest {
 impl PlacedShape {
     /// The signed distance of a point, in world units; negative inside.
     ///
-    /// Inside a cuboid it is the distance to the nearest face. A segment has no inside.
+    /// Inside a cuboid it is the distance to the nearest face.
     #[must_use]
     pub fn signed_distance(&self, point: DVec3) -> f64 {
         match &self.solid {
-            Solid::Ball { center, radius } => point.distance(*center) - radius,
-            Solid::Capsule { axis, radius } => point.distance(closest_on_segment(point, *axis)) - radius,
+            Solid::Round { axis, radius } => point.distance(closest_on_segment(point, *axis)) - radius,
             Solid::Cuboid(cuboid) => cuboid.signed_distance(point),
             Solid::HalfSpace { point: foot, normal } => (point - foot).dot(*normal),
-            Solid::Segment(segment) => point.distance(closest_on_segment(point, *segment)),
         }
     }
 
     /// Whether a closed triangle in world space shares a point with the shape.
     ///
-    /// Exact for a segment with its `f64` ends, and for a cuboid, understood as the solid spanned by its eight `f64` corners and its
-    /// `f64` centre, with each face split into two triangles. For balls, capsules and half-spaces: whether the triangle's signed
-    /// distance, computed in `f64`, is at most 0.
+    /// Exact for a cuboid, the solid spanned by its eight `f64` corners and its `f64` centre, with each face split into two
+    /// triangles; and for a capsule with length but no radius, the segment between its `f64` ends. For other shapes: whether the triangle's
+    /// signed distance, computed in `f64`, is at most 0.
     #[must_use]
     pub fn intersects(&self, triangle: &Triangle) -> bool {
         match &self.solid {
             Solid::Cuboid(cuboid) => cuboid.intersects(triangle),
-            Solid::Segment([p, q]) => triangles_intersect(triangle, &[*p, *q, *q]),
             _ => self.closest(triangle).distance <= 0.0,
         }
     }
@@ -58,16 +60,8 @@ impl PlacedShape {
     /// The point of a triangle with the smallest signed distance, which is at most 0 exactly if they intersect.
     pub(super) fn closest(&self, triangle: &Triangle) -> Closest {
         match &self.solid {
-            Solid::Ball { center, radius } => {
-                let TrianglePoint { point, squared, .. } = closest_on_triangle(*center, triangle);
-                Closest {
-                    point,
-                    normal: (point - center).try_normalize().unwrap_or(unit_normal(triangle)),
-                    distance: squared.sqrt() - radius,
-                }
-            }
-            Solid::Capsule { axis, radius } => {
-                let closest = closest_to_segment(*axis, triangle);
+            Solid::Round { axis, radius } => {
+                let closest = closest_to_axis(*axis, triangle);
                 Closest {
                     distance: closest.distance - radius,
                     ..closest
@@ -86,14 +80,21 @@ impl PlacedShape {
                     distance: height(lowest),
                 }
             }
-            Solid::Segment(segment) => closest_to_segment(*segment, triangle),
         }
     }
 }
 
-/// The distance is 0 exactly if they share a point.
-fn closest_to_segment(segment: Segment, triangle: &Triangle) -> Closest {
-    let [p, q] = segment;
+/// The closest point to a ball's centre or a capsule's segment. The distance to a segment is 0 exactly if they share a point.
+fn closest_to_axis([p, q]: Segment, triangle: &Triangle) -> Closest {
+    let apart = |on_axis: DVec3, point: DVec3, distance: f64| Closest {
+        point,
+        normal: (point - on_axis).try_normalize().unwrap_or(unit_normal(triangle)),
+        distance,
+    };
+    if p == q {
+        let foot = closest_on_triangle(p, triangle);
+        return apart(p, foot.point, foot.squared.sqrt());
+    }
     if let Some([s, t]) = common_segment(triangle, &[p, q, q]) {
         let point = s + (t - s) * 0.5;
         // Points away from the end of the segment that reaches farther through the triangle.
@@ -105,12 +106,7 @@ fn closest_to_segment(segment: Segment, triangle: &Triangle) -> Closest {
             distance: 0.0,
         };
     }
-    let closest = closest_of_segment_and_triangle(segment, triangle);
-    let (on_segment, point) = (closest.on_a, closest.on_b);
-    let distance = point.distance(on_segment);
-    Closest {
-        point,
-        normal: (point - on_segment).try_normalize().unwrap_or(unit_normal(triangle)),
-        distance: distance.max(f64::MIN_POSITIVE),
-    }
+    let closest = closest_of_segment_and_triangle([p, q], triangle);
+    let distance = closest.on_a.distance(closest.on_b);
+    apart(closest.on_a, closest.on_b, distance.max(f64::MIN_POSITIVE))
 }

@@ -73,9 +73,9 @@ impl GapFrame {
     }
 
     fn new(frames: Frames, metric: DVec3, a: DVec3, b: DVec3) -> Self {
-        let slack = |frame: &Option<Frame>, own: DVec3| match frame {
-            Some(frame) => frame.error + 32.0 * U64 * frame.reach(),
-            None => 32.0 * U64 * own,
+        let slack = |frame: &Option<Frame>, own: DVec3| {
+            let (error, reach) = frame.as_ref().map_or((DVec3::ZERO, own), |f| (f.error, f.reach()));
+            error + 32.0 * U64 * reach
         };
         Self {
             frames,

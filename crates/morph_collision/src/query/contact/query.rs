@@ -4,7 +4,9 @@ use glam::DVec3;
 
 use super::manifold::{ContactPoint, Manifold};
 use super::parting::parting_distance;
+use crate::bounds::WorldFromModel;
 use crate::exact::{Triangle, TriangleContact, triangle_contact};
+use crate::pose::Posed;
 use crate::query::body::world_triangle;
 use crate::query::{Body, PairQuery, QueryStats, TrianglePair};
 
@@ -40,7 +42,6 @@ use crate::query::{Body, PairQuery, QueryStats, TrianglePair};
 pub struct ContactQuery {
     pairs: PairQuery,
     found: Vec<TrianglePair>,
-    corners: [Vec<Triangle>; 2],
     touching: Vec<Touching>,
     points: Vec<ContactPoint>,
 }
@@ -95,10 +96,10 @@ impl ContactQuery {
         self.found.clear();
         let is_truncated = self.pairs.up_to(a.reborrow(), b.reborrow(), limit, &mut self.found);
         self.touching.clear();
-        let [corners_a, corners_b] = &mut self.corners;
-        read_outward(a, self.found.iter().map(|pair| pair.triangle_a), corners_a);
-        read_outward(b, self.found.iter().map(|pair| pair.triangle_b), corners_b);
-        for ((&pair, &a), &b) in self.found.iter().zip(&*corners_a).zip(&*corners_b) {
+        let (posed_a, posed_b) = (&mut a.pose.posed(), &mut b.pose.posed());
+        for &pair in &self.found {
+            let a = outward_triangle(posed_a, a.world_from_model, pair.triangle_a);
+            let b = outward_triangle(posed_b, b.world_from_model, pair.triangle_b);
             // Never `None`: the pair query uses the same predicates.
             if let Some(contact) = triangle_contact(&a, &b) {
                 self.touching.push(Touching { pair, a, b, contact });
@@ -117,16 +118,14 @@ impl ContactQuery {
     }
 }
 
-/// The corners of triangles in world space; flips the windings of a mirrored body.
-fn read_outward(body: Body<'_>, triangles: impl Iterator<Item = u32>, corners: &mut Vec<Triangle>) {
-    let world_from_model = body.world_from_model;
-    let mirrors = world_from_model.mirrors();
-    corners.clear();
-    let mut posed = body.pose.posed();
-    corners.extend(triangles.map(|triangle| {
-        let [p, q, r] = world_triangle(&mut posed, world_from_model, triangle);
-        if mirrors { [p, r, q] } else { [p, q, r] }
-    }));
+/// A triangle's corners in world space; the winding of a mirrored body is flipped.
+fn outward_triangle(posed: &mut Posed<'_>, world_from_model: &WorldFromModel, triangle: u32) -> Triangle {
+    let [p, q, r] = world_triangle(posed, world_from_model, triangle);
+    if world_from_model.mirrors() {
+        [p, r, q]
+    } else {
+        [p, q, r]
+    }
 }
 
 /// See [`Manifold::normal`].

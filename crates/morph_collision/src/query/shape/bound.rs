@@ -1,7 +1,6 @@
 use glam::DVec3;
 
-use super::placed::PlacedShape;
-use super::solid::Solid;
+use super::placed::{PlacedShape, Solid};
 use crate::bounds::{Aabb, Box64, WorldFromModel};
 use crate::exact::closest_on_segment;
 

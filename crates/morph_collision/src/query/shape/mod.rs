@@ -10,7 +10,6 @@ mod placed;
 mod point;
 mod query;
 mod region;
-mod solid;
 
 pub use placed::{PlacedShape, Shape};
 pub use point::ClosestPoint;

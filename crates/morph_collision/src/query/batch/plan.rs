@@ -63,7 +63,7 @@ const MIN_TRIANGLES_TO_CUT: usize = 4000;
 const PARTS_PER_WORKER: usize = 8;
 
 /// A piece of work: a task on the bodies' own poses, or a part of a cut pair on poses of the worker's own.
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Unit {
     pub(super) task: usize,
     /// The index in [`Plan::larges`] and the number of the part.
@@ -109,35 +109,30 @@ impl Plan {
     /// Cuts large pairs into parts if there are too few tasks to keep the workers busy.
     pub(super) fn new(bodies: &mut [Body<'_>], tasks: &[PairTask<'_>], workers: usize, query: &mut PairQuery) -> Self {
         let mut plan = Self::default();
-        for (index, task) in tasks.iter().enumerate() {
-            let Ok([a, b]) = bodies.get_disjoint_mut([task.a, task.b]) else {
+        for (task, &PairTask { a, b, wanted, .. }) in tasks.iter().enumerate() {
+            let Ok([a, b]) = bodies.get_disjoint_mut([a, b]) else {
                 continue;
             };
             let triangles = [&*a, &*b].map(|body| body.pose.bvh().model().triangle_count());
             let cut = workers > 1
                 && tasks.len() < 2 * workers
-                && task.wanted != Wanted::First
+                && wanted != Wanted::First
                 && triangles.iter().sum::<usize>() >= MIN_TRIANGLES_TO_CUT
                 && !query.are_collapsed(a.reborrow(), b.reborrow());
             if !cut {
-                plan.units.push(Unit {
-                    task: index,
-                    part: None,
-                });
+                plan.units.push(Unit { task, part: None });
                 continue;
             }
             let parts = workers * PARTS_PER_WORKER;
             let front = query.front(a.reborrow(), b.reborrow(), 4 * parts);
             plan.stats += query.stats();
             let (large, parts) = (plan.larges.len(), parts.min(front.len()));
-            plan.units.extend((0..parts).map(|part| Unit {
-                task: index,
-                part: Some((large, part)),
-            }));
+            let parts_of_large = (0..parts).map(|part| Some((large, part)));
+            plan.units.extend(parts_of_large.map(|part| Unit { task, part }));
             plan.larges.push(Large {
                 bodies: [a, b].map(|body| (body.pose.clone(), *body.world_from_model)),
                 front,
-                limit: task.wanted.limit(),
+                limit: wanted.limit(),
                 found: (0..parts).map(|_| AtomicUsize::new(0)).collect(),
             });
         }

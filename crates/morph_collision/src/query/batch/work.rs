@@ -77,12 +77,10 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
         while self.schedule.take(most, &mut units) {
             for &index in &units {
                 let start = worker.found.len();
-                let is_truncated = match self.plan.units[index] {
-                    Unit { task, part: None } => self.whole(task, worker),
-                    Unit {
-                        part: Some((large, part)),
-                        ..
-                    } => self.part(&self.plan.larges[large], part, worker),
+                let Unit { task, part } = self.plan.units[index];
+                let is_truncated = match part {
+                    None => self.whole(task, worker),
+                    Some((large, part)) => self.part(&self.plan.larges[large], part, worker),
                 };
                 worker.done.push(Done {
                     unit: index,

@@ -54,7 +54,7 @@
 //! | The same for many pairs, on several threads? | [`BatchQuery`], on [`Workers`] |
 //! | Which of many boxes overlap? | [`overlapping_pairs`] |
 //! | What does a ray hit? | [`RayQuery`] |
-//! | What touches a ball, capsule, cuboid, half-space, segment, box or frustum? Which point is closest? | [`ShapeQuery`] |
+//! | What touches a ball, capsule, cuboid, half-space, box or frustum? Which point is closest? | [`ShapeQuery`] |
 //! | Where does a body intersect itself? | [`SelfQuery`] |
 //! | Where is a point on the surface as the shape changes? | [`SurfaceAnchor`] |
 //! | What are the bounds, positions and normals of a shape? | [`Pose`] |
@@ -91,9 +91,8 @@ pub use pose::{Pose, PosedNode, WeightsError};
 pub use query::RayonWorkers;
 pub use query::{
     BatchAnswers, BatchQuery, Body, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion, DistanceQuery,
-    Facing, Manifold, PairContact, PairMemory, PairQuery, PairTask, PlacedShape, QueryStats, Ray, RayHit, RayQuery,
-    SelfQuery, Shape, ShapeContact, ShapeQuery, SurfaceAnchor, SurfaceFrame, ThreadWorkers, TrianglePair, Wanted,
-    Workers,
+    Facing, Manifold, PairMemory, PairQuery, PairTask, PlacedShape, QueryStats, Ray, RayHit, RayQuery, SelfQuery,
+    Shape, ShapeContact, ShapeQuery, SurfaceAnchor, SurfaceFrame, ThreadWorkers, TrianglePair, Wanted, Workers,
 };
 pub use traverse::overlapping_pairs;
 pub use tree::{BuildOptions, LayoutError, MorphBvh, TreeLayout};

@@ -51,13 +51,6 @@ fn pairs(criterion: &mut Criterion) {
 
 fn contacts(criterion: &mut Criterion) {
     for (name, scene) in TOUCHING {
-        let (mut query, mut contacts) = (ContactQuery::new(), Vec::new());
-        ask(criterion, &format!("contacts/all/{name}"), scene, |two| {
-            contacts.clear();
-            let (a, b) = two.bodies();
-            query.all(a, b, &mut contacts);
-            contacts.len()
-        });
         let mut query = ContactQuery::new();
         ask(criterion, &format!("contacts/manifold/{name}"), scene, |two| {
             let (a, b) = two.bodies();

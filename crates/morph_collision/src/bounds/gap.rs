@@ -49,16 +49,14 @@ impl GapFrame {
     /// World space is added where neither can be, and where both are so sheared that their coordinates say little about lengths.
     pub(crate) fn list(world_from_a: &WorldFromModel, a: DVec3, world_from_b: &WorldFromModel, b: DVec3) -> Vec<Self> {
         let pair = PlacedPair::new(world_from_a, a, world_from_b, b);
-        let own = [(pair.in_a(), world_from_a), (pair.in_b(), world_from_b)];
         let mut any_faithful = false;
         let mut list = Vec::new();
-        for (frames, place) in own {
+        for (frames, place) in [(pair.in_a(), world_from_a), (pair.in_b(), world_from_b)] {
+            let Some(frames) = frames else { continue };
             let (metric, kept) = diagonal_below(place.linear());
-            if let Some(frames) = frames {
-                // Not measured; it decides only how often the third frame is made.
-                any_faithful |= kept > 0.5;
-                list.push(Self::new(frames, metric, a, b));
-            }
+            // Not measured; it decides only how often the third frame is made.
+            any_faithful |= kept > 0.5;
+            list.push(Self::new(frames, metric, a, b));
         }
         if !any_faithful {
             list.push(Self::new(pair.in_world(), DVec3::ONE, a, b));
@@ -73,9 +71,9 @@ impl GapFrame {
     }
 
     fn new(frames: Frames, metric: DVec3, a: DVec3, b: DVec3) -> Self {
-        let slack = |frame: &Option<Frame>, own: DVec3| match frame {
-            Some(frame) => frame.error + 32.0 * U64 * frame.reach(),
-            None => 32.0 * U64 * own,
+        let slack = |frame: &Option<Frame>, own: DVec3| {
+            let (error, reach) = frame.as_ref().map_or((DVec3::ZERO, own), |f| (f.error, f.reach()));
+            error + 32.0 * U64 * reach
         };
         Self {
             frames,

@@ -96,7 +96,7 @@ impl WorldFromModel {
     }
 
     /// The largest absolute world coordinates of points within a magnitude.
-    pub(super) fn reach(&self, magnitude: DVec3) -> DVec3 {
+    pub(crate) fn reach(&self, magnitude: DVec3) -> DVec3 {
         abs(self.linear) * magnitude + self.translation.abs()
     }
 

@@ -24,17 +24,10 @@ impl RayCull {
         // Where the ray is near the body, no coordinate of `t direction` is larger than the body's plus the origin's.
         let near = 2.0 * origin.abs() + world_from_model.reach(magnitude);
         let frame = *GapFrame::list(world_from_model, magnitude, &WorldFromModel::IDENTITY, near).first()?;
-        let (origin, direction) = match &frame.frames.b {
-            Some(to_model) => (
-                to_model.linear * origin + to_model.translation,
-                to_model.linear * direction,
-            ),
-            None => (origin, direction),
-        };
         Some(Self {
             frame,
-            origin,
-            direction,
+            origin: frame.image_of_b(&Box64::point(origin)).center,
+            direction: frame.frames.b.map_or(direction, |to_model| to_model.linear * direction),
         })
     }
 

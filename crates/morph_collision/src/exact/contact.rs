@@ -41,8 +41,7 @@ impl TriangleContact {
     /// The length of the segment.
     #[must_use]
     pub fn length(&self) -> f64 {
-        let [p, q] = self.segment;
-        p.distance(q)
+        self.segment[0].distance(self.segment[1])
     }
 }
 
@@ -83,11 +82,8 @@ pub fn triangle_contact(a: &Triangle, b: &Triangle) -> Option<TriangleContact> {
 fn scale_of(a: &Triangle, b: &Triangle) -> f64 {
     /// Sizes that have room: fourth powers stay in range.
     const ORDINARY: std::ops::Range<f64> = 1e-60..1e60;
-    let largest = a
-        .iter()
-        .chain(b)
-        .map(|corner| corner.abs().max_element())
-        .fold(0.0, f64::max);
+    let sizes = a.iter().chain(b).map(|corner| corner.abs().max_element());
+    let largest = sizes.fold(0.0, f64::max);
     if largest == 0.0 || ORDINARY.contains(&largest) {
         return 1.0;
     }
@@ -182,11 +178,8 @@ impl Corners {
     fn add_flat(&mut self, edge: Segment, triangle: &Triangle, projection: Projection) {
         let flat = |point| projection.apply(point);
         let flat_triangle = triangle.map(flat);
-        for end in edge {
-            if flat_triangle_contains(&flat_triangle, flat(end)) {
-                self.add(end);
-            }
-        }
+        let inside = |end: &DVec3| flat_triangle_contains(&flat_triangle, flat(*end));
+        edge.into_iter().filter(inside).for_each(|end| self.add(end));
         for side in edges(triangle) {
             self.add_flat_crossing(edge, side, projection, triangle);
         }
@@ -209,14 +202,9 @@ impl Corners {
             return;
         }
         let before = self.len;
-        for (end, other) in edge
-            .map(|end| (end, hull))
-            .into_iter()
-            .chain(hull.map(|end| (end, edge)))
-        {
-            if segments_intersect([end; 2], other) {
-                self.add(end);
-            }
+        for (ends, other) in [(edge, hull), (hull, edge)] {
+            let common = |end: &DVec3| segments_intersect([*end; 2], other);
+            ends.into_iter().filter(common).for_each(|end| self.add(end));
         }
         if self.len == before
             && let Some(projection) = Projection::of_plane([edge[0], edge[1], hull[0]])
@@ -235,10 +223,8 @@ fn crossing(edge: Segment, heights: [f64; 2], exactly: impl FnOnce() -> f64, tri
     const TOLERANCE: f64 = 1e-14;
     let at = |t: f64| lerp(edge, if t.is_finite() { t.clamp(0.0, 1.0) } else { 0.5 });
     let point = at(heights[0] / (heights[0] - heights[1]));
-    let size = triangle
-        .iter()
-        .map(|corner| corner.distance_squared(point))
-        .fold(edge[0].distance_squared(edge[1]), f64::max);
+    let sizes = triangle.map(|corner| corner.distance_squared(point)).into_iter();
+    let size = sizes.fold(edge[0].distance_squared(edge[1]), f64::max);
     let off = |p: DVec3| closest_on_triangle(p, triangle).squared;
     if off(point) <= TOLERANCE * TOLERANCE * size {
         return point;

@@ -32,10 +32,7 @@ pub(crate) struct Crossing {
 /// and two corners, seen from the origin. Triangles with a common edge share its determinant up to the sign, so no ray slips
 /// between them. All three are zero where the ray is in the triangle's plane or the triangle is degenerate.
 pub(crate) fn ray_meets_triangle(line: &Line, triangle: &Triangle) -> Option<Crossing> {
-    match crossing::<Approx>(line, triangle) {
-        Some(decided) => decided,
-        None => crossing::<Dyadic>(line, triangle).flatten(),
-    }
+    crossing::<Approx>(line, triangle).unwrap_or_else(|| crossing::<Dyadic>(line, triangle).flatten())
 }
 
 /// The outer `None` says that the numbers are not exact enough to decide.
@@ -85,10 +82,10 @@ fn edge_on_parameter(line: &Line, triangle: &Triangle) -> Option<f64> {
     if starts_inside {
         return Some(0.0);
     }
-    let edges = edges(triangle).into_iter();
-    edges
-        .filter_map(|edge| segment_parameter(line, edge))
-        .min_by(f64::total_cmp)
+    let entries = edges(triangle)
+        .into_iter()
+        .filter_map(|edge| segment_parameter(line, edge));
+    entries.min_by(f64::total_cmp)
 }
 
 /// The first `t` at which a ray meets a closed segment in a common plane.
@@ -107,10 +104,8 @@ fn segment_parameter(line: &Line, [p, q]: Segment) -> Option<f64> {
         }
         return parameter(&cross_coordinate(&to_p, &edge, axis), &speed, line.max_t);
     }
-    if cross(&direction, &to_p)
-        .iter()
-        .any(|coordinate| coordinate.order() != Equal)
-    {
+    // Parallel: they meet only if the segment is on the line.
+    if cross(&direction, &to_p).iter().any(|side| side.order() != Equal) {
         return None;
     }
     let axis = line.direction.abs().max_position();

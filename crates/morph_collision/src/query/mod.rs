@@ -26,7 +26,7 @@ pub use anchor::{SurfaceAnchor, SurfaceFrame};
 pub use batch::RayonWorkers;
 pub use batch::{BatchAnswers, BatchQuery, PairTask, ThreadWorkers, Wanted, Workers};
 pub use body::Body;
-pub use contact::{ContactPoint, ContactQuery, Manifold, PairContact};
+pub use contact::{ContactPoint, ContactQuery, Manifold};
 pub use distance::{ClosestPair, DistanceQuery};
 pub use input::{ConvexRegion, Ray};
 pub use memory::PairMemory;

@@ -19,7 +19,7 @@ pub(super) struct OneBody {
 
 impl OneBody {
     /// Visits leaves in ascending order of `lower_bound` and calls `at_triangle` with the number and the world-space corners of each
-    /// triangle. Ends when the lowest bound left exceeds the limit, or at a break.
+    /// triangle. Ends when the lowest bound left exceeds the limit, or at a break, which it passes on.
     ///
     /// `lower_bound` maps a node's model-space box to a lower bound for its triangles, `None` to skip the node.
     /// `at_triangle` returns the new limit.
@@ -29,23 +29,20 @@ impl OneBody {
         limit: f64,
         lower_bound: impl Fn(&Box64) -> Option<f64>,
         mut at_triangle: impl FnMut(u32, &Triangle) -> ControlFlow<(), f64>,
-    ) {
+    ) -> ControlFlow<()> {
         let tree = &mut body.pose.posed();
         let before = tree.blended();
         let mut walk = OneWalk { tree, node_tests: 0 };
         let mut triangle_tests = 0;
-        let Self {
-            queue, posed, placed, ..
-        } = self;
-        let _stopped_early = walk.run(
-            queue,
+        let flow = walk.run(
+            &mut self.queue,
             limit,
             |bounds| lower_bound(&Box64::of(bounds)),
             |tree, leaf| {
-                placed.clear();
-                place_leaf(tree, body.world_from_model, leaf, posed, placed);
+                self.placed.clear();
+                place_leaf(tree, body.world_from_model, leaf, &mut self.posed, &mut self.placed);
                 let mut limit = f64::INFINITY;
-                for (number, triangle) in &*placed {
+                for (number, triangle) in &self.placed {
                     triangle_tests += 1;
                     limit = at_triangle(*number, triangle)?;
                 }
@@ -57,5 +54,6 @@ impl OneBody {
             triangle_tests,
             ..QueryStats::blending([before], [walk.tree.blended()])
         };
+        flow
     }
 }

@@ -93,7 +93,7 @@ impl RayQuery {
         mut accept: impl FnMut(&RayHit) -> bool,
     ) -> Option<RayHit> {
         let mut closest: Option<(f64, RayHit)> = None;
-        self.cast(body, ray, |number, crossing, triangle| {
+        let _never_stopped = self.cast(body, ray, |number, crossing, triangle| {
             let is_closer = closest
                 .as_ref()
                 .is_none_or(|(t, hit)| crossing.t < *t || (crossing.t == *t && number < hit.triangle));
@@ -112,12 +112,7 @@ impl RayQuery {
 
     /// Whether the ray hits anything.
     pub fn any(&mut self, body: Body<'_>, ray: &Ray) -> bool {
-        let mut any = false;
-        self.cast(body, ray, |_, _, _| {
-            any = true;
-            ControlFlow::Break(())
-        });
-        any
+        self.cast(body, ray, |_, _, _| ControlFlow::Break(())).is_break()
     }
 
     /// Appends every hit, one per triangle, sorted by `t` and then by triangle.
@@ -132,7 +127,7 @@ impl RayQuery {
 
     /// Calls `visitor` for every hit, in no particular order, until it breaks.
     pub fn visit(&mut self, body: Body<'_>, ray: &Ray, mut visitor: impl FnMut(RayHit) -> ControlFlow<()>) {
-        self.cast(body, ray, |number, crossing, triangle| {
+        let _stopped_early = self.cast(body, ray, |number, crossing, triangle| {
             visitor(RayHit::new(ray, number, crossing, triangle))?;
             ControlFlow::Continue(f64::INFINITY)
         });
@@ -144,7 +139,7 @@ impl RayQuery {
         mut body: Body<'_>,
         ray: &Ray,
         mut at_hit: impl FnMut(u32, &Crossing, &Triangle) -> ControlFlow<(), f64>,
-    ) {
+    ) -> ControlFlow<()> {
         let line = &ray.line;
         let cull = RayCull::new(line.origin, line.direction, body.world_from_model, body.magnitude());
         let mut limit = line.max_t;
@@ -158,7 +153,7 @@ impl RayQuery {
                 }
                 ControlFlow::Continue(limit)
             },
-        );
+        )
     }
 }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::extents::NodeExtents;
-use super::partition::Partition;
+use super::sah::Partition;
 use super::topology::{Child, Group};
 use super::{BuildOptions, LeafLanes, MorphBvh, Tables, Topology};
 use crate::bounds::{Kernel, LANES};

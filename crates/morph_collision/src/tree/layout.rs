@@ -1,9 +1,10 @@
-use std::fmt;
 use std::sync::Arc;
+use std::{fmt, mem};
 
 use thiserror::Error;
 
 use super::build::{MAX_DEPTH, Recorded, build_over};
+use super::topology::Child;
 use super::{BuildOptions, ChildKind, MorphBvh};
 use crate::bounds::LANES;
 use crate::model::MorphModel;
@@ -99,11 +100,12 @@ impl TreeLayout {
             return Err(LayoutError::TriangleCount { found, expected });
         }
         let mut seen = vec![false; expected];
-        for (place, &triangle) in self.triangles.iter().enumerate() {
-            match seen.get_mut(triangle as usize) {
-                Some(seen) if !*seen => *seen = true,
-                _ => return Err(LayoutError::Triangle { place, triangle }),
-            }
+        let is_bad = |&(_, &triangle): &(usize, &u32)| match seen.get_mut(triangle as usize) {
+            Some(seen) => mem::replace(seen, true),
+            None => true,
+        };
+        if let Some((place, &triangle)) = self.triangles.iter().enumerate().find(is_bad) {
+            return Err(LayoutError::Triangle { place, triangle });
         }
         self.check_nodes()
     }
@@ -161,11 +163,8 @@ impl MorphBvh {
                 ChildKind::Group(group) => {
                     let children = topology.group(group).children();
                     nodes.push(children.len() as u32);
-                    nodes.extend(
-                        children
-                            .iter()
-                            .map(|&child| topology.triangles_below(child).len() as u32),
-                    );
+                    let triangles = |&child: &Child| topology.triangles_below(child).len() as u32;
+                    nodes.extend(children.iter().map(triangles));
                     rest.extend(children.iter().rev());
                 }
             }

@@ -1,6 +1,6 @@
 //! The immutable tree: which triangles are together, and what blends into a box for each node.
 //!
-//! `build` runs the stages. `partition` splits a node's triangles by the surface-area heuristic (`sah`). `topology` records the
+//! `build` runs the stages. `sah` splits a node's triangles by the surface-area heuristic. `topology` records the
 //! result in preorder. `extents` measures the base and each target over every node. `tables` turns extents into what a pose
 //! blends. `leaf_lanes` stores the corners of the leaves' triangles for the exact tests.
 
@@ -10,7 +10,6 @@ mod extents;
 mod layout;
 mod leaf_lanes;
 mod options;
-mod partition;
 mod sah;
 mod tables;
 mod topology;

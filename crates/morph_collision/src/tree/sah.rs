@@ -6,14 +6,51 @@
 
 use std::ops::Range;
 
-use super::partition::{Partition, Shape};
+use glam::Vec3;
+
 use crate::bounds::{Aabb, LANES};
+use crate::model::MorphModel;
 
 /// Bins per axis. Not measured; a common choice.
 const BINS: usize = 16;
 /// Up to this many leaves' triangles every plane is tried instead of the planes between bins, at a cost of `O(n log n)`. Not
-/// measured; bins are too coarse to fill the last leaves.
+/// measured; with bins alone queries cost up to 2 % more (docs/tried.md).
 const SWEPT_LEAVES: usize = 8;
+
+/// The most targets that a split considers beside the base. Build time grows with it. Not measured; splitting on the base alone
+/// makes trees that are 0.91 to 1.08 times as slow (docs/tried.md), so more targets can gain little.
+const MAX_TARGETS: usize = 16;
+
+/// The midpoints and boxes of all triangles of one shape.
+#[derive(Clone)]
+pub(super) struct Shape {
+    pub(super) midpoints: Vec<Vec3>,
+    pub(super) bounds: Vec<Aabb>,
+}
+
+impl Shape {
+    fn new(model: &MorphModel, weights: &[f32]) -> Self {
+        let vertices = 0..model.vertex_count() as u32;
+        let positions: Vec<Vec3> = vertices.map(|vertex| model.blend_vertex(vertex, weights)).collect();
+        let (midpoints, bounds) = (0..model.triangle_count() as u32)
+            .map(|triangle| {
+                let corners = model.corners(triangle).map(|vertex| positions[vertex as usize]);
+                let third = 1.0 / 3.0;
+                let midpoint = corners[0] * third + corners[1] * third + corners[2] * third;
+                (midpoint, Aabb::from_points(corners))
+            })
+            .unzip();
+        Self { midpoints, bounds }
+    }
+}
+
+/// Splits nodes by the surface-area heuristic, summed over the base and the targets with the largest displacements, so that
+/// one tree is good for all shapes.
+pub(super) struct Partition {
+    pub(super) leaf_size: usize,
+    /// The base comes first.
+    pub(super) shapes: Vec<Shape>,
+}
 
 /// A contiguous range of a node's triangles that may become a child.
 struct Part {
@@ -22,6 +59,9 @@ struct Part {
     is_divisible: bool,
 }
 
+/// Triangles, each after its bin.
+type Binned = Vec<(usize, u32)>;
+
 fn hull(shape: &Shape, triangles: &[u32]) -> Aabb {
     let bounds = triangles.iter().map(|&triangle| shape.bounds[triangle as usize]);
     bounds.fold(Aabb::EMPTY, |hull, bounds| hull.union(&bounds))
@@ -29,11 +69,25 @@ fn hull(shape: &Shape, triangles: &[u32]) -> Aabb {
 
 /// Half of a box's surface area; 0 for an empty box.
 fn half_area(bounds: &Aabb) -> f64 {
-    let s = bounds.size().max(glam::Vec3::ZERO).as_dvec3();
+    let s = bounds.size().max(Vec3::ZERO).as_dvec3();
     s.x * s.y + s.y * s.z + s.z * s.x
 }
 
 impl Partition {
+    pub(super) fn new(model: &MorphModel, leaf_size: usize) -> Self {
+        let mut targets: Vec<usize> = (0..model.target_count()).collect();
+        targets.sort_by(|&i, &j| model.target_reach()[j].total_cmp(&model.target_reach()[i]));
+        targets.truncate(MAX_TARGETS);
+        let mut weights = vec![0.0; model.target_count()];
+        let mut shapes = vec![Shape::new(model, &weights)];
+        for target in targets {
+            weights[target] = 1.0;
+            shapes.push(Shape::new(model, &weights));
+            weights[target] = 0.0;
+        }
+        Self { leaf_size, shapes }
+    }
+
     /// Reorders the triangles child by child and returns the number of triangles of each child: 1 to 8 children, none empty. There is
     /// one child only if no plane separates the midpoints.
     pub(super) fn by_area(&self, triangles: &mut [u32]) -> Vec<usize> {
@@ -77,80 +131,55 @@ impl Partition {
     /// Moves the triangles to the two sides of the best plane. Returns the number on the first side, `None` if no plane
     /// separates them.
     fn halve(&self, triangles: &mut [u32]) -> Option<usize> {
-        if triangles.len() <= SWEPT_LEAVES * self.leaf_size {
-            self.halve_swept(triangles)
-        } else {
-            self.halve_binned(triangles)
-        }
-    }
-
-    /// Tries the planes between every two triangles along each axis. Ties stay in order.
-    fn halve_swept(&self, triangles: &mut [u32]) -> Option<usize> {
-        let mut best: Option<(f64, usize, Vec<u32>)> = None;
-        let mut costs = vec![0.0; triangles.len()];
+        let mut best: Option<(f64, usize, Binned)> = None;
         for axis in 0..3 {
-            let mut sorted = triangles.to_vec();
-            let midpoint = |t: &u32| self.shapes[0].midpoints[*t as usize][axis];
-            sorted.sort_by(|s, t| midpoint(s).total_cmp(&midpoint(t)));
-            costs.fill(0.0);
-            for shape in &self.shapes {
-                self.add_costs(sorted.iter().map(|&t| (shape.bounds[t as usize], 1)), &mut costs);
-            }
-            // Among equal costs, as of triangles without area, the middle.
-            let imbalance = |count: usize| (2 * count).abs_diff(costs.len());
-            let cheapest = costs
-                .iter()
-                .enumerate()
-                .skip(1)
-                .min_by(|(i, a), (j, b)| a.total_cmp(b).then(imbalance(*i).cmp(&imbalance(*j))));
-            if let Some((count, &cost)) = cheapest
-                && best.as_ref().is_none_or(|(least, ..)| cost < *least)
-            {
-                best = Some((cost, count, sorted));
-            }
-        }
-        let (_, count, sorted) = best?;
-        triangles.copy_from_slice(&sorted);
-        Some(count)
-    }
-
-    /// Tries the planes between equal bins along each axis.
-    fn halve_binned(&self, triangles: &mut [u32]) -> Option<usize> {
-        let midpoint = |&t: &u32| self.shapes[0].midpoints[t as usize];
-        let spread = Aabb::from_points(triangles.iter().map(midpoint));
-        let mut best: Option<(f64, Vec<usize>, usize)> = None;
-        for axis in 0..3 {
-            let (start, end) = (f64::from(spread.min[axis]), f64::from(spread.max[axis]));
-            if end <= start {
+            let Some((bins, binned)) = self.binned(triangles, axis) else {
                 continue;
-            }
-            let per_unit = BINS as f64 / (end - start);
-            let bin = |t: &u32| ((f64::from(midpoint(t)[axis]) - start) * per_unit) as usize;
-            let bins: Vec<usize> = triangles.iter().map(|t| bin(t).min(BINS - 1)).collect();
-            let mut costs = [0.0; BINS];
+            };
+            let mut costs = vec![0.0; bins];
             for shape in &self.shapes {
-                let mut boxes = [(Aabb::EMPTY, 0); BINS];
-                for (&t, &bin) in triangles.iter().zip(&bins) {
+                let mut boxes = vec![(Aabb::EMPTY, 0); bins];
+                for &(bin, triangle) in &binned {
                     let (bounds, count) = &mut boxes[bin];
-                    *bounds = bounds.union(&shape.bounds[t as usize]);
+                    *bounds = bounds.union(&shape.bounds[triangle as usize]);
                     *count += 1;
                 }
                 self.add_costs(boxes.into_iter(), &mut costs);
             }
+            // Among equal costs, as of triangles without area, the middle.
+            let imbalance = |plane: usize| (2 * plane).abs_diff(bins);
             // The plane before bin `i`. Neither side is empty because the first and the last bin are not.
             let planes = costs.into_iter().enumerate().skip(1);
-            if let Some((plane, cost)) = planes.min_by(|(_, a), (_, b)| a.total_cmp(b))
+            let cheapest = planes.min_by(|(i, a), (j, b)| a.total_cmp(b).then(imbalance(*i).cmp(&imbalance(*j))));
+            if let Some((plane, cost)) = cheapest
                 && best.as_ref().is_none_or(|(least, ..)| cost < *least)
             {
-                best = Some((cost, bins, plane));
+                best = Some((cost, plane, binned));
             }
         }
-        let (_, bins, plane) = best?;
-        let (first, second): (Vec<_>, Vec<_>) = triangles.iter().copied().zip(bins).partition(|&(_, bin)| bin < plane);
-        for (slot, (triangle, _)) in triangles.iter_mut().zip(first.iter().chain(&second)) {
+        let (_, plane, binned) = best?;
+        let (first, second): (Vec<_>, Vec<_>) = binned.into_iter().partition(|&(bin, _)| bin < plane);
+        for (slot, (_, triangle)) in triangles.iter_mut().zip(first.iter().chain(&second)) {
             *slot = *triangle;
         }
         Some(first.len())
+    }
+
+    /// A number of bins along an axis, and each triangle with its bin; `None` if one bin holds all midpoints. Few triangles are
+    /// sorted and get a bin each, which tries every plane; ties stay in order.
+    fn binned(&self, triangles: &[u32], axis: usize) -> Option<(usize, Binned)> {
+        let midpoint = |t: &u32| self.shapes[0].midpoints[*t as usize][axis];
+        if triangles.len() <= SWEPT_LEAVES * self.leaf_size {
+            let mut sorted = triangles.to_vec();
+            sorted.sort_by(|s, t| midpoint(s).total_cmp(&midpoint(t)));
+            return Some((sorted.len(), sorted.into_iter().enumerate().collect()));
+        }
+        let start = triangles.iter().map(midpoint).fold(f32::INFINITY, f32::min);
+        let end = triangles.iter().map(midpoint).fold(f32::NEG_INFINITY, f32::max);
+        let per_unit = BINS as f64 / (f64::from(end) - f64::from(start));
+        let bin = |t: &u32| ((f64::from(midpoint(t)) - f64::from(start)) * per_unit) as usize;
+        let binned = || triangles.iter().map(|t| (bin(t).min(BINS - 1), *t)).collect();
+        (end > start).then(|| (BINS, binned()))
     }
 
     /// For the plane before each box adds to its cost area times leaves of both sides. Each box comes with a number of triangles.

@@ -7,7 +7,7 @@ use morph_collision_testkit::models::{degenerate, dolphin, random};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::partition::{Partition, Shape};
+use super::sah::{Partition, Shape};
 use super::validate_tests::validate;
 use super::*;
 use crate::bounds::Aabb;

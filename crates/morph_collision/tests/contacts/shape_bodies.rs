@@ -184,14 +184,19 @@ fn half_spaces_touched_by_one_corner_are_told_apart() {
 }
 
 #[test]
-fn segments_agree_with_the_oracle_on_bodies() {
+fn capsules_without_radius_agree_with_the_oracle_on_bodies() {
     let mut query = ShapeQuery::new();
     for mut placed in assorted() {
-        // Between two corners of the mesh, so that many are only touched.
-        let ends = [placed.triangles[0][0], placed.triangles[placed.triangles.len() / 2][1]].map(DVec3::as_vec3);
-        let segment = Shape::Segment { a: ends[0], b: ends[1] };
-        let segment = PlacedShape::new(segment, Quat::IDENTITY, Vec3::ZERO).unwrap();
-        let [p, q] = ends.map(Vec3::as_dvec3);
+        // Through a corner of the mesh, so that some triangles are only touched.
+        let middle = placed.triangles[0][0].as_vec3();
+        let half_length = (middle - placed.triangles[placed.triangles.len() / 2][1].as_vec3()).length();
+        let shape = Shape::Capsule {
+            half_length,
+            radius: 0.0,
+        };
+        let segment = PlacedShape::new(shape, Quat::IDENTITY, middle).unwrap();
+        let (middle, half) = (middle.as_dvec3(), DVec3::Y * f64::from(half_length));
+        let (p, q) = (middle - half, middle + half);
         let truth: Vec<u32> = (0..placed.triangles.len() as u32)
             .filter(|&t| oracle::triangles_intersect(&placed.triangles[t as usize], &[p, q, q]))
             .collect();
@@ -274,9 +279,9 @@ fn few_nodes_are_looked_at() {
         Shape::Cuboid {
             half_extents: Vec3::splat(0.02),
         },
-        Shape::Segment {
-            a: Vec3::NEG_X * 0.1,
-            b: Vec3::X * 0.1,
+        Shape::Capsule {
+            half_length: 0.1,
+            radius: 0.0,
         },
     ] {
         placed.pose.set_weights(&[0.0, 0.0]).unwrap();

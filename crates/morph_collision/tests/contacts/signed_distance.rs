@@ -36,16 +36,6 @@ impl Twin {
                 q.max(DVec3::ZERO).length() + q.max_element().min(0.0)
             }
             Shape::HalfSpace { normal } => p.dot(normal.as_dvec3().normalize()),
-            Shape::Segment { a, b } => {
-                let (a, b) = (a.as_dvec3(), b.as_dvec3());
-                let along = b - a;
-                let t = if along == DVec3::ZERO {
-                    0.0
-                } else {
-                    ((p - a).dot(along) / along.dot(along)).clamp(0.0, 1.0)
-                };
-                p.distance(a + along * t)
-            }
         }
     }
 
@@ -115,13 +105,14 @@ pub(crate) fn around(middle: Vec3, radius: f32) -> Vec<Twin> {
             normal: Vec3::new(0.3, 2.0, -0.5),
         },
         Shape::HalfSpace { normal: Vec3::NEG_Z },
-        Shape::Segment {
-            a: Vec3::new(-2.0, 0.1, 0.0) * radius,
-            b: Vec3::new(2.0, 0.0, -0.3) * radius,
+        // A segment, and a point.
+        Shape::Capsule {
+            half_length: 2.0 * radius,
+            radius: 0.0,
         },
-        Shape::Segment {
-            a: Vec3::ONE * radius,
-            b: Vec3::ONE * radius,
+        Shape::Capsule {
+            half_length: 0.0,
+            radius: 0.0,
         },
     ];
     let mut all = Vec::new();

@@ -111,11 +111,11 @@ pub fn knock(door: u64, rng: &mut Pcg64Mcg, case: &Case, trees: &mut Trees) -> R
         ),
         22 => refused(shape(Shape::HalfSpace { normal: with(bad) }), &["normal"]),
         23 => {
-            let segment = Shape::Segment {
-                a: with(bad),
-                b: Vec3::ONE,
+            let capsule = Shape::Capsule {
+                half_length: 1.0,
+                radius: bad,
             };
-            refused(shape(segment), &["segment"])
+            refused(shape(capsule), &["radius"])
         }
         24 => {
             let rotation = Quat::from_xyzw(0.0, bad, 0.0, 1.0);

@@ -1,6 +1,5 @@
 //! Splits a batch into units of work that can run independently.
 
-use std::ops::Range;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::bounds::WorldFromModel;
@@ -63,19 +62,17 @@ const MIN_TRIANGLES_TO_CUT: usize = 4000;
 /// Parts per worker, so that parts of different cost balance. Not measured.
 const PARTS_PER_WORKER: usize = 8;
 
-/// A piece of work.
-#[derive(Debug)]
-pub(super) enum Unit {
-    /// A task on the bodies' own poses.
-    Whole(usize),
-    /// A part of a cut pair, on poses of the worker's own.
-    Part { large: usize, part: usize },
+/// A piece of work: a task on the bodies' own poses, or a part of a cut pair on poses of the worker's own.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Unit {
+    pub(super) task: usize,
+    /// The index in [`Plan::larges`] and the number of the part.
+    pub(super) part: Option<(usize, usize)>,
 }
 
 /// A pair that is cut into parts.
 #[derive(Debug)]
 pub(super) struct Large {
-    task: usize,
     /// Copies of both bodies, for the workers to clone.
     pub(super) bodies: [(Pose, WorldFromModel); 2],
     /// The node pairs to walk, in order.
@@ -90,8 +87,7 @@ impl Large {
     /// The node pairs of one part.
     pub(super) fn front(&self, part: usize) -> &[(NodeId, NodeId)] {
         let bound = |part: usize| part * self.front.len() / self.found.len();
-        let range: Range<usize> = bound(part)..bound(part + 1);
-        &self.front[range]
+        &self.front[bound(part)..bound(part + 1)]
     }
 
     /// Whether earlier parts have already found more than the limit.
@@ -113,52 +109,33 @@ impl Plan {
     /// Cuts large pairs into parts if there are too few tasks to keep the workers busy.
     pub(super) fn new(bodies: &mut [Body<'_>], tasks: &[PairTask<'_>], workers: usize, query: &mut PairQuery) -> Self {
         let mut plan = Self::default();
-        for (index, task) in tasks.iter().enumerate() {
-            let Ok([a, b]) = bodies.get_disjoint_mut([task.a, task.b]) else {
+        for (task, &PairTask { a, b, wanted, .. }) in tasks.iter().enumerate() {
+            let Ok([a, b]) = bodies.get_disjoint_mut([a, b]) else {
                 continue;
             };
             let triangles = [&*a, &*b].map(|body| body.pose.bvh().model().triangle_count());
             let cut = workers > 1
                 && tasks.len() < 2 * workers
-                && task.wanted != Wanted::First
+                && wanted != Wanted::First
                 && triangles.iter().sum::<usize>() >= MIN_TRIANGLES_TO_CUT
                 && !query.are_collapsed(a.reborrow(), b.reborrow());
-            if cut {
-                let front = query.front(a.reborrow(), b.reborrow(), 4 * workers * PARTS_PER_WORKER);
-                plan.stats += query.stats();
-                plan.cut(index, task.wanted.limit(), [a, b], front, workers * PARTS_PER_WORKER);
-            } else {
-                plan.units.push(Unit::Whole(index));
+            if !cut {
+                plan.units.push(Unit { task, part: None });
+                continue;
             }
+            let parts = workers * PARTS_PER_WORKER;
+            let front = query.front(a.reborrow(), b.reborrow(), 4 * parts);
+            plan.stats += query.stats();
+            let (large, parts) = (plan.larges.len(), parts.min(front.len()));
+            let parts_of_large = (0..parts).map(|part| Some((large, part)));
+            plan.units.extend(parts_of_large.map(|part| Unit { task, part }));
+            plan.larges.push(Large {
+                bodies: [a, b].map(|body| (body.pose.clone(), *body.world_from_model)),
+                front,
+                limit: wanted.limit(),
+                found: (0..parts).map(|_| AtomicUsize::new(0)).collect(),
+            });
         }
         plan
-    }
-
-    /// The task of a unit.
-    pub(super) fn task_of(&self, unit: &Unit) -> usize {
-        match *unit {
-            Unit::Whole(task) => task,
-            Unit::Part { large, .. } => self.larges[large].task,
-        }
-    }
-
-    fn cut(
-        &mut self,
-        task: usize,
-        limit: usize,
-        bodies: [&mut Body<'_>; 2],
-        front: Vec<(NodeId, NodeId)>,
-        parts: usize,
-    ) {
-        let parts = parts.min(front.len());
-        let large = self.larges.len();
-        self.units.extend((0..parts).map(|part| Unit::Part { large, part }));
-        self.larges.push(Large {
-            task,
-            bodies: bodies.map(|body| (body.pose.clone(), *body.world_from_model)),
-            front,
-            limit,
-            found: (0..parts).map(|_| AtomicUsize::new(0)).collect(),
-        });
     }
 }

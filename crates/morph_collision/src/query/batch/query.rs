@@ -1,4 +1,4 @@
-use std::iter;
+use std::ops::Range;
 use std::sync::Mutex;
 
 use super::plan::{PairTask, Plan};
@@ -33,9 +33,11 @@ pub struct BatchQuery {
     /// By worker: each reuses its memory.
     workers: Vec<Mutex<Worker>>,
     found: Vec<TrianglePair>,
-    ends: Vec<usize>,
-    truncated: Vec<bool>,
+    answers: Vec<Answer>,
 }
+
+/// The answer of a task: a range of what all tasks found, and whether there is more.
+type Answer = (Range<usize>, bool);
 
 /// Smaller batches run on the calling thread. Not measured precisely: so few pairs take less time than waking a thread.
 const MIN_UNITS_FOR_THREADS: usize = 16;
@@ -44,8 +46,7 @@ const MIN_UNITS_FOR_THREADS: usize = 16;
 #[derive(Clone, Copy, Debug)]
 pub struct BatchAnswers<'a> {
     found: &'a [TrianglePair],
-    ends: &'a [usize],
-    truncated: &'a [bool],
+    answers: &'a [Answer],
     stats: QueryStats,
 }
 
@@ -59,21 +60,20 @@ impl<'a> BatchAnswers<'a> {
     /// The pairs that a task found; empty if there is no such task.
     #[must_use]
     pub fn get(&self, task: usize) -> &'a [TrianglePair] {
-        let Some(&end) = self.ends.get(task) else { return &[] };
-        let start = task.checked_sub(1).map_or(0, |before| self.ends[before]);
-        &self.found[start..end]
+        let answer = self.answers.get(task);
+        answer.map_or(&[], |(range, _)| &self.found[range.clone()])
     }
 
     /// Whether a task with [`Wanted::UpTo`](super::Wanted::UpTo) has more pairs than its limit.
     #[must_use]
     pub fn is_truncated(&self, task: usize) -> bool {
-        self.truncated.get(task).copied().unwrap_or(false)
+        self.answers.get(task).is_some_and(|(_, is_truncated)| *is_truncated)
     }
 
     /// The pairs of every task, in order.
     pub fn iter(&self) -> impl Iterator<Item = &'a [TrianglePair]> {
         let answers = *self;
-        (0..self.ends.len()).map(move |task| answers.get(task))
+        (0..self.answers.len()).map(move |task| answers.get(task))
     }
 }
 
@@ -99,7 +99,6 @@ impl BatchQuery {
             unlocked(worker).begin();
         }
         let plan = Plan::new(bodies, tasks, count, &mut unlocked(&mut self.workers[0]).query);
-        let limits: Vec<usize> = tasks.iter().map(|task| task.wanted.limit()).collect();
         let batch = Batch::new(bodies, tasks, &plan, count);
         let own = &self.workers;
         let work = |worker: usize| {
@@ -113,41 +112,37 @@ impl BatchQuery {
         } else {
             workers.run(&work);
         }
-        self.gather(&plan, &limits)
+        self.gather(&plan, tasks)
     }
 
     /// Collects what the workers found in the order of tasks and units, up to each task's limit.
-    fn gather(&mut self, plan: &Plan, limits: &[usize]) -> BatchAnswers<'_> {
-        let mut by_unit = vec![None; plan.units.len()];
+    fn gather(&mut self, plan: &Plan, tasks: &[PairTask<'_>]) -> BatchAnswers<'_> {
         let mut stats = plan.stats;
+        let mut all_done = Vec::with_capacity(plan.units.len());
         for (index, worker) in self.workers.iter_mut().enumerate() {
             let worker = unlocked(worker);
             stats += worker.stats;
-            for done in worker.done.drain(..) {
-                let unit = done.unit;
-                by_unit[unit] = Some((index, done));
-            }
+            all_done.extend(worker.done.drain(..).map(|done| (index, done)));
         }
+        all_done.sort_unstable_by_key(|(_, done)| done.unit);
         self.found.clear();
-        self.ends.clear();
-        self.truncated.clear();
-        self.truncated.resize(limits.len(), false);
-        for (unit, place) in plan.units.iter().zip(by_unit) {
-            let task = plan.task_of(unit);
-            self.ends
-                .extend(iter::repeat_n(self.found.len(), task.saturating_sub(self.ends.len())));
-            let Some((worker, done)) = place else { continue };
-            let start = task.checked_sub(1).map_or(0, |before| self.ends[before]);
-            let room = limits[task].saturating_sub(self.found.len() - start);
+        self.answers.clear();
+        self.answers.resize(tasks.len(), (0..0, false));
+        for (worker, done) in all_done {
+            let task = plan.units[done.unit].task;
+            let (range, is_truncated) = &mut self.answers[task];
+            if range.start == range.end {
+                range.start = self.found.len();
+            }
+            let room = tasks[task].wanted.limit() - (self.found.len() - range.start);
             let found = &unlocked(&mut self.workers[worker]).found[done.found];
             self.found.extend_from_slice(&found[..room.min(found.len())]);
-            self.truncated[task] |= done.is_truncated || found.len() > room;
+            *is_truncated |= done.is_truncated || found.len() > room;
+            range.end = self.found.len();
         }
-        self.ends.resize(limits.len(), self.found.len());
         BatchAnswers {
             found: &self.found,
-            ends: &self.ends,
-            truncated: &self.truncated,
+            answers: &self.answers,
             stats,
         }
     }

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::atomic::Ordering;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::plan::{PairTask, Plan, Unit, Wanted};
+use super::plan::{Large, PairTask, Plan, Unit, Wanted};
 use super::schedule::Schedule;
 use crate::pose::Pose;
 use crate::query::capped::Capped;
@@ -46,8 +46,6 @@ pub(super) fn unlocked(worker: &mut Mutex<Worker>) -> &mut Worker {
 pub(super) struct Batch<'a, 'b, 'm> {
     /// Locks never wait: the schedule never gives out two units with a common body at once.
     bodies: Vec<Mutex<&'a mut Body<'b>>>,
-    /// The bodies of each task.
-    pairs: Vec<[usize; 2]>,
     /// Locks never wait: each task is done once.
     tasks: Vec<Mutex<&'a mut PairTask<'m>>>,
     plan: &'a Plan,
@@ -62,11 +60,11 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
         plan: &'a Plan,
         workers: usize,
     ) -> Self {
+        let locks = |unit: &Unit| unit.part.is_none().then(|| [tasks[unit.task].a, tasks[unit.task].b]);
         Self {
             workers,
-            schedule: Schedule::new(plan.units.len(), bodies.len()),
+            schedule: Schedule::new(plan.units.iter().map(locks).collect(), bodies.len()),
             bodies: bodies.iter_mut().map(Mutex::new).collect(),
-            pairs: tasks.iter().map(|task| [task.a, task.b]).collect(),
             tasks: tasks.iter_mut().map(Mutex::new).collect(),
             plan,
         }
@@ -74,18 +72,15 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
 
     /// Takes units until none is left.
     pub(super) fn work(&self, worker: &mut Worker) {
-        let bodies_of = |unit: usize| match self.plan.units[unit] {
-            Unit::Whole(task) => Some(self.pairs[task]),
-            Unit::Part { .. } => None,
-        };
         let most = (self.plan.units.len() / (4 * self.workers)).clamp(1, MAX_UNITS_AT_ONCE);
         let mut units = Vec::with_capacity(most);
-        while self.schedule.take(most, bodies_of, &mut units) {
+        while self.schedule.take(most, &mut units) {
             for &index in &units {
                 let start = worker.found.len();
-                let is_truncated = match self.plan.units[index] {
-                    Unit::Whole(task) => self.whole(task, worker),
-                    Unit::Part { large, part } => self.part(large, part, worker),
+                let Unit { task, part } = self.plan.units[index];
+                let is_truncated = match part {
+                    None => self.whole(task, worker),
+                    Some((large, part)) => self.part(&self.plan.larges[large], part, worker),
                 };
                 worker.done.push(Done {
                     unit: index,
@@ -93,14 +88,14 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
                     is_truncated,
                 });
             }
-            self.schedule.free(units.drain(..).filter_map(bodies_of));
+            self.schedule.free(units.drain(..));
         }
     }
 
     /// Does a task; returns whether there are more pairs than its limit.
     fn whole(&self, task: usize, worker: &mut Worker) -> bool {
-        let [mut a, mut b] = self.pairs[task].map(|body| locked(&self.bodies[body]));
         let mut task = locked(&self.tasks[task]);
+        let [mut a, mut b] = [task.a, task.b].map(|body| locked(&self.bodies[body]));
         let Worker {
             query, found, stats, ..
         } = worker;
@@ -120,8 +115,7 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
     }
 
     /// Does a part of a large pair, up to the whole task's limit; returns whether there are more pairs.
-    fn part(&self, large: usize, part: usize, worker: &mut Worker) -> bool {
-        let large = &self.plan.larges[large];
+    fn part(&self, large: &Large, part: usize, worker: &mut Worker) -> bool {
         if large.is_full_before(part) {
             return false;
         }

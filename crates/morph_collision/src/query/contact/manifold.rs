@@ -1,5 +1,6 @@
 use glam::DVec3;
 
+use crate::exact::edges;
 use crate::query::TrianglePair;
 
 /// A point that two bodies share.
@@ -11,17 +12,6 @@ pub struct ContactPoint {
     pub depth: f64,
     /// The two triangles.
     pub pair: TrianglePair,
-}
-
-impl ContactPoint {
-    const NONE: Self = Self {
-        point: DVec3::ZERO,
-        depth: 0.0,
-        pair: TrianglePair {
-            triangle_a: 0,
-            triangle_b: 0,
-        },
-    };
 }
 
 /// A summary of the contacts of two bodies: a normal, a depth and up to four points.
@@ -66,46 +56,38 @@ impl Manifold {
             depth: deepest.depth,
             pair_count,
             is_truncated,
-            points: [*deepest, ContactPoint::NONE, ContactPoint::NONE, ContactPoint::NONE],
+            points: [*deepest; 4],
             len: 1,
         };
-        manifold.spread(points);
+        let _fewer_than_four = manifold.spread(points);
         Some(manifold)
     }
 
-    fn spread(&mut self, points: &[ContactPoint]) {
+    /// Adds up to three points to the first; returns early if the others add nothing.
+    fn spread(&mut self, points: &[ContactPoint]) -> Option<()> {
         /// Points closer than this share of their coordinates, or of the extent so far, count as equal.
         const SAME: f64 = 1e-12;
         let p = self.points[0].point;
-        let Some(second) = best(points, |c| c.point.distance_squared(p)) else {
-            return;
-        };
+        let second = best(points, |c| c.point.distance_squared(p))?;
         let q = second.point;
         let extent = q.distance(p);
         if extent <= SAME * p.abs().max_element() {
-            return;
+            return None;
         }
         self.add(second);
 
         let area = |c: &ContactPoint| (q - p).cross(c.point - p).length();
-        let Some(third) = best(points, area).filter(|c| area(c) > SAME * extent * extent) else {
-            return;
-        };
+        let third = best(points, area).filter(|c| area(c) > SAME * extent * extent)?;
         let r = third.point;
         self.add(third);
 
         let upright = (q - p).cross(r - p).normalize_or_zero();
         let outside = |c: &ContactPoint| {
-            let mut farthest = 0.0;
-            for (from, to) in [(p, q), (q, r), (r, p)] {
-                let out = (c.point - from).cross(to - from).dot(upright);
-                farthest = if out > farthest { out } else { farthest };
-            }
-            farthest
+            let beyond = |[from, to]: [DVec3; 2]| (c.point - from).cross(to - from).dot(upright);
+            edges(&[p, q, r]).map(beyond).into_iter().fold(0.0, f64::max)
         };
-        if let Some(fourth) = best(points, outside).filter(|c| outside(c) > SAME * extent * extent) {
-            self.add(fourth);
-        }
+        self.add(best(points, outside).filter(|c| outside(c) > SAME * extent * extent)?);
+        Some(())
     }
 
     fn add(&mut self, point: &ContactPoint) {

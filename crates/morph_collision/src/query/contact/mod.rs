@@ -5,4 +5,4 @@ mod parting;
 mod query;
 
 pub use manifold::{ContactPoint, Manifold};
-pub use query::{ContactQuery, PairContact};
+pub use query::ContactQuery;

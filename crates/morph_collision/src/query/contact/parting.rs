@@ -30,20 +30,16 @@ pub(super) fn parting_distance(a: &Triangle, b: &Triangle, direction: DVec3) -> 
         .map(|projected| projected.at.length())
         .fold(0.0, f64::max);
     let mut farthest = 0.0_f64;
-    for corner in projected_a {
-        if let Some(height) = height_of_triangle(&projected_b, corner.at) {
-            farthest = farthest.max(height - corner.height);
+    for (corners, other, sign) in [(&projected_a, &projected_b, 1.0), (&projected_b, &projected_a, -1.0)] {
+        for corner in corners {
+            if let Some(height) = height_of_triangle(other, corner.at) {
+                farthest = farthest.max(sign * (height - corner.height));
+            }
         }
     }
-    for corner in projected_b {
-        if let Some(height) = height_of_triangle(&projected_a, corner.at) {
-            farthest = farthest.max(corner.height - height);
-        }
-    }
-    for edge_a in edges(a) {
-        for edge_b in edges(b) {
-            let (edge_a, edge_b) = (edge_a.map(project), edge_b.map(project));
-            for (of_a, of_b) in common_ats(edge_a, edge_b, TOLERANCE * size) {
+    for edge_a in edges(&projected_a) {
+        for edge_b in edges(&projected_b) {
+            for (of_a, of_b) in common_heights(edge_a, edge_b, TOLERANCE * size) {
                 farthest = farthest.max(of_b - of_a);
             }
         }
@@ -73,7 +69,7 @@ fn height_of_triangle(triangle: &[Projected; 3], at: DVec2) -> Option<f64> {
 }
 
 /// The heights of two segments over the points where their projections cross, or where an end of one lies on the other.
-fn common_ats(a: [Projected; 2], b: [Projected; 2], tolerance: f64) -> impl Iterator<Item = (f64, f64)> {
+fn common_heights(a: [Projected; 2], b: [Projected; 2], tolerance: f64) -> impl Iterator<Item = (f64, f64)> {
     let (along_a, along_b) = (a[1].at - a[0].at, b[1].at - b[0].at);
     let turn = along_a.perp_dot(along_b);
     let between = b[0].at - a[0].at;

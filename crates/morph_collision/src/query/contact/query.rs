@@ -4,18 +4,11 @@ use glam::DVec3;
 
 use super::manifold::{ContactPoint, Manifold};
 use super::parting::parting_distance;
+use crate::bounds::WorldFromModel;
 use crate::exact::{Triangle, TriangleContact, triangle_contact};
+use crate::pose::Posed;
 use crate::query::body::world_triangle;
 use crate::query::{Body, PairQuery, QueryStats, TrianglePair};
-
-/// Two intersecting triangles and where they meet.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PairContact {
-    /// The triangles.
-    pub pair: TrianglePair,
-    /// Where they meet, in world space.
-    pub contact: TriangleContact,
-}
 
 /// Finds where and how two bodies touch. Keep the query: it reuses its memory.
 ///
@@ -49,7 +42,6 @@ pub struct PairContact {
 pub struct ContactQuery {
     pairs: PairQuery,
     found: Vec<TrianglePair>,
-    corners: [Vec<Triangle>; 2],
     touching: Vec<Touching>,
     points: Vec<ContactPoint>,
 }
@@ -76,21 +68,6 @@ impl ContactQuery {
         self.pairs.stats()
     }
 
-    /// Appends a contact for every pair of intersecting triangles.
-    pub fn all(&mut self, a: Body<'_>, b: Body<'_>, contacts: &mut Vec<PairContact>) {
-        self.up_to(a, b, usize::MAX, contacts);
-    }
-
-    /// Appends a contact for each pair of [`PairQuery::up_to`]; returns whether there are more.
-    pub fn up_to(&mut self, a: Body<'_>, b: Body<'_>, limit: usize, contacts: &mut Vec<PairContact>) -> bool {
-        let is_truncated = self.find(a, b, limit);
-        contacts.extend(self.touching.iter().map(|touching| PairContact {
-            pair: touching.pair,
-            contact: touching.contact,
-        }));
-        is_truncated
-    }
-
     /// The summary of all contacts; `None` if no triangles intersect.
     ///
     /// Cost: a pair query, plus time proportional to the number of intersecting pairs.
@@ -98,7 +75,7 @@ impl ContactQuery {
         self.manifold_up_to(a, b, usize::MAX)
     }
 
-    /// The summary of the contacts of [`ContactQuery::up_to`]; `None` if there are none.
+    /// The summary of the pairs of [`PairQuery::up_to`]; `None` if there are none.
     ///
     /// If there are more pairs than `limit`, [`Manifold::is_truncated`] is set, and swapping the bodies may give another manifold.
     pub fn manifold_up_to(&mut self, a: Body<'_>, b: Body<'_>, limit: usize) -> Option<Manifold> {
@@ -119,10 +96,10 @@ impl ContactQuery {
         self.found.clear();
         let is_truncated = self.pairs.up_to(a.reborrow(), b.reborrow(), limit, &mut self.found);
         self.touching.clear();
-        let [corners_a, corners_b] = &mut self.corners;
-        read_outward(a, self.found.iter().map(|pair| pair.triangle_a), corners_a);
-        read_outward(b, self.found.iter().map(|pair| pair.triangle_b), corners_b);
-        for ((&pair, &a), &b) in self.found.iter().zip(&*corners_a).zip(&*corners_b) {
+        let (posed_a, posed_b) = (&mut a.pose.posed(), &mut b.pose.posed());
+        for &pair in &self.found {
+            let a = outward_triangle(posed_a, a.world_from_model, pair.triangle_a);
+            let b = outward_triangle(posed_b, b.world_from_model, pair.triangle_b);
             // Never `None`: the pair query uses the same predicates.
             if let Some(contact) = triangle_contact(&a, &b) {
                 self.touching.push(Touching { pair, a, b, contact });
@@ -141,16 +118,14 @@ impl ContactQuery {
     }
 }
 
-/// The corners of triangles in world space; flips the windings of a mirrored body.
-fn read_outward(body: Body<'_>, triangles: impl Iterator<Item = u32>, corners: &mut Vec<Triangle>) {
-    let world_from_model = body.world_from_model;
-    let mirrors = world_from_model.mirrors();
-    corners.clear();
-    let mut posed = body.pose.posed();
-    corners.extend(triangles.map(|triangle| {
-        let [p, q, r] = world_triangle(&mut posed, world_from_model, triangle);
-        if mirrors { [p, r, q] } else { [p, q, r] }
-    }));
+/// A triangle's corners in world space; the winding of a mirrored body is flipped.
+fn outward_triangle(posed: &mut Posed<'_>, world_from_model: &WorldFromModel, triangle: u32) -> Triangle {
+    let [p, q, r] = world_triangle(posed, world_from_model, triangle);
+    if world_from_model.mirrors() {
+        [p, r, q]
+    } else {
+        [p, q, r]
+    }
 }
 
 /// See [`Manifold::normal`].

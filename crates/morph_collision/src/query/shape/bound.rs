@@ -1,7 +1,6 @@
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
-use super::placed::PlacedShape;
-use super::solid::Solid;
+use super::placed::{PlacedShape, Solid};
 use crate::bounds::{Aabb, Box64, WorldFromModel};
 use crate::exact::closest_on_segment;
 
@@ -12,20 +11,13 @@ use crate::exact::closest_on_segment;
 pub(super) struct NodeBound<'a> {
     shape: &'a PlacedShape,
     world_from_model: &'a WorldFromModel,
-    faces: [FaceDirection; 3],
+    /// The unit normals of a box's faces, with the shape's supports along and against each; 0 where a body is flattened.
+    faces: [(DVec3, [f64; 2]); 3],
     /// Covers the rounding errors of a bound, of the vertices in world space, and of the distances computed in leaves.
     slack: f64,
 }
 
-/// A direction, and the shape's supports along it and against it.
-#[derive(Clone, Copy, Debug)]
-struct FaceDirection {
-    direction: DVec3,
-    supports: [f64; 2],
-}
-
-/// See [`NodeBound::slack`]: 64 roundings, each at most half an epsilon of all magnitudes that take part. More than the longest chain of
-/// operations here has.
+/// The slack relative to all magnitudes together: 64 roundings, more than the longest chain of operations here has.
 const ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 impl<'a> NodeBound<'a> {
@@ -33,15 +25,11 @@ impl<'a> NodeBound<'a> {
     pub(super) fn new(shape: &'a PlacedShape, world_from_model: &'a WorldFromModel, root: &Aabb) -> Self {
         let m = world_from_model.linear();
         let faces = [(m.y_axis, m.z_axis), (m.z_axis, m.x_axis), (m.x_axis, m.y_axis)].map(|(u, v)| {
-            // Normalised first to avoid overflow. A flattened body has fewer faces; a zero direction bounds nothing.
+            // Normalised first to avoid overflow.
             let direction = u.normalize_or_zero().cross(v.normalize_or_zero()).normalize_or_zero();
-            FaceDirection {
-                direction,
-                supports: [shape.support(direction), shape.support(-direction)],
-            }
+            (direction, [shape.support(direction), shape.support(-direction)])
         });
-        let linear = DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs());
-        let reach = linear * root.magnitude().as_dvec3() + world_from_model.translation().abs();
+        let reach = world_from_model.reach(root.magnitude().as_dvec3());
         let slack = ROUNDING * (reach.element_sum() + shape.reach());
         Self {
             shape,
@@ -60,12 +48,12 @@ impl<'a> NodeBound<'a> {
         };
         let outward = self.shape.outward(center);
         let mut bound = outward.dot(center) - radius_along(outward) - self.shape.support(outward);
-        for face in &self.faces {
-            if face.direction != DVec3::ZERO {
-                let (along, radius) = (face.direction.dot(center), radius_along(face.direction));
-                bound = bound.max(along - radius - face.supports[0]);
-                bound = bound.max(-along - radius - face.supports[1]);
-            }
+        // A zero direction bounds nothing.
+        for (direction, supports) in self.faces.iter().filter(|(direction, _)| *direction != DVec3::ZERO) {
+            let (along, radius) = (direction.dot(center), radius_along(*direction));
+            bound = bound
+                .max(along - radius - supports[0])
+                .max(-along - radius - supports[1]);
         }
         // Overflow culls nothing.
         if bound.is_nan() {
@@ -80,40 +68,28 @@ impl PlacedShape {
     /// The largest `direction . x` over the shape; may be infinite.
     fn support(&self, direction: DVec3) -> f64 {
         match &self.solid {
-            Solid::Ball { center, radius } => direction.dot(*center) + radius,
-            Solid::Capsule { axis, radius } => support_of(axis, direction) + radius,
+            Solid::Round { axis: [p, q], radius } => direction.dot(*p).max(direction.dot(*q)) + radius,
             Solid::Cuboid(cuboid) => cuboid.support(direction),
             Solid::HalfSpace { point, normal } if direction == *normal => direction.dot(*point),
             Solid::HalfSpace { .. } => f64::INFINITY,
-            Solid::Segment(segment) => support_of(segment, direction),
         }
     }
 
     /// The gradient of the signed distance at a point: a unit vector, an arbitrary one where the gradient does not exist.
     fn outward(&self, point: DVec3) -> DVec3 {
-        let from = |axis| (point - closest_on_segment(point, axis)).normalize_or(DVec3::X);
         match &self.solid {
-            Solid::Ball { center, .. } => from([*center; 2]),
-            Solid::Capsule { axis, .. } => from(*axis),
+            Solid::Round { axis, .. } => (point - closest_on_segment(point, *axis)).normalize_or(DVec3::X),
             Solid::Cuboid(cuboid) => cuboid.outward(point),
             Solid::HalfSpace { normal, .. } => *normal,
-            Solid::Segment(segment) => from(*segment),
         }
     }
 
     /// An upper bound for the coordinates that take part in a distance to the shape.
     fn reach(&self) -> f64 {
-        let of = |p: DVec3| p.abs().max_element();
         match &self.solid {
-            Solid::Ball { center, radius } => of(*center) + radius,
-            Solid::Capsule { axis, radius } => of(axis[0]).max(of(axis[1])) + radius,
+            Solid::Round { axis: [p, q], radius } => p.abs().max(q.abs()).max_element() + radius,
             Solid::Cuboid(cuboid) => cuboid.reach(),
-            Solid::HalfSpace { point, .. } => of(*point),
-            Solid::Segment(segment) => of(segment[0]).max(of(segment[1])),
+            Solid::HalfSpace { point, .. } => point.abs().max_element(),
         }
     }
-}
-
-fn support_of(segment: &[DVec3; 2], direction: DVec3) -> f64 {
-    direction.dot(segment[0]).max(direction.dot(segment[1]))
 }

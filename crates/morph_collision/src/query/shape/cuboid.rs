@@ -2,7 +2,7 @@ use std::cmp::Ordering::Equal;
 
 use glam::{DMat3, DVec3};
 
-use super::solid::Closest;
+use super::placed::Closest;
 use crate::exact::{
     ClosestPoints, Segment, Triangle, closest_of_segments, closest_on_triangle, edges, plane_side, triangles_intersect,
 };
@@ -15,20 +15,14 @@ pub(super) struct Cuboid {
     center: DVec3,
 }
 
-/// Each face as two triangles. The diagonals are part of the definition.
-const FACES: [[usize; 3]; 12] = [
-    [0, 4, 6],
-    [0, 6, 2],
-    [1, 3, 7],
-    [1, 7, 5],
-    [0, 1, 5],
-    [0, 5, 4],
-    [2, 6, 7],
-    [2, 7, 3],
-    [0, 2, 3],
-    [0, 3, 1],
-    [4, 5, 7],
-    [4, 7, 6],
+/// The corners of each face in order. Its diagonal from the first corner, which cuts it into two triangles, is part of the definition.
+const FACES: [[usize; 4]; 6] = [
+    [0, 4, 6, 2],
+    [1, 3, 7, 5],
+    [0, 1, 5, 4],
+    [2, 6, 7, 3],
+    [0, 2, 3, 1],
+    [4, 5, 7, 6],
 ];
 
 /// Bounds the error of a local coordinate, relative to the largest coordinate that takes part: 128 roundings, more than the operations here.
@@ -72,14 +66,7 @@ impl Cuboid {
 
     /// The outward axis of the face nearest to a local point inside.
     fn nearest_face(&self, local: DVec3) -> DVec3 {
-        let beyond = local.abs() - self.half;
-        let axis = if beyond.x >= beyond.y && beyond.x >= beyond.z {
-            0
-        } else if beyond.y >= beyond.z {
-            1
-        } else {
-            2
-        };
+        let axis = (local.abs() - self.half).max_position();
         DVec3::AXES[axis] * local[axis].signum()
     }
 
@@ -94,16 +81,15 @@ impl Cuboid {
 
     fn faces(&self) -> impl Iterator<Item = Triangle> {
         let corners = self.corners();
-        FACES.iter().map(move |face| face.map(|corner| corners[corner]))
+        let halves = FACES.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        halves.map(move |half| half.map(|corner| corners[corner]))
     }
 
     /// Exact over the corners, the centre and the triangle. Rounded local coordinates decide clear cases.
     pub(super) fn intersects(&self, triangle: &Triangle) -> bool {
         let local = triangle.map(|corner| self.local(corner));
-        let reach = triangle
-            .iter()
-            .fold(self.reach(), |reach, p| reach.max(p.abs().max_element()));
-        let slack = ROUNDING * reach;
+        let sizes = triangle.map(|corner| corner.abs().max_element()).into_iter();
+        let slack = ROUNDING * sizes.fold(self.reach(), f64::max);
         let (outer, inner) = (self.half + slack, self.half - slack);
         let low = local[0].min(local[1]).min(local[2]);
         let high = local[0].max(local[1]).max(local[2]);
@@ -137,12 +123,16 @@ impl Cuboid {
 
     pub(super) fn closest(&self, triangle: &Triangle) -> Closest {
         let local = triangle.map(|corner| self.local(corner));
+        let closest = |local: DVec3, normal: DVec3, distance| Closest {
+            point: self.rotation * local + self.center,
+            normal: self.rotation * normal,
+            distance,
+        };
         let intersects = self.intersects(triangle);
         if !intersects {
-            let (on_box, on_triangle) = self.closest_outside(&local);
-            let distance = on_box.distance(on_triangle);
-            if let Some(normal) = (on_triangle - on_box).try_normalize() {
-                return self.world_closest(on_triangle, normal, distance);
+            let ClosestPoints { on_a, on_b, .. } = self.closest_outside(&local);
+            if let Some(normal) = (on_b - on_a).try_normalize() {
+                return closest(on_b, normal, on_a.distance(on_b));
             }
         }
         let (deepest, distance) = self.deepest(&local);
@@ -151,19 +141,11 @@ impl Cuboid {
         } else {
             f64::MIN_POSITIVE
         };
-        self.world_closest(deepest, self.nearest_face(deepest), distance)
-    }
-
-    fn world_closest(&self, point: DVec3, normal: DVec3, distance: f64) -> Closest {
-        Closest {
-            point: self.rotation * point + self.center,
-            normal: self.rotation * normal,
-            distance,
-        }
+        closest(deepest, self.nearest_face(deepest), distance)
     }
 
     /// The closest points of the box and a triangle outside, in local coordinates. They lie on a corner of one, or on an edge of each.
-    fn closest_outside(&self, triangle: &Triangle) -> (DVec3, DVec3) {
+    fn closest_outside(&self, triangle: &Triangle) -> ClosestPoints {
         let mut nearest = ClosestPoints::NONE;
         for &corner in triangle {
             nearest.keep(ClosestPoints::new(corner.clamp(-self.half, self.half), corner));
@@ -178,7 +160,7 @@ impl Cuboid {
                 }
             }
         }
-        (nearest.on_a, nearest.on_b)
+        nearest
     }
 
     /// The deepest point of a triangle, in local coordinates, and its signed distance.

@@ -1,4 +1,4 @@
-//! Bodies against points, convex regions, balls, capsules, cuboids, half-spaces and segments.
+//! Bodies against points, convex regions, balls, capsules, cuboids and half-spaces.
 //!
 //! Shapes are convex and share one notion: the *signed distance* of a point, which is positive outside, zero on the surface and
 //! negative inside. It is a convex function, the maximum of `w . x - support(w)` over all unit vectors `w`; so any direction
@@ -10,7 +10,6 @@ mod placed;
 mod point;
 mod query;
 mod region;
-mod solid;
 
 pub use placed::{PlacedShape, Shape};
 pub use point::ClosestPoint;

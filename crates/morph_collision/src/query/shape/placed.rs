@@ -1,7 +1,10 @@
 use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
 use super::cuboid::Cuboid;
-use super::solid::Solid;
+use crate::exact::{
+    Segment, Triangle, closest_of_segment_and_triangle, closest_on_segment, closest_on_triangle, common_segment,
+    unit_normal,
+};
 use crate::input_error::{InputError, check_direction, check_number, check_point, check_vector};
 
 /// The largest number in a [`Shape`] or its placement.
@@ -19,7 +22,7 @@ pub enum Shape {
     Capsule {
         /// Half the length of the segment, without the round ends.
         half_length: f32,
-        /// The radius.
+        /// The radius; 0 makes a segment.
         radius: f32,
     },
     /// A solid box around the origin.
@@ -31,13 +34,6 @@ pub enum Shape {
     HalfSpace {
         /// The direction out of the half-space; any length but 0.
         normal: Vec3,
-    },
-    /// The points between two ends.
-    Segment {
-        /// One end.
-        a: Vec3,
-        /// The other end.
-        b: Vec3,
     },
 }
 
@@ -57,6 +53,30 @@ pub struct PlacedShape {
     pub(super) solid: Solid,
 }
 
+/// A shape in world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Solid {
+    /// A ball or a capsule: all points within a radius of a segment. A ball's segment is a point.
+    Round {
+        axis: Segment,
+        radius: f64,
+    },
+    Cuboid(Cuboid),
+    HalfSpace {
+        point: DVec3,
+        normal: DVec3,
+    },
+}
+
+/// The point of a triangle with the smallest signed distance.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Closest {
+    pub(super) point: DVec3,
+    /// The unit vector along which the signed distance grows.
+    pub(super) normal: DVec3,
+    pub(super) distance: f64,
+}
+
 impl PlacedShape {
     /// Rotates a shape, then moves it, into world space. There is no scale, so sizes are in world units.
     ///
@@ -70,16 +90,15 @@ impl PlacedShape {
         check_number("length of the rotation", rotation.length(), is_unit, "1")?;
         let rotation = DMat3::from_quat(rotation.normalize());
         let translation = vector("translation", translation)?;
-        let to_world = |local: DVec3| rotation * local + translation;
         let solid = match shape {
-            Shape::Ball { radius } => Solid::Ball {
-                center: translation,
+            Shape::Ball { radius } => Solid::Round {
+                axis: [translation; 2],
                 radius: size("radius", radius)?,
             },
             Shape::Capsule { half_length, radius } => {
-                let half = DVec3::Y * size("half_length", half_length)?;
-                Solid::Capsule {
-                    axis: [-half, half].map(to_world),
+                let half = rotation * (DVec3::Y * size("half_length", half_length)?);
+                Solid::Round {
+                    axis: [translation - half, translation + half],
                     radius: size("radius", radius)?,
                 }
             }
@@ -97,9 +116,6 @@ impl PlacedShape {
                     normal: (rotation * normal.normalize()).normalize(),
                 }
             }
-            Shape::Segment { a, b } => {
-                Solid::Segment([to_world(vector("segment", a)?), to_world(vector("segment", b)?)])
-            }
         };
         Ok(Self { solid })
     }
@@ -111,8 +127,61 @@ impl PlacedShape {
     pub fn ball(center: DVec3, radius: f64) -> Result<Self, InputError> {
         check_point("center", center)?;
         check_number("radius", radius, (0.0..=1e50).contains(&radius), "from 0 to 1e50")?;
-        let solid = Solid::Ball { center, radius };
-        Ok(Self { solid })
+        let axis = [center; 2];
+        Ok(Self {
+            solid: Solid::Round { axis, radius },
+        })
+    }
+
+    /// The signed distance of a point, in world units; negative inside.
+    ///
+    /// Inside a cuboid it is the distance to the nearest face.
+    #[must_use]
+    pub fn signed_distance(&self, point: DVec3) -> f64 {
+        match &self.solid {
+            Solid::Round { axis, radius } => point.distance(closest_on_segment(point, *axis)) - radius,
+            Solid::Cuboid(cuboid) => cuboid.signed_distance(point),
+            Solid::HalfSpace { point: foot, normal } => (point - foot).dot(*normal),
+        }
+    }
+
+    /// Whether a closed triangle in world space shares a point with the shape.
+    ///
+    /// Exact for a cuboid, the solid spanned by its eight `f64` corners and its `f64` centre, with each face split into two
+    /// triangles; and for a capsule with length but no radius, the segment between its `f64` ends. For other shapes: whether the triangle's
+    /// signed distance, computed in `f64`, is at most 0.
+    #[must_use]
+    pub fn intersects(&self, triangle: &Triangle) -> bool {
+        match &self.solid {
+            Solid::Cuboid(cuboid) => cuboid.intersects(triangle),
+            _ => self.closest(triangle).distance <= 0.0,
+        }
+    }
+
+    /// The point of a triangle with the smallest signed distance, which is at most 0 exactly if they intersect.
+    pub(super) fn closest(&self, triangle: &Triangle) -> Closest {
+        match &self.solid {
+            Solid::Round { axis, radius } => {
+                let closest = closest_to_axis(*axis, triangle);
+                Closest {
+                    distance: closest.distance - radius,
+                    ..closest
+                }
+            }
+            Solid::Cuboid(cuboid) => cuboid.closest(triangle),
+            Solid::HalfSpace { point, normal } => {
+                let height = |corner: &DVec3| (corner - point).dot(*normal);
+                let lowest = triangle
+                    .iter()
+                    .min_by(|p, q| height(p).total_cmp(&height(q)))
+                    .unwrap_or(&triangle[0]);
+                Closest {
+                    point: *lowest,
+                    normal: *normal,
+                    distance: height(lowest),
+                }
+            }
+        }
     }
 }
 
@@ -126,6 +195,33 @@ fn size(what: &'static str, value: f32) -> Result<f64, InputError> {
     let value = f64::from(value);
     check_number(what, value, (0.0..=LARGEST).contains(&value), "from 0 to 1e37")?;
     Ok(value)
+}
+
+/// The closest point to a ball's centre or a capsule's segment. The distance to a segment is 0 exactly if they share a point.
+fn closest_to_axis([p, q]: Segment, triangle: &Triangle) -> Closest {
+    let apart = |on_axis: DVec3, point: DVec3, distance: f64| Closest {
+        point,
+        normal: (point - on_axis).try_normalize().unwrap_or(unit_normal(triangle)),
+        distance,
+    };
+    if p == q {
+        let foot = closest_on_triangle(p, triangle);
+        return apart(p, foot.point, foot.squared.sqrt());
+    }
+    if let Some([s, t]) = common_segment(triangle, &[p, q, q]) {
+        let point = s + (t - s) * 0.5;
+        // Points away from the end of the segment that reaches farther through the triangle.
+        let normal = unit_normal(triangle);
+        let faces_middle = normal.dot(p - point + (q - point)) > 0.0;
+        return Closest {
+            point,
+            normal: if faces_middle { -normal } else { normal },
+            distance: 0.0,
+        };
+    }
+    let closest = closest_of_segment_and_triangle([p, q], triangle);
+    let distance = closest.on_a.distance(closest.on_b);
+    apart(closest.on_a, closest.on_b, distance.max(f64::MIN_POSITIVE))
 }
 
 #[cfg(test)]
@@ -148,8 +244,6 @@ mod tests {
         let half_extents = Vec3::new(1.0, f32::INFINITY, 1.0);
         assert!(message(Shape::Cuboid { half_extents }).contains("half_extents is inf"));
         assert!(message(Shape::HalfSpace { normal: Vec3::ZERO }).contains("normal is [0, 0, 0]"));
-        let (a, b) = (Vec3::ZERO, Vec3::splat(2e37));
-        assert!(message(Shape::Segment { a, b }).starts_with("segment: coordinate 0 is 2e37"));
     }
 
     #[test]

@@ -63,14 +63,12 @@ impl ShapeQuery {
         let frames = GapFrame::list(body.world_from_model, body.magnitude(), world, point.abs());
         let targets: Vec<_> = frames.iter().map(|frame| (frame, frame.image_of_b(&target))).collect();
         let squared_distance = |bounds: &Box64| {
-            let distances = targets
-                .iter()
-                .map(|(frame, target)| frame.squared(&frame.image_of_a(bounds), target));
-            Some(distances.fold(0.0, f64::max))
+            let squared = |(frame, target): &(&GapFrame, Box64)| frame.squared(&frame.image_of_a(bounds), target);
+            Some(targets.iter().map(squared).fold(0.0, f64::max))
         };
         let mut closest: Option<(u32, TrianglePoint)> = None;
         let mut limit = max_distance * max_distance * MARGIN;
-        self.one.walk(body, limit, squared_distance, |number, triangle| {
+        let _never_stopped = self.one.walk(body, limit, squared_distance, |number, triangle| {
             let foot = closest_on_triangle(point, triangle);
             let is_closer = closest.as_ref().is_none_or(|(best_number, best)| {
                 foot.squared < best.squared || (foot.squared == best.squared && number < *best_number)

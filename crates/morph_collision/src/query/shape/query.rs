@@ -1,4 +1,3 @@
-use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use glam::DVec3;
@@ -25,8 +24,8 @@ pub struct ShapeContact {
     pub point_on_shape: DVec3,
     /// The unit vector out of the shape towards the body: the gradient of the distance.
     ///
-    /// Where the gradient does not exist, because the triangle meets a ball's centre, a capsule's axis or a segment, it is the
-    /// triangle's normal, towards the side with less of the segment; zero if the triangle has no normal.
+    /// Where the gradient does not exist, because the triangle meets a ball's centre or a capsule's axis, it is the triangle's
+    /// normal, towards the side with less of the axis; zero if the triangle has no normal.
     pub normal: DVec3,
 }
 
@@ -74,12 +73,7 @@ impl ShapeQuery {
 
     /// Whether any triangle intersects the shape.
     pub fn any(&mut self, body: Body<'_>, shape: &PlacedShape) -> bool {
-        let mut any = false;
-        self.visit(body, shape, |_| {
-            any = true;
-            ControlFlow::Break(())
-        });
-        any
+        self.up_to(body, shape, 0, &mut Vec::new())
     }
 
     /// Appends every triangle that intersects the shape, in the order of [`ShapeQuery::visit`].
@@ -96,11 +90,11 @@ impl ShapeQuery {
 
     /// Calls `visitor` for every triangle that intersects the shape until it breaks. Leaves that reach deepest come first.
     pub fn visit(&mut self, body: Body<'_>, shape: &PlacedShape, mut visitor: impl FnMut(u32) -> ControlFlow<()>) {
-        self.walk(body, shape, &Cell::new(0.0), |triangle, corners| {
+        self.walk(body, shape, 0.0, |triangle, corners| {
             if shape.intersects(corners) {
                 visitor(triangle)?;
             }
-            ControlFlow::Continue(())
+            ControlFlow::Continue(0.0)
         });
     }
 
@@ -135,12 +129,12 @@ impl ShapeQuery {
     ) -> Result<bool, InputError> {
         check_within(within)?;
         let mut listed = Capped::new(contacts, limit);
-        self.walk(body, shape, &Cell::new(within), |triangle, corners| {
+        self.walk(body, shape, within, |triangle, corners| {
             let contact = contact(shape, triangle, corners);
             if contact.distance <= within {
                 listed.push(contact)?;
             }
-            ControlFlow::Continue(())
+            ControlFlow::Continue(within)
         });
         Ok(listed.is_truncated)
     }
@@ -158,19 +152,17 @@ impl ShapeQuery {
         within: f64,
     ) -> Result<Option<ShapeContact>, InputError> {
         check_within(within)?;
-        let limit = Cell::new(within);
         let mut best: Option<ShapeContact> = None;
-        self.walk(body, shape, &limit, |triangle, corners| {
+        self.walk(body, shape, within, |triangle, corners| {
             let contact = contact(shape, triangle, corners);
             let is_better = match &best {
                 Some(best) => (contact.distance, triangle) < (best.distance, best.triangle),
                 None => contact.distance <= within,
             };
             if is_better {
-                limit.set(contact.distance);
                 best = Some(contact);
             }
-            ControlFlow::Continue(())
+            ControlFlow::Continue(best.as_ref().map_or(within, |best| best.distance))
         });
         Ok(best)
     }
@@ -179,19 +171,13 @@ impl ShapeQuery {
         &mut self,
         body: Body<'_>,
         shape: &PlacedShape,
-        limit: &Cell<f64>,
-        mut at_triangle: impl FnMut(u32, &Triangle) -> ControlFlow<()>,
+        limit: f64,
+        at_triangle: impl FnMut(u32, &Triangle) -> ControlFlow<(), f64>,
     ) {
         let bound = NodeBound::new(shape, body.world_from_model, &body.pose.bounds());
-        self.one.walk(
-            body,
-            limit.get(),
-            |node| Some(bound.lower_bound(node)),
-            |triangle, corners| {
-                at_triangle(triangle, corners)?;
-                ControlFlow::Continue(limit.get())
-            },
-        );
+        let _stopped_early = self
+            .one
+            .walk(body, limit, |node| Some(bound.lower_bound(node)), at_triangle);
     }
 }
 

@@ -4,8 +4,9 @@ use std::ops::ControlFlow;
 
 use super::ShapeQuery;
 use crate::bounds::{Box64, ModelPlane};
-use crate::exact::triangle_meets_region;
+use crate::exact::{Plane, triangle_meets_region};
 use crate::query::Body;
+use crate::query::capped::Capped;
 use crate::query::input::ConvexRegion;
 
 impl ShapeQuery {
@@ -29,42 +30,35 @@ impl ShapeQuery {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn any_in_region(&mut self, body: Body<'_>, region: &ConvexRegion) -> bool {
-        let mut any = false;
-        self.visit_region(body, region, |_| {
-            any = true;
-            ControlFlow::Break(())
-        });
-        any
+        self.in_region_up_to(body, region, 0, &mut Vec::new())
     }
 
     /// Appends the triangles that share a point with a convex region, ascending; as exact as [`ShapeQuery::any_in_region`].
     pub fn all_in_region(&mut self, body: Body<'_>, region: &ConvexRegion, triangles: &mut Vec<u32>) {
         let start = triangles.len();
-        self.visit_region(body, region, |number| {
-            triangles.push(number);
-            ControlFlow::Continue(())
-        });
+        self.in_region_up_to(body, region, usize::MAX, triangles);
         triangles[start..].sort_unstable();
     }
 
-    fn visit_region(
+    /// Appends at most `limit` triangles in no particular order; returns whether there are more.
+    fn in_region_up_to(
         &mut self,
         mut body: Body<'_>,
         region: &ConvexRegion,
-        mut visitor: impl FnMut(u32) -> ControlFlow<()>,
-    ) {
-        let magnitude = body.magnitude();
-        let world_from_model = body.world_from_model;
-        let to_model = region.planes.iter();
-        let planes: Vec<_> = to_model
-            .map(|plane| ModelPlane::new(plane.normal, plane.offset, world_from_model, magnitude))
-            .collect();
+        limit: usize,
+        triangles: &mut Vec<u32>,
+    ) -> bool {
+        let (magnitude, world_from_model) = (body.magnitude(), body.world_from_model);
+        let to_model = |plane: &Plane| ModelPlane::new(plane.normal, plane.offset, world_from_model, magnitude);
+        let planes: Vec<_> = region.planes.iter().map(to_model).collect();
         let reached = |bounds: &Box64| planes.iter().all(|plane| plane.reaches(bounds)).then_some(0.0);
-        self.one.walk(body, 0.0, reached, |number, triangle| {
+        let mut listed = Capped::new(triangles, limit);
+        let _stopped_early = self.one.walk(body, 0.0, reached, |number, triangle| {
             if triangle_meets_region(triangle, &region.planes) {
-                visitor(number)?;
+                listed.push(number)?;
             }
             ControlFlow::Continue(0.0)
         });
+        listed.is_truncated
     }
 }

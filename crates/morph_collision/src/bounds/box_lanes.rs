@@ -2,7 +2,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};
 use glam::Vec3;
 
-use super::{Aabb, LANES, Lanes};
+use super::{Aabb, LANES, Lanes, lanes_of};
 
 /// Eight boxes as structure of arrays: the children of a node, or the triangles of a patch.
 ///
@@ -120,9 +120,7 @@ impl BoxLanes {
 
     /// The smallest box around the lanes in a mask.
     pub(crate) fn hull(&self, lanes: u8) -> Aabb {
-        (0..LANES)
-            .filter(|lane| lanes >> lane & 1 == 1)
-            .fold(Aabb::EMPTY, |hull, lane| hull.union(&self.get(lane)))
+        lanes_of(lanes).fold(Aabb::EMPTY, |hull, lane| hull.union(&self.get(lane)))
     }
 
     /// The smallest box around all eight.

@@ -155,22 +155,6 @@ fn long_axes(linear: DMat3, half: DVec3) -> DMat3 {
     DMat3::from_cols(first, second, first.cross(second))
 }
 
-/// Whether two bodies are so small in the world that the slack for rounding is not small beside them, and culling is useless.
-/// Each is given by its place, its whole model-space bounds, and how far rounding may move a vertex in model space.
-pub(crate) fn are_below_resolution(bodies: [(&WorldFromModel, &Aabb, f64); 2]) -> bool {
-    /// Bodies this many times larger than the slack are culled well. Not measured; it decides only the speed.
-    const RESOLVED: f64 = 16.0;
-    let slack = |(place, bounds, rounding): (&WorldFromModel, &Aabb, f64)| {
-        place.placement_error(bounds.magnitude().as_dvec3()).max_element() + rounding * place.scale()
-    };
-    let limit = RESOLVED * (slack(bodies[0]) + slack(bodies[1]));
-    bodies.iter().all(|(place, bounds, _)| {
-        let (size, linear) = (bounds.size().as_dvec3(), place.linear());
-        let sides = [linear.x_axis * size.x, linear.y_axis * size.y, linear.z_axis * size.z];
-        sides.iter().all(|side| side.abs().max_element() <= limit)
-    })
-}
-
 /// A world-space box around the images by [`WorldFromModel::transform_point`] of all points in `bounds`.
 pub(crate) fn world_bounds(world_from_model: &WorldFromModel, bounds: &Aabb) -> Aabb {
     let magnitude = bounds.magnitude().as_dvec3();

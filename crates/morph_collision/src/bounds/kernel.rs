@@ -14,7 +14,7 @@ use fearless_simd::Level;
 #[derive(Clone, Copy, Debug)]
 pub struct Kernel {
     name: &'static str,
-    level: Level,
+    pub(crate) level: Level,
 }
 
 impl Default for Kernel {
@@ -36,11 +36,6 @@ impl Kernel {
     #[must_use]
     pub fn name(self) -> &'static str {
         self.name
-    }
-
-    #[inline]
-    pub(crate) fn level(self) -> Level {
-        self.level
     }
 
     fn detect() -> Vec<Self> {
@@ -66,13 +61,6 @@ impl Kernel {
         }
         kernels
     }
-}
-
-/// The levels of [`Kernel::available`], for tests of single kernels.
-#[cfg(test)]
-pub(crate) fn levels() -> &'static [Level] {
-    static LEVELS: OnceLock<Vec<Level>> = OnceLock::new();
-    LEVELS.get_or_init(|| Kernel::available().iter().map(|kernel| kernel.level).collect())
 }
 
 /// Evaluates an expression that calls one kernel, with the token of a level's instructions.

@@ -4,6 +4,7 @@
 mod aabb;
 mod box_lanes;
 mod box_map;
+mod extent;
 mod frame;
 mod gap;
 mod inverse;
@@ -18,15 +19,14 @@ mod world_query;
 pub use aabb::Aabb;
 pub(crate) use box_lanes::BoxLanes;
 pub(crate) use box_map::BoxMap;
-pub(crate) use frame::{Frame, Frames, are_below_resolution, visit_frames, world_bounds};
+pub(crate) use extent::Extent;
+pub(crate) use frame::{Frame, Frames, visit_frames, world_bounds};
 pub(crate) use gap::{Box64, GapFrame};
 pub use kernel::Kernel;
-#[cfg(test)]
-pub(crate) use kernel::levels;
 pub(crate) use kernel::with_simd;
 pub(crate) use lanes::{LANES, Lanes, lanes_of};
 #[cfg(test)]
-pub(crate) use probe::{ExactPoint, holds, lack};
+pub(crate) use probe::{ExactPoint, holds, lack, levels};
 pub(crate) use rounding::{down, up};
 pub use transform::WorldFromModel;
 pub(crate) use world_query::{ModelPlane, RayCull};

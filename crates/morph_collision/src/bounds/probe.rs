@@ -1,9 +1,18 @@
-//! Exact points against boxes, for tests of the error bounds.
+//! Exact points against boxes, for tests of the error bounds, and every instruction set, for tests of single kernels.
 
+use std::sync::OnceLock;
+
+use fearless_simd::Level;
 use glam::Vec3;
 use morph_collision_testkit::oracle::Dyadic;
 
-use super::{Aabb, BoxMap};
+use super::{Aabb, BoxMap, Kernel};
+
+/// The levels of [`Kernel::available`].
+pub(crate) fn levels() -> &'static [Level] {
+    static LEVELS: OnceLock<Vec<Level>> = OnceLock::new();
+    LEVELS.get_or_init(|| Kernel::available().iter().map(|kernel| kernel.level).collect())
+}
 
 /// An exact point.
 pub(crate) type ExactPoint = [Dyadic; 3];

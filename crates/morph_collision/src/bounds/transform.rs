@@ -101,7 +101,7 @@ impl WorldFromModel {
     }
 
     /// A bound on the error of [`WorldFromModel::transform_point`] for points within a magnitude, per world axis.
-    pub(super) fn placement_error(&self, magnitude: DVec3) -> DVec3 {
+    pub(crate) fn placement_error(&self, magnitude: DVec3) -> DVec3 {
         4.0 * U64 * self.reach(magnitude)
     }
 

@@ -1,18 +1,25 @@
-//! A cache of values by index that forgets everything at once when the weights change (the paper's Sect. 5).
+//! A cache of values by index that forgets everything at once, when the weights change (the paper's Sect. 5) or a query starts.
 
 /// Values by index, each valid in the epoch in which it was stored.
 ///
 /// Values are stored densely in slots, so memory grows with what is visited; the stamps take 8 bytes per index.
-#[derive(Clone)]
-pub(super) struct EpochCache<T> {
+#[derive(Clone, Debug)]
+pub(crate) struct EpochCache<T> {
     epoch: u32,
     /// For each index the epoch and the slot of its last value.
     stamps: Vec<(u32, u32)>,
     slots: Vec<T>,
 }
 
+impl<T> Default for EpochCache<T> {
+    fn default() -> Self {
+        Self::new(0)
+    }
+}
+
 impl<T> EpochCache<T> {
-    pub(super) fn new(indices: usize) -> Self {
+    /// With room for this many indices; it grows as needed.
+    pub(crate) fn new(indices: usize) -> Self {
         Self {
             epoch: 1,
             stamps: vec![(0, 0); indices],
@@ -21,7 +28,7 @@ impl<T> EpochCache<T> {
     }
 
     /// Forgets every value and keeps the memory.
-    pub(super) fn next_epoch(&mut self) {
+    pub(crate) fn next_epoch(&mut self) {
         self.slots.clear();
         self.epoch = self.epoch.wrapping_add(1);
         if self.epoch == 0 {
@@ -32,31 +39,39 @@ impl<T> EpochCache<T> {
 
     /// The slot of an index, if its value was stored in this epoch.
     #[inline]
-    pub(super) fn find(&self, index: usize) -> Option<usize> {
-        let (epoch, slot) = self.stamps[index];
+    pub(crate) fn find(&self, index: usize) -> Option<usize> {
+        let (epoch, slot) = *self.stamps.get(index)?;
         (epoch == self.epoch).then_some(slot as usize)
     }
 
     /// Stores the value of an index and returns its slot.
     #[inline]
-    pub(super) fn insert(&mut self, index: usize, value: T) -> usize {
+    pub(crate) fn insert(&mut self, index: usize, value: T) -> usize {
         let slot = self.slots.len();
         self.slots.push(value);
+        if self.stamps.len() <= index {
+            self.grow(index);
+        }
         self.stamps[index] = (self.epoch, slot as u32);
         slot
     }
 
+    #[cold]
+    fn grow(&mut self, index: usize) {
+        self.stamps.resize(index + 1, (0, 0));
+    }
+
     #[inline]
-    pub(super) fn get(&self, slot: usize) -> &T {
+    pub(crate) fn get(&self, slot: usize) -> &T {
         &self.slots[slot]
     }
 
     #[inline]
-    pub(super) fn get_mut(&mut self, slot: usize) -> &mut T {
+    pub(crate) fn get_mut(&mut self, slot: usize) -> &mut T {
         &mut self.slots[slot]
     }
 
-    pub(super) fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         size_of_val(&*self.stamps) + self.slots.capacity() * size_of::<T>()
     }
 }
@@ -80,5 +95,16 @@ mod tests {
         assert_eq!((values.find(0), values.find(1)), (None, None));
         values.insert(1, 'c');
         assert_eq!(values.find(1).map(|slot| *values.get(slot)), Some('c'));
+    }
+
+    #[test]
+    fn a_new_cache_grows_without_finding_what_was_never_stored() {
+        let mut values = EpochCache::default();
+        assert_eq!(values.find(1), None);
+        values.insert(1, 'a');
+        assert_eq!(
+            (values.find(0), values.find(1).map(|slot| *values.get(slot))),
+            (None, Some('a'))
+        );
     }
 }

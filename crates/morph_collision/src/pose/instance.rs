@@ -157,7 +157,7 @@ impl Pose {
             vertices: &mut self.vertices,
             blended: &mut self.blended,
             scratch: &mut self.scratch,
-            level: self.bvh.kernel().level(),
+            level: self.bvh.kernel().level,
         }
     }
 }

@@ -11,6 +11,7 @@ mod shape;
 mod visit;
 mod weights;
 
+pub(crate) use cache::EpochCache;
 pub use instance::Pose;
 pub(crate) use posed::{Blended, NodeId, NodeRef, Posed};
 pub use visit::PosedNode;

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::Pose;
-use crate::bounds::{Aabb, WorldFromModel, down, up};
+use crate::bounds::{Aabb, Extent, WorldFromModel};
 
 impl Pose {
     /// The smallest model-space box around the posed triangles.
@@ -19,17 +19,12 @@ impl Pose {
     ///
     /// It is infinite where a coordinate exceeds the range of `f32`. Cost: that of [`Pose::tight_bounds`].
     pub fn tight_world_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
-        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        let mut extent = Extent::EMPTY;
         self.for_each_triangle(|_, corners| {
-            for placed in corners.map(|corner| world_from_model.transform_point(corner)) {
-                min = min.min(placed);
-                max = max.max(placed);
-            }
+            let placed = corners.map(|corner| world_from_model.transform_point(corner));
+            extent = extent.union(Extent::of_triangle(&placed));
         });
-        Aabb {
-            min: Vec3::from_array(min.to_array().map(down)),
-            max: Vec3::from_array(max.to_array().map(up)),
-        }
+        extent.outward()
     }
 
     /// Replaces the contents of `positions` by the posed positions of all source vertices, in model space.
@@ -39,12 +34,8 @@ impl Pose {
         let bvh = self.bvh().clone();
         let mut posed = self.posed();
         positions.clear();
-        positions.extend(
-            bvh.model()
-                .welded_from_source()
-                .iter()
-                .map(|&welded| posed.vertex(welded)),
-        );
+        let sources = bvh.model().welded_from_source().iter();
+        positions.extend(sources.map(|&welded| posed.vertex(welded)));
     }
 
     /// Replaces the contents of `normals` by the unit normals of all source vertices, in model space.

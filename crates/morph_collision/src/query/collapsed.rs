@@ -7,12 +7,11 @@
 use std::cmp::Ordering;
 use std::ops::{ControlFlow, Range};
 
-use glam::DVec3;
-
 use super::body::world_triangle;
 use super::pairs::TrianglePair;
 use super::placements::Placements;
 use super::stats::QueryStats;
+use crate::bounds::{Extent, WorldFromModel};
 use crate::exact::{Facet, Triangle, facets_intersect_counting};
 use crate::pose::Posed;
 
@@ -21,17 +20,14 @@ use crate::pose::Posed;
 pub(super) struct Collapsed {
     a: DistinctTriangles,
     b: DistinctTriangles,
-    stack: Vec<(Node, Node)>,
+    stack: Vec<(usize, usize)>,
 }
 
 impl Collapsed {
     /// Places both bodies' triangles. Blends every vertex; `O(n log n)`.
     pub(super) fn place(&mut self, a: &mut Posed<'_>, b: &mut Posed<'_>, placements: &Placements<'_>) {
-        let (world_from_a, world_from_b) = (placements.world_from_a, placements.world_from_b);
-        self.a
-            .fill(a.topology.triangle_count(), |n| world_triangle(a, world_from_a, n));
-        self.b
-            .fill(b.topology.triangle_count(), |n| world_triangle(b, world_from_b, n));
+        self.a.fill(a, placements.world_from_a);
+        self.b.fill(b, placements.world_from_b);
     }
 
     /// Calls `visitor` for every pair of intersecting triangles until it breaks. Tests triangles with equal corners once.
@@ -42,10 +38,9 @@ impl Collapsed {
     ) -> ControlFlow<()> {
         let mut undecided = 0;
         let flow = self.walk(0.0, stats, |a, b| {
-            let facets = [&a, &b].map(|same| Facet::new(same.corners));
-            if facets_intersect_counting(&facets[0], &facets[1], &mut undecided) {
-                for &triangle_a in a.numbers {
-                    for &triangle_b in b.numbers {
+            if facets_intersect_counting(&Facet::new(a[0].0), &Facet::new(b[0].0), &mut undecided) {
+                for &(_, triangle_a) in a {
+                    for &(_, triangle_b) in b {
                         visitor(TrianglePair { triangle_a, triangle_b })?;
                     }
                 }
@@ -65,223 +60,119 @@ impl Collapsed {
         mut visitor: impl FnMut(TrianglePair, &Triangle, &Triangle) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
         self.walk(limit, stats, |a, b| {
-            let (triangle_a, triangle_b) = (a.numbers[0], b.numbers[0]);
-            visitor(TrianglePair { triangle_a, triangle_b }, &a.corners, &b.corners)
+            let ((corners_a, triangle_a), (corners_b, triangle_b)) = (a[0], b[0]);
+            visitor(TrianglePair { triangle_a, triangle_b }, &corners_a, &corners_b)
         })
     }
 
+    /// Calls `at_pair` for pairs of leaves, given the equal triangles of each. It returns the new limit.
     fn walk(
         &mut self,
         mut limit: f64,
         stats: &mut QueryStats,
-        mut at_pair: impl FnMut(SameTriangles<'_>, SameTriangles<'_>) -> ControlFlow<(), f64>,
+        mut at_pair: impl FnMut(&[(Triangle, u32)], &[(Triangle, u32)]) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
         let Self { a, b, stack } = self;
-        let gap = |at_a: &Node, at_b: &Node| a.boxes[at_a.index].squared_distance(&b.boxes[at_b.index]);
+        let gap = |(i, j): (usize, usize)| a.nodes[i].bounds.squared_distance(&b.nodes[j].bounds);
         stack.clear();
-        stack.extend(a.root().zip(b.root()));
-        while let Some((node_a, node_b)) = stack.pop() {
+        stack.extend((!a.nodes.is_empty() && !b.nodes.is_empty()).then_some((0, 0)));
+        while let Some((i, j)) = stack.pop() {
             stats.node_tests += 1;
-            if gap(&node_a, &node_b) > limit {
+            if gap((i, j)) > limit {
                 continue;
             }
-            match node_a.split_with(&node_b) {
-                Some(mut pairs) => {
-                    pairs.sort_by(|(a, b), (c, d)| gap(c, d).total_cmp(&gap(a, b)));
-                    stack.extend(pairs);
-                }
-                None => {
-                    stats.triangle_tests += 1;
-                    limit = at_pair(a.same(&node_a), b.same(&node_b))?;
-                }
+            let (len_a, len_b) = (a.nodes[i].leaves.len(), b.nodes[j].leaves.len());
+            if len_a == 1 && len_b == 1 {
+                stats.triangle_tests += 1;
+                limit = at_pair(a.equal(i), b.equal(j))?;
+                continue;
             }
+            let mut pairs = if len_a >= len_b {
+                a.children(i).map(|i| (i, j))
+            } else {
+                b.children(j).map(|j| (i, j))
+            };
+            pairs.sort_by(|&p, &q| gap(q).total_cmp(&gap(p)));
+            stack.extend(pairs);
         }
         ControlFlow::Continue(())
     }
 }
 
-/// Triangles with equal corners.
-struct SameTriangles<'a> {
-    corners: Triangle,
-    /// Their indices, ascending.
-    numbers: &'a [u32],
-}
-
-/// A body's triangles in world space, merged where corners are equal, and a tree of boxes over them.
+/// A body's triangles in world space, merged where corners are equal, and a binary tree over them.
 #[derive(Debug, Default)]
 struct DistinctTriangles {
+    /// Sorted corners and indices, in ascending order, so that equal triangles are side by side.
     placed: Vec<(Triangle, u32)>,
-    /// In the order of the tree's leaves.
-    triangles: Vec<Same>,
-    /// Triangle indices, merged triangles side by side.
-    numbers: Vec<u32>,
-    /// The nodes' boxes in preorder.
-    boxes: Vec<ExactBox>,
+    /// Ranges of equal triangles in `placed`. Each is a leaf of the tree.
+    leaves: Vec<Range<usize>>,
+    /// In preorder. A tree over `n` leaves has `2 n - 1` nodes.
+    nodes: Vec<Node>,
 }
 
-/// Triangles with equal sorted corners.
-#[derive(Clone, Debug)]
-struct Same {
-    corners: Triangle,
-    /// Their range in [`DistinctTriangles::numbers`].
-    numbers: Range<usize>,
+#[derive(Debug)]
+struct Node {
+    bounds: Extent,
+    leaves: Range<usize>,
 }
 
 impl DistinctTriangles {
-    fn fill(&mut self, count: usize, mut corners: impl FnMut(u32) -> Triangle) {
-        let Self {
-            placed,
-            triangles,
-            numbers,
-            boxes,
-        } = self;
-        placed.clear();
-        placed.extend((0..count as u32).map(|number| {
-            let mut corners = corners(number);
-            corners.sort_unstable_by(lexicographic);
-            (corners, number)
-        }));
-        placed.sort_unstable_by(|(s, i), (t, j)| compare(s, t).then(i.cmp(j)));
-        triangles.clear();
-        numbers.clear();
-        for (corners, number) in placed.iter() {
-            let place = numbers.len();
-            numbers.push(*number);
-            match triangles.last_mut() {
-                Some(same) if compare(&same.corners, corners).is_eq() => same.numbers.end = place + 1,
-                _ => triangles.push(Same {
-                    corners: *corners,
-                    numbers: place..place + 1,
-                }),
-            }
+    fn fill(&mut self, tree: &mut Posed<'_>, world_from_model: &WorldFromModel) {
+        self.placed.clear();
+        self.placed
+            .extend((0..tree.topology.triangle_count() as u32).map(|number| {
+                let mut corners = world_triangle(tree, world_from_model, number);
+                corners.sort_unstable_by(|p, q| ascending(&p.to_array(), &q.to_array()));
+                (corners, number)
+            }));
+        let key = |(corners, number): &(Triangle, u32)| (corners.map(|corner| corner.to_array()), *number);
+        self.placed.sort_unstable_by(|s, t| ascending(&key(s), &key(t)));
+        self.leaves.clear();
+        for equal in self.placed.chunk_by(|s, t| s.0 == t.0) {
+            let start = self.leaves.last().map_or(0, |leaf| leaf.end);
+            self.leaves.push(start..start + equal.len());
         }
-        boxes.clear();
-        if !triangles.is_empty() {
-            build(triangles, boxes);
+        self.nodes.clear();
+        if !self.leaves.is_empty() {
+            self.build(0..self.leaves.len());
         }
     }
 
-    /// The triangles of a leaf.
-    fn same(&self, node: &Node) -> SameTriangles<'_> {
-        let Same { corners, numbers } = &self.triangles[node.first];
-        SameTriangles {
-            corners: *corners,
-            numbers: &self.numbers[numbers.clone()],
+    /// Halves the leaves recursively, along the longest side of their box.
+    fn build(&mut self, leaves: Range<usize>) {
+        let corners = |leaf: &Range<usize>| &self.placed[leaf.start].0;
+        let own = &mut self.leaves[leaves.clone()];
+        let extents = own.iter().map(|leaf| Extent::of_triangle(corners(leaf)));
+        let bounds = extents.fold(Extent::EMPTY, Extent::union);
+        let axis = (bounds.max - bounds.min).max_position();
+        let middle = own.len() / 2;
+        if middle > 0 {
+            let place = |leaf: &Range<usize>| corners(leaf).iter().map(|corner| corner[axis]).sum::<f64>();
+            own.select_nth_unstable_by(middle, |s, t| place(s).total_cmp(&place(t)).then(s.start.cmp(&t.start)));
+        }
+        self.nodes.push(Node {
+            bounds,
+            leaves: leaves.clone(),
+        });
+        if middle > 0 {
+            let split = leaves.start + middle;
+            self.build(leaves.start..split);
+            self.build(split..leaves.end);
         }
     }
 
-    fn root(&self) -> Option<Node> {
-        let len = self.triangles.len();
-        (len > 0).then_some(Node {
-            index: 0,
-            first: 0,
-            len,
-        })
+    /// The children of a node, which has at least two leaves.
+    fn children(&self, node: usize) -> [usize; 2] {
+        let middle = self.nodes[node].leaves.len() / 2;
+        [node + 1, node + 2 * middle]
+    }
+
+    /// The equal triangles of a leaf.
+    fn equal(&self, node: usize) -> &[(Triangle, u32)] {
+        &self.placed[self.leaves[self.nodes[node].leaves.start].clone()]
     }
 }
 
-/// Halves the triangles recursively, along the longest side of their box.
-fn build(triangles: &mut [Same], boxes: &mut Vec<ExactBox>) {
-    let bounds = triangles
-        .iter()
-        .map(|same| ExactBox::of(&same.corners))
-        .fold(ExactBox::EMPTY, ExactBox::union);
-    boxes.push(bounds);
-    if triangles.len() < 2 {
-        return;
-    }
-    let axis = (bounds.max - bounds.min).max_position();
-    let place = |same: &Same| same.corners.iter().map(|corner| corner[axis]).sum::<f64>();
-    let middle = triangles.len() / 2;
-    triangles.select_nth_unstable_by(middle, |s, t| {
-        place(s)
-            .total_cmp(&place(t))
-            .then(s.numbers.start.cmp(&t.numbers.start))
-    });
-    let (lower, upper) = triangles.split_at_mut(middle);
-    build(lower, boxes);
-    build(upper, boxes);
-}
-
-/// A node of a binary tree in preorder, over a range of triangles that each node halves.
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    index: usize,
-    first: usize,
-    len: usize,
-}
-
-impl Node {
-    fn children(&self) -> [Self; 2] {
-        let middle = self.len / 2;
-        [
-            Self {
-                index: self.index + 1,
-                first: self.first,
-                len: middle,
-            },
-            Self {
-                // A tree over `n` triangles has `2 n - 1` nodes.
-                index: self.index + 2 * middle,
-                first: self.first + middle,
-                len: self.len - middle,
-            },
-        ]
-    }
-
-    /// The pairs that replace two nodes when the larger one is split; `None` for two leaves.
-    fn split_with(&self, other: &Self) -> Option<[(Self, Self); 2]> {
-        if self.len == 1 && other.len == 1 {
-            None
-        } else if self.len >= other.len {
-            Some(self.children().map(|child| (child, *other)))
-        } else {
-            Some(other.children().map(|child| (*self, child)))
-        }
-    }
-}
-
-/// A closed `f64` box. Comparing coordinates is exact.
-#[derive(Clone, Copy, Debug)]
-struct ExactBox {
-    min: DVec3,
-    max: DVec3,
-}
-
-impl ExactBox {
-    const EMPTY: Self = Self {
-        min: DVec3::INFINITY,
-        max: DVec3::NEG_INFINITY,
-    };
-
-    fn of([a, b, c]: &Triangle) -> Self {
-        Self {
-            min: a.min(*b).min(*c),
-            max: a.max(*b).max(*c),
-        }
-    }
-
-    fn union(self, other: Self) -> Self {
-        Self {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
-        }
-    }
-
-    /// The squared distance, from below but for a few roundings; 0 for boxes that overlap.
-    fn squared_distance(&self, other: &Self) -> f64 {
-        let gap = (self.min - other.max).max(other.min - self.max).max(DVec3::ZERO);
-        gap.length_squared()
-    }
-}
-
-fn lexicographic(p: &DVec3, q: &DVec3) -> Ordering {
-    let [p, q] = [p, q].map(DVec3::to_array);
-    p.partial_cmp(&q).unwrap_or(Ordering::Equal)
-}
-
-/// Compares sorted corners.
-fn compare(s: &Triangle, t: &Triangle) -> Ordering {
-    let key = |triangle: &Triangle| triangle.map(|corner| corner.to_array());
-    key(s).partial_cmp(&key(t)).unwrap_or(Ordering::Equal)
+fn ascending<T: PartialOrd>(s: &T, t: &T) -> Ordering {
+    s.partial_cmp(t).unwrap_or(Ordering::Equal)
 }

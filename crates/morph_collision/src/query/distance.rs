@@ -1,6 +1,5 @@
 mod best;
 
-use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use glam::DVec3;
@@ -12,7 +11,7 @@ use super::leaves::Leaves;
 use super::pairs::TrianglePair;
 use super::placements::Placements;
 use super::stats::QueryStats;
-use crate::bounds::{Aabb, Box64, GapFrame, LANES};
+use crate::bounds::{Aabb, Box64, Extent, GapFrame, LANES, lanes_of};
 use crate::exact::Triangle;
 use crate::input_error::{InputError, check_length};
 use crate::pose::{NodeRef, Posed};
@@ -84,43 +83,24 @@ impl DistanceQuery {
     ///
     /// # Errors
     /// [`InputError`] if `max_distance` is negative or NaN.
-    pub fn closest(
-        &mut self,
-        mut a: Body<'_>,
-        mut b: Body<'_>,
-        max_distance: f64,
-    ) -> Result<Option<ClosestPair>, InputError> {
+    pub fn closest(&mut self, a: Body<'_>, b: Body<'_>, max_distance: f64) -> Result<Option<ClosestPair>, InputError> {
         check_length("max_distance", max_distance)?;
-        let placements = Placements {
-            world_from_a: a.world_from_model,
-            world_from_b: b.world_from_model,
-        };
-        let before = [a.pose.posed().blended(), b.pose.posed().blended()];
-        let (magnitude_a, magnitude_b) = (a.magnitude(), b.magnitude());
+        let placements = Placements::of(&a, &b);
         let (a, b) = (&mut a.pose.posed(), &mut b.pose.posed());
+        let before = [a.blended(), b.blended()];
         self.stats = QueryStats::default();
-        let best = if placements.are_collapsed(a, b) {
-            self.closest_collapsed(a, b, &placements, max_distance)
+        let pair = if placements.are_collapsed(a, b) {
+            let mut best = Best::within(max_distance, false);
+            self.collapsed.place(a, b, &placements);
+            let limit = best.limit;
+            let look = |pair, corners_a: &Triangle, corners_b: &Triangle| best.look(pair, corners_a, corners_b);
+            let _stopped_early = self.collapsed.nearest(limit, &mut self.stats, look);
+            best.pair
         } else {
-            self.closest_by_trees(a, b, &placements, [magnitude_a, magnitude_b], max_distance)
+            self.closest_by_trees(a, b, &placements, max_distance)
         };
         self.stats += QueryStats::blending(before, [a.blended(), b.blended()]);
-        Ok(best)
-    }
-
-    fn closest_collapsed(
-        &mut self,
-        a: &mut Posed<'_>,
-        b: &mut Posed<'_>,
-        placements: &Placements<'_>,
-        max_distance: f64,
-    ) -> Option<ClosestPair> {
-        let mut best = Best::within(max_distance, false);
-        self.collapsed.place(a, b, placements);
-        let limit = best.limit;
-        let look = |pair, corners_a: &Triangle, corners_b: &Triangle| best.look(pair, corners_a, corners_b);
-        let _stopped_early = self.collapsed.nearest(limit, &mut self.stats, look);
-        best.pair
+        Ok(pair)
     }
 
     fn closest_by_trees<'p>(
@@ -128,23 +108,19 @@ impl DistanceQuery {
         a: &mut Posed<'p>,
         b: &mut Posed<'p>,
         placements: &Placements<'_>,
-        [magnitude_a, magnitude_b]: [DVec3; 2],
         max_distance: f64,
     ) -> Option<ClosestPair> {
-        let Placements {
-            world_from_a,
-            world_from_b,
-        } = *placements;
+        let (world_from_a, world_from_b) = (placements.world_from_a, placements.world_from_b);
+        let [magnitude_a, magnitude_b] = [a.bounds(), b.bounds()].map(|bounds| bounds.magnitude().as_dvec3());
         let mut frames = GapFrame::list(world_from_a, magnitude_a, world_from_b, magnitude_b);
         let are_far = are_far(&frames, placements, a, b);
         if are_far {
             // An `f32` rotation is not quite orthogonal: lengths in the bodies' own spaces are off by more than the bodies' sizes.
             frames.push(GapFrame::world(world_from_a, magnitude_a, world_from_b, magnitude_b));
         }
-        let mut best = Best::within(max_distance, !are_far);
-        let rule = DistanceRule {
+        let mut rule = DistanceRule {
             frames: &frames,
-            limit: Cell::new(best.limit),
+            best: Best::within(max_distance, !are_far),
         };
         let Self {
             stack,
@@ -153,50 +129,43 @@ impl DistanceQuery {
             stats,
             ..
         } = self;
-        leaves_a.begin(a.topology.leaf_count());
-        leaves_b.begin(b.topology.leaf_count());
+        leaves_a.begin();
+        leaves_b.begin();
         let mut walk = PairWalk {
             a,
             b,
-            rule: &rule,
-            roots_overlap: false,
+            rule: &mut rule,
             a_from_b_scale: placements.a_from_b_scale(),
             node_tests: 0,
             deepest_first: false,
         };
-        let _stopped_early = walk.run(stack, &[], |a, b, of_a, of_b| {
-            let block_a = leaves_a.read(a, world_from_a, of_a);
-            let block_b = leaves_b.read(b, world_from_b, of_b);
+        let _stopped_early = walk.run(stack, &[], |walk, of_a, of_b| {
+            let block_a = leaves_a.read(walk.a, world_from_a, of_a);
+            let block_b = leaves_b.read(walk.b, world_from_b, of_b);
+            let best = &mut walk.rule.best;
             for &(triangle_a, ref corners_a) in leaves_a.triangles(block_a) {
+                let extent_a = Extent::of_triangle(corners_a);
                 for &(triangle_b, ref corners_b) in leaves_b.triangles(block_b.clone()) {
-                    let is_farther = boxes_apart(corners_a, corners_b) > rule.limit.get();
+                    // The margin of the limit covers the rounding.
+                    let is_farther = extent_a.squared_distance(&Extent::of_triangle(corners_b)) > best.limit;
                     if is_farther || best.is_tied_enough(corners_a, corners_b) {
                         continue;
                     }
                     stats.triangle_tests += 1;
-                    let pair = TrianglePair { triangle_a, triangle_b };
-                    rule.limit.set(best.look(pair, corners_a, corners_b)?);
+                    best.look(TrianglePair { triangle_a, triangle_b }, corners_a, corners_b)?;
                 }
             }
             ControlFlow::Continue(())
         });
         stats.node_tests = walk.node_tests;
-        best.pair
+        rule.best.pair
     }
-}
-
-/// The squared distance of two triangles' boxes, a lower bound but for a rounding that the margin covers.
-fn boxes_apart(a: &Triangle, b: &Triangle) -> f64 {
-    let span = |t: &Triangle| (t[0].min(t[1]).min(t[2]), t[0].max(t[1]).max(t[2]));
-    let ((min_a, max_a), (min_b, max_b)) = (span(a), span(b));
-    (min_a - max_b).max(min_b - max_a).max(DVec3::ZERO).length_squared()
 }
 
 /// Visits node pairs that may be closer than a limit, the closest first.
 struct DistanceRule<'a> {
     frames: &'a [GapFrame],
-    /// A squared world distance.
-    limit: Cell<f64>,
+    best: Best,
 }
 
 /// A lower bound for the squared distance between the contents of two boxes.
@@ -220,13 +189,13 @@ fn are_far(frames: &[GapFrame], placements: &Placements<'_>, a: &mut Posed<'_>, 
 impl PairRule for DistanceRule<'_> {
     type Key = f64;
 
-    fn start(&self, a: &Aabb, b: &Aabb) -> Option<f64> {
+    fn start(&mut self, a: &Aabb, b: &Aabb) -> Option<f64> {
         let squared = squared_gap(self.frames, &Box64::of(a), &Box64::of(b));
         self.still_wanted(squared).then_some(squared)
     }
 
     fn children(
-        &self,
+        &mut self,
         side: Side,
         (tree, opened): (&Posed<'_>, Opened),
         (other, node): (&Posed<'_>, NodeRef),
@@ -234,21 +203,18 @@ impl PairRule for DistanceRule<'_> {
     ) -> u8 {
         let other = Box64::of(&other.node_box(node));
         let mut wanted = 0;
-        for (lane, key) in keys.iter_mut().enumerate() {
-            if opened.mask >> lane & 1 == 0 {
-                continue;
-            }
+        for lane in lanes_of(opened.mask) {
             let child = Box64::of(&tree.boxes(opened.slot).get(lane));
-            *key = match side {
+            keys[lane] = match side {
                 Side::A => squared_gap(self.frames, &child, &other),
                 Side::B => squared_gap(self.frames, &other, &child),
             };
-            wanted |= u8::from(self.still_wanted(*key)) << lane;
+            wanted |= u8::from(self.still_wanted(keys[lane])) << lane;
         }
         wanted
     }
 
     fn still_wanted(&self, squared: f64) -> bool {
-        squared <= self.limit.get()
+        squared <= self.best.limit
     }
 }

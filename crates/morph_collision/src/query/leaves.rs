@@ -6,72 +6,34 @@ use glam::Vec3;
 
 use crate::bounds::{LANES, Lanes, WorldFromModel};
 use crate::exact::Triangle;
-use crate::pose::Posed;
+use crate::pose::{EpochCache, Posed};
 use crate::tree::{CornerLanes, Leaf};
-
-/// The leaves of a body that a query has read, and the block of each.
-#[derive(Debug, Default)]
-pub(super) struct LeafStamps {
-    /// Per leaf: the last query that read it, and its block then.
-    stamps: Vec<(u32, u32)>,
-    query: u32,
-}
-
-impl LeafStamps {
-    /// Starts a query on a tree with this many leaves.
-    pub(super) fn begin(&mut self, leaves: usize) {
-        self.query = self.query.wrapping_add(1);
-        if self.query == 0 {
-            self.stamps.fill((0, 0));
-            self.query = 1;
-        }
-        if self.stamps.len() < leaves {
-            self.stamps.resize(leaves, (0, 0));
-        }
-    }
-
-    /// The block of a leaf, if this query has read it.
-    #[inline]
-    pub(super) fn find(&self, leaf: Leaf) -> Option<usize> {
-        let (query, block) = self.stamps[leaf.0];
-        (query == self.query).then_some(block as usize)
-    }
-
-    pub(super) fn insert(&mut self, leaf: Leaf, block: usize) {
-        self.stamps[leaf.0] = (self.query, block as u32);
-    }
-}
 
 /// The triangles of the leaves of one body that a query has read, in world space. The next query reuses the memory.
 #[derive(Debug, Default)]
 pub(super) struct Leaves {
-    stamps: LeafStamps,
-    /// Each block's range of `placed`.
-    blocks: Vec<Range<usize>>,
+    /// By leaf: its range of `placed`.
+    blocks: EpochCache<Range<usize>>,
     placed: Vec<(u32, Triangle)>,
     /// Scratch memory of `read`.
     posed: Vec<CornerLanes>,
 }
 
 impl Leaves {
-    /// Starts a query on a tree with this many leaves.
-    pub(super) fn begin(&mut self, leaves: usize) {
-        self.stamps.begin(leaves);
-        self.blocks.clear();
+    /// Starts a query: forgets all leaves.
+    pub(super) fn begin(&mut self) {
+        self.blocks.next_epoch();
         self.placed.clear();
     }
 
     /// The block of a leaf. Blends and places its triangles on the first call.
     pub(super) fn read(&mut self, tree: &mut Posed<'_>, world_from_model: &WorldFromModel, leaf: Leaf) -> Range<usize> {
-        if let Some(block) = self.stamps.find(leaf) {
-            return self.blocks[block].clone();
-        }
-        let start = self.placed.len();
-        place_leaf(tree, world_from_model, leaf, &mut self.posed, &mut self.placed);
-        let block = start..self.placed.len();
-        self.stamps.insert(leaf, self.blocks.len());
-        self.blocks.push(block.clone());
-        block
+        let slot = self.blocks.find(leaf.0).unwrap_or_else(|| {
+            let start = self.placed.len();
+            place_leaf(tree, world_from_model, leaf, &mut self.posed, &mut self.placed);
+            self.blocks.insert(leaf.0, start..self.placed.len())
+        });
+        self.blocks.get(slot).clone()
     }
 
     /// The triangles of a block, each with its number.

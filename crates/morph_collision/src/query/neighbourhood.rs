@@ -4,11 +4,12 @@ use fearless_simd::f64x4;
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-use crate::bounds::{Lanes, WorldFromModel};
+use crate::bounds::WorldFromModel;
 use crate::exact::{power_of_two, power_of_two_below};
+use crate::tree::CornerLanes;
 
 /// A frame near both bodies, in units of their size, where `f32` loses little of `f64`'s precision.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Neighbourhood {
     origin: DVec3,
     /// A power of two.
@@ -26,56 +27,39 @@ impl Neighbourhood {
             scale: unit.recip(),
         }
     }
-}
 
-impl Default for Neighbourhood {
-    fn default() -> Self {
-        Self::new(DVec3::ZERO, 1.0)
-    }
-}
-
-/// Maps eight posed corners to the neighbourhood.
-///
-/// Places them exactly like [`WorldFromModel::transform_point`], subtracts the origin in `f64` and rounds once. Monotonic in every
-/// coordinate.
-pub(super) struct Placement<S: Simd> {
-    linear: [[f64x4<S>; 3]; 3],
-    translation: [f64x4<S>; 3],
-    origin: [f64x4<S>; 3],
-    scale: f64x4<S>,
-}
-
-impl<S: Simd> Placement<S> {
+    /// Maps the posed corners of eight triangles to the neighbourhood.
+    ///
+    /// Places them exactly like [`WorldFromModel::transform_point`], subtracts the origin in `f64` and rounds once. Monotonic in
+    /// every coordinate.
     #[inline(always)]
-    pub(super) fn new(simd: S, world_from_model: &WorldFromModel, neighbourhood: &Neighbourhood) -> Self {
-        let [x, y, z] = world_from_model.linear().to_cols_array_2d();
-        let t = world_from_model.translation().to_array();
-        let o = neighbourhood.origin.to_array();
-        Self {
-            linear: [splat3(simd, x), splat3(simd, y), splat3(simd, z)],
-            translation: splat3(simd, t),
-            origin: splat3(simd, o),
-            scale: f64x4::splat(simd, neighbourhood.scale),
+    pub(super) fn place<S: Simd>(
+        &self,
+        simd: S,
+        world_from_model: &WorldFromModel,
+        posed: &CornerLanes,
+        placed: &mut CornerLanes,
+    ) {
+        let linear = world_from_model.linear().to_cols_array_2d();
+        let [m_x, m_y, m_z] = [
+            splat3(simd, linear[0]),
+            splat3(simd, linear[1]),
+            splat3(simd, linear[2]),
+        ];
+        let translation = splat3(simd, world_from_model.translation().to_array());
+        let origin = splat3(simd, self.origin.to_array());
+        let scale = f64x4::splat(simd, self.scale);
+        for ([x, y, z], rows) in posed.iter().zip(placed) {
+            let (x, x_high) = x.load(simd).widen();
+            let (y, y_high) = y.load(simd).widen();
+            let (z, z_high) = z.load(simd).widen();
+            for (i, row) in rows.iter_mut().enumerate() {
+                let low = ((m_x[i] * x + m_y[i] * y) + m_z[i] * z) + translation[i];
+                let high = ((m_x[i] * x_high + m_y[i] * y_high) + m_z[i] * z_high) + translation[i];
+                let (low, high) = ((low - origin[i]) * scale, (high - origin[i]) * scale);
+                low.narrow(high).store_slice(&mut row.0);
+            }
         }
-    }
-
-    #[inline(always)]
-    pub(super) fn place(&self, simd: S, [x, y, z]: &[Lanes; 3], placed: &mut [Lanes; 3]) {
-        let (x, x_high) = x.load(simd).widen();
-        let (y, y_high) = y.load(simd).widen();
-        let (z, z_high) = z.load(simd).widen();
-        for (i, row) in placed.iter_mut().enumerate() {
-            let low = self.coordinate(i, x, y, z);
-            let high = self.coordinate(i, x_high, y_high, z_high);
-            low.narrow(high).store_slice(&mut row.0);
-        }
-    }
-
-    #[inline(always)]
-    fn coordinate(&self, i: usize, x: f64x4<S>, y: f64x4<S>, z: f64x4<S>) -> f64x4<S> {
-        let [m_x, m_y, m_z] = &self.linear;
-        let world = ((m_x[i] * x + m_y[i] * y) + m_z[i] * z) + self.translation[i];
-        (world - self.origin[i]) * self.scale
     }
 }
 

@@ -7,8 +7,8 @@ use super::memory::PairMemory;
 use super::patches::{Patches, intersecting_pairs};
 use super::placements::Placements;
 use super::stats::QueryStats;
-use crate::pose::{NodeId, Posed};
-use crate::traverse::{Culls, OverlapRule, PairWalk, Stack};
+use crate::pose::NodeId;
+use crate::traverse::{Culls, PairWalk, Stack};
 use crate::tree::Leaf;
 
 /// Two intersecting triangles, each by its index in its own mesh.
@@ -69,16 +69,6 @@ impl PairQuery {
         self.first_from(a, b, Start::Deepest).0
     }
 
-    /// How many pairs of triangles intersect.
-    pub fn count(&mut self, a: Body<'_>, b: Body<'_>) -> u64 {
-        let mut count = 0;
-        self.visit(a, b, |_| {
-            count += 1;
-            ControlFlow::Continue(())
-        });
-        count
-    }
-
     /// Whether any triangles intersect.
     pub fn any(&mut self, a: Body<'_>, b: Body<'_>) -> bool {
         self.first(a, b).is_some()
@@ -86,7 +76,7 @@ impl PairQuery {
 
     /// Calls `visitor` for every pair of intersecting triangles, in the order of the walk, until it breaks.
     pub fn visit(&mut self, a: Body<'_>, b: Body<'_>, mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>) {
-        self.run(a, b, Start::Roots, &mut visitor);
+        self.run(a, b, Start::Front(&[]), &mut visitor);
     }
 
     /// Like [`PairQuery::first`], but tries the leaves that intersected last time before anything else.
@@ -134,11 +124,7 @@ impl PairQuery {
 
     /// Whether the bodies are too small for culling. Queries then do not walk their trees.
     pub(super) fn are_collapsed(&self, a: Body<'_>, b: Body<'_>) -> bool {
-        let placements = Placements {
-            world_from_a: a.world_from_model,
-            world_from_b: b.world_from_model,
-        };
-        placements.are_collapsed(&mut a.pose.posed(), &mut b.pose.posed())
+        Placements::of(&a, &b).are_collapsed(&mut a.pose.posed(), &mut b.pose.posed())
     }
 
     /// Expands the roots, level by level, into at least `least` node pairs if there are that many, in the order of the walk.
@@ -158,10 +144,7 @@ impl PairQuery {
         start: Start<'_>,
         visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> Option<(Leaf, Leaf)> {
-        let placements = Placements {
-            world_from_a: a.world_from_model,
-            world_from_b: b.world_from_model,
-        };
+        let placements = Placements::of(&a, &b);
         let (a, b) = (&mut a.pose.posed(), &mut b.pose.posed());
         let before = [a.blended(), b.blended()];
         let Self {
@@ -177,44 +160,37 @@ impl PairQuery {
         let roots_overlap = matches!(start, Start::Leaves(_)) || placements.begin_culls(a, b, culls);
         if !roots_overlap {
             stats.node_tests = 1;
-        } else if matches!(start, Start::Roots | Start::Deepest) && placements.are_collapsed(a, b) {
+        } else if matches!(start, Start::Front([]) | Start::Deepest) && placements.are_collapsed(a, b) {
             collapsed.place(a, b, &placements);
             let _stopped_early = collapsed.intersecting(stats, visitor);
         } else {
-            let level = a.level;
-            placements.begin_leaves(a, b, [leaves_a, leaves_b]);
-            let mut node_tests = 0;
-            let mut at_leaves = |a: &mut Posed<'_>, b: &mut Posed<'_>, of_a, of_b| {
-                let (block_a, block_b) = (leaves_a.read(a, of_a), leaves_b.read(b, of_b));
-                let flow = intersecting_pairs(level, (leaves_a, block_a), (leaves_b, block_b), stats, visitor);
+            placements.begin_leaves(a, [leaves_a, leaves_b]);
+            let mut walk = PairWalk {
+                a: &mut *a,
+                b: &mut *b,
+                rule: culls,
+                a_from_b_scale: placements.a_from_b_scale(),
+                deepest_first: matches!(start, Start::Deepest),
+                node_tests: 0,
+            };
+            let mut at_leaves = |walk: &mut PairWalk<'_, '_, Culls>, of_a, of_b| {
+                let (block_a, block_b) = (leaves_a.read(walk.a, of_a), leaves_b.read(walk.b, of_b));
+                let flow = intersecting_pairs(walk.a.level, (leaves_a, block_a), (leaves_b, block_b), stats, visitor);
                 if flow.is_break() {
                     stopped_at = Some((of_a, of_b));
                 }
                 flow
             };
-            if let Start::Leaves((of_a, of_b)) = start {
-                let _only_these = at_leaves(a, b, of_a, of_b);
-            } else {
-                let mut walk = PairWalk {
-                    a: &mut *a,
-                    b: &mut *b,
-                    rule: &OverlapRule { culls: culls.into() },
-                    roots_overlap,
-                    a_from_b_scale: placements.a_from_b_scale(),
-                    deepest_first: matches!(start, Start::Deepest),
-                    node_tests: 0,
-                };
-                let _stopped_early = match start {
-                    Start::Front(front) => walk.run(stack, front, at_leaves),
-                    Start::Expand(least, front) => {
-                        *front = walk.front(stack, least);
-                        ControlFlow::Continue(())
-                    }
-                    _ => walk.run(stack, &[], at_leaves),
-                };
-                node_tests = walk.node_tests;
-            }
-            stats.node_tests = node_tests;
+            let _stopped_early = match start {
+                Start::Deepest => walk.run(stack, &[], at_leaves),
+                Start::Front(front) => walk.run(stack, front, at_leaves),
+                Start::Leaves((of_a, of_b)) => at_leaves(&mut walk, of_a, of_b),
+                Start::Expand(least, front) => {
+                    *front = walk.front(stack, least);
+                    ControlFlow::Continue(())
+                }
+            };
+            stats.node_tests = walk.node_tests;
         }
         *stats += QueryStats::blending(before, [a.blended(), b.blended()]);
         stopped_at
@@ -223,10 +199,9 @@ impl PairQuery {
 
 /// Where a query starts.
 enum Start<'a> {
-    Roots,
     /// The roots, descending first where nodes overlap deepest.
     Deepest,
-    /// Node pairs of an earlier walk.
+    /// Node pairs of an earlier walk; the roots if there are none.
     Front(&'a [(NodeId, NodeId)]),
     /// Two leaves, without a walk.
     Leaves((Leaf, Leaf)),

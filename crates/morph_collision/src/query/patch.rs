@@ -8,9 +8,9 @@
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 
-use self::vectors::{Corners, cross, dot, one, sub};
+use self::vectors::{Corners, cross, dot, load, splat, sub};
 use self::verdict::ErrorBounds;
-use super::neighbourhood::{Neighbourhood, Placement};
+use super::neighbourhood::Neighbourhood;
 use crate::bounds::{Aabb, BoxLanes, LANES, Lanes, WorldFromModel};
 use crate::tree::CornerLanes;
 
@@ -59,10 +59,7 @@ impl Patch {
         neighbourhood: &Neighbourhood,
     ) {
         self.lanes = u8::MAX >> (LANES - triangles.clamp(1, LANES));
-        let world = Placement::new(simd, world_from_model, neighbourhood);
-        for (rows, posed) in self.corners.iter_mut().zip(posed) {
-            world.place(simd, posed, rows);
-        }
+        neighbourhood.place(simd, world_from_model, posed, &mut self.corners);
         self.measure(simd);
     }
 
@@ -140,22 +137,14 @@ impl Patch {
     #[inline(always)]
     fn load<S: Simd>(&self, simd: S) -> Corners<S> {
         let [a, b, c] = &self.corners;
-        [
-            [a[0].load(simd), a[1].load(simd), a[2].load(simd)],
-            [b[0].load(simd), b[1].load(simd), b[2].load(simd)],
-            [c[0].load(simd), c[1].load(simd), c[2].load(simd)],
-        ]
+        [load(simd, a), load(simd, b), load(simd, c)]
     }
 
     /// One triangle in every lane.
     #[inline(always)]
     fn splat<S: Simd>(&self, simd: S, lane: usize) -> Corners<S> {
         let [a, b, c] = &self.corners;
-        [
-            [one(simd, &a[0], lane), one(simd, &a[1], lane), one(simd, &a[2], lane)],
-            [one(simd, &b[0], lane), one(simd, &b[1], lane), one(simd, &b[2], lane)],
-            [one(simd, &c[0], lane), one(simd, &c[1], lane), one(simd, &c[2], lane)],
-        ]
+        [splat(simd, a, lane), splat(simd, b, lane), splat(simd, c, lane)]
     }
 }
 

@@ -3,22 +3,22 @@
 use std::cell::Cell;
 use std::ops::{ControlFlow, Range};
 
-use super::leaves::{LeafStamps, placed_triangle};
+use super::leaves::placed_triangle;
 use super::neighbourhood::Neighbourhood;
 use super::pairs::TrianglePair;
 use super::patch::{Patch, PatchPairs};
 use super::stats::QueryStats;
 use crate::bounds::{LANES, WorldFromModel, lanes_of, with_simd};
 use crate::exact::{Facet, Triangle, facets_intersect_counting};
-use crate::pose::Posed;
+use crate::pose::{EpochCache, Posed};
 use crate::tree::{CornerLanes, Leaf};
 use fearless_simd::Level;
 
 /// The leaves of one body that a query has read, as patches of up to eight triangles. The next query reuses the memory.
 #[derive(Debug, Default)]
 pub(super) struct Patches {
-    stamps: LeafStamps,
-    blocks: Vec<Block>,
+    /// By leaf.
+    blocks: EpochCache<Block>,
     neighbourhood: Neighbourhood,
     world_from_model: WorldFromModel,
     /// By patch: the corners in model space, and the patch in the neighbourhood of both bodies.
@@ -44,11 +44,10 @@ impl Block {
 
 impl Patches {
     /// Starts a query: forgets all leaves.
-    pub(super) fn begin(&mut self, leaves: usize, world_from_model: &WorldFromModel, neighbourhood: Neighbourhood) {
-        self.stamps.begin(leaves);
+    pub(super) fn begin(&mut self, world_from_model: &WorldFromModel, neighbourhood: Neighbourhood) {
+        self.blocks.next_epoch();
         self.world_from_model = *world_from_model;
         self.neighbourhood = neighbourhood;
-        self.blocks.clear();
         self.posed.clear();
         self.placed.clear();
         self.numbers.clear();
@@ -57,8 +56,8 @@ impl Patches {
     /// A leaf's block. Blends and places its corners on the first call.
     #[inline]
     pub(super) fn read(&mut self, tree: &mut Posed<'_>, leaf: Leaf) -> Block {
-        match self.stamps.find(leaf) {
-            Some(block) => self.blocks[block],
+        match self.blocks.find(leaf.0) {
+            Some(slot) => *self.blocks.get(slot),
             None => self.place(tree, leaf),
         }
     }
@@ -82,8 +81,7 @@ impl Patches {
             first: first as u32,
             triangles: triangles.len() as u32,
         };
-        self.stamps.insert(leaf, self.blocks.len());
-        self.blocks.push(block);
+        self.blocks.insert(leaf.0, block);
         block
     }
 
@@ -94,7 +92,7 @@ impl Patches {
     }
 }
 
-/// Calls `visitor` for every pair of intersecting triangles of two leaves, until it breaks.
+/// Calls `visitor` for every pair of intersecting triangles of two leaves until it breaks.
 #[inline]
 pub(super) fn intersecting_pairs(
     level: Level,

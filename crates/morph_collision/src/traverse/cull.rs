@@ -1,8 +1,7 @@
-//! Boxes of two bodies, compared in common frames.
-
 use fearless_simd::Simd;
 
-use crate::bounds::{Aabb, BoxLanes, BoxMap, Frames, LANES};
+use super::rule::{Opened, PairRule};
+use crate::bounds::{Aabb, BoxLanes, BoxMap, Frames, LANES, with_simd};
 use crate::pose::{NodeRef, Posed};
 
 /// One of the two bodies of a pair.
@@ -12,7 +11,9 @@ pub(crate) enum Side {
     B,
 }
 
-/// The frames of a query, and the boxes mapped to them so far. The next query reuses the memory.
+/// The rule of pair queries: selects node pairs whose boxes overlap in every frame.
+///
+/// Holds the frames of a query, and the boxes mapped to them so far. The next query reuses the memory.
 #[derive(Debug, Default)]
 pub(crate) struct Culls {
     culls: Vec<Cull>,
@@ -73,6 +74,21 @@ impl View {
     }
 }
 
+impl Cull {
+    fn overlap(&self, a: &Aabb, b: &Aabb) -> bool {
+        self.a.one(a).overlaps(&self.b.one(b))
+    }
+
+    /// The view of a side, then the other one.
+    #[inline(always)]
+    fn views(&mut self, side: Side) -> (&mut View, &mut View) {
+        match side {
+            Side::A => (&mut self.a, &mut self.b),
+            Side::B => (&mut self.b, &mut self.a),
+        }
+    }
+}
+
 impl Culls {
     /// Starts a query, without frames.
     pub(crate) fn begin(&mut self) {
@@ -102,57 +118,54 @@ impl Culls {
         let cull = &mut self.culls[self.len];
         (cull.a.map, cull.b.map) = (map_a, map_b);
         self.len += 1;
-        cull.a.one(a).overlaps(&cull.b.one(b))
+        cull.overlap(a, b)
+    }
+}
+
+impl PairRule for Culls {
+    type Key = ();
+
+    /// By [`Culls::push`].
+    const ROOTS_ARE_TESTED: bool = true;
+
+    const OPENS_BOTH: bool = true;
+
+    fn start(&mut self, a: &Aabb, b: &Aabb) -> Option<()> {
+        let mut culls = self.culls[..self.len].iter();
+        culls.all(|cull| cull.overlap(a, b)).then_some(())
     }
 
-    /// Whether two boxes overlap in every frame.
-    pub(crate) fn overlap(&self, a: &Aabb, b: &Aabb) -> bool {
-        let overlap = |cull: &Cull| cull.a.one(a).overlaps(&cull.b.one(b));
-        self.culls[..self.len].iter().all(overlap)
-    }
-
-    /// The boxes in an opened slot of one side, out of a mask, that overlap a node of the other side in every frame.
     #[inline(always)]
-    pub(super) fn overlap_mask<S: Simd>(
+    fn children(
         &mut self,
-        simd: S,
         side: Side,
-        (own, slot, mut mask): (&Posed<'_>, usize, u8),
+        (own, opened): (&Posed<'_>, Opened),
         (other, node): (&Posed<'_>, NodeRef),
+        _keys: &mut [(); LANES],
     ) -> u8 {
-        let query = self.query;
         let (other_slot, lane) = (node.slot as usize, usize::from(node.id.lane));
-        for cull in &mut self.culls[..self.len] {
-            let (own_view, other_view) = match side {
-                Side::A => (&mut cull.a, &mut cull.b),
-                Side::B => (&mut cull.b, &mut cull.a),
-            };
-            own_view.prepare(simd, query, slot, own);
-            other_view.prepare(simd, query, other_slot, other);
+        let mut mask = opened.mask;
+        with_simd!(own.level, simd => for cull in &mut self.culls[..self.len] {
+            let (own_view, other_view) = cull.views(side);
+            own_view.prepare(simd, self.query, opened.slot, own);
+            other_view.prepare(simd, self.query, other_slot, other);
             let other = other_view.boxes(other_slot, other).get(lane);
-            mask &= own_view.boxes(slot, own).overlap_mask(simd, &other);
+            mask &= own_view.boxes(opened.slot, own).overlap_mask(simd, &other);
             if mask == 0 {
                 break;
             }
-        }
+        });
         mask
     }
 
-    /// For each lane of a slot of A, out of `rows`: the boxes in a slot of B, out of a mask, that overlap it in every frame.
     #[inline(always)]
-    pub(super) fn overlap_rows<S: Simd>(
-        &mut self,
-        simd: S,
-        (a, slot_a, mut rows): (&Posed<'_>, usize, u8),
-        (b, slot_b, mask): (&Posed<'_>, usize, u8),
-        masks: &mut [u8; LANES],
-    ) {
-        let query = self.query;
-        *masks = [mask; LANES];
-        for cull in &mut self.culls[..self.len] {
-            cull.a.prepare(simd, query, slot_a, a);
-            cull.b.prepare(simd, query, slot_b, b);
-            let (boxes_a, boxes_b) = (cull.a.boxes(slot_a, a), cull.b.boxes(slot_b, b));
+    fn both(&mut self, (tree_a, a): (&Posed<'_>, Opened), (tree_b, b): (&Posed<'_>, Opened)) -> [u8; LANES] {
+        let mut rows = a.mask;
+        let mut masks = [b.mask; LANES];
+        with_simd!(tree_a.level, simd => for cull in &mut self.culls[..self.len] {
+            cull.a.prepare(simd, self.query, a.slot, tree_a);
+            cull.b.prepare(simd, self.query, b.slot, tree_b);
+            let (boxes_a, boxes_b) = (cull.a.boxes(a.slot, tree_a), cull.b.boxes(b.slot, tree_b));
             let mut left = rows;
             while left != 0 {
                 let lane = left.trailing_zeros() as usize;
@@ -164,27 +177,21 @@ impl Culls {
             if rows == 0 {
                 break;
             }
-        }
+        });
+        masks
     }
 
-    /// Roughly how deep each box in an opened slot of one side overlaps a node of the other side. Both were tested before.
     #[inline(always)]
-    pub(super) fn depths<S: Simd>(
-        &self,
-        simd: S,
-        side: Side,
-        (own, slot): (&Posed<'_>, usize),
-        (other, other_slot, lane): (&Posed<'_>, usize, usize),
-        depths: &mut [f32; LANES],
-    ) {
-        let Some(cull) = self.culls[..self.len].first() else {
-            return;
-        };
-        let (own_view, other_view) = match side {
-            Side::A => (&cull.a, &cull.b),
-            Side::B => (&cull.b, &cull.a),
-        };
-        let other = other_view.boxes(other_slot, other).get(lane);
-        own_view.boxes(slot, own).depths(simd, &other, depths);
+    fn depths(&mut self, side: Side, own: (&Posed<'_>, usize), other: (&Posed<'_>, NodeRef)) -> [f32; LANES] {
+        let mut depths = [0.0; LANES];
+        if let Some(cull) = self.culls[..self.len].first_mut() {
+            let ((own, slot), (other, node)) = (own, other);
+            let (own_view, other_view) = cull.views(side);
+            let other = other_view
+                .boxes(node.slot as usize, other)
+                .get(usize::from(node.id.lane));
+            with_simd!(own.level, simd => own_view.boxes(slot, own).depths(simd, &other, &mut depths));
+        }
+        depths
     }
 }

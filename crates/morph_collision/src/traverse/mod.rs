@@ -3,7 +3,6 @@
 
 mod cull;
 mod one;
-mod overlap_rule;
 mod pairs;
 mod rule;
 mod sweep;
@@ -11,7 +10,6 @@ mod within;
 
 pub(crate) use cull::{Culls, Side};
 pub(crate) use one::{OneWalk, Queue};
-pub(crate) use overlap_rule::OverlapRule;
 pub(crate) use pairs::{PairWalk, Stack};
 pub(crate) use rule::{Opened, PairRule};
 pub use sweep::overlapping_pairs;

@@ -22,9 +22,7 @@ pub(crate) type Stack<K = ()> = Vec<(K, NodeRef, NodeRef)>;
 pub(crate) struct PairWalk<'a, 'p, R> {
     pub(crate) a: &'a mut Posed<'p>,
     pub(crate) b: &'a mut Posed<'p>,
-    pub(crate) rule: &'a R,
-    /// Whether the roots are known to be selected, with the default key.
-    pub(crate) roots_overlap: bool,
+    pub(crate) rule: &'a mut R,
     /// The length in A's units of a length of 1 in B's, to compare sizes.
     pub(crate) a_from_b_scale: f32,
     /// Whether to visit children that overlap deepest first. Pays if the walk ends at the first intersection.
@@ -33,7 +31,7 @@ pub(crate) struct PairWalk<'a, 'p, R> {
     pub(crate) node_tests: u64,
 }
 
-impl<'p, R: PairRule> PairWalk<'_, 'p, R> {
+impl<R: PairRule> PairWalk<'_, '_, R> {
     /// Calls `at_leaves` for every pair of leaves that the rule selects until it breaks.
     ///
     /// Starts at the roots if `front` is empty, otherwise at its node pairs.
@@ -41,36 +39,24 @@ impl<'p, R: PairRule> PairWalk<'_, 'p, R> {
         &mut self,
         stack: &mut Stack<R::Key>,
         front: &[(NodeId, NodeId)],
-        mut at_leaves: impl FnMut(&mut Posed<'p>, &mut Posed<'p>, Leaf, Leaf) -> ControlFlow<()>,
+        mut at_leaves: impl FnMut(&mut Self, Leaf, Leaf) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         stack.clear();
-        let root = NodeId { group: 0, lane: 0 };
-        let start = if front.is_empty() { &[(root, root)] } else { front };
-        for (a, b) in start {
+        let roots = [(NodeId { group: 0, lane: 0 }, NodeId { group: 0, lane: 0 })];
+        for (a, b) in if front.is_empty() { &roots } else { front } {
             let (a, b) = (node_at(self.a, *a), node_at(self.b, *b));
             self.node_tests += 1;
-            let known = (front.is_empty() && self.roots_overlap).then(R::Key::default);
-            let key = known.or_else(|| self.rule.start(&self.a.node_box(a), &self.b.node_box(b)));
-            if let Some(key) = key {
-                stack.push((key, a, b));
-            }
-            self.drain(stack, &mut at_leaves)?;
-        }
-        ControlFlow::Continue(())
-    }
-
-    fn drain(
-        &mut self,
-        stack: &mut Stack<R::Key>,
-        at_leaves: &mut impl FnMut(&mut Posed<'p>, &mut Posed<'p>, Leaf, Leaf) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        while let Some((key, a, b)) = stack.pop() {
-            if !self.rule.still_wanted(key) {
-                continue;
-            }
-            match (a.child.kind(), b.child.kind()) {
-                (ChildKind::Leaf(leaf_a), ChildKind::Leaf(leaf_b)) => at_leaves(self.a, self.b, leaf_a, leaf_b)?,
-                _ => self.descend(a, b, stack),
+            let tested = (front.is_empty() && R::ROOTS_ARE_TESTED).then(R::Key::default);
+            let key = tested.or_else(|| self.rule.start(&self.a.node_box(a), &self.b.node_box(b)));
+            stack.extend(key.map(|key| (key, a, b)));
+            while let Some((key, a, b)) = stack.pop() {
+                if !self.rule.still_wanted(key) {
+                    continue;
+                }
+                match (a.child.kind(), b.child.kind()) {
+                    (ChildKind::Leaf(leaf_a), ChildKind::Leaf(leaf_b)) => at_leaves(self, leaf_a, leaf_b)?,
+                    _ => self.descend(a, b, stack),
+                }
             }
         }
         ControlFlow::Continue(())
@@ -78,18 +64,9 @@ impl<'p, R: PairRule> PairWalk<'_, 'p, R> {
 
     /// Expands the roots, level by level, into at least `least` node pairs if there are that many, in the order of the walk.
     pub(crate) fn front(&mut self, stack: &mut Stack<R::Key>, least: usize) -> Vec<(NodeId, NodeId)> {
-        let (root_a, root_b) = (self.a.root(), self.b.root());
-        let mut front = if self.roots_overlap {
-            vec![(root_a, root_b)]
-        } else {
-            Vec::new()
-        };
-        let both_leaves = |(a, b): &(NodeRef, NodeRef)| {
-            matches!(
-                (a.child.kind(), b.child.kind()),
-                (ChildKind::Leaf(_), ChildKind::Leaf(_))
-            )
-        };
+        let mut front = vec![(self.a.root(), self.b.root())];
+        let is_leaf = |node: &NodeRef| matches!(node.child.kind(), ChildKind::Leaf(_));
+        let both_leaves = |(a, b): &(NodeRef, NodeRef)| is_leaf(a) && is_leaf(b);
         while front.len() < least && !front.iter().all(both_leaves) {
             let mut next = Vec::new();
             for pair in front {
@@ -136,22 +113,20 @@ impl<'p, R: PairRule> PairWalk<'_, 'p, R> {
             Side::B => (&mut *self.b, &*self.a),
         };
         let mut keys = [R::Key::default(); LANES];
-        let opened = open(own_tree, group, &mut self.node_tests);
-        let own_tree = &*own_tree;
-        let mask = self
-            .rule
-            .children(side, (own_tree, opened), (other_tree, other), &mut keys);
+        let opened = open(own_tree, group);
+        self.node_tests += u64::from(opened.mask.count_ones());
+        let (own, theirs) = (&*own_tree, (other_tree, other));
+        let mask = self.rule.children(side, (own, opened), theirs, &mut keys);
         let first = stack.len();
         push(stack, mask, &keys, |lane| {
-            let own = own_tree.node(opened.slot, group, lane);
+            let own = own.node(opened.slot, group, lane);
             match side {
                 Side::A => (own, other),
                 Side::B => (other, own),
             }
         });
         if self.deepest_first && mask & mask.wrapping_sub(1) != 0 {
-            let at = (other_tree, other.slot as usize, usize::from(other.id.lane));
-            let depths = self.rule.depths(side, (own_tree, opened.slot), at);
+            let depths = self.rule.depths(side, (own, opened.slot), theirs);
             sort_by_depth(&mut stack[first..], |(_, a, b)| {
                 let own = if side == Side::A { a } else { b };
                 depths[usize::from(own.id.lane) % LANES]
@@ -163,31 +138,33 @@ impl<'p, R: PairRule> PairWalk<'_, 'p, R> {
     #[inline(always)]
     fn descend_both(&mut self, group_a: usize, (group_b, b): (usize, NodeRef), stack: &mut Stack<R::Key>) {
         let mut keys = [R::Key::default(); LANES];
-        let opened_a = open(self.a, group_a, &mut self.node_tests);
+        let mut opened_a = open(self.a, group_a);
+        self.node_tests += u64::from(opened_a.mask.count_ones());
         let rows = self
             .rule
             .children(Side::A, (&*self.a, opened_a), (&*self.b, b), &mut keys);
         if rows == 0 {
             return;
         }
-        let slot = self.b.open(group_b);
-        let group = self.b.topology.group(group_b);
-        let opened_b = Opened {
-            slot,
-            mask: group.mask(),
-        };
+        opened_a.mask = rows;
+        let opened_b = open(self.b, group_b);
         self.node_tests += u64::from(rows.count_ones()) * u64::from(opened_b.mask.count_ones());
-        let masks = self.rule.both((&*self.a, opened_a), (&*self.b, opened_b), rows);
+        let (tree_a, tree_b) = (&*self.a, &*self.b);
+        let masks = self.rule.both((tree_a, opened_a), (tree_b, opened_b));
+        let node_a = |lane| tree_a.node(opened_a.slot, group_a, lane);
         let first = stack.len();
         for lane in lanes_reversed(rows) {
-            let a = self.a.node(opened_a.slot, group_a, lane);
-            push(stack, masks[lane], &keys, |lane| (a, self.b.node(slot, group_b, lane)));
+            let a = node_a(lane);
+            push(stack, masks[lane], &keys, |lane| {
+                (a, tree_b.node(opened_b.slot, group_b, lane))
+            });
         }
         if self.deepest_first && stack.len() > first + 1 {
             let mut depths = [[0.0; LANES]; LANES];
             for lane in lanes_of(rows).filter(|&lane| masks[lane] != 0) {
-                let other = (&*self.a, opened_a.slot, lane);
-                depths[lane] = self.rule.depths(Side::B, (&*self.b, slot), other);
+                depths[lane] = self
+                    .rule
+                    .depths(Side::B, (tree_b, opened_b.slot), (tree_a, node_a(lane)));
             }
             sort_by_depth(&mut stack[first..], |(_, a, b)| {
                 depths[usize::from(a.id.lane) % LANES][usize::from(b.id.lane) % LANES]
@@ -203,11 +180,11 @@ fn node_at(tree: &mut Posed<'_>, place: NodeId) -> NodeRef {
 
 /// A group's boxes, blended if necessary.
 #[inline(always)]
-fn open(tree: &mut Posed<'_>, group: usize, node_tests: &mut u64) -> Opened {
-    let slot = tree.open(group);
-    let mask = tree.topology.group(group).mask();
-    *node_tests += u64::from(mask.count_ones());
-    Opened { slot, mask }
+fn open(tree: &mut Posed<'_>, group: usize) -> Opened {
+    Opened {
+        slot: tree.open(group),
+        mask: tree.topology.group(group).mask(),
+    }
 }
 
 /// Pushes the lanes of a mask so that the lowest key is popped first, and among equals the first lane.

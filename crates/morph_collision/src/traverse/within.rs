@@ -3,7 +3,7 @@
 use std::ops::ControlFlow;
 
 use super::pairs::lanes_reversed;
-use crate::bounds::{LANES, with_simd};
+use crate::bounds::with_simd;
 use crate::pose::{NodeRef, Posed};
 use crate::tree::{ChildKind, Leaf};
 
@@ -49,7 +49,7 @@ fn push_pairs_among(posed: &mut Posed<'_>, group: usize, stack: &mut SelfStack) 
     let children = posed.topology.group(group).children().len();
     for lane in (0..children).rev() {
         let node = posed.node(slot, group, lane);
-        let later = posed.topology.group(group).mask() & lanes_after(lane);
+        let later = posed.topology.group(group).mask() & (u8::MAX << 1) << lane;
         let bounds = posed.node_box(node);
         let mask = with_simd!(posed.level, simd => posed.boxes(slot).overlap_mask(simd, &bounds)) & later;
         stack.extend(lanes_reversed(mask).map(|other| (node, posed.node(slot, group, other))));
@@ -66,8 +66,4 @@ fn push_pairs_with(posed: &mut Posed<'_>, group: usize, other: NodeRef, stack: &
     let mask = with_simd!(posed.level, simd => posed.boxes(slot).overlap_mask(simd, &bounds)) & children;
     stack.extend(lanes_reversed(mask).map(|lane| (posed.node(slot, group, lane), other)));
     u64::from(children.count_ones())
-}
-
-fn lanes_after(lane: usize) -> u8 {
-    if lane + 1 == LANES { 0 } else { u8::MAX << (lane + 1) }
 }

@@ -1,40 +1,14 @@
 //! What a node's vertices span, in `f64`: at the base, with each target at weight 1, and the displacements themselves.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
-use crate::bounds::{Aabb, down, up};
+use crate::bounds::{Aabb, Extent};
 use crate::model::MorphModel;
 
-/// A box in `f64`.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Extent {
-    min: DVec3,
-    max: DVec3,
-}
-
 impl Extent {
-    fn point(point: DVec3) -> Self {
-        Self { min: point, max: point }
-    }
-
-    fn union(&self, other: &Self) -> Self {
-        Self {
-            min: self.min.min(other.min),
-            max: self.max.max(other.max),
-        }
-    }
-
     /// The largest absolute coordinate.
     pub(super) fn reach(&self) -> f64 {
         self.min.abs().max(self.max.abs()).max_element()
-    }
-
-    /// The box rounded outward.
-    pub(super) fn outward(&self) -> Aabb {
-        Aabb {
-            min: Vec3::from_array(self.min.to_array().map(down)),
-            max: Vec3::from_array(self.max.to_array().map(up)),
-        }
     }
 
     /// How far the ends of a base box must move to become the ends of this box, rounded outward. The pad covers the rounding of
@@ -83,12 +57,9 @@ impl NodeExtents {
         }
     }
 
-    /// The union of some parts, of which there is at least one. A part that a target does not move is at its base under it.
+    /// The union of some parts. A part that a target does not move is at its base under it.
     pub(super) fn of_parts(parts: &[Self]) -> Self {
-        let union = |of: &dyn Fn(&Self) -> Extent| {
-            let rest = parts[1..].iter();
-            rest.fold(of(&parts[0]), |extent, part| extent.union(&of(part)))
-        };
+        let union = |of: &dyn Fn(&Self) -> Extent| parts.iter().map(of).fold(Extent::EMPTY, Extent::union);
         let mut targets: Vec<u32> = parts.iter().flat_map(|p| p.targets.iter().map(|t| t.target)).collect();
         targets.sort_unstable();
         targets.dedup();

@@ -17,7 +17,7 @@ const MAX_TARGETS: usize = 8;
 const MIN_TRIANGLES: usize = 4;
 
 /// The triangles of every leaf in patches of eight: base corners, and displacements of each target that moves any of them.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(crate) struct LeafLanes {
     /// The first patch of each leaf.
     firsts: Vec<u32>,
@@ -43,11 +43,8 @@ impl LeafLanes {
     /// one.
     pub(super) fn new(model: &MorphModel, topology: &Topology) -> Option<Self> {
         let mut lanes = Self {
-            firsts: Vec::new(),
-            bases: Vec::new(),
             starts: vec![0],
-            targets: Vec::new(),
-            displacements: Vec::new(),
+            ..Self::default()
         };
         let leaves = || (0..topology.leaf_count()).map(|leaf| topology.leaf_triangles(Leaf(leaf)));
         let patches: usize = leaves().map(|triangles| triangles.len().div_ceil(LANES)).sum();

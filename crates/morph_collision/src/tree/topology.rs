@@ -65,7 +65,7 @@ impl Group {
 }
 
 /// Which triangles are together. Groups and leaves are in preorder, so a subtree is a contiguous range of each.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(crate) struct Topology {
     /// Group 0 has one child: the root.
     pub(super) groups: Vec<Group>,
@@ -96,13 +96,9 @@ impl Topology {
     /// Without any nodes.
     pub(super) fn new() -> Self {
         Self {
-            groups: Vec::new(),
             leaf_starts: vec![0],
-            triangles: Vec::new(),
             vertex_starts: vec![0],
-            vertices: Vec::new(),
-            corners: Vec::new(),
-            depth: 0,
+            ..Self::default()
         }
     }
 

@@ -83,6 +83,7 @@ fn real_models_agree_with_weights_of_any_sign_and_sum() {
 
 #[test]
 fn bodies_with_different_trees_give_the_same_pairs() {
+    use std::ops::ControlFlow;
     use std::sync::Arc;
 
     use morph_collision::{Body, MorphBvh, PairQuery, Pose, WorldFromModel};
@@ -101,8 +102,12 @@ fn bodies_with_different_trees_give_the_same_pairs() {
             let [(a, place_a), (b, place_b)] = &mut bodies;
             let mut pairs = Vec::new();
             PairQuery::new().all(Body::new(a, place_a), Body::new(b, place_b), &mut pairs);
-            let count = PairQuery::new().count(Body::new(a, place_a), Body::new(b, place_b));
-            assert_eq!(count, pairs.len() as u64);
+            let mut visited = Vec::new();
+            PairQuery::new().visit(Body::new(a, place_a), Body::new(b, place_b), |pair| {
+                visited.push(pair);
+                ControlFlow::Continue(())
+            });
+            assert_eq!(visited, pairs);
             let mut pairs: Vec<_> = pairs.iter().map(|p| [0, 1, p.triangle_a, p.triangle_b]).collect();
             pairs.sort_unstable();
             assert_eq!(pairs, truth, "{options_a:?} against {options_b:?}");

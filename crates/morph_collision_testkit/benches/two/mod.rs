@@ -80,7 +80,9 @@ impl Two {
         let counted = candidates.map(|(a, b)| {
             let mut bodies = two(a, b);
             let (a, b) = bodies.bodies();
-            (PairQuery::new().count(a, b), bodies)
+            let mut pairs = Vec::new();
+            PairQuery::new().all(a, b, &mut pairs);
+            (pairs.len(), bodies)
         });
         let chosen = match scene {
             Scene::DolphinsShallow => counted.filter(|(pairs, _)| *pairs > 0).min_by_key(|(pairs, _)| *pairs),

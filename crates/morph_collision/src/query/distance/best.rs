@@ -64,10 +64,9 @@ impl Best {
         } else if squared <= self.squared * MARGIN {
             self.ties = self.ties.saturating_add(1);
         }
-        let closer = self
-            .pair
-            .as_ref()
-            .is_none_or(|best| squared < self.squared || (squared == self.squared && found.is_before(best)));
+        let numbers = |pair: &ClosestPair| (pair.triangle_a, pair.triangle_b);
+        let is_before = |best: &ClosestPair| squared == self.squared && numbers(&found) < numbers(best);
+        let closer = squared < self.squared || self.pair.as_ref().is_none_or(is_before);
         if found.distance <= self.max_distance && closer {
             self.pair = Some(found);
             self.squared = squared;
@@ -84,25 +83,17 @@ impl Best {
         ControlFlow::Continue(self.limit)
     }
 
-    /// Whether to skip two triangles: there were many ties already, and these are no closer.
+    /// Whether to skip two triangles: there were many ties already, and these are at least as far apart as the closest pair,
+    /// measured along the line between its points, up to rounding.
     #[inline]
     pub(super) fn is_tied_enough(&self, corners_a: &Triangle, corners_b: &Triangle) -> bool {
-        self.ties > TIES && self.are_no_closer(corners_a, corners_b)
-    }
-
-    /// Whether two triangles are at least as far apart as the closest pair, measured along the line between its points, up to rounding.
-    fn are_no_closer(&self, corners_a: &Triangle, corners_b: &Triangle) -> bool {
-        let Some(best) = &self.pair else { return false };
-        let across = best.point_b - best.point_a;
-        let along = |corner: DVec3| (corner - best.point_a).dot(across);
-        let [a, b, c] = corners_a.map(along);
-        let [d, e, f] = corners_b.map(along);
-        d.min(e).min(f) - a.max(b).max(c) >= self.squared * NO_CLOSER
-    }
-}
-
-impl ClosestPair {
-    fn is_before(&self, other: &Self) -> bool {
-        (self.triangle_a, self.triangle_b) < (other.triangle_a, other.triangle_b)
+        self.ties > TIES
+            && self.pair.as_ref().is_some_and(|best| {
+                let across = best.point_b - best.point_a;
+                let along = |corner: DVec3| (corner - best.point_a).dot(across);
+                let [a, b, c] = corners_a.map(along);
+                let [d, e, f] = corners_b.map(along);
+                d.min(e).min(f) - a.max(b).max(c) >= self.squared * NO_CLOSER
+            })
     }
 }

@@ -18,8 +18,19 @@ pub(super) fn choose<S: Simd>(mask: mask32x8<S>, yes: Vector<S>, no: Vector<S>) 
 }
 
 #[inline(always)]
+pub(super) fn load<S: Simd>(simd: S, [x, y, z]: &[Lanes; 3]) -> Vector<S> {
+    [x.load(simd), y.load(simd), z.load(simd)]
+}
+
+#[inline(always)]
 pub(super) fn one<S: Simd>(simd: S, row: &Lanes, lane: usize) -> f32x8<S> {
     f32x8::splat(simd, row.0[lane % LANES])
+}
+
+/// The vector of one lane in every lane.
+#[inline(always)]
+pub(super) fn splat<S: Simd>(simd: S, [x, y, z]: &[Lanes; 3], lane: usize) -> Vector<S> {
+    [one(simd, x, lane), one(simd, y, lane), one(simd, z, lane)]
 }
 
 #[inline(always)]

@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};
 
 use super::Patch;
-use super::vectors::{Corners, Vector, choose, cross, dot, one, sub};
+use super::vectors::{Corners, Vector, choose, cross, dot, load, one, splat, sub};
 
 /// What is certain about eight pairs, as bit masks.
 #[derive(Clone, Copy, Debug)]
@@ -28,15 +28,13 @@ impl Patch {
         let theirs = other.splat(simd, lane);
 
         // Our corners against their plane.
-        let [x, y, z] = &other.normals;
-        let normal = [one(simd, x, lane), one(simd, y, lane), one(simd, z, lane)];
+        let normal = splat(simd, &other.normals, lane);
         let (low, high) = (one(simd, &other.low, lane), one(simd, &other.high, lane));
         let own_sides = Sides::new(normal, own, low, high);
         let mut apart = own_sides.apart(errors.of_normals);
 
         // Their corners against our planes.
-        let [x, y, z] = &self.normals;
-        let normal = [x.load(simd), y.load(simd), z.load(simd)];
+        let normal = load(simd, &self.normals);
         let their_sides = Sides::new(normal, theirs, self.low.load(simd), self.high.load(simd));
         apart |= their_sides.apart(errors.of_normals);
         let by_planes = apart.to_bitmask() as u8;

@@ -1,47 +1,17 @@
-//! Exact collision detection for meshes deformed by morph targets (blend shapes).
-//!
-//! A morphing mesh is a base shape plus one displacement per vertex and target; an instance of it is a vector of weights.
-//! This crate builds one bounding-volume tree per *mesh*, good for every weight vector: each node keeps a box per
-//! reference shape, and a node is refitted by blending those boxes, when and only when a query looks at it. Vertices
-//! are blended only in the leaves that a query reaches.
+#![doc = include_str!("../README.md")]
 //!
 //! # Is this the crate you need?
 //!
 //! - You write a Bevy game: use `bevy_morph_collision`, which is this crate as a plugin.
-//! - You have an engine of your own, or none: use this crate; it depends on `glam` and has no notion of an engine.
-//! - Your meshes never deform: any collision library will do. (A mesh without targets works here, as a rigid body.)
+//! - You have an engine of your own, or none: use this crate. It depends on `glam` and not on an engine.
+//! - Your meshes never deform: any collision library will do. (Meshes without targets work here, as rigid bodies.)
 //! - Your meshes are deformed by bones alone: not yet.
 //!
 //! # The pipeline
 //!
 //! ```text
-//! positions + targets -> MorphModel -> MorphBvh -> Pose (weights, stamps) -> PairQuery -> triangle pairs
-//!                        immutable     immutable   one per instance          scratch
-//! ```
-//!
-//! ```
-//! use std::sync::Arc;
-//! use glam::{Affine3A, Vec3};
-//! use morph_collision::{Body, BuildOptions, MorphBvh, MorphModel, PairQuery, Pose, WorldFromModel};
-//!
-//! // A triangle in the plane z = 0 with one target that lifts it by 1.
-//! let base = [Vec3::ZERO, Vec3::X, Vec3::Y];
-//! let lift = [Vec3::Z; 3];
-//! let model = MorphModel::from_displacements(&base, &[[0, 1, 2]], &[lift])?;
-//! let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
-//!
-//! let (mut a, mut b) = (Pose::new(bvh.clone()), Pose::new(bvh));
-//! let at_origin = WorldFromModel::IDENTITY;
-//! let above = WorldFromModel::new(Affine3A::from_translation(Vec3::new(0.0, 0.0, 0.5)))?;
-//!
-//! let mut query = PairQuery::new();
-//! let touching = query.any(Body::new(&mut a, &at_origin), Body::new(&mut b, &above));
-//! assert!(!touching);
-//!
-//! a.set_weights(&[0.5])?; // the lower one morphs up to the upper one
-//! let touching = query.any(Body::new(&mut a, &at_origin), Body::new(&mut b, &above));
-//! assert!(touching);
-//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! positions + targets -> MorphModel -> MorphBvh -> Pose (weights, cache) -> PairQuery -> triangle pairs
+//!                        immutable     immutable   one per instance         scratch
 //! ```
 //!
 //! # What can be asked
@@ -96,8 +66,3 @@ pub use query::{
 };
 pub use traverse::overlapping_pairs;
 pub use tree::{BuildOptions, LayoutError, MorphBvh, TreeLayout};
-
-/// The README's snippet, run.
-#[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;

@@ -19,16 +19,10 @@ pub type Triangle = [DVec3; 3];
 /// `1e-83` to `1e90` take slow exact arithmetic where the filter does not decide.
 #[must_use]
 pub fn triangles_intersect(a: &Triangle, b: &Triangle) -> bool {
-    triangles_intersect_counting(a, b, &mut 0)
+    !boxes_apart(a, b) && facets_intersect_counting(&Facet::new(*a), &Facet::new(*b), &mut 0)
 }
 
-/// As [`triangles_intersect`]; counts the pairs that the filter leaves open.
-#[inline]
-pub(crate) fn triangles_intersect_counting(a: &Triangle, b: &Triangle, undecided: &mut u64) -> bool {
-    !boxes_apart(a, b) && facets_intersect_counting(&Facet::new(*a), &Facet::new(*b), undecided)
-}
-
-/// As [`triangles_intersect_counting`], for triangles with overlapping boxes.
+/// As [`triangles_intersect`], for triangles with overlapping boxes; counts the pairs that the filter leaves open.
 #[inline]
 pub(crate) fn facets_intersect_counting(a: &Facet, b: &Facet, undecided: &mut u64) -> bool {
     facets_intersect(a, b).unwrap_or_else(|| {

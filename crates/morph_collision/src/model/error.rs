@@ -4,9 +4,6 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ModelError {
-    /// There is no reference shape.
-    #[error("no reference shape was given")]
-    NoReferences,
     /// The base has no vertices.
     #[error("the mesh has no vertices")]
     NoVertices,

@@ -54,31 +54,6 @@ impl MorphModel {
         for (k, target) in targets.iter().enumerate() {
             check::vectors(&format!("target {k}"), target.as_ref(), base.len())?;
         }
-        Self::from_valid_displacements(base, triangles, targets)
-    }
-
-    /// Makes a model from reference shapes, as in the paper: reference 0 is the base, and each further reference is a target
-    /// with a weight. The weight of reference 0 is 1 minus the sum of the others.
-    ///
-    /// The displacements of a target are its differences from reference 0, rounded to `f32`.
-    ///
-    /// # Errors
-    /// Those of [`MorphModel::from_displacements`], and if there is no reference.
-    pub fn from_references<T: AsRef<[Vec3]>>(references: &[T], triangles: &[[u32; 3]]) -> Result<Self, ModelError> {
-        let base = references.first().ok_or(ModelError::NoReferences)?.as_ref();
-        for (k, reference) in references.iter().enumerate() {
-            check::vectors(&format!("reference {k}"), reference.as_ref(), base.len())?;
-        }
-        let differences = |reference: &T| reference.as_ref().iter().zip(base).map(|(p, b)| p - b).collect();
-        let targets: Vec<Vec<Vec3>> = references[1..].iter().map(differences).collect();
-        Self::from_valid_displacements(base, triangles, &targets)
-    }
-
-    fn from_valid_displacements<T: AsRef<[Vec3]>>(
-        base: &[Vec3],
-        triangles: &[[u32; 3]],
-        targets: &[T],
-    ) -> Result<Self, ModelError> {
         if base.is_empty() {
             return Err(ModelError::NoVertices);
         }

@@ -28,20 +28,6 @@ fn negative_zero_is_welded_to_zero() {
 }
 
 #[test]
-fn references_and_displacements_make_the_same_model() {
-    let lifted = CORNERS.map(|p| p + 2.0 * Vec3::Z);
-    let from_references = MorphModel::from_references(&[CORNERS, lifted], &[[0, 1, 2]]).unwrap();
-    let from_displacements = MorphModel::from_displacements(&CORNERS, &[[0, 1, 2]], &[[2.0 * Vec3::Z; 3]]).unwrap();
-    for vertex in 0..3 {
-        assert_eq!(
-            from_references.blend_vertex(vertex, &[0.75]),
-            from_displacements.blend_vertex(vertex, &[0.75])
-        );
-    }
-    assert_eq!(from_references.blend_vertex(1, &[1.0]), lifted[1]);
-}
-
-#[test]
 fn unusable_meshes_are_refused_with_what_and_where() {
     type Targets = Vec<Vec<Vec3>>;
     let none: Targets = Vec::new();
@@ -87,10 +73,6 @@ fn unusable_meshes_are_refused_with_what_and_where() {
     assert!(matches!(&nan, ModelError::BadCoordinate { shape, vertex: 1, value } if shape == "base" && value.is_nan()));
     let mut bent = CORNERS;
     bent[2].y = f32::INFINITY;
-    let error = MorphModel::from_references(&[CORNERS, bent], &[[0, 1, 2]]).unwrap_err();
-    assert!(error.to_string().starts_with("reference 1, vertex 2: "), "{error}");
-    assert_eq!(
-        MorphModel::from_references::<[Vec3; 3]>(&[], &[[0, 1, 2]]).unwrap_err(),
-        ModelError::NoReferences
-    );
+    let error = build(&CORNERS, &[[0, 1, 2]], &vec![bent.to_vec()]);
+    assert!(error.to_string().starts_with("target 0, vertex 2: "), "{error}");
 }

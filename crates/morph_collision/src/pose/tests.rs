@@ -107,7 +107,9 @@ fn two_references() -> Pose {
         vec![Vec3::ZERO, Vec3::X, Vec3::Y],
         vec![Vec3::Z, Vec3::splat(5.0), Vec3::NEG_ONE],
     ];
-    let model = MorphModel::from_references(&references, &[[0, 1, 2]]).unwrap();
+    let [base, other] = &references;
+    let target: Vec<Vec3> = other.iter().zip(base).map(|(p, b)| p - b).collect();
+    let model = MorphModel::from_displacements(base, &[[0, 1, 2]], &[target]).unwrap();
     Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())))
 }
 

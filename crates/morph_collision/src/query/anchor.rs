@@ -1,4 +1,4 @@
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 use super::body::{Body, world_triangle};
 use super::ray::RayHit;
@@ -75,14 +75,6 @@ impl SurfaceAnchor {
     fn point_on(&self, &[a, b, c]: &Triangle) -> DVec3 {
         let [_, v, w] = self.barycentrics;
         a + ((b - a) * v + (c - a) * w)
-    }
-}
-
-impl SurfaceFrame {
-    /// The rotation from the frame's axes (tangent, bitangent, normal) to world space.
-    #[must_use]
-    pub fn world_from_frame(&self) -> DMat3 {
-        DMat3::from_cols(self.tangent, self.bitangent, self.normal)
     }
 }
 

@@ -33,18 +33,6 @@ impl Ray {
         };
         Ok(Self { line, scale })
     }
-
-    /// The start.
-    #[must_use]
-    pub fn origin(&self) -> DVec3 {
-        self.line.origin
-    }
-
-    /// The direction as given.
-    #[must_use]
-    pub fn direction(&self) -> DVec3 {
-        self.line.direction * self.scale
-    }
 }
 
 /// A closed convex region of world space: an intersection of half-spaces. It may be unbounded or empty.

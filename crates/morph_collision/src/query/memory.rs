@@ -39,11 +39,6 @@ impl PairMemory {
         Self::default()
     }
 
-    /// Forgets everything.
-    pub fn clear(&mut self) {
-        *self = Self::default();
-    }
-
     /// The leaves to try first. Forgets them if a tree has changed.
     pub(super) fn witness_of(&mut self, a: &Body<'_>, b: &Body<'_>) -> Option<(Leaf, Leaf)> {
         let trees = [a.pose.bvh(), b.pose.bvh()];

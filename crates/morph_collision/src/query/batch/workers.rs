@@ -3,26 +3,6 @@
 use std::thread;
 
 /// The threads of a [`BatchQuery`](super::BatchQuery). Implement it to run batches on your engine's threads.
-///
-/// ```
-/// use morph_collision::Workers;
-///
-/// /// Starts two new threads for each batch.
-/// struct TwoNewThreads;
-///
-/// impl Workers for TwoNewThreads {
-///     fn count(&self) -> usize {
-///         2
-///     }
-///
-///     fn run(&self, work: &(dyn Fn(usize) + Sync)) {
-///         std::thread::scope(|scope| {
-///             scope.spawn(|| work(0));
-///             scope.spawn(|| work(1));
-///         });
-///     }
-/// }
-/// ```
 pub trait Workers {
     /// The number of workers, at least 1.
     fn count(&self) -> usize;

@@ -56,8 +56,7 @@ impl PairTask<'_> {
     }
 }
 
-/// Pairs with fewer triangles in both bodies together are not cut. Not measured precisely: a walk over this many takes some 100
-/// microseconds, about ten times what waking a thread and copying two poses does.
+/// Pairs with fewer triangles in both bodies together are not cut. Not measured; small pairs are done before another thread is awake.
 const MIN_TRIANGLES_TO_CUT: usize = 4000;
 /// Parts per worker, so that parts of different cost balance. Not measured.
 const PARTS_PER_WORKER: usize = 8;

@@ -39,7 +39,7 @@ pub struct BatchQuery {
 /// The answer of a task: a range of what all tasks found, and whether there is more.
 type Answer = (Range<usize>, bool);
 
-/// Smaller batches run on the calling thread. Not measured precisely: so few pairs take less time than waking a thread.
+/// Smaller batches run on the calling thread: waking a thread takes as long as a dozen pairs that do not touch (docs/tried.md).
 const MIN_UNITS_FOR_THREADS: usize = 16;
 
 /// The answers of a [`BatchQuery`], by task.

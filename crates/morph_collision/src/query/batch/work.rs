@@ -10,7 +10,7 @@ use crate::pose::Pose;
 use crate::query::capped::Capped;
 use crate::query::{Body, PairQuery, QueryStats, TrianglePair};
 
-/// The most pairs a worker takes from the schedule at once. Not measured precisely: taking units costs a lock.
+/// The most pairs a worker takes from the schedule at once. Not measured; taking units costs a lock.
 const MAX_UNITS_AT_ONCE: usize = 8;
 
 /// What a worker owns.

@@ -132,7 +132,7 @@ references:
 assets:
     cargo run --release -p morph_collision_testkit --bin make_assets -- assets
 
-# Looks for vertices outside their blended boxes: at least CHECKS checks for each form, ten million by default.
+# Looks for vertices outside their blended boxes: at least CHECKS checks for each leaf size, ten million by default.
 containment *CHECKS:
     cargo run --release -p morph_collision_testkit --bin containment -- {{CHECKS}}
 

@@ -71,8 +71,8 @@ mod store {
         pub const CANDIDATE_PAIRS: DiagnosticPath = DiagnosticPath::const_new("morph_collision/candidate_pairs");
         /// Touching pairs.
         pub const TOUCHING_PAIRS: DiagnosticPath = DiagnosticPath::const_new("morph_collision/touching_pairs");
-        /// Volumes blended.
-        pub const VOLUMES_BLENDED: DiagnosticPath = DiagnosticPath::const_new("morph_collision/nodes_blended");
+        /// Tree nodes blended.
+        pub const NODES_BLENDED: DiagnosticPath = DiagnosticPath::const_new("morph_collision/nodes_blended");
         /// Pairs of triangles compared.
         pub const TRIANGLE_TESTS: DiagnosticPath = DiagnosticPath::const_new("morph_collision/triangle_tests");
     }
@@ -82,7 +82,7 @@ mod store {
             for path in [
                 Self::CANDIDATE_PAIRS,
                 Self::TOUCHING_PAIRS,
-                Self::VOLUMES_BLENDED,
+                Self::NODES_BLENDED,
                 Self::TRIANGLE_TESTS,
             ] {
                 app.register_diagnostic(Diagnostic::new(path));
@@ -98,7 +98,7 @@ mod store {
         theirs.add_measurement(&Paths::DURATION, || ours.duration.as_secs_f64() * 1e3);
         theirs.add_measurement(&Paths::CANDIDATE_PAIRS, || ours.candidate_pairs as f64);
         theirs.add_measurement(&Paths::TOUCHING_PAIRS, || ours.touching_pairs as f64);
-        theirs.add_measurement(&Paths::VOLUMES_BLENDED, || ours.stats.nodes_blended as f64);
+        theirs.add_measurement(&Paths::NODES_BLENDED, || ours.stats.nodes_blended as f64);
         theirs.add_measurement(&Paths::TRIANGLE_TESTS, || ours.stats.triangle_tests as f64);
     }
 }

@@ -16,7 +16,7 @@ pub enum InputError {
     #[error("{what}: coordinate {axis} is {}, not a finite number of at most {limit:e}", Short(*value))]
     BadCoordinate {
         /// The name of the vector.
-        what: &'static str,
+        what: String,
         /// 0 to 2.
         axis: usize,
         /// The offending coordinate.
@@ -28,7 +28,7 @@ pub enum InputError {
     #[error("{what} is {value}, a direction must be finite and not zero")]
     NoDirection {
         /// The name of the direction.
-        what: &'static str,
+        what: String,
         /// Its value.
         value: DVec3,
     },
@@ -36,12 +36,22 @@ pub enum InputError {
     #[error("{what} is {}, it must be {expected}", Short(*value))]
     BadNumber {
         /// The name of the number.
-        what: &'static str,
+        what: String,
         /// Its value.
         value: f64,
         /// The allowed values.
         expected: &'static str,
     },
+}
+
+impl InputError {
+    /// The same error about a part of a list.
+    pub(crate) fn of(mut self, part: &str) -> Self {
+        let (Self::BadCoordinate { what, .. } | Self::NoDirection { what, .. } | Self::BadNumber { what, .. }) =
+            &mut self;
+        *what = format!("{part}: {what}");
+        self
+    }
 }
 
 /// Prints a number with no more digits than it was given with, which may have been as `f32`.
@@ -62,16 +72,16 @@ impl fmt::Display for Short {
 }
 
 /// Checks that all coordinates are finite and at most 1e50.
-pub(crate) fn check_point(what: &'static str, point: DVec3) -> Result<(), InputError> {
+pub(crate) fn check_point(what: &str, point: DVec3) -> Result<(), InputError> {
     check_vector(what, point, LARGEST)
 }
 
 /// Checks that all coordinates are finite and at most `limit`.
-pub(crate) fn check_vector(what: &'static str, vector: DVec3, limit: f64) -> Result<(), InputError> {
+pub(crate) fn check_vector(what: &str, vector: DVec3, limit: f64) -> Result<(), InputError> {
     let is_bad = |value: &f64| value.is_nan() || value.abs() > limit;
     match vector.to_array().iter().position(is_bad) {
         Some(axis) => Err(InputError::BadCoordinate {
-            what,
+            what: what.to_owned(),
             axis,
             value: vector[axis],
             limit,
@@ -81,28 +91,30 @@ pub(crate) fn check_vector(what: &'static str, vector: DVec3, limit: f64) -> Res
 }
 
 /// Checks that a direction is finite and not zero.
-pub(crate) fn check_direction(what: &'static str, value: DVec3) -> Result<(), InputError> {
+pub(crate) fn check_direction(what: &str, value: DVec3) -> Result<(), InputError> {
     if !value.is_finite() || value == DVec3::ZERO {
-        return Err(InputError::NoDirection { what, value });
+        return Err(InputError::NoDirection {
+            what: what.to_owned(),
+            value,
+        });
     }
     Ok(())
 }
 
 /// Checks that a length is neither NaN nor negative; it may be infinite.
-pub(crate) fn check_length(what: &'static str, value: f64) -> Result<(), InputError> {
+pub(crate) fn check_length(what: &str, value: f64) -> Result<(), InputError> {
     check_number(what, value, value >= 0.0, "0 or more")
 }
 
 /// Checks a condition that a number must meet.
-pub(crate) fn check_number(
-    what: &'static str,
-    value: f64,
-    is_good: bool,
-    expected: &'static str,
-) -> Result<(), InputError> {
+pub(crate) fn check_number(what: &str, value: f64, is_good: bool, expected: &'static str) -> Result<(), InputError> {
     if is_good {
         Ok(())
     } else {
-        Err(InputError::BadNumber { what, value, expected })
+        Err(InputError::BadNumber {
+            what: what.to_owned(),
+            value,
+            expected,
+        })
     }
 }

@@ -38,7 +38,8 @@
 //!
 //! A posed vertex is the `f32` blend of base and displacements in ascending target order, taken to world space in `f64`
 //! by the body's affine; see [`WorldFromModel::transform_point`]. Over those vertices the answer is exact: touching counts,
-//! coplanar and degenerate triangles are handled, and there is no epsilon. Trees change only the speed.
+//! coplanar and degenerate triangles are handled, and there is no epsilon. Trees change only the speed. For balls, capsules and
+//! half-spaces [`PlacedShape::intersects`] says what is exact.
 #![forbid(unsafe_code)]
 // docs.rs says which feature has what.
 #![cfg_attr(docsrs, feature(doc_cfg))]

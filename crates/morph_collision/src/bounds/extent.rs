@@ -43,7 +43,7 @@ impl Extent {
         }
     }
 
-    /// The squared distance, from below but for a few roundings; 0 for boxes that overlap.
+    /// A lower bound on the squared distance, up to a few roundings; 0 for boxes that overlap.
     #[inline]
     pub(crate) fn squared_distance(&self, other: &Self) -> f64 {
         let gap = (self.min - other.max).max(other.min - self.max).max(DVec3::ZERO);

@@ -125,8 +125,8 @@ pub(super) fn lerp([p, q]: Segment, t: f64) -> DVec3 {
 
 /// `[y, z]` such that `y u + z v` is the point closest to `r` in the plane of `u` and `v`. Each vector is given by its ends.
 ///
-/// Vectors at a small angle take exact arithmetic. `None` where they span no plane; and where the angle is so small that
-/// points between the edges are no closer than the edges, whose squared distance is `edges_squared`.
+/// Vectors at a small angle take exact arithmetic. `None` where they span no plane, and where their angle is so small that no
+/// point between them can be closer than the nearer edge, whose squared distance is `edges_squared`.
 fn plane_coordinates(r: Segment, u: Segment, v: Segment, edges_squared: f64) -> Option<[f64; 2]> {
     // The squared sine of the angle, which decides how much roundings are magnified. Here they lose four digits at most; not
     // measured, exact arithmetic is rare at this bound.

@@ -6,18 +6,10 @@ use super::Pose;
 use crate::bounds::{Aabb, Extent, WorldFromModel};
 
 impl Pose {
-    /// The smallest model-space box around the posed triangles.
-    ///
-    /// Cost: every vertex is blended unless it is cached. [`Pose::bounds`] costs far less.
-    pub fn tight_bounds(&mut self) -> Aabb {
-        let mut bounds = Aabb::EMPTY;
-        self.for_each_triangle(|_, corners| bounds = bounds.union(&Aabb::from_points(corners)));
-        bounds
-    }
-
     /// The smallest `f32` box in world space around the posed triangles as [`WorldFromModel::transform_point`] places them.
     ///
-    /// It is infinite where a coordinate exceeds the range of `f32`. Cost: that of [`Pose::tight_bounds`].
+    /// It is infinite where a coordinate exceeds the range of `f32`. Cost: every vertex is blended unless it is cached;
+    /// [`Pose::world_bounds`] costs far less.
     pub fn tight_world_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
         let mut extent = Extent::EMPTY;
         self.for_each_triangle(|_, corners| {
@@ -29,7 +21,7 @@ impl Pose {
 
     /// Replaces the contents of `positions` by the posed positions of all source vertices, in model space.
     ///
-    /// [`WorldFromModel::transform_point`] takes them to world space. Cost: that of [`Pose::tight_bounds`].
+    /// [`WorldFromModel::transform_point`] takes them to world space. Cost: that of [`Pose::tight_world_bounds`].
     pub fn source_positions(&mut self, positions: &mut Vec<Vec3>) {
         let bvh = self.bvh().clone();
         let mut posed = self.posed();

@@ -49,18 +49,16 @@ impl ConvexRegion {
     /// # Errors
     /// [`InputError`] if a normal is zero or not finite, or an offset is not finite or larger than 1e50 times its normal.
     pub fn from_half_spaces(half_spaces: &[(DVec3, f64)]) -> Result<Self, InputError> {
-        let plane = |&(normal, offset): &(DVec3, f64)| {
-            check_direction("normal of a half-space", normal)?;
+        let plane = |(i, &(normal, offset)): (usize, &(DVec3, f64))| {
+            let of_this = |error: InputError| error.of(&format!("half-space {i}"));
+            check_direction("normal", normal).map_err(of_this)?;
             let scale = power_of_two_below(normal.abs().max_element());
-            let plane = Plane {
-                normal: normal / scale,
-                offset: offset / scale,
-            };
+            let (normal, scaled) = (normal / scale, offset / scale);
             let expected = "at most 1e50 times the length of the normal";
-            check_number("offset of a half-space", offset, plane.offset.abs() <= 1e50, expected)?;
-            Ok(plane)
+            check_number("offset", offset, scaled.abs() <= 1e50, expected).map_err(of_this)?;
+            Ok(Plane { normal, offset: scaled })
         };
-        let planes = half_spaces.iter().map(plane).collect::<Result<_, InputError>>()?;
+        let planes = half_spaces.iter().enumerate().map(plane).collect::<Result<_, _>>()?;
         Ok(Self { planes })
     }
 
@@ -97,8 +95,8 @@ mod tests {
         assert!(message(Ray::new(DVec3::ZERO, DVec3::X, -1.0).err()).contains("max_t"));
         assert!(message(Ray::new(DVec3::ZERO, DVec3::X, f64::NAN).err()).contains("max_t"));
         let region = |half_space| message(ConvexRegion::from_half_spaces(&[half_space]).err());
-        assert!(region((DVec3::ZERO, 0.0)).contains("normal of a half-space"));
-        assert!(region((DVec3::X, f64::INFINITY)).contains("offset of a half-space is inf"));
+        assert!(region((DVec3::ZERO, 0.0)).contains("half-space 0: normal"));
+        assert!(region((DVec3::X, f64::INFINITY)).contains("half-space 0: offset is inf"));
         assert!(message(ConvexRegion::from_aabb(&Aabb::EMPTY).err()).contains("min"));
         assert!(Ray::new(DVec3::ZERO, DVec3::splat(5e-324), f64::INFINITY).is_ok());
     }

@@ -9,18 +9,24 @@ use crate::exact::{power_of_two, power_of_two_below};
 use crate::tree::CornerLanes;
 
 /// A frame near both bodies, in units of their size, where `f32` loses little of `f64`'s precision.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Neighbourhood {
     origin: DVec3,
     /// A power of two.
     pub(super) scale: f64,
 }
 
+impl Default for Neighbourhood {
+    fn default() -> Self {
+        Self::new(DVec3::ZERO, 1.0)
+    }
+}
+
 impl Neighbourhood {
     /// A frame for bodies near `origin`, of roughly this size.
     pub(super) fn new(origin: DVec3, size: f64) -> Self {
         let size = if size.is_normal() { size } else { 1.0 };
-        // Within what leaves room on both sides.
+        // Clamped so that neither the unit nor its inverse overflows or underflows.
         let unit = power_of_two_below(size).clamp(power_of_two(-900), power_of_two(900));
         Self {
             origin,

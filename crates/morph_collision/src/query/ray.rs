@@ -118,19 +118,11 @@ impl RayQuery {
     /// Appends every hit, one per triangle, sorted by `t` and then by triangle.
     pub fn all(&mut self, body: Body<'_>, ray: &Ray, hits: &mut Vec<RayHit>) {
         let start = hits.len();
-        self.visit(body, ray, |hit| {
-            hits.push(hit);
-            ControlFlow::Continue(())
-        });
-        hits[start..].sort_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
-    }
-
-    /// Calls `visitor` for every hit, in no particular order, until it breaks.
-    pub fn visit(&mut self, body: Body<'_>, ray: &Ray, mut visitor: impl FnMut(RayHit) -> ControlFlow<()>) {
-        let _stopped_early = self.cast(body, ray, |number, crossing, triangle| {
-            visitor(RayHit::new(ray, number, crossing, triangle))?;
+        let _finished = self.cast(body, ray, |number, crossing, triangle| {
+            hits.push(RayHit::new(ray, number, crossing, triangle));
             ControlFlow::Continue(f64::INFINITY)
         });
+        hits[start..].sort_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
     }
 
     /// Calls `at_hit` for hits until it breaks. It returns the parameter of the line beyond which hits no longer matter.

@@ -13,12 +13,12 @@ use crate::model::MorphModel;
 
 /// Bins per axis. Not measured; a common choice.
 const BINS: usize = 16;
-/// Up to this many leaves' triangles every plane is tried instead of the planes between bins, at a cost of `O(n log n)`. Not
-/// measured; with bins alone queries cost up to 2 % more (docs/tried.md).
+/// Up to this many leaves' triangles every plane is tried instead of the planes between bins, at a cost of `O(n log n)`. The
+/// number is not measured; without it queries cost up to 2 % more (docs/tried.md).
 const SWEPT_LEAVES: usize = 8;
 
-/// The most targets that a split considers beside the base. Build time grows with it. Not measured; splitting on the base alone
-/// makes trees that are 0.91 to 1.08 times as slow (docs/tried.md), so more targets can gain little.
+/// The most targets that a split considers beside the base. Build time grows with it. The number is not measured; splitting
+/// on the base alone takes 0.91 to 1.08 times as long (docs/tried.md), so more targets can gain little.
 const MAX_TARGETS: usize = 16;
 
 /// The midpoints and boxes of all triangles of one shape.

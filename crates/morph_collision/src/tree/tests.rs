@@ -39,7 +39,7 @@ fn a_leaf_size_out_of_range_is_refused_by_name() {
     for leaf_size in [0, 256] {
         let error = BuildOptions::default().with_leaf_size(leaf_size).unwrap_err();
         assert!(
-            matches!(error, InputError::BadNumber { what: "leaf_size", .. }),
+            matches!(&error, InputError::BadNumber { what, .. } if what == "leaf_size"),
             "{error:?}"
         );
         let message = format!("leaf_size is {leaf_size}, it must be a whole number from 1 to 255");

@@ -1,7 +1,9 @@
 //! Shapes against single triangles.
 
+use std::sync::Arc;
+
 use glam::{DVec2, DVec3, Quat, Vec3};
-use morph_collision::{PlacedShape, Shape};
+use morph_collision::{Body, BuildOptions, MorphBvh, MorphModel, PlacedShape, Pose, Shape, ShapeQuery, WorldFromModel};
 use morph_collision_testkit::oracle;
 use proptest::prelude::*;
 
@@ -130,7 +132,7 @@ proptest! {
     fn a_capsule_without_radius_agrees_with_the_oracle_on_a_grid(
         triangle in grid_triangle(),
         center in grid_point(),
-        half in 1_u8..5,
+        half in 0_u8..5,
         turn in 0_usize..3,
     ) {
         // Rotates the axes, so that the segment runs along each.
@@ -140,6 +142,29 @@ proptest! {
         let placed = PlacedShape::new(Shape::Capsule { half_length, radius: 0.0 }, Quat::IDENTITY, center).unwrap();
         let (center, half) = (center.as_dvec3(), DVec3::Y * f64::from(half_length));
         let (p, q) = (center - half, center + half);
+        prop_assert_eq!(placed.intersects(&triangle), oracle::triangles_intersect(&triangle, &[p, p, q]));
+    }
+
+    #[test]
+    fn an_oblique_segment_agrees_with_the_oracle(
+        triangle in grid_triangle(),
+        center in grid_point(),
+        half in 0_u8..5,
+        turn in prop::array::uniform3(-3.0_f32..3.0),
+        through in 0_usize..4,
+    ) {
+        let rotation = Quat::from_scaled_axis(Vec3::from_array(turn));
+        let half_length = f32::from(half) * 0.5;
+        let placed = PlacedShape::new(Shape::Capsule { half_length, radius: 0.0 }, rotation, center).unwrap();
+        // The same ends, to the last bit.
+        let [x, y, z, w] = rotation.to_array().map(f64::from);
+        let rotation = glam::DMat3::from_quat(glam::DQuat::from_xyzw(x, y, z, w).normalize());
+        let [p, q] = [-1.0, 1.0].map(|side| rotation * (DVec3::Y * (side * f64::from(half_length))) + center.as_dvec3());
+        let mut triangle = triangle;
+        // Often a corner is an end of the segment.
+        if through < 2 {
+            triangle[0] = [p, q][through];
+        }
         prop_assert_eq!(placed.intersects(&triangle), oracle::triangles_intersect(&triangle, &[p, p, q]));
     }
 
@@ -156,4 +181,44 @@ proptest! {
         let point = in_triangle(&triangle, DVec2::from_array(at));
         prop_assert!((twin.placed.signed_distance(point) - twin.of_point(point)).abs() < 1e-13);
     }
+}
+
+#[test]
+fn a_ball_centred_on_a_triangle_leaves_it_along_its_normal() {
+    let corner = |x: f32, y: f32| DVec3::new(f64::from(x), f64::from(y), 0.0);
+    let (mut seed, mut centred) = (1_u32, 0);
+    let mut random = || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (seed >> 8) as f32 / (1 << 24) as f32
+    };
+    for _ in 0..2000 {
+        // Around the centre, at angles of about a third of a turn.
+        let center = [random() - 0.5, random() - 0.5];
+        let mut triangle = [DVec3::ZERO; 3];
+        for (i, p) in triangle.iter_mut().enumerate() {
+            let (sin, cos) = (2.1 * i as f32 + random()).sin_cos();
+            *p = corner(center[0] + cos * (0.5 + random()), center[1] + sin * (0.5 + random()));
+        }
+        let center = corner(center[0], center[1]);
+        if !oracle::triangles_intersect(&triangle, &[center; 3]) {
+            continue;
+        }
+        let place = center.as_vec3();
+        let point = PlacedShape::new(Shape::Ball { radius: 0.0 }, Quat::IDENTITY, place).unwrap();
+        assert!(point.intersects(&triangle), "{center} on {triangle:?}");
+        assert!(PlacedShape::ball(center, 0.0).unwrap().intersects(&triangle));
+
+        let corners = triangle.map(DVec3::as_vec3);
+        let model = MorphModel::from_displacements::<[Vec3; 3]>(&corners, &[[0, 1, 2]], &[]).unwrap();
+        let bvh = MorphBvh::build(Arc::new(model), &BuildOptions::default());
+        let mut pose = Pose::new(Arc::new(bvh));
+        let body = Body::new(&mut pose, &WorldFromModel::IDENTITY);
+        let ball = PlacedShape::ball(center, 0.5).unwrap();
+        let contact = ShapeQuery::new().closest(body, &ball, 0.0).unwrap().unwrap();
+        assert_eq!(contact.distance, -0.5);
+        assert!((contact.normal.z.abs() - 1.0).abs() < 1e-12, "{contact:?}");
+        assert_eq!(contact.point_on_shape, center + contact.normal * 0.5, "{contact:?}");
+        centred += 1;
+    }
+    assert!(centred > 500, "{centred}");
 }

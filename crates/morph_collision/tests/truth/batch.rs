@@ -195,6 +195,19 @@ fn parts_of_a_large_pair_keep_what_is_blended_and_follow_new_weights() {
         assert_eq!(found, bodies.one_by_one(&bodies.tasks(Wanted::All)), "step {step}");
         before = found;
     }
+    // Copies of refitted poses, of others after that, and of lazy ones again.
+    for (step, is_refitted) in [(200, true), (210, true), (200, false), (200, true), (45, false)] {
+        bodies.follow(&scenes::pass_through(step));
+        if is_refitted {
+            bodies.poses.iter_mut().for_each(Pose::refit);
+        }
+        let (found, _) = run(&mut bodies);
+        assert_eq!(
+            found,
+            bodies.one_by_one(&bodies.tasks(Wanted::All)),
+            "step {step}, refitted: {is_refitted}"
+        );
+    }
 }
 
 #[test]

@@ -148,8 +148,8 @@ impl PlacedShape {
     /// Whether a closed triangle in world space shares a point with the shape.
     ///
     /// Exact for a cuboid, the solid spanned by its eight `f64` corners and its `f64` centre, with each face split into two
-    /// triangles; and for a capsule with length but no radius, the segment between its `f64` ends. For other shapes: whether the triangle's
-    /// signed distance, computed in `f64`, is at most 0.
+    /// triangles; and for balls and capsules without radius, a point or the segment between its `f64` ends. For other shapes: whether the
+    /// triangle's signed distance, computed in `f64`, is at most 0.
     #[must_use]
     pub fn intersects(&self, triangle: &Triangle) -> bool {
         match &self.solid {
@@ -197,7 +197,7 @@ fn size(what: &'static str, value: f32) -> Result<f64, InputError> {
     Ok(value)
 }
 
-/// The closest point to a ball's centre or a capsule's segment. The distance to a segment is 0 exactly if they share a point.
+/// The closest point to a ball's centre or a capsule's segment. The distance is 0 exactly if they share a point.
 fn closest_to_axis([p, q]: Segment, triangle: &Triangle) -> Closest {
     let apart = |on_axis: DVec3, point: DVec3, distance: f64| Closest {
         point,
@@ -206,7 +206,15 @@ fn closest_to_axis([p, q]: Segment, triangle: &Triangle) -> Closest {
     };
     if p == q {
         let foot = closest_on_triangle(p, triangle);
-        return apart(p, foot.point, foot.squared.sqrt());
+        // The error is far below a trillionth of the distance to the farthest corner.
+        let size = triangle
+            .map(|corner| corner.distance_squared(p))
+            .into_iter()
+            .fold(0.0, f64::max);
+        if foot.squared <= 1e-24 * size && common_segment(triangle, &[p; 3]).is_some() {
+            return apart(p, p, 0.0);
+        }
+        return apart(p, foot.point, foot.squared.sqrt().max(f64::MIN_POSITIVE));
     }
     if let Some([s, t]) = common_segment(triangle, &[p, q, q]) {
         let point = s + (t - s) * 0.5;

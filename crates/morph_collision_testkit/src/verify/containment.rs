@@ -31,10 +31,17 @@ pub struct ContainmentViolation {
 /// Checks every box of a pose of `mesh` against every vertex below it: both the vertex rounded to `f32` and its position
 /// in `f64`.
 ///
-/// A violation is a bug of the library, except after [`Pose::refit`], which fits boxes to the rounded vertices alone.
+/// A violation is a bug of the library, except after [`Pose::refit`]: see [`check_refitted_containment`].
 pub fn check_containment(mesh: &MorphMesh, pose: &mut Pose) -> ContainmentReport {
     let weights = pose.weights().to_vec();
     check_at(mesh, &weights, pose)
+}
+
+/// As [`check_containment`] after [`Pose::refit`], which fits boxes to the rounded vertices alone.
+pub fn check_refitted_containment(mesh: &MorphMesh, pose: &mut Pose) -> ContainmentReport {
+    let rounded = oracle::posed_vertices(&mesh.positions, &mesh.targets, pose.weights());
+    let positions: Vec<_> = rounded.iter().map(|p| [p.as_dvec3()]).collect();
+    check_positions(mesh, &positions, pose)
 }
 
 /// Checks a pose's boxes against the vertices at some weights.
@@ -48,6 +55,11 @@ fn check_at(mesh: &MorphMesh, weights: &[f32], pose: &mut Pose) -> ContainmentRe
     }
     let rounded = rounded.iter().map(|p| p.as_dvec3());
     let positions: Vec<[DVec3; 2]> = rounded.zip(exact).map(<[_; 2]>::from).collect();
+    check_positions(mesh, &positions, pose)
+}
+
+/// Checks a pose's boxes against positions of each vertex.
+fn check_positions<const N: usize>(mesh: &MorphMesh, positions: &[[DVec3; N]], pose: &mut Pose) -> ContainmentReport {
     let mut report = ContainmentReport::default();
     pose.visit_nodes(|node| {
         let (min, max) = (node.bounds.min.as_dvec3(), node.bounds.max.as_dvec3());
@@ -92,6 +104,10 @@ mod tests {
         pose.set_weights(&weights)?;
         let right = check_containment(&mesh, &mut pose);
         assert_eq!((right.violations, &right.first), (0, &None));
+        let mut refitted = pose.clone();
+        refitted.refit();
+        let tight = check_refitted_containment(&mesh, &mut refitted);
+        assert_eq!((tight.violations, 2 * tight.checks), (0, right.checks));
         assert!(right.checks >= 6 * (mesh.triangles.len() * depth) as u64, "{right:?}");
         weights[0] = 3.0;
         let wrong = check_at(&mesh, &weights, &mut pose);

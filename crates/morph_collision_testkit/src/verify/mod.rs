@@ -21,7 +21,7 @@ mod source;
 #[cfg(test)]
 mod tests;
 
-pub use containment::{ContainmentReport, ContainmentViolation, check_containment};
+pub use containment::{ContainmentReport, ContainmentViolation, check_containment, check_refitted_containment};
 pub use draw::Draw;
 pub use judge::{Counts, Trouble, judge};
 pub use run::{Finding, Verification, verify};

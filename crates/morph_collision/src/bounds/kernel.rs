@@ -40,19 +40,25 @@ impl Kernel {
 
     fn detect() -> Vec<Self> {
         let best = Level::new();
-        let mut kernels = Vec::new();
-        #[allow(unused)] // on processors not named below
-        let mut add = |name, level: Option<Level>| kernels.extend(level.map(|level| Self { name, level }));
         // AVX-512 is left out: a kernel has eight lanes, which fill 256 bits.
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        {
-            add("avx2", best.as_avx2().map(Level::Avx2));
-            add("sse2", best.as_sse2().map(Level::Sse2));
-        }
+        let levels = [
+            ("avx2", best.as_avx2().map(Level::Avx2)),
+            ("sse2", best.as_sse2().map(Level::Sse2)),
+        ];
         #[cfg(target_arch = "aarch64")]
-        add("neon", best.as_neon().map(Level::Neon));
+        let levels = [("neon", best.as_neon().map(Level::Neon))];
         #[cfg(target_arch = "wasm32")]
-        add("simd128", (!best.is_fallback()).then_some(best));
+        let levels = [("simd128", (!best.is_fallback()).then_some(best))];
+        #[cfg(not(any(
+            target_arch = "x86",
+            target_arch = "x86_64",
+            target_arch = "aarch64",
+            target_arch = "wasm32"
+        )))]
+        let levels: [(&str, Option<Level>); 0] = [];
+        let here = |(name, level): (_, Option<Level>)| level.map(|level| Self { name, level });
+        let mut kernels: Vec<Self> = levels.into_iter().filter_map(here).collect();
         if kernels.is_empty() {
             kernels.push(Self {
                 name: "scalar",

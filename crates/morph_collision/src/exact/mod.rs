@@ -18,7 +18,7 @@ mod triangle;
 
 pub(crate) use closest::{
     ClosestPoints, TrianglePoint, closest_of_segment_and_triangle, closest_of_segments, closest_of_triangles,
-    closest_on_segment, closest_on_triangle,
+    closest_on_segment, closest_on_triangle, closest_on_triangle_exactly,
 };
 pub use contact::{TriangleContact, triangle_contact};
 pub(crate) use contact::{common_segment, unit_normal};

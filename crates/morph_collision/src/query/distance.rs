@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use self::best::Best;
+pub(super) use self::best::MARGIN;
 use super::body::Body;
 use super::collapsed::Collapsed;
 use super::leaves::Leaves;

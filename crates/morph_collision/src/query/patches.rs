@@ -3,6 +3,8 @@
 use std::cell::Cell;
 use std::ops::{ControlFlow, Range};
 
+use fearless_simd::Level;
+
 use super::leaves::placed_triangle;
 use super::neighbourhood::Neighbourhood;
 use super::pairs::TrianglePair;
@@ -12,7 +14,6 @@ use crate::bounds::{LANES, WorldFromModel, lanes_of, with_simd};
 use crate::exact::{Facet, Triangle, facets_intersect_counting};
 use crate::pose::{EpochCache, Posed};
 use crate::tree::{CornerLanes, Leaf};
-use fearless_simd::Level;
 
 /// The leaves of one body that a query has read, as patches of up to eight triangles. The next query reuses the memory.
 #[derive(Debug, Default)]
@@ -104,11 +105,7 @@ pub(super) fn intersecting_pairs(
     stats.triangle_tests += u64::from(block_a.triangles) * u64::from(block_b.triangles);
     for a in block_a.patches() {
         for b in block_b.patches() {
-            let mut pairs = PatchPairs::default();
-            let (patch_a, patch_b) = (&of_a.placed[a], &of_b.placed[b]);
-            if with_simd!(level, simd => patch_a.compare(simd, patch_b, |_, candidates| candidates, &mut pairs)) {
-                report((of_a, a), (of_b, b), &pairs, stats, visitor)?;
-            }
+            compare(level, (of_a, a), (of_b, b), |_, candidates| candidates, stats, visitor)?;
         }
     }
     ControlFlow::Continue(())
@@ -134,13 +131,9 @@ impl Patches {
                     tests.set(tests.get() + u64::from(unrelated.count_ones()));
                     unrelated
                 };
-                let mut pairs = PatchPairs::default();
-                let (patch_a, patch_b) = (&self.placed[a], &self.placed[b]);
-                let any = with_simd!(posed.level, simd => patch_a.compare(simd, patch_b, unrelated, &mut pairs));
+                let flow = compare(posed.level, (self, a), (self, b), unrelated, stats, visitor);
                 stats.triangle_tests += tests.take();
-                if any {
-                    report((self, a), (self, b), &pairs, stats, visitor)?;
-                }
+                flow?;
             }
         }
         ControlFlow::Continue(())
@@ -157,6 +150,24 @@ impl Patches {
             })
             .fold(0, |mask, other| mask | 1 << other)
     }
+}
+
+/// Calls `visitor` for the intersecting pairs of two patches, out of those that `select` leaves (see [`Patch::compare`]).
+#[inline(always)]
+fn compare(
+    level: Level,
+    (of_a, a): (&Patches, usize),
+    (of_b, b): (&Patches, usize),
+    select: impl Fn(usize, u8) -> u8,
+    stats: &mut QueryStats,
+    visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let mut pairs = PatchPairs::default();
+    let (patch_a, patch_b) = (&of_a.placed[a], &of_b.placed[b]);
+    if with_simd!(level, simd => patch_a.compare(simd, patch_b, select, &mut pairs)) {
+        report((of_a, a), (of_b, b), &pairs, stats, visitor)?;
+    }
+    ControlFlow::Continue(())
 }
 
 /// Passes the intersecting pairs to the visitor; decides exactly what the filter left open.

@@ -65,12 +65,7 @@ impl SelfQuery {
 
     /// Whether any triangles intersect.
     pub fn any(&mut self, pose: &mut Pose) -> bool {
-        let mut any = false;
-        self.visit(pose, |_| {
-            any = true;
-            ControlFlow::Break(())
-        });
-        any
+        self.up_to(pose, 0, &mut Vec::new())
     }
 
     /// Calls `visitor` for every pair of intersecting triangles, the smaller index first, until it breaks.

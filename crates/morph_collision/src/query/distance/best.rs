@@ -6,9 +6,9 @@ use super::ClosestPair;
 use crate::exact::{ClosestPoints, Triangle, closest_of_triangles};
 use crate::query::pairs::TrianglePair;
 
-/// Computed distances have rounding errors. Pairs that may be closer by up to this factor are measured, so that the answer does not depend on
-/// the tree.
-const MARGIN: f64 = 1.0 + 1e-9;
+/// Computed squared distances have rounding errors. What may be closer by up to this factor is measured, so that the answer does not
+/// depend on the tree.
+pub(in crate::query) const MARGIN: f64 = 1.0 + 1e-9;
 
 /// How many pairs at the closest distance are measured before the query skips others that cannot be closer. Measuring a pair takes about 0.4
 /// microseconds, so this bounds the time for bodies flattened to parallel lines.

@@ -2,8 +2,8 @@ use glam::{DMat3, DQuat, DVec3, Quat, Vec3};
 
 use super::cuboid::Cuboid;
 use crate::exact::{
-    Segment, Triangle, closest_of_segment_and_triangle, closest_on_segment, closest_on_triangle, common_segment,
-    unit_normal,
+    Segment, Triangle, closest_of_segment_and_triangle, closest_on_segment, closest_on_triangle_exactly,
+    common_segment, unit_normal,
 };
 use crate::input_error::{InputError, check_direction, check_number, check_point, check_vector};
 
@@ -205,16 +205,8 @@ fn closest_to_axis([p, q]: Segment, triangle: &Triangle) -> Closest {
         distance,
     };
     if p == q {
-        let foot = closest_on_triangle(p, triangle);
-        // The error is far below a trillionth of the distance to the farthest corner.
-        let size = triangle
-            .map(|corner| corner.distance_squared(p))
-            .into_iter()
-            .fold(0.0, f64::max);
-        if foot.squared <= 1e-24 * size && common_segment(triangle, &[p; 3]).is_some() {
-            return apart(p, p, 0.0);
-        }
-        return apart(p, foot.point, foot.squared.sqrt().max(f64::MIN_POSITIVE));
+        let foot = closest_on_triangle_exactly(p, triangle);
+        return apart(p, foot.point, foot.squared.sqrt());
     }
     if let Some([s, t]) = common_segment(triangle, &[p, q, q]) {
         let point = s + (t - s) * 0.5;

@@ -6,13 +6,10 @@ use glam::DVec3;
 
 use super::ShapeQuery;
 use crate::bounds::{Box64, GapFrame, WorldFromModel};
-use crate::exact::{TrianglePoint, closest_on_triangle};
+use crate::exact::{TrianglePoint, closest_on_triangle_exactly};
 use crate::input_error::{InputError, check_length, check_point};
 use crate::query::Body;
-
-/// Computed distances have rounding errors. The walk visits everything that may be closer by up to this factor, so that the answer does
-/// not depend on the tree.
-const MARGIN: f64 = 1.0 + 1e-9;
+use crate::query::distance::MARGIN;
 
 /// The point of a body's surface closest to a given point.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +20,8 @@ pub struct ClosestPoint {
     pub barycentrics: [f64; 3],
     /// The closest point, in world space.
     pub point: DVec3,
-    /// The distance, in world units. Its error is a few `f64` roundings of the triangle's size and the distance.
+    /// The distance, in world units. It is 0 exactly if the point is on the triangle; otherwise its error is a few `f64` roundings of
+    /// the triangle's size and the distance.
     pub distance: f64,
 }
 
@@ -69,7 +67,7 @@ impl ShapeQuery {
         let mut closest: Option<(u32, TrianglePoint)> = None;
         let mut limit = max_distance * max_distance * MARGIN;
         let _never_stopped = self.one.walk(body, limit, squared_distance, |number, triangle| {
-            let foot = closest_on_triangle(point, triangle);
+            let foot = closest_on_triangle_exactly(point, triangle);
             let is_closer = closest.as_ref().is_none_or(|(best_number, best)| {
                 foot.squared < best.squared || (foot.squared == best.squared && number < *best_number)
             });

@@ -23,6 +23,12 @@ impl Aabb {
         max: Vec3::NEG_INFINITY,
     };
 
+    /// All of space.
+    pub(crate) const UNBOUNDED: Self = Self {
+        min: Vec3::NEG_INFINITY,
+        max: Vec3::INFINITY,
+    };
+
     /// The smallest box around points; [`Aabb::EMPTY`] if there are none.
     #[must_use]
     pub fn from_points(points: impl IntoIterator<Item = Vec3>) -> Self {

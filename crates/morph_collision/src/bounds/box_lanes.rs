@@ -93,7 +93,15 @@ impl BoxLanes {
             low.store_slice(&mut boxes.min[axis].0);
             high.store_slice(&mut boxes.max[axis].0);
         }
-        boxes.hull_of_all()
+        boxes.hull_of_all(simd)
+    }
+
+    /// The sum of each box's sides, scaled.
+    #[inline(always)]
+    pub(crate) fn girths<S: Simd>(&self, simd: S, scale: f32, girths: &mut Lanes) {
+        let side = |axis: usize| self.max[axis].load(simd) - self.min[axis].load(simd);
+        let sum = (side(0) + side(1) + side(2)) * f32x8::splat(simd, scale);
+        sum.store_slice(&mut girths.0);
     }
 
     /// The approximate depth of each lane in `other`: deeper boxes are more likely to hold intersections.
@@ -125,11 +133,13 @@ impl BoxLanes {
 
     /// The smallest box around all eight.
     #[inline(always)]
-    pub(crate) fn hull_of_all(&self) -> Aabb {
+    pub(crate) fn hull_of_all<S: Simd>(&self, simd: S) -> Aabb {
         let ([a, b, c], [d, e, f]) = (&self.min, &self.max);
+        let least = |row: &Lanes| row.load(simd).reduce_min();
+        let most = |row: &Lanes| row.load(simd).reduce_max();
         Aabb {
-            min: Vec3::new(a.min(), b.min(), c.min()),
-            max: Vec3::new(d.max(), e.max(), f.max()),
+            min: Vec3::new(least(a), least(b), least(c)),
+            max: Vec3::new(most(d), most(e), most(f)),
         }
     }
 }

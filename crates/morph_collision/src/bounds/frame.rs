@@ -3,7 +3,7 @@
 //! All maps are made in `f64` with a bound on their own error. [`BoxMap`] rounds them to `f32` and adds a slack for the
 //! roundings of `f32`. `docs/numerics.md` derives both.
 
-use glam::{DMat3, DVec3, Vec3};
+use glam::{DMat3, DVec3};
 
 use super::inverse::{Inverse, abs};
 use super::rounding::U64;
@@ -162,10 +162,7 @@ pub(crate) fn world_bounds(world_from_model: &WorldFromModel, bounds: &Aabb) -> 
     let frame = to_world(world_from_model, DVec3::ZERO, magnitude, error);
     match BoxMap::new(&frame) {
         Some(map) => map.one(bounds),
-        None => Aabb {
-            min: Vec3::NEG_INFINITY,
-            max: Vec3::INFINITY,
-        },
+        None => Aabb::UNBOUNDED,
     }
 }
 

@@ -27,18 +27,6 @@ impl Lanes {
         f32x8::from_slice(simd, &self.0)
     }
 
-    #[inline(always)]
-    pub(crate) fn min(&self) -> f32 {
-        let [a, b, c, d, e, f, g, h] = self.0;
-        min(min(min(a, b), min(c, d)), min(min(e, f), min(g, h)))
-    }
-
-    #[inline(always)]
-    pub(crate) fn max(&self) -> f32 {
-        let [a, b, c, d, e, f, g, h] = self.0;
-        max(max(max(a, b), max(c, d)), max(max(e, f), max(g, h)))
-    }
-
     /// `self += a * x` in each lane; multiplies, then adds.
     #[inline(always)]
     pub(crate) fn add_scaled<S: Simd>(&mut self, simd: S, a: f32, x: &Self) {

@@ -54,11 +54,12 @@ pub(super) fn evaluate<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &[f32
     widening(reach, active, products)
 }
 
-/// Turns the base corners of a patch into posed ones, in the order that
+/// Blends the corners of a patch, in the order that
 /// [`MorphModel::blend_vertex`](crate::model::MorphModel::blend_vertex) defines: `f32`, ascending targets, zero weights left out,
 /// multiply then add. Where a target moves only some vertices of the patch, the others add a zero, which changes no value.
 #[inline(always)]
 pub(super) fn blend_patch<S: Simd>(simd: S, patch: PatchColumns<'_>, weights: &[f32], corners: &mut CornerLanes) {
+    *corners = *patch.base;
     for (&target, displacement) in patch.targets.iter().zip(patch.displacements) {
         let weight = weights[target as usize];
         if weight == 0.0 {

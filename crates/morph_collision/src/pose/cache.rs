@@ -2,34 +2,38 @@
 
 /// Values by index, each valid in the epoch in which it was stored.
 ///
-/// Values are stored densely in slots, so memory grows with what is visited; the stamps take 8 bytes per index.
+/// Values are stored densely in slots, so memory grows with what is visited; the stamps take 8 bytes per index. Forgotten values stay
+/// in their slots until those are used again, so large values are overwritten in place.
 #[derive(Clone, Debug)]
 pub(crate) struct EpochCache<T> {
     epoch: u32,
     /// For each index the epoch and the slot of its last value.
     stamps: Vec<(u32, u32)>,
     slots: Vec<T>,
+    /// How many slots have values of this epoch.
+    used: usize,
 }
 
-impl<T> Default for EpochCache<T> {
+impl<T: Default> Default for EpochCache<T> {
     fn default() -> Self {
         Self::new(0)
     }
 }
 
-impl<T> EpochCache<T> {
+impl<T: Default> EpochCache<T> {
     /// With room for this many indices; it grows as needed.
     pub(crate) fn new(indices: usize) -> Self {
         Self {
             epoch: 1,
             stamps: vec![(0, 0); indices],
             slots: Vec::new(),
+            used: 0,
         }
     }
 
     /// Forgets every value and keeps the memory.
     pub(crate) fn next_epoch(&mut self) {
-        self.slots.clear();
+        self.used = 0;
         self.epoch = self.epoch.wrapping_add(1);
         if self.epoch == 0 {
             self.stamps.fill((0, 0));
@@ -47,18 +51,27 @@ impl<T> EpochCache<T> {
     /// Stores the value of an index and returns its slot.
     #[inline]
     pub(crate) fn insert(&mut self, index: usize, value: T) -> usize {
-        let slot = self.slots.len();
-        self.slots.push(value);
-        if self.stamps.len() <= index {
-            self.grow(index);
+        let slot = self.claim(index);
+        self.slots[slot] = value;
+        slot
+    }
+
+    /// Gives an index a slot, whose old value the caller overwrites.
+    #[inline]
+    pub(crate) fn claim(&mut self, index: usize) -> usize {
+        let slot = self.used;
+        self.used += 1;
+        if self.stamps.len() <= index || self.slots.len() <= slot {
+            self.grow(index, slot);
         }
         self.stamps[index] = (self.epoch, slot as u32);
         slot
     }
 
     #[cold]
-    fn grow(&mut self, index: usize) {
-        self.stamps.resize(index + 1, (0, 0));
+    fn grow(&mut self, index: usize, slot: usize) {
+        self.stamps.resize(self.stamps.len().max(index + 1), (0, 0));
+        self.slots.resize_with(self.slots.len().max(slot + 1), T::default);
     }
 
     #[inline]

@@ -1,4 +1,4 @@
-use fearless_simd::Level;
+use fearless_simd::{Level, Simd};
 use glam::Vec3;
 
 use super::blend::{blend_group, blend_patch, max_widening};
@@ -19,6 +19,10 @@ pub(crate) struct Blended {
 pub(crate) struct NodeId {
     pub(crate) group: u32,
     pub(crate) lane: u8,
+}
+
+impl NodeId {
+    pub(crate) const ROOT: Self = Self { group: 0, lane: 0 };
 }
 
 /// A node as a traversal holds it: its place, its child entry, and the slot of its box in the pose's cache.
@@ -135,34 +139,41 @@ impl Posed<'_> {
     }
 
     /// Appends the posed corners of a leaf's triangles, in model space, in patches of eight triangles.
-    #[inline]
     pub(crate) fn leaf_corners(&mut self, leaf: Leaf, posed: &mut Vec<CornerLanes>) {
-        let mesh = self.topology.leaf_mesh(leaf);
-        let Some(lanes) = self.leaf_lanes else {
-            return self.gather_corners(leaf, posed);
-        };
-        self.blended.vertices += mesh.vertices.len() as u64;
-        for patch in lanes.patches(leaf.0, mesh.triangles.len()) {
-            posed.extend_from_slice(std::slice::from_ref(patch.base));
+        let patches = self.topology.patches(leaf);
+        for patch in patches.clone() {
+            posed.push(CornerLanes::default());
             if let Some(corners) = posed.last_mut() {
-                with_simd!(self.level, simd => blend_patch(simd, patch, self.weights, corners));
+                with_simd!(self.level, simd => self.patch_corners(simd, leaf, patch - patches.start, corners));
             }
         }
     }
 
-    fn gather_corners(&mut self, leaf: Leaf, posed: &mut Vec<CornerLanes>) {
+    /// The posed corners of a leaf's patch, in model space. Lanes beyond its triangles repeat the last one.
+    #[inline(always)]
+    pub(crate) fn patch_corners<S: Simd>(&mut self, simd: S, leaf: Leaf, patch: usize, corners: &mut CornerLanes) {
+        if let Some(lanes) = self.leaf_lanes {
+            if patch == 0 {
+                self.blended.vertices += self.topology.leaf_vertices(leaf).len() as u64;
+            }
+            let columns = lanes.patch(self.topology.patches(leaf).start + patch);
+            blend_patch(simd, columns, self.weights, corners);
+        } else {
+            self.gather_corners(leaf, patch, corners);
+        }
+    }
+
+    #[inline(never)]
+    fn gather_corners(&mut self, leaf: Leaf, patch: usize, corners: &mut CornerLanes) {
         let mesh = self.topology.leaf_mesh(leaf);
         let mut points = std::mem::take(&mut self.scratch.points);
         points.clear();
         points.extend(mesh.vertices.iter().map(|&vertex| self.vertex(vertex)));
-        for triangles in mesh.corners.chunks(LANES) {
-            let mut lanes = CornerLanes::default();
-            for (lane, corners) in in_lanes(triangles) {
-                for (corner, place) in corners.into_iter().enumerate() {
-                    put(&mut lanes, lane, corner, points[usize::from(place)]);
-                }
+        let triangles = mesh.corners.chunks(LANES).nth(patch).unwrap_or_default();
+        for (lane, triangle) in in_lanes(triangles) {
+            for (corner, place) in triangle.into_iter().enumerate() {
+                put(corners, lane, corner, points[usize::from(place)]);
             }
-            posed.push(lanes);
         }
         self.scratch.points = points;
     }

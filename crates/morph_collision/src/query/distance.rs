@@ -12,11 +12,11 @@ use super::leaves::Leaves;
 use super::pairs::TrianglePair;
 use super::placements::Placements;
 use super::stats::QueryStats;
-use crate::bounds::{Aabb, Box64, Extent, GapFrame, LANES, lanes_of};
+use crate::bounds::{Aabb, Box64, Extent, GapFrame};
 use crate::exact::Triangle;
 use crate::input_error::{InputError, check_length};
-use crate::pose::{NodeRef, Posed};
-use crate::traverse::{Opened, PairRule, PairWalk, Side, Stack};
+use crate::pose::Posed;
+use crate::traverse::{NearestStack, walk_nearest};
 
 /// The closest points of two bodies' surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,7 +58,7 @@ pub struct ClosestPair {
 /// ```
 #[derive(Debug, Default)]
 pub struct DistanceQuery {
-    stack: Stack<f64>,
+    stack: NearestStack,
     leaves_a: Leaves,
     leaves_b: Leaves,
     collapsed: Collapsed,
@@ -119,10 +119,8 @@ impl DistanceQuery {
             // An `f32` rotation is not quite orthogonal: lengths in the bodies' own spaces are off by more than the bodies' sizes.
             frames.push(GapFrame::world(world_from_a, magnitude_a, world_from_b, magnitude_b));
         }
-        let mut rule = DistanceRule {
-            frames: &frames,
-            best: Best::within(max_distance, !are_far),
-        };
+        let mut best = Best::within(max_distance, !are_far);
+        let limit = best.limit;
         let Self {
             stack,
             leaves_a,
@@ -132,18 +130,10 @@ impl DistanceQuery {
         } = self;
         leaves_a.begin();
         leaves_b.begin();
-        let mut walk = PairWalk {
-            a,
-            b,
-            rule: &mut rule,
-            a_from_b_scale: placements.a_from_b_scale(),
-            node_tests: 0,
-            deepest_first: false,
-        };
-        let _stopped_early = walk.run(stack, &[], |walk, of_a, of_b| {
-            let block_a = leaves_a.read(walk.a, world_from_a, of_a);
-            let block_b = leaves_b.read(walk.b, world_from_b, of_b);
-            let best = &mut walk.rule.best;
+        let bound = |a: &Aabb, b: &Aabb| squared_gap(&frames, &Box64::of(a), &Box64::of(b));
+        let at_leaves = |a: &mut Posed<'p>, b: &mut Posed<'p>, of_a, of_b| {
+            let block_a = leaves_a.read(a, world_from_a, of_a);
+            let block_b = leaves_b.read(b, world_from_b, of_b);
             for &(triangle_a, ref corners_a) in leaves_a.triangles(block_a) {
                 let extent_a = Extent::of_triangle(corners_a);
                 for &(triangle_b, ref corners_b) in leaves_b.triangles(block_b.clone()) {
@@ -156,17 +146,12 @@ impl DistanceQuery {
                     best.look(TrianglePair { triangle_a, triangle_b }, corners_a, corners_b)?;
                 }
             }
-            ControlFlow::Continue(())
-        });
-        stats.node_tests = walk.node_tests;
-        rule.best.pair
+            ControlFlow::Continue(best.limit)
+        };
+        let scale = placements.a_from_b_scale();
+        stats.node_tests = walk_nearest((a, b), scale, stack, limit, bound, at_leaves);
+        best.pair
     }
-}
-
-/// Visits node pairs that may be closer than a limit, the closest first.
-struct DistanceRule<'a> {
-    frames: &'a [GapFrame],
-    best: Best,
 }
 
 /// A lower bound for the squared distance between the contents of two boxes.
@@ -185,37 +170,4 @@ fn are_far(frames: &[GapFrame], placements: &Placements<'_>, a: &mut Posed<'_>, 
     let size_b = boxes[1].half.element_sum() * placements.world_from_b.scale();
     let far = 2.0 * FAR * (size_a + size_b);
     far * far <= squared_gap(frames, &boxes[0], &boxes[1])
-}
-
-impl PairRule for DistanceRule<'_> {
-    type Key = f64;
-
-    fn start(&mut self, a: &Aabb, b: &Aabb) -> Option<f64> {
-        let squared = squared_gap(self.frames, &Box64::of(a), &Box64::of(b));
-        self.still_wanted(squared).then_some(squared)
-    }
-
-    fn children(
-        &mut self,
-        side: Side,
-        (tree, opened): (&Posed<'_>, Opened),
-        (other, node): (&Posed<'_>, NodeRef),
-        keys: &mut [f64; LANES],
-    ) -> u8 {
-        let other = Box64::of(&other.node_box(node));
-        let mut wanted = 0;
-        for lane in lanes_of(opened.mask) {
-            let child = Box64::of(&tree.boxes(opened.slot).get(lane));
-            keys[lane] = match side {
-                Side::A => squared_gap(self.frames, &child, &other),
-                Side::B => squared_gap(self.frames, &other, &child),
-            };
-            wanted |= u8::from(self.still_wanted(keys[lane])) << lane;
-        }
-        wanted
-    }
-
-    fn still_wanted(&self, squared: f64) -> bool {
-        squared <= self.best.limit
-    }
 }

@@ -34,7 +34,7 @@ impl Neighbourhood {
         }
     }
 
-    /// Maps the posed corners of eight triangles to the neighbourhood.
+    /// Maps the posed corners of eight triangles to the neighbourhood, in place.
     ///
     /// Places them exactly like [`WorldFromModel::transform_point`], subtracts the origin in `f64` and rounds once. Monotonic in
     /// every coordinate.
@@ -43,8 +43,7 @@ impl Neighbourhood {
         &self,
         simd: S,
         world_from_model: &WorldFromModel,
-        posed: &CornerLanes,
-        placed: &mut CornerLanes,
+        corners: &mut CornerLanes,
     ) {
         let linear = world_from_model.linear().to_cols_array_2d();
         let [m_x, m_y, m_z] = [
@@ -55,7 +54,8 @@ impl Neighbourhood {
         let translation = splat3(simd, world_from_model.translation().to_array());
         let origin = splat3(simd, self.origin.to_array());
         let scale = f64x4::splat(simd, self.scale);
-        for ([x, y, z], rows) in posed.iter().zip(placed) {
+        for rows in corners {
+            let [x, y, z] = &*rows;
             let (x, x_high) = x.load(simd).widen();
             let (y, y_high) = y.load(simd).widen();
             let (z, z_high) = z.load(simd).widen();

@@ -4,11 +4,11 @@ use super::body::Body;
 use super::capped::Capped;
 use super::collapsed::Collapsed;
 use super::memory::PairMemory;
-use super::patches::{Patches, intersecting_pairs};
+use super::patches::{Patches, Side, intersecting_pairs};
 use super::placements::Placements;
 use super::stats::QueryStats;
-use crate::pose::NodeId;
-use crate::traverse::{Culls, PairWalk, Stack};
+use crate::pose::{NodeId, Posed};
+use crate::traverse::{Order, OverlapWalk};
 use crate::tree::Leaf;
 
 /// Two intersecting triangles, each by its index in its own mesh.
@@ -26,10 +26,8 @@ pub struct TrianglePair {
 /// depend on the tree, and swapping the bodies finds the same triangles.
 #[derive(Debug, Default)]
 pub struct PairQuery {
-    stack: Stack,
-    culls: Culls,
-    leaves_a: Patches,
-    leaves_b: Patches,
+    walk: OverlapWalk,
+    patches: [Patches; 2],
     collapsed: Collapsed,
     stats: QueryStats,
 }
@@ -148,49 +146,42 @@ impl PairQuery {
         let (a, b) = (&mut a.pose.posed(), &mut b.pose.posed());
         let before = [a.blended(), b.blended()];
         let Self {
-            stack,
-            culls,
-            leaves_a,
-            leaves_b,
+            walk,
+            patches: [patches_a, patches_b],
             collapsed,
             stats,
         } = self;
         *stats = QueryStats::default();
         let mut stopped_at = None;
-        let roots_overlap = matches!(start, Start::Leaves(_)) || placements.begin_culls(a, b, culls);
+        let roots_overlap = matches!(start, Start::Leaves(_)) || placements.begin_walk(a, b, walk);
         if !roots_overlap {
             stats.node_tests = 1;
         } else if matches!(start, Start::Front([]) | Start::Deepest) && placements.are_collapsed(a, b) {
             collapsed.place(a, b, &placements);
             let _stopped_early = collapsed.intersecting(stats, visitor);
         } else {
-            placements.begin_leaves(a, [leaves_a, leaves_b]);
-            let mut walk = PairWalk {
-                a: &mut *a,
-                b: &mut *b,
-                rule: culls,
-                a_from_b_scale: placements.a_from_b_scale(),
-                deepest_first: matches!(start, Start::Deepest),
-                node_tests: 0,
-            };
-            let mut at_leaves = |walk: &mut PairWalk<'_, '_, Culls>, of_a, of_b| {
-                let (block_a, block_b) = (leaves_a.read(walk.a, of_a), leaves_b.read(walk.b, of_b));
-                let flow = intersecting_pairs(walk.a.level, (leaves_a, block_a), (leaves_b, block_b), stats, visitor);
+            placements.begin_leaves(a, [patches_a, patches_b]);
+            let (world_from_a, world_from_b) = (placements.world_from_a, placements.world_from_b);
+            let mut at_leaves = |a: &mut Posed<'_>, b: &mut Posed<'_>, leaves: &[(Leaf, Leaf)]| {
+                let mut a = Side::new(a, world_from_a, patches_a);
+                let mut b = Side::new(b, world_from_b, patches_b);
+                let flow = intersecting_pairs(&mut a, &mut b, leaves, stats, visitor);
                 if flow.is_break() {
-                    stopped_at = Some((of_a, of_b));
+                    stopped_at = leaves.last().copied();
                 }
                 flow
             };
+            let starts_at_leaves = matches!(start, Start::Leaves(_));
             let _stopped_early = match start {
-                Start::Deepest => walk.run(stack, &[], at_leaves),
-                Start::Front(front) => walk.run(stack, front, at_leaves),
-                Start::Leaves((of_a, of_b)) => at_leaves(&mut walk, of_a, of_b),
+                Start::Deepest => walk.run((&mut *a, &mut *b), &[], Order::DeepestFirst, &mut at_leaves),
+                Start::Front(front) => walk.run((&mut *a, &mut *b), front, Order::Any, &mut at_leaves),
+                Start::Leaves(leaves) => at_leaves(a, b, &[leaves]),
                 Start::Expand(least, front) => {
-                    *front = walk.front(stack, least);
+                    *front = walk.front(a, b, least);
                     ControlFlow::Continue(())
                 }
             };
-            stats.node_tests = walk.node_tests;
+            stats.node_tests = if starts_at_leaves { 0 } else { walk.node_tests };
         }
         *stats += QueryStats::blending(before, [a.blended(), b.blended()]);
         stopped_at

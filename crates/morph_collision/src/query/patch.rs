@@ -5,6 +5,8 @@
 //! disjoint triangles that cross each other's planes (Guigue and Devillers 2003). If all signs involved are certain and no axis
 //! separates the triangles, they intersect. What is neither rejected nor certain is decided elsewhere.
 
+use std::ops::ControlFlow;
+
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 
@@ -23,7 +25,7 @@ pub(super) struct Patch {
     boxes: BoxLanes,
     hull: Aabb,
     /// By corner and coordinate.
-    corners: CornerLanes,
+    pub(super) corners: CornerLanes,
     /// Perpendicular to each triangle, with a largest coordinate of about 1; zero for degenerate ones.
     normals: [Lanes; 3],
     /// Each triangle's interval along its own normal.
@@ -36,30 +38,34 @@ pub(super) struct Patch {
     reach: f32,
     /// A bit per triangle.
     lanes: u8,
+    pub(super) triangles: u8,
+    /// The first of its triangles, in the order of the tree's leaves.
+    pub(super) first: u32,
 }
 
-/// The pairs of triangles of two patches: a row per triangle of one, a bit per triangle of the other.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct PatchPairs {
-    /// Pairs that might intersect.
-    pub(super) near: [u8; LANES],
+/// A triangle of one patch against those of another one, as bit masks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Row {
+    pub(super) lane: usize,
+    /// Triangles that might intersect it.
+    pub(super) near: u8,
     /// Those of them that certainly do.
-    pub(super) meet: [u8; LANES],
+    pub(super) meet: u8,
 }
 
 impl Patch {
-    /// Fills the patch with posed triangles, taken to the neighbourhood. Unused lanes must repeat one of the triangles.
+    /// Takes the corners from model space to the neighbourhood. Unused lanes must repeat one of the triangles.
     #[inline(always)]
     pub(super) fn place<S: Simd>(
         &mut self,
         simd: S,
-        posed: &CornerLanes,
         triangles: usize,
         world_from_model: &WorldFromModel,
         neighbourhood: &Neighbourhood,
     ) {
+        self.triangles = triangles.min(LANES) as u8;
         self.lanes = u8::MAX >> (LANES - triangles.clamp(1, LANES));
-        neighbourhood.place(simd, world_from_model, posed, &mut self.corners);
+        neighbourhood.place(simd, world_from_model, &mut self.corners);
         self.measure(simd);
     }
 
@@ -77,7 +83,7 @@ impl Patch {
         let size = sub(most, least);
         let span = size[0].max(size[1]).max(size[2]);
         self.boxes.store(least, most);
-        self.hull = self.boxes.hull_of_all();
+        self.hull = self.boxes.hull_of_all(simd);
         let Aabb { min, max } = self.hull;
         let reach = (-min).max(max).max_element().max(0.0);
         self.reach = if reach <= LARGEST { reach } else { f32::INFINITY };
@@ -97,7 +103,7 @@ impl Patch {
         (span * inverse).store_slice(&mut self.tilt.0);
     }
 
-    /// Filters the pairs of triangles; returns whether any pair might intersect.
+    /// Filters the pairs of triangles; calls `found` for every triangle of this patch that might intersect some of the other.
     ///
     /// `select` is given a triangle of this patch and a mask of triangles of the other with overlapping boxes; it returns those to test.
     #[inline(always)]
@@ -106,19 +112,17 @@ impl Patch {
         simd: S,
         other: &Self,
         select: impl Fn(usize, u8) -> u8,
-        pairs: &mut PatchPairs,
-    ) -> bool {
-        *pairs = PatchPairs::default();
+        mut found: impl FnMut(Row) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
         let mut own = self.boxes.overlap_mask(simd, &other.hull) & self.lanes;
         if own == 0 {
-            return false;
+            return ControlFlow::Continue(());
         }
         let others = other.boxes.overlap_mask(simd, &self.hull) & other.lanes;
         if others == 0 {
-            return false;
+            return ControlFlow::Continue(());
         }
         let errors = ErrorBounds::new(simd, self.reach.max(other.reach));
-        let mut any = 0;
         while own != 0 {
             let lane = own.trailing_zeros() as usize;
             own &= own - 1;
@@ -126,12 +130,13 @@ impl Patch {
             if near != 0 {
                 let verdict = other.judge(simd, self, lane, &errors, near);
                 near &= !verdict.apart;
-                pairs.near[lane] = near;
-                pairs.meet[lane] = near & verdict.meet;
-                any |= near;
+                if near != 0 {
+                    let meet = near & verdict.meet;
+                    found(Row { lane, near, meet })?;
+                }
             }
         }
-        any != 0
+        ControlFlow::Continue(())
     }
 
     #[inline(always)]

@@ -1,6 +1,8 @@
 //! The filter of patches against the oracle: it rejects no pair that intersects, reports no pair as intersecting that does not, and
 //! leaves few others open.
 
+use std::ops::ControlFlow;
+
 use fearless_simd::Level;
 use glam::{Affine3A, DVec3, Mat3A, Vec3, Vec3A};
 use morph_collision_testkit::near_degenerate::Family;
@@ -9,10 +11,10 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::neighbourhood::Neighbourhood;
-use super::patch::{Patch, PatchPairs};
+use super::patch::{Patch, Row};
 use crate::bounds::{LANES, WorldFromModel, levels, with_simd};
 use crate::exact::Triangle;
-use crate::tree::{CornerLanes, in_lanes, put};
+use crate::tree::{in_lanes, put};
 
 /// Triangles in model space, one to eight of them, and where they stand.
 struct Placed {
@@ -22,14 +24,13 @@ struct Placed {
 
 impl Placed {
     fn patch(&self, level: Level, neighbourhood: &Neighbourhood) -> Patch {
-        let mut lanes = CornerLanes::default();
+        let mut patch = Patch::default();
         for (lane, corners) in in_lanes(&self.posed) {
             for (corner, point) in corners.into_iter().enumerate() {
-                put(&mut lanes, lane, corner, point);
+                put(&mut patch.corners, lane, corner, point);
             }
         }
-        let mut patch = Patch::default();
-        with_simd!(level, simd => patch.place(simd, &lanes, self.posed.len(), &self.place, neighbourhood));
+        with_simd!(level, simd => patch.place(simd, self.posed.len(), &self.place, neighbourhood));
         patch
     }
 
@@ -43,6 +44,13 @@ impl Placed {
         };
         self.posed.iter().flatten().map(|p| placed(p.as_dvec3())).collect()
     }
+}
+
+/// The pairs of triangles of two patches: a row per triangle of one, a bit per triangle of the other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Pairs {
+    near: [u8; LANES],
+    meet: [u8; LANES],
 }
 
 /// The pairs of two patches by what they are and what the filter says.
@@ -61,12 +69,14 @@ impl Tally {
         let mut first = None;
         for &level in levels() {
             let (patch_a, patch_b) = (a.patch(level, neighbourhood), b.patch(level, neighbourhood));
-            let mut pairs = PatchPairs {
-                near: [0xff; LANES],
-                meet: [0xff; LANES],
+            let mut pairs = Pairs::default();
+            let found = |row: Row| {
+                assert!(row.near != 0, "{about}");
+                (pairs.near[row.lane], pairs.meet[row.lane]) = (row.near, row.meet);
+                ControlFlow::Continue(())
             };
-            let any = with_simd!(level, simd => patch_a.compare(simd, &patch_b, |_, near| near, &mut pairs));
-            assert_eq!(any, pairs.near != [0; LANES], "{about}");
+            let flow = with_simd!(level, simd => patch_a.compare(simd, &patch_b, |_, near| near, found));
+            assert!(flow.is_continue());
             assert_eq!(*first.get_or_insert(pairs), pairs, "{about}: kernels differ");
         }
         let pairs = first.unwrap_or_default();
@@ -324,11 +334,16 @@ fn every_number_of_triangles_has_rows_and_bits_of_its_own() {
                     };
                     placed.patch(*level, &Neighbourhood::default())
                 });
-                let mut pairs = PatchPairs::default();
-                assert!(with_simd!(*level, simd => a.compare(simd, &b, |_, near| near, &mut pairs)));
+                let mut near = [0; LANES];
+                let found = |row: Row| {
+                    near[row.lane] = row.near;
+                    ControlFlow::Continue(())
+                };
+                let flow = with_simd!(*level, simd => a.compare(simd, &b, |_, near| near, found));
+                assert!(flow.is_continue());
                 let all = u8::MAX >> (LANES - of_b);
                 let expected: [u8; LANES] = std::array::from_fn(|i| if i < of_a { all } else { 0 });
-                assert_eq!(pairs.near, expected, "{of_a} and {of_b}");
+                assert_eq!(near, expected, "{of_a} and {of_b}");
             }
         }
     }

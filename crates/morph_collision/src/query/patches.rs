@@ -3,192 +3,202 @@
 use std::cell::Cell;
 use std::ops::{ControlFlow, Range};
 
-use fearless_simd::Level;
+use fearless_simd::Simd;
 
-use super::leaves::placed_triangle;
+use super::body::world_triangle;
 use super::neighbourhood::Neighbourhood;
 use super::pairs::TrianglePair;
-use super::patch::{Patch, PatchPairs};
+use super::patch::{Patch, Row};
 use super::stats::QueryStats;
 use crate::bounds::{LANES, WorldFromModel, lanes_of, with_simd};
 use crate::exact::{Facet, Triangle, facets_intersect_counting};
+use crate::model::MorphModel;
 use crate::pose::{EpochCache, Posed};
-use crate::tree::{CornerLanes, Leaf};
+use crate::tree::{Leaf, Topology};
 
-/// The leaves of one body that a query has read, as patches of up to eight triangles. The next query reuses the memory.
+/// The patches of one body that a query has read. The next query reuses the memory.
 #[derive(Debug, Default)]
 pub(super) struct Patches {
-    /// By leaf.
-    blocks: EpochCache<Block>,
+    /// By the number of the patch.
+    placed: EpochCache<Patch>,
     neighbourhood: Neighbourhood,
-    world_from_model: WorldFromModel,
-    /// By patch: the corners in model space, and the patch in the neighbourhood of both bodies.
-    posed: Vec<CornerLanes>,
-    placed: Vec<Patch>,
-    /// By patch and lane.
-    numbers: Vec<[u32; LANES]>,
 }
 
-/// The patches of a leaf.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Block {
-    first: u32,
-    triangles: u32,
-}
-
-impl Block {
-    fn patches(&self) -> Range<usize> {
-        let first = self.first as usize;
-        first..first + (self.triangles as usize).div_ceil(LANES)
-    }
+/// One body of a query.
+pub(super) struct Side<'q, 'p> {
+    tree: &'q mut Posed<'p>,
+    world_from_model: &'q WorldFromModel,
+    patches: &'q mut Patches,
 }
 
 impl Patches {
-    /// Starts a query: forgets all leaves.
-    pub(super) fn begin(&mut self, world_from_model: &WorldFromModel, neighbourhood: Neighbourhood) {
-        self.blocks.next_epoch();
-        self.world_from_model = *world_from_model;
+    /// Starts a query: forgets all patches.
+    pub(super) fn begin(&mut self, neighbourhood: Neighbourhood) {
+        self.placed.next_epoch();
         self.neighbourhood = neighbourhood;
-        self.posed.clear();
-        self.placed.clear();
-        self.numbers.clear();
+    }
+}
+
+impl<'q, 'p> Side<'q, 'p> {
+    pub(super) fn new(
+        tree: &'q mut Posed<'p>,
+        world_from_model: &'q WorldFromModel,
+        patches: &'q mut Patches,
+    ) -> Self {
+        Self {
+            tree,
+            world_from_model,
+            patches,
+        }
     }
 
-    /// A leaf's block. Blends and places its corners on the first call.
-    #[inline]
-    pub(super) fn read(&mut self, tree: &mut Posed<'_>, leaf: Leaf) -> Block {
-        match self.blocks.find(leaf.0) {
-            Some(slot) => *self.blocks.get(slot),
-            None => self.place(tree, leaf),
-        }
+    /// The slots of a leaf's patches. Blends and places their corners on the first call.
+    #[inline(always)]
+    fn read(&mut self, leaf: Leaf) -> Range<usize> {
+        let patches = self.tree.topology.patches(leaf);
+        let first = match self.patches.placed.find(patches.start) {
+            Some(slot) => slot,
+            None => self.place(leaf, patches.clone()),
+        };
+        first..first + patches.len()
     }
 
     #[inline(never)]
-    fn place(&mut self, tree: &mut Posed<'_>, leaf: Leaf) -> Block {
-        let first = self.posed.len();
-        tree.leaf_corners(leaf, &mut self.posed);
-        let level = tree.level;
-        let triangles = tree.topology.leaf_mesh(leaf).triangles;
-        for (posed, numbers) in self.posed[first..].iter().zip(triangles.chunks(LANES)) {
-            self.placed.push(Patch::default());
-            if let Some(patch) = self.placed.last_mut() {
-                with_simd!(level, simd => patch.place(simd, posed, numbers.len(), &self.world_from_model, &self.neighbourhood));
-            }
-            let mut room = [0; LANES];
-            room[..numbers.len()].copy_from_slice(numbers);
-            self.numbers.push(room);
+    fn place(&mut self, leaf: Leaf, patches: Range<usize>) -> usize {
+        let Patches { placed, neighbourhood } = &mut *self.patches;
+        let triangles = self.tree.topology.leaf_range(leaf);
+        let mut slot = 0;
+        for (index, patch) in patches.enumerate() {
+            slot = placed.claim(patch);
+            let patch = placed.get_mut(slot);
+            let first = triangles.start + index * LANES;
+            patch.first = first as u32;
+            with_simd!(self.tree.level, simd => {
+                self.tree.patch_corners(simd, leaf, index, &mut patch.corners);
+                patch.place(simd, triangles.end - first, self.world_from_model, neighbourhood);
+            });
         }
-        let block = Block {
-            first: first as u32,
-            triangles: triangles.len() as u32,
-        };
-        self.blocks.insert(leaf.0, block);
-        block
+        slot + 1 - triangles.len().div_ceil(LANES).max(1)
     }
 
-    /// A triangle's corners in world space.
-    #[inline(always)]
-    fn triangle(&self, patch: usize, lane: usize) -> Triangle {
-        placed_triangle(&self.posed[patch], lane, &self.world_from_model)
-    }
 }
 
-/// Calls `visitor` for every pair of intersecting triangles of two leaves until it breaks.
-#[inline]
+/// Calls `visitor` for every pair of intersecting triangles of pairs of leaves until it breaks.
 pub(super) fn intersecting_pairs(
-    level: Level,
-    (of_a, block_a): (&Patches, Block),
-    (of_b, block_b): (&Patches, Block),
+    a: &mut Side<'_, '_>,
+    b: &mut Side<'_, '_>,
+    leaves: &[(Leaf, Leaf)],
     stats: &mut QueryStats,
     visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    stats.triangle_tests += u64::from(block_a.triangles) * u64::from(block_b.triangles);
-    for a in block_a.patches() {
-        for b in block_b.patches() {
-            compare(level, (of_a, a), (of_b, b), |_, candidates| candidates, stats, visitor)?;
-        }
-    }
-    ControlFlow::Continue(())
+    with_simd!(a.tree.level, simd => intersecting(simd, a, b, leaves, stats, visitor))
 }
 
-impl Patches {
-    /// Calls `visitor` for every pair of intersecting triangles of two leaves of this body, or of a leaf and itself, until it
-    /// breaks. Leaves out triangles that share a vertex.
-    pub(super) fn intersecting_pairs_within(
-        &self,
-        posed: &Posed<'_>,
-        [block_a, block_b]: [Block; 2],
-        stats: &mut QueryStats,
-        visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        let is_same_leaf = block_a.first == block_b.first;
-        let tests = Cell::new(0);
-        for a in block_a.patches() {
-            for b in block_b.patches().filter(|&b| !is_same_leaf || b >= a) {
-                let unrelated = |lane: usize, candidates: u8| {
-                    let later = if a == b { (u8::MAX << 1) << lane } else { u8::MAX };
-                    let unrelated = candidates & later & !self.neighbours(posed, (a, lane), b, candidates);
-                    tests.set(tests.get() + u64::from(unrelated.count_ones()));
-                    unrelated
-                };
-                let flow = compare(posed.level, (self, a), (self, b), unrelated, stats, visitor);
-                stats.triangle_tests += tests.take();
-                flow?;
-            }
-        }
-        ControlFlow::Continue(())
-    }
-
-    /// The candidates in patch `b` that share a vertex with a triangle of patch `a`, as a bit mask.
-    fn neighbours(&self, posed: &Posed<'_>, (a, lane): (usize, usize), b: usize, candidates: u8) -> u8 {
-        let vertices = |number: u32| posed.model.corners(number);
-        let [x, y, z] = vertices(self.numbers[a][lane]);
-        lanes_of(candidates)
-            .filter(|&other| {
-                let others = vertices(self.numbers[b][other]);
-                others.contains(&x) || others.contains(&y) || others.contains(&z)
-            })
-            .fold(0, |mask, other| mask | 1 << other)
-    }
-}
-
-/// Calls `visitor` for the intersecting pairs of two patches, out of those that `select` leaves (see [`Patch::compare`]).
 #[inline(always)]
-fn compare(
-    level: Level,
-    (of_a, a): (&Patches, usize),
-    (of_b, b): (&Patches, usize),
-    select: impl Fn(usize, u8) -> u8,
+fn intersecting<S: Simd>(
+    simd: S,
+    a: &mut Side<'_, '_>,
+    b: &mut Side<'_, '_>,
+    leaves: &[(Leaf, Leaf)],
     stats: &mut QueryStats,
     visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    let mut pairs = PatchPairs::default();
-    let (patch_a, patch_b) = (&of_a.placed[a], &of_b.placed[b]);
-    if with_simd!(level, simd => patch_a.compare(simd, patch_b, select, &mut pairs)) {
-        report((of_a, a), (of_b, b), &pairs, stats, visitor)?;
+    let topologies = [a.tree.topology, b.tree.topology];
+    for &(leaf_a, leaf_b) in leaves {
+        let (slots_a, slots_b) = (a.read(leaf_a), b.read(leaf_b));
+        for slot_a in slots_a {
+            for slot_b in slots_b.clone() {
+                let (patch_a, patch_b) = (a.patches.placed.get(slot_a), b.patches.placed.get(slot_b));
+                stats.triangle_tests += u64::from(patch_a.triangles) * u64::from(patch_b.triangles);
+                patch_a.compare(
+                    simd,
+                    patch_b,
+                    |_, candidates| candidates,
+                    |row| {
+                        let exactly = |[number_a, number_b]: [u32; 2], stats: &mut QueryStats| {
+                            let corners_a = world_triangle(a.tree, a.world_from_model, number_a);
+                            let corners_b = world_triangle(b.tree, b.world_from_model, number_b);
+                            decide(corners_a, corners_b, stats)
+                        };
+                        report(topologies, [patch_a, patch_b], row, exactly, stats, visitor)
+                    },
+                )?;
+            }
+        }
     }
     ControlFlow::Continue(())
 }
 
-/// Passes the intersecting pairs to the visitor; decides exactly what the filter left open.
-#[inline(never)]
-fn report(
-    (of_a, a): (&Patches, usize),
-    (of_b, b): (&Patches, usize),
-    pairs: &PatchPairs,
+/// Calls `visitor` for every pair of intersecting triangles of two leaves of one body, or of a leaf and itself, until it
+/// breaks. Leaves out triangles that share a vertex.
+pub(super) fn intersecting_pairs_within(
+    body: &mut Side<'_, '_>,
+    [leaf_a, leaf_b]: [Leaf; 2],
     stats: &mut QueryStats,
     visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    let (numbers_a, numbers_b) = (&of_a.numbers[a], &of_b.numbers[b]);
-    for (lane_a, triangle_a) in numbers_a.iter().enumerate() {
-        for lane_b in lanes_of(pairs.near[lane_a]) {
-            let is_certain = pairs.meet[lane_a] >> lane_b & 1 == 1;
-            if is_certain || decide(of_a.triangle(a, lane_a), of_b.triangle(b, lane_b), stats) {
-                visitor(TrianglePair {
-                    triangle_a: *triangle_a,
-                    triangle_b: numbers_b[lane_b],
-                })?;
-            }
+    let (slots_a, slots_b) = (body.read(leaf_a), body.read(leaf_b));
+    let (topologies, level) = ([body.tree.topology; 2], body.tree.level);
+    let tests = Cell::new(0);
+    for slot_a in slots_a {
+        for slot_b in slots_b.clone().filter(|&slot_b| leaf_a != leaf_b || slot_b >= slot_a) {
+            let patches = [slot_a, slot_b].map(|slot| body.patches.placed.get(slot));
+            let model = body.tree.model;
+            let unrelated = |lane: usize, candidates: u8| {
+                let later = if slot_a == slot_b { (u8::MAX << 1) << lane } else { u8::MAX };
+                let unrelated = candidates & later & !neighbours(model, topologies[0], patches, lane, candidates);
+                tests.set(tests.get() + u64::from(unrelated.count_ones()));
+                unrelated
+            };
+            let found = |row| {
+                let exactly = |[number_a, number_b]: [u32; 2], stats: &mut QueryStats| {
+                    let corners = |number| world_triangle(body.tree, body.world_from_model, number);
+                    let [corners_a, corners_b] = [number_a, number_b].map(corners);
+                    decide(corners_a, corners_b, stats)
+                };
+                report(topologies, patches, row, exactly, stats, visitor)
+            };
+            let flow = with_simd!(level, simd => patches[0].compare(simd, patches[1], unrelated, found));
+            stats.triangle_tests += tests.take();
+            flow?;
+        }
+    }
+    ControlFlow::Continue(())
+}
+
+/// The candidates of a row that share a vertex with the triangle of the first patch, as a bit mask.
+fn neighbours(model: &MorphModel, topology: &Topology, [a, b]: [&Patch; 2], lane: usize, candidates: u8) -> u8 {
+    let vertices = |patch: &Patch, lane| model.corners(number(topology, patch, lane));
+    let [x, y, z] = vertices(a, lane);
+    lanes_of(candidates)
+        .filter(|&other| {
+            let others = vertices(b, other);
+            others.contains(&x) || others.contains(&y) || others.contains(&z)
+        })
+        .fold(0, |mask, other| mask | 1 << other)
+}
+
+/// The number of the triangle in a patch's lane.
+#[inline(always)]
+fn number(topology: &Topology, patch: &Patch, lane: usize) -> u32 {
+    topology.triangle(patch.first as usize + lane)
+}
+
+/// Passes the intersecting pairs of a row to the visitor; `exactly` decides what the filter left open.
+#[inline(always)]
+fn report(
+    [topology_a, topology_b]: [&Topology; 2],
+    [a, b]: [&Patch; 2],
+    row: Row,
+    mut exactly: impl FnMut([u32; 2], &mut QueryStats) -> bool,
+    stats: &mut QueryStats,
+    visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let triangle_a = number(topology_a, a, row.lane);
+    for lane in lanes_of(row.near) {
+        let triangle_b = number(topology_b, b, lane);
+        if row.meet >> lane & 1 == 1 || exactly([triangle_a, triangle_b], stats) {
+            visitor(TrianglePair { triangle_a, triangle_b })?;
         }
     }
     ControlFlow::Continue(())

@@ -5,7 +5,7 @@ use super::neighbourhood::Neighbourhood;
 use super::patches::Patches;
 use crate::bounds::{WorldFromModel, visit_frames};
 use crate::pose::Posed;
-use crate::traverse::Culls;
+use crate::traverse::OverlapWalk;
 
 /// The placements of the two bodies of a query.
 pub(super) struct Placements<'a> {
@@ -22,13 +22,13 @@ impl<'a> Placements<'a> {
     }
 
     /// Prepares the frames in which nodes are compared; returns whether the roots overlap.
-    pub(super) fn begin_culls(&self, a: &mut Posed<'_>, b: &mut Posed<'_>, culls: &mut Culls) -> bool {
+    pub(super) fn begin_walk(&self, a: &mut Posed<'_>, b: &mut Posed<'_>, walk: &mut OverlapWalk) -> bool {
         let (a, b) = (a.bounds(), b.bounds());
         let mut roots_overlap = true;
-        culls.begin();
+        walk.begin(self.a_from_b_scale());
         visit_frames(self.world_from_a, &a, self.world_from_b, &b, |frames| {
             // A frame that separates the bodies is enough.
-            roots_overlap = culls.push(frames, &a, &b);
+            roots_overlap = walk.push_frame(frames, &a, &b);
             roots_overlap
         });
         roots_overlap
@@ -52,13 +52,13 @@ impl<'a> Placements<'a> {
         size_a.max(size_b) <= RESOLVED * (slack_a + slack_b)
     }
 
-    /// Prepares the caches of leaves.
-    pub(super) fn begin_leaves(&self, a: &mut Posed<'_>, [leaves_a, leaves_b]: [&mut Patches; 2]) {
+    /// Prepares the caches of patches.
+    pub(super) fn begin_leaves(&self, a: &mut Posed<'_>, [patches_a, patches_b]: [&mut Patches; 2]) {
         // Close to both bodies if they touch.
         let size = self.world_from_a.scale() * f64::from(a.bounds().size().max_element());
         let neighbourhood = Neighbourhood::new(self.world_from_a.translation(), size);
-        leaves_a.begin(self.world_from_a, neighbourhood);
-        leaves_b.begin(self.world_from_b, neighbourhood);
+        patches_a.begin(neighbourhood);
+        patches_b.begin(neighbourhood);
     }
 
     /// The length in A's units of a length of 1 in B's, roughly.

@@ -2,7 +2,7 @@ use std::ops::ControlFlow;
 
 use super::capped::Capped;
 use super::neighbourhood::Neighbourhood;
-use super::patches::Patches;
+use super::patches::{Patches, Side, intersecting_pairs_within};
 use super::{QueryStats, TrianglePair};
 use crate::bounds::WorldFromModel;
 use crate::pose::Pose;
@@ -76,7 +76,7 @@ impl SelfQuery {
         *stats = QueryStats::default();
         let bounds = posed.bounds();
         let neighbourhood = Neighbourhood::new(bounds.center().as_dvec3(), f64::from(bounds.size().max_element()));
-        leaves.begin(&WorldFromModel::IDENTITY, neighbourhood);
+        leaves.begin(neighbourhood);
         let mut ordered = |TrianglePair { triangle_a, triangle_b }| {
             visitor(TrianglePair {
                 triangle_a: triangle_a.min(triangle_b),
@@ -84,8 +84,8 @@ impl SelfQuery {
             })
         };
         let node_tests = walk_within(posed, stack, |posed, a, b| {
-            let blocks = [a, b].map(|leaf| leaves.read(posed, leaf));
-            leaves.intersecting_pairs_within(posed, blocks, stats, &mut ordered)
+            let mut body = Side::new(posed, &WorldFromModel::IDENTITY, leaves);
+            intersecting_pairs_within(&mut body, [a, b], stats, &mut ordered)
         });
         stats.node_tests = node_tests;
         *stats += QueryStats::blending([before], [posed.blended()]);

@@ -2,8 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use super::pairs::lanes_reversed;
-use crate::bounds::with_simd;
+use crate::bounds::{LANES, with_simd};
 use crate::pose::{NodeRef, Posed};
 use crate::tree::{ChildKind, Leaf};
 
@@ -56,6 +55,11 @@ fn push_pairs_among(posed: &mut Posed<'_>, group: usize, stack: &mut SelfStack) 
         stack.push((node, node));
     }
     (children * (children - 1) / 2) as u64
+}
+
+/// The lanes of a mask in descending order, so that the first lane is popped first.
+fn lanes_reversed(mask: u8) -> impl Iterator<Item = usize> {
+    (0..LANES).rev().filter(move |lane| mask >> lane & 1 == 1)
 }
 
 /// Pushes another node with every child of a group whose box overlaps.

@@ -19,8 +19,7 @@ const MIN_TRIANGLES: usize = 4;
 /// The triangles of every leaf in patches of eight: base corners, and displacements of each target that moves any of them.
 #[derive(Clone, Default)]
 pub(crate) struct LeafLanes {
-    /// The first patch of each leaf.
-    firsts: Vec<u32>,
+    /// By patch.
     bases: Vec<CornerLanes>,
     /// `starts[i]..starts[i + 1]` are the entries of patch `i` in `targets` and `displacements`, ascending by target.
     starts: Vec<u32>,
@@ -47,17 +46,14 @@ impl LeafLanes {
             ..Self::default()
         };
         let leaves = || (0..topology.leaf_count()).map(|leaf| topology.leaf_triangles(Leaf(leaf)));
-        let patches: usize = leaves().map(|triangles| triangles.len().div_ceil(LANES)).sum();
+        let patches = topology.patch_count();
         if model.triangle_count() < MIN_TRIANGLES * patches {
             return None;
         }
-        for triangles in leaves() {
-            lanes.firsts.push(lanes.bases.len() as u32);
-            for triangles in triangles.chunks(LANES) {
-                lanes.push(model, triangles);
-                if lanes.targets.len() > MAX_TARGETS * patches {
-                    return None;
-                }
+        for triangles in leaves().flat_map(|triangles| triangles.chunks(LANES)) {
+            lanes.push(model, triangles);
+            if lanes.targets.len() > MAX_TARGETS * patches {
+                return None;
             }
         }
         Some(lanes)
@@ -92,22 +88,18 @@ impl LeafLanes {
         self.starts.push(self.targets.len() as u32);
     }
 
-    /// The patches of a leaf with that number of triangles.
-    pub(crate) fn patches(&self, leaf: usize, triangles: usize) -> impl Iterator<Item = PatchColumns<'_>> {
-        let first = self.firsts[leaf] as usize;
-        (first..first + triangles.div_ceil(LANES)).map(|patch| {
-            let columns = self.starts[patch] as usize..self.starts[patch + 1] as usize;
-            PatchColumns {
-                base: &self.bases[patch],
-                targets: &self.targets[columns.clone()],
-                displacements: &self.displacements[columns],
-            }
-        })
+    #[inline(always)]
+    pub(crate) fn patch(&self, patch: usize) -> PatchColumns<'_> {
+        let columns = self.starts[patch] as usize..self.starts[patch + 1] as usize;
+        PatchColumns {
+            base: &self.bases[patch],
+            targets: &self.targets[columns.clone()],
+            displacements: &self.displacements[columns],
+        }
     }
 
     pub(super) fn bytes(&self) -> usize {
-        size_of_val(&*self.firsts)
-            + size_of_val(&*self.bases)
+        size_of_val(&*self.bases)
             + size_of_val(&*self.starts)
             + size_of_val(&*self.targets)
             + size_of_val(&*self.displacements)

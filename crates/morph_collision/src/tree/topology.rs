@@ -28,6 +28,11 @@ impl Child {
         Self(leaf.0 as u32 | Self::LEAF)
     }
 
+    #[inline(always)]
+    pub(crate) fn is_leaf(self) -> bool {
+        self.0 & Self::LEAF != 0
+    }
+
     #[inline]
     pub(crate) fn kind(self) -> ChildKind {
         let index = (self.0 & !Self::LEAF) as usize;
@@ -52,6 +57,12 @@ impl Group {
         &self.children[..usize::from(self.len)]
     }
 
+    /// All lanes; those without a child hold the default.
+    #[inline]
+    pub(crate) fn lanes(&self) -> &[Child; LANES] {
+        &self.children
+    }
+
     #[inline]
     pub(crate) fn child(&self, lane: usize) -> Child {
         self.children[lane % LANES]
@@ -71,6 +82,8 @@ pub(crate) struct Topology {
     pub(super) groups: Vec<Group>,
     /// `leaf_starts[i]..leaf_starts[i + 1]` are the entries of leaf `i` in `triangles` and `corners`.
     leaf_starts: Vec<u32>,
+    /// `patch_starts[i]..patch_starts[i + 1]` are the patches of leaf `i`: of eight triangles each, but for the last one.
+    patch_starts: Vec<u32>,
     /// The model's triangle numbers in leaf order.
     pub(super) triangles: Vec<u32>,
     /// `vertex_starts[i]..vertex_starts[i + 1]` are the entries of leaf `i` in `vertices`.
@@ -97,6 +110,7 @@ impl Topology {
     pub(super) fn new() -> Self {
         Self {
             leaf_starts: vec![0],
+            patch_starts: vec![0],
             vertex_starts: vec![0],
             ..Self::default()
         }
@@ -119,6 +133,16 @@ impl Topology {
         self.leaf_starts.len() - 1
     }
 
+    /// The numbers of a leaf's patches.
+    #[inline(always)]
+    pub(crate) fn patches(&self, leaf: Leaf) -> Range<usize> {
+        self.patch_starts[leaf.0] as usize..self.patch_starts[leaf.0 + 1] as usize
+    }
+
+    pub(super) fn patch_count(&self) -> usize {
+        self.patch_starts.last().map_or(0, |&patches| patches as usize)
+    }
+
     /// The model's numbers of a leaf's triangles.
     #[inline]
     pub(crate) fn leaf_triangles(&self, leaf: Leaf) -> &[u32] {
@@ -137,12 +161,19 @@ impl Topology {
 
     /// The distinct vertices of a leaf, ascending.
     #[inline]
-    pub(super) fn leaf_vertices(&self, leaf: Leaf) -> &[u32] {
+    pub(crate) fn leaf_vertices(&self, leaf: Leaf) -> &[u32] {
         &self.vertices[self.vertex_starts[leaf.0] as usize..self.vertex_starts[leaf.0 + 1] as usize]
     }
 
+    /// The model's number of a triangle in leaf order.
+    #[inline(always)]
+    pub(crate) fn triangle(&self, place: usize) -> u32 {
+        self.triangles[place]
+    }
+
+    /// A leaf's triangles in leaf order.
     #[inline]
-    fn leaf_range(&self, leaf: Leaf) -> Range<usize> {
+    pub(crate) fn leaf_range(&self, leaf: Leaf) -> Range<usize> {
         self.leaf_starts[leaf.0] as usize..self.leaf_starts[leaf.0 + 1] as usize
     }
 
@@ -168,12 +199,15 @@ impl Topology {
         self.vertices.extend_from_slice(&vertices);
         self.vertex_starts.push(self.vertices.len() as u32);
         self.leaf_starts.push(self.corners.len() as u32);
+        let patches = self.patch_count() + corners.len().div_ceil(LANES);
+        self.patch_starts.push(patches as u32);
         Leaf(self.leaf_count() - 1)
     }
 
     pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.groups)
             + size_of_val(&*self.leaf_starts)
+            + size_of_val(&*self.patch_starts)
             + size_of_val(&*self.triangles)
             + size_of_val(&*self.vertex_starts)
             + size_of_val(&*self.vertices)

@@ -52,12 +52,11 @@ impl Pair {
         };
         Some(Self {
             patches: triangles.map(|corners| {
-                let mut lanes = CornerLanes::default();
-                for lane in 0..LANES {
-                    (0..3).for_each(|corner| put(&mut lanes, lane, corner, corners[corner]));
-                }
                 let mut patch = Patch::default();
-                with_simd!(level, simd => patch.place(simd, &lanes, 1, &place, &near));
+                for lane in 0..LANES {
+                    (0..3).for_each(|corner| put(&mut patch.corners, lane, corner, corners[corner]));
+                }
+                with_simd!(level, simd => patch.place(simd, 1, &place, &near));
                 patch
             }),
             exact: world.map(|corners| corners.map(exactly)),

@@ -1,0 +1,298 @@
+//! The walk over two trees that finds the leaves whose boxes overlap.
+
+use std::ops::ControlFlow;
+
+use fearless_simd::Simd;
+
+use super::views::{FRAMES, Node, View, Views};
+use crate::bounds::{Aabb, BoxMap, Frames, LANES, with_simd};
+use crate::pose::{NodeId, Posed};
+use crate::tree::{ChildKind, Leaf};
+
+/// Nodes whose sizes differ by less than this factor are opened together. Chosen by instructions on the bench scenes (docs/tried.md).
+const MAX_SIZE_RATIO: f32 = 3.0;
+
+/// Leaf pairs are passed on when there are this many.
+const LEAF_PAIRS: usize = 256;
+
+/// The order in which node pairs are visited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Order {
+    /// Any fixed order. Leaf pairs are passed on many at a time.
+    Any,
+    /// Children that overlap deepest first, and leaf pairs one at a time. Pays if the walk ends at the first intersection.
+    DeepestFirst,
+    /// That of [`Order::Any`], but leaf pairs stay on the stack.
+    Expand,
+}
+
+/// What happens at pairs of leaves.
+pub(crate) type AtLeaves<'v, 'p> =
+    dyn FnMut(&mut Posed<'p>, &mut Posed<'p>, &[(Leaf, Leaf)]) -> ControlFlow<()> + 'v;
+
+/// A depth-first walk over the node pairs of two bodies whose boxes overlap in every frame. The next walk reuses the memory.
+///
+/// Opens the larger node and tests its children against the other node, eight at once (the paper's Sect. 3: descend the larger).
+/// Opens both nodes if they are of similar size.
+#[derive(Debug, Default)]
+pub(crate) struct OverlapWalk {
+    a: Views,
+    b: Views,
+    frames: usize,
+    /// The node pairs still to visit.
+    stack: Vec<(Node, Node)>,
+    leaves: Vec<(Leaf, Leaf)>,
+    /// Node bounds tested so far.
+    pub(crate) node_tests: u64,
+}
+
+impl OverlapWalk {
+    /// Starts a query, without frames. `a_from_b_scale` is the length in A's units of a length of 1 in B's, to compare sizes.
+    pub(crate) fn begin(&mut self, a_from_b_scale: f32) {
+        self.frames = 0;
+        self.node_tests = 0;
+        self.a.begin(1.0);
+        self.b.begin(a_from_b_scale);
+    }
+
+    /// Adds a frame, in place of the last one if there are enough already; returns whether two boxes overlap in it. Ignores frames
+    /// beyond the range of `f32`, which would cull nothing.
+    pub(crate) fn push_frame(&mut self, frames: &Frames, a: &Aabb, b: &Aabb) -> bool {
+        let view = |frame: &Option<_>| match frame {
+            Some(frame) => BoxMap::new(frame).map(View::Mapped),
+            None => Some(View::Own),
+        };
+        let (Some(view_a), Some(view_b)) = (view(&frames.a), view(&frames.b)) else {
+            return true;
+        };
+        let overlap = view_a.one(a).overlaps(&view_b.one(b));
+        // A frame that is alone counts twice.
+        for frame in self.frames.min(FRAMES - 1)..FRAMES {
+            self.a.views[frame] = view_a.clone();
+            self.b.views[frame] = view_b.clone();
+        }
+        self.frames += 1;
+        overlap
+    }
+
+    /// Calls `at_leaves` for all pairs of leaves whose boxes overlap until it breaks.
+    ///
+    /// Starts at the roots, which the caller has tested, if `front` is empty, otherwise at its node pairs.
+    pub(crate) fn run<'p>(
+        &mut self,
+        (a, b): (&mut Posed<'p>, &mut Posed<'p>),
+        front: &[(NodeId, NodeId)],
+        order: Order,
+        at_leaves: &mut AtLeaves<'_, 'p>,
+    ) -> ControlFlow<()> {
+        with_simd!(a.level, simd => self.walk(simd, (a, b), front, order, at_leaves))
+    }
+
+    /// Expands the roots, level by level, into at least `least` node pairs if there are that many, in the order of the walk.
+    pub(crate) fn front(&mut self, a: &mut Posed<'_>, b: &mut Posed<'_>, least: usize) -> Vec<(NodeId, NodeId)> {
+        let mut front = vec![(NodeId::ROOT, NodeId::ROOT)];
+        let mut done = false;
+        while front.len() < least && !done {
+            let mut next = Vec::new();
+            done = true;
+            for (id_a, id_b) in front {
+                let pair = (self.a.node(a, id_a), self.b.node(b, id_b));
+                if pair.0.child.is_leaf() && pair.1.child.is_leaf() {
+                    next.push((id_a, id_b));
+                    continue;
+                }
+                done = false;
+                self.stack.clear();
+                with_simd!(a.level, simd => self.descend(simd, (a, b), pair, Order::Expand));
+                // As the walk does: leaves in the order in which they were pushed, then all else in the reverse order.
+                let (leaves, nodes): (Vec<_>, Vec<_>) =
+                    self.stack.drain(..).partition(|(a, b)| a.child.is_leaf() && b.child.is_leaf());
+                let in_order = leaves.into_iter().chain(nodes.into_iter().rev());
+                next.extend(in_order.map(|(a, b)| (self.a.id(a), self.b.id(b))));
+            }
+            front = next;
+        }
+        front
+    }
+
+    #[inline(always)]
+    fn walk<'p, S: Simd>(
+        &mut self,
+        simd: S,
+        (a, b): (&mut Posed<'p>, &mut Posed<'p>),
+        front: &[(NodeId, NodeId)],
+        order: Order,
+        at_leaves: &mut AtLeaves<'_, 'p>,
+    ) -> ControlFlow<()> {
+        self.stack.clear();
+        self.leaves.clear();
+        let roots = [(NodeId::ROOT, NodeId::ROOT)];
+        for (id_a, id_b) in if front.is_empty() { &roots } else { front } {
+            let pair = (self.a.node(a, *id_a), self.b.node(b, *id_b));
+            self.node_tests += 1;
+            if !front.is_empty() && !self.overlap(simd, pair) {
+                continue;
+            }
+            self.stack.push(pair);
+            while let Some((node_a, node_b)) = self.stack.pop() {
+                match (node_a.child.kind(), node_b.child.kind()) {
+                    (ChildKind::Leaf(leaf_a), ChildKind::Leaf(leaf_b)) => self.leaves.push((leaf_a, leaf_b)),
+                    _ => self.descend(simd, (a, b), (node_a, node_b), order),
+                }
+                if self.leaves.len() >= LEAF_PAIRS || order == Order::DeepestFirst && !self.leaves.is_empty() {
+                    at_leaves(a, b, &self.leaves)?;
+                    self.leaves.clear();
+                }
+            }
+        }
+        at_leaves(a, b, &self.leaves)
+    }
+
+    /// Pushes the overlapping pairs below two nodes, at least one of which is not a leaf.
+    #[inline(always)]
+    fn descend<S: Simd>(
+        &mut self,
+        simd: S,
+        (a, b): (&mut Posed<'_>, &mut Posed<'_>),
+        (node_a, node_b): (Node, Node),
+        order: Order,
+    ) {
+        match (node_a.child.kind(), node_b.child.kind()) {
+            (ChildKind::Leaf(_), ChildKind::Leaf(_)) => {}
+            (ChildKind::Group(group), ChildKind::Leaf(_)) => {
+                let slot = self.a.open(a, group);
+                self.descend_a(simd, slot, node_b, order);
+            }
+            (ChildKind::Leaf(_), ChildKind::Group(group)) => {
+                let slot = self.b.open(b, group);
+                self.descend_b(simd, node_a, slot, order);
+            }
+            (ChildKind::Group(group_a), ChildKind::Group(group_b)) => {
+                let (size_a, size_b) = (self.a.size(node_a), self.b.size(node_b));
+                if size_a >= MAX_SIZE_RATIO * size_b {
+                    let slot = self.a.open(a, group_a);
+                    self.descend_a(simd, slot, node_b, order);
+                } else if size_b >= MAX_SIZE_RATIO * size_a {
+                    let slot = self.b.open(b, group_b);
+                    self.descend_b(simd, node_a, slot, order);
+                } else {
+                    let slot = self.a.open(a, group_a);
+                    let rows = self.rows(simd, slot, node_b);
+                    if rows != 0 {
+                        let slots = (slot, self.b.open(b, group_b));
+                        self.descend_both(simd, slots, rows, order);
+                    }
+                }
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn overlap<S: Simd>(&self, simd: S, (a, b): (Node, Node)) -> bool {
+        let mask = self.a.siblings(a).overlaps(simd, self.b.siblings(b), b.lane());
+        mask >> a.lane() & 1 == 1
+    }
+
+    /// The children in a slot of A that overlap a node of B.
+    #[inline(always)]
+    fn rows<S: Simd>(&mut self, simd: S, slot: usize, node_b: Node) -> u8 {
+        let opened = self.a.opened(slot);
+        self.node_tests += u64::from(opened.len);
+        opened.overlaps(simd, self.b.siblings(node_b), node_b.lane())
+    }
+
+    /// Pushes the children of a group of A that overlap a node of B.
+    #[inline(always)]
+    fn descend_a<S: Simd>(&mut self, simd: S, slot: usize, node_b: Node, order: Order) {
+        let mask = self.rows(simd, slot, node_b);
+        let first = self.stack.len();
+        for lane in bits(mask) {
+            self.push((self.a.child(slot, lane), node_b), order);
+        }
+        if order == Order::DeepestFirst && self.stack.len() > first + 1 {
+            let opened = self.a.opened(slot);
+            let depths = opened.depths(simd, self.b.siblings(node_b), node_b.lane());
+            sort_by_depth(&mut self.stack[first..], |(a, _)| depths[a.lane()]);
+        }
+    }
+
+    /// Pushes the children of a group of B that overlap a node of A.
+    #[inline(always)]
+    fn descend_b<S: Simd>(&mut self, simd: S, node_a: Node, slot: usize, order: Order) {
+        let opened = self.b.opened(slot);
+        self.node_tests += u64::from(opened.len);
+        let mask = opened.overlaps(simd, self.a.siblings(node_a), node_a.lane());
+        let first = self.stack.len();
+        for lane in bits(mask) {
+            self.push((node_a, self.b.child(slot, lane)), order);
+        }
+        if order == Order::DeepestFirst && self.stack.len() > first + 1 {
+            let opened = self.b.opened(slot);
+            let depths = opened.depths(simd, self.a.siblings(node_a), node_a.lane());
+            sort_by_depth(&mut self.stack[first..], |(_, b)| depths[b.lane()]);
+        }
+    }
+
+    /// Pushes the overlapping pairs of children of two groups, given the children of A's that overlap B's node. As many tests as
+    /// opening one after the other, but one step of the walk.
+    #[inline(always)]
+    fn descend_both<S: Simd>(&mut self, simd: S, (slot_a, slot_b): (usize, usize), rows: u8, order: Order) {
+        let first = self.stack.len();
+        let mut depths = [[0.0; LANES]; LANES];
+        for row in bits(rows) {
+            let (opened_a, opened_b) = (self.a.opened(slot_a), self.b.opened(slot_b));
+            self.node_tests += u64::from(opened_b.len);
+            let mask = opened_b.overlaps(simd, opened_a, row);
+            if mask == 0 {
+                continue;
+            }
+            if order == Order::DeepestFirst {
+                depths[row % LANES] = opened_b.depths(simd, opened_a, row);
+            }
+            let node_a = self.a.child(slot_a, row);
+            for lane in bits(mask) {
+                self.push((node_a, self.b.child(slot_b, lane)), order);
+            }
+        }
+        if order == Order::DeepestFirst && self.stack.len() > first + 1 {
+            sort_by_depth(&mut self.stack[first..], |(a, b)| depths[a.lane()][b.lane()]);
+        }
+    }
+
+    #[inline(always)]
+    fn push(&mut self, pair: (Node, Node), order: Order) {
+        if order == Order::Any
+            && let (ChildKind::Leaf(a), ChildKind::Leaf(b)) = (pair.0.child.kind(), pair.1.child.kind())
+        {
+            self.leaves.push((a, b));
+        } else {
+            self.stack.push(pair);
+        }
+    }
+}
+
+/// The bits of a mask, ascending.
+#[inline(always)]
+fn bits(mask: u8) -> impl Iterator<Item = usize> {
+    let mut left = u32::from(mask);
+    std::iter::from_fn(move || {
+        let lane = left.trailing_zeros() as usize;
+        left &= left.checked_sub(1)?;
+        Some(lane)
+    })
+}
+
+/// Sorts so that the deepest pair is popped first. Stable.
+#[inline(always)]
+fn sort_by_depth(pairs: &mut [(Node, Node)], depth: impl Fn(&(Node, Node)) -> f32) {
+    // Insertion sort, for up to 64 pairs.
+    for place in 1..pairs.len() {
+        let (pair, deep) = (pairs[place], depth(&pairs[place]));
+        let mut hole = place;
+        while hole > 0 && depth(&pairs[hole - 1]) > deep {
+            pairs[hole] = pairs[hole - 1];
+            hole -= 1;
+        }
+        pairs[hole] = pair;
+    }
+}

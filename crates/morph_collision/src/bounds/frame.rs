@@ -5,7 +5,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::inverse::{Inverse, abs};
+use super::inverse::abs;
 use super::rounding::U64;
 use super::{Aabb, BoxMap, WorldFromModel};
 
@@ -37,104 +37,107 @@ pub(crate) struct Frames {
 /// Calls `visit` with the frames that decide whether boxes of two placed bodies may meet, until it returns false: both bodies'
 /// own axes (SAT-lite). A frame is made only when it is visited.
 ///
-/// `a` and `b` are the bodies' whole model-space bounds. World space is added where neither body can be inverted sharply:
-/// where each is much flatter or thinner in the world than in its own space.
+/// World space is added where neither body can be inverted sharply: where each is much flatter or thinner in the world than in its
+/// own space.
 #[inline]
-pub(crate) fn visit_frames(
-    world_from_a: &WorldFromModel,
-    a: &Aabb,
-    world_from_b: &WorldFromModel,
-    b: &Aabb,
-    mut visit: impl FnMut(&Frames) -> bool,
-) {
-    let [a, b] = [a.magnitude().as_dvec3(), b.magnitude().as_dvec3()];
-    let pair = PlacedPair::new(world_from_a, a, world_from_b, b);
+pub(crate) fn visit_frames(a: &PlacedBounds, b: &PlacedBounds, mut visit: impl FnMut(&Frames) -> bool) {
     let mut any_sharp = false;
-    if let Some(frames) = pair.in_a() {
+    if let Some(frames) = frames_in_a(a, b) {
         any_sharp |= is_sharp(&frames.b, a);
         if !visit(&frames) {
             return;
         }
     }
-    if let Some(frames) = pair.in_b() {
+    if let Some(frames) = frames_in_b(a, b) {
         any_sharp |= is_sharp(&frames.a, b);
         if !visit(&frames) {
             return;
         }
     }
     if !any_sharp {
-        visit(&pair.in_turned_world());
+        visit(&frames_in_turned_world(a, b));
     }
 }
 
 /// Whether the error of a map to a body's own space is small beside that body.
 #[inline]
-fn is_sharp(frame: &Option<Frame>, magnitude: DVec3) -> bool {
+fn is_sharp(frame: &Option<Frame>, target: &PlacedBounds) -> bool {
     // Not measured; it decides only how often the third frame is made.
     const SMALL: f64 = 1e-3;
-    let limit = SMALL * magnitude.max_element();
+    let limit = SMALL * target.magnitude.max_element();
     frame.as_ref().is_some_and(|frame| frame.error.max_element() <= limit)
 }
 
-/// Two placed bodies.
-pub(super) struct PlacedPair<'a> {
-    world_from_a: &'a WorldFromModel,
-    world_from_b: &'a WorldFromModel,
-    /// The largest absolute model-space coordinates of each body's points.
-    a: DVec3,
-    b: DVec3,
-    /// How far both bodies' points together may be from where they are placed, per world axis.
-    error: DVec3,
+/// A placed body as the maps between bodies need it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct PlacedBounds {
+    world_from_model: WorldFromModel,
+    /// The largest absolute model-space coordinates of its points.
+    magnitude: DVec3,
+    /// The largest absolute world coordinates of its points, relative to its translation.
+    spread: DVec3,
+    /// How far its points may be from where they are placed, along any world axis.
+    error: f64,
 }
 
-impl<'a> PlacedPair<'a> {
-    pub(super) fn new(world_from_a: &'a WorldFromModel, a: DVec3, world_from_b: &'a WorldFromModel, b: DVec3) -> Self {
+impl PlacedBounds {
+    pub(crate) fn new(world_from_model: &WorldFromModel, magnitude: DVec3) -> Self {
         Self {
-            world_from_a,
-            world_from_b,
-            a,
-            b,
-            error: world_from_a.placement_error(a) + world_from_b.placement_error(b),
+            world_from_model: *world_from_model,
+            magnitude,
+            spread: abs(world_from_model.linear()) * magnitude,
+            error: world_from_model.placement_error(magnitude).max_element(),
         }
     }
 
-    /// The space of A, if it can be inverted.
-    pub(super) fn in_a(&self) -> Option<Frames> {
-        let b = relative(self.world_from_a, self.world_from_b, self.b, self.error)?;
-        Some(Frames { a: None, b: Some(b) })
+    pub(crate) fn world_from_model(&self) -> &WorldFromModel {
+        &self.world_from_model
     }
 
-    /// The space of B, if it can be inverted.
-    pub(super) fn in_b(&self) -> Option<Frames> {
-        let a = relative(self.world_from_b, self.world_from_a, self.a, self.error)?;
-        Some(Frames { a: Some(a), b: None })
+    pub(crate) fn error(&self) -> f64 {
+        self.error
     }
+}
 
-    /// World space moved to A's origin.
-    pub(super) fn in_world(&self) -> Frames {
-        let origin = self.world_from_a.translation();
-        Frames {
-            a: Some(to_world(self.world_from_a, origin, self.a, self.error)),
-            b: Some(to_world(self.world_from_b, origin, self.b, self.error)),
-        }
+/// The space of A, if it can be inverted.
+#[inline]
+pub(super) fn frames_in_a(a: &PlacedBounds, b: &PlacedBounds) -> Option<Frames> {
+    let b = relative(a, b)?;
+    Some(Frames { a: None, b: Some(b) })
+}
+
+/// The space of B, if it can be inverted.
+#[inline]
+pub(super) fn frames_in_b(a: &PlacedBounds, b: &PlacedBounds) -> Option<Frames> {
+    let a = relative(b, a)?;
+    Some(Frames { a: Some(a), b: None })
+}
+
+/// World space moved to A's origin.
+pub(super) fn frames_in_world(a: &PlacedBounds, b: &PlacedBounds) -> Frames {
+    let origin = a.world_from_model.translation();
+    let error = DVec3::splat(a.error + b.error);
+    Frames {
+        a: Some(to_world(&a.world_from_model, origin, a.magnitude, error)),
+        b: Some(to_world(&b.world_from_model, origin, b.magnitude, error)),
     }
+}
 
-    /// World space moved to A's origin, and rotated so that a flat or thin A lies along the axes.
-    #[cold]
-    fn in_turned_world(&self) -> Frames {
-        let axes = long_axes(self.world_from_a.linear(), self.a).transpose();
-        let turned = |frame: Frame| Frame {
-            linear: axes * frame.linear,
-            translation: axes * frame.translation,
-            magnitude: frame.magnitude,
-            // The products of three coordinates round once for the linear part and once for the translation.
-            error: abs(axes) * (frame.error + 8.0 * U64 * frame.reach()),
-        };
-        let frames = self.in_world();
-        Frames {
-            a: frames.a.map(turned),
-            b: frames.b.map(turned),
-        }
+/// World space moved to A's origin, and rotated so that a flat or thin A lies along the axes.
+#[cold]
+fn frames_in_turned_world(a: &PlacedBounds, b: &PlacedBounds) -> Frames {
+    let axes = long_axes(a.world_from_model.linear(), a.magnitude).transpose();
+    let turned = |frame: Frame| Frame {
+        linear: axes * frame.linear,
+        translation: axes * frame.translation,
+        magnitude: frame.magnitude,
+        // The products of three coordinates round once for the linear part and once for the translation.
+        error: abs(axes) * (frame.error + 8.0 * U64 * frame.reach()),
+    };
+    let frames = frames_in_world(a, b);
+    Frames {
+        a: frames.a.map(turned),
+        b: frames.b.map(turned),
     }
 }
 
@@ -177,29 +180,18 @@ fn to_world(world_from_model: &WorldFromModel, origin: DVec3, magnitude: DVec3, 
     }
 }
 
-/// `target_from_source` for points within a magnitude; `None` where the target body cannot be inverted safely.
-fn relative(
-    world_from_target: &WorldFromModel,
-    world_from_source: &WorldFromModel,
-    magnitude: DVec3,
-    world_error: DVec3,
-) -> Option<Frame> {
-    let Inverse {
-        linear: inverse,
-        residual,
-        largest,
-    } = *world_from_target.inverse()?;
-    // What the inverse is off, applied to a vector; 1.1 is above `1 / (1 - residual)`.
-    let inverse_error = |v: DVec3| DVec3::splat(1.1 * residual * largest.dot(v));
-    let offset = world_from_source.translation() - world_from_target.translation();
-    let reach = abs(world_from_source.linear()) * magnitude + offset.abs();
+/// The map from one body's space to another's; `None` where the target cannot be inverted safely.
+#[inline]
+fn relative(target: &PlacedBounds, source: &PlacedBounds) -> Option<Frame> {
+    let inverse = target.world_from_model.inverse()?;
+    let (to, from) = (&target.world_from_model, &source.world_from_model);
+    let offset = from.translation() - to.translation();
+    let world_error = target.error + source.error;
+    let reach = (source.spread + offset.abs()).max_element();
     Some(Frame {
-        linear: inverse * world_from_source.linear(),
-        translation: inverse * offset,
-        magnitude,
-        error: abs(inverse) * world_error
-            + inverse_error(world_error)
-            + inverse_error(reach)
-            + 16.0 * U64 * (abs(inverse) * reach),
+        linear: inverse.linear * from.linear(),
+        translation: inverse.linear * offset,
+        magnitude: source.magnitude,
+        error: inverse.rows * (world_error + 16.0 * U64 * reach) + inverse.error * (world_error + reach),
     })
 }

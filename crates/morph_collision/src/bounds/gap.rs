@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::frame::PlacedPair;
+use super::frame::{PlacedBounds, frames_in_a, frames_in_b, frames_in_world};
 use super::inverse::abs;
 use super::rounding::U64;
 use super::{Aabb, Frame, Frames, WorldFromModel};
@@ -48,10 +48,12 @@ impl GapFrame {
     ///
     /// World space is added where neither can be, and where both are so sheared that their coordinates say little about lengths.
     pub(crate) fn list(world_from_a: &WorldFromModel, a: DVec3, world_from_b: &WorldFromModel, b: DVec3) -> Vec<Self> {
-        let pair = PlacedPair::new(world_from_a, a, world_from_b, b);
+        let (placed_a, placed_b) = (PlacedBounds::new(world_from_a, a), PlacedBounds::new(world_from_b, b));
+        let in_a = frames_in_a(&placed_a, &placed_b);
+        let in_b = frames_in_b(&placed_a, &placed_b);
         let mut any_faithful = false;
         let mut list = Vec::new();
-        for (frames, place) in [(pair.in_a(), world_from_a), (pair.in_b(), world_from_b)] {
+        for (frames, place) in [(in_a, world_from_a), (in_b, world_from_b)] {
             let Some(frames) = frames else { continue };
             let (metric, kept) = diagonal_below(place.linear());
             // Not measured; it decides only how often the third frame is made.
@@ -59,15 +61,15 @@ impl GapFrame {
             list.push(Self::new(frames, metric, a, b));
         }
         if !any_faithful {
-            list.push(Self::new(pair.in_world(), DVec3::ONE, a, b));
+            list.push(Self::world(world_from_a, a, world_from_b, b));
         }
         list
     }
 
     /// World space, where lengths are world lengths up to a few roundings.
     pub(crate) fn world(world_from_a: &WorldFromModel, a: DVec3, world_from_b: &WorldFromModel, b: DVec3) -> Self {
-        let pair = PlacedPair::new(world_from_a, a, world_from_b, b);
-        Self::new(pair.in_world(), DVec3::ONE, a, b)
+        let (placed_a, placed_b) = (PlacedBounds::new(world_from_a, a), PlacedBounds::new(world_from_b, b));
+        Self::new(frames_in_world(&placed_a, &placed_b), DVec3::ONE, a, b)
     }
 
     fn new(frames: Frames, metric: DVec3, a: DVec3, b: DVec3) -> Self {

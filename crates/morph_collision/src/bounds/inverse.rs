@@ -6,17 +6,17 @@ use super::rounding::U64;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Inverse {
     pub(super) linear: DMat3,
-    /// A bound on the largest row sum of `|I - linear m|`, where `m` is the map that was inverted.
-    pub(super) residual: f64,
-    /// The largest absolute entry of each column.
-    pub(super) largest: DVec3,
+    /// The row sums of its absolute values.
+    pub(super) rows: DVec3,
+    /// How far off it may take a vector whose coordinates are within 1.
+    pub(super) error: f64,
 }
 
 impl Inverse {
     pub(super) const IDENTITY: Self = Self {
         linear: DMat3::IDENTITY,
-        residual: 8.0 * U64,
-        largest: DVec3::ONE,
+        rows: DVec3::ONE,
+        error: 1.1 * 8.0 * U64 * 3.0,
     };
 
     /// `None` where the map is singular, or so nearly that the inverse's error bound is useless.
@@ -33,8 +33,9 @@ impl Inverse {
         let residual = norm(abs(DMat3::IDENTITY - inverse * linear)) + 8.0 * U64 * norm(abs(inverse) * abs(linear));
         (inverse.is_finite() && residual <= 1.0 / 16.0).then(|| Self {
             linear: inverse,
-            residual,
-            largest: column_maxima(abs(inverse)),
+            rows: abs(inverse) * DVec3::ONE,
+            // 1.1 is above `1 / (1 - residual)`.
+            error: 1.1 * residual * column_maxima(abs(inverse)).element_sum(),
         })
     }
 }

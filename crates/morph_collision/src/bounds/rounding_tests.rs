@@ -5,7 +5,7 @@ use morph_collision_testkit::oracle::Dyadic;
 use morph_collision_testkit::search::{Climb, is_as_known};
 use rand::RngExt;
 
-use super::frame::PlacedPair;
+use super::frame::{PlacedBounds, frames_in_a};
 use super::probe::{ExactPoint, Image, box_at, slack_used};
 use super::{BoxMap, WorldFromModel, up};
 
@@ -119,7 +119,9 @@ fn map_ratio(numbers: &[f32]) -> Option<f64> {
         return None;
     }
     let magnitude_a = Vec3::from_array(reach_a.map(up)).as_dvec3();
-    let frames = PlacedPair::new(&world_from_a, magnitude_a, &world_from_b, q.abs().as_dvec3()).in_a()?;
+    let placed_a = PlacedBounds::new(&world_from_a, magnitude_a);
+    let placed_b = PlacedBounds::new(&world_from_b, q.abs().as_dvec3());
+    let frames = frames_in_a(&placed_a, &placed_b)?;
     let map = BoxMap::new(&frames.b?)?;
     let error_a = placement_bound(&place_a, reach_a.map(Dyadic::from));
     let error_b = placement_bound(&place_b, exact_q.map(Dyadic::abs));

@@ -81,6 +81,12 @@ impl WorldFromModel {
         self.linear.determinant() < 0.0
     }
 
+    /// Whether two maps are the same, whatever was computed from them.
+    #[inline]
+    pub(crate) fn is_same_map(&self, other: &Self) -> bool {
+        self.linear == other.linear && self.translation == other.translation
+    }
+
     /// The same map followed by a translation in world space.
     #[cfg(test)]
     pub(crate) fn translated(&self, by: DVec3) -> Self {

@@ -5,6 +5,7 @@ use glam::Vec3;
 
 use super::cache::EpochCache;
 use super::posed::{Blended, Posed, Scratch};
+use super::standing::Standing;
 use super::weights::{self, WeightsError};
 use crate::bounds::{Aabb, BoxLanes, WorldFromModel, world_bounds};
 use crate::tree::MorphBvh;
@@ -23,6 +24,7 @@ pub struct Pose {
     is_refitted: bool,
     boxes: EpochCache<BoxLanes>,
     vertices: EpochCache<Vec3>,
+    standing: Standing,
     blended: Blended,
     scratch: Scratch,
 }
@@ -36,6 +38,7 @@ impl Pose {
             is_refitted: false,
             boxes: EpochCache::new(bvh.topology.group_count()),
             vertices: EpochCache::new(bvh.model().vertex_count()),
+            standing: Standing::default(),
             blended: Blended::default(),
             scratch: Scratch::default(),
             bvh,
@@ -56,6 +59,7 @@ impl Pose {
             self.weights.copy_from_slice(weights);
             self.boxes.next_epoch();
             self.vertices.next_epoch();
+            self.standing.forget();
             self.is_refitted = false;
         }
         Ok(changed)
@@ -68,6 +72,7 @@ impl Pose {
     /// vertex is blended and every box fitted.
     pub fn refit(&mut self) {
         self.is_refitted = true;
+        self.standing.forget();
         self.posed().refit();
     }
 
@@ -155,6 +160,7 @@ impl Pose {
             weights: &self.weights,
             boxes: &mut self.boxes,
             vertices: &mut self.vertices,
+            standing: &mut self.standing,
             blended: &mut self.blended,
             scratch: &mut self.scratch,
             level: self.bvh.kernel().level,

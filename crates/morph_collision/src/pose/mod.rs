@@ -8,12 +8,14 @@ mod cache;
 mod instance;
 mod posed;
 mod shape;
+mod standing;
 mod visit;
 mod weights;
 
 pub(crate) use cache::EpochCache;
 pub use instance::Pose;
 pub(crate) use posed::{Blended, NodeId, NodeRef, Posed};
+pub(crate) use standing::Standing;
 pub use visit::PosedNode;
 pub use weights::WeightsError;
 

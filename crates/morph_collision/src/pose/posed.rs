@@ -3,6 +3,7 @@ use glam::Vec3;
 
 use super::blend::{blend_group, blend_patch, max_widening};
 use super::cache::EpochCache;
+use super::standing::Standing;
 use crate::bounds::{Aabb, BoxLanes, LANES, with_simd};
 use crate::model::MorphModel;
 use crate::tree::{Child, ChildKind, CornerLanes, Leaf, LeafLanes, Tables, Topology, in_lanes, put};
@@ -42,6 +43,7 @@ pub(crate) struct Posed<'a> {
     pub(super) weights: &'a [f32],
     pub(super) boxes: &'a mut EpochCache<BoxLanes>,
     pub(super) vertices: &'a mut EpochCache<Vec3>,
+    pub(super) standing: &'a mut Standing,
     pub(super) blended: &'a mut Blended,
     pub(super) scratch: &'a mut Scratch,
     /// The SIMD level of the kernels.

@@ -9,7 +9,6 @@ use std::ops::{ControlFlow, Range};
 
 use super::body::world_triangle;
 use super::pairs::TrianglePair;
-use super::placements::Placements;
 use super::stats::QueryStats;
 use crate::bounds::{Extent, WorldFromModel};
 use crate::exact::{Facet, Triangle, facets_intersect_counting};
@@ -25,9 +24,13 @@ pub(super) struct Collapsed {
 
 impl Collapsed {
     /// Places both bodies' triangles. Blends every vertex; `O(n log n)`.
-    pub(super) fn place(&mut self, a: &mut Posed<'_>, b: &mut Posed<'_>, placements: &Placements<'_>) {
-        self.a.fill(a, placements.world_from_a);
-        self.b.fill(b, placements.world_from_b);
+    pub(super) fn place(
+        &mut self,
+        (a, world_from_a): (&mut Posed<'_>, &WorldFromModel),
+        (b, world_from_b): (&mut Posed<'_>, &WorldFromModel),
+    ) {
+        self.a.fill(a, world_from_a);
+        self.b.fill(b, world_from_b);
     }
 
     /// Calls `visitor` for every pair of intersecting triangles until it breaks. Tests triangles with equal corners once.

@@ -12,10 +12,10 @@ use super::leaves::Leaves;
 use super::pairs::TrianglePair;
 use super::placements::Placements;
 use super::stats::QueryStats;
-use crate::bounds::{Aabb, Box64, Extent, GapFrame};
+use crate::bounds::{Aabb, Box64, Extent, GapFrame, WorldFromModel};
 use crate::exact::Triangle;
 use crate::input_error::{InputError, check_length};
-use crate::pose::Posed;
+use crate::pose::{Posed, Standing};
 use crate::traverse::{NearestStack, walk_nearest};
 
 /// The closest points of two bodies' surfaces.
@@ -86,19 +86,23 @@ impl DistanceQuery {
     /// [`InputError`] if `max_distance` is negative or NaN.
     pub fn closest(&mut self, a: Body<'_>, b: Body<'_>, max_distance: f64) -> Result<Option<ClosestPair>, InputError> {
         check_length("max_distance", max_distance)?;
-        let placements = Placements::of(&a, &b);
+        let (world_from_a, world_from_b) = (a.world_from_model, b.world_from_model);
         let (a, b) = (&mut a.pose.posed(), &mut b.pose.posed());
         let before = [a.blended(), b.blended()];
         self.stats = QueryStats::default();
-        let pair = if placements.are_collapsed(a, b) {
+        let placements = Placements {
+            a: a.stand(world_from_a),
+            b: b.stand(world_from_b),
+        };
+        let pair = if placements.are_collapsed() {
             let mut best = Best::within(max_distance, false);
-            self.collapsed.place(a, b, &placements);
+            self.collapsed.place((a, world_from_a), (b, world_from_b));
             let limit = best.limit;
             let look = |pair, corners_a: &Triangle, corners_b: &Triangle| best.look(pair, corners_a, corners_b);
             let _stopped_early = self.collapsed.nearest(limit, &mut self.stats, look);
             best.pair
         } else {
-            self.closest_by_trees(a, b, &placements, max_distance)
+            self.closest_by_trees((a, world_from_a), (b, world_from_b), max_distance)
         };
         self.stats += QueryStats::blending(before, [a.blended(), b.blended()]);
         Ok(pair)
@@ -106,15 +110,19 @@ impl DistanceQuery {
 
     fn closest_by_trees<'p>(
         &mut self,
-        a: &mut Posed<'p>,
-        b: &mut Posed<'p>,
-        placements: &Placements<'_>,
+        (a, world_from_a): (&mut Posed<'p>, &WorldFromModel),
+        (b, world_from_b): (&mut Posed<'p>, &WorldFromModel),
         max_distance: f64,
     ) -> Option<ClosestPair> {
-        let (world_from_a, world_from_b) = (placements.world_from_a, placements.world_from_b);
-        let [magnitude_a, magnitude_b] = [a.bounds(), b.bounds()].map(|bounds| bounds.magnitude().as_dvec3());
+        let placements = Placements {
+            a: a.stand(world_from_a),
+            b: b.stand(world_from_b),
+        };
+        let scale = placements.a_from_b_scale();
+        let [magnitude_a, magnitude_b] =
+            [placements.a, placements.b].map(|standing| standing.bounds.magnitude().as_dvec3());
         let mut frames = GapFrame::list(world_from_a, magnitude_a, world_from_b, magnitude_b);
-        let are_far = are_far(&frames, placements, a, b);
+        let are_far = are_far(&frames, &placements);
         if are_far {
             // An `f32` rotation is not quite orthogonal: lengths in the bodies' own spaces are off by more than the bodies' sizes.
             frames.push(GapFrame::world(world_from_a, magnitude_a, world_from_b, magnitude_b));
@@ -148,7 +156,6 @@ impl DistanceQuery {
             }
             ControlFlow::Continue(best.limit)
         };
-        let scale = placements.a_from_b_scale();
         stats.node_tests = walk_nearest((a, b), scale, stack, limit, bound, at_leaves);
         best.pair
     }
@@ -163,11 +170,10 @@ fn squared_gap(frames: &[GapFrame], a: &Box64, b: &Box64) -> f64 {
 }
 
 /// Whether two bodies are so small compared with their distance that all their triangles are about equally close.
-fn are_far(frames: &[GapFrame], placements: &Placements<'_>, a: &mut Posed<'_>, b: &mut Posed<'_>) -> bool {
+fn are_far(frames: &[GapFrame], placements: &Placements<'_>) -> bool {
     const FAR: f64 = 1e6;
-    let boxes = [Box64::of(&a.bounds()), Box64::of(&b.bounds())];
-    let size_a = boxes[0].half.element_sum() * placements.world_from_a.scale();
-    let size_b = boxes[1].half.element_sum() * placements.world_from_b.scale();
-    let far = 2.0 * FAR * (size_a + size_b);
+    let boxes = [placements.a, placements.b].map(|standing| Box64::of(&standing.bounds));
+    let size = |standing: &Standing, of: &Box64| of.half.element_sum() * standing.placed.world_from_model().scale();
+    let far = 2.0 * FAR * (size(placements.a, &boxes[0]) + size(placements.b, &boxes[1]));
     far * far <= squared_gap(frames, &boxes[0], &boxes[1])
 }

@@ -26,34 +26,43 @@ impl Neighbourhood {
     /// A frame for bodies near `origin`, of roughly this size.
     pub(super) fn new(origin: DVec3, size: f64) -> Self {
         let size = if size.is_normal() { size } else { 1.0 };
-        // Clamped so that neither the unit nor its inverse overflows or underflows.
-        let unit = power_of_two_below(size).clamp(power_of_two(-900), power_of_two(900));
+        // Clamped so that no product of the scale, a placement and a coordinate overflows or underflows.
+        let unit = power_of_two_below(size).clamp(power_of_two(-400), power_of_two(400));
         Self {
             origin,
             scale: unit.recip(),
         }
     }
 
-    /// Maps the posed corners of eight triangles to the neighbourhood, in place.
+    /// The map from a body's model space.
+    pub(super) fn placement(&self, world_from_model: &WorldFromModel) -> Placement {
+        Placement {
+            linear: (world_from_model.linear() * self.scale).to_cols_array_2d(),
+            translation: (world_from_model.translation() * self.scale).to_array(),
+            origin: (self.origin * self.scale).to_array(),
+        }
+    }
+}
+
+/// The map from a body's model space to a neighbourhood.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Placement {
+    linear: [[f64; 3]; 3],
+    translation: [f64; 3],
+    origin: [f64; 3],
+}
+
+impl Placement {
+    /// Maps the corners of eight triangles, in place.
     ///
-    /// Places them exactly like [`WorldFromModel::transform_point`], subtracts the origin in `f64` and rounds once. Monotonic in
-    /// every coordinate.
+    /// Places them exactly like [`WorldFromModel::transform_point`], only in the neighbourhood's unit: its scale is a power of two,
+    /// which changes no rounding. Subtracts the origin in `f64` and rounds once to `f32`. Monotonic in every coordinate.
     #[inline(always)]
-    pub(super) fn place<S: Simd>(
-        &self,
-        simd: S,
-        world_from_model: &WorldFromModel,
-        corners: &mut CornerLanes,
-    ) {
-        let linear = world_from_model.linear().to_cols_array_2d();
-        let [m_x, m_y, m_z] = [
-            splat3(simd, linear[0]),
-            splat3(simd, linear[1]),
-            splat3(simd, linear[2]),
-        ];
-        let translation = splat3(simd, world_from_model.translation().to_array());
-        let origin = splat3(simd, self.origin.to_array());
-        let scale = f64x4::splat(simd, self.scale);
+    pub(super) fn place<S: Simd>(&self, simd: S, corners: &mut CornerLanes) {
+        let [m_x, m_y, m_z] = self.linear;
+        let (m_x, m_y, m_z) = (splat3(simd, m_x), splat3(simd, m_y), splat3(simd, m_z));
+        let translation = splat3(simd, self.translation);
+        let origin = splat3(simd, self.origin);
         for rows in corners {
             let [x, y, z] = &*rows;
             let (x, x_high) = x.load(simd).widen();
@@ -62,7 +71,7 @@ impl Neighbourhood {
             for (i, row) in rows.iter_mut().enumerate() {
                 let low = ((m_x[i] * x + m_y[i] * y) + m_z[i] * z) + translation[i];
                 let high = ((m_x[i] * x_high + m_y[i] * y_high) + m_z[i] * z_high) + translation[i];
-                let (low, high) = ((low - origin[i]) * scale, (high - origin[i]) * scale);
+                let (low, high) = (low - origin[i], high - origin[i]);
                 low.narrow(high).store_slice(&mut row.0);
             }
         }

@@ -122,7 +122,9 @@ impl PairQuery {
 
     /// Whether the bodies are too small for culling. Queries then do not walk their trees.
     pub(super) fn are_collapsed(&self, a: Body<'_>, b: Body<'_>) -> bool {
-        Placements::of(&a, &b).are_collapsed(&mut a.pose.posed(), &mut b.pose.posed())
+        let (mut posed_a, mut posed_b) = (a.pose.posed(), b.pose.posed());
+        let (a, b) = (posed_a.stand(a.world_from_model), posed_b.stand(b.world_from_model));
+        Placements { a, b }.are_collapsed()
     }
 
     /// Expands the roots, level by level, into at least `least` node pairs if there are that many, in the order of the walk.
@@ -142,7 +144,7 @@ impl PairQuery {
         start: Start<'_>,
         visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> Option<(Leaf, Leaf)> {
-        let placements = Placements::of(&a, &b);
+        let (world_from_a, world_from_b) = (a.world_from_model, b.world_from_model);
         let (a, b) = (&mut a.pose.posed(), &mut b.pose.posed());
         let before = [a.blended(), b.blended()];
         let Self {
@@ -153,15 +155,20 @@ impl PairQuery {
         } = self;
         *stats = QueryStats::default();
         let mut stopped_at = None;
-        let roots_overlap = matches!(start, Start::Leaves(_)) || placements.begin_walk(a, b, walk);
+        let placements = Placements {
+            a: a.stand(world_from_a),
+            b: b.stand(world_from_b),
+        };
+        let roots_overlap = matches!(start, Start::Leaves(_)) || placements.begin_walk(walk);
         if !roots_overlap {
             stats.node_tests = 1;
-        } else if matches!(start, Start::Front([]) | Start::Deepest) && placements.are_collapsed(a, b) {
-            collapsed.place(a, b, &placements);
+        } else if matches!(start, Start::Front([]) | Start::Deepest) && placements.are_collapsed() {
+            collapsed.place((a, world_from_a), (b, world_from_b));
             let _stopped_early = collapsed.intersecting(stats, visitor);
         } else {
-            placements.begin_leaves(a, [patches_a, patches_b]);
-            let (world_from_a, world_from_b) = (placements.world_from_a, placements.world_from_b);
+            let neighbourhood = placements.neighbourhood();
+            patches_a.begin(&neighbourhood, world_from_a);
+            patches_b.begin(&neighbourhood, world_from_b);
             let mut at_leaves = |a: &mut Posed<'_>, b: &mut Posed<'_>, leaves: &[(Leaf, Leaf)]| {
                 let mut a = Side::new(a, world_from_a, patches_a);
                 let mut b = Side::new(b, world_from_b, patches_b);

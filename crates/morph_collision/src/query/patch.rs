@@ -12,8 +12,8 @@ use fearless_simd::prelude::*;
 
 use self::vectors::{Corners, cross, dot, load, splat, sub};
 use self::verdict::ErrorBounds;
-use super::neighbourhood::Neighbourhood;
-use crate::bounds::{Aabb, BoxLanes, LANES, Lanes, WorldFromModel};
+use super::neighbourhood::Placement;
+use crate::bounds::{Aabb, BoxLanes, LANES, Lanes};
 use crate::tree::CornerLanes;
 
 mod vectors;
@@ -60,12 +60,11 @@ impl Patch {
         &mut self,
         simd: S,
         triangles: usize,
-        world_from_model: &WorldFromModel,
-        neighbourhood: &Neighbourhood,
+        placement: &Placement,
     ) {
         self.triangles = triangles.min(LANES) as u8;
         self.lanes = u8::MAX >> (LANES - triangles.clamp(1, LANES));
-        neighbourhood.place(simd, world_from_model, &mut self.corners);
+        placement.place(simd, &mut self.corners);
         self.measure(simd);
     }
 

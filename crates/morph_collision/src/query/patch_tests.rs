@@ -30,7 +30,7 @@ impl Placed {
                 put(&mut patch.corners, lane, corner, point);
             }
         }
-        with_simd!(level, simd => patch.place(simd, self.posed.len(), &self.place, neighbourhood));
+        with_simd!(level, simd => patch.place(simd, self.posed.len(), &neighbourhood.placement(&self.place)));
         patch
     }
 

@@ -6,7 +6,7 @@ use std::ops::{ControlFlow, Range};
 use fearless_simd::Simd;
 
 use super::body::world_triangle;
-use super::neighbourhood::Neighbourhood;
+use super::neighbourhood::{Neighbourhood, Placement};
 use super::pairs::TrianglePair;
 use super::patch::{Patch, Row};
 use super::stats::QueryStats;
@@ -21,7 +21,7 @@ use crate::tree::{Leaf, Topology};
 pub(super) struct Patches {
     /// By the number of the patch.
     placed: EpochCache<Patch>,
-    neighbourhood: Neighbourhood,
+    placement: Placement,
 }
 
 /// One body of a query.
@@ -33,9 +33,9 @@ pub(super) struct Side<'q, 'p> {
 
 impl Patches {
     /// Starts a query: forgets all patches.
-    pub(super) fn begin(&mut self, neighbourhood: Neighbourhood) {
+    pub(super) fn begin(&mut self, neighbourhood: &Neighbourhood, world_from_model: &WorldFromModel) {
         self.placed.next_epoch();
-        self.neighbourhood = neighbourhood;
+        self.placement = neighbourhood.placement(world_from_model);
     }
 }
 
@@ -65,7 +65,7 @@ impl<'q, 'p> Side<'q, 'p> {
 
     #[inline(never)]
     fn place(&mut self, leaf: Leaf, patches: Range<usize>) -> usize {
-        let Patches { placed, neighbourhood } = &mut *self.patches;
+        let Patches { placed, placement } = &mut *self.patches;
         let triangles = self.tree.topology.leaf_range(leaf);
         let mut slot = 0;
         for (index, patch) in patches.enumerate() {
@@ -75,7 +75,7 @@ impl<'q, 'p> Side<'q, 'p> {
             patch.first = first as u32;
             with_simd!(self.tree.level, simd => {
                 self.tree.patch_corners(simd, leaf, index, &mut patch.corners);
-                patch.place(simd, triangles.end - first, self.world_from_model, neighbourhood);
+                patch.place(simd, triangles.end - first, placement);
             });
         }
         slot + 1 - triangles.len().div_ceil(LANES).max(1)

@@ -76,7 +76,7 @@ impl SelfQuery {
         *stats = QueryStats::default();
         let bounds = posed.bounds();
         let neighbourhood = Neighbourhood::new(bounds.center().as_dvec3(), f64::from(bounds.size().max_element()));
-        leaves.begin(neighbourhood);
+        leaves.begin(&neighbourhood, &WorldFromModel::IDENTITY);
         let mut ordered = |TrianglePair { triangle_a, triangle_b }| {
             visitor(TrianglePair {
                 triangle_a: triangle_a.min(triangle_b),

@@ -4,10 +4,10 @@ use std::ops::ControlFlow;
 
 use fearless_simd::Simd;
 
-use super::views::{FRAMES, Node, View, Views};
-use crate::bounds::{Aabb, BoxMap, Frames, LANES, with_simd};
+use super::views::{Node, Views};
+use crate::bounds::{Aabb, Frames, LANES, with_simd};
 use crate::pose::{NodeId, Posed};
-use crate::tree::{ChildKind, Leaf};
+use crate::tree::{Child, ChildKind, Leaf};
 
 /// Nodes whose sizes differ by less than this factor are opened together. Chosen by instructions on the bench scenes (docs/tried.md).
 const MAX_SIZE_RATIO: f32 = 3.0;
@@ -38,7 +38,6 @@ pub(crate) type AtLeaves<'v, 'p> =
 pub(crate) struct OverlapWalk {
     a: Views,
     b: Views,
-    frames: usize,
     /// The node pairs still to visit.
     stack: Vec<(Node, Node)>,
     leaves: Vec<(Leaf, Leaf)>,
@@ -48,31 +47,16 @@ pub(crate) struct OverlapWalk {
 
 impl OverlapWalk {
     /// Starts a query, without frames. `a_from_b_scale` is the length in A's units of a length of 1 in B's, to compare sizes.
-    pub(crate) fn begin(&mut self, a_from_b_scale: f32) {
-        self.frames = 0;
+    pub(crate) fn begin(&mut self, [root_a, root_b]: [Child; 2], a_from_b_scale: f32) {
         self.node_tests = 0;
-        self.a.begin(1.0);
-        self.b.begin(a_from_b_scale);
+        self.a.begin(root_a, 1.0);
+        self.b.begin(root_b, a_from_b_scale);
     }
 
-    /// Adds a frame, in place of the last one if there are enough already; returns whether two boxes overlap in it. Ignores frames
-    /// beyond the range of `f32`, which would cull nothing.
+    /// Adds a frame, in place of the last one if there are enough already; returns whether the bodies' bounds overlap in it.
     pub(crate) fn push_frame(&mut self, frames: &Frames, a: &Aabb, b: &Aabb) -> bool {
-        let view = |frame: &Option<_>| match frame {
-            Some(frame) => BoxMap::new(frame).map(View::Mapped),
-            None => Some(View::Own),
-        };
-        let (Some(view_a), Some(view_b)) = (view(&frames.a), view(&frames.b)) else {
-            return true;
-        };
-        let overlap = view_a.one(a).overlaps(&view_b.one(b));
-        // A frame that is alone counts twice.
-        for frame in self.frames.min(FRAMES - 1)..FRAMES {
-            self.a.views[frame] = view_a.clone();
-            self.b.views[frame] = view_b.clone();
-        }
-        self.frames += 1;
-        overlap
+        let (a, b) = (self.a.push_frame(&frames.a, a), self.b.push_frame(&frames.b, b));
+        a.overlaps(&b)
     }
 
     /// Calls `at_leaves` for all pairs of leaves whose boxes overlap until it breaks.

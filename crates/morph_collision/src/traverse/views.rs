@@ -2,7 +2,7 @@
 
 use fearless_simd::Simd;
 
-use crate::bounds::{Aabb, BoxLanes, BoxMap, LANES, Lanes, with_simd};
+use crate::bounds::{Aabb, BoxLanes, BoxMap, Frame, LANES, Lanes, with_simd};
 use crate::pose::{EpochCache, NodeId, Posed};
 use crate::tree::Child;
 
@@ -11,31 +11,47 @@ pub(crate) const FRAMES: usize = 2;
 
 /// How a frame sees a body's boxes.
 #[derive(Clone, Debug, Default)]
-pub(super) enum View {
+struct View {
+    kind: Kind,
+    map: BoxMap,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+enum Kind {
     /// The frame is the body's own space.
     #[default]
     Own,
     /// The frame is another space.
-    Mapped(BoxMap),
-    /// There is no frame: nothing is culled.
+    Mapped,
+    /// The frame is beyond the range of `f32`: nothing is culled.
     Unbounded,
 }
 
 impl View {
-    pub(super) fn one(&self, one: &Aabb) -> Aabb {
-        match self {
-            Self::Own => *one,
-            Self::Mapped(map) => map.one(one),
-            Self::Unbounded => Aabb::UNBOUNDED,
+    #[inline]
+    fn set(&mut self, frame: &Option<Frame>) {
+        self.kind = match frame {
+            None => Kind::Own,
+            Some(frame) if self.map.set(frame) => Kind::Mapped,
+            Some(_) => Kind::Unbounded,
+        };
+    }
+
+    #[inline]
+    fn one(&self, one: &Aabb) -> Aabb {
+        match self.kind {
+            Kind::Own => *one,
+            Kind::Mapped => self.map.one(one),
+            Kind::Unbounded => Aabb::UNBOUNDED,
         }
     }
 
     #[inline(always)]
     fn all<S: Simd>(&self, simd: S, source: &BoxLanes, seen: &mut BoxLanes) {
-        match self {
-            Self::Own => *seen = *source,
-            Self::Mapped(map) => map.all(simd, source, seen),
-            Self::Unbounded => (0..LANES).for_each(|lane| seen.set(lane, &Aabb::UNBOUNDED)),
+        match self.kind {
+            Kind::Own => *seen = *source,
+            Kind::Mapped => self.map.all(simd, source, seen),
+            Kind::Unbounded => (0..LANES).for_each(|lane| seen.set(lane, &Aabb::UNBOUNDED)),
         }
     }
 }
@@ -54,9 +70,12 @@ pub(super) struct Opened {
 
 impl Opened {
     #[inline(always)]
-    fn fill<S: Simd>(&mut self, simd: S, boxes: &BoxLanes, views: &[View; FRAMES], scale: f32) {
+    fn fill<S: Simd>(&mut self, simd: S, boxes: &BoxLanes, views: &[View], scale: f32) {
         for (frame, view) in self.frames.iter_mut().zip(views) {
             view.all(simd, boxes, frame);
+        }
+        for frame in &mut self.frames[views.len()..] {
+            (0..LANES).for_each(|lane| frame.set(lane, &Aabb::UNBOUNDED));
         }
         boxes.girths(simd, scale, &mut self.sizes);
     }
@@ -106,19 +125,40 @@ impl Node {
 /// The boxes of one body that a query has looked at, in every frame. The next query reuses the memory.
 #[derive(Debug, Default)]
 pub(super) struct Views {
-    pub(super) views: [View; FRAMES],
+    views: [View; FRAMES],
+    /// How many frames were added.
+    used: usize,
     /// The length of a length of 1 in the first body's units.
-    pub(super) scale: f32,
+    scale: f32,
     /// By group.
     opened: EpochCache<Opened>,
 }
 
 impl Views {
-    /// Starts a query: forgets all boxes.
-    pub(super) fn begin(&mut self, scale: f32) {
-        self.views = [View::Unbounded, View::Unbounded];
+    /// Starts a query, without frames, and knows only the root.
+    pub(super) fn begin(&mut self, root: Child, scale: f32) {
+        self.used = 0;
         self.scale = scale;
         self.opened.next_epoch();
+        let slot = self.opened.claim(NodeId::ROOT.group as usize);
+        let opened = self.opened.get_mut(slot);
+        opened.children[0] = root;
+        (opened.group, opened.mask, opened.len) = (NodeId::ROOT.group, 1, 1);
+        for frame in &mut opened.frames {
+            frame.set(0, &Aabb::UNBOUNDED);
+        }
+    }
+
+    /// Adds a frame, in place of the last one if there are enough already. Returns the root's box in it.
+    pub(super) fn push_frame(&mut self, frame: &Option<Frame>, bounds: &Aabb) -> Aabb {
+        let place = self.used.min(FRAMES - 1);
+        self.used += 1;
+        self.views[place].set(frame);
+        let seen = self.views[place].one(bounds);
+        let root = self.opened.get_mut(0);
+        root.frames[place].set(0, &seen);
+        root.sizes.0[0] = bounds.girth() * self.scale;
+        seen
     }
 
     /// The slot of a group's children. Blends and maps their boxes on the first call.
@@ -140,7 +180,8 @@ impl Views {
         opened.group = group as u32;
         opened.mask = children.mask();
         opened.len = children.children().len() as u8;
-        with_simd!(tree.level, simd => opened.fill(simd, tree.boxes(blended), &self.views, self.scale));
+        let views = &self.views[..self.used.min(FRAMES)];
+        with_simd!(tree.level, simd => opened.fill(simd, tree.boxes(blended), views, self.scale));
         slot
     }
 

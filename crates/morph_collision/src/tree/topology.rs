@@ -101,8 +101,6 @@ pub(crate) struct LeafMesh<'a> {
     pub(crate) vertices: &'a [u32],
     /// Indices into `vertices`, one entry per triangle.
     pub(crate) corners: &'a [[u16; 3]],
-    /// The model's triangle numbers.
-    pub(crate) triangles: &'a [u32],
 }
 
 impl Topology {
@@ -154,8 +152,7 @@ impl Topology {
         let range = self.leaf_range(leaf);
         LeafMesh {
             vertices: self.leaf_vertices(leaf),
-            corners: &self.corners[range.clone()],
-            triangles: &self.triangles[range],
+            corners: &self.corners[range],
         }
     }
 

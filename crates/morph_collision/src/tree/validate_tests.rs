@@ -32,14 +32,14 @@ pub(super) fn validate(bvh: &MorphBvh) {
                 next_leaf += 1;
                 let mesh = topology.leaf_mesh(leaf);
                 assert!(
-                    (1..=bvh.options().leaf_size()).contains(&mesh.triangles.len()),
+                    (1..=bvh.options().leaf_size()).contains(&mesh.corners.len()),
                     "leaf {leaf:?}"
                 );
-                for (&triangle, corners) in mesh.triangles.iter().zip(mesh.corners) {
+                for (&triangle, corners) in topology.leaf_triangles(leaf).iter().zip(mesh.corners) {
                     let corners = corners.map(|corner| mesh.vertices[usize::from(corner)]);
                     assert_eq!(bvh.model().triangle(triangle), Some(corners), "leaf {leaf:?}");
                 }
-                triangles.extend(mesh.triangles);
+                triangles.extend(topology.leaf_triangles(leaf));
             }
         }
     }

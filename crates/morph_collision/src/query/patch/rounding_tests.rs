@@ -9,7 +9,8 @@ use rand::RngExt;
 use super::vectors::Vector;
 use super::verdict::{Along as Parted, ErrorBounds, Sides, lone_first};
 use super::*;
-use crate::bounds::{levels, with_simd};
+use crate::bounds::{WorldFromModel, levels, with_simd};
+use crate::query::neighbourhood::Neighbourhood;
 use crate::tree::put;
 
 /// An axis of the filter, as far as `f32` got with it: along it one triangle looks to be beyond the other by `gap`.
@@ -56,7 +57,7 @@ impl Pair {
                 for lane in 0..LANES {
                     (0..3).for_each(|corner| put(&mut patch.corners, lane, corner, corners[corner]));
                 }
-                with_simd!(level, simd => patch.place(simd, 1, &place, &near));
+                with_simd!(level, simd => patch.place(simd, 1, &near.placement(&place)));
                 patch
             }),
             exact: world.map(|corners| corners.map(exactly)),

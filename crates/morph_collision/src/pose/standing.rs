@@ -1,0 +1,52 @@
+use super::Posed;
+use crate::bounds::{Aabb, PlacedBounds, WorldFromModel};
+use crate::tree::Child;
+
+/// A posed body in the world, as queries about two bodies need it.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Standing {
+    /// Whether it is that of the pose's weights.
+    is_current: bool,
+    pub(crate) root: Child,
+    /// In model space.
+    pub(crate) bounds: Aabb,
+    pub(crate) placed: PlacedBounds,
+    /// The body's longest side in the world, roughly.
+    pub(crate) size: f64,
+    /// How far rounding may move its points and widen its boxes, in the world.
+    pub(crate) slack: f64,
+}
+
+impl Standing {
+    /// Forgets everything: the weights or the boxes have changed.
+    pub(super) fn forget(&mut self) {
+        self.is_current = false;
+    }
+
+    fn is_at(&self, world_from_model: &WorldFromModel) -> bool {
+        self.is_current && self.placed.world_from_model().is_same_map(world_from_model)
+    }
+}
+
+impl Posed<'_> {
+    /// Places the body, unless it stands there already: several queries of one frame ask for the same.
+    pub(crate) fn stand(&mut self, world_from_model: &WorldFromModel) -> &Standing {
+        if !self.standing.is_at(world_from_model) {
+            let root = self.root();
+            let bounds = self.node_box(root);
+            let placed = PlacedBounds::new(world_from_model, bounds.magnitude().as_dvec3());
+            let (size, linear) = (bounds.size().as_dvec3(), world_from_model.linear());
+            let sides = [linear.x_axis * size.x, linear.y_axis * size.y, linear.z_axis * size.z];
+            let rounding = f64::from(self.rounding(bounds.size().max_element()));
+            *self.standing = Standing {
+                is_current: true,
+                root: root.child,
+                bounds,
+                size: sides.iter().fold(0.0, |size, side| side.abs().max_element().max(size)),
+                slack: placed.error() + rounding * world_from_model.scale(),
+                placed,
+            };
+        }
+        self.standing
+    }
+}

@@ -102,7 +102,22 @@ impl Patch {
         (span * inverse).store_slice(&mut self.tilt.0);
     }
 
-    /// Filters the pairs of triangles; calls `found` for every triangle of this patch that might intersect some of the other.
+    /// The triangles of this patch whose boxes overlap the other's hull, and the reverse, as bit masks; both 0 if either is.
+    #[inline(always)]
+    pub(super) fn overlaps<S: Simd>(&self, simd: S, other: &Self) -> [u8; 2] {
+        if !self.hull.overlaps(&other.hull) {
+            return [0; 2];
+        }
+        let own = self.boxes.overlap_mask(simd, &other.hull) & self.lanes;
+        if own == 0 {
+            return [0; 2];
+        }
+        let others = other.boxes.overlap_mask(simd, &self.hull) & other.lanes;
+        if others == 0 { [0; 2] } else { [own, others] }
+    }
+
+    /// Filters pairs of triangles, given those to look at; calls `found` for every triangle of this patch that might intersect some of
+    /// the other.
     ///
     /// `select` is given a triangle of this patch and a mask of triangles of the other with overlapping boxes; it returns those to test.
     #[inline(always)]
@@ -110,17 +125,10 @@ impl Patch {
         &self,
         simd: S,
         other: &Self,
+        [mut own, others]: [u8; 2],
         select: impl Fn(usize, u8) -> u8,
         mut found: impl FnMut(Row) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let mut own = self.boxes.overlap_mask(simd, &other.hull) & self.lanes;
-        if own == 0 {
-            return ControlFlow::Continue(());
-        }
-        let others = other.boxes.overlap_mask(simd, &self.hull) & other.lanes;
-        if others == 0 {
-            return ControlFlow::Continue(());
-        }
         let errors = ErrorBounds::new(simd, self.reach.max(other.reach));
         while own != 0 {
             let lane = own.trailing_zeros() as usize;

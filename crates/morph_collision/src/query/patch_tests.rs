@@ -75,7 +75,10 @@ impl Tally {
                 (pairs.near[row.lane], pairs.meet[row.lane]) = (row.near, row.meet);
                 ControlFlow::Continue(())
             };
-            let flow = with_simd!(level, simd => patch_a.compare(simd, &patch_b, |_, near| near, found));
+            let flow = with_simd!(level, simd => {
+                let masks = patch_a.overlaps(simd, &patch_b);
+                patch_a.compare(simd, &patch_b, masks, |_, near| near, found)
+            });
             assert!(flow.is_continue());
             assert_eq!(*first.get_or_insert(pairs), pairs, "{about}: kernels differ");
         }
@@ -339,7 +342,10 @@ fn every_number_of_triangles_has_rows_and_bits_of_its_own() {
                     near[row.lane] = row.near;
                     ControlFlow::Continue(())
                 };
-                let flow = with_simd!(*level, simd => a.compare(simd, &b, |_, near| near, found));
+                let flow = with_simd!(*level, simd => {
+                    let masks = a.overlaps(simd, &b);
+                    a.compare(simd, &b, masks, |_, near| near, found)
+                });
                 assert!(flow.is_continue());
                 let all = u8::MAX >> (LANES - of_b);
                 let expected: [u8; LANES] = std::array::from_fn(|i| if i < of_a { all } else { 0 });

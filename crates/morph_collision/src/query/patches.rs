@@ -110,19 +110,34 @@ fn intersecting<S: Simd>(
             for slot_b in slots_b.clone() {
                 let (patch_a, patch_b) = (a.patches.placed.get(slot_a), b.patches.placed.get(slot_b));
                 stats.triangle_tests += u64::from(patch_a.triangles) * u64::from(patch_b.triangles);
-                patch_a.compare(
-                    simd,
-                    patch_b,
-                    |_, candidates| candidates,
-                    |row| {
-                        let exactly = |[number_a, number_b]: [u32; 2], stats: &mut QueryStats| {
-                            let corners_a = world_triangle(a.tree, a.world_from_model, number_a);
-                            let corners_b = world_triangle(b.tree, b.world_from_model, number_b);
-                            decide(corners_a, corners_b, stats)
-                        };
-                        report(topologies, [patch_a, patch_b], row, exactly, stats, visitor)
-                    },
-                )?;
+                let masks = patch_a.overlaps(simd, patch_b);
+                if masks == [0; 2] {
+                    continue;
+                }
+                // Fewer rows with more triangles each.
+                let is_swapped = masks[1].count_ones() < masks[0].count_ones();
+                let (patches, masks) = if is_swapped {
+                    ([patch_b, patch_a], [masks[1], masks[0]])
+                } else {
+                    ([patch_a, patch_b], masks)
+                };
+                let in_order = |[x, y]: [u32; 2]| if is_swapped { [y, x] } else { [x, y] };
+                let found = |row: Row| {
+                    let [topology_a, topology_b] = topologies;
+                    let topologies = if is_swapped { [topology_b, topology_a] } else { topologies };
+                    let exactly = |numbers: [u32; 2], stats: &mut QueryStats| {
+                        let [number_a, number_b] = in_order(numbers);
+                        let corners_a = world_triangle(a.tree, a.world_from_model, number_a);
+                        let corners_b = world_triangle(b.tree, b.world_from_model, number_b);
+                        decide(corners_a, corners_b, stats)
+                    };
+                    let at_pair = |numbers: [u32; 2]| {
+                        let [triangle_a, triangle_b] = in_order(numbers);
+                        visitor(TrianglePair { triangle_a, triangle_b })
+                    };
+                    report(topologies, patches, row, exactly, stats, at_pair)
+                };
+                patches[0].compare(simd, patches[1], masks, |_, near| near, found)?;
             }
         }
     }
@@ -156,9 +171,13 @@ pub(super) fn intersecting_pairs_within(
                     let [corners_a, corners_b] = [number_a, number_b].map(corners);
                     decide(corners_a, corners_b, stats)
                 };
-                report(topologies, patches, row, exactly, stats, visitor)
+                let at_pair = |[triangle_a, triangle_b]: [u32; 2]| visitor(TrianglePair { triangle_a, triangle_b });
+                report(topologies, patches, row, exactly, stats, at_pair)
             };
-            let flow = with_simd!(level, simd => patches[0].compare(simd, patches[1], unrelated, found));
+            let flow = with_simd!(level, simd => {
+                let masks = patches[0].overlaps(simd, patches[1]);
+                patches[0].compare(simd, patches[1], masks, unrelated, found)
+            });
             stats.triangle_tests += tests.take();
             flow?;
         }
@@ -184,7 +203,7 @@ fn number(topology: &Topology, patch: &Patch, lane: usize) -> u32 {
     topology.triangle(patch.first as usize + lane)
 }
 
-/// Passes the intersecting pairs of a row to the visitor; `exactly` decides what the filter left open.
+/// Passes the intersecting pairs of a row to `at_pair`; `exactly` decides what the filter left open.
 #[inline(always)]
 fn report(
     [topology_a, topology_b]: [&Topology; 2],
@@ -192,13 +211,13 @@ fn report(
     row: Row,
     mut exactly: impl FnMut([u32; 2], &mut QueryStats) -> bool,
     stats: &mut QueryStats,
-    visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
+    mut at_pair: impl FnMut([u32; 2]) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     let triangle_a = number(topology_a, a, row.lane);
     for lane in lanes_of(row.near) {
-        let triangle_b = number(topology_b, b, lane);
-        if row.meet >> lane & 1 == 1 || exactly([triangle_a, triangle_b], stats) {
-            visitor(TrianglePair { triangle_a, triangle_b })?;
+        let numbers = [triangle_a, number(topology_b, b, lane)];
+        if row.meet >> lane & 1 == 1 || exactly(numbers, stats) {
+            at_pair(numbers)?;
         }
     }
     ControlFlow::Continue(())

@@ -173,13 +173,13 @@ fn certainty<S: Simd>(simd: S, pair: &Pair) -> f64 {
     for (i, j) in CORNERS {
         for (k, l) in CORNERS {
             let (p, q, u, v) = (own[i], own[j], theirs[k], theirs[l]);
-            let along = Parted::new(cross(sub(q, p), sub(v, u)), [p; 3], [u; 3], &errors);
-            let allowed = first(along.error + errors.of_products * (spans * spans));
+            let step = dot(cross(sub(q, p), sub(v, u)), sub(u, p));
+            let allowed = first(errors.of_products * (spans * spans) + errors.floor);
             let [exact_a, exact_b] = &pair.exact;
             let (p, q, u, v) = (&exact_a[i], &exact_a[j], &exact_b[k], &exact_b[l]);
             let axis = exact_cross(&exact_sub(q, p), &exact_sub(v, u));
             let exact = exact_dot(&axis, &exact_sub(u, p));
-            most = most.max((Dyadic::from(first(along.step)) - exact).abs().ratio(&allowed.into()));
+            most = most.max((Dyadic::from(first(step)) - exact).abs().ratio(&allowed.into()));
         }
     }
     most

@@ -54,27 +54,40 @@ impl Patch {
         let their_above = t0 ^ t1 ^ t2;
         let odd = own_above ^ their_above;
         let (v, w) = (choose(odd, w, v), choose(odd, v, w));
-        let first = Along::new(cross(sub(q, p), sub(v, u)), [p, q, r], [u, v, w], errors);
-        let second = Along::new(cross(sub(r, p), sub(w, u)), [p, q, r], [u, v, w], errors);
-        apart |= first.apart() | second.apart();
-        let apart = apart.to_bitmask() as u8;
-        if near & !apart == 0 {
-            return Verdict { apart, meet: 0 };
-        }
+        let step = sub(u, p);
+        let axes = [cross(sub(q, p), sub(v, u)), cross(sub(r, p), sub(w, u))];
+        let (first, second) = (dot(axes[0], step), dot(axes[1], step));
 
-        // Triangles that cross each other's planes intersect if both products have the right signs.
+        // Triangles that cross each other's planes intersect if both products have the right signs, and are apart if one has the wrong
+        // one.
         let (own_span, their_span) = (self.span.load(simd), one(simd, &other.span, lane));
         let spans = own_span + their_span;
-        let error = errors.of_products * (spans * spans);
-        let rising = first.step.simd_gt(first.error + error) & second.step.simd_lt(-(second.error + error));
-        let falling = first.step.simd_lt(-(first.error + error)) & second.step.simd_gt(second.error + error);
+        let error = errors.of_products * (spans * spans) + errors.floor;
+        let first_is = (first.simd_gt(error), first.simd_lt(-error));
+        let second_is = (second.simd_gt(error), second.simd_lt(-error));
         let tilt = errors.of_tilts * spans;
-        let meet = (their_above & rising | !their_above & falling)
-            & own_sides.clear(errors.of_sides + tilt * one(simd, &other.tilt, lane))
+        let clear = own_sides.clear(errors.of_sides + tilt * one(simd, &other.tilt, lane))
             & their_sides.clear(errors.of_sides + tilt * self.tilt.load(simd));
+        let rising = first_is.0 & second_is.1;
+        let falling = first_is.1 & second_is.0;
+        let not_rising = first_is.1 | second_is.0;
+        let not_falling = first_is.0 | second_is.1;
+        let meet = clear & (their_above & rising | !their_above & falling);
+        apart |= clear & (their_above & not_rising | !their_above & not_falling);
+        let (by_signs, meet) = (apart.to_bitmask() as u8, meet.to_bitmask() as u8 & !by_planes);
+        if near & !by_signs & !meet == 0 {
+            return Verdict { apart: by_signs, meet };
+        }
+
+        // Where a sign is not certain, what the triangles span along the same axes may still be apart.
+        let (first, second) = (
+            Along::new(axes[0], [p, q, r], [u, v, w], errors),
+            Along::new(axes[1], [p, q, r], [u, v, w], errors),
+        );
+        apart |= first.apart() | second.apart();
         Verdict {
-            apart,
-            meet: meet.to_bitmask() as u8 & !apart,
+            apart: apart.to_bitmask() as u8,
+            meet,
         }
     }
 }
@@ -115,7 +128,7 @@ impl<S: Simd> ErrorBounds<S> {
             // Doubled, because the heights there are.
             of_sides: f32x8::splat(simd, 2.0 * 3.0 * of_normals),
             of_tilts: f32x8::splat(simd, 2.0 * 8.0 * per_length),
-            of_products: f32x8::splat(simd, 4.0 * per_length),
+            of_products: f32x8::splat(simd, 6.0 * per_length),
         }
     }
 }
@@ -181,8 +194,6 @@ pub(super) struct Along<S: Simd> {
     /// The gap between them; negative if they overlap.
     pub(super) gap: f32x8<S>,
     pub(super) error: f32x8<S>,
-    /// The distance from the first corner of one to the first corner of the other.
-    pub(super) step: f32x8<S>,
 }
 
 impl<S: Simd> Along<S> {
@@ -195,7 +206,6 @@ impl<S: Simd> Along<S> {
         Self {
             gap: above.max(below),
             error: (axis[0].abs() + axis[1].abs() + axis[2].abs()) * errors.per_length + errors.floor,
-            step: b0 - a0,
         }
     }
 

@@ -1,6 +1,7 @@
 //! The scenes of models by other people are what they are there for.
 
-use morph_collision_testkit::bench::{Entrant, Experiment, NoExperiment};
+use morph_collision::Aabb;
+use morph_collision_testkit::bench::{Entrant, Experiment, NoExperiment, Plan, disagreement, measure};
 use morph_collision_testkit::rivals::{BroadPhase, MethodOptions, Wanted};
 
 type TestResult = Result<(), Box<dyn std::error::Error>>;
@@ -57,7 +58,9 @@ fn told(experiment: &Experiment) -> Result<Vec<Counts>, Box<dyn std::error::Erro
     let all = count(experiment)?;
     let mean = |of: &dyn Fn(&Counts) -> f64| all.iter().map(of).sum::<f64>() / all.len() as f64;
     let bodies = || experiment.frames.iter().flatten();
-    let active = bodies().flat_map(|(weights, _)| weights).filter(|weight| **weight != 0.0);
+    let active = bodies()
+        .flat_map(|(weights, _)| weights)
+        .filter(|weight| **weight != 0.0);
     let sums = bodies().map(|(weights, _)| f64::from(weights.iter().sum::<f32>()));
     println!(
         "{}: {} frames, {} with contact; a frame has {:.1} pairs of bodies with overlapping boxes, {:.2} that touch, {:.0} pairs of \
@@ -75,15 +78,127 @@ fn told(experiment: &Experiment) -> Result<Vec<Counts>, Box<dyn std::error::Erro
     Ok(all)
 }
 
+/// Whether frames and pairs are in ranges, from and to.
+fn within(name: &str, frames: [usize; 2], touching: [usize; 2], active: [f64; 2]) -> TestResult {
+    let Some(experiment) = scene(name, 10)? else {
+        return Ok(());
+    };
+    let counts = told(&experiment)?;
+    let with_contact = counts.iter().filter(|counts| counts.pairs > 0).count();
+    let most = counts.iter().map(|counts| counts.touching).max().unwrap_or(0);
+    let bodies = experiment.frames.iter().flatten().map(|(weights, _)| weights);
+    let of_body = bodies.map(|weights| weights.iter().filter(|weight| **weight != 0.0).count() as f64);
+    let mean = of_body.sum::<f64>() / (experiment.frames.len() * experiment.bodies) as f64;
+    assert_eq!(counts.len(), 40, "{name}");
+    assert!(
+        (frames[0]..=frames[1]).contains(&with_contact),
+        "{name}: {with_contact} frames with contact"
+    );
+    assert!(
+        (touching[0]..=touching[1]).contains(&most),
+        "{name}: {most} pairs of bodies touch at most"
+    );
+    assert!((active[0]..=active[1]).contains(&mean), "{name}: {mean} active targets");
+    Ok(())
+}
+
 #[test]
-fn counts() -> TestResult {
-    for name in Experiment::character_names() {
-        for every in [20, 5] {
-        if let Some(e) = scene(name, every)? {
-            let all = told(&e)?;
-            println!("{:?}", all.iter().map(|c| (c.touching, c.pairs)).collect::<Vec<_>>());
-        }
+fn two_heads_touch_half_of_the_time() -> TestResult {
+    within("heads-cheek", [16, 30], [1, 1], [37.0, 43.0])
+}
+
+#[test]
+fn a_few_neighbours_of_a_crowd_touch_and_sometimes_none() -> TestResult {
+    within("heads-crowd", [25, 38], [3, 8], [37.0, 43.0])
+}
+
+#[test]
+fn horses_and_dancers_meet_and_part_again() -> TestResult {
+    within("horse-gallop", [12, 30], [1, 1], [1.8, 2.0])?;
+    within("samba", [12, 30], [1, 1], [1.8, 2.0])
+}
+
+/// Heads' contacts are between cheek and temple, in front of the ears, on the left of each.
+#[test]
+fn heads_touch_at_the_cheek() -> TestResult {
+    let Some(experiment) = scene("heads-cheek", 100)? else {
+        return Err("the head is in assets/".into());
+    };
+    let mut method = Entrant::ALL[0].set_up(&experiment, &MethodOptions::default())?.method;
+    for (body, (weights, place)) in experiment.frames[1].iter().enumerate() {
+        method.set_body(body, weights, place)?;
+    }
+    let (mesh, mut pairs) = (&experiment.mesh, Vec::new());
+    method.collide(0, 1, Wanted::All, &mut pairs);
+    assert!(pairs.len() > 50, "{} pairs", pairs.len());
+    let bounds = Aabb::from_points(mesh.positions.iter().copied());
+    for triangle in pairs.iter().flat_map(|pair| [pair.triangle_a, pair.triangle_b]) {
+        for corner in mesh.triangles[triangle as usize] {
+            let at = (mesh.positions[corner as usize] - bounds.min) / bounds.size();
+            let of_cheek = at.x > 0.7 && (0.25..0.65).contains(&at.y) && (0.5..0.9).contains(&at.z);
+            assert!(of_cheek, "triangle {triangle} is at {at}");
         }
     }
+    Ok(())
+}
+
+#[test]
+fn weights_are_those_of_faces_and_of_flip_books() -> TestResult {
+    for (name, _) in Experiment::characters() {
+        let Some(experiment) = scene(name, 13)? else { continue };
+        let is_flip_book = !name.starts_with("heads");
+        for (weights, _) in experiment.frames.iter().flatten() {
+            assert_eq!(weights.len(), experiment.mesh.targets.len());
+            assert!(
+                weights.iter().all(|weight| (0.0..=1.0).contains(weight)),
+                "{name}: {weights:?}"
+            );
+            if is_flip_book {
+                let active: Vec<usize> = (0..weights.len()).filter(|&target| weights[target] != 0.0).collect();
+                assert!(
+                    active.len() <= 2 && active.windows(2).all(|two| two[1] == two[0] + 1),
+                    "{name}: {active:?}"
+                );
+                let sum: f32 = weights.iter().sum();
+                // Between the base and the first target the rest is the base's.
+                assert!(sum <= 1.000_001 && (sum >= 0.999_999 || active == [0]), "{name}: {sum}");
+            }
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn all_entrants_find_the_same() -> TestResult {
+    for (name, _) in Experiment::characters() {
+        let Some(experiment) = scene(name, 100)? else { continue };
+        let contenders = Entrant::ALL
+            .iter()
+            .map(|entrant| entrant.set_up(&experiment, &MethodOptions::default()));
+        let plan = Plan {
+            wanted: Wanted::All,
+            rounds: 1,
+            split_rounds: 0,
+        };
+        let rows = measure(&experiment, contenders.collect::<Result<_, _>>()?, plan, || ())?;
+        assert_eq!(disagreement(&experiment, &rows, Wanted::All), None);
+        assert!(rows[0].pairs() > 0, "{name}");
+    }
+    Ok(())
+}
+
+#[test]
+fn names_are_known_and_others_are_told_what_there_is() -> TestResult {
+    for name in Experiment::names() {
+        let Some(experiment) = scene(name, 200)? else { continue };
+        assert_eq!((experiment.name.as_str(), &experiment.steps[..]), (name, &[0, 200][..]));
+        assert!(experiment.frames.iter().all(|frame| frame.len() == experiment.bodies));
+    }
+    let error = Experiment::named("heads", 20).err().ok_or("there is no such scene")?;
+    let told = error.to_string();
+    assert!(
+        told.contains("'heads'") && told.contains("dolphins-564") && told.contains("heads-crowd"),
+        "{told}"
+    );
     Ok(())
 }

@@ -126,27 +126,20 @@ pub enum NoExperiment {
 }
 
 impl Experiment {
-    /// The names of the scenes of models by other people: two heads that touch at their cheeks, a crowd of heads, and two flip-book
-    /// characters that go through each other, of horses and of dancers. Only the heads' model is in `assets/`.
-    pub fn character_names() -> impl Iterator<Item = &'static str> {
-        SCRIPTS.iter().map(|script| script.name)
-    }
-
-    /// A scene's heading, without the numbers that a measurement adds: known where the model is not.
-    #[must_use]
-    pub fn character_title(name: &str) -> Option<&'static str> {
-        let script = SCRIPTS.iter().find(|script| script.name == name)?;
-        Some(script.title)
+    /// The scenes of models by other people, by name and the beginning of the heading: two heads that touch at their cheeks, a crowd of
+    /// heads, two horses and two dancers of flip-books that go through each other. Only the heads' model is in `assets/`.
+    pub fn characters() -> impl Iterator<Item = (&'static str, &'static str)> {
+        SCRIPTS.iter().map(|script| (script.name, script.title))
     }
 
     /// The names that [`Experiment::named`] knows.
     #[must_use]
     pub fn names() -> Vec<&'static str> {
         let paper = Self::paper_names().iter().copied();
-        paper.chain(Self::character_names()).collect()
+        paper.chain(Self::characters().map(|(name, _)| name)).collect()
     }
 
-    /// One of the paper's experiments or of the scenes of [`character_names`](Self::character_names); every how many steps a frame is
+    /// One of the paper's experiments or of the scenes of [`characters`](Self::characters); every how many steps a frame is
     /// taken is at least 1.
     ///
     /// # Errors
@@ -224,5 +217,46 @@ impl Script {
             model: self.model,
             what,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_model_that_is_not_at_hand_is_told_with_its_scene() {
+        let script = Script {
+            name: "nobody",
+            model: "absent.glb",
+            ..SCRIPTS[0]
+        };
+        let error = script.experiment(20).map_err(|error| error.to_string());
+        let told = error.expect_err("there is no such model");
+        assert!(told.starts_with("nobody: there is no absent.glb in assets/"), "{told}");
+    }
+
+    #[test]
+    fn a_flip_book_without_a_clip_is_refused() {
+        let error = SCRIPTS[2].weights(&MorphMesh::default()).map(|_| ());
+        let told = error.map_err(|error| error.to_string());
+        assert_eq!(
+            told,
+            Err("horse-gallop: sequences/horse-gallop.glb has no clip".to_owned())
+        );
+    }
+
+    #[test]
+    fn every_target_of_the_head_moves_when_it_talks() -> Result<(), NoExperiment> {
+        let experiment = Experiment::named("heads-cheek", 1)?;
+        for (target, name) in experiment.mesh.target_names.iter().enumerate() {
+            let moves = experiment
+                .frames
+                .iter()
+                .flatten()
+                .any(|(weights, _)| weights[target] > 0.01);
+            assert!(moves, "{name}");
+        }
+        Ok(())
     }
 }

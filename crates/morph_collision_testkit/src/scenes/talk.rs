@@ -83,3 +83,40 @@ pub fn weights(names: &[String], seconds: f64) -> Vec<f32> {
     };
     names.iter().map(weight).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(names: &[&str], seconds: f64) -> Vec<f32> {
+        let names: Vec<String> = names.iter().map(ToString::to_string).collect();
+        weights(&names, seconds)
+    }
+
+    #[test]
+    fn opposite_targets_are_never_active_at_once() {
+        for (one, other) in [
+            ("eyeLookUpLeft", "eyeLookDownLeft"),
+            ("eyeLookInLeft", "eyeLookOutLeft"),
+            ("eyeLookInRight", "eyeLookOutRight"),
+            ("jawLeft", "jawRight"),
+            ("mouthLeft", "mouthRight"),
+        ] {
+            for step in 0..400 {
+                let both = of(&[one, other], f64::from(step) / 60.0);
+                // The right side is a little late.
+                assert!(both[0].min(both[1]) < 0.1, "{one} and {other}: {both:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_jaw_opens_and_shuts_and_unknown_targets_rest() {
+        let jaw: Vec<f32> = (0..400)
+            .map(|step| of(&["jawOpen"], f64::from(step) / 60.0)[0])
+            .collect();
+        assert!(jaw.iter().any(|open| *open > 0.6) && jaw.contains(&0.0));
+        assert!(jaw.iter().all(|open| (0.0..=0.7).contains(open)));
+        assert_eq!(of(&["tail_up", ""], 1.0), [0.0, 0.0]);
+    }
+}

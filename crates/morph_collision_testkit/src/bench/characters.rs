@@ -31,6 +31,9 @@ struct Script {
     place: fn(usize, f64, DVec3) -> Affine3A,
 }
 
+/// Weights at a share of the script, of a body that is so far ahead.
+type Weights = Box<dyn Fn(f64, f64) -> Vec<f32>>;
+
 /// Where the weights come from.
 #[derive(Clone, Copy)]
 enum Motion {
@@ -191,8 +194,7 @@ impl Script {
         })
     }
 
-    /// Weights at a share of the script, of a body that is so far ahead.
-    fn weights(&self, mesh: &MorphMesh) -> Result<Box<dyn Fn(f64, f64) -> Vec<f32>>, NoExperiment> {
+    fn weights(&self, mesh: &MorphMesh) -> Result<Weights, NoExperiment> {
         match self.motion {
             Motion::Talk => {
                 let names = mesh.target_names.clone();

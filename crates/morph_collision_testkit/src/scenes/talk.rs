@@ -1,4 +1,4 @@
-//! The weights of a face that talks, for targets with the names of ARKit.
+//! The weights of a face that talks, for targets with the names of `ARKit`.
 
 use std::f64::consts::TAU;
 
@@ -70,7 +70,7 @@ const MOTIONS: [Motion; 36] = [
 /// The right side follows the left one by this share of a wave: no face is quite symmetric.
 const RIGHT: f64 = 0.03;
 
-/// The weights of targets of these names at a time in seconds, each in 0..1; a target that ARKit does not have rests.
+/// The weights of targets of these names at a time in seconds, each in 0..1; a target that `ARKit` does not have rests.
 pub fn weights(names: &[String], seconds: f64) -> Vec<f32> {
     let weight = |name: &String| {
         let Some(motion) = MOTIONS.iter().find(|motion| name.starts_with(motion.stem)) else {

@@ -172,6 +172,18 @@ fn weights_are_those_of_faces_and_of_flip_books() -> TestResult {
 }
 
 #[test]
+fn every_target_of_the_head_moves_when_it_talks() -> TestResult {
+    let Some(experiment) = scene("heads-cheek", 1)? else {
+        return Err("the head is in assets/".into());
+    };
+    for (target, name) in experiment.mesh.target_names.iter().enumerate() {
+        let moves = |(weights, _): &(Vec<f32>, _)| weights[target] > 0.01;
+        assert!(experiment.frames.iter().flatten().any(moves), "{name}");
+    }
+    Ok(())
+}
+
+#[test]
 fn all_entrants_find_the_same() -> TestResult {
     for (name, _) in Experiment::characters() {
         let Some(experiment) = scene(name, 100)? else { continue };

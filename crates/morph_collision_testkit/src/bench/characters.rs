@@ -39,8 +39,8 @@ type Weights = Box<dyn Fn(f64, f64) -> Vec<f32>>;
 enum Motion {
     /// [`talk::weights`].
     Talk,
-    /// The mesh's first clip, so many times in the whole script. No multiple of frames comes to a whole number of keys, so that nearly
-    /// every frame lies between two keys.
+    /// The mesh's first clip, so many times in the whole script: about as fast as it was recorded, and so that nearly all frames lie
+    /// between two keys, whichever steps are taken.
     FlipBook { passes: f64 },
 }
 
@@ -203,7 +203,10 @@ impl Script {
             Motion::FlipBook { passes } => {
                 let targets = mesh.targets.len();
                 let fits = |weights: &Vec<f32>| weights.len() == targets;
-                let clip = mesh.animations.first().filter(|clip| clip.weights.iter().all(fits));
+                let clip = mesh
+                    .animations
+                    .first()
+                    .filter(|clip| !clip.weights.is_empty() && clip.weights.iter().all(fits));
                 let clip = clip.cloned().ok_or_else(|| self.unusable("clip"))?;
                 let duration = f64::from(clip.duration());
                 Ok(Box::new(move |t, ahead| {

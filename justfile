@@ -222,7 +222,11 @@ instructions:
     count() {
         valgrind --tool=callgrind --callgrind-out-file=/dev/null "${CARGO_TARGET_DIR:-target}/release/frames" "$@" 2>&1 | sed -n 's/.*Collected : //p'
     }
-    for scene in pass-through-20480 dolphins-564 dolphins-9024 dolphins-36096; do
+    for scene in pass-through-20480 dolphins-564 dolphins-9024 dolphins-36096 heads-cheek heads-crowd horse-gallop samba; do
+        if ! reason=$("${CARGO_TARGET_DIR:-target}/release/frames" $scene all 0 2>&1); then
+            echo "skipped: $reason"
+            continue
+        fi
         for wanted in all first; do
             one=$(count $scene $wanted 1)
             two=$(count $scene $wanted 2)

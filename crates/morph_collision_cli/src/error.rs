@@ -3,6 +3,7 @@
 use std::io;
 use std::path::PathBuf;
 
+use morph_collision_testkit::bench::NoExperiment;
 use morph_collision_testkit::gltf_read::{ReadError, Remedy};
 use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::moments::AnswerError;
@@ -37,6 +38,9 @@ pub(crate) enum CliError {
     },
     #[error(transparent)]
     SetUp(SetUpError),
+    /// A scene of `bench` that has a name, and whose model is missing or broken.
+    #[error(transparent)]
+    NoExperiment(#[from] NoExperiment),
     #[error("{}: frame {frame}, body {body}: {reason}", scene.display())]
     Frame {
         scene: PathBuf,

@@ -25,6 +25,7 @@ fn with_ray() -> (Two, Ray) {
 #[bench::pass_through_shallow(Scene::PassThroughShallow)]
 #[bench::dolphins_deep(Scene::DolphinsDeep)]
 #[bench::dolphins_shallow(Scene::DolphinsShallow)]
+#[bench::heads_cheek(Scene::HeadsCheek)]
 fn all_pairs(mut two: Two) -> (Two, usize) {
     let mut pairs = Vec::with_capacity(4096);
     let (a, b) = two.bodies();
@@ -37,6 +38,7 @@ fn all_pairs(mut two: Two) -> (Two, usize) {
 #[bench::pass_through_shallow(Scene::PassThroughShallow)]
 #[bench::dolphins_deep(Scene::DolphinsDeep)]
 #[bench::dolphins_shallow(Scene::DolphinsShallow)]
+#[bench::heads_cheek(Scene::HeadsCheek)]
 fn first_pair(mut two: Two) -> (Two, bool) {
     let (a, b) = two.bodies();
     let found = PairQuery::new().first(a, b).is_some();

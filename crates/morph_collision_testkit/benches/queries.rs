@@ -13,11 +13,12 @@ use morph_collision_testkit::models::{dolphin, pass_through_body};
 
 use two::{Scene, Two};
 
-const TOUCHING: [(&str, Scene); 4] = [
+const TOUCHING: [(&str, Scene); 5] = [
     ("pass-through-20480-deep", Scene::PassThroughDeep),
     ("pass-through-20480-shallow", Scene::PassThroughShallow),
     ("dolphins-9024-deep", Scene::DolphinsDeep),
     ("dolphins-9024-shallow", Scene::DolphinsShallow),
+    ("heads-cheek", Scene::HeadsCheek),
 ];
 
 /// Benchmarks a question of two bodies, with everything to be blended and with nothing.

@@ -221,14 +221,34 @@ pub fn of_two(mesh: &MorphMesh, weights: impl Fn(usize, usize) -> f32) -> Moment
 /// The path of a real model by other people: in `assets/`, where the head always is, or in the folder of models beside the repository.
 /// `None`, with a printed reason, where neither has it.
 pub fn real_model(name: &str) -> Option<PathBuf> {
+    let found = find_real_model(name);
+    found.inspect_err(|missing| println!("skipped: {missing}")).ok()
+}
+
+/// As [`real_model`], prints nothing.
+///
+/// # Errors
+/// Neither folder has it.
+pub fn find_real_model(name: &str) -> Result<PathBuf, MissingModel> {
     let repository = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."));
     let paths = ["assets", "../shared/models"].map(|folder| repository.join(folder).join(name));
     if let Some(path) = paths.iter().find(|path| path.is_file()) {
-        return Some(path.clone());
+        return Ok(path.clone());
     }
     let [_, beside] = paths;
-    println!("skipped: there is no {name} in assets/, and no {}", beside.display());
-    None
+    Err(MissingModel {
+        name: name.to_owned(),
+        beside,
+    })
+}
+
+/// A model by other people that is not at hand.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no {name} in assets/, and no {}", beside.display())]
+pub struct MissingModel {
+    name: String,
+    /// Where else it was looked for.
+    beside: PathBuf,
 }
 
 /// [`of_two`] of the first mesh of a [`real_model`].

@@ -27,7 +27,7 @@ use scenes::BenchScene;
 /// Rounds in which times are split; shares need no more, and rebuilding takes its time.
 const SPLIT_ROUNDS: usize = 1;
 
-/// Measure morph against every other method on this machine: the paper's scenes, or your own models.
+/// Measure morph against every other method on this machine: its own scenes, or your own models.
 ///
 /// Methods take turns for N rounds, each running every frame of a scene on one thread pinned to a core; a round before them is thrown
 /// away. Times are microseconds per frame, medians over the rounds; ratios to morph are medians of the ratios within a round. All methods
@@ -44,7 +44,7 @@ const SPLIT_ROUNDS: usize = 1;
 /// timed, with warm caches. paper is the method as the paper has it: its tree, its volumes, one node and one triangle at a time.
 #[derive(Debug, Args)]
 pub(crate) struct BenchArgs {
-    /// .glb or .gltf files, a scene each: bodies of the mesh with most triangles, close together and moving. The paper's scenes if none.
+    /// .glb or .gltf files, a scene each: bodies of the mesh with most triangles, close together and moving. The scenes that have names if none.
     models: Vec<PathBuf>,
     /// How many bodies of each model.
     #[arg(long, value_name = "N", default_value_t = 2, requires = "models", value_parser = clap::value_parser!(u16).range(2..))]
@@ -57,7 +57,9 @@ pub(crate) struct BenchArgs {
     every: u16,
     /// Only this scene; may be given again.
     ///
-    /// One of: pass-through-20480, dolphins-564, dolphins-9024, dolphins-36096, or a model's file name without extension.
+    /// One of: pass-through-20480, dolphins-564, dolphins-9024, dolphins-36096, heads-cheek, heads-crowd, horse-gallop, samba, or a model's
+    /// file name without extension. The last four need models that are read from the library's repository and the folder of models
+    /// beside it; where these are missing such a scene is skipped, or refused if asked for.
     #[arg(long = "scene", value_name = "NAME")]
     scenes: Vec<String>,
     /// Only this method beside morph; may be given again.

@@ -1,8 +1,8 @@
-//! What is measured: the paper's scenes or a scene per model.
+//! What is measured: the scenes that have names, or a scene per model.
 
 use std::path::Path;
 
-use morph_collision_testkit::bench::{Entrant, Experiment};
+use morph_collision_testkit::bench::{Entrant, Experiment, NoExperiment};
 
 use super::BenchArgs;
 use crate::error::CliError;
@@ -20,7 +20,7 @@ pub(super) struct BenchScene {
 pub(super) fn scenes(args: &BenchArgs, entrants: &[Entrant]) -> Result<Vec<BenchScene>, CliError> {
     let every = usize::from(args.every);
     let names: Vec<String> = if args.models.is_empty() {
-        Experiment::paper_names().iter().map(ToString::to_string).collect()
+        Experiment::names().iter().map(ToString::to_string).collect()
     } else {
         args.models.iter().map(|model| name_of(model)).collect()
     };
@@ -32,18 +32,28 @@ pub(super) fn scenes(args: &BenchArgs, entrants: &[Entrant]) -> Result<Vec<Bench
     }
     let wanted = |name: &String| args.scenes.is_empty() || args.scenes.contains(name);
     if args.models.is_empty() {
-        let of_name = |name: String| {
-            Experiment::of_paper(&name, every).map(|experiment| BenchScene {
-                experiment,
-                origin: name,
-            })
-        };
-        return Ok(names.into_iter().filter(wanted).filter_map(of_name).collect());
+        let of_name = |name| named(name, every, args.scenes.is_empty()).transpose();
+        return names.into_iter().filter(wanted).filter_map(of_name).collect();
     }
     let chosen = args.models.iter().zip(names).filter(|(_, name)| wanted(name));
     chosen
         .map(|(model, name)| of_model(args, model, name, entrants))
         .collect()
+}
+
+/// A scene that has a name. Where it `may_be_missing` and its model is not at hand there is a message instead.
+fn named(name: String, every: usize, may_be_missing: bool) -> Result<Option<BenchScene>, CliError> {
+    match Experiment::named(&name, every) {
+        Ok(experiment) => Ok(Some(BenchScene {
+            experiment,
+            origin: name,
+        })),
+        Err(missing @ NoExperiment::Missing { .. }) if may_be_missing => {
+            output::complain(format_args!("skipped: {missing}"));
+            Ok(None)
+        }
+        Err(error) => Err(error.into()),
+    }
 }
 
 fn name_of(model: &Path) -> String {

@@ -81,6 +81,19 @@ fn models_scenes_methods_and_modes_can_be_chosen() -> TestResult {
 }
 
 #[test]
+fn talking_heads_are_among_the_scenes() -> TestResult {
+    let report = bench(&["--scene", "heads-crowd", "--method", "hybrid"])?;
+    let scenes = list(&report, "scenes")?;
+    assert_eq!(scenes.len(), 2);
+    for scene in scenes {
+        assert!(scene["name"] == "heads-crowd" && scene["triangles"] == 9534, "{scene}");
+        let methods = list(scene, "methods")?;
+        assert!(methods[0]["pairs"].as_u64() > Some(0) && methods.len() == 2, "{scene}");
+    }
+    Ok(())
+}
+
+#[test]
 fn the_papers_method_takes_its_volumes() -> TestResult {
     let paper = ["--scene", "dolphins-564", "--method", "paper", "--mode", "all"];
     for volume in ["kdop26", "sphere"] {
@@ -120,6 +133,10 @@ fn wrong_names_and_files_are_told_and_what_there_is() -> TestResult {
     let scene = error(&["--scene", "dolphin-564"])?;
     assert!(
         scene.contains("'dolphin-564'") && scene.contains("dolphins-564, dolphins-9024"),
+        "{scene}"
+    );
+    assert!(
+        scene.contains("heads-cheek, heads-crowd, horse-gallop, samba"),
         "{scene}"
     );
     let method = error(&["--method", "hybird"])?;

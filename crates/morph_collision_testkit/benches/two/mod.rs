@@ -17,6 +17,8 @@ pub(crate) enum Scene {
     DolphinsDeep,
     /// The two that touch with fewest pairs.
     DolphinsShallow,
+    /// Talking heads of 9534 triangles with about 40 active targets, cheek to cheek.
+    HeadsCheek,
     /// The pass-through before they meet.
     Apart,
 }
@@ -27,6 +29,7 @@ impl Scene {
             Self::PassThroughDeep => 200,
             Self::DolphinsDeep | Self::DolphinsShallow => 160,
             Self::PassThroughShallow => 50,
+            Self::HeadsCheek => 100,
             Self::Apart => 20,
         }
     }
@@ -35,6 +38,7 @@ impl Scene {
         match self {
             Self::DolphinsDeep | Self::DolphinsShallow => Experiment::dolphins(2, self.step()),
             Self::PassThroughDeep | Self::PassThroughShallow | Self::Apart => Experiment::pass_through(5, self.step()),
+            Self::HeadsCheek => Experiment::named("heads-cheek", self.step()).expect("the head in assets/"),
         }
     }
 }

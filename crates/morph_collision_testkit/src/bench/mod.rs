@@ -28,6 +28,7 @@
 //! are then scaled, so that they come to the undisturbed total. For `morph` and `morph-eager` *blend* is setting weights, and vertices are blended in
 //! *refit*.
 
+mod characters;
 mod clock;
 mod contender;
 mod experiment;
@@ -37,6 +38,7 @@ mod of_model;
 mod page;
 mod runner;
 
+pub use characters::NoExperiment;
 pub use clock::Stopwatch;
 pub use contender::{Contender, Entrant};
 pub use experiment::{Experiment, Frame};

@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         _ => return Err(usage.into()),
     };
     let passes: usize = passes.parse()?;
-    let experiment = Experiment::of_paper(scene, 20).ok_or_else(|| format!("there is no scene \"{scene}\""))?;
+    let experiment = Experiment::named(scene, 20).map_err(|error| error.to_string())?;
     let mut method = Entrant::ALL[0].set_up(&experiment, &MethodOptions::default())?.method;
     let (mut broad_phase, mut pairs) = (BroadPhase::default(), Vec::new());
     let mut found = 0;

@@ -2,6 +2,8 @@
 //!
 //! - [`dolphins`]: a group of any size swimming closely together, rolling and weaving.
 //! - [`pass_through`]: two bodies that go right through each other.
+//! - [`heads`]: two heads cheek to cheek, and a crowd of them; [`talk`]: what their faces do meanwhile.
+//! - [`flip_books`]: two characters of a flip-book that go right through each other.
 //! - [`Scene`]: models, and where they are with which weights, frame by frame, as JSON.
 //!
 //! The motions are pure functions of frame and index: nothing is simulated, so any frame can be asked for by itself.
@@ -9,7 +11,10 @@
 pub mod dolphins;
 mod error;
 mod file;
+pub mod flip_books;
+pub mod heads;
 pub mod pass_through;
+pub mod talk;
 
 use glam::{Affine3A, DQuat, DVec3};
 

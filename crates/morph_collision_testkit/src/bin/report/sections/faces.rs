@@ -1,11 +1,11 @@
-//! Captured faces that press against each other: every method.
+//! Captured faces that press against each other, and the scenes of talking heads and flip-book characters: every method.
 
 use std::error::Error;
 use std::f64::consts::{PI, TAU};
 
 use glam::{Affine3A, DQuat, DVec3};
 use morph_collision::Aabb;
-use morph_collision_testkit::bench::Experiment;
+use morph_collision_testkit::bench::{Experiment, NoExperiment};
 use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::moments::real_model;
@@ -21,7 +21,7 @@ const FACES: [(&str, &str); 2] = [
     ("ict_face_skin.glb", "ICT faces"),
 ];
 
-/// A table for each face; of one that is not there, what the page has.
+/// A table for each face and character; of one that is not there, what the page has.
 pub(crate) fn faces(context: &Context, old: &str) -> Result<String, Box<dyn Error>> {
     let mut text = String::new();
     for (file, title) in FACES {
@@ -32,14 +32,27 @@ pub(crate) fn faces(context: &Context, old: &str) -> Result<String, Box<dyn Erro
         };
         let meshes = read_meshes(&path).map_err(Box::new)?;
         let mesh = meshes.into_iter().next().ok_or_else(|| format!("{file}: no mesh"))?;
-        let experiment = heads(title, mesh, context.every);
-        eprintln!("faces: {}", experiment.title);
-        let candidates = methods(&experiment);
-        let all = race(&experiment, &candidates, Wanted::All, context.rounds)?;
-        let first = race(&experiment, &candidates, Wanted::First, context.rounds)?;
-        text += &render::table(&experiment, &all, &first);
+        text += &table(&heads(title, mesh, context.every), context)?;
+    }
+    for (name, title) in Experiment::characters() {
+        match Experiment::named(name, context.every) {
+            Ok(experiment) => text += &table(&experiment, context)?,
+            Err(missing @ NoExperiment::Missing { .. }) => {
+                eprintln!("faces: {missing}; {title} stay as they are in the page");
+                text += &kept(old, title);
+            }
+            Err(error) => return Err(error.into()),
+        }
     }
     Ok(text)
+}
+
+fn table(experiment: &Experiment, context: &Context) -> Result<String, Box<dyn Error>> {
+    eprintln!("faces: {}", experiment.title);
+    let candidates = methods(experiment);
+    let all = race(experiment, &candidates, Wanted::All, context.rounds)?;
+    let first = race(experiment, &candidates, Wanted::First, context.rounds)?;
+    Ok(render::table(experiment, &all, &first))
 }
 
 /// The part of a place that is about a scene: from its heading to the next.

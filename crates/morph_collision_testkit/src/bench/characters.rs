@@ -1,0 +1,253 @@
+//! Scenes of models by other people: heads that talk, and characters of flip-books.
+
+use glam::{Affine3A, DVec3, Vec3};
+use morph_collision::Aabb;
+use thiserror::Error;
+
+use super::Experiment;
+use crate::gltf_read::{ReadError, read_meshes};
+use crate::mesh::MorphMesh;
+use crate::moments::{MissingModel, find_real_model};
+use crate::scenes::{flip_books, heads, talk};
+
+/// Steps of each script.
+const STEPS: usize = 400;
+
+/// Length of the scripts with heads in seconds: 60 steps a second.
+const SECONDS: f64 = STEPS as f64 / 60.0;
+
+/// How far a body is ahead of the one before it: in seconds of its talk, or in passes through its flip-book.
+const AHEAD: f64 = 0.37;
+
+/// What the bodies of a scene do.
+struct Script {
+    name: &'static str,
+    title: &'static str,
+    /// The model, as [`find_real_model`] takes it.
+    model: &'static str,
+    bodies: usize,
+    motion: Motion,
+    /// Where the middle of a body is, by its index, the share of the script, and the size of the mesh at rest.
+    place: fn(usize, f64, DVec3) -> Affine3A,
+}
+
+/// Weights at a share of the script, of a body that is so far ahead.
+type Weights = Box<dyn Fn(f64, f64) -> Vec<f32>>;
+
+/// Where the weights come from.
+#[derive(Clone, Copy)]
+enum Motion {
+    /// [`talk::weights`].
+    Talk,
+    /// The mesh's first clip, so many times in the whole script: about as fast as it was recorded, and so that nearly all frames lie
+    /// between two keys, whichever steps are taken.
+    FlipBook { passes: f64 },
+}
+
+impl Motion {
+    /// What stands at a body's place. A head turns about the middle of its bounds at rest; a character of a flip-book is held over the
+    /// mean of its vertices, or its steps would carry it away, and the end of its clip put it back.
+    fn middle(self, mesh: &MorphMesh, weights: &[f32], rest: Vec3) -> Vec3 {
+        match self {
+            Self::Talk => rest,
+            Self::FlipBook { .. } => {
+                let sum: DVec3 = mesh.posed(weights).iter().map(|vertex| vertex.as_dvec3()).sum();
+                let mean = (sum / mesh.positions.len().max(1) as f64).as_vec3();
+                Vec3::new(mean.x, rest.y, mean.z)
+            }
+        }
+    }
+}
+
+const HEAD: &str = "mh_head_eyes_teeth_arkit52.glb";
+
+const SCRIPTS: [Script; 4] = [
+    Script {
+        name: "heads-cheek",
+        title: "Heads cheek to cheek",
+        model: HEAD,
+        bodies: 2,
+        motion: Motion::Talk,
+        place: heads::cheek_to_cheek,
+    },
+    Script {
+        name: "heads-crowd",
+        title: "Heads in a crowd",
+        model: HEAD,
+        bodies: heads::CROWD,
+        motion: Motion::Talk,
+        place: heads::crowd,
+    },
+    Script {
+        name: "horse-gallop",
+        title: "Galloping horses",
+        model: "sequences/horse-gallop.glb",
+        bodies: 2,
+        motion: Motion::FlipBook { passes: 3.3 },
+        place: flip_books::horses,
+    },
+    Script {
+        name: "samba",
+        title: "Samba dancers",
+        model: "sequences/samba.glb",
+        bodies: 2,
+        motion: Motion::FlipBook { passes: 1.7 },
+        place: flip_books::dancers,
+    },
+];
+
+/// Why there is no scene to measure.
+#[derive(Debug, Error)]
+pub enum NoExperiment {
+    /// No scene has the name.
+    #[error("there is no scene '{name}', expected one of: {}", Experiment::names().join(", "))]
+    Unknown {
+        /// The name.
+        name: String,
+    },
+    /// The model is not at hand.
+    #[error("{scene}: {missing}")]
+    Missing {
+        /// The scene's name.
+        scene: &'static str,
+        /// What is not there.
+        missing: MissingModel,
+    },
+    /// The model cannot be read.
+    #[error(transparent)]
+    Read(#[from] Box<ReadError>),
+    /// The model is another one than the scene was made for.
+    #[error("{scene}: {model} has no {what}")]
+    Unusable {
+        /// The scene's name.
+        scene: &'static str,
+        /// The model.
+        model: &'static str,
+        /// What it lacks.
+        what: &'static str,
+    },
+}
+
+impl Experiment {
+    /// The scenes of models by other people, by name and the beginning of the heading: two heads that touch at their cheeks, a crowd of
+    /// heads, two horses and two dancers of flip-books that go through each other. Only the heads' model is in `assets/`.
+    pub fn characters() -> impl Iterator<Item = (&'static str, &'static str)> {
+        SCRIPTS.iter().map(|script| (script.name, script.title))
+    }
+
+    /// The names that [`Experiment::named`] knows.
+    #[must_use]
+    pub fn names() -> Vec<&'static str> {
+        let paper = Self::paper_names().iter().copied();
+        paper.chain(Self::characters().map(|(name, _)| name)).collect()
+    }
+
+    /// One of the paper's experiments or of the scenes of [`characters`](Self::characters); every how many steps a frame is
+    /// taken is at least 1.
+    ///
+    /// # Errors
+    /// A name that no scene has, and a model that is not at hand or not what it should be.
+    pub fn named(name: &str, every: usize) -> Result<Self, NoExperiment> {
+        if let Some(experiment) = Self::of_paper(name, every) {
+            return Ok(experiment);
+        }
+        let unknown = || NoExperiment::Unknown { name: name.to_owned() };
+        let script = SCRIPTS.iter().find(|script| script.name == name).ok_or_else(unknown)?;
+        script.experiment(every)
+    }
+}
+
+impl Script {
+    fn experiment(&self, every: usize) -> Result<Experiment, NoExperiment> {
+        let path = find_real_model(self.model).map_err(|missing| NoExperiment::Missing {
+            scene: self.name,
+            missing,
+        })?;
+        let meshes = read_meshes(&path).map_err(Box::new)?;
+        let mesh = meshes.into_iter().next().ok_or_else(|| self.unusable("mesh"))?;
+        let weights = self.weights(&mesh)?;
+        let bounds = Aabb::from_points(mesh.positions.iter().copied());
+        let (size, rest) = (bounds.size().as_dvec3(), bounds.center());
+        let (bodies, triangles, targets) = (self.bodies, mesh.triangles.len(), mesh.targets.len());
+        let title = format!(
+            "{}, {bodies} x {triangles} triangles with {targets} targets",
+            self.title
+        );
+        let steps: Vec<usize> = (0..STEPS).step_by(every.max(1)).collect();
+        let frame = |&step: &usize| {
+            let t = step as f64 / STEPS as f64;
+            let body = |index: usize| {
+                let weights = weights(t, AHEAD * index as f64);
+                let middle = self.motion.middle(&mesh, &weights, rest);
+                let place = (self.place)(index, t, size);
+                (weights, place * Affine3A::from_translation(-middle))
+            };
+            (0..bodies).map(body).collect()
+        };
+        Ok(Experiment {
+            name: self.name.to_owned(),
+            title,
+            bodies,
+            frames: steps.iter().map(frame).collect(),
+            steps,
+            mesh,
+        })
+    }
+
+    fn weights(&self, mesh: &MorphMesh) -> Result<Weights, NoExperiment> {
+        match self.motion {
+            Motion::Talk => {
+                let names = mesh.target_names.clone();
+                Ok(Box::new(move |t, ahead| talk::weights(&names, SECONDS * t + ahead)))
+            }
+            Motion::FlipBook { passes } => {
+                let targets = mesh.targets.len();
+                let fits = |weights: &Vec<f32>| weights.len() == targets;
+                let clip = mesh
+                    .animations
+                    .first()
+                    .filter(|clip| !clip.weights.is_empty() && clip.weights.iter().all(fits));
+                let clip = clip.cloned().ok_or_else(|| self.unusable("clip"))?;
+                let duration = f64::from(clip.duration());
+                Ok(Box::new(move |t, ahead| {
+                    clip.sample(((passes * t + ahead) * duration) as f32)
+                }))
+            }
+        }
+    }
+
+    fn unusable(&self, what: &'static str) -> NoExperiment {
+        NoExperiment::Unusable {
+            scene: self.name,
+            model: self.model,
+            what,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_model_that_is_not_at_hand_is_told_with_its_scene() {
+        let script = Script {
+            name: "nobody",
+            model: "absent.glb",
+            ..SCRIPTS[0]
+        };
+        let error = script.experiment(20).map_err(|error| error.to_string());
+        let told = error.expect_err("there is no such model");
+        assert!(told.starts_with("nobody: there is no absent.glb in assets/"), "{told}");
+    }
+
+    #[test]
+    fn a_flip_book_without_a_clip_is_refused() {
+        let error = SCRIPTS[2].weights(&MorphMesh::default()).map(|_| ());
+        let told = error.map_err(|error| error.to_string());
+        assert_eq!(
+            told,
+            Err("horse-gallop: sequences/horse-gallop.glb has no clip".to_owned())
+        );
+    }
+}

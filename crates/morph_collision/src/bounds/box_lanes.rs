@@ -2,7 +2,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};
 use glam::Vec3;
 
-use super::{Aabb, LANES, Lanes, lanes_of};
+use super::{Aabb, LANES, Lanes};
 
 /// Eight boxes as structure of arrays: the children of a node, or the triangles of a patch.
 ///
@@ -126,9 +126,17 @@ impl BoxLanes {
         overlap.to_bitmask() as u8
     }
 
-    /// The smallest box around the lanes in a mask.
-    pub(crate) fn hull(&self, lanes: u8) -> Aabb {
-        lanes_of(lanes).fold(Aabb::EMPTY, |hull, lane| hull.union(&self.get(lane)))
+    /// The smallest box around the first lanes, at least one.
+    #[inline(always)]
+    pub(crate) fn hull<S: Simd>(&self, simd: S, lanes: usize) -> Aabb {
+        const NUMBERS: Lanes = Lanes([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
+        let is_used = NUMBERS.load(simd).simd_lt(f32x8::splat(simd, lanes as f32));
+        let used = |row: &Lanes| is_used.select(row.load(simd), f32x8::splat(simd, row.0[0]));
+        let ([a, b, c], [d, e, f]) = (&self.min, &self.max);
+        Aabb {
+            min: Vec3::new(used(a).reduce_min(), used(b).reduce_min(), used(c).reduce_min()),
+            max: Vec3::new(used(d).reduce_max(), used(e).reduce_max(), used(f).reduce_max()),
+        }
     }
 
     /// The smallest box around all eight.

@@ -10,7 +10,7 @@ use super::rounding::U64;
 use super::{Aabb, BoxMap, WorldFromModel};
 
 /// An affine map from a body's model space.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Frame {
     pub(crate) linear: DMat3,
     pub(crate) translation: DVec3,
@@ -35,37 +35,43 @@ pub(crate) struct Frames {
 }
 
 /// Calls `visit` with the frames that decide whether boxes of two placed bodies may meet, until it returns false: both bodies'
-/// own axes (SAT-lite). A frame is made only when it is visited.
+/// own axes (SAT-lite). A frame is made only when it is visited, and is given as the map from each body's own space, if that is
+/// another one.
 ///
 /// World space is added where neither body can be inverted sharply: where each is much flatter or thinner in the world than in its
 /// own space.
 #[inline]
-pub(crate) fn visit_frames(a: &PlacedBounds, b: &PlacedBounds, mut visit: impl FnMut(&Frames) -> bool) {
+pub(crate) fn visit_frames(
+    a: &PlacedBounds,
+    b: &PlacedBounds,
+    mut visit: impl FnMut([Option<&Frame>; 2]) -> bool,
+) {
     let mut any_sharp = false;
-    if let Some(frames) = frames_in_a(a, b) {
-        any_sharp |= is_sharp(&frames.b, a);
-        if !visit(&frames) {
+    let mut frame = Frame::default();
+    if relative(a, b, &mut frame) {
+        any_sharp |= is_sharp(&frame, a);
+        if !visit([None, Some(&frame)]) {
             return;
         }
     }
-    if let Some(frames) = frames_in_b(a, b) {
-        any_sharp |= is_sharp(&frames.a, b);
-        if !visit(&frames) {
+    if relative(b, a, &mut frame) {
+        any_sharp |= is_sharp(&frame, b);
+        if !visit([Some(&frame), None]) {
             return;
         }
     }
     if !any_sharp {
-        visit(&frames_in_turned_world(a, b));
+        let Frames { a, b } = frames_in_turned_world(a, b);
+        visit([a.as_ref(), b.as_ref()]);
     }
 }
 
 /// Whether the error of a map to a body's own space is small beside that body.
 #[inline]
-fn is_sharp(frame: &Option<Frame>, target: &PlacedBounds) -> bool {
+fn is_sharp(frame: &Frame, target: &PlacedBounds) -> bool {
     // Not measured; it decides only how often the third frame is made.
     const SMALL: f64 = 1e-3;
-    let limit = SMALL * target.magnitude.max_element();
-    frame.as_ref().is_some_and(|frame| frame.error.max_element() <= limit)
+    frame.error.max_element() <= SMALL * target.magnitude.max_element()
 }
 
 /// A placed body as the maps between bodies need it.
@@ -102,15 +108,21 @@ impl PlacedBounds {
 /// The space of A, if it can be inverted.
 #[inline]
 pub(super) fn frames_in_a(a: &PlacedBounds, b: &PlacedBounds) -> Option<Frames> {
-    let b = relative(a, b)?;
-    Some(Frames { a: None, b: Some(b) })
+    let mut frame = Frame::default();
+    relative(a, b, &mut frame).then_some(Frames {
+        a: None,
+        b: Some(frame),
+    })
 }
 
 /// The space of B, if it can be inverted.
 #[inline]
 pub(super) fn frames_in_b(a: &PlacedBounds, b: &PlacedBounds) -> Option<Frames> {
-    let a = relative(b, a)?;
-    Some(Frames { a: Some(a), b: None })
+    let mut frame = Frame::default();
+    relative(b, a, &mut frame).then_some(Frames {
+        a: Some(frame),
+        b: None,
+    })
 }
 
 /// World space moved to A's origin.
@@ -158,15 +170,12 @@ fn long_axes(linear: DMat3, half: DVec3) -> DMat3 {
     DMat3::from_cols(first, second, first.cross(second))
 }
 
-/// A world-space box around the images by [`WorldFromModel::transform_point`] of all points in `bounds`.
-pub(crate) fn world_bounds(world_from_model: &WorldFromModel, bounds: &Aabb) -> Aabb {
+/// The map to world space for boxes within `bounds`: it holds the images by [`WorldFromModel::transform_point`] of all their points.
+/// `None` where world coordinates exceed the range of `f32`.
+pub(crate) fn world_map(world_from_model: &WorldFromModel, bounds: &Aabb) -> Option<BoxMap> {
     let magnitude = bounds.magnitude().as_dvec3();
     let error = world_from_model.placement_error(magnitude);
-    let frame = to_world(world_from_model, DVec3::ZERO, magnitude, error);
-    match BoxMap::new(&frame) {
-        Some(map) => map.one(bounds),
-        None => Aabb::UNBOUNDED,
-    }
+    BoxMap::new(&to_world(world_from_model, DVec3::ZERO, magnitude, error))
 }
 
 /// The map to world space relative to `origin`, which keeps small bodies far from the world's origin sharp.
@@ -180,18 +189,19 @@ fn to_world(world_from_model: &WorldFromModel, origin: DVec3, magnitude: DVec3, 
     }
 }
 
-/// The map from one body's space to another's; `None` where the target cannot be inverted safely.
+/// Sets `frame` to the map from one body's space to another's; returns false where the target cannot be inverted safely.
 #[inline]
-fn relative(target: &PlacedBounds, source: &PlacedBounds) -> Option<Frame> {
-    let inverse = target.world_from_model.inverse()?;
+fn relative(target: &PlacedBounds, source: &PlacedBounds, frame: &mut Frame) -> bool {
+    let Some(inverse) = target.world_from_model.inverse() else {
+        return false;
+    };
     let (to, from) = (&target.world_from_model, &source.world_from_model);
     let offset = from.translation() - to.translation();
     let world_error = target.error + source.error;
     let reach = (source.spread + offset.abs()).max_element();
-    Some(Frame {
-        linear: inverse.linear * from.linear(),
-        translation: inverse.linear * offset,
-        magnitude: source.magnitude,
-        error: inverse.rows * (world_error + 16.0 * U64 * reach) + inverse.error * (world_error + reach),
-    })
+    frame.linear = inverse.linear * from.linear();
+    frame.translation = inverse.linear * offset;
+    frame.magnitude = source.magnitude;
+    frame.error = inverse.rows * (world_error + 16.0 * U64 * reach) + inverse.error * (world_error + reach);
+    true
 }

@@ -2,10 +2,10 @@
 
 use glam::{DMat3, DVec3};
 
-use super::frame::{PlacedBounds, frames_in_a, frames_in_b, frames_in_world};
+use super::frame::{Frames, PlacedBounds, frames_in_a, frames_in_b, frames_in_world};
 use super::inverse::abs;
 use super::rounding::U64;
-use super::{Aabb, Frame, Frames, WorldFromModel};
+use super::{Aabb, Frame, WorldFromModel};
 
 /// A box by its centre and half size.
 #[derive(Clone, Copy, Debug, Default)]

@@ -20,7 +20,7 @@ pub use aabb::Aabb;
 pub(crate) use box_lanes::BoxLanes;
 pub(crate) use box_map::BoxMap;
 pub(crate) use extent::Extent;
-pub(crate) use frame::{Frame, Frames, PlacedBounds, visit_frames, world_bounds};
+pub(crate) use frame::{Frame, PlacedBounds, visit_frames, world_map};
 pub(crate) use gap::{Box64, GapFrame};
 pub use kernel::Kernel;
 pub(crate) use kernel::with_simd;

@@ -7,7 +7,7 @@ use super::cache::EpochCache;
 use super::posed::{Blended, Posed, Scratch};
 use super::standing::Standing;
 use super::weights::{self, WeightsError};
-use crate::bounds::{Aabb, BoxLanes, WorldFromModel, world_bounds};
+use crate::bounds::{Aabb, BoxLanes, WorldFromModel};
 use crate::tree::MorphBvh;
 
 /// One instance of a morphing mesh: its weights, and a cache of the boxes and vertices blended for them.
@@ -90,7 +90,7 @@ impl Pose {
 
     /// A box around the posed mesh in model space: conservative, not always the smallest.
     ///
-    /// Cost: the root's box is blended from the active targets unless it is cached.
+    /// Cost: the boxes of the root's children are blended from the active targets unless they are cached.
     pub fn bounds(&mut self) -> Aabb {
         self.posed().bounds()
     }
@@ -100,7 +100,7 @@ impl Pose {
     /// It holds every posed vertex as [`WorldFromModel::transform_point`] places it. It is infinite where world coordinates
     /// exceed the range of `f32`. Cost: that of [`Pose::bounds`].
     pub fn world_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
-        world_bounds(world_from_model, &self.bounds())
+        self.posed().world_bounds(world_from_model)
     }
 
     /// The posed position of a source vertex in model space, or `None` if there is no such vertex.

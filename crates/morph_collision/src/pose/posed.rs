@@ -4,7 +4,7 @@ use glam::Vec3;
 use super::blend::{blend_group, blend_patch, max_widening};
 use super::cache::EpochCache;
 use super::standing::Standing;
-use crate::bounds::{Aabb, BoxLanes, LANES, with_simd};
+use crate::bounds::{Aabb, BoxLanes, LANES, WorldFromModel, with_simd, world_map};
 use crate::model::MorphModel;
 use crate::tree::{Child, ChildKind, CornerLanes, Leaf, LeafLanes, Tables, Topology, in_lanes, put};
 
@@ -99,9 +99,33 @@ impl Posed<'_> {
         self.boxes.get(node.slot as usize).get(usize::from(node.id.lane))
     }
 
+    /// The slot and the number of the root's children; of the root itself if it is a leaf.
+    fn top(&mut self) -> (usize, usize) {
+        let root = self.topology.group(0).child(0);
+        let group = match root.kind() {
+            ChildKind::Group(group) => group,
+            ChildKind::Leaf(_) => 0,
+        };
+        (self.open(group), self.topology.group(group).children().len())
+    }
+
+    /// A box around the posed mesh in model space: that of the root's children, which is tighter than the root's.
     pub(crate) fn bounds(&mut self) -> Aabb {
-        let root = self.root();
-        self.node_box(root)
+        let (slot, children) = self.top();
+        with_simd!(self.level, simd => self.boxes(slot).hull(simd, children))
+    }
+
+    /// The same in world space; infinite where coordinates exceed the range of `f32`.
+    pub(crate) fn world_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
+        let (bounds, (slot, children)) = (self.bounds(), self.top());
+        let Some(map) = world_map(world_from_model, &bounds) else {
+            return Aabb::UNBOUNDED;
+        };
+        let mut mapped = BoxLanes::default();
+        with_simd!(self.level, simd => {
+            map.all(simd, self.boxes(slot), &mut mapped);
+            mapped.hull(simd, children)
+        })
     }
 
     #[inline(always)]
@@ -207,7 +231,10 @@ impl Posed<'_> {
         for group in (0..topology.group_count()).rev() {
             for (lane, child) in topology.group(group).children().iter().enumerate() {
                 let bounds = match child.kind() {
-                    ChildKind::Group(below) => self.boxes.get(below).hull(topology.group(below).mask()),
+                    ChildKind::Group(below) => {
+                        let children = topology.group(below).children().len();
+                        with_simd!(self.level, simd => self.boxes.get(below).hull(simd, children))
+                    }
                     ChildKind::Leaf(leaf) => {
                         corners.clear();
                         self.leaf_corners(leaf, &mut corners);

@@ -32,15 +32,14 @@ impl Posed<'_> {
     /// Places the body, unless it stands there already: several queries of one frame ask for the same.
     pub(crate) fn stand(&mut self, world_from_model: &WorldFromModel) -> &Standing {
         if !self.standing.is_at(world_from_model) {
-            let root = self.root();
-            let bounds = self.node_box(root);
+            let bounds = self.bounds();
             let placed = PlacedBounds::new(world_from_model, bounds.magnitude().as_dvec3());
             let (size, linear) = (bounds.size().as_dvec3(), world_from_model.linear());
             let sides = [linear.x_axis * size.x, linear.y_axis * size.y, linear.z_axis * size.z];
             let rounding = f64::from(self.rounding(bounds.size().max_element()));
             *self.standing = Standing {
                 is_current: true,
-                root: root.child,
+                root: self.topology.group(0).child(0),
                 bounds,
                 size: sides.iter().fold(0.0, |size, side| side.abs().max_element().max(size)),
                 slack: placed.error() + rounding * world_from_model.scale(),

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use fearless_simd::Simd;
 
 use super::views::{Node, Views};
-use crate::bounds::{Aabb, Frames, LANES, with_simd};
+use crate::bounds::{Aabb, Frame, LANES, with_simd};
 use crate::pose::{NodeId, Posed};
 use crate::tree::{Child, ChildKind, Leaf};
 
@@ -54,8 +54,8 @@ impl OverlapWalk {
     }
 
     /// Adds a frame, in place of the last one if there are enough already; returns whether the bodies' bounds overlap in it.
-    pub(crate) fn push_frame(&mut self, frames: &Frames, a: &Aabb, b: &Aabb) -> bool {
-        let (a, b) = (self.a.push_frame(&frames.a, a), self.b.push_frame(&frames.b, b));
+    pub(crate) fn push_frame(&mut self, [of_a, of_b]: [Option<&Frame>; 2], a: &Aabb, b: &Aabb) -> bool {
+        let (a, b) = (self.a.push_frame(of_a, a), self.b.push_frame(of_b, b));
         a.overlaps(&b)
     }
 

@@ -29,7 +29,7 @@ enum Kind {
 
 impl View {
     #[inline]
-    fn set(&mut self, frame: &Option<Frame>) {
+    fn set(&mut self, frame: Option<&Frame>) {
         self.kind = match frame {
             None => Kind::Own,
             Some(frame) if self.map.set(frame) => Kind::Mapped,
@@ -150,7 +150,7 @@ impl Views {
     }
 
     /// Adds a frame, in place of the last one if there are enough already. Returns the root's box in it.
-    pub(super) fn push_frame(&mut self, frame: &Option<Frame>, bounds: &Aabb) -> Aabb {
+    pub(super) fn push_frame(&mut self, frame: Option<&Frame>, bounds: &Aabb) -> Aabb {
         let place = self.used.min(FRAMES - 1);
         self.used += 1;
         self.views[place].set(frame);

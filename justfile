@@ -5,7 +5,7 @@ default:
 
 # Everything that must hold before a change lands. Steps are in this order so that later ones find what earlier ones compiled: clippy and the
 # docs share one build of Bevy, the tests and the examples another, and everything in release a third without Bevy.
-ci: fmt-check clippy doc test demo-check features package-short first-run determinism-release verify-short fuzz-short
+ci: fmt-check clippy doc test demo-check features package-short first-run determinism-release instructions-check verify-short fuzz-short
 
 # Formats the code.
 fmt:
@@ -56,9 +56,9 @@ determinism-aarch64:
     echo "$output"
     grep -q 'kernels: neon$' <<< "$output"
 
-# The command-line tool and the determinism check.
+# The command-line tool, the determinism check and what counts instructions.
 release:
-    cargo build --release -p morph_collision_cli -p morph_collision_testkit --bin morph-collide --bin determinism
+    cargo build --release -p morph_collision_cli -p morph_collision_testkit --bin morph-collide --bin determinism --bin frames
 
 # With examples, dependencies have the features that tests and clippy use: otherwise Bevy would be checked again.
 doc:
@@ -214,25 +214,34 @@ bench *NAME:
 bench-instructions *ARGS:
     cargo bench -p morph_collision_testkit --bench instructions -- {{ARGS}}
 
-# Counts the instructions of all frames of the bench scenes, in millions (valgrind). The first pass fills caches and is left out.
-instructions:
+# Counts the instructions of 20 frames of the bench scenes, in millions (valgrind); of all scenes by default.
+instructions *SCENES: release
     #!/usr/bin/env bash
     set -euo pipefail
-    cargo build --release -p morph_collision_testkit --bin frames
-    count() {
-        valgrind --tool=callgrind --callgrind-out-file=/dev/null "${CARGO_TARGET_DIR:-target}/release/frames" "$@" 2>&1 | sed -n 's/.*Collected : //p'
-    }
-    for scene in pass-through-20480 dolphins-564 dolphins-9024 dolphins-36096 heads-cheek heads-crowd horse-gallop samba; do
-        if ! reason=$("${CARGO_TARGET_DIR:-target}/release/frames" $scene all 0 2>&1); then
-            echo "skipped: $reason"
-            continue
-        fi
+    frames="${CARGO_TARGET_DIR:-target}/release/frames"
+    scenes="{{SCENES}}"
+    for scene in ${scenes:-pass-through-20480 dolphins-564 dolphins-9024 dolphins-36096 heads-cheek heads-crowd horse-gallop samba}; do
         for wanted in all first; do
-            one=$(count $scene $wanted 1)
-            two=$(count $scene $wanted 2)
-            awk -v s=$scene -v w=$wanted -v n=$((two - one)) 'BEGIN { printf "%-20s %-6s %10.3f\n", s, w, n / 1e6 }'
+            # The first pass and the set-up are not counted.
+            if ! output=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*counted_pass*' "$frames" $scene $wanted 2>&1); then
+                echo "skipped: $(sed -n 's/^Error: //p' <<< "$output")" >&2
+                break
+            fi
+            awk -v s=$scene -v w=$wanted -v n="$(sed -n 's/.*Collected : //p' <<< "$output")" 'BEGIN { printf "%-20s %-6s %10.3f\n", s, w, n / 1e6 }'
         done
     done
+
+# Fails if a scene's queries take over 5 % more instructions than are recorded in instructions.txt, where the processor has AVX2.
+instructions-check: release
+    #!/usr/bin/env bash
+    set -euo pipefail
+    kernel=$("${CARGO_TARGET_DIR:-target}/release/frames")
+    if [ "$kernel" != avx2 ]; then echo "skipped: the counts are those of avx2, not of $kernel"; exit; fi
+    recorded=crates/morph_collision_testkit/instructions.txt
+    just instructions $(awk '$2 == "all" { print $1 }' "$recorded") | awk -v recorded="$recorded" '
+        BEGIN { while ((getline < recorded) > 0) before[$1 " " $2] = $3 }
+        { ratio = $3 / before[$1 " " $2]; failed += ratio > 1.05; printf "%s  %.3f of %s\n", $0, ratio, before[$1 " " $2] }
+        END { if (failed || NR == 0) exit 1 }' || { echo "slower than $recorded says; record it anew if that is meant"; exit 1; }
 
 # Judges nearly degenerate pairs of triangles in exact arithmetic: a million of them by default.
 triangles *ARGS:

@@ -41,6 +41,7 @@ pub(crate) struct OverlapWalk {
     /// The node pairs still to visit.
     stack: Vec<(Node, Node)>,
     leaves: Vec<(Leaf, Leaf)>,
+    by_depth: DepthSort,
     /// Node bounds tested so far.
     pub(crate) node_tests: u64,
 }
@@ -196,7 +197,7 @@ impl OverlapWalk {
         if order == Order::DeepestFirst && self.stack.len() > first + 1 {
             let opened = self.a.opened(slot);
             let depths = opened.depths(simd, self.b.siblings(node_b), node_b.lane());
-            sort_by_depth(&mut self.stack[first..], |(a, _)| depths[a.lane()]);
+            self.by_depth.sort(&mut self.stack[first..], |(a, _)| depths[a.lane()]);
         }
     }
 
@@ -213,7 +214,7 @@ impl OverlapWalk {
         if order == Order::DeepestFirst && self.stack.len() > first + 1 {
             let opened = self.b.opened(slot);
             let depths = opened.depths(simd, self.a.siblings(node_a), node_a.lane());
-            sort_by_depth(&mut self.stack[first..], |(_, b)| depths[b.lane()]);
+            self.by_depth.sort(&mut self.stack[first..], |(_, b)| depths[b.lane()]);
         }
     }
 
@@ -239,7 +240,7 @@ impl OverlapWalk {
             }
         }
         if order == Order::DeepestFirst && self.stack.len() > first + 1 {
-            sort_by_depth(&mut self.stack[first..], |(a, b)| depths[a.lane()][b.lane()]);
+            self.by_depth.sort(&mut self.stack[first..], |(a, b)| depths[a.lane()][b.lane()]);
         }
     }
 
@@ -266,17 +267,31 @@ fn bits(mask: u8) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Sorts so that the deepest pair is popped first. Stable.
-#[inline(always)]
-fn sort_by_depth(pairs: &mut [(Node, Node)], depth: impl Fn(&(Node, Node)) -> f32) {
-    // Insertion sort, for up to 64 pairs.
-    for place in 1..pairs.len() {
-        let (pair, deep) = (pairs[place], depth(&pairs[place]));
-        let mut hole = place;
-        while hole > 0 && depth(&pairs[hole - 1]) > deep {
-            pairs[hole] = pairs[hole - 1];
-            hole -= 1;
+/// Sorts node pairs by their depth, so that the deepest is popped first. Reuses its memory.
+#[derive(Debug, Default)]
+struct DepthSort {
+    keys: Vec<u64>,
+    pairs: Vec<(Node, Node)>,
+}
+
+impl DepthSort {
+    #[inline(never)]
+    fn sort(&mut self, pairs: &mut [(Node, Node)], depth: impl Fn(&(Node, Node)) -> f32) {
+        if let [first, second] = pairs {
+            if depth(first) > depth(second) {
+                std::mem::swap(first, second);
+            }
+            return;
         }
-        pairs[hole] = pair;
+        self.keys.clear();
+        // Numbers that are not negative are in the order of their bits. Below them, the place of a pair.
+        let key = |(place, pair)| u64::from(depth(pair).max(0.0).to_bits()) << 32 | place as u64;
+        self.keys.extend(pairs.iter().enumerate().map(key));
+        self.keys.sort_unstable();
+        self.pairs.clear();
+        self.pairs.extend_from_slice(pairs);
+        for (pair, key) in pairs.iter_mut().zip(&self.keys) {
+            *pair = self.pairs[*key as u32 as usize];
+        }
     }
 }

@@ -1,26 +1,23 @@
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
-use glam::Vec3;
+use glam::{DVec3, Vec3A};
 
-use super::lanes::{max, min};
-use super::rounding::{U32, around};
 use super::{Aabb, BoxLanes, Frame};
 
 /// Roundings of a row of the map, each at most half a unit in the last place of the largest magnitude reached. At most ten
 /// happen: the entries', three products and sums, the offset's, and those of the slack (docs/numerics.md).
-const MAP_ROUNDINGS: f64 = 16.0;
+const MAP_ROUNDINGS: f32 = 16.0;
 /// Magnitudes beyond this could overflow in sums; such a map is not used.
-const MAX_REACH: f64 = 1e37;
+const MAX_REACH: f32 = 1e37;
 /// Covers what underflows in entries, and in products with them; far below any `f32` that is not subnormal.
-const UNDERFLOW: f64 = 1e-42;
+const UNDERFLOW: f32 = 1e-42;
 
 /// An affine map of boxes, conservative: each end of the image is an offset plus one scaled end of the source per axis.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BoxMap {
-    /// By axis of the source and of the image.
-    columns: [[f32; 3]; 3],
-    pub(super) offset_min: [f32; 3],
-    pub(super) offset_max: [f32; 3],
+    columns: [Vec3A; 3],
+    pub(super) offset_min: Vec3A,
+    pub(super) offset_max: Vec3A,
 }
 
 impl BoxMap {
@@ -33,38 +30,33 @@ impl BoxMap {
     /// Becomes the map to a frame; returns false where `f32` cannot hold it.
     #[inline]
     pub(crate) fn set(&mut self, frame: &Frame) -> bool {
-        let (reach, offset) = (frame.reach(), frame.translation);
-        let underflow = UNDERFLOW * (1.0 + frame.magnitude.element_sum());
-        let slack = frame.error + MAP_ROUNDINGS * U32 * reach + underflow;
-        let [x, y, z] = frame.linear.to_cols_array_2d();
+        let rounded = |v: DVec3| v.as_vec3a();
+        let [x, y, z] = [frame.linear.x_axis, frame.linear.y_axis, frame.linear.z_axis].map(rounded);
+        let (offset, magnitude) = (rounded(frame.translation), rounded(frame.magnitude));
+        let (row_sums, underflow) = (x.abs() + y.abs() + z.abs(), UNDERFLOW * (1.0 + magnitude.element_sum()));
+        let reach = x.abs() * magnitude.x + y.abs() * magnitude.y + z.abs() * magnitude.z + offset.abs();
+        // The factor covers the error's own roundings.
+        let error = rounded(frame.error) * (1.0 + 8.0 * f32::EPSILON) + underflow;
+        let slack = error + reach * (MAP_ROUNDINGS * f32::EPSILON / 2.0);
+        self.columns = [x, y, z];
+        self.offset_min = offset - slack;
+        self.offset_max = offset + slack;
         // The sum of everything, so that one comparison finds what is too large or NaN.
-        let entries = [x, y, z].as_flattened().iter().fold(0.0, |sum, entry| sum + entry.abs());
-        let sum = (reach + slack).element_sum() + entries;
-        let (low, high) = (offset - slack, offset + slack);
-        for i in 0..3 {
-            for (column, exact) in self.columns.iter_mut().zip([x, y, z]) {
-                column[i] = exact[i] as f32;
-            }
-            (self.offset_min[i], self.offset_max[i]) = around(low[i], high[i]);
-        }
-        // False for NaN.
-        sum <= MAX_REACH
+        (reach + slack + row_sums).element_sum() <= MAX_REACH
     }
 
     /// The image of one box.
     #[inline]
     pub(crate) fn one(&self, one: &Aabb) -> Aabb {
         let (mut low, mut high) = (self.offset_min, self.offset_max);
-        for (j, column) in self.columns.iter().enumerate() {
-            for (i, factor) in column.iter().enumerate() {
-                let (x, y) = (factor * one.min[j], factor * one.max[j]);
-                low[i] += min(x, y);
-                high[i] += max(x, y);
-            }
+        for (axis, column) in self.columns.iter().enumerate() {
+            let (x, y) = (*column * one.min[axis], *column * one.max[axis]);
+            low += x.min(y);
+            high += x.max(y);
         }
         Aabb {
-            min: Vec3::from_array(low),
-            max: Vec3::from_array(high),
+            min: low.into(),
+            max: high.into(),
         }
     }
 
@@ -74,10 +66,13 @@ impl BoxMap {
         let ([a, b, c], [d, e, f]) = (&source.min, &source.max);
         let low = [a.load(simd), b.load(simd), c.load(simd)];
         let high = [d.load(simd), e.load(simd), f.load(simd)];
+        let (offset_min, offset_max) = (self.offset_min.to_array(), self.offset_max.to_array());
+        let [x, y, z] = &self.columns;
+        let columns = [x.to_array(), y.to_array(), z.to_array()];
         for i in 0..3 {
-            let mut min = f32x8::splat(simd, self.offset_min[i]);
-            let mut max = f32x8::splat(simd, self.offset_max[i]);
-            for (j, column) in self.columns.iter().enumerate() {
+            let mut min = f32x8::splat(simd, offset_min[i]);
+            let mut max = f32x8::splat(simd, offset_max[i]);
+            for (j, column) in columns.iter().enumerate() {
                 let factor = f32x8::splat(simd, column[i]);
                 let (x, y) = (low[j] * factor, high[j] * factor);
                 min += x.min(y);

@@ -41,11 +41,7 @@ pub(crate) struct Frames {
 /// World space is added where neither body can be inverted sharply: where each is much flatter or thinner in the world than in its
 /// own space.
 #[inline]
-pub(crate) fn visit_frames(
-    a: &PlacedBounds,
-    b: &PlacedBounds,
-    mut visit: impl FnMut([Option<&Frame>; 2]) -> bool,
-) {
+pub(crate) fn visit_frames(a: &PlacedBounds, b: &PlacedBounds, mut visit: impl FnMut([Option<&Frame>; 2]) -> bool) {
     let mut any_sharp = false;
     let mut frame = Frame::default();
     if relative(a, b, &mut frame) {

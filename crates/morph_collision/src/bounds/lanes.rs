@@ -4,18 +4,6 @@ use fearless_simd::prelude::*;
 /// The most children that a node can have, and the width of every kernel.
 pub(crate) const LANES: usize = 8;
 
-/// The smaller of two numbers, in one instruction. `f32::min` takes three, because it handles NaN.
-#[inline(always)]
-pub(crate) fn min(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-/// The larger of two numbers.
-#[inline(always)]
-pub(crate) fn max(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
-}
-
 /// One number of eight boxes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]

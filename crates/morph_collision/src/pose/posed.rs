@@ -99,13 +99,22 @@ impl Posed<'_> {
         self.boxes.get(node.slot as usize).get(usize::from(node.id.lane))
     }
 
-    /// The slot and the number of the root's children; of the root itself if it is a leaf.
-    fn top(&mut self) -> (usize, usize) {
-        let root = self.topology.group(0).child(0);
-        let group = match root.kind() {
+    /// The group of the root's children; that of the root itself if it is a leaf.
+    fn top_group(&self) -> usize {
+        match self.topology.group(0).child(0).kind() {
             ChildKind::Group(group) => group,
             ChildKind::Leaf(_) => 0,
-        };
+        }
+    }
+
+    /// Whether the boxes that make the body's bounds are cached.
+    pub(super) fn is_top_open(&self) -> bool {
+        self.is_open(self.top_group())
+    }
+
+    /// The slot and the number of the top group's children.
+    fn top(&mut self) -> (usize, usize) {
+        let group = self.top_group();
         (self.open(group), self.topology.group(group).children().len())
     }
 

@@ -26,7 +26,8 @@ impl Pose {
     pub fn visit_nodes(&mut self, mut visitor: impl FnMut(&PosedNode<'_>) -> bool) {
         let mut posed = self.posed();
         let topology = posed.topology;
-        let was_fresh = posed.is_open(0);
+        // Queries look at the root's children only.
+        let was_fresh = posed.is_open(0) || posed.is_top_open();
         let mut rest = vec![(posed.root(), was_fresh, 0)];
         while let Some((node, was_fresh, depth)) = rest.pop() {
             let kind = node.child.kind();

@@ -56,12 +56,7 @@ pub(super) struct Row {
 impl Patch {
     /// Takes the corners from model space to the neighbourhood. Unused lanes must repeat one of the triangles.
     #[inline(always)]
-    pub(super) fn place<S: Simd>(
-        &mut self,
-        simd: S,
-        triangles: usize,
-        placement: &Placement,
-    ) {
+    pub(super) fn place<S: Simd>(&mut self, simd: S, triangles: usize, placement: &Placement) {
         self.triangles = triangles.min(LANES) as u8;
         self.lanes = u8::MAX >> (LANES - triangles.clamp(1, LANES));
         placement.place(simd, &mut self.corners);

@@ -40,11 +40,7 @@ impl Patches {
 }
 
 impl<'q, 'p> Side<'q, 'p> {
-    pub(super) fn new(
-        tree: &'q mut Posed<'p>,
-        world_from_model: &'q WorldFromModel,
-        patches: &'q mut Patches,
-    ) -> Self {
+    pub(super) fn new(tree: &'q mut Posed<'p>, world_from_model: &'q WorldFromModel, patches: &'q mut Patches) -> Self {
         Self {
             tree,
             world_from_model,
@@ -80,7 +76,6 @@ impl<'q, 'p> Side<'q, 'p> {
         }
         slot + 1 - triangles.len().div_ceil(LANES).max(1)
     }
-
 }
 
 /// Calls `visitor` for every pair of intersecting triangles of pairs of leaves until it breaks.
@@ -124,7 +119,11 @@ fn intersecting<S: Simd>(
                 let in_order = |[x, y]: [u32; 2]| if is_swapped { [y, x] } else { [x, y] };
                 let found = |row: Row| {
                     let [topology_a, topology_b] = topologies;
-                    let topologies = if is_swapped { [topology_b, topology_a] } else { topologies };
+                    let topologies = if is_swapped {
+                        [topology_b, topology_a]
+                    } else {
+                        topologies
+                    };
                     let exactly = |numbers: [u32; 2], stats: &mut QueryStats| {
                         let [number_a, number_b] = in_order(numbers);
                         let corners_a = world_triangle(a.tree, a.world_from_model, number_a);
@@ -160,7 +159,11 @@ pub(super) fn intersecting_pairs_within(
             let patches = [slot_a, slot_b].map(|slot| body.patches.placed.get(slot));
             let model = body.tree.model;
             let unrelated = |lane: usize, candidates: u8| {
-                let later = if slot_a == slot_b { (u8::MAX << 1) << lane } else { u8::MAX };
+                let later = if slot_a == slot_b {
+                    (u8::MAX << 1) << lane
+                } else {
+                    u8::MAX
+                };
                 let unrelated = candidates & later & !neighbours(model, topologies[0], patches, lane, candidates);
                 tests.set(tests.get() + u64::from(unrelated.count_ones()));
                 unrelated

@@ -26,13 +26,14 @@ pub(crate) fn walk_nearest<'p>(
 ) -> u64 {
     stack.clear();
     let mut tests = 0;
-    let mut push = |stack: &mut NearestStack, limit: f64, (a, node_a): (&Posed<'p>, _), (b, node_b): (&Posed<'p>, _)| {
-        tests += 1;
-        let lowest = bound(&a.node_box(node_a), &b.node_box(node_b));
-        if lowest <= limit {
-            stack.push((lowest, node_a, node_b));
-        }
-    };
+    let mut push =
+        |stack: &mut NearestStack, limit: f64, (a, node_a): (&Posed<'p>, _), (b, node_b): (&Posed<'p>, _)| {
+            tests += 1;
+            let lowest = bound(&a.node_box(node_a), &b.node_box(node_b));
+            if lowest <= limit {
+                stack.push((lowest, node_a, node_b));
+            }
+        };
     let (root_a, root_b) = (a.root(), b.root());
     push(stack, limit, (a, root_a), (b, root_b));
     while let Some((lowest, node_a, node_b)) = stack.pop() {

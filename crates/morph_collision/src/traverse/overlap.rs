@@ -27,8 +27,7 @@ pub(crate) enum Order {
 }
 
 /// What happens at pairs of leaves.
-pub(crate) type AtLeaves<'v, 'p> =
-    dyn FnMut(&mut Posed<'p>, &mut Posed<'p>, &[(Leaf, Leaf)]) -> ControlFlow<()> + 'v;
+pub(crate) type AtLeaves<'v, 'p> = dyn FnMut(&mut Posed<'p>, &mut Posed<'p>, &[(Leaf, Leaf)]) -> ControlFlow<()> + 'v;
 
 /// A depth-first walk over the node pairs of two bodies whose boxes overlap in every frame. The next walk reuses the memory.
 ///
@@ -90,8 +89,10 @@ impl OverlapWalk {
                 self.stack.clear();
                 with_simd!(a.level, simd => self.descend(simd, (a, b), pair, Order::Expand));
                 // As the walk does: leaves in the order in which they were pushed, then all else in the reverse order.
-                let (leaves, nodes): (Vec<_>, Vec<_>) =
-                    self.stack.drain(..).partition(|(a, b)| a.child.is_leaf() && b.child.is_leaf());
+                let (leaves, nodes): (Vec<_>, Vec<_>) = self
+                    .stack
+                    .drain(..)
+                    .partition(|(a, b)| a.child.is_leaf() && b.child.is_leaf());
                 let in_order = leaves.into_iter().chain(nodes.into_iter().rev());
                 next.extend(in_order.map(|(a, b)| (self.a.id(a), self.b.id(b))));
             }
@@ -240,7 +241,8 @@ impl OverlapWalk {
             }
         }
         if order == Order::DeepestFirst && self.stack.len() > first + 1 {
-            self.by_depth.sort(&mut self.stack[first..], |(a, b)| depths[a.lane()][b.lane()]);
+            self.by_depth
+                .sort(&mut self.stack[first..], |(a, b)| depths[a.lane()][b.lane()]);
         }
     }
 

@@ -19,7 +19,7 @@ use crate::bounds::{Aabb, BoxLanes};
 /// A target that moves some child of a group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LocalTarget {
-    pub(crate) target: u32,
+    pub(crate) target: u16,
     /// The largest absolute displacement in the group.
     pub(crate) reach: f32,
 }
@@ -38,6 +38,7 @@ struct Header {
 pub(crate) struct Tables {
     headers: Vec<Header>,
     targets: Vec<LocalTarget>,
+    order: Vec<u16>,
     intervals: Vec<BoxLanes>,
     references: Vec<BoxLanes>,
 }
@@ -50,10 +51,27 @@ pub(crate) struct GroupTables<'a> {
     pub(crate) base_reach: f32,
     /// Sorted by descending gain of the reference over the interval.
     pub(crate) targets: &'a [LocalTarget],
+    /// The places of `targets` in ascending order of target.
+    pub(crate) order: &'a [u16],
     /// `I_k`, one per target.
     pub(crate) intervals: &'a [BoxLanes],
     /// `X_k` of the first targets, those that gain by it.
     pub(crate) references: &'a [BoxLanes],
+}
+
+impl GroupTables<'_> {
+    /// The place in the tables of a target, if it moves the group.
+    #[inline(always)]
+    pub(crate) fn place(&self, target: u32) -> Option<u16> {
+        let target_at = |place: u16| u32::from(self.targets[usize::from(place)].target);
+        // Where every target moves the group, the order is indexed by target.
+        let found = match self.order.get(target as usize) {
+            Some(&place) if target_at(place) == target => return Some(place),
+            _ => self.order.partition_point(|&place| target_at(place) < target),
+        };
+        let place = *self.order.get(found)?;
+        (target_at(place) == target).then_some(place)
+    }
 }
 
 impl Tables {
@@ -64,14 +82,16 @@ impl Tables {
             base: &header.base,
             base_reach: header.base_reach,
             targets: &self.targets[header.targets.clone()],
+            order: &self.order[header.targets.clone()],
             intervals: &self.intervals[header.targets.clone()],
             references: &self.references[header.references.clone()],
         }
     }
 
-    pub(crate) fn bytes(&self) -> usize {
+    pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.headers)
             + size_of_val(&*self.targets)
+            + size_of_val(&*self.order)
             + size_of_val(&*self.intervals)
             + size_of_val(&*self.references)
     }
@@ -104,6 +124,9 @@ impl Tables {
                 self.references.push(column.reference);
             }
         }
+        let mut order: Vec<u16> = (0..columns.len() as u16).collect();
+        order.sort_unstable_by_key(|&place| columns[usize::from(place)].local.target);
+        self.order.extend(order);
         let header = &mut self.headers[group];
         for (lane, base) in bases.iter().enumerate() {
             header.base.set(lane, base);

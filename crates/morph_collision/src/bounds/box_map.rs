@@ -38,7 +38,10 @@ impl BoxMap {
         let slack = frame.error + MAP_ROUNDINGS * U32 * reach + underflow;
         let [x, y, z] = frame.linear.to_cols_array_2d();
         // The sum of everything, so that one comparison finds what is too large or NaN.
-        let entries = [x, y, z].as_flattened().iter().fold(0.0, |sum, entry| sum + entry.abs());
+        let entries = [x, y, z]
+            .as_flattened()
+            .iter()
+            .fold(0.0, |sum, entry| sum + entry.abs());
         let sum = (reach + slack).element_sum() + entries;
         let (low, high) = (offset - slack, offset + slack);
         for i in 0..3 {

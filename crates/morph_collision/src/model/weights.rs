@@ -113,9 +113,6 @@ mod tests {
             };
             *way += usize::from(!visited.is_empty());
         }
-        assert!(
-            dense > 20 && searched > 5 && walked > 20,
-            "{dense} {searched} {walked}"
-        );
+        assert!(dense > 20 && searched > 5 && walked > 20, "{dense} {searched} {walked}");
     }
 }

@@ -3,7 +3,7 @@
 
 use fearless_simd::Simd;
 
-use crate::bounds::BoxLanes;
+use crate::bounds::{BoxLanes, LANES, Slopes};
 use crate::model::{MorphModel, Weights};
 use crate::tree::{CornerLanes, GroupTables, PatchColumns};
 
@@ -11,7 +11,7 @@ use crate::tree::{CornerLanes, GroupTables, PatchColumns};
 const U: f32 = f32::EPSILON / 2.0;
 
 /// With more active targets than this, blending goes over all targets of a group.
-const FEW: usize = 8;
+pub(super) const FEW: usize = 8;
 
 /// Sets `boxes` to boxes that hold every vertex of each child, both its exact position and the one rounded to `f32`.
 ///
@@ -26,22 +26,41 @@ pub(super) fn blend_group<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &W
 /// Computes the boxes before widening, and returns how much they must be widened.
 #[inline(always)]
 pub(super) fn evaluate<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &Weights, boxes: &mut BoxLanes) -> f32 {
+    match tables.width {
+        1 => evaluate_lanes::<S, 1>(simd, tables, weights, boxes),
+        2 => evaluate_lanes::<S, 2>(simd, tables, weights, boxes),
+        3 => evaluate_lanes::<S, 3>(simd, tables, weights, boxes),
+        4 => evaluate_lanes::<S, 4>(simd, tables, weights, boxes),
+        5 => evaluate_lanes::<S, 5>(simd, tables, weights, boxes),
+        6 => evaluate_lanes::<S, 6>(simd, tables, weights, boxes),
+        7 => evaluate_lanes::<S, 7>(simd, tables, weights, boxes),
+        _ => evaluate_lanes::<S, LANES>(simd, tables, weights, boxes),
+    }
+}
+
+#[inline(always)]
+fn evaluate_lanes<S: Simd, const W: usize>(
+    simd: S,
+    tables: GroupTables<'_>,
+    weights: &Weights,
+    boxes: &mut BoxLanes,
+) -> f32 {
     *boxes = *tables.base;
     let mut sums = Sums {
         reach: tables.base_reach,
         // Each subtraction from the budget rounds by at most `U`; starting lower keeps the exact sum of the amounts at most 1.
-        budget: (1.0 - tables.references.len() as f32 * (4.0 * U)).max(0.0),
+        budget: (1.0 - tables.reference_count as f32 * (4.0 * U)).max(0.0),
         active: 0,
         products: 0,
     };
     let mut few = [0; FEW];
     if let Some(places) = few_places(tables, weights, &mut few) {
         for &place in places {
-            sums.add(simd, tables, usize::from(place), weights, boxes);
+            sums.add::<S, W>(simd, tables, usize::from(place), weights, boxes);
         }
     } else {
         for place in 0..tables.targets.len() {
-            sums.add(simd, tables, place, weights, boxes);
+            sums.add::<S, W>(simd, tables, place, weights, boxes);
         }
     }
     widening(sums.reach, sums.active, sums.products)
@@ -58,8 +77,15 @@ struct Sums {
 impl Sums {
     /// Adds the target at a place in the tables to the boxes.
     #[inline(always)]
-    fn add<S: Simd>(&mut self, simd: S, tables: GroupTables<'_>, i: usize, weights: &Weights, boxes: &mut BoxLanes) {
-        let local = &tables.targets[i];
+    fn add<S: Simd, const W: usize>(
+        &mut self,
+        simd: S,
+        tables: GroupTables<'_>,
+        place: usize,
+        weights: &Weights,
+        boxes: &mut BoxLanes,
+    ) {
+        let local = &tables.targets[place];
         let weight = weights.all()[usize::from(local.target)];
         if weight == 0.0 {
             return;
@@ -67,26 +93,23 @@ impl Sums {
         self.active += 1;
         self.reach += weight.abs() * local.reach;
         let mut rest = weight;
-        if let Some(reference) = tables.references.get(i)
-            && weight > 0.0
-            && self.budget > 0.0
-        {
+        if place < tables.reference_count && weight > 0.0 && self.budget > 0.0 {
             let amount = weight.min(self.budget);
             self.budget -= amount;
             rest -= amount;
             self.products += 1;
-            boxes.add_scaled(simd, amount, reference);
+            boxes.add_scaled(simd, amount, Slopes::<W>::at(tables.references, place));
         }
         if rest != 0.0 {
             self.products += 1;
-            boxes.add_interval(simd, rest, &tables.intervals[i]);
+            boxes.add_interval(simd, rest, Slopes::<W>::at(tables.intervals, place));
         }
     }
 }
 
 /// The places in a group's tables of the active targets, ascending, if looking them up beats going over all.
 #[inline(always)]
-fn few_places<'f>(tables: GroupTables<'_>, weights: &Weights, few: &'f mut [u16; FEW]) -> Option<&'f [u16]> {
+pub(super) fn few_places<'f>(tables: GroupTables<'_>, weights: &Weights, few: &'f mut [u16; FEW]) -> Option<&'f [u16]> {
     if weights.active().len() > FEW || !weights.are_few_of(tables.targets.len()) {
         return None;
     }

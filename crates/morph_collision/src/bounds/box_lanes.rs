@@ -43,32 +43,6 @@ impl BoxLanes {
         }
     }
 
-    /// `self += a * slopes` for `a >= 0`.
-    #[inline(always)]
-    pub(crate) fn add_scaled<S: Simd>(&mut self, simd: S, a: f32, slopes: &Self) {
-        self.add_rows(simd, a, &slopes.min, &slopes.max);
-    }
-
-    /// Adds the interval of a displacement, scaled by a weight of any sign. A negative weight moves lower ends by the largest
-    /// displacement and upper ends by the smallest.
-    #[inline(always)]
-    pub(crate) fn add_interval<S: Simd>(&mut self, simd: S, weight: f32, interval: &Self) {
-        let (low, high) = if weight < 0.0 {
-            (&interval.max, &interval.min)
-        } else {
-            (&interval.min, &interval.max)
-        };
-        self.add_rows(simd, weight, low, high);
-    }
-
-    #[inline(always)]
-    fn add_rows<S: Simd>(&mut self, simd: S, a: f32, low: &[Lanes; 3], high: &[Lanes; 3]) {
-        for axis in 0..3 {
-            self.min[axis].add_scaled(simd, a, &low[axis]);
-            self.max[axis].add_scaled(simd, a, &high[axis]);
-        }
-    }
-
     /// Grows all eight by `by` on every side.
     #[inline(always)]
     pub(crate) fn widen<S: Simd>(&mut self, simd: S, by: f32) {

@@ -13,6 +13,7 @@ mod lanes;
 #[cfg(test)]
 mod probe;
 mod rounding;
+mod slopes;
 mod transform;
 mod world_query;
 
@@ -28,6 +29,7 @@ pub(crate) use lanes::{LANES, Lanes, lanes_of};
 #[cfg(test)]
 pub(crate) use probe::{ExactPoint, holds, lack, levels};
 pub(crate) use rounding::{down, up};
+pub(crate) use slopes::{Slopes, push_slopes, slopes_len};
 pub use transform::WorldFromModel;
 pub(crate) use world_query::{ModelPlane, RayCull};
 

@@ -3,11 +3,13 @@
 mod check;
 mod error;
 mod morph_model;
+mod weights;
 mod weld;
 
 pub use error::ModelError;
 pub use morph_model::MorphModel;
 pub(crate) use morph_model::{Displacement, LARGEST};
+pub(crate) use weights::Weights;
 
 #[cfg(test)]
 mod rounding_tests;

@@ -1,9 +1,10 @@
+use std::collections::BTreeMap;
 use std::fmt;
 
 use glam::Vec3;
 
 use super::weld::weld;
-use super::{ModelError, check};
+use super::{ModelError, Weights, check};
 
 /// The largest coordinate of a mesh. It leaves room for sums in `f32`, which ends near 3.4e38 (docs/numerics.md).
 pub(crate) const LARGEST: f32 = 1e37;
@@ -11,7 +12,7 @@ pub(crate) const LARGEST: f32 = 1e37;
 /// The displacement of one vertex by one target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Displacement {
-    pub(crate) target: u32,
+    pub(crate) target: u16,
     pub(crate) delta: Vec3,
 }
 
@@ -21,14 +22,17 @@ pub(crate) struct Displacement {
 /// vertices; [`MorphModel::welded_from_source`] maps them to welded ones. Triangles keep their order and winding. A mesh without
 /// targets is an ordinary rigid mesh.
 ///
-/// Positions are in the mesh's own space and unit. Memory: 12 bytes per welded vertex and per triangle, and 16 bytes per vertex
-/// and target that moves it.
+/// Positions are in the mesh's own space and unit. Memory: 20 bytes per welded vertex and 12 per triangle, 12 bytes per vertex
+/// and target that moves it, and 2 bytes per target for every set of targets that moves a vertex.
 #[derive(Clone)]
 pub struct MorphModel {
     base: Vec<Vec3>,
-    /// `displacements[starts[v]..starts[v + 1]]` belong to vertex `v`, in ascending target order.
-    displacements: Vec<Displacement>,
+    /// `deltas[starts[v]..starts[v + 1]]` are the displacements of vertex `v`, in ascending target order.
+    deltas: Vec<Vec3>,
     starts: Vec<u32>,
+    /// `targets[lists[v]..]` are the targets that move vertex `v`, as many as it has displacements. Vertices share lists.
+    targets: Vec<u16>,
+    lists: Vec<u32>,
     triangles: Vec<[u32; 3]>,
     welded_from_source: Vec<u32>,
     /// The largest absolute coordinate of the base.
@@ -63,16 +67,23 @@ impl MorphModel {
 
         let of_vertex: Vec<_> = (0..base.len()).map(|vertex| sparse(vertex, targets)).collect();
         let (welded_from_source, firsts) = weld(base, &of_vertex);
-        let mut displacements = Vec::new();
-        let mut starts = vec![0];
+        let (mut deltas, mut starts) = (Vec::new(), vec![0]);
+        let (mut targets_of_lists, mut lists, mut known) = (Vec::new(), Vec::new(), BTreeMap::new());
         for &first in &firsts {
-            displacements.extend_from_slice(&of_vertex[first]);
-            starts.push(displacements.len() as u32);
+            deltas.extend(of_vertex[first].iter().map(|d| d.delta));
+            starts.push(deltas.len() as u32);
+            let list: Vec<u16> = of_vertex[first].iter().map(|d| d.target).collect();
+            lists.push(*known.entry(list).or_insert_with_key(|list| {
+                targets_of_lists.extend_from_slice(list);
+                (targets_of_lists.len() - list.len()) as u32
+            }));
         }
         Ok(Self {
             base: firsts.iter().map(|&first| base[first]).collect(),
-            displacements,
+            deltas,
             starts,
+            targets: targets_of_lists,
+            lists,
             triangles: triangles
                 .iter()
                 .map(|corners| corners.map(|source| welded_from_source[source as usize]))
@@ -124,7 +135,10 @@ impl MorphModel {
     /// Cost: linear in the number of stored displacements.
     #[must_use]
     pub fn displaced_vertex_count(&self, target: u32) -> usize {
-        self.displacements.iter().filter(|d| d.target == target).count()
+        (0..self.base.len() as u32)
+            .flat_map(|vertex| self.displacements(vertex))
+            .filter(|d| u32::from(d.target) == target)
+            .count()
     }
 
     /// A hash (FNV-1a) of all positions, displacements and triangles, to tell meshes apart. It is the same on every machine.
@@ -134,9 +148,10 @@ impl MorphModel {
     pub fn fingerprint(&self) -> u64 {
         let words = |v: &Vec3| v.to_array().map(f32::to_bits);
         let positions = self.base.iter().flat_map(words);
-        let displacements = self.displacements.iter().flat_map(|d| {
+        let vertices = 0..self.base.len() as u32;
+        let displacements = vertices.flat_map(|vertex| self.displacements(vertex)).flat_map(|d| {
             let [x, y, z] = words(&d.delta);
-            [d.target, x, y, z]
+            [u32::from(d.target), x, y, z]
         });
         let numbers = self.starts.iter().chain(self.triangles.iter().flatten()).copied();
         let targets = std::iter::once(self.target_reach.len() as u32);
@@ -150,8 +165,10 @@ impl MorphModel {
     #[must_use]
     pub fn bytes(&self) -> usize {
         size_of_val(&*self.base)
-            + size_of_val(&*self.displacements)
+            + size_of_val(&*self.deltas)
             + size_of_val(&*self.starts)
+            + size_of_val(&*self.targets)
+            + size_of_val(&*self.lists)
             + size_of_val(&*self.triangles)
             + size_of_val(&*self.welded_from_source)
             + size_of_val(&*self.target_reach)
@@ -167,10 +184,19 @@ impl MorphModel {
         self.base[vertex as usize]
     }
 
-    #[inline]
-    pub(crate) fn displacements(&self, vertex: u32) -> &[Displacement] {
+    /// The targets that move a vertex, ascending, and by how much.
+    #[inline(always)]
+    fn columns(&self, vertex: u32) -> (&[u16], &[Vec3]) {
         let v = vertex as usize;
-        &self.displacements[self.starts[v] as usize..self.starts[v + 1] as usize]
+        let deltas = &self.deltas[self.starts[v] as usize..self.starts[v + 1] as usize];
+        (&self.targets[self.lists[v] as usize..][..deltas.len()], deltas)
+    }
+
+    /// The displacements of a vertex, in ascending target order.
+    pub(crate) fn displacements(&self, vertex: u32) -> impl Iterator<Item = Displacement> {
+        let (targets, deltas) = self.columns(vertex);
+        let pairs = targets.iter().zip(deltas);
+        pairs.map(|(&target, &delta)| Displacement { target, delta })
     }
 
     pub(crate) fn base_reach(&self) -> f32 {
@@ -186,14 +212,10 @@ impl MorphModel {
     /// It is computed in `f32`, in ascending target order, with zero weights left out, by a multiplication and then an
     /// addition. Zero displacements are not stored; adding them would change no value.
     #[inline]
-    pub(crate) fn blend_vertex(&self, vertex: u32, weights: &[f32]) -> Vec3 {
+    pub(crate) fn blend_vertex(&self, vertex: u32, weights: &Weights) -> Vec3 {
         let mut position = self.base[vertex as usize];
-        for displacement in self.displacements(vertex) {
-            let weight = weights[displacement.target as usize];
-            if weight != 0.0 {
-                position += displacement.delta * weight;
-            }
-        }
+        let (targets, deltas) = self.columns(vertex);
+        weights.visit(targets, deltas, |weight, &delta| position += delta * weight);
         position
     }
 }
@@ -211,11 +233,11 @@ impl fmt::Debug for MorphModel {
 
 /// The nonzero displacements of a vertex.
 fn sparse<T: AsRef<[Vec3]>>(vertex: usize, targets: &[T]) -> Vec<Displacement> {
-    let deltas = (0..)
-        .zip(targets)
-        .map(|(target, deltas)| (target, deltas.as_ref()[vertex]));
-    let moving = deltas.filter(|(_, delta)| *delta != Vec3::ZERO);
-    moving.map(|(target, delta)| Displacement { target, delta }).collect()
+    let all = targets.iter().zip(0..).map(|(deltas, target)| Displacement {
+        target,
+        delta: deltas.as_ref()[vertex],
+    });
+    all.filter(|displacement| displacement.delta != Vec3::ZERO).collect()
 }
 
 fn reach(vectors: &[Vec3]) -> f32 {

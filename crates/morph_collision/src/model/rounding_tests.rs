@@ -5,7 +5,7 @@ use morph_collision_testkit::oracle::Dyadic;
 use morph_collision_testkit::search::{Climb, is_as_known};
 use rand::RngExt;
 
-use super::MorphModel;
+use super::{MorphModel, Weights};
 
 /// Error over bound of one posed coordinate: `numbers` are the base, and weight and displacement of each target.
 fn ratio(numbers: &[f32]) -> Option<f64> {
@@ -28,7 +28,7 @@ fn ratio(numbers: &[f32]) -> Option<f64> {
     let n_u = Dyadic::from(active + 1.0) * Dyadic::power_of_two(-24);
     let rest = Dyadic::from(1.0_f64) - n_u.clone();
     let bound = n_u * reach + Dyadic::from(active) * Dyadic::power_of_two(-150) * rest.clone();
-    let error = (Dyadic::from(model.blend_vertex(0, &weights).x) - exact).abs() * rest;
+    let error = (Dyadic::from(model.blend_vertex(0, &Weights::new(&weights)).x) - exact).abs() * rest;
     assert!(error <= bound, "{numbers:?}");
     Some(error.ratio(&bound))
 }

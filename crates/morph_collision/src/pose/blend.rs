@@ -3,65 +3,135 @@
 
 use fearless_simd::Simd;
 
-use crate::bounds::BoxLanes;
-use crate::model::MorphModel;
+use crate::bounds::{BoxLanes, LANES, Slopes};
+use crate::model::{MorphModel, Weights};
 use crate::tree::{CornerLanes, GroupTables, PatchColumns};
 
 /// Half a unit in the last place of 1.
 const U: f32 = f32::EPSILON / 2.0;
+
+/// With more active targets than this, blending goes over all targets of a group.
+pub(super) const FEW: usize = 8;
 
 /// Sets `boxes` to boxes that hold every vertex of each child, both its exact position and the one rounded to `f32`.
 ///
 /// Cost: one pass over the group's local targets. Each target with a nonzero weight takes one multiply-add of eight lanes per
 /// row, or two for the target that uses up the budget.
 #[inline(always)]
-pub(super) fn blend_group<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &[f32], boxes: &mut BoxLanes) {
+pub(super) fn blend_group<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &Weights, boxes: &mut BoxLanes) {
     let widening = evaluate(simd, tables, weights, boxes);
     boxes.widen(simd, widening);
 }
 
 /// Computes the boxes before widening, and returns how much they must be widened.
 #[inline(always)]
-pub(super) fn evaluate<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &[f32], boxes: &mut BoxLanes) -> f32 {
+pub(super) fn evaluate<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &Weights, boxes: &mut BoxLanes) -> f32 {
+    match tables.width {
+        1 => evaluate_lanes::<S, 1>(simd, tables, weights, boxes),
+        2 => evaluate_lanes::<S, 2>(simd, tables, weights, boxes),
+        3 => evaluate_lanes::<S, 3>(simd, tables, weights, boxes),
+        4 => evaluate_lanes::<S, 4>(simd, tables, weights, boxes),
+        5 => evaluate_lanes::<S, 5>(simd, tables, weights, boxes),
+        6 => evaluate_lanes::<S, 6>(simd, tables, weights, boxes),
+        7 => evaluate_lanes::<S, 7>(simd, tables, weights, boxes),
+        _ => evaluate_lanes::<S, LANES>(simd, tables, weights, boxes),
+    }
+}
+
+#[inline(always)]
+fn evaluate_lanes<S: Simd, const W: usize>(
+    simd: S,
+    tables: GroupTables<'_>,
+    weights: &Weights,
+    boxes: &mut BoxLanes,
+) -> f32 {
     *boxes = *tables.base;
-    let mut reach = tables.base_reach;
-    let (mut active, mut products) = (0, 0);
-    // Each subtraction from the budget rounds by at most `U`; starting lower keeps the exact sum of the amounts at most 1.
-    let mut budget = (1.0 - tables.references.len() as f32 * (4.0 * U)).max(0.0);
-    for (i, (local, interval)) in tables.targets.iter().zip(tables.intervals).enumerate() {
-        let weight = weights[local.target as usize];
-        if weight == 0.0 {
-            continue;
+    let mut sums = Sums {
+        reach: tables.base_reach,
+        // Each subtraction from the budget rounds by at most `U`; starting lower keeps the exact sum of the amounts at most 1.
+        budget: (1.0 - tables.reference_count as f32 * (4.0 * U)).max(0.0),
+        active: 0,
+        products: 0,
+    };
+    let mut few = [0; FEW];
+    if let Some(places) = few_places(tables, weights, &mut few) {
+        for &place in places {
+            sums.add::<S, W>(simd, tables, usize::from(place), weights, boxes);
         }
-        active += 1;
-        reach += weight.abs() * local.reach;
-        let mut rest = weight;
-        if let Some(reference) = tables.references.get(i)
-            && weight > 0.0
-            && budget > 0.0
-        {
-            let amount = weight.min(budget);
-            budget -= amount;
-            rest -= amount;
-            products += 1;
-            boxes.add_scaled(simd, amount, reference);
-        }
-        if rest != 0.0 {
-            products += 1;
-            boxes.add_interval(simd, rest, interval);
+    } else {
+        for place in 0..tables.targets.len() {
+            sums.add::<S, W>(simd, tables, place, weights, boxes);
         }
     }
-    widening(reach, active, products)
+    widening(sums.reach, sums.active, sums.products)
+}
+
+/// What adds up while the boxes are computed.
+struct Sums {
+    reach: f32,
+    budget: f32,
+    active: u32,
+    products: u32,
+}
+
+impl Sums {
+    /// Adds the target at a place in the tables to the boxes.
+    #[inline(always)]
+    fn add<S: Simd, const W: usize>(
+        &mut self,
+        simd: S,
+        tables: GroupTables<'_>,
+        place: usize,
+        weights: &Weights,
+        boxes: &mut BoxLanes,
+    ) {
+        let local = &tables.targets[place];
+        let weight = weights.all()[usize::from(local.target)];
+        if weight == 0.0 {
+            return;
+        }
+        self.active += 1;
+        self.reach += weight.abs() * local.reach;
+        let mut rest = weight;
+        if place < tables.reference_count && weight > 0.0 && self.budget > 0.0 {
+            let amount = weight.min(self.budget);
+            self.budget -= amount;
+            rest -= amount;
+            self.products += 1;
+            boxes.add_scaled(simd, amount, Slopes::<W>::at(tables.references, place));
+        }
+        if rest != 0.0 {
+            self.products += 1;
+            boxes.add_interval(simd, rest, Slopes::<W>::at(tables.intervals, place));
+        }
+    }
+}
+
+/// The places in a group's tables of the active targets, ascending, if looking them up beats going over all.
+#[inline(always)]
+pub(super) fn few_places<'f>(tables: GroupTables<'_>, weights: &Weights, few: &'f mut [u16; FEW]) -> Option<&'f [u16]> {
+    if weights.active().len() > FEW || !weights.are_few_of(tables.targets.len()) {
+        return None;
+    }
+    let mut count = 0;
+    for place in weights.active().iter().filter_map(|&(target, _)| tables.place(target)) {
+        few[count] = place;
+        count += 1;
+    }
+    let places = &mut few[..count];
+    places.sort_unstable();
+    Some(places)
 }
 
 /// Blends the corners of a patch, in the order that
 /// [`MorphModel::blend_vertex`](crate::model::MorphModel::blend_vertex) defines: `f32`, ascending targets, zero weights left out,
 /// multiply then add. Where a target moves only some vertices of the patch, the others add a zero, which changes no value.
 #[inline(always)]
-pub(super) fn blend_patch<S: Simd>(simd: S, patch: PatchColumns<'_>, weights: &[f32], corners: &mut CornerLanes) {
+pub(super) fn blend_patch<S: Simd>(simd: S, patch: PatchColumns<'_>, weights: &Weights, corners: &mut CornerLanes) {
     *corners = *patch.base;
+    // Patches have few targets (`LeafLanes::new`).
     for (&target, displacement) in patch.targets.iter().zip(patch.displacements) {
-        let weight = weights[target as usize];
+        let weight = weights.all()[usize::from(target)];
         if weight == 0.0 {
             continue;
         }
@@ -73,13 +143,12 @@ pub(super) fn blend_patch<S: Simd>(simd: S, patch: PatchColumns<'_>, weights: &[
 
 /// About the most that any group of a tree is widened.
 #[cold]
-pub(super) fn max_widening(model: &MorphModel, weights: &[f32]) -> f32 {
+pub(super) fn max_widening(model: &MorphModel, weights: &Weights) -> f32 {
     let mut reach = model.base_reach();
-    let mut active = 0;
-    for (weight, target) in weights.iter().zip(model.target_reach()) {
-        reach += weight.abs() * target;
-        active += u32::from(*weight != 0.0);
+    for &(target, weight) in weights.active() {
+        reach += weight.abs() * model.target_reach()[target as usize];
     }
+    let active = weights.active().len() as u32;
     widening(reach, active, 3 * active)
 }
 

@@ -6,6 +6,7 @@ use glam::Vec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
+use super::blend::{FEW, few_places};
 use super::{Pose, Posed};
 use crate::bounds::{LANES, Lanes, levels};
 use crate::model::MorphModel;
@@ -130,4 +131,32 @@ fn a_single_triangle_has_its_corners_in_every_lane() {
     let mut rng = Pcg64Mcg::seed_from_u64(3);
     let model = model(&mut rng, 1, 3, 0.5);
     judge(&mut rng, &model, 8, Way::Gathered);
+}
+
+#[test]
+fn few_active_targets_are_looked_up_in_the_order_of_the_tables() {
+    let mut rng = Pcg64Mcg::seed_from_u64(4);
+    let mut looked_up = 0;
+    for moved in [1.0, 0.02] {
+        let model = model(&mut rng, 200, 90, moved);
+        let mut pose = Pose::new(Arc::new(MorphBvh::build(model, &BuildOptions::default())));
+        for active in (0..=FEW + 2).cycle().take(60) {
+            let mut weights = vec![-0.0; 90];
+            for _ in 0..active {
+                weights[rng.random_range(0..90)] = rng.random_range(-2.0..2.0);
+            }
+            pose.set_weights(&weights).unwrap();
+            let posed = pose.posed();
+            for group in 0..posed.topology.group_count() {
+                let tables = posed.tables.group(group);
+                let is_active = |&place: &u16| weights[usize::from(tables.targets[usize::from(place)].target)] != 0.0;
+                let expected: Vec<u16> = (0..tables.targets.len() as u16).filter(is_active).collect();
+                if let Some(places) = few_places(tables, posed.weights, &mut [0; FEW]) {
+                    assert_eq!(places, expected, "group {group}");
+                    looked_up += places.len();
+                }
+            }
+        }
+    }
+    assert!(looked_up > 100, "{looked_up}");
 }

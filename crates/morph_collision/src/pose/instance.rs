@@ -8,6 +8,7 @@ use super::posed::{Blended, Posed, Scratch};
 use super::standing::Standing;
 use super::weights::{self, WeightsError};
 use crate::bounds::{Aabb, BoxLanes, WorldFromModel};
+use crate::model::Weights;
 use crate::tree::MorphBvh;
 
 /// One instance of a morphing mesh: its weights, and a cache of the boxes and vertices blended for them.
@@ -19,7 +20,7 @@ use crate::tree::MorphBvh;
 #[derive(Clone)]
 pub struct Pose {
     bvh: Arc<MorphBvh>,
-    weights: Vec<f32>,
+    weights: Weights,
     /// Whether [`Pose::refit`] made the cached boxes.
     is_refitted: bool,
     boxes: EpochCache<BoxLanes>,
@@ -34,7 +35,7 @@ impl Pose {
     #[must_use]
     pub fn new(bvh: Arc<MorphBvh>) -> Self {
         Self {
-            weights: vec![0.0; bvh.model().target_count()],
+            weights: Weights::new(&vec![0.0; bvh.model().target_count()]),
             is_refitted: false,
             boxes: EpochCache::new(bvh.topology.group_count()),
             vertices: EpochCache::new(bvh.model().vertex_count()),
@@ -54,9 +55,9 @@ impl Pose {
     /// the range of `f32`. The pose then keeps its weights.
     pub fn set_weights(&mut self, weights: &[f32]) -> Result<bool, WeightsError> {
         weights::check(self.bvh.model(), weights)?;
-        let changed = self.weights != weights;
+        let changed = self.weights.all() != weights;
         if changed {
-            self.weights.copy_from_slice(weights);
+            self.weights.set(weights);
             self.boxes.next_epoch();
             self.vertices.next_epoch();
             self.standing.forget();
@@ -79,7 +80,7 @@ impl Pose {
     /// The weights, one per target.
     #[must_use]
     pub fn weights(&self) -> &[f32] {
-        &self.weights
+        self.weights.all()
     }
 
     /// The tree of the mesh.
@@ -129,7 +130,7 @@ impl Pose {
         let is_current = Arc::ptr_eq(&copy.bvh, &pose.bvh)
             && copy.is_refitted == pose.is_refitted
             // Refitted boxes are those of one vector of weights. Weights that a pose has accepted are never refused.
-            && (copy.weights == pose.weights || !copy.is_refitted && copy.set_weights(&pose.weights).is_ok());
+            && (copy.weights() == pose.weights() || !copy.is_refitted && copy.set_weights(pose.weights()).is_ok());
         if !is_current {
             copy.clone_from(pose);
         }
@@ -142,13 +143,13 @@ impl Pose {
     /// Cost: linear in the number of targets.
     #[must_use]
     pub fn displacement_from(&self, before: &[f32]) -> f64 {
-        weights::displacement(self.bvh.model(), before, &self.weights)
+        weights::displacement(self.bvh.model(), before, self.weights())
     }
 
     /// Bytes on the heap, without the shared tree.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        size_of_val(&*self.weights) + self.boxes.bytes() + self.vertices.bytes()
+        self.weights.bytes() + self.boxes.bytes() + self.vertices.bytes()
     }
 
     pub(crate) fn posed(&mut self) -> Posed<'_> {
@@ -172,7 +173,7 @@ impl fmt::Debug for Pose {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("Pose")
             .field("bvh", &self.bvh)
-            .field("weights", &self.weights)
+            .field("weights", &self.weights())
             .field("is_refitted", &self.is_refitted)
             .finish_non_exhaustive()
     }

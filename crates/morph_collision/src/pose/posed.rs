@@ -5,7 +5,7 @@ use super::blend::{blend_group, blend_patch, max_widening};
 use super::cache::EpochCache;
 use super::standing::Standing;
 use crate::bounds::{Aabb, BoxLanes, LANES, WorldFromModel, with_simd, world_map};
-use crate::model::MorphModel;
+use crate::model::{MorphModel, Weights};
 use crate::tree::{Child, ChildKind, CornerLanes, Leaf, LeafLanes, Tables, Topology, in_lanes, put};
 
 /// The numbers of boxes and vertices that a pose has blended since it was made.
@@ -40,7 +40,7 @@ pub(crate) struct Posed<'a> {
     pub(crate) topology: &'a Topology,
     pub(super) tables: &'a Tables,
     pub(super) leaf_lanes: Option<&'a LeafLanes>,
-    pub(super) weights: &'a [f32],
+    pub(super) weights: &'a Weights,
     pub(super) boxes: &'a mut EpochCache<BoxLanes>,
     pub(super) vertices: &'a mut EpochCache<Vec3>,
     pub(super) standing: &'a mut Standing,

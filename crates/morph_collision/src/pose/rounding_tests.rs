@@ -82,8 +82,8 @@ fn share_with<S: Simd>(simd: S, posed: &Posed<'_>) -> Option<f64> {
 fn exact_vertex(posed: &Posed<'_>, vertex: u32) -> ExactPoint {
     let base = posed.model.base(vertex);
     std::array::from_fn(|axis| {
-        let moved = posed.model.displacements(vertex).iter().map(|d| {
-            let weight = posed.weights[d.target as usize];
+        let moved = posed.model.displacements(vertex).map(|d| {
+            let weight = posed.weights.all()[usize::from(d.target)];
             Dyadic::from(weight) * Dyadic::from(d.delta[axis])
         });
         moved.sum::<Dyadic>() + Dyadic::from(base[axis])

@@ -77,7 +77,8 @@ pub(super) fn build_over(
     let above_root = builder.reserve();
     let (root, extents) = builder.node(&mut triangles, 0);
     builder.finish(above_root, &[root], &[extents]);
-    let (mut topology, tables) = (builder.topology, builder.tables);
+    let (mut topology, mut tables) = (builder.topology, builder.tables);
+    tables.finish();
     topology.triangles = triangles;
     MorphBvh {
         leaf_lanes: LeafLanes::new(&model, &topology).map(Arc::new),

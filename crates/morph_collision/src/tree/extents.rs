@@ -24,7 +24,7 @@ impl Extent {
 /// What a node spans under a target that moves it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TargetExtents {
-    pub(super) target: u32,
+    pub(super) target: u16,
     /// Of `d_k`, the displacements.
     pub(super) displacement: Extent,
     /// Of `b + d_k`: the paper's reference volume.
@@ -42,7 +42,7 @@ pub(super) struct NodeExtents {
 impl NodeExtents {
     pub(super) fn of_vertex(model: &MorphModel, vertex: u32) -> Self {
         let base = model.base(vertex).as_dvec3();
-        let displacements = model.displacements(vertex).iter();
+        let displacements = model.displacements(vertex);
         let targets = displacements.map(|displacement| {
             let delta = displacement.delta.as_dvec3();
             TargetExtents {
@@ -60,7 +60,7 @@ impl NodeExtents {
     /// The union of some parts. A part that a target does not move is at its base under it.
     pub(super) fn of_parts(parts: &[Self]) -> Self {
         let union = |of: &dyn Fn(&Self) -> Extent| parts.iter().map(of).fold(Extent::EMPTY, Extent::union);
-        let mut targets: Vec<u32> = parts.iter().flat_map(|p| p.targets.iter().map(|t| t.target)).collect();
+        let mut targets: Vec<u16> = parts.iter().flat_map(|p| p.targets.iter().map(|t| t.target)).collect();
         targets.sort_unstable();
         targets.dedup();
         let under = |target| TargetExtents {
@@ -78,7 +78,7 @@ impl NodeExtents {
     }
 
     /// What the node spans under a target, or `None` if the target does not move it.
-    pub(super) fn under(&self, target: u32) -> Option<&TargetExtents> {
+    pub(super) fn under(&self, target: u16) -> Option<&TargetExtents> {
         let i = self.targets.binary_search_by_key(&target, |t| t.target).ok()?;
         Some(&self.targets[i])
     }

@@ -23,7 +23,7 @@ pub(crate) struct LeafLanes {
     bases: Vec<CornerLanes>,
     /// `starts[i]..starts[i + 1]` are the entries of patch `i` in `targets` and `displacements`, ascending by target.
     starts: Vec<u32>,
-    targets: Vec<u32>,
+    targets: Vec<u16>,
     displacements: Vec<CornerLanes>,
 }
 
@@ -32,7 +32,7 @@ pub(crate) struct LeafLanes {
 pub(crate) struct PatchColumns<'a> {
     pub(crate) base: &'a CornerLanes,
     /// Ascending.
-    pub(crate) targets: &'a [u32],
+    pub(crate) targets: &'a [u16],
     /// One entry per target.
     pub(crate) displacements: &'a [CornerLanes],
 }
@@ -71,7 +71,7 @@ impl LeafLanes {
         let mut targets = Vec::new();
         for (lane, corner, vertex) in corners() {
             put(&mut base, lane, corner, model.base(vertex));
-            targets.extend(model.displacements(vertex).iter().map(|d| d.target));
+            targets.extend(model.displacements(vertex).map(|d| d.target));
         }
         targets.sort_unstable();
         targets.dedup();

@@ -9,7 +9,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 use crate::bounds::{Aabb, LANES};
-use crate::model::MorphModel;
+use crate::model::{MorphModel, Weights};
 
 /// Bins per axis. Not measured; a common choice.
 const BINS: usize = 16;
@@ -30,8 +30,9 @@ pub(super) struct Shape {
 
 impl Shape {
     fn new(model: &MorphModel, weights: &[f32]) -> Self {
+        let weights = Weights::new(weights);
         let vertices = 0..model.vertex_count() as u32;
-        let positions: Vec<Vec3> = vertices.map(|vertex| model.blend_vertex(vertex, weights)).collect();
+        let positions: Vec<Vec3> = vertices.map(|vertex| model.blend_vertex(vertex, &weights)).collect();
         let (midpoints, bounds) = (0..model.triangle_count() as u32)
             .map(|triangle| {
                 let corners = model.corners(triangle).map(|vertex| positions[vertex as usize]);

@@ -13,13 +13,15 @@
 
 use std::ops::Range;
 
+use glam::Vec3;
+
 use super::extents::NodeExtents;
-use crate::bounds::{Aabb, BoxLanes};
+use crate::bounds::{Aabb, BoxLanes, LANES, push_slopes, slopes_len};
 
 /// A target that moves some child of a group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LocalTarget {
-    pub(crate) target: u32,
+    pub(crate) target: u16,
     /// The largest absolute displacement in the group.
     pub(crate) reach: f32,
 }
@@ -30,7 +32,12 @@ struct Header {
     base: BoxLanes,
     base_reach: f32,
     targets: Range<usize>,
-    references: Range<usize>,
+    /// How many targets have references, the first ones.
+    references: usize,
+    /// The number of lanes in a row of slopes.
+    width: usize,
+    /// Where its slopes start: the intervals of all targets, then the references.
+    slopes: usize,
 }
 
 /// The tables of all groups.
@@ -38,8 +45,8 @@ struct Header {
 pub(crate) struct Tables {
     headers: Vec<Header>,
     targets: Vec<LocalTarget>,
-    intervals: Vec<BoxLanes>,
-    references: Vec<BoxLanes>,
+    order: Vec<u16>,
+    slopes: Vec<f32>,
 }
 
 /// The tables of one group.
@@ -50,30 +57,64 @@ pub(crate) struct GroupTables<'a> {
     pub(crate) base_reach: f32,
     /// Sorted by descending gain of the reference over the interval.
     pub(crate) targets: &'a [LocalTarget],
-    /// `I_k`, one per target.
-    pub(crate) intervals: &'a [BoxLanes],
+    /// The places of `targets` in ascending order of target.
+    pub(crate) order: &'a [u16],
+    /// The number of lanes in a row of slopes: that of the children.
+    pub(crate) width: usize,
+    /// `I_k`, one per target, to be read by [`Slopes`](crate::bounds::Slopes).
+    pub(crate) intervals: &'a [f32],
     /// `X_k` of the first targets, those that gain by it.
-    pub(crate) references: &'a [BoxLanes],
+    pub(crate) references: &'a [f32],
+    /// How many these are.
+    pub(crate) reference_count: usize,
+}
+
+impl GroupTables<'_> {
+    /// The place in the tables of a target, if it moves the group.
+    #[inline(always)]
+    pub(crate) fn place(&self, target: u32) -> Option<u16> {
+        let target_at = |place: u16| u32::from(self.targets[usize::from(place)].target);
+        // Where every target moves the group, the order is indexed by target.
+        let found = match self.order.get(target as usize) {
+            Some(&place) if target_at(place) == target => return Some(place),
+            _ => self.order.partition_point(|&place| target_at(place) < target),
+        };
+        let place = *self.order.get(found)?;
+        (target_at(place) == target).then_some(place)
+    }
 }
 
 impl Tables {
     #[inline]
     pub(crate) fn group(&self, group: usize) -> GroupTables<'_> {
         let header = &self.headers[group];
+        let intervals = &self.slopes[header.slopes..];
         GroupTables {
             base: &header.base,
             base_reach: header.base_reach,
             targets: &self.targets[header.targets.clone()],
-            intervals: &self.intervals[header.targets.clone()],
-            references: &self.references[header.references.clone()],
+            order: &self.order[header.targets.clone()],
+            width: header.width,
+            intervals,
+            references: &intervals[header.targets.len() * slopes_len(header.width)..],
+            reference_count: header.references,
         }
     }
 
-    pub(crate) fn bytes(&self) -> usize {
+    pub(super) fn bytes(&self) -> usize {
         size_of_val(&*self.headers)
             + size_of_val(&*self.targets)
-            + size_of_val(&*self.intervals)
-            + size_of_val(&*self.references)
+            + size_of_val(&*self.order)
+            + size_of_val(&*self.slopes)
+    }
+
+    /// Ends the tables after the last group.
+    pub(super) fn finish(&mut self) {
+        // Rows are read eight lanes wide.
+        self.slopes.extend([0.0; LANES]);
+        self.slopes.shrink_to_fit();
+        self.targets.shrink_to_fit();
+        self.order.shrink_to_fit();
     }
 
     /// Adds the next group in preorder, to be filled later.
@@ -96,14 +137,18 @@ impl Tables {
             })
             .collect();
         columns.sort_by(|a, b| b.gain.total_cmp(&a.gain));
-        let (targets, references) = (self.targets.len(), self.references.len());
+        let (targets, slopes) = (self.targets.len(), self.slopes.len());
         for column in &columns {
             self.targets.push(column.local);
-            self.intervals.push(column.interval);
-            if column.gain > 0.0 {
-                self.references.push(column.reference);
-            }
+            push_slopes(&mut self.slopes, &column.interval);
         }
+        let references = columns.partition_point(|column| column.gain > 0.0);
+        for column in &columns[..references] {
+            push_slopes(&mut self.slopes, &column.reference);
+        }
+        let mut order: Vec<u16> = (0..columns.len() as u16).collect();
+        order.sort_unstable_by_key(|&place| columns[usize::from(place)].local.target);
+        self.order.extend(order);
         let header = &mut self.headers[group];
         for (lane, base) in bases.iter().enumerate() {
             header.base.set(lane, base);
@@ -111,32 +156,32 @@ impl Tables {
         // Both reaches are exact: they are coordinates of the mesh.
         header.base_reach = whole.base.reach() as f32;
         header.targets = targets..self.targets.len();
-        header.references = references..self.references.len();
+        (header.references, header.slopes, header.width) = (references, slopes, children.len());
     }
 }
 
 /// The slopes of one target in a group.
 struct Column {
     local: LocalTarget,
-    interval: BoxLanes,
-    reference: BoxLanes,
+    interval: Vec<Aabb>,
+    reference: Vec<Aabb>,
     /// How much tighter a unit of weight makes the boxes at the reference than at the interval.
     gain: f64,
 }
 
 impl Column {
     fn new(local: LocalTarget, children: &[NodeExtents], bases: &[Aabb]) -> Self {
+        let still = Aabb::from_points([Vec3::ZERO]);
         let mut column = Self {
             local,
-            interval: BoxLanes::default(),
-            reference: BoxLanes::default(),
+            interval: vec![still; children.len()],
+            reference: vec![still; children.len()],
             gain: 0.0,
         };
         for (lane, (child, base)) in children.iter().zip(bases).enumerate() {
             if let Some(extents) = child.under(local.target) {
                 let (interval, reference) = (extents.displacement.outward(), extents.reference.slope_from(base));
-                column.interval.set(lane, &interval);
-                column.reference.set(lane, &reference);
+                (column.interval[lane], column.reference[lane]) = (interval, reference);
                 column.gain += looseness(&interval) - looseness(&reference);
             }
         }

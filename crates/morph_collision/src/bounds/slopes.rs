@@ -1,0 +1,70 @@
+use fearless_simd::f32x8;
+use fearless_simd::prelude::*;
+
+use super::{Aabb, BoxLanes, LANES, Lanes};
+
+/// How the boxes of a node's `W` children move per unit of a weight: six rows of `W` numbers, lower ends first.
+///
+/// Rows follow each other without gaps and are read eight lanes wide. What lanes without a child get is of no meaning; callers mask them
+/// out.
+#[derive(Clone, Copy)]
+pub(crate) struct Slopes<'a, const W: usize> {
+    min: &'a [f32],
+    max: &'a [f32],
+}
+
+/// The numbers that slopes of a width take.
+pub(crate) const fn slopes_len(width: usize) -> usize {
+    6 * width
+}
+
+impl<'a, const W: usize> Slopes<'a, W> {
+    /// The slopes at a place in a list of them, which must end with [`LANES`] numbers to spare.
+    #[inline(always)]
+    pub(crate) fn at(list: &'a [f32], place: usize) -> Self {
+        let slopes = &list[place * slopes_len(W)..][..5 * W + LANES];
+        Self {
+            min: &slopes[..2 * W + LANES],
+            max: &slopes[3 * W..],
+        }
+    }
+}
+
+/// Appends the slopes of a node's children to a list.
+pub(crate) fn push_slopes(list: &mut Vec<f32>, slopes: &[Aabb]) {
+    for end in [|slope: &Aabb| slope.min, |slope: &Aabb| slope.max] {
+        for axis in 0..3 {
+            list.extend(slopes.iter().map(|slope| end(slope)[axis]));
+        }
+    }
+}
+
+impl BoxLanes {
+    /// `self += a * slopes` for `a >= 0`.
+    #[inline(always)]
+    pub(crate) fn add_scaled<S: Simd, const W: usize>(&mut self, simd: S, a: f32, slopes: Slopes<'_, W>) {
+        let a = f32x8::splat(simd, a);
+        for axis in 0..3 {
+            add_row(simd, &mut self.min[axis], a, &slopes.min[axis * W..][..LANES]);
+            add_row(simd, &mut self.max[axis], a, &slopes.max[axis * W..][..LANES]);
+        }
+    }
+
+    /// Adds the interval of a displacement, scaled by a weight of any sign. A negative weight moves lower ends by the largest
+    /// displacement and upper ends by the smallest.
+    #[inline(always)]
+    pub(crate) fn add_interval<S: Simd, const W: usize>(&mut self, simd: S, weight: f32, interval: Slopes<'_, W>) {
+        let (min, max) = if weight < 0.0 {
+            (interval.max, interval.min)
+        } else {
+            (interval.min, interval.max)
+        };
+        self.add_scaled(simd, weight, Slopes::<W> { min, max });
+    }
+}
+
+/// `row += a * slopes`; multiplies, then adds.
+#[inline(always)]
+fn add_row<S: Simd>(simd: S, row: &mut Lanes, a: f32x8<S>, slopes: &[f32]) {
+    (row.load(simd) + f32x8::from_slice(simd, slopes) * a).store_slice(&mut row.0);
+}

@@ -1,0 +1,118 @@
+/// One weight per target, and which of them are not zero, so that what blends pays for those alone.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Weights {
+    all: Vec<f32>,
+    /// The targets whose weights are not zero, ascending, with these.
+    active: Vec<(u32, f32)>,
+}
+
+/// A binary search takes as long as going over about this many targets.
+const SEARCH: usize = 8;
+
+impl Weights {
+    pub(crate) fn new(all: &[f32]) -> Self {
+        let mut weights = Self::default();
+        weights.set(all);
+        weights
+    }
+
+    pub(crate) fn set(&mut self, all: &[f32]) {
+        self.all.clear();
+        self.all.extend_from_slice(all);
+        self.active.clear();
+        let targets = (0..).zip(all.iter().copied());
+        self.active.extend(targets.filter(|&(_, weight)| weight != 0.0));
+    }
+
+    pub(crate) fn all(&self) -> &[f32] {
+        &self.all
+    }
+
+    /// The targets whose weights are not zero, ascending, with these.
+    pub(crate) fn active(&self) -> &[(u32, f32)] {
+        &self.active
+    }
+
+    /// Bytes on the heap.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&*self.all) + self.active.capacity() * size_of::<(u32, f32)>()
+    }
+
+    /// Whether so few targets are active that searching this many for each of them beats going over all.
+    #[inline(always)]
+    pub(crate) fn are_few_of(&self, targets: usize) -> bool {
+        self.active.len() * SEARCH < targets
+    }
+
+    /// Visits the active ones of some ascending targets in order: the weight, and the target's value of those given, one per target.
+    #[inline(always)]
+    pub(crate) fn visit<T>(&self, targets: &[u16], values: &[T], mut visit: impl FnMut(f32, &T)) {
+        if targets.len() == self.all.len() {
+            for &(target, weight) in &self.active {
+                visit(weight, &values[target as usize]);
+            }
+        } else if self.are_few_of(targets.len()) {
+            let mut from = 0;
+            for &(target, weight) in &self.active {
+                from += targets[from..].partition_point(|&other| u32::from(other) < target);
+                if targets.get(from).is_some_and(|&other| u32::from(other) == target) {
+                    visit(weight, &values[from]);
+                }
+            }
+        } else {
+            for (&target, value) in targets.iter().zip(values) {
+                let weight = self.all[usize::from(target)];
+                if weight != 0.0 {
+                    visit(weight, value);
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    use super::*;
+
+    /// Places of active targets and the bits of their weights, in order.
+    fn visited_by_definition(weights: &[f32], targets: &[u16]) -> Vec<(usize, u32)> {
+        let weights = targets.iter().map(|&target| weights[usize::from(target)]);
+        let active = weights.enumerate().filter(|&(_, weight)| weight != 0.0);
+        active.map(|(place, weight)| (place, weight.to_bits())).collect()
+    }
+
+    #[test]
+    fn active_targets_are_visited_in_order_however_they_are_found() {
+        let mut rng = Pcg64Mcg::seed_from_u64(1);
+        let (mut dense, mut searched, mut walked) = (0, 0, 0);
+        for case in 0..600 {
+            let targets = rng.random_range(0..300_u16);
+            let [listed, active] = [(); 2].map(|()| [0.0, 0.02, 0.3, 1.0][rng.random_range(0..4)]);
+            let mut weight = || match rng.random_range(0..4) {
+                0 => -0.0,
+                1 => 0.0,
+                _ if !rng.random_bool(active) => 0.0,
+                2 => -1.5,
+                _ => f32::from_bits(1),
+            };
+            let all: Vec<f32> = (0..targets).map(|_| weight()).collect();
+            let list: Vec<u16> = (0..targets).filter(|_| rng.random_bool(listed)).collect();
+            let weights = Weights::new(&all);
+            assert_eq!(weights.all().len(), all.len());
+            let mut visited = Vec::new();
+            let places: Vec<usize> = (0..list.len()).collect();
+            weights.visit(&list, &places, |weight, &place| visited.push((place, weight.to_bits())));
+            assert_eq!(visited, visited_by_definition(&all, &list), "case {case}");
+            let way = match list.len() {
+                n if n == all.len() => &mut dense,
+                n if weights.are_few_of(n) => &mut searched,
+                _ => &mut walked,
+            };
+            *way += usize::from(!visited.is_empty());
+        }
+        assert!(dense > 20 && searched > 5 && walked > 20, "{dense} {searched} {walked}");
+    }
+}

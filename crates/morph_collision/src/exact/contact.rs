@@ -136,7 +136,7 @@ impl Corners {
         let mut farthest = [*points.first()?; 2];
         let mut length = 0.0;
         for (i, &p) in points.iter().enumerate() {
-            for &q in &points[i + 1..] {
+            for &q in &points[i..] {
                 let distance = p.distance_squared(q);
                 if distance > length {
                     (length, farthest) = (distance, [p, q]);

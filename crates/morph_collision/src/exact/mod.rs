@@ -32,6 +32,10 @@ pub(crate) use triangle::facets_intersect_counting;
 pub use triangle::{Triangle, triangles_intersect};
 
 #[cfg(test)]
+mod closest_tests;
+#[cfg(test)]
+mod contact_tests;
+#[cfg(test)]
 mod one_body_tests;
 #[cfg(test)]
 mod tests;

@@ -148,4 +148,27 @@ mod tests {
         }
         assert_eq!(power_of_two(-3), 0.125);
     }
+
+    #[test]
+    fn one_rounding_adds_half_a_unit_in_the_last_place_and_next_to_nothing() {
+        let sum = Approx::new(0.1).plus(&Approx::new(0.2));
+        let share = sum.error / (UNIT_ROUNDOFF * 0.3);
+        assert!((1.0..1.0 + 1e-12).contains(&share), "{share}");
+    }
+
+    #[test]
+    fn errors_grow_with_factors_and_vanish_only_in_products_with_zero() {
+        // The sum is rounded to 1, which leaves nothing of the second term.
+        let lost = Approx::new(1.0)
+            .plus(&Approx::new(UNIT_ROUNDOFF))
+            .minus(&Approx::new(1.0));
+        let (zero, factor) = (Approx::new(0.0), Approx::new(1024.0));
+        for product in [lost.times(&factor), factor.times(&lost)] {
+            assert_eq!((product.value, product.sign()), (0.0, None));
+            assert!(product.error >= 1024.0 * UNIT_ROUNDOFF, "{product:?}");
+        }
+        for product in [lost.times(&zero), zero.times(&lost)] {
+            assert_eq!(product.sign(), Some(Ordering::Equal));
+        }
+    }
 }

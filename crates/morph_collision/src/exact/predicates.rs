@@ -3,7 +3,7 @@
 
 use std::cmp::Ordering;
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec3Swizzles};
 use robust::{Coord, Coord3D};
 
 use super::dyadic::Dyadic;
@@ -102,6 +102,26 @@ impl Projection {
     }
 
     pub(crate) fn apply(self, p: DVec3) -> DVec2 {
-        DVec2::new(p[(self.axis + 1) % 3], p[(self.axis + 2) % 3])
+        match self.axis {
+            0 => p.yz(),
+            1 => p.zx(),
+            _ => p.xy(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn crossings_are_found_at_any_angle() {
+        for slope in [1.0, power_of_two(-30), power_of_two(-600)] {
+            let at = |x: f64| DVec3::new(1e9 * x, 7.0, slope * x);
+            let plane = [DVec3::ZERO, DVec3::X, DVec3::Y];
+            assert_eq!(plane_crossing(plane, [at(-3.0), at(5.0)]), 0.375);
+            let [from, to] = [at(-3.0), at(5.0)].map(DVec3::xz);
+            assert_eq!(line_crossing([DVec2::ZERO, DVec2::X], [from, to]), 0.375);
+        }
     }
 }

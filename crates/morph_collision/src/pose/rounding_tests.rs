@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use fearless_simd::Simd;
 use glam::Vec3;
+use morph_collision_testkit::models::random::random_blob;
 use morph_collision_testkit::oracle::Dyadic;
 use morph_collision_testkit::search::{Climb, is_as_known};
 use rand::RngExt;
 
-use super::blend::{blend_group, evaluate};
+use super::blend::{blend_group, evaluate, max_widening};
 use super::{Pose, Posed};
 use crate::bounds::{BoxLanes, ExactPoint, holds, lack, with_simd};
 use crate::model::MorphModel;
@@ -144,4 +145,24 @@ fn boxes_need_much_of_their_widening_and_never_more() {
         (Form::References, 0.262),
         (Form::Rests, 0.262),
     ]);
+}
+
+/// The bound for all groups, which collapsed bodies go by and ordinary ones leave out.
+#[test]
+fn no_group_is_widened_by_more_than_the_bound_for_all() {
+    let mesh = random_blob(3, 2, 12, 0.5);
+    let model = MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap();
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+    for weight in [-1.0, 0.3, 40.0] {
+        pose.set_weights(&[weight; 12]).unwrap();
+        let posed = pose.posed();
+        let most = max_widening(posed.model, posed.weights);
+        for group in 0..posed.topology.group_count() {
+            let (tables, mut boxes) = (posed.tables.group(group), BoxLanes::default());
+            let by = with_simd!(posed.level, simd => evaluate(simd, tables, posed.weights, &mut boxes));
+            assert!(by <= most, "{by}, {most} for all");
+        }
+        assert_eq!(posed.rounding(posed.model.base_reach()), 0.0);
+        assert_eq!(posed.rounding(0.0), most);
+    }
 }

@@ -75,22 +75,58 @@ fn a_vertex_that_does_not_exist_is_none() {
     assert_eq!(lifted_triangle().triangle(1), None);
 }
 
-/// Far from the origin a small change of a weight moves a vertex by a whole unit in its last place.
+#[test]
+fn weights_that_reach_the_limit_are_taken_and_larger_ones_refused() {
+    let model = MorphModel::from_displacements(&[Vec3::ZERO; 3], &[[0, 1, 2]], &[[Vec3::X * 1e37; 3]]).unwrap();
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+    assert_eq!(pose.set_weights(&[2.0]), Ok(true));
+    let value = 2.0_f32.next_up();
+    let refusal = WeightsError::TooLarge { index: 0, value };
+    assert_eq!(pose.set_weights(&[value]), Err(refusal));
+}
+
+#[test]
+fn a_copy_follows_its_pose_and_keeps_what_it_has_blended() {
+    let mut pose = lifted_triangle();
+    let mut copy = None;
+    for weight in [0.0, 0.5] {
+        pose.set_weights(&[weight, 0.0]).unwrap();
+        let copied = Pose::copied(&mut copy, &pose);
+        assert_eq!(copied.source_vertex(0), Some(Vec3::Z * weight));
+        let before = blended(copied);
+        let copied = Pose::copied(&mut copy, &pose);
+        assert_eq!(copied.source_vertex(0), Some(Vec3::Z * weight));
+        assert_eq!(blended(copied), before);
+    }
+}
+
+/// Far from the origin a small change of weights moves a vertex by a whole unit in its last place, once per target.
 #[test]
 fn the_displacement_between_weights_covers_roundings() {
     let base = [Vec3::splat(1e6), Vec3::splat(1e6) + Vec3::X, Vec3::splat(1e6) + Vec3::Y];
-    let model = MorphModel::from_displacements(&base, &[[0, 1, 2]], &[[Vec3::ONE; 3]]).unwrap();
-    let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
-    let mut jumps = 0;
-    for weight in [0.0, 0.031, 0.0313, 0.05, 0.094] {
-        pose.set_weights(&[0.0]).unwrap();
-        let before = pose.vertex(0).unwrap().as_dvec3();
-        pose.set_weights(&[weight]).unwrap();
-        let moved = pose.vertex(0).unwrap().as_dvec3().distance(before);
-        assert!(moved <= pose.displacement_from(&[0.0]), "{moved} at {weight}");
-        jumps += usize::from(moved > 3_f64.sqrt() * f64::from(weight));
+    for targets in [1, 8] {
+        let model = MorphModel::from_displacements(&base, &[[0, 1, 2]], &vec![[Vec3::ONE; 3]; targets]).unwrap();
+        let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+        let rest = vec![0.0; targets];
+        let mut jumps = 0;
+        for weight in [0.0, 0.031, 0.0313, 0.05, 0.094] {
+            pose.set_weights(&rest).unwrap();
+            let before = pose.vertex(0).unwrap().as_dvec3();
+            pose.set_weights(&vec![weight; targets]).unwrap();
+            let moved = pose.vertex(0).unwrap().as_dvec3().distance(before);
+            assert!(moved <= pose.displacement_from(&rest), "{moved} at {weight}");
+            jumps += usize::from(moved > 3_f64.sqrt() * targets as f64 * f64::from(weight));
+        }
+        assert!(jumps > 0, "no vertex was rounded away from its exact place");
     }
-    assert!(jumps > 0, "no vertex was rounded away from its exact place");
+}
+
+#[test]
+fn the_displacement_between_weights_is_that_of_the_targets_but_for_roundings() {
+    let mut pose = lifted_triangle();
+    pose.set_weights(&[0.5, 0.25]).unwrap();
+    let expected = 3_f64.sqrt() * 0.75;
+    assert!((pose.displacement_from(&[0.0, 0.0]) - expected).abs() < 1e-5);
 }
 
 #[test]

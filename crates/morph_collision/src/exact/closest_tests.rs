@@ -1,0 +1,76 @@
+//! Closest points in figures of whole numbers, where they are known beforehand.
+
+use glam::DVec3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use super::number::power_of_two;
+use super::{closest_of_segments, closest_on_triangle, closest_on_triangle_exactly};
+
+/// Whole coordinates below `limit`.
+fn vector(rng: &mut Pcg64Mcg, limit: i64) -> DVec3 {
+    DVec3::from_array(std::array::from_fn(|_| rng.random_range(1 - limit..limit) as f64))
+}
+
+fn small(rng: &mut Pcg64Mcg) -> DVec3 {
+    vector(rng, 10)
+}
+
+/// Coordinates are large, so the closest point that is computed is often beside the given one.
+#[test]
+fn a_point_of_a_triangle_is_its_own_closest_point_at_any_size() {
+    let mut rng = Pcg64Mcg::seed_from_u64(1);
+    let mut beside = 0;
+    for round in 0..600 {
+        let scale = power_of_two([-60, 0, 60][round % 3]);
+        let [a, u, v] = std::array::from_fn(|_| vector(&mut rng, 1 << 45));
+        let i = rng.random_range(0..8);
+        let j = rng.random_range(0..8 - i);
+        let point = (a + u * f64::from(i) + v * f64::from(j)) * scale;
+        let triangle = [a, a + u * 7.0, a + v * 7.0].map(|corner| corner * scale);
+        let closest = closest_on_triangle_exactly(point, &triangle);
+        assert_eq!((closest.point, closest.squared), (point, 0.0), "{triangle:?}");
+        beside += u32::from(closest_on_triangle(point, &triangle).point != point);
+    }
+    assert!(beside > 100, "{beside}");
+}
+
+#[test]
+fn barycentrics_say_where_the_closest_point_is() {
+    let mut rng = Pcg64Mcg::seed_from_u64(2);
+    for _ in 0..600 {
+        let triangle @ [a, b, c] = std::array::from_fn(|_| small(&mut rng));
+        let closest = closest_on_triangle(small(&mut rng), &triangle);
+        let [x, y, z] = closest.barycentrics;
+        assert!(closest.point.abs_diff_eq(a * x + b * y + c * z, 1e-13), "{closest:?}");
+    }
+}
+
+/// Two segments with a common perpendicular at inner points of both.
+#[test]
+fn segments_are_closest_where_both_are_upright_to_the_way_between() {
+    let mut rng = Pcg64Mcg::seed_from_u64(3);
+    let mut judged = 0;
+    while judged < 600 {
+        let [foot, d, e] = std::array::from_fn(|_| small(&mut rng));
+        let between = d.cross(e);
+        if between == DVec3::ZERO {
+            continue;
+        }
+        judged += 1;
+        let mut length = || f64::from(rng.random_range(1..5));
+        let s = [foot - d * length(), foot + d * length()];
+        let t = [foot + between - e * length(), foot + between + e * length()];
+        let closest = closest_of_segments(s, t);
+        let distance = between.length();
+        assert!(
+            (closest.squared.sqrt() / distance - 1.0).abs() < 1e-13,
+            "{s:?} {t:?} {closest:?}"
+        );
+        assert!(closest.on_a.abs_diff_eq(foot, 1e-9), "{s:?} {t:?} {closest:?}");
+        assert!(
+            closest.on_b.abs_diff_eq(foot + between, 1e-9),
+            "{s:?} {t:?} {closest:?}"
+        );
+    }
+}

@@ -152,7 +152,8 @@ mod tests {
     #[test]
     fn one_rounding_adds_half_a_unit_in_the_last_place_and_next_to_nothing() {
         let sum = Approx::new(0.1).plus(&Approx::new(0.2));
-        let share = sum.error / (UNIT_ROUNDOFF * 0.3);
+        assert_eq!(sum.sign(), Some(Ordering::Greater));
+        let share = sum.error / (2.0_f64.powi(-53) * 0.3);
         assert!((1.0..1.0 + 1e-12).contains(&share), "{share}");
     }
 
@@ -170,5 +171,7 @@ mod tests {
         for product in [lost.times(&zero), zero.times(&lost)] {
             assert_eq!(product.sign(), Some(Ordering::Equal));
         }
+        let share = lost.times(&lost).error / (UNIT_ROUNDOFF * UNIT_ROUNDOFF);
+        assert!((1.0..1.0 + 1e-12).contains(&share), "{share}");
     }
 }

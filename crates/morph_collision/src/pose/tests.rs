@@ -100,19 +100,22 @@ fn a_copy_follows_its_pose_and_keeps_what_it_has_blended() {
     }
 }
 
-/// Far from the origin a small change of weights moves a vertex by a whole unit in its last place, once per target.
+/// Far from the origin a small change of weights moves a vertex by a whole unit in its last place, once per target
+/// with a weight.
 #[test]
 fn the_displacement_between_weights_covers_roundings() {
     let base = [Vec3::splat(1e6), Vec3::splat(1e6) + Vec3::X, Vec3::splat(1e6) + Vec3::Y];
     for targets in [1, 8] {
-        let model = MorphModel::from_displacements(&base, &[[0, 1, 2]], &vec![[Vec3::ONE; 3]; targets]).unwrap();
+        let model = MorphModel::from_displacements(&base, &[[0, 1, 2]], &vec![[Vec3::ONE; 3]; targets + 1]).unwrap();
         let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
-        let rest = vec![0.0; targets];
+        let rest = vec![0.0; targets + 1];
         let mut jumps = 0;
         for weight in [0.0, 0.031, 0.0313, 0.05, 0.094] {
             pose.set_weights(&rest).unwrap();
             let before = pose.vertex(0).unwrap().as_dvec3();
-            pose.set_weights(&vec![weight; targets]).unwrap();
+            let mut weights = vec![weight; targets];
+            weights.push(0.0);
+            pose.set_weights(&weights).unwrap();
             let moved = pose.vertex(0).unwrap().as_dvec3().distance(before);
             assert!(moved <= pose.displacement_from(&rest), "{moved} at {weight}");
             jumps += usize::from(moved > 3_f64.sqrt() * targets as f64 * f64::from(weight));

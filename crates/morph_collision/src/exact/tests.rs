@@ -7,6 +7,7 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
 use super::filter::facets_intersect;
+use super::segment::segments_intersect;
 use super::{Facet, Triangle, triangle_contact, triangles_intersect};
 
 /// What the filter alone decides.
@@ -68,6 +69,21 @@ fn triangles_degenerate_to_segments_and_points() {
     let along_x = [v(0.0, 0.0, 0.0), v(1.0, 0.0, 0.0), v(4.0, 0.0, 0.0)];
     let along_y = [v(3.0, -3.0, 0.0), v(3.0, -2.0, 0.0), v(3.0, 1.0, 0.0)];
     assert!(triangles_intersect(&along_x, &along_y));
+}
+
+#[test]
+fn segments_that_touch_at_an_end_of_one_share_a_point() {
+    let floor = [v(0.0, 0.0, 0.0), v(4.0, 0.0, 0.0)];
+    for post in [
+        [v(1.0, 0.0, 0.0), v(1.0, 3.0, 2.0)],
+        [v(1.0, 3.0, 2.0), v(1.0, 0.0, 0.0)],
+    ] {
+        let beside = post.map(|p| p + v(4.0, 0.0, 0.0));
+        for (s, t) in [(floor, post), (post, floor)] {
+            assert!(segments_intersect(s, t), "{s:?} {t:?}");
+        }
+        assert!(!segments_intersect(floor, beside) && !segments_intersect(beside, floor));
+    }
 }
 
 /// Corners on a coarse grid, so that coplanar, touching and degenerate pairs are common.

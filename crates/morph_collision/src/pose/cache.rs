@@ -120,4 +120,12 @@ mod tests {
             (None, Some('a'))
         );
     }
+
+    #[test]
+    fn a_cache_has_the_bytes_of_its_stamps_and_of_its_values() {
+        let mut values = EpochCache::<[u64; 4]>::new(3);
+        assert_eq!(values.bytes(), 3 * 8);
+        values.insert(1, [0; 4]);
+        assert_eq!(values.bytes(), 3 * 8 + values.slots.capacity() * 32);
+    }
 }

@@ -53,6 +53,14 @@ fn a_diamond_common_to_coplanar_triangles_has_its_longest_diagonal() {
 }
 
 #[test]
+fn triangles_that_are_segments_on_one_line_share_where_both_are() {
+    let first = flat([[0.0, 0.0], [4.0, 2.0], [2.0, 1.0]]);
+    let second = flat([[8.0, 4.0], [6.0, 3.0], [2.0, 1.0]]);
+    let expected = [[2.0, 1.0, 0.0], [4.0, 2.0, 0.0]].map(DVec3::from_array);
+    assert_eq!(segment(&first, &second), expected);
+}
+
+#[test]
 fn the_normal_of_a_triangle_of_any_size_has_length_one() {
     for size in [1e-300, 1e-200, 1.0, 1e200, 1e300] {
         let triangle = flat([[1.0, 1.0], [2.0, 1.0], [1.0, 2.0]]).map(|corner| corner * size);

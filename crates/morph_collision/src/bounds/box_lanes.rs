@@ -7,7 +7,7 @@ use super::{Aabb, LANES, Lanes};
 /// Eight boxes as structure of arrays: the children of a node, or the triangles of a patch.
 ///
 /// The ends of a box depend linearly on the points it is made from, so boxes are blended as numbers: `base + sum a * slope`.
-/// Lanes without a child hold zeros; callers mask them out.
+/// Lanes without a child hold any numbers; callers mask them out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
 pub(crate) struct BoxLanes {

@@ -21,7 +21,7 @@ pub(crate) struct BoxMap {
 }
 
 impl BoxMap {
-    /// The map to a frame for boxes within the frame's magnitude; `None` where `f32` cannot hold it.
+    /// The map to a frame for boxes of points within the frame's magnitude; `None` where `f32` cannot hold it.
     pub(crate) fn new(frame: &Frame) -> Option<Self> {
         let mut map = Self::default();
         map.set(frame).then_some(map)

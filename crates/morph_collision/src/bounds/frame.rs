@@ -14,7 +14,7 @@ use super::{Aabb, BoxMap, WorldFromModel};
 pub(crate) struct Frame {
     pub(crate) linear: DMat3,
     pub(crate) translation: DVec3,
-    /// The largest absolute coordinates of the points that will be mapped.
+    /// The largest absolute coordinates of the points that will be mapped. Boxes around them may reach farther (docs/numerics.md).
     pub(crate) magnitude: DVec3,
     /// The error bound per axis of the target: of the map, and of where the points are placed.
     pub(crate) error: DVec3,

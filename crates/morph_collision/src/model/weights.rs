@@ -44,7 +44,8 @@ impl Weights {
         self.active.len() * SEARCH < targets
     }
 
-    /// Visits the active ones of some ascending targets in order: the weight, and the target's value of those given, one per target.
+    /// Calls `visit` with the weight and the value of each target with a nonzero weight. `targets` is ascending, and `values[i]` belongs to
+    /// `targets[i]`.
     #[inline(always)]
     pub(crate) fn visit<T>(&self, targets: &[u16], values: &[T], mut visit: impl FnMut(f32, &T)) {
         if targets.len() == self.all.len() {

@@ -15,7 +15,7 @@ pub(super) const FEW: usize = 8;
 
 /// Sets `boxes` to boxes that hold every vertex of each child, both its exact position and the one rounded to `f32`.
 ///
-/// Cost: one pass over the group's local targets. Each target with a nonzero weight takes one multiply-add of eight lanes per
+/// Cost: one pass over the group's local targets, or over the active ones if these are few. Each target with a nonzero weight takes one multiply-add of eight lanes per
 /// row, or two for the target that uses up the budget.
 #[inline(always)]
 pub(super) fn blend_group<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &Weights, boxes: &mut BoxLanes) {

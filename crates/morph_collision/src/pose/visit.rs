@@ -8,7 +8,7 @@ use crate::tree::ChildKind;
 pub struct PosedNode<'a> {
     /// The box around the node's triangles, in model space.
     pub bounds: Aabb,
-    /// Whether the box was cached before the visit.
+    /// Whether the box was cached before the visit. The root counts as cached if its children are: bodies' bounds come from these.
     pub was_fresh: bool,
     /// Edges from the root to the node.
     pub depth: usize,

@@ -136,7 +136,8 @@ impl PairQuery {
         front
     }
 
-    /// Calls `visitor` for intersecting pairs until it breaks; returns the leaves at which it did, if it walked the trees.
+    /// Calls `visitor` for intersecting pairs until it breaks. Returns the leaves at which it did if it was given leaves one by one: if it
+    /// started deepest first, or at two leaves.
     fn run(
         &mut self,
         a: Body<'_>,

@@ -2,8 +2,8 @@
 //!
 //! A pair is rejected if the triangles are apart along some axis by more than the error bound. Any axis is valid; a well-chosen one
 //! only saves time. Tested are the coordinate axes, both normals, and the two cross products of edges of which one separates
-//! disjoint triangles that cross each other's planes (Guigue and Devillers 2003). If all signs involved are certain and no axis
-//! separates the triangles, they intersect. What is neither rejected nor certain is decided elsewhere.
+//! disjoint triangles that cross each other's planes (Guigue and Devillers 2003). Where all signs involved are certain, they say
+//! whether the triangles intersect. What is neither rejected nor certain is decided elsewhere.
 
 use std::ops::ControlFlow;
 
@@ -31,7 +31,8 @@ pub(super) struct Patch {
     /// Each triangle's interval along its own normal.
     low: Lanes,
     high: Lanes,
-    /// The longest side of each triangle's box; the same divided by the length that the normal had before scaling.
+    /// The longest side of each triangle's box; the same divided by the largest coordinate that the normal had before
+    /// scaling.
     span: Lanes,
     tilt: Lanes,
     /// The largest absolute coordinate, infinite if products would leave the range of `f32`.

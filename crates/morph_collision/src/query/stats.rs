@@ -14,7 +14,8 @@ pub struct QueryStats {
     pub undecided_by_filter: u64,
     /// Nodes whose bounds were blended. Bounds that are cached for the current weights are not blended again.
     pub nodes_blended: u64,
-    /// Vertices blended. A leaf blends all its vertices each time a query reads it; in trees whose leaves are blended vertex by
+    /// Vertices blended. A leaf blends all its vertices each time a query reads it, and pairs that the `f32` filter leaves open blend
+    /// theirs once more; in trees whose leaves are blended vertex by
     /// vertex (many targets), vertices that are cached for the current weights are not blended again.
     pub vertices_blended: u64,
 }

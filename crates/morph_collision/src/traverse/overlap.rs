@@ -286,8 +286,9 @@ impl DepthSort {
             return;
         }
         self.keys.clear();
-        // Numbers that are not negative are in the order of their bits. Below them, the place of a pair.
-        let key = |(place, pair)| u64::from(depth(pair).max(0.0).to_bits()) << 32 | place as u64;
+        // Numbers that are not negative are in the order of their bits; adding 0 makes a negative zero positive. Below them, the place
+        // of a pair.
+        let key = |(place, pair)| u64::from((depth(pair).max(0.0) + 0.0).to_bits()) << 32 | place as u64;
         self.keys.extend(pairs.iter().enumerate().map(key));
         self.keys.sort_unstable();
         self.pairs.clear();

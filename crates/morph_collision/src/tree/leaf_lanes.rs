@@ -108,8 +108,7 @@ impl LeafLanes {
 
 /// Pairs every lane with an item. Lanes beyond the last item repeat it, so that a condition on all lanes is one on the items.
 pub(crate) fn in_lanes<T: Copy>(items: &[T]) -> impl Iterator<Item = (usize, T)> {
-    let last = items.last().copied();
-    let rest = std::iter::repeat_with(move || last).flatten();
+    let rest = items.last().copied().into_iter().cycle();
     (0..LANES).zip(items.iter().copied().chain(rest))
 }
 

@@ -88,7 +88,10 @@ impl Tables {
     #[inline]
     pub(crate) fn group(&self, group: usize) -> GroupTables<'_> {
         let header = &self.headers[group];
-        let intervals = &self.slopes[header.slopes..];
+        // Rows are read eight lanes wide, the last one beyond its end.
+        let entries = header.targets.len() + header.references;
+        let end = header.slopes + entries * slopes_len(header.width) + LANES;
+        let intervals = &self.slopes[header.slopes..end];
         GroupTables {
             base: &header.base,
             base_reach: header.base_reach,

@@ -100,9 +100,9 @@ impl Patch {
 /// neighbourhood, and a height three more times, each by at most `u R` times the sum of the axis's coordinates. Two heights make
 /// 8 such roundings; their comparison and the bound itself add 3. Products that underflow add less than `FLOOR`.
 ///
-/// To accept a pair, the axes themselves must be accurate. With spans `A` and `B`, the error of an edge is at most `4.1 u R`, that of
+/// To accept a pair, or to reject it by the sign of a product of three edges, the axes themselves must be accurate. With spans `A` and `B`, the error of an edge is at most `4.1 u R`, that of
 /// the product of two edges of one triangle `29 u R A` per coordinate, and of one edge of each `14 u R (A + B)`. Corners of triangles
-/// with overlapping boxes are at most `A + B` apart.
+/// with overlapping boxes are at most `A + B` apart, so a product of three edges is off by less than `67 u R (A + B)^2`.
 pub(super) struct ErrorBounds<S: Simd> {
     pub(super) per_length: f32x8<S>,
     pub(super) floor: f32x8<S>,

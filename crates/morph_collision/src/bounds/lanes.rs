@@ -28,9 +28,10 @@ impl Lanes {
 }
 
 /// The lanes of a bit mask, ascending.
-#[inline]
+#[inline(always)]
 pub(crate) fn lanes_of(mask: u8) -> impl Iterator<Item = usize> {
-    let mut left = mask;
+    // Wider than the mask: that takes fewer instructions.
+    let mut left = u32::from(mask);
     std::iter::from_fn(move || {
         let lane = left.trailing_zeros() as usize;
         left &= left.checked_sub(1)?;

@@ -6,7 +6,7 @@ pub(crate) struct Weights {
     active: Vec<(u32, f32)>,
 }
 
-/// A binary search takes as long as going over about this many targets.
+/// A binary search is taken to cost as much as going over this many targets. Not measured.
 const SEARCH: usize = 8;
 
 impl Weights {

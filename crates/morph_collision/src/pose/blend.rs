@@ -10,13 +10,13 @@ use crate::tree::{CornerLanes, GroupTables, PatchColumns};
 /// Half a unit in the last place of 1.
 const U: f32 = f32::EPSILON / 2.0;
 
-/// With more active targets than this, blending goes over all targets of a group.
+/// With more active targets than this, blending goes over all targets of a group. Not measured; flip-books have two.
 pub(super) const FEW: usize = 8;
 
 /// Sets `boxes` to boxes that hold every vertex of each child, both its exact position and the one rounded to `f32`.
 ///
-/// Cost: one pass over the group's local targets, or over the active ones if these are few. Each target with a nonzero weight takes one multiply-add of eight lanes per
-/// row, or two for the target that uses up the budget.
+/// Cost: one pass over the group's local targets, or over the active ones if these are few. Each target with a nonzero weight takes
+/// one multiply-add of eight lanes per row, or two for the target that uses up the budget.
 #[inline(always)]
 pub(super) fn blend_group<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &Weights, boxes: &mut BoxLanes) {
     let widening = evaluate(simd, tables, weights, boxes);

@@ -5,14 +5,14 @@ use std::ops::ControlFlow;
 use fearless_simd::Simd;
 
 use super::views::{Node, Views};
-use crate::bounds::{Aabb, Frame, LANES, with_simd};
+use crate::bounds::{Aabb, Frame, LANES, lanes_of, with_simd};
 use crate::pose::{NodeId, Posed};
 use crate::tree::{Child, ChildKind, Leaf};
 
 /// Nodes whose sizes differ by less than this factor are opened together. Chosen by instructions on the bench scenes (docs/tried.md).
 const MAX_SIZE_RATIO: f32 = 3.0;
 
-/// Leaf pairs are passed on when there are this many.
+/// Leaf pairs are passed on when there are this many. Not measured; the list stays small and a call is shared by many.
 const LEAF_PAIRS: usize = 256;
 
 /// The order in which node pairs are visited.
@@ -192,7 +192,7 @@ impl OverlapWalk {
     fn descend_a<S: Simd>(&mut self, simd: S, slot: usize, node_b: Node, order: Order) {
         let mask = self.rows(simd, slot, node_b);
         let first = self.stack.len();
-        for lane in bits(mask) {
+        for lane in lanes_of(mask) {
             self.push((self.a.child(slot, lane), node_b), order);
         }
         if order == Order::DeepestFirst && self.stack.len() > first + 1 {
@@ -209,7 +209,7 @@ impl OverlapWalk {
         self.node_tests += u64::from(opened.len);
         let mask = opened.overlaps(simd, self.a.siblings(node_a), node_a.lane());
         let first = self.stack.len();
-        for lane in bits(mask) {
+        for lane in lanes_of(mask) {
             self.push((node_a, self.b.child(slot, lane)), order);
         }
         if order == Order::DeepestFirst && self.stack.len() > first + 1 {
@@ -225,7 +225,7 @@ impl OverlapWalk {
     fn descend_both<S: Simd>(&mut self, simd: S, (slot_a, slot_b): (usize, usize), rows: u8, order: Order) {
         let first = self.stack.len();
         let mut depths = [[0.0; LANES]; LANES];
-        for row in bits(rows) {
+        for row in lanes_of(rows) {
             let (opened_a, opened_b) = (self.a.opened(slot_a), self.b.opened(slot_b));
             self.node_tests += u64::from(opened_b.len);
             let mask = opened_b.overlaps(simd, opened_a, row);
@@ -236,7 +236,7 @@ impl OverlapWalk {
                 depths[row % LANES] = opened_b.depths(simd, opened_a, row);
             }
             let node_a = self.a.child(slot_a, row);
-            for lane in bits(mask) {
+            for lane in lanes_of(mask) {
                 self.push((node_a, self.b.child(slot_b, lane)), order);
             }
         }
@@ -256,17 +256,6 @@ impl OverlapWalk {
             self.stack.push(pair);
         }
     }
-}
-
-/// The bits of a mask, ascending.
-#[inline(always)]
-fn bits(mask: u8) -> impl Iterator<Item = usize> {
-    let mut left = u32::from(mask);
-    std::iter::from_fn(move || {
-        let lane = left.trailing_zeros() as usize;
-        left &= left.checked_sub(1)?;
-        Some(lane)
-    })
 }
 
 /// Sorts node pairs by their depth, so that the deepest is popped first. Reuses its memory.

@@ -7,7 +7,7 @@ use crate::pose::{EpochCache, NodeId, Posed};
 use crate::tree::Child;
 
 /// Node pairs are compared in this many frames.
-pub(crate) const FRAMES: usize = 2;
+const FRAMES: usize = 2;
 
 /// How a frame sees a body's boxes.
 #[derive(Clone, Debug, Default)]

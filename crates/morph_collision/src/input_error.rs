@@ -32,6 +32,16 @@ pub enum InputError {
         /// Its value.
         value: DVec3,
     },
+    /// A list has the wrong length.
+    #[error("{given} {what} were given, {expected} are needed")]
+    WrongCount {
+        /// The name of the list.
+        what: String,
+        /// Its length.
+        given: usize,
+        /// The length it should have.
+        expected: usize,
+    },
     /// A number is NaN or out of range.
     #[error("{what} is {}, it must be {expected}", Short(*value))]
     BadNumber {
@@ -47,8 +57,10 @@ pub enum InputError {
 impl InputError {
     /// The same error about a part of a list.
     pub(crate) fn of(mut self, part: &str) -> Self {
-        let (Self::BadCoordinate { what, .. } | Self::NoDirection { what, .. } | Self::BadNumber { what, .. }) =
-            &mut self;
+        let (Self::BadCoordinate { what, .. }
+        | Self::NoDirection { what, .. }
+        | Self::BadNumber { what, .. }
+        | Self::WrongCount { what, .. }) = &mut self;
         *what = format!("{part}: {what}");
         self
     }

@@ -47,6 +47,7 @@
 mod bounds;
 mod exact;
 mod input_error;
+mod joints;
 mod model;
 mod pose;
 mod query;
@@ -56,7 +57,8 @@ mod tree;
 pub use bounds::{Aabb, Kernel, WorldFromModel};
 pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect};
 pub use input_error::InputError;
-pub use model::{ModelError, MorphModel};
+pub use joints::JointMatrices;
+pub use model::{Influences, ModelError, MorphModel};
 pub use pose::{Pose, PosedNode, WeightsError};
 #[cfg(feature = "rayon")]
 pub use query::RayonWorkers;

@@ -10,10 +10,10 @@ pub enum ModelError {
     /// The mesh has no triangles.
     #[error("the mesh has no triangles")]
     NoTriangles,
-    /// There are more vertices, triangles or targets than their indices can number.
+    /// There are more vertices, triangles, targets or joints than their indices can number.
     #[error("the mesh has {count} {what}, at most {limit} are supported")]
     TooMany {
-        /// "vertices", "triangles" or "targets".
+        /// "vertices", "triangles", "targets", "joints" or "sets of influences".
         what: &'static str,
         /// The number of them.
         count: usize,
@@ -34,10 +34,34 @@ pub enum ModelError {
         /// The number of vertices.
         vertices: usize,
     },
+    /// An influence names a joint that does not exist.
+    #[error("vertex {vertex}, influence {slot}: joint {joint} is out of range, the skin has {joint_count} joints")]
+    JointOutOfRange {
+        /// The vertex.
+        vertex: usize,
+        /// The influence, counted over all sets.
+        slot: usize,
+        /// The joint.
+        joint: u16,
+        /// The number of joints.
+        joint_count: usize,
+    },
+    /// The weight of an influence is NaN, infinite, negative or beyond 1000.
+    #[error("vertex {vertex}, influence {slot}: the weight of joint {joint} is {weight}, not a number between 0 and 1000")]
+    BadInfluence {
+        /// The vertex.
+        vertex: usize,
+        /// The influence, counted over all sets.
+        slot: usize,
+        /// The joint.
+        joint: u16,
+        /// Its weight.
+        weight: f32,
+    },
     /// A target or reference has a different length from the base.
     #[error("{shape} has {length} vertices, the base has {expected}")]
     LengthMismatch {
-        /// "target" or "reference" and its index, such as "target 3".
+        /// "target", "reference" or "influences" and its index, such as "target 3".
         shape: String,
         /// Its length.
         length: usize,

@@ -1,14 +1,18 @@
-//! The immutable mesh: welded base positions, sparse displacements, triangles, and the map from source vertices.
+//! The immutable mesh: welded base positions, sparse displacements, influences of joints, triangles, and the map from source
+//! vertices.
 
 mod check;
 mod error;
 mod morph_model;
+mod skin;
 mod weights;
 mod weld;
 
 pub use error::ModelError;
 pub use morph_model::MorphModel;
 pub(crate) use morph_model::{Displacement, LARGEST};
+pub use skin::Influences;
+pub(crate) use skin::Skin;
 pub(crate) use weights::Weights;
 
 #[cfg(test)]

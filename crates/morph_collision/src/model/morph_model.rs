@@ -3,6 +3,7 @@ use std::fmt;
 
 use glam::Vec3;
 
+use super::skin::{self, Influence, Influences, Skin};
 use super::weld::weld;
 use super::{ModelError, Weights, check};
 
@@ -16,9 +17,9 @@ pub(crate) struct Displacement {
     pub(crate) delta: Vec3,
 }
 
-/// A triangle mesh with morph targets: immutable, shared by all instances.
+/// A triangle mesh with morph targets, and joints if it is skinned: immutable, shared by all instances.
 ///
-/// Vertices with equal positions and equal displacements are welded. The vertices that were passed in are the *source*
+/// Vertices with equal positions, displacements and influences are welded. The vertices that were passed in are the *source*
 /// vertices; [`MorphModel::welded_from_source`] maps them to welded ones. Triangles keep their order and winding. A mesh without
 /// targets is an ordinary rigid mesh.
 ///
@@ -35,6 +36,7 @@ pub struct MorphModel {
     lists: Vec<u32>,
     triangles: Vec<[u32; 3]>,
     welded_from_source: Vec<u32>,
+    skin: Option<Skin>,
     /// The largest absolute coordinate of the base.
     base_reach: f32,
     /// For each target the largest absolute coordinate of its displacements.
@@ -54,6 +56,34 @@ impl MorphModel {
         triangles: &[[u32; 3]],
         targets: &[T],
     ) -> Result<Self, ModelError> {
+        Self::new(base, triangles, targets, None)
+    }
+
+    /// Makes a model of a skinned mesh: vertices are displaced by targets first and moved by joints then.
+    ///
+    /// `base`, `triangles` and `targets` are those of [`MorphModel::from_displacements`]. There are one or two sets of influences, for up to eight per
+    /// vertex. Where their weights do not sum to 1, the mesh is pulled towards the world's origin, as GPUs draw it.
+    ///
+    /// # Errors
+    /// Also if a set has a different length, the weight of an influence is NaN, negative or beyond 1000, or its joint is out of range. The error
+    /// names the vertex, the influence and the joint.
+    pub fn skinned<T: AsRef<[Vec3]>>(
+        base: &[Vec3],
+        triangles: &[[u32; 3]],
+        targets: &[T],
+        joint_count: usize,
+        influences: &[Influences<'_>],
+    ) -> Result<Self, ModelError> {
+        let of_vertex = skin::checked(base.len(), joint_count, influences)?;
+        Self::new(base, triangles, targets, Some((joint_count, of_vertex)))
+    }
+
+    fn new<T: AsRef<[Vec3]>>(
+        base: &[Vec3],
+        triangles: &[[u32; 3]],
+        targets: &[T],
+        skin: Option<(usize, Vec<Vec<Influence>>)>,
+    ) -> Result<Self, ModelError> {
         check::vectors("base", base, base.len())?;
         for (k, target) in targets.iter().enumerate() {
             check::vectors(&format!("target {k}"), target.as_ref(), base.len())?;
@@ -66,7 +96,8 @@ impl MorphModel {
         check::triangles(triangles, base.len())?;
 
         let of_vertex: Vec<_> = (0..base.len()).map(|vertex| sparse(vertex, targets)).collect();
-        let (welded_from_source, firsts) = weld(base, &of_vertex);
+        let influences = skin.as_ref().map_or(&[][..], |(_, influences)| influences);
+        let (welded_from_source, firsts) = weld(base, &of_vertex, influences);
         let (mut deltas, mut starts) = (Vec::new(), vec![0]);
         let (mut targets_of_lists, mut lists, mut known) = (Vec::new(), Vec::new(), BTreeMap::new());
         for &first in &firsts {
@@ -89,6 +120,9 @@ impl MorphModel {
                 .map(|corners| corners.map(|source| welded_from_source[source as usize]))
                 .collect(),
             welded_from_source,
+            skin: skin.map(|(joint_count, of_vertex)| {
+                Skin::new(joint_count, firsts.iter().map(|&first| &of_vertex[first]))
+            }),
             base_reach: reach(base),
             target_reach: targets.iter().map(|target| reach(target.as_ref())).collect(),
         })
@@ -98,6 +132,12 @@ impl MorphModel {
     #[must_use]
     pub fn target_count(&self) -> usize {
         self.target_reach.len()
+    }
+
+    /// The number of joints, or `None` for a mesh that is not skinned.
+    #[must_use]
+    pub fn joint_count(&self) -> Option<usize> {
+        self.skin.as_ref().map(Skin::joint_count)
     }
 
     /// The number of triangles.
@@ -141,7 +181,7 @@ impl MorphModel {
             .count()
     }
 
-    /// A hash (FNV-1a) of all positions, displacements and triangles, to tell meshes apart. It is the same on every machine.
+    /// A hash (FNV-1a) of all positions, displacements, triangles and influences, to tell meshes apart. It is the same on every machine.
     ///
     /// Cost: one pass over the mesh.
     #[must_use]
@@ -155,7 +195,8 @@ impl MorphModel {
         });
         let numbers = self.starts.iter().chain(self.triangles.iter().flatten()).copied();
         let targets = std::iter::once(self.target_reach.len() as u32);
-        let all = positions.chain(displacements).chain(numbers).chain(targets);
+        let skin = self.skin.iter().flat_map(Skin::words);
+        let all = positions.chain(displacements).chain(numbers).chain(targets).chain(skin);
         all.fold(0xcbf2_9ce4_8422_2325, |hash, word| {
             (hash ^ u64::from(word)).wrapping_mul(0x0100_0000_01b3)
         })
@@ -172,6 +213,7 @@ impl MorphModel {
             + size_of_val(&*self.triangles)
             + size_of_val(&*self.welded_from_source)
             + size_of_val(&*self.target_reach)
+            + self.skin.as_ref().map_or(0, Skin::bytes)
     }
 
     /// The welded vertices of a triangle that exists.
@@ -197,6 +239,10 @@ impl MorphModel {
         let (targets, deltas) = self.columns(vertex);
         let pairs = targets.iter().zip(deltas);
         pairs.map(|(&target, &delta)| Displacement { target, delta })
+    }
+
+    pub(crate) fn skin(&self) -> Option<&Skin> {
+        self.skin.as_ref()
     }
 
     pub(crate) fn base_reach(&self) -> f32 {

@@ -1,4 +1,4 @@
-//! Welding: vertices with equal positions and equal displacements move together at all weights, so one is kept.
+//! Welding: vertices with equal positions, displacements and influences move together in all poses, so one is kept.
 
 use std::collections::HashMap;
 use std::hash::{Hash, Hasher};
@@ -6,12 +6,14 @@ use std::hash::{Hash, Hasher};
 use glam::Vec3;
 
 use super::Displacement;
+use super::skin::Influence;
 
-/// Everything that decides where a vertex can be: equal keys mean equal vertices at all weights.
+/// Everything that decides where a vertex can be: equal keys mean equal vertices in all poses.
 #[derive(PartialEq)]
 struct Key<'a> {
     base: Vec3,
     displacements: &'a [Displacement],
+    influences: &'a [Influence],
 }
 
 // Coordinates are finite, so equality is reflexive.
@@ -24,6 +26,9 @@ impl Hash for Key<'_> {
             displacement.target.hash(state);
             hash_vector(displacement.delta, state);
         }
+        for influence in self.influences {
+            (influence.joint, influence.weight.to_bits()).hash(state);
+        }
     }
 }
 
@@ -32,14 +37,21 @@ fn hash_vector<H: Hasher>(v: Vec3, state: &mut H) {
     (v + Vec3::ZERO).to_array().map(f32::to_bits).hash(state);
 }
 
-/// Returns the welded vertex of each vertex, numbered by first appearance, and the first vertex of each welded one.
-pub(super) fn weld(base: &[Vec3], displacements: &[Vec<Displacement>]) -> (Vec<u32>, Vec<usize>) {
+/// Returns the welded vertex of each vertex, numbered by first appearance, and the first vertex of each welded one. `influences` is
+/// empty for a mesh without joints.
+pub(super) fn weld(
+    base: &[Vec3],
+    displacements: &[Vec<Displacement>],
+    influences: &[Vec<Influence>],
+) -> (Vec<u32>, Vec<usize>) {
     let mut welded_of = HashMap::with_capacity(base.len());
     let mut firsts = Vec::new();
-    let keys = base
-        .iter()
-        .zip(displacements)
-        .map(|(&base, displacements)| Key { base, displacements });
+    let keys = base.iter().zip(displacements).enumerate();
+    let keys = keys.map(|(vertex, (&base, displacements))| Key {
+        base,
+        displacements,
+        influences: influences.get(vertex).map_or(&[], Vec::as_slice),
+    });
     let welded_from_source = keys
         .enumerate()
         .map(|(vertex, key)| {

@@ -1,0 +1,140 @@
+//! Which joints move a vertex, and the definition of a skinned vertex.
+
+use glam::{DVec3, Vec3};
+
+use super::ModelError;
+use crate::joints::JointMatrices;
+
+/// Up to four joints of every vertex with their weights, as glTF stores them (`JOINTS_0` and `WEIGHTS_0`).
+///
+/// An influence with weight 0 does nothing, whatever its joint.
+#[derive(Clone, Copy, Debug)]
+pub struct Influences<'a> {
+    /// Joint indices, one entry per vertex.
+    pub joints: &'a [[u16; 4]],
+    /// Their weights, one entry per vertex: not negative, at most 1000, and usually with a sum of 1. They are not normalised.
+    pub weights: &'a [[f32; 4]],
+}
+
+/// The most sets of influences, so that a vertex has at most eight.
+const MAX_SETS: usize = 2;
+/// The largest weight of an influence. Together with [`JointMatrices::LARGEST`] it keeps vertices in the range of the exact tests.
+const MAX_WEIGHT: f32 = 1000.0;
+
+/// A joint that moves a vertex.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Influence {
+    pub(crate) joint: u16,
+    /// More than 0.
+    pub(crate) weight: f32,
+}
+
+/// The influences of welded vertices.
+#[derive(Clone, Debug)]
+pub(crate) struct Skin {
+    pub(super) joint_count: usize,
+    influences: Vec<Influence>,
+    /// `influences[starts[v]..starts[v + 1]]` are those of vertex `v`, in the order of their slots.
+    starts: Vec<u32>,
+    /// The largest sum of a vertex's weights, rounded up.
+    max_sum: f64,
+}
+
+impl Skin {
+    pub(super) fn new<'v>(joint_count: usize, of_vertices: impl Iterator<Item = &'v Vec<Influence>>) -> Self {
+        let mut skin = Self {
+            joint_count,
+            influences: Vec::new(),
+            starts: vec![0],
+            max_sum: 0.0,
+        };
+        for influences in of_vertices {
+            skin.influences.extend(influences);
+            skin.starts.push(skin.influences.len() as u32);
+            let sum: f64 = influences.iter().map(|influence| f64::from(influence.weight)).sum();
+            skin.max_sum = skin.max_sum.max(sum * (1.0 + 8.0 * f64::EPSILON));
+        }
+        skin
+    }
+
+    pub(crate) fn joint_count(&self) -> usize {
+        self.joint_count
+    }
+
+    pub(crate) fn max_sum(&self) -> f64 {
+        self.max_sum
+    }
+
+    /// The influences of a vertex with weights that are not 0, in the order of their slots.
+    #[inline(always)]
+    pub(crate) fn influences(&self, vertex: u32) -> &[Influence] {
+        let v = vertex as usize;
+        &self.influences[self.starts[v] as usize..self.starts[v + 1] as usize]
+    }
+
+    /// The world position of a welded vertex, given its position after morphing. This is the definition that every answer about
+    /// skinned meshes rests on.
+    ///
+    /// The vertex's matrix is `((w_0 J_0 + w_1 J_1) + w_2 J_2) + ...` per entry, in the order of slots; zero weights are left out, and
+    /// weights are not normalised. The position is `((M_x p_x + M_y p_y) + M_z p_z) + M_t`. All of it is `f64`, never fused.
+    #[inline(always)]
+    pub(crate) fn place(&self, vertex: u32, position: Vec3, joints: &JointMatrices) -> DVec3 {
+        let mut blended = [DVec3::ZERO; 4];
+        for influence in self.influences(vertex) {
+            let (weight, matrix) = (f64::from(influence.weight), joints.columns(influence.joint));
+            for (sum, column) in blended.iter_mut().zip(matrix) {
+                *sum += *column * weight;
+            }
+        }
+        let ([x, y, z, translation], p) = (blended, position.as_dvec3());
+        ((x * p.x + y * p.y) + z * p.z) + translation
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.influences) + size_of_val(&*self.starts)
+    }
+
+    /// All that defines it, to be hashed.
+    pub(super) fn words(&self) -> impl Iterator<Item = u32> {
+        let influences = self.influences.iter().flat_map(|i| [u32::from(i.joint), i.weight.to_bits()]);
+        std::iter::once(self.joint_count as u32).chain(self.starts.iter().copied()).chain(influences)
+    }
+}
+
+/// Checks influences and returns those of each vertex that have a weight, in the order of their slots.
+pub(super) fn checked(
+    vertices: usize,
+    joint_count: usize,
+    sets: &[Influences<'_>],
+) -> Result<Vec<Vec<Influence>>, ModelError> {
+    super::check::count("joints", joint_count, usize::from(u16::MAX) - 1)?;
+    super::check::count("sets of influences", sets.len(), MAX_SETS)?;
+    for (set, Influences { joints, weights }) in sets.iter().enumerate() {
+        for (what, length) in [("joints", joints.len()), ("weights", weights.len())] {
+            if length != vertices {
+                return Err(ModelError::LengthMismatch {
+                    shape: format!("{what} of influences {set}"),
+                    length,
+                    expected: vertices,
+                });
+            }
+        }
+    }
+    let of_vertex = |vertex: usize| {
+        let slots = sets.iter().flat_map(|set| set.joints[vertex].into_iter().zip(set.weights[vertex]));
+        let mut influences = Vec::new();
+        for (slot, (joint, weight)) in slots.enumerate() {
+            if !(0.0..=MAX_WEIGHT).contains(&weight) {
+                return Err(ModelError::BadInfluence { vertex, slot, joint, weight });
+            }
+            if weight > 0.0 && usize::from(joint) >= joint_count {
+                return Err(ModelError::JointOutOfRange { vertex, slot, joint, joint_count });
+            }
+            if weight > 0.0 {
+                influences.push(Influence { joint, weight });
+            }
+        }
+        Ok(influences)
+    };
+    (0..vertices).map(of_vertex).collect()
+}

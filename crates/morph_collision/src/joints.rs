@@ -33,7 +33,9 @@ impl JointMatrices {
     pub fn new(world_from_mesh: &[Affine3A]) -> Result<Self, InputError> {
         let mut columns = Vec::with_capacity(world_from_mesh.len() + 1);
         for (joint, matrix) in world_from_mesh.iter().enumerate() {
-            let matrix = matrix.to_cols_array_2d().map(|column| Vec3::from_array(column).as_dvec3());
+            let matrix = matrix
+                .to_cols_array_2d()
+                .map(|column| Vec3::from_array(column).as_dvec3());
             for (what, column) in ["x axis", "y axis", "z axis", "translation"].into_iter().zip(matrix) {
                 check_vector(what, column, Self::LARGEST).map_err(|error| error.of(&format!("joint {joint}")))?;
             }
@@ -93,6 +95,8 @@ impl PartialEq for JointMatrices {
 
 impl fmt::Debug for JointMatrices {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("JointMatrices").field("len", &self.len()).finish_non_exhaustive()
+        f.debug_struct("JointMatrices")
+            .field("len", &self.len())
+            .finish_non_exhaustive()
     }
 }

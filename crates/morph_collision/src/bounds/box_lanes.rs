@@ -34,6 +34,11 @@ impl BoxLanes {
         }
     }
 
+    /// Sets all eight boxes to one.
+    pub(crate) fn set_all(&mut self, bounds: &Aabb) {
+        (0..LANES).for_each(|lane| self.set(lane, bounds));
+    }
+
     /// Sets all eight boxes.
     #[inline(always)]
     pub(crate) fn store<S: Simd>(&mut self, min: [f32x8<S>; 3], max: [f32x8<S>; 3]) {

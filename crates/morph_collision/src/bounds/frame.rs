@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 
 use super::inverse::abs;
 use super::rounding::U64;
-use super::{Aabb, BoxMap, WorldFromModel};
+use super::{BoxMap, WorldFromModel};
 
 /// An affine map from a body's model space.
 #[derive(Clone, Copy, Debug, Default)]
@@ -84,12 +84,35 @@ pub(crate) struct PlacedBounds {
 
 impl PlacedBounds {
     pub(crate) fn new(world_from_model: &WorldFromModel, magnitude: DVec3) -> Self {
+        let error = world_from_model.placement_error(magnitude).max_element();
+        Self::with_error(world_from_model, magnitude, error)
+    }
+
+    /// With points that are placed in another way, and so with another error.
+    pub(crate) fn with_error(world_from_model: &WorldFromModel, magnitude: DVec3, error: f64) -> Self {
         Self {
             world_from_model: *world_from_model,
             magnitude,
             spread: abs(world_from_model.linear()) * magnitude,
-            error: world_from_model.placement_error(magnitude).max_element(),
+            error,
         }
+    }
+
+    /// The largest absolute world coordinates of its points.
+    pub(crate) fn world_reach(&self) -> DVec3 {
+        self.spread + self.world_from_model.translation().abs()
+    }
+
+    pub(crate) fn magnitude(&self) -> DVec3 {
+        self.magnitude
+    }
+
+    /// The map from another body's or frame's space to this one; `None` where `f32` cannot hold it or this one cannot be inverted.
+    pub(crate) fn map_from(&self, source: &Self) -> Option<BoxMap> {
+        let mut frame = Frame::default();
+        relative(self, source, &mut frame)
+            .then(|| BoxMap::new(&frame))
+            .flatten()
     }
 
     pub(crate) fn world_from_model(&self) -> &WorldFromModel {
@@ -166,12 +189,16 @@ fn long_axes(linear: DMat3, half: DVec3) -> DMat3 {
     DMat3::from_cols(first, second, first.cross(second))
 }
 
-/// The map to world space for boxes within `bounds`: it holds the images by [`WorldFromModel::transform_point`] of all their points.
+/// The map to world space for boxes of a placed body: it holds all its points as they are placed.
 /// `None` where world coordinates exceed the range of `f32`.
-pub(crate) fn world_map(world_from_model: &WorldFromModel, bounds: &Aabb) -> Option<BoxMap> {
-    let magnitude = bounds.magnitude().as_dvec3();
-    let error = world_from_model.placement_error(magnitude);
-    BoxMap::new(&to_world(world_from_model, DVec3::ZERO, magnitude, error))
+pub(crate) fn world_map(placed: &PlacedBounds) -> Option<BoxMap> {
+    let error = DVec3::splat(placed.error);
+    BoxMap::new(&to_world(
+        &placed.world_from_model,
+        DVec3::ZERO,
+        placed.magnitude,
+        error,
+    ))
 }
 
 /// The map to world space relative to `origin`, which keeps small bodies far from the world's origin sharp.

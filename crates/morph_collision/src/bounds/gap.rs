@@ -5,7 +5,7 @@ use glam::{DMat3, DVec3};
 use super::frame::{Frames, PlacedBounds, frames_in_a, frames_in_b, frames_in_world};
 use super::inverse::abs;
 use super::rounding::U64;
-use super::{Aabb, Frame, WorldFromModel};
+use super::{Aabb, Frame};
 
 /// A box by its centre and half size.
 #[derive(Clone, Copy, Debug, Default)]
@@ -44,35 +44,32 @@ pub(crate) struct GapFrame {
 }
 
 impl GapFrame {
-    /// The frames of two bodies whose model-space points are within magnitudes: the spaces of both, where they can be inverted.
+    /// The frames of two placed bodies: the spaces of both, where they can be inverted.
     ///
     /// World space is added where neither can be, and where both are so sheared that their coordinates say little about lengths.
-    pub(crate) fn list(world_from_a: &WorldFromModel, a: DVec3, world_from_b: &WorldFromModel, b: DVec3) -> Vec<Self> {
-        let (placed_a, placed_b) = (PlacedBounds::new(world_from_a, a), PlacedBounds::new(world_from_b, b));
-        let in_a = frames_in_a(&placed_a, &placed_b);
-        let in_b = frames_in_b(&placed_a, &placed_b);
+    pub(crate) fn list(a: &PlacedBounds, b: &PlacedBounds) -> Vec<Self> {
+        let (in_a, in_b) = (frames_in_a(a, b), frames_in_b(a, b));
         let mut any_faithful = false;
         let mut list = Vec::new();
-        for (frames, place) in [(in_a, world_from_a), (in_b, world_from_b)] {
+        for (frames, place) in [(in_a, a), (in_b, b)] {
             let Some(frames) = frames else { continue };
-            let (metric, kept) = diagonal_below(place.linear());
+            let (metric, kept) = diagonal_below(place.world_from_model().linear());
             // Not measured; it decides only how often the third frame is made.
             any_faithful |= kept > 0.5;
             list.push(Self::new(frames, metric, a, b));
         }
         if !any_faithful {
-            list.push(Self::world(world_from_a, a, world_from_b, b));
+            list.push(Self::world(a, b));
         }
         list
     }
 
     /// World space, where lengths are world lengths up to a few roundings.
-    pub(crate) fn world(world_from_a: &WorldFromModel, a: DVec3, world_from_b: &WorldFromModel, b: DVec3) -> Self {
-        let (placed_a, placed_b) = (PlacedBounds::new(world_from_a, a), PlacedBounds::new(world_from_b, b));
-        Self::new(frames_in_world(&placed_a, &placed_b), DVec3::ONE, a, b)
+    pub(crate) fn world(a: &PlacedBounds, b: &PlacedBounds) -> Self {
+        Self::new(frames_in_world(a, b), DVec3::ONE, a, b)
     }
 
-    fn new(frames: Frames, metric: DVec3, a: DVec3, b: DVec3) -> Self {
+    fn new(frames: Frames, metric: DVec3, a: &PlacedBounds, b: &PlacedBounds) -> Self {
         let slack = |frame: &Option<Frame>, own: DVec3| {
             let (error, reach) = frame.as_ref().map_or((DVec3::ZERO, own), |f| (f.error, f.reach()));
             error + 32.0 * U64 * reach
@@ -80,7 +77,7 @@ impl GapFrame {
         Self {
             frames,
             metric,
-            slack: slack(&frames.a, a) + slack(&frames.b, b),
+            slack: slack(&frames.a, a.magnitude()) + slack(&frames.b, b.magnitude()),
         }
     }
 

@@ -8,6 +8,7 @@ mod extent;
 mod frame;
 mod gap;
 mod inverse;
+mod joint_map;
 mod kernel;
 mod lanes;
 #[cfg(test)]
@@ -23,6 +24,7 @@ pub(crate) use box_map::BoxMap;
 pub(crate) use extent::Extent;
 pub(crate) use frame::{Frame, PlacedBounds, visit_frames, world_map};
 pub(crate) use gap::{Box64, GapFrame};
+pub(crate) use joint_map::{Ends, JointMap};
 pub use kernel::Kernel;
 pub(crate) use kernel::with_simd;
 pub(crate) use lanes::{LANES, Lanes, lanes_of};

@@ -47,13 +47,48 @@ impl WorldFromModel {
         ] {
             check_vector(what, column, f64::from(f32::MAX))?;
         }
+        Ok(Self::from_columns([x, y, z, translation]))
+    }
+
+    /// The map with these columns, which must be finite.
+    pub(crate) fn from_columns([x, y, z, translation]: [DVec3; 4]) -> Self {
         let linear = DMat3::from_cols(x, y, z);
-        Ok(Self {
+        Self {
             linear,
             translation,
             inverse: Inverse::new(linear),
             scale: x.length().max(y.length()).max(z.length()),
-        })
+        }
+    }
+
+    /// Whether the inverse map magnifies rounding errors little enough for boxes to be kept in its model space.
+    pub(crate) fn is_well_conditioned(&self) -> bool {
+        /// Not measured; joints of characters are far below, and what is above is as good in another space.
+        const MAX_CONDITION: f64 = 1e3;
+        let norm = (abs(self.linear) * DVec3::ONE).max_element();
+        self.inverse.is_some() && self.inverse_norm() * norm <= MAX_CONDITION
+    }
+
+    /// The linear part of the inverse; that of the identity where there is none.
+    pub(super) fn inverse_linear(&self) -> DMat3 {
+        self.inverse.map_or(DMat3::IDENTITY, |inverse| inverse.linear)
+    }
+
+    /// The largest sum of absolute values in a row of the inverse.
+    pub(super) fn inverse_norm(&self) -> f64 {
+        self.inverse.map_or(1.0, |inverse| inverse.rows.max_element())
+    }
+
+    /// A world-space point in model space, and how far off it may be along each axis.
+    pub(crate) fn model_point(&self, world: DVec3) -> (DVec3, f64) {
+        let offset = world - self.translation;
+        let reach = offset.abs().max_element() + U64 * (world.abs() + self.translation.abs()).max_element();
+        let error = self.inverse.map_or(0.0, |inverse| inverse.error);
+        let rounding = 8.0 * U64 * self.inverse_norm() + error;
+        (
+            self.inverse_linear() * offset,
+            rounding * reach + self.inverse_norm() * 2.0 * U64 * reach,
+        )
     }
 
     /// A model-space point in world space: per coordinate `((m_x p_x + m_y p_y) + m_z p_z) + t` in `f64`.

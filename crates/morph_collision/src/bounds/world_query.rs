@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::rounding::U64;
-use super::{Box64, GapFrame, WorldFromModel};
+use super::{Box64, GapFrame, PlacedBounds, WorldFromModel};
 
 /// A world-space ray in a frame where it can be compared with a body's boxes.
 #[derive(Clone, Copy, Debug)]
@@ -14,16 +14,11 @@ pub(crate) struct RayCull {
 }
 
 impl RayCull {
-    /// The ray `origin + t direction`, for a body with model-space points within a magnitude; `None` if there is no frame.
-    pub(crate) fn new(
-        origin: DVec3,
-        direction: DVec3,
-        world_from_model: &WorldFromModel,
-        magnitude: DVec3,
-    ) -> Option<Self> {
+    /// The ray `origin + t direction`, for a placed body; `None` if there is no frame.
+    pub(crate) fn new(origin: DVec3, direction: DVec3, body: &PlacedBounds) -> Option<Self> {
         // Where the ray is near the body, no coordinate of `t direction` is larger than the body's plus the origin's.
-        let near = 2.0 * origin.abs() + world_from_model.reach(magnitude);
-        let frame = *GapFrame::list(world_from_model, magnitude, &WorldFromModel::IDENTITY, near).first()?;
+        let near = 2.0 * origin.abs() + body.world_reach();
+        let frame = *GapFrame::list(body, &PlacedBounds::new(&WorldFromModel::IDENTITY, near)).first()?;
         Some(Self {
             frame,
             origin: frame.image_of_b(&Box64::point(origin)).center,
@@ -64,14 +59,16 @@ pub(crate) struct ModelPlane {
 }
 
 impl ModelPlane {
-    /// The half-space `normal . x + offset >= 0` of world space, for model-space points within a magnitude. It is widened to
+    /// The half-space `normal . x + offset >= 0` of world space, for a placed body. It is widened to
     /// contain every point of a triangle that meets the half-space.
-    pub(crate) fn new(normal: DVec3, offset: f64, world_from_model: &WorldFromModel, magnitude: DVec3) -> Self {
-        let reach = normal.abs().dot(world_from_model.reach(magnitude)) + offset.abs();
+    pub(crate) fn new(normal: DVec3, offset: f64, body: &PlacedBounds) -> Self {
+        let world_from_model = body.world_from_model();
+        let reach = normal.abs().dot(body.world_reach()) + offset.abs();
+        let error = normal.abs().element_sum() * body.error();
         Self {
             normal: world_from_model.linear().transpose() * normal,
             // A few roundings per term, 64 to be safe.
-            offset: normal.dot(world_from_model.translation()) + offset + 64.0 * U64 * reach,
+            offset: normal.dot(world_from_model.translation()) + offset + 64.0 * U64 * reach + error,
         }
     }
 

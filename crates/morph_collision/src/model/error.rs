@@ -47,7 +47,9 @@ pub enum ModelError {
         joint_count: usize,
     },
     /// The weight of an influence is NaN, infinite, negative or beyond 1000.
-    #[error("vertex {vertex}, influence {slot}: the weight of joint {joint} is {weight}, not a number between 0 and 1000")]
+    #[error(
+        "vertex {vertex}, influence {slot}: the weight of joint {joint} is {weight}, not a number between 0 and 1000"
+    )]
     BadInfluence {
         /// The vertex.
         vertex: usize,

@@ -120,9 +120,8 @@ impl MorphModel {
                 .map(|corners| corners.map(|source| welded_from_source[source as usize]))
                 .collect(),
             welded_from_source,
-            skin: skin.map(|(joint_count, of_vertex)| {
-                Skin::new(joint_count, firsts.iter().map(|&first| &of_vertex[first]))
-            }),
+            skin: skin
+                .map(|(joint_count, of_vertex)| Skin::new(joint_count, firsts.iter().map(|&first| &of_vertex[first]))),
             base_reach: reach(base),
             target_reach: targets.iter().map(|target| reach(target.as_ref())).collect(),
         })

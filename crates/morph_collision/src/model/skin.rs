@@ -96,8 +96,13 @@ impl Skin {
 
     /// All that defines it, to be hashed.
     pub(super) fn words(&self) -> impl Iterator<Item = u32> {
-        let influences = self.influences.iter().flat_map(|i| [u32::from(i.joint), i.weight.to_bits()]);
-        std::iter::once(self.joint_count as u32).chain(self.starts.iter().copied()).chain(influences)
+        let influences = self
+            .influences
+            .iter()
+            .flat_map(|i| [u32::from(i.joint), i.weight.to_bits()]);
+        std::iter::once(self.joint_count as u32)
+            .chain(self.starts.iter().copied())
+            .chain(influences)
     }
 }
 
@@ -121,14 +126,26 @@ pub(super) fn checked(
         }
     }
     let of_vertex = |vertex: usize| {
-        let slots = sets.iter().flat_map(|set| set.joints[vertex].into_iter().zip(set.weights[vertex]));
+        let slots = sets
+            .iter()
+            .flat_map(|set| set.joints[vertex].into_iter().zip(set.weights[vertex]));
         let mut influences = Vec::new();
         for (slot, (joint, weight)) in slots.enumerate() {
             if !(0.0..=MAX_WEIGHT).contains(&weight) {
-                return Err(ModelError::BadInfluence { vertex, slot, joint, weight });
+                return Err(ModelError::BadInfluence {
+                    vertex,
+                    slot,
+                    joint,
+                    weight,
+                });
             }
             if weight > 0.0 && usize::from(joint) >= joint_count {
-                return Err(ModelError::JointOutOfRange { vertex, slot, joint, joint_count });
+                return Err(ModelError::JointOutOfRange {
+                    vertex,
+                    slot,
+                    joint,
+                    joint_count,
+                });
             }
             if weight > 0.0 {
                 influences.push(Influence { joint, weight });

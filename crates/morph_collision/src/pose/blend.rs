@@ -15,17 +15,24 @@ pub(super) const FEW: usize = 8;
 
 /// Sets `boxes` to boxes that hold every vertex of each child, both its exact position and the one rounded to `f32`.
 ///
-/// Cost: one pass over the group's local targets, or over the active ones if these are few. Each target with a nonzero weight takes
+/// Returns a bound on their coordinates. Cost: one pass over the group's local targets, or over the active ones if these are few. Each target with a nonzero weight takes
 /// one multiply-add of eight lanes per row, or two for the target that uses up the budget.
 #[inline(always)]
-pub(super) fn blend_group<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &Weights, boxes: &mut BoxLanes) {
-    let widening = evaluate(simd, tables, weights, boxes);
+pub(super) fn blend_group<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &Weights, boxes: &mut BoxLanes) -> f32 {
+    let (widening, reach) = evaluate(simd, tables, weights, boxes);
     boxes.widen(simd, widening);
+    // The factor covers the widening and what rounds outward.
+    reach * (1.0 + 1e-3)
 }
 
-/// Computes the boxes before widening, and returns how much they must be widened.
+/// Computes the boxes before widening, and returns how much they must be widened and how far they reach.
 #[inline(always)]
-pub(super) fn evaluate<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &Weights, boxes: &mut BoxLanes) -> f32 {
+pub(super) fn evaluate<S: Simd>(
+    simd: S,
+    tables: GroupTables<'_>,
+    weights: &Weights,
+    boxes: &mut BoxLanes,
+) -> (f32, f32) {
     match tables.width {
         1 => evaluate_lanes::<S, 1>(simd, tables, weights, boxes),
         2 => evaluate_lanes::<S, 2>(simd, tables, weights, boxes),
@@ -44,7 +51,7 @@ fn evaluate_lanes<S: Simd, const W: usize>(
     tables: GroupTables<'_>,
     weights: &Weights,
     boxes: &mut BoxLanes,
-) -> f32 {
+) -> (f32, f32) {
     *boxes = *tables.base;
     let mut sums = Sums {
         reach: tables.base_reach,
@@ -63,7 +70,7 @@ fn evaluate_lanes<S: Simd, const W: usize>(
             sums.add::<S, W>(simd, tables, place, weights, boxes);
         }
     }
-    widening(sums.reach, sums.active, sums.products)
+    (widening(sums.reach, sums.active, sums.products), sums.reach)
 }
 
 /// What adds up while the boxes are computed.

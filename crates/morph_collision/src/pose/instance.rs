@@ -5,9 +5,12 @@ use glam::Vec3;
 
 use super::cache::EpochCache;
 use super::posed::{Blended, Posed, Scratch};
+use super::skinning::{SkinTree, Skinning};
 use super::standing::Standing;
 use super::weights::{self, WeightsError};
 use crate::bounds::{Aabb, BoxLanes, WorldFromModel};
+use crate::input_error::InputError;
+use crate::joints::JointMatrices;
 use crate::model::Weights;
 use crate::tree::MorphBvh;
 
@@ -25,6 +28,8 @@ pub struct Pose {
     is_refitted: bool,
     boxes: EpochCache<BoxLanes>,
     vertices: EpochCache<Vec3>,
+    /// For a skinned mesh, with where the space of its boxes stands.
+    skinning: Option<(WorldFromModel, Skinning)>,
     standing: Standing,
     blended: Blended,
     scratch: Scratch,
@@ -34,7 +39,13 @@ impl Pose {
     /// An instance at rest: all weights are zero.
     #[must_use]
     pub fn new(bvh: Arc<MorphBvh>) -> Self {
-        Self {
+        let skinning = bvh.model().joint_count().zip(bvh.skin.as_ref()).map(|(joints, skin)| {
+            let joints = JointMatrices::at_rest(joints);
+            let (groups, vertices) = (bvh.topology.group_count(), bvh.model().vertex_count());
+            (WorldFromModel::IDENTITY, Skinning::new(skin, joints, groups, vertices))
+        });
+        let mut pose = Self {
+            skinning,
             weights: Weights::new(&vec![0.0; bvh.model().target_count()]),
             is_refitted: false,
             boxes: EpochCache::new(bvh.topology.group_count()),
@@ -43,6 +54,58 @@ impl Pose {
             blended: Blended::default(),
             scratch: Scratch::default(),
             bvh,
+        };
+        pose.forget(true);
+        pose
+    }
+
+    /// Sets the joint matrices of a skinned mesh, one per joint; they are shared, not copied. Returns whether they differ from the previous ones.
+    ///
+    /// Joints place the mesh in the world by themselves: queries then ignore the `world_from_model` of a [`Body`](crate::Body), as glTF wants
+    /// it. Until the first call, all joints leave the mesh as it is.
+    ///
+    /// Cost: one pass over the joints. Boxes of parts that move rigidly stay as they are.
+    ///
+    /// # Errors
+    /// [`InputError`] for a wrong number of joints, or for any joints if the mesh has none. The pose then keeps its joints.
+    pub fn set_joints(&mut self, joints: &JointMatrices) -> Result<bool, InputError> {
+        let expected = self.bvh.model().joint_count();
+        let given = joints.len();
+        let (Some((_, skinning)), true) = (&mut self.skinning, expected == Some(given)) else {
+            let (what, expected) = ("joints".to_owned(), expected.unwrap_or(0));
+            return Err(InputError::WrongCount { what, given, expected });
+        };
+        let changed = skinning.joints != *joints;
+        if changed {
+            skinning.joints = joints.clone();
+            self.forget(false);
+        }
+        Ok(changed)
+    }
+
+    /// The joint matrices of a skinned mesh.
+    #[must_use]
+    pub fn joints(&self) -> Option<&JointMatrices> {
+        self.skinning.as_ref().map(|(_, skinning)| &skinning.joints)
+    }
+
+    /// Forgets what was made with other joints or weights.
+    fn forget(&mut self, weights_changed: bool) {
+        self.boxes.next_epoch();
+        if weights_changed {
+            self.vertices.next_epoch();
+        }
+        self.standing.forget();
+        self.is_refitted = false;
+        if let (Some((place, skinning)), Some(tables)) = (&mut self.skinning, &self.bvh.skin) {
+            let tree = SkinTree {
+                model: self.bvh.model(),
+                tables: &self.bvh.tables,
+                skin: tables,
+                weights: &self.weights,
+                level: self.bvh.kernel().level,
+            };
+            *place = skinning.change(tree, weights_changed);
         }
     }
 
@@ -58,10 +121,7 @@ impl Pose {
         let changed = self.weights.all() != weights;
         if changed {
             self.weights.set(weights);
-            self.boxes.next_epoch();
-            self.vertices.next_epoch();
-            self.standing.forget();
-            self.is_refitted = false;
+            self.forget(true);
         }
         Ok(changed)
     }
@@ -91,8 +151,12 @@ impl Pose {
 
     /// A box around the posed mesh in model space: conservative, not always the smallest.
     ///
+    /// The model space of a skinned mesh is world space here and in what follows, since joints lead there.
     /// Cost: the boxes of the root's children are blended from the active targets unless they are cached.
     pub fn bounds(&mut self) -> Aabb {
+        if self.skinning.is_some() {
+            return self.world_bounds(&WorldFromModel::IDENTITY);
+        }
         self.posed().bounds()
     }
 
@@ -101,13 +165,13 @@ impl Pose {
     /// It holds every posed vertex as [`WorldFromModel::transform_point`] places it. It is infinite where world coordinates
     /// exceed the range of `f32`. Cost: that of [`Pose::bounds`].
     pub fn world_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
-        self.posed().world_bounds(world_from_model)
+        self.posed_at(world_from_model).world_bounds()
     }
 
     /// The posed position of a source vertex in model space, or `None` if there is no such vertex.
     pub fn source_vertex(&mut self, source: u32) -> Option<Vec3> {
         let welded = *self.bvh.model().welded_from_source().get(source as usize)?;
-        Some(self.posed().vertex(welded))
+        self.vertex(welded)
     }
 
     /// The posed position of a welded vertex in model space, or `None` if there is no such vertex.
@@ -115,13 +179,14 @@ impl Pose {
     /// [`MorphModel::triangle`](crate::MorphModel::triangle) gives the welded vertices of a triangle.
     pub fn vertex(&mut self, vertex: u32) -> Option<Vec3> {
         let exists = (vertex as usize) < self.bvh.model().vertex_count();
-        exists.then(|| self.posed().vertex(vertex))
+        exists.then(|| self.posed().model_vertex(vertex))
     }
 
     /// The posed corners of a triangle in model space, or `None` if there is no such triangle.
     pub fn triangle(&mut self, triangle: u32) -> Option<[Vec3; 3]> {
         let exists = (triangle as usize) < self.bvh.model().triangle_count();
-        exists.then(|| self.posed().corners(triangle))
+        let corners = |pose: &mut Self| pose.bvh.model().corners(triangle).map(|v| pose.posed().model_vertex(v));
+        exists.then(|| corners(self))
     }
 
     /// Brings a copy of a pose, if there is one, to that pose's state. Keeps what the copy has blended if the state is the same.
@@ -129,6 +194,7 @@ impl Pose {
         let copy = copy.get_or_insert_with(|| pose.clone());
         let is_current = Arc::ptr_eq(&copy.bvh, &pose.bvh)
             && copy.is_refitted == pose.is_refitted
+            && copy.joints() == pose.joints()
             // Refitted boxes are those of one vector of weights. Weights that a pose has accepted are never refused.
             && (copy.weights() == pose.weights() || !copy.is_refitted && copy.set_weights(pose.weights()).is_ok());
         if !is_current {
@@ -149,11 +215,24 @@ impl Pose {
     /// Bytes on the heap, without the shared tree.
     #[must_use]
     pub fn bytes(&self) -> usize {
-        self.weights.bytes() + self.boxes.bytes() + self.vertices.bytes()
+        let skinning = self.skinning.as_ref().map_or(0, |(_, skinning)| skinning.bytes());
+        self.weights.bytes() + self.boxes.bytes() + self.vertices.bytes() + skinning
     }
 
+    /// The pose in model space.
     pub(crate) fn posed(&mut self) -> Posed<'_> {
+        self.posed_at(&WorldFromModel::IDENTITY)
+    }
+
+    pub(crate) fn posed_at<'p>(&'p mut self, world_from_model: &'p WorldFromModel) -> Posed<'p> {
+        let (place, skin) = match (&mut self.skinning, &self.bvh.skin) {
+            (Some((place, skinning)), Some(tables)) => (&*place, Some((&**tables, skinning))),
+            _ => (world_from_model, None),
+        };
         Posed {
+            place,
+            skin,
+            is_refitted: self.is_refitted,
             model: self.bvh.model(),
             topology: &self.bvh.topology,
             tables: &self.bvh.tables,

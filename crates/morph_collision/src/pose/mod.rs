@@ -1,13 +1,15 @@
 //! One instance: its weights, and what has been blended for them so far.
 //!
 //! Every box comes from [`Posed::open`]: blended from the tree's tables (`blend`) on first use and cached until the weights change
-//! (`cache`). [`Pose::refit`] instead fits all boxes to the posed vertices at once.
+//! (`cache`). Those of skinned meshes are kept in the spaces of joints (`skinning`, `skin_blend`). [`Pose::refit`] instead fits all boxes to the posed vertices at once.
 
 mod blend;
 mod cache;
 mod instance;
 mod posed;
 mod shape;
+mod skin_blend;
+mod skinning;
 mod standing;
 mod visit;
 mod weights;
@@ -25,5 +27,7 @@ mod corners_tests;
 mod refit_tests;
 #[cfg(test)]
 mod rounding_tests;
+#[cfg(test)]
+mod skinning_tests;
 #[cfg(test)]
 mod tests;

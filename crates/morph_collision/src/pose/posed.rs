@@ -1,12 +1,14 @@
 use fearless_simd::{Level, Simd};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::blend::{blend_group, blend_patch, max_widening};
 use super::cache::EpochCache;
+use super::skinning::{SkinTree, Skinning};
 use super::standing::Standing;
-use crate::bounds::{Aabb, BoxLanes, LANES, WorldFromModel, with_simd, world_map};
+use crate::bounds::{Aabb, BoxLanes, Extent, LANES, WorldFromModel, with_simd, world_map};
+use crate::exact::Triangle;
 use crate::model::{MorphModel, Weights};
-use crate::tree::{Child, ChildKind, CornerLanes, Leaf, LeafLanes, Tables, Topology, in_lanes, put};
+use crate::tree::{Child, ChildKind, CornerLanes, Leaf, LeafLanes, SkinTables, Tables, Topology, in_lanes, put};
 
 /// The numbers of boxes and vertices that a pose has blended since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,7 +37,14 @@ pub(crate) struct NodeRef {
 }
 
 /// A pose borrowed for a query: what traversals walk over.
+///
+/// Boxes are in one space, model space, which `place` takes to the world. That of a skinned mesh is a frame of its own choice, and its
+/// vertices are placed by its joints.
 pub(crate) struct Posed<'a> {
+    /// Takes the space of the boxes to world space.
+    pub(crate) place: &'a WorldFromModel,
+    pub(super) skin: Option<(&'a SkinTables, &'a mut Skinning)>,
+    pub(super) is_refitted: bool,
     pub(crate) model: &'a MorphModel,
     pub(crate) topology: &'a Topology,
     pub(super) tables: &'a Tables,
@@ -79,11 +88,37 @@ impl Posed<'_> {
 
     #[inline(never)]
     fn blend(&mut self, group: usize) -> usize {
+        if self.skin.is_some() {
+            return self.open_skinned(group);
+        }
         self.blended.volumes += self.topology.group(group).children().len() as u64;
         let tables = self.tables.group(group);
         let slot = self.boxes.insert(group, BoxLanes::default());
         let boxes = self.boxes.get_mut(slot);
         with_simd!(self.level, simd => blend_group(simd, tables, self.weights, boxes));
+        slot
+    }
+
+    /// The same under joints: the boxes are blended in the frame of their group, unless they are still right there, and taken to the
+    /// body's.
+    fn open_skinned(&mut self, group: usize) -> usize {
+        let top = self.top_group();
+        let bounds = if group > top { self.bounds() } else { Aabb::UNBOUNDED };
+        let slot = self.boxes.insert(group, BoxLanes::default());
+        if let Some((tables, skinning)) = &mut self.skin {
+            let tree = SkinTree {
+                model: self.model,
+                tables: self.tables,
+                skin: tables,
+                weights: self.weights,
+                level: self.level,
+            };
+            let (own, was_blended) = skinning.open(tree, group);
+            if was_blended {
+                self.blended.volumes += self.topology.group(group).children().len() as u64;
+            }
+            skinning.in_body(tree, group, own, &bounds, self.boxes.get_mut(slot));
+        }
         slot
     }
 
@@ -97,6 +132,17 @@ impl Posed<'_> {
     #[inline]
     pub(crate) fn node_box(&self, node: NodeRef) -> Aabb {
         self.boxes.get(node.slot as usize).get(usize::from(node.id.lane))
+    }
+
+    /// A node's box in the frame that it is kept in, for a skinned mesh, and where that stands. The node's group must be open.
+    pub(super) fn box_in_frame(&mut self, node: NodeId) -> Option<(Aabb, WorldFromModel)> {
+        let (group, lane) = (node.group as usize, usize::from(node.lane));
+        let slot = self.boxes.find(group)?;
+        let (tables, skinning) = self.skin.as_mut()?;
+        if self.is_refitted {
+            return Some((self.boxes.get(slot).get(lane), *self.place));
+        }
+        skinning.box_in_frame(tables, group, lane)
     }
 
     /// The group of the root's children; that of the root itself if it is a leaf.
@@ -125,11 +171,11 @@ impl Posed<'_> {
     }
 
     /// The same in world space; infinite where coordinates exceed the range of `f32`.
-    pub(crate) fn world_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
-        let (bounds, (slot, children)) = (self.bounds(), self.top());
-        let Some(map) = world_map(world_from_model, &bounds) else {
+    pub(crate) fn world_bounds(&mut self) -> Aabb {
+        let Some(map) = world_map(&self.stand().placed) else {
             return Aabb::UNBOUNDED;
         };
+        let (slot, children) = self.top();
         let mut mapped = BoxLanes::default();
         with_simd!(self.level, simd => {
             map.all(simd, self.boxes(slot), &mut mapped);
@@ -149,7 +195,7 @@ impl Posed<'_> {
         }
     }
 
-    /// The posed position of a welded vertex, in model space; blended unless it is cached.
+    /// The position of a welded vertex before joints and placement; blended unless it is cached.
     #[inline(always)]
     pub(crate) fn vertex(&mut self, vertex: u32) -> Vec3 {
         match self.vertices.find(vertex as usize) {
@@ -166,14 +212,56 @@ impl Posed<'_> {
         position
     }
 
-    /// The posed corners of a triangle, in model space.
-    #[inline]
-    pub(crate) fn corners(&mut self, triangle: u32) -> [Vec3; 3] {
-        let [a, b, c] = self.model.corners(triangle);
-        [self.vertex(a), self.vertex(b), self.vertex(c)]
+    /// The position of a welded vertex in model space; that of a skinned mesh is world space, rounded to `f32`.
+    pub(crate) fn model_vertex(&mut self, vertex: u32) -> Vec3 {
+        if self.is_skinned() {
+            return self.skinned_vertex(vertex).as_vec3();
+        }
+        self.vertex(vertex)
     }
 
-    /// Appends the posed corners of a leaf's triangles, in model space, in patches of eight triangles.
+    /// The position of a welded vertex in world space.
+    #[inline]
+    pub(crate) fn world_vertex(&mut self, vertex: u32) -> DVec3 {
+        if self.is_skinned() {
+            return self.skinned_vertex(vertex);
+        }
+        let position = self.vertex(vertex);
+        self.place.transform_point(position)
+    }
+
+    fn skinned_vertex(&mut self, vertex: u32) -> DVec3 {
+        let found = self.skin.as_ref().and_then(|(_, skinning)| {
+            let slot = skinning.placed.find(vertex as usize)?;
+            Some(*skinning.placed.get(slot))
+        });
+        found.unwrap_or_else(|| self.place_vertex(vertex))
+    }
+
+    #[inline(never)]
+    fn place_vertex(&mut self, vertex: u32) -> DVec3 {
+        let position = self.vertex(vertex);
+        let (Some(skin), Some((_, skinning))) = (self.model.skin(), &mut self.skin) else {
+            return self.place.transform_point(position);
+        };
+        let placed = skin.place(vertex, position, &skinning.joints);
+        skinning.placed.insert(vertex as usize, placed);
+        placed
+    }
+
+    /// Whether joints place the vertices.
+    #[inline(always)]
+    pub(crate) fn is_skinned(&self) -> bool {
+        self.skin.is_some()
+    }
+
+    /// The corners of a triangle in world space.
+    #[inline]
+    pub(crate) fn world_triangle(&mut self, triangle: u32) -> Triangle {
+        self.model.corners(triangle).map(|vertex| self.world_vertex(vertex))
+    }
+
+    /// Appends the corners of a leaf's triangles before joints and placement, in patches of eight triangles.
     pub(crate) fn leaf_corners(&mut self, leaf: Leaf, posed: &mut Vec<CornerLanes>) {
         let patches = self.topology.patches(leaf);
         for patch in patches.clone() {
@@ -184,7 +272,7 @@ impl Posed<'_> {
         }
     }
 
-    /// The posed corners of a leaf's patch, in model space. Lanes beyond its triangles repeat the last one.
+    /// The corners of a leaf's patch before joints and placement. Lanes beyond its triangles repeat the last one.
     #[inline(always)]
     pub(crate) fn patch_corners<S: Simd>(&mut self, simd: S, leaf: Leaf, patch: usize, corners: &mut CornerLanes) {
         if let Some(lanes) = self.leaf_lanes {
@@ -218,6 +306,9 @@ impl Posed<'_> {
     /// `size` is that of the posed mesh. docs/numerics.md, "Collapsed bodies", says why 0 is right for the others.
     #[inline]
     pub(crate) fn rounding(&self, size: f32) -> f32 {
+        if let Some((_, skinning)) = &self.skin {
+            return skinning.top_widening();
+        }
         // Not measured; it only spares ordinary bodies the pass over the targets.
         const MUCH: f32 = 512.0;
         if size * MUCH > self.model.base_reach() {
@@ -244,6 +335,7 @@ impl Posed<'_> {
                         let children = topology.group(below).children().len();
                         with_simd!(self.level, simd => self.boxes.get(below).hull(simd, children))
                     }
+                    ChildKind::Leaf(leaf) if self.is_skinned() => self.skinned_leaf_box(leaf),
                     ChildKind::Leaf(leaf) => {
                         corners.clear();
                         self.leaf_corners(leaf, &mut corners);
@@ -254,6 +346,21 @@ impl Posed<'_> {
             }
         }
         self.scratch.corners = corners;
+    }
+
+    /// A tight box around a leaf's vertices under joints.
+    fn skinned_leaf_box(&mut self, leaf: Leaf) -> Aabb {
+        let mut extent = Extent::EMPTY;
+        for &vertex in self.topology.leaf_vertices(leaf) {
+            let world = self.world_vertex(vertex);
+            let (point, error) = self.place.model_point(world);
+            let of_point = Extent {
+                min: point - error,
+                max: point + error,
+            };
+            extent = extent.union(of_point);
+        }
+        extent.outward()
     }
 
     pub(crate) fn blended(&self) -> Blended {

@@ -12,10 +12,10 @@ impl Pose {
     /// [`Pose::world_bounds`] costs far less.
     pub fn tight_world_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
         let mut extent = Extent::EMPTY;
-        self.for_each_triangle(|_, corners| {
-            let placed = corners.map(|corner| world_from_model.transform_point(corner));
-            extent = extent.union(Extent::of_triangle(&placed));
-        });
+        let mut posed = self.posed_at(world_from_model);
+        for triangle in 0..posed.model.triangle_count() as u32 {
+            extent = extent.union(Extent::of_triangle(&posed.world_triangle(triangle)));
+        }
         extent.outward()
     }
 
@@ -27,7 +27,7 @@ impl Pose {
         let mut posed = self.posed();
         positions.clear();
         let sources = bvh.model().welded_from_source().iter();
-        positions.extend(sources.map(|&welded| posed.vertex(welded)));
+        positions.extend(sources.map(|&welded| posed.model_vertex(welded)));
     }
 
     /// Replaces the contents of `normals` by the unit normals of all source vertices, in model space.
@@ -39,23 +39,17 @@ impl Pose {
         let bvh = self.bvh().clone();
         let model = bvh.model();
         let mut sums = vec![DVec3::ZERO; model.vertex_count()];
-        self.for_each_triangle(|triangle, corners| {
-            let [a, b, c] = corners.map(Vec3::as_dvec3);
+        let mut posed = self.posed();
+        for triangle in 0..model.triangle_count() as u32 {
+            let [a, b, c] = posed.world_triangle(triangle);
             // Twice the area along the normal.
             let normal = (b - a).cross(c - a);
             for vertex in model.corners(triangle) {
                 sums[vertex as usize] += normal;
             }
-        });
+        }
         let unit = |welded: &u32| sums[*welded as usize].normalize_or_zero().as_vec3();
         normals.clear();
         normals.extend(model.welded_from_source().iter().map(unit));
-    }
-
-    fn for_each_triangle(&mut self, mut visit: impl FnMut(u32, [Vec3; 3])) {
-        let mut posed = self.posed();
-        for triangle in 0..posed.model.triangle_count() as u32 {
-            visit(triangle, posed.corners(triangle));
-        }
     }
 }

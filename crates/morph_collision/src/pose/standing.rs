@@ -30,10 +30,15 @@ impl Standing {
 
 impl Posed<'_> {
     /// Places the body, unless it stands there already: several queries of one frame ask for the same.
-    pub(crate) fn stand(&mut self, world_from_model: &WorldFromModel) -> &Standing {
-        if !self.standing.is_at(world_from_model) {
+    pub(crate) fn stand(&mut self) -> &Standing {
+        if !self.standing.is_at(self.place) {
+            let world_from_model = self.place;
             let bounds = self.bounds();
-            let placed = PlacedBounds::new(world_from_model, bounds.magnitude().as_dvec3());
+            let magnitude = bounds.magnitude().as_dvec3();
+            let placed = match &self.skin {
+                None => PlacedBounds::new(world_from_model, magnitude),
+                Some((_, skinning)) => PlacedBounds::with_error(world_from_model, magnitude, skinning.error()),
+            };
             let (size, linear) = (bounds.size().as_dvec3(), world_from_model.linear());
             let sides = [linear.x_axis * size.x, linear.y_axis * size.y, linear.z_axis * size.z];
             let rounding = f64::from(self.rounding(bounds.size().max_element()));

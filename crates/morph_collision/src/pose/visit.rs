@@ -1,13 +1,15 @@
 use super::Pose;
-use crate::bounds::Aabb;
+use crate::bounds::{Aabb, WorldFromModel};
 use crate::tree::ChildKind;
 
 /// A node of a posed tree. From [`Pose::visit_nodes`].
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct PosedNode<'a> {
-    /// The box around the node's triangles, in model space.
+    /// The box around the node's triangles, in model space, or in the space of `world_from_bounds`.
     pub bounds: Aabb,
+    /// For a skinned mesh, where `bounds` stands: the boxes of its nodes are in the spaces of joints.
+    pub world_from_bounds: Option<WorldFromModel>,
     /// Whether the box was cached before the visit. The root counts as cached if its children are: bodies' bounds come from these.
     pub was_fresh: bool,
     /// Edges from the root to the node.
@@ -31,8 +33,10 @@ impl Pose {
         let mut rest = vec![(posed.root(), was_fresh, 0)];
         while let Some((node, was_fresh, depth)) = rest.pop() {
             let kind = node.child.kind();
+            let own = posed.box_in_frame(node.id);
             let visited = PosedNode {
-                bounds: posed.node_box(node),
+                bounds: own.map_or_else(|| posed.node_box(node), |(bounds, _)| bounds),
+                world_from_bounds: own.map(|(_, place)| place),
                 was_fresh,
                 depth,
                 is_leaf: matches!(kind, ChildKind::Leaf(_)),

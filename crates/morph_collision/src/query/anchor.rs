@@ -1,6 +1,6 @@
 use glam::DVec3;
 
-use super::body::{Body, world_triangle};
+use super::body::Body;
 use super::ray::RayHit;
 use super::shape::ClosestPoint;
 use crate::exact::Triangle;
@@ -66,9 +66,8 @@ impl SurfaceAnchor {
         })
     }
 
-    fn corners(&self, body: Body<'_>) -> Option<Triangle> {
-        let exists = (self.triangle as usize) < body.pose.bvh().model().triangle_count();
-        exists.then(|| world_triangle(&mut body.pose.posed(), body.world_from_model, self.triangle))
+    fn corners(&self, mut body: Body<'_>) -> Option<Triangle> {
+        body.triangle(self.triangle)
     }
 
     /// Computed relative to the first corner: the sum of the barycentrics is rounded, which would matter far from the origin.

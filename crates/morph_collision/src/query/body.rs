@@ -9,7 +9,7 @@ use crate::pose::{Pose, Posed};
 pub struct Body<'a> {
     /// The shape. Queries blend the bounds and vertices they need into its cache.
     pub pose: &'a mut Pose,
-    /// The placement.
+    /// The placement. That of a skinned mesh is not used: its joints place it.
     pub world_from_model: &'a WorldFromModel,
 }
 
@@ -26,15 +26,19 @@ impl<'a> Body<'a> {
         Body::new(self.pose, self.world_from_model)
     }
 
-    /// The largest absolute model-space coordinates.
-    pub(super) fn magnitude(&mut self) -> DVec3 {
-        self.pose.bounds().magnitude().as_dvec3()
+    /// The position of a welded vertex in world space, or `None` if there is no such vertex.
+    pub fn vertex(&mut self, vertex: u32) -> Option<DVec3> {
+        let exists = (vertex as usize) < self.pose.bvh().model().vertex_count();
+        exists.then(|| self.posed().world_vertex(vertex))
     }
-}
 
-/// A triangle's corners in world space.
-#[inline]
-pub(super) fn world_triangle(tree: &mut Posed<'_>, world_from_model: &WorldFromModel, triangle: u32) -> Triangle {
-    tree.corners(triangle)
-        .map(|corner| world_from_model.transform_point(corner))
+    /// The corners of a triangle in world space, or `None` if there is no such triangle.
+    pub fn triangle(&mut self, triangle: u32) -> Option<Triangle> {
+        let exists = (triangle as usize) < self.pose.bvh().model().triangle_count();
+        exists.then(|| self.posed().world_triangle(triangle))
+    }
+
+    pub(crate) fn posed(&mut self) -> Posed<'_> {
+        self.pose.posed_at(self.world_from_model)
+    }
 }

@@ -7,10 +7,9 @@
 use std::cmp::Ordering;
 use std::ops::{ControlFlow, Range};
 
-use super::body::world_triangle;
 use super::pairs::TrianglePair;
 use super::stats::QueryStats;
-use crate::bounds::{Extent, WorldFromModel};
+use crate::bounds::Extent;
 use crate::exact::{Facet, Triangle, facets_intersect_counting};
 use crate::pose::Posed;
 
@@ -24,13 +23,9 @@ pub(super) struct Collapsed {
 
 impl Collapsed {
     /// Places both bodies' triangles. Blends every vertex; `O(n log n)`.
-    pub(super) fn place(
-        &mut self,
-        (a, world_from_a): (&mut Posed<'_>, &WorldFromModel),
-        (b, world_from_b): (&mut Posed<'_>, &WorldFromModel),
-    ) {
-        self.a.fill(a, world_from_a);
-        self.b.fill(b, world_from_b);
+    pub(super) fn place(&mut self, a: &mut Posed<'_>, b: &mut Posed<'_>) {
+        self.a.fill(a);
+        self.b.fill(b);
     }
 
     /// Calls `visitor` for every pair of intersecting triangles until it breaks. Tests triangles with equal corners once.
@@ -120,11 +115,11 @@ struct Node {
 }
 
 impl DistinctTriangles {
-    fn fill(&mut self, tree: &mut Posed<'_>, world_from_model: &WorldFromModel) {
+    fn fill(&mut self, tree: &mut Posed<'_>) {
         self.placed.clear();
         self.placed
             .extend((0..tree.topology.triangle_count() as u32).map(|number| {
-                let mut corners = world_triangle(tree, world_from_model, number);
+                let mut corners = tree.world_triangle(number);
                 corners.sort_unstable_by(|p, q| ascending(&p.to_array(), &q.to_array()));
                 (corners, number)
             }));

@@ -12,7 +12,7 @@ use super::leaves::Leaves;
 use super::pairs::TrianglePair;
 use super::placements::Placements;
 use super::stats::QueryStats;
-use crate::bounds::{Aabb, Box64, Extent, GapFrame, WorldFromModel};
+use crate::bounds::{Aabb, Box64, Extent, GapFrame};
 use crate::exact::Triangle;
 use crate::input_error::{InputError, check_length};
 use crate::pose::{Posed, Standing};
@@ -84,48 +84,46 @@ impl DistanceQuery {
     ///
     /// # Errors
     /// [`InputError`] if `max_distance` is negative or NaN.
-    pub fn closest(&mut self, a: Body<'_>, b: Body<'_>, max_distance: f64) -> Result<Option<ClosestPair>, InputError> {
+    pub fn closest(
+        &mut self,
+        mut a: Body<'_>,
+        mut b: Body<'_>,
+        max_distance: f64,
+    ) -> Result<Option<ClosestPair>, InputError> {
         check_length("max_distance", max_distance)?;
-        let (world_from_a, world_from_b) = (a.world_from_model, b.world_from_model);
-        let (a, b) = (&mut a.pose.posed(), &mut b.pose.posed());
+        let (a, b) = (&mut a.posed(), &mut b.posed());
         let before = [a.blended(), b.blended()];
         self.stats = QueryStats::default();
         let placements = Placements {
-            a: a.stand(world_from_a),
-            b: b.stand(world_from_b),
+            a: a.stand(),
+            b: b.stand(),
         };
         let pair = if placements.are_collapsed() {
             let mut best = Best::within(max_distance, false);
-            self.collapsed.place((a, world_from_a), (b, world_from_b));
+            self.collapsed.place(a, b);
             let limit = best.limit;
             let look = |pair, corners_a: &Triangle, corners_b: &Triangle| best.look(pair, corners_a, corners_b);
             let _stopped_early = self.collapsed.nearest(limit, &mut self.stats, look);
             best.pair
         } else {
-            self.closest_by_trees((a, world_from_a), (b, world_from_b), max_distance)
+            self.closest_by_trees(a, b, max_distance)
         };
         self.stats += QueryStats::blending(before, [a.blended(), b.blended()]);
         Ok(pair)
     }
 
-    fn closest_by_trees<'p>(
-        &mut self,
-        (a, world_from_a): (&mut Posed<'p>, &WorldFromModel),
-        (b, world_from_b): (&mut Posed<'p>, &WorldFromModel),
-        max_distance: f64,
-    ) -> Option<ClosestPair> {
+    fn closest_by_trees<'p>(&mut self, a: &mut Posed<'p>, b: &mut Posed<'p>, max_distance: f64) -> Option<ClosestPair> {
         let placements = Placements {
-            a: a.stand(world_from_a),
-            b: b.stand(world_from_b),
+            a: a.stand(),
+            b: b.stand(),
         };
         let scale = placements.a_from_b_scale();
-        let [magnitude_a, magnitude_b] =
-            [placements.a, placements.b].map(|standing| standing.bounds.magnitude().as_dvec3());
-        let mut frames = GapFrame::list(world_from_a, magnitude_a, world_from_b, magnitude_b);
+        let (placed_a, placed_b) = (&placements.a.placed, &placements.b.placed);
+        let mut frames = GapFrame::list(placed_a, placed_b);
         let are_far = are_far(&frames, &placements);
         if are_far {
             // An `f32` rotation is not quite orthogonal: lengths in the bodies' own spaces are off by more than the bodies' sizes.
-            frames.push(GapFrame::world(world_from_a, magnitude_a, world_from_b, magnitude_b));
+            frames.push(GapFrame::world(placed_a, placed_b));
         }
         let mut best = Best::within(max_distance, !are_far);
         let limit = best.limit;
@@ -140,8 +138,8 @@ impl DistanceQuery {
         leaves_b.begin();
         let bound = |a: &Aabb, b: &Aabb| squared_gap(&frames, &Box64::of(a), &Box64::of(b));
         let at_leaves = |a: &mut Posed<'p>, b: &mut Posed<'p>, of_a, of_b| {
-            let block_a = leaves_a.read(a, world_from_a, of_a);
-            let block_b = leaves_b.read(b, world_from_b, of_b);
+            let block_a = leaves_a.read(a, of_a);
+            let block_b = leaves_b.read(b, of_b);
             for &(triangle_a, ref corners_a) in leaves_a.triangles(block_a) {
                 let extent_a = Extent::of_triangle(corners_a);
                 for &(triangle_b, ref corners_b) in leaves_b.triangles(block_b.clone()) {

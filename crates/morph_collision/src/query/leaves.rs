@@ -27,10 +27,10 @@ impl Leaves {
     }
 
     /// The block of a leaf. Blends and places its triangles on the first call.
-    pub(super) fn read(&mut self, tree: &mut Posed<'_>, world_from_model: &WorldFromModel, leaf: Leaf) -> Range<usize> {
+    pub(super) fn read(&mut self, tree: &mut Posed<'_>, leaf: Leaf) -> Range<usize> {
         let slot = self.blocks.find(leaf.0).unwrap_or_else(|| {
             let start = self.placed.len();
-            place_leaf(tree, world_from_model, leaf, &mut self.posed, &mut self.placed);
+            place_leaf(tree, leaf, &mut self.posed, &mut self.placed);
             self.blocks.insert(leaf.0, start..self.placed.len())
         });
         self.blocks.get(slot).clone()
@@ -45,17 +45,20 @@ impl Leaves {
 /// Appends a leaf's triangles to `placed`, each with its number and its corners in world space. `posed` is scratch memory.
 pub(super) fn place_leaf(
     tree: &mut Posed<'_>,
-    world_from_model: &WorldFromModel,
     leaf: Leaf,
     posed: &mut Vec<CornerLanes>,
     placed: &mut Vec<(u32, Triangle)>,
 ) {
+    let numbers = tree.topology.leaf_triangles(leaf);
+    if tree.is_skinned() {
+        placed.extend(numbers.iter().map(|&number| (number, tree.world_triangle(number))));
+        return;
+    }
     posed.clear();
     tree.leaf_corners(leaf, posed);
-    let numbers = tree.topology.leaf_triangles(leaf);
     for (corners, numbers) in posed.iter().zip(numbers.chunks(LANES)) {
         let triangles = numbers.iter().enumerate();
-        placed.extend(triangles.map(|(lane, &number)| (number, placed_triangle(corners, lane, world_from_model))));
+        placed.extend(triangles.map(|(lane, &number)| (number, placed_triangle(corners, lane, tree.place))));
     }
 }
 

@@ -4,9 +4,12 @@ use fearless_simd::f64x4;
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-use crate::bounds::WorldFromModel;
+use std::ops::Range;
+
+use crate::bounds::{LANES, WorldFromModel};
 use crate::exact::{power_of_two, power_of_two_below};
-use crate::tree::CornerLanes;
+use crate::pose::Posed;
+use crate::tree::{CornerLanes, put};
 
 /// A frame near both bodies, in units of their size, where `f32` loses little of `f64`'s precision.
 #[derive(Clone, Copy, Debug)]
@@ -40,6 +43,7 @@ impl Neighbourhood {
             linear: (world_from_model.linear() * self.scale).to_cols_array_2d(),
             translation: (world_from_model.translation() * self.scale).to_array(),
             origin: (self.origin * self.scale).to_array(),
+            scale: self.scale,
         }
     }
 }
@@ -50,9 +54,22 @@ pub(super) struct Placement {
     linear: [[f64; 3]; 3],
     translation: [f64; 3],
     origin: [f64; 3],
+    scale: f64,
 }
 
 impl Placement {
+    /// Sets `corners` to those of up to eight triangles of a skinned mesh, given by their places in leaf order.
+    pub(super) fn place_triangles(&self, tree: &mut Posed<'_>, places: Range<usize>, corners: &mut CornerLanes) {
+        let origin = DVec3::from_array(self.origin);
+        for (lane, place) in (0..LANES).zip(places.clone().chain(std::iter::repeat(places.end - 1))) {
+            let triangle = tree.topology.triangle(place);
+            for (corner, position) in tree.world_triangle(triangle).into_iter().enumerate() {
+                // The scale is a power of two, which changes no rounding.
+                put(corners, lane, corner, (position * self.scale - origin).as_vec3());
+            }
+        }
+    }
+
     /// Maps the corners of eight triangles, in place.
     ///
     /// Places them exactly like [`WorldFromModel::transform_point`], only in the neighbourhood's unit: its scale is a power of two,

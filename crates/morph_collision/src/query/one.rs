@@ -25,12 +25,12 @@ impl OneBody {
     /// `at_triangle` returns the new limit.
     pub(super) fn walk(
         &mut self,
-        body: Body<'_>,
+        mut body: Body<'_>,
         limit: f64,
         lower_bound: impl Fn(&Box64) -> Option<f64>,
         mut at_triangle: impl FnMut(u32, &Triangle) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
-        let tree = &mut body.pose.posed();
+        let tree = &mut body.posed();
         let before = tree.blended();
         let mut walk = OneWalk { tree, node_tests: 0 };
         let mut triangle_tests = 0;
@@ -40,7 +40,7 @@ impl OneBody {
             |bounds| lower_bound(&Box64::of(bounds)),
             |tree, leaf| {
                 self.placed.clear();
-                place_leaf(tree, body.world_from_model, leaf, &mut self.posed, &mut self.placed);
+                place_leaf(tree, leaf, &mut self.posed, &mut self.placed);
                 let mut limit = f64::INFINITY;
                 for (number, triangle) in &self.placed {
                     triangle_tests += 1;

@@ -121,9 +121,9 @@ impl PairQuery {
     }
 
     /// Whether the bodies are too small for culling. Queries then do not walk their trees.
-    pub(super) fn are_collapsed(&self, a: Body<'_>, b: Body<'_>) -> bool {
-        let (mut posed_a, mut posed_b) = (a.pose.posed(), b.pose.posed());
-        let (a, b) = (posed_a.stand(a.world_from_model), posed_b.stand(b.world_from_model));
+    pub(super) fn are_collapsed(&self, mut a: Body<'_>, mut b: Body<'_>) -> bool {
+        let (posed_a, posed_b) = (&mut a.posed(), &mut b.posed());
+        let (a, b) = (posed_a.stand(), posed_b.stand());
         Placements { a, b }.are_collapsed()
     }
 
@@ -140,13 +140,12 @@ impl PairQuery {
     /// started deepest first, or at two leaves.
     fn run(
         &mut self,
-        a: Body<'_>,
-        b: Body<'_>,
+        mut a: Body<'_>,
+        mut b: Body<'_>,
         start: Start<'_>,
         visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
     ) -> Option<(Leaf, Leaf)> {
-        let (world_from_a, world_from_b) = (a.world_from_model, b.world_from_model);
-        let (a, b) = (&mut a.pose.posed(), &mut b.pose.posed());
+        let (a, b) = (&mut a.posed(), &mut b.posed());
         let before = [a.blended(), b.blended()];
         let Self {
             walk,
@@ -157,22 +156,22 @@ impl PairQuery {
         *stats = QueryStats::default();
         let mut stopped_at = None;
         let placements = Placements {
-            a: a.stand(world_from_a),
-            b: b.stand(world_from_b),
+            a: a.stand(),
+            b: b.stand(),
         };
         let roots_overlap = matches!(start, Start::Leaves(_)) || placements.begin_walk(walk);
         if !roots_overlap {
             stats.node_tests = 1;
         } else if matches!(start, Start::Front([]) | Start::Deepest) && placements.are_collapsed() {
-            collapsed.place((a, world_from_a), (b, world_from_b));
+            collapsed.place(a, b);
             let _stopped_early = collapsed.intersecting(stats, visitor);
         } else {
             let neighbourhood = placements.neighbourhood();
-            patches_a.begin(&neighbourhood, world_from_a);
-            patches_b.begin(&neighbourhood, world_from_b);
+            patches_a.begin(&neighbourhood, a.place);
+            patches_b.begin(&neighbourhood, b.place);
             let mut at_leaves = |a: &mut Posed<'_>, b: &mut Posed<'_>, leaves: &[(Leaf, Leaf)]| {
-                let mut a = Side::new(a, world_from_a, patches_a);
-                let mut b = Side::new(b, world_from_b, patches_b);
+                let mut a = Side::new(a, patches_a);
+                let mut b = Side::new(b, patches_b);
                 let flow = intersecting_pairs(&mut a, &mut b, leaves, stats, visitor);
                 if flow.is_break() {
                     stopped_at = leaves.last().copied();

@@ -12,7 +12,6 @@ use fearless_simd::prelude::*;
 
 use self::vectors::{Corners, cross, dot, load, splat, sub};
 use self::verdict::ErrorBounds;
-use super::neighbourhood::Placement;
 use crate::bounds::{Aabb, BoxLanes, LANES, Lanes};
 use crate::tree::CornerLanes;
 
@@ -55,18 +54,11 @@ pub(super) struct Row {
 }
 
 impl Patch {
-    /// Takes the corners from model space to the neighbourhood. Unused lanes must repeat one of the triangles.
+    /// Computes boxes, hull, normals and intervals from the corners in the neighbourhood. Unused lanes must repeat one of the triangles.
     #[inline(always)]
-    pub(super) fn place<S: Simd>(&mut self, simd: S, triangles: usize, placement: &Placement) {
+    pub(super) fn measure<S: Simd>(&mut self, simd: S, triangles: usize) {
         self.triangles = triangles.min(LANES) as u8;
         self.lanes = u8::MAX >> (LANES - triangles.clamp(1, LANES));
-        placement.place(simd, &mut self.corners);
-        self.measure(simd);
-    }
-
-    /// Computes boxes, hull, normals and intervals from the corners.
-    #[inline(always)]
-    fn measure<S: Simd>(&mut self, simd: S) {
         // Products of four larger coordinates could overflow.
         const LARGEST: f32 = 1e6;
         let [a, b, c] = self.load(simd);

@@ -30,7 +30,10 @@ impl Placed {
                 put(&mut patch.corners, lane, corner, point);
             }
         }
-        with_simd!(level, simd => patch.place(simd, self.posed.len(), &neighbourhood.placement(&self.place)));
+        with_simd!(level, simd => {
+            neighbourhood.placement(&self.place).place(simd, &mut patch.corners);
+            patch.measure(simd, self.posed.len());
+        });
         patch
     }
 

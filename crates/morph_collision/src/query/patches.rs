@@ -5,7 +5,6 @@ use std::ops::{ControlFlow, Range};
 
 use fearless_simd::Simd;
 
-use super::body::world_triangle;
 use super::neighbourhood::{Neighbourhood, Placement};
 use super::pairs::TrianglePair;
 use super::patch::{Patch, Row};
@@ -27,7 +26,6 @@ pub(super) struct Patches {
 /// One body of a query.
 pub(super) struct Side<'q, 'p> {
     tree: &'q mut Posed<'p>,
-    world_from_model: &'q WorldFromModel,
     patches: &'q mut Patches,
 }
 
@@ -40,12 +38,8 @@ impl Patches {
 }
 
 impl<'q, 'p> Side<'q, 'p> {
-    pub(super) fn new(tree: &'q mut Posed<'p>, world_from_model: &'q WorldFromModel, patches: &'q mut Patches) -> Self {
-        Self {
-            tree,
-            world_from_model,
-            patches,
-        }
+    pub(super) fn new(tree: &'q mut Posed<'p>, patches: &'q mut Patches) -> Self {
+        Self { tree, patches }
     }
 
     /// The slots of a leaf's patches. Blends and places their corners on the first call.
@@ -70,8 +64,13 @@ impl<'q, 'p> Side<'q, 'p> {
             let first = triangles.start + index * LANES;
             patch.first = first as u32;
             with_simd!(self.tree.level, simd => {
-                self.tree.patch_corners(simd, leaf, index, &mut patch.corners);
-                patch.place(simd, triangles.end - first, placement);
+                if self.tree.is_skinned() {
+                    placement.place_triangles(self.tree, first..triangles.end, &mut patch.corners);
+                } else {
+                    self.tree.patch_corners(simd, leaf, index, &mut patch.corners);
+                    placement.place(simd, &mut patch.corners);
+                }
+                patch.measure(simd, triangles.end - first);
             });
         }
         slot + 1 - triangles.len().div_ceil(LANES).max(1)
@@ -126,8 +125,8 @@ fn intersecting<S: Simd>(
                     };
                     let exactly = |numbers: [u32; 2], stats: &mut QueryStats| {
                         let [number_a, number_b] = in_order(numbers);
-                        let corners_a = world_triangle(a.tree, a.world_from_model, number_a);
-                        let corners_b = world_triangle(b.tree, b.world_from_model, number_b);
+                        let corners_a = a.tree.world_triangle(number_a);
+                        let corners_b = b.tree.world_triangle(number_b);
                         decide(corners_a, corners_b, stats)
                     };
                     let at_pair = |numbers: [u32; 2]| {
@@ -170,8 +169,8 @@ pub(super) fn intersecting_pairs_within(
             };
             let found = |row| {
                 let exactly = |[number_a, number_b]: [u32; 2], stats: &mut QueryStats| {
-                    let corners = |number| world_triangle(body.tree, body.world_from_model, number);
-                    let [corners_a, corners_b] = [number_a, number_b].map(corners);
+                    let mut corners = |number| body.tree.world_triangle(number);
+                    let [corners_a, corners_b] = [number_a, number_b].map(&mut corners);
                     decide(corners_a, corners_b, stats)
                 };
                 let at_pair = |[triangle_a, triangle_b]: [u32; 2]| visitor(TrianglePair { triangle_a, triangle_b });

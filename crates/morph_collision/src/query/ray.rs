@@ -133,7 +133,7 @@ impl RayQuery {
         mut at_hit: impl FnMut(u32, &Crossing, &Triangle) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
         let line = &ray.line;
-        let cull = RayCull::new(line.origin, line.direction, body.world_from_model, body.magnitude());
+        let cull = RayCull::new(line.origin, line.direction, &body.posed().stand().placed);
         let mut limit = line.max_t;
         self.one.walk(
             body,

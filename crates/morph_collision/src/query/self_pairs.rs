@@ -4,7 +4,6 @@ use super::capped::Capped;
 use super::neighbourhood::Neighbourhood;
 use super::patches::{Patches, Side, intersecting_pairs_within};
 use super::{QueryStats, TrianglePair};
-use crate::bounds::WorldFromModel;
 use crate::pose::Pose;
 use crate::traverse::{SelfStack, walk_within};
 
@@ -74,9 +73,9 @@ impl SelfQuery {
         let before = posed.blended();
         let Self { stack, leaves, stats } = self;
         *stats = QueryStats::default();
-        let bounds = posed.bounds();
-        let neighbourhood = Neighbourhood::new(bounds.center().as_dvec3(), f64::from(bounds.size().max_element()));
-        leaves.begin(&neighbourhood, &WorldFromModel::IDENTITY);
+        let (bounds, place) = (posed.bounds(), posed.place);
+        let size = place.scale() * f64::from(bounds.size().max_element());
+        leaves.begin(&Neighbourhood::new(place.transform_point(bounds.center()), size), place);
         let mut ordered = |TrianglePair { triangle_a, triangle_b }| {
             visitor(TrianglePair {
                 triangle_a: triangle_a.min(triangle_b),
@@ -84,7 +83,7 @@ impl SelfQuery {
             })
         };
         let node_tests = walk_within(posed, stack, |posed, a, b| {
-            let mut body = Side::new(posed, &WorldFromModel::IDENTITY, leaves);
+            let mut body = Side::new(posed, leaves);
             intersecting_pairs_within(&mut body, [a, b], stats, &mut ordered)
         });
         stats.node_tests = node_tests;

@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use super::clusters::{Cluster, dominant};
 use super::extents::NodeExtents;
 use super::sah::Partition;
+use super::skin_tables::SkinBuilder;
 use super::topology::{Child, Group};
 use super::{BuildOptions, LeafLanes, MorphBvh, Tables, Topology};
 use crate::bounds::{Kernel, LANES};
@@ -73,18 +75,27 @@ pub(super) fn build_over(
         splits,
         topology: Topology::new(),
         tables: Tables::default(),
+        skin: model.skin().map(|_| {
+            let vertices = 0..model.vertex_count() as u32;
+            let clusters = vertices.map(|vertex| Cluster::of_vertex(&model, vertex));
+            SkinBuilder::new(dominant(Cluster::joined(clusters.collect()).iter()))
+        }),
     };
     let above_root = builder.reserve();
-    let (root, extents) = builder.node(&mut triangles, 0);
-    builder.finish(above_root, &[root], &[extents]);
-    let (mut topology, mut tables) = (builder.topology, builder.tables);
+    let (root, clusters) = builder.node(&mut triangles, 0);
+    builder.finish(above_root, &[root], vec![clusters], true);
+    let (mut topology, mut tables, skin) = (builder.topology, builder.tables, builder.skin);
     tables.finish();
     topology.triangles = triangles;
     MorphBvh {
-        leaf_lanes: LeafLanes::new(&model, &topology).map(Arc::new),
+        // Vertices that joints move are blended one by one.
+        leaf_lanes: (skin.is_none())
+            .then(|| LeafLanes::new(&model, &topology).map(Arc::new))
+            .flatten(),
         model,
         topology: Arc::new(topology),
         tables: Arc::new(tables),
+        skin: skin.map(|skin| Arc::new(skin.finish())),
         options: *options,
         kernel: Kernel::default(),
     }
@@ -95,11 +106,12 @@ struct Builder<'a, S> {
     splits: S,
     topology: Topology,
     tables: Tables,
+    skin: Option<SkinBuilder>,
 }
 
 impl<S: Splits> Builder<'_, S> {
-    /// Builds the node over `triangles`, which it reorders. Returns it with what it spans.
-    fn node(&mut self, triangles: &mut [u32], depth: usize) -> (Child, NodeExtents) {
+    /// Builds the node over `triangles`, which it reorders. Returns it with the clusters of its vertices.
+    fn node(&mut self, triangles: &mut [u32], depth: usize) -> (Child, Vec<Cluster>) {
         self.topology.depth = self.topology.depth.max(depth);
         let Some(counts) = self.splits.split(triangles, depth) else {
             return self.leaf(triangles);
@@ -110,34 +122,47 @@ impl<S: Splits> Builder<'_, S> {
             let part = rest.split_off_mut(..count).unwrap_or_default();
             self.node(part, depth + 1)
         };
-        let (children, extents): (Vec<_>, Vec<_>) = counts.into_iter().map(build_child).unzip();
-        (Child::group(group), self.finish(group, &children, &extents))
+        let (children, clusters): (Vec<_>, Vec<_>) = counts.into_iter().map(build_child).unzip();
+        (Child::group(group), self.finish(group, &children, clusters, depth == 0))
     }
 
-    fn leaf(&mut self, triangles: &[u32]) -> (Child, NodeExtents) {
+    fn leaf(&mut self, triangles: &[u32]) -> (Child, Vec<Cluster>) {
         let corners: Vec<[u32; 3]> = triangles.iter().map(|&triangle| self.model.corners(triangle)).collect();
         let leaf = self.topology.push_leaf(&corners);
         let vertices = self.topology.leaf_vertices(leaf).iter();
-        let extents: Vec<_> = vertices
-            .map(|&vertex| NodeExtents::of_vertex(self.model, vertex))
-            .collect();
-        (Child::leaf(leaf), NodeExtents::of_parts(&extents))
+        let clusters = vertices.map(|&vertex| Cluster::of_vertex(self.model, vertex));
+        (Child::leaf(leaf), Cluster::joined(clusters.collect()))
     }
 
     /// Takes the next number in preorder for a group whose children are not known yet.
     fn reserve(&mut self) -> usize {
         self.topology.groups.push(Group::default());
         self.tables.reserve();
+        if let Some(skin) = &mut self.skin {
+            skin.reserve();
+        }
         self.topology.groups.len() - 1
     }
 
-    /// Stores the children of a group and returns what they span together.
-    fn finish(&mut self, group: usize, children: &[Child], extents: &[NodeExtents]) -> NodeExtents {
+    /// Stores the children of a group and returns the clusters of all of them.
+    fn finish(
+        &mut self,
+        group: usize,
+        children: &[Child],
+        clusters: Vec<Vec<Cluster>>,
+        in_body_frame: bool,
+    ) -> Vec<Cluster> {
         let slot = &mut self.topology.groups[group];
         slot.children[..children.len()].copy_from_slice(children);
         slot.len = children.len() as u8;
-        let whole = NodeExtents::of_parts(extents);
-        self.tables.fill(group, extents, &whole);
+        if let Some(skin) = &mut self.skin {
+            skin.fill(&mut self.tables, group, &clusters, in_body_frame);
+            return Cluster::joined(clusters.into_iter().flatten().collect());
+        }
+        // Without joints each child is one cluster.
+        let extents: Vec<NodeExtents> = clusters.iter().map(|child| child[0].extents.clone()).collect();
+        let whole = Cluster::joined(clusters.into_iter().flatten().collect());
+        self.tables.fill(group, &extents, &whole[0].extents);
         whole
     }
 }

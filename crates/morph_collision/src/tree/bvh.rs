@@ -1,7 +1,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use super::{BuildOptions, Child, ChildKind, LeafLanes, Tables, Topology};
+use super::{BuildOptions, Child, ChildKind, LeafLanes, SkinTables, Tables, Topology};
 use crate::bounds::Kernel;
 use crate::model::MorphModel;
 
@@ -17,6 +17,8 @@ pub struct MorphBvh {
     pub(super) model: Arc<MorphModel>,
     pub(crate) topology: Arc<Topology>,
     pub(crate) tables: Arc<Tables>,
+    /// For a skinned mesh.
+    pub(crate) skin: Option<Arc<SkinTables>>,
     pub(crate) leaf_lanes: Option<Arc<LeafLanes>>,
     pub(super) options: BuildOptions,
     pub(super) kernel: Kernel,
@@ -72,7 +74,8 @@ impl MorphBvh {
     #[must_use]
     pub fn bytes(&self) -> usize {
         let leaf_lanes = self.leaf_lanes.as_ref().map_or(0, |lanes| lanes.bytes());
-        self.topology.bytes() + self.tables.bytes() + leaf_lanes
+        let skin = self.skin.as_ref().map_or(0, |skin| skin.bytes());
+        self.topology.bytes() + self.tables.bytes() + skin + leaf_lanes
     }
 
     /// Cuts the mesh into parts of nearby triangles: the largest subtrees of at most `max_triangles` triangles. Every triangle is

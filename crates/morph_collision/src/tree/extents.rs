@@ -77,6 +77,14 @@ impl NodeExtents {
         }
     }
 
+    /// A point near the node that nothing moves.
+    pub(super) fn a_point(&self) -> Self {
+        Self {
+            base: Extent::point(self.base.min),
+            targets: Vec::new(),
+        }
+    }
+
     /// What the node spans under a target, or `None` if the target does not move it.
     pub(super) fn under(&self, target: u16) -> Option<&TargetExtents> {
         let i = self.targets.binary_search_by_key(&target, |t| t.target).ok()?;

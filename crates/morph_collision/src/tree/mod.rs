@@ -2,15 +2,17 @@
 //!
 //! `build` runs the stages. `sah` splits a node's triangles by the surface-area heuristic. `topology` records the
 //! result in preorder. `extents` measures the base and each target over every node. `tables` turns extents into what a pose
-//! blends. `leaf_lanes` stores the corners of the leaves' triangles for the exact tests.
+//! blends. For skinned meshes `clusters` splits the vertices of each node by joints, and `skin_tables` stores how these move. `leaf_lanes` stores the corners of the leaves' triangles for the exact tests.
 
 mod build;
 mod bvh;
+mod clusters;
 mod extents;
 mod layout;
 mod leaf_lanes;
 mod options;
 mod sah;
+mod skin_tables;
 mod tables;
 mod topology;
 
@@ -18,6 +20,7 @@ pub use bvh::MorphBvh;
 pub use layout::{LayoutError, TreeLayout};
 pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, in_lanes, put};
 pub use options::BuildOptions;
+pub(crate) use skin_tables::{BODY_FRAME, Block, MapKey, SkinTables};
 pub(crate) use tables::{GroupTables, Tables};
 pub(crate) use topology::{Child, ChildKind, Leaf, Topology};
 

@@ -4,10 +4,8 @@ use glam::DVec3;
 
 use super::manifold::{ContactPoint, Manifold};
 use super::parting::parting_distance;
-use crate::bounds::WorldFromModel;
 use crate::exact::{Triangle, TriangleContact, triangle_contact};
 use crate::pose::Posed;
-use crate::query::body::world_triangle;
 use crate::query::{Body, PairQuery, QueryStats, TrianglePair};
 
 /// Finds where and how two bodies touch. Keep the query: it reuses its memory.
@@ -96,10 +94,10 @@ impl ContactQuery {
         self.found.clear();
         let is_truncated = self.pairs.up_to(a.reborrow(), b.reborrow(), limit, &mut self.found);
         self.touching.clear();
-        let (posed_a, posed_b) = (&mut a.pose.posed(), &mut b.pose.posed());
+        let (posed_a, posed_b) = (&mut a.posed(), &mut b.posed());
         for &pair in &self.found {
-            let a = outward_triangle(posed_a, a.world_from_model, pair.triangle_a);
-            let b = outward_triangle(posed_b, b.world_from_model, pair.triangle_b);
+            let a = outward_triangle(posed_a, pair.triangle_a);
+            let b = outward_triangle(posed_b, pair.triangle_b);
             // Never `None`: the pair query uses the same predicates.
             if let Some(contact) = triangle_contact(&a, &b) {
                 self.touching.push(Touching { pair, a, b, contact });
@@ -119,13 +117,9 @@ impl ContactQuery {
 }
 
 /// A triangle's corners in world space; the winding of a mirrored body is flipped.
-fn outward_triangle(posed: &mut Posed<'_>, world_from_model: &WorldFromModel, triangle: u32) -> Triangle {
-    let [p, q, r] = world_triangle(posed, world_from_model, triangle);
-    if world_from_model.mirrors() {
-        [p, r, q]
-    } else {
-        [p, q, r]
-    }
+fn outward_triangle(posed: &mut Posed<'_>, triangle: u32) -> Triangle {
+    let [p, q, r] = posed.world_triangle(triangle);
+    if posed.place.mirrors() { [p, r, q] } else { [p, q, r] }
 }
 
 /// See [`Manifold::normal`].

@@ -57,7 +57,10 @@ impl Pair {
                 for lane in 0..LANES {
                     (0..3).for_each(|corner| put(&mut patch.corners, lane, corner, corners[corner]));
                 }
-                with_simd!(level, simd => patch.place(simd, 1, &near.placement(&place)));
+                with_simd!(level, simd => {
+                    near.placement(&place).place(simd, &mut patch.corners);
+                    patch.measure(simd, 1);
+                });
                 patch
             }),
             exact: world.map(|corners| corners.map(exactly)),

@@ -1,7 +1,7 @@
 use glam::DVec3;
 
 use super::placed::{PlacedShape, Solid};
-use crate::bounds::{Aabb, Box64, WorldFromModel};
+use crate::bounds::{Box64, PlacedBounds};
 use crate::exact::closest_on_segment;
 
 /// Lower bounds for the signed distances of everything in a model-space box.
@@ -10,7 +10,7 @@ use crate::exact::closest_on_segment;
 /// box's faces, which are the same for every node, and the direction from the shape to the box's centre.
 pub(super) struct NodeBound<'a> {
     shape: &'a PlacedShape,
-    world_from_model: &'a WorldFromModel,
+    body: PlacedBounds,
     /// The unit normals of a box's faces, with the shape's supports along and against each; 0 where a body is flattened.
     faces: [(DVec3, [f64; 2]); 3],
     /// Covers the rounding errors of a bound, of the vertices in world space, and of the distances computed in leaves.
@@ -22,27 +22,27 @@ const ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 impl<'a> NodeBound<'a> {
     /// For nodes inside `root`, the body's bounds in model space.
-    pub(super) fn new(shape: &'a PlacedShape, world_from_model: &'a WorldFromModel, root: &Aabb) -> Self {
-        let m = world_from_model.linear();
+    pub(super) fn new(shape: &'a PlacedShape, body: PlacedBounds) -> Self {
+        let m = body.world_from_model().linear();
         let faces = [(m.y_axis, m.z_axis), (m.z_axis, m.x_axis), (m.x_axis, m.y_axis)].map(|(u, v)| {
             // Normalised first to avoid overflow.
             let direction = u.normalize_or_zero().cross(v.normalize_or_zero()).normalize_or_zero();
             (direction, [shape.support(direction), shape.support(-direction)])
         });
-        let reach = world_from_model.reach(root.magnitude().as_dvec3());
-        let slack = ROUNDING * (reach.element_sum() + shape.reach());
+        let slack = ROUNDING * (body.world_reach().element_sum() + shape.reach()) + 3.0 * body.error();
         Self {
             shape,
-            world_from_model,
+            body,
             faces,
             slack,
         }
     }
 
     pub(super) fn lower_bound(&self, node: &Box64) -> f64 {
-        let m = self.world_from_model.linear();
+        let place = self.body.world_from_model();
+        let m = place.linear();
         let half = node.half;
-        let center = m * node.center + self.world_from_model.translation();
+        let center = m * node.center + place.translation();
         let radius_along = |w: DVec3| {
             (w.dot(m.x_axis) * half.x).abs() + (w.dot(m.y_axis) * half.y).abs() + (w.dot(m.z_axis) * half.z).abs()
         };

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use super::ShapeQuery;
-use crate::bounds::{Box64, GapFrame, WorldFromModel};
+use crate::bounds::{Box64, GapFrame, PlacedBounds, WorldFromModel};
 use crate::exact::{TrianglePoint, closest_on_triangle_exactly};
 use crate::input_error::{InputError, check_length, check_point};
 use crate::query::Body;
@@ -57,8 +57,8 @@ impl ShapeQuery {
         check_point("point", point)?;
         check_length("max_distance", max_distance)?;
         let target = Box64::point(point);
-        let world = &WorldFromModel::IDENTITY;
-        let frames = GapFrame::list(body.world_from_model, body.magnitude(), world, point.abs());
+        let world = PlacedBounds::new(&WorldFromModel::IDENTITY, point.abs());
+        let frames = GapFrame::list(&body.posed().stand().placed, &world);
         let targets: Vec<_> = frames.iter().map(|frame| (frame, frame.image_of_b(&target))).collect();
         let squared_distance = |bounds: &Box64| {
             let squared = |(frame, target): &(&GapFrame, Box64)| frame.squared(&frame.image_of_a(bounds), target);

@@ -169,12 +169,12 @@ impl ShapeQuery {
 
     fn walk(
         &mut self,
-        body: Body<'_>,
+        mut body: Body<'_>,
         shape: &PlacedShape,
         limit: f64,
         at_triangle: impl FnMut(u32, &Triangle) -> ControlFlow<(), f64>,
     ) {
-        let bound = NodeBound::new(shape, body.world_from_model, &body.pose.bounds());
+        let bound = NodeBound::new(shape, body.posed().stand().placed);
         let _stopped_early = self
             .one
             .walk(body, limit, |node| Some(bound.lower_bound(node)), at_triangle);

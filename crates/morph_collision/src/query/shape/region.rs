@@ -48,8 +48,8 @@ impl ShapeQuery {
         limit: usize,
         triangles: &mut Vec<u32>,
     ) -> bool {
-        let (magnitude, world_from_model) = (body.magnitude(), body.world_from_model);
-        let to_model = |plane: &Plane| ModelPlane::new(plane.normal, plane.offset, world_from_model, magnitude);
+        let placed = body.posed().stand().placed;
+        let to_model = |plane: &Plane| ModelPlane::new(plane.normal, plane.offset, &placed);
         let planes: Vec<_> = region.planes.iter().map(to_model).collect();
         let reached = |bounds: &Box64| planes.iter().all(|plane| plane.reaches(bounds)).then_some(0.0);
         let mut listed = Capped::new(triangles, limit);

@@ -1,0 +1,127 @@
+//! The boxes of a group's children under joints: each cluster is blended before joints move it, taken to the group's frame by its strongest
+//! joint, and corrected by what other joints may do (docs/skinning.md).
+
+use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, mask32x8};
+
+use super::blend::blend_group;
+use crate::bounds::{BoxLanes, Ends, JointMap};
+use crate::model::Weights;
+use crate::tree::Block;
+
+/// Half a unit in the last place of 1.
+const U: f32 = f32::EPSILON / 2.0;
+/// Larger coordinates could overflow in sums; such boxes are infinite.
+const MAX_REACH: f32 = 1e37;
+
+/// Sets `boxes` to boxes of a group's children in its frame that hold every vertex. Returns how much they were widened.
+///
+/// `map` gives a map by its number. `origin` is a bound on the coordinates of the world's origin in the frame.
+#[inline(always)]
+pub(super) fn blend_skinned<'m, 't, S: Simd>(
+    simd: S,
+    blocks: impl Iterator<Item = Block<'t>>,
+    weights: &Weights,
+    map: impl Fn(u32) -> &'m JointMap,
+    origin: f32,
+    boxes: &mut BoxLanes,
+) -> f32 {
+    let mut hull = [
+        [f32x8::splat(simd, f32::INFINITY); 3],
+        [f32x8::splat(simd, f32::NEG_INFINITY); 3],
+    ];
+    let mut widest = 0.0_f32;
+    let mut cluster = BoxLanes::default();
+    for block in blocks {
+        let reach = blend_group(simd, block.tables, weights, &mut cluster);
+        let own = cluster.ends(simd);
+        let (ends, widening) = match block.pivots {
+            [pivot] if block.rows.is_empty() && map(pivot.map).is_identity && block.missing == 0.0 => (own, 0.0),
+            _ => moved(simd, &block, own, reach, &map, origin),
+        };
+        widest = widest.max(widening);
+        for axis in 0..3 {
+            // A lane without a cluster is masked out here, whatever it holds.
+            let is_used = lanes(simd, block.lanes);
+            hull[0][axis] = is_used.select(hull[0][axis].min(ends[0][axis]), hull[0][axis]);
+            hull[1][axis] = is_used.select(hull[1][axis].max(ends[1][axis]), hull[1][axis]);
+        }
+    }
+    boxes.store(hull[0], hull[1]);
+    widest
+}
+
+/// The boxes of a block's clusters under their joints, and how much they were widened.
+#[inline(always)]
+fn moved<'m, S: Simd>(
+    simd: S,
+    block: &Block<'_>,
+    own: Ends<S>,
+    reach: f32,
+    map: &impl Fn(u32) -> &'m JointMap,
+    origin: f32,
+) -> (Ends<S>, f32) {
+    let half_of = f32x8::splat(simd, 0.5);
+    let [low, high] = own;
+    let mut middle = [low, high];
+    for axis in 0..3 {
+        middle[0][axis] = (low[axis] + high[axis]) * half_of;
+        middle[1][axis] = (high[axis] - low[axis]) * half_of;
+    }
+    let image = |map: &JointMap| if map.is_identity { own } else { map.image(simd, &middle) };
+    let (mut farthest, mut drift) = (0.0_f32, 0.0_f32);
+    let mut note = |map: &JointMap| {
+        farthest = farthest.max(map.reach(reach));
+        drift = drift.max(map.drift);
+    };
+    let mut pivot = own;
+    for of in block.pivots {
+        let map = map(of.map);
+        note(map);
+        let (image, is_its) = (image(map), lanes(simd, of.lanes));
+        for end in 0..2 {
+            for axis in 0..3 {
+                pivot[end][axis] = is_its.select(image[end][axis], pivot[end][axis]);
+            }
+        }
+    }
+    let mut ends = pivot;
+    for row in block.rows {
+        let map = map(row.map);
+        note(map);
+        let (image, least, most) = (image(map), row.low.load(simd), row.high.load(simd));
+        for axis in 0..3 {
+            let (down, up) = (image[0][axis] - pivot[0][axis], image[1][axis] - pivot[1][axis]);
+            ends[0][axis] += (least * down).min(most * down);
+            ends[1][axis] += (least * up).max(most * up);
+        }
+    }
+    let widening = widening(block, farthest, drift, origin);
+    // Also if it is NaN.
+    if !(widening + farthest <= MAX_REACH) {
+        let all = |value| [f32x8::splat(simd, value); 3];
+        return ([all(f32::NEG_INFINITY), all(f32::INFINITY)], f32::INFINITY);
+    }
+    let by = f32x8::splat(simd, widening);
+    for axis in 0..3 {
+        ends[0][axis] -= by;
+        ends[1][axis] += by;
+    }
+    (ends, widening)
+}
+
+/// A bound on all roundings of [`moved`]; derived in docs/numerics.md, "Boxes under joints".
+#[inline(always)]
+fn widening(block: &Block<'_>, farthest: f32, drift: f32, origin: f32) -> f32 {
+    let (others, rows) = (block.weight, block.rows.len() as f32);
+    let roundings = 10.0 + 24.0 * others + (rows + 1.0) * (1.0 + 2.0 * others);
+    farthest * (roundings * U * 1.03)
+        + drift * (1.0 + 2.0 * others) * 1.001
+        + block.missing * (origin + farthest) * 1.001
+        + (rows + 2.0) * 1e-42
+}
+
+#[inline(always)]
+fn lanes<S: Simd>(simd: S, mask: u8) -> mask32x8<S> {
+    mask32x8::from_bitmask(simd, u64::from(mask))
+}

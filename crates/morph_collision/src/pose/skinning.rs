@@ -1,0 +1,258 @@
+//! What a pose of a skinned mesh keeps: its joints, the maps to the frames of its boxes, and what was made with them.
+
+use fearless_simd::Level;
+use glam::DVec3;
+
+use super::cache::EpochCache;
+use super::skin_blend::blend_skinned;
+use crate::bounds::{Aabb, BoxLanes, BoxMap, JointMap, PlacedBounds, WorldFromModel, with_simd};
+use crate::joints::JointMatrices;
+use crate::model::{MorphModel, Weights};
+use crate::tree::{BODY_FRAME, MapKey, SkinTables, Tables};
+
+/// The state of a skinned pose.
+#[derive(Clone, Debug)]
+pub(super) struct Skinning {
+    pub(super) joints: JointMatrices,
+    /// Of joints and weights together: it counts their changes.
+    version: u32,
+    frames: Vec<BoneFrame>,
+    maps: Vec<KeptMap>,
+    /// By group, in the group's frame. They outlast joints that move without changing a group's maps.
+    boxes: EpochCache<BoxLanes>,
+    /// The version in which a group's boxes were last found to be right.
+    made: Vec<u32>,
+    /// How much the boxes that make the body's bounds were widened.
+    top_widening: f32,
+    /// World positions, by welded vertex.
+    pub(super) placed: EpochCache<DVec3>,
+    /// The largest absolute coordinate of vertices before joints move them.
+    reach: f64,
+    /// How far world positions may be from those without rounding.
+    error: f64,
+}
+
+/// A space in which boxes are kept.
+#[derive(Clone, Debug, Default)]
+struct BoneFrame {
+    /// The version it is of.
+    version: u32,
+    /// Whether boxes are kept in it; otherwise they are in the body's frame.
+    is_used: bool,
+    place: WorldFromModel,
+    /// The version that `placed` and `to_body` are of.
+    placed_in: u32,
+    placed: Option<PlacedBounds>,
+    to_body: Option<BoxMap>,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct KeptMap {
+    map: JointMap,
+    /// The version in which it was last found to be right.
+    version: u32,
+    /// That in which it last changed.
+    changed: u32,
+}
+
+/// What the functions below need of the tree.
+#[derive(Clone, Copy)]
+pub(super) struct SkinTree<'a> {
+    pub(super) model: &'a MorphModel,
+    pub(super) tables: &'a Tables,
+    pub(super) skin: &'a SkinTables,
+    pub(super) weights: &'a Weights,
+    pub(super) level: Level,
+}
+
+impl Skinning {
+    pub(super) fn new(skin: &SkinTables, joints: JointMatrices, groups: usize, vertices: usize) -> Self {
+        Self {
+            joints,
+            version: 0,
+            frames: vec![BoneFrame::default(); skin.frames.len()],
+            maps: vec![KeptMap::default(); skin.maps.len()],
+            boxes: EpochCache::new(groups),
+            made: vec![0; groups],
+            top_widening: 0.0,
+            placed: EpochCache::new(vertices),
+            reach: 0.0,
+            error: 0.0,
+        }
+    }
+
+    /// Follows a change of the joints or the weights; returns where the body's frame stands.
+    pub(super) fn change(&mut self, tree: SkinTree<'_>, weights_changed: bool) -> WorldFromModel {
+        if self.version == u32::MAX {
+            let joints = self.joints.clone();
+            *self = Self::new(tree.skin, joints, self.made.len(), tree.model.vertex_count());
+        }
+        self.version += 1;
+        self.placed.next_epoch();
+        if weights_changed {
+            self.boxes.next_epoch();
+        }
+        let of_targets =
+            tree.weights.active().iter().map(|&(target, weight)| {
+                f64::from(weight.abs()) * f64::from(tree.model.target_reach()[target as usize])
+            });
+        // The factor covers the roundings of blends.
+        self.reach = (f64::from(tree.model.base_reach()) + of_targets.sum::<f64>()) * (1.0 + 1e-3);
+        let sum = tree.model.skin().map_or(1.0, |skin| skin.max_sum());
+        // Up to eight products and sums of matrices, three of each for the position.
+        self.error = 32.0 * f64::EPSILON * sum * self.joints.world_reach(self.reach);
+        self.frame_is_used(tree.skin, BODY_FRAME);
+        self.frames[BODY_FRAME].place
+    }
+
+    pub(super) fn error(&self) -> f64 {
+        self.error
+    }
+
+    pub(super) fn top_widening(&self) -> f32 {
+        self.top_widening
+    }
+
+    /// Whether boxes are kept in a frame. Places it first.
+    fn frame_is_used(&mut self, skin: &SkinTables, frame: usize) -> bool {
+        let of = &mut self.frames[frame];
+        if of.version != self.version {
+            of.version = self.version;
+            let columns = skin.frames[frame].map(|joint| *self.joints.columns(joint));
+            of.place = columns.map_or(WorldFromModel::IDENTITY, WorldFromModel::from_columns);
+            of.is_used = of.place.is_well_conditioned();
+            if frame == BODY_FRAME && !of.is_used {
+                let axes = [DVec3::X, DVec3::Y, DVec3::Z];
+                let [x, y, z] = axes;
+                of.place = WorldFromModel::from_columns([x, y, z, of.place.translation()]);
+            }
+        }
+        of.is_used
+    }
+
+    /// The frame that a group's boxes are in.
+    pub(super) fn frame_of(&mut self, skin: &SkinTables, group: usize) -> usize {
+        let frame = skin.frame(group);
+        if self.frame_is_used(skin, frame) {
+            frame
+        } else {
+            BODY_FRAME
+        }
+    }
+
+    /// Brings a map up to date; returns the version in which it last changed.
+    fn changed(&mut self, skin: &SkinTables, map: u32) -> u32 {
+        let kept = &self.maps[map as usize];
+        if kept.version == self.version {
+            return kept.changed;
+        }
+        let MapKey { frame, joint } = skin.maps[map as usize];
+        let is_used = self.frame_is_used(skin, usize::from(frame));
+        let is_own = is_used && skin.frames[usize::from(frame)] == Some(joint);
+        let place = &self.frames[if is_used { usize::from(frame) } else { BODY_FRAME }].place;
+        let columns = self.joints.columns(joint);
+        let kept = &mut self.maps[map as usize];
+        let is_still = kept.changed > 0
+            && kept.map.is_identity == is_own
+            && (is_own || kept.map.is_still(place, columns, self.reach));
+        if !is_still {
+            kept.changed = self.version;
+            kept.map = if is_own {
+                JointMap::IDENTITY
+            } else {
+                JointMap::new(place, columns, self.reach)
+            };
+        }
+        kept.version = self.version;
+        kept.changed
+    }
+
+    /// The slot of a group's boxes in its frame, and whether they had to be blended.
+    pub(super) fn open(&mut self, tree: SkinTree<'_>, group: usize) -> (usize, bool) {
+        let found = self.boxes.find(group);
+        if let Some(slot) = found
+            && self.made[group] == self.version
+        {
+            return (slot, false);
+        }
+        let maps = tree.skin.maps_of(group);
+        let changed = maps.iter().map(|&map| self.changed(tree.skin, map)).fold(0, u32::max);
+        let is_right = changed <= self.made[group];
+        self.made[group] = self.version;
+        if let Some(slot) = found
+            && is_right
+        {
+            return (slot, false);
+        }
+        let slot = found.unwrap_or_else(|| self.boxes.claim(group));
+        let frame = self.frame_of(tree.skin, group);
+        let origin = self.frames[frame].place.model_point(DVec3::ZERO).0.abs().max_element() as f32 * (1.0 + 1e-3);
+        let (maps, boxes) = (&self.maps, self.boxes.get_mut(slot));
+        let blocks = tree.skin.blocks(tree.tables, group);
+        let map = |map: u32| &maps[map as usize].map;
+        let widening = with_simd!(tree.level, simd => blend_skinned(simd, blocks, tree.weights, map, origin, boxes));
+        if tree.skin.is_top(group) {
+            self.top_widening = widening;
+        }
+        (slot, true)
+    }
+
+    /// A box that is up to date, in the frame of its group, and where that stands.
+    pub(super) fn box_in_frame(
+        &mut self,
+        skin: &SkinTables,
+        group: usize,
+        lane: usize,
+    ) -> Option<(Aabb, WorldFromModel)> {
+        let slot = self.boxes.find(group)?;
+        let frame = self.frame_of(skin, group);
+        Some((self.boxes.get(slot).get(lane), self.frames[frame].place))
+    }
+
+    /// Maps a group's boxes to the body's frame, given the body's bounds there.
+    pub(super) fn in_body(
+        &mut self,
+        tree: SkinTree<'_>,
+        group: usize,
+        slot: usize,
+        bounds: &Aabb,
+        boxes: &mut BoxLanes,
+    ) {
+        let frame = self.frame_of(tree.skin, group);
+        if frame == BODY_FRAME {
+            *boxes = *self.boxes.get(slot);
+            return;
+        }
+        self.place(frame, bounds);
+        match &self.frames[frame].to_body {
+            Some(map) => with_simd!(tree.level, simd => map.all(simd, self.boxes.get(slot), boxes)),
+            None => boxes.set_all(&Aabb::UNBOUNDED),
+        }
+    }
+
+    /// Where the boxes of a frame stand, given the body's bounds in its own.
+    fn place(&mut self, frame: usize, bounds: &Aabb) {
+        if self.frames[frame].placed_in == self.version {
+            return;
+        }
+        let placed = |place: &WorldFromModel, magnitude| PlacedBounds::with_error(place, magnitude, self.error);
+        let body = placed(&self.frames[BODY_FRAME].place, bounds.magnitude().as_dvec3());
+        let of = &mut self.frames[frame];
+        of.placed_in = self.version;
+        // Points are within the body's bounds, so their images are within those of the bounds.
+        let from_body = placed(&of.place, DVec3::ZERO).map_from(&body);
+        let magnitude = from_body.map(|map| map.one(bounds).magnitude().as_dvec3());
+        of.placed = magnitude
+            .filter(|reach| reach.is_finite())
+            .map(|magnitude| placed(&of.place, magnitude));
+        of.to_body = of.placed.and_then(|placed| body.map_from(&placed));
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.frames)
+            + size_of_val(&*self.maps)
+            + size_of_val(&*self.made)
+            + self.boxes.bytes()
+            + self.placed.bytes()
+    }
+}

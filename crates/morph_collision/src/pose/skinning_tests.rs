@@ -1,0 +1,248 @@
+//! Boxes and vertices of skinned meshes under random joints and weights.
+
+use std::sync::Arc;
+
+use glam::{Affine3A, EulerRot, Mat3A, Quat, Vec3, Vec3A};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use crate::{
+    Body, BuildOptions, Influences, JointMatrices, MorphBvh, MorphModel, PairQuery, Pose, TrianglePair, WorldFromModel,
+    triangles_intersect,
+};
+
+const JOINTS: usize = 7;
+const RINGS: usize = 40;
+const SIDES: usize = 6;
+
+/// How the weights of vertices come out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Weights {
+    /// Two joints per vertex, with sums of 1.
+    Smooth,
+    /// One joint per vertex.
+    Rigid,
+    /// Four joints drawn at random, with any sum.
+    Random,
+}
+
+/// A tube along x with joints along it and two targets.
+fn tube(kind: Weights, rng: &mut Pcg64Mcg) -> Arc<MorphBvh> {
+    let (mut base, mut joints, mut weights) = (Vec::new(), Vec::new(), Vec::new());
+    for ring in 0..RINGS {
+        for side in 0..SIDES {
+            let angle = side as f32 / SIDES as f32 * std::f32::consts::TAU;
+            let along = ring as f32 / RINGS as f32 * JOINTS as f32;
+            base.push(Vec3::new(along, angle.cos() * 0.4, angle.sin() * 0.4));
+            let joint = (along.floor() as u16).min(JOINTS as u16 - 1);
+            let next = (joint + 1).min(JOINTS as u16 - 1);
+            let share = along.fract();
+            let (j, w) = match kind {
+                Weights::Smooth => ([joint, next, 0, 0], [1.0 - share, share, 0.0, 0.0]),
+                Weights::Rigid => ([joint, 0, 0, 0], [1.0, 0.0, 0.0, 0.0]),
+                Weights::Random => (
+                    [(); 4].map(|()| rng.random_range(0..JOINTS as u16)),
+                    [(); 4].map(|()| {
+                        if rng.random_bool(0.4) {
+                            rng.random_range(0.0..0.8)
+                        } else {
+                            0.0
+                        }
+                    }),
+                ),
+            };
+            joints.push(j);
+            weights.push(w);
+        }
+    }
+    let mut triangles = Vec::new();
+    for ring in 0..RINGS as u32 - 1 {
+        for side in 0..SIDES as u32 {
+            let at = |ring: u32, side: u32| ring * SIDES as u32 + side % SIDES as u32;
+            let [a, b, c, d] = [
+                at(ring, side),
+                at(ring, side + 1),
+                at(ring + 1, side),
+                at(ring + 1, side + 1),
+            ];
+            triangles.extend([[a, c, b], [b, c, d]]);
+        }
+    }
+    let bulge: Vec<Vec3> = base
+        .iter()
+        .map(|p| Vec3::new(0.0, p.y, p.z) * (p.x * 2.0).sin())
+        .collect();
+    let lift: Vec<Vec3> = base
+        .iter()
+        .map(|p| if p.x > 5.0 { Vec3::Y * 0.3 } else { Vec3::ZERO })
+        .collect();
+    let influences = Influences {
+        joints: &joints,
+        weights: &weights,
+    };
+    let model = MorphModel::skinned(&base, &triangles, &[bulge, lift], JOINTS, &[influences]).unwrap();
+    Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()))
+}
+
+/// A chain of joints, each turned against the one before.
+fn bent(rng: &mut Pcg64Mcg, angle: f32, scale: [f32; 2], at: Vec3) -> JointMatrices {
+    let mut parent = Affine3A::from_translation(at);
+    let mut all = Vec::new();
+    for joint in 0..JOINTS {
+        let [x, y, z] = [(); 3].map(|()| {
+            if angle > 0.0 {
+                rng.random_range(-angle..angle)
+            } else {
+                0.0
+            }
+        });
+        let turn = Quat::from_euler(EulerRot::XYZ, x, y, z);
+        let size = Vec3::from_array([(); 3].map(|()| {
+            if scale[0] < scale[1] {
+                rng.random_range(scale[0]..scale[1])
+            } else {
+                scale[0]
+            }
+        }));
+        let local = Affine3A::from_scale_rotation_translation(size, turn, Vec3::X * f32::from(joint > 0));
+        parent = parent * local;
+        all.push(parent * Affine3A::from_translation(Vec3::NEG_X * joint as f32));
+    }
+    JointMatrices::new(&all).unwrap()
+}
+
+/// Fails if a vertex is outside the box of any node above it; returns the number of boxes that were cached before.
+fn check_boxes(pose: &mut Pose) -> (usize, usize) {
+    let mut boxes = Vec::new();
+    let (mut nodes, mut fresh) = (0, 0);
+    pose.visit_nodes(|node| {
+        boxes.push((node.bounds, node.world_from_bounds.unwrap(), node.triangles.to_vec()));
+        (nodes, fresh) = (nodes + 1, fresh + usize::from(node.was_fresh));
+        true
+    });
+    let place = WorldFromModel::IDENTITY;
+    for (bounds, world_from_bounds, triangles) in boxes {
+        for triangle in triangles {
+            for corner in Body::new(pose, &place).triangle(triangle).unwrap() {
+                let (point, error) = world_from_bounds.model_point(corner);
+                let slack = error + 1e-15 * point.abs().max_element();
+                let is_in = (point - slack).cmple(bounds.max.as_dvec3()) & (point + slack).cmpge(bounds.min.as_dvec3());
+                assert!(is_in.all(), "{triangle}: {point} outside {bounds:?}");
+            }
+        }
+    }
+    (nodes, fresh)
+}
+
+fn brute_force(a: &mut Pose, b: &mut Pose) -> Vec<TrianglePair> {
+    let place = WorldFromModel::IDENTITY;
+    let triangles = |pose: &mut Pose| -> Vec<_> {
+        let count = pose.bvh().model().triangle_count() as u32;
+        (0..count)
+            .map(|t| Body::new(pose, &place).triangle(t).unwrap())
+            .collect()
+    };
+    let (of_a, of_b) = (triangles(a), triangles(b));
+    let mut pairs = Vec::new();
+    for (triangle_a, a) in (0..).zip(&of_a) {
+        for (triangle_b, b) in (0..).zip(&of_b) {
+            if triangles_intersect(a, b) {
+                pairs.push(TrianglePair { triangle_a, triangle_b });
+            }
+        }
+    }
+    pairs
+}
+
+#[test]
+fn boxes_hold_every_vertex_and_pairs_are_those_of_brute_force() {
+    let mut rng = Pcg64Mcg::seed_from_u64(1);
+    let mut touching = 0;
+    for kind in [Weights::Smooth, Weights::Rigid, Weights::Random] {
+        let bvh = tube(kind, &mut rng);
+        let (mut a, mut b) = (Pose::new(bvh.clone()), Pose::new(bvh));
+        for case in 0..24 {
+            let (angle, scale) = [(0.3, [1.0; 2]), (2.1, [1.0; 2]), (0.8, [0.0, 2.0]), (0.0, [0.0; 2])][case % 4];
+            let at = if case % 5 == 0 {
+                Vec3::new(1e4, -300.0, 7.0)
+            } else {
+                Vec3::ZERO
+            };
+            for pose in [&mut a, &mut b] {
+                pose.set_joints(&bent(&mut rng, angle, scale, at)).unwrap();
+                let weights = [rng.random_range(-2.0..12.0), rng.random_range(-1.0..1.0)];
+                pose.set_weights(&weights).unwrap();
+                check_boxes(pose);
+            }
+            let place = WorldFromModel::IDENTITY;
+            let mut pairs = Vec::new();
+            PairQuery::new().all(Body::new(&mut a, &place), Body::new(&mut b, &place), &mut pairs);
+            pairs.sort_unstable();
+            assert_eq!(pairs, brute_force(&mut a, &mut b), "{kind:?}, case {case}");
+            touching += usize::from(!pairs.is_empty());
+            if case % 3 == 0 {
+                a.refit();
+                check_boxes(&mut a);
+            }
+        }
+    }
+    assert!(touching > 30, "{touching}");
+}
+
+#[test]
+fn boxes_of_what_moves_rigidly_are_kept() {
+    let mut rng = Pcg64Mcg::seed_from_u64(2);
+    let mut pose = Pose::new(tube(Weights::Smooth, &mut rng));
+    let joints = |turned: Quat, at: Vec3| -> JointMatrices {
+        let body = Affine3A::from_rotation_translation(turned, at);
+        // All joints but the last move as one.
+        let last = body
+            * Affine3A::from_translation(Vec3::X * 6.0)
+            * Affine3A::from_rotation_y(0.3 * at.y)
+            * Affine3A::from_translation(Vec3::NEG_X * 6.0);
+        JointMatrices::new(&[[body; JOINTS - 1].as_slice(), &[last]].concat()).unwrap()
+    };
+    pose.set_joints(&joints(Quat::IDENTITY, Vec3::ZERO)).unwrap();
+    check_boxes(&mut pose);
+    for frame in 1..20 {
+        let at = Vec3::new(frame as f32 * 0.37, frame as f32 * 0.11, -3.0);
+        pose.set_joints(&joints(Quat::from_rotation_z(frame as f32 * 0.2), at))
+            .unwrap();
+        let before = pose.posed().blended().volumes;
+        check_boxes(&mut pose);
+        let blended = pose.posed().blended().volumes - before;
+        let nodes = pose.bvh().node_count() as u64;
+        assert!(0 < blended && blended < nodes / 2, "{blended} of {nodes}");
+    }
+}
+
+#[test]
+fn a_skinned_vertex_is_as_defined() {
+    let base = [Vec3::new(1.0, 2.0, 3.0), Vec3::X, Vec3::Y];
+    let influences = Influences {
+        joints: &[[1, 0, 1, 9], [0; 4], [1; 4]],
+        weights: &[[0.5, 0.25, 0.125, 0.0], [0.0; 4], [1.0, 0.0, 0.0, 0.0]],
+    };
+    let lift = vec![Vec3::Z; 3];
+    let model = MorphModel::skinned(&base, &[[0, 1, 2]], &[lift], 2, &[influences]).unwrap();
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+    let turned = Affine3A {
+        matrix3: Mat3A::from_cols(Vec3A::Y, Vec3A::Z, Vec3A::X),
+        translation: Vec3A::new(10.0, 20.0, 30.0),
+    };
+    pose.set_joints(&JointMatrices::new(&[Affine3A::from_scale(Vec3::splat(2.0)), turned]).unwrap())
+        .unwrap();
+    pose.set_weights(&[1.0]).unwrap();
+    let place = WorldFromModel::IDENTITY;
+    let mut body = Body::new(&mut pose, &place);
+    // (1, 2, 4) with 5/8 of the second joint, which takes it to (14, 21, 32), and 1/4 of the first, which doubles it.
+    let expected = glam::DVec3::new(14.0, 21.0, 32.0) * 0.625 + glam::DVec3::new(2.0, 4.0, 8.0) * 0.25;
+    assert_eq!(body.vertex(0), Some(expected));
+    assert_eq!(
+        body.vertex(1),
+        Some(glam::DVec3::ZERO),
+        "no influences: the world's origin"
+    );
+    assert_eq!(body.vertex(2), Some(glam::DVec3::new(11.0, 20.0, 31.0)));
+    assert_eq!(body.vertex(3), None);
+}

@@ -1,0 +1,167 @@
+//! The vertices of a node, split by the joints that move them most, with what bounds each part.
+
+use super::extents::NodeExtents;
+use crate::model::{Influence, MorphModel};
+
+/// Second joints with less weight than this do not split clusters (docs/skinning.md).
+const MIN_SECOND: f32 = 0.05;
+/// Where the weights of a vertex miss a sum of 1 by more than this, what is missing counts as an influence.
+const MISSING: f64 = 1.0 / (1 << 20) as f64;
+
+/// The weight of a joint over the vertices of a cluster: its least and its largest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Interval {
+    pub(super) joint: u16,
+    pub(super) low: f32,
+    pub(super) high: f32,
+}
+
+/// Vertices with the same strongest and second joint. All vertices of a mesh without joints are one cluster.
+#[derive(Clone, Debug)]
+pub(super) struct Cluster {
+    /// The strongest joint, and the second one, or [`NONE`].
+    key: [u16; 2],
+    /// What the vertices span before joints move them.
+    pub(super) extents: NodeExtents,
+    /// Ascending by joint. Joints that are not listed have weight 0. Weights that miss a sum of 1 are made up for by the joint after
+    /// the last one, whose matrix is 0.
+    pub(super) weights: Vec<Interval>,
+    /// The largest `|1 - sum of weights|` that is not among the weights.
+    pub(super) missing: f32,
+    /// The sum of the weights of each joint over the vertices, roughly: which joint moves most of a node.
+    pub(super) shares: Vec<(u16, f32)>,
+}
+
+/// In place of a joint.
+pub(super) const NONE: u16 = u16::MAX;
+
+impl Cluster {
+    /// The cluster of one vertex.
+    pub(super) fn of_vertex(model: &MorphModel, vertex: u32) -> Self {
+        let extents = NodeExtents::of_vertex(model, vertex);
+        let Some(skin) = model.skin() else {
+            return Self {
+                key: [NONE; 2],
+                extents,
+                weights: Vec::new(),
+                missing: 0.0,
+                shares: Vec::new(),
+            };
+        };
+        let sum: f64 = skin.influences(vertex).iter().map(|i| f64::from(i.weight)).sum();
+        let mut weights = summed(skin.influences(vertex));
+        let (missing, origin) = (1.0 - sum, skin.joint_count() as u16);
+        let is_missing = missing.abs() > MISSING;
+        if is_missing {
+            let (low, high) = outward(missing);
+            weights.push(Interval {
+                joint: origin,
+                low,
+                high,
+            });
+        }
+        let mut by_weight: Vec<(f32, u16)> = weights.iter().map(|w| (w.high, w.joint)).collect();
+        by_weight.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let joint = |place: usize, least: f32| {
+            let found = by_weight.get(place).filter(|(weight, _)| *weight > least);
+            found.map_or(NONE, |(_, joint)| *joint)
+        };
+        Self {
+            // Without influences the vertex is at the origin, whose weight is then 1.
+            key: [joint(0, 0.0), joint(1, MIN_SECOND)],
+            extents,
+            shares: weights
+                .iter()
+                .filter(|w| w.joint != origin)
+                .map(|w| (w.joint, w.high))
+                .collect(),
+            weights,
+            missing: if is_missing { 0.0 } else { outward(missing.abs()).1 },
+        }
+    }
+
+    /// The joint whose image of the cluster is corrected by those of the others.
+    pub(super) fn strongest(&self) -> u16 {
+        self.key[0]
+    }
+
+    /// The joints other than the strongest with what they weigh.
+    pub(super) fn others(&self) -> impl Iterator<Item = &Interval> {
+        self.weights.iter().filter(|weight| weight.joint != self.strongest())
+    }
+
+    /// Joins the clusters of parts of a node: those with the same joints become one.
+    pub(super) fn joined(mut parts: Vec<Self>) -> Vec<Self> {
+        parts.sort_by_key(|cluster| cluster.key);
+        parts.chunk_by(|a, b| a.key == b.key).map(Self::union).collect()
+    }
+
+    fn union(parts: &[Self]) -> Self {
+        let extents: Vec<NodeExtents> = parts.iter().map(|part| part.extents.clone()).collect();
+        let mut joints: Vec<u16> = parts
+            .iter()
+            .flat_map(|part| part.weights.iter().map(|w| w.joint))
+            .collect();
+        joints.sort_unstable();
+        joints.dedup();
+        let weights = joints.into_iter().map(|joint| {
+            let of = |part: &Self| {
+                part.weights
+                    .iter()
+                    .find(|w| w.joint == joint)
+                    .map_or([0.0; 2], |w| [w.low, w.high])
+            };
+            let ends = parts.iter().map(of);
+            let hull = |[low, high]: [f32; 2], [l, h]: [f32; 2]| [low.min(l), high.max(h)];
+            let [low, high] = ends.fold([f32::INFINITY, f32::NEG_INFINITY], hull);
+            Interval { joint, low, high }
+        });
+        let mut shares: Vec<(u16, f32)> = parts.iter().flat_map(|part| part.shares.iter().copied()).collect();
+        shares.sort_by_key(|(joint, _)| *joint);
+        let shares = shares
+            .chunk_by(|a, b| a.0 == b.0)
+            .map(|of| (of[0].0, of.iter().map(|(_, share)| share).sum()));
+        Self {
+            key: parts[0].key,
+            extents: NodeExtents::of_parts(&extents),
+            weights: weights.collect(),
+            missing: parts.iter().map(|part| part.missing).fold(0.0, f32::max),
+            shares: shares.collect(),
+        }
+    }
+}
+
+/// The weights of the joints of a vertex, ascending by joint. A joint that is there several times has the sum.
+fn summed(influences: &[Influence]) -> Vec<Interval> {
+    let mut sorted = influences.to_vec();
+    sorted.sort_by_key(|influence| influence.joint);
+    let sums = sorted.chunk_by(|a, b| a.joint == b.joint).map(|of| {
+        let (low, high) = match of {
+            [one] => (one.weight, one.weight),
+            several => outward(several.iter().map(|influence| f64::from(influence.weight)).sum()),
+        };
+        Interval {
+            joint: of[0].joint,
+            low,
+            high,
+        }
+    });
+    sums.collect()
+}
+
+/// The `f32` numbers around a sum of a few weights, its rounding included.
+fn outward(sum: f64) -> (f32, f32) {
+    let rounding = 8.0 * f64::EPSILON * (1.0 + sum.abs());
+    (crate::bounds::down(sum - rounding), crate::bounds::up(sum + rounding))
+}
+
+/// The joint with the largest share of a node, if any moves it.
+pub(super) fn dominant<'c>(clusters: impl Iterator<Item = &'c Cluster>) -> u16 {
+    let mut shares: Vec<(u16, f32)> = clusters.flat_map(|cluster| cluster.shares.iter().copied()).collect();
+    shares.sort_by_key(|(joint, _)| *joint);
+    let sums = shares
+        .chunk_by(|a, b| a.0 == b.0)
+        .map(|of| (of[0].0, of.iter().map(|(_, share)| share).sum::<f32>()));
+    let largest = sums.fold((NONE, 0.0), |best, next| if next.1 > best.1 { next } else { best });
+    largest.0
+}

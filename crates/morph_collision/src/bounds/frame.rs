@@ -21,6 +21,20 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
+    /// The map that takes points by `first` and then by this one.
+    pub(crate) fn after(&self, first: &Self) -> Self {
+        let linear = self.linear * first.linear;
+        let translation = self.linear * first.translation + self.translation;
+        let reach = abs(self.linear) * first.reach() + self.translation.abs();
+        Self {
+            linear,
+            translation,
+            magnitude: first.magnitude,
+            // Three products and sums for each of the matrices.
+            error: self.error + abs(self.linear) * first.error + 16.0 * U64 * reach,
+        }
+    }
+
     /// The largest absolute coordinates after the map.
     pub(super) fn reach(&self) -> DVec3 {
         abs(self.linear) * self.magnitude + self.translation.abs()
@@ -107,12 +121,10 @@ impl PlacedBounds {
         self.magnitude
     }
 
-    /// The map from another body's or frame's space to this one; `None` where `f32` cannot hold it or this one cannot be inverted.
-    pub(crate) fn map_from(&self, source: &Self) -> Option<BoxMap> {
+    /// The map from another body's or frame's space to this one; `None` where this one cannot be inverted.
+    pub(crate) fn frame_from(&self, source: &Self) -> Option<Frame> {
         let mut frame = Frame::default();
-        relative(self, source, &mut frame)
-            .then(|| BoxMap::new(&frame))
-            .flatten()
+        relative(self, source, &mut frame).then_some(frame)
     }
 
     pub(crate) fn world_from_model(&self) -> &WorldFromModel {

@@ -6,8 +6,8 @@ use fearless_simd::Simd;
 
 use super::views::{Node, Views};
 use crate::bounds::{Aabb, Frame, LANES, lanes_of, with_simd};
-use crate::pose::{NodeId, Posed};
-use crate::tree::{Child, ChildKind, Leaf};
+use crate::pose::{NodeId, Posed, Standing};
+use crate::tree::{ChildKind, Leaf};
 
 /// Nodes whose sizes differ by less than this factor are opened together. Chosen by instructions on the bench scenes (docs/tried.md).
 const MAX_SIZE_RATIO: f32 = 3.0;
@@ -47,10 +47,10 @@ pub(crate) struct OverlapWalk {
 
 impl OverlapWalk {
     /// Starts a query, without frames. `a_from_b_scale` is the length in A's units of a length of 1 in B's, to compare sizes.
-    pub(crate) fn begin(&mut self, [root_a, root_b]: [Child; 2], a_from_b_scale: f32) {
+    pub(crate) fn begin(&mut self, [a, b]: [&Standing; 2], a_from_b_scale: f32) {
         self.node_tests = 0;
-        self.a.begin(root_a, 1.0);
-        self.b.begin(root_b, a_from_b_scale);
+        self.a.begin(a.root, 1.0, a.is_skinned);
+        self.b.begin(b.root, a_from_b_scale, b.is_skinned);
     }
 
     /// Adds a frame, in place of the last one if there are enough already; returns whether the bodies' bounds overlap in it.

@@ -77,6 +77,7 @@ fn the_plugin_finds_what_brute_force_finds() {
                 mesh: &mesh,
                 weights,
                 world_from_model: place.affine(),
+                joints: None,
             })
             .collect();
         let expected = scene_pairs(&bodies);

@@ -6,6 +6,7 @@
 //! # Models
 //!
 //! - [`mesh`], [`clip`]: a triangle mesh with morph targets and weight animations, as stored in a file.
+//! - [`skin`], [`skeleton`]: the joints that move a mesh, and their clips.
 //! - [`models`]: generated meshes: a dolphin, the body of the pass-through scene, random, degenerate and rigid meshes.
 //! - [`gltf_read`], [`gltf_write`]: read such meshes from glTF 2.0 files and write them.
 //! - [`memory`]: limits the memory that reading a file may take.
@@ -58,6 +59,8 @@ pub mod printable;
 pub mod rivals;
 pub mod scenes;
 pub mod search;
+pub mod skeleton;
+pub mod skin;
 pub mod stress;
 pub mod verify;
 

@@ -1,4 +1,4 @@
-//! A triangle mesh with morph targets and weight animations, as a file holds it: nothing welded, nothing validated.
+//! A triangle mesh with morph targets, weight animations and a skin, as a file holds it: nothing welded, nothing validated.
 
 use std::ops::Range;
 
@@ -6,6 +6,7 @@ use glam::Vec3;
 use morph_collision::{ModelError, MorphModel};
 
 pub use crate::clip::WeightAnimation;
+pub use crate::skin::{InfluenceSet, MeshSkin};
 
 /// A mesh with dense displacements, in model space.
 ///
@@ -26,6 +27,8 @@ pub struct MorphMesh {
     pub primitives: Vec<Range<u32>>,
     /// Clips that drive the weights.
     pub animations: Vec<WeightAnimation>,
+    /// The joints that move its vertices after its targets, if any do.
+    pub skin: Option<MeshSkin>,
 }
 
 impl MorphMesh {
@@ -98,7 +101,8 @@ impl MorphMesh {
         let moving = |displacements: &Vec<Vec3>| displacements.iter().filter(|d| **d != Vec3::ZERO).count() as u64;
         let displacements: u64 = self.targets.iter().map(moving).sum();
         let (vertices, triangles) = (self.positions.len() as u64, self.triangles.len() as u64);
-        vertices * 64 + triangles * 160 + displacements * 80 + self.targets.len() as u64 * 64
+        let influences = vertices * self.skin.as_ref().map_or(0, |skin| skin.sets.len() as u64);
+        vertices * 64 + triangles * 160 + displacements * 80 + self.targets.len() as u64 * 64 + influences * 128
     }
 
     /// About the most that a body of the mesh takes beside its tree, in bytes: a pose, or, for methods that have one, a tree over blended vertices.
@@ -111,10 +115,10 @@ impl MorphMesh {
         }
     }
 
-    /// The immutable model the collision tree is built from.
+    /// The immutable model the collision tree is built from: a skinned one for a mesh with a skin.
     ///
     /// # Errors
-    /// As [`MorphModel::from_displacements`]: the first bad vertex, triangle or target by index.
+    /// As [`MorphModel::from_displacements`] and [`MorphModel::skinned`]: the first bad vertex, triangle, target or influence by index.
     pub fn to_model(&self) -> Result<MorphModel, ModelError> {
         let any_empty = self.targets.iter().any(Vec::is_empty);
         let zeros = vec![Vec3::ZERO; if any_empty { self.positions.len() } else { 0 }];
@@ -123,7 +127,13 @@ impl MorphMesh {
             .iter()
             .map(|target| if target.is_empty() { &zeros } else { target });
         let targets: Vec<&[Vec3]> = in_full.map(Vec::as_slice).collect();
-        MorphModel::from_displacements(&self.positions, &self.triangles, &targets)
+        match &self.skin {
+            None => MorphModel::from_displacements(&self.positions, &self.triangles, &targets),
+            Some(skin) => {
+                let (count, influences) = (skin.joint_count(), skin.influences());
+                MorphModel::skinned(&self.positions, &self.triangles, &targets, count, &influences)
+            }
+        }
     }
 }
 

@@ -60,6 +60,7 @@ impl Moment {
                 mesh: &self.meshes[*mesh],
                 weights,
                 world_from_model: *place,
+                joints: None,
             })
             .collect();
         let mut all = Vec::new();

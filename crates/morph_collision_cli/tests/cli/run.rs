@@ -76,6 +76,7 @@ fn expected_rows(path: &Path) -> Result<Vec<Row>, Box<dyn Error>> {
                     &state.weights
                 },
                 world_from_model: state.world_from_model(),
+                joints: None,
             })
             .collect();
         for pair in scene_pairs(&bodies) {

@@ -2,7 +2,7 @@
 //!
 //! An accessor is opened first, which checks that what it claims is there, and decoded once the memory for it is counted.
 
-use glam::Vec3;
+use glam::{Mat4, Vec3, Vec4};
 use gltf::json::accessor::{BYTE, FLOAT, SHORT, UNSIGNED_BYTE, UNSIGNED_INT, UNSIGNED_SHORT};
 
 use super::GltfFile;
@@ -70,6 +70,23 @@ impl GltfFile {
             "SCALAR of unsigned integers",
             Component::is_unsigned,
         )
+    }
+
+    /// Indices of joints.
+    pub(super) fn open_joints(&self, index: usize) -> Result<Opened<'_>, AccessorProblem> {
+        let allowed = |kind| matches!(kind, Component::U8 | Component::U16);
+        self.open_accessor(index, ("VEC4", 4), "VEC4 of 8- or 16-bit unsigned integers", allowed)
+    }
+
+    /// Weights of joints, or rotations: floats, or normalized integers.
+    pub(super) fn open_vec4(&self, index: usize) -> Result<Opened<'_>, AccessorProblem> {
+        let expected = "VEC4 of floats or of normalized 8- or 16-bit integers";
+        self.open_accessor(index, ("VEC4", 4), expected, |kind| kind != Component::U32)
+    }
+
+    /// Matrices of floats.
+    pub(super) fn open_matrices(&self, index: usize) -> Result<Opened<'_>, AccessorProblem> {
+        self.open_accessor(index, ("MAT4", 16), "MAT4 of floats", |kind| kind == Component::F32)
     }
 
     fn open_accessor(
@@ -192,10 +209,39 @@ impl Opened<'_> {
 
     /// Appends points or displacements.
     pub(super) fn append_vec3(&self, to: &mut Vec<Vec3>) -> Result<(), AccessorProblem> {
-        self.append(to, |opened, bytes| {
-            let size = bytes.len() / 3;
-            Vec3::from_array([0, 1, 2].map(|c| opened.number(&bytes[c * size..(c + 1) * size])))
+        self.append(to, |opened, bytes| Vec3::from_array(opened.numbers(bytes)))
+    }
+
+    /// Appends points or displacements with a last component of 0.
+    pub(super) fn append_vec3_as_vec4(&self, to: &mut Vec<Vec4>) -> Result<(), AccessorProblem> {
+        self.append(to, |opened, bytes| Vec3::from_array(opened.numbers(bytes)).extend(0.0))
+    }
+
+    /// Appends rotations.
+    pub(super) fn append_vec4(&self, to: &mut Vec<Vec4>) -> Result<(), AccessorProblem> {
+        self.append(to, |opened, bytes| Vec4::from_array(opened.numbers(bytes)))
+    }
+
+    /// Appends indices of joints.
+    pub(super) fn append_joints(&self, to: &mut Vec<[u16; 4]>) -> Result<(), AccessorProblem> {
+        self.append(to, |_, bytes| {
+            let size = bytes.len() / 4;
+            [0, 1, 2, 3].map(|c| unsigned_integer(&bytes[c * size..(c + 1) * size]) as u16)
         })
+    }
+
+    /// Appends weights of joints.
+    pub(super) fn append_joint_weights(&self, to: &mut Vec<[f32; 4]>) -> Result<(), AccessorProblem> {
+        self.append(to, Self::numbers)
+    }
+
+    /// Matrices.
+    pub(super) fn matrices(&self) -> Result<Vec<Mat4>, AccessorProblem> {
+        let mut matrices = Vec::new();
+        self.append(&mut matrices, |opened, bytes| {
+            Mat4::from_cols_array(&opened.numbers(bytes))
+        })?;
+        Ok(matrices)
     }
 
     /// Key times or weights.
@@ -236,6 +282,12 @@ impl Opened<'_> {
             }
         }
         Ok(())
+    }
+
+    /// The components of an element as floats.
+    fn numbers<const N: usize>(&self, bytes: &[u8]) -> [f32; N] {
+        let size = bytes.len() / N;
+        std::array::from_fn(|c| self.number(&bytes[c * size..(c + 1) * size]))
     }
 
     /// One component as a float.

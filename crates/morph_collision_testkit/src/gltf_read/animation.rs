@@ -63,7 +63,7 @@ impl GltfFile {
         problems
     }
 
-    fn animation_error(&self, animation: usize, name: Option<&str>, problem: AnimationProblem) -> ReadError {
+    pub(super) fn animation_error(&self, animation: usize, name: Option<&str>, problem: AnimationProblem) -> ReadError {
         ReadError::Animation {
             path: self.path.clone(),
             animation,
@@ -167,7 +167,7 @@ impl GltfFile {
 }
 
 /// The name of an animation that has none.
-fn made_up(index: usize) -> String {
+pub(super) fn made_up(index: usize) -> String {
     format!("animation_{index}")
 }
 
@@ -228,7 +228,7 @@ impl Interpolation {
     }
 }
 
-fn check_times(channel: usize, times: &[f32]) -> Result<(), AnimationProblem> {
+pub(super) fn check_times(channel: usize, times: &[f32]) -> Result<(), AnimationProblem> {
     let mut previous = f32::NEG_INFINITY;
     for (key, &time) in times.iter().enumerate() {
         if !time.is_finite() || time < previous {

@@ -34,6 +34,8 @@ pub(super) struct Root {
     #[serde(default)]
     pub(super) nodes: List<Node>,
     #[serde(default)]
+    pub(super) skins: List<Skin>,
+    #[serde(default)]
     pub(super) animations: List<Animation>,
 }
 
@@ -119,6 +121,21 @@ pub(super) struct Attributes {
     pub(super) joints: Option<usize>,
     #[serde(rename = "WEIGHTS_0")]
     pub(super) joint_weights: Option<usize>,
+    #[serde(rename = "JOINTS_1")]
+    pub(super) more_joints: Option<usize>,
+    #[serde(rename = "WEIGHTS_1")]
+    pub(super) more_joint_weights: Option<usize>,
+}
+
+impl Attributes {
+    pub(super) fn influences(&self) -> [Option<usize>; 4] {
+        [
+            self.joints,
+            self.joint_weights,
+            self.more_joints,
+            self.more_joint_weights,
+        ]
+    }
 }
 
 #[derive(Debug, Deserialize)]
@@ -129,8 +146,23 @@ pub(super) struct Target {
 
 #[derive(Debug, Deserialize)]
 pub(super) struct Node {
+    pub(super) name: Option<String>,
     pub(super) mesh: Option<usize>,
     pub(super) skin: Option<usize>,
+    #[serde(default)]
+    pub(super) children: Vec<usize>,
+    pub(super) matrix: Option<[f32; 16]>,
+    pub(super) translation: Option<[f32; 3]>,
+    pub(super) rotation: Option<[f32; 4]>,
+    pub(super) scale: Option<[f32; 3]>,
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Skin {
+    pub(super) inverse_bind_matrices: Option<usize>,
+    #[serde(default)]
+    pub(super) joints: Vec<usize>,
 }
 
 #[derive(Debug, Deserialize)]

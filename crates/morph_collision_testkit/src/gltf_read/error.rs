@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use super::document::ElementError;
+use super::skin_error::SkinProblem;
 use crate::memory::OverBudget;
 use crate::printable::Printable;
 
@@ -59,7 +60,19 @@ pub enum ReadError {
         /// The problem.
         problem: Box<MeshProblem>,
     },
-    /// A weight animation is broken.
+    /// What moves a mesh is broken.
+    #[error("{}: the skin of mesh {mesh} \"{}\": {problem}", path.display(), Printable(name))]
+    Skin {
+        /// The file.
+        path: PathBuf,
+        /// The mesh's index in the file.
+        mesh: usize,
+        /// The mesh's name, or the one made up for it.
+        name: String,
+        /// The problem.
+        problem: Box<SkinProblem>,
+    },
+    /// An animation is broken.
     #[error("{}: animation {animation} \"{}\": {problem}", path.display(), Printable(name))]
     Animation {
         /// The file.
@@ -113,6 +126,7 @@ impl ReadError {
                 AnimationProblem::Accessor { problem, .. } => problem.remedy(),
                 _ => None,
             },
+            Self::Skin { problem, .. } => problem.remedy(),
             Self::Io { .. } | Self::NotGltf { .. } | Self::Extension { .. } => None,
         }
     }
@@ -212,7 +226,7 @@ pub enum MeshProblem {
     },
 }
 
-/// What is wrong with a weight animation.
+/// What is wrong with an animation of weights or joints.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum AnimationProblem {
     /// The animation's JSON is malformed.
@@ -283,6 +297,30 @@ pub enum AnimationProblem {
         targets: usize,
         /// The number of weights there should be.
         expected: usize,
+    },
+    /// The keys do not go with what moves a node.
+    #[error("channel {channel} has {found} {what}, but {keys} keys need {expected}")]
+    ValueCount {
+        /// The channel's index in the animation.
+        channel: usize,
+        /// Translations, rotations or scales.
+        what: &'static str,
+        /// The number in the file.
+        found: usize,
+        /// The number of keys.
+        keys: usize,
+        /// The number there should be.
+        expected: usize,
+    },
+    /// What moves a node is not finite.
+    #[error("channel {channel}, key {key}: the {what} are not finite")]
+    NotFinite {
+        /// The channel's index in the animation.
+        channel: usize,
+        /// The key's index.
+        key: usize,
+        /// Translations, rotations or scales.
+        what: &'static str,
     },
     /// A key's time is not finite, or earlier than the key before it.
     #[error("channel {channel}, key {key} is at {time} s, which is not after the key before it")]
@@ -376,7 +414,7 @@ pub enum AccessorProblem {
 }
 
 impl AccessorProblem {
-    fn remedy(&self) -> Option<Remedy> {
+    pub(super) fn remedy(&self) -> Option<Remedy> {
         match self {
             Self::Element { problem, .. } | Self::View { problem, .. } => match problem {
                 ElementError::OverBudget(_) => Some(Remedy::MoreMemory),

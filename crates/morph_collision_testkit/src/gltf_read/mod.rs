@@ -1,21 +1,25 @@
-//! Reads the meshes of a glTF 2.0 file (`.gltf` or `.glb`) with their morph targets and weight animations.
+//! Reads the meshes of a glTF 2.0 file (`.gltf` or `.glb`) with their morph targets, skins and animations.
 //!
 //! The order of the work is the order of the files: take the JSON out of its container (`document`), fetch a buffer when it is first
-//! used (`buffers`, `uri`), open and decode accessors (`accessor`), put primitives together (`primitive`, `triangles`) and collect
-//! the clips (`animation`).
+//! used (`buffers`, `uri`), open and decode accessors (`accessor`), put primitives together (`primitive`, `triangles`), read what moves
+//! them (`skin`, `influences`) and collect the clips (`animation`, `joint_animation`).
 //!
 //! Files come from anywhere. Every index is checked where it is used, and nothing is checked that is not used: a file with a broken
 //! texture, a broken second mesh or a missing buffer that no mesh needs still has its first mesh. Whatever is allocated is counted
 //! against the file's [`MemoryBudget`] first. Buffers in other files have to be regular files in the directory of the model or below
-//! ([`ReadOptions::any_path`] lifts that). Images are never decoded. Node transforms are not applied: a mesh is read in its own space.
-//! Skins and default weights are ignored; [`FoundMesh::skinned`] says that there is a skin.
+//! ([`ReadOptions::any_path`] lifts that). Images are never decoded. Transforms of nodes that show a mesh are not applied: a mesh is read in
+//! its own space. Default weights are ignored.
 
 mod accessor;
 mod animation;
 mod buffers;
 mod document;
 mod error;
+mod influences;
+mod joint_animation;
 mod primitive;
+mod skin;
+mod skin_error;
 mod triangles;
 mod uri;
 
@@ -26,6 +30,8 @@ use std::path::{Path, PathBuf};
 pub use self::animation::Clips;
 pub use self::document::ElementError;
 pub use self::error::{AccessorProblem, AnimationProblem, BufferFault, BufferProblem, MeshProblem, ReadError, Remedy};
+pub use self::joint_animation::JointClips;
+pub use self::skin_error::SkinProblem;
 
 use self::buffers::Buffers;
 use self::document::{Mesh, Root, RootError};
@@ -90,12 +96,13 @@ pub struct GltfFile {
     root: Root,
     buffers: Buffers,
     budget: MemoryBudget,
+    parents: skin::Parents,
 }
 
 /// A mesh and what the file says about it beside its geometry.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FoundMesh {
-    /// The mesh, without clips. Targets that the file stores nothing for are empty ([`MorphMesh::targets`]).
+    /// The mesh, without clips and without its skin ([`GltfFile::skin`]). Targets that the file stores nothing for are empty ([`MorphMesh::targets`]).
     pub mesh: MorphMesh,
     /// Whether a node shows it with a skin, which moves its vertices by bones.
     pub skinned: bool,
@@ -194,6 +201,7 @@ impl GltfFile {
             buffers: Buffers::new(&root, directory, options, bytes, chunk),
             root,
             budget,
+            parents: skin::Parents::new(),
         })
     }
 
@@ -258,7 +266,7 @@ impl GltfFile {
         mesh.name = name;
         Ok(FoundMesh {
             mesh,
-            skinned: self.is_skinned(index, json),
+            skinned: self.skin_of(index, json).is_some(),
             not_triangles: match (drawn.triangles, drawn.points, drawn.lines) {
                 (false, true, true) => Some("points and lines"),
                 (false, true, false) => Some("points"),
@@ -268,19 +276,7 @@ impl GltfFile {
         })
     }
 
-    fn is_skinned(&self, index: usize, json: &Mesh) -> bool {
-        let bound = |primitive: &document::Primitive| {
-            let attributes = &primitive.attributes;
-            attributes.joints.is_some() && attributes.joint_weights.is_some()
-        };
-        let shows = |node: usize| {
-            let node = self.root.nodes.get(node, &self.budget);
-            node.is_ok_and(|node| node.mesh == Some(index) && node.skin.is_some())
-        };
-        json.primitives.iter().any(bound) && self.root.nodes.indices().any(shows)
-    }
-
-    /// All meshes with their clips and with every target in full.
+    /// All meshes with their clips, their skins and with every target in full.
     fn all_meshes(&self) -> Result<Vec<MorphMesh>, ReadError> {
         let read = |index: usize| {
             let mut mesh = self.mesh(index)?.mesh;
@@ -297,18 +293,19 @@ impl GltfFile {
                 *target = vec![glam::Vec3::ZERO; vertices];
             }
             mesh.animations = self.clips(index, mesh.targets.len()).clips;
+            mesh.skin = self.skin(index)?;
             Ok(mesh)
         };
         (0..self.mesh_count()).map(read).collect()
     }
 }
 
-/// Reads every mesh of a file, in file order, as [`GltfFile::mesh`] does, with its clips and with every target in full.
+/// Reads every mesh of a file, in file order, as [`GltfFile::mesh`] does, with its clips, its skin and with every target in full.
 ///
-/// Clips that cannot be played are left out; [`GltfFile::clips`] says why.
+/// Clips that cannot be played are left out; [`GltfFile::clips`] and [`GltfFile::joint_clips`] say why.
 ///
 /// # Errors
-/// [`ReadError`] names the file, and the mesh, primitive and accessor at fault.
+/// [`ReadError`] names the file, and the mesh, primitive and accessor at fault. A mesh whose skin is broken is an error.
 pub fn read_meshes(path: &Path) -> Result<Vec<MorphMesh>, ReadError> {
     GltfFile::open(path, &ReadOptions::default())?.all_meshes()
 }

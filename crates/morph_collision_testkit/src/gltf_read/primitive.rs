@@ -25,20 +25,17 @@ pub(super) struct Drawn {
 ///
 /// Targets for which the file stores nothing are left empty.
 pub(super) fn read(file: &GltfFile, mesh: &Mesh) -> Result<(MorphMesh, Drawn), MeshProblem> {
-    let mut plan = Plan::default();
-    for (index, json) in mesh.primitives.iter().enumerate() {
-        plan.add(file, index, json)?;
-    }
+    let plan = Plan::of(file, mesh)?;
     plan.count_memory(file)?;
     Ok((plan.decode()?, plan.drawn))
 }
 
-/// The accessors a vertex comes from: positions, and displacements per target. Primitives with the same ones share vertices.
-type SourceKey = (usize, Vec<Option<usize>>);
+/// The accessors a vertex comes from: positions, displacements per target, and influences. Primitives with the same ones share vertices.
+type SourceKey = (usize, Vec<Option<usize>>, [Option<usize>; 4]);
 
 /// A mesh that is checked, but not decoded.
 #[derive(Default)]
-struct Plan<'a> {
+pub(super) struct Plan<'a> {
     targets: usize,
     sources: Vec<Source<'a>>,
     known: HashMap<SourceKey, usize>,
@@ -66,6 +63,26 @@ struct Part<'a> {
 }
 
 impl<'a> Plan<'a> {
+    /// Checks the positions, targets and indices of all primitives.
+    pub(super) fn of(file: &'a GltfFile, mesh: &Mesh) -> Result<Self, MeshProblem> {
+        let mut plan = Plan::default();
+        for (index, json) in mesh.primitives.iter().enumerate() {
+            plan.add(file, index, json)?;
+        }
+        Ok(plan)
+    }
+
+    /// The number of vertices of the whole mesh.
+    pub(super) fn vertex_count(&self) -> usize {
+        self.vertices
+    }
+
+    /// Which primitives bring vertices, in the order of the vertices: the primitive, its first vertex and how many there are.
+    pub(super) fn vertex_ranges(&self) -> impl Iterator<Item = (usize, usize, usize)> {
+        let sources = self.sources.iter();
+        sources.map(|source| (source.primitive, source.first_vertex as usize, source.positions.count()))
+    }
+
     fn add(&mut self, file: &'a GltfFile, primitive: usize, json: &document::Primitive) -> Result<(), MeshProblem> {
         let positions = json.attributes.positions;
         let positions = positions.ok_or(MeshProblem::MissingPositions { primitive })?;
@@ -104,7 +121,8 @@ impl<'a> Plan<'a> {
                 return Err(MeshProblem::TooLarge { primitive });
             }
             if triangles > 0 {
-                part.source = Some(self.source(file, primitive, opened, (positions, targets))?);
+                let key = (positions, targets, json.attributes.influences());
+                part.source = Some(self.source(file, primitive, opened, key)?);
             }
         }
         self.parts.push(part);

@@ -62,11 +62,16 @@ pub fn coplanar_sheets(seed: u64, sheets: usize) -> MorphMesh {
 pub fn duplicated_vertices(mesh: &MorphMesh) -> MorphMesh {
     let corners =
         |values: &[Vec3]| -> Vec<Vec3> { mesh.triangles.iter().flatten().map(|&v| values[v as usize]).collect() };
+    let skin = mesh
+        .skin
+        .as_ref()
+        .map(|skin| skin.renumbered(mesh.triangles.iter().flatten()));
     MorphMesh {
         name: format!("{}_duplicated", mesh.name),
         positions: corners(&mesh.positions),
         triangles: random::separate(mesh.triangles.len()),
         targets: mesh.targets.iter().map(|target| corners(target)).collect(),
+        skin,
         ..mesh.clone()
     }
 }

@@ -3,6 +3,7 @@
 //! - [`dolphin()`] and [`pass_through_body()`]: the bodies of the two experiments in the paper this project starts from.
 //! - [`random`]: seeded meshes for property tests. [`degenerate`]: what files should not hold, and do.
 //! - [`rigid`]: boxes and grids without targets.
+//! - [`rigs`]: skinned meshes, and poses for skeletons.
 //!
 //! The tools they are made with: `grid` (coordinates that survive arithmetic), `subdivide`, `icosphere` and `tube`.
 
@@ -13,6 +14,7 @@ mod icosphere;
 mod pass_through;
 pub mod random;
 pub mod rigid;
+pub mod rigs;
 mod subdivide;
 pub mod topology;
 mod tube;

@@ -23,4 +23,4 @@ pub use pairs::intersecting_pairs;
 pub(crate) use pairs::visit_intersecting_pairs;
 pub use scene::{BodyPairs, BodyPose, scene_pairs};
 pub use triangles::triangles_intersect;
-pub use vertex::{posed_vertices, world_vertices};
+pub use vertex::{posed_vertices, skinned_vertices, world_vertices};

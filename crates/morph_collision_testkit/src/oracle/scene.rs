@@ -1,8 +1,8 @@
 //! Every intersecting pair of triangles of a whole scene.
 
-use glam::Affine3A;
+use glam::{Affine3A, DVec3};
 
-use super::{intersecting_pairs, posed_vertices, world_vertices};
+use super::{intersecting_pairs, posed_vertices, skinned_vertices, world_vertices};
 use crate::mesh::MorphMesh;
 
 /// One body of a scene: a mesh, its weights and where it stands.
@@ -12,8 +12,27 @@ pub struct BodyPose<'a> {
     pub mesh: &'a MorphMesh,
     /// One weight per target.
     pub weights: &'a [f32],
-    /// Any finite affine.
+    /// Any finite affine; a skinned mesh is placed by its joints instead.
     pub world_from_model: Affine3A,
+    /// The matrix of each joint of a skinned mesh, from its space to world space; the identity for each where this is `None`.
+    pub joints: Option<&'a [Affine3A]>,
+}
+
+impl BodyPose<'_> {
+    /// All vertices in world space.
+    ///
+    /// # Panics
+    /// As [`scene_pairs`].
+    pub fn world_vertices(&self) -> Vec<DVec3> {
+        let posed = posed_vertices(&self.mesh.positions, &self.mesh.targets, self.weights);
+        match &self.mesh.skin {
+            None => world_vertices(&posed, &self.world_from_model),
+            Some(skin) => match self.joints {
+                Some(joints) => skinned_vertices(&posed, &skin.sets, joints),
+                None => skinned_vertices(&posed, &skin.sets, &vec![Affine3A::IDENTITY; skin.joint_count()]),
+            },
+        }
+    }
 }
 
 /// Two bodies that touch, `body_a < body_b`, and their intersecting triangles.
@@ -31,15 +50,9 @@ pub struct BodyPairs {
 ///
 /// # Panics
 ///
-/// If a body has not one weight per target or its mesh names a vertex that does not exist.
+/// If a body has not one weight per target or its mesh names a vertex or a joint that does not exist.
 pub fn scene_pairs(bodies: &[BodyPose<'_>]) -> Vec<BodyPairs> {
-    let world: Vec<_> = bodies
-        .iter()
-        .map(|body| {
-            let posed = posed_vertices(&body.mesh.positions, &body.mesh.targets, body.weights);
-            world_vertices(&posed, &body.world_from_model)
-        })
-        .collect();
+    let world: Vec<_> = bodies.iter().map(BodyPose::world_vertices).collect();
     let mut touching = Vec::new();
     for b in 0..bodies.len() {
         for a in 0..b {
@@ -75,8 +88,7 @@ mod tests {
             triangles: vec![[0, 1, 2]],
             target_names: vec!["up".into()],
             targets: vec![vec![Vec3::Z; 3]],
-            primitives: Vec::new(),
-            animations: Vec::new(),
+            ..MorphMesh::default()
         }
     }
 
@@ -87,6 +99,7 @@ mod tests {
             mesh: &mesh,
             weights,
             world_from_model: Affine3A::from_translation(Vec3::Z * height),
+            joints: None,
         };
         let bodies = [
             body(&[0.0], 3.0),

@@ -3,6 +3,7 @@
 mod bombs;
 mod broken;
 mod reading;
+mod skins;
 mod support;
 mod unused;
 mod uris;

@@ -46,7 +46,12 @@ impl Document {
     }
 
     pub(crate) fn floats(&mut self, shape: &str, values: &[f32]) -> usize {
-        let width = if shape == "VEC3" { 3 } else { 1 };
+        let width = match shape {
+            "VEC3" => 3,
+            "VEC4" => 4,
+            "MAT4" => 16,
+            _ => 1,
+        };
         let bytes: Vec<u8> = values.iter().flat_map(|v| v.to_le_bytes()).collect();
         self.accessor(F32, shape, values.len() / width, &bytes)
     }

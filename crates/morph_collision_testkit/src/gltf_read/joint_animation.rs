@@ -1,0 +1,160 @@
+//! Collects the clips that move the nodes of a skeleton.
+
+use glam::Vec4;
+
+use super::GltfFile;
+use super::animation::{check_times, made_up};
+use super::document::{Animation, Channel};
+use super::error::{AccessorProblem, AnimationProblem, ReadError};
+use super::skin::Hierarchy;
+use crate::skeleton::{Interpolation, JointChannel, JointClip, Property};
+
+/// The clips that move the joints of a mesh, in the order of the file.
+#[derive(Debug, Default)]
+pub struct JointClips {
+    /// Those that can be played.
+    pub clips: Vec<JointClip>,
+    /// Why others cannot.
+    pub broken: Vec<ReadError>,
+}
+
+impl GltfFile {
+    /// The clips that move the joints of a skinned mesh or what stands above them; none for other meshes, and for skins that cannot be read.
+    ///
+    /// A clip with a channel that is broken is left out as a whole.
+    #[must_use]
+    pub fn joint_clips(&self, mesh: usize) -> JointClips {
+        let json = self.root.meshes.get(mesh, &self.budget).ok();
+        let skin = json.and_then(|json| self.skin_of(mesh, json));
+        match skin.map(|skin| self.hierarchy(skin)) {
+            Some(Ok(hierarchy)) => self.clips_of(&hierarchy),
+            None | Some(Err(_)) => JointClips::default(),
+        }
+    }
+
+    pub(super) fn clips_of(&self, hierarchy: &Hierarchy) -> JointClips {
+        let mut found = JointClips::default();
+        for index in self.root.animations.indices() {
+            let Ok(animation) = self.root.animations.get(index, &self.budget) else {
+                continue;
+            };
+            match self.joint_channels(animation, hierarchy) {
+                Ok(channels) if channels.is_empty() => {}
+                Ok(channels) => found.clips.push(JointClip {
+                    name: animation.name.clone().unwrap_or_else(|| made_up(index)),
+                    channels,
+                }),
+                Err(problem) => {
+                    let name = animation.name.as_deref();
+                    found.broken.push(self.animation_error(index, name, problem));
+                }
+            }
+        }
+        found
+    }
+
+    fn joint_channels(
+        &self,
+        animation: &Animation,
+        hierarchy: &Hierarchy,
+    ) -> Result<Vec<JointChannel>, AnimationProblem> {
+        let mut channels = Vec::new();
+        for channel in animation.channels.indices() {
+            // A channel that cannot be parsed cannot be told to move a joint.
+            let Ok(json) = animation.channels.get(channel, &self.budget) else {
+                continue;
+            };
+            let place = json.target.node.and_then(|node| hierarchy.places.get(&node));
+            if let (Some(&node), Some(property)) = (place, property(&json.target.path)) {
+                channels.push(self.joint_channel(animation, (channel, json), node, property)?);
+            }
+        }
+        Ok(channels)
+    }
+
+    fn joint_channel(
+        &self,
+        animation: &Animation,
+        (channel, json): (usize, &Channel),
+        node: u32,
+        property: Property,
+    ) -> Result<JointChannel, AnimationProblem> {
+        let sampler = animation.samplers.get(json.sampler, &self.budget);
+        let sampler = sampler.map_err(|_| AnimationProblem::Dangling {
+            channel,
+            what: "sampler",
+        })?;
+        let interpolation = match sampler.interpolation.as_deref() {
+            None | Some("LINEAR") => Interpolation::Linear,
+            Some("STEP") => Interpolation::Step,
+            Some("CUBICSPLINE") => Interpolation::CubicSpline,
+            Some(_) => return Err(AnimationProblem::UnknownInterpolation { channel }),
+        };
+        let what = what(property);
+        let at = |what| move |problem: AccessorProblem| AnimationProblem::Accessor { channel, what, problem };
+        let times = self.open_scalars(sampler.input).map_err(at("key times"))?;
+        let stored = match property {
+            Property::Rotation => self.open_vec4(sampler.output),
+            Property::Translation | Property::Scale => self.open_vec3(sampler.output),
+        };
+        let stored = stored.map_err(at(what))?;
+        let (keys, found) = (times.count(), stored.count());
+        let per_key = if interpolation == Interpolation::CubicSpline {
+            3
+        } else {
+            1
+        };
+        let expected = keys.saturating_mul(per_key);
+        if found != expected {
+            return Err(AnimationProblem::ValueCount {
+                channel,
+                what,
+                found,
+                keys,
+                expected,
+            });
+        }
+        let bytes = (keys as u64)
+            .saturating_mul(8)
+            .saturating_add((found as u64).saturating_mul(16))
+            .saturating_add(size_of::<JointChannel>() as u64 * 2);
+        let take = self.budget.take(bytes, 1, || format!("its {keys} keys"));
+        take.map_err(|over| AnimationProblem::OverBudget { channel, over })?;
+        let times = times.scalars().map_err(at("key times"))?;
+        check_times(channel, &times)?;
+        let mut values: Vec<Vec4> = Vec::new();
+        match property {
+            Property::Rotation => stored.append_vec4(&mut values),
+            Property::Translation | Property::Scale => stored.append_vec3_as_vec4(&mut values),
+        }
+        .map_err(at(what))?;
+        if let Some(bad) = values.iter().position(|value| !value.is_finite()) {
+            let key = bad / per_key;
+            return Err(AnimationProblem::NotFinite { channel, key, what });
+        }
+        Ok(JointChannel {
+            node,
+            property,
+            interpolation,
+            times,
+            values,
+        })
+    }
+}
+
+fn property(path: &str) -> Option<Property> {
+    Some(match path {
+        "translation" => Property::Translation,
+        "rotation" => Property::Rotation,
+        "scale" => Property::Scale,
+        _ => return None,
+    })
+}
+
+fn what(property: Property) -> &'static str {
+    match property {
+        Property::Translation => "translations",
+        Property::Rotation => "rotations",
+        Property::Scale => "scales",
+    }
+}

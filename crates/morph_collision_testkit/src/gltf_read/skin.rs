@@ -1,0 +1,188 @@
+//! Reads skins: which joints move a mesh, and what stands above them.
+
+use std::cell::OnceCell;
+use std::collections::HashMap;
+
+use glam::{Mat4, Quat, Vec3};
+
+use super::GltfFile;
+use super::document::{ElementError, Node, abridged};
+use super::error::{MeshProblem, ReadError};
+use super::influences;
+use super::skin_error::SkinProblem;
+use crate::mesh::MeshSkin;
+use crate::skeleton::{Joint, LocalTransform, Skeleton, SkeletonNode};
+
+/// At most what a node of a skeleton takes beside its name, and in the map from the file's nodes.
+const BYTES_PER_NODE: u64 = 200;
+
+/// The parent of every node of a file, if it has one; computed on first use.
+pub(super) type Parents = OnceCell<Vec<Option<usize>>>;
+
+/// A skeleton without clips, and the place in it of each node of the file.
+pub(super) struct Hierarchy {
+    pub(super) skeleton: Skeleton,
+    pub(super) places: HashMap<usize, u32>,
+}
+
+impl GltfFile {
+    /// Reads what moves a mesh: influences, joints and their clips; `None` for a mesh that [is not skinned](super::FoundMesh::skinned).
+    ///
+    /// If several nodes show the mesh with a skin, the skin of the first one counts. Its transform is not used: joints take vertices to world
+    /// space by themselves. Clips that cannot be played are left out; [`GltfFile::joint_clips`] says why.
+    ///
+    /// # Errors
+    /// [`ReadError::Skin`] names the skin, the node, or the primitive and the accessor at fault.
+    pub fn skin(&self, mesh: usize) -> Result<Option<MeshSkin>, ReadError> {
+        let fail = |problem| ReadError::Skin {
+            path: self.path.clone(),
+            mesh,
+            name: abridged(&self.mesh_name(mesh)),
+            problem: Box::new(problem),
+        };
+        let json = self.root.meshes.get(mesh, &self.budget);
+        let json = json.map_err(|problem| fail(SkinProblem::Mesh(MeshProblem::Element(problem))))?;
+        let Some(skin) = self.skin_of(mesh, json) else {
+            return Ok(None);
+        };
+        let sets = influences::read(self, json).map_err(fail)?;
+        let mut hierarchy = self.hierarchy(skin).map_err(fail)?;
+        hierarchy.skeleton.clips = self.clips_of(&hierarchy).clips;
+        let skeleton = hierarchy.skeleton;
+        Ok(Some(MeshSkin { sets, skeleton }))
+    }
+
+    /// The skin of the first node that shows a mesh with one; `None` also if none of its primitives has influences.
+    pub(super) fn skin_of(&self, mesh: usize, json: &super::Mesh) -> Option<usize> {
+        let bound = |primitive: &super::document::Primitive| {
+            let attributes = &primitive.attributes;
+            attributes.joints.is_some() && attributes.joint_weights.is_some()
+        };
+        let shown_with = |node: usize| {
+            let node = self.root.nodes.get(node, &self.budget).ok()?;
+            node.skin.filter(|_| node.mesh == Some(mesh))
+        };
+        if !json.primitives.iter().any(bound) {
+            return None;
+        }
+        self.root.nodes.indices().find_map(shown_with)
+    }
+
+    /// The joints of a skin and all their ancestors.
+    pub(super) fn hierarchy(&self, skin: usize) -> Result<Hierarchy, SkinProblem> {
+        let json = self.root.skins.get(skin, &self.budget);
+        let json = json.map_err(|problem| SkinProblem::Element { skin, problem })?;
+        let mut hierarchy = Hierarchy {
+            skeleton: Skeleton::default(),
+            places: HashMap::new(),
+        };
+        let count = json.joints.len();
+        let what = || format!("its {count} joints");
+        self.budget
+            .take(count as u64, 160, what)
+            .map_err(SkinProblem::OverBudget)?;
+        let inverse_binds = match json.inverse_bind_matrices {
+            None => vec![Mat4::IDENTITY; count],
+            Some(accessor) => {
+                let opened = self.open_matrices(accessor).map_err(SkinProblem::InverseBind)?;
+                let found = opened.count();
+                if found < count {
+                    return Err(SkinProblem::MatrixCount {
+                        skin,
+                        found,
+                        joints: count,
+                    });
+                }
+                let what = || format!("its {found} inverse bind matrices");
+                self.budget
+                    .take(found as u64, 64, what)
+                    .map_err(SkinProblem::OverBudget)?;
+                opened.matrices().map_err(SkinProblem::InverseBind)?
+            }
+        };
+        for (&node, &inverse_bind) in json.joints.iter().zip(&inverse_binds) {
+            let node = self.add_with_ancestors(node, &mut hierarchy)?;
+            hierarchy.skeleton.joints.push(Joint { node, inverse_bind });
+        }
+        Ok(hierarchy)
+    }
+
+    /// Adds a node to a skeleton after all that stands above it; returns its place there.
+    fn add_with_ancestors(&self, node: usize, hierarchy: &mut Hierarchy) -> Result<u32, SkinProblem> {
+        let parents = self.parents()?;
+        let (mut missing, mut above) = (Vec::new(), Some(node));
+        while let Some(next) = above.filter(|next| !hierarchy.places.contains_key(next)) {
+            if missing.len() > parents.len() {
+                return Err(SkinProblem::Cycle { node });
+            }
+            missing.push(next);
+            above = parents.get(next).copied().flatten();
+        }
+        let mut parent = above.map(|above| hierarchy.places[&above]);
+        for node in missing.into_iter().rev() {
+            let json = self.node(node)?;
+            let name = json.name.clone().unwrap_or_else(|| format!("node_{node}"));
+            let what = || "a node of its skeleton".into();
+            let take = self.budget.take(BYTES_PER_NODE + name.len() as u64, 1, what);
+            take.map_err(SkinProblem::OverBudget)?;
+            let place = hierarchy.skeleton.nodes.len() as u32;
+            hierarchy.places.insert(node, place);
+            hierarchy.skeleton.nodes.push(SkeletonNode {
+                name,
+                parent,
+                rest: rest(json),
+            });
+            parent = Some(place);
+        }
+        parent.ok_or(SkinProblem::Node {
+            node,
+            problem: ElementError::Missing,
+        })
+    }
+
+    fn node(&self, node: usize) -> Result<&Node, SkinProblem> {
+        let json = self.root.nodes.get(node, &self.budget);
+        json.map_err(|problem| SkinProblem::Node { node, problem })
+    }
+
+    /// The parent of every node; the first one, where a file names several.
+    fn parents(&self) -> Result<&[Option<usize>], SkinProblem> {
+        if let Some(known) = self.parents.get() {
+            return Ok(known);
+        }
+        let count = self.root.nodes.len();
+        let what = || format!("its {count} nodes");
+        self.budget
+            .keep(count as u64, 16, what)
+            .map_err(SkinProblem::OverBudget)?;
+        let mut parents = vec![None; count];
+        for parent in self.root.nodes.indices() {
+            for &child in &self.node(parent)?.children {
+                if let Some(slot) = parents.get_mut(child) {
+                    slot.get_or_insert(parent);
+                }
+            }
+        }
+        Ok(self.parents.get_or_init(|| parents))
+    }
+}
+
+/// Where a node rests; a matrix is taken apart, as loaders do that animate it.
+fn rest(node: &Node) -> LocalTransform {
+    let default = LocalTransform::default();
+    match &node.matrix {
+        Some(matrix) => {
+            let (scale, rotation, translation) = Mat4::from_cols_array(matrix).to_scale_rotation_translation();
+            LocalTransform {
+                translation,
+                rotation,
+                scale,
+            }
+        }
+        None => LocalTransform {
+            translation: node.translation.map_or(default.translation, Vec3::from_array),
+            rotation: node.rotation.map_or(default.rotation, Quat::from_array),
+            scale: node.scale.map_or(default.scale, Vec3::from_array),
+        },
+    }
+}

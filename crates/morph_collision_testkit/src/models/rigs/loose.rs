@@ -1,0 +1,117 @@
+//! Skinned meshes that are not one body: rigid pieces, and triangles with any influences.
+
+use glam::Vec3;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use super::Bones;
+use crate::mesh::{InfluenceSet, MeshSkin, MorphMesh};
+use crate::models::random::{point, triangle_soup};
+use crate::models::{grid, rigid};
+
+/// Boxes of different sizes around a chain of joints; each vertex follows one joint.
+pub fn rigid_pieces(seed: u64, pieces: usize, targets: usize) -> MorphMesh {
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let bones = Bones::new(
+        (0..pieces).map(|joint| joint.checked_sub(1)).collect(),
+        (0..pieces).map(|_| point(&mut rng, 0.8)).collect::<Vec<_>>(),
+    );
+    let mut mesh = MorphMesh::rigid(format!("pieces_{seed}"), Vec::new(), Vec::new());
+    let mut joints = Vec::new();
+    for (joint, &middle) in bones.positions.iter().enumerate() {
+        let half = grid::snap(point(&mut rng, 0.2).abs() + 0.05);
+        let piece = rigid::box_mesh(half);
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(piece.positions.iter().map(|&p| p + middle));
+        mesh.triangles
+            .extend(piece.triangles.iter().map(|triangle| triangle.map(|v| v + first)));
+        joints.extend(vec![[joint as u16, 0, 0, 0]; piece.positions.len()]);
+    }
+    mesh.primitives = std::iter::once(0..mesh.triangles.len() as u32).collect();
+    for target in 0..targets {
+        let displaced = mesh.positions.iter().map(|_| grid::snap(point(&mut rng, 0.1)));
+        mesh.targets.push(displaced.collect());
+        mesh.target_names.push(format!("target_{target}"));
+    }
+    let weights = vec![[1.0, 0.0, 0.0, 0.0]; joints.len()];
+    mesh.skin = Some(MeshSkin {
+        sets: vec![InfluenceSet { joints, weights }],
+        skeleton: bones.skeleton(),
+    });
+    mesh
+}
+
+/// Separate triangles, each corner with up to `4 * sets` random joints, some of which it names twice, and weights that sum to about 1.
+///
+/// `joints` joints without a hierarchy are spread over the cube from -1 to 1.
+pub fn random_soup(seed: u64, triangles: usize, joints: usize, targets: usize, sets: usize) -> MorphMesh {
+    let mut rng = Pcg64Mcg::seed_from_u64(seed);
+    let mut mesh = triangle_soup(rng.random(), triangles, targets);
+    mesh.name = format!("soup_rig_{seed}");
+    let joints = joints.max(1);
+    let bones = Bones::new(
+        vec![None; joints],
+        (0..joints).map(|_| point(&mut rng, 1.0)).collect::<Vec<_>>(),
+    );
+    let slots = 4 * sets.clamp(1, 2);
+    let mut of_slots = vec![InfluenceSet::default(); slots / 4];
+    for _ in &mesh.positions {
+        let used = rng.random_range(1..=slots);
+        let near = rng.random_range(0..joints);
+        let mut weights = [0.0_f32; 8];
+        for weight in weights.iter_mut().take(used) {
+            *weight = rng.random_range(1..=64_u8).into();
+        }
+        // Slots that are not used may stand anywhere.
+        let turn = rng.random_range(0..slots);
+        weights[..slots].rotate_left(turn);
+        let sum: f32 = weights.iter().sum();
+        for (set, influences) in of_slots.iter_mut().enumerate() {
+            let joint = |rng: &mut Pcg64Mcg| {
+                let joint = if rng.random_bool(0.3) {
+                    near
+                } else {
+                    rng.random_range(0..joints)
+                };
+                joint as u16
+            };
+            influences.joints.push(std::array::from_fn(|_| joint(&mut rng)));
+            influences
+                .weights
+                .push(std::array::from_fn(|i| weights[4 * set + i] / sum));
+        }
+    }
+    mesh.skin = Some(MeshSkin {
+        sets: of_slots,
+        skeleton: bones.skeleton(),
+    });
+    mesh
+}
+
+/// The mesh with weights that sum to anything from 0 to 3; a tenth of its vertices have no weight at all.
+///
+/// Vertices at the same place keep the same influences, so that a closed surface stays closed.
+pub fn unnormalised(mesh: &MorphMesh, seed: u64) -> MorphMesh {
+    let mut mesh = mesh.clone();
+    let factors: Vec<f32> = mesh.positions.iter().map(|&p| factor(p, seed)).collect();
+    for set in mesh.skin.iter_mut().flat_map(|skin| &mut skin.sets) {
+        for (weights, factor) in set.weights.iter_mut().zip(&factors) {
+            *weights = weights.map(|weight| weight * factor);
+        }
+    }
+    mesh.name += "_unnormalised";
+    mesh
+}
+
+fn factor(position: Vec3, seed: u64) -> f32 {
+    let bits = position.to_array().map(|x| u64::from((x + 0.0).to_bits()));
+    let mixed = bits.iter().fold(seed, |mixed, bits| {
+        (mixed ^ bits).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29)
+    });
+    let mut rng = Pcg64Mcg::seed_from_u64(mixed);
+    if rng.random_bool(0.1) {
+        0.0
+    } else {
+        rng.random_range(0.0..3.0)
+    }
+}

@@ -1,0 +1,145 @@
+//! Joint matrices at random, for generated and real skeletons.
+
+use glam::{Affine3A, DAffine3, DMat3, DMat4, DQuat, DVec3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use crate::models::random::point;
+use crate::skeleton::Skeleton;
+
+/// A way to draw the matrices of a skeleton's joints.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PoseKind {
+    /// All joints at rest.
+    Rest,
+    /// Every joint turned by up to 30 degrees about its place; what hangs on it follows.
+    Gentle,
+    /// Every joint turned by up to 120 degrees.
+    Turned,
+    /// Turned, and scaled by 0 to 2 per axis.
+    Scaled,
+    /// Turned and sheared.
+    Sheared,
+    /// Turned, and about half of the joints mirrored.
+    Mirrored,
+    /// Turned, and about a third of the joints with scale 0.
+    Collapsed,
+    /// All joints take everything to one point.
+    OnePoint,
+    /// Turned, at 1e3 units from the origin.
+    Far,
+    /// Turned, at 1e5 units from the origin.
+    VeryFar,
+    /// A bit of everything, drawn for every joint.
+    Mixed,
+}
+
+/// Per unit: entries are multiples of 2^-20.
+const GRID: f64 = (1 << 20) as f64;
+
+impl PoseKind {
+    /// All of them.
+    pub const ALL: [Self; 11] = [
+        Self::Rest,
+        Self::Gentle,
+        Self::Turned,
+        Self::Scaled,
+        Self::Sheared,
+        Self::Mirrored,
+        Self::Collapsed,
+        Self::OnePoint,
+        Self::Far,
+        Self::VeryFar,
+        Self::Mixed,
+    ];
+
+    /// The matrix of every joint, from the mesh's space to world space; the same for the same seed.
+    ///
+    /// Turns add up along the hierarchy. Scales, shears and mirrors act on what a joint moves itself, so that they do not.
+    #[must_use]
+    pub fn draw(self, skeleton: &Skeleton, seed: u64) -> Vec<Affine3A> {
+        if self == Self::Rest {
+            return skeleton.at_rest();
+        }
+        let mut rng = Pcg64Mcg::seed_from_u64(seed ^ (self as u64) << 56);
+        let root = self.root(&mut rng);
+        if self == Self::OnePoint {
+            let place = (point(&mut rng, 1.0) * GRID).round() / GRID;
+            let collapsed = Affine3A {
+                matrix3: glam::Mat3A::ZERO,
+                translation: place.as_vec3().into(),
+            };
+            return vec![collapsed; skeleton.joints.len()];
+        }
+        let mut globals: Vec<DAffine3> = Vec::with_capacity(skeleton.nodes.len());
+        for node in &skeleton.nodes {
+            let rest = &node.rest;
+            let local = DAffine3::from_scale_rotation_translation(
+                rest.scale.as_dvec3(),
+                rest.rotation.as_dquat(),
+                rest.translation.as_dvec3(),
+            );
+            let parent = node.parent.map_or(root, |parent| globals[parent as usize]);
+            globals.push(parent * local * DAffine3::from_quat(self.turn(&mut rng)));
+        }
+        let matrices = skeleton.joints.iter().map(|joint| {
+            let own = DAffine3::from_mat3(self.own(&mut rng));
+            let inverse_bind: DMat4 = joint.inverse_bind.as_dmat4();
+            rounded(globals[joint.node as usize] * own * DAffine3::from_mat4(inverse_bind))
+        });
+        matrices.collect()
+    }
+
+    /// Where the whole skeleton stands.
+    fn root(self, rng: &mut Pcg64Mcg) -> DAffine3 {
+        let far = match self {
+            Self::Far => 1e3,
+            Self::VeryFar => 1e5,
+            _ => 0.0,
+        };
+        DAffine3::from_translation(point(rng, 1.0).normalize_or(DVec3::X) * far)
+    }
+
+    /// A rotation of up to 30 or 120 degrees about any axis.
+    fn turn(self, rng: &mut Pcg64Mcg) -> DQuat {
+        // The tangent of half the angle.
+        let largest = if self == Self::Gentle { 0.268 } else { 1.732 };
+        let axis = point(rng, 1.0).normalize_or(DVec3::X) * rng.random_range(0.0..largest);
+        DQuat::from_xyzw(axis.x, axis.y, axis.z, 1.0).normalize()
+    }
+
+    /// What a joint does beside turning, in its own frame.
+    fn own(self, rng: &mut Pcg64Mcg) -> DMat3 {
+        let mut axes =
+            |range: std::ops::Range<f64>| DVec3::from_array(std::array::from_fn(|_| rng.random_range(range.clone())));
+        match self {
+            Self::Scaled => DMat3::from_diagonal(axes(0.0..2.0)),
+            Self::Sheared => {
+                let [x, y, z] = axes(-1.5..1.5).to_array();
+                DMat3::from_cols(DVec3::X, DVec3::new(x, 1.0, 0.0), DVec3::new(y, z, 1.0))
+            }
+            Self::Mirrored if rng.random_bool(0.5) => DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0)),
+            Self::Collapsed if rng.random_bool(0.33) => DMat3::ZERO,
+            Self::Mixed => {
+                let kinds = [
+                    Self::Turned,
+                    Self::Scaled,
+                    Self::Sheared,
+                    Self::Mirrored,
+                    Self::Collapsed,
+                ];
+                kinds[rng.random_range(0..kinds.len())].own(rng)
+            }
+            _ => DMat3::IDENTITY,
+        }
+    }
+}
+
+/// On a grid that absorbs what compilers and libraries round differently.
+fn rounded(matrix: DAffine3) -> Affine3A {
+    Affine3A::from_cols_array(
+        &matrix
+            .to_cols_array()
+            .map(|entry| ((entry * GRID).round() / GRID + 0.0) as f32),
+    )
+}

@@ -1,0 +1,229 @@
+//! Clips that move the nodes of a skeleton.
+
+use glam::{Quat, Vec4};
+
+use super::LocalTransform;
+
+/// A looping clip: what moves which node, and how.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct JointClip {
+    /// The clip's name.
+    pub name: String,
+    /// One per property of a node that moves.
+    pub channels: Vec<JointChannel>,
+}
+
+/// The keys of one property of one node.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointChannel {
+    /// The node's index among [`Skeleton::nodes`](super::Skeleton::nodes).
+    pub node: u32,
+    /// What is set.
+    pub property: Property,
+    /// What happens between two keys.
+    pub interpolation: Interpolation,
+    /// Key times in seconds, ascending.
+    pub times: Vec<f32>,
+    /// A value per key; three with [`Interpolation::CubicSpline`]: the tangent before the key, the value and the tangent after it.
+    ///
+    /// The last component is 0 for all but rotations, which are quaternions.
+    pub values: Vec<Vec4>,
+}
+
+/// What a channel sets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Property {
+    /// [`LocalTransform::translation`].
+    Translation,
+    /// [`LocalTransform::rotation`].
+    Rotation,
+    /// [`LocalTransform::scale`].
+    Scale,
+}
+
+/// What happens between two keys.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interpolation {
+    /// A straight line; for rotations, the shortest arc at constant speed.
+    Linear,
+    /// A key holds until the next one.
+    Step,
+    /// A cubic Hermite spline; rotations are normalised.
+    CubicSpline,
+}
+
+impl JointClip {
+    /// The length of one loop in seconds: the time of the last key.
+    #[must_use]
+    pub fn duration(&self) -> f32 {
+        let ends = self.channels.iter().filter_map(|channel| channel.times.last());
+        ends.copied().fold(0.0, f32::max)
+    }
+
+    /// Sets what the clip moves to where it is at a time, looping; at the very end of a loop it is at the beginning.
+    ///
+    /// Before a channel's first key the first one holds, and after the last one the last.
+    pub(super) fn apply(&self, seconds: f32, locals: &mut [LocalTransform]) {
+        let duration = self.duration();
+        let wrapped = if duration > 0.0 {
+            seconds.rem_euclid(duration)
+        } else {
+            0.0
+        };
+        // `rem_euclid` of a tiny negative time rounds up to the duration itself, which is the loop's beginning.
+        let time = if wrapped < duration { wrapped } else { 0.0 };
+        for channel in &self.channels {
+            let (Some(value), Some(local)) = (channel.at(time), locals.get_mut(channel.node as usize)) else {
+                continue;
+            };
+            match channel.property {
+                Property::Translation => local.translation = value.truncate(),
+                Property::Rotation => local.rotation = Quat::from_vec4(value),
+                Property::Scale => local.scale = value.truncate(),
+            }
+        }
+    }
+}
+
+impl JointChannel {
+    /// The value at a time; `None` without keys.
+    fn at(&self, time: f32) -> Option<Vec4> {
+        let last = self.times.len().checked_sub(1)?;
+        let next = self.times.partition_point(|&key| key <= time);
+        let Some(before) = next.checked_sub(1) else {
+            return self.value(0);
+        };
+        if before == last || self.interpolation == Interpolation::Step {
+            return self.value(before);
+        }
+        let length = self.times[next] - self.times[before];
+        let t = (time - self.times[before]) / length;
+        let (from, to) = (self.value(before)?, self.value(next)?);
+        let is_rotation = self.property == Property::Rotation;
+        Some(match self.interpolation {
+            Interpolation::CubicSpline => {
+                let leaving = *self.values.get(3 * before + 2)? * length;
+                let arriving = *self.values.get(3 * next)? * length;
+                let value = hermite(from, leaving, to, arriving, t);
+                if is_rotation {
+                    value.normalize_or(Vec4::W)
+                } else {
+                    value
+                }
+            }
+            _ if is_rotation => Quat::from_vec4(from).slerp(Quat::from_vec4(to), t).into(),
+            _ => from + (to - from) * t,
+        })
+    }
+
+    /// The value of a key.
+    fn value(&self, key: usize) -> Option<Vec4> {
+        let cubic = self.interpolation == Interpolation::CubicSpline;
+        self.values.get(if cubic { 3 * key + 1 } else { key }).copied()
+    }
+}
+
+/// The cubic from one value to another with these slopes, which are per unit of `t`, as glTF writes it.
+fn hermite(from: Vec4, leaving: Vec4, to: Vec4, arriving: Vec4, t: f32) -> Vec4 {
+    let (t2, t3) = (t * t, t * t * t);
+    from * (2.0 * t3 - 3.0 * t2 + 1.0)
+        + leaving * (t3 - 2.0 * t2 + t)
+        + to * (3.0 * t2 - 2.0 * t3)
+        + arriving * (t3 - t2)
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    fn channel(property: Property, interpolation: Interpolation, values: Vec<Vec4>) -> JointChannel {
+        JointChannel {
+            node: 0,
+            property,
+            interpolation,
+            times: vec![1.0, 3.0],
+            values,
+        }
+    }
+
+    fn pose(channel: JointChannel, time: f32) -> LocalTransform {
+        let mut locals = [LocalTransform::default()];
+        let clip = JointClip {
+            name: "clip".into(),
+            channels: vec![channel],
+        };
+        clip.apply(time, &mut locals);
+        locals[0]
+    }
+
+    #[test]
+    fn translations_move_on_a_line_and_loop_and_hold_before_the_first_key() {
+        let keys = || {
+            let values = vec![Vec4::X, Vec4::X * 5.0];
+            channel(Property::Translation, Interpolation::Linear, values)
+        };
+        for (time, x) in [
+            (0.0, 1.0),
+            (1.0, 1.0),
+            (1.5, 2.0),
+            (2.75, 4.5),
+            (4.5, 2.0),
+            (3.0, 1.0),
+            (-0.25, 4.5),
+        ] {
+            assert_eq!(pose(keys(), time).translation, Vec3::X * x, "at {time}");
+        }
+    }
+
+    #[test]
+    fn a_step_holds_until_the_next_key() {
+        let keys = || channel(Property::Scale, Interpolation::Step, vec![Vec4::ONE, Vec4::ONE * 2.0]);
+        assert_eq!(pose(keys(), 2.999).scale, Vec3::ONE);
+        let mut longer = keys();
+        longer.times = vec![1.0, 2.0, 9.0];
+        longer.values.push(Vec4::ZERO);
+        assert_eq!(pose(longer, 2.0).scale, Vec3::splat(2.0));
+    }
+
+    #[test]
+    fn rotations_take_the_shortest_arc_at_constant_speed() {
+        let to = Quat::from_rotation_y(1.2);
+        // The same rotation with its sign turned: a line between the two would pass near zero.
+        for to in [to, -to] {
+            let values = vec![Quat::IDENTITY.into(), to.into()];
+            let turned = pose(channel(Property::Rotation, Interpolation::Linear, values), 1.5).rotation;
+            assert!(turned.angle_between(Quat::from_rotation_y(0.3)) < 1e-3, "{turned}");
+        }
+    }
+
+    #[test]
+    fn a_spline_follows_its_tangents_scaled_by_the_time_between_keys() {
+        let values = [9.0, 0.0, 2.0, -1.0, 1.0, 9.0].map(|x| Vec4::X * x).to_vec();
+        let spline = channel(Property::Translation, Interpolation::CubicSpline, values);
+        let expected = |t: f32| {
+            let (t2, t3) = (t * t, t * t * t);
+            4.0 * (t3 - 2.0 * t2 + t) + (3.0 * t2 - 2.0 * t3) - 2.0 * (t3 - t2)
+        };
+        for t in [0.0, 0.125, 0.5, 0.75] {
+            let found = pose(spline.clone(), 1.0 + 2.0 * t).translation.x;
+            assert!((found - expected(t)).abs() < 1e-6, "{found} at {t}");
+        }
+        let turn = Quat::from_rotation_x(2.0).into();
+        let values = vec![Vec4::ZERO, Vec4::W, Vec4::ZERO, Vec4::ZERO, turn, Vec4::ZERO];
+        let turned = pose(channel(Property::Rotation, Interpolation::CubicSpline, values), 2.0).rotation;
+        assert!(turned.is_normalized());
+        assert!(turned.angle_between(Quat::from_rotation_x(1.0)) < 1e-3, "{turned}");
+    }
+
+    #[test]
+    fn channels_without_keys_or_of_nodes_that_do_not_exist_change_nothing() {
+        let mut empty = channel(Property::Scale, Interpolation::Linear, Vec::new());
+        empty.times.clear();
+        assert_eq!(pose(empty, 1.0), LocalTransform::default());
+        let mut stray = channel(Property::Scale, Interpolation::Linear, vec![Vec4::ZERO; 2]);
+        stray.node = 7;
+        assert_eq!(pose(stray, 1.0), LocalTransform::default());
+    }
+}

@@ -2,8 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::frame::{Frames, PlacedBounds, frames_in_a, frames_in_b, frames_in_world};
-use super::inverse::abs;
+use super::frame::{Frames, PlacedBounds, frames_in_world, relative};
 use super::rounding::U64;
 use super::{Aabb, Frame, WorldFromModel};
 
@@ -49,16 +48,17 @@ impl GapFrame {
     /// World space is added where neither can be, and where both are so sheared that their coordinates say little about lengths.
     pub(crate) fn list(world_from_a: &WorldFromModel, a: DVec3, world_from_b: &WorldFromModel, b: DVec3) -> Vec<Self> {
         let (placed_a, placed_b) = (PlacedBounds::new(world_from_a, a), PlacedBounds::new(world_from_b, b));
-        let in_a = frames_in_a(&placed_a, &placed_b);
-        let in_b = frames_in_b(&placed_a, &placed_b);
         let mut any_faithful = false;
         let mut list = Vec::new();
-        for (frames, place) in [(in_a, world_from_a), (in_b, world_from_b)] {
-            let Some(frames) = frames else { continue };
-            let (metric, kept) = diagonal_below(place.linear());
-            // Not measured; it decides only how often the third frame is made.
-            any_faithful |= kept > 0.5;
-            list.push(Self::new(frames, metric, a, b));
+        for (target, source, mapped) in [(&placed_a, &placed_b, 1), (&placed_b, &placed_a, 0)] {
+            let (mut frames, mut frame) = ([None; 2], Frame::default());
+            if relative(target, source, &mut frame) {
+                frames[mapped] = Some(frame);
+                let (metric, kept) = diagonal_below(target.world_from_model().linear());
+                // Not measured; it decides only how often the third frame is made.
+                any_faithful |= kept > 0.5;
+                list.push(Self::new(frames, metric, a, b));
+            }
         }
         if !any_faithful {
             list.push(Self::world(world_from_a, a, world_from_b, b));
@@ -80,18 +80,18 @@ impl GapFrame {
         Self {
             frames,
             metric,
-            slack: slack(&frames.a, a) + slack(&frames.b, b),
+            slack: slack(&frames[0], a) + slack(&frames[1], b),
         }
     }
 
     #[inline]
     pub(crate) fn image_of_a(&self, a: &Box64) -> Box64 {
-        self.frames.a.as_ref().map_or(*a, |frame| image(frame, a))
+        self.frames[0].as_ref().map_or(*a, |frame| image(frame, a))
     }
 
     #[inline]
     pub(crate) fn image_of_b(&self, b: &Box64) -> Box64 {
-        self.frames.b.as_ref().map_or(*b, |frame| image(frame, b))
+        self.frames[1].as_ref().map_or(*b, |frame| image(frame, b))
     }
 
     /// A lower bound on the squared world distance between points of two boxes, given the boxes' images.
@@ -106,7 +106,7 @@ impl GapFrame {
 fn image(frame: &Frame, source: &Box64) -> Box64 {
     Box64 {
         center: frame.linear * source.center + frame.translation,
-        half: abs(frame.linear) * source.half,
+        half: frame.linear.abs() * source.half,
     }
 }
 
@@ -114,8 +114,8 @@ fn image(frame: &Frame, source: &Box64) -> Box64 {
 /// stay orthogonal. The difference of the two is diagonally dominant, so positive semidefinite.
 fn diagonal_below(linear: DMat3) -> (DVec3, f64) {
     let gram = linear.transpose() * linear;
-    let diagonal = DVec3::new(gram.x_axis.x, gram.y_axis.y, gram.z_axis.z);
-    let rows = abs(gram) * DVec3::ONE;
+    let diagonal = gram.diagonal();
+    let rows = gram.abs() * DVec3::ONE;
     let rounding = 16.0 * U64 * (diagonal.max_element() + rows.max_element());
     let below = (2.0 * diagonal - rows - DVec3::splat(rounding)).max(DVec3::ZERO);
     let kept = (below / diagonal).min_element();

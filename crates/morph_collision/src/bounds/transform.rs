@@ -1,6 +1,6 @@
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 
-use super::inverse::{Inverse, abs};
+use super::inverse::Inverse;
 use super::rounding::U64;
 use crate::input_error::{InputError, check_vector};
 
@@ -103,7 +103,7 @@ impl WorldFromModel {
 
     /// The largest absolute world coordinates of points within a magnitude.
     pub(crate) fn reach(&self, magnitude: DVec3) -> DVec3 {
-        abs(self.linear) * magnitude + self.translation.abs()
+        self.linear.abs() * magnitude + self.translation.abs()
     }
 
     /// A bound on the error of [`WorldFromModel::transform_point`] for points within a magnitude, per world axis.

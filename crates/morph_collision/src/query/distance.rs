@@ -12,7 +12,7 @@ use super::leaves::Leaves;
 use super::pairs::TrianglePair;
 use super::placements::Placements;
 use super::stats::QueryStats;
-use crate::bounds::{Aabb, Box64, Extent, GapFrame, WorldFromModel};
+use crate::bounds::{Aabb, Box64, Extent, GapFrame};
 use crate::exact::Triangle;
 use crate::input_error::{InputError, check_length};
 use crate::pose::{Posed, Standing};
@@ -65,19 +65,9 @@ pub struct DistanceQuery {
     stats: QueryStats,
 }
 
+query_basics!(DistanceQuery, |query| query.stats);
+
 impl DistanceQuery {
-    /// An empty query; allocates on first use.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// The work of the last call.
-    #[must_use]
-    pub fn stats(&self) -> QueryStats {
-        self.stats
-    }
-
     /// The closest points of two bodies; `None` if they are farther apart than `max_distance`, which may be infinite.
     ///
     /// The smaller `max_distance`, the less work.
@@ -89,36 +79,11 @@ impl DistanceQuery {
         let (world_from_a, world_from_b) = (a.world_from_model, b.world_from_model);
         let (a, b) = (&mut a.pose.posed(), &mut b.pose.posed());
         let before = [a.blended(), b.blended()];
-        self.stats = QueryStats::default();
         let placements = Placements {
             a: a.stand(world_from_a),
             b: b.stand(world_from_b),
         };
-        let pair = if placements.are_collapsed() {
-            let mut best = Best::within(max_distance, false);
-            self.collapsed.place((a, world_from_a), (b, world_from_b));
-            let limit = best.limit;
-            let look = |pair, corners_a: &Triangle, corners_b: &Triangle| best.look(pair, corners_a, corners_b);
-            let _stopped_early = self.collapsed.nearest(limit, &mut self.stats, look);
-            best.pair
-        } else {
-            self.closest_by_trees((a, world_from_a), (b, world_from_b), max_distance)
-        };
-        self.stats += QueryStats::blending(before, [a.blended(), b.blended()]);
-        Ok(pair)
-    }
-
-    fn closest_by_trees<'p>(
-        &mut self,
-        (a, world_from_a): (&mut Posed<'p>, &WorldFromModel),
-        (b, world_from_b): (&mut Posed<'p>, &WorldFromModel),
-        max_distance: f64,
-    ) -> Option<ClosestPair> {
-        let placements = Placements {
-            a: a.stand(world_from_a),
-            b: b.stand(world_from_b),
-        };
-        let scale = placements.a_from_b_scale();
+        let (scale, are_collapsed) = (placements.a_from_b_scale(), placements.are_collapsed());
         let [magnitude_a, magnitude_b] =
             [placements.a, placements.b].map(|standing| standing.bounds.magnitude().as_dvec3());
         let mut frames = GapFrame::list(world_from_a, magnitude_a, world_from_b, magnitude_b);
@@ -127,37 +92,45 @@ impl DistanceQuery {
             // An `f32` rotation is not quite orthogonal: lengths in the bodies' own spaces are off by more than the bodies' sizes.
             frames.push(GapFrame::world(world_from_a, magnitude_a, world_from_b, magnitude_b));
         }
-        let mut best = Best::within(max_distance, !are_far);
+        let mut best = Best::within(max_distance, !are_far && !are_collapsed);
         let limit = best.limit;
         let Self {
             stack,
             leaves_a,
             leaves_b,
+            collapsed,
             stats,
-            ..
         } = self;
-        leaves_a.begin();
-        leaves_b.begin();
-        let bound = |a: &Aabb, b: &Aabb| squared_gap(&frames, &Box64::of(a), &Box64::of(b));
-        let at_leaves = |a: &mut Posed<'p>, b: &mut Posed<'p>, of_a, of_b| {
-            let block_a = leaves_a.read(a, world_from_a, of_a);
-            let block_b = leaves_b.read(b, world_from_b, of_b);
-            for &(triangle_a, ref corners_a) in leaves_a.triangles(block_a) {
-                let extent_a = Extent::of_triangle(corners_a);
-                for &(triangle_b, ref corners_b) in leaves_b.triangles(block_b.clone()) {
-                    // The margin of the limit covers the rounding.
-                    let is_farther = extent_a.squared_distance(&Extent::of_triangle(corners_b)) > best.limit;
-                    if is_farther || best.is_tied_enough(corners_a, corners_b) {
-                        continue;
+        *stats = QueryStats::default();
+        if are_collapsed {
+            collapsed.place((a, world_from_a), (b, world_from_b));
+            let look = |pair, corners_a: &Triangle, corners_b: &Triangle| best.look(pair, corners_a, corners_b);
+            let _stopped_early = collapsed.nearest(limit, stats, look);
+        } else {
+            leaves_a.begin();
+            leaves_b.begin();
+            let bound = |a: &Aabb, b: &Aabb| squared_gap(&frames, &Box64::of(a), &Box64::of(b));
+            let at_leaves = |a: &mut Posed<'_>, b: &mut Posed<'_>, of_a, of_b| {
+                let block_a = leaves_a.read(a, world_from_a, of_a);
+                let block_b = leaves_b.read(b, world_from_b, of_b);
+                for &(triangle_a, ref corners_a) in leaves_a.triangles(block_a) {
+                    let extent_a = Extent::of_triangle(corners_a);
+                    for &(triangle_b, ref corners_b) in leaves_b.triangles(block_b.clone()) {
+                        // The margin of the limit covers the rounding.
+                        let is_farther = extent_a.squared_distance(&Extent::of_triangle(corners_b)) > best.limit;
+                        if is_farther || best.is_tied_enough(corners_a, corners_b) {
+                            continue;
+                        }
+                        stats.triangle_tests += 1;
+                        best.look(TrianglePair { triangle_a, triangle_b }, corners_a, corners_b)?;
                     }
-                    stats.triangle_tests += 1;
-                    best.look(TrianglePair { triangle_a, triangle_b }, corners_a, corners_b)?;
                 }
-            }
-            ControlFlow::Continue(best.limit)
-        };
-        stats.node_tests = walk_nearest((a, b), scale, stack, limit, bound, at_leaves);
-        best.pair
+                ControlFlow::Continue(best.limit)
+            };
+            stats.node_tests = walk_nearest((&mut *a, &mut *b), scale, stack, limit, bound, at_leaves);
+        }
+        *stats += QueryStats::blending(before, [a.blended(), b.blended()]);
+        Ok(best.pair)
     }
 }
 

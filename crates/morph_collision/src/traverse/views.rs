@@ -153,7 +153,7 @@ pub(super) struct Node {
 
 impl Node {
     #[inline(always)]
-    fn slot(self) -> usize {
+    pub(super) fn slot(self) -> usize {
         self.at as usize / LANES
     }
 

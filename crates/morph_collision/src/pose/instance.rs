@@ -100,7 +100,6 @@ impl Pose {
         if let (Some((place, skinning)), Some(tables)) = (&mut self.skinning, &self.bvh.skin) {
             let tree = SkinTree {
                 model: self.bvh.model(),
-                tables: &self.bvh.tables,
                 skin: tables,
                 weights: &self.weights,
                 level: self.bvh.kernel().level,

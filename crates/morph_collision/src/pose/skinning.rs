@@ -119,6 +119,10 @@ impl Skinning {
         place
     }
 
+    pub(super) fn version(&self) -> u32 {
+        self.version
+    }
+
     pub(super) fn error(&self) -> f64 {
         self.error
     }

@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::{Affine3A, Mat3, Quat, Vec3};
+use glam::{Affine3A, Mat3, Quat, Vec3, Vec3A};
 use morph_collision::{Aabb, QueryStats};
 
 use crate::gltf_read::{ReadError, read_meshes};
 use crate::mesh::MorphMesh;
+use crate::models::rigs::{self, PoseKind};
 use crate::models::{degenerate, dolphin, pass_through_body, random};
 use crate::rivals::{MethodKind, MethodOptions, PoseError, SetUpError, Wanted};
 use crate::{oracle, scenes};
@@ -26,6 +27,8 @@ pub struct Moment {
     pub meshes: Vec<MorphMesh>,
     /// The bodies.
     pub bodies: Vec<MomentBody>,
+    /// The matrices of the joints of each body with a skinned mesh, in world space; empty for other bodies, and if no body is skinned.
+    pub joints: Vec<Vec<Affine3A>>,
 }
 
 /// Why a method gives no answer.
@@ -45,7 +48,30 @@ impl Moment {
             name: name.to_owned(),
             meshes: vec![mesh.clone()],
             bodies: bodies.into_iter().map(|(weights, place)| (0, weights, place)).collect(),
+            joints: Vec::new(),
         }
+    }
+
+    /// Two bodies of a skinned mesh, with weights and joints.
+    fn skinned_pair(name: String, mesh: &MorphMesh, bodies: [(Vec<f32>, Vec<Affine3A>); 2]) -> Self {
+        let (weights, joints): (Vec<_>, Vec<_>) = bodies.into_iter().unzip();
+        Self {
+            name,
+            meshes: vec![mesh.clone()],
+            bodies: weights
+                .into_iter()
+                .map(|weights| (0, weights, Affine3A::IDENTITY))
+                .collect(),
+            joints,
+        }
+    }
+
+    /// The matrices of a body's joints, if its mesh is skinned.
+    pub fn joints_of(&self, body: usize) -> Option<&[Affine3A]> {
+        self.joints
+            .get(body)
+            .filter(|joints| !joints.is_empty())
+            .map(Vec::as_slice)
     }
 
     /// All intersecting triangle pairs by brute force, ascending.
@@ -56,11 +82,12 @@ impl Moment {
         let bodies: Vec<_> = self
             .bodies
             .iter()
-            .map(|(mesh, weights, place)| oracle::BodyPose {
+            .enumerate()
+            .map(|(body, (mesh, weights, place))| oracle::BodyPose {
                 mesh: &self.meshes[*mesh],
                 weights,
                 world_from_model: *place,
-                joints: None,
+                joints: self.joints_of(body),
             })
             .collect();
         let mut all = Vec::new();
@@ -113,6 +140,7 @@ pub fn dolphins(frame: usize) -> Moment {
                 )
             })
             .collect(),
+        joints: Vec::new(),
     }
 }
 
@@ -196,6 +224,7 @@ pub fn generated() -> Vec<Moment> {
         name: "dolphin, blob and soup".to_owned(),
         meshes: vec![dolphin(0), blob, soup],
         bodies: Vec::new(),
+        joints: Vec::new(),
     };
     mixed.bodies = vec![
         (0, vec![0.2, 0.3], Affine3A::from_scale(Vec3::splat(1.5))),
@@ -203,6 +232,48 @@ pub fn generated() -> Vec<Moment> {
         (2, vec![0.0; 3], Affine3A::IDENTITY),
     ];
     all.push(mixed);
+    all
+}
+
+/// Generated skinned models with joints of every kind, one body beside the other so that they overlap.
+pub fn skinned() -> Vec<Moment> {
+    let meshes = [
+        rigs::tube(31, 6, 4, 3),
+        rigs::branching(32, 7, 8, 3),
+        rigs::nearly_normalised(&rigs::rigid_pieces(33, 6, 3), 37),
+        rigs::random_soup(34, 100, 40, 3, 2),
+        rigs::unnormalised(&rigs::tube(35, 3, 3, 3), 36),
+    ];
+    let mut all = Vec::new();
+    for mesh in &meshes {
+        let Some(skin) = &mesh.skin else { continue };
+        for kind in PoseKind::ALL {
+            // Every triangle of two points meets every other.
+            let other = if kind == PoseKind::OnePoint {
+                PoseKind::Turned
+            } else {
+                kind
+            };
+            let joints = [kind.draw(&skin.skeleton, 1), other.draw(&skin.skeleton, 2)];
+            // What is far away starts in different places.
+            let origin = |joints: &[Affine3A]| joints.first().map_or(Vec3::ZERO, |joint| joint.translation.into());
+            let shift = origin(&joints[0]) - origin(&joints[1]) + Vec3::new(0.1, 0.05, -0.1);
+            let [first, mut second] = joints;
+            if shift.length() > 100.0 {
+                second
+                    .iter_mut()
+                    .for_each(|joint| joint.translation += Vec3A::from(shift));
+            }
+            let weights = [vec![0.5, -0.25, 1.5], vec![4.0, 4.0, -2.0]];
+            let [of_first, of_second] = weights;
+            let name = format!("{}, {kind:?}", mesh.name);
+            all.push(Moment::skinned_pair(
+                name,
+                mesh,
+                [(of_first, first), (of_second, second)],
+            ));
+        }
+    }
     all
 }
 

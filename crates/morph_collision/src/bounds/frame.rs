@@ -5,7 +5,6 @@
 
 use glam::{DMat3, DVec3};
 
-use super::inverse::abs;
 use super::rounding::U64;
 use super::{BoxMap, WorldFromModel};
 
@@ -21,18 +20,28 @@ pub(crate) struct Frame {
 }
 
 impl Frame {
+    /// The map that takes points by `first` and then by this one.
+    pub(crate) fn after(&self, first: &Self) -> Self {
+        let linear = self.linear * first.linear;
+        let translation = self.linear * first.translation + self.translation;
+        let reach = self.linear.abs() * first.reach() + self.translation.abs();
+        Self {
+            linear,
+            translation,
+            magnitude: first.magnitude,
+            // Three products and sums for each of the matrices.
+            error: self.error + self.linear.abs() * first.error + 16.0 * U64 * reach,
+        }
+    }
+
     /// The largest absolute coordinates after the map.
     pub(super) fn reach(&self) -> DVec3 {
-        abs(self.linear) * self.magnitude + self.translation.abs()
+        self.linear.abs() * self.magnitude + self.translation.abs()
     }
 }
 
-/// A frame for the boxes of two bodies; a body without a map is in its own space there.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Frames {
-    pub(crate) a: Option<Frame>,
-    pub(crate) b: Option<Frame>,
-}
+/// A frame for the boxes of two bodies, as the map of each; a body without a map is in its own space there.
+pub(super) type Frames = [Option<Frame>; 2];
 
 /// Calls `visit` with the frames that decide whether boxes of two placed bodies may meet, until it returns false: both bodies'
 /// own axes (SAT-lite). A frame is made only when it is visited, and is given as the map from each body's own space, if that is
@@ -57,8 +66,7 @@ pub(crate) fn visit_frames(a: &PlacedBounds, b: &PlacedBounds, mut visit: impl F
         }
     }
     if !any_sharp {
-        let Frames { a, b } = frames_in_turned_world(a, b);
-        visit([a.as_ref(), b.as_ref()]);
+        visit(frames_in_turned_world(a, b).each_ref().map(Option::as_ref));
     }
 }
 
@@ -93,7 +101,7 @@ impl PlacedBounds {
         Self {
             world_from_model: *world_from_model,
             magnitude,
-            spread: abs(world_from_model.linear()) * magnitude,
+            spread: world_from_model.linear().abs() * magnitude,
             error,
         }
     }
@@ -107,12 +115,10 @@ impl PlacedBounds {
         self.magnitude
     }
 
-    /// The map from another body's or frame's space to this one; `None` where `f32` cannot hold it or this one cannot be inverted.
-    pub(crate) fn map_from(&self, source: &Self) -> Option<BoxMap> {
+    /// The map from another body's or frame's space to this one; `None` where this one cannot be inverted.
+    pub(crate) fn frame_from(&self, source: &Self) -> Option<Frame> {
         let mut frame = Frame::default();
-        relative(self, source, &mut frame)
-            .then(|| BoxMap::new(&frame))
-            .flatten()
+        relative(self, source, &mut frame).then_some(frame)
     }
 
     pub(crate) fn world_from_model(&self) -> &WorldFromModel {
@@ -124,34 +130,11 @@ impl PlacedBounds {
     }
 }
 
-/// The space of A, if it can be inverted.
-#[inline]
-pub(super) fn frames_in_a(a: &PlacedBounds, b: &PlacedBounds) -> Option<Frames> {
-    let mut frame = Frame::default();
-    relative(a, b, &mut frame).then_some(Frames {
-        a: None,
-        b: Some(frame),
-    })
-}
-
-/// The space of B, if it can be inverted.
-#[inline]
-pub(super) fn frames_in_b(a: &PlacedBounds, b: &PlacedBounds) -> Option<Frames> {
-    let mut frame = Frame::default();
-    relative(b, a, &mut frame).then_some(Frames {
-        a: Some(frame),
-        b: None,
-    })
-}
-
 /// World space moved to A's origin.
 pub(super) fn frames_in_world(a: &PlacedBounds, b: &PlacedBounds) -> Frames {
     let origin = a.world_from_model.translation();
     let error = DVec3::splat(a.error + b.error);
-    Frames {
-        a: Some(to_world(&a.world_from_model, origin, a.magnitude, error)),
-        b: Some(to_world(&b.world_from_model, origin, b.magnitude, error)),
-    }
+    [a, b].map(|body| Some(to_world(&body.world_from_model, origin, body.magnitude, error)))
 }
 
 /// World space moved to A's origin, and rotated so that a flat or thin A lies along the axes.
@@ -163,13 +146,9 @@ fn frames_in_turned_world(a: &PlacedBounds, b: &PlacedBounds) -> Frames {
         translation: axes * frame.translation,
         magnitude: frame.magnitude,
         // The products of three coordinates round once for the linear part and once for the translation.
-        error: abs(axes) * (frame.error + 8.0 * U64 * frame.reach()),
+        error: axes.abs() * (frame.error + 8.0 * U64 * frame.reach()),
     };
-    let frames = frames_in_world(a, b);
-    Frames {
-        a: frames.a.map(turned),
-        b: frames.b.map(turned),
-    }
+    frames_in_world(a, b).map(|frame| frame.map(turned))
 }
 
 /// An orthonormal basis, up to rounding, for the image of a box: the first axis is along the longest side, the second in the
@@ -214,7 +193,7 @@ fn to_world(world_from_model: &WorldFromModel, origin: DVec3, magnitude: DVec3, 
 
 /// Sets `frame` to the map from one body's space to another's; returns false where the target cannot be inverted safely.
 #[inline]
-fn relative(target: &PlacedBounds, source: &PlacedBounds, frame: &mut Frame) -> bool {
+pub(super) fn relative(target: &PlacedBounds, source: &PlacedBounds, frame: &mut Frame) -> bool {
     let Some(inverse) = target.world_from_model.inverse() else {
         return false;
     };

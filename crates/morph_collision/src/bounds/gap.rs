@@ -2,8 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
-use super::frame::{Frames, PlacedBounds, frames_in_a, frames_in_b, frames_in_world};
-use super::inverse::abs;
+use super::frame::{Frames, PlacedBounds, frames_in_world, relative};
 use super::rounding::U64;
 use super::{Aabb, Frame};
 
@@ -48,15 +47,17 @@ impl GapFrame {
     ///
     /// World space is added where neither can be, and where both are so sheared that their coordinates say little about lengths.
     pub(crate) fn list(a: &PlacedBounds, b: &PlacedBounds) -> Vec<Self> {
-        let (in_a, in_b) = (frames_in_a(a, b), frames_in_b(a, b));
         let mut any_faithful = false;
         let mut list = Vec::new();
-        for (frames, place) in [(in_a, a), (in_b, b)] {
-            let Some(frames) = frames else { continue };
-            let (metric, kept) = diagonal_below(place.world_from_model().linear());
-            // Not measured; it decides only how often the third frame is made.
-            any_faithful |= kept > 0.5;
-            list.push(Self::new(frames, metric, a, b));
+        for (target, source, mapped) in [(a, b, 1), (b, a, 0)] {
+            let (mut frames, mut frame) = ([None; 2], Frame::default());
+            if relative(target, source, &mut frame) {
+                frames[mapped] = Some(frame);
+                let (metric, kept) = diagonal_below(target.world_from_model().linear());
+                // Not measured; it decides only how often the third frame is made.
+                any_faithful |= kept > 0.5;
+                list.push(Self::new(frames, metric, a, b));
+            }
         }
         if !any_faithful {
             list.push(Self::world(a, b));
@@ -77,18 +78,18 @@ impl GapFrame {
         Self {
             frames,
             metric,
-            slack: slack(&frames.a, a.magnitude()) + slack(&frames.b, b.magnitude()),
+            slack: slack(&frames[0], a.magnitude()) + slack(&frames[1], b.magnitude()),
         }
     }
 
     #[inline]
     pub(crate) fn image_of_a(&self, a: &Box64) -> Box64 {
-        self.frames.a.as_ref().map_or(*a, |frame| image(frame, a))
+        self.frames[0].as_ref().map_or(*a, |frame| image(frame, a))
     }
 
     #[inline]
     pub(crate) fn image_of_b(&self, b: &Box64) -> Box64 {
-        self.frames.b.as_ref().map_or(*b, |frame| image(frame, b))
+        self.frames[1].as_ref().map_or(*b, |frame| image(frame, b))
     }
 
     /// A lower bound on the squared world distance between points of two boxes, given the boxes' images.
@@ -103,7 +104,7 @@ impl GapFrame {
 fn image(frame: &Frame, source: &Box64) -> Box64 {
     Box64 {
         center: frame.linear * source.center + frame.translation,
-        half: abs(frame.linear) * source.half,
+        half: frame.linear.abs() * source.half,
     }
 }
 
@@ -111,8 +112,8 @@ fn image(frame: &Frame, source: &Box64) -> Box64 {
 /// stay orthogonal. The difference of the two is diagonally dominant, so positive semidefinite.
 fn diagonal_below(linear: DMat3) -> (DVec3, f64) {
     let gram = linear.transpose() * linear;
-    let diagonal = DVec3::new(gram.x_axis.x, gram.y_axis.y, gram.z_axis.z);
-    let rows = abs(gram) * DVec3::ONE;
+    let diagonal = gram.diagonal();
+    let rows = gram.abs() * DVec3::ONE;
     let rounding = 16.0 * U64 * (diagonal.max_element() + rows.max_element());
     let below = (2.0 * diagonal - rows - DVec3::splat(rounding)).max(DVec3::ZERO);
     let kept = (below / diagonal).min_element();

@@ -22,7 +22,7 @@ impl Inverse {
     /// `None` where the map is singular, or so nearly that the inverse's error bound is useless.
     pub(super) fn new(linear: DMat3) -> Option<Self> {
         // Scaled to entries around 1, so that tiny and huge bodies are inverted as well as any other.
-        let size = column_maxima(abs(linear)).max_element();
+        let size = column_maxima(linear.abs()).max_element();
         let scaled = linear * (1.0 / size);
         if size == 0.0 || scaled.determinant().abs() < 1e-60 {
             return None;
@@ -30,19 +30,15 @@ impl Inverse {
         let inverse = scaled.inverse() * (1.0 / size);
         // With inverse * linear = I - R, |linear^-1 - inverse| <= |R| / (1 - |R|) |inverse|. R itself is rounded.
         let norm = |m: DMat3| (m * DVec3::ONE).max_element();
-        let residual = norm(abs(DMat3::IDENTITY - inverse * linear)) + 8.0 * U64 * norm(abs(inverse) * abs(linear));
+        let residual =
+            norm((DMat3::IDENTITY - inverse * linear).abs()) + 8.0 * U64 * norm(inverse.abs() * linear.abs());
         (inverse.is_finite() && residual <= 1.0 / 16.0).then(|| Self {
             linear: inverse,
-            rows: abs(inverse) * DVec3::ONE,
+            rows: inverse.abs() * DVec3::ONE,
             // 1.1 is above `1 / (1 - residual)`.
-            error: 1.1 * residual * column_maxima(abs(inverse)).element_sum(),
+            error: 1.1 * residual * column_maxima(inverse.abs()).element_sum(),
         })
     }
-}
-
-/// The absolute values of all entries.
-pub(super) fn abs(m: DMat3) -> DMat3 {
-    DMat3::from_cols(m.x_axis.abs(), m.y_axis.abs(), m.z_axis.abs())
 }
 
 fn column_maxima(m: DMat3) -> DVec3 {

@@ -4,7 +4,6 @@ use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 use glam::{DMat3, DVec3};
 
-use super::inverse::abs;
 use super::{BoxLanes, WorldFromModel};
 
 /// Half a unit in the last place of 1 in `f32`.
@@ -45,7 +44,7 @@ impl JointMap {
         let (linear, translation) = in_frame(frame, joint);
         let row = |i: usize| linear.row(i).as_vec3().to_array();
         let rows = [row(0), row(1), row(2)];
-        let row_sums = abs(linear) * DVec3::ONE;
+        let row_sums = linear.abs() * DVec3::ONE;
         // Rounded up, for the error bound of what is computed from them.
         let up = |value: f64| (value * (1.0 + 4.0 * U)) as f32;
         let noise = frame.inverse_norm()

@@ -5,7 +5,7 @@ use morph_collision_testkit::oracle::Dyadic;
 use morph_collision_testkit::search::{Climb, is_as_known};
 use rand::RngExt;
 
-use super::frame::{PlacedBounds, frames_in_a};
+use super::frame::{Frame, PlacedBounds, relative};
 use super::probe::{ExactPoint, Image, box_at, slack_used};
 use super::{BoxMap, WorldFromModel, up};
 
@@ -121,8 +121,11 @@ fn map_ratio(numbers: &[f32]) -> Option<f64> {
     let magnitude_a = Vec3::from_array(reach_a.map(up)).as_dvec3();
     let placed_a = PlacedBounds::new(&world_from_a, magnitude_a);
     let placed_b = PlacedBounds::new(&world_from_b, q.abs().as_dvec3());
-    let frames = frames_in_a(&placed_a, &placed_b)?;
-    let map = BoxMap::new(&frames.b?)?;
+    let mut frame = Frame::default();
+    if !relative(&placed_a, &placed_b, &mut frame) {
+        return None;
+    }
+    let map = BoxMap::new(&frame)?;
     let error_a = placement_bound(&place_a, reach_a.map(Dyadic::from));
     let error_b = placement_bound(&place_b, exact_q.map(Dyadic::abs));
     let image = Image {

@@ -1,6 +1,6 @@
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 
-use super::inverse::{Inverse, abs};
+use super::inverse::Inverse;
 use super::rounding::U64;
 use crate::input_error::{InputError, check_vector};
 
@@ -65,7 +65,7 @@ impl WorldFromModel {
     pub(crate) fn is_well_conditioned(&self) -> bool {
         /// Not measured; joints of characters are far below, and what is above is as good in another space.
         const MAX_CONDITION: f64 = 1e3;
-        let norm = (abs(self.linear) * DVec3::ONE).max_element();
+        let norm = (self.linear.abs() * DVec3::ONE).max_element();
         self.inverse.is_some() && self.inverse_norm() * norm <= MAX_CONDITION
     }
 
@@ -138,7 +138,7 @@ impl WorldFromModel {
 
     /// The largest absolute world coordinates of points within a magnitude.
     pub(crate) fn reach(&self, magnitude: DVec3) -> DVec3 {
-        abs(self.linear) * magnitude + self.translation.abs()
+        self.linear.abs() * magnitude + self.translation.abs()
     }
 
     /// A bound on the error of [`WorldFromModel::transform_point`] for points within a magnitude, per world axis.

@@ -22,7 +22,7 @@ impl RayCull {
         Some(Self {
             frame,
             origin: frame.image_of_b(&Box64::point(origin)).center,
-            direction: frame.frames.b.map_or(direction, |to_model| to_model.linear * direction),
+            direction: frame.frames[1].map_or(direction, |to_model| to_model.linear * direction),
         })
     }
 

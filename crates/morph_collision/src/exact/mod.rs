@@ -27,7 +27,7 @@ pub(crate) use number::{VALUE_ERROR, power_of_two, power_of_two_below};
 pub(crate) use predicates::plane_side;
 pub(crate) use ray::{Crossing, Line, ray_meets_triangle};
 pub(crate) use region::{Plane, triangle_meets_region};
-pub(crate) use segment::{Segment, edges};
+pub(crate) use segment::{Segment, edges, sorted};
 pub(crate) use triangle::facets_intersect_counting;
 pub use triangle::{Triangle, triangles_intersect};
 

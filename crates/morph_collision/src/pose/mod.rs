@@ -7,6 +7,7 @@ mod blend;
 mod cache;
 mod instance;
 mod posed;
+mod posed_skin;
 mod shape;
 mod skin_blend;
 mod skinning;

@@ -3,9 +3,9 @@ use glam::{DVec3, Vec3};
 
 use super::blend::{blend_group, blend_patch, max_widening};
 use super::cache::EpochCache;
-use super::skinning::{SkinTree, Skinning};
+use super::skinning::Skinning;
 use super::standing::Standing;
-use crate::bounds::{Aabb, BoxLanes, Extent, LANES, WorldFromModel, with_simd, world_map};
+use crate::bounds::{Aabb, BoxLanes, LANES, WorldFromModel, with_simd, world_map};
 use crate::exact::Triangle;
 use crate::model::{MorphModel, Weights};
 use crate::tree::{Child, ChildKind, CornerLanes, Leaf, LeafLanes, SkinTables, Tables, Topology, in_lanes, put};
@@ -99,29 +99,6 @@ impl Posed<'_> {
         slot
     }
 
-    /// The same under joints: the boxes are blended in the frame of their group, unless they are still right there, and taken to the
-    /// body's.
-    fn open_skinned(&mut self, group: usize) -> usize {
-        let top = self.top_group();
-        let bounds = if group > top { self.bounds() } else { Aabb::UNBOUNDED };
-        let slot = self.boxes.insert(group, BoxLanes::default());
-        if let Some((tables, skinning)) = &mut self.skin {
-            let tree = SkinTree {
-                model: self.model,
-                tables: self.tables,
-                skin: tables,
-                weights: self.weights,
-                level: self.level,
-            };
-            let (own, was_blended) = skinning.open(tree, group);
-            if was_blended {
-                self.blended.volumes += self.topology.group(group).children().len() as u64;
-            }
-            skinning.in_body(tree, group, own, &bounds, self.boxes.get_mut(slot));
-        }
-        slot
-    }
-
     /// The boxes in a slot of the cache.
     #[inline]
     pub(crate) fn boxes(&self, slot: usize) -> &BoxLanes {
@@ -134,19 +111,8 @@ impl Posed<'_> {
         self.boxes.get(node.slot as usize).get(usize::from(node.id.lane))
     }
 
-    /// A node's box in the frame that it is kept in, for a skinned mesh, and where that stands. The node's group must be open.
-    pub(super) fn box_in_frame(&mut self, node: NodeId) -> Option<(Aabb, WorldFromModel)> {
-        let (group, lane) = (node.group as usize, usize::from(node.lane));
-        let slot = self.boxes.find(group)?;
-        let (tables, skinning) = self.skin.as_mut()?;
-        if self.is_refitted {
-            return Some((self.boxes.get(slot).get(lane), *self.place));
-        }
-        skinning.box_in_frame(tables, group, lane)
-    }
-
     /// The group of the root's children; that of the root itself if it is a leaf.
-    fn top_group(&self) -> usize {
+    pub(super) fn top_group(&self) -> usize {
         match self.topology.group(0).child(0).kind() {
             ChildKind::Group(group) => group,
             ChildKind::Leaf(_) => 0,
@@ -228,31 +194,6 @@ impl Posed<'_> {
         }
         let position = self.vertex(vertex);
         self.place.transform_point(position)
-    }
-
-    fn skinned_vertex(&mut self, vertex: u32) -> DVec3 {
-        let found = self.skin.as_ref().and_then(|(_, skinning)| {
-            let slot = skinning.placed.find(vertex as usize)?;
-            Some(*skinning.placed.get(slot))
-        });
-        found.unwrap_or_else(|| self.place_vertex(vertex))
-    }
-
-    #[inline(never)]
-    fn place_vertex(&mut self, vertex: u32) -> DVec3 {
-        let position = self.vertex(vertex);
-        let (Some(skin), Some((_, skinning))) = (self.model.skin(), &mut self.skin) else {
-            return self.place.transform_point(position);
-        };
-        let placed = skin.place(vertex, position, &skinning.joints);
-        skinning.placed.insert(vertex as usize, placed);
-        placed
-    }
-
-    /// Whether joints place the vertices.
-    #[inline(always)]
-    pub(crate) fn is_skinned(&self) -> bool {
-        self.skin.is_some()
     }
 
     /// The corners of a triangle in world space.
@@ -346,21 +287,6 @@ impl Posed<'_> {
             }
         }
         self.scratch.corners = corners;
-    }
-
-    /// A tight box around a leaf's vertices under joints.
-    fn skinned_leaf_box(&mut self, leaf: Leaf) -> Aabb {
-        let mut extent = Extent::EMPTY;
-        for &vertex in self.topology.leaf_vertices(leaf) {
-            let world = self.world_vertex(vertex);
-            let (point, error) = self.place.model_point(world);
-            let of_point = Extent {
-                min: point - error,
-                max: point + error,
-            };
-            extent = extent.union(of_point);
-        }
-        extent.outward()
     }
 
     pub(crate) fn blended(&self) -> Blended {

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 use super::cache::EpochCache;
 use super::skin_blend::blend_skinned;
-use crate::bounds::{Aabb, BoxLanes, BoxMap, JointMap, PlacedBounds, WorldFromModel, with_simd};
+use crate::bounds::{Aabb, BoxLanes, BoxMap, Frame, JointMap, PlacedBounds, WorldFromModel, with_simd};
 use crate::joints::JointMatrices;
 use crate::model::{MorphModel, Weights};
 use crate::tree::{BODY_FRAME, MapKey, SkinTables, Tables};
@@ -40,10 +40,10 @@ struct BoneFrame {
     /// Whether boxes are kept in it; otherwise they are in the body's frame.
     is_used: bool,
     place: WorldFromModel,
-    /// The version that `placed` and `to_body` are of.
+    /// The version that the maps to the body's frame are of.
     placed_in: u32,
-    placed: Option<PlacedBounds>,
-    to_body: Option<BoxMap>,
+    to_body: Option<Frame>,
+    boxes_to_body: Option<BoxMap>,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -197,37 +197,40 @@ impl Skinning {
         (slot, true)
     }
 
-    /// A box that is up to date, in the frame of its group, and where that stands.
-    pub(super) fn box_in_frame(
-        &mut self,
-        skin: &SkinTables,
-        group: usize,
-        lane: usize,
-    ) -> Option<(Aabb, WorldFromModel)> {
-        let slot = self.boxes.find(group)?;
-        let frame = self.frame_of(skin, group);
-        Some((self.boxes.get(slot).get(lane), self.frames[frame].place))
+    /// Where a frame stands.
+    pub(super) fn place_of(&self, frame: usize) -> WorldFromModel {
+        self.frames[frame].place
     }
 
-    /// Maps a group's boxes to the body's frame, given the body's bounds there.
+    /// Maps boxes to the body's frame, given the body's bounds there.
     pub(super) fn in_body(
         &mut self,
         tree: SkinTree<'_>,
-        group: usize,
+        frame: usize,
         slot: usize,
         bounds: &Aabb,
         boxes: &mut BoxLanes,
     ) {
-        let frame = self.frame_of(tree.skin, group);
         if frame == BODY_FRAME {
             *boxes = *self.boxes.get(slot);
             return;
         }
         self.place(frame, bounds);
-        match &self.frames[frame].to_body {
+        match &self.frames[frame].boxes_to_body {
             Some(map) => with_simd!(tree.level, simd => map.all(simd, self.boxes.get(slot), boxes)),
             None => boxes.set_all(&Aabb::UNBOUNDED),
         }
+    }
+
+    /// The boxes in a slot, in the frame of their group.
+    pub(super) fn boxes(&self, slot: usize) -> &BoxLanes {
+        self.boxes.get(slot)
+    }
+
+    /// The map from a frame to the body's, given the body's bounds there; `None` where there is none.
+    pub(super) fn body_from_frame(&mut self, frame: usize, bounds: &Aabb) -> Option<Frame> {
+        self.place(frame, bounds);
+        self.frames[frame].to_body
     }
 
     /// Where the boxes of a frame stand, given the body's bounds in its own.
@@ -240,12 +243,12 @@ impl Skinning {
         let of = &mut self.frames[frame];
         of.placed_in = self.version;
         // Points are within the body's bounds, so their images are within those of the bounds.
-        let from_body = placed(&of.place, DVec3::ZERO).map_from(&body);
+        let from_body = placed(&of.place, DVec3::ZERO).frame_from(&body);
+        let from_body = from_body.and_then(|frame| BoxMap::new(&frame));
         let magnitude = from_body.map(|map| map.one(bounds).magnitude().as_dvec3());
-        of.placed = magnitude
-            .filter(|reach| reach.is_finite())
-            .map(|magnitude| placed(&of.place, magnitude));
-        of.to_body = of.placed.and_then(|placed| body.map_from(&placed));
+        let magnitude = magnitude.filter(|reach| reach.is_finite());
+        of.to_body = magnitude.and_then(|magnitude| body.frame_from(&placed(&of.place, magnitude)));
+        of.boxes_to_body = of.to_body.and_then(|frame| BoxMap::new(&frame));
     }
 
     pub(super) fn bytes(&self) -> usize {

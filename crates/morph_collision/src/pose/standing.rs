@@ -8,6 +8,7 @@ pub(crate) struct Standing {
     /// Whether it is that of the pose's weights.
     is_current: bool,
     pub(crate) root: Child,
+    pub(crate) is_skinned: bool,
     /// In model space.
     pub(crate) bounds: Aabb,
     pub(crate) placed: PlacedBounds,
@@ -45,6 +46,7 @@ impl Posed<'_> {
             *self.standing = Standing {
                 is_current: true,
                 root: self.topology.group(0).child(0),
+                is_skinned: self.is_skinned(),
                 bounds,
                 size: sides.iter().fold(0.0, |size, side| side.abs().max_element().max(size)),
                 slack: placed.error() + rounding * world_from_model.scale(),

@@ -10,7 +10,7 @@ use std::ops::{ControlFlow, Range};
 use super::pairs::TrianglePair;
 use super::stats::QueryStats;
 use crate::bounds::Extent;
-use crate::exact::{Facet, Triangle, facets_intersect_counting};
+use crate::exact::{Facet, Triangle, facets_intersect_counting, sorted};
 use crate::pose::Posed;
 
 /// The placed triangles of two collapsed bodies. The next query reuses the memory.
@@ -117,14 +117,12 @@ struct Node {
 impl DistinctTriangles {
     fn fill(&mut self, tree: &mut Posed<'_>) {
         self.placed.clear();
+        let triangles = 0..tree.topology.triangle_count() as u32;
         self.placed
-            .extend((0..tree.topology.triangle_count() as u32).map(|number| {
-                let mut corners = tree.world_triangle(number);
-                corners.sort_unstable_by(|p, q| ascending(&p.to_array(), &q.to_array()));
-                (corners, number)
-            }));
+            .extend(triangles.map(|number| (sorted(tree.world_triangle(number)), number)));
         let key = |(corners, number): &(Triangle, u32)| (corners.map(|corner| corner.to_array()), *number);
-        self.placed.sort_unstable_by(|s, t| ascending(&key(s), &key(t)));
+        let ascending = |s: &_, t: &_| key(s).partial_cmp(&key(t)).unwrap_or(Ordering::Equal);
+        self.placed.sort_unstable_by(ascending);
         self.leaves.clear();
         for equal in self.placed.chunk_by(|s, t| s.0 == t.0) {
             let start = self.leaves.last().map_or(0, |leaf| leaf.end);
@@ -169,8 +167,4 @@ impl DistinctTriangles {
     fn equal(&self, node: usize) -> &[(Triangle, u32)] {
         &self.placed[self.leaves[self.nodes[node].leaves.start].clone()]
     }
-}
-
-fn ascending<T: PartialOrd>(s: &T, t: &T) -> Ordering {
-    s.partial_cmp(t).unwrap_or(Ordering::Equal)
 }

@@ -65,19 +65,9 @@ pub struct DistanceQuery {
     stats: QueryStats,
 }
 
+query_basics!(DistanceQuery, |query| query.stats);
+
 impl DistanceQuery {
-    /// An empty query; allocates on first use.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// The work of the last call.
-    #[must_use]
-    pub fn stats(&self) -> QueryStats {
-        self.stats
-    }
-
     /// The closest points of two bodies; `None` if they are farther apart than `max_distance`, which may be infinite.
     ///
     /// The smaller `max_distance`, the less work.
@@ -93,31 +83,11 @@ impl DistanceQuery {
         check_length("max_distance", max_distance)?;
         let (a, b) = (&mut a.posed(), &mut b.posed());
         let before = [a.blended(), b.blended()];
-        self.stats = QueryStats::default();
         let placements = Placements {
             a: a.stand(),
             b: b.stand(),
         };
-        let pair = if placements.are_collapsed() {
-            let mut best = Best::within(max_distance, false);
-            self.collapsed.place(a, b);
-            let limit = best.limit;
-            let look = |pair, corners_a: &Triangle, corners_b: &Triangle| best.look(pair, corners_a, corners_b);
-            let _stopped_early = self.collapsed.nearest(limit, &mut self.stats, look);
-            best.pair
-        } else {
-            self.closest_by_trees(a, b, max_distance)
-        };
-        self.stats += QueryStats::blending(before, [a.blended(), b.blended()]);
-        Ok(pair)
-    }
-
-    fn closest_by_trees<'p>(&mut self, a: &mut Posed<'p>, b: &mut Posed<'p>, max_distance: f64) -> Option<ClosestPair> {
-        let placements = Placements {
-            a: a.stand(),
-            b: b.stand(),
-        };
-        let scale = placements.a_from_b_scale();
+        let (scale, are_collapsed) = (placements.a_from_b_scale(), placements.are_collapsed());
         let (placed_a, placed_b) = (&placements.a.placed, &placements.b.placed);
         let mut frames = GapFrame::list(placed_a, placed_b);
         let are_far = are_far(&frames, &placements);
@@ -125,37 +95,45 @@ impl DistanceQuery {
             // An `f32` rotation is not quite orthogonal: lengths in the bodies' own spaces are off by more than the bodies' sizes.
             frames.push(GapFrame::world(placed_a, placed_b));
         }
-        let mut best = Best::within(max_distance, !are_far);
+        let mut best = Best::within(max_distance, !are_far && !are_collapsed);
         let limit = best.limit;
         let Self {
             stack,
             leaves_a,
             leaves_b,
+            collapsed,
             stats,
-            ..
         } = self;
-        leaves_a.begin();
-        leaves_b.begin();
-        let bound = |a: &Aabb, b: &Aabb| squared_gap(&frames, &Box64::of(a), &Box64::of(b));
-        let at_leaves = |a: &mut Posed<'p>, b: &mut Posed<'p>, of_a, of_b| {
-            let block_a = leaves_a.read(a, of_a);
-            let block_b = leaves_b.read(b, of_b);
-            for &(triangle_a, ref corners_a) in leaves_a.triangles(block_a) {
-                let extent_a = Extent::of_triangle(corners_a);
-                for &(triangle_b, ref corners_b) in leaves_b.triangles(block_b.clone()) {
-                    // The margin of the limit covers the rounding.
-                    let is_farther = extent_a.squared_distance(&Extent::of_triangle(corners_b)) > best.limit;
-                    if is_farther || best.is_tied_enough(corners_a, corners_b) {
-                        continue;
+        *stats = QueryStats::default();
+        if are_collapsed {
+            collapsed.place(a, b);
+            let look = |pair, corners_a: &Triangle, corners_b: &Triangle| best.look(pair, corners_a, corners_b);
+            let _stopped_early = collapsed.nearest(limit, stats, look);
+        } else {
+            leaves_a.begin();
+            leaves_b.begin();
+            let bound = |a: &Aabb, b: &Aabb| squared_gap(&frames, &Box64::of(a), &Box64::of(b));
+            let at_leaves = |a: &mut Posed<'_>, b: &mut Posed<'_>, of_a, of_b| {
+                let block_a = leaves_a.read(a, of_a);
+                let block_b = leaves_b.read(b, of_b);
+                for &(triangle_a, ref corners_a) in leaves_a.triangles(block_a) {
+                    let extent_a = Extent::of_triangle(corners_a);
+                    for &(triangle_b, ref corners_b) in leaves_b.triangles(block_b.clone()) {
+                        // The margin of the limit covers the rounding.
+                        let is_farther = extent_a.squared_distance(&Extent::of_triangle(corners_b)) > best.limit;
+                        if is_farther || best.is_tied_enough(corners_a, corners_b) {
+                            continue;
+                        }
+                        stats.triangle_tests += 1;
+                        best.look(TrianglePair { triangle_a, triangle_b }, corners_a, corners_b)?;
                     }
-                    stats.triangle_tests += 1;
-                    best.look(TrianglePair { triangle_a, triangle_b }, corners_a, corners_b)?;
                 }
-            }
-            ControlFlow::Continue(best.limit)
-        };
-        stats.node_tests = walk_nearest((a, b), scale, stack, limit, bound, at_leaves);
-        best.pair
+                ControlFlow::Continue(best.limit)
+            };
+            stats.node_tests = walk_nearest((&mut *a, &mut *b), scale, stack, limit, bound, at_leaves);
+        }
+        *stats += QueryStats::blending(before, [a.blended(), b.blended()]);
+        Ok(best.pair)
     }
 }
 

@@ -1,5 +1,25 @@
 //! The queries. Each is a walk over trees plus what happens at the leaves.
 
+/// The two methods that queries have in common.
+macro_rules! query_basics {
+    ($query:ty, |$self:ident| $stats:expr) => {
+        impl $query {
+            /// An empty query; allocates on first use.
+            #[must_use]
+            pub fn new() -> Self {
+                Self::default()
+            }
+
+            /// The work of the last call.
+            #[must_use]
+            pub fn stats(&self) -> crate::QueryStats {
+                let $self = self;
+                $stats
+            }
+        }
+    };
+}
+
 mod anchor;
 mod batch;
 mod body;

@@ -3,9 +3,9 @@ use std::ops::ControlFlow;
 use super::body::Body;
 use super::leaves::place_leaf;
 use super::stats::QueryStats;
-use crate::bounds::Box64;
+use crate::bounds::{Aabb, Box64};
 use crate::exact::Triangle;
-use crate::traverse::{OneWalk, Queue};
+use crate::traverse::{Queue, walk_one};
 use crate::tree::CornerLanes;
 
 /// The walk that all queries about one body share, and its scratch memory.
@@ -32,27 +32,25 @@ impl OneBody {
     ) -> ControlFlow<()> {
         let tree = &mut body.posed();
         let before = tree.blended();
-        let mut walk = OneWalk { tree, node_tests: 0 };
-        let mut triangle_tests = 0;
-        let flow = walk.run(
-            &mut self.queue,
-            limit,
-            |bounds| lower_bound(&Box64::of(bounds)),
-            |tree, leaf| {
-                self.placed.clear();
-                place_leaf(tree, leaf, &mut self.posed, &mut self.placed);
-                let mut limit = f64::INFINITY;
-                for (number, triangle) in &self.placed {
-                    triangle_tests += 1;
-                    limit = at_triangle(*number, triangle)?;
-                }
-                ControlFlow::Continue(limit)
-            },
-        );
+        let (mut node_tests, mut triangle_tests) = (0, 0);
+        let bound = |bounds: &Aabb| {
+            node_tests += 1;
+            lower_bound(&Box64::of(bounds))
+        };
+        let flow = walk_one(tree, &mut self.queue, limit, bound, |tree, leaf| {
+            self.placed.clear();
+            place_leaf(tree, leaf, &mut self.posed, &mut self.placed);
+            let mut limit = f64::INFINITY;
+            for (number, triangle) in &self.placed {
+                triangle_tests += 1;
+                limit = at_triangle(*number, triangle)?;
+            }
+            ControlFlow::Continue(limit)
+        });
         self.stats = QueryStats {
-            node_tests: walk.node_tests,
+            node_tests,
             triangle_tests,
-            ..QueryStats::blending([before], [walk.tree.blended()])
+            ..QueryStats::blending([before], [tree.blended()])
         };
         flow
     }

@@ -32,19 +32,9 @@ pub struct PairQuery {
     stats: QueryStats,
 }
 
+query_basics!(PairQuery, |query| query.stats);
+
 impl PairQuery {
-    /// An empty query; allocates on first use.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// The work of the last call.
-    #[must_use]
-    pub fn stats(&self) -> QueryStats {
-        self.stats
-    }
-
     /// Appends every pair of intersecting triangles, in the order of the walk.
     ///
     /// If bodies collapse to a point, all pairs of their triangles intersect; [`PairQuery::up_to`] limits the list.
@@ -109,17 +99,6 @@ impl PairQuery {
         (first, witness)
     }
 
-    /// Like [`PairQuery::visit`], but walks only the given node pairs.
-    pub(super) fn visit_from(
-        &mut self,
-        front: &[(NodeId, NodeId)],
-        a: Body<'_>,
-        b: Body<'_>,
-        mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>,
-    ) {
-        self.run(a, b, Start::Front(front), &mut visitor);
-    }
-
     /// Whether the bodies are too small for culling. Queries then do not walk their trees.
     pub(super) fn are_collapsed(&self, mut a: Body<'_>, mut b: Body<'_>) -> bool {
         let (posed_a, posed_b) = (&mut a.posed(), &mut b.posed());
@@ -138,7 +117,7 @@ impl PairQuery {
 
     /// Calls `visitor` for intersecting pairs until it breaks. Returns the leaves at which it did if it was given leaves one by one: if it
     /// started deepest first, or at two leaves.
-    fn run(
+    pub(super) fn run(
         &mut self,
         mut a: Body<'_>,
         mut b: Body<'_>,
@@ -196,7 +175,7 @@ impl PairQuery {
 }
 
 /// Where a query starts.
-enum Start<'a> {
+pub(super) enum Start<'a> {
     /// The roots, descending first where nodes overlap deepest.
     Deepest,
     /// Node pairs of an earlier walk; the roots if there are none.

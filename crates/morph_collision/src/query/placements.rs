@@ -17,7 +17,7 @@ impl Placements<'_> {
     #[inline]
     pub(super) fn begin_walk(&self, walk: &mut OverlapWalk) -> bool {
         let mut roots_overlap = true;
-        walk.begin([self.a.root, self.b.root], self.a_from_b_scale());
+        walk.begin([self.a, self.b], self.a_from_b_scale());
         visit_frames(&self.a.placed, &self.b.placed, |frames| {
             // A frame that separates the bodies is enough.
             roots_overlap = walk.push_frame(frames, &self.a.bounds, &self.b.bounds);

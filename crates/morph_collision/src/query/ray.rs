@@ -6,7 +6,6 @@ use glam::DVec3;
 use super::body::Body;
 use super::input::Ray;
 use super::one::OneBody;
-use super::stats::QueryStats;
 use crate::bounds::RayCull;
 use crate::exact::{Crossing, Triangle, VALUE_ERROR, closest_on_triangle, ray_meets_triangle};
 
@@ -65,19 +64,9 @@ pub struct RayQuery {
     one: OneBody,
 }
 
+query_basics!(RayQuery, |query| query.one.stats);
+
 impl RayQuery {
-    /// An empty query; allocates on first use.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// The work of the last call.
-    #[must_use]
-    pub fn stats(&self) -> QueryStats {
-        self.one.stats
-    }
-
     /// The hit with the smallest `t`; among equals, the one with the lowest triangle index.
     pub fn closest(&mut self, body: Body<'_>, ray: &Ray) -> Option<RayHit> {
         self.closest_where(body, ray, |_| true)

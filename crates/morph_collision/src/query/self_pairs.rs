@@ -35,19 +35,9 @@ pub struct SelfQuery {
     stats: QueryStats,
 }
 
+query_basics!(SelfQuery, |query| query.stats);
+
 impl SelfQuery {
-    /// An empty query; allocates on first use.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// The work of the last call.
-    #[must_use]
-    pub fn stats(&self) -> QueryStats {
-        self.stats
-    }
-
     /// Appends every pair of intersecting triangles, the smaller index first, in the order of the walk.
     pub fn all(&mut self, pose: &mut Pose, pairs: &mut Vec<TrianglePair>) {
         self.up_to(pose, usize::MAX, pairs);

@@ -1,4 +1,3 @@
-use std::iter::Sum;
 use std::ops::{Add, AddAssign, Sub};
 
 use crate::pose::Blended;
@@ -23,12 +22,12 @@ pub struct QueryStats {
 impl QueryStats {
     /// The bounds and vertices blended between two readings of each body's counters.
     pub(super) fn blending<const N: usize>(before: [Blended; N], after: [Blended; N]) -> Self {
-        let differences = before.into_iter().zip(after).map(|(before, after)| Self {
-            nodes_blended: after.volumes - before.volumes,
-            vertices_blended: after.vertices - before.vertices,
-            ..Self::default()
-        });
-        differences.sum()
+        let readings = before.into_iter().zip(after);
+        readings.fold(Self::default(), |sum, (before, after)| Self {
+            nodes_blended: sum.nodes_blended + after.volumes - before.volumes,
+            vertices_blended: sum.vertices_blended + after.vertices - before.vertices,
+            ..sum
+        })
     }
 
     fn zip(self, other: Self, combine: impl Fn(u64, u64) -> u64) -> Self {
@@ -62,11 +61,5 @@ impl Sub for QueryStats {
 
     fn sub(self, earlier: Self) -> Self {
         self.zip(earlier, |x, y| x - y)
-    }
-}
-
-impl Sum for QueryStats {
-    fn sum<I: Iterator<Item = Self>>(stats: I) -> Self {
-        stats.fold(Self::default(), Self::add)
     }
 }

@@ -9,7 +9,7 @@ mod views;
 mod within;
 
 pub(crate) use nearest::{NearestStack, walk_nearest};
-pub(crate) use one::{OneWalk, Queue};
+pub(crate) use one::{Queue, walk_one};
 pub(crate) use overlap::{Order, OverlapWalk};
 pub use sweep::overlapping_pairs;
 pub(crate) use within::{SelfStack, walk_within};

@@ -39,54 +39,38 @@ impl PartialEq for Entry {
 
 impl Eq for Entry {}
 
-/// A best-first walk over a posed tree. Blends no bounds below nodes that cannot hold an answer.
-pub(crate) struct OneWalk<'a, 'p> {
-    pub(crate) tree: &'a mut Posed<'p>,
-    /// Nodes tested so far.
-    pub(crate) node_tests: u64,
-}
-
-impl<'p> OneWalk<'_, 'p> {
-    /// Calls `at_leaf` for leaves in ascending order of their bounds until the bounds exceed the limit or it breaks.
-    ///
-    /// `bound` maps a node's model-space box to a lower bound for its triangles (of their distance, say), `None` to skip the node.
-    /// `at_leaf` returns the new limit.
-    pub(crate) fn run(
-        &mut self,
-        queue: &mut Queue,
-        mut limit: f64,
-        mut bound: impl FnMut(&Aabb) -> Option<f64>,
-        mut at_leaf: impl FnMut(&mut Posed<'p>, Leaf) -> ControlFlow<(), f64>,
-    ) -> ControlFlow<()> {
-        queue.clear();
-        let root = self.tree.root();
-        self.enqueue(queue, root, limit, &mut bound);
-        while let Some(Entry { bound: lowest, node }) = queue.pop() {
-            if lowest > limit {
-                break;
-            }
-            match node.child.kind() {
-                ChildKind::Leaf(leaf) => limit = at_leaf(self.tree, leaf)?,
-                ChildKind::Group(group) => {
-                    let slot = self.tree.open(group);
-                    for lane in 0..self.tree.topology.group(group).children().len() {
-                        let child = self.tree.node(slot, group, lane);
-                        self.enqueue(queue, child, limit, &mut bound);
-                    }
+/// Walks a posed tree best first: calls `at_leaf` for leaves in ascending order of their bounds until the bounds exceed the limit or
+/// it breaks, which it passes on. Blends no bounds below nodes that cannot hold an answer.
+///
+/// `bound` maps a node's model-space box to a lower bound for its triangles (of their distance, say), `None` to skip the node; it is
+/// called once for each node tested. `at_leaf` returns the new limit.
+pub(crate) fn walk_one<'p>(
+    tree: &mut Posed<'p>,
+    queue: &mut Queue,
+    mut limit: f64,
+    mut bound: impl FnMut(&Aabb) -> Option<f64>,
+    mut at_leaf: impl FnMut(&mut Posed<'p>, Leaf) -> ControlFlow<(), f64>,
+) -> ControlFlow<()> {
+    let mut enqueue = |queue: &mut Queue, tree: &Posed<'p>, node, limit| {
+        let bound = bound(&tree.node_box(node)).filter(|&bound| bound <= limit);
+        queue.extend(bound.map(|bound| Entry { bound, node }));
+    };
+    queue.clear();
+    let root = tree.root();
+    enqueue(queue, tree, root, limit);
+    while let Some(Entry { bound: lowest, node }) = queue.pop() {
+        if lowest > limit {
+            break;
+        }
+        match node.child.kind() {
+            ChildKind::Leaf(leaf) => limit = at_leaf(tree, leaf)?,
+            ChildKind::Group(group) => {
+                let slot = tree.open(group);
+                for lane in 0..tree.topology.group(group).children().len() {
+                    enqueue(queue, tree, tree.node(slot, group, lane), limit);
                 }
             }
         }
-        ControlFlow::Continue(())
     }
-
-    #[inline]
-    fn enqueue(&mut self, queue: &mut Queue, node: NodeRef, limit: f64, bound: &mut impl FnMut(&Aabb) -> Option<f64>) {
-        self.node_tests += 1;
-        let bounds = self.tree.node_box(node);
-        if let Some(bound) = bound(&bounds)
-            && bound <= limit
-        {
-            queue.push(Entry { bound, node });
-        }
-    }
+    ControlFlow::Continue(())
 }

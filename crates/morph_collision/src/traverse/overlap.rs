@@ -6,8 +6,8 @@ use fearless_simd::Simd;
 
 use super::views::{Node, Views};
 use crate::bounds::{Aabb, Frame, LANES, lanes_of, with_simd};
-use crate::pose::{NodeId, Posed};
-use crate::tree::{Child, ChildKind, Leaf};
+use crate::pose::{NodeId, Posed, Standing};
+use crate::tree::{ChildKind, Leaf};
 
 /// Nodes whose sizes differ by less than this factor are opened together. Chosen by instructions on the bench scenes (docs/tried.md).
 const MAX_SIZE_RATIO: f32 = 3.0;
@@ -47,10 +47,10 @@ pub(crate) struct OverlapWalk {
 
 impl OverlapWalk {
     /// Starts a query, without frames. `a_from_b_scale` is the length in A's units of a length of 1 in B's, to compare sizes.
-    pub(crate) fn begin(&mut self, [root_a, root_b]: [Child; 2], a_from_b_scale: f32) {
+    pub(crate) fn begin(&mut self, [a, b]: [&Standing; 2], a_from_b_scale: f32) {
         self.node_tests = 0;
-        self.a.begin(root_a, 1.0);
-        self.b.begin(root_b, a_from_b_scale);
+        self.a.begin(a.root, 1.0, a.is_skinned);
+        self.b.begin(b.root, a_from_b_scale, b.is_skinned);
     }
 
     /// Adds a frame, in place of the last one if there are enough already; returns whether the bodies' bounds overlap in it.
@@ -116,7 +116,12 @@ impl OverlapWalk {
         for (id_a, id_b) in if front.is_empty() { &roots } else { front } {
             let pair = (self.a.node(a, *id_a), self.b.node(b, *id_b));
             self.node_tests += 1;
-            if !front.is_empty() && !self.overlap(simd, pair) {
+            let overlap = || {
+                self.a
+                    .siblings(pair.0)
+                    .overlaps(simd, self.b.siblings(pair.1), pair.1.lane())
+            };
+            if !front.is_empty() && overlap() >> pair.0.lane() & 1 == 0 {
                 continue;
             }
             self.stack.push(pair);
@@ -143,40 +148,45 @@ impl OverlapWalk {
         (node_a, node_b): (Node, Node),
         order: Order,
     ) {
+        // Whether a node is so much larger than the other one that it is opened alone.
+        let dominates = |own: f32, other: f32| own >= MAX_SIZE_RATIO * other;
+        let first = self.stack.len();
+        self.by_depth.keys.clear();
         match (node_a.child.kind(), node_b.child.kind()) {
-            (ChildKind::Leaf(_), ChildKind::Leaf(_)) => {}
-            (ChildKind::Group(group), ChildKind::Leaf(_)) => {
+            (ChildKind::Group(group), _)
+                if node_b.child.is_leaf() || dominates(self.a.size(node_a), self.b.size(node_b)) =>
+            {
                 let slot = self.a.open(a, group);
-                self.descend_a(simd, slot, node_b, order);
+                let rows = self.rows(simd, slot, node_b);
+                if order == Order::DeepestFirst && rows.count_ones() > 1 {
+                    let depths = self.a.opened(slot).depths(simd, self.b.siblings(node_b), node_b.lane());
+                    self.by_depth.add(rows, &depths);
+                }
+                for lane in lanes_of(rows) {
+                    self.push((self.a.child(slot, lane), node_b), order);
+                }
             }
-            (ChildKind::Leaf(_), ChildKind::Group(group)) => {
-                let slot = self.b.open(b, group);
-                self.descend_b(simd, node_a, slot, order);
-            }
-            (ChildKind::Group(group_a), ChildKind::Group(group_b)) => {
-                let (size_a, size_b) = (self.a.size(node_a), self.b.size(node_b));
-                if size_a >= MAX_SIZE_RATIO * size_b {
-                    let slot = self.a.open(a, group_a);
-                    self.descend_a(simd, slot, node_b, order);
-                } else if size_b >= MAX_SIZE_RATIO * size_a {
-                    let slot = self.b.open(b, group_b);
-                    self.descend_b(simd, node_a, slot, order);
-                } else {
-                    let slot = self.a.open(a, group_a);
-                    let rows = self.rows(simd, slot, node_b);
-                    if rows != 0 {
-                        let slots = (slot, self.b.open(b, group_b));
-                        self.descend_both(simd, slots, rows, order);
+            (kind, ChildKind::Group(group_b)) => {
+                // Opening both takes as many tests as opening one after the other, but one step of the walk.
+                let (slot_a, rows) = match kind {
+                    ChildKind::Group(group_a) if !dominates(self.b.size(node_b), self.a.size(node_a)) => {
+                        let slot = self.a.open(a, group_a);
+                        (slot, self.rows(simd, slot, node_b))
+                    }
+                    _ => (node_a.slot(), 1 << node_a.lane()),
+                };
+                if rows != 0 {
+                    let slot_b = self.b.open(b, group_b);
+                    for row in lanes_of(rows) {
+                        self.descend_row(simd, (slot_a, row), slot_b, order);
                     }
                 }
             }
+            (_, ChildKind::Leaf(_)) => {}
         }
-    }
-
-    #[inline(always)]
-    fn overlap<S: Simd>(&self, simd: S, (a, b): (Node, Node)) -> bool {
-        let mask = self.a.siblings(a).overlaps(simd, self.b.siblings(b), b.lane());
-        mask >> a.lane() & 1 == 1
+        if order == Order::DeepestFirst && self.stack.len() > first + 1 {
+            self.by_depth.sort(&mut self.stack[first..]);
+        }
     }
 
     /// The children in a slot of A that overlap a node of B.
@@ -187,62 +197,21 @@ impl OverlapWalk {
         opened.overlaps(simd, self.b.siblings(node_b), node_b.lane())
     }
 
-    /// Pushes the children of a group of A that overlap a node of B.
+    /// Pushes the children in a slot of B that overlap a child in a slot of A.
     #[inline(always)]
-    fn descend_a<S: Simd>(&mut self, simd: S, slot: usize, node_b: Node, order: Order) {
-        let mask = self.rows(simd, slot, node_b);
-        let first = self.stack.len();
+    fn descend_row<S: Simd>(&mut self, simd: S, (slot_a, row): (usize, usize), slot_b: usize, order: Order) {
+        let (opened_a, opened_b) = (self.a.opened(slot_a), self.b.opened(slot_b));
+        self.node_tests += u64::from(opened_b.len);
+        let mask = opened_b.overlaps(simd, opened_a, row);
+        if mask == 0 {
+            return;
+        }
+        if order == Order::DeepestFirst {
+            self.by_depth.add(mask, &opened_b.depths(simd, opened_a, row));
+        }
+        let node_a = self.a.child(slot_a, row);
         for lane in lanes_of(mask) {
-            self.push((self.a.child(slot, lane), node_b), order);
-        }
-        if order == Order::DeepestFirst && self.stack.len() > first + 1 {
-            let opened = self.a.opened(slot);
-            let depths = opened.depths(simd, self.b.siblings(node_b), node_b.lane());
-            self.by_depth.sort(&mut self.stack[first..], |(a, _)| depths[a.lane()]);
-        }
-    }
-
-    /// Pushes the children of a group of B that overlap a node of A.
-    #[inline(always)]
-    fn descend_b<S: Simd>(&mut self, simd: S, node_a: Node, slot: usize, order: Order) {
-        let opened = self.b.opened(slot);
-        self.node_tests += u64::from(opened.len);
-        let mask = opened.overlaps(simd, self.a.siblings(node_a), node_a.lane());
-        let first = self.stack.len();
-        for lane in lanes_of(mask) {
-            self.push((node_a, self.b.child(slot, lane)), order);
-        }
-        if order == Order::DeepestFirst && self.stack.len() > first + 1 {
-            let opened = self.b.opened(slot);
-            let depths = opened.depths(simd, self.a.siblings(node_a), node_a.lane());
-            self.by_depth.sort(&mut self.stack[first..], |(_, b)| depths[b.lane()]);
-        }
-    }
-
-    /// Pushes the overlapping pairs of children of two groups, given the children of A's that overlap B's node. As many tests as
-    /// opening one after the other, but one step of the walk.
-    #[inline(always)]
-    fn descend_both<S: Simd>(&mut self, simd: S, (slot_a, slot_b): (usize, usize), rows: u8, order: Order) {
-        let first = self.stack.len();
-        let mut depths = [[0.0; LANES]; LANES];
-        for row in lanes_of(rows) {
-            let (opened_a, opened_b) = (self.a.opened(slot_a), self.b.opened(slot_b));
-            self.node_tests += u64::from(opened_b.len);
-            let mask = opened_b.overlaps(simd, opened_a, row);
-            if mask == 0 {
-                continue;
-            }
-            if order == Order::DeepestFirst {
-                depths[row % LANES] = opened_b.depths(simd, opened_a, row);
-            }
-            let node_a = self.a.child(slot_a, row);
-            for lane in lanes_of(mask) {
-                self.push((node_a, self.b.child(slot_b, lane)), order);
-            }
-        }
-        if order == Order::DeepestFirst && self.stack.len() > first + 1 {
-            self.by_depth
-                .sort(&mut self.stack[first..], |(a, b)| depths[a.lane()][b.lane()]);
+            self.push((node_a, self.b.child(slot_b, lane)), order);
         }
     }
 
@@ -266,19 +235,24 @@ struct DepthSort {
 }
 
 impl DepthSort {
+    /// Takes the depths of the next pairs, those in the lanes of a mask.
+    fn add(&mut self, mask: u8, depths: &[f32; LANES]) {
+        for lane in lanes_of(mask) {
+            // Numbers that are not negative are in the order of their bits; adding 0 makes a negative zero positive. Below them, the
+            // place of a pair.
+            let bits = (depths[lane % LANES].max(0.0) + 0.0).to_bits();
+            self.keys.push(u64::from(bits) << 32 | self.keys.len() as u64);
+        }
+    }
+
     #[inline(never)]
-    fn sort(&mut self, pairs: &mut [(Node, Node)], depth: impl Fn(&(Node, Node)) -> f32) {
+    fn sort(&mut self, pairs: &mut [(Node, Node)]) {
         if let [first, second] = pairs {
-            if depth(first) > depth(second) {
+            if self.keys[0] > self.keys[1] {
                 std::mem::swap(first, second);
             }
             return;
         }
-        self.keys.clear();
-        // Numbers that are not negative are in the order of their bits; adding 0 makes a negative zero positive. Below them, the place
-        // of a pair.
-        let key = |(place, pair)| u64::from((depth(pair).max(0.0) + 0.0).to_bits()) << 32 | place as u64;
-        self.keys.extend(pairs.iter().enumerate().map(key));
         self.keys.sort_unstable();
         self.pairs.clear();
         self.pairs.extend_from_slice(pairs);

@@ -56,6 +56,47 @@ impl View {
     }
 }
 
+/// How frames see the boxes of a skinned body that are in the spaces of its joints.
+#[derive(Debug, Default)]
+struct BoneViews {
+    is_skinned: bool,
+    /// The map from the body's space to each frame, unless it is the same.
+    frames: [Option<Frame>; FRAMES],
+    /// By the number of the joint's space.
+    views: EpochCache<[View; FRAMES]>,
+}
+
+impl BoneViews {
+    fn begin(&mut self, is_skinned: bool) {
+        self.is_skinned = is_skinned;
+        if is_skinned {
+            self.views.next_epoch();
+        }
+    }
+
+    #[inline]
+    fn push_frame(&mut self, place: usize, frame: Option<&Frame>) {
+        if self.is_skinned {
+            self.frames[place] = frame.copied();
+        }
+    }
+
+    fn views(&mut self, tree: &mut Posed<'_>, bone: usize) -> &[View; FRAMES] {
+        let slot = self.views.find(bone).unwrap_or_else(|| {
+            let to_body = tree.body_from_bone(bone);
+            let slot = self.views.claim(bone);
+            for (view, frame) in self.views.get_mut(slot).iter_mut().zip(&self.frames) {
+                match &to_body {
+                    Some(to_body) => view.set(Some(&frame.as_ref().map_or(*to_body, |frame| frame.after(to_body)))),
+                    None => view.kind = Kind::Unbounded,
+                }
+            }
+            slot
+        });
+        self.views.get(slot)
+    }
+}
+
 /// The children of a node in every frame.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Opened {
@@ -112,7 +153,7 @@ pub(super) struct Node {
 
 impl Node {
     #[inline(always)]
-    fn slot(self) -> usize {
+    pub(super) fn slot(self) -> usize {
         self.at as usize / LANES
     }
 
@@ -126,6 +167,7 @@ impl Node {
 #[derive(Debug, Default)]
 pub(super) struct Views {
     views: [View; FRAMES],
+    bones: BoneViews,
     /// How many frames were added.
     used: usize,
     /// The length of a length of 1 in the first body's units.
@@ -136,8 +178,9 @@ pub(super) struct Views {
 
 impl Views {
     /// Starts a query, without frames, and knows only the root.
-    pub(super) fn begin(&mut self, root: Child, scale: f32) {
+    pub(super) fn begin(&mut self, root: Child, scale: f32, is_skinned: bool) {
         self.used = 0;
+        self.bones.begin(is_skinned);
         self.scale = scale;
         self.opened.next_epoch();
         let slot = self.opened.claim(NodeId::ROOT.group as usize);
@@ -154,6 +197,7 @@ impl Views {
         let place = self.used.min(FRAMES - 1);
         self.used += 1;
         self.views[place].set(frame);
+        self.bones.push_frame(place, frame);
         let seen = self.views[place].one(bounds);
         let root = self.opened.get_mut(0);
         root.frames[place].set(0, &seen);
@@ -172,16 +216,23 @@ impl Views {
 
     #[inline(never)]
     fn make(&mut self, tree: &mut Posed<'_>, group: usize) -> usize {
-        let blended = tree.open(group);
-        let children = tree.topology.group(group);
         let slot = self.opened.claim(group);
         let opened = self.opened.get_mut(slot);
+        let children = tree.topology.group(group);
         opened.children = *children.lanes();
         opened.group = group as u32;
         opened.mask = children.mask();
         opened.len = children.children().len() as u8;
-        let views = &self.views[..self.used.min(FRAMES)];
-        with_simd!(tree.level, simd => opened.fill(simd, tree.boxes(blended), views, self.scale));
+        let used = self.used.min(FRAMES);
+        if let Some(bone) = tree.open_in_bone(group) {
+            let views = &self.bones.views(tree, bone.frame)[..used];
+            if let Some(boxes) = tree.bone_boxes(bone) {
+                with_simd!(tree.level, simd => opened.fill(simd, boxes, views, self.scale));
+            }
+        } else {
+            let blended = tree.open(group);
+            with_simd!(tree.level, simd => opened.fill(simd, tree.boxes(blended), &self.views[..used], self.scale));
+        }
         slot
     }
 

@@ -8,6 +8,7 @@ use super::plan::{Large, PairTask, Plan, Unit, Wanted};
 use super::schedule::Schedule;
 use crate::pose::Pose;
 use crate::query::capped::Capped;
+use crate::query::pairs::Start;
 use crate::query::{Body, PairQuery, QueryStats, TrianglePair};
 
 /// The most pairs a worker takes from the schedule at once. Not measured; taking units costs a lock.
@@ -124,10 +125,9 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
         let (a, b) = (Pose::copied(copy_a, pose_a), Pose::copied(copy_b, pose_b));
         let before = worker.found.len();
         let mut listed = Capped::new(&mut worker.found, large.limit);
-        let bodies = (Body::new(a, world_from_a), Body::new(b, world_from_b));
-        worker
-            .query
-            .visit_from(large.front(part), bodies.0, bodies.1, |pair| listed.push(pair));
+        let (a, b) = (Body::new(a, world_from_a), Body::new(b, world_from_b));
+        let start = Start::Front(large.front(part));
+        worker.query.run(a, b, start, &mut |pair| listed.push(pair));
         let is_truncated = listed.is_truncated;
         worker.stats += worker.query.stats();
         let found = worker.found.len() - before + usize::from(is_truncated);

@@ -6,7 +6,7 @@ use super::manifold::{ContactPoint, Manifold};
 use super::parting::parting_distance;
 use crate::exact::{Triangle, TriangleContact, triangle_contact};
 use crate::pose::Posed;
-use crate::query::{Body, PairQuery, QueryStats, TrianglePair};
+use crate::query::{Body, PairQuery, TrianglePair};
 
 /// Finds where and how two bodies touch. Keep the query: it reuses its memory.
 ///
@@ -53,19 +53,9 @@ struct Touching {
     contact: TriangleContact,
 }
 
+query_basics!(ContactQuery, |query| query.pairs.stats());
+
 impl ContactQuery {
-    /// An empty query; allocates on first use.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// The work of the last call.
-    #[must_use]
-    pub fn stats(&self) -> QueryStats {
-        self.pairs.stats()
-    }
-
     /// The summary of all contacts; `None` if no triangles intersect.
     ///
     /// Cost: a pair query, plus time proportional to the number of intersecting pairs.

@@ -6,9 +6,9 @@ use super::bound::NodeBound;
 use super::placed::PlacedShape;
 use crate::exact::Triangle;
 use crate::input_error::{InputError, check_number};
+use crate::query::Body;
 use crate::query::capped::Capped;
 use crate::query::one::OneBody;
-use crate::query::{Body, QueryStats};
 
 /// The contact of a triangle with a shape: the closest points if they are apart, the deepest ones if they intersect.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,19 +58,9 @@ pub struct ShapeQuery {
     pub(super) one: OneBody,
 }
 
+query_basics!(ShapeQuery, |query| query.one.stats);
+
 impl ShapeQuery {
-    /// An empty query; allocates on first use.
-    #[must_use]
-    pub fn new() -> Self {
-        Self::default()
-    }
-
-    /// The work of the last call.
-    #[must_use]
-    pub fn stats(&self) -> QueryStats {
-        self.one.stats
-    }
-
     /// Whether any triangle intersects the shape.
     pub fn any(&mut self, body: Body<'_>, shape: &PlacedShape) -> bool {
         self.up_to(body, shape, 0, &mut Vec::new())

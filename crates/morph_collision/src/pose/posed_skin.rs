@@ -1,0 +1,130 @@
+//! A pose of a skinned mesh as traversals see it: boxes that are kept in the spaces of joints, and vertices that joints place.
+
+use glam::DVec3;
+
+use super::posed::{NodeId, Posed};
+use super::skinning::SkinTree;
+use crate::bounds::{Aabb, BoxLanes, Extent, Frame, WorldFromModel};
+use crate::tree::{BODY_FRAME, Leaf};
+
+/// Boxes that are kept in the space of a joint.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BoneBoxes {
+    /// The number of that space.
+    pub(crate) frame: usize,
+    slot: usize,
+}
+
+impl<'a> Posed<'a> {
+    /// Whether joints place the vertices.
+    #[inline(always)]
+    pub(crate) fn is_skinned(&self) -> bool {
+        self.skin.is_some()
+    }
+
+    /// Blends a group's boxes and takes them to the body's space. Returns their slot there.
+    pub(super) fn open_skinned(&mut self, group: usize) -> usize {
+        let bounds = if group > self.top_group() {
+            self.bounds()
+        } else {
+            Aabb::UNBOUNDED
+        };
+        let own = self.open_in_frame(group);
+        let slot = self.boxes.insert(group, BoxLanes::default());
+        if let (Some(own), Some(tree), Some((_, skinning))) = (own, self.skin_tree(), &mut self.skin) {
+            skinning.in_body(tree, own.frame, own.slot, &bounds, self.boxes.get_mut(slot));
+        }
+        slot
+    }
+
+    /// Blends a group's boxes in the space of a joint, if that is where they are kept.
+    #[inline(always)]
+    pub(crate) fn open_in_bone(&mut self, group: usize) -> Option<BoneBoxes> {
+        if self.skin.is_none() || self.is_refitted {
+            return None;
+        }
+        self.open_in_frame(group).filter(|boxes| boxes.frame != BODY_FRAME)
+    }
+
+    #[inline(never)]
+    fn open_in_frame(&mut self, group: usize) -> Option<BoneBoxes> {
+        let tree = self.skin_tree()?;
+        let (tables, skinning) = self.skin.as_mut()?;
+        let (slot, was_blended) = skinning.open(tree, group);
+        if was_blended {
+            self.blended.volumes += self.topology.group(group).children().len() as u64;
+        }
+        let frame = skinning.frame_of(tables, group);
+        Some(BoneBoxes { frame, slot })
+    }
+
+    pub(crate) fn bone_boxes(&self, boxes: BoneBoxes) -> Option<&BoxLanes> {
+        let (_, skinning) = self.skin.as_ref()?;
+        Some(skinning.boxes(boxes.slot))
+    }
+
+    /// The map from the space of a joint to the body's; `None` where there is none.
+    pub(crate) fn body_from_bone(&mut self, frame: usize) -> Option<Frame> {
+        let bounds = self.bounds();
+        let (_, skinning) = self.skin.as_mut()?;
+        skinning.body_from_frame(frame, &bounds)
+    }
+
+    fn skin_tree(&self) -> Option<SkinTree<'a>> {
+        let (skin, _) = self.skin.as_ref()?;
+        Some(SkinTree {
+            model: self.model,
+            tables: self.tables,
+            skin,
+            weights: self.weights,
+            level: self.level,
+        })
+    }
+
+    /// A node's box where it is kept, and where that stands in the world. The node's group must be open.
+    pub(super) fn box_in_frame(&mut self, node: NodeId) -> Option<(Aabb, WorldFromModel)> {
+        let (group, lane) = (node.group as usize, usize::from(node.lane));
+        let slot = self.boxes.find(group)?;
+        if self.is_refitted {
+            return Some((self.boxes.get(slot).get(lane), *self.place));
+        }
+        let BoneBoxes { frame, slot } = self.open_in_frame(group)?;
+        let (_, skinning) = self.skin.as_ref()?;
+        Some((skinning.boxes(slot).get(lane), skinning.place_of(frame)))
+    }
+
+    /// The position of a vertex in world space.
+    pub(super) fn skinned_vertex(&mut self, vertex: u32) -> DVec3 {
+        let found = self.skin.as_ref().and_then(|(_, skinning)| {
+            let slot = skinning.placed.find(vertex as usize)?;
+            Some(*skinning.placed.get(slot))
+        });
+        found.unwrap_or_else(|| self.place_vertex(vertex))
+    }
+
+    #[inline(never)]
+    fn place_vertex(&mut self, vertex: u32) -> DVec3 {
+        let position = self.vertex(vertex);
+        let (Some(skin), Some((_, skinning))) = (self.model.skin(), &mut self.skin) else {
+            return self.place.transform_point(position);
+        };
+        let placed = skin.place(vertex, position, &skinning.joints);
+        skinning.placed.insert(vertex as usize, placed);
+        placed
+    }
+
+    /// A tight box around a leaf's vertices in the body's space.
+    pub(super) fn skinned_leaf_box(&mut self, leaf: Leaf) -> Aabb {
+        let mut extent = Extent::EMPTY;
+        for &vertex in self.topology.leaf_vertices(leaf) {
+            let world = self.skinned_vertex(vertex);
+            let (point, error) = self.place.model_point(world);
+            let of_point = Extent {
+                min: point - error,
+                max: point + error,
+            };
+            extent = extent.union(of_point);
+        }
+        extent.outward()
+    }
+}

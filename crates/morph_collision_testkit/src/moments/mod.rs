@@ -1,16 +1,19 @@
 //! Bodies in one moment, to judge answers on, and the truth about them.
 
+mod skinned;
+
 use std::path::{Path, PathBuf};
 
-use glam::{Affine3A, Mat3, Quat, Vec3, Vec3A};
+use glam::{Affine3A, Mat3, Quat, Vec3};
 use morph_collision::{Aabb, QueryStats};
 
 use crate::gltf_read::{ReadError, read_meshes};
 use crate::mesh::MorphMesh;
-use crate::models::rigs::{self, PoseKind};
 use crate::models::{degenerate, dolphin, pass_through_body, random};
 use crate::rivals::{MethodKind, MethodOptions, PoseError, SetUpError, Wanted};
 use crate::{oracle, scenes};
+
+pub use self::skinned::skinned;
 
 /// A body: the index of its mesh, its weights and its place.
 pub type MomentBody = (usize, Vec<f32>, Affine3A);
@@ -49,20 +52,6 @@ impl Moment {
             meshes: vec![mesh.clone()],
             bodies: bodies.into_iter().map(|(weights, place)| (0, weights, place)).collect(),
             joints: Vec::new(),
-        }
-    }
-
-    /// Two bodies of a skinned mesh, with weights and joints.
-    fn skinned_pair(name: String, mesh: &MorphMesh, bodies: [(Vec<f32>, Vec<Affine3A>); 2]) -> Self {
-        let (weights, joints): (Vec<_>, Vec<_>) = bodies.into_iter().unzip();
-        Self {
-            name,
-            meshes: vec![mesh.clone()],
-            bodies: weights
-                .into_iter()
-                .map(|weights| (0, weights, Affine3A::IDENTITY))
-                .collect(),
-            joints,
         }
     }
 
@@ -110,6 +99,9 @@ impl Moment {
         let of_bodies: Vec<usize> = self.bodies.iter().map(|(mesh, ..)| *mesh).collect();
         let mut method = method.set_up(&self.meshes, &of_bodies, options)?;
         for (body, (_, weights, place)) in self.bodies.iter().enumerate() {
+            if let Some(joints) = self.joints_of(body) {
+                method.set_joints(body, joints)?;
+            }
             method.set_body(body, weights, place)?;
         }
         let (mut all, mut pairs) = (Vec::new(), Vec::new());
@@ -232,48 +224,6 @@ pub fn generated() -> Vec<Moment> {
         (2, vec![0.0; 3], Affine3A::IDENTITY),
     ];
     all.push(mixed);
-    all
-}
-
-/// Generated skinned models with joints of every kind, one body beside the other so that they overlap.
-pub fn skinned() -> Vec<Moment> {
-    let meshes = [
-        rigs::tube(31, 6, 4, 3),
-        rigs::branching(32, 7, 8, 3),
-        rigs::nearly_normalised(&rigs::rigid_pieces(33, 6, 3), 37),
-        rigs::random_soup(34, 100, 40, 3, 2),
-        rigs::unnormalised(&rigs::tube(35, 3, 3, 3), 36),
-    ];
-    let mut all = Vec::new();
-    for mesh in &meshes {
-        let Some(skin) = &mesh.skin else { continue };
-        for kind in PoseKind::ALL {
-            // Every triangle of two points meets every other.
-            let other = if kind == PoseKind::OnePoint {
-                PoseKind::Turned
-            } else {
-                kind
-            };
-            let joints = [kind.draw(&skin.skeleton, 1), other.draw(&skin.skeleton, 2)];
-            // What is far away starts in different places.
-            let origin = |joints: &[Affine3A]| joints.first().map_or(Vec3::ZERO, |joint| joint.translation.into());
-            let shift = origin(&joints[0]) - origin(&joints[1]) + Vec3::new(0.1, 0.05, -0.1);
-            let [first, mut second] = joints;
-            if shift.length() > 100.0 {
-                second
-                    .iter_mut()
-                    .for_each(|joint| joint.translation += Vec3A::from(shift));
-            }
-            let weights = [vec![0.5, -0.25, 1.5], vec![4.0, 4.0, -2.0]];
-            let [of_first, of_second] = weights;
-            let name = format!("{}, {kind:?}", mesh.name);
-            all.push(Moment::skinned_pair(
-                name,
-                mesh,
-                [(of_first, first), (of_second, second)],
-            ));
-        }
-    }
     all
 }
 

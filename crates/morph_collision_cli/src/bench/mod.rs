@@ -57,8 +57,8 @@ pub(crate) struct BenchArgs {
     every: u16,
     /// Only this scene; may be given again.
     ///
-    /// One of: pass-through-20480, dolphins-564, dolphins-9024, dolphins-36096, heads-cheek, heads-crowd, horse-gallop, samba, or a model's
-    /// file name without extension. The last four need models that are read from the library's repository and the folder of models
+    /// One of: pass-through-20480, dolphins-564, dolphins-9024, dolphins-36096, heads-cheek, heads-crowd, horse-gallop, samba,
+    /// walkers-hands, walkers-deep, walkers-crowd, or a model's file name without extension. All from heads-cheek on need models that are read from the library's repository and the folder of models
     /// beside it; where these are missing such a scene is skipped, or refused if asked for.
     #[arg(long = "scene", value_name = "NAME")]
     scenes: Vec<String>,
@@ -134,9 +134,14 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<Verdict, CliError> {
         split_rounds: SPLIT_ROUNDS.min(rounds),
     };
     let passes: usize = modes.iter().map(|&mode| plan(mode).passes()).sum();
-    let bar = args
-        .progress
-        .start("pass", (scenes.len() * entrants.len() * passes) as u64);
+    let of_scene = |scene: &BenchScene| {
+        entrants
+            .iter()
+            .filter(|entrant| entrant.supports(&scene.experiment))
+            .count()
+    };
+    let contenders: usize = scenes.iter().map(of_scene).sum();
+    let bar = args.progress.start("pass", (contenders * passes) as u64);
     let mut measured = Vec::new();
     let mut wrong: Option<Disagreement> = None;
     for scene in &scenes {
@@ -175,7 +180,8 @@ fn run(
     bar: &Progress,
 ) -> Result<Vec<Row>, AnswerError> {
     let experiment = &scene.experiment;
-    let contenders = entrants.iter().map(|entrant| entrant.set_up(experiment, ours));
+    let entrants = entrants.iter().filter(|entrant| entrant.supports(experiment));
+    let contenders = entrants.map(|entrant| entrant.set_up(experiment, ours));
     Ok(measure(
         experiment,
         contenders.collect::<Result<_, _>>()?,

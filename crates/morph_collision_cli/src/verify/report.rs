@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
+use glam::Affine3A;
 use morph_collision_testkit::printable::Printable;
 use morph_collision_testkit::verify::{Counts, Finding, Trouble, Verification};
 use serde::Serialize;
@@ -59,6 +60,8 @@ struct ReproductionReport {
     weights: [Vec<f32>; 2],
     /// Column by column, the translation last.
     world_from_model: [[f32; 12]; 2],
+    /// The matrices of the joints of skinned meshes, as above; empty for others.
+    world_from_mesh: [Vec<[f32; 12]>; 2],
     /// The corners of both triangles.
     world: Option<[[[f64; 3]; 3]; 2]>,
 }
@@ -166,6 +169,10 @@ impl ReproductionReport {
             body_and_vertex,
             weights: reproduction.situation.weights.clone(),
             world_from_model: reproduction.situation.places.map(|place| place.to_cols_array()),
+            world_from_mesh: [0, 1].map(|body| {
+                let joints = reproduction.situation.world_joints(body);
+                joints.iter().map(Affine3A::to_cols_array).collect()
+            }),
             world: reproduction
                 .world
                 .map(|of_both| of_both.map(|corners| corners.map(|corner| corner.to_array()))),
@@ -183,6 +190,9 @@ impl ReproductionReport {
             writeln!(text, "body {body}: {} mesh {}", Printable(&model), which.mesh)?;
             writeln!(text, "  weights {:?}", self.weights[body])?;
             writeln!(text, "  world_from_model {:?}", self.world_from_model[body])?;
+            for (joint, matrix) in self.world_from_mesh[body].iter().enumerate() {
+                writeln!(text, "  world_from_mesh of joint {joint} {matrix:?}")?;
+            }
             if let (Some(triangles), Some(world)) = (&self.triangles, &self.world) {
                 writeln!(text, "  triangle {}: {:?}", triangles[body], world[body])?;
             }
@@ -196,7 +206,7 @@ impl ReproductionReport {
 
 #[cfg(test)]
 mod tests {
-    use glam::{Affine3A, DVec3};
+    use glam::DVec3;
     use morph_collision_testkit::verify::{Reproduction, Situation};
 
     use super::*;
@@ -213,6 +223,7 @@ mod tests {
             situation: Situation {
                 weights: [vec![0.1], vec![-1.5e-7]],
                 places: [Affine3A::IDENTITY; 2],
+                joints: [Vec::new(), vec![Affine3A::from_scale(glam::Vec3::splat(0.3))]],
             },
             world: Some([[DVec3::splat(0.1); 3]; 2]),
         };
@@ -246,6 +257,7 @@ mod tests {
             "[-1.5e-7]",
             "triangle 6",
             "0.1, 0.1",
+            "joint 0 [0.3, 0.0",
         ] {
             assert!(text.contains(part), "no {part:?} in: {text}");
         }

@@ -1,17 +1,18 @@
-//! Scenes of models by other people: heads that talk, and characters of flip-books.
+//! Scenes of models by other people: heads that talk, and characters of flip-books; those of a skinned character are in `walkers`.
 
 use glam::{Affine3A, DVec3, Vec3};
 use morph_collision::Aabb;
 use thiserror::Error;
 
 use super::Experiment;
+use super::walkers::WALKERS;
 use crate::gltf_read::{ReadError, read_meshes};
 use crate::mesh::MorphMesh;
 use crate::moments::{MissingModel, find_real_model};
 use crate::scenes::{flip_books, heads, talk};
 
 /// Steps of each script.
-const STEPS: usize = 400;
+pub(super) const STEPS: usize = 400;
 
 /// Length of the scripts with heads in seconds: 60 steps a second.
 const SECONDS: f64 = STEPS as f64 / 60.0;
@@ -130,9 +131,11 @@ pub enum NoExperiment {
 
 impl Experiment {
     /// The scenes of models by other people, by name and the beginning of the heading: two heads that touch at their cheeks, a crowd of
-    /// heads, two horses and two dancers of flip-books that go through each other. Only the heads' model is in `assets/`.
+    /// heads, two horses and two dancers of flip-books that go through each other, and skinned characters that walk and talk: two whose
+    /// hands touch, two deep in each other, and a crowd. Only the heads' model is in `assets/`.
     pub fn characters() -> impl Iterator<Item = (&'static str, &'static str)> {
-        SCRIPTS.iter().map(|script| (script.name, script.title))
+        let walkers = WALKERS.iter().map(|walkers| (walkers.name, walkers.title));
+        SCRIPTS.iter().map(|script| (script.name, script.title)).chain(walkers)
     }
 
     /// The names that [`Experiment::named`] knows.
@@ -150,6 +153,9 @@ impl Experiment {
     pub fn named(name: &str, every: usize) -> Result<Self, NoExperiment> {
         if let Some(experiment) = Self::of_paper(name, every) {
             return Ok(experiment);
+        }
+        if let Some(walkers) = WALKERS.iter().find(|walkers| walkers.name == name) {
+            return walkers.experiment(every);
         }
         let unknown = || NoExperiment::Unknown { name: name.to_owned() };
         let script = SCRIPTS.iter().find(|script| script.name == name).ok_or_else(unknown)?;
@@ -189,6 +195,7 @@ impl Script {
             title,
             bodies,
             frames: steps.iter().map(frame).collect(),
+            joints: Vec::new(),
             steps,
             mesh,
         })

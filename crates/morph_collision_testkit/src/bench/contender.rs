@@ -97,6 +97,12 @@ impl Entrant {
         self.kind == MethodKind::RigidFloor
     }
 
+    /// Whether it collides the experiment's mesh.
+    #[must_use]
+    pub fn supports(&self, experiment: &Experiment) -> bool {
+        experiment.mesh.skin.is_none() || self.kind.supports_skins()
+    }
+
     /// Sets it up; `ours` is for our trees.
     ///
     /// # Errors

@@ -6,6 +6,7 @@ use glam::{Affine3A, DQuat, DVec3};
 
 use crate::mesh::MorphMesh;
 use crate::models::{dolphin, pass_through_body_at, random::random_blob};
+use crate::rivals::{Method, PoseError};
 use crate::scenes::{dolphins, pass_through};
 
 /// What every body does in a step: weights and place.
@@ -24,6 +25,8 @@ pub struct Experiment {
     pub bodies: usize,
     /// The frames.
     pub frames: Vec<Frame>,
+    /// The matrices of the joints of each body in each frame, in world space, for a skinned mesh; empty for others.
+    pub joints: Vec<Vec<Vec<Affine3A>>>,
     /// Which step of the script each frame is.
     pub steps: Vec<usize>,
 }
@@ -102,8 +105,29 @@ impl Experiment {
             mesh,
             bodies,
             frames: steps.iter().map(|&step| frame(step)).collect(),
+            joints: Vec::new(),
             steps,
         }
+    }
+
+    /// The matrices of a body's joints in a frame, if its mesh is skinned.
+    #[must_use]
+    pub fn joints_of(&self, frame: usize, body: usize) -> Option<&[Affine3A]> {
+        Some(self.joints.get(frame)?.get(body)?)
+    }
+
+    /// Gives all bodies of a method what they have in a frame: joints, weights and places.
+    ///
+    /// # Errors
+    /// As [`Method::set_joints`] and [`Method::set_body`].
+    pub fn set_bodies(&self, method: &mut dyn Method, frame: usize) -> Result<(), PoseError> {
+        for (body, (weights, place)) in self.frames[frame].iter().enumerate() {
+            if let Some(joints) = self.joints_of(frame, body) {
+                method.set_joints(body, joints)?;
+            }
+            method.set_body(body, weights, place)?;
+        }
+        Ok(())
     }
 
     /// The paper's first experiment with bodies of `20 * 4^level` triangles; the paper's level is 5.

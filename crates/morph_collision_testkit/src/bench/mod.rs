@@ -37,6 +37,7 @@ mod measure;
 mod of_model;
 mod page;
 mod runner;
+mod walkers;
 
 pub use characters::NoExperiment;
 pub use clock::Stopwatch;

@@ -61,11 +61,11 @@ impl Runner {
     pub(super) fn pass(&mut self, experiment: &Experiment, wanted: Wanted) -> Result<Pass, PoseError> {
         self.begin(experiment)?;
         let mut pass = Pass::default();
-        for frame in &experiment.frames {
-            self.prepare(frame, wanted)?;
+        for (index, frame) in experiment.frames.iter().enumerate() {
+            self.prepare(experiment, index, wanted)?;
             let before = self.method.work();
             let clock = Stopwatch::start();
-            self.set_bodies(frame)?;
+            experiment.set_bodies(self.method.as_mut(), index)?;
             let found = self.ask(frame, wanted);
             pass.times.push(self.since(clock));
             pass.found.push(found);
@@ -78,11 +78,14 @@ impl Runner {
     pub(super) fn split_pass(&mut self, experiment: &Experiment, wanted: Wanted) -> Result<SplitPass, PoseError> {
         self.begin(experiment)?;
         let mut split = SplitPass::default();
-        for frame in &experiment.frames {
-            self.prepare(frame, wanted)?;
+        for (index, frame) in experiment.frames.iter().enumerate() {
+            self.prepare(experiment, index, wanted)?;
             self.moved.clear();
             let clock = Stopwatch::start();
             for (body, (weights, place)) in frame.iter().enumerate() {
+                if let Some(joints) = experiment.joints_of(index, body) {
+                    self.method.set_joints(body, joints)?;
+                }
                 if self.method.blend(body, weights, place)? {
                     self.moved.push(body);
                 }
@@ -114,21 +117,15 @@ impl Runner {
     }
 
     /// Runs the frame once if anything had to be prepared for it.
-    fn prepare(&mut self, frame: &Frame, wanted: Wanted) -> Result<(), PoseError> {
+    fn prepare(&mut self, experiment: &Experiment, index: usize, wanted: Wanted) -> Result<(), PoseError> {
+        let frame = &experiment.frames[index];
         let mut prepared = false;
         for (body, (weights, _)) in frame.iter().enumerate() {
             prepared |= self.method.prepare(body, weights)?;
         }
         if prepared {
-            self.set_bodies(frame)?;
+            experiment.set_bodies(self.method.as_mut(), index)?;
             self.ask(frame, wanted);
-        }
-        Ok(())
-    }
-
-    fn set_bodies(&mut self, frame: &Frame) -> Result<(), PoseError> {
-        for (body, (weights, place)) in frame.iter().enumerate() {
-            self.method.set_body(body, weights, place)?;
         }
         Ok(())
     }

@@ -52,10 +52,8 @@ fn pass(
     wanted: Wanted,
 ) -> Result<usize, PoseError> {
     let (mut pairs, mut found) = (Vec::new(), 0);
-    for frame in &experiment.frames {
-        for (body, (weights, place)) in frame.iter().enumerate() {
-            method.set_body(body, weights, place)?;
-        }
+    for (index, frame) in experiment.frames.iter().enumerate() {
+        experiment.set_bodies(&mut *method, index)?;
         for &(a, b) in broad_phase.pairs(method, frame.len()) {
             pairs.clear();
             method.collide(a as usize, b as usize, wanted, &mut pairs);

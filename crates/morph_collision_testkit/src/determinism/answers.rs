@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use glam::DVec3;
 use morph_collision::{
-    Body, BuildOptions, ContactQuery, DistanceQuery, MorphBvh, PairQuery, Pose, Ray, RayHit, RayQuery, SelfQuery,
-    TrianglePair, WorldFromModel,
+    Body, BuildOptions, ContactQuery, DistanceQuery, JointMatrices, MorphBvh, PairQuery, Pose, Ray, RayHit, RayQuery,
+    SelfQuery, TrianglePair, WorldFromModel,
 };
 
 use super::Run;
@@ -141,6 +141,10 @@ impl<'a> Worker<'a> {
     fn pose(&mut self, item: &Item, body: usize) -> WorldFromModel {
         let (_, weights, place) = &self.scene.frames[item.frame][body];
         self.poses[body].set_weights(weights).expect("the weights are valid");
+        if let Some(joints) = self.scene.joints_of(item.frame, body) {
+            let joints = JointMatrices::new(joints).expect("the joints are finite");
+            self.poses[body].set_joints(&joints).expect("there is one per joint");
+        }
         WorldFromModel::new(*place).expect("the place is finite")
     }
 
@@ -161,11 +165,21 @@ impl<'a> Worker<'a> {
         self.within.all(pose, &mut pairs);
         hash_pairs(&mut answers.hashes[SELF], &mut pairs);
 
+        let hash = &mut answers.hashes[VERTICES];
+        if pose.joints().is_some() {
+            let welded = pose.bvh().model().welded_from_source().to_vec();
+            let mut body = Body::new(pose, place);
+            welded
+                .iter()
+                .filter_map(|&vertex| body.vertex(vertex))
+                .for_each(|vertex| hash.world_vertex(vertex));
+            return;
+        }
         let mut positions = Vec::new();
         pose.source_positions(&mut positions);
         for position in positions {
-            answers.hashes[VERTICES].vertex(position);
-            answers.hashes[VERTICES].world_vertex(place.transform_point(position));
+            hash.vertex(position);
+            hash.world_vertex(place.transform_point(position));
         }
     }
 

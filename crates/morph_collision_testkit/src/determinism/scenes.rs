@@ -13,6 +13,8 @@ pub struct Scene {
     pub(super) name: String,
     pub(super) meshes: Vec<MorphMesh>,
     pub(super) frames: Vec<Vec<MomentBody>>,
+    /// The matrices of the joints of each body of a frame; empty for bodies that are not skinned, and where no body is.
+    pub(super) joints: Vec<Vec<Vec<Affine3A>>>,
 }
 
 impl Scene {
@@ -23,7 +25,18 @@ impl Scene {
             columns.iter_mut().for_each(snap);
             *place = Affine3A::from_cols_array(&columns);
         }
-        Self { name, meshes, frames }
+        Self {
+            name,
+            meshes,
+            frames,
+            joints: Vec::new(),
+        }
+    }
+
+    /// The matrices of a body's joints, if it is skinned.
+    pub(super) fn joints_of(&self, frame: usize, body: usize) -> Option<&[Affine3A]> {
+        let joints = self.joints.get(frame)?.get(body)?;
+        (!joints.is_empty()).then_some(joints)
     }
 
     /// Of all that goes in, to tell other answers from other questions.
@@ -38,6 +51,24 @@ impl Scene {
             hash.u64(*mesh as u64);
             let numbers = weights.iter().copied().chain(place.to_cols_array());
             numbers.for_each(|number| hash.u32(number.to_bits()));
+        }
+        let sets = self
+            .meshes
+            .iter()
+            .filter_map(|mesh| mesh.skin.as_ref())
+            .flat_map(|skin| &skin.sets);
+        for set in sets {
+            set.joints.iter().flatten().for_each(|joint| hash.u32((*joint).into()));
+            set.weights
+                .iter()
+                .flatten()
+                .for_each(|weight| hash.u32(weight.to_bits()));
+        }
+        for joint in self.joints.iter().flatten().flatten() {
+            joint
+                .to_cols_array()
+                .iter()
+                .for_each(|number| hash.u32(number.to_bits()));
         }
         hash.value()
     }
@@ -69,6 +100,23 @@ pub fn all() -> Vec<Scene> {
             .filter(|moment| !LEFT_OUT.contains(&moment.name.as_str()))
             .map(|moment| Scene::new(moment.name, moment.meshes, vec![moment.bodies])),
     );
+    scenes.extend(skinned());
+    scenes
+}
+
+/// A scene for each skinned model: a frame for each kind of pose.
+fn skinned() -> Vec<Scene> {
+    let mut scenes: Vec<Scene> = Vec::new();
+    for moment in moments::skinned() {
+        let name = moment.meshes[0].name.clone();
+        if scenes.last().is_none_or(|scene| scene.name != name) {
+            scenes.push(Scene::new(name, moment.meshes, Vec::new()));
+        }
+        if let Some(scene) = scenes.last_mut() {
+            scene.frames.push(moment.bodies);
+            scene.joints.push(moment.joints);
+        }
+    }
     scenes
 }
 

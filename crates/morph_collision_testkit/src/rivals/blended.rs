@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, DVec3, Vec3};
-use morph_collision::{ModelError, Triangle, WorldFromModel};
+use morph_collision::{InputError, JointMatrices, ModelError, Triangle, WorldFromModel};
 
+use super::skin::{SkinnedBody, WeldedSkin};
 use super::{PoseError, WeightLimits};
 use crate::mesh::MorphMesh;
 
@@ -14,6 +15,7 @@ pub(super) struct WeldedMesh {
     pub(super) base: Vec<Vec3>,
     pub(super) triangles: Vec<[u32; 3]>,
     targets: Vec<Target>,
+    skin: Option<WeldedSkin>,
     limits: WeightLimits,
 }
 
@@ -40,6 +42,7 @@ impl WeldedMesh {
         Ok(Self {
             triangles: (0..).map_while(|triangle| model.triangle(triangle)).collect(),
             targets: mesh.targets.iter().map(target).collect(),
+            skin: mesh.skin.as_ref().map(|skin| WeldedSkin::new(skin, &sources)),
             limits: WeightLimits::of(mesh),
             base,
         })
@@ -105,6 +108,8 @@ impl Target {
 pub(super) struct BlendedBody {
     pub(super) mesh: Arc<WeldedMesh>,
     weights: Vec<f32>,
+    skinned: Option<SkinnedBody>,
+    /// The identity for a skinned body: its vertices are blended into world space.
     pub(super) affine: Affine3A,
     pub(super) world_from_model: WorldFromModel,
 }
@@ -114,19 +119,35 @@ impl BlendedBody {
     pub(super) fn new(mesh: Arc<WeldedMesh>) -> Self {
         Self {
             weights: vec![0.0; mesh.targets.len()],
+            skinned: mesh.skin.as_ref().map(|skin| SkinnedBody::new(skin, &mesh.base)),
             mesh,
             affine: Affine3A::IDENTITY,
             world_from_model: WorldFromModel::IDENTITY,
         }
     }
 
-    /// Takes weights and place; whether the weights differ from the ones before.
+    /// Takes the joints of a skinned body.
+    pub(super) fn set_joints(&mut self, joints: &[Affine3A]) -> Result<(), PoseError> {
+        let skinned = self.skinned.as_mut().ok_or(PoseError::NoJoints)?;
+        let (given, expected) = (JointMatrices::new(joints)?.len(), skinned.joint_count());
+        if given != expected {
+            let what = "joints".to_owned();
+            return Err(InputError::WrongCount { what, given, expected }.into());
+        }
+        skinned.set(joints);
+        Ok(())
+    }
+
+    /// Takes weights and place; whether the weights or the joints differ from the ones before.
     pub(super) fn set(&mut self, weights: &[f32], affine: &Affine3A) -> Result<bool, PoseError> {
         let world_from_model = WorldFromModel::new(*affine)?;
         self.mesh.limits.check(weights)?;
-        (self.affine, self.world_from_model) = (*affine, world_from_model);
+        let joints_changed = self.skinned.as_ref().map(|skinned| skinned.changed);
+        if joints_changed.is_none() {
+            (self.affine, self.world_from_model) = (*affine, world_from_model);
+        }
         if self.weights == weights {
-            return Ok(false);
+            return Ok(joints_changed == Some(true));
         }
         self.weights.copy_from_slice(weights);
         Ok(true)
@@ -136,15 +157,28 @@ impl BlendedBody {
         &self.weights
     }
 
-    /// Blends all vertices.
-    pub(super) fn blend(&self, posed: &mut [Vec3]) {
+    /// Blends all vertices, and places those of a skinned body in the world.
+    pub(super) fn blend(&mut self, posed: &mut [Vec3]) {
         self.mesh.blend(&self.weights, posed);
+        if let (Some(skinned), Some(skin)) = (&mut self.skinned, &self.mesh.skin) {
+            skinned.place(skin, posed);
+        }
     }
 
     /// A triangle in world space; `posed` are the body's blended vertices.
     #[inline]
     pub(super) fn world_triangle(&self, posed: &[Vec3], triangle: [u32; 3]) -> Triangle {
-        triangle.map(|vertex| self.world_vertex(posed[vertex as usize]))
+        match &self.skinned {
+            None => triangle.map(|vertex| self.world_vertex(posed[vertex as usize])),
+            Some(skinned) => triangle.map(|vertex| skinned.world[vertex as usize]),
+        }
+    }
+
+    /// All vertices in world space; `posed` are the body's blended vertices.
+    pub(super) fn world_vertices<'a>(&'a self, posed: &'a [Vec3]) -> impl Iterator<Item = DVec3> + 'a {
+        let placed = self.skinned.as_ref().map(|skinned| skinned.world.as_slice());
+        let at = move |vertex: usize| placed.map_or_else(|| self.world_vertex(posed[vertex]), |world| world[vertex]);
+        (0..posed.len()).map(at)
     }
 
     #[inline]

@@ -38,6 +38,10 @@ impl BruteForce {
 }
 
 impl Method for BruteForce {
+    fn set_joints(&mut self, body: usize, world_from_mesh: &[Affine3A]) -> Result<(), PoseError> {
+        self.bodies[body].body.set_joints(world_from_mesh)
+    }
+
     fn blend(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<bool, PoseError> {
         let Placed { body, posed, world } = &mut self.bodies[body];
         if body.set(weights, world_from_model)? {
@@ -45,7 +49,7 @@ impl Method for BruteForce {
             self.work.vertices_blended += posed.len() as u64;
         }
         world.clear();
-        world.extend(posed.iter().map(|&vertex| body.world_vertex(vertex)));
+        world.extend(body.world_vertices(posed));
         Ok(false)
     }
 

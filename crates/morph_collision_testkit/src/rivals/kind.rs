@@ -84,6 +84,12 @@ impl MethodKind {
         }
     }
 
+    /// Whether it collides skinned meshes.
+    #[must_use]
+    pub const fn supports_skins(self) -> bool {
+        !matches!(self, Self::RigidFloor | Self::Paper(_) | Self::Octree)
+    }
+
     /// Builds what is built once per mesh, and one body for each entry of `bodies`, the index of its mesh.
     ///
     /// # Errors
@@ -97,6 +103,11 @@ impl MethodKind {
         if let Some(body) = bodies.iter().position(|&mesh| mesh >= meshes.len()) {
             let (mesh, meshes) = (bodies[body], meshes.len());
             return Err(SetUpError::NoSuchMesh { body, mesh, meshes });
+        }
+        if !self.supports_skins()
+            && let Some(mesh) = meshes.iter().position(|mesh| mesh.skin.is_some())
+        {
+            return Err(SetUpError::Skinned { mesh, method: self });
         }
         let welded = || {
             meshes

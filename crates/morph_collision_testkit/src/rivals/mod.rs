@@ -20,6 +20,9 @@
 //! | `parry-rebuild` | every vertex blended, the `Bvh` built anew (binned) | Parry |
 //! | `brute-force` | every vertex blended and placed in the world | the oracle |
 //!
+//! Skinned meshes are for `morph`, `morph-eager`, `bottom-up`, `hybrid`, `rebuild`, Parry's three and `brute-force`: all but ours place all vertices by
+//! their joints (`skin`) when these have moved. The other methods refuse them.
+//!
 //! What is fair is done for all of them: vertices are welded, targets with weight zero and vertices that a target leaves
 //! alone are skipped, and a body whose weights stay the same is not refitted. `bottom-up`, `hybrid` and `rebuild` share one tree
 //! (`tree`), eight-wide like the core's, and one walk (`walk`) with the same SAT-lite culling (`boxes`, `frames`).
@@ -59,6 +62,7 @@ mod parry;
 mod rebuild;
 mod relative;
 mod rigid_floor;
+mod skin;
 mod tree;
 mod walk;
 
@@ -110,7 +114,7 @@ impl Wanted {
     }
 }
 
-/// A way to find the intersecting triangles of morphing bodies; see [`MethodKind::set_up`].
+/// A way to find the intersecting triangles of morphing and skinned bodies; see [`MethodKind::set_up`].
 ///
 /// Bodies are numbered as they were set up. They start with all weights zero at the world's origin.
 pub trait Method: Debug + Send + Sync {
@@ -121,6 +125,15 @@ pub trait Method: Debug + Send + Sync {
     /// Weights that do not fit the mesh.
     fn prepare(&mut self, _body: usize, _weights: &[f32]) -> Result<bool, PoseError> {
         Ok(false)
+    }
+
+    /// Gives a body of a skinned mesh its joints: the matrices that take the mesh's space to world space. They take effect with the next
+    /// [`Method::set_body`] or [`Method::blend`], whose place such a body ignores.
+    ///
+    /// # Errors
+    /// A body or a method without joints, a wrong number of matrices, or an entry that is not finite; the body then keeps what it had.
+    fn set_joints(&mut self, _body: usize, _world_from_mesh: &[Affine3A]) -> Result<(), PoseError> {
+        Err(PoseError::NoJoints)
     }
 
     /// Gives a body its weights, one per target, and its place: [`Method::blend`], and [`Method::refit`] if need be.
@@ -168,6 +181,14 @@ pub enum SetUpError {
         /// What is wrong.
         reason: ModelError,
     },
+    /// A mesh is skinned, and the method knows no joints.
+    #[error("mesh {mesh} is skinned, which {method} does not support")]
+    Skinned {
+        /// Its index.
+        mesh: usize,
+        /// The method.
+        method: MethodKind,
+    },
     /// An option is out of range.
     #[error(transparent)]
     Options(#[from] InputError),
@@ -197,7 +218,10 @@ pub enum PoseError {
     /// The weights.
     #[error(transparent)]
     Weights(#[from] WeightsError),
-    /// The place.
+    /// The place, or the joints.
     #[error(transparent)]
     Place(#[from] InputError),
+    /// Joints were given to a body that has none.
+    #[error("the body has no joints")]
+    NoJoints,
 }

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::Affine3A;
-use morph_collision::{Aabb, Body, MorphBvh, PairMemory, PairQuery, Pose, QueryStats, TrianglePair, WorldFromModel};
+use morph_collision::{
+    Aabb, Body, JointMatrices, MorphBvh, PairMemory, PairQuery, Pose, QueryStats, TrianglePair, WorldFromModel,
+};
 
 use super::{Method, MethodOptions, PoseError, SetUpError, Wanted};
 use crate::mesh::MorphMesh;
@@ -13,6 +15,8 @@ use crate::mesh::MorphMesh;
 #[derive(Debug)]
 pub(super) struct Morph {
     bodies: Vec<(Pose, WorldFromModel)>,
+    /// By body, whether its joints have moved since its boxes were fitted.
+    joints_moved: Vec<bool>,
     follow: Follow,
     query: PairQuery,
     witness: bool,
@@ -45,6 +49,7 @@ impl Morph {
         let pose = |&mesh: &usize| (Pose::new(Arc::clone(&trees[mesh])), WorldFromModel::IDENTITY);
         Ok(Self {
             bodies: bodies.iter().map(pose).collect(),
+            joints_moved: vec![false; bodies.len()],
             follow,
             query: PairQuery::new(),
             witness: options.witness,
@@ -55,10 +60,19 @@ impl Morph {
 }
 
 impl Method for Morph {
+    fn set_joints(&mut self, body: usize, world_from_mesh: &[Affine3A]) -> Result<(), PoseError> {
+        let pose = &mut self.bodies[body].0;
+        if pose.joints().is_none() {
+            return Err(PoseError::NoJoints);
+        }
+        self.joints_moved[body] |= pose.set_joints(&JointMatrices::new(world_from_mesh)?)?;
+        Ok(())
+    }
+
     fn blend(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<bool, PoseError> {
         let world_from_model = WorldFromModel::new(*world_from_model)?;
         let (pose, place) = &mut self.bodies[body];
-        let changed = pose.set_weights(weights)?;
+        let changed = pose.set_weights(weights)? || self.joints_moved[body];
         *place = world_from_model;
         Ok(changed && self.follow == Follow::AtOnce)
     }
@@ -66,6 +80,7 @@ impl Method for Morph {
     fn refit(&mut self, body: usize) {
         let pose = &mut self.bodies[body].0;
         pose.refit();
+        self.joints_moved[body] = false;
         self.work.nodes_blended += pose.bvh().node_count() as u64;
         self.work.vertices_blended += pose.bvh().model().vertex_count() as u64;
     }

@@ -23,11 +23,11 @@ use super::{Method, PoseError, SetUpError, Wanted};
 pub(super) trait ParryTree: Sized + Send + Sync {
     fn new(mesh: &WeldedMesh) -> Result<Self, TriMeshBuilderError>;
     /// Blends the vertices.
-    fn blend(&mut self, body: &BlendedBody);
+    fn blend(&mut self, body: &mut BlendedBody);
     /// Makes the tree follow them.
     fn refit(&mut self, mesh: &WeldedMesh);
     /// Both, in the best way there is.
-    fn update(&mut self, body: &BlendedBody) {
+    fn update(&mut self, body: &mut BlendedBody) {
         self.blend(body);
         self.refit(&body.mesh);
     }
@@ -51,7 +51,7 @@ impl ParryTree for Meshed {
         })
     }
 
-    fn blend(&mut self, body: &BlendedBody) {
+    fn blend(&mut self, body: &mut BlendedBody) {
         body.blend(&mut self.blended);
     }
 
@@ -60,7 +60,7 @@ impl ParryTree for Meshed {
         mesh.update_vertices(|posed| posed.copy_from_slice(blended));
     }
 
-    fn update(&mut self, body: &BlendedBody) {
+    fn update(&mut self, body: &mut BlendedBody) {
         self.mesh.update_vertices(|posed| body.blend(posed));
     }
 
@@ -121,7 +121,7 @@ impl ParryTree for Refitted {
         Ok(Self(Bare::new(mesh)))
     }
 
-    fn blend(&mut self, body: &BlendedBody) {
+    fn blend(&mut self, body: &mut BlendedBody) {
         body.blend(&mut self.0.posed);
     }
 
@@ -148,7 +148,7 @@ impl ParryTree for Rebuilt {
         Ok(Self(Bare::new(mesh)))
     }
 
-    fn blend(&mut self, body: &BlendedBody) {
+    fn blend(&mut self, body: &mut BlendedBody) {
         body.blend(&mut self.0.posed);
     }
 
@@ -200,6 +200,10 @@ impl<T: ParryTree + Clone> Parry<T> {
 }
 
 impl<T: ParryTree> Method for Parry<T> {
+    fn set_joints(&mut self, body: usize, world_from_mesh: &[Affine3A]) -> Result<(), PoseError> {
+        self.bodies[body].0.set_joints(world_from_mesh)
+    }
+
     fn set_body(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<(), PoseError> {
         let (body, tree) = &mut self.bodies[body];
         if body.set(weights, world_from_model)? {

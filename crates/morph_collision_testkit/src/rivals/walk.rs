@@ -197,6 +197,10 @@ fn test_leaves(
 }
 
 impl<R: Refit> Method for Trees<R> {
+    fn set_joints(&mut self, body: usize, world_from_mesh: &[Affine3A]) -> Result<(), PoseError> {
+        self.bodies[body].body.set_joints(world_from_mesh)
+    }
+
     fn blend(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<bool, PoseError> {
         let TreeBody { body, posed, .. } = &mut self.bodies[body];
         let changed = body.set(weights, world_from_model)?;

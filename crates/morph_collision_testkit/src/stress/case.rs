@@ -4,7 +4,7 @@ use glam::{Affine3A, DVec3, Mat3, Quat, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::{Family, geometry};
+use super::{Family, geometry, skinned};
 use crate::mesh::MorphMesh;
 use crate::models::{degenerate, random};
 use crate::verify::Situation;
@@ -67,6 +67,11 @@ impl Case {
             }),
             Family::NotOrthonormal => linear(rng, geometry::any_columns),
             Family::Denormals => geometry::denormals(rng, index),
+            Family::Skinned
+            | Family::CollapsedJoints
+            | Family::UnnormalisedSkin
+            | Family::RandomSkin
+            | Family::FarJoints => skinned::case(rng, family, index),
         }
     }
 }
@@ -88,7 +93,15 @@ pub(super) fn weighted(rng: &mut Pcg64Mcg, meshes: [MorphMesh; 2], range: std::o
         (0..targets).map(|_| rng.random_range(range.clone())).collect()
     });
     let places = [0, 1].map(|_| Affine3A::from_mat3(rotation(rng)));
-    overlapping(rng, meshes, Situation { weights, places })
+    overlapping(
+        rng,
+        meshes,
+        Situation {
+            weights,
+            places,
+            ..Situation::default()
+        },
+    )
 }
 
 /// Moves the second body to somewhere in the first or near it.
@@ -137,6 +150,7 @@ fn slivers(rng: &mut Pcg64Mcg, index: u64) -> Case {
     let situation = Situation {
         weights: [weights.clone(), weights],
         places: [place; 2],
+        ..Situation::default()
     };
     Case { meshes, situation }
 }
@@ -154,6 +168,7 @@ fn zero_area(rng: &mut Pcg64Mcg, index: u64) -> Case {
         case.situation = Situation {
             weights: [0, 1].map(|_| vec![rng.random_range(-4..=4_i32) as f32 / 4.0]),
             places: [Affine3A::IDENTITY; 2],
+            ..Situation::default()
         };
     }
     case

@@ -8,12 +8,15 @@ use morph_collision::{Aabb, BuildOptions, ConvexRegion, PlacedShape, Ray, Shape,
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-use super::Case;
+use super::{Case, skin_door};
 use crate::scenes::Scene;
 use crate::verify::{AnswerSource, Situation, Trees};
 
 /// How many doors there are.
-pub const DOORS: u64 = 27;
+pub const DOORS: u64 = OWN_DOORS + skin_door::DOORS;
+
+/// Those in this file.
+const OWN_DOORS: u64 = 27;
 
 /// Hands something bad in at a door, at random places; `trees` are in the case's situation, and stay in it.
 ///
@@ -124,7 +127,7 @@ pub fn knock(door: u64, rng: &mut Pcg64Mcg, case: &Case, trees: &mut Trees) -> R
             refused(PlacedShape::new(ball, Quat::IDENTITY, with(bad)), &["translation"])
         }
         25 => refused(BuildOptions::default().with_leaf_size(0), &["leaf_size", "0"]),
-        _ => {
+        26 => {
             let scene = |weight: &str| {
                 let json = format!(
                     "{{\"bodies\": [{{\"model\": \"a.glb\"}}],\n\"frames\": [[{{\"weights\": [0, {weight}]}}]]}}"
@@ -136,6 +139,7 @@ pub fn knock(door: u64, rng: &mut Pcg64Mcg, case: &Case, trees: &mut Trees) -> R
             };
             ["NaN", "Infinity", "1e39", "-1e999"].into_iter().try_for_each(scene)
         }
+        door => skin_door::knock(door - OWN_DOORS, rng, bad),
     }
 }
 

@@ -37,11 +37,21 @@ pub enum Family {
     Denormals,
     /// NaN, infinity and what is out of range, at every door.
     BadInput,
+    /// Skinned bodies with turned, scaled, sheared and mirrored joints.
+    Skinned,
+    /// Skinned bodies with joints of scale 0, or that are a point.
+    CollapsedJoints,
+    /// Skinned bodies with weights that sum to anything from 0 to 3.
+    UnnormalisedSkin,
+    /// Separate triangles with random influences, up to eight a vertex, of up to 256 joints.
+    RandomSkin,
+    /// Skinned bodies at up to 1e5 units from the origin.
+    FarJoints,
 }
 
 impl Family {
     /// All of them.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 22] = [
         Self::Ordinary,
         Self::Scale,
         Self::FarOut,
@@ -59,6 +69,11 @@ impl Family {
         Self::NotOrthonormal,
         Self::Denormals,
         Self::BadInput,
+        Self::Skinned,
+        Self::CollapsedJoints,
+        Self::UnnormalisedSkin,
+        Self::RandomSkin,
+        Self::FarJoints,
     ];
 
     /// Its name in tables.
@@ -82,6 +97,11 @@ impl Family {
             Self::NotOrthonormal => "not-orthonormal",
             Self::Denormals => "denormals",
             Self::BadInput => "bad-input",
+            Self::Skinned => "skinned",
+            Self::CollapsedJoints => "collapsed-joints",
+            Self::UnnormalisedSkin => "unnormalised-skin",
+            Self::RandomSkin => "random-skin",
+            Self::FarJoints => "far-joints",
         }
     }
 }

@@ -42,7 +42,11 @@ pub(super) fn last_place(rng: &mut Pcg64Mcg, index: u64) -> Case {
         at.iter_mut()
             .for_each(|place| place.translation += glam::Vec3A::splat(1000.0));
     }
-    let situation = Situation { weights, places: at };
+    let situation = Situation {
+        weights,
+        places: at,
+        ..Situation::default()
+    };
     Case { meshes, situation }
 }
 
@@ -58,7 +62,11 @@ pub(super) fn coplanar(rng: &mut Pcg64Mcg) -> Case {
         _ => Affine3A::from_translation(Vec3::new(0.0, 0.0, rng.random_range(-9.0..9.0))),
     };
     let places = [common, common * shift];
-    let situation = Situation { weights, places };
+    let situation = Situation {
+        weights,
+        places,
+        ..Situation::default()
+    };
     Case { meshes, situation }
 }
 
@@ -95,7 +103,15 @@ pub(super) fn cancelling(rng: &mut Pcg64Mcg) -> Case {
     });
     let weights = [weights[0].clone(), weights[1].clone()];
     let places = [0, 1].map(|_| Affine3A::from_mat3(rotation(rng)));
-    overlapping(rng, meshes, Situation { weights, places })
+    overlapping(
+        rng,
+        meshes,
+        Situation {
+            weights,
+            places,
+            ..Situation::default()
+        },
+    )
 }
 
 /// Any columns: of very different lengths, or nearly in one plane.

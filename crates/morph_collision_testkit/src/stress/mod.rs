@@ -12,6 +12,8 @@ mod geometry;
 mod pace;
 mod panics;
 mod run;
+mod skin_door;
+mod skinned;
 
 #[cfg(test)]
 mod tests;

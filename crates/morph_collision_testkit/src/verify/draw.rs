@@ -6,6 +6,7 @@ use rand_pcg::Pcg64Mcg;
 
 use super::{AnswerSource, Meshes, Situation, nearly_touching};
 use crate::mesh::MorphMesh;
+use crate::models::rigs::PoseKind;
 use crate::rivals::PoseError;
 
 /// A source of situations of two meshes; the same for the same seed.
@@ -65,12 +66,38 @@ impl<'a> Draw<'a> {
         Ok(last)
     }
 
-    /// Weights and linear maps, the first body near the origin.
+    /// Weights, joints and linear maps, the first body near the origin.
     fn shapes(&mut self) -> Situation {
         let weights = [0, 1].map(|body| self.weights(self.meshes[body]));
         let mut places = [0, 1].map(|_| Affine3A::from_mat3(self.linear()));
         places[0].translation = self.direction().as_vec3().into();
-        Situation { weights, places }
+        let joints = [0, 1].map(|body| self.joints(body));
+        Situation {
+            weights,
+            places,
+            joints,
+        }
+    }
+
+    /// Joints of every sort: at a time of the mesh's own clips, and at random in every way. None for a mesh without a skin.
+    fn joints(&mut self, body: usize) -> Vec<Affine3A> {
+        let Some(skin) = &self.meshes[body].skin else {
+            return Vec::new();
+        };
+        let (skeleton, rng) = (&skin.skeleton, &mut self.rng);
+        let clips = skeleton.clips.len();
+        if clips > 0 && rng.random_bool(0.4) {
+            let clip = &skeleton.clips[rng.random_range(0..clips)];
+            return skeleton.world_from_mesh(Some(clip), rng.random_range(0.0..=clip.duration().max(0.0)));
+        }
+        let kind = PoseKind::ALL[rng.random_range(0..PoseKind::ALL.len())];
+        // All triangles of two bodies that are points would meet, if any do.
+        let kind = if kind == PoseKind::OnePoint && body == 1 {
+            PoseKind::Turned
+        } else {
+            kind
+        };
+        kind.draw(skeleton, rng.random())
     }
 
     /// A random point of a random triangle, in world space.

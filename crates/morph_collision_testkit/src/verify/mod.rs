@@ -5,7 +5,8 @@
 //!                                               AnswerSource (Trees) --> pairs -- judge --> Counts, Reproduction (shrink)
 //! ```
 //!
-//! [`check_containment`] checks the boxes of a posed tree against vertices that it blends itself.
+//! [`check_containment`] checks the boxes of a posed tree against vertices that it blends itself, [`check_skinned_containment`] those of a
+//! skinned mesh.
 //!
 //! Who answers is behind a trait, [`AnswerSource`], so that the comparison itself can be tried on answers known to be wrong.
 
@@ -16,6 +17,7 @@ mod run;
 mod search;
 mod shrink;
 mod situation;
+mod skinned_containment;
 mod source;
 
 #[cfg(test)]
@@ -28,4 +30,5 @@ pub use run::{Finding, Verification, verify};
 pub use search::nearly_touching;
 pub use shrink::{Reproduction, shrink};
 pub use situation::{Meshes, Situation};
+pub use skinned_containment::check_skinned_containment;
 pub use source::{Answer, AnswerSource, LEAF_SIZES, Trees};

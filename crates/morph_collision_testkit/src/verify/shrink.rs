@@ -4,6 +4,7 @@ use glam::{Affine3A, DVec3};
 
 use super::judge::differences;
 use super::{AnswerSource, Meshes, Situation, Trouble};
+use crate::mesh::MeshSkin;
 
 /// A wrong answer, as small as it could be made: all that is needed to see it again.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,7 +18,7 @@ pub struct Reproduction {
 }
 
 impl Reproduction {
-    /// How much there is to look at: weights that are not zero, and entries of the places that are not the identity's.
+    /// How much there is to look at: weights that are not zero, and entries of places and joints that are not the identity's.
     #[must_use]
     pub fn size(&self) -> usize {
         let identity = Affine3A::IDENTITY.to_cols_array();
@@ -36,11 +37,16 @@ impl Reproduction {
                 .filter(|(x, y)| **x != *y)
                 .count()
         };
-        weights + self.situation.places.iter().map(odd).sum::<usize>()
+        let matrices = self
+            .situation
+            .places
+            .iter()
+            .chain(self.situation.joints.iter().flatten());
+        weights + matrices.map(odd).sum::<usize>()
     }
 }
 
-/// Sets weights to zero and entries of the places to the identity's, one after another, while the same sort of trouble stays.
+/// Sets weights to zero, and joints and entries of the places to the identity's, one after another, while the same sort of trouble stays.
 pub fn shrink(
     meshes: Meshes<'_>,
     source: &mut impl AnswerSource,
@@ -80,6 +86,7 @@ pub fn shrink(
 /// One simplification.
 enum Step {
     Weight { body: usize, target: usize },
+    Joint { body: usize, joint: usize },
     Place { body: usize },
     Entry { body: usize, entry: usize },
 }
@@ -88,7 +95,12 @@ fn steps(meshes: Meshes<'_>) -> impl Iterator<Item = Step> {
     (0..2).flat_map(move |body| {
         let weights = (0..meshes[body].targets.len()).map(move |target| Step::Weight { body, target });
         let entries = (0..12).map(move |entry| Step::Entry { body, entry });
-        weights.chain(std::iter::once(Step::Place { body })).chain(entries)
+        let count = meshes[body].skin.as_ref().map_or(0, MeshSkin::joint_count);
+        let joints = (0..count).map(move |joint| Step::Joint { body, joint });
+        weights
+            .chain(joints)
+            .chain(std::iter::once(Step::Place { body }))
+            .chain(entries)
     })
 }
 
@@ -96,6 +108,11 @@ impl Step {
     fn take(&self, situation: &mut Situation) {
         match *self {
             Self::Weight { body, target } => situation.weights[body][target] = 0.0,
+            Self::Joint { body, joint } => {
+                if let Some(joint) = situation.joints[body].get_mut(joint) {
+                    *joint = Affine3A::IDENTITY;
+                }
+            }
             Self::Place { body } => situation.places[body] = Affine3A::IDENTITY,
             Self::Entry { body, entry } => {
                 let mut entries = situation.places[body].to_cols_array();

@@ -1,31 +1,57 @@
 use glam::{Affine3A, DVec3, Vec3};
 
 use crate::mesh::MorphMesh;
-use crate::oracle::{intersecting_pairs, posed_vertices, triangles_intersect, world_vertices};
+use crate::oracle::{BodyPose, intersecting_pairs, triangles_intersect};
 
 /// The meshes of the two bodies.
 pub type Meshes<'a> = [&'a MorphMesh; 2];
 
 /// The shapes and places of two bodies.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Situation {
     /// One weight per target, of each body.
     pub weights: [Vec<f32>; 2],
-    /// `world_from_model` of each body.
+    /// `world_from_model` of each body; that of a skinned mesh stands above all its joints.
     pub places: [Affine3A; 2],
+    /// One matrix per joint, of each body with a skinned mesh, below its place. All are the identity where the list is empty.
+    pub joints: [Vec<Affine3A>; 2],
 }
 
 impl Situation {
+    /// The matrices of a body's joints, from its mesh's space to world space; empty as [`Situation::joints`].
+    #[must_use]
+    pub fn world_joints(&self, body: usize) -> Vec<Affine3A> {
+        let place = self.places[body];
+        self.joints[body].iter().map(|&joint| place * joint).collect()
+    }
+
+    /// All vertices of a body in world space.
+    ///
+    /// # Panics
+    /// If there is not one weight per target and one matrix per joint.
+    #[must_use]
+    pub fn world_vertices(&self, meshes: Meshes<'_>, body: usize) -> Vec<DVec3> {
+        self.world_of(meshes[body], body)
+    }
+
+    /// The vertices of a mesh in the pose of a body.
+    fn world_of(&self, mesh: &MorphMesh, body: usize) -> Vec<DVec3> {
+        let joints = self.world_joints(body);
+        let pose = BodyPose {
+            mesh,
+            weights: &self.weights[body],
+            world_from_model: self.places[body],
+            joints: (!joints.is_empty()).then_some(&joints),
+        };
+        pose.world_vertices()
+    }
+
     /// All intersecting pairs of triangles by brute force, ascending.
     ///
     /// # Panics
     /// If there is not one weight per target.
     pub fn truth(&self, meshes: Meshes<'_>) -> Vec<(u32, u32)> {
-        let [a, b] = [0, 1].map(|body| {
-            let mesh = meshes[body];
-            let posed = posed_vertices(&mesh.positions, &mesh.targets, &self.weights[body]);
-            world_vertices(&posed, &self.places[body])
-        });
+        let [a, b] = [0, 1].map(|body| self.world_vertices(meshes, body));
         intersecting_pairs(&a, &meshes[0].triangles, &b, &meshes[1].triangles)
     }
 
@@ -49,9 +75,14 @@ impl Situation {
         let of = |values: &[Vec3]| corners.map(|vertex| values[vertex as usize]).to_vec();
         // An empty target moves nothing.
         let of_target = |target: &Vec<Vec3>| if target.is_empty() { Vec::new() } else { of(target) };
-        let targets: Vec<Vec<Vec3>> = mesh.targets.iter().map(of_target).collect();
-        let posed = posed_vertices(&of(&mesh.positions), &targets, &self.weights[body]);
-        let world = world_vertices(&posed, &self.places[body]);
+        let alone = MorphMesh {
+            positions: of(&mesh.positions),
+            triangles: vec![[0, 1, 2]],
+            targets: mesh.targets.iter().map(of_target).collect(),
+            skin: mesh.skin.as_ref().map(|skin| skin.renumbered(corners.iter())),
+            ..MorphMesh::default()
+        };
+        let world = self.world_of(&alone, body);
         [world[0], world[1], world[2]]
     }
 
@@ -61,8 +92,7 @@ impl Situation {
     /// If there is not one weight per target.
     pub fn world_box(&self, meshes: Meshes<'_>, body: usize) -> (DVec3, DVec3) {
         let mesh = meshes[body];
-        let posed = posed_vertices(&mesh.positions, &mesh.targets, &self.weights[body]);
-        let world = world_vertices(&posed, &self.places[body]);
+        let world = self.world_vertices(meshes, body);
         let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let used = mesh.triangles.iter().flatten().filter_map(|&v| world.get(v as usize));
         used.fold(empty, |(min, max), &p| (min.min(p), max.max(p)))

@@ -1,9 +1,12 @@
 use std::sync::Arc;
 
-use morph_collision::{Body, BuildOptions, MorphBvh, PairQuery, Pose, QueryStats, TrianglePair, WorldFromModel};
+use glam::Affine3A;
+use morph_collision::{
+    Body, BuildOptions, JointMatrices, MorphBvh, PairQuery, Pose, QueryStats, TrianglePair, WorldFromModel,
+};
 
-use super::{ContainmentReport, Meshes, Situation, check_containment};
-use crate::mesh::MorphMesh;
+use super::{ContainmentReport, Meshes, Situation, check_containment, check_skinned_containment};
+use crate::mesh::{MeshSkin, MorphMesh};
 use crate::rivals::{PoseError, SetUpError};
 
 /// All intersecting pairs of triangles, as somebody says.
@@ -43,6 +46,8 @@ pub struct Trees {
     meshes: [Arc<MorphMesh>; 2],
     poses: [Pose; 2],
     places: [WorldFromModel; 2],
+    /// The matrices of the joints of skinned meshes in world space.
+    joints: [Vec<Affine3A>; 2],
     query: PairQuery,
     pairs: Vec<TrianglePair>,
 }
@@ -68,6 +73,7 @@ impl Trees {
             meshes: meshes.map(|mesh| Arc::new(mesh.clone())),
             poses: [Pose::new(a), Pose::new(b)],
             places: [WorldFromModel::IDENTITY; 2],
+            joints: meshes.map(at_rest),
             query: PairQuery::new(),
             pairs: Vec::new(),
         })
@@ -80,6 +86,7 @@ impl Trees {
             meshes: self.meshes.clone(),
             poses: [0, 1].map(|body| Pose::new(Arc::clone(self.poses[body].bvh()))),
             places: [WorldFromModel::IDENTITY; 2],
+            joints: [0, 1].map(|body| at_rest(&self.meshes[body])),
             query: PairQuery::new(),
             pairs: Vec::new(),
         }
@@ -95,10 +102,18 @@ impl AnswerSource for Trees {
     fn set(&mut self, situation: &Situation) -> Result<(), PoseError> {
         let [a, b] = situation.places;
         let places = [WorldFromModel::new(a)?, WorldFromModel::new(b)?];
-        for (pose, weights) in self.poses.iter_mut().zip(&situation.weights) {
-            pose.set_weights(weights)?;
+        let joints = [0, 1].map(|body| match situation.joints[body].is_empty() {
+            true => at_rest(&self.meshes[body]),
+            false => situation.world_joints(body),
+        });
+        let matrices = [JointMatrices::new(&joints[0])?, JointMatrices::new(&joints[1])?];
+        for (body, pose) in self.poses.iter_mut().enumerate() {
+            pose.set_weights(&situation.weights[body])?;
+            if pose.bvh().model().joint_count().is_some() {
+                pose.set_joints(&matrices[body])?;
+            }
         }
-        self.places = places;
+        (self.places, self.joints) = (places, joints);
         Ok(())
     }
 
@@ -124,6 +139,15 @@ impl AnswerSource for Trees {
     }
 
     fn containment(&mut self, body: usize) -> ContainmentReport {
-        check_containment(&self.meshes[body], &mut self.poses[body])
+        let (mesh, pose) = (&self.meshes[body], &mut self.poses[body]);
+        match &mesh.skin {
+            None => check_containment(mesh, pose),
+            Some(_) => check_skinned_containment(mesh, &self.joints[body], pose),
+        }
     }
+}
+
+/// The matrices of joints that leave a mesh as it is; none for a mesh without a skin.
+fn at_rest(mesh: &MorphMesh) -> Vec<Affine3A> {
+    vec![Affine3A::IDENTITY; mesh.skin.as_ref().map_or(0, MeshSkin::joint_count)]
 }

@@ -1,10 +1,11 @@
 //! A checker is worth something if it finds what is wrong: here the answers are.
 
+use glam::Affine3A;
 use morph_collision::BuildOptions;
 
 use super::*;
 use crate::mesh::MorphMesh;
-use crate::models::dolphin;
+use crate::models::{dolphin, rigs};
 use crate::rivals::PoseError;
 
 /// How an answer is spoilt.
@@ -82,9 +83,12 @@ impl AnswerSource for Spoilt {
 }
 
 fn verified(fault: Fault) -> Result<(Counts, Option<Reproduction>), Box<dyn std::error::Error>> {
-    let mesh = dolphin(0);
-    let mut sources = [Spoilt::new(&mesh, fault)?];
-    let mut verification = verify([&mesh; 2], &mut sources, 12, 3, || {})?;
+    verified_with(&dolphin(0), fault)
+}
+
+fn verified_with(mesh: &MorphMesh, fault: Fault) -> Result<(Counts, Option<Reproduction>), Box<dyn std::error::Error>> {
+    let mut sources = [Spoilt::new(mesh, fault)?];
+    let mut verification = verify([mesh; 2], &mut sources, 12, 3, || {})?;
     let counts = verification.counts.pop().ok_or("no counts")?;
     Ok((counts, verification.smallest.map(|finding| finding.reproduction)))
 }
@@ -117,6 +121,28 @@ fn a_missed_pair_is_found_and_made_small() -> Result<(), Box<dyn std::error::Err
         return Err("no triangles".into());
     };
     assert!(crate::oracle::triangles_intersect(&a, &b));
+    Ok(())
+}
+
+#[test]
+fn answers_about_skinned_meshes_are_found_right_or_made_small() -> Result<(), Box<dyn std::error::Error>> {
+    let mesh = rigs::tube(3, 5, 4, 2);
+    let (counts, smallest) = verified_with(&mesh, Fault::None)?;
+    assert_eq!((counts.frames, counts.differences(), smallest), (12, 0, None));
+    assert!(
+        counts.pairs_truth > 50 && counts.containment_checks > 10_000,
+        "{counts:?}"
+    );
+
+    let (_, smallest) = verified_with(&mesh, Fault::LeavesOut)?;
+    let situation = smallest.ok_or("nothing to show")?.situation;
+    // Joints that the fault does not need are back at rest, though two bodies in one place would touch everywhere.
+    let joints = situation.joints.iter().flatten();
+    let (rest, all) = (
+        joints.clone().filter(|joint| **joint == Affine3A::IDENTITY).count(),
+        joints.count(),
+    );
+    assert!(all == 10 && rest >= 8, "{rest} of {all}");
     Ok(())
 }
 

@@ -6,10 +6,10 @@ use rand_pcg::Pcg64Mcg;
 
 use super::Bones;
 use crate::mesh::{InfluenceSet, MeshSkin, MorphMesh};
-use crate::models::random::{point, triangle_soup};
+use crate::models::random::{point, random_blob, triangle_soup};
 use crate::models::{grid, rigid};
 
-/// Boxes of different sizes around a chain of joints; each vertex follows one joint.
+/// Boxes and blobs around a chain of joints; each vertex follows one joint.
 pub fn rigid_pieces(seed: u64, pieces: usize, targets: usize) -> MorphMesh {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let bones = Bones::new(
@@ -19,8 +19,13 @@ pub fn rigid_pieces(seed: u64, pieces: usize, targets: usize) -> MorphMesh {
     let mut mesh = MorphMesh::rigid(format!("pieces_{seed}"), Vec::new(), Vec::new());
     let mut joints = Vec::new();
     for (joint, &middle) in bones.positions.iter().enumerate() {
-        let half = grid::snap(point(&mut rng, 0.2).abs() + 0.05);
-        let piece = rigid::box_mesh(half);
+        let piece = if joint % 2 == 0 {
+            rigid::box_mesh(grid::snap(point(&mut rng, 0.2).abs() + 0.05))
+        } else {
+            let mut blob = random_blob(rng.random(), 1, 0, 0.0);
+            blob.positions.iter_mut().for_each(|p| *p *= 0.25);
+            blob
+        };
         let first = mesh.positions.len() as u32;
         mesh.positions.extend(piece.positions.iter().map(|&p| p + middle));
         mesh.triangles
@@ -100,6 +105,23 @@ pub fn unnormalised(mesh: &MorphMesh, seed: u64) -> MorphMesh {
         }
     }
     mesh.name += "_unnormalised";
+    mesh
+}
+
+/// The mesh with weights that are off by up to four units in the last place, as exporters leave them: their sums are nearly 1.
+///
+/// Vertices at the same place keep the same influences.
+pub fn nearly_normalised(mesh: &MorphMesh, seed: u64) -> MorphMesh {
+    let mut mesh = mesh.clone();
+    let of_vertices: Vec<f32> = mesh.positions.iter().map(|&p| factor(p, seed)).collect();
+    for set in mesh.skin.iter_mut().flat_map(|skin| &mut skin.sets) {
+        for (weights, factor) in set.weights.iter_mut().zip(&of_vertices) {
+            // Factors are from 0 to 3.
+            let units = (factor * 8.0 / 3.0).round() - 4.0;
+            *weights = weights.map(|weight| weight * (1.0 + units * 0.5 * f32::EPSILON));
+        }
+    }
+    mesh.name += "_nearly";
     mesh
 }
 

@@ -93,6 +93,7 @@ fn heads(title: &str, mesh: MorphMesh, every: usize) -> Experiment {
     };
     let steps: Vec<usize> = (0..400).step_by(every).collect();
     Experiment {
+        joints: Vec::new(),
         name: title.to_owned(),
         title: format!("{title}, 2 x {} triangles with {targets} targets", mesh.triangles.len()),
         bodies: 2,

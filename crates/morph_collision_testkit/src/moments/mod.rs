@@ -1,5 +1,7 @@
 //! Bodies in one moment, to judge answers on, and the truth about them.
 
+mod skinned;
+
 use std::path::{Path, PathBuf};
 
 use glam::{Affine3A, Mat3, Quat, Vec3};
@@ -10,6 +12,8 @@ use crate::mesh::MorphMesh;
 use crate::models::{degenerate, dolphin, pass_through_body, random};
 use crate::rivals::{MethodKind, MethodOptions, PoseError, SetUpError, Wanted};
 use crate::{oracle, scenes};
+
+pub use self::skinned::skinned;
 
 /// A body: the index of its mesh, its weights and its place.
 pub type MomentBody = (usize, Vec<f32>, Affine3A);
@@ -26,6 +30,8 @@ pub struct Moment {
     pub meshes: Vec<MorphMesh>,
     /// The bodies.
     pub bodies: Vec<MomentBody>,
+    /// The matrices of the joints of each body with a skinned mesh, in world space; empty for other bodies, and if no body is skinned.
+    pub joints: Vec<Vec<Affine3A>>,
 }
 
 /// Why a method gives no answer.
@@ -45,7 +51,16 @@ impl Moment {
             name: name.to_owned(),
             meshes: vec![mesh.clone()],
             bodies: bodies.into_iter().map(|(weights, place)| (0, weights, place)).collect(),
+            joints: Vec::new(),
         }
+    }
+
+    /// The matrices of a body's joints, if its mesh is skinned.
+    pub fn joints_of(&self, body: usize) -> Option<&[Affine3A]> {
+        self.joints
+            .get(body)
+            .filter(|joints| !joints.is_empty())
+            .map(Vec::as_slice)
     }
 
     /// All intersecting triangle pairs by brute force, ascending.
@@ -56,11 +71,12 @@ impl Moment {
         let bodies: Vec<_> = self
             .bodies
             .iter()
-            .map(|(mesh, weights, place)| oracle::BodyPose {
+            .enumerate()
+            .map(|(body, (mesh, weights, place))| oracle::BodyPose {
                 mesh: &self.meshes[*mesh],
                 weights,
                 world_from_model: *place,
-                joints: None,
+                joints: self.joints_of(body),
             })
             .collect();
         let mut all = Vec::new();
@@ -83,6 +99,9 @@ impl Moment {
         let of_bodies: Vec<usize> = self.bodies.iter().map(|(mesh, ..)| *mesh).collect();
         let mut method = method.set_up(&self.meshes, &of_bodies, options)?;
         for (body, (_, weights, place)) in self.bodies.iter().enumerate() {
+            if let Some(joints) = self.joints_of(body) {
+                method.set_joints(body, joints)?;
+            }
             method.set_body(body, weights, place)?;
         }
         let (mut all, mut pairs) = (Vec::new(), Vec::new());
@@ -113,6 +132,7 @@ pub fn dolphins(frame: usize) -> Moment {
                 )
             })
             .collect(),
+        joints: Vec::new(),
     }
 }
 
@@ -196,6 +216,7 @@ pub fn generated() -> Vec<Moment> {
         name: "dolphin, blob and soup".to_owned(),
         meshes: vec![dolphin(0), blob, soup],
         bodies: Vec::new(),
+        joints: Vec::new(),
     };
     mixed.bodies = vec![
         (0, vec![0.2, 0.3], Affine3A::from_scale(Vec3::splat(1.5))),

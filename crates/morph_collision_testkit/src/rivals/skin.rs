@@ -1,0 +1,114 @@
+//! Skinning of whole meshes: what every rival does with joints.
+//!
+//! World positions are those of the definition, in `f64` and unfused, so that methods can be compared pair for pair; boxes are fitted to them
+//! rounded to `f32`, and the slack with which boxes are compared covers that. A vertex of one joint with weight 1 takes the joint's matrix as it is.
+
+use glam::{Affine3A, DVec3, Vec3, Vec3A};
+
+use crate::mesh::MeshSkin;
+
+/// The influences of welded vertices, those with weight 0 left out.
+#[derive(Debug)]
+pub(super) struct WeldedSkin {
+    joint_count: usize,
+    influences: Vec<(u16, f32)>,
+    /// `influences[starts[v]..starts[v + 1]]` are those of vertex `v`, in the order of slots.
+    starts: Vec<u32>,
+}
+
+/// The columns of a joint's matrix.
+type Columns = [DVec3; 4];
+
+/// The joints of a body, and its vertices under them.
+#[derive(Clone, Debug)]
+pub(super) struct SkinnedBody {
+    joints: Vec<Affine3A>,
+    columns: Vec<Columns>,
+    /// Whether the vertices have not followed yet.
+    pub(super) changed: bool,
+    pub(super) world: Vec<DVec3>,
+}
+
+impl WeldedSkin {
+    /// `sources` are the vertices of the mesh that the welded ones are made of.
+    pub(super) fn new(skin: &MeshSkin, sources: &[usize]) -> Self {
+        let mut welded = Self {
+            joint_count: skin.joint_count(),
+            influences: Vec::new(),
+            starts: vec![0],
+        };
+        for &source in sources {
+            let slots = skin
+                .sets
+                .iter()
+                .flat_map(|set| set.joints[source].into_iter().zip(set.weights[source]));
+            welded.influences.extend(slots.filter(|(_, weight)| *weight != 0.0));
+            welded.starts.push(welded.influences.len() as u32);
+        }
+        welded
+    }
+
+    fn of(&self, vertex: usize) -> &[(u16, f32)] {
+        &self.influences[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
+    }
+}
+
+impl SkinnedBody {
+    /// At rest.
+    pub(super) fn new(skin: &WeldedSkin, base: &[Vec3]) -> Self {
+        let joints = vec![Affine3A::IDENTITY; skin.joint_count];
+        Self {
+            columns: joints.iter().map(columns).collect(),
+            joints,
+            changed: true,
+            world: base.iter().map(|p| p.as_dvec3()).collect(),
+        }
+    }
+
+    /// The number of joints.
+    pub(super) fn joint_count(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// Takes joints, as many as there were.
+    pub(super) fn set(&mut self, joints: &[Affine3A]) {
+        if self.joints != joints {
+            self.joints.copy_from_slice(joints);
+            self.columns.clear();
+            self.columns.extend(joints.iter().map(columns));
+            self.changed = true;
+        }
+    }
+
+    /// Places all vertices, given those after morphing, which are replaced by the world positions rounded to `f32`.
+    pub(super) fn place(&mut self, skin: &WeldedSkin, posed: &mut [Vec3]) {
+        for (vertex, (world, posed)) in self.world.iter_mut().zip(posed).enumerate() {
+            let influences = skin.of(vertex);
+            let [x, y, z, translation] = match influences {
+                [(joint, 1.0)] => self.columns[usize::from(*joint)],
+                _ => blended(influences, &self.columns),
+            };
+            let p = posed.as_dvec3();
+            *world = ((x * p.x + y * p.y) + z * p.z) + translation;
+            *posed = world.as_vec3();
+        }
+        self.changed = false;
+    }
+}
+
+fn columns(joint: &Affine3A) -> Columns {
+    let m = &joint.matrix3;
+    [m.x_axis, m.y_axis, m.z_axis, joint.translation].map(Vec3A::as_dvec3)
+}
+
+#[inline]
+fn blended(influences: &[(u16, f32)], joints: &[Columns]) -> Columns {
+    let mut sum = [DVec3::ZERO; 4];
+    for &(joint, weight) in influences {
+        let weight = f64::from(weight);
+        for (sum, column) in sum.iter_mut().zip(&joints[usize::from(joint)]) {
+            *sum += *column * weight;
+        }
+    }
+    sum
+}

@@ -7,6 +7,9 @@ use glam::{Affine3A, DVec3, Vec3};
 
 use crate::input_error::{InputError, check_vector};
 
+/// The columns of a matrix, with a fourth coordinate of 0.
+pub(crate) type Columns = [[f64; 4]; 4];
+
 /// The matrices of a skeleton's joints: each takes points from the mesh's space to world space.
 ///
 /// In glTF's words, each is the global transform of a joint times its inverse bind matrix. Meshes that share a skeleton share one of these:
@@ -15,7 +18,7 @@ use crate::input_error::{InputError, check_vector};
 pub struct JointMatrices {
     /// The columns of each, `x`, `y`, `z` and the translation. The last one is all zeros: what pulls vertices whose weights do not
     /// sum to 1 towards the world's origin.
-    columns: Arc<[[DVec3; 4]]>,
+    columns: Arc<[Columns]>,
     /// The largest sum of the absolute values in a row of a linear part.
     linear_reach: f64,
     /// The largest absolute coordinate of a translation.
@@ -44,9 +47,8 @@ impl JointMatrices {
         let row_sums = |[x, y, z, _]: &[DVec3; 4]| (x.abs() + y.abs() + z.abs()).max_element();
         let linear_reach = columns.iter().map(row_sums).fold(0.0, f64::max);
         let translation_reach = columns.iter().map(|[.., t]| t.abs().max_element()).fold(0.0, f64::max);
-        columns.push([DVec3::ZERO; 4]);
         Ok(Self {
-            columns: columns.into(),
+            columns: padded(&columns),
             linear_reach,
             translation_reach,
         })
@@ -54,10 +56,9 @@ impl JointMatrices {
 
     /// A skeleton at rest: every joint leaves the mesh as it is.
     pub(crate) fn at_rest(count: usize) -> Self {
-        let mut columns = vec![[DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO]; count];
-        columns.push([DVec3::ZERO; 4]);
+        let columns = vec![[DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO]; count];
         Self {
-            columns: columns.into(),
+            columns: padded(&columns),
             linear_reach: 1.0,
             translation_reach: 0.0,
         }
@@ -77,14 +78,19 @@ impl JointMatrices {
 
     /// The columns of a joint's matrix, or zeros for the number after the last joint's.
     #[inline(always)]
-    pub(crate) fn columns(&self, joint: u16) -> &[DVec3; 4] {
+    pub(crate) fn padded(&self, joint: u16) -> &Columns {
         &self.columns[usize::from(joint)]
+    }
+
+    /// The same without the fourth coordinates.
+    pub(crate) fn columns(&self, joint: u16) -> [DVec3; 4] {
+        self.padded(joint).map(vector)
     }
 
     /// The largest absolute coordinate of a translation relative to `origin`.
     pub(crate) fn spread(&self, origin: DVec3) -> f64 {
         let joints = &self.columns[..self.len()];
-        let distance = |[.., translation]: &[DVec3; 4]| (*translation - origin).abs().max_element();
+        let distance = |[.., translation]: &Columns| (vector(*translation) - origin).abs().max_element();
         joints.iter().map(distance).fold(0.0, f64::max)
     }
 
@@ -110,4 +116,15 @@ impl fmt::Debug for JointMatrices {
             .field("len", &self.len())
             .finish_non_exhaustive()
     }
+}
+
+fn vector([x, y, z, _]: [f64; 4]) -> DVec3 {
+    DVec3::new(x, y, z)
+}
+
+/// The columns as they are stored, with a matrix of zeros at the end.
+fn padded(columns: &[[DVec3; 4]]) -> Arc<[Columns]> {
+    let pad = |column: DVec3| [column.x, column.y, column.z, 0.0];
+    let matrices = columns.iter().map(|matrix| matrix.map(pad));
+    matrices.chain([Columns::default()]).collect()
 }

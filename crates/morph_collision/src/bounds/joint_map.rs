@@ -42,35 +42,38 @@ impl JointMap {
         drift: 0.0,
     };
 
-    /// The map of a joint with these columns to a frame, which must be well conditioned, for points with coordinates up to `reach`.
-    pub(crate) fn new(frame: &WorldFromModel, joint: &[DVec3; 4], reach: f64) -> Self {
-        let (linear, translation) = in_frame(frame, joint);
+    /// Becomes the map of a joint with these columns to a frame, which must be well conditioned, for points with coordinates up to `reach`. Stays
+    /// as it is, and returns false, if it is right up to its drift.
+    pub(crate) fn follow(&mut self, frame: &WorldFromModel, joint: &[DVec3; 4], reach: f64) -> bool {
+        let &[x, y, z, offset] = joint;
+        let inverse = frame.inverse_linear();
+        let linear = inverse * DMat3::from_cols(x, y, z);
+        let translation = inverse * (offset - frame.translation());
+        if !self.is_identity && self.is_near(&linear, translation, reach) {
+            return false;
+        }
         let row = |i: usize| linear.row(i).as_vec3().to_array();
         let rows = [row(0), row(1), row(2)];
-        let row_sums = linear.abs() * DVec3::ONE;
         // Rounded up, for the error bound of what is computed from them.
         let up = |value: f64| (value * (1.0 + 4.0 * U)) as f32;
-        let noise = frame.inverse_norm()
-            * (world_norm(joint) * reach + translation_norm(joint) + frame.translation().abs().max_element());
-        Self {
+        let world = (x.abs() + y.abs() + z.abs()) * reach + offset.abs() + frame.translation().abs();
+        *self = Self {
             is_identity: false,
             rows,
             sizes: rows.map(|row| row.map(f32::abs)),
             translation: translation.as_vec3().to_array(),
-            norm: up(row_sums.max_element()),
+            norm: up((linear.abs() * DVec3::ONE).max_element()),
             shift: up(translation.abs().max_element()),
-            drift: up(DRIFT * noise) + f32::MIN_POSITIVE,
-        }
+            drift: up(DRIFT * frame.inverse_norm() * world.max_element()) + f32::MIN_POSITIVE,
+        };
+        true
     }
 
-    /// Whether it is still right for the joint and the frame, up to its drift.
-    pub(crate) fn is_still(&self, frame: &WorldFromModel, joint: &[DVec3; 4], reach: f64) -> bool {
-        let (linear, translation) = in_frame(frame, joint);
-        (0..3).all(|i| {
-            let row = DVec3::from_array(self.rows[i].map(f64::from));
-            let moved = (linear.row(i) - row).abs().element_sum() * reach;
-            moved + (translation[i] - f64::from(self.translation[i])).abs() <= f64::from(self.drift)
-        })
+    fn is_near(&self, linear: &DMat3, translation: DVec3, reach: f64) -> bool {
+        let [x, y, z] = self.rows.map(|row| DVec3::from_array(row.map(f64::from)));
+        let moved = (*linear - DMat3::from_cols(x, y, z).transpose()).abs() * DVec3::splat(reach);
+        let shifted = (translation - DVec3::from_array(self.translation.map(f64::from))).abs();
+        (moved + shifted).max_element() <= f64::from(self.drift)
     }
 
     /// A bound on the coordinates of images of points with coordinates up to `reach`.
@@ -126,19 +129,4 @@ impl BoxLanes {
     pub(crate) fn ends<S: Simd>(&self, simd: S) -> Ends<S> {
         [self.min, self.max].map(|[x, y, z]| [x.load(simd), y.load(simd), z.load(simd)])
     }
-}
-
-/// The joint's map in `f64`.
-fn in_frame(frame: &WorldFromModel, &[x, y, z, translation]: &[DVec3; 4]) -> (DMat3, DVec3) {
-    let inverse = frame.inverse_linear();
-    let linear = inverse * DMat3::from_cols(x, y, z);
-    (linear, inverse * (translation - frame.translation()))
-}
-
-fn world_norm([x, y, z, _]: &[DVec3; 4]) -> f64 {
-    (x.abs() + y.abs() + z.abs()).max_element()
-}
-
-fn translation_norm([.., translation]: &[DVec3; 4]) -> f64 {
-    translation.abs().max_element()
 }

@@ -1,6 +1,8 @@
 //! Which joints move a vertex, and the definition of a skinned vertex.
 
-use glam::{DVec3, Vec3};
+use fearless_simd::f64x4;
+use fearless_simd::prelude::*;
+use glam::Vec3;
 
 use super::ModelError;
 use crate::joints::JointMatrices;
@@ -84,18 +86,23 @@ impl Skin {
     /// skinned meshes rests on.
     ///
     /// The vertex's matrix is `((w_0 J_0 + w_1 J_1) + w_2 J_2) + ...` per entry, in the order of slots; zero weights are left out, and
-    /// weights are not normalised. The position is `((M_x p_x + M_y p_y) + M_z p_z) + M_t`. All of it is `f64`, never fused.
+    /// weights are not normalised. The position, in the first three numbers, is `((M_x p_x + M_y p_y) + M_z p_z) + M_t`. All of it is `f64`, never fused.
     #[inline(always)]
-    pub(crate) fn place(&self, vertex: u32, position: Vec3, joints: &JointMatrices) -> DVec3 {
-        let mut blended = [DVec3::ZERO; 4];
+    pub(crate) fn place<S: Simd>(&self, simd: S, vertex: u32, position: Vec3, joints: &JointMatrices) -> [f64; 4] {
+        let mut blended = [f64x4::splat(simd, 0.0); 4];
         for influence in self.influences(vertex) {
-            let (weight, matrix) = (f64::from(influence.weight), joints.columns(influence.joint));
+            let weight = f64x4::splat(simd, f64::from(influence.weight));
+            let matrix = joints.padded(influence.joint);
             for (sum, column) in blended.iter_mut().zip(matrix) {
-                *sum += *column * weight;
+                *sum += f64x4::from_slice(simd, column) * weight;
             }
         }
-        let ([x, y, z, translation], p) = (blended, position.as_dvec3());
-        ((x * p.x + y * p.y) + z * p.z) + translation
+        let [x, y, z, translation] = blended;
+        let along = |coordinate: f32| f64x4::splat(simd, f64::from(coordinate));
+        let placed = ((x * along(position.x) + y * along(position.y)) + z * along(position.z)) + translation;
+        let mut world = [0.0; 4];
+        placed.store_slice(&mut world);
+        world
     }
 
     pub(super) fn bytes(&self) -> usize {

@@ -64,7 +64,7 @@ pub(crate) struct Posed<'a> {
 pub(super) struct Scratch {
     corners: Vec<CornerLanes>,
     points: Vec<Vec3>,
-    pub(super) world: Vec<DVec3>,
+    pub(super) world: Vec<[f64; 4]>,
 }
 
 impl Posed<'_> {

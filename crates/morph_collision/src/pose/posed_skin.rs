@@ -1,10 +1,11 @@
 //! A pose of a skinned mesh as traversals see it: boxes that are kept in the spaces of joints, and vertices that joints place.
 
+use fearless_simd::Simd;
 use glam::DVec3;
 
 use super::posed::{NodeId, Posed};
 use super::skinning::SkinTree;
-use crate::bounds::{Aabb, BoxLanes, Extent, Frame, WorldFromModel};
+use crate::bounds::{Aabb, BoxLanes, Extent, Frame, WorldFromModel, with_simd};
 use crate::tree::{BODY_FRAME, ChildKind, Leaf};
 
 /// Boxes that are kept in the space of a joint.
@@ -112,39 +113,46 @@ impl<'a> Posed<'a> {
 
     /// The position of a vertex in world space.
     pub(super) fn skinned_vertex(&mut self, vertex: u32) -> DVec3 {
-        let found = self.skin.as_ref().and_then(|(_, skinning)| {
-            let slot = skinning.placed.find(vertex as usize)?;
-            Some(*skinning.placed.get(slot))
-        });
-        found.unwrap_or_else(|| self.place_vertex(vertex))
+        let [x, y, z, _] = with_simd!(self.level, simd => self.place_vertex(simd, vertex));
+        DVec3::new(x, y, z)
     }
 
-    #[inline(never)]
-    fn place_vertex(&mut self, vertex: u32) -> DVec3 {
-        let position = self.vertex(vertex);
+    /// The positions of a leaf's vertices in world space, in the first three numbers of each.
+    pub(crate) fn world_vertices(&mut self, leaf: Leaf) -> &[[f64; 4]] {
+        with_simd!(self.level, simd => self.place_vertices(simd, leaf));
+        &self.scratch.world
+    }
+
+    #[inline(always)]
+    fn place_vertices<S: Simd>(&mut self, simd: S, leaf: Leaf) {
+        self.scratch.world.clear();
+        for &vertex in self.topology.leaf_vertices(leaf) {
+            let placed = self.place_vertex(simd, vertex);
+            self.scratch.world.push(placed);
+        }
+    }
+
+    #[inline(always)]
+    fn place_vertex<S: Simd>(&mut self, simd: S, vertex: u32) -> [f64; 4] {
         let (Some(skin), Some((_, skinning))) = (self.model.skin(), &mut self.skin) else {
-            return self.place.transform_point(position);
+            return [0.0; 4];
         };
-        let placed = skin.place(vertex, position, &skinning.joints);
+        if let Some(slot) = skinning.placed.find(vertex as usize) {
+            return *skinning.placed.get(slot);
+        }
+        self.blended.vertices += 1;
+        let position = self.model.blend_vertex(vertex, self.weights);
+        let placed = skin.place(simd, vertex, position, &skinning.joints);
         skinning.placed.insert(vertex as usize, placed);
         placed
-    }
-
-    /// The positions of vertices in world space.
-    pub(crate) fn world_vertices(&mut self, vertices: &[u32]) -> &[DVec3] {
-        let mut points = std::mem::take(&mut self.scratch.world);
-        points.clear();
-        points.extend(vertices.iter().map(|&vertex| self.skinned_vertex(vertex)));
-        self.scratch.world = points;
-        &self.scratch.world
     }
 
     /// A tight box around a leaf's vertices in the body's space.
     pub(super) fn skinned_leaf_box(&mut self, leaf: Leaf) -> Aabb {
         let mut extent = Extent::EMPTY;
-        for &vertex in self.topology.leaf_vertices(leaf) {
-            let world = self.skinned_vertex(vertex);
-            let (point, error) = self.place.model_point(world);
+        let place = self.place;
+        for &[x, y, z, _] in self.world_vertices(leaf) {
+            let (point, error) = place.model_point(DVec3::new(x, y, z));
             let of_point = Extent {
                 min: point - error,
                 max: point + error,

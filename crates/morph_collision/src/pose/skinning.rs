@@ -22,8 +22,8 @@ pub(super) struct Skinning {
     boxes: EpochCache<BoxLanes>,
     /// By group.
     made: Vec<Made>,
-    /// World positions, by welded vertex.
-    pub(super) placed: EpochCache<DVec3>,
+    /// World positions, by welded vertex, in the first three numbers.
+    pub(super) placed: EpochCache<[f64; 4]>,
     /// The largest absolute coordinate of vertices before joints move them.
     reach: f64,
     /// How far world positions may be from those without rounding.
@@ -137,7 +137,7 @@ impl Skinning {
         let of = &mut self.frames[frame];
         if of.version != self.version {
             of.version = self.version;
-            let columns = skin.frames[frame].map(|joint| *self.joints.columns(joint));
+            let columns = skin.frames[frame].map(|joint| self.joints.columns(joint));
             of.place = columns.map_or(WorldFromModel::IDENTITY, WorldFromModel::from_columns);
             of.is_used = of.place.is_well_conditioned();
             if frame == BODY_FRAME && !of.is_used {
@@ -171,16 +171,13 @@ impl Skinning {
         let place = &self.frames[if is_used { usize::from(frame) } else { BODY_FRAME }].place;
         let columns = self.joints.columns(joint);
         let kept = &mut self.maps[map as usize];
-        let is_still = kept.changed > 0
-            && kept.map.is_identity == is_own
-            && (is_own || kept.map.is_still(place, columns, self.reach));
-        if !is_still {
+        let has_changed = if is_own {
+            !std::mem::replace(&mut kept.map, JointMap::IDENTITY).is_identity
+        } else {
+            kept.map.follow(place, &columns, self.reach)
+        };
+        if has_changed || kept.changed == 0 {
             kept.changed = self.version;
-            kept.map = if is_own {
-                JointMap::IDENTITY
-            } else {
-                JointMap::new(place, columns, self.reach)
-            };
         }
         kept.version = self.version;
         kept.changed

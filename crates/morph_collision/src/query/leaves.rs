@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::bounds::{LANES, Lanes, WorldFromModel};
 use crate::exact::Triangle;
@@ -52,8 +52,12 @@ pub(super) fn place_leaf(
     let numbers = tree.topology.leaf_triangles(leaf);
     if tree.is_skinned() {
         let mesh = tree.topology.leaf_mesh(leaf);
-        let points = tree.world_vertices(mesh.vertices);
-        let corners = |triangle: &[u16; 3]| triangle.map(|place| points[usize::from(place)]);
+        let points = tree.world_vertices(leaf);
+        let point = |place: u16| {
+            let [x, y, z, _] = points[usize::from(place)];
+            DVec3::new(x, y, z)
+        };
+        let corners = |triangle: &[u16; 3]| triangle.map(point);
         placed.extend(
             numbers
                 .iter()

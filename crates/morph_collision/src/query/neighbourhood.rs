@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::bounds::WorldFromModel;
 use crate::exact::{power_of_two, power_of_two_below};
-use crate::tree::{CornerLanes, in_lanes, put};
+use crate::tree::CornerLanes;
 
 /// A frame near both bodies, in units of their size, where `f32` loses little of `f64`'s precision.
 #[derive(Clone, Copy, Debug)]
@@ -55,15 +55,19 @@ pub(super) struct Placement {
 }
 
 impl Placement {
-    /// The same for up to eight triangles over points in world space.
-    pub(super) fn place_points(&self, points: &[DVec3], triangles: &[[u16; 3]], corners: &mut CornerLanes) {
-        let origin = DVec3::from_array(self.origin);
-        for (lane, triangle) in in_lanes(triangles) {
-            for (corner, place) in triangle.into_iter().enumerate() {
-                // The scale is a power of two, which changes no rounding.
-                let point = points[usize::from(place)] * self.scale - origin;
-                put(corners, lane, corner, point.as_vec3());
-            }
+    /// Takes points from world space to the neighbourhood; the first three numbers of each count.
+    #[inline(always)]
+    pub(super) fn place_points<S: Simd>(&self, simd: S, points: &[[f64; 4]], placed: &mut Vec<[f32; 8]>) {
+        let [x, y, z] = self.origin;
+        let origin = f64x4::from_slice(simd, &[x, y, z, 0.0]);
+        let scale = f64x4::splat(simd, self.scale);
+        placed.clear();
+        for point in points {
+            // The scale is a power of two, which changes no rounding.
+            let local = f64x4::from_slice(simd, point) * scale - origin;
+            let mut numbers = [0.0; 8];
+            local.narrow(local).store_slice(&mut numbers);
+            placed.push(numbers);
         }
     }
 

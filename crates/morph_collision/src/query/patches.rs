@@ -4,6 +4,7 @@ use std::cell::Cell;
 use std::ops::{ControlFlow, Range};
 
 use fearless_simd::Simd;
+use glam::Vec3;
 
 use super::neighbourhood::{Neighbourhood, Placement};
 use super::pairs::TrianglePair;
@@ -13,7 +14,7 @@ use crate::bounds::{LANES, WorldFromModel, lanes_of, with_simd};
 use crate::exact::{Facet, Triangle, facets_intersect_counting};
 use crate::model::MorphModel;
 use crate::pose::{EpochCache, Posed};
-use crate::tree::{Leaf, Topology};
+use crate::tree::{Leaf, Topology, in_lanes, put};
 
 /// The patches of one body that a query has read. The next query reuses the memory.
 #[derive(Debug, Default)]
@@ -21,6 +22,8 @@ pub(super) struct Patches {
     /// By the number of the patch.
     placed: EpochCache<Patch>,
     placement: Placement,
+    /// Scratch memory: the vertices of a leaf of a skinned mesh in the neighbourhood, in the first three numbers of each.
+    points: Vec<[f32; 8]>,
 }
 
 /// One body of a query.
@@ -55,7 +58,11 @@ impl<'q, 'p> Side<'q, 'p> {
 
     #[inline(never)]
     fn place(&mut self, leaf: Leaf, patches: Range<usize>) -> usize {
-        let Patches { placed, placement } = &mut *self.patches;
+        let Patches {
+            placed,
+            placement,
+            points,
+        } = &mut *self.patches;
         let triangles = self.tree.topology.leaf_range(leaf);
         let mut slot = 0;
         for (index, patch) in patches.enumerate() {
@@ -67,7 +74,13 @@ impl<'q, 'p> Side<'q, 'p> {
                 if self.tree.is_skinned() {
                     let mesh = self.tree.topology.leaf_mesh(leaf);
                     let triangles = mesh.corners.chunks(LANES).nth(index).unwrap_or_default();
-                    placement.place_points(self.tree.world_vertices(mesh.vertices), triangles, &mut patch.corners);
+                    placement.place_points(simd, self.tree.world_vertices(leaf), points);
+                    let point = |place: u16| points[usize::from(place)];
+                    for (lane, triangle) in in_lanes(triangles) {
+                        for (corner, [x, y, z, ..]) in triangle.map(point).into_iter().enumerate() {
+                            put(&mut patch.corners, lane, corner, Vec3::new(x, y, z));
+                        }
+                    }
                 } else {
                     self.tree.patch_corners(simd, leaf, index, &mut patch.corners);
                     placement.place(simd, &mut patch.corners);

@@ -81,6 +81,17 @@ impl JointMatrices {
         &self.columns[usize::from(joint)]
     }
 
+    /// The largest absolute coordinate of a translation relative to `origin`.
+    pub(crate) fn spread(&self, origin: DVec3) -> f64 {
+        let joints = &self.columns[..self.len()];
+        let distance = |[.., translation]: &[DVec3; 4]| (*translation - origin).abs().max_element();
+        joints.iter().map(distance).fold(0.0, f64::max)
+    }
+
+    pub(crate) fn linear_reach(&self) -> f64 {
+        self.linear_reach
+    }
+
     /// A bound on the world coordinates that a joint gives to points with coordinates up to `reach`.
     pub(crate) fn world_reach(&self, reach: f64) -> f64 {
         self.linear_reach * reach + self.translation_reach

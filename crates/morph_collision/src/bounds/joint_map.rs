@@ -1,10 +1,10 @@
 //! What a joint does to the points of a mesh, as seen from a frame, and the images of boxes under it.
 
-use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, mask32x8};
 use glam::{DMat3, DVec3};
 
-use super::{BoxLanes, WorldFromModel};
+use super::{BoxLanes, LANES, WorldFromModel};
 
 /// Half a unit in the last place of 1 in `f32`.
 const U: f64 = f32::EPSILON as f64 / 2.0;
@@ -18,6 +18,8 @@ pub(crate) struct JointMap {
     pub(crate) is_identity: bool,
     /// Rows of the linear part.
     rows: [[f32; 3]; 3],
+    /// Their absolute values.
+    sizes: [[f32; 3]; 3],
     translation: [f32; 3],
     /// The largest sum of the absolute values in a row, and the largest absolute coordinate of the translation.
     norm: f32,
@@ -33,6 +35,7 @@ impl JointMap {
     pub(crate) const IDENTITY: Self = Self {
         is_identity: true,
         rows: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        sizes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
         translation: [0.0; 3],
         norm: 1.0,
         shift: 0.0,
@@ -52,6 +55,7 @@ impl JointMap {
         Self {
             is_identity: false,
             rows,
+            sizes: rows.map(|row| row.map(f32::abs)),
             translation: translation.as_vec3().to_array(),
             norm: up(row_sums.max_element()),
             shift: up(translation.abs().max_element()),
@@ -82,7 +86,8 @@ impl JointMap {
         for i in 0..3 {
             let [x, y, z] = self.rows[i].map(|entry| f32x8::splat(simd, entry));
             let middle = ((x * center[0] + y * center[1]) + z * center[2]) + f32x8::splat(simd, self.translation[i]);
-            let radius = (x.abs() * half[0] + y.abs() * half[1]) + z.abs() * half[2];
+            let [x, y, z] = self.sizes[i].map(|entry| f32x8::splat(simd, entry));
+            let radius = (x * half[0] + y * half[1]) + z * half[2];
             ends[0][i] = middle - radius;
             ends[1][i] = middle + radius;
         }
@@ -91,6 +96,31 @@ impl JointMap {
 }
 
 impl BoxLanes {
+    /// Grows the boxes in the lanes of a mask to hold others.
+    #[inline(always)]
+    pub(crate) fn join<S: Simd>(&mut self, simd: S, [low, high]: Ends<S>, mask: u8) {
+        let is_used = mask32x8::from_bitmask(simd, u64::from(mask));
+        for axis in 0..3 {
+            let (min, max) = (self.min[axis].load(simd), self.max[axis].load(simd));
+            is_used
+                .select(min.min(low[axis]), min)
+                .store_slice(&mut self.min[axis].0);
+            is_used
+                .select(max.max(high[axis]), max)
+                .store_slice(&mut self.max[axis].0);
+        }
+    }
+
+    /// Grows the box in a lane to hold that in a lane of others.
+    #[inline(always)]
+    pub(crate) fn join_one(&mut self, lane: usize, others: &Self, other: usize) {
+        let (lane, other) = (lane % LANES, other % LANES);
+        for axis in 0..3 {
+            self.min[axis].0[lane] = self.min[axis].0[lane].min(others.min[axis].0[other]);
+            self.max[axis].0[lane] = self.max[axis].0[lane].max(others.max[axis].0[other]);
+        }
+    }
+
     /// Both ends of all eight boxes.
     #[inline(always)]
     pub(crate) fn ends<S: Simd>(&self, simd: S) -> Ends<S> {

@@ -79,6 +79,12 @@ impl WorldFromModel {
         self.inverse.map_or(1.0, |inverse| inverse.rows.max_element())
     }
 
+    /// The largest absolute model-space coordinate of world points whose coordinates are within `radius` of those of `center`.
+    pub(crate) fn model_reach(&self, center: DVec3, radius: f64) -> f64 {
+        let offset = (center - self.translation).abs().max_element();
+        self.inverse_norm() * (radius + offset) * (1.0 + 1e-9)
+    }
+
     /// A world-space point in model space, and how far off it may be along each axis.
     pub(crate) fn model_point(&self, world: DVec3) -> (DVec3, f64) {
         let offset = world - self.translation;

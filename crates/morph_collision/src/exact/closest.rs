@@ -58,17 +58,13 @@ pub(crate) fn closest_on_triangle_exactly(point: DVec3, triangle: &Triangle) -> 
     let size = triangle
         .iter()
         .fold(0.0, |size, corner| corner.distance_squared(point).max(size));
-    if foot.squared <= NEAR * size && triangles_intersect(triangle, &[point; 3]) {
-        return TrianglePoint {
-            point,
-            squared: 0.0,
-            ..foot
-        };
-    }
-    TrianglePoint {
-        squared: foot.squared.max(f64::MIN_POSITIVE),
-        ..foot
-    }
+    let is_on_triangle = foot.squared <= NEAR * size && triangles_intersect(triangle, &[point; 3]);
+    let (point, squared) = if is_on_triangle {
+        (point, 0.0)
+    } else {
+        (foot.point, foot.squared.max(f64::MIN_POSITIVE))
+    };
+    TrianglePoint { point, squared, ..foot }
 }
 
 /// The closest point of a closed triangle, degenerate or not.

@@ -36,8 +36,9 @@ pub(crate) struct Skin {
     influences: Vec<Influence>,
     /// `influences[starts[v]..starts[v + 1]]` are those of vertex `v`, in the order of their slots.
     starts: Vec<u32>,
-    /// The largest sum of a vertex's weights, rounded up.
+    /// The largest sum of a vertex's weights, and how far any is from 1, rounded up.
     max_sum: f64,
+    max_missing: f64,
 }
 
 impl Skin {
@@ -47,12 +48,15 @@ impl Skin {
             influences: Vec::new(),
             starts: vec![0],
             max_sum: 0.0,
+            max_missing: 0.0,
         };
         for influences in of_vertices {
             skin.influences.extend(influences);
             skin.starts.push(skin.influences.len() as u32);
             let sum: f64 = influences.iter().map(|influence| f64::from(influence.weight)).sum();
-            skin.max_sum = skin.max_sum.max(sum * (1.0 + 8.0 * f64::EPSILON));
+            let rounding = 8.0 * f64::EPSILON * (1.0 + sum);
+            skin.max_sum = skin.max_sum.max(sum + rounding);
+            skin.max_missing = skin.max_missing.max((1.0 - sum).abs() + rounding);
         }
         skin
     }
@@ -63,6 +67,10 @@ impl Skin {
 
     pub(crate) fn max_sum(&self) -> f64 {
         self.max_sum
+    }
+
+    pub(crate) fn max_missing(&self) -> f64 {
+        self.max_missing
     }
 
     /// The influences of a vertex with weights that are not 0, in the order of their slots.

@@ -100,7 +100,6 @@ impl Pose {
         if let (Some((place, skinning)), Some(tables)) = (&mut self.skinning, &self.bvh.skin) {
             let tree = SkinTree {
                 model: self.bvh.model(),
-                tables: &self.bvh.tables,
                 skin: tables,
                 weights: &self.weights,
                 level: self.bvh.kernel().level,
@@ -194,17 +193,24 @@ impl Pose {
         let copy = copy.get_or_insert_with(|| pose.clone());
         let is_current = Arc::ptr_eq(&copy.bvh, &pose.bvh)
             && copy.is_refitted == pose.is_refitted
+            // How large the boxes of a skinned mesh are depends on its joints before, too, and so does the order of pairs.
+            && copy.joint_changes() == pose.joint_changes()
             && copy.joints() == pose.joints()
             // Refitted boxes are those of one vector of weights. Weights that a pose has accepted are never refused.
-            && (copy.weights() == pose.weights() || !copy.is_refitted && copy.set_weights(pose.weights()).is_ok());
+            && (copy.weights() == pose.weights()
+                || !copy.is_refitted && copy.skinning.is_none() && copy.set_weights(pose.weights()).is_ok());
         if !is_current {
             copy.clone_from(pose);
         }
         copy
     }
 
+    fn joint_changes(&self) -> Option<u32> {
+        self.skinning.as_ref().map(|(_, skinning)| skinning.version())
+    }
+
     /// A bound on the distance in model space between any vertex and the same vertex at the weights `before`, roundings
-    /// included. `before` has one weight per target.
+    /// included. `before` has one weight per target. Joints do not count: it is about vertices before these move them.
     ///
     /// Cost: linear in the number of targets.
     #[must_use]

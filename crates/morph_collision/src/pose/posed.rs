@@ -64,6 +64,7 @@ pub(crate) struct Posed<'a> {
 pub(super) struct Scratch {
     corners: Vec<CornerLanes>,
     points: Vec<Vec3>,
+    pub(super) world: Vec<DVec3>,
 }
 
 impl Posed<'_> {
@@ -247,8 +248,8 @@ impl Posed<'_> {
     /// `size` is that of the posed mesh. docs/numerics.md, "Collapsed bodies", says why 0 is right for the others.
     #[inline]
     pub(crate) fn rounding(&self, size: f32) -> f32 {
-        if let Some((_, skinning)) = &self.skin {
-            return skinning.top_widening();
+        if self.is_skinned() {
+            return self.top_widening();
         }
         // Not measured; it only spares ordinary bodies the pass over the targets.
         const MUCH: f32 = 512.0;

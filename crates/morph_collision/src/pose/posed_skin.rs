@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::posed::{NodeId, Posed};
 use super::skinning::SkinTree;
 use crate::bounds::{Aabb, BoxLanes, Extent, Frame, WorldFromModel};
-use crate::tree::{BODY_FRAME, Leaf};
+use crate::tree::{BODY_FRAME, ChildKind, Leaf};
 
 /// Boxes that are kept in the space of a joint.
 #[derive(Clone, Copy, Debug)]
@@ -24,23 +24,39 @@ impl<'a> Posed<'a> {
 
     /// Blends a group's boxes and takes them to the body's space. Returns their slot there.
     pub(super) fn open_skinned(&mut self, group: usize) -> usize {
-        let bounds = if group > self.top_group() {
-            self.bounds()
+        let mut boxes = BoxLanes::default();
+        if group == 0 {
+            boxes.set(0, &self.root_box());
         } else {
-            Aabb::UNBOUNDED
-        };
-        let own = self.open_in_frame(group);
-        let slot = self.boxes.insert(group, BoxLanes::default());
-        if let (Some(own), Some(tree), Some((_, skinning))) = (own, self.skin_tree(), &mut self.skin) {
-            skinning.in_body(tree, own.frame, own.slot, &bounds, self.boxes.get_mut(slot));
+            self.open_in_body(group, &mut boxes);
         }
-        slot
+        self.boxes.insert(group, boxes)
+    }
+
+    fn root_box(&mut self) -> Aabb {
+        match self.topology.group(0).child(0).kind() {
+            ChildKind::Leaf(leaf) => self.skinned_leaf_box(leaf),
+            ChildKind::Group(_) => self.bounds(),
+        }
+    }
+
+    fn open_in_body(&mut self, group: usize, boxes: &mut BoxLanes) {
+        let own = self.open_in_frame(group);
+        if let (Some(BoneBoxes { frame, slot }), Some((_, skinning))) = (own, &mut self.skin) {
+            skinning.in_body(self.level, frame, slot, boxes);
+        }
+    }
+
+    /// About how much the boxes that make the body's bounds were widened for rounding.
+    pub(super) fn top_widening(&self) -> f32 {
+        let group = self.top_group();
+        self.skin.as_ref().map_or(0.0, |(_, skinning)| skinning.widening(group))
     }
 
     /// Blends a group's boxes in the space of a joint, if that is where they are kept.
     #[inline(always)]
     pub(crate) fn open_in_bone(&mut self, group: usize) -> Option<BoneBoxes> {
-        if self.skin.is_none() || self.is_refitted {
+        if self.skin.is_none() || self.is_refitted || group == 0 {
             return None;
         }
         self.open_in_frame(group).filter(|boxes| boxes.frame != BODY_FRAME)
@@ -65,16 +81,14 @@ impl<'a> Posed<'a> {
 
     /// The map from the space of a joint to the body's; `None` where there is none.
     pub(crate) fn body_from_bone(&mut self, frame: usize) -> Option<Frame> {
-        let bounds = self.bounds();
         let (_, skinning) = self.skin.as_mut()?;
-        skinning.body_from_frame(frame, &bounds)
+        skinning.body_from_frame(frame)
     }
 
     fn skin_tree(&self) -> Option<SkinTree<'a>> {
         let (skin, _) = self.skin.as_ref()?;
         Some(SkinTree {
             model: self.model,
-            tables: self.tables,
             skin,
             weights: self.weights,
             level: self.level,
@@ -85,8 +99,11 @@ impl<'a> Posed<'a> {
     pub(super) fn box_in_frame(&mut self, node: NodeId) -> Option<(Aabb, WorldFromModel)> {
         let (group, lane) = (node.group as usize, usize::from(node.lane));
         let slot = self.boxes.find(group)?;
-        if self.is_refitted {
-            return Some((self.boxes.get(slot).get(lane), *self.place));
+        if self.is_refitted || group == 0 {
+            return self
+                .skin
+                .is_some()
+                .then(|| (self.boxes.get(slot).get(lane), *self.place));
         }
         let BoneBoxes { frame, slot } = self.open_in_frame(group)?;
         let (_, skinning) = self.skin.as_ref()?;
@@ -111,6 +128,15 @@ impl<'a> Posed<'a> {
         let placed = skin.place(vertex, position, &skinning.joints);
         skinning.placed.insert(vertex as usize, placed);
         placed
+    }
+
+    /// The positions of vertices in world space.
+    pub(crate) fn world_vertices(&mut self, vertices: &[u32]) -> &[DVec3] {
+        let mut points = std::mem::take(&mut self.scratch.world);
+        points.clear();
+        points.extend(vertices.iter().map(|&vertex| self.skinned_vertex(vertex)));
+        self.scratch.world = points;
+        &self.scratch.world
     }
 
     /// A tight box around a leaf's vertices in the body's space.

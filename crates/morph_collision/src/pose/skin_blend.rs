@@ -5,7 +5,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};
 
 use super::blend::blend_group;
-use crate::bounds::{BoxLanes, Ends, JointMap};
+use crate::bounds::{BoxLanes, Ends, JointMap, LANES, lanes_of};
 use crate::model::Weights;
 use crate::tree::Block;
 
@@ -26,10 +26,8 @@ pub(super) fn blend_skinned<'m, 't, S: Simd>(
     origin: f32,
     boxes: &mut BoxLanes,
 ) -> f32 {
-    let mut hull = [
-        [f32x8::splat(simd, f32::INFINITY); 3],
-        [f32x8::splat(simd, f32::NEG_INFINITY); 3],
-    ];
+    let all = |value| [f32x8::splat(simd, value); 3];
+    boxes.store(all(f32::INFINITY), all(f32::NEG_INFINITY));
     let mut widest = 0.0_f32;
     let mut cluster = BoxLanes::default();
     for block in blocks {
@@ -40,16 +38,20 @@ pub(super) fn blend_skinned<'m, 't, S: Simd>(
             _ => moved(simd, &block, own, reach, &map, origin),
         };
         widest = widest.max(widening);
-        for axis in 0..3 {
-            // A lane without a cluster is masked out here, whatever it holds.
-            let is_used = lanes(simd, block.lanes);
-            hull[0][axis] = is_used.select(hull[0][axis].min(ends[0][axis]), hull[0][axis]);
-            hull[1][axis] = is_used.select(hull[1][axis].max(ends[1][axis]), hull[1][axis]);
+        if *block.children == EACH {
+            boxes.join(simd, ends, block.lanes);
+        } else {
+            cluster.store(ends[0], ends[1]);
+            for lane in lanes_of(block.lanes) {
+                boxes.join_one(usize::from(block.children[lane % LANES]), &cluster, lane);
+            }
         }
     }
-    boxes.store(hull[0], hull[1]);
     widest
 }
+
+/// The lanes of a block in which every child has its own.
+const EACH: [u8; LANES] = [0, 1, 2, 3, 4, 5, 6, 7];
 
 /// The boxes of a block's clusters under their joints, and how much they were widened.
 #[inline(always)]
@@ -78,7 +80,7 @@ fn moved<'m, S: Simd>(
     for of in block.pivots {
         let map = map(of.map);
         note(map);
-        let (image, is_its) = (image(map), lanes(simd, of.lanes));
+        let (image, is_its) = (image(map), mask32x8::from_bitmask(simd, u64::from(of.lanes)));
         for end in 0..2 {
             for axis in 0..3 {
                 pivot[end][axis] = is_its.select(image[end][axis], pivot[end][axis]);
@@ -119,9 +121,4 @@ fn widening(block: &Block<'_>, farthest: f32, drift: f32, origin: f32) -> f32 {
         + drift * (1.0 + 2.0 * others) * 1.001
         + block.missing * (origin + farthest) * 1.001
         + (rows + 2.0) * 1e-42
-}
-
-#[inline(always)]
-fn lanes<S: Simd>(simd: S, mask: u8) -> mask32x8<S> {
-    mask32x8::from_bitmask(simd, u64::from(mask))
 }

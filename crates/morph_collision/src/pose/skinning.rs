@@ -8,7 +8,7 @@ use super::skin_blend::blend_skinned;
 use crate::bounds::{Aabb, BoxLanes, BoxMap, Frame, JointMap, PlacedBounds, WorldFromModel, with_simd};
 use crate::joints::JointMatrices;
 use crate::model::{MorphModel, Weights};
-use crate::tree::{BODY_FRAME, MapKey, SkinTables, Tables};
+use crate::tree::{BODY_FRAME, MapKey, SkinTables};
 
 /// The state of a skinned pose.
 #[derive(Clone, Debug)]
@@ -20,16 +20,24 @@ pub(super) struct Skinning {
     maps: Vec<KeptMap>,
     /// By group, in the group's frame. They outlast joints that move without changing a group's maps.
     boxes: EpochCache<BoxLanes>,
-    /// The version in which a group's boxes were last found to be right.
-    made: Vec<u32>,
-    /// How much the boxes that make the body's bounds were widened.
-    top_widening: f32,
+    /// By group.
+    made: Vec<Made>,
     /// World positions, by welded vertex.
     pub(super) placed: EpochCache<DVec3>,
     /// The largest absolute coordinate of vertices before joints move them.
     reach: f64,
     /// How far world positions may be from those without rounding.
     error: f64,
+    /// The largest absolute world coordinate of a vertex relative to the body's frame.
+    radius: f64,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Made {
+    /// The version in which the boxes were last found to be right.
+    version: u32,
+    /// How much they were widened.
+    widening: f32,
 }
 
 /// A space in which boxes are kept.
@@ -59,7 +67,6 @@ struct KeptMap {
 #[derive(Clone, Copy)]
 pub(super) struct SkinTree<'a> {
     pub(super) model: &'a MorphModel,
-    pub(super) tables: &'a Tables,
     pub(super) skin: &'a SkinTables,
     pub(super) weights: &'a Weights,
     pub(super) level: Level,
@@ -73,11 +80,11 @@ impl Skinning {
             frames: vec![BoneFrame::default(); skin.frames.len()],
             maps: vec![KeptMap::default(); skin.maps.len()],
             boxes: EpochCache::new(groups),
-            made: vec![0; groups],
-            top_widening: 0.0,
+            made: vec![Made::default(); groups],
             placed: EpochCache::new(vertices),
             reach: 0.0,
             error: 0.0,
+            radius: 0.0,
         }
     }
 
@@ -102,15 +109,27 @@ impl Skinning {
         // Up to eight products and sums of matrices, three of each for the position.
         self.error = 32.0 * f64::EPSILON * sum * self.joints.world_reach(self.reach);
         self.frame_is_used(tree.skin, BODY_FRAME);
-        self.frames[BODY_FRAME].place
+        let place = self.frames[BODY_FRAME].place;
+        if let Some(skin) = tree.model.skin() {
+            let origin = place.translation();
+            let moved = self.joints.linear_reach() * self.reach + self.joints.spread(origin);
+            let missing = skin.max_missing() * origin.abs().max_element();
+            self.radius = (skin.max_sum() * moved + missing + self.error) * (1.0 + 1e-9);
+        }
+        place
+    }
+
+    pub(super) fn version(&self) -> u32 {
+        self.version
     }
 
     pub(super) fn error(&self) -> f64 {
         self.error
     }
 
-    pub(super) fn top_widening(&self) -> f32 {
-        self.top_widening
+    /// How much a group's boxes were widened.
+    pub(super) fn widening(&self, group: usize) -> f32 {
+        self.made[group].widening
     }
 
     /// Whether boxes are kept in a frame. Places it first.
@@ -171,14 +190,14 @@ impl Skinning {
     pub(super) fn open(&mut self, tree: SkinTree<'_>, group: usize) -> (usize, bool) {
         let found = self.boxes.find(group);
         if let Some(slot) = found
-            && self.made[group] == self.version
+            && self.made[group].version == self.version
         {
             return (slot, false);
         }
         let maps = tree.skin.maps_of(group);
         let changed = maps.iter().map(|&map| self.changed(tree.skin, map)).fold(0, u32::max);
-        let is_right = changed <= self.made[group];
-        self.made[group] = self.version;
+        let is_right = changed <= self.made[group].version;
+        self.made[group].version = self.version;
         if let Some(slot) = found
             && is_right
         {
@@ -188,12 +207,10 @@ impl Skinning {
         let frame = self.frame_of(tree.skin, group);
         let origin = self.frames[frame].place.model_point(DVec3::ZERO).0.abs().max_element() as f32 * (1.0 + 1e-3);
         let (maps, boxes) = (&self.maps, self.boxes.get_mut(slot));
-        let blocks = tree.skin.blocks(tree.tables, group);
+        let blocks = tree.skin.blocks(group);
         let map = |map: u32| &maps[map as usize].map;
-        let widening = with_simd!(tree.level, simd => blend_skinned(simd, blocks, tree.weights, map, origin, boxes));
-        if tree.skin.is_top(group) {
-            self.top_widening = widening;
-        }
+        self.made[group].widening =
+            with_simd!(tree.level, simd => blend_skinned(simd, blocks, tree.weights, map, origin, boxes));
         (slot, true)
     }
 
@@ -202,22 +219,15 @@ impl Skinning {
         self.frames[frame].place
     }
 
-    /// Maps boxes to the body's frame, given the body's bounds there.
-    pub(super) fn in_body(
-        &mut self,
-        tree: SkinTree<'_>,
-        frame: usize,
-        slot: usize,
-        bounds: &Aabb,
-        boxes: &mut BoxLanes,
-    ) {
+    /// Maps boxes to the body's frame.
+    pub(super) fn in_body(&mut self, level: Level, frame: usize, slot: usize, boxes: &mut BoxLanes) {
         if frame == BODY_FRAME {
             *boxes = *self.boxes.get(slot);
             return;
         }
-        self.place(frame, bounds);
+        self.place(frame);
         match &self.frames[frame].boxes_to_body {
-            Some(map) => with_simd!(tree.level, simd => map.all(simd, self.boxes.get(slot), boxes)),
+            Some(map) => with_simd!(level, simd => map.all(simd, self.boxes.get(slot), boxes)),
             None => boxes.set_all(&Aabb::UNBOUNDED),
         }
     }
@@ -227,27 +237,23 @@ impl Skinning {
         self.boxes.get(slot)
     }
 
-    /// The map from a frame to the body's, given the body's bounds there; `None` where there is none.
-    pub(super) fn body_from_frame(&mut self, frame: usize, bounds: &Aabb) -> Option<Frame> {
-        self.place(frame, bounds);
+    /// The map from a frame to the body's; `None` where there is none.
+    pub(super) fn body_from_frame(&mut self, frame: usize) -> Option<Frame> {
+        self.place(frame);
         self.frames[frame].to_body
     }
 
-    /// Where the boxes of a frame stand, given the body's bounds in its own.
-    fn place(&mut self, frame: usize, bounds: &Aabb) {
-        if self.frames[frame].placed_in == self.version {
+    /// Makes the maps from a frame to the body's.
+    fn place(&mut self, frame: usize) {
+        let body = PlacedBounds::with_error(&self.frames[BODY_FRAME].place, DVec3::ZERO, self.error);
+        let of = &mut self.frames[frame];
+        if of.placed_in == self.version {
             return;
         }
-        let placed = |place: &WorldFromModel, magnitude| PlacedBounds::with_error(place, magnitude, self.error);
-        let body = placed(&self.frames[BODY_FRAME].place, bounds.magnitude().as_dvec3());
-        let of = &mut self.frames[frame];
         of.placed_in = self.version;
-        // Points are within the body's bounds, so their images are within those of the bounds.
-        let from_body = placed(&of.place, DVec3::ZERO).frame_from(&body);
-        let from_body = from_body.and_then(|frame| BoxMap::new(&frame));
-        let magnitude = from_body.map(|map| map.one(bounds).magnitude().as_dvec3());
-        let magnitude = magnitude.filter(|reach| reach.is_finite());
-        of.to_body = magnitude.and_then(|magnitude| body.frame_from(&placed(&of.place, magnitude)));
+        let magnitude = of.place.model_reach(body.world_from_model().translation(), self.radius);
+        let placed = PlacedBounds::with_error(&of.place, DVec3::splat(magnitude), self.error);
+        of.to_body = body.frame_from(&placed);
         of.boxes_to_body = of.to_body.and_then(|frame| BoxMap::new(&frame));
     }
 

@@ -51,7 +51,15 @@ pub(super) fn place_leaf(
 ) {
     let numbers = tree.topology.leaf_triangles(leaf);
     if tree.is_skinned() {
-        placed.extend(numbers.iter().map(|&number| (number, tree.world_triangle(number))));
+        let mesh = tree.topology.leaf_mesh(leaf);
+        let points = tree.world_vertices(mesh.vertices);
+        let corners = |triangle: &[u16; 3]| triangle.map(|place| points[usize::from(place)]);
+        placed.extend(
+            numbers
+                .iter()
+                .zip(mesh.corners)
+                .map(|(&number, triangle)| (number, corners(triangle))),
+        );
         return;
     }
     posed.clear();

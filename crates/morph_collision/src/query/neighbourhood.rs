@@ -4,12 +4,9 @@ use fearless_simd::f64x4;
 use fearless_simd::prelude::*;
 use glam::DVec3;
 
-use std::ops::Range;
-
-use crate::bounds::{LANES, WorldFromModel};
+use crate::bounds::WorldFromModel;
 use crate::exact::{power_of_two, power_of_two_below};
-use crate::pose::Posed;
-use crate::tree::{CornerLanes, put};
+use crate::tree::{CornerLanes, in_lanes, put};
 
 /// A frame near both bodies, in units of their size, where `f32` loses little of `f64`'s precision.
 #[derive(Clone, Copy, Debug)]
@@ -58,14 +55,14 @@ pub(super) struct Placement {
 }
 
 impl Placement {
-    /// Sets `corners` to those of up to eight triangles of a skinned mesh, given by their places in leaf order.
-    pub(super) fn place_triangles(&self, tree: &mut Posed<'_>, places: Range<usize>, corners: &mut CornerLanes) {
+    /// The same for up to eight triangles over points in world space.
+    pub(super) fn place_points(&self, points: &[DVec3], triangles: &[[u16; 3]], corners: &mut CornerLanes) {
         let origin = DVec3::from_array(self.origin);
-        for (lane, place) in (0..LANES).zip(places.clone().chain(std::iter::repeat(places.end - 1))) {
-            let triangle = tree.topology.triangle(place);
-            for (corner, position) in tree.world_triangle(triangle).into_iter().enumerate() {
+        for (lane, triangle) in in_lanes(triangles) {
+            for (corner, place) in triangle.into_iter().enumerate() {
                 // The scale is a power of two, which changes no rounding.
-                put(corners, lane, corner, (position * self.scale - origin).as_vec3());
+                let point = points[usize::from(place)] * self.scale - origin;
+                put(corners, lane, corner, point.as_vec3());
             }
         }
     }

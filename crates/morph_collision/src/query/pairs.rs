@@ -64,7 +64,7 @@ impl PairQuery {
 
     /// Calls `visitor` for every pair of intersecting triangles, in the order of the walk, until it breaks.
     pub fn visit(&mut self, a: Body<'_>, b: Body<'_>, mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>) {
-        self.run(a, b, Start::Front(&[]), &mut visitor);
+        self.run(a, b, Start::Front(&[], false), &mut visitor);
     }
 
     /// Like [`PairQuery::first`], but tries the leaves that intersected last time before anything else.
@@ -126,6 +126,7 @@ impl PairQuery {
     ) -> Option<(Leaf, Leaf)> {
         let (a, b) = (&mut a.posed(), &mut b.posed());
         let before = [a.blended(), b.blended()];
+        let is_continued = matches!(start, Start::Front(_, true));
         let Self {
             walk,
             patches: [patches_a, patches_b],
@@ -133,21 +134,24 @@ impl PairQuery {
             stats,
         } = self;
         *stats = QueryStats::default();
+        let tests_before = walk.node_tests;
         let mut stopped_at = None;
         let placements = Placements {
             a: a.stand(),
             b: b.stand(),
         };
-        let roots_overlap = matches!(start, Start::Leaves(_)) || placements.begin_walk(walk);
+        let roots_overlap = is_continued || matches!(start, Start::Leaves(_)) || placements.begin_walk(walk);
         if !roots_overlap {
             stats.node_tests = 1;
-        } else if matches!(start, Start::Front([]) | Start::Deepest) && placements.are_collapsed() {
+        } else if matches!(start, Start::Front([], _) | Start::Deepest) && placements.are_collapsed() {
             collapsed.place(a, b);
             let _stopped_early = collapsed.intersecting(stats, visitor);
         } else {
-            let neighbourhood = placements.neighbourhood();
-            patches_a.begin(&neighbourhood, a.place);
-            patches_b.begin(&neighbourhood, b.place);
+            if !is_continued {
+                let neighbourhood = placements.neighbourhood();
+                patches_a.begin(&neighbourhood, a.place);
+                patches_b.begin(&neighbourhood, b.place);
+            }
             let mut at_leaves = |a: &mut Posed<'_>, b: &mut Posed<'_>, leaves: &[(Leaf, Leaf)]| {
                 let mut a = Side::new(a, patches_a);
                 let mut b = Side::new(b, patches_b);
@@ -157,17 +161,16 @@ impl PairQuery {
                 }
                 flow
             };
-            let starts_at_leaves = matches!(start, Start::Leaves(_));
             let _stopped_early = match start {
                 Start::Deepest => walk.run((&mut *a, &mut *b), &[], Order::DeepestFirst, &mut at_leaves),
-                Start::Front(front) => walk.run((&mut *a, &mut *b), front, Order::Any, &mut at_leaves),
+                Start::Front(front, _) => walk.run((&mut *a, &mut *b), front, Order::Any, &mut at_leaves),
                 Start::Leaves(leaves) => at_leaves(a, b, &[leaves]),
                 Start::Expand(least, front) => {
                     *front = walk.front(a, b, least);
                     ControlFlow::Continue(())
                 }
             };
-            stats.node_tests = if starts_at_leaves { 0 } else { walk.node_tests };
+            stats.node_tests = walk.node_tests - tests_before;
         }
         *stats += QueryStats::blending(before, [a.blended(), b.blended()]);
         stopped_at
@@ -178,8 +181,9 @@ impl PairQuery {
 pub(super) enum Start<'a> {
     /// The roots, descending first where nodes overlap deepest.
     Deepest,
-    /// Node pairs of an earlier walk; the roots if there are none.
-    Front(&'a [(NodeId, NodeId)]),
+    /// Node pairs of an earlier walk; the roots if there are none. True if the query before was about the same bodies in the same state:
+    /// what it saw of them is kept.
+    Front(&'a [(NodeId, NodeId)], bool),
     /// Two leaves, without a walk.
     Leaves((Leaf, Leaf)),
     /// The roots, expanded into at least this many node pairs, which are stored here.

@@ -65,7 +65,9 @@ impl<'q, 'p> Side<'q, 'p> {
             patch.first = first as u32;
             with_simd!(self.tree.level, simd => {
                 if self.tree.is_skinned() {
-                    placement.place_triangles(self.tree, first..triangles.end, &mut patch.corners);
+                    let mesh = self.tree.topology.leaf_mesh(leaf);
+                    let triangles = mesh.corners.chunks(LANES).nth(index).unwrap_or_default();
+                    placement.place_points(self.tree.world_vertices(mesh.vertices), triangles, &mut patch.corners);
                 } else {
                     self.tree.patch_corners(simd, leaf, index, &mut patch.corners);
                     placement.place(simd, &mut patch.corners);

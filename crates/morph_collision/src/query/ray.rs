@@ -83,10 +83,8 @@ impl RayQuery {
     ) -> Option<RayHit> {
         let mut closest: Option<(f64, RayHit)> = None;
         let _never_stopped = self.cast(body, ray, |number, crossing, triangle| {
-            let is_closer = closest
-                .as_ref()
-                .is_none_or(|(t, hit)| crossing.t < *t || (crossing.t == *t && number < hit.triangle));
-            if is_closer {
+            let is_after = |(t, hit): &(f64, RayHit)| (crossing.t, number) < (*t, hit.triangle);
+            if closest.as_ref().is_none_or(is_after) {
                 let hit = RayHit::new(ray, number, crossing, triangle);
                 if accept(&hit) {
                     closest = Some((crossing.t, hit));

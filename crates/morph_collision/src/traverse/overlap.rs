@@ -48,7 +48,6 @@ pub(crate) struct OverlapWalk {
 impl OverlapWalk {
     /// Starts a query, without frames. `a_from_b_scale` is the length in A's units of a length of 1 in B's, to compare sizes.
     pub(crate) fn begin(&mut self, [a, b]: [&Standing; 2], a_from_b_scale: f32) {
-        self.node_tests = 0;
         self.a.begin(a.root, 1.0, a.is_skinned);
         self.b.begin(b.root, a_from_b_scale, b.is_skinned);
     }

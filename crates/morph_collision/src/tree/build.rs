@@ -137,26 +137,21 @@ impl<S: Splits> Builder<'_, S> {
     /// Takes the next number in preorder for a group whose children are not known yet.
     fn reserve(&mut self) -> usize {
         self.topology.groups.push(Group::default());
-        self.tables.reserve();
-        if let Some(skin) = &mut self.skin {
-            skin.reserve();
+        match &mut self.skin {
+            Some(skin) => skin.reserve(),
+            None => self.tables.reserve(),
         }
         self.topology.groups.len() - 1
     }
 
     /// Stores the children of a group and returns the clusters of all of them.
-    fn finish(
-        &mut self,
-        group: usize,
-        children: &[Child],
-        clusters: Vec<Vec<Cluster>>,
-        in_body_frame: bool,
-    ) -> Vec<Cluster> {
-        let slot = &mut self.topology.groups[group];
-        slot.children[..children.len()].copy_from_slice(children);
-        slot.len = children.len() as u8;
+    fn finish(&mut self, group: usize, children: &[Child], clusters: Vec<Vec<Cluster>>, is_top: bool) -> Vec<Cluster> {
+        self.topology.groups[group].set(children);
         if let Some(skin) = &mut self.skin {
-            skin.fill(&mut self.tables, group, &clusters, in_body_frame);
+            // The root's box is the hull of its children's, which make the body's bounds.
+            if group > 0 {
+                skin.fill(group, &clusters, is_top);
+            }
             return Cluster::joined(clusters.into_iter().flatten().collect());
         }
         // Without joints each child is one cluster.

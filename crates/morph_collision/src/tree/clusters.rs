@@ -48,9 +48,8 @@ impl Cluster {
                 shares: Vec::new(),
             };
         };
-        let sum: f64 = skin.influences(vertex).iter().map(|i| f64::from(i.weight)).sum();
         let mut weights = summed(skin.influences(vertex));
-        let (missing, origin) = (1.0 - sum, skin.joint_count() as u16);
+        let (missing, origin) = (1.0 - sum(skin.influences(vertex)), skin.joint_count() as u16);
         let is_missing = missing.abs() > MISSING;
         if is_missing {
             let (low, high) = outward(missing);
@@ -76,8 +75,16 @@ impl Cluster {
                 .map(|w| (w.joint, w.high))
                 .collect(),
             weights,
-            missing: if is_missing { 0.0 } else { outward(missing.abs()).1 },
+            missing: if is_missing || missing == 0.0 {
+                0.0
+            } else {
+                outward(missing.abs()).1
+            },
         }
+    }
+
+    pub(super) fn key(&self) -> [u16; 2] {
+        self.key
     }
 
     /// The joint whose image of the cluster is corrected by those of the others.
@@ -138,7 +145,7 @@ fn summed(influences: &[Influence]) -> Vec<Interval> {
     let sums = sorted.chunk_by(|a, b| a.joint == b.joint).map(|of| {
         let (low, high) = match of {
             [one] => (one.weight, one.weight),
-            several => outward(several.iter().map(|influence| f64::from(influence.weight)).sum()),
+            several => outward(sum(several)),
         };
         Interval {
             joint: of[0].joint,
@@ -147,6 +154,15 @@ fn summed(influences: &[Influence]) -> Vec<Interval> {
         }
     });
     sums.collect()
+}
+
+/// The sum of weights. It is exactly 1 only if it is so without rounding.
+fn sum(influences: &[Influence]) -> f64 {
+    let terms = || influences.iter().map(|influence| f64::from(influence.weight));
+    let sum: f64 = terms().sum();
+    // Sums of numbers with 24 bits are exact in `f64` unless some are much smaller than others.
+    let is_exact = terms().all(|weight| weight >= 1.0 / (1 << 24) as f64) && sum <= 8.0;
+    if is_exact || sum != 1.0 { sum } else { sum.next_up() }
 }
 
 /// The `f32` numbers around a sum of a few weights, its rounding included.

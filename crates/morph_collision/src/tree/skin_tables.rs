@@ -1,9 +1,9 @@
 //! What takes the blended boxes of clusters to the boxes of a group's children under joints (docs/skinning.md).
 //!
 //! The children of a group have their boxes in one *frame*: the space of the joint that moves most of them. What a joint does there is
-//! its *map*: frame from world times world from mesh. The clusters of the children stand side by side in *blocks*, one cluster of each child per block.
+//! its *map*: frame from world times world from mesh. The clusters of the children stand side by side in *blocks*.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
 
 use super::clusters::{Cluster, Interval, NONE, dominant};
@@ -38,8 +38,8 @@ pub(crate) struct Row {
 
 #[derive(Clone, Debug)]
 struct BlockHeader {
-    /// Where the tables of its boxes are in `more`; those of a group's first block are the group's own.
-    tables: Option<u32>,
+    /// The child of each lane.
+    children: [u8; LANES],
     lanes: u8,
     pivots: Range<u32>,
     rows: Range<u32>,
@@ -47,11 +47,12 @@ struct BlockHeader {
     missing: f32,
 }
 
-/// One cluster of each child, where a child has so many.
+/// Up to eight clusters of the children of a group, side by side.
 pub(crate) struct Block<'a> {
     pub(crate) tables: GroupTables<'a>,
-    /// The children that have a cluster here.
+    /// The lanes with a cluster, and whose it is.
     pub(crate) lanes: u8,
+    pub(crate) children: &'a [u8; LANES],
     /// The strongest joint of each cluster.
     pub(crate) pivots: &'a [Pivot],
     /// All other joints.
@@ -76,7 +77,8 @@ pub(crate) struct SkinTables {
     blocks: Vec<BlockHeader>,
     pivots: Vec<Pivot>,
     rows: Vec<Row>,
-    more: Tables,
+    /// By block.
+    boxes: Tables,
     /// The joints whose spaces are frames; `None` where no joint moves a group.
     pub(crate) frames: Vec<Option<u16>>,
     /// All maps that any group needs.
@@ -91,11 +93,6 @@ impl SkinTables {
         usize::from(self.groups[group].frame)
     }
 
-    /// Whether the boxes of a group are kept in the body's frame because its bounds are made of them.
-    pub(crate) fn is_top(&self, group: usize) -> bool {
-        group <= 1
-    }
-
     /// The maps that a group's boxes depend on.
     #[inline(always)]
     pub(crate) fn maps_of(&self, group: usize) -> &[u32] {
@@ -104,21 +101,20 @@ impl SkinTables {
     }
 
     #[inline(always)]
-    pub(crate) fn blocks<'a>(&'a self, tables: &'a Tables, group: usize) -> impl Iterator<Item = Block<'a>> {
-        let blocks = &self.groups[group].blocks;
-        self.blocks[blocks.start as usize..blocks.end as usize]
-            .iter()
-            .map(move |block| Block {
-                tables: match block.tables {
-                    None => tables.group(group),
-                    Some(index) => self.more.group(index as usize),
-                },
+    pub(crate) fn blocks(&self, group: usize) -> impl Iterator<Item = Block<'_>> {
+        let blocks = self.groups[group].blocks.clone();
+        blocks.map(|index| {
+            let block = &self.blocks[index as usize];
+            Block {
+                tables: self.boxes.group(index as usize),
                 lanes: block.lanes,
+                children: &block.children,
                 pivots: &self.pivots[block.pivots.start as usize..block.pivots.end as usize],
                 rows: &self.rows[block.rows.start as usize..block.rows.end as usize],
                 weight: block.weight,
                 missing: block.missing,
-            })
+            }
+        })
     }
 
     pub(super) fn bytes(&self) -> usize {
@@ -126,7 +122,7 @@ impl SkinTables {
             + size_of_val(&*self.blocks)
             + size_of_val(&*self.pivots)
             + size_of_val(&*self.rows)
-            + self.more.bytes()
+            + self.boxes.bytes()
             + size_of_val(&*self.frames)
             + size_of_val(&*self.maps)
             + size_of_val(&*self.maps_of_groups)
@@ -172,61 +168,29 @@ impl SkinBuilder {
         self.tables.groups.push(GroupHeader::default());
     }
 
-    /// Fills a group's tables from the clusters of its children; `tables` has those of its boxes. The boxes are in the body's frame, or in that of
-    /// the joint that moves most of the group.
-    pub(super) fn fill(&mut self, tables: &mut Tables, group: usize, children: &[Vec<Cluster>], in_body_frame: bool) {
+    /// Fills a group's tables from the clusters of its children. Its boxes are in the body's frame, or in that of the joint that moves most of
+    /// the group.
+    pub(super) fn fill(&mut self, group: usize, children: &[Vec<Cluster>], in_body_frame: bool) {
         let frame = if in_body_frame {
             BODY_FRAME as u16
         } else {
             self.frame(dominant(children.iter().flatten()))
         };
         let first_block = self.tables.blocks.len();
-        let mut used = Vec::new();
-        for block in 0..children.iter().map(Vec::len).max().unwrap_or(0) {
-            let clusters: Vec<Option<&Cluster>> = children.iter().map(|clusters| clusters.get(block)).collect();
-            // In place of a cluster that is not there: a point of the child, so that all numbers stay small.
-            let extents: Vec<NodeExtents> = clusters
-                .iter()
-                .zip(children)
-                .map(|(cluster, child)| match cluster {
-                    Some(cluster) => cluster.extents.clone(),
-                    None => child[0].extents.a_point(),
-                })
-                .collect();
-            let whole = NodeExtents::of_parts(&extents);
-            let tables = if block == 0 {
-                tables.fill(group, &extents, &whole);
-                None
-            } else {
-                self.tables.more.reserve();
-                let index = self.tables.more.len() - 1;
-                self.tables.more.fill(index, &extents, &whole);
-                Some(index as u32)
-            };
-            let (pivots, rows) = (self.tables.pivots.len(), self.tables.rows.len());
-            let lanes = self.add(frame, &clusters);
-            let header = BlockHeader {
-                tables,
-                lanes,
-                pivots: pivots as u32..self.tables.pivots.len() as u32,
-                rows: rows as u32..self.tables.rows.len() as u32,
-                weight: clusters
-                    .iter()
-                    .flatten()
-                    .map(|cluster| weight_of_others(cluster))
-                    .fold(0.0, f32::max),
-                missing: clusters
-                    .iter()
-                    .flatten()
-                    .map(|cluster| cluster.missing)
-                    .fold(0.0, f32::max),
-            };
-            used.extend(self.tables.pivots[pivots..].iter().map(|pivot| pivot.map));
-            used.extend(self.tables.rows[rows..].iter().map(|row| row.map));
-            self.tables.blocks.push(header);
+        for lanes in arranged(children) {
+            self.add(frame, &lanes);
         }
-        used.sort_unstable();
-        used.dedup();
+        let blocks = &self.tables.blocks[first_block..];
+        let maps = |block: &BlockHeader| {
+            let pivots = &self.tables.pivots[block.pivots.start as usize..block.pivots.end as usize];
+            let rows = &self.tables.rows[block.rows.start as usize..block.rows.end as usize];
+            let maps = pivots
+                .iter()
+                .map(|pivot| pivot.map)
+                .chain(rows.iter().map(|row| row.map));
+            maps.collect::<Vec<_>>()
+        };
+        let used: BTreeSet<u32> = blocks.iter().flat_map(maps).collect();
         let first_map = self.tables.maps_of_groups.len();
         self.tables.maps_of_groups.extend(used);
         self.tables.groups[group] = GroupHeader {
@@ -236,43 +200,49 @@ impl SkinBuilder {
         };
     }
 
-    /// Adds the pivots and rows of a block; returns the lanes that are used.
-    fn add(&mut self, frame: u16, clusters: &[Option<&Cluster>]) -> u8 {
-        let lanes = || {
-            (0..LANES)
-                .zip(clusters)
-                .filter_map(|(lane, cluster)| Some((lane, (*cluster)?)))
+    /// Adds a block.
+    fn add(&mut self, frame: u16, lanes: &[Lane<'_>]) {
+        let mut header = BlockHeader {
+            children: [0, 1, 2, 3, 4, 5, 6, 7],
+            lanes: 0,
+            pivots: self.tables.pivots.len() as u32..0,
+            rows: self.tables.rows.len() as u32..0,
+            weight: 0.0,
+            missing: 0.0,
         };
-        let mut pivots: Vec<Pivot> = Vec::new();
-        let mut rows: Vec<Row> = Vec::new();
-        for (lane, cluster) in lanes() {
-            let map = self.map(frame, cluster.strongest());
-            match pivots.iter_mut().find(|pivot| pivot.map == map) {
-                Some(pivot) => pivot.lanes |= 1 << lane,
-                None => pivots.push(Pivot { map, lanes: 1 << lane }),
-            }
-            for &Interval { joint, low, high } in cluster.others() {
-                let map = self.map(frame, joint);
-                let place = rows.iter().position(|row| row.map == map).unwrap_or(rows.len());
-                if place == rows.len() {
-                    let none = Lanes::default();
-                    rows.push(Row {
-                        map,
-                        low: none,
-                        high: none,
-                    });
-                }
-                rows[place].low.0[lane] = low;
-                rows[place].high.0[lane] = high;
-            }
+        let Steps { pivots, rows } = steps(lanes);
+        for (lane, &(child, cluster)) in lanes.iter().enumerate() {
+            header.children[lane] = child as u8;
+            let Some(cluster) = cluster else { continue };
+            header.lanes |= 1 << lane;
+            header.weight = header.weight.max(weight_of_others(cluster));
+            header.missing = header.missing.max(cluster.missing);
         }
-        self.tables.pivots.extend(pivots);
-        self.tables.rows.extend(rows);
-        lanes().fold(0, |mask, (lane, _)| mask | 1 << lane)
+        for (joint, lanes) in pivots {
+            let map = self.map(frame, joint);
+            self.tables.pivots.push(Pivot { map, lanes });
+        }
+        for (joint, [low, high]) in rows {
+            let map = self.map(frame, joint);
+            self.tables.rows.push(Row { map, low, high });
+        }
+        header.pivots.end = self.tables.pivots.len() as u32;
+        header.rows.end = self.tables.rows.len() as u32;
+        // In place of a cluster that is not there: a point near those that are, so that all numbers stay small.
+        let first = lanes.iter().find_map(|(_, cluster)| *cluster);
+        let extents = |(_, cluster): &Lane<'_>| match (cluster, first) {
+            (Some(cluster), _) => Some(cluster.extents.clone()),
+            (None, first) => first.map(|first| first.extents.a_point()),
+        };
+        let extents: Vec<NodeExtents> = lanes.iter().filter_map(extents).collect();
+        let whole = NodeExtents::of_parts(&extents);
+        self.tables.boxes.reserve();
+        self.tables.boxes.fill(self.tables.blocks.len(), &extents, &whole);
+        self.tables.blocks.push(header);
     }
 
     pub(super) fn finish(mut self) -> SkinTables {
-        self.tables.more.finish();
+        self.tables.boxes.finish();
         self.tables
     }
 }
@@ -285,4 +255,76 @@ fn weight_of_others(cluster: &Cluster) -> f32 {
         .sum();
     // For the roundings of the sum, of at most a few dozen terms.
     sum * 1.001
+}
+
+/// A lane of a block: a child, and one of its clusters or none.
+type Lane<'c> = (usize, Option<&'c Cluster>);
+
+/// Divides the clusters of a group's children into blocks: either the next cluster of each child, or those next to each other in the order of
+/// their joints, whichever takes fewer instructions.
+fn arranged(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
+    let most = children.iter().map(Vec::len).max().unwrap_or(0);
+    let of_each = |place| {
+        children
+            .iter()
+            .enumerate()
+            .map(|(child, clusters)| (child, clusters.get(place)))
+            .collect()
+    };
+    let by_child: Vec<Vec<Lane<'_>>> = (0..most).map(of_each).collect();
+    let mut all: Vec<Lane<'_>> = Vec::new();
+    for (child, clusters) in children.iter().enumerate() {
+        all.extend(clusters.iter().map(|cluster| (child, Some(cluster))));
+    }
+    all.sort_by_key(|(_, cluster)| cluster.map(Cluster::key));
+    let by_joint: Vec<Vec<Lane<'_>>> = all.chunks(LANES).map(<[_]>::to_vec).collect();
+    let cost = |blocks: &[Vec<Lane<'_>>], scattering: usize| -> usize {
+        let of_block = |lanes: &Vec<Lane<'_>>| {
+            let Steps { pivots, rows } = steps(lanes);
+            BLOCK + PIVOT * pivots.len() + ROW * rows.len() + scattering
+        };
+        blocks.iter().map(of_block).sum()
+    };
+    if cost(&by_joint, SCATTERING) < cost(&by_child, 0) {
+        by_joint
+    } else {
+        by_child
+    }
+}
+
+/// What the steps of the kernel take, in instructions.
+const BLOCK: usize = 160;
+const PIVOT: usize = 120;
+const ROW: usize = 140;
+const SCATTERING: usize = 190;
+
+/// The joints of a block: the strongest of each lane, and what all others weigh.
+#[derive(Default)]
+struct Steps {
+    pivots: Vec<(u16, u8)>,
+    rows: Vec<(u16, [Lanes; 2])>,
+}
+
+fn steps(lanes: &[Lane<'_>]) -> Steps {
+    let mut steps = Steps::default();
+    for (lane, (_, cluster)) in lanes.iter().enumerate() {
+        let Some(cluster) = cluster else { continue };
+        match steps.pivots.iter_mut().find(|(joint, _)| *joint == cluster.strongest()) {
+            Some((_, lanes)) => *lanes |= 1 << lane,
+            None => steps.pivots.push((cluster.strongest(), 1 << lane)),
+        }
+        for &Interval { joint, low, high } in cluster.others() {
+            let place = steps
+                .rows
+                .iter()
+                .position(|row| row.0 == joint)
+                .unwrap_or(steps.rows.len());
+            if place == steps.rows.len() {
+                steps.rows.push((joint, [Lanes::default(); 2]));
+            }
+            let [lows, highs] = &mut steps.rows[place].1;
+            (lows.0[lane], highs.0[lane]) = (low, high);
+        }
+    }
+    steps
 }

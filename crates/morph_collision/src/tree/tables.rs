@@ -120,10 +120,6 @@ impl Tables {
         self.order.shrink_to_fit();
     }
 
-    pub(super) fn len(&self) -> usize {
-        self.headers.len()
-    }
-
     /// Adds the next group in preorder, to be filled later.
     pub(super) fn reserve(&mut self) {
         self.headers.push(Header::default());

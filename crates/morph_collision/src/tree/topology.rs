@@ -47,11 +47,16 @@ impl Child {
 /// The children of an inner node, at most eight, which are blended and tested together.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Group {
-    pub(super) children: [Child; LANES],
-    pub(super) len: u8,
+    children: [Child; LANES],
+    len: u8,
 }
 
 impl Group {
+    pub(super) fn set(&mut self, children: &[Child]) {
+        self.children[..children.len()].copy_from_slice(children);
+        self.len = children.len() as u8;
+    }
+
     #[inline]
     pub(crate) fn children(&self) -> &[Child] {
         &self.children[..usize::from(self.len)]
@@ -176,13 +181,19 @@ impl Topology {
 
     /// The model's numbers of the triangles below a node. Cost: the depth of the tree.
     pub(crate) fn triangles_below(&self, node: Child) -> &[u32] {
+        let [first, last] = self.leaves_below(node);
+        &self.triangles[self.leaf_range(first).start..self.leaf_range(last).end]
+    }
+
+    /// The first and the last leaf below a node.
+    fn leaves_below(&self, node: Child) -> [Leaf; 2] {
         let leaf = |mut node: Child, lane: fn(&Group) -> usize| loop {
             match node.kind() {
-                ChildKind::Leaf(leaf) => break self.leaf_range(leaf),
+                ChildKind::Leaf(leaf) => break leaf,
                 ChildKind::Group(group) => node = self.group(group).child(lane(self.group(group))),
             }
         };
-        &self.triangles[leaf(node, |_| 0).start..leaf(node, |group| group.children().len() - 1).end]
+        [leaf(node, |_| 0), leaf(node, |group| group.children().len() - 1)]
     }
 
     /// Adds the next leaf, given the corners of its triangles in the model.

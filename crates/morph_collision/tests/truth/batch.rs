@@ -184,6 +184,19 @@ fn parts_of_a_large_pair_keep_what_is_blended_and_follow_new_weights() {
     let mut run = |bodies: &mut Bodies| bodies.batch_counted(&mut query, &mut tasks, &OneAfterTheOther);
     let (found, first) = run(&mut bodies);
     let (same, again) = run(&mut bodies);
+    let mut fresh = Bodies::new(&scene);
+    let [a, b] = fresh.poses.get_disjoint_mut([0, 1]).unwrap();
+    let mut alone = PairQuery::new();
+    alone.all(
+        Body::new(a, &fresh.places[0]),
+        Body::new(b, &fresh.places[1]),
+        &mut Vec::new(),
+    );
+    assert_eq!(
+        first.vertices_blended,
+        alone.stats().vertices_blended,
+        "parts share what they place"
+    );
     assert!(!found[0].is_empty() && first.nodes_blended > 500, "{first:?}");
     assert_eq!(same, found);
     assert_eq!(again.nodes_blended, 0, "the worker has them all");

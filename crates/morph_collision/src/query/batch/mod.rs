@@ -4,8 +4,9 @@
 //! tasks --plan--> units (a pair, or a part of a large pair) --schedule, on workers--> found --gather--> answers by task
 //! ```
 //!
-//! Units with a common body never run at once, and parts of a cut pair work on copies. So no lock is contended while a unit runs, and no
-//! answer depends on the number of threads.
+//! Whole pairs with a common body never run at once, and parts of a cut pair work on copies: a worker keeps its copies, and what its query
+//! has seen of them, from part to part. So at most a lock around copying weights is waited for, and no answer depends on the number of
+//! threads.
 
 mod plan;
 mod query;

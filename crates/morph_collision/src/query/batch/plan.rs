@@ -2,8 +2,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::bounds::WorldFromModel;
-use crate::pose::{NodeId, Pose};
+use crate::pose::NodeId;
 use crate::query::{Body, PairMemory, PairQuery, QueryStats};
 
 /// How many intersecting triangle pairs of two bodies to find.
@@ -72,8 +71,7 @@ pub(super) struct Unit {
 /// A pair that is cut into parts.
 #[derive(Debug)]
 pub(super) struct Large {
-    /// Copies of both bodies, for the workers to clone.
-    pub(super) bodies: [(Pose, WorldFromModel); 2],
+    pub(super) bodies: [usize; 2],
     /// The node pairs to walk, in order.
     front: Vec<(NodeId, NodeId)>,
     /// The task's limit.
@@ -129,7 +127,7 @@ impl Plan {
             let parts_of_large = (0..parts).map(|part| Some((large, part)));
             plan.units.extend(parts_of_large.map(|part| Unit { task, part }));
             plan.larges.push(Large {
-                bodies: [a, b].map(|body| (body.pose.clone(), *body.world_from_model)),
+                bodies: [tasks[task].a, tasks[task].b],
                 front,
                 limit: wanted.limit(),
                 found: (0..parts).map(|_| AtomicUsize::new(0)).collect(),

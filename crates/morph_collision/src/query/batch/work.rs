@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::atomic::Ordering;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use super::plan::{Large, PairTask, Plan, Unit, Wanted};
+use super::plan::{PairTask, Plan, Unit, Wanted};
 use super::schedule::Schedule;
 use crate::pose::Pose;
 use crate::query::capped::Capped;
@@ -20,6 +20,8 @@ pub(super) struct Worker {
     pub(super) query: PairQuery,
     /// Copies of the poses of the last large pair that the worker took a part of.
     poses: [Option<Pose>; 2],
+    /// That pair, as long as `query` has what it saw of it.
+    large: Option<usize>,
     pub(super) done: Vec<Done>,
     pub(super) found: Vec<TrianglePair>,
     pub(super) stats: QueryStats,
@@ -45,9 +47,10 @@ pub(super) fn unlocked(worker: &mut Mutex<Worker>) -> &mut Worker {
 
 /// A batch in progress.
 pub(super) struct Batch<'a, 'b, 'm> {
-    /// Locks never wait: the schedule never gives out two units with a common body at once.
+    /// The schedule never gives out two whole tasks with a common body at once, so they never wait. Parts lock their bodies only to
+    /// copy the state of their poses.
     bodies: Vec<Mutex<&'a mut Body<'b>>>,
-    /// Locks never wait: each task is done once.
+    /// Locks never wait: each whole task is done once.
     tasks: Vec<Mutex<&'a mut PairTask<'m>>>,
     plan: &'a Plan,
     schedule: Schedule,
@@ -81,7 +84,7 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
                 let Unit { task, part } = self.plan.units[index];
                 let is_truncated = match part {
                     None => self.whole(task, worker),
-                    Some((large, part)) => self.part(&self.plan.larges[large], part, worker),
+                    Some((large, part)) => self.part(large, part, worker),
                 };
                 worker.done.push(Done {
                     unit: index,
@@ -97,6 +100,7 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
     fn whole(&self, task: usize, worker: &mut Worker) -> bool {
         let mut task = locked(&self.tasks[task]);
         let [mut a, mut b] = [task.a, task.b].map(|body| locked(&self.bodies[body]));
+        worker.large = None;
         let Worker {
             query, found, stats, ..
         } = worker;
@@ -116,17 +120,21 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
     }
 
     /// Does a part of a large pair, up to the whole task's limit; returns whether there are more pairs.
-    fn part(&self, large: &Large, part: usize, worker: &mut Worker) -> bool {
+    fn part(&self, number: usize, part: usize, worker: &mut Worker) -> bool {
+        let large = &self.plan.larges[number];
         if large.is_full_before(part) {
             return false;
         }
-        let [(pose_a, world_from_a), (pose_b, world_from_b)] = &large.bodies;
-        let [copy_a, copy_b] = &mut worker.poses;
-        let (a, b) = (Pose::copied(copy_a, pose_a), Pose::copied(copy_b, pose_b));
+        let copied = |copy, body: usize| {
+            let body = locked(&self.bodies[body]);
+            Body::new(Pose::copied(copy, body.pose), body.world_from_model)
+        };
+        let ([copy_a, copy_b], [a, b]) = (&mut worker.poses, large.bodies);
+        let (a, b) = (copied(copy_a, a), copied(copy_b, b));
         let before = worker.found.len();
         let mut listed = Capped::new(&mut worker.found, large.limit);
-        let (a, b) = (Body::new(a, world_from_a), Body::new(b, world_from_b));
-        let start = Start::Front(large.front(part));
+        let is_continued = worker.large.replace(number) == Some(number);
+        let start = Start::Front(large.front(part), is_continued);
         worker.query.run(a, b, start, &mut |pair| listed.push(pair));
         let is_truncated = listed.is_truncated;
         worker.stats += worker.query.stats();
@@ -139,6 +147,7 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
 impl Worker {
     /// Starts a batch.
     pub(super) fn begin(&mut self) {
+        self.large = None;
         self.done.clear();
         self.found.clear();
         self.stats = QueryStats::default();

@@ -64,10 +64,10 @@ impl Best {
         } else if squared <= self.squared * MARGIN {
             self.ties = self.ties.saturating_add(1);
         }
-        let numbers = |pair: &ClosestPair| (pair.triangle_a, pair.triangle_b);
-        let is_before = |best: &ClosestPair| squared == self.squared && numbers(&found) < numbers(best);
-        let closer = squared < self.squared || self.pair.as_ref().is_none_or(is_before);
-        if found.distance <= self.max_distance && closer {
+        let is_after = |best: &ClosestPair| {
+            (squared, found.triangle_a, found.triangle_b) < (self.squared, best.triangle_a, best.triangle_b)
+        };
+        if found.distance <= self.max_distance && self.pair.as_ref().is_none_or(is_after) {
             self.pair = Some(found);
             self.squared = squared;
             if squared == 0.0 {

@@ -68,10 +68,8 @@ impl ShapeQuery {
         let mut limit = max_distance * max_distance * MARGIN;
         let _never_stopped = self.one.walk(body, limit, squared_distance, |number, triangle| {
             let foot = closest_on_triangle_exactly(point, triangle);
-            let is_closer = closest.as_ref().is_none_or(|(best_number, best)| {
-                foot.squared < best.squared || (foot.squared == best.squared && number < *best_number)
-            });
-            if is_closer && foot.squared.sqrt() <= max_distance {
+            let is_after = |(n, best): &(u32, TrianglePoint)| (foot.squared, number) < (best.squared, *n);
+            if closest.as_ref().is_none_or(is_after) && foot.squared.sqrt() <= max_distance {
                 closest = Some((number, foot));
                 limit = limit.min(foot.squared * MARGIN);
             }

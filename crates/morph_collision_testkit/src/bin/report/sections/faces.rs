@@ -16,7 +16,7 @@ use crate::render;
 use crate::sweeps::methods;
 
 /// Faces of other people, and what to call them.
-const FACES: [(&str, &str); 2] = [
+pub(super) const FACES: [(&str, &str); 2] = [
     ("mh_head_eyes_teeth_arkit52_dao.glb", "MakeHuman heads"),
     ("ict_face_skin.glb", "ICT faces"),
 ];
@@ -25,13 +25,11 @@ const FACES: [(&str, &str); 2] = [
 pub(crate) fn faces(context: &Context, old: &str) -> Result<String, Box<dyn Error>> {
     let mut text = String::new();
     for (file, title) in FACES {
-        let Some(path) = real_model(file) else {
+        let Some(mesh) = face(file)? else {
             eprintln!("faces: {title} stay as they are in the page");
             text += &kept(old, title);
             continue;
         };
-        let meshes = read_meshes(&path).map_err(Box::new)?;
-        let mesh = meshes.into_iter().next().ok_or_else(|| format!("{file}: no mesh"))?;
         text += &table(&heads(title, mesh, context.every), context)?;
     }
     for (name, title) in Experiment::characters() {
@@ -45,6 +43,16 @@ pub(crate) fn faces(context: &Context, old: &str) -> Result<String, Box<dyn Erro
         }
     }
     Ok(text)
+}
+
+/// The mesh of a face, if its file is there.
+pub(super) fn face(file: &str) -> Result<Option<MorphMesh>, Box<dyn Error>> {
+    let Some(path) = real_model(file) else {
+        return Ok(None);
+    };
+    let meshes = read_meshes(&path).map_err(Box::new)?;
+    let mesh = meshes.into_iter().next().ok_or_else(|| format!("{file}: no mesh"))?;
+    Ok(Some(mesh))
 }
 
 fn table(experiment: &Experiment, context: &Context) -> Result<String, Box<dyn Error>> {

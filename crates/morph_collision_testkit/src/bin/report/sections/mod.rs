@@ -1,5 +1,6 @@
 //! The places of the page and what fills them, a file each for those that are more than a sweep.
 
+mod bytes;
 mod faces;
 mod kernels;
 mod paper;
@@ -77,6 +78,10 @@ pub(crate) const SECTIONS: &[Section] = &[
     Section {
         name: "faces",
         make: faces::faces,
+    },
+    Section {
+        name: "bytes",
+        make: bytes::bytes,
     },
     Section {
         name: "kernels",

@@ -1,0 +1,166 @@
+//! `tightness`: how much larger the boxes of skinned models are than the smallest ones in the same spaces, for their clips and for
+//! random poses.
+//!
+//! What is compared is the cost of a walk by the surface-area heuristic: the sum over nodes of a box's area times what is below the node,
+//! children or triangles. `leaves tight` counts the smallest boxes for leaves on both sides, `all` every box as it is.
+
+use std::collections::BTreeMap;
+use std::error::Error;
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3};
+use morph_collision::{Body, BuildOptions, JointMatrices, MorphBvh, Pose, WorldFromModel};
+use morph_collision_testkit::gltf_read::read_meshes;
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::models::rigs::{self, PoseKind};
+use morph_collision_testkit::moments::find_real_model;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+const MODELS: [&str; 4] = [
+    "mh_character.glb",
+    "mh_character_low.glb",
+    "RobotExpressive.glb",
+    "Fox.glb",
+];
+
+/// Frames of each clip, and poses of each kind.
+const FRAMES: usize = 12;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    println!("{:24} {:16} {:>12} {:>8}", "model", "poses", "leaves tight", "all");
+    let mut meshes = Vec::new();
+    for model in MODELS {
+        match find_real_model(model) {
+            Ok(path) => meshes.extend(read_meshes(&path)?.into_iter().filter(|mesh| mesh.skin.is_some())),
+            Err(missing) => println!("{model}: skipped: {missing}"),
+        }
+    }
+    meshes.push(rigs::tube(1, 12, 4, 3));
+    meshes.push(rigs::branching(2, 24, 4, 3));
+    for mesh in &meshes {
+        of_mesh(mesh)?;
+    }
+    Ok(())
+}
+
+fn of_mesh(mesh: &MorphMesh) -> Result<(), Box<dyn Error>> {
+    let Some(skin) = &mesh.skin else { return Ok(()) };
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(
+        Arc::new(mesh.to_model()?),
+        &BuildOptions::default(),
+    )));
+    let mut rng = Pcg64Mcg::seed_from_u64(1);
+    let mut sums: BTreeMap<String, Costs> = BTreeMap::new();
+    for clip in &skin.skeleton.clips {
+        for frame in 0..FRAMES {
+            let seconds = clip.duration() * frame as f32 / FRAMES as f32;
+            let joints = skin.skeleton.world_from_mesh(Some(clip), seconds);
+            pose.set_joints(&JointMatrices::new(&joints)?)?;
+            pose.set_weights(&weights(&mut rng, mesh.targets.len()))?;
+            sums.entry("clips".to_owned()).or_default().add(&costs(&mut pose));
+        }
+    }
+    for kind in [PoseKind::Gentle, PoseKind::Turned, PoseKind::Scaled] {
+        for seed in 0..FRAMES as u64 {
+            pose.set_joints(&JointMatrices::new(&kind.draw(&skin.skeleton, seed))?)?;
+            pose.set_weights(&weights(&mut rng, mesh.targets.len()))?;
+            sums.entry(format!("{kind:?}")).or_default().add(&costs(&mut pose));
+        }
+    }
+    for (poses, costs) in sums {
+        let [leaves_tight, all] = [costs.leaves_tight, costs.bounded].map(|cost| cost / costs.tight);
+        println!("{:24} {poses:16} {leaves_tight:12.3} {all:8.3}", mesh.name);
+    }
+    Ok(())
+}
+
+/// As faces have them: three quarters of the targets active, with a sum of at most 12 and a quarter of them negative.
+fn weights(rng: &mut Pcg64Mcg, targets: usize) -> Vec<f32> {
+    let mut one = |_| match rng.random_range(0..16) {
+        0..4 => 0.0,
+        4..7 => rng.random_range(-0.3..0.0),
+        _ => rng.random_range(0.0..0.5),
+    };
+    (0..targets).map(&mut one).collect()
+}
+
+#[derive(Default)]
+struct Costs {
+    tight: f64,
+    leaves_tight: f64,
+    bounded: f64,
+}
+
+impl Costs {
+    fn add(&mut self, other: &Self) {
+        self.tight += other.tight;
+        self.leaves_tight += other.leaves_tight;
+        self.bounded += other.bounded;
+    }
+}
+
+/// A node as it was visited.
+struct Node {
+    depth: usize,
+    is_leaf: bool,
+    min: DVec3,
+    max: DVec3,
+    place: WorldFromModel,
+    triangles: Vec<u32>,
+    children: usize,
+}
+
+fn costs(pose: &mut Pose) -> Costs {
+    let mut nodes: Vec<Node> = Vec::new();
+    let mut path: Vec<usize> = Vec::new();
+    pose.visit_nodes(|node| {
+        path.truncate(node.depth);
+        if let Some(&parent) = path.last() {
+            nodes[parent].children += 1;
+        }
+        path.push(nodes.len());
+        nodes.push(Node {
+            depth: node.depth,
+            is_leaf: node.is_leaf,
+            min: node.bounds.min.as_dvec3(),
+            max: node.bounds.max.as_dvec3(),
+            place: node.world_from_bounds.unwrap_or_default(),
+            triangles: node.triangles.to_vec(),
+            children: 0,
+        });
+        true
+    });
+    let corners: Vec<[DVec3; 3]> = {
+        let (count, place) = (pose.bvh().model().triangle_count() as u32, WorldFromModel::IDENTITY);
+        let mut body = Body::new(pose, &place);
+        (0..count).filter_map(|triangle| body.triangle(triangle)).collect()
+    };
+    let mut costs = Costs::default();
+    for node in &nodes {
+        debug_assert!(node.depth < 256);
+        // A frame may be scaled: areas are compared in the world's unit.
+        let origin = node.place.transform_point(glam::Vec3::ZERO);
+        let axis = |axis: glam::Vec3| node.place.transform_point(axis) - origin;
+        let linear = DMat3::from_cols(axis(glam::Vec3::X), axis(glam::Vec3::Y), axis(glam::Vec3::Z));
+        let (inverse, unit) = (linear.inverse(), linear.determinant().abs().powf(2.0 / 3.0));
+        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for &triangle in &node.triangles {
+            for corner in corners[triangle as usize] {
+                let point = inverse * (corner - origin);
+                (min, max) = (min.min(point), max.max(point));
+            }
+        }
+        let below = if node.is_leaf {
+            node.triangles.len()
+        } else {
+            node.children
+        } as f64;
+        let area = |size: DVec3| (size.x * size.y + size.y * size.z + size.z * size.x) * unit * below;
+        let (tight, bounded) = (area(max - min), area(node.max - node.min));
+        costs.tight += tight;
+        costs.bounded += bounded;
+        costs.leaves_tight += if node.is_leaf { tight } else { bounded };
+    }
+    costs
+}

@@ -3,10 +3,12 @@
 use std::io;
 use std::path::PathBuf;
 
+use morph_collision::InputError;
 use morph_collision_testkit::bench::NoExperiment;
 use morph_collision_testkit::gltf_read::{ReadError, Remedy};
 use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::moments::AnswerError;
+use morph_collision_testkit::printable::Printable;
 use morph_collision_testkit::rivals::{PoseError, SetUpError};
 use morph_collision_testkit::scenes::SceneError;
 use thiserror::Error;
@@ -64,6 +66,21 @@ pub(crate) enum CliError {
         file.display()
     )]
     TooManySelfPairs { file: PathBuf, mesh: usize, most: usize },
+    /// The joints of a mesh cannot be used.
+    #[error("{}: mesh {mesh} \"{}\": {reason}", file.display(), Printable(name))]
+    Pose {
+        file: PathBuf,
+        mesh: usize,
+        name: String,
+        reason: InputError,
+    },
+    #[error("{}: frame {frame}, body {body}: {reason}", scene.display())]
+    NoSuchClip {
+        scene: PathBuf,
+        frame: usize,
+        body: usize,
+        reason: String,
+    },
     /// A situation drawn for `verify` that the mesh does not bear: its coordinates are too large.
     #[error("{}: mesh {mesh} \"{name}\": {reason}", file.display())]
     Situation {

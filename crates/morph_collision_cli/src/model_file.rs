@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use clap::Args;
-use morph_collision_testkit::gltf_read::{FoundMesh, GltfFile, ReadOptions};
+use morph_collision_testkit::gltf_read::{GltfFile, ReadOptions};
 use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::memory::{self, MemoryBudget};
 use morph_collision_testkit::mesh::MorphMesh;
@@ -81,21 +81,32 @@ impl FileArgs {
     }
 }
 
-/// Reads a mesh that is to collide, without its clips. Says so on stderr if it is skinned.
+/// Reads a mesh that is to collide, with its skin, and without the clips of its weights.
 pub(crate) fn read_mesh(file: &GltfFile, index: usize) -> Result<MorphMesh, CliError> {
-    let found = file.mesh(index)?;
-    let FoundMesh { mesh, skinned, .. } = match found.check_triangles() {
-        Ok(_) => found,
-        Err(reason) => return Err(mesh_error(file, index, reason)),
-    };
-    if skinned {
+    let mut mesh = read_bound_mesh(file, index)?;
+    mesh.skin = file.skin(index)?;
+    Ok(mesh)
+}
+
+/// As [`read_mesh`] in the shape that it was bound in. Says so on stderr if it is skinned.
+pub(crate) fn read_mesh_without_skin(file: &GltfFile, index: usize) -> Result<MorphMesh, CliError> {
+    let mesh = read_bound_mesh(file, index)?;
+    if file.skin(index)?.is_some() {
         let name = Printable(&mesh.name);
         output::complain(format_args!(
-            "warning: {}: mesh {index} \"{name}\" is skinned; collisions ignore bones, so it collides in its bind pose",
+            "warning: {}: mesh {index} \"{name}\" is skinned; it is measured without its joints, in its bind pose",
             file.path().display()
         ));
     }
     Ok(mesh)
+}
+
+fn read_bound_mesh(file: &GltfFile, index: usize) -> Result<MorphMesh, CliError> {
+    let found = file.mesh(index)?;
+    match found.check_triangles() {
+        Ok(_) => Ok(found.mesh),
+        Err(reason) => Err(mesh_error(file, index, reason)),
+    }
 }
 
 /// Counts `bytes` for data derived from a mesh against the file's memory budget.
@@ -117,6 +128,35 @@ pub(crate) fn read_clips(file: &GltfFile, index: usize, mesh: &mut MorphMesh) ->
     }
     mesh.animations = clips.clips;
     Ok(())
+}
+
+/// The clips of a mesh's weights and of its joints that have a name, as their places in [`MorphMesh::animations`] and in the skeleton.
+pub(crate) fn find_clip(mesh: &MorphMesh, name: &str) -> Result<[Option<usize>; 2], String> {
+    let of_joints = mesh.skin.as_ref().map_or(&[][..], |skin| &skin.skeleton.clips);
+    let found = [
+        mesh.animations.iter().position(|clip| clip.name == name),
+        of_joints.iter().position(|clip| clip.name == name),
+    ];
+    if found != [None, None] {
+        return Ok(found);
+    }
+    let of_weights = mesh.animations.iter().map(|clip| &clip.name);
+    let mut known: Vec<&String> = of_weights.chain(of_joints.iter().map(|clip| &clip.name)).collect();
+    known.sort();
+    known.dedup();
+    let known: Vec<String> = known
+        .into_iter()
+        .map(|name| format!("\"{}\"", Printable(name)))
+        .collect();
+    let known = if known.is_empty() {
+        "none".to_owned()
+    } else {
+        known.join(", ")
+    };
+    Err(format!(
+        "there is no clip \"{}\" of the mesh; it has {known}",
+        Printable(name)
+    ))
 }
 
 fn mesh_error(file: &GltfFile, mesh: usize, reason: MeshError) -> CliError {

@@ -7,12 +7,14 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::Args;
-use morph_collision::{Body, BuildOptions, MorphBvh, Pose, Ray, RayQuery, SelfQuery, ShapeQuery, WorldFromModel};
+use morph_collision::{
+    Body, BuildOptions, JointMatrices, MorphBvh, Pose, Ray, RayQuery, SelfQuery, ShapeQuery, WorldFromModel,
+};
 use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::mesh::MorphMesh;
 
 use crate::error::CliError;
-use crate::model_file::{FileArgs, count_memory};
+use crate::model_file::{FileArgs, count_memory, find_clip, read_clips};
 use crate::output;
 use numbers::{Triple, Weights};
 use report::{PointReport, QueryReport, RayReport, SelfReport};
@@ -23,7 +25,7 @@ const BYTES_PER_PAIR: u64 = 512;
 /// Ask about one mesh of a glTF file in one shape: what a ray hits, which point of its surface is closest, or
 /// where it intersects itself.
 ///
-/// Everything is in the mesh's own space.
+/// Everything is in the mesh's own space; a skinned mesh is placed by its joints, at rest or as a clip has them.
 #[derive(Debug, Args)]
 pub(crate) struct QueryArgs {
     /// A .glb or .gltf file.
@@ -34,6 +36,18 @@ pub(crate) struct QueryArgs {
     /// One weight per target, comma-separated; all zero where left out.
     #[arg(long, value_name = "W,W,..", allow_hyphen_values = true)]
     weights: Option<Weights>,
+    /// A clip of the file: it moves the joints of a skinned mesh, and the weights where --weights is left out.
+    #[arg(long, value_name = "NAME")]
+    clip: Option<String>,
+    /// The time in the clip, in seconds. Clips loop.
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        default_value_t = 0.0,
+        requires = "clip",
+        allow_hyphen_values = true
+    )]
+    time: f32,
     #[command(flatten)]
     question: Question,
     #[command(flatten)]
@@ -98,18 +112,42 @@ fn show(args: &QueryArgs, report: &impl QueryReport) -> Result<(), CliError> {
 
 /// The mesh asked about, with its weights.
 fn pose(args: &QueryArgs) -> Result<Pose, CliError> {
-    let (file, mesh) = args.files.open_mesh(&args.model, args.mesh, "--mesh")?;
+    let (file, mut mesh) = args.files.open_mesh(&args.model, args.mesh, "--mesh")?;
     count_memory(&file, args.mesh, mesh.tree_bytes(), || "its tree".into())?;
+    if !args.time.is_finite() {
+        return Err(bad_flag("--time", &"it must be a finite number"));
+    }
+    let mut of_clip = [None, None];
+    if let Some(name) = &args.clip {
+        read_clips(&file, args.mesh, &mut mesh)?;
+        of_clip = find_clip(&mesh, name).map_err(|reason| bad_flag("--clip", &reason))?;
+    }
+    let [of_weights, of_joints] = of_clip;
     let tree = build(&mesh).map_err(|reason| CliError::Mesh {
         file: args.model.clone(),
         mesh: args.mesh,
-        name: mesh.name,
+        name: mesh.name.clone(),
         reason,
     })?;
     let mut pose = Pose::new(Arc::new(tree));
     if let Some(Weights(weights)) = &args.weights {
         pose.set_weights(weights)
             .map_err(|error| bad_flag("--weights", &error))?;
+    } else if let Some(clip) = of_weights {
+        let weights = mesh.animations[clip].sample(args.time);
+        pose.set_weights(&weights).map_err(|error| bad_flag("--clip", &error))?;
+    }
+    if let Some(skin) = &mesh.skin {
+        let skeleton = &skin.skeleton;
+        let clip = of_joints.map(|clip| &skeleton.clips[clip]);
+        let joints = JointMatrices::new(&skeleton.world_from_mesh(clip, args.time));
+        let set = joints.and_then(|joints| pose.set_joints(&joints));
+        set.map_err(|reason| CliError::Pose {
+            file: args.model.clone(),
+            mesh: args.mesh,
+            name: mesh.name.clone(),
+            reason,
+        })?;
     }
     Ok(pose)
 }

@@ -15,7 +15,7 @@ use morph_collision_testkit::scenes::{self, Scene};
 
 use super::options::MethodArgs;
 use crate::error::CliError;
-use crate::model_file::{FileArgs, count_memory, read_mesh};
+use crate::model_file::{FileArgs, count_memory, find_clip, read_clips, read_mesh};
 
 /// At most what a pair of triangles takes while a replay lists it: twice as a hit and once as a pair, in lists that grow.
 const BYTES_PER_PAIR: u64 = 128;
@@ -41,9 +41,20 @@ pub(crate) struct Cast {
 
 /// What a body does in a frame.
 pub(crate) struct BodyState {
-    /// One weight per target. Shared by all bodies of a mesh that are at rest.
-    pub(crate) weights: Arc<[f32]>,
+    /// One weight per target, unless they are those of a clip. Shared by all bodies of a mesh that are at rest.
+    weights: Option<Arc<[f32]>>,
     pub(crate) world_from_model: Affine3A,
+    /// The clips of weights and of joints, if the state names a clip that has them.
+    clips: [Option<usize>; 2],
+    /// The time in the clips.
+    seconds: f32,
+}
+
+/// A body's weights and joints in a frame.
+pub(crate) struct Shape {
+    pub(crate) weights: Arc<[f32]>,
+    /// The matrices of the joints of a skinned mesh in world space.
+    pub(crate) joints: Option<Vec<Affine3A>>,
 }
 
 impl Cast {
@@ -54,6 +65,7 @@ impl Cast {
             files: HashMap::new(),
             meshes: Vec::new(),
             origins: Vec::new(),
+            has_clips: Vec::new(),
         };
         let mut of_bodies = Vec::with_capacity(scene.bodies.len());
         for (body, spec) in scene.bodies.iter().enumerate() {
@@ -72,14 +84,20 @@ impl Cast {
         for (frame, states) in scene.frames.iter().enumerate() {
             let mut checked = Vec::with_capacity(states.len());
             for (body, (state, &mesh)) in states.iter().zip(&of_bodies).enumerate() {
-                let state =
-                    BodyState::check(state, &at_rest[mesh], &limits[mesh]).map_err(|reason| CliError::Frame {
-                        scene: path.into(),
-                        frame,
-                        body,
-                        reason,
-                    })?;
-                checked.push(state);
+                let clips = state.clip.as_ref().map(|name| library.clip(mesh, name)).transpose()?;
+                let clips = clips.transpose().map_err(|reason| CliError::NoSuchClip {
+                    scene: path.into(),
+                    frame,
+                    body,
+                    reason,
+                })?;
+                let state = BodyState::check(state, clips.unwrap_or_default(), &at_rest[mesh], &limits[mesh]);
+                checked.push(state.map_err(|reason| CliError::Frame {
+                    scene: path.into(),
+                    frame,
+                    body,
+                    reason,
+                })?);
             }
             frames.push(checked);
         }
@@ -96,21 +114,45 @@ impl Cast {
             frames,
         })
     }
+
+    /// The weights and joints of a body in a frame. Those of clips are computed here, since they would take far more memory than a scene's file.
+    pub(crate) fn shape(&self, frame: usize, body: usize) -> Shape {
+        let (state, mesh) = (&self.frames[frame][body], &self.meshes[self.mesh_of_body[body]]);
+        let [of_weights, of_joints] = state.clips;
+        let weights = match (&state.weights, of_weights) {
+            (Some(weights), _) => Arc::clone(weights),
+            (None, Some(clip)) => mesh.animations[clip].sample(state.seconds).into(),
+            (None, None) => Arc::from(Vec::new()),
+        };
+        let joints = mesh.skin.as_ref().map(|skin| {
+            let clip = of_joints.map(|clip| &skin.skeleton.clips[clip]);
+            let joints = skin.skeleton.world_from_mesh(clip, state.seconds);
+            joints.into_iter().map(|joint| state.world_from_model * joint).collect()
+        });
+        Shape { weights, joints }
+    }
 }
 
 impl BodyState {
-    fn check(state: &scenes::BodyState, at_rest: &Arc<[f32]>, limits: &WeightLimits) -> Result<Self, PoseError> {
+    fn check(
+        state: &scenes::BodyState,
+        clips: [Option<usize>; 2],
+        at_rest: &Arc<[f32]>,
+        limits: &WeightLimits,
+    ) -> Result<Self, PoseError> {
         let world_from_model = state.world_from_model();
         WorldFromModel::new(world_from_model)?;
-        let weights = if state.weights.is_empty() {
-            Arc::clone(at_rest)
-        } else {
-            state.weights.as_slice().into()
+        let weights = match (state.weights.is_empty(), clips[0]) {
+            (true, Some(_)) => None,
+            (true, None) => Some(Arc::clone(at_rest)),
+            (false, _) => Some(state.weights.as_slice().into()),
         };
-        limits.check(&weights)?;
+        weights.as_ref().map_or(Ok(()), |weights| limits.check(weights))?;
         Ok(Self {
             weights,
             world_from_model,
+            clips,
+            seconds: state.time.unwrap_or(0.0),
         })
     }
 }
@@ -124,6 +166,8 @@ struct Library {
     meshes: Vec<MorphMesh>,
     /// Where each of the meshes is from: file and index.
     origins: Vec<(PathBuf, usize)>,
+    /// Whether the clips of each of the meshes' weights are read.
+    has_clips: Vec<bool>,
 }
 
 impl Library {
@@ -163,7 +207,18 @@ impl Library {
         let source = read_mesh(file, mesh)?;
         self.meshes.push(source);
         self.origins.push((real, mesh));
+        self.has_clips.push(false);
         Ok(self.meshes.len() - 1)
+    }
+
+    /// The clips of weights and of joints of a name; the clips are read when the first one is named. The inner error says that there is none.
+    fn clip(&mut self, mesh: usize, name: &str) -> Result<Result<[Option<usize>; 2], String>, CliError> {
+        let (path, index) = &self.origins[mesh];
+        if let (false, Some(file)) = (self.has_clips[mesh], self.files.get(path)) {
+            read_clips(file, *index, &mut self.meshes[mesh])?;
+            self.has_clips[mesh] = true;
+        }
+        Ok(find_clip(&self.meshes[mesh], name))
     }
 
     /// Counts the trees of all meshes, and what each body has of its own.

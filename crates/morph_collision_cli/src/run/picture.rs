@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use morph_collision_testkit::oracle::{posed_vertices, world_vertices};
+use morph_collision_testkit::oracle::BodyPose;
 
 use super::bodies::Cast;
 use super::replay::{FrameCounts, Hit};
@@ -63,11 +63,17 @@ pub(super) fn bodies(cast: &Cast, frame: usize, hits: &[Hit]) -> Vec<DrawnBody> 
     let mut bodies: Vec<DrawnBody> = cast.frames[frame]
         .iter()
         .zip(&cast.mesh_of_body)
-        .map(|(state, &mesh)| {
-            let mesh = &cast.meshes[mesh];
-            let posed = posed_vertices(&mesh.positions, &mesh.targets, &state.weights);
+        .enumerate()
+        .map(|(body, (state, &mesh))| {
+            let (mesh, shape) = (&cast.meshes[mesh], cast.shape(frame, body));
+            let pose = BodyPose {
+                mesh,
+                weights: &shape.weights,
+                world_from_model: state.world_from_model,
+                joints: shape.joints.as_deref(),
+            };
             DrawnBody {
-                vertices: world_vertices(&posed, &state.world_from_model),
+                vertices: pose.world_vertices(),
                 triangles: mesh.triangles.clone(),
                 touching: vec![false; mesh.triangles.len()],
             }

@@ -6,7 +6,7 @@ use morph_collision::{QueryStats, TrianglePair};
 use morph_collision_testkit::rivals::{BroadPhase, Wanted};
 
 use super::Mode;
-use super::bodies::Cast;
+use super::bodies::{Cast, Shape};
 use crate::error::CliError;
 use crate::progress::Progress;
 
@@ -28,7 +28,7 @@ pub(crate) struct FrameCounts {
     pub(crate) body_pairs: u64,
     /// Pairs of triangles that meet; with the modes `first` and `any` one per pair of bodies.
     pub(crate) pairs: u64,
-    /// Weights, broad phase and narrow phase.
+    /// Weights, joints, broad phase and narrow phase; sampling clips is left out.
     pub(crate) time: Duration,
 }
 
@@ -47,8 +47,9 @@ pub(crate) fn replay(cast: &mut Cast, mode: Mode, keep_hits: bool, progress: &Pr
     let mut scratch = Scratch::default();
     let before = cast.method.work();
     for frame in 0..cast.frames.len() {
+        let shapes = shapes(cast, frame);
         let start = Instant::now();
-        pose(cast, frame)?;
+        pose(cast, frame, &shapes)?;
         let mut counts = scratch.collide(cast, frame, mode, replay.hits.len())?;
         counts.time = start.elapsed();
 
@@ -69,17 +70,25 @@ pub(crate) fn replay(cast: &mut Cast, mode: Mode, keep_hits: bool, progress: &Pr
 /// `kept` hits are in memory already.
 pub(crate) fn hits_of_frame(cast: &mut Cast, mode: Mode, frame: usize, kept: usize) -> Result<Vec<Hit>, CliError> {
     let mut scratch = Scratch::default();
-    pose(cast, frame)?;
+    let shapes = shapes(cast, frame);
+    pose(cast, frame, &shapes)?;
     scratch.collide(cast, frame, mode, kept)?;
     scratch.hits.sort_unstable();
     scratch.hits.iter_mut().for_each(|hit| hit.frame = frame);
     Ok(scratch.hits)
 }
 
-/// Gives all bodies their weights and places in a frame.
-fn pose(cast: &mut Cast, frame: usize) -> Result<(), CliError> {
-    for (body, state) in cast.frames[frame].iter().enumerate() {
-        let posed = cast.method.set_body(body, &state.weights, &state.world_from_model);
+/// What all bodies look like in a frame.
+fn shapes(cast: &Cast, frame: usize) -> Vec<Shape> {
+    (0..cast.bodies).map(|body| cast.shape(frame, body)).collect()
+}
+
+/// Gives all bodies their weights, joints and places in a frame.
+fn pose(cast: &mut Cast, frame: usize, shapes: &[Shape]) -> Result<(), CliError> {
+    for (body, (state, shape)) in cast.frames[frame].iter().zip(shapes).enumerate() {
+        let joints = shape.joints.as_ref().map(|joints| cast.method.set_joints(body, joints));
+        let posed = joints.unwrap_or(Ok(()));
+        let posed = posed.and_then(|()| cast.method.set_body(body, &shape.weights, &state.world_from_model));
         posed.map_err(|reason| CliError::Frame {
             scene: cast.scene.clone(),
             frame,

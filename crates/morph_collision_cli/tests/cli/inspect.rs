@@ -119,38 +119,6 @@ fn bend(path: &std::path::Path, bend: impl FnOnce(&mut Value)) -> TestResult {
 }
 
 #[test]
-fn a_skinned_mesh_says_that_bones_are_ignored() -> TestResult {
-    let dir = tempdir()?;
-    let path = write_gltf(
-        dir.path(),
-        "two.gltf",
-        &[RawMesh::triangle("Bound"), RawMesh::triangle("Free")],
-    )?;
-    bend(&path, |gltf| {
-        let attributes = &mut gltf["meshes"][0]["primitives"][0]["attributes"];
-        attributes["JOINTS_0"] = 0.into();
-        attributes["WEIGHTS_0"] = 0.into();
-        gltf["nodes"] = serde_json::json!([{"mesh": 0, "skin": 0}, {"mesh": 1}]);
-    })?;
-    let report = inspect_json(&path)?;
-    let [bound, free] = [&report["meshes"][0], &report["meshes"][1]];
-    assert_eq!((&bound["skinned"], &free["skinned"]), (&true.into(), &false.into()));
-    let warning = bound["warnings"][0].as_str().unwrap_or_default();
-    assert!(
-        warning.contains("ignore bones") && warning.contains("bind pose"),
-        "{warning}"
-    );
-    assert_eq!(free.get("warnings"), None);
-    let stdout = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
-    assert_eq!(stdout.matches("bind pose").count(), 1, "{stdout}");
-    // A command that collides it says so, too.
-    let query = ["query".as_ref(), path.as_os_str(), "--self".as_ref()];
-    let stderr = String::from_utf8(morph_collide(query)?.stderr)?;
-    assert!(stderr.contains("warning") && stderr.contains("bind pose"), "{stderr}");
-    Ok(())
-}
-
-#[test]
 fn a_mesh_of_points_says_so() -> TestResult {
     let dir = tempdir()?;
     let path = write_gltf(dir.path(), "points.gltf", &[RawMesh::triangle("Cloud")])?;

@@ -8,6 +8,7 @@ mod outputs;
 mod picture;
 mod query;
 mod run;
+mod skins;
 mod stress;
 mod support;
 mod verify;

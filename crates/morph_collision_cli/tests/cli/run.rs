@@ -131,7 +131,7 @@ fn mixed_scene(dir: &Path) -> Result<std::path::PathBuf, Box<dyn Error>> {
                 weights: vec![2.5 * t, -1.5],
                 scale: Some([-1.0, 1.5, 0.5]),
                 translation: Some([0.0, 0.4 - 0.5 * t, 0.0]),
-                rotation: None,
+                ..BodyState::default()
             },
             BodyState {
                 scale: Some([1.0, 0.0, 1.0]),

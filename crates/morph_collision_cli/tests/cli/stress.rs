@@ -26,7 +26,7 @@ fn every_family_has_a_row_and_nothing_goes_wrong() -> TestResult {
     let report = stress(&["--cases", "10", "--seed", "5"])?;
     assert_eq!(report["seed"], 5);
     let rows = rows(&report)?;
-    assert_eq!(rows.len(), 17);
+    assert_eq!(rows.len(), 22);
     for row in &rows {
         assert_eq!(row["cases"], 10);
         for count in ["missed", "spurious", "containment_violations", "unexpected", "panics"] {
@@ -49,7 +49,7 @@ fn the_seed_decides_the_cases() -> TestResult {
 #[test]
 fn the_table_has_a_line_for_every_family() -> TestResult {
     let text = stdout_of(&morph_collide(["stress", "--cases", "1"])?);
-    assert_eq!(text.lines().count(), 19, "{text}");
+    assert_eq!(text.lines().count(), 24, "{text}");
     assert!(text.contains("not-orthonormal") && text.contains("slowdown"), "{text}");
     error_of(&morph_collide(["stress", "--cases", "many"])?);
     let message = error_of(&morph_collide(["stress", "--cases", "0"])?);

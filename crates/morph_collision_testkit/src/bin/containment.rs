@@ -1,12 +1,14 @@
-//! `containment [CHECKS]`: looks for vertices outside their blended boxes, with random weights of any size and sign. Exits with 1 if it finds any.
+//! `containment [CHECKS]`: looks for vertices outside their blended boxes, with random weights of any size and sign, and joints in every kind of
+//! pose. Exits with 1 if it finds any.
 
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use morph_collision::{BuildOptions, MorphBvh, Pose};
+use morph_collision::{BuildOptions, JointMatrices, MorphBvh, Pose};
 use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::models::rigs::{self, PoseKind};
 use morph_collision_testkit::models::{dolphin, pass_through_body, random};
-use morph_collision_testkit::verify::{ContainmentViolation, check_containment};
+use morph_collision_testkit::verify::{ContainmentViolation, check_containment, check_skinned_containment};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -47,8 +49,19 @@ fn run(checks: u64) -> Result<u64, Box<dyn std::error::Error>> {
         let (mut done, mut violations, mut first) = (0, 0, None);
         while done < checks {
             for (mesh, pose) in &mut bodies {
-                pose.set_weights(&weights(&mut rng, mesh.targets.len()))?;
-                let report = check_containment(mesh, pose);
+                // Boxes of parts that move rigidly outlast a change of the joints alone.
+                if mesh.skin.is_none() || rng.random_bool(0.5) {
+                    pose.set_weights(&weights(&mut rng, mesh.targets.len()))?;
+                }
+                let report = match &mesh.skin {
+                    None => check_containment(mesh, pose),
+                    Some(skin) => {
+                        let kind = PoseKind::ALL[rng.random_range(0..PoseKind::ALL.len())];
+                        let joints = kind.draw(&skin.skeleton, rng.random());
+                        pose.set_joints(&JointMatrices::new(&joints)?)?;
+                        check_skinned_containment(mesh, &joints, pose)
+                    }
+                };
                 done += report.checks;
                 violations += report.violations;
                 first = first.or(report.first.map(|violation| describe(&mesh.name, pose, &violation)));
@@ -63,12 +76,18 @@ fn run(checks: u64) -> Result<u64, Box<dyn std::error::Error>> {
     Ok(outside)
 }
 
-fn meshes() -> [MorphMesh; 4] {
+fn meshes() -> [MorphMesh; 9] {
+    let pieces = rigs::rigid_pieces(9, 10, 4);
     [
         dolphin(0),
         pass_through_body(),
         random::random_blob(5, 3, 12, 0.7),
         random::triangle_soup(6, 300, 5),
+        rigs::branching(7, 20, 8, 5),
+        rigs::random_soup(8, 300, 40, 3, 2),
+        rigs::unnormalised(&pieces, 1),
+        rigs::nearly_normalised(&pieces, 2),
+        pieces,
     ]
 }
 

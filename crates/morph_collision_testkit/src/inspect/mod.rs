@@ -16,8 +16,10 @@
 //! ```
 
 mod report;
+mod skin;
 mod text;
 
 pub use report::{
     AnimationReport, FileReport, MeshError, MeshReport, TargetReport, TreeReport, UsableReport, WeightRange,
 };
+pub use skin::{JointClipReport, SkinReport};

@@ -6,15 +6,12 @@ use morph_collision::{BuildOptions, ModelError, MorphBvh, MorphModel};
 use serde::Serialize;
 use thiserror::Error;
 
+use super::SkinReport;
 use crate::gltf_read::{FoundMesh, GltfFile, ReadError, Remedy};
 use crate::memory::OverBudget;
 use crate::mesh::{MorphMesh, WeightAnimation};
 use crate::numbers::number;
 use crate::printable::Printable;
-
-/// What is said of a mesh with a skin.
-const SKINNED: &str =
-    "it is skinned; collisions ignore bones, so it collides in its bind pose, moved by its targets only";
 
 /// Why a mesh cannot collide.
 #[derive(Debug, Error)]
@@ -25,6 +22,9 @@ pub enum MeshError {
     /// Its tree would take more memory than its file may.
     #[error(transparent)]
     OverBudget(#[from] OverBudget),
+    /// What moves it cannot be read.
+    #[error("its skin cannot be read: {}", without_file(.0))]
+    Skin(Box<ReadError>),
     /// It is not made of triangles.
     #[error("it is made of {0}, and only triangles collide")]
     NotTriangles(&'static str),
@@ -34,7 +34,11 @@ impl MeshError {
     /// What would let the mesh through, where a limit keeps it out.
     #[must_use]
     pub fn remedy(&self) -> Option<Remedy> {
-        matches!(self, Self::OverBudget(_)).then_some(Remedy::MoreMemory)
+        match self {
+            Self::OverBudget(_) => Some(Remedy::MoreMemory),
+            Self::Skin(error) => error.remedy(),
+            Self::Model(_) | Self::NotTriangles(_) => None,
+        }
     }
 }
 
@@ -65,11 +69,14 @@ pub struct MeshReport {
     pub primitives: usize,
     /// No target moves anything because there is none.
     pub rigid: bool,
-    /// Bones move its vertices, which collisions ignore.
+    /// Joints move its vertices.
     pub skinned: bool,
+    /// Which joints, and how.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub skin: Option<SkinReport>,
     /// Clips that move its weights.
     pub animations: Vec<AnimationReport>,
-    /// What a user should know: that it is skinned, and clips that cannot be played.
+    /// What a user should know: clips that cannot be played.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
     /// What it has if it can collide.
@@ -169,12 +176,14 @@ impl FileReport {
 
 impl MeshReport {
     fn read(file: &GltfFile, index: usize) -> Self {
-        let found = match file.mesh(index) {
+        let mut found = match file.mesh(index) {
             Ok(found) => found,
             Err(error) => return Self::broken(file, index, &error),
         };
         let clips = file.clips(index, found.mesh.targets.len());
+        let skin = file.skin(index).map(|skin| found.mesh.skin = skin);
         let usable = || {
+            skin.map_err(|error| MeshError::Skin(Box::new(error)))?;
             let mesh = found.check_triangles()?;
             let bytes = mesh.tree_bytes();
             file.budget().take(bytes, 1, || "its tree".into())?;
@@ -182,8 +191,10 @@ impl MeshReport {
         };
         let mut report = Self::of(index, &found.mesh, &clips.clips, usable());
         report.skinned = found.skinned;
-        report.warnings.extend(found.skinned.then(|| SKINNED.to_owned()));
         report.warnings.extend(clips.broken.iter().map(left_out));
+        report
+            .warnings
+            .extend(file.joint_clips(index).broken.iter().map(left_out));
         report
     }
 
@@ -200,6 +211,7 @@ impl MeshReport {
             primitives: mesh.primitives.len(),
             rigid: mesh.targets.is_empty(),
             skinned: false,
+            skin: mesh.skin.as_ref().map(SkinReport::new),
             animations: clips
                 .iter()
                 .map(|clip| AnimationReport::new(clip, mesh.targets.len()))
@@ -220,6 +232,7 @@ impl MeshReport {
             primitives: 0,
             rigid: false,
             skinned: false,
+            skin: None,
             animations: Vec::new(),
             warnings: Vec::new(),
             usable: None,
@@ -228,6 +241,14 @@ impl MeshReport {
                 other => other.to_string(),
             }),
         }
+    }
+}
+
+/// Without the names of the file and the mesh, which stand above.
+fn without_file(error: &ReadError) -> String {
+    match error {
+        ReadError::Skin { problem, .. } => problem.to_string(),
+        other => other.to_string(),
     }
 }
 
@@ -304,7 +325,7 @@ impl AnimationReport {
 
 impl WeightRange {
     /// Zero to zero if there is no weight: a clip without keys leaves weights at rest.
-    fn of(range: Option<(f64, f64)>) -> Self {
+    pub(super) fn of(range: Option<(f64, f64)>) -> Self {
         let (min, max) = range.unwrap_or_default();
         Self { min, max }
     }

@@ -4,6 +4,7 @@ use std::fmt::{self, Display, Formatter, Write};
 
 use crate::printable::Printable;
 
+use super::SkinReport;
 use super::report::{AnimationReport, FileReport, MeshReport, UsableReport};
 
 /// One block per mesh: its counts, its tree, a table of targets and one of weights per animation.
@@ -51,7 +52,7 @@ fn render_mesh(text: &mut impl Write, mesh: &MeshReport) -> fmt::Result {
     for (index, animation) in mesh.animations.iter().enumerate() {
         render_animation(text, index, animation)?;
     }
-    Ok(())
+    mesh.skin.iter().try_for_each(|skin| render_skin(text, skin))
 }
 
 /// One row per target, and beside it the range of its weight in every animation.
@@ -84,6 +85,30 @@ fn render_targets(text: &mut impl Write, mesh: &MeshReport, usable: &UsableRepor
     }
     if !mesh.animations.is_empty() {
         writeln!(text)?;
+    }
+    Ok(())
+}
+
+fn render_skin(text: &mut impl Write, skin: &SkinReport) -> fmt::Result {
+    let SkinReport {
+        joints,
+        most_influences,
+        weight_sum,
+        clips,
+    } = skin;
+    writeln!(
+        text,
+        "  skin        {} joints, at most {most_influences} a vertex, sums of weights {:.6} .. {:.6}",
+        joints.len(),
+        weight_sum.min,
+        weight_sum.max
+    )?;
+    for (index, clip) in clips.iter().enumerate() {
+        let (name, seconds, nodes) = (Printable(&clip.name), clip.seconds, clip.nodes_moved);
+        writeln!(
+            text,
+            "  joint clip {index} \"{name}\": {seconds:.3} s, moves {nodes} nodes"
+        )?;
     }
     Ok(())
 }

@@ -11,6 +11,9 @@
 //!
 //! Paths of models are relative to the scene's file. `mesh` is an index into the model's meshes (0 where left out).
 //! Rotations are unit quaternions `x, y, z, w`; what is left out is the identity, weights left out are zero.
+//!
+//! A state may name a clip of the model and a time in seconds: `{"clip": "walk", "time": 0.5}`. The clip moves the joints of a skinned mesh, which are
+//! at rest without one, and the weights where these are left out. The placement stands above the joints.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -53,7 +56,7 @@ impl SceneBody {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BodyState {
-    /// One weight per target; empty for all zero.
+    /// One weight per target; empty for those of the clip, or for all zero.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub weights: Vec<f32>,
     /// A unit quaternion `x, y, z, w`.
@@ -65,6 +68,12 @@ pub struct BodyState {
     /// Factors along the model's axes; any, 0 and negative included.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<[f32; 3]>,
+    /// The name of a clip of the model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clip: Option<String>,
+    /// The time in the clip, in seconds; 0 where left out. Clips loop.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time: Option<f32>,
 }
 
 impl BodyState {
@@ -77,7 +86,7 @@ impl BodyState {
             weights: weights.to_vec(),
             rotation: Some(rotation.to_array().map(round6)),
             translation: Some(translation.to_array().map(round6)),
-            scale: None,
+            ..Self::default()
         }
     }
 
@@ -92,12 +101,13 @@ impl BodyState {
     }
 
     /// The lists of numbers with their names in the format.
-    fn numbers(&self) -> [(&'static str, &[f32]); 4] {
+    fn numbers(&self) -> [(&'static str, &[f32]); 5] {
         [
             ("weights", &self.weights),
             ("rotation", self.rotation.as_ref().map_or(&[], |list| list)),
             ("translation", self.translation.as_ref().map_or(&[], |list| list)),
             ("scale", self.scale.as_ref().map_or(&[], |list| list)),
+            ("time", self.time.as_slice()),
         ]
     }
 }

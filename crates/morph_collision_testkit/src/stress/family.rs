@@ -98,10 +98,10 @@ impl Family {
             Self::Denormals => "denormals",
             Self::BadInput => "bad-input",
             Self::Skinned => "skinned",
-            Self::CollapsedJoints => "collapsed-joints",
-            Self::UnnormalisedSkin => "unnormalised-skin",
+            Self::CollapsedJoints => "collapsed-skin",
+            Self::UnnormalisedSkin => "skin-sums",
             Self::RandomSkin => "random-skin",
-            Self::FarJoints => "far-joints",
+            Self::FarJoints => "far-skin",
         }
     }
 }

@@ -1,0 +1,200 @@
+//! Skinned meshes: their joints at rest and in clips, in every command that collides them.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::{Value, json};
+use tempfile::{TempDir, tempdir};
+
+use crate::support::{RawMesh, TestResult, error_of, morph_collide, stdout_of, write_gltf};
+
+/// A file of two triangles in the plane z = 0 with a target that lifts them by 1. The first one is bound to a joint, which stands under a node at x = 10;
+/// the clip "rise" lifts the joint from 0 to 4 in a second, and the weight from 0 to 1.
+fn model() -> Result<(TempDir, PathBuf), Box<dyn std::error::Error>> {
+    let dir = tempdir()?;
+    let meshes = [RawMesh::triangle("Bound"), RawMesh::triangle("Free")];
+    let path = write_gltf(dir.path(), "two.gltf", &meshes)?;
+    let mut gltf: Value = serde_json::from_slice(&std::fs::read(&path)?)?;
+    // Key times 0 and 1, translations by 0 and by 4 along z, weights 0 and 1, joints 0, and weights of 255, 0, 0, 0.
+    let mut add = |uri: &str, length: usize, accessor: Value| {
+        let list = |gltf: &mut Value, name: &str, value: Value| {
+            let list = gltf[name].as_array_mut().expect("the file has this list");
+            list.push(value);
+            list.len() - 1
+        };
+        let uri = format!("data:application/octet-stream;base64,{uri}");
+        let buffer = list(&mut gltf, "buffers", json!({"uri": uri, "byteLength": length}));
+        let view = list(
+            &mut gltf,
+            "bufferViews",
+            json!({"buffer": buffer, "byteLength": length}),
+        );
+        let mut accessor = accessor;
+        accessor["bufferView"] = json!(view);
+        list(&mut gltf, "accessors", accessor)
+    };
+    let scalars = json!({"componentType": 5126, "type": "SCALAR", "count": 2});
+    let ramp = add("AAAAAAAAgD8=", 8, scalars);
+    let vectors = json!({"componentType": 5126, "type": "VEC3", "count": 2});
+    let lift = add(&("AAAA".repeat(7) + "AIBA"), 24, vectors);
+    let joints = add(
+        &"AAAA".repeat(4),
+        12,
+        json!({"componentType": 5121, "type": "VEC4", "count": 3}),
+    );
+    let weights = json!({"componentType": 5121, "type": "VEC4", "count": 3, "normalized": true});
+    let weights = add("/wAAAP8AAAD/AAAA", 12, weights);
+    let attributes = &mut gltf["meshes"][0]["primitives"][0]["attributes"];
+    (attributes["JOINTS_0"], attributes["WEIGHTS_0"]) = (json!(joints), json!(weights));
+    gltf["nodes"] = json!([
+        {"children": [1], "translation": [10, 0, 0]},
+        {"name": "lift"},
+        {"mesh": 0, "skin": 0},
+        {"mesh": 1},
+    ]);
+    gltf["skins"] = json!([{"joints": [1]}]);
+    gltf["animations"] = json!([{
+        "name": "rise",
+        "channels": [
+            {"sampler": 0, "target": {"node": 1, "path": "translation"}},
+            {"sampler": 1, "target": {"node": 2, "path": "weights"}},
+        ],
+        "samplers": [{"input": ramp, "output": lift}, {"input": ramp, "output": ramp}],
+    }]);
+    std::fs::write(&path, gltf.to_string())?;
+    Ok((dir, path))
+}
+
+fn json_of(args: &[&str], path: &Path) -> Result<Value, Box<dyn std::error::Error>> {
+    let mut all = vec![args[0].as_ref(), path.as_os_str(), "--json".as_ref()];
+    all.extend(args[1..].iter().map(AsRef::<std::ffi::OsStr>::as_ref));
+    Ok(serde_json::from_str(&stdout_of(&morph_collide(all)?))?)
+}
+
+#[test]
+fn inspect_tells_the_joints_and_their_clips() -> TestResult {
+    let (_dir, path) = model()?;
+    let report = json_of(&["inspect"], &path)?;
+    let [bound, free] = [&report["meshes"][0], &report["meshes"][1]];
+    assert_eq!((&bound["skinned"], &free["skinned"]), (&true.into(), &false.into()));
+    assert_eq!(free.get("skin"), None);
+    let skin = &bound["skin"];
+    assert_eq!(skin["joints"], json!(["lift"]));
+    assert_eq!(
+        (&skin["most_influences"], &skin["weight_sum"]["min"]),
+        (&1.into(), &json!(1.0))
+    );
+    assert_eq!(
+        skin["clips"],
+        json!([{"name": "rise", "seconds": 1.0, "nodes_moved": 1}])
+    );
+    assert_eq!(bound.get("warnings"), None);
+    let text = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
+    assert!(
+        text.contains("1 joints, at most 1 a vertex") && text.contains("\"rise\": 1.000 s"),
+        "{text}"
+    );
+    Ok(())
+}
+
+#[test]
+fn a_mesh_whose_skin_is_broken_says_so() -> TestResult {
+    let (_dir, path) = model()?;
+    let mut gltf: Value = serde_json::from_slice(&std::fs::read(&path)?)?;
+    gltf["skins"][0]["joints"] = json!([7]);
+    std::fs::write(&path, gltf.to_string())?;
+    let report = json_of(&["inspect"], &path)?;
+    let error = report["meshes"][0]["error"].as_str().unwrap_or_default();
+    assert!(
+        error.contains("its skin cannot be read: node 7 does not exist"),
+        "{error}"
+    );
+    let query = ["query".as_ref(), path.as_os_str(), "--self".as_ref()];
+    let error = error_of(&morph_collide(query)?);
+    assert!(error.contains("the skin of mesh 0 \"Bound\": node 7"), "{error}");
+    Ok(())
+}
+
+#[test]
+fn a_query_finds_a_mesh_where_its_joints_put_it() -> TestResult {
+    let (_dir, path) = model()?;
+    let t = |flags: &[&str]| {
+        let ray = ["--ray", "10.25,0.25,9,0,0,-1"];
+        let answer = json_of(&[&["query"], flags, &ray].concat(), &path)?;
+        Ok::<_, Box<dyn std::error::Error>>(answer["hits"][0]["t"].as_f64())
+    };
+    assert_eq!(t(&[])?, Some(9.0));
+    // Lifted by 2 by the joint and by a half by the target.
+    assert_eq!(t(&["--clip", "rise", "--time", "0.5"])?, Some(6.5));
+    assert_eq!(t(&["--clip", "rise", "--time", "1.5", "--weights", "0"])?, Some(7.0));
+    assert_eq!(t(&["--weights", "1"])?, Some(8.0));
+    let flags = [
+        "query".as_ref(),
+        path.as_os_str(),
+        "--self".as_ref(),
+        "--clip".as_ref(),
+        "fall".as_ref(),
+    ];
+    let error = error_of(&morph_collide(flags)?);
+    assert!(
+        error.contains("no clip \"fall\"") && error.contains("it has \"rise\""),
+        "{error}"
+    );
+    Ok(())
+}
+
+#[test]
+fn a_scene_poses_joints_by_a_clip_and_a_time() -> TestResult {
+    let (dir, path) = model()?;
+    let scene = |frames: Value| {
+        let model = path.file_name().map(|name| name.to_string_lossy());
+        let scene = json!({"bodies": [{"model": model}, {"model": model, "mesh": 1}], "frames": frames});
+        let path = dir.path().join("scene.json");
+        std::fs::write(&path, scene.to_string()).map(|()| path)
+    };
+    // The second triangle is put where the first one is to be.
+    let there = |z: f32| json!({"translation": [10, 0, z]});
+    let frames = json!([
+        [{}, there(0.0)],
+        [{}, {}],
+        [{"clip": "rise", "time": 0.5}, there(2.5)],
+        [{"clip": "rise", "time": 0.5, "weights": [0]}, there(2.0)],
+        [{"clip": "rise", "time": 1.25, "scale": [1, 1, 2], "translation": [0, 0, 1]}, there(3.5)],
+        [{"clip": "rise", "time": 0.5}, {"clip": "rise", "translation": [10, 0, 1], "weights": [1.5]}],
+    ]);
+    for method in ["morph", "bottom-up", "brute-force"] {
+        let path = scene(frames.clone())?;
+        // The clip moves nothing of the second triangle.
+        let told = morph_collide([
+            "run".as_ref(),
+            path.as_os_str(),
+            "--json".as_ref(),
+            "--method".as_ref(),
+            method.as_ref(),
+        ])?;
+        let error = error_of(&told);
+        assert!(
+            error.contains("frame 5, body 1") && error.contains("no clip \"rise\""),
+            "{error}"
+        );
+
+        let mut right = frames.clone();
+        right[5][1]["clip"].take();
+        let path = scene(right)?;
+        let report = json_of(&["run", "--method", method], &path)?;
+        assert_eq!(report["pairs"], json!([1, 0, 1, 1, 1, 1]), "{method}");
+    }
+    let picture = dir.path().join("picture.png");
+    let path = scene(json!([[{"clip": "rise", "time": 0.5}, there(2.5)]]))?;
+    let drawn = json_of(&["run", "--picture", &picture.to_string_lossy()], &path)?;
+    assert_eq!(drawn["picture"]["touching_triangles"], 2);
+    Ok(())
+}
+
+#[test]
+fn verify_draws_joints() -> TestResult {
+    let (_dir, path) = model()?;
+    let report = json_of(&["verify", "--frames", "20"], &path)?;
+    assert_eq!((&report["missed"], &report["spurious"]), (&0.into(), &0.into()));
+    assert!(report["containment_checks"].as_u64() > Some(100), "{report}");
+    Ok(())
+}

@@ -287,3 +287,6 @@ impl DepthSort {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

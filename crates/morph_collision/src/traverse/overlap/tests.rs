@@ -191,17 +191,23 @@ fn every_comparison_of_a_node_is_counted() {
     assert_eq!(tests(&[2.0], &[0.0, 2.0, 4.0]), 1 + 3);
 }
 
-/// A small body in the gap of a large one, whose children are compared with it: none of them overlaps.
+/// A small body in the gap between two children of a large one. Of the large one two levels are opened, of the small one none.
 #[test]
 fn the_larger_of_two_nodes_is_opened() {
-    let mut large = row(&[0.0, 20.0]);
-    let mut small = cubes(&[Vec3::X * 10.0, Vec3::X * 10.2], 0.1);
-    let mut walk = Walk::new(&mut large, &mut small);
-    assert_eq!(walk.pairs(Order::Any), []);
-    assert_eq!(walk.walk.node_tests, 1 + 2);
-    let mut walk = Walk::new(&mut small, &mut large);
-    assert_eq!(walk.pairs(Order::Any), []);
-    assert_eq!(walk.walk.node_tests, 1 + 2);
+    let two = |x: f32| [Vec3::X * x, Vec3::X * (x + 0.08)];
+    let mut large = cubes(&Vec::from_iter((0..8).flat_map(|i| two(0.2 * i as f32))), 0.02);
+    let mut small = cubes(&[Vec3::X * 0.04, Vec3::X * 0.044], 0.002);
+    let mut tests = |is_swapped| {
+        let (a, b) = if is_swapped {
+            (&mut small, &mut large)
+        } else {
+            (&mut large, &mut small)
+        };
+        let mut walk = Walk::new(a, b);
+        assert_eq!(walk.pairs(Order::Any), []);
+        walk.walk.node_tests
+    };
+    assert_eq!([false, true].map(&mut tests), [1 + 8 + 2; 2]);
 }
 
 /// Unit cubes apart along x, which reach down into a slab, or into cubes, by their depths.
@@ -262,17 +268,19 @@ fn a_walk_ends_where_it_is_told_to() {
 
 #[test]
 fn a_front_has_as_many_pairs_as_asked_for_in_the_order_of_the_walk() {
-    let (mut a, mut b) = (blob(Vec3::ZERO, 1.0), blob(Vec3::X, 0.4));
-    let mut walk = Walk::new(&mut a, &mut b);
-    let expected = walk.pairs(Order::Any);
-    let root = (NodeId::ROOT, NodeId::ROOT);
-    assert_eq!(walk.walk.front(&mut walk.a, &mut walk.b, 1), [root]);
-    for least in [2, 20, 200, usize::MAX] {
-        let front = walk.walk.front(&mut walk.a, &mut walk.b, least);
-        assert!(front.len() >= least.min(expected.len()));
-        assert_eq!(walk.pairs_from(&front, Order::Any), expected);
-        let parts = front.iter().map(|part| walk.pairs_from(&[*part], Order::Any));
-        assert_eq!(Vec::from_iter(parts).concat(), expected);
+    for radii in [[1.0, 0.4], [0.4, 1.0]] {
+        let (mut a, mut b) = (blob(Vec3::ZERO, radii[0]), blob(Vec3::X, radii[1]));
+        let mut walk = Walk::new(&mut a, &mut b);
+        let expected = walk.pairs(Order::Any);
+        let root = (NodeId::ROOT, NodeId::ROOT);
+        assert_eq!(walk.walk.front(&mut walk.a, &mut walk.b, 1), [root]);
+        for least in [2, 20, 200, usize::MAX] {
+            let front = walk.walk.front(&mut walk.a, &mut walk.b, least);
+            assert!(front.len() >= least.min(expected.len()));
+            assert_eq!(walk.pairs_from(&front, Order::Any), expected);
+            let parts = front.iter().map(|part| walk.pairs_from(&[*part], Order::Any));
+            assert_eq!(Vec::from_iter(parts).concat(), expected);
+        }
     }
 }
 

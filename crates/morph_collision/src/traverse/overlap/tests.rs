@@ -210,6 +210,18 @@ fn the_larger_of_two_nodes_is_opened() {
     assert_eq!([false, true].map(&mut tests), [1 + 8 + 2; 2]);
 }
 
+/// The second body is the larger one only in the units of the first.
+#[test]
+fn sizes_are_compared_in_the_units_of_the_first_body() {
+    let (mut a, mut b) = (row(&[20.0, 25.0]), row(&[0.0, 4.0]));
+    let mut walk = Walk::unculled(&mut a, &mut b);
+    let roots = [walk.a.root().child, walk.b.root().child];
+    walk.walk.begin(roots, 10.0);
+    assert!(walk.push(&frame(DMat3::from_diagonal(DVec3::splat(10.0)), DVec3::ZERO)));
+    assert_eq!(walk.pairs(Order::Any), []);
+    assert_eq!(walk.walk.node_tests, 1 + 2);
+}
+
 /// Unit cubes apart along x, which reach down into a slab, or into cubes, by their depths.
 #[test]
 fn the_deepest_pair_comes_first_and_among_equals_the_last() {

@@ -5,7 +5,11 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::number::power_of_two;
-use super::{closest_of_segments, closest_on_triangle, closest_on_triangle_exactly};
+use super::{
+    Triangle, closest_of_segment_and_triangle, closest_of_segments, closest_on_triangle, closest_on_triangle_exactly,
+};
+
+const FLOOR: Triangle = [DVec3::ZERO, DVec3::new(4.0, 0.0, 0.0), DVec3::new(0.0, 4.0, 0.0)];
 
 /// Whole coordinates below `limit`.
 fn vector(rng: &mut Pcg64Mcg, limit: i64) -> DVec3 {
@@ -73,4 +77,26 @@ fn segments_are_closest_where_both_are_upright_to_the_way_between() {
             "{s:?} {t:?} {closest:?}"
         );
     }
+}
+
+#[test]
+fn a_segment_is_closest_to_a_triangle_at_an_end_or_at_an_edge() {
+    let cases = [
+        ([[1.0, 1.0, 5.0], [1.0, 1.0, 2.0]], [1.0, 1.0, 2.0], [1.0, 1.0, 0.0]),
+        ([[2.0, -1.0, -3.0], [2.0, -1.0, 3.0]], [2.0, -1.0, 0.0], [2.0, 0.0, 0.0]),
+        ([[1.0, 1.0, 2.0]; 2], [1.0, 1.0, 2.0], [1.0, 1.0, 0.0]),
+    ];
+    for ([start, end], on_segment, on_floor) in cases {
+        for segment in [[start, end], [end, start]] {
+            let closest = closest_of_segment_and_triangle(segment.map(DVec3::from), &FLOOR);
+            assert_eq!((closest.on_a, closest.on_b), (on_segment.into(), on_floor.into()));
+        }
+    }
+}
+
+/// The square of its height underflows.
+#[test]
+fn a_point_that_is_hardly_above_a_triangle_is_not_on_it() {
+    let point = DVec3::new(1.0, 1.0, 1e-200);
+    assert!(closest_on_triangle_exactly(point, &FLOOR).squared > 0.0);
 }

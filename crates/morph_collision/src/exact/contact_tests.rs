@@ -1,8 +1,12 @@
 //! Where triangles meet, for figures that can be drawn on squared paper.
 
 use glam::DVec3;
+use morph_collision_testkit::near_degenerate::Family;
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
 
-use super::{Segment, Triangle, triangle_contact, unit_normal};
+use super::number::power_of_two;
+use super::{Segment, Triangle, common_segment, triangle_contact, unit_normal};
 
 /// In the plane of the paper.
 fn flat(corners: [[f64; 2]; 3]) -> Triangle {
@@ -58,6 +62,39 @@ fn triangles_that_are_segments_on_one_line_share_where_both_are() {
     let second = flat([[8.0, 4.0], [6.0, 3.0], [2.0, 1.0]]);
     let expected = [[2.0, 1.0, 0.0], [4.0, 2.0, 0.0]].map(DVec3::from_array);
     assert_eq!(segment(&first, &second), expected);
+}
+
+#[test]
+fn a_triangle_with_two_equal_corners_is_a_segment() {
+    let floor = flat([[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]]);
+    let ends = [DVec3::new(1.0, 1.0, 0.0), DVec3::new(2.0, 1.0, 0.0)];
+    for corners in [[0, 0, 1], [0, 1, 0], [1, 0, 0]] {
+        assert_eq!(segment(&corners.map(|end| ends[end]), &floor), ends);
+    }
+}
+
+#[test]
+fn triangles_that_are_crossing_segments_have_the_crossing_in_common() {
+    let first = flat([[0.0, 0.0], [4.0, 4.0], [1.0, 1.0]]);
+    let second = flat([[0.0, 4.0], [4.0, 0.0], [3.0, 1.0]]);
+    assert_eq!(common_segment(&first, &second), Some([DVec3::new(2.0, 2.0, 0.0); 2]));
+}
+
+/// Triangles at small angles, some of whose crossings are found exactly.
+#[test]
+fn contacts_grow_with_their_triangles() {
+    let mut rng = Pcg64Mcg::seed_from_u64(1);
+    for family in [Family::CornerOnFace, Family::EdgeThroughEdge, Family::Slivers] {
+        for _ in 0..200 {
+            let [a, b] = family.pair(&mut rng);
+            let contact = triangle_contact(&a, &b);
+            for size in [-60, 60].map(power_of_two) {
+                let grown = |triangle: &Triangle| triangle.map(|corner| corner * size);
+                let segment = triangle_contact(&grown(&a), &grown(&b)).map(|contact| contact.segment);
+                assert_eq!(segment, contact.map(|contact| contact.segment.map(|end| end * size)));
+            }
+        }
+    }
 }
 
 #[test]

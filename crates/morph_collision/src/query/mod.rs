@@ -57,4 +57,6 @@ pub use shape::{ClosestPoint, PlacedShape, Shape, ShapeContact, ShapeQuery};
 pub use stats::QueryStats;
 
 #[cfg(test)]
+mod pair_tests;
+#[cfg(test)]
 mod patch_tests;

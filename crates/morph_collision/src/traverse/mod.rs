@@ -8,6 +8,11 @@ mod sweep;
 mod views;
 mod within;
 
+#[cfg(test)]
+mod probe;
+#[cfg(test)]
+mod tests;
+
 pub(crate) use nearest::{NearestStack, walk_nearest};
 pub(crate) use one::{Queue, walk_one};
 pub(crate) use overlap::{Order, OverlapWalk};

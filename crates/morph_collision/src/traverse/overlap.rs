@@ -260,3 +260,6 @@ impl DepthSort {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -85,16 +85,16 @@ impl JointMap {
     /// The images of eight boxes, given by their centres and half sizes.
     #[inline(always)]
     pub(crate) fn image<S: Simd>(&self, simd: S, [center, half]: &Ends<S>) -> Ends<S> {
-        let mut ends = [[f32x8::splat(simd, 0.0); 3]; 2];
-        for i in 0..3 {
+        let zero = [f32x8::splat(simd, 0.0); 3];
+        let [mut low, mut high] = [zero; 2];
+        for (i, (low, high)) in low.iter_mut().zip(&mut high).enumerate() {
             let [x, y, z] = self.rows[i].map(|entry| f32x8::splat(simd, entry));
             let middle = ((x * center[0] + y * center[1]) + z * center[2]) + f32x8::splat(simd, self.translation[i]);
             let [x, y, z] = self.sizes[i].map(|entry| f32x8::splat(simd, entry));
             let radius = (x * half[0] + y * half[1]) + z * half[2];
-            ends[0][i] = middle - radius;
-            ends[1][i] = middle + radius;
+            (*low, *high) = (middle - radius, middle + radius);
         }
-        ends
+        [low, high]
     }
 }
 

@@ -11,8 +11,8 @@ mod weld;
 pub use error::ModelError;
 pub use morph_model::MorphModel;
 pub(crate) use morph_model::{Displacement, LARGEST};
-pub(crate) use skin::Influence;
 pub use skin::Influences;
+pub(crate) use skin::{Influence, Skin};
 pub(crate) use weights::Weights;
 
 #[cfg(test)]

@@ -99,15 +99,17 @@ fn moved<'m, S: Simd>(
         }
     }
     let widening = widening(block, farthest, drift, origin);
-    // Also if it is NaN.
-    if !(widening + farthest <= MAX_REACH) {
+    let is_bounded = widening + farthest <= MAX_REACH;
+    // NaN is not bounded.
+    if !is_bounded {
         let all = |value| [f32x8::splat(simd, value); 3];
         return ([all(f32::NEG_INFINITY), all(f32::INFINITY)], f32::INFINITY);
     }
     let by = f32x8::splat(simd, widening);
-    for axis in 0..3 {
-        ends[0][axis] -= by;
-        ends[1][axis] += by;
+    let [low, high] = &mut ends;
+    for (low, high) in low.iter_mut().zip(high) {
+        *low -= by;
+        *high += by;
     }
     (ends, widening)
 }
@@ -116,9 +118,11 @@ fn moved<'m, S: Simd>(
 #[inline(always)]
 fn widening(block: &Block<'_>, farthest: f32, drift: f32, origin: f32) -> f32 {
     let (others, rows) = (block.weight, block.rows.len() as f32);
+    let missing = if block.missing > 0.0 {
+        block.missing * (origin + farthest) * 1.001
+    } else {
+        0.0
+    };
     let roundings = 10.0 + 24.0 * others + (rows + 1.0) * (1.0 + 2.0 * others);
-    farthest * (roundings * U * 1.03)
-        + drift * (1.0 + 2.0 * others) * 1.001
-        + block.missing * (origin + farthest) * 1.001
-        + (rows + 2.0) * 1e-42
+    farthest * (roundings * U * 1.03) + drift * (1.0 + 2.0 * others) * 1.001 + missing + (rows + 2.0) * 1e-42
 }

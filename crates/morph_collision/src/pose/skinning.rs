@@ -7,7 +7,7 @@ use super::cache::EpochCache;
 use super::skin_blend::blend_skinned;
 use crate::bounds::{Aabb, BoxLanes, BoxMap, Frame, JointMap, PlacedBounds, WorldFromModel, with_simd};
 use crate::joints::JointMatrices;
-use crate::model::{MorphModel, Weights};
+use crate::model::{MorphModel, Skin, Weights};
 use crate::tree::{BODY_FRAME, MapKey, SkinTables};
 
 /// The state of a skinned pose.
@@ -38,6 +38,8 @@ struct Made {
     version: u32,
     /// How much they were widened.
     widening: f32,
+    /// How far the world's origin may be along an axis.
+    origin: f32,
 }
 
 /// A space in which boxes are kept.
@@ -105,7 +107,7 @@ impl Skinning {
             });
         // The factor covers the roundings of blends.
         self.reach = (f64::from(tree.model.base_reach()) + of_targets.sum::<f64>()) * (1.0 + 1e-3);
-        let sum = tree.model.skin().map_or(1.0, |skin| skin.max_sum());
+        let sum = tree.model.skin().map_or(1.0, Skin::max_sum);
         // Up to eight products and sums of matrices, three of each for the position.
         self.error = 32.0 * f64::EPSILON * sum * self.joints.world_reach(self.reach);
         self.frame_is_used(tree.skin, BODY_FRAME);
@@ -193,16 +195,21 @@ impl Skinning {
         }
         let maps = tree.skin.maps_of(group);
         let changed = maps.iter().map(|&map| self.changed(tree.skin, map)).fold(0, u32::max);
-        let is_right = changed <= self.made[group].version;
-        self.made[group].version = self.version;
+        let frame = self.frame_of(tree.skin, group);
+        // Where weights do not quite sum to 1, vertices are pulled towards the world's origin, however still joints are to each other.
+        let origin = self.frames[frame].place.model_point(DVec3::ZERO).0.abs().max_element() as f32;
+        let made = &mut self.made[group];
+        let is_right = changed <= made.version && (origin <= made.origin || !tree.skin.misses_weight(group));
+        made.version = self.version;
         if let Some(slot) = found
             && is_right
         {
             return (slot, false);
         }
         let slot = found.unwrap_or_else(|| self.boxes.claim(group));
-        let frame = self.frame_of(tree.skin, group);
-        let origin = self.frames[frame].place.model_point(DVec3::ZERO).0.abs().max_element() as f32 * (1.0 + 1e-3);
+        // What is missing is tiny, so boxes stay tight, and right for a while, with more than twice the distance.
+        made.origin = 2.0 * origin + self.reach as f32;
+        let origin = made.origin;
         let (maps, boxes) = (&self.maps, self.boxes.get_mut(slot));
         let blocks = tree.skin.blocks(group);
         let map = |map: u32| &maps[map as usize].map;

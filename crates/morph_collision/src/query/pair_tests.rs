@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 
+use super::pairs::Start;
 use super::{Body, PairMemory, PairQuery, TrianglePair};
 use crate::bounds::WorldFromModel;
 use crate::model::MorphModel;
@@ -163,7 +164,7 @@ fn the_pairs_below_a_front_are_all_pairs_in_their_order() {
     let mut pairs = Vec::new();
     for part in &front {
         let [a, b] = bodies.both();
-        query.visit_from(&[*part], a, b, |pair| {
+        query.run(a, b, Start::Front(&[*part], false), &mut |pair| {
             pairs.push(pair);
             ControlFlow::Continue(())
         });

@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use glam::Vec3;
 
 use super::probe::{blob, cubes, leaves, row, triangle};
-use super::{NearestStack, OneWalk, Queue, SelfStack, walk_nearest, walk_within};
+use super::{NearestStack, Queue, SelfStack, walk_nearest, walk_one, walk_within};
 use crate::bounds::Aabb;
 use crate::pose::Pose;
 
@@ -63,19 +63,19 @@ struct OneByOne {
 /// Visits leaves by where they begin along x. `next` is what follows each.
 fn one_by_one(pose: &mut Pose, limit: f64, next: ControlFlow<(), f64>) -> OneByOne {
     let mut visited = Vec::new();
-    let mut walk = OneWalk {
-        tree: &mut pose.posed(),
-        node_tests: 0,
-    };
+    let mut node_tests = 0;
     let is_ahead = |bounds: &Aabb| bounds.max.x >= 0.0;
-    let bound = |bounds: &Aabb| is_ahead(bounds).then_some(f64::from(bounds.min.x));
-    let flow = walk.run(&mut Queue::new(), limit, bound, |tree, leaf| {
+    let bound = |bounds: &Aabb| {
+        node_tests += 1;
+        is_ahead(bounds).then_some(f64::from(bounds.min.x))
+    };
+    let flow = walk_one(&mut pose.posed(), &mut Queue::new(), limit, bound, |tree, leaf| {
         visited.push(triangle(tree, leaf));
         next
     });
     OneByOne {
         visited,
-        node_tests: walk.node_tests,
+        node_tests,
         is_broken: flow.is_break(),
     }
 }

@@ -93,6 +93,11 @@ impl SkinTables {
         usize::from(self.groups[group].frame)
     }
 
+    /// Whether sums of weights are not quite 1 somewhere in a group, and what is missing is not among its rows.
+    pub(crate) fn misses_weight(&self, group: usize) -> bool {
+        self.blocks(group).any(|block| block.missing > 0.0)
+    }
+
     /// The maps that a group's boxes depend on.
     #[inline(always)]
     pub(crate) fn maps_of(&self, group: usize) -> &[u32] {

@@ -27,7 +27,7 @@ impl<'p> Walk<'p> {
     fn unculled(a: &'p mut Pose, b: &'p mut Pose) -> Self {
         let (mut a, mut b) = (a.posed(), b.posed());
         let mut walk = OverlapWalk::default();
-        walk.begin([a.root().child, b.root().child], 1.0);
+        walk.begin([a.stand(), b.stand()], 1.0);
         let lists = Vec::new();
         Self { walk, a, b, lists }
     }
@@ -130,11 +130,12 @@ fn every_pair_of_leaves_with_overlapping_boxes_is_passed_on_once() {
 
 #[test]
 fn pairs_overlap_in_the_frames_of_both_bodies() {
+    let turned = Affine3A::from_rotation_translation(Quat::from_rotation_z(0.6), Vec3::new(0.9, 0.3, 0.0));
+    let turned = WorldFromModel::new(turned).unwrap();
     let (mut a, mut b) = (blob(Vec3::ZERO, 1.0), blob(Vec3::ZERO, 0.5));
     let mut walk = Walk::unculled(&mut a, &mut b);
-    let turned = Affine3A::from_rotation_translation(Quat::from_rotation_z(0.6), Vec3::new(0.9, 0.3, 0.0));
-    let a = walk.a.stand(&WorldFromModel::IDENTITY).placed;
-    let b = walk.b.stand(&WorldFromModel::new(turned).unwrap()).placed;
+    walk.b.place = &turned;
+    let (a, b) = (walk.a.stand().placed, walk.b.stand().placed);
     let mut frames = Vec::new();
     visit_frames(&a, &b, |maps| {
         frames.push(maps.map(Option::<&Frame>::copied));
@@ -215,8 +216,7 @@ fn the_larger_of_two_nodes_is_opened() {
 fn sizes_are_compared_in_the_units_of_the_first_body() {
     let (mut a, mut b) = (row(&[20.0, 25.0]), row(&[0.0, 4.0]));
     let mut walk = Walk::unculled(&mut a, &mut b);
-    let roots = [walk.a.root().child, walk.b.root().child];
-    walk.walk.begin(roots, 10.0);
+    walk.walk.begin([walk.a.stand(), walk.b.stand()], 10.0);
     assert!(walk.push(&frame(DMat3::from_diagonal(DVec3::splat(10.0)), DVec3::ZERO)));
     assert_eq!(walk.pairs(Order::Any), []);
     assert_eq!(walk.walk.node_tests, 1 + 2);

@@ -6,7 +6,8 @@ use rand_pcg::Pcg64Mcg;
 
 use super::number::power_of_two;
 use super::{
-    Triangle, closest_of_segment_and_triangle, closest_of_segments, closest_on_triangle, closest_on_triangle_exactly,
+    Triangle, closest_of_segment_and_triangle, closest_of_segments, closest_on_segment, closest_on_triangle,
+    closest_on_triangle_exactly,
 };
 
 const FLOOR: Triangle = [DVec3::ZERO, DVec3::new(4.0, 0.0, 0.0), DVec3::new(0.0, 4.0, 0.0)];
@@ -99,4 +100,11 @@ fn a_segment_is_closest_to_a_triangle_at_an_end_or_at_an_edge() {
 fn a_point_that_is_hardly_above_a_triangle_is_not_on_it() {
     let point = DVec3::new(1.0, 1.0, 1e-200);
     assert!(closest_on_triangle_exactly(point, &FLOOR).squared > 0.0);
+}
+
+#[test]
+fn beyond_its_ends_a_segment_is_closest_at_an_end_to_the_last_bit() {
+    let segment = [DVec3::splat(0.1), DVec3::X * 1e17];
+    assert_eq!(closest_on_segment(DVec3::NEG_X, segment), segment[0]);
+    assert_eq!(closest_on_segment(DVec3::X * 2e17, segment), segment[1]);
 }

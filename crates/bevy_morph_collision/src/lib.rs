@@ -58,8 +58,8 @@
 //!
 //! `AssetPlugin`, `MeshPlugin` and `TransformPlugin`, which are all among `DefaultPlugins`. Meshes must stay in main memory
 //! (`RenderAssetUsages::default()`, not `RENDER_WORLD` alone) with uncompressed positions. Data that cannot be used is
-//! logged once as an error with the mesh's and the entity's name, and only that entity is left out. Bones are ignored: a collider
-//! whose mesh has some is logged as a warning, once per mesh.
+//! logged once as an error with the mesh's and the entity's name, and only that entity is left out. The plugin ignores bones, which the core
+//! follows: a collider whose mesh has some collides in its bind pose, with a warning once per mesh.
 #![forbid(unsafe_code)]
 // docs.rs says which feature has what.
 #![cfg_attr(docsrs, feature(doc_cfg))]

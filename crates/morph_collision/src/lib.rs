@@ -5,13 +5,14 @@
 //! - You write a Bevy game: use `bevy_morph_collision`, which is this crate as a plugin.
 //! - You have an engine of your own, or none: use this crate. It depends on `glam` and not on an engine.
 //! - Your meshes never deform: any collision library will do. (Meshes without targets work here, as rigid bodies.)
-//! - Your meshes are deformed by bones alone: not yet.
+//! - Your meshes are deformed by bones, with or without targets: use this crate ([`MorphModel::skinned`], [`Pose::set_joints`]).
+//!   The Bevy plugin ignores bones as yet.
 //!
 //! # The pipeline
 //!
 //! ```text
-//! positions + targets -> MorphModel -> MorphBvh -> Pose (weights, cache) -> PairQuery -> triangle pairs
-//!                        immutable     immutable   one per instance         scratch
+//! positions + targets -> MorphModel -> MorphBvh -> Pose (weights, joints, cache) -> PairQuery -> triangle pairs
+//! (+ influences)         immutable     immutable   one per instance                 scratch
 //! ```
 //!
 //! # What can be asked
@@ -37,7 +38,8 @@
 //! # What an answer means
 //!
 //! A posed vertex is the `f32` blend of base and displacements in ascending target order, taken to world space in `f64`
-//! by the body's affine; see [`WorldFromModel::transform_point`]. Over those vertices the answer is exact: touching counts,
+//! by the body's affine; see [`WorldFromModel::transform_point`]. That of a skinned mesh is taken there by the weighted sum of
+//! its joints' matrices instead, also in `f64`; [`Body::vertex`] gives it. Over those vertices the answer is exact: touching counts,
 //! coplanar and degenerate triangles are handled, and there is no epsilon. Trees change only the speed. For balls, capsules and
 //! half-spaces [`PlacedShape::intersects`] says what is exact.
 #![forbid(unsafe_code)]

@@ -60,8 +60,8 @@ pub(crate) fn line_height(a: DVec2, b: DVec2, c: DVec2) -> f64 {
 /// Whether no product of three differences of these coordinates overflows or underflows, in any part: each coordinate is 0 or
 /// between `2^-277` and `2^300` in size, and so a whole multiple of `2^-330`.
 ///
-/// Corners of bodies in world space are whole multiples of `2^-298` below `2^256`, whatever the mesh and its place. So only
-/// tiny ones take the slow path without need.
+/// Corners of bodies in world space are below `2^256`, whatever the mesh and its place, and those of bodies without joints are whole
+/// multiples of `2^-298`. So only tiny ones take the slow path without need.
 #[inline]
 fn in_range(mut coordinates: impl Iterator<Item = f64>) -> bool {
     const MIN: f64 = power_of_two(-277);

@@ -49,14 +49,18 @@ impl JointMap {
         let inverse = frame.inverse_linear();
         let linear = inverse * DMat3::from_cols(x, y, z);
         let translation = inverse * (offset - frame.translation());
-        if !self.is_identity && self.is_near(&linear, translation, reach) {
+        let world = (x.abs() + y.abs() + z.abs()) * reach + offset.abs() + frame.translation().abs();
+        // The last term covers entries that are subnormal.
+        let drift = DRIFT * frame.inverse_norm() * world.max_element() + reach * 1e-44;
+        // A map from where numbers were larger would stay loose.
+        let is_sharp = f64::from(self.drift) <= 2.0 * drift + f64::from(f32::MIN_POSITIVE) * 2.0;
+        if !self.is_identity && is_sharp && self.is_near(&linear, translation, reach) {
             return false;
         }
         let row = |i: usize| linear.row(i).as_vec3().to_array();
         let rows = [row(0), row(1), row(2)];
         // Rounded up, for the error bound of what is computed from them.
         let up = |value: f64| (value * (1.0 + 4.0 * U)) as f32;
-        let world = (x.abs() + y.abs() + z.abs()) * reach + offset.abs() + frame.translation().abs();
         *self = Self {
             is_identity: false,
             rows,
@@ -64,7 +68,7 @@ impl JointMap {
             translation: translation.as_vec3().to_array(),
             norm: up((linear.abs() * DVec3::ONE).max_element()),
             shift: up(translation.abs().max_element()),
-            drift: up(DRIFT * frame.inverse_norm() * world.max_element()) + f32::MIN_POSITIVE,
+            drift: up(drift) + f32::MIN_POSITIVE,
         };
         true
     }

@@ -22,7 +22,7 @@ pub(super) fn blend_group<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &W
     let (widening, reach) = evaluate(simd, tables, weights, boxes);
     boxes.widen(simd, widening);
     // The factor covers the widening and what rounds outward.
-    reach * (1.0 + 1e-3)
+    reach * (1.0 + 1.5e-2)
 }
 
 /// Computes the boxes before widening, and returns how much they must be widened and how far they reach.

@@ -99,7 +99,7 @@ fn moved<'m, S: Simd>(
         }
     }
     let widening = widening(block, farthest, drift, origin);
-    let is_bounded = widening + farthest <= MAX_REACH;
+    let is_bounded = widening + farthest * (1.0 + 2.0 * block.weight) <= MAX_REACH;
     // NaN is not bounded.
     if !is_bounded {
         let all = |value| [f32x8::splat(simd, value); 3];
@@ -124,5 +124,8 @@ fn widening(block: &Block<'_>, farthest: f32, drift: f32, origin: f32) -> f32 {
         0.0
     };
     let roundings = 10.0 + 24.0 * others + (rows + 1.0) * (1.0 + 2.0 * others);
-    farthest * (roundings * U * 1.03) + drift * (1.0 + 2.0 * others) * 1.001 + missing + (rows + 2.0) * 1e-42
+    farthest * (roundings * U * 1.03)
+        + drift * (1.0 + 2.0 * others) * 1.001
+        + missing
+        + (rows + 2.0) * (1.0 + others) * 1e-42
 }

@@ -106,7 +106,7 @@ impl Skinning {
                 f64::from(weight.abs()) * f64::from(tree.model.target_reach()[target as usize])
             });
         // The factor covers the roundings of blends.
-        self.reach = (f64::from(tree.model.base_reach()) + of_targets.sum::<f64>()) * (1.0 + 1e-3);
+        self.reach = (f64::from(tree.model.base_reach()) + of_targets.sum::<f64>()) * (1.0 + 1.5e-2);
         let sum = tree.model.skin().map_or(1.0, Skin::max_sum);
         // Up to eight products and sums of matrices, three of each for the position.
         self.error = 32.0 * f64::EPSILON * sum * self.joints.world_reach(self.reach);

@@ -105,7 +105,7 @@ fn bent(rng: &mut Pcg64Mcg, angle: f32, scale: [f32; 2], at: Vec3) -> JointMatri
             }
         }));
         let local = Affine3A::from_scale_rotation_translation(size, turn, Vec3::X * f32::from(joint > 0));
-        parent = parent * local;
+        parent *= local;
         all.push(parent * Affine3A::from_translation(Vec3::NEG_X * joint as f32));
     }
     JointMatrices::new(&all).unwrap()
@@ -245,4 +245,47 @@ fn a_skinned_vertex_is_as_defined() {
     );
     assert_eq!(body.vertex(2), Some(glam::DVec3::new(11.0, 20.0, 31.0)));
     assert_eq!(body.vertex(3), None);
+}
+
+/// Where weights do not quite sum to 1, the world's origin pulls.
+#[test]
+fn boxes_are_right_wherever_a_body_goes() {
+    let mut rng = Pcg64Mcg::seed_from_u64(3);
+    let tube = tube(Weights::Rigid, &mut rng);
+    let model = tube.model();
+    let base: Vec<Vec3> = (0..model.vertex_count() as u32).map(|v| model.base(v)).collect();
+    let triangles: Vec<_> = (0..model.triangle_count() as u32).map(|t| model.corners(t)).collect();
+    let influences = Influences {
+        joints: &vec![[0; 4]; base.len()],
+        weights: &vec![[1.0 - 1.2e-7, 0.0, 0.0, 0.0]; base.len()],
+    };
+    let model = MorphModel::skinned::<[Vec3; 0]>(&base, &triangles, &[], 1, &[influences]).unwrap();
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+    let mut kept = 0;
+    for x in [0.0, 1.0, 1024.0, 1500.0, 1e6, 1.0] {
+        let joint = Affine3A::from_translation(Vec3::X * x);
+        pose.set_joints(&JointMatrices::new(&[joint]).unwrap()).unwrap();
+        let before = pose.posed().blended().volumes;
+        check_boxes(&mut pose);
+        kept += usize::from(pose.posed().blended().volumes == before);
+    }
+    assert!(kept >= 2, "near places share their boxes: {kept}");
+}
+
+#[test]
+fn boxes_of_huge_weights_hold_their_vertices() {
+    let mut rng = Pcg64Mcg::seed_from_u64(4);
+    let base: Vec<Vec3> = (0..24)
+        .map(|_| Vec3::from_array([(); 3].map(|()| rng.random_range(5e35..1e36))))
+        .collect();
+    let influences = Influences {
+        joints: &[[0, 1, 2, 0]; 24],
+        weights: &[[900.0, 800.0, 800.0, 0.0]; 24],
+    };
+    let triangles: Vec<[u32; 3]> = (0..22).map(|i| [i, i + 1, i + 2]).collect();
+    let model = MorphModel::skinned::<[Vec3; 0]>(&base, &triangles, &[], 3, &[influences]).unwrap();
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+    let joints = [1.0, 3.0, 2.0].map(|scale| Affine3A::from_scale(Vec3::splat(scale)));
+    pose.set_joints(&JointMatrices::new(&joints).unwrap()).unwrap();
+    check_boxes(&mut pose);
 }

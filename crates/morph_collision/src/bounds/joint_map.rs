@@ -8,6 +8,8 @@ use super::{BoxLanes, LANES, WorldFromModel};
 
 /// Half a unit in the last place of 1 in `f32`.
 const U: f64 = f32::EPSILON as f64 / 2.0;
+/// Maps with larger entries could overflow in sums.
+const MAX_ENTRY: f32 = 1e37;
 /// A map whose joints move by the rounding of their `f32` matrices moves by a few of these.
 const DRIFT: f64 = 4.0 * U;
 
@@ -80,10 +82,14 @@ impl JointMap {
         (moved + shifted).max_element() <= f64::from(self.drift)
     }
 
-    /// A bound on the coordinates of images of points with coordinates up to `reach`.
+    /// A bound on the coordinates of images of points with coordinates up to `reach`; infinite where `f32` may not hold the map.
     #[inline(always)]
     pub(crate) fn reach(&self, reach: f32) -> f32 {
-        self.norm * reach + self.shift
+        if self.norm.max(self.shift) <= MAX_ENTRY {
+            self.norm * reach + self.shift
+        } else {
+            f32::INFINITY
+        }
     }
 
     /// The images of eight boxes, given by their centres and half sizes.

@@ -45,14 +45,19 @@ impl Pose {
             (WorldFromModel::IDENTITY, Skinning::new(skin, joints, groups, vertices))
         });
         let mut pose = Self {
-            skinning,
             weights: Weights::new(&vec![0.0; bvh.model().target_count()]),
             is_refitted: false,
             boxes: EpochCache::new(bvh.topology.group_count()),
-            vertices: EpochCache::new(bvh.model().vertex_count()),
+            // Those of a skinned mesh are kept where joints have placed them.
+            vertices: EpochCache::new(if skinning.is_some() {
+                0
+            } else {
+                bvh.model().vertex_count()
+            }),
             standing: Standing::default(),
             blended: Blended::default(),
             scratch: Scratch::default(),
+            skinning,
             bvh,
         };
         pose.forget(true);

@@ -63,12 +63,12 @@ fn moved<'m, S: Simd>(
     map: &impl Fn(u32) -> &'m JointMap,
     origin: f32,
 ) -> (Ends<S>, f32) {
-    let half_of = f32x8::splat(simd, 0.5);
+    let half = f32x8::splat(simd, 0.5);
     let [low, high] = own;
     let mut middle = [low, high];
     for axis in 0..3 {
-        middle[0][axis] = (low[axis] + high[axis]) * half_of;
-        middle[1][axis] = (high[axis] - low[axis]) * half_of;
+        middle[0][axis] = (low[axis] + high[axis]) * half;
+        middle[1][axis] = (high[axis] - low[axis]) * half;
     }
     let image = |map: &JointMap| if map.is_identity { own } else { map.image(simd, &middle) };
     let (mut farthest, mut drift) = (0.0_f32, 0.0_f32);
@@ -93,9 +93,9 @@ fn moved<'m, S: Simd>(
         note(map);
         let (image, least, most) = (image(map), row.low.load(simd), row.high.load(simd));
         for axis in 0..3 {
-            let (down, up) = (image[0][axis] - pivot[0][axis], image[1][axis] - pivot[1][axis]);
-            ends[0][axis] += (least * down).min(most * down);
-            ends[1][axis] += (least * up).max(most * up);
+            let (low, high) = (image[0][axis] - pivot[0][axis], image[1][axis] - pivot[1][axis]);
+            ends[0][axis] += (least * low).min(most * low);
+            ends[1][axis] += (least * high).max(most * high);
         }
     }
     let widening = widening(block, farthest, drift, origin);

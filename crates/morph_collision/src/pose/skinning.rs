@@ -143,8 +143,7 @@ impl Skinning {
             of.place = columns.map_or(WorldFromModel::IDENTITY, WorldFromModel::from_columns);
             of.is_used = of.place.is_well_conditioned();
             if frame == BODY_FRAME && !of.is_used {
-                let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-                let [x, y, z] = axes;
+                let [x, y, z] = DVec3::AXES;
                 of.place = WorldFromModel::from_columns([x, y, z, of.place.translation()]);
             }
         }

@@ -2,8 +2,10 @@
 //!
 //! `build` runs the stages. `sah` splits a node's triangles by the surface-area heuristic. `topology` records the
 //! result in preorder. `extents` measures the base and each target over every node. `tables` turns extents into what a pose
-//! blends. For skinned meshes `clusters` splits the vertices of each node by joints, and `skin_tables` stores how these move. `leaf_lanes` stores the corners of the leaves' triangles for the exact tests.
+//! blends. For skinned meshes `clusters` splits the vertices of each node by joints, `blocks` puts them side by side, and `skin_tables` stores how
+//! these move. `leaf_lanes` stores the corners of the leaves' triangles for the exact tests.
 
+mod blocks;
 mod build;
 mod bvh;
 mod clusters;

@@ -6,7 +6,8 @@
 use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
 
-use super::clusters::{Cluster, Interval, NONE, dominant};
+use super::blocks::{Lane, Steps, arranged, steps};
+use super::clusters::{Cluster, NONE, dominant};
 use super::extents::NodeExtents;
 use super::tables::{GroupTables, Tables};
 use crate::bounds::{LANES, Lanes};
@@ -260,76 +261,4 @@ fn weight_of_others(cluster: &Cluster) -> f32 {
         .sum();
     // For the roundings of the sum, of at most a few dozen terms.
     sum * 1.001
-}
-
-/// A lane of a block: a child, and one of its clusters or none.
-type Lane<'c> = (usize, Option<&'c Cluster>);
-
-/// Divides the clusters of a group's children into blocks: either the next cluster of each child, or those next to each other in the order of
-/// their joints, whichever takes fewer instructions.
-fn arranged(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
-    let most = children.iter().map(Vec::len).max().unwrap_or(0);
-    let of_each = |place| {
-        children
-            .iter()
-            .enumerate()
-            .map(|(child, clusters)| (child, clusters.get(place)))
-            .collect()
-    };
-    let by_child: Vec<Vec<Lane<'_>>> = (0..most).map(of_each).collect();
-    let mut all: Vec<Lane<'_>> = Vec::new();
-    for (child, clusters) in children.iter().enumerate() {
-        all.extend(clusters.iter().map(|cluster| (child, Some(cluster))));
-    }
-    all.sort_by_key(|(_, cluster)| cluster.map(Cluster::key));
-    let by_joint: Vec<Vec<Lane<'_>>> = all.chunks(LANES).map(<[_]>::to_vec).collect();
-    let cost = |blocks: &[Vec<Lane<'_>>], scattering: usize| -> usize {
-        let of_block = |lanes: &Vec<Lane<'_>>| {
-            let Steps { pivots, rows } = steps(lanes);
-            BLOCK + PIVOT * pivots.len() + ROW * rows.len() + scattering
-        };
-        blocks.iter().map(of_block).sum()
-    };
-    if cost(&by_joint, SCATTERING) < cost(&by_child, 0) {
-        by_joint
-    } else {
-        by_child
-    }
-}
-
-/// What the steps of the kernel take, in instructions.
-const BLOCK: usize = 160;
-const PIVOT: usize = 120;
-const ROW: usize = 140;
-const SCATTERING: usize = 190;
-
-/// The joints of a block: the strongest of each lane, and what all others weigh.
-#[derive(Default)]
-struct Steps {
-    pivots: Vec<(u16, u8)>,
-    rows: Vec<(u16, [Lanes; 2])>,
-}
-
-fn steps(lanes: &[Lane<'_>]) -> Steps {
-    let mut steps = Steps::default();
-    for (lane, (_, cluster)) in lanes.iter().enumerate() {
-        let Some(cluster) = cluster else { continue };
-        match steps.pivots.iter_mut().find(|(joint, _)| *joint == cluster.strongest()) {
-            Some((_, lanes)) => *lanes |= 1 << lane,
-            None => steps.pivots.push((cluster.strongest(), 1 << lane)),
-        }
-        for &Interval { joint, low, high } in cluster.others() {
-            let place = steps
-                .rows
-                .iter()
-                .position(|row| row.0 == joint)
-                .unwrap_or(steps.rows.len());
-            if place == steps.rows.len() {
-                steps.rows.push((joint, [Lanes::default(); 2]));
-            }
-            let [lows, highs] = &mut steps.rows[place].1;
-            (lows.0[lane], highs.0[lane]) = (low, high);
-        }
-    }
-    steps
 }

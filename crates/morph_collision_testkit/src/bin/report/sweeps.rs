@@ -61,9 +61,10 @@ pub(crate) fn memory(_: &Experiment) -> Vec<Candidate> {
 /// Every method; the oracle only where it comes to an end.
 pub(crate) fn methods(experiment: &Experiment) -> Vec<Candidate> {
     let small = experiment.mesh.triangles.len() < 1000;
-    let methods = MethodKind::ALL
-        .into_iter()
-        .filter(|&kind| small || kind != MethodKind::BruteForce);
+    let skinned = experiment.mesh.skin.is_some();
+    let is_candidate =
+        |kind: &MethodKind| (small || *kind != MethodKind::BruteForce) && (!skinned || kind.supports_skins());
+    let methods = MethodKind::ALL.into_iter().filter(is_candidate);
     let candidate = |method: MethodKind| match method {
         MethodKind::Morph | MethodKind::MorphEager | MethodKind::RigidFloor => Candidate {
             label: method.to_string(),

@@ -130,7 +130,7 @@ impl Pose {
         Ok(changed)
     }
 
-    /// Fits all boxes tightly to the posed vertices now. They last until the weights change.
+    /// Fits all boxes tightly to the posed vertices now. They last until the weights or joints change.
     ///
     /// This pays for weights that rest, and where a query looks at most of the tree, such as all pairs of two bodies that
     /// overlap deeply. Otherwise let queries blend what they look at; `docs/performance.md` compares both. Cost: `O(n)`, every

@@ -111,13 +111,11 @@ fn bent(rng: &mut Pcg64Mcg, angle: f32, scale: [f32; 2], at: Vec3) -> JointMatri
     JointMatrices::new(&all).unwrap()
 }
 
-/// Fails if a vertex is outside the box of any node above it; returns the number of boxes that were cached before.
-fn check_boxes(pose: &mut Pose) -> (usize, usize) {
+/// Fails if a vertex is outside the box of any node above it.
+fn check_boxes(pose: &mut Pose) {
     let mut boxes = Vec::new();
-    let (mut nodes, mut fresh) = (0, 0);
     pose.visit_nodes(|node| {
         boxes.push((node.bounds, node.world_from_bounds.unwrap(), node.triangles.to_vec()));
-        (nodes, fresh) = (nodes + 1, fresh + usize::from(node.was_fresh));
         true
     });
     let place = WorldFromModel::IDENTITY;
@@ -131,7 +129,6 @@ fn check_boxes(pose: &mut Pose) -> (usize, usize) {
             }
         }
     }
-    (nodes, fresh)
 }
 
 fn brute_force(a: &mut Pose, b: &mut Pose) -> Vec<TrianglePair> {

@@ -155,9 +155,9 @@ impl<S: Splits> Builder<'_, S> {
             return Cluster::joined(clusters.into_iter().flatten().collect());
         }
         // Without joints each child is one cluster.
-        let extents: Vec<NodeExtents> = clusters.iter().map(|child| child[0].extents.clone()).collect();
-        let whole = Cluster::joined(clusters.into_iter().flatten().collect());
-        self.tables.fill(group, &extents, &whole[0].extents);
-        whole
+        let extents: Vec<NodeExtents> = clusters.into_iter().flatten().map(|cluster| cluster.extents).collect();
+        let whole = NodeExtents::of_parts(extents.iter());
+        self.tables.fill(group, &extents, &whole);
+        vec![Cluster::without_joints(whole)]
     }
 }

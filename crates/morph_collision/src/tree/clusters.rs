@@ -36,17 +36,22 @@ pub(super) struct Cluster {
 pub(super) const NONE: u16 = u16::MAX;
 
 impl Cluster {
+    /// The only cluster of a node that no joint moves.
+    pub(super) fn without_joints(extents: NodeExtents) -> Self {
+        Self {
+            key: [NONE; 2],
+            extents,
+            weights: Vec::new(),
+            missing: 0.0,
+            shares: Vec::new(),
+        }
+    }
+
     /// The cluster of one vertex.
     pub(super) fn of_vertex(model: &MorphModel, vertex: u32) -> Self {
         let extents = NodeExtents::of_vertex(model, vertex);
         let Some(skin) = model.skin() else {
-            return Self {
-                key: [NONE; 2],
-                extents,
-                weights: Vec::new(),
-                missing: 0.0,
-                shares: Vec::new(),
-            };
+            return Self::without_joints(extents);
         };
         let mut weights = summed(skin.influences(vertex));
         let (missing, origin) = (1.0 - sum(skin.influences(vertex)), skin.joint_count() as u16);
@@ -104,7 +109,6 @@ impl Cluster {
     }
 
     fn union(parts: &[Self]) -> Self {
-        let extents: Vec<NodeExtents> = parts.iter().map(|part| part.extents.clone()).collect();
         let mut joints: Vec<u16> = parts
             .iter()
             .flat_map(|part| part.weights.iter().map(|w| w.joint))
@@ -130,7 +134,7 @@ impl Cluster {
             .map(|of| (of[0].0, of.iter().map(|(_, share)| share).sum()));
         Self {
             key: parts[0].key,
-            extents: NodeExtents::of_parts(&extents),
+            extents: NodeExtents::of_parts(parts.iter().map(|part| &part.extents)),
             weights: weights.collect(),
             missing: parts.iter().map(|part| part.missing).fold(0.0, f32::max),
             shares: shares.collect(),

@@ -58,9 +58,9 @@ impl NodeExtents {
     }
 
     /// The union of some parts. A part that a target does not move is at its base under it.
-    pub(super) fn of_parts(parts: &[Self]) -> Self {
-        let union = |of: &dyn Fn(&Self) -> Extent| parts.iter().map(of).fold(Extent::EMPTY, Extent::union);
-        let mut targets: Vec<u16> = parts.iter().flat_map(|p| p.targets.iter().map(|t| t.target)).collect();
+    pub(super) fn of_parts<'p>(parts: impl Iterator<Item = &'p Self> + Clone) -> Self {
+        let union = |of: &dyn Fn(&Self) -> Extent| parts.clone().map(of).fold(Extent::EMPTY, Extent::union);
+        let mut targets: Vec<u16> = parts.clone().flat_map(|p| p.targets.iter().map(|t| t.target)).collect();
         targets.sort_unstable();
         targets.dedup();
         let under = |target| TargetExtents {

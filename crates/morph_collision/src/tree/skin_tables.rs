@@ -241,7 +241,7 @@ impl SkinBuilder {
             (None, first) => first.map(|first| first.extents.a_point()),
         };
         let extents: Vec<NodeExtents> = lanes.iter().filter_map(extents).collect();
-        let whole = NodeExtents::of_parts(&extents);
+        let whole = NodeExtents::of_parts(extents.iter());
         self.tables.boxes.reserve();
         self.tables.boxes.fill(self.tables.blocks.len(), &extents, &whole);
         self.tables.blocks.push(header);

@@ -102,7 +102,6 @@ impl Costs {
 
 /// A node as it was visited.
 struct Node {
-    depth: usize,
     is_leaf: bool,
     min: DVec3,
     max: DVec3,
@@ -121,7 +120,6 @@ fn costs(pose: &mut Pose) -> Costs {
         }
         path.push(nodes.len());
         nodes.push(Node {
-            depth: node.depth,
             is_leaf: node.is_leaf,
             min: node.bounds.min.as_dvec3(),
             max: node.bounds.max.as_dvec3(),
@@ -138,7 +136,6 @@ fn costs(pose: &mut Pose) -> Costs {
     };
     let mut costs = Costs::default();
     for node in &nodes {
-        debug_assert!(node.depth < 256);
         // A frame may be scaled: areas are compared in the world's unit.
         let origin = node.place.transform_point(glam::Vec3::ZERO);
         let axis = |axis: glam::Vec3| node.place.transform_point(axis) - origin;

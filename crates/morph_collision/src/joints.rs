@@ -35,20 +35,23 @@ impl JointMatrices {
     /// [`InputError`] names the joint and the first of its entries that is NaN, infinite or beyond 1e34.
     pub fn new(world_from_mesh: &[Affine3A]) -> Result<Self, InputError> {
         let mut columns = Vec::with_capacity(world_from_mesh.len() + 1);
+        let (mut linear_reach, mut translation_reach) = (0.0_f64, 0.0_f64);
         for (joint, matrix) in world_from_mesh.iter().enumerate() {
-            let matrix = matrix
-                .to_cols_array_2d()
-                .map(|column| Vec3::from_array(column).as_dvec3());
-            for (what, column) in ["x axis", "y axis", "z axis", "translation"].into_iter().zip(matrix) {
-                check_vector(what, column, Self::LARGEST).map_err(|error| error.of(&format!("joint {joint}")))?;
+            let [x, y, z] = [0, 1, 2].map(|axis| Vec3::from(matrix.matrix3.col(axis)).as_dvec3());
+            let translation = Vec3::from(matrix.translation).as_dvec3();
+            let row_sums = x.abs() + y.abs() + z.abs();
+            // NaN is not.
+            let is_small = |v: DVec3| v.abs().cmple(DVec3::splat(Self::LARGEST)).all();
+            if !(is_small(x) && is_small(y) && is_small(z) && is_small(translation)) {
+                check(joint, [x, y, z, translation])?;
             }
-            columns.push(matrix);
+            linear_reach = linear_reach.max(row_sums.max_element());
+            translation_reach = translation_reach.max(translation.abs().max_element());
+            columns.push([x, y, z, translation].map(pad));
         }
-        let row_sums = |[x, y, z, _]: &[DVec3; 4]| (x.abs() + y.abs() + z.abs()).max_element();
-        let linear_reach = columns.iter().map(row_sums).fold(0.0, f64::max);
-        let translation_reach = columns.iter().map(|[.., t]| t.abs().max_element()).fold(0.0, f64::max);
+        columns.push(Columns::default());
         Ok(Self {
-            columns: padded(&columns),
+            columns: columns.into(),
             linear_reach,
             translation_reach,
         })
@@ -56,9 +59,10 @@ impl JointMatrices {
 
     /// A skeleton at rest: every joint leaves the mesh as it is.
     pub(crate) fn at_rest(count: usize) -> Self {
-        let columns = vec![[DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO]; count];
+        let mut columns = vec![[DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO].map(pad); count];
+        columns.push(Columns::default());
         Self {
-            columns: padded(&columns),
+            columns: columns.into(),
             linear_reach: 1.0,
             translation_reach: 0.0,
         }
@@ -122,9 +126,15 @@ fn vector([x, y, z, _]: [f64; 4]) -> DVec3 {
     DVec3::new(x, y, z)
 }
 
-/// The columns as they are stored, with a matrix of zeros at the end.
-fn padded(columns: &[[DVec3; 4]]) -> Arc<[Columns]> {
-    let pad = |column: DVec3| [column.x, column.y, column.z, 0.0];
-    let matrices = columns.iter().map(|matrix| matrix.map(pad));
-    matrices.chain([Columns::default()]).collect()
+fn pad(DVec3 { x, y, z }: DVec3) -> [f64; 4] {
+    [x, y, z, 0.0]
+}
+
+/// Names the first entry of a matrix that may not be.
+#[cold]
+fn check(joint: usize, matrix: [DVec3; 4]) -> Result<(), InputError> {
+    for (what, column) in ["x axis", "y axis", "z axis", "translation"].into_iter().zip(matrix) {
+        check_vector(what, column, JointMatrices::LARGEST).map_err(|error| error.of(&format!("joint {joint}")))?;
+    }
+    Ok(())
 }

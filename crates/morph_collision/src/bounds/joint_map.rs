@@ -1,10 +1,11 @@
 //! What a joint does to the points of a mesh, as seen from a frame, and the images of boxes under it.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, mask32x8};
-use glam::{DMat3, DVec3};
+use fearless_simd::{f32x8, f64x4, mask32x8};
+use glam::DVec3;
 
 use super::{BoxLanes, LANES, WorldFromModel};
+use crate::joints::Columns;
 
 /// Half a unit in the last place of 1 in `f32`.
 const U: f64 = f32::EPSILON as f64 / 2.0;
@@ -18,16 +19,47 @@ const DRIFT: f64 = 4.0 * U;
 pub(crate) struct JointMap {
     /// Whether it changes nothing: the frame is the joint's own.
     pub(crate) is_identity: bool,
-    /// Rows of the linear part.
-    rows: [[f32; 3]; 3],
-    /// Their absolute values.
-    sizes: [[f32; 3]; 3],
-    translation: [f32; 3],
+    /// The columns of the linear part and the translation, with a fourth coordinate of 0.
+    columns: [[f32; 4]; 4],
+    /// The absolute values of the linear part.
+    sizes: [[f32; 4]; 3],
     /// The largest sum of the absolute values in a row, and the largest absolute coordinate of the translation.
     norm: f32,
     shift: f32,
     /// How far off it may take a point: by its rounding to `f32`, and as it is kept when its joints hardly move.
     pub(crate) drift: f32,
+}
+
+/// A space that joints are mapped to: the map from world space into it is `inverse (x - translation)`.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct MapFrame {
+    inverse: [[f64; 4]; 3],
+    translation: [f64; 4],
+    /// The largest sum of the absolute values in a row of the inverse.
+    norm: f64,
+}
+
+impl MapFrame {
+    /// That of a map which can be inverted well.
+    pub(crate) fn new(place: &WorldFromModel) -> Self {
+        let pad = |v: DVec3| [v.x, v.y, v.z, 0.0];
+        let inverse = place.inverse_linear();
+        Self {
+            inverse: [inverse.x_axis, inverse.y_axis, inverse.z_axis].map(pad),
+            translation: pad(place.translation()),
+            norm: place.inverse_norm(),
+        }
+    }
+
+    /// The image of a vector.
+    #[inline(always)]
+    fn turn<S: Simd>(&self, simd: S, vector: &[f64; 4]) -> f64x4<S> {
+        let [x, y, z] = &self.inverse;
+        let x = f64x4::from_slice(simd, x) * f64x4::splat(simd, vector[0]);
+        let y = f64x4::from_slice(simd, y) * f64x4::splat(simd, vector[1]);
+        let z = f64x4::from_slice(simd, z) * f64x4::splat(simd, vector[2]);
+        (x + y) + z
+    }
 }
 
 /// The lower and upper ends of eight boxes.
@@ -36,9 +68,13 @@ pub(crate) type Ends<S> = [[f32x8<S>; 3]; 2];
 impl JointMap {
     pub(crate) const IDENTITY: Self = Self {
         is_identity: true,
-        rows: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        sizes: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-        translation: [0.0; 3],
+        columns: [
+            [1.0, 0.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0, 0.0],
+            [0.0, 0.0, 1.0, 0.0],
+            [0.0; 4],
+        ],
+        sizes: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]],
         norm: 1.0,
         shift: 0.0,
         drift: 0.0,
@@ -46,40 +82,48 @@ impl JointMap {
 
     /// Becomes the map of a joint with these columns to a frame, which must be well conditioned, for points with coordinates up to `reach`. Stays
     /// as it is, and returns false, if it is right up to its drift.
-    pub(crate) fn follow(&mut self, frame: &WorldFromModel, joint: &[DVec3; 4], reach: f64) -> bool {
-        let &[x, y, z, offset] = joint;
-        let inverse = frame.inverse_linear();
-        let linear = inverse * DMat3::from_cols(x, y, z);
-        let translation = inverse * (offset - frame.translation());
-        let world = (x.abs() + y.abs() + z.abs()) * reach + offset.abs() + frame.translation().abs();
+    #[inline(always)]
+    pub(crate) fn follow<S: Simd>(&mut self, simd: S, frame: &MapFrame, joint: &Columns, reach: f64) -> bool {
+        let zero = f64x4::splat(simd, 0.0);
+        let from = f64x4::from_slice(simd, &frame.translation);
+        let offset = f64x4::from_slice(simd, &joint[3]);
+        let mut relative = [0.0; 4];
+        (offset - from).store_slice(&mut relative);
+        let mut images = [frame.turn(simd, &relative); 4];
+        let (mut row_sums, mut own_row_sums, mut moved) = (zero, zero, zero);
+        for i in 0..3 {
+            images[i] = frame.turn(simd, &joint[i]);
+            row_sums += images[i].abs();
+            own_row_sums += f64x4::from_slice(simd, &joint[i]).abs();
+            moved += (images[i] - widened(simd, &self.columns[i])).abs();
+        }
+        let reaches = f64x4::splat(simd, reach);
+        let world = (own_row_sums * reaches + offset.abs()) + from.abs();
         // The last term covers entries that are subnormal.
-        let drift = DRIFT * frame.inverse_norm() * world.max_element() + reach * 1e-44;
+        let drift = DRIFT * frame.norm * largest(world) + reach * 1e-44;
         // A map from where numbers were larger would stay loose.
         let is_sharp = f64::from(self.drift) <= 2.0 * drift + f64::from(f32::MIN_POSITIVE) * 2.0;
-        if !self.is_identity && is_sharp && self.is_near(&linear, translation, reach) {
+        let moved = moved * reaches + (images[3] - widened(simd, &self.columns[3])).abs();
+        if !self.is_identity && is_sharp && largest(moved) <= f64::from(self.drift) {
             return false;
         }
-        let row = |i: usize| linear.row(i).as_vec3().to_array();
-        let rows = [row(0), row(1), row(2)];
+        let mut columns = [[0.0; 4]; 4];
+        for (column, image) in columns.iter_mut().zip(images) {
+            image.store_slice(column);
+        }
+        let columns = columns.map(|column| column.map(|entry| entry as f32));
+        let [x, y, z, _] = columns.map(|column| column.map(f32::abs));
         // Rounded up, for the error bound of what is computed from them.
         let up = |value: f64| (value * (1.0 + 4.0 * U)) as f32;
         *self = Self {
             is_identity: false,
-            rows,
-            sizes: rows.map(|row| row.map(f32::abs)),
-            translation: translation.as_vec3().to_array(),
-            norm: up((linear.abs() * DVec3::ONE).max_element()),
-            shift: up(translation.abs().max_element()),
+            columns,
+            sizes: [x, y, z],
+            norm: up(largest(row_sums)),
+            shift: up(largest(images[3].abs())),
             drift: up(drift) + f32::MIN_POSITIVE,
         };
         true
-    }
-
-    fn is_near(&self, linear: &DMat3, translation: DVec3, reach: f64) -> bool {
-        let [x, y, z] = self.rows.map(|row| DVec3::from_array(row.map(f64::from)));
-        let moved = (*linear - DMat3::from_cols(x, y, z).transpose()).abs() * DVec3::splat(reach);
-        let shifted = (translation - DVec3::from_array(self.translation.map(f64::from))).abs();
-        (moved + shifted).max_element() <= f64::from(self.drift)
     }
 
     /// A bound on the coordinates of images of points with coordinates up to `reach`; infinite where `f32` may not hold the map.
@@ -98,14 +142,34 @@ impl JointMap {
         let zero = [f32x8::splat(simd, 0.0); 3];
         let [mut low, mut high] = [zero; 2];
         for (i, (low, high)) in low.iter_mut().zip(&mut high).enumerate() {
-            let [x, y, z] = self.rows[i].map(|entry| f32x8::splat(simd, entry));
-            let middle = ((x * center[0] + y * center[1]) + z * center[2]) + f32x8::splat(simd, self.translation[i]);
-            let [x, y, z] = self.sizes[i].map(|entry| f32x8::splat(simd, entry));
+            let [x, y, z, offset] = &self.columns;
+            let (x, y) = (f32x8::splat(simd, x[i]), f32x8::splat(simd, y[i]));
+            let (z, offset) = (f32x8::splat(simd, z[i]), f32x8::splat(simd, offset[i]));
+            let middle = ((x * center[0] + y * center[1]) + z * center[2]) + offset;
+            let [x, y, z] = &self.sizes;
+            let (x, y, z) = (
+                f32x8::splat(simd, x[i]),
+                f32x8::splat(simd, y[i]),
+                f32x8::splat(simd, z[i]),
+            );
             let radius = (x * half[0] + y * half[1]) + z * half[2];
             (*low, *high) = (middle - radius, middle + radius);
         }
         [low, high]
     }
+}
+
+#[inline(always)]
+fn widened<S: Simd>(simd: S, column: &[f32; 4]) -> f64x4<S> {
+    f64x4::from_slice(simd, &column.map(f64::from))
+}
+
+/// The largest of the first three numbers, if they are not negative.
+#[inline(always)]
+fn largest<S: Simd>(vector: f64x4<S>) -> f64 {
+    let mut of = [0.0; 4];
+    vector.store_slice(&mut of);
+    of[0].max(of[1]).max(of[2])
 }
 
 impl BoxLanes {

@@ -24,7 +24,7 @@ pub(crate) use box_map::BoxMap;
 pub(crate) use extent::Extent;
 pub(crate) use frame::{Frame, PlacedBounds, visit_frames, world_map};
 pub(crate) use gap::{Box64, GapFrame};
-pub(crate) use joint_map::{Ends, JointMap};
+pub(crate) use joint_map::{Ends, JointMap, MapFrame};
 pub use kernel::Kernel;
 pub(crate) use kernel::with_simd;
 pub(crate) use lanes::{LANES, Lanes, lanes_of};

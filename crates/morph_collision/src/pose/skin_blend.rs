@@ -7,7 +7,7 @@ use fearless_simd::{f32x8, mask32x8};
 use super::blend::blend_group;
 use crate::bounds::{BoxLanes, Ends, JointMap, LANES, lanes_of};
 use crate::model::Weights;
-use crate::tree::Block;
+use crate::tree::{Block, SkinTables};
 
 /// Half a unit in the last place of 1.
 const U: f32 = f32::EPSILON / 2.0;
@@ -18,9 +18,10 @@ const MAX_REACH: f32 = 1e37;
 ///
 /// `map` gives a map by its number. `origin` is a bound on the coordinates of the world's origin in the frame.
 #[inline(always)]
-pub(super) fn blend_skinned<'m, 't, S: Simd>(
+pub(super) fn blend_skinned<'m, S: Simd>(
     simd: S,
-    blocks: impl Iterator<Item = Block<'t>>,
+    skin: &SkinTables,
+    group: usize,
     weights: &Weights,
     map: impl Fn(u32) -> &'m JointMap,
     origin: f32,
@@ -30,7 +31,8 @@ pub(super) fn blend_skinned<'m, 't, S: Simd>(
     boxes.store(all(f32::INFINITY), all(f32::NEG_INFINITY));
     let mut widest = 0.0_f32;
     let mut cluster = BoxLanes::default();
-    for block in blocks {
+    for block in skin.blocks(group) {
+        let block = skin.block(block);
         let reach = blend_group(simd, block.tables, weights, &mut cluster);
         let own = cluster.ends(simd);
         let (ends, widening) = match block.pivots {

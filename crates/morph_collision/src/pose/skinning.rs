@@ -1,14 +1,14 @@
 //! What a pose of a skinned mesh keeps: its joints, the maps to the frames of its boxes, and what was made with them.
 
-use fearless_simd::Level;
+use fearless_simd::{Level, Simd};
 use glam::DVec3;
 
 use super::cache::EpochCache;
 use super::skin_blend::blend_skinned;
-use crate::bounds::{Aabb, BoxLanes, BoxMap, Frame, JointMap, PlacedBounds, WorldFromModel, with_simd};
+use crate::bounds::{Aabb, BoxLanes, BoxMap, Frame, JointMap, MapFrame, PlacedBounds, WorldFromModel, with_simd};
 use crate::joints::JointMatrices;
 use crate::model::{MorphModel, Skin, Weights};
-use crate::tree::{BODY_FRAME, MapKey, SkinTables};
+use crate::tree::{BODY_FRAME, SkinTables};
 
 /// The state of a skinned pose.
 #[derive(Clone, Debug)]
@@ -50,6 +50,10 @@ struct BoneFrame {
     /// Whether boxes are kept in it; otherwise they are in the body's frame.
     is_used: bool,
     place: WorldFromModel,
+    /// What maps to it are made of.
+    maps: MapFrame,
+    /// How far the world's origin is along an axis.
+    origin: f32,
     /// The version that the maps to the body's frame are of.
     placed_in: u32,
     to_body: Option<Frame>,
@@ -146,6 +150,8 @@ impl Skinning {
                 let [x, y, z] = DVec3::AXES;
                 of.place = WorldFromModel::from_columns([x, y, z, of.place.translation()]);
             }
+            of.maps = MapFrame::new(&of.place);
+            of.origin = of.place.model_point(DVec3::ZERO).0.abs().max_element() as f32;
         }
         of.is_used
     }
@@ -160,43 +166,54 @@ impl Skinning {
         }
     }
 
-    /// Brings a map up to date; returns the version in which it last changed.
-    fn changed(&mut self, skin: &SkinTables, map: u32) -> u32 {
-        let kept = &self.maps[map as usize];
-        if kept.version == self.version {
-            return kept.changed;
+    /// Brings a group's maps up to date; returns the version in which the last of them changed.
+    #[inline(always)]
+    fn follow<S: Simd>(&mut self, simd: S, skin: &SkinTables, group: usize, frame: usize) -> u32 {
+        let (own, of) = (skin.frames[frame], &self.frames[frame].maps);
+        let mut changed = 0;
+        for &map in skin.maps_of(group) {
+            let kept = &mut self.maps[map as usize];
+            if kept.version != self.version {
+                kept.version = self.version;
+                let joint = skin.maps[map as usize].joint;
+                let has_changed = if own == Some(joint) && self.frames[frame].is_used {
+                    !std::mem::replace(&mut kept.map, JointMap::IDENTITY).is_identity
+                } else {
+                    kept.map.follow(simd, of, self.joints.padded(joint), self.reach)
+                };
+                if has_changed || kept.changed == 0 {
+                    kept.changed = self.version;
+                }
+            }
+            changed = changed.max(kept.changed);
         }
-        let MapKey { frame, joint } = skin.maps[map as usize];
-        let is_used = self.frame_is_used(skin, usize::from(frame));
-        let is_own = is_used && skin.frames[usize::from(frame)] == Some(joint);
-        let place = &self.frames[if is_used { usize::from(frame) } else { BODY_FRAME }].place;
-        let columns = self.joints.columns(joint);
-        let kept = &mut self.maps[map as usize];
-        let has_changed = if is_own {
-            !std::mem::replace(&mut kept.map, JointMap::IDENTITY).is_identity
-        } else {
-            kept.map.follow(place, &columns, self.reach)
-        };
-        if has_changed || kept.changed == 0 {
-            kept.changed = self.version;
-        }
-        kept.version = self.version;
-        kept.changed
+        changed
     }
 
     /// The slot of a group's boxes in its frame, and whether they had to be blended.
+    #[inline(always)]
     pub(super) fn open(&mut self, tree: SkinTree<'_>, group: usize) -> (usize, bool) {
-        let found = self.boxes.find(group);
-        if let Some(slot) = found
-            && self.made[group].version == self.version
-        {
-            return (slot, false);
+        match self.boxes.find(group) {
+            Some(slot) if self.made[group].version == self.version => (slot, false),
+            found => {
+                let frame = self.frame_of(tree.skin, group);
+                with_simd!(tree.level, simd => self.make(simd, tree, group, frame, found))
+            }
         }
-        let maps = tree.skin.maps_of(group);
-        let changed = maps.iter().map(|&map| self.changed(tree.skin, map)).fold(0, u32::max);
-        let frame = self.frame_of(tree.skin, group);
+    }
+
+    #[inline(always)]
+    fn make<S: Simd>(
+        &mut self,
+        simd: S,
+        tree: SkinTree<'_>,
+        group: usize,
+        frame: usize,
+        found: Option<usize>,
+    ) -> (usize, bool) {
+        let changed = self.follow(simd, tree.skin, group, frame);
         // Where weights do not quite sum to 1, vertices are pulled towards the world's origin, however still joints are to each other.
-        let origin = self.frames[frame].place.model_point(DVec3::ZERO).0.abs().max_element() as f32;
+        let origin = self.frames[frame].origin;
         let made = &mut self.made[group];
         let is_right = changed <= made.version && (origin <= made.origin || !tree.skin.misses_weight(group));
         made.version = self.version;
@@ -208,12 +225,9 @@ impl Skinning {
         let slot = found.unwrap_or_else(|| self.boxes.claim(group));
         // What is missing is tiny, so boxes stay tight, and right for a while, with more than twice the distance.
         made.origin = 2.0 * origin + self.reach as f32;
-        let origin = made.origin;
         let (maps, boxes) = (&self.maps, self.boxes.get_mut(slot));
-        let blocks = tree.skin.blocks(group);
         let map = |map: u32| &maps[map as usize].map;
-        self.made[group].widening =
-            with_simd!(tree.level, simd => blend_skinned(simd, blocks, tree.weights, map, origin, boxes));
+        made.widening = blend_skinned(simd, tree.skin, group, tree.weights, map, made.origin, boxes);
         (slot, true)
     }
 

@@ -22,7 +22,7 @@ pub use bvh::MorphBvh;
 pub use layout::{LayoutError, TreeLayout};
 pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, in_lanes, put};
 pub use options::BuildOptions;
-pub(crate) use skin_tables::{BODY_FRAME, Block, MapKey, SkinTables};
+pub(crate) use skin_tables::{BODY_FRAME, Block, SkinTables};
 pub(crate) use tables::{GroupTables, Tables};
 pub(crate) use topology::{Child, ChildKind, Leaf, Topology};
 

@@ -96,7 +96,7 @@ impl SkinTables {
 
     /// Whether sums of weights are not quite 1 somewhere in a group, and what is missing is not among its rows.
     pub(crate) fn misses_weight(&self, group: usize) -> bool {
-        self.blocks(group).any(|block| block.missing > 0.0)
+        self.blocks(group).any(|block| self.blocks[block].missing > 0.0)
     }
 
     /// The maps that a group's boxes depend on.
@@ -106,21 +106,25 @@ impl SkinTables {
         &self.maps_of_groups[maps.start as usize..maps.end as usize]
     }
 
+    /// The numbers of a group's blocks.
     #[inline(always)]
-    pub(crate) fn blocks(&self, group: usize) -> impl Iterator<Item = Block<'_>> {
-        let blocks = self.groups[group].blocks.clone();
-        blocks.map(|index| {
-            let block = &self.blocks[index as usize];
-            Block {
-                tables: self.boxes.group(index as usize),
-                lanes: block.lanes,
-                children: &block.children,
-                pivots: &self.pivots[block.pivots.start as usize..block.pivots.end as usize],
-                rows: &self.rows[block.rows.start as usize..block.rows.end as usize],
-                weight: block.weight,
-                missing: block.missing,
-            }
-        })
+    pub(crate) fn blocks(&self, group: usize) -> Range<usize> {
+        let blocks = &self.groups[group].blocks;
+        blocks.start as usize..blocks.end as usize
+    }
+
+    #[inline(always)]
+    pub(crate) fn block(&self, index: usize) -> Block<'_> {
+        let block = &self.blocks[index];
+        Block {
+            tables: self.boxes.group(index),
+            lanes: block.lanes,
+            children: &block.children,
+            pivots: &self.pivots[block.pivots.start as usize..block.pivots.end as usize],
+            rows: &self.rows[block.rows.start as usize..block.rows.end as usize],
+            weight: block.weight,
+            missing: block.missing,
+        }
     }
 
     pub(super) fn bytes(&self) -> usize {

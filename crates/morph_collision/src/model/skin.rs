@@ -1,5 +1,7 @@
 //! Which joints move a vertex, and the definition of a skinned vertex.
 
+use std::ops::RangeInclusive;
+
 use fearless_simd::f64x4;
 use fearless_simd::prelude::*;
 use glam::Vec3;
@@ -69,6 +71,11 @@ impl Skin {
 
     pub(crate) fn max_sum(&self) -> f64 {
         self.max_sum
+    }
+
+    /// What the weights of a vertex may sum to.
+    pub(crate) fn sums(&self) -> RangeInclusive<f64> {
+        1.0 - self.max_missing..=self.max_sum
     }
 
     pub(crate) fn max_missing(&self) -> f64 {

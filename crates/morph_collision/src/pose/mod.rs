@@ -6,6 +6,7 @@
 mod blend;
 mod cache;
 mod instance;
+mod joint_hull;
 mod posed;
 mod posed_skin;
 mod shape;

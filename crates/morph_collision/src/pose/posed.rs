@@ -137,8 +137,8 @@ impl Posed<'_> {
         with_simd!(self.level, simd => self.boxes(slot).hull(simd, children))
     }
 
-    /// The same in world space; infinite where coordinates exceed the range of `f32`.
-    pub(crate) fn world_bounds(&mut self) -> Aabb {
+    /// A box in world space; infinite where coordinates exceed the range of `f32`.
+    pub(super) fn world_bounds(&mut self) -> Aabb {
         let Some(map) = world_map(&self.stand().placed) else {
             return Aabb::UNBOUNDED;
         };

@@ -80,6 +80,13 @@ impl<'a> Posed<'a> {
         Some(skinning.boxes(boxes.slot))
     }
 
+    /// A box in world space around a skinned mesh, from what its joints move.
+    pub(super) fn hull_of_joints(&mut self) -> Option<Aabb> {
+        let tree = self.skin_tree()?;
+        let (_, skinning) = self.skin.as_mut()?;
+        Some(skinning.world_bounds(tree))
+    }
+
     /// The map from the space of a joint to the body's; `None` where there is none.
     pub(crate) fn body_from_bone(&mut self, frame: usize) -> Option<Frame> {
         let (_, skinning) = self.skin.as_mut()?;

@@ -12,7 +12,7 @@ use crate::tree::{Block, SkinTables};
 /// Half a unit in the last place of 1.
 const U: f32 = f32::EPSILON / 2.0;
 /// Larger coordinates could overflow in sums; such boxes are infinite.
-const MAX_REACH: f32 = 1e37;
+pub(super) const MAX_REACH: f32 = 1e37;
 
 /// Sets `boxes` to boxes of a group's children in its frame that hold every vertex. Returns how much they were widened.
 ///

@@ -4,6 +4,7 @@ use fearless_simd::{Level, Simd};
 use glam::DVec3;
 
 use super::cache::EpochCache;
+use super::joint_hull::JointHull;
 use super::skin_blend::blend_skinned;
 use crate::bounds::{Aabb, BoxLanes, BoxMap, Frame, JointMap, MapFrame, PlacedBounds, WorldFromModel, with_simd};
 use crate::joints::JointMatrices;
@@ -22,6 +23,7 @@ pub(super) struct Skinning {
     boxes: EpochCache<BoxLanes>,
     /// By group.
     made: Vec<Made>,
+    hull: JointHull,
     /// World positions, by welded vertex, in the first three numbers.
     pub(super) placed: EpochCache<[f64; 4]>,
     /// The largest absolute coordinate of vertices before joints move them.
@@ -87,6 +89,7 @@ impl Skinning {
             maps: vec![KeptMap::default(); skin.maps.len()],
             boxes: EpochCache::new(groups),
             made: vec![Made::default(); groups],
+            hull: JointHull::default(),
             placed: EpochCache::new(vertices),
             reach: 0.0,
             error: 0.0,
@@ -104,6 +107,7 @@ impl Skinning {
         self.placed.next_epoch();
         if weights_changed {
             self.boxes.next_epoch();
+            self.hull.forget();
         }
         let of_targets =
             tree.weights.active().iter().map(|&(target, weight)| {
@@ -231,6 +235,13 @@ impl Skinning {
         (slot, true)
     }
 
+    /// A box in world space around all vertices.
+    pub(super) fn world_bounds(&mut self, tree: SkinTree<'_>) -> Aabb {
+        let sums = tree.model.skin().map_or(1.0..=1.0, Skin::sums);
+        let (joints, slack) = (&tree.skin.joints, (sums, self.error));
+        self.hull.around(tree.level, joints, tree.weights, &self.joints, slack)
+    }
+
     /// Where a frame stands.
     pub(super) fn place_of(&self, frame: usize) -> WorldFromModel {
         self.frames[frame].place
@@ -279,6 +290,7 @@ impl Skinning {
             + size_of_val(&*self.maps)
             + size_of_val(&*self.made)
             + self.boxes.bytes()
+            + self.hull.bytes()
             + self.placed.bytes()
     }
 }

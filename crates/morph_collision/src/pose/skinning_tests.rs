@@ -111,14 +111,22 @@ fn bent(rng: &mut Pcg64Mcg, angle: f32, scale: [f32; 2], at: Vec3) -> JointMatri
     JointMatrices::new(&all).unwrap()
 }
 
-/// Fails if a vertex is outside the box of any node above it.
+/// Fails if a vertex is outside the box of any node above it, or outside those of the whole body.
 fn check_boxes(pose: &mut Pose) {
+    let place = WorldFromModel::IDENTITY;
+    for bounds in [pose.world_bounds(&place), pose.broad_phase_bounds(&place)] {
+        for triangle in 0..pose.bvh().model().triangle_count() as u32 {
+            for point in Body::new(pose, &place).triangle(triangle).unwrap() {
+                let is_in = point.cmple(bounds.max.as_dvec3()) & point.cmpge(bounds.min.as_dvec3());
+                assert!(is_in.all(), "{triangle}: {point} outside {bounds:?}");
+            }
+        }
+    }
     let mut boxes = Vec::new();
     pose.visit_nodes(|node| {
         boxes.push((node.bounds, node.world_from_bounds.unwrap(), node.triangles.to_vec()));
         true
     });
-    let place = WorldFromModel::IDENTITY;
     for (bounds, world_from_bounds, triangles) in boxes {
         for triangle in triangles {
             for corner in Body::new(pose, &place).triangle(triangle).unwrap() {

@@ -92,10 +92,10 @@ pub(super) fn build_over(
         leaf_lanes: (skin.is_none())
             .then(|| LeafLanes::new(&model, &topology).map(Arc::new))
             .flatten(),
+        skin: skin.map(|skin| Arc::new(skin.finish(&model))),
         model,
         topology: Arc::new(topology),
         tables: Arc::new(tables),
-        skin: skin.map(|skin| Arc::new(skin.finish())),
         options: *options,
         kernel: Kernel::default(),
     }

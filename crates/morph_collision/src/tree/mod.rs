@@ -3,13 +3,14 @@
 //! `build` runs the stages. `sah` splits a node's triangles by the surface-area heuristic. `topology` records the
 //! result in preorder. `extents` measures the base and each target over every node. `tables` turns extents into what a pose
 //! blends. For skinned meshes `clusters` splits the vertices of each node by joints, `blocks` puts them side by side, and `skin_tables` stores how
-//! these move. `leaf_lanes` stores the corners of the leaves' triangles for the exact tests.
+//! these move. `joint_boxes` bounds what each joint moves. `leaf_lanes` stores the corners of the leaves' triangles for the exact tests.
 
 mod blocks;
 mod build;
 mod bvh;
 mod clusters;
 mod extents;
+mod joint_boxes;
 mod layout;
 mod leaf_lanes;
 mod options;
@@ -19,6 +20,7 @@ mod tables;
 mod topology;
 
 pub use bvh::MorphBvh;
+pub(crate) use joint_boxes::JointBoxes;
 pub use layout::{LayoutError, TreeLayout};
 pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, in_lanes, put};
 pub use options::BuildOptions;

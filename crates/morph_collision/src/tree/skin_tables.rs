@@ -9,8 +9,10 @@ use std::ops::Range;
 use super::blocks::{Lane, Steps, arranged, steps};
 use super::clusters::{Cluster, NONE, dominant};
 use super::extents::NodeExtents;
+use super::joint_boxes::JointBoxes;
 use super::tables::{GroupTables, Tables};
 use crate::bounds::{LANES, Lanes};
+use crate::model::MorphModel;
 
 /// The frame that all groups can be seen in: the space of the joint that moves most of the mesh.
 pub(crate) const BODY_FRAME: usize = 0;
@@ -86,6 +88,7 @@ pub(crate) struct SkinTables {
     pub(crate) maps: Vec<MapKey>,
     /// The maps of each group.
     maps_of_groups: Vec<u32>,
+    pub(crate) joints: JointBoxes,
 }
 
 impl SkinTables {
@@ -136,6 +139,7 @@ impl SkinTables {
             + size_of_val(&*self.frames)
             + size_of_val(&*self.maps)
             + size_of_val(&*self.maps_of_groups)
+            + self.joints.bytes()
     }
 }
 
@@ -251,8 +255,9 @@ impl SkinBuilder {
         self.tables.blocks.push(header);
     }
 
-    pub(super) fn finish(mut self) -> SkinTables {
+    pub(super) fn finish(mut self, model: &MorphModel) -> SkinTables {
         self.tables.boxes.finish();
+        self.tables.joints = JointBoxes::new(model);
         self.tables
     }
 }

@@ -91,7 +91,7 @@ impl Method for Morph {
 
     fn world_bounds(&mut self, body: usize) -> Aabb {
         let (pose, place) = &mut self.bodies[body];
-        pose.world_bounds(place)
+        pose.broad_phase_bounds(place)
     }
 
     fn collide(&mut self, a: usize, b: usize, wanted: Wanted, pairs: &mut Vec<TrianglePair>) {

@@ -13,7 +13,7 @@ const ROUNDINGS: f64 = 256.0 * f64::EPSILON;
 /// As [`check_containment`](super::check_containment) for a skinned mesh, with the matrices that its joints have.
 ///
 /// A box that is kept in the space of a joint has to hold each vertex taken back into that space, up to the roundings of `f64`: the boxes are of
-/// `f32`, whose roundings are a thousand million times as large. The box around the whole body in world space has to hold each vertex exactly.
+/// `f32`, whose roundings are a thousand million times as large. Both boxes around the whole body in world space have to hold each vertex exactly.
 ///
 /// # Panics
 /// If the mesh has no skin, or names a joint that is not among `joints`.
@@ -27,7 +27,8 @@ pub fn check_skinned_containment(mesh: &MorphMesh, joints: &[Affine3A], pose: &m
 /// Checks boxes against vertices that are made of numbers up to `reach`.
 fn check_at(mesh: &MorphMesh, world: &[DVec3], reach: f64, pose: &mut Pose) -> ContainmentReport {
     let mut report = ContainmentReport::default();
-    let bounds = pose.world_bounds(&WorldFromModel::IDENTITY);
+    let place = WorldFromModel::IDENTITY;
+    let bounds = [pose.world_bounds(&place), pose.broad_phase_bounds(&place)];
     let mut check = |vertex: u32, depth: usize, position: DVec3, slack: f64, min: Vec3, max: Vec3| {
         report.checks += 1;
         let below = (min.as_dvec3() - slack).cmple(position);
@@ -41,7 +42,9 @@ fn check_at(mesh: &MorphMesh, world: &[DVec3], reach: f64, pose: &mut Pose) -> C
         }
     };
     for &vertex in mesh.triangles.iter().flatten() {
-        check(vertex, 0, world[vertex as usize], 0.0, bounds.min, bounds.max);
+        for bounds in &bounds {
+            check(vertex, 0, world[vertex as usize], 0.0, bounds.min, bounds.max);
+        }
     }
     pose.visit_nodes(|node| {
         let frame = node.world_from_bounds.as_ref().map(Inverse::new);

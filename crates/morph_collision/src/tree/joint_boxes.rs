@@ -1,0 +1,59 @@
+//! What each joint moves: a box per joint around its vertices before joints move them. Together they bound a body before any node is blended.
+
+use super::extents::NodeExtents;
+use super::tables::{GroupTables, Tables};
+use crate::bounds::LANES;
+use crate::model::MorphModel;
+
+/// The boxes of all joints that move anything, eight side by side.
+#[derive(Clone, Default)]
+pub(crate) struct JointBoxes {
+    /// Ascending.
+    joints: Vec<u16>,
+    boxes: Tables,
+}
+
+impl JointBoxes {
+    pub(super) fn new(model: &MorphModel) -> Self {
+        let Some(skin) = model.skin() else {
+            return Self::default();
+        };
+        let mut vertices: Vec<u32> = (0..model.triangle_count() as u32)
+            .flat_map(|t| model.corners(t))
+            .collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let mut moved: Vec<Vec<NodeExtents>> = vec![Vec::new(); skin.joint_count()];
+        for &vertex in &vertices {
+            let extents = NodeExtents::of_vertex(model, vertex);
+            for influence in skin.influences(vertex) {
+                moved[usize::from(influence.joint)].push(extents.clone());
+            }
+        }
+        let mut boxes = Self::default();
+        let mut children = Vec::new();
+        for (joint, parts) in moved.iter().enumerate().filter(|(_, parts)| !parts.is_empty()) {
+            boxes.joints.push(joint as u16);
+            children.push(NodeExtents::of_parts(parts.iter()));
+        }
+        for (block, children) in children.chunks(LANES).enumerate() {
+            boxes.boxes.reserve();
+            boxes
+                .boxes
+                .fill(block, children, &NodeExtents::of_parts(children.iter()));
+        }
+        boxes.boxes.finish();
+        boxes
+    }
+
+    /// The joints, eight at a time, and what blends their boxes.
+    #[inline(always)]
+    pub(crate) fn blocks(&self) -> impl Iterator<Item = (&[u16], GroupTables<'_>)> {
+        let tables = |(block, joints)| (joints, self.boxes.group(block));
+        self.joints.chunks(LANES).enumerate().map(tables)
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of_val(&*self.joints) + self.boxes.bytes()
+    }
+}

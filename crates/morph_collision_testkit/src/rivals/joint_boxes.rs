@@ -219,7 +219,8 @@ impl Measured {
 impl<A: Around> JointBoxes<A> {
     fn vertex(&mut self, body: &BlendedBody, vertex: u32) -> DVec3 {
         let index = vertex as usize;
-        if self.vertices[index].0 != self.frame {
+        // Without joints, a body that keeps its shape may have moved in the world.
+        if self.vertices[index].0 != self.frame || body.joints().is_none() {
             let mut posed = body.mesh.base[index];
             for &(target, delta) in self.measured.deltas_of(index) {
                 let weight = self.weights[usize::from(target)];

@@ -1,8 +1,8 @@
 //! The scenes of models by other people are what they are there for.
 
-use morph_collision::Aabb;
+use morph_collision::{Aabb, QueryStats};
 use morph_collision_testkit::bench::{Entrant, Experiment, NoExperiment};
-use morph_collision_testkit::rivals::{BroadPhase, MethodOptions, Wanted};
+use morph_collision_testkit::rivals::{BroadPhase, CastHit, MethodOptions, Wanted};
 
 type TestResult = Result<(), Box<dyn std::error::Error>>;
 
@@ -223,6 +223,49 @@ fn all_entrants_find_the_same_pairs() -> TestResult {
                 theirs.len(),
                 ours.len()
             );
+        }
+    }
+    Ok(())
+}
+
+/// What each ray hits, and the work that it took.
+type Hits = (Vec<Option<CastHit>>, QueryStats);
+
+/// What every ray of every frame hits.
+fn all_hits(experiment: &Experiment, entrant: &Entrant) -> Result<Hits, Box<dyn std::error::Error>> {
+    let mut method = entrant.set_up(experiment, &MethodOptions::default())?.method;
+    let mut hits = Vec::new();
+    for (index, rays) in experiment.rays.iter().enumerate() {
+        experiment.set_bodies(method.as_mut(), index)?;
+        hits.extend(rays.iter().map(|ray| method.cast(0, ray)));
+    }
+    Ok((hits, method.work()))
+}
+
+#[test]
+fn all_entrants_hit_the_same_triangles_and_boxes_are_nearly_as_good_as_tight_ones() -> TestResult {
+    for (name, _) in Experiment::with_rays() {
+        let Some(experiment) = scene(name, 40)? else { continue };
+        let (ours, work) = all_hits(&experiment, &Entrant::ALL[0])?;
+        let hits = ours.iter().flatten().count();
+        assert!(
+            hits * 10 > ours.len() * 5 && hits < ours.len() + 1,
+            "{name}: {hits} of {}",
+            ours.len()
+        );
+        for entrant in Entrant::ALL[1..].iter().filter(|entrant| entrant.supports(&experiment)) {
+            let (theirs, tight) = all_hits(&experiment, entrant)?;
+            for (ours, theirs) in ours.iter().zip(&theirs) {
+                let is_same = match (ours, theirs) {
+                    (Some(ours), Some(theirs)) => ours.triangle == theirs.triangle && (ours.t - theirs.t).abs() < 1e-9,
+                    (ours, theirs) => ours == theirs,
+                };
+                assert!(is_same, "{name}: {} hits {theirs:?}, morph {ours:?}", entrant.name);
+            }
+            if entrant.name == "morph-eager" {
+                let ratio = work.node_tests as f64 / tight.node_tests as f64;
+                assert!((1.0..=1.4).contains(&ratio), "{name}: {ratio} of the tests");
+            }
         }
     }
     Ok(())

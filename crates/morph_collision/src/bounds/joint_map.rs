@@ -204,3 +204,6 @@ impl BoxLanes {
         [self.min, self.max].map(|[x, y, z]| [x.load(simd), y.load(simd), z.load(simd)])
     }
 }
+
+#[cfg(test)]
+mod rounding_tests;

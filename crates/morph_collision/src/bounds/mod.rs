@@ -29,7 +29,7 @@ pub use kernel::Kernel;
 pub(crate) use kernel::with_simd;
 pub(crate) use lanes::{LANES, Lanes, lanes_of};
 #[cfg(test)]
-pub(crate) use probe::{ExactPoint, holds, lack, levels};
+pub(crate) use probe::{ExactPoint, adjugate, exact_image, holds, lack, levels};
 pub(crate) use rounding::{down, up};
 pub(crate) use slopes::{Slopes, push_slopes, slopes_len};
 pub use transform::WorldFromModel;

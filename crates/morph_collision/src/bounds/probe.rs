@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 
 use fearless_simd::Level;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use morph_collision_testkit::oracle::Dyadic;
 
 use super::{Aabb, BoxMap, Kernel};
@@ -35,6 +35,34 @@ impl Image {
             .map(|column| rows[axis][column].clone().abs() * reach[column].clone())
             .sum()
     }
+}
+
+/// The image of a point under a map with these columns.
+pub(crate) fn exact_image([x, y, z, translation]: &[DVec3; 4], p: &ExactPoint) -> ExactPoint {
+    std::array::from_fn(|row| {
+        let products = [x, y, z]
+            .into_iter()
+            .zip(p)
+            .map(|(column, p)| Dyadic::from(column[row]) * p.clone());
+        products.sum::<Dyadic>() + Dyadic::from(translation[row])
+    })
+}
+
+/// The inverse of a linear part times its determinant, and the determinant; with signs such that the latter is not negative.
+pub(crate) fn adjugate(columns: &[DVec3; 4]) -> ([ExactPoint; 3], Dyadic) {
+    let m = |row: usize, column: usize| Dyadic::from(columns[column][row]);
+    // Entry (row, column) is the cofactor of (column, row).
+    let cofactor = |row: usize, column: usize| {
+        let [r, s] = [(column + 1) % 3, (column + 2) % 3];
+        let [c, d] = [(row + 1) % 3, (row + 2) % 3];
+        m(r, c) * m(s, d) - m(r, d) * m(s, c)
+    };
+    let rows: [ExactPoint; 3] = std::array::from_fn(|row| std::array::from_fn(|column| cofactor(row, column)));
+    let determinant = (0..3).map(|i| rows[0][i].clone() * m(i, 0)).sum::<Dyadic>();
+    if determinant.is_negative() {
+        return (rows.map(|row| row.map(|x| -x)), -determinant);
+    }
+    (rows, determinant)
 }
 
 /// The box of one point.

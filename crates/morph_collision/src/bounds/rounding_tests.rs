@@ -1,12 +1,12 @@
 //! How close the errors of placed vertices, and of boxes in another body's space, come to their bounds; in exact arithmetic.
 
-use glam::{Affine3A, Vec3};
+use glam::{Affine3A, DVec3, Vec3};
 use morph_collision_testkit::oracle::Dyadic;
 use morph_collision_testkit::search::{Climb, is_as_known};
 use rand::RngExt;
 
 use super::frame::{Frame, PlacedBounds, relative};
-use super::probe::{ExactPoint, Image, box_at, slack_used};
+use super::probe::{ExactPoint, Image, adjugate, box_at, exact_image, slack_used};
 use super::{BoxMap, WorldFromModel, up};
 
 /// `3 v (|M| |p| + |t|) (1 + 3 v)` per coordinate.
@@ -19,11 +19,10 @@ fn placement_bound(place: &Affine3A, magnitude: [Dyadic; 3]) -> ExactPoint {
     })
 }
 
-fn exact_image(place: &Affine3A, p: &ExactPoint) -> ExactPoint {
-    std::array::from_fn(|row| {
-        let products = (0..3).map(|c| Dyadic::from(place.matrix3.col(c)[row]) * p[c].clone());
-        products.sum::<Dyadic>() + Dyadic::from(place.translation[row])
-    })
+fn columns(place: &Affine3A) -> [DVec3; 4] {
+    place
+        .to_cols_array_2d()
+        .map(|column| Vec3::from_array(column).as_dvec3())
 }
 
 fn place_of(numbers: &[f32]) -> Affine3A {
@@ -43,7 +42,7 @@ fn placement_ratio(numbers: &[f32]) -> Option<f64> {
     let placed = checked.transform_point(p);
     let point = p.to_array().map(Dyadic::from);
     let bound = placement_bound(&place, point.clone().map(Dyadic::abs));
-    let exact = exact_image(&place, &point);
+    let exact = exact_image(&columns(&place), &point);
     let ratio = |i: usize| {
         let error = (Dyadic::from(placed[i]) - exact[i].clone()).abs();
         assert!(error <= bound[i], "{numbers:?}, coordinate {i}");
@@ -79,23 +78,6 @@ fn a_placed_vertex_is_off_by_nearly_its_bound_and_never_by_more() {
     assert!(is_as_known(ratio, 0.987), "{ratio} of the bound, known is 0.987");
 }
 
-/// The inverse of the linear part times its determinant, and the determinant; with signs such that the latter is positive.
-fn adjugate(place: &Affine3A) -> ([ExactPoint; 3], Dyadic) {
-    let m = |row: usize, column: usize| Dyadic::from(place.matrix3.col(column)[row]);
-    // Entry (row, column) is the cofactor of (column, row).
-    let cofactor = |row: usize, column: usize| {
-        let [r, s] = [(column + 1) % 3, (column + 2) % 3];
-        let [c, d] = [(row + 1) % 3, (row + 2) % 3];
-        m(r, c) * m(s, d) - m(r, d) * m(s, c)
-    };
-    let rows: [ExactPoint; 3] = std::array::from_fn(|row| std::array::from_fn(|column| cofactor(row, column)));
-    let determinant = (0..3).map(|i| rows[0][i].clone() * m(i, 0)).sum::<Dyadic>();
-    if determinant.is_negative() {
-        return (rows.map(|row| row.map(|x| -x)), -determinant);
-    }
-    (rows, determinant)
-}
-
 /// The fraction of its slack that the map to A's space needs at a point of B.
 fn map_ratio(numbers: &[f32]) -> Option<f64> {
     let (place_a, place_b) = (place_of(numbers), place_of(&numbers[12..]));
@@ -103,12 +85,12 @@ fn map_ratio(numbers: &[f32]) -> Option<f64> {
     // Few bits, so that the point's own box is exact.
     let q = Vec3::from_slice(&numbers[24..27]).clamp(Vec3::NEG_ONE, Vec3::ONE);
     let q = (q * 4096.0).round() / 4096.0;
-    let (rows, determinant) = adjugate(&place_a);
+    let (rows, determinant) = adjugate(&columns(&place_a));
     if determinant == Dyadic::zero() {
         return None;
     }
     let exact_q = q.to_array().map(Dyadic::from);
-    let world_q = exact_image(&place_b, &exact_q);
+    let world_q = exact_image(&columns(&place_b), &exact_q);
     let scaled: ExactPoint = std::array::from_fn(|row| {
         (0..3)
             .map(|c| rows[row][c].clone() * (world_q[c].clone() - Dyadic::from(place_a.translation[c])))

@@ -26,6 +26,10 @@ pub use weights::WeightsError;
 #[cfg(test)]
 mod corners_tests;
 #[cfg(test)]
+mod joint_rounding_tests;
+#[cfg(test)]
+mod placement_rounding_tests;
+#[cfg(test)]
 mod refit_tests;
 #[cfg(test)]
 mod rounding_tests;

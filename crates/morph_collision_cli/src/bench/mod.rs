@@ -58,14 +58,14 @@ pub(crate) struct BenchArgs {
     /// Only this scene; may be given again.
     ///
     /// One of: pass-through-20480, dolphins-564, dolphins-9024, dolphins-36096, heads-cheek, heads-crowd, horse-gallop, samba,
-    /// walkers-hands, walkers-deep, walkers-crowd, or a model's file name without extension. All from heads-cheek on need models that are read from the library's repository and the folder of models
+    /// walkers-hands, walkers-deep, walkers-crowd, walkers-ray, walkers-rays, or a model's file name without extension. All from heads-cheek on need models that are read from the library's repository and the folder of models
     /// beside it; where these are missing such a scene is skipped, or refused if asked for.
     #[arg(long = "scene", value_name = "NAME")]
     scenes: Vec<String>,
     /// Only this method beside morph; may be given again.
     #[arg(long = "method", value_name = "NAME", value_parser = PossibleValuesParser::new(Entrant::ALL.map(|entrant| entrant.name)))]
     methods: Vec<String>,
-    /// Only all pairs of triangles, or only one for each pair of bodies; both where left out.
+    /// Only all pairs of triangles, or only one for each pair of bodies; both where left out. Scenes with rays have only one mode.
     #[arg(long, value_enum)]
     mode: Option<Mode>,
     #[command(flatten)]
@@ -133,19 +133,24 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<Verdict, CliError> {
         rounds,
         split_rounds: SPLIT_ROUNDS.min(rounds),
     };
-    let passes: usize = modes.iter().map(|&mode| plan(mode).passes()).sum();
-    let of_scene = |scene: &BenchScene| {
-        entrants
-            .iter()
-            .filter(|entrant| entrant.supports(&scene.experiment))
-            .count()
+    // Of a ray only the closest hit is asked for.
+    let modes_of = |scene: &BenchScene| {
+        &modes[..if scene.experiment.rays.is_empty() {
+            modes.len()
+        } else {
+            1
+        }]
     };
-    let contenders: usize = scenes.iter().map(of_scene).sum();
-    let bar = args.progress.start("pass", (contenders * passes) as u64);
+    let of_scene = |scene: &BenchScene| {
+        let contenders = entrants.iter().filter(|entrant| entrant.supports(&scene.experiment));
+        contenders.count() * modes_of(scene).iter().map(|&mode| plan(mode).passes()).sum::<usize>()
+    };
+    let passes: usize = scenes.iter().map(of_scene).sum();
+    let bar = args.progress.start("pass", passes as u64);
     let mut measured = Vec::new();
     let mut wrong: Option<Disagreement> = None;
     for scene in &scenes {
-        for &mode in &modes {
+        for &mode in modes_of(scene) {
             let rows = run(scene, &entrants, &args.tree.build().into(), plan(mode), &bar).map_err(|reason| {
                 CliError::Bench {
                     scene: scene.origin.clone(),

@@ -44,7 +44,7 @@ struct MethodReport {
     query_us: f64,
     #[serde(serialize_with = "number")]
     total_us: f64,
-    /// Of all frames; in mode `first` one for each touching pair of bodies.
+    /// Of all frames; in mode `first` one for each touching pair of bodies, of rays those that hit.
     pairs: u64,
     /// Of the total to morph's.
     #[serde(serialize_with = "number")]
@@ -78,6 +78,7 @@ impl BenchReport {
         let scene = |measured: &Measured<'_>| SceneReport {
             name: measured.scene.experiment.name.clone(),
             mode: match measured.mode {
+                _ if !measured.scene.experiment.rays.is_empty() => "rays",
                 Mode::All => "all",
                 Mode::First => "first",
             },
@@ -119,6 +120,7 @@ impl SceneReport {
         let pairs = self.methods.first().map_or(0, |morph| morph.pairs);
         let what = match self.mode {
             "all" => "pairs of triangles",
+            "rays" => "rays that hit",
             _ => "touching pairs of bodies",
         };
         writeln!(

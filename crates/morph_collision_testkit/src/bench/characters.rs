@@ -132,20 +132,29 @@ pub enum NoExperiment {
 impl Experiment {
     /// The scenes of models by other people, by name and the beginning of the heading: two heads that touch at their cheeks, a crowd of
     /// heads, two horses and two dancers of flip-books that go through each other, and skinned characters that walk and talk: two whose
-    /// hands touch, two deep in each other, and a crowd. Only the heads' model is in `assets/`.
+    /// hands touch, two deep in each other, and a crowd. Only the heads' model is in `assets/`. Those of [`with_rays`](Self::with_rays) are not among them.
     pub fn characters() -> impl Iterator<Item = (&'static str, &'static str)> {
-        let walkers = WALKERS.iter().map(|walkers| (walkers.name, walkers.title));
+        let walkers = WALKERS.iter().filter(|walkers| walkers.rays == 0);
+        let walkers = walkers.map(|walkers| (walkers.name, walkers.title));
         SCRIPTS.iter().map(|script| (script.name, script.title)).chain(walkers)
+    }
+
+    /// The scenes with rays, by name and the beginning of the heading: a skinned character that walks and talks, hit by one ray in
+    /// each frame, or by a hundred.
+    pub fn with_rays() -> impl Iterator<Item = (&'static str, &'static str)> {
+        let walkers = WALKERS.iter().filter(|walkers| walkers.rays > 0);
+        walkers.map(|walkers| (walkers.name, walkers.title))
     }
 
     /// The names that [`Experiment::named`] knows.
     #[must_use]
     pub fn names() -> Vec<&'static str> {
         let paper = Self::paper_names().iter().copied();
-        paper.chain(Self::characters().map(|(name, _)| name)).collect()
+        let others = Self::characters().chain(Self::with_rays());
+        paper.chain(others.map(|(name, _)| name)).collect()
     }
 
-    /// One of the paper's experiments or of the scenes of [`characters`](Self::characters); every how many steps a frame is
+    /// One of the paper's experiments or of the scenes of [`characters`](Self::characters) and [`with_rays`](Self::with_rays); every how many steps a frame is
     /// taken is at least 1.
     ///
     /// # Errors
@@ -196,6 +205,7 @@ impl Script {
             bodies,
             frames: steps.iter().map(frame).collect(),
             joints: Vec::new(),
+            rays: Vec::new(),
             steps,
             mesh,
         })

@@ -58,7 +58,7 @@ const BINARY: Trees = Trees::Own { arity: 2, leaf_size: 4 };
 
 impl Entrant {
     /// All that a benchmark runs, ours first; the octree and brute force are not in it, being far behind.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::new("morph", MethodKind::Morph, Trees::Ours),
         Self::new("morph-eager", MethodKind::MorphEager, Trees::Ours),
         Self::new("rigid-floor", MethodKind::RigidFloor, Trees::Ours),
@@ -66,6 +66,8 @@ impl Entrant {
         Self::new("hybrid", MethodKind::Hybrid, WIDE),
         Self::new("hybrid-binary", MethodKind::Hybrid, BINARY),
         Self::new("bottom-up", MethodKind::BottomUp, WIDE),
+        Self::new("joint-boxes", MethodKind::JointBoxes, WIDE),
+        Self::new("joint-union", MethodKind::JointUnion, WIDE),
         Self::new("rebuild", MethodKind::Rebuild, WIDE),
         Self::new("parry-trimesh", MethodKind::ParryTriMesh, WIDE),
         Self::new("parry-bvh", MethodKind::ParryBvh, WIDE),
@@ -97,10 +99,15 @@ impl Entrant {
         self.kind == MethodKind::RigidFloor
     }
 
-    /// Whether it collides the experiment's mesh.
+    /// Whether it collides the experiment's mesh, or casts rays at it.
     #[must_use]
     pub fn supports(&self, experiment: &Experiment) -> bool {
-        experiment.mesh.skin.is_none() || self.kind.supports_skins()
+        let fits = if experiment.mesh.skin.is_some() {
+            self.kind.supports_skins()
+        } else {
+            !self.kind.is_for_skins()
+        };
+        fits && (experiment.rays.is_empty() || self.kind.casts_rays())
     }
 
     /// Sets it up; `ours` is for our trees.

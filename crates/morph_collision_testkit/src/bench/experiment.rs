@@ -6,7 +6,7 @@ use glam::{Affine3A, DQuat, DVec3};
 
 use crate::mesh::MorphMesh;
 use crate::models::{dolphin, pass_through_body_at, random::random_blob};
-use crate::rivals::{Method, PoseError};
+use crate::rivals::{CastRay, Method, PoseError};
 use crate::scenes::{dolphins, pass_through};
 
 /// What every body does in a step: weights and place.
@@ -27,6 +27,8 @@ pub struct Experiment {
     pub frames: Vec<Frame>,
     /// The matrices of the joints of each body in each frame, in world space, for a skinned mesh; empty for others.
     pub joints: Vec<Vec<Vec<Affine3A>>>,
+    /// The rays that are cast at each body in each frame. Where there are any, bodies are not asked for pairs; otherwise empty.
+    pub rays: Vec<Vec<CastRay>>,
     /// Which step of the script each frame is.
     pub steps: Vec<usize>,
 }
@@ -106,6 +108,7 @@ impl Experiment {
             bodies,
             frames: steps.iter().map(|&step| frame(step)).collect(),
             joints: Vec::new(),
+            rays: Vec::new(),
             steps,
         }
     }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use morph_collision::{QueryStats, TrianglePair};
 
-use super::{Contender, Experiment, Frame, Stopwatch};
+use super::{Contender, Experiment, Stopwatch};
 use crate::rivals::{BroadPhase, Method, PoseError, Wanted};
 
 /// A contender, and memory that its frames reuse.
@@ -28,7 +28,7 @@ pub(super) struct Pass {
     pub(super) times: Vec<Duration>,
 }
 
-/// What was found in a frame.
+/// What was found in a frame. Of rays, `pairs` counts those that hit, and `touching` the bodies that were hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Found {
     /// Pairs of triangles.
@@ -61,12 +61,12 @@ impl Runner {
     pub(super) fn pass(&mut self, experiment: &Experiment, wanted: Wanted) -> Result<Pass, PoseError> {
         self.begin(experiment)?;
         let mut pass = Pass::default();
-        for (index, frame) in experiment.frames.iter().enumerate() {
+        for index in 0..experiment.frames.len() {
             self.prepare(experiment, index, wanted)?;
             let before = self.method.work();
             let clock = Stopwatch::start();
             experiment.set_bodies(self.method.as_mut(), index)?;
-            let found = self.ask(frame, wanted);
+            let found = self.ask(experiment, index, wanted);
             pass.times.push(self.since(clock));
             pass.found.push(found);
             pass.work += self.method.work() - before;
@@ -96,9 +96,9 @@ impl Runner {
                 self.method.refit(body);
             }
             split.refit += self.since(clock);
-            let mut query = self.time_asking(frame, wanted);
+            let mut query = self.time_asking(experiment, index, wanted);
             if self.method.is_lazy() {
-                let again = self.time_asking(frame, wanted).min(query);
+                let again = self.time_asking(experiment, index, wanted).min(query);
                 split.refit += query - again;
                 query = again;
             }
@@ -125,16 +125,25 @@ impl Runner {
         }
         if prepared {
             experiment.set_bodies(self.method.as_mut(), index)?;
-            self.ask(frame, wanted);
+            self.ask(experiment, index, wanted);
         }
         Ok(())
     }
 
-    /// Broad phase and queries.
-    fn ask(&mut self, frame: &Frame, wanted: Wanted) -> Found {
+    /// Broad phase and queries, or rays.
+    fn ask(&mut self, experiment: &Experiment, index: usize, wanted: Wanted) -> Found {
         let method = self.method.as_mut();
         let mut found = Found::default();
-        for &(a, b) in self.broad_phase.pairs(method, frame.len()) {
+        let bodies = experiment.frames[index].len();
+        if let Some(rays) = experiment.rays.get(index) {
+            for body in 0..bodies {
+                let hits = rays.iter().filter(|ray| method.cast(body, ray).is_some()).count() as u64;
+                found.pairs += hits;
+                found.touching += u64::from(hits > 0);
+            }
+            return found;
+        }
+        for &(a, b) in self.broad_phase.pairs(method, bodies) {
             self.pairs.clear();
             method.collide(a as usize, b as usize, wanted, &mut self.pairs);
             found.pairs += self.pairs.len() as u64;
@@ -143,9 +152,9 @@ impl Runner {
         found
     }
 
-    fn time_asking(&mut self, frame: &Frame, wanted: Wanted) -> Duration {
+    fn time_asking(&mut self, experiment: &Experiment, index: usize, wanted: Wanted) -> Duration {
         let clock = Stopwatch::start();
-        self.ask(frame, wanted);
+        self.ask(experiment, index, wanted);
         self.since(clock)
     }
 

@@ -9,6 +9,7 @@ use super::{Experiment, Frame};
 use crate::gltf_read::read_meshes;
 use crate::mesh::MorphMesh;
 use crate::moments::find_real_model;
+use crate::rivals::CastRay;
 
 const MODEL: &str = "mh_character.glb";
 const CLIP: &str = "walk_and_talk";
@@ -24,28 +25,47 @@ pub(super) struct Walkers {
     pub(super) name: &'static str,
     pub(super) title: &'static str,
     bodies: usize,
+    /// How many rays are cast at each body in a frame.
+    pub(super) rays: usize,
     /// Where a body stands, by its index and the share of the script, in decimetres.
     place: fn(usize, f64) -> Affine3A,
 }
 
-pub(super) const WALKERS: [Walkers; 3] = [
+pub(super) const WALKERS: [Walkers; 5] = [
     Walkers {
         name: "walkers-hands",
         title: "Walkers whose hands touch",
         bodies: 2,
+        rays: 0,
         place: side_by_side,
     },
     Walkers {
         name: "walkers-deep",
         title: "Walkers deep in each other",
         bodies: 2,
+        rays: 0,
         place: into_each_other,
     },
     Walkers {
         name: "walkers-crowd",
         title: "Walkers in a crowd",
         bodies: 12,
+        rays: 0,
         place: crowd,
+    },
+    Walkers {
+        name: "walkers-ray",
+        title: "A walker and a ray",
+        bodies: 1,
+        rays: 1,
+        place: side_by_side,
+    },
+    Walkers {
+        name: "walkers-rays",
+        title: "A walker and rays",
+        bodies: 1,
+        rays: 100,
+        place: side_by_side,
     },
 ];
 
@@ -74,6 +94,20 @@ fn crowd(index: usize, t: f64) -> Affine3A {
     standing(at, 0.4 * (1.7 * index as f64).sin())
 }
 
+/// A ray from around a character that stands at a place, to a point near its middle: from shot to shot somewhere else, and so that most of them hit.
+fn ray_at(at: DVec3, step: usize, ray: usize) -> CastRay {
+    // Steps of low discrepancy.
+    let number = (step * 131 + ray) as f64;
+    let share = |stride: f64| (number * stride).fract();
+    let (turn, up) = (TAU * share(0.618_034), share(0.754_878));
+    let origin = at + DVec3::new(40.0 * turn.cos(), 12.0 * share(0.569_840) - 2.0, 40.0 * turn.sin());
+    let sideways = DVec3::new(-turn.sin(), 0.0, turn.cos()) * (2.0 * share(0.324_718) - 1.0);
+    CastRay {
+        origin,
+        direction: at + DVec3::new(0.0, 15.0 * up - 7.5, 0.6) + sideways - origin,
+    }
+}
+
 impl Walkers {
     pub(super) fn experiment(&self, every: usize) -> Result<Experiment, NoExperiment> {
         let path = find_real_model(MODEL).map_err(|missing| NoExperiment::Missing {
@@ -94,7 +128,7 @@ impl Walkers {
         let of_face = of_face.ok_or_else(|| self.unusable("clip of weights"))?;
         let steps: Vec<usize> = (0..STEPS).step_by(every.max(1)).collect();
         let duration = f64::from(of_joints.duration());
-        let (mut frames, mut joints) = (Vec::new(), Vec::new());
+        let (mut frames, mut joints, mut rays) = (Vec::new(), Vec::new(), Vec::new());
         for &step in &steps {
             let t = step as f64 / STEPS as f64;
             let (mut frame, mut of_bodies) = (Frame::new(), Vec::new());
@@ -104,6 +138,10 @@ impl Walkers {
                 let world_from_mesh = skeleton.world_from_mesh(Some(of_joints), seconds);
                 of_bodies.push(world_from_mesh.into_iter().map(|joint| place * joint).collect());
                 frame.push((of_face.sample(seconds), Affine3A::IDENTITY));
+            }
+            if self.rays > 0 {
+                let at = (self.place)(0, t).translation.as_dvec3();
+                rays.push((0..self.rays).map(|ray| ray_at(at, step, ray)).collect());
             }
             frames.push(frame);
             joints.push(of_bodies);
@@ -119,6 +157,7 @@ impl Walkers {
             bodies: self.bodies,
             frames,
             joints,
+            rays,
             steps,
             mesh,
         })

@@ -48,6 +48,15 @@ impl WeldedMesh {
         })
     }
 
+    pub(super) fn joint_count(&self) -> Option<usize> {
+        self.skin.as_ref().map(WeldedSkin::joint_count)
+    }
+
+    /// The joints of a vertex with their weights; one joint moves all of a mesh without a skin.
+    pub(super) fn influences(&self, vertex: u32) -> &[(u16, f32)] {
+        self.skin.as_ref().map_or(&[(0, 1.0)], |skin| skin.of(vertex as usize))
+    }
+
     pub(super) fn target_count(&self) -> usize {
         self.targets.len()
     }
@@ -155,6 +164,27 @@ impl BlendedBody {
 
     pub(super) fn weights(&self) -> &[f32] {
         &self.weights
+    }
+
+    /// Counts vertices as blended that will be when they are needed.
+    pub(super) fn skip_blending(&mut self) {
+        if let Some(skinned) = &mut self.skinned {
+            skinned.changed = false;
+        }
+    }
+
+    /// The joints of a skinned body.
+    pub(super) fn joints(&self) -> Option<&[Affine3A]> {
+        self.skinned.as_ref().map(SkinnedBody::joints)
+    }
+
+    /// A vertex in world space, given where it is after morphing.
+    #[inline]
+    pub(super) fn placed_vertex(&self, vertex: u32, posed: Vec3) -> DVec3 {
+        match (&self.skinned, &self.mesh.skin) {
+            (Some(skinned), Some(skin)) => skinned.placed(skin, vertex as usize, posed),
+            _ => self.world_vertex(posed),
+        }
     }
 
     /// Blends all vertices, and places those of a skinned body in the world.

@@ -6,7 +6,8 @@ use glam::{Affine3A, DVec3, Vec3};
 use morph_collision::{Aabb, QueryStats, TrianglePair};
 
 use super::blended::{BlendedBody, WeldedMesh};
-use super::{Method, PoseError, Wanted};
+use super::cast::cast_at_all;
+use super::{CastHit, CastRay, Method, PoseError, Wanted};
 use crate::oracle::visit_intersecting_pairs;
 
 /// Bodies with all their vertices in world space.
@@ -74,6 +75,12 @@ impl Method for BruteForce {
         let start = pairs.len();
         let push = |triangle_a, triangle_b| wanted.push(pairs, start, TrianglePair { triangle_a, triangle_b });
         visit_intersecting_pairs(&a.world, of_a, &b.world, of_b, push);
+    }
+
+    fn cast(&mut self, body: usize, ray: &CastRay) -> Option<CastHit> {
+        let Placed { body, posed, .. } = &self.bodies[body];
+        self.work.triangle_tests += body.mesh.triangles.len() as u64;
+        cast_at_all(body, posed, ray)
     }
 
     fn work(&self) -> QueryStats {

@@ -10,6 +10,7 @@ use super::blended::WeldedMesh;
 use super::bottom_up::BottomUp;
 use super::brute_force::BruteForce;
 use super::hybrid::Hybrid;
+use super::joint_boxes::{JointBoxes, OfJoints, OfNode};
 use super::morph::{Follow, Morph};
 use super::octree::Octree;
 use super::paper::{self, PaperOptions};
@@ -36,6 +37,10 @@ pub enum MethodKind {
     BottomUp,
     /// The upper half refitted bottom-up, the lower half on demand.
     Hybrid,
+    /// Nodes that are hulls of their joints' images of boxes, each around the vertices that the joint moves.
+    JointBoxes,
+    /// The same with boxes around all vertices of a node.
+    JointUnion,
     /// The tree built anew.
     Rebuild,
     /// An octree of the faces where two bodies' boxes overlap.
@@ -52,13 +57,15 @@ pub enum MethodKind {
 
 impl MethodKind {
     /// All methods, the paper's with boxes.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::Morph,
         Self::MorphEager,
         Self::RigidFloor,
         Self::Paper(PaperOptions::BOXES),
         Self::BottomUp,
         Self::Hybrid,
+        Self::JointBoxes,
+        Self::JointUnion,
         Self::Rebuild,
         Self::Octree,
         Self::ParryTriMesh,
@@ -75,6 +82,8 @@ impl MethodKind {
             Self::Paper(_) => "paper",
             Self::BottomUp => "bottom-up",
             Self::Hybrid => "hybrid",
+            Self::JointBoxes => "joint-boxes",
+            Self::JointUnion => "joint-union",
             Self::Rebuild => "rebuild",
             Self::Octree => "octree",
             Self::ParryTriMesh => "parry-trimesh",
@@ -87,6 +96,18 @@ impl MethodKind {
     /// Whether it collides skinned meshes.
     #[must_use]
     pub const fn supports_skins(self) -> bool {
+        !matches!(self, Self::RigidFloor | Self::Paper(_) | Self::Octree)
+    }
+
+    /// Whether it has something to show for skinned meshes only; elsewhere it is left out of benchmarks.
+    #[must_use]
+    pub const fn is_for_skins(self) -> bool {
+        matches!(self, Self::JointBoxes | Self::JointUnion)
+    }
+
+    /// Whether it casts rays.
+    #[must_use]
+    pub const fn casts_rays(self) -> bool {
         !matches!(self, Self::RigidFloor | Self::Paper(_) | Self::Octree)
     }
 
@@ -126,6 +147,8 @@ impl MethodKind {
             Self::Paper(options) => paper::set_up(&welded()?, bodies, options),
             Self::BottomUp => Box::new(Trees::<BottomUp>::new(&welded()?, bodies, options)),
             Self::Hybrid => Box::new(Trees::<Hybrid>::new(&welded()?, bodies, options)),
+            Self::JointBoxes => Box::new(Trees::<JointBoxes<OfJoints>>::new(&welded()?, bodies, options)),
+            Self::JointUnion => Box::new(Trees::<JointBoxes<OfNode>>::new(&welded()?, bodies, options)),
             Self::Rebuild => Box::new(Trees::<Rebuild>::new(&welded()?, bodies, options)),
             Self::Octree => Box::new(Octree::new(&welded()?, bodies)),
             Self::ParryTriMesh => Box::new(Parry::<Meshed>::new(&welded()?, bodies)?),

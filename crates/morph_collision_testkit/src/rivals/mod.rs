@@ -13,6 +13,8 @@
 //! | `paper` | nothing | Larsson, Akenine-Moller 2003: the method that this project starts from, as the paper has it |
 //! | `bottom-up` | every vertex blended, every box refitted | van den Bergen 1997 |
 //! | `hybrid` | every vertex blended, the upper half of the tree refitted, the rest when a walk gets there | Larsson, Akenine-Moller 2001 |
+//! | `joint-boxes` | nothing: a node's box is around the images of boxes under its joints, one for each joint around the vertices that it moves | Bevy's bounds of skinned meshes, for every node |
+//! | `joint-union` | nothing: the same with one box for each node | |
 //! | `rebuild` | every vertex blended, the tree built anew | |
 //! | `octree` | every vertex blended and placed in the world; an octree of faces for every pair of bodies | Smith et al. 1995 |
 //! | `parry-trimesh` | every vertex blended in place, the tree of a `TriMesh` refitted | Parry |
@@ -20,8 +22,8 @@
 //! | `parry-rebuild` | every vertex blended, the `Bvh` built anew (binned) | Parry |
 //! | `brute-force` | every vertex blended and placed in the world | the oracle |
 //!
-//! Skinned meshes are for `morph`, `morph-eager`, `bottom-up`, `hybrid`, `rebuild`, Parry's three and `brute-force`: all but ours place all vertices by
-//! their joints (`skin`) when these have moved. The other methods refuse them.
+//! Skinned meshes are for `morph`, `morph-eager`, `bottom-up`, `hybrid`, `joint-boxes`, `joint-union`, `rebuild`, Parry's three and `brute-force`: all but
+//! ours and the two with boxes of joints place all vertices by their joints (`skin`) when these have moved. The other methods refuse them.
 //!
 //! What is fair is done for all of them: vertices are welded, targets with weight zero and vertices that a target leaves
 //! alone are skipped, and a body whose weights stay the same is not refitted. `bottom-up`, `hybrid` and `rebuild` share one tree
@@ -50,8 +52,10 @@ mod boxes;
 mod broad;
 mod brute_force;
 mod build;
+mod cast;
 mod frames;
 mod hybrid;
+mod joint_boxes;
 mod kind;
 mod limits;
 mod morph;
@@ -74,6 +78,7 @@ use morph_collision::{Aabb, InputError, ModelError, QueryStats, TrianglePair, We
 use thiserror::Error;
 
 pub use broad::BroadPhase;
+pub use cast::{CastHit, CastRay};
 pub use kind::{MethodKind, UnknownMethod};
 pub use limits::WeightLimits;
 pub use options::MethodOptions;
@@ -165,6 +170,12 @@ pub trait Method: Debug + Send + Sync {
 
     /// Appends the intersecting pairs of triangles of two bodies, in any order; no more than are wanted.
     fn collide(&mut self, a: usize, b: usize, wanted: Wanted, pairs: &mut Vec<TrianglePair>);
+
+    /// What a ray hits first of a body, which must have been given its pose. Methods that cast no rays
+    /// ([`MethodKind::casts_rays`]) find nothing.
+    fn cast(&mut self, _body: usize, _ray: &CastRay) -> Option<CastHit> {
+        None
+    }
 
     /// The work done since it was set up; volumes refitted and built count as blended.
     fn work(&self) -> QueryStats;

@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use glam::Affine3A;
 use morph_collision::{
-    Aabb, Body, JointMatrices, MorphBvh, PairMemory, PairQuery, Pose, QueryStats, TrianglePair, WorldFromModel,
+    Aabb, Body, JointMatrices, MorphBvh, PairMemory, PairQuery, Pose, QueryStats, Ray, RayQuery, TrianglePair,
+    WorldFromModel,
 };
 
-use super::{Method, MethodOptions, PoseError, SetUpError, Wanted};
+use super::{CastHit, CastRay, Method, MethodOptions, PoseError, SetUpError, Wanted};
 use crate::mesh::MorphMesh;
 
 /// Poses of shared trees of blended volumes.
@@ -19,6 +20,7 @@ pub(super) struct Morph {
     joints_moved: Vec<bool>,
     follow: Follow,
     query: PairQuery,
+    rays: RayQuery,
     witness: bool,
     /// Of every pair of bodies that was asked about, if witnesses are remembered.
     memories: BTreeMap<(usize, usize), PairMemory>,
@@ -52,6 +54,7 @@ impl Morph {
             joints_moved: vec![false; bodies.len()],
             follow,
             query: PairQuery::new(),
+            rays: RayQuery::new(),
             witness: options.witness,
             memories: BTreeMap::new(),
             work: QueryStats::default(),
@@ -115,6 +118,17 @@ impl Method for Morph {
             }),
         }
         self.work += query.stats();
+    }
+
+    fn cast(&mut self, body: usize, ray: &CastRay) -> Option<CastHit> {
+        let (pose, place) = &mut self.bodies[body];
+        let ray = Ray::new(ray.origin, ray.direction, f64::INFINITY).ok()?;
+        let hit = self.rays.closest(Body::new(pose, place), &ray);
+        self.work += self.rays.stats();
+        hit.map(|hit| CastHit {
+            triangle: hit.triangle,
+            t: hit.t,
+        })
     }
 
     fn work(&self) -> QueryStats {

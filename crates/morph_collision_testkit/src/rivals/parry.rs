@@ -10,161 +10,18 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3, Vec3A};
 use morph_collision::{Aabb, QueryStats, Triangle, TrianglePair, triangles_intersect};
-use parry3d::bounding_volume;
-use parry3d::partitioning::{Bvh, BvhBuildStrategy, BvhNode, BvhWorkspace};
-use parry3d::shape::{TriMesh, TriMeshBuilderError};
+use parry3d::partitioning::{Bvh, BvhNode};
 
 use super::blended::{BlendedBody, WeldedMesh};
 use super::boxes::Box3;
+use super::cast::{cast_at_all, parry_ray};
 use super::frames::{SatLite, world_bounds};
-use super::{Method, PoseError, SetUpError, Wanted};
+use super::{CastHit, CastRay, Method, PoseError, SetUpError, Wanted};
 
-/// A tree of Parry's with a leaf per triangle, and the vertices it stands for.
-pub(super) trait ParryTree: Sized + Send + Sync {
-    fn new(mesh: &WeldedMesh) -> Result<Self, TriMeshBuilderError>;
-    /// Blends the vertices.
-    fn blend(&mut self, body: &mut BlendedBody);
-    /// Makes the tree follow them.
-    fn refit(&mut self, mesh: &WeldedMesh);
-    /// Both, in the best way there is.
-    fn update(&mut self, body: &mut BlendedBody) {
-        self.blend(body);
-        self.refit(&body.mesh);
-    }
-    fn bvh(&self) -> &Bvh;
-    fn posed(&self) -> &[Vec3];
-}
+mod trees;
 
-/// A mesh of Parry's, and vertices blended for it where blending is timed by itself.
-#[derive(Clone)]
-pub(super) struct Meshed {
-    mesh: TriMesh,
-    blended: Vec<Vec3>,
-}
-
-/// `update_vertices` is `set_vertices` without a copy.
-impl ParryTree for Meshed {
-    fn new(mesh: &WeldedMesh) -> Result<Self, TriMeshBuilderError> {
-        Ok(Self {
-            mesh: TriMesh::new(mesh.base.clone(), mesh.triangles.clone())?,
-            blended: mesh.base.clone(),
-        })
-    }
-
-    fn blend(&mut self, body: &mut BlendedBody) {
-        body.blend(&mut self.blended);
-    }
-
-    fn refit(&mut self, _: &WeldedMesh) {
-        let Self { mesh, blended } = self;
-        mesh.update_vertices(|posed| posed.copy_from_slice(blended));
-    }
-
-    fn update(&mut self, body: &mut BlendedBody) {
-        self.mesh.update_vertices(|posed| body.blend(posed));
-    }
-
-    fn bvh(&self) -> &Bvh {
-        self.mesh.bvh()
-    }
-
-    fn posed(&self) -> &[Vec3] {
-        self.mesh.vertices()
-    }
-}
-
-/// A bare tree.
-#[derive(Clone)]
-struct Bare {
-    bvh: Bvh,
-    workspace: BvhWorkspace,
-    posed: Vec<Vec3>,
-}
-
-impl Bare {
-    fn new(mesh: &WeldedMesh) -> Self {
-        let boxes: Vec<_> = mesh
-            .triangles
-            .iter()
-            .map(|corners| around(corners, &mesh.base))
-            .collect();
-        Self {
-            bvh: Bvh::from_leaves(BvhBuildStrategy::Binned, &boxes),
-            workspace: BvhWorkspace::default(),
-            posed: mesh.base.clone(),
-        }
-    }
-
-    fn move_leaves(&mut self, mesh: &WeldedMesh) {
-        for (triangle, corners) in (0..).zip(&mesh.triangles) {
-            self.bvh
-                .insert_or_update_partially(around(corners, &self.posed), triangle, 0.0);
-        }
-    }
-}
-
-#[inline]
-fn around(corners: &[u32; 3], posed: &[Vec3]) -> bounding_volume::Aabb {
-    let [p, q, r] = corners.map(|vertex| posed[vertex as usize]);
-    bounding_volume::Aabb {
-        mins: p.min(q).min(r),
-        maxs: p.max(q).max(r),
-    }
-}
-
-/// Refitted, and put in depth-first order in memory again.
-#[derive(Clone)]
-pub(super) struct Refitted(Bare);
-
-impl ParryTree for Refitted {
-    fn new(mesh: &WeldedMesh) -> Result<Self, TriMeshBuilderError> {
-        Ok(Self(Bare::new(mesh)))
-    }
-
-    fn blend(&mut self, body: &mut BlendedBody) {
-        body.blend(&mut self.0.posed);
-    }
-
-    fn refit(&mut self, mesh: &WeldedMesh) {
-        self.0.move_leaves(mesh);
-        self.0.bvh.refit(&mut self.0.workspace);
-    }
-
-    fn bvh(&self) -> &Bvh {
-        &self.0.bvh
-    }
-
-    fn posed(&self) -> &[Vec3] {
-        &self.0.posed
-    }
-}
-
-/// Built anew with Parry's binned builder.
-#[derive(Clone)]
-pub(super) struct Rebuilt(Bare);
-
-impl ParryTree for Rebuilt {
-    fn new(mesh: &WeldedMesh) -> Result<Self, TriMeshBuilderError> {
-        Ok(Self(Bare::new(mesh)))
-    }
-
-    fn blend(&mut self, body: &mut BlendedBody) {
-        body.blend(&mut self.0.posed);
-    }
-
-    fn refit(&mut self, mesh: &WeldedMesh) {
-        self.0.move_leaves(mesh);
-        self.0.bvh.rebuild(&mut self.0.workspace, BvhBuildStrategy::Binned);
-    }
-
-    fn bvh(&self) -> &Bvh {
-        &self.0.bvh
-    }
-
-    fn posed(&self) -> &[Vec3] {
-        &self.0.posed
-    }
-}
+use trees::ParryTree;
+pub(super) use trees::{Meshed, Rebuilt, Refitted};
 
 /// A [`Method`] of bodies with trees of Parry's.
 pub(super) struct Parry<T> {
@@ -264,6 +121,24 @@ impl<T: ParryTree> Method for Parry<T> {
             }
         }
         self.work.node_tests += node_tests.get();
+    }
+
+    fn cast(&mut self, body: usize, ray: &CastRay) -> Option<CastHit> {
+        let (body, tree) = &self.bodies[body];
+        let Some(in_model) = ray.in_model(&body.affine) else {
+            return cast_at_all(body, tree.posed(), ray);
+        };
+        let tests = Cell::new(0);
+        let meets = |triangle: u32| {
+            tests.set(tests.get() + 1);
+            let corners = body.world_triangle(tree.posed(), body.mesh.triangles[triangle as usize]);
+            ray.meets(&corners, f64::INFINITY)
+        };
+        let nearest = |triangle: u32, _| meets(triangle).map(|t| t as f32);
+        let found = tree.bvh().cast_ray(&parry_ray(&in_model), f32::MAX, nearest);
+        self.work.triangle_tests += tests.get();
+        let (triangle, _) = found?;
+        meets(triangle).map(|t| CastHit { triangle, t })
     }
 
     fn work(&self) -> QueryStats {

@@ -48,7 +48,11 @@ impl WeldedSkin {
         welded
     }
 
-    fn of(&self, vertex: usize) -> &[(u16, f32)] {
+    pub(super) fn joint_count(&self) -> usize {
+        self.joint_count
+    }
+
+    pub(super) fn of(&self, vertex: usize) -> &[(u16, f32)] {
         &self.influences[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
     }
 }
@@ -80,20 +84,34 @@ impl SkinnedBody {
         }
     }
 
+    pub(super) fn joints(&self) -> &[Affine3A] {
+        &self.joints
+    }
+
+    /// A vertex in the world, given where it is after morphing.
+    #[inline]
+    pub(super) fn placed(&self, skin: &WeldedSkin, vertex: usize, posed: Vec3) -> DVec3 {
+        placed(skin.of(vertex), &self.columns, posed)
+    }
+
     /// Places all vertices, given those after morphing, which are replaced by the world positions rounded to `f32`.
     pub(super) fn place(&mut self, skin: &WeldedSkin, posed: &mut [Vec3]) {
         for (vertex, (world, posed)) in self.world.iter_mut().zip(posed).enumerate() {
-            let influences = skin.of(vertex);
-            let [x, y, z, translation] = match influences {
-                [(joint, 1.0)] => self.columns[usize::from(*joint)],
-                _ => blended(influences, &self.columns),
-            };
-            let p = posed.as_dvec3();
-            *world = ((x * p.x + y * p.y) + z * p.z) + translation;
+            *world = placed(skin.of(vertex), &self.columns, *posed);
             *posed = world.as_vec3();
         }
         self.changed = false;
     }
+}
+
+#[inline]
+fn placed(influences: &[(u16, f32)], joints: &[Columns], posed: Vec3) -> DVec3 {
+    let [x, y, z, translation] = match influences {
+        [(joint, 1.0)] => joints[usize::from(*joint)],
+        _ => blended(influences, joints),
+    };
+    let p = posed.as_dvec3();
+    ((x * p.x + y * p.y) + z * p.z) + translation
 }
 
 fn columns(joint: &Affine3A) -> Columns {

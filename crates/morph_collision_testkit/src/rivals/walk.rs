@@ -11,7 +11,9 @@ use super::blended::{BlendedBody, WeldedMesh};
 use super::boxes::{Box3, Box8};
 use super::frames::{SatLite, Side, world_bounds};
 use super::tree::{Child, Tree};
-use super::{Method, MethodOptions, PoseError, Wanted};
+use super::{CastHit, CastRay, Method, MethodOptions, PoseError, Wanted};
+
+mod cast;
 
 /// A tree with boxes, and how they follow the vertices. Bodies of one mesh start as clones.
 pub(super) trait Refit: Debug + Clone + Send + Sync {
@@ -21,11 +23,24 @@ pub(super) trait Refit: Debug + Clone + Send + Sync {
     fn update(&mut self, mesh: &WeldedMesh, posed: &[Vec3]) -> u64;
     /// Whether [`Refit::open`] ever makes any.
     const LAZY: bool;
+    /// Whether all vertices are blended as soon as a body is given its pose.
+    const BAKES: bool = true;
+    /// Takes a new pose; called before [`Refit::update`].
+    fn take_pose(&mut self, _body: &BlendedBody) {}
     /// The children of a group are about to be looked at; returns how many boxes were made.
     fn open(&mut self, group: usize, posed: &[Vec3]) -> u64;
     fn tree(&self) -> &Tree;
     /// The boxes of a group that was opened.
     fn boxes(&self, group: usize) -> &Box8;
+    /// A triangle in world space.
+    #[inline]
+    fn world_triangle(&mut self, body: &BlendedBody, posed: &[Vec3], corners: [u32; 3]) -> Triangle {
+        body.world_triangle(posed, corners)
+    }
+    /// The vertices that were placed for walks since the last call.
+    fn take_placed(&mut self) -> u64 {
+        0
+    }
 }
 
 #[derive(Clone, Debug)]
@@ -42,6 +57,12 @@ impl<R: Refit> TreeBody<R> {
             lane: 0,
             child: self.refit.tree().groups[0].children()[0],
         }
+    }
+
+    #[inline]
+    fn world_triangle(&mut self, triangle: u32) -> Triangle {
+        let corners = self.body.mesh.triangles[triangle as usize];
+        self.refit.world_triangle(&self.body, &self.posed, corners)
     }
 
     #[inline]
@@ -86,6 +107,12 @@ impl<R: Refit> Trees<R> {
             work: QueryStats::default(),
             stack: Vec::new(),
             leaves: [Vec::new(), Vec::new()],
+        }
+    }
+
+    fn count_placed<const N: usize>(&mut self, bodies: [usize; N]) {
+        for body in bodies {
+            self.work.vertices_blended += self.bodies[body].refit.take_placed();
         }
     }
 
@@ -171,12 +198,12 @@ fn descend<R: Refit>(
     }
 }
 
-fn read_leaf<R: Refit>(body: &TreeBody<R>, leaf: u32, triangles: &mut Vec<(u32, Triangle)>) {
+fn read_leaf<R: Refit>(body: &mut TreeBody<R>, leaf: u32, triangles: &mut Vec<(u32, Triangle)>) {
     triangles.clear();
-    triangles.extend(body.refit.tree().leaf(leaf).iter().map(|&triangle| {
-        let corners = body.body.mesh.triangles[triangle as usize];
-        (triangle, body.body.world_triangle(&body.posed, corners))
-    }));
+    for index in 0..body.refit.tree().leaf(leaf).len() {
+        let triangle = body.refit.tree().leaf(leaf)[index];
+        triangles.push((triangle, body.world_triangle(triangle)));
+    }
 }
 
 fn test_leaves(
@@ -202,9 +229,12 @@ impl<R: Refit> Method for Trees<R> {
     }
 
     fn blend(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<bool, PoseError> {
-        let TreeBody { body, posed, .. } = &mut self.bodies[body];
+        let TreeBody { body, posed, refit } = &mut self.bodies[body];
         let changed = body.set(weights, world_from_model)?;
-        if changed {
+        if changed && !R::BAKES {
+            body.skip_blending();
+            refit.take_pose(body);
+        } else if changed {
             body.blend(posed);
             self.work.vertices_blended += posed.len() as u64;
         }
@@ -229,6 +259,13 @@ impl<R: Refit> Method for Trees<R> {
     fn collide(&mut self, a: usize, b: usize, wanted: Wanted, pairs: &mut Vec<TrianglePair>) {
         let start = pairs.len();
         self.walk(a, b, |pair| wanted.push(pairs, start, pair));
+        self.count_placed([a, b]);
+    }
+
+    fn cast(&mut self, body: usize, ray: &CastRay) -> Option<CastHit> {
+        let hit = self.cast_at(body, ray);
+        self.count_placed([body]);
+        hit
     }
 
     fn work(&self) -> QueryStats {

@@ -51,6 +51,60 @@ fn write_table(text: &mut String, experiment: &Experiment, all: &[Row], first: &
     Ok(())
 }
 
+/// A table of the same methods in several scenes with rays, side by side.
+pub(crate) fn ray_table(scenes: &[(Experiment, Vec<Row>)]) -> String {
+    let mut text = String::new();
+    // Writing to a string cannot fail.
+    let _ = write_ray_table(&mut text, scenes);
+    text
+}
+
+fn write_ray_table(text: &mut String, scenes: &[(Experiment, Vec<Row>)]) -> std::fmt::Result {
+    let Some((experiment, rows)) = scenes.first() else {
+        return Ok(());
+    };
+    write!(text, "\n**{}.** {} frames", experiment.title, experiment.frames.len())?;
+    for (experiment, rows) in scenes {
+        let rays: usize = experiment.rays.iter().map(Vec::len).sum();
+        if let Some(base) = rows.first() {
+            let (per_frame, time) = (rays / experiment.frames.len().max(1), base.time * 1e6);
+            let hits = 100.0 * base.pairs() as f64 / rays as f64;
+            write!(
+                text,
+                "; with {per_frame} of them in a frame, of which {hits:.0} % hit, time 1 is {time:.1} us a frame"
+            )?;
+        }
+    }
+    write!(text, ".\n\n| ")?;
+    for (experiment, _) in scenes {
+        let rays = experiment.rays.first().map_or(0, Vec::len);
+        write!(
+            text,
+            "| {rays}: volumes | vertices | node tests | triangle tests | time "
+        )?;
+    }
+    writeln!(text, "|\n|---{}|", "|--:".repeat(5 * scenes.len()))?;
+    for (index, row) in rows.iter().enumerate() {
+        write!(text, "| {} ", row.name)?;
+        for (experiment, rows) in scenes {
+            let frames = experiment.frames.len() as f64;
+            let Some(row) = rows.get(index) else { continue };
+            let work = row.work;
+            for count in [
+                work.nodes_blended,
+                work.vertices_blended,
+                work.node_tests,
+                work.triangle_tests,
+            ] {
+                write!(text, "| {:.0} ", count as f64 / frames)?;
+            }
+            write!(text, "| {:.2} ", row.ratio)?;
+        }
+        writeln!(text, "|")?;
+    }
+    Ok(())
+}
+
 /// What the numbers were taken on, and how.
 pub(crate) fn machine(every: usize, rounds: usize) -> String {
     let cores = std::thread::available_parallelism().map_or(0, usize::from);

@@ -62,8 +62,16 @@ pub(crate) fn memory(_: &Experiment) -> Vec<Candidate> {
 pub(crate) fn methods(experiment: &Experiment) -> Vec<Candidate> {
     let small = experiment.mesh.triangles.len() < 1000;
     let skinned = experiment.mesh.skin.is_some();
-    let is_candidate =
-        |kind: &MethodKind| (small || *kind != MethodKind::BruteForce) && (!skinned || kind.supports_skins());
+    let rays = !experiment.rays.is_empty();
+    let is_candidate = |kind: &MethodKind| {
+        (small || *kind != MethodKind::BruteForce)
+            && (if skinned {
+                kind.supports_skins()
+            } else {
+                !kind.is_for_skins()
+            })
+            && (!rays || kind.casts_rays())
+    };
     let methods = MethodKind::ALL.into_iter().filter(is_candidate);
     let candidate = |method: MethodKind| match method {
         MethodKind::Morph | MethodKind::MorphEager | MethodKind::RigidFloor => Candidate {

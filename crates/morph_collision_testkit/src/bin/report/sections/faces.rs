@@ -94,6 +94,7 @@ fn heads(title: &str, mesh: MorphMesh, every: usize) -> Experiment {
     let steps: Vec<usize> = (0..400).step_by(every).collect();
     Experiment {
         joints: Vec::new(),
+        rays: Vec::new(),
         name: title.to_owned(),
         title: format!("{title}, 2 x {} triangles with {targets} targets", mesh.triangles.len()),
         bodies: 2,

@@ -4,6 +4,7 @@ mod bytes;
 mod faces;
 mod kernels;
 mod paper;
+mod rays;
 mod scale;
 mod threads;
 
@@ -78,6 +79,10 @@ pub(crate) const SECTIONS: &[Section] = &[
     Section {
         name: "faces",
         make: faces::faces,
+    },
+    Section {
+        name: "rays",
+        make: rays::rays,
     },
     Section {
         name: "bytes",

@@ -1,0 +1,29 @@
+//! Rays at a skinned character: every method that casts them.
+
+use std::error::Error;
+
+use morph_collision_testkit::bench::{Experiment, NoExperiment};
+use morph_collision_testkit::rivals::Wanted;
+
+use super::{Context, race};
+use crate::render;
+use crate::sweeps::methods;
+
+/// A table of all scenes with rays; where the model is not there, what the page has.
+pub(crate) fn rays(context: &Context, old: &str) -> Result<String, Box<dyn Error>> {
+    let mut scenes = Vec::new();
+    for (name, _) in Experiment::with_rays() {
+        let experiment = match Experiment::named(name, context.every) {
+            Ok(experiment) => experiment,
+            Err(missing @ NoExperiment::Missing { .. }) => {
+                eprintln!("rays: {missing}; the place stays as it is");
+                return Ok(old.to_owned());
+            }
+            Err(error) => return Err(error.into()),
+        };
+        eprintln!("rays: {}", experiment.title);
+        let rows = race(&experiment, &methods(&experiment), Wanted::All, context.rounds)?;
+        scenes.push((experiment, rows));
+    }
+    Ok(render::ray_table(&scenes))
+}

@@ -2,7 +2,6 @@
 
 mod anchors;
 mod bodies;
-mod bones;
 mod bounds;
 mod broken_meshes;
 mod changes;
@@ -20,6 +19,7 @@ mod real_models;
 mod refits;
 mod scenes;
 mod shapes;
+mod skins;
 mod spatial;
 mod support;
 mod trees;

@@ -78,6 +78,7 @@ mod every_mesh;
 #[cfg(feature = "gizmos")]
 mod gizmos;
 mod import;
+mod joints;
 mod layers;
 mod lent_poses;
 mod narrow_phase;
@@ -89,6 +90,7 @@ mod rapier;
 mod scene;
 mod settings;
 mod shape;
+mod skeletons;
 mod spatial;
 mod weights;
 mod workers;

@@ -13,6 +13,7 @@ mod files;
 mod life_cycle;
 mod log;
 mod manners;
+mod models;
 mod pairs;
 mod picking;
 mod real_models;

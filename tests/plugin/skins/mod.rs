@@ -5,12 +5,14 @@
 //! - `surface`: hits, anchors and gizmos on a skinned surface.
 //! - `bounds`: the `Aabb` that Bevy culls by.
 //! - `characters`: real models, compared with brute force.
+//! - `torture`: random lives of meshes and joints.
 
 mod bounds;
 mod characters;
 mod formats;
 mod joints;
 mod surface;
+mod torture;
 
 use bevy::ecs::system::RunSystemOnce;
 use bevy::mesh::VertexAttributeValues;

@@ -16,7 +16,7 @@ pub(super) fn around(bounds: &morph_collision::Aabb) -> Aabb {
 /// The box of an entity that holds a box in world space, as Bevy moves it with the entity. It is infinite if there is no finite one.
 pub(super) fn around_in(world: &morph_collision::Aabb, place: &GlobalTransform) -> Aabb {
     let affine = place.affine();
-    let entity_from_world = DMat3::from(Mat3::from(affine.matrix3).as_dmat3()).inverse();
+    let entity_from_world = Mat3::from(affine.matrix3).as_dmat3().inverse();
     let abs = DMat3::from_cols(
         entity_from_world.x_axis.abs(),
         entity_from_world.y_axis.abs(),

@@ -100,6 +100,9 @@ fn weights_that_miss_1_pull_towards_the_origin() {
     assert_eq!(stretched(mesh), Some((-1.25, -0.75)));
 }
 
+/// Whether an error is the right one.
+type Expected = fn(&ImportError) -> bool;
+
 /// What the log and the plugin say about a mesh shown with two joints.
 fn refusal(mesh: Mesh) -> (Vec<String>, Option<ImportError>) {
     let mut said = (Vec::new(), None);
@@ -128,7 +131,7 @@ fn influences_that_cannot_be_used_are_errors_that_name_the_entity() {
         attribute.format = bevy::mesh::VertexFormat::Float32x2;
         limb().with_inserted_attribute(attribute, vec![[0.0_f32; 2]; 8])
     };
-    let expected: [(Mesh, fn(&ImportError) -> bool); 6] = [
+    let expected: [(Mesh, Expected); 6] = [
         (boned(&cube(), |_| 2), |error| {
             matches!(
                 error,

@@ -2,6 +2,7 @@
 
 use std::sync::Weak;
 
+use bevy::math::Affine3A;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::morph_collision::MorphBvh;
@@ -144,7 +145,7 @@ impl Life {
             let Some(places) = places.collect::<Option<Vec<_>>>() else {
                 continue;
             };
-            if !places.iter().all(|place| place.is_finite()) {
+            if !places.iter().all(Affine3A::is_finite) {
                 continue;
             }
             let corner = |i: usize| Vec3::from_array([0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 0.5 } else { -0.5 }));

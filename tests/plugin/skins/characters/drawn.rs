@@ -5,7 +5,9 @@ use bevy::math::{Affine3A, DVec3, Mat4};
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
+use morph_collision_testkit::clip::WeightAnimation;
 use morph_collision_testkit::oracle::{posed_vertices, skinned_vertices, world_vertices};
+use morph_collision_testkit::skeleton::JointClip;
 
 use super::{Part, Stage};
 
@@ -46,8 +48,8 @@ impl Stage {
         let clip_of_joints = skin.skeleton.clip(clip);
         let clip_of_weights = mesh.animations.iter().find(|animation| animation.name == clip);
         let durations = [
-            clip_of_joints.map(|clip| clip.duration()),
-            clip_of_weights.map(|clip| clip.duration()),
+            clip_of_joints.map(JointClip::duration),
+            clip_of_weights.map(WeightAnimation::duration),
         ];
         if durations.into_iter().flatten().any(|duration| seconds >= duration) {
             return None;

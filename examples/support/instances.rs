@@ -6,6 +6,7 @@ use std::path::Path;
 use bevy::gltf::Gltf;
 use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::morph::MorphWeights;
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy::world_serialization::WorldInstanceReady;
 use bevy_morph_collision::prelude::*;
@@ -95,10 +96,11 @@ impl Instances {
     /// Counts what the first body is made of, and how large it is; it stands at the origin.
     fn measure(world: &mut World, file: &Path, roots: Vec<Entity>) -> Result<Self, ExampleError> {
         let (mut triangles, mut targets, mut hull, mut reason) = (0, 0, Aabb::EMPTY, String::new());
-        let mut parts = world.query_filtered::<(&Mesh3d, &GlobalTransform), With<MorphCollider>>();
+        let mut parts =
+            world.query_filtered::<(&Mesh3d, Option<&SkinnedMesh>, &GlobalTransform), With<MorphCollider>>();
         let (trees, meshes) = (world.resource::<MorphTrees>(), world.resource::<Assets<Mesh>>());
-        for (mesh, transform) in parts.iter(world) {
-            let Some(tree) = trees.get(mesh.id()) else {
+        for (mesh, skin, transform) in parts.iter(world) {
+            let Some(tree) = trees.shown_with(mesh, None, skin) else {
                 reason = trees.error(mesh.id()).map_or(reason, |error| format!(": {error}"));
                 continue;
             };

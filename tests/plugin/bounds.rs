@@ -4,7 +4,6 @@ use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{NoAutoAabb, NoCpuCulling, NoFrustumCulling, VisibilityPlugin};
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::mesh::morph::MeshMorphWeights;
-use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::{MorphTrees, prelude::*};
 use morph_collision_workspace::app::headless;
@@ -180,7 +179,6 @@ fn who_comes_back_later_has_a_box_that_follows() {
     check(Disabled);
     check(NoAutoAabb);
     check(NoFrustumCulling);
-    check(SkinnedMesh::default());
 }
 
 #[test]

@@ -1,11 +1,13 @@
 //! Files are loaded as the README shows, and collide and are drawn as what is in them.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use bevy::animation::AnimationPlugin;
 use bevy::gltf::GltfPlugin;
+use bevy::math::Affine3A;
 use bevy::mesh::MeshPlugin;
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy::world_serialization::{WorldAsset, WorldInstanceReady, WorldSerializationPlugin};
 use bevy_morph_collision::morph_collision::Pose;
@@ -13,6 +15,7 @@ use bevy_morph_collision::{MorphTrees, prelude::*};
 use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::gltf_write::{Appearance, to_glb};
 use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::oracle::skinned_vertices;
 use morph_collision_workspace::app::{headless, is_loaded, update_until};
 
 use crate::log::start;
@@ -55,7 +58,9 @@ fn source(app: &App, mesh: AssetId<Mesh>) -> (usize, usize) {
 }
 
 /// A mesh asset has the triangles and displacements of a primitive in the file, and its tree poses them as the file says.
-fn compare(app: &App, id: AssetId<Mesh>, file: &MorphMesh, primitive: usize, name: &str) {
+fn compare(app: &App, shown: Entity, file: &MorphMesh, primitive: usize, name: &str) {
+    let mesh = app.world().get::<Mesh3d>(shown).unwrap();
+    let id = mesh.id();
     let range = &file.primitives[primitive];
     let triangles = &file.triangles[range.start as usize..range.end as usize];
     let (targets, corners) = (file.targets.len(), triangles.as_flattened());
@@ -85,7 +90,9 @@ fn compare(app: &App, id: AssetId<Mesh>, file: &MorphMesh, primitive: usize, nam
         }
     }
 
-    let tree = app.world().resource::<MorphTrees>().get(id);
+    let skin = app.world().get::<SkinnedMesh>(shown);
+    assert_eq!(skin.is_some(), file.skin.is_some(), "{name}");
+    let tree = app.world().resource::<MorphTrees>().shown_with(mesh, None, skin);
     let tree = tree.unwrap_or_else(|| panic!("{name} has no tree"));
     let model = tree.model();
     let sizes = (
@@ -99,7 +106,12 @@ fn compare(app: &App, id: AssetId<Mesh>, file: &MorphMesh, primitive: usize, nam
         let weight = |target: usize| ((target * 7 + turn * 3) as f32 * 0.37).sin();
         let weights: Vec<f32> = (0..targets).map(weight).collect();
         pose.set_weights(&weights).unwrap();
-        let expected = file.posed(&weights);
+        let mut expected = file.posed(&weights);
+        if let Some(skin) = &file.skin {
+            let joints = vec![Affine3A::IDENTITY; skin.skeleton.joints.len()];
+            let skinned = skinned_vertices(&expected, &skin.sets, &joints);
+            expected = skinned.iter().map(|p| p.as_vec3()).collect();
+        }
         for (number, triangle) in (0..).zip(triangles) {
             let expected = triangle.map(|corner| expected[corner as usize]);
             assert_eq!(pose.triangle(number), Some(expected), "{name}: triangle {number}");
@@ -107,19 +119,21 @@ fn compare(app: &App, id: AssetId<Mesh>, file: &MorphMesh, primitive: usize, nam
     }
 }
 
-/// Loads a file and compares what morphs in it, or all of it if nothing does; returns how many meshes morph.
+/// Loads a file and compares what deforms in it, or all of it if nothing does; returns how many meshes deform.
 fn loads_as_it_is(path: &Path) -> usize {
     let file = read_meshes(path).unwrap();
-    let morphing = file.iter().filter(|mesh| !mesh.targets.is_empty());
-    let morphing: usize = morphing.map(|mesh| mesh.primitives.len()).sum();
+    let deforming = file
+        .iter()
+        .filter(|mesh| !mesh.targets.is_empty() || mesh.skin.is_some());
+    let deforming: usize = deforming.map(|mesh| mesh.primitives.len()).sum();
     let app = load(path, MorphColliderScene::default());
     assert_eq!(
         compare_all(app, path, &file),
-        morphing,
-        "{}: all that morphs collides",
+        deforming,
+        "{}: all that deforms collides",
         path.display()
     );
-    if morphing == 0 {
+    if deforming == 0 {
         let everything = MorphColliderScene {
             only_morphing: false,
             ..default()
@@ -132,18 +146,20 @@ fn loads_as_it_is(path: &Path) -> usize {
             path.display()
         );
     }
-    morphing
+    deforming
 }
 
 /// Compares all mesh assets that collide; returns how many there are.
 fn compare_all(mut app: App, path: &Path, file: &[MorphMesh]) -> usize {
-    let mut colliders = app.world_mut().query_filtered::<&Mesh3d, With<MorphCollider>>();
-    let colliding: BTreeSet<_> = colliders
+    let mut colliders = app
+        .world_mut()
+        .query_filtered::<(Entity, &Mesh3d), With<MorphCollider>>();
+    let colliding: BTreeMap<_, _> = colliders
         .iter(app.world())
-        .map(|mesh| (source(&app, mesh.id()), mesh.id()))
+        .map(|(entity, mesh)| (source(&app, mesh.id()), entity))
         .collect();
-    for &((mesh, primitive), id) in &colliding {
-        compare(&app, id, &file[mesh], primitive, &path.display().to_string());
+    for (&(mesh, primitive), &entity) in &colliding {
+        compare(&app, entity, &file[mesh], primitive, &path.display().to_string());
     }
     colliding.len()
 }
@@ -181,8 +197,8 @@ fn every_model_from_elsewhere_loads_as_it_is() {
     }
     assert!(!models(&folder).is_empty());
     for file in models(&folder).into_iter().chain(models(&folder.join("sequences"))) {
-        let morphing = loads_as_it_is(&file);
-        println!("{}: {morphing} morphing meshes", file.display());
+        let deforming = loads_as_it_is(&file);
+        println!("{}: {deforming} deforming meshes", file.display());
     }
 }
 

@@ -2,7 +2,6 @@
 
 mod anchors;
 mod bodies;
-mod bones;
 mod bounds;
 mod broken_meshes;
 mod changes;
@@ -14,12 +13,14 @@ mod files;
 mod life_cycle;
 mod log;
 mod manners;
+mod models;
 mod pairs;
 mod picking;
 mod real_models;
 mod refits;
 mod scenes;
 mod shapes;
+mod skins;
 mod spatial;
 mod support;
 mod trees;

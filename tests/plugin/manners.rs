@@ -178,6 +178,7 @@ fn questions_and_answers_are_reflected() {
         triangle: 7,
         barycentrics: Vec3::new(0.5, 0.25, 0.25),
         uv: Some(Vec2::new(0.1, 0.2)),
+        joint: Some(entity),
     };
     assert_eq!(there_and_back(&registry, &hit), hit);
     let front = MorphRayHit {
@@ -194,6 +195,7 @@ fn questions_and_answers_are_reflected() {
         triangle: 7,
         barycentrics: Vec3::X,
         uv: None,
+        joint: None,
     };
     assert_eq!(there_and_back(&registry, &projection), projection);
     let closest = MorphClosestPoints {

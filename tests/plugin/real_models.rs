@@ -3,16 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use bevy::camera::primitives::Aabb;
-use bevy::camera::visibility::VisibilityPlugin;
 use bevy::ecs::system::RunSystemOnce;
-use bevy::gltf::Gltf;
 use bevy::mesh::morph::{MeshMorphWeights, MorphAttributes, MorphWeights};
 use bevy::prelude::*;
-use bevy::world_serialization::WorldInstanceReady;
 use bevy_morph_collision::prelude::*;
-use morph_collision_workspace::app::{headless, load_gltf, update_until};
 
-use crate::log::start;
+use crate::models::{play, shared, with_models};
 use crate::support::{Messages, assets, settle, touches};
 
 /// The head that comes with the repository: a real face without a clip.
@@ -20,41 +16,10 @@ fn head() -> PathBuf {
     assets().join("mh_head_eyes_teeth_arkit52.glb")
 }
 
-/// A model from outside the repository, if that folder is there.
-fn shared(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR"))
-        .join("../shared/models")
-        .join(name);
-    if !path.is_file() {
-        println!("skipped: {} is not there", path.display());
-        return None;
-    }
-    path.canonicalize().ok()
-}
-
 /// An app with a model in it, culled and colliding; and the model's clips.
 fn with_model(file: &Path) -> (App, Vec<Handle<AnimationClip>>) {
-    let mut app = headless(file.parent().unwrap());
-    app.add_plugins((VisibilityPlugin, MorphBoundsPlugin));
-    start(&mut app);
-    let gltf = load_gltf(&mut app, file).expect("the model can be loaded");
-    let (scene, clips) = {
-        let gltf = app.world().resource::<Assets<Gltf>>().get(&gltf).unwrap();
-        (gltf.scenes[0].clone(), gltf.animations.clone())
-    };
-    #[derive(Resource, Default)]
-    struct IsThere(bool);
-    app.init_resource::<IsThere>();
-    app.world_mut()
-        .add_observer(|_: On<WorldInstanceReady>, mut is_there: ResMut<IsThere>| is_there.0 = true);
-    app.world_mut().spawn((
-        WorldAssetRoot(scene),
-        Visibility::default(),
-        MorphColliderScene::default(),
-    ));
-    update_until(&mut app, file, |world| Ok(world.resource::<IsThere>().0)).expect("the scene is spawned");
-    settle(&mut app);
-    (app, clips)
+    let (app, _, clips) = with_models(file, &[Transform::default()]);
+    (app, clips.into_iter().map(|(_, clip)| clip).collect())
 }
 
 /// Every morphing mesh with what it shows.
@@ -175,26 +140,7 @@ fn the_box_holds_every_posed_vertex_on_every_frame_of_every_clip() {
         let meshes = morphing(&mut app);
         let mut moved = 0;
         for clip in clips {
-            let duration = app
-                .world()
-                .resource::<Assets<AnimationClip>>()
-                .get(&clip)
-                .unwrap()
-                .duration();
-            let (graph, node) = AnimationGraph::from_clip(clip);
-            let graph = app.world_mut().resource_mut::<Assets<AnimationGraph>>().add(graph);
-            let mut players = app.world_mut().query::<(Entity, &mut AnimationPlayer)>();
-            let mut found = Vec::new();
-            for (entity, mut player) in players.iter_mut(app.world_mut()) {
-                player.stop_all();
-                player.play(node);
-                found.push(entity);
-            }
-            for player in found {
-                app.world_mut()
-                    .entity_mut(player)
-                    .insert(AnimationGraphHandle(graph.clone()));
-            }
+            let duration = play(&mut app, &clip, &[], |_| 0.0);
             let mut before = Vec::new();
             // Up to ten seconds of it.
             for frame in 0..=((duration * 60.0) as usize).min(600) {

@@ -1,25 +1,28 @@
 //! Entities that stick to a posed surface.
 
 use bevy::ecs::system::SystemParam;
+use bevy::math::Affine3A;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use morph_collision::{Body, Pose, SurfaceAnchor, WorldFromModel};
 
 use crate::collider::{ColliderState, MorphCollider};
 use crate::diagnostics::Preparation;
-use crate::import::{MorphTreeSettings, MorphTrees};
+use crate::import::{MorphTreeSettings, MorphTrees, TreeKey};
 use crate::lent_poses::LentPoses;
 use crate::shape::MorphShape;
+use crate::skeletons::{BindPoses, Skeletons};
 use crate::spatial::MorphRayHit;
 use crate::weights::take_weights;
 
 /// Keeps this entity on a place of a collider's surface as the shape morphs and moves: for decals, hats, particles.
 ///
-/// The entity follows what is drawn: it is placed in [`PostUpdate`], at the weights and the [`GlobalTransform`] that the mesh is
+/// The entity follows what is drawn: it is placed in [`PostUpdate`], at the weights, joints and [`GlobalTransform`] that the mesh is
 /// drawn with in this frame. That is so whatever schedule collisions are detected in, while they are
 /// [paused](crate::MorphCollisionSettings::paused), and with [`MorphColliderDisabled`](crate::MorphColliderDisabled) on the
-/// collider. If the weights cannot be used, the ones that the collider used last are in force.
+/// collider. If weights or joints cannot be used, the ones that the collider used last are in force.
 ///
 /// The entity's [`Transform`] is written, relative to its parent if it has one, and the [`GlobalTransform`]s of the
 /// entity and of all entities below it, so that they are right in the same frame. Its scale stays. Nothing is written if there is
@@ -88,6 +91,7 @@ pub(crate) struct DrawnSurfaces<'w, 's> {
         (
             &'static Mesh3d,
             Option<&'static MorphTreeSettings>,
+            Option<&'static SkinnedMesh>,
             Option<&'static MeshMorphWeights>,
             &'static ColliderState,
         ),
@@ -95,19 +99,29 @@ pub(crate) struct DrawnSurfaces<'w, 's> {
     >,
     shared: Query<'w, 's, &'static MorphWeights>,
     trees: Res<'w, MorphTrees>,
+    bind_poses: Option<Res<'w, BindPoses>>,
     poses: Local<'s, LentPoses>,
+    skeletons: Local<'s, Skeletons>,
     rest: Local<'s, Vec<f32>>,
 }
 
 impl DrawnSurfaces<'_, '_> {
-    /// The pose that a collider's mesh is drawn in.
-    fn pose(&mut self, collider: Entity) -> Option<&mut Pose> {
-        let (mesh, settings, weights, state) = self.colliders.get(collider).ok()?;
-        let key = (mesh.id(), settings.copied());
-        let tree = self.trees.with_settings(key.0, key.1)?;
+    /// The pose that a collider's mesh is drawn in, with the joints where they are now.
+    fn pose(&mut self, collider: Entity, global_of: impl Fn(Entity) -> Option<Affine3A>) -> Option<&mut Pose> {
+        let (mesh, settings, skin, weights, state) = self.colliders.get(collider).ok()?;
+        let key = TreeKey::of(mesh, settings, skin);
+        let tree = self.trees.tree(key)?;
         let pose = self.poses.lend(key, tree);
         if !pose.weights().is_empty() && take_weights(pose, weights, &self.shared, &mut self.rest).is_err() {
             pose.set_weights(state.pose.as_ref()?.weights()).ok()?;
+        }
+        if pose.joints().is_some() {
+            let skeleton = self.skeletons.of(skin?, self.bind_poses.as_deref(), global_of);
+            let matrices = match skeleton.problem() {
+                None => skeleton.matrices()?,
+                Some(_) => state.pose.as_ref().filter(|_| state.has_joints)?.joints()?,
+            };
+            pose.set_joints(matrices).ok()?;
         }
         Some(pose)
     }
@@ -124,13 +138,15 @@ pub(crate) fn follow_surfaces(
 ) {
     let start = Instant::now();
     surfaces.poses.drop_unused();
+    surfaces.skeletons.begin();
     let mut anchored: Vec<_> = anchors.iter().collect();
     anchored.sort_by_cached_key(|&(entity, ..)| (parents.iter_ancestors(entity).count(), entity));
     for (entity, anchor, parent) in anchored {
         let Ok((_, world_from_collider)) = transforms.get(anchor.collider) else {
             continue;
         };
-        let pose = surfaces.pose(anchor.collider);
+        let global_of = |joint: Entity| Some(transforms.get(joint).ok()?.1.affine());
+        let pose = surfaces.pose(anchor.collider, global_of);
         let Some(world) = pose.and_then(|pose| place(anchor, pose, world_from_collider)) else {
             continue;
         };
@@ -154,6 +170,10 @@ pub(crate) fn follow_surfaces(
             *global = world_from_parent * next;
             let below = *global;
             spread(entity, below, &children, &mut transforms);
+            // It may have taken joints along.
+            if children.contains(entity) {
+                surfaces.skeletons.outdate();
+            }
         }
     }
     preparation.0 += start.elapsed();
@@ -166,7 +186,11 @@ struct Anchored {
 }
 
 fn place(anchor: &MorphSurfaceAnchor, pose: &mut Pose, world_from_collider: &GlobalTransform) -> Option<Anchored> {
-    let world_from_model = WorldFromModel::new(world_from_collider.affine()).ok()?;
+    let world_from_model = match pose.joints() {
+        // Its joints place it.
+        Some(_) => WorldFromModel::IDENTITY,
+        None => WorldFromModel::new(world_from_collider.affine()).ok()?,
+    };
     let on_surface = SurfaceAnchor {
         triangle: anchor.triangle,
         barycentrics: anchor.barycentrics.as_dvec3().to_array(),

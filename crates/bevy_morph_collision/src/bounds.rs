@@ -1,28 +1,37 @@
-//! Culling: the [`Aabb`] of morphing meshes.
+//! Culling: the [`Aabb`] of meshes that deform.
+
+mod drawn;
+mod local;
 
 use bevy::app::AnimationSystems;
 use bevy::asset::AssetEventSystems;
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{NoAutoAabb, NoFrustumCulling, VisibilitySystems, calculate_bounds};
 use bevy::ecs::entity::EntityHashMap;
-use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
-use crate::import::MorphTrees;
-use crate::lent_poses::LentPoses;
+use crate::import::{MorphTrees, TreeKey};
 use crate::plugin::TreesPlugin;
 
-/// Keeps the [`Aabb`] of morphing meshes around what is drawn, every frame. Bevy itself keeps that of the rest pose, so that
-/// meshes vanish at the edge of the screen.
+/// Keeps the [`Aabb`] of meshes that morph or are moved by joints around what is drawn, every frame. Bevy itself keeps the box of the
+/// rest pose, or for skinned meshes one around what joints alone do, so that meshes vanish at the edge of the screen.
 ///
-/// Works with or without [`MorphCollisionPlugin`](crate::MorphCollisionPlugin), for every mesh with [`MeshMorphWeights`],
-/// whether it collides or not. A box is conservative, from the blended root of the mesh's tree, in `O(active targets)` per
-/// mesh; it is written only where it differs. Until the tree of a mesh is built, the mesh keeps the box that Bevy gave it. A mesh that
-/// cannot be used keeps it for good, and the log says why.
+/// Works with or without [`MorphCollisionPlugin`](crate::MorphCollisionPlugin), for every mesh with [`MeshMorphWeights`] or
+/// [`SkinnedMesh`], whether it collides or not. A box is conservative, from the topmost boxes of the mesh's tree, and it is written only where it
+/// differs. Until the tree of a mesh is built, the mesh keeps the box that Bevy gave it. A mesh that cannot be used keeps it for
+/// good, and the log says why.
 ///
-/// Bevy's opt-outs are heeded: [`NoAutoAabb`] and [`NoFrustumCulling`]. Skinned meshes are left to Bevy, as their bones move
-/// them out of any box of ours. Opting in again, or enabling an entity again, works at any time.
+/// Cost per mesh: `O(active targets)`; for a skinned mesh also `O(joints)`, and nothing beyond a look at each joint where none has moved.
+///
+/// Bevy moves the box of a skinned mesh by the mesh's [`GlobalTransform`], although it draws the mesh without it. So the box is made in
+/// that space, and is looser where the mesh is turned against the world's axes. Where the transform cannot be inverted (scale 0), the box is infinite,
+/// and the mesh is never culled. While the transform of a joint is NaN or infinite, the box stays.
+///
+/// Bevy's opt-outs are heeded: [`NoAutoAabb`] and [`NoFrustumCulling`]. Opting in again, or enabling an entity again, works at any time.
+/// [`DynamicSkinnedMeshBounds`](bevy::camera::visibility::DynamicSkinnedMeshBounds), with which Bevy keeps boxes around what joints do, is
+/// removed from meshes whose box this plugin keeps, and comes back when it no longer does.
 ///
 /// It also repairs a bug of Bevy 0.20: a morphing mesh that comes into view for the first time since it was loaded is drawn in its
 /// rest pose until something else about it changes.
@@ -57,7 +66,8 @@ impl Plugin for MorphBoundsPlugin {
                 MorphBoundsSystems::Redraw.after(VisibilitySystems::MarkNewlyHiddenEntitiesInvisible),
             ),
         )
-        .add_observer(forget_morphed_bounds)
+        .add_observer(forget_bounds::<MeshMorphWeights>)
+        .add_observer(forget_bounds::<SkinnedMesh>)
         .add_systems(
             PostUpdate,
             (
@@ -66,7 +76,9 @@ impl Plugin for MorphBoundsPlugin {
                     .after(crate::import::follow_asset_events)
                     .before(crate::import::start_trees)
                     .ambiguous_with(crate::import::request_trees),
-                update_bounds.in_set(MorphBoundsSystems::Bounds),
+                (drawn::update_bounds, drawn::give_back)
+                    .chain()
+                    .in_set(MorphBoundsSystems::Bounds),
                 draw_again.in_set(MorphBoundsSystems::Redraw),
             ),
         );
@@ -75,60 +87,27 @@ impl Plugin for MorphBoundsPlugin {
 
 /// Meshes whose bounds are ours.
 type Culled = (
-    With<MeshMorphWeights>,
+    Or<(With<MeshMorphWeights>, With<SkinnedMesh>)>,
     Without<NoAutoAabb>,
     Without<NoFrustumCulling>,
-    Without<SkinnedMesh>,
 );
 
 /// Looks at all meshes in every frame: an entity may have been disabled or opted out until now, and its tree may have been dropped.
-fn request_trees_to_cull(culled: Query<(Entity, &Mesh3d), Culled>, mut trees: ResMut<MorphTrees>) {
-    for (entity, mesh) in &culled {
-        let key = (mesh.id(), None);
+fn request_trees_to_cull(
+    culled: Query<(Entity, &Mesh3d, Option<&SkinnedMesh>), Culled>,
+    mut trees: ResMut<MorphTrees>,
+) {
+    for (entity, mesh, skin) in &culled {
+        let key = TreeKey::of(mesh, None, skin);
         if !trees.is_known(key) {
             trees.request(key, entity);
         }
     }
 }
 
-/// Gives morphing meshes a box around what they are drawn as.
-fn update_bounds(
-    mut meshes: Query<(&Mesh3d, &MeshMorphWeights, &mut Aabb), Culled>,
-    shared: Query<&MorphWeights>,
-    trees: Res<MorphTrees>,
-    mut poses: Local<LentPoses>,
-) {
-    poses.drop_unused();
-    for (mesh, weights, mut aabb) in &mut meshes {
-        let key = (mesh.id(), None);
-        let Some(tree) = trees.up_to_date(key) else {
-            continue;
-        };
-        let weights = match weights {
-            MeshMorphWeights::Value { weights } => weights.as_slice(),
-            &MeshMorphWeights::Reference(source) => match shared.get(source) {
-                Ok(weights) => weights.weights(),
-                Err(_) => continue,
-            },
-        };
-        let pose = poses.lend(key, tree);
-        if pose.set_weights(weights).is_err() {
-            // Nobody knows what is drawn with such weights: the box stays.
-            continue;
-        }
-        let bounds = pose.bounds();
-        // Bevy's middle and half size round, so they get a little more.
-        let slack = 1e-6 * bounds.min.abs().max(bounds.max.abs());
-        let wanted = Aabb::from_min_max(bounds.min - slack, bounds.max + slack);
-        if *aabb != wanted {
-            *aabb = wanted;
-        }
-    }
-}
-
-/// Without weights a mesh is drawn at rest: Bevy calculates its box again.
-fn forget_morphed_bounds(
-    removed: On<Remove<MeshMorphWeights>>,
+/// Without weights or joints a mesh is drawn in another shape: Bevy calculates its box again.
+fn forget_bounds<C: Component>(
+    removed: On<Remove<C>>,
     culled: Query<(), (With<Mesh3d>, Without<NoAutoAabb>, Without<NoFrustumCulling>)>,
     mut commands: Commands,
 ) {

@@ -54,7 +54,7 @@ pub(crate) struct Participant {
 /// Places every collider and pairs those of different bodies whose world bounds overlap.
 ///
 /// Only the root box of each tree is refitted for this, and only where something changed. A transform that is not finite is
-/// logged once, until it is finite again, and leaves its collider out.
+/// logged once, until it is finite again, and leaves its collider out; that of a skinned mesh does not matter.
 pub(crate) fn find_candidates(
     mut colliders: Query<Participant>,
     names: Query<NameOrEntity>,
@@ -137,6 +137,13 @@ impl ParticipantItem<'_, '_> {
                 let (shape, bounds) = shape.place(&self.transform).map_err(BadPlace::Shape)?;
                 (Form::Shape(shape), bounds)
             }
+            (_, None, Some(pose)) if pose.joints().is_some() => {
+                if !state.has_joints {
+                    return Ok(None);
+                }
+                // Its joints place it.
+                (Form::Mesh(WorldFromModel::IDENTITY), pose.bounds())
+            }
             (_, None, Some(pose)) => {
                 let world_from_model = WorldFromModel::new(self.transform.affine()).map_err(BadPlace::Transform)?;
                 (Form::Mesh(world_from_model), pose.world_bounds(&world_from_model))
@@ -147,7 +154,7 @@ impl ParticipantItem<'_, '_> {
         if !(0.0..1e30).contains(&margin) {
             return Err(BadPlace::Margin(margin));
         }
-        // A pose keeps its root box as long as its weights stay.
+        // A pose keeps its root box as long as its weights and joints stay.
         state.reposed = false;
         Ok(Some(Placement {
             form,

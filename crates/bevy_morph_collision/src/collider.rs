@@ -7,12 +7,18 @@ use crate::import::TreeKey;
 use crate::layers::MorphCollisionLayers;
 use crate::weights::BadWeights;
 
-/// Makes the [`Mesh3d`] of this entity collide at its current morph weights, at its current [`GlobalTransform`].
+/// Makes the [`Mesh3d`] of this entity collide as it is drawn: at its current morph weights and joints, at its current [`GlobalTransform`].
 ///
 /// If the entity has a [`MorphShape`](crate::MorphShape), the shape collides and the mesh does not.
 ///
-/// Any affine transform will do for a mesh: mirrored, sheared, scaled by zero. A mesh without morph targets is rigid. The
-/// collider takes part as soon as its mesh is loaded and the mesh's tree is built; while a swapped mesh is being prepared,
+/// Any affine transform will do for a mesh: mirrored, sheared, scaled by zero. A mesh with neither morph targets nor joints is rigid.
+///
+/// A mesh with joint indices and weights on an entity with [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh) is where its joints' [`GlobalTransform`]s place it; its own is
+/// ignored, as it is when Bevy draws it. A joint without an inverse bind pose, or whose entity never existed, leaves vertices as they are; a joint that
+/// is despawned stays where it was. While the transform of a joint is NaN or infinite, the whole mesh stays where it was, and the log
+/// says so once. Without `SkinnedMesh`, the mesh is where its own transform says.
+///
+/// The collider takes part as soon as its mesh is loaded and the mesh's tree is built; while a swapped mesh is being prepared,
 /// it is left out. [`MorphColliderDisabled`] takes it out for a while.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
@@ -88,9 +94,11 @@ pub(crate) struct ColliderState {
     pub(crate) tree: Option<TreeKey>,
     /// The instance of that tree; none while there is none.
     pub(crate) pose: Option<Pose>,
+    /// Whether the pose is skinned and has joint matrices. A skinned pose without any takes no part.
+    pub(crate) has_joints: bool,
     /// How it took part in the last run; none if it did not.
     pub(crate) placed: Option<Placement>,
-    /// Whether the pose has other weights, or is another one, than when its bounds were last asked for.
+    /// Whether the pose has other weights or joints, or is another one, than when its bounds were last asked for.
     pub(crate) reposed: bool,
     /// Whether anything an answer depends on differs from the last run.
     pub(crate) changed: bool,
@@ -117,6 +125,7 @@ pub(crate) struct Placement {
 /// What is where.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Form {
+    /// For a skinned mesh the identity: its joints place it.
     Mesh(WorldFromModel),
     Shape(PlacedShape),
 }

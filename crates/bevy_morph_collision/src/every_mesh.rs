@@ -1,8 +1,9 @@
-//! Every morphing mesh as a collider: [`MorphCollisionSettings::every_morphing_mesh`].
+//! Every mesh that deforms as a collider: [`MorphCollisionSettings::every_morphing_mesh`].
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::mesh::morph::MeshMorphWeights;
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
 use crate::collider::{MorphBody, MorphCollider, follows};
@@ -10,7 +11,7 @@ use crate::layers::MorphCollisionLayers;
 use crate::scene::ScenePart;
 use crate::settings::MorphCollisionSettings;
 
-/// On every morphing mesh that the setting was applied to: what it gave, nothing if the mesh was a collider already.
+/// On every deforming mesh that the setting was applied to: what it gave, nothing if the mesh was a collider already.
 ///
 /// It stays when the user removes the collider, so that the collider does not come back.
 #[derive(Component, Clone, Copy, Default)]
@@ -37,10 +38,10 @@ impl Automatic {
     }
 }
 
-/// Morphing meshes that the setting has not been applied to. Parts of scenes are the scenes' business.
+/// Deforming meshes that the setting has not been applied to. Parts of scenes are the scenes' business.
 type New = (
     With<Mesh3d>,
-    With<MeshMorphWeights>,
+    Or<(With<MeshMorphWeights>, With<SkinnedMesh>)>,
     Without<Automatic>,
     Without<ScenePart>,
     Allow<Disabled>,

@@ -3,9 +3,9 @@
 use bevy::gizmos::config::{GizmoConfigGroup, GizmoConfigStore};
 use bevy::gizmos::gizmos::Gizmos;
 use bevy::gizmos::{AppGizmoBuilder, GizmoAsset};
-use bevy::math::DVec3;
+use bevy::math::{Affine3A, DVec3, Mat3A};
 use bevy::prelude::*;
-use morph_collision::Body;
+use morph_collision::{Body, WorldFromModel};
 use tracing::error;
 
 use crate::collider::{ColliderState, Form};
@@ -108,7 +108,8 @@ fn draw(
                 if node.depth == depth || node.is_leaf {
                     let color = if node.was_fresh { style.refitted } else { style.resting };
                     let cube = Transform::from_translation(node.bounds.center()).with_scale(node.bounds.size());
-                    gizmos.cube(*place * cube, color);
+                    let place = node.world_from_bounds.as_ref().map_or(*place, in_world);
+                    gizmos.cube(place * cube, color);
                 }
                 node.depth < depth
             });
@@ -137,6 +138,15 @@ fn draw(
             }
         }
     }
+}
+
+/// Where the box of a skinned mesh's node stands.
+fn in_world(place: &WorldFromModel) -> GlobalTransform {
+    let origin = place.transform_point(Vec3::ZERO);
+    let [x, y, z] = Vec3::AXES.map(|axis| (place.transform_point(axis) - origin).as_vec3a());
+    let matrix3 = Mat3A::from_cols(x, y, z);
+    let translation = origin.as_vec3a();
+    GlobalTransform::from(Affine3A { matrix3, translation })
 }
 
 /// The corners of a triangle of a mesh; shapes have none.

@@ -17,7 +17,7 @@ impl LentPoses {
         self.0.retain(|_, (_, used)| std::mem::take(used));
     }
 
-    /// A pose of a tree, at any weights.
+    /// A pose of a tree, at any weights and joints.
     pub(crate) fn lend(&mut self, key: TreeKey, tree: &Arc<MorphBvh>) -> &mut Pose {
         let (pose, used) = self.0.entry(key).or_insert_with(|| (Pose::new(tree.clone()), true));
         *used = true;

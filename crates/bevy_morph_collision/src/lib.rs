@@ -1,8 +1,8 @@
-//! Bevy plugin: exact collision detection for meshes deformed by morph targets (blend shapes).
+//! Bevy plugin: exact collision detection for meshes deformed by morph targets (blend shapes) and by joints (skinned meshes).
 //!
 //! A collision tree is built once per mesh *asset*, in the background, and shared by every entity that shows the mesh.
-//! Each frame the tree is refitted to an entity's morph weights, where and only where a query looks at it. Answers are
-//! those of [`morph_collision`]: exact, over the vertices that the mesh really has at these weights.
+//! Each frame the tree is refitted to an entity's morph weights and joints, where and only where a query looks at it. Answers are
+//! those of [`morph_collision`]: exact, over the vertices that the mesh really has at these weights, where these joints put them.
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -34,7 +34,7 @@
 //!
 //! 1. **Import** (`scene`, `every_mesh`, `import`): parts of a [`MorphColliderScene`] become colliders; meshes become trees. Before that,
 //!    while Bevy loads a glTF file, meshes without normals are repaired (feature `gltf`, on by default).
-//! 2. **Weights** (`weights`): every collider's pose takes the weights in force.
+//! 2. **Weights** (`weights`, `joints`, `skeletons`): every collider's pose takes the weights in force, and the matrices of its joints.
 //! 3. **Broad phase** (`broad_phase`): boxes around whole colliders in world space; pairs whose boxes overlap, and which
 //!    [`MorphCollisionLayers`] and [`CollisionMode`]s let through, go on.
 //! 4. **Narrow phase** (`narrow_phase`, `contacts`): exact triangle pairs and contacts, into [`MorphCollisions`].
@@ -42,13 +42,13 @@
 //! 6. **Anchors** (`anchors`): entities with a [`MorphSurfaceAnchor`] go where their triangle is drawn; always in
 //!    [`PostUpdate`](bevy::prelude::PostUpdate).
 //!
-//! Each stage adds to [`MorphCollisionDiagnostics`]. Where nothing changed nothing is done: weights and places are compared by
+//! Each stage adds to [`MorphCollisionDiagnostics`]. Where nothing changed nothing is done: weights, joints and places are compared by
 //! value, a pair of which neither collider changed keeps its answer, and a frame in which none did costs a look at each.
 //!
 //! Beside the pipeline, each by itself:
 //!
 //! - [`MorphSpatialQuery`] (`spatial`): rays, overlaps, closest points, contacts, posed vertices, for any system.
-//! - [`MorphBoundsPlugin`] (`bounds`): the `Aabb` that Bevy culls morphing meshes by.
+//! - [`MorphBoundsPlugin`] (`bounds`): the `Aabb` that Bevy culls morphing and skinned meshes by.
 //! - `MorphPickingPlugin` (`picking`, feature `picking`): pointers hit what is drawn.
 //! - `MorphGizmosPlugin` (`gizmos`, feature `gizmos`): boxes of trees, contacts, touching triangles, drawn.
 //! - `MorphRapierPlugin` (`rapier`, feature `rapier`): rigid bodies of `bevy_rapier3d` feel the surface.
@@ -58,8 +58,22 @@
 //!
 //! `AssetPlugin`, `MeshPlugin` and `TransformPlugin`, which are all among `DefaultPlugins`. Meshes must stay in main memory
 //! (`RenderAssetUsages::default()`, not `RENDER_WORLD` alone) with uncompressed positions. Data that cannot be used is
-//! logged once as an error with the mesh's and the entity's name, and only that entity is left out. The plugin ignores bones, which the core
-//! follows: a collider whose mesh has some collides in its bind pose, with a warning once per mesh.
+//! logged once as an error with the mesh's and the entity's name, and only that entity is left out.
+//!
+//! # What works with which mesh
+//!
+//! | | rigid | morph targets | joints | both |
+//! |---|---|---|---|---|
+//! | events, layers, modes, contacts | yes | yes | yes | yes |
+//! | rays, overlaps, closest points, posed vertices | yes | yes | yes, a hit names the joint | yes, a hit names the joint |
+//! | picking, surface anchors, debug drawing | yes | yes | yes | yes |
+//! | `Aabb` (`MorphBoundsPlugin`) | Bevy's own | yes | yes | yes |
+//! | physics (`MorphRapierCollider`) | yes | yes | refused, with an error in the log | refused, with an error in the log |
+//!
+//! A mesh has joints if it has `Mesh::ATTRIBUTE_JOINT_INDEX` and `Mesh::ATTRIBUTE_JOINT_WEIGHT` and its entity has
+//! [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh). It is where its joints' `GlobalTransform`s, after propagation, and the inverse bind poses put it; see
+//! [`MorphCollider`] for joints that are missing or bad. All joints are followed. On targets without storage buffers (WebGL 2), Bevy draws only the
+//! first 256 of a skeleton right.
 #![forbid(unsafe_code)]
 // docs.rs says which feature has what.
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -78,6 +92,7 @@ mod every_mesh;
 #[cfg(feature = "gizmos")]
 mod gizmos;
 mod import;
+mod joints;
 mod layers;
 mod lent_poses;
 mod narrow_phase;
@@ -89,6 +104,7 @@ mod rapier;
 mod scene;
 mod settings;
 mod shape;
+mod skeletons;
 mod spatial;
 mod weights;
 mod workers;

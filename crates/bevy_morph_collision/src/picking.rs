@@ -12,7 +12,8 @@ use tracing::{debug, error};
 use crate::contacts::MorphCollisions;
 use crate::spatial::{MorphQueryFilter, MorphRayHit, MorphSpatialQuery};
 
-/// A picking backend for Bevy: pointers hit the meshes of [`MorphCollider`](crate::MorphCollider)s as they are morphed.
+/// A picking backend for Bevy: pointers hit the meshes of [`MorphCollider`](crate::MorphCollider)s as they are morphed and
+/// moved by joints.
 ///
 /// It heeds [`Pickable`], [`RenderLayers`] and visibility. Each hit carries a [`MorphPick`]; read it with `HitData::extra_as`.
 /// An entity with a [`MorphShape`](crate::MorphShape) is not hit, even if it has a mesh.
@@ -20,7 +21,7 @@ use crate::spatial::{MorphQueryFilter, MorphRayHit, MorphSpatialQuery};
 /// It needs [`MorphCollisionPlugin`](crate::MorphCollisionPlugin) and Bevy's picking plugins (`DefaultPickingPlugins`, among
 /// `DefaultPlugins`); an error in the log says which one is missing.
 ///
-/// Bevy's own `MeshPickingPlugin` picks morphing meshes in their rest pose. Leave it out, or set
+/// Bevy's own `MeshPickingPlugin` picks morphing and skinned meshes in their rest pose. Leave it out, or set
 /// `MeshPickingSettings::require_markers` and mark only what does not morph.
 ///
 /// ```
@@ -57,6 +58,8 @@ pub struct MorphPick {
     pub barycentrics: Vec3,
     /// The texture coordinates there, if the mesh has any.
     pub uv: Option<Vec2>,
+    /// On a skinned mesh the joint that moves this point most; see [`MorphRayHit::joint`].
+    pub joint: Option<Entity>,
 }
 
 impl From<&MorphRayHit> for MorphPick {
@@ -65,6 +68,7 @@ impl From<&MorphRayHit> for MorphPick {
             triangle: hit.triangle,
             barycentrics: hit.barycentrics,
             uv: hit.uv,
+            joint: hit.joint,
         }
     }
 }

@@ -19,8 +19,8 @@ use crate::{
     MorphCollisionSettings, MorphShape, MorphSurfaceAnchor,
 };
 use crate::{
-    anchors, broad_phase, changes, collider, diagnostics, events, every_mesh, import, narrow_phase, scene, settings,
-    weights,
+    anchors, broad_phase, changes, collider, diagnostics, events, every_mesh, import, joints, narrow_phase, scene,
+    settings, weights,
 };
 
 /// Detects collisions between [`MorphCollider`]s every frame, in [`PostUpdate`].
@@ -62,7 +62,7 @@ impl MorphCollisionPlugin {
 pub enum MorphCollisionSystems {
     /// Finds new colliders and builds the trees of their meshes; always in [`PostUpdate`].
     Import,
-    /// Reads the morph weights in force.
+    /// Reads the morph weights and joint matrices in force.
     Weights,
     /// Places colliders in the world and finds the pairs whose boxes overlap.
     BroadPhase,
@@ -179,11 +179,15 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
             .before(import::start_trees),)
             .in_set(Stage::Import),
     )
-    .add_systems(PostUpdate, import::warn_of_bones.in_set(Stage::Import))
     .add_systems(
         schedule,
         (
-            (diagnostics::begin_run, import::hand_out_trees, weights::read_weights)
+            (
+                diagnostics::begin_run,
+                import::hand_out_trees,
+                weights::read_weights,
+                joints::read_joints,
+            )
                 .chain()
                 .in_set(Stage::Weights),
             broad_phase::find_candidates.in_set(Stage::BroadPhase),

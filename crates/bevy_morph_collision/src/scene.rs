@@ -7,6 +7,7 @@ use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::{Allow, QueryData};
 use bevy::ecs::system::SystemParam;
 use bevy::mesh::morph::MeshMorphWeights;
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
 use crate::collider::{MorphBody, MorphCollider, follows};
@@ -38,7 +39,7 @@ pub struct MorphColliderScene {
     pub collider: MorphCollider,
     /// The layers of each part.
     pub layers: MorphCollisionLayers,
-    /// Whether to leave out meshes without [`MeshMorphWeights`]: the rigid ones.
+    /// Whether to leave out rigid meshes: those with neither [`MeshMorphWeights`] nor [`SkinnedMesh`].
     pub only_morphing: bool,
     /// If not empty: only meshes whose [`Name`] is one of these, or which are below an entity of the scene whose name is. A
     /// glTF node's name stands on the entity above its meshes.
@@ -75,7 +76,7 @@ pub(crate) struct PartNow {
     entity: Entity,
     part: Option<&'static ScenePart>,
     is_mesh: Has<Mesh3d>,
-    morphs: Has<MeshMorphWeights>,
+    deforms: (Has<MeshMorphWeights>, Has<SkinnedMesh>),
     collider: Option<&'static MorphCollider>,
     layers: Option<&'static MorphCollisionLayers>,
     body: Option<&'static MorphBody>,
@@ -91,6 +92,7 @@ type PartNews = (
     Or<(
         Added<Mesh3d>,
         Added<MeshMorphWeights>,
+        Added<SkinnedMesh>,
         Added<MorphCollider>,
         Changed<ChildOf>,
         Changed<Name>,
@@ -104,6 +106,7 @@ type PartNews = (
 pub(crate) struct PartRemovals<'w, 's> {
     meshes: RemovedComponents<'w, 's, Mesh3d>,
     weights: RemovedComponents<'w, 's, MeshMorphWeights>,
+    skins: RemovedComponents<'w, 's, SkinnedMesh>,
     parents: RemovedComponents<'w, 's, ChildOf>,
     names: RemovedComponents<'w, 's, Name>,
     scenes: RemovedComponents<'w, 's, MorphColliderScene>,
@@ -111,7 +114,7 @@ pub(crate) struct PartRemovals<'w, 's> {
 
 impl PartRemovals<'_, '_> {
     fn read(&mut self) -> impl Iterator<Item = Entity> {
-        let entities = self.meshes.read().chain(self.weights.read());
+        let entities = self.meshes.read().chain(self.weights.read()).chain(self.skins.read());
         let entities = entities.chain(self.parents.read()).chain(self.names.read());
         entities.chain(self.scenes.read())
     }
@@ -194,7 +197,8 @@ impl PartNowItem<'_, '_> {
     fn update(&self, root: Entity, scene: &MorphColliderScene, is_named: bool, commands: &mut Commands) {
         let before = self.part;
         let gives = before.map_or(!self.has_own_collider(), |before| before.collider.is_some());
-        let matches = is_named && (self.morphs || !scene.only_morphing);
+        let is_rigid = self.deforms == (false, false);
+        let matches = is_named && !(is_rigid && scene.only_morphing);
         if !self.is_mesh || (gives && !matches) {
             self.take_back(commands);
             return;

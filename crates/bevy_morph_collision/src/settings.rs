@@ -11,7 +11,7 @@ pub struct MorphCollisionSettings {
     /// Whether collision detection is paused: contacts stay as they are, nothing starts or ends, and spatial queries answer
     /// from the last run. Surface anchors and morphed bounds go on following what is drawn.
     pub paused: bool,
-    /// Makes every mesh with morph weights a collider like this one. All meshes below one root are one body.
+    /// Makes every mesh that deforms, by morph weights or joints, a collider like this one. All meshes below one root are one body.
     ///
     /// A mesh that already is a collider stays as it is, and a [`MorphColliderScene`](crate::MorphColliderScene) decides about its own
     /// parts. When you change this value, the colliders that came from it follow, except those that you changed yourself.

@@ -10,7 +10,6 @@ use std::f32::consts::TAU;
 use std::path::Path;
 
 use bevy::gltf::Gltf;
-use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::gltf_read::{GltfFile, ReadOptions};
@@ -251,13 +250,10 @@ fn morph(mut idle: Idle, clock: Res<Clock>) {
 }
 
 /// Notes about the model, and about what it costs.
-fn notes(race: &Race, verdict: &Verdict, skinned: &Query<(), With<SkinnedMesh>>) -> Notes {
+fn notes(race: &Race, verdict: &Verdict) -> Notes {
     let mut notes = race.notes();
     if let Some(error) = verdict.now().error {
         notes.push(("refused", error));
-    }
-    if !skinned.is_empty() {
-        notes.push(("bones", "are drawn, and not collided with".into()));
     }
     Notes(notes)
 }

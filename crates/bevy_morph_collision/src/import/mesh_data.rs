@@ -8,6 +8,8 @@ use bevy::prelude::*;
 use morph_collision::{BuildOptions, InputError, ModelError, MorphBvh, MorphModel};
 use thiserror::Error;
 
+use super::skin_data::SkinData;
+
 /// Why a mesh cannot collide.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
@@ -27,6 +29,14 @@ pub enum ImportError {
     /// Positions are compressed, or of another unusual format.
     #[error("its positions are {0}, only uncompressed Float32x3 can be read (see `GltfPlugin::mesh_compression`)")]
     PositionFormat(&'static str),
+    /// Joint indices are of an unusual format.
+    #[error("its joint indices are {0}, only Uint16x4 and Uint8x4 can be read")]
+    JointFormat(&'static str),
+    /// Joint weights are of an unusual format.
+    #[error(
+        "its joint weights are {0}, only Float32x4, Float16x4, Unorm16x4, Unorm8x4, Snorm16x4 and Snorm8x4 can be read"
+    )]
+    JointWeightFormat(&'static str),
     /// A triangle list ends in the middle of a triangle.
     #[error("it has {0} indices or unindexed vertices, not a multiple of 3")]
     IncompleteTriangle(usize),
@@ -82,6 +92,8 @@ pub(super) struct MeshData {
     /// Target by target.
     displacements: Vec<Vec3>,
     named_targets: Option<usize>,
+    /// Of a mesh that is shown with a skeleton.
+    skin: Option<SkinData>,
 }
 
 /// A mesh's tree and the corners of its triangles.
@@ -92,8 +104,8 @@ pub(super) struct Built {
 }
 
 impl MeshData {
-    /// An empty copy of a mesh that can be read.
-    pub(super) fn of(mesh: &Mesh) -> Result<Self, ImportError> {
+    /// An empty copy of a mesh that can be read, shown with a skeleton of this many joints, or with none.
+    pub(super) fn of(mesh: &Mesh, joints: Option<usize>) -> Result<Self, ImportError> {
         // The renderer takes such a mesh away as soon as it is drawn. Sometimes a collider comes in time, but it should not
         // depend on that. Reading the mesh as soon as it is loaded would cost memory for every mesh that never collides.
         if mesh.asset_usage == RenderAssetUsages::RENDER_WORLD {
@@ -116,10 +128,14 @@ impl MeshData {
             is_strip,
             displacements: Vec::new(),
             named_targets: mesh.try_morph_target_names()?.map(<[String]>::len),
+            skin: match joints {
+                Some(joint_count) => SkinData::of(mesh, joint_count)?,
+                None => None,
+            },
         })
     }
 
-    /// Copies the next part: at most `left` positions, displacements and indices. Returns whether the copy is complete.
+    /// Copies the next part: at most `left` positions, displacements, indices, joints and weights. Returns whether the copy is complete.
     ///
     /// The mesh must be as it was when the copy was begun.
     pub(super) fn copy(&mut self, mesh: &Mesh, left: &mut usize) -> Result<bool, ImportError> {
@@ -135,6 +151,9 @@ impl MeshData {
             Ok(displacements) => is_complete &= copy(&mut self.displacements, displacements, left, |d| d.position),
             Err(MeshAccessError::NotFound) => {}
             Err(error) => return Err(error.into()),
+        }
+        if let Some(skin) = &mut self.skin {
+            is_complete &= skin.copy(mesh, left)?;
         }
         Ok(is_complete)
     }
@@ -154,7 +173,16 @@ impl MeshData {
             0 => Vec::new(),
             _ => self.displacements.chunks_exact(vertices).collect(),
         };
-        let model = MorphModel::from_displacements(&self.positions, &corners, &targets)?;
+        let model = match &self.skin {
+            Some(skin) => MorphModel::skinned(
+                &self.positions,
+                &corners,
+                &targets,
+                skin.joint_count(),
+                &[skin.influences()],
+            )?,
+            None => MorphModel::from_displacements(&self.positions, &corners, &targets)?,
+        };
         let tree = MorphBvh::build(Arc::new(model), options);
         Ok(Built { tree, corners })
     }
@@ -197,7 +225,7 @@ impl MeshData {
 }
 
 /// Continues a copy; returns whether it is complete.
-fn copy<T, U>(into: &mut Vec<U>, from: &[T], left: &mut usize, convert: impl Fn(&T) -> U) -> bool {
+pub(super) fn copy<T, U>(into: &mut Vec<U>, from: &[T], left: &mut usize, convert: impl Fn(&T) -> U) -> bool {
     let missing = from.get(into.len()..).unwrap_or_default();
     let now = &missing[..missing.len().min(*left)];
     into.reserve_exact(missing.len());
@@ -263,7 +291,7 @@ mod tests {
             .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, vec![Vec3::ZERO, Vec3::X, Vec3::Y])
             .with_inserted_indices(Indices::U16(vec![0, 1, 2]))
             .with_morph_targets(vec![bevy::mesh::morph::MorphAttributes::default(); 6]);
-        let mut data = MeshData::of(&mesh).unwrap();
+        let mut data = MeshData::of(&mesh, None).unwrap();
         let pieces: Vec<(bool, usize)> = (0..3)
             .map(|_| {
                 let mut left = 5;

@@ -8,7 +8,7 @@ use morph_collision::{BuildOptions, MorphBvh};
 
 use super::complaints::Complaints;
 use super::mesh_data::{Built, ImportError, MeshData};
-use super::trees::TreeKey;
+use super::tree_key::TreeKey;
 
 /// Called in the background with each new tree, before it is handed out.
 pub(super) type OnBuilt = Arc<dyn Fn(&Arc<MorphBvh>) + Send + Sync>;
@@ -45,9 +45,9 @@ impl MeshTree {
     /// Begins to read the mesh, from its first vertex.
     pub(super) fn start(&mut self, key: &TreeKey, mesh: &Mesh, complaints: &Complaints) {
         self.work = Work::None;
-        match MeshData::of(mesh) {
+        match MeshData::of(mesh, key.joints) {
             Ok(data) => self.work = Work::Reading(data),
-            Err(error) => self.fail(key.0, error, complaints),
+            Err(error) => self.fail(key.mesh, error, complaints),
         }
     }
 
@@ -74,7 +74,7 @@ impl MeshTree {
             }
             Err(error) => {
                 self.work = Work::None;
-                self.fail(key.0, error, complaints);
+                self.fail(key.mesh, error, complaints);
             }
         }
     }
@@ -87,7 +87,7 @@ impl MeshTree {
         on_built: &[OnBuilt],
         build: impl FnOnce(&BuildOptions) -> Result<Finished, ImportError> + Send + 'static,
     ) {
-        let options = key.1.map_or(Ok(*options), |settings| settings.over(*options));
+        let options = key.settings.map_or(Ok(*options), |settings| settings.over(*options));
         let on_built = on_built.to_vec();
         let pool = AsyncComputeTaskPool::get_or_init(Default::default);
         self.work = Work::Building(pool.spawn(async move {

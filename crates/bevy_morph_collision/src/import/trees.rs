@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 use bevy::tasks::futures::check_ready;
@@ -10,18 +11,19 @@ use morph_collision::MorphBvh;
 use super::complaints::Complaints;
 use super::mesh_data::ImportError;
 use super::mesh_tree::{MeshTree, OnBuilt, Work};
+use super::tree_key::TreeKey;
 use super::tree_settings::{MorphTreeOptions, MorphTreeSettings};
 
 /// The collision trees of all meshes that a collider has asked for.
 ///
 /// A tree is built when the first collider with a loaded mesh asks for it, and again when the mesh is modified. If a modified mesh
-/// cannot be used, the tree of its last good state stays in force. A mesh has one tree per distinct [`MorphTreeSettings`] in use:
-/// a tree that nothing uses any more is dropped as soon as something uses another tree of the same mesh. The last ones are kept for
-/// what is spawned next, until the mesh asset goes.
+/// cannot be used, the tree of its last good state stays in force. A mesh has one tree per distinct [`MorphTreeSettings`] in use, and
+/// per number of joints of the [`SkinnedMesh`] it is shown with. A tree that nothing uses any more is dropped as soon as something uses
+/// another tree of the same mesh. The last ones are kept for what is spawned next, until the mesh asset goes.
 ///
-/// Bevy lends meshes to systems only, so they are copied on the main thread: at most 131,072 positions, indices and displacements
-/// in a frame, which takes about 0.7 ms on an AMD EPYC core. A face with 30,000 vertices and 52 targets takes 12 frames. A mesh
-/// that is modified while it is being copied is copied again in one go. Everything else happens in the background.
+/// Bevy lends meshes to systems only, so they are copied on the main thread: at most 131,072 positions, indices, displacements and
+/// influences of joints in a frame, which takes about 0.7 ms on an AMD EPYC core. A face with 30,000 vertices and 52 targets takes 12
+/// frames. A mesh that is modified while it is being copied is copied again in one go. Everything else happens in the background.
 #[derive(Resource, Reflect, Default)]
 #[reflect(Resource, Debug, Default)]
 pub struct MorphTrees {
@@ -44,37 +46,53 @@ pub struct MorphTrees {
     on_built: Vec<OnBuilt>,
 }
 
-/// Positions, indices and displacements that are copied in a frame.
+/// Positions, indices, displacements and influences that are copied in a frame.
 const COPIED_PER_FRAME: usize = 1 << 17;
 
-/// A mesh, and settings if it has its own.
-pub(crate) type TreeKey = (AssetId<Mesh>, Option<MorphTreeSettings>);
-
 impl MorphTrees {
-    /// The tree of a mesh without settings of its own, if it is ready.
+    /// The tree of a mesh as entities without [`MorphTreeSettings`] and without [`SkinnedMesh`] show it, if it is ready.
     #[must_use]
     pub fn get(&self, mesh: AssetId<Mesh>) -> Option<&Arc<MorphBvh>> {
         self.with_settings(mesh, None)
     }
 
-    /// The tree of a mesh with settings of its own, if it is ready.
+    /// The tree of a mesh as entities with these settings and without [`SkinnedMesh`] show it, if it is ready.
     #[must_use]
     pub fn with_settings(&self, mesh: AssetId<Mesh>, settings: Option<MorphTreeSettings>) -> Option<&Arc<MorphBvh>> {
-        self.of_mesh.get(&(mesh, settings))?.tree.as_ref()
+        let joints = None;
+        self.tree(TreeKey { mesh, settings, joints })
+    }
+
+    /// The tree of a mesh as entities with these components show it, if it is ready.
+    ///
+    /// It is skinned if `skin` is there and the mesh has joint indices and weights; it has one joint for each of the skin's then.
+    #[must_use]
+    pub fn shown_with(
+        &self,
+        mesh: &Mesh3d,
+        settings: Option<&MorphTreeSettings>,
+        skin: Option<&SkinnedMesh>,
+    ) -> Option<&Arc<MorphBvh>> {
+        self.tree(TreeKey::of(mesh, settings, skin))
+    }
+
+    /// The tree with a key, if it is ready.
+    pub(crate) fn tree(&self, key: TreeKey) -> Option<&Arc<MorphBvh>> {
+        self.of_mesh.get(&key)?.tree.as_ref()
     }
 
     /// Why the mesh in its current state could not be used; the error is in the log, too.
     #[must_use]
     pub fn error(&self, mesh: AssetId<Mesh>) -> Option<&ImportError> {
-        let mut entries = self.of_mesh.iter().filter(|((of, _), _)| *of == mesh);
+        let mut entries = self.of_mesh.iter().filter(|(key, _)| key.mesh == mesh);
         entries.find_map(|(_, entry)| entry.error.as_ref())
     }
 
-    /// The trees that are ready, in no particular order; a mesh may have several, with different settings.
+    /// The trees that are ready, in no particular order; a mesh may have several, with different settings, with and without joints.
     pub fn iter(&self) -> impl Iterator<Item = (AssetId<Mesh>, &Arc<MorphBvh>)> {
         self.of_mesh
             .iter()
-            .filter_map(|(&(mesh, _), entry)| Some((mesh, entry.tree.as_ref()?)))
+            .filter_map(|(key, entry)| Some((key.mesh, entry.tree.as_ref()?)))
     }
 
     /// How many trees are being built right now: their meshes are being copied, or they are built in the background.
@@ -151,7 +169,7 @@ pub(crate) fn follow_asset_events(
                     on_built,
                     ..
                 } = trees;
-                for (key, entry) in of_mesh.iter_mut().filter(|((of, _), _)| *of == id) {
+                for (key, entry) in of_mesh.iter_mut().filter(|(key, _)| key.mesh == id) {
                     // A mesh that is modified all the time still gets trees.
                     match entry.work {
                         Work::Building(_) => entry.outdated = true,
@@ -169,9 +187,9 @@ pub(crate) fn follow_asset_events(
             }
             AssetEvent::Removed { id } | AssetEvent::Unused { id } => {
                 let before = trees.of_mesh.len();
-                trees.of_mesh.retain(|(of, _), _| *of != id);
+                trees.of_mesh.retain(|key, _| key.mesh != id);
                 trees.version += (before - trees.of_mesh.len()) as u64;
-                trees.waiting.retain(|((of, _), _)| *of != id);
+                trees.waiting.retain(|(key, _)| key.mesh != id);
                 // Whoever still shows it may get it back under the same name.
                 trees.stale = true;
             }
@@ -198,9 +216,10 @@ pub(crate) fn start_trees(
     } = trees.bypass_change_detection();
     *stale = false;
     waiting.retain(|&(key, asked_by)| {
-        let Some(mesh) = meshes.get(key.0) else { return true };
-        let sibling = of_mesh.iter().find_map(|((of, _), entry)| {
-            let current = *of == key.0 && !entry.is_coming() && entry.error.is_none();
+        let Some(mesh) = meshes.get(key.mesh) else { return true };
+        let sibling = of_mesh.iter().find_map(|(of, entry)| {
+            let is_same = of.mesh == key.mesh && of.joints == key.joints;
+            let current = is_same && !entry.is_coming() && entry.error.is_none();
             Some((entry.tree.as_ref().filter(|_| current)?, &entry.corners))
         });
         let mut entry = MeshTree {
@@ -224,7 +243,7 @@ pub(crate) fn start_trees(
         false
     });
     for (key, entry) in of_mesh {
-        if let Some(mesh) = meshes.get(key.0) {
+        if let Some(mesh) = meshes.get(key.mesh) {
             entry.read_on(key, mesh, left, &options.0, on_built, &complaints);
         }
     }
@@ -257,10 +276,10 @@ pub(crate) fn finish_trees(
                 entry.corners = corners;
                 entry.error = None;
             }
-            Err(error) => entry.fail(key.0, error, &complaints),
+            Err(error) => entry.fail(key.mesh, error, &complaints),
         }
         if std::mem::take(&mut entry.outdated)
-            && let Some(mesh) = meshes.get(key.0)
+            && let Some(mesh) = meshes.get(key.mesh)
         {
             entry.start(key, mesh, &complaints);
             entry.read_on(key, mesh, left, &options.0, on_built, &complaints);

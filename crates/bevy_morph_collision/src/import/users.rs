@@ -3,14 +3,16 @@
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::mesh::morph::MeshMorphWeights;
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use morph_collision::{MorphBvh, Pose};
 use std::sync::Arc;
 
+use super::tree_key::TreeKey;
 use super::tree_settings::MorphTreeSettings;
-use super::trees::{MorphTrees, TreeKey};
+use super::trees::MorphTrees;
 use crate::broad_phase::Candidates;
 use crate::collider::{ColliderState, MorphCollider};
 use crate::diagnostics::{MorphCollisionDiagnostics, Preparation};
@@ -20,12 +22,16 @@ use crate::shape::MorphShape;
 type Shows = (
     Option<&'static Mesh3d>,
     Option<&'static MorphTreeSettings>,
+    Option<&'static SkinnedMesh>,
     Has<MorphShape>,
 );
 
-fn key_of((mesh, settings, has_shape): (Option<&Mesh3d>, Option<&MorphTreeSettings>, bool)) -> Option<TreeKey> {
+fn key_of(
+    (mesh, settings, skin, has_shape): (Option<&Mesh3d>, Option<&MorphTreeSettings>, Option<&SkinnedMesh>, bool),
+) -> Option<TreeKey> {
     // A shape collides in place of the mesh.
-    mesh.filter(|_| !has_shape).map(|mesh| (mesh.id(), settings.copied()))
+    mesh.filter(|_| !has_shape)
+        .map(|mesh| TreeKey::of(mesh, settings, skin))
 }
 
 /// Trees that a collider has not had yet are asked for.
@@ -52,6 +58,7 @@ type ShowsAnother = (
     Or<(
         Changed<Mesh3d>,
         Changed<MorphTreeSettings>,
+        Changed<SkinnedMesh>,
         Added<MorphCollider>,
         Added<MorphShape>,
     )>,
@@ -66,37 +73,41 @@ pub(crate) fn drop_unused_trees(
     mut no_colliders: RemovedComponents<MorphCollider>,
     mut no_settings: RemovedComponents<MorphTreeSettings>,
     mut no_meshes: RemovedComponents<Mesh3d>,
-    culled: Query<&Mesh3d, (With<MeshMorphWeights>, Allow<Disabled>)>,
+    mut no_skins: RemovedComponents<SkinnedMesh>,
+    culled: Query<(&Mesh3d, Option<&SkinnedMesh>), (Or<(With<MeshMorphWeights>, With<SkinnedMesh>)>, Allow<Disabled>)>,
     culls: Option<Res<Culls>>,
     mut trees: ResMut<MorphTrees>,
     mut seen: Local<u64>,
 ) {
     let removed = no_colliders.read().count() + no_settings.read().count() + no_meshes.read().count();
+    let removed = removed + no_skins.read().count();
     let is_new = std::mem::replace(&mut *seen, trees.version) != trees.version;
     if removed == 0 && changed.is_empty() && !is_new {
         return;
     }
     let MorphTrees { of_mesh, version, .. } = trees.bypass_change_detection();
     let mut trees_of = HashMap::<AssetId<Mesh>, usize>::default();
-    of_mesh.keys().for_each(|key| *trees_of.entry(key.0).or_default() += 1);
+    of_mesh
+        .keys()
+        .for_each(|key| *trees_of.entry(key.mesh).or_default() += 1);
     if trees_of.values().all(|&trees| trees == 1) {
         return;
     }
     let mut used: HashSet<TreeKey> = colliders.iter().filter_map(key_of).collect();
     if culls.is_some() {
-        used.extend(culled.iter().map(|mesh| (mesh.id(), None)));
+        used.extend(culled.iter().map(|(mesh, skin)| TreeKey::of(mesh, None, skin)));
     }
     let has_user: HashSet<AssetId<Mesh>> = used
         .iter()
         .filter(|key| of_mesh.contains_key(*key))
-        .map(|key| key.0)
+        .map(|key| key.mesh)
         .collect();
     let before = of_mesh.len();
-    of_mesh.retain(|key, _| used.contains(key) || !has_user.contains(&key.0));
+    of_mesh.retain(|key, _| used.contains(key) || !has_user.contains(&key.mesh));
     *version += (before - of_mesh.len()) as u64;
 }
 
-/// Whether the bounds of morphing meshes are kept: then these use trees, too.
+/// Whether the bounds of deforming meshes are kept: then these use trees, too.
 #[derive(Resource)]
 pub(crate) struct Culls;
 
@@ -122,7 +133,7 @@ pub(crate) fn hand_out_trees(
         if let Some(key) = key.filter(|_| was_away) {
             trees.request(key, entity);
         }
-        let tree = key.and_then(|(mesh, settings)| trees.with_settings(mesh, settings));
+        let tree = key.and_then(|key| trees.tree(key));
         state.take_tree(key, tree);
     }
     diagnostics.duration += start.elapsed();
@@ -144,6 +155,10 @@ impl ColliderState {
             // The last good weights stay in force if the ones to come are bad; another number of targets starts at rest.
             let _fits = pose.set_weights(before.weights());
         }
+        // Likewise joints.
+        let joints = self.pose.as_ref().and_then(Pose::joints).filter(|_| self.has_joints);
+        let carried = pose.as_mut().zip(joints).map(|(pose, joints)| pose.set_joints(joints));
+        self.has_joints = matches!(carried, Some(Ok(_)));
         self.pose = pose;
         self.reposed = true;
         self.changed = true;

@@ -50,6 +50,9 @@ use crate::plugin::MorphCollisionSystems;
 ///
 /// Like a `TriMesh` it is a surface without an inside.
 ///
+/// A mesh that joints move (with [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh), joint indices and weights) is refused with an error in the
+/// log, once per entity, and left out of physics: put Rapier's colliders on its joints instead.
+///
 /// The surface is there while the entity has this component, a [`MorphCollider`] and a mesh whose tree is ready, and nothing disables it:
 /// [`MorphColliderDisabled`](crate::MorphColliderDisabled), `ColliderDisabled` or Bevy's `Disabled`. Pausing collision detection does not
 /// pause it. While its transform is not finite, or it is larger than 1e8 units or as far from the origin, it is left out, which is logged once.

@@ -24,6 +24,10 @@ pub struct MorphRayHit {
     pub barycentrics: Vec3,
     /// The texture coordinates there, if the mesh has `Mesh::ATTRIBUTE_UV_0`.
     pub uv: Option<Vec2>,
+    /// On a skinned mesh the joint that moves this point most: one of the entities in
+    /// [`SkinnedMesh::joints`](bevy::mesh::skinning::SkinnedMesh), the first of several with the same weight. For headshots. `None` on
+    /// other meshes, and where no joint moves the surface.
+    pub joint: Option<Entity>,
 }
 
 /// The point of a collider's surface that is closest to some point.
@@ -44,6 +48,10 @@ pub struct MorphProjection {
     pub barycentrics: Vec3,
     /// The texture coordinates there, if the mesh has `Mesh::ATTRIBUTE_UV_0`.
     pub uv: Option<Vec2>,
+    /// On a skinned mesh the joint that moves this point most: one of the entities in
+    /// [`SkinnedMesh::joints`](bevy::mesh::skinning::SkinnedMesh), the first of several with the same weight. For headshots. `None` on
+    /// other meshes, and where no joint moves the surface.
+    pub joint: Option<Entity>,
 }
 
 /// Closest points of two colliders' surfaces.

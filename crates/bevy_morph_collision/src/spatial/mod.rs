@@ -6,6 +6,7 @@ mod overlaps;
 mod points;
 mod query;
 mod rays;
+mod surface;
 
 pub use answer::{MorphClosestPoints, MorphContacts, MorphProjection, MorphRayHit};
 pub use filter::MorphQueryFilter;

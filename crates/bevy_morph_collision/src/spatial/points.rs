@@ -28,7 +28,7 @@ impl MorphSpatialQuery<'_, '_> {
             if best.is_some_and(|(_, closest)| f64::from(at_least) > closest.distance) {
                 break;
             }
-            let Ok((_, mut state, _)) = self.colliders.get_mut(entity) else {
+            let Ok((_, mut state)) = self.colliders.get_mut(entity) else {
                 continue;
             };
             let Some(body) = body(&mut state) else { continue };
@@ -49,6 +49,7 @@ impl MorphSpatialQuery<'_, '_> {
                 triangle: closest.triangle,
                 barycentrics,
                 uv: self.uv(entity, closest.triangle, barycentrics),
+                joint: self.joint(entity, closest.triangle, barycentrics),
             }
         }))
     }
@@ -86,14 +87,14 @@ impl MorphSpatialQuery<'_, '_> {
     /// A box in world space around a collider as it is posed: conservative, from its tree's root alone.
     #[must_use]
     pub fn bounds(&self, collider: Entity) -> Option<Aabb> {
-        let (_, state, _) = self.colliders.get(collider).ok()?;
+        let (_, state) = self.colliders.get(collider).ok()?;
         Some(state.placed?.bounds)
     }
 
     /// A vertex of a collider's mesh as it is posed, in world space.
     #[must_use]
     pub fn posed_vertex(&mut self, collider: Entity, vertex: u32) -> Option<Vec3> {
-        let (_, mut state, _) = self.colliders.get_mut(collider).ok()?;
+        let (_, mut state) = self.colliders.get_mut(collider).ok()?;
         let Body { pose, world_from_model } = body(&mut state)?;
         Some(world_from_model.transform_point(pose.source_vertex(vertex)?).as_vec3())
     }
@@ -101,7 +102,7 @@ impl MorphSpatialQuery<'_, '_> {
     /// All vertices of a collider's mesh as they are posed, in world space, in the mesh's order. Blends the whole mesh.
     #[must_use]
     pub fn posed_vertices(&mut self, collider: Entity) -> Option<Vec<Vec3>> {
-        let (_, mut state, _) = self.colliders.get_mut(collider).ok()?;
+        let (_, mut state) = self.colliders.get_mut(collider).ok()?;
         let Body { pose, world_from_model } = body(&mut state)?;
         let posed = (0..).map_while(|vertex| pose.source_vertex(vertex));
         Some(posed.map(|p| world_from_model.transform_point(p).as_vec3()).collect())
@@ -110,7 +111,7 @@ impl MorphSpatialQuery<'_, '_> {
     /// The corners of a triangle of a collider's mesh as it is posed, in world space.
     #[must_use]
     pub fn posed_triangle(&mut self, collider: Entity, triangle: u32) -> Option<[Vec3; 3]> {
-        let (_, mut state, _) = self.colliders.get_mut(collider).ok()?;
+        let (_, mut state) = self.colliders.get_mut(collider).ok()?;
         Some(world_triangle(&mut body(&mut state)?, triangle)?.map(DVec3::as_vec3))
     }
 }

@@ -1,11 +1,10 @@
 use bevy::ecs::system::SystemParam;
-use bevy::mesh::VertexAttributeValues;
 use bevy::prelude::*;
 use morph_collision::{Aabb, Body, ContactQuery, DistanceQuery, Pose, RayHit, RayQuery, ShapeQuery, WorldFromModel};
 
 use super::MorphQueryFilter;
+use super::surface::Surfaces;
 use crate::collider::{ColliderState, Form};
-use crate::import::MorphTrees;
 use crate::narrow_phase::world_triangle;
 use crate::settings::MorphCollisionSettings;
 
@@ -35,9 +34,8 @@ use crate::settings::MorphCollisionSettings;
 /// ```
 #[derive(SystemParam)]
 pub struct MorphSpatialQuery<'w, 's> {
-    pub(super) colliders: Query<'w, 's, (Entity, &'static mut ColliderState, Option<&'static Mesh3d>)>,
-    meshes: Option<Res<'w, Assets<Mesh>>>,
-    trees: Option<Res<'w, MorphTrees>>,
+    pub(super) colliders: Query<'w, 's, (Entity, &'static mut ColliderState)>,
+    surfaces: Surfaces<'w, 's>,
     settings: Option<Res<'w, MorphCollisionSettings>>,
     pub(super) queries: Local<'s, Queries>,
 }
@@ -75,7 +73,7 @@ impl MorphSpatialQuery<'_, '_> {
     ) -> Vec<(f32, Entity)> {
         let mut near = std::mem::take(&mut self.queries.near);
         near.clear();
-        for (entity, state, _) in &self.colliders {
+        for (entity, state) in &self.colliders {
             let Some(placed) = &state.placed else { continue };
             if state.pose.is_some() && filter.takes(entity, placed.body, placed.layers) {
                 near.extend(bound(&placed.bounds).map(|bound| (bound, entity)));
@@ -92,7 +90,7 @@ impl MorphSpatialQuery<'_, '_> {
     ) -> Vec<Entity> {
         let mut met = Vec::new();
         for &(_, entity) in &near {
-            let Ok((_, mut state, _)) = self.colliders.get_mut(entity) else {
+            let Ok((_, mut state)) = self.colliders.get_mut(entity) else {
                 continue;
             };
             if body(&mut state).is_some_and(|body| meets(&mut self.queries, body)) {
@@ -104,7 +102,7 @@ impl MorphSpatialQuery<'_, '_> {
     }
 
     pub(super) fn normal(&mut self, entity: Entity, triangle: u32) -> Vec3 {
-        let corners = self.colliders.get_mut(entity).ok().and_then(|(_, mut state, _)| {
+        let corners = self.colliders.get_mut(entity).ok().and_then(|(_, mut state)| {
             let mut body = body(&mut state)?;
             world_triangle(&mut body, triangle)
         });
@@ -113,20 +111,13 @@ impl MorphSpatialQuery<'_, '_> {
     }
 
     pub(super) fn uv(&self, entity: Entity, triangle: u32, barycentrics: Vec3) -> Option<Vec2> {
-        let (_, state, mesh) = self.colliders.get(entity).ok()?;
-        let mesh = self.meshes.as_ref()?.get(mesh?)?;
-        let corners = self
-            .trees
-            .as_ref()?
-            .corners(state.tree?, state.pose.as_ref()?.bvh(), triangle)?;
-        let VertexAttributeValues::Float32x2(uvs) = mesh.try_attribute(Mesh::ATTRIBUTE_UV_0.id).ok()? else {
-            return None;
-        };
-        let mut uv = Vec2::ZERO;
-        for (corner, weight) in corners.into_iter().zip(barycentrics.to_array()) {
-            uv += Vec2::from_array(*uvs.get(corner as usize)?) * weight;
-        }
-        Some(uv)
+        let (_, state) = self.colliders.get(entity).ok()?;
+        self.surfaces.uv(entity, state, triangle, barycentrics)
+    }
+
+    pub(super) fn joint(&self, entity: Entity, triangle: u32, barycentrics: Vec3) -> Option<Entity> {
+        let (_, state) = self.colliders.get(entity).ok()?;
+        self.surfaces.joint(entity, state, triangle, barycentrics)
     }
 }
 

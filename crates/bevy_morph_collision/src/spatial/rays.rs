@@ -44,7 +44,7 @@ impl MorphSpatialQuery<'_, '_> {
             if !predicate(entity) {
                 continue;
             }
-            let Ok((_, mut state, _)) = self.colliders.get_mut(entity) else {
+            let Ok((_, mut state)) = self.colliders.get_mut(entity) else {
                 continue;
             };
             let Some(body) = body(&mut state) else { continue };
@@ -74,7 +74,7 @@ impl MorphSpatialQuery<'_, '_> {
         for &(_, entity) in &near {
             let mut hits = std::mem::take(&mut self.queries.hits);
             hits.clear();
-            if let Ok((_, mut state, _)) = self.colliders.get_mut(entity)
+            if let Ok((_, mut state)) = self.colliders.get_mut(entity)
                 && let Some(body) = body(&mut state)
             {
                 self.queries.ray.all(body, &ray, &mut hits);
@@ -102,6 +102,7 @@ impl MorphSpatialQuery<'_, '_> {
             triangle: hit.triangle,
             barycentrics,
             uv: self.uv(entity, hit.triangle, barycentrics),
+            joint: self.joint(entity, hit.triangle, barycentrics),
         }
     }
 }

@@ -3,7 +3,6 @@
 use std::time::Duration;
 
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
-use bevy::mesh::skinning::SkinnedMesh;
 use bevy::mesh::{Indices, VertexAttributeValues};
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
@@ -123,7 +122,6 @@ pub(super) fn run(
     members: Query<&Member>,
     parents: Query<&ChildOf>,
     meshes: Res<Assets<Mesh>>,
-    skinned: Query<(), With<SkinnedMesh>>,
     verdict: Res<Verdict>,
     mut told: ResMut<Notes>,
 ) {
@@ -153,7 +151,7 @@ pub(super) fn run(
     if race.frames.is_multiple_of(WINDOW) {
         race.contenders.iter_mut().for_each(Contender::close_window);
     }
-    *told = notes(race, &verdict, &skinned);
+    *told = notes(race, &verdict);
 }
 
 /// Once both copies are there.

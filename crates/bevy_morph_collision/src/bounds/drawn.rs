@@ -1,0 +1,164 @@
+//! Boxes around what is drawn.
+
+use std::sync::Arc;
+
+use bevy::camera::primitives::Aabb;
+use bevy::camera::visibility::{DynamicSkinnedMeshBounds, NoAutoAabb, NoFrustumCulling};
+use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::system::SystemParam;
+use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::prelude::*;
+use morph_collision::{JointMatrices, MorphBvh, Pose};
+
+use super::Culled;
+use super::local::{around, around_in};
+use crate::import::{MorphTrees, TreeKey};
+use crate::lent_poses::LentPoses;
+use crate::skeletons::{BindPoses, Skeletons};
+use crate::weights::take_weights;
+
+/// On meshes that had [`DynamicSkinnedMeshBounds`] before their box was ours: otherwise Bevy would write it, too.
+#[derive(Component)]
+pub(super) struct HadDynamicBounds;
+
+/// A mesh and what decides how it is drawn.
+type Shows = (
+    Entity,
+    &'static Mesh3d,
+    Option<&'static MeshMorphWeights>,
+    Option<&'static SkinnedMesh>,
+    &'static GlobalTransform,
+    &'static mut Aabb,
+    (Has<DynamicSkinnedMeshBounds>, Has<HadDynamicBounds>),
+);
+
+/// Poses of meshes as they are drawn now.
+#[derive(SystemParam)]
+pub(super) struct Drawn<'w, 's> {
+    shared: Query<'w, 's, &'static MorphWeights>,
+    globals: Query<'w, 's, &'static GlobalTransform>,
+    trees: Res<'w, MorphTrees>,
+    bind_poses: Option<Res<'w, BindPoses>>,
+    poses: Local<'s, LentPoses>,
+    skeletons: Local<'s, Skeletons>,
+    rest: Local<'s, Vec<f32>>,
+    /// Of skinned meshes, what their boxes were made for: one pose is lent to all of a mesh's entities, so it forgets.
+    made_for: Local<'s, EntityHashMap<MadeFor>>,
+}
+
+/// What the box of a skinned mesh was made for.
+pub(super) struct MadeFor {
+    joints: JointMatrices,
+    weights: Vec<f32>,
+    tree: Arc<MorphBvh>,
+    world: morph_collision::Aabb,
+    is_used: bool,
+}
+
+impl Drawn<'_, '_> {
+    fn begin(&mut self) {
+        self.poses.drop_unused();
+        self.skeletons.begin();
+        self.made_for
+            .retain(|_, made_for| std::mem::take(&mut made_for.is_used));
+    }
+
+    /// A box around a mesh, and whether it is in world space rather than in the mesh's; `None` if nobody knows what is drawn.
+    fn bounds(
+        &mut self,
+        entity: Entity,
+        key: TreeKey,
+        weights: Option<&MeshMorphWeights>,
+        skin: Option<&SkinnedMesh>,
+    ) -> Option<(morph_collision::Aabb, bool)> {
+        let tree = self.trees.up_to_date(key)?;
+        let pose = self.poses.lend(key, tree);
+        if !pose.weights().is_empty() {
+            take_weights(pose, weights, &self.shared, &mut self.rest).ok()?;
+        }
+        if pose.joints().is_none() {
+            return Some((pose.bounds(), false));
+        }
+        let globals = &self.globals;
+        let global_of = |joint: Entity| Some(globals.get(joint).ok()?.affine());
+        let skeleton = self.skeletons.of(skin?, self.bind_poses.as_deref(), global_of);
+        if skeleton.problem().is_some() {
+            return None;
+        }
+        let joints = skeleton.matrices()?;
+        if let Some(made_for) = self.made_for.get_mut(&entity) {
+            made_for.is_used = true;
+            if made_for.is_same(pose, joints) {
+                return Some((made_for.world, true));
+            }
+        }
+        pose.set_joints(joints).ok()?;
+        let world = pose.bounds();
+        self.made_for.insert(entity, MadeFor::new(pose, joints, world));
+        Some((world, true))
+    }
+}
+
+impl MadeFor {
+    fn new(pose: &Pose, joints: &JointMatrices, world: morph_collision::Aabb) -> Self {
+        Self {
+            joints: joints.clone(),
+            weights: pose.weights().to_vec(),
+            tree: pose.bvh().clone(),
+            world,
+            is_used: true,
+        }
+    }
+
+    fn is_same(&self, pose: &Pose, joints: &JointMatrices) -> bool {
+        Arc::ptr_eq(&self.tree, pose.bvh()) && self.weights == pose.weights() && self.joints == *joints
+    }
+}
+
+/// Gives meshes that deform a box around what they are drawn as.
+pub(super) fn update_bounds(mut meshes: Query<Shows, Culled>, mut drawn: Drawn, mut commands: Commands) {
+    drawn.begin();
+    for (entity, mesh, weights, skin, place, mut aabb, (has_dynamic, had_dynamic)) in &mut meshes {
+        let key = TreeKey::of(mesh, None, skin);
+        if drawn.trees.up_to_date(key).is_none() {
+            if had_dynamic {
+                give_back_to_bevy(&mut commands, entity);
+            }
+            continue;
+        }
+        let wanted = match drawn.bounds(entity, key, weights, skin) {
+            Some((bounds, false)) => around(&bounds),
+            Some((bounds, true)) => around_in(&bounds, place),
+            // The box stays.
+            None => continue,
+        };
+        if *aabb != wanted {
+            *aabb = wanted;
+        }
+        if has_dynamic {
+            let mut entity = commands.entity(entity);
+            entity.try_remove::<DynamicSkinnedMeshBounds>();
+            entity.try_insert(HadDynamicBounds);
+        }
+    }
+}
+
+/// Meshes whose box was ours, and is not any more.
+type Left = (
+    With<HadDynamicBounds>,
+    Or<(With<NoAutoAabb>, With<NoFrustumCulling>, Without<SkinnedMesh>)>,
+);
+
+/// Lets Bevy keep the boxes of skinned meshes again that are not ours any more.
+pub(super) fn give_back(left: Query<Entity, Left>, mut commands: Commands) {
+    for entity in &left {
+        give_back_to_bevy(&mut commands, entity);
+    }
+}
+
+fn give_back_to_bevy(commands: &mut Commands, entity: Entity) {
+    let mut entity = commands.entity(entity);
+    entity.try_remove::<HadDynamicBounds>();
+    entity.try_insert(DynamicSkinnedMeshBounds);
+}

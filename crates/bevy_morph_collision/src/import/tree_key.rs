@@ -1,0 +1,26 @@
+//! What decides which tree an entity has.
+
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::prelude::*;
+
+use super::tree_settings::MorphTreeSettings;
+
+/// A mesh as an entity shows it. Entities with equal keys share a tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct TreeKey {
+    pub(crate) mesh: AssetId<Mesh>,
+    /// Settings of its own, if it has any.
+    pub(crate) settings: Option<MorphTreeSettings>,
+    /// The number of joints of the skeleton it is shown with, if it is.
+    pub(crate) joints: Option<usize>,
+}
+
+impl TreeKey {
+    pub(crate) fn of(mesh: &Mesh3d, settings: Option<&MorphTreeSettings>, skin: Option<&SkinnedMesh>) -> Self {
+        Self {
+            mesh: mesh.id(),
+            settings: settings.copied(),
+            joints: skin.map(|skin| skin.joints.len()),
+        }
+    }
+}

@@ -1,0 +1,57 @@
+//! From the transforms of joints to the poses of skinned meshes.
+
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::platform::time::Instant;
+use bevy::prelude::*;
+use tracing::{debug_span, error};
+
+use crate::collider::{ColliderState, MorphCollider};
+use crate::diagnostics::MorphCollisionDiagnostics;
+use crate::skeletons::{BindPoses, Skeletons};
+
+/// Every skinned pose takes the joint matrices its mesh is drawn with.
+///
+/// Matrices are compared by value: a character at rest keeps its answers. Matrices that cannot be used are logged once per skeleton,
+/// until they can be used again, and the last good ones stay in force.
+pub(crate) fn read_joints(
+    mut colliders: Query<(Entity, &mut ColliderState, &SkinnedMesh), With<MorphCollider>>,
+    globals: Query<&GlobalTransform>,
+    bind_poses: Option<Res<BindPoses>>,
+    names: Query<NameOrEntity>,
+    mut skeletons: Local<Skeletons>,
+    mut diagnostics: ResMut<MorphCollisionDiagnostics>,
+) {
+    let start = Instant::now();
+    let _span = debug_span!("morph_collision::joints").entered();
+    skeletons.begin();
+    let global_of = |joint: Entity| Some(globals.get(joint).ok()?.affine());
+    for (entity, mut state, skin) in &mut colliders {
+        let Some(pose) = state.pose.as_ref() else { continue };
+        if pose.joints().is_none() {
+            continue;
+        }
+        let skeleton = skeletons.of(skin, bind_poses.as_deref(), global_of);
+        if let Some((joint, problem)) = skeleton.problem()
+            && !skeleton.is_reported
+        {
+            let name = |entity: Entity| names.get(entity).map_or(entity.to_string(), |name| name.to_string());
+            error!(
+                "the joints of entity `{}` cannot be used: {problem} (`{}`); the last good ones stay in force, and without any it \
+                 is left out of collisions",
+                name(entity),
+                name(joint)
+            );
+            skeleton.is_reported = true;
+        }
+        let state = &mut *state;
+        if let (Some(matrices), Some(pose)) = (skeleton.matrices(), &mut state.pose)
+            && let Ok(changed) = pose.set_joints(matrices)
+        {
+            let changed = changed || !state.has_joints;
+            state.has_joints = true;
+            state.reposed |= changed;
+            state.changed |= changed;
+        }
+    }
+    diagnostics.duration += start.elapsed();
+}

@@ -1,0 +1,138 @@
+//! The joint matrices of skeletons, computed as Bevy computes them for drawing, and shared by the meshes of a skeleton.
+
+use bevy::asset::AssetId;
+use bevy::math::{Affine3A, Mat3A, Vec3A};
+use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
+use bevy::platform::collections::HashMap;
+use bevy::prelude::*;
+use morph_collision::{InputError, JointMatrices};
+
+/// Inverse bind poses of all skeletons.
+pub(crate) type BindPoses = Assets<SkinnedMeshInverseBindposes>;
+
+/// The skeletons in use. Two meshes with the same joints and the same inverse bind poses have the same one.
+#[derive(Default)]
+pub(crate) struct Skeletons {
+    /// By bind poses and first joint, which nearly always is enough to tell them apart.
+    by_start: HashMap<(AssetId<SkinnedMeshInverseBindposes>, Option<Entity>), Vec<Skeleton>>,
+    moment: u32,
+    scratch: Vec<Affine3A>,
+}
+
+/// One skeleton.
+#[derive(Default)]
+pub(crate) struct Skeleton {
+    joints: Vec<Entity>,
+    /// As they were last computed, good or bad.
+    world_from_mesh: Vec<Affine3A>,
+    /// The last good ones.
+    matrices: Option<JointMatrices>,
+    /// Why the present ones are bad, with the number of the joint.
+    problem: Option<(usize, InputError)>,
+    /// Whether that has been reported.
+    pub(crate) is_reported: bool,
+    /// When it was last brought up to date.
+    moment: Option<u32>,
+    is_used: bool,
+}
+
+impl Skeleton {
+    /// The matrices of the joints; the last good ones while some are bad, and none if they were never good.
+    pub(crate) fn matrices(&self) -> Option<&JointMatrices> {
+        self.matrices.as_ref()
+    }
+
+    /// A joint whose matrix cannot be used now, and why.
+    pub(crate) fn problem(&self) -> Option<(Entity, &InputError)> {
+        let (joint, error) = self.problem.as_ref()?;
+        Some((*self.joints.get(*joint)?, error))
+    }
+
+    /// Takes over where the joints are now.
+    fn update(
+        &mut self,
+        bind_poses: Option<&SkinnedMeshInverseBindposes>,
+        global_of: impl Fn(Entity) -> Option<Affine3A>,
+        scratch: &mut Vec<Affine3A>,
+    ) {
+        scratch.clear();
+        for (i, &joint) in self.joints.iter().enumerate() {
+            let bind_pose = bind_poses.and_then(|poses| poses.get(i));
+            let matrix = bind_pose.zip(global_of(joint)).map(|(bind_pose, global)| {
+                // The last row of a bind pose has no influence on where vertices are drawn.
+                let columns = (global * *bind_pose).to_cols_array_2d();
+                let [x, y, z, t] = columns.map(|[x, y, z, _]| Vec3A::new(x, y, z));
+                Affine3A {
+                    matrix3: Mat3A::from_cols(x, y, z),
+                    translation: t,
+                }
+            });
+            // What is gone keeps its matrix in Bevy's buffers.
+            let before = self.world_from_mesh.get(i).copied();
+            scratch.push(matrix.or(before).unwrap_or(Affine3A::IDENTITY));
+        }
+        let is_known = self.matrices.is_some() || self.problem.is_some();
+        if is_known && *scratch == self.world_from_mesh {
+            return;
+        }
+        std::mem::swap(&mut self.world_from_mesh, scratch);
+        match JointMatrices::new(&self.world_from_mesh) {
+            Ok(matrices) => {
+                self.matrices = Some(matrices);
+                self.problem = None;
+                self.is_reported = false;
+            }
+            Err(error) => {
+                let is_bad = |matrix| JointMatrices::new(std::slice::from_ref(matrix)).is_err();
+                let joint = self.world_from_mesh.iter().position(is_bad);
+                self.problem = Some((joint.unwrap_or_default(), error));
+            }
+        }
+    }
+}
+
+impl Skeletons {
+    /// Begins a new moment, in which every skeleton that is asked for is brought up to date. Forgets the skeletons that were not
+    /// asked for since this was called last.
+    pub(crate) fn begin(&mut self) {
+        self.by_start.retain(|_, skeletons| {
+            skeletons.retain_mut(|skeleton| std::mem::take(&mut skeleton.is_used));
+            !skeletons.is_empty()
+        });
+        self.outdate();
+    }
+
+    /// Joints may have moved: skeletons are brought up to date again.
+    pub(crate) fn outdate(&mut self) {
+        self.moment = self.moment.wrapping_add(1);
+    }
+
+    /// The skeleton of a mesh. `global_of` gives the global transform of an entity that is there.
+    ///
+    /// Computes one matrix per joint for the first mesh of a skeleton in each moment.
+    pub(crate) fn of(
+        &mut self,
+        skin: &SkinnedMesh,
+        bind_poses: Option<&BindPoses>,
+        global_of: impl Fn(Entity) -> Option<Affine3A>,
+    ) -> &mut Skeleton {
+        let id = skin.inverse_bindposes.id();
+        let start = (id, skin.joints.first().copied());
+        let skeletons = self.by_start.entry(start).or_default();
+        let known = skeletons.iter().position(|skeleton| skeleton.joints == skin.joints);
+        let place = known.unwrap_or_else(|| {
+            skeletons.push(Skeleton {
+                joints: skin.joints.clone(),
+                ..default()
+            });
+            skeletons.len() - 1
+        });
+        let skeleton = &mut skeletons[place];
+        skeleton.is_used = true;
+        if skeleton.moment.replace(self.moment) != Some(self.moment) {
+            let bind_poses = bind_poses.and_then(|assets| assets.get(id));
+            skeleton.update(bind_poses, global_of, &mut self.scratch);
+        }
+        skeleton
+    }
+}

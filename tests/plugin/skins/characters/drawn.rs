@@ -1,0 +1,80 @@
+//! Where vertices are drawn, from what the file says.
+
+use bevy::animation::ActiveAnimation;
+use bevy::math::{Affine3A, DVec3, Mat4};
+use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::prelude::*;
+use morph_collision_testkit::clip::WeightAnimation;
+use morph_collision_testkit::oracle::{posed_vertices, skinned_vertices, world_vertices};
+use morph_collision_testkit::skeleton::JointClip;
+
+use super::{Part, Stage};
+
+impl Stage {
+    fn weights(&self, part: &Part) -> Vec<f32> {
+        let world = self.app.world();
+        match world.get::<MeshMorphWeights>(part.entity) {
+            Some(MeshMorphWeights::Reference(source)) => world.get::<MorphWeights>(*source).unwrap().weights().to_vec(),
+            Some(MeshMorphWeights::Value { weights }) => weights.clone(),
+            None => Vec::new(),
+        }
+    }
+
+    fn global(&self, entity: Entity) -> Affine3A {
+        self.app.world().get::<GlobalTransform>(entity).unwrap().affine()
+    }
+
+    /// Where the vertices of a part's mesh are drawn: with the joints of the app, and everything else from the file.
+    pub(super) fn vertices(&self, part: &Part) -> Vec<DVec3> {
+        let mesh = &self.meshes[part.mesh];
+        let posed = posed_vertices(&mesh.positions, &mesh.targets, &self.weights(part));
+        let Some(skin) = &mesh.skin else {
+            return world_vertices(&posed, &self.global(part.entity));
+        };
+        let shown = self.app.world().get::<SkinnedMesh>(part.entity).expect("it has a skin");
+        let matrices = shown.joints.iter().zip(&skin.skeleton.joints).map(|(&entity, joint)| {
+            let matrix = Mat4::from(self.global(entity)) * joint.inverse_bind;
+            Affine3A::from_mat4(matrix)
+        });
+        skinned_vertices(&posed, &skin.sets, &matrices.collect::<Vec<_>>())
+    }
+
+    /// The same by the file's own clip, evaluated here; `None` where that has ended.
+    pub(super) fn vertices_by_clip(&self, part: &Part, clip: &str) -> Option<Vec<DVec3>> {
+        let mesh = &self.meshes[part.mesh];
+        let skin = mesh.skin.as_ref()?;
+        let seconds = self.seconds(part.root)?;
+        let clip_of_joints = skin.skeleton.clip(clip);
+        let clip_of_weights = mesh.animations.iter().find(|animation| animation.name == clip);
+        let durations = [
+            clip_of_joints.map(JointClip::duration),
+            clip_of_weights.map(WeightAnimation::duration),
+        ];
+        if durations.into_iter().flatten().any(|duration| seconds >= duration) {
+            return None;
+        }
+        let weights = clip_of_weights.map_or_else(|| self.weights(part), |clip| clip.sample(seconds));
+        let posed = posed_vertices(&mesh.positions, &mesh.targets, &weights);
+        let root = self.global(part.root);
+        let joints = skin.skeleton.world_from_mesh(clip_of_joints, seconds);
+        let joints: Vec<Affine3A> = joints.into_iter().map(|joint| root * joint).collect();
+        Some(skinned_vertices(&posed, &skin.sets, &joints))
+    }
+
+    /// How far a clip has been played below a root.
+    fn seconds(&self, root: Entity) -> Option<f32> {
+        let world = self.app.world();
+        let mut below = vec![root];
+        while let Some(entity) = below.pop() {
+            if let Some(player) = world.get::<AnimationPlayer>(entity) {
+                return player
+                    .playing_animations()
+                    .next()
+                    .map(|(_, active): (_, &ActiveAnimation)| active.seek_time());
+            }
+            below.extend(world.get::<Children>(entity).into_iter().flatten());
+        }
+        None
+    }
+}

@@ -1,0 +1,175 @@
+//! Hits, anchors and gizmos on a skinned surface.
+
+use bevy::ecs::system::RunSystemOnce;
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+
+use super::{add, limb, put, skeleton, spawn_joints, spawn_limb, spawn_skinned};
+use crate::support::{add_mesh, app, cube, settle, spawn};
+
+fn cast(app: &mut App, origin: Vec3, direction: Dir3) -> Option<MorphRayHit> {
+    let system = move |mut spatial: MorphSpatialQuery| {
+        spatial.cast_ray(origin, direction, f32::INFINITY, &MorphQueryFilter::default())
+    };
+    app.world_mut().run_system_once(system).unwrap().unwrap()
+}
+
+#[test]
+fn a_hit_names_the_joint_that_moves_it_most() {
+    let mut app = app();
+    let (limb, joints) = spawn_limb(&mut app, 9.0);
+    settle(&mut app);
+    // The middle of the side that has been stretched is at 4.5.
+    for (x, joint) in [(0.0, 0), (4.25, 0), (4.75, 1), (9.25, 1)] {
+        let hit = cast(&mut app, Vec3::new(x, 8.0, 0.1), Dir3::NEG_Y).unwrap();
+        assert_eq!((hit.entity, hit.joint), (limb, Some(joints[joint])), "at {x}");
+        assert!((hit.point - Vec3::new(x, 0.5, 0.1)).length() < 1e-5, "{hit:?}");
+        let all = app
+            .world_mut()
+            .run_system_once(move |mut spatial: MorphSpatialQuery| {
+                let filter = MorphQueryFilter::default();
+                let all = spatial.ray_hits(Vec3::new(x, 8.0, 0.1), Dir3::NEG_Y, 100.0, &filter);
+                let closest = spatial.project_point(Vec3::new(x, 0.6, 0.1), 1.0, &filter);
+                (all.unwrap(), closest.unwrap().unwrap())
+            })
+            .unwrap();
+        assert_eq!(all.0.len(), 2);
+        assert!(all.0.iter().all(|hit| hit.joint == Some(joints[joint])), "{all:?}");
+        assert_eq!(all.1.joint, Some(joints[joint]));
+    }
+    // The first one of two with the same weight.
+    let middle = cast(&mut app, Vec3::new(4.5, 8.0, 0.25), Dir3::NEG_Y).unwrap();
+    assert_eq!(middle.joint, Some(joints[0]), "{middle:?}");
+}
+
+#[test]
+fn other_meshes_have_no_joint() {
+    let mut app = app();
+    let rigid = add_mesh(&mut app, &cube());
+    spawn(&mut app, &rigid, 0.0);
+    let boned = add(&mut app, limb());
+    spawn(&mut app, &boned, 5.0);
+    let (loose, joints) = spawn_limb(&mut app, 0.0);
+    let skin = skeleton(&mut app, &joints);
+    app.world_mut()
+        .entity_mut(loose)
+        .insert((Mesh3d(rigid), skin, Transform::from_xyz(10.0, 0.0, 0.0)));
+    settle(&mut app);
+    for x in [0.1, 5.1, 10.1] {
+        let hit = cast(&mut app, Vec3::new(x, 8.0, 0.2), Dir3::NEG_Y).unwrap();
+        assert_eq!(hit.joint, None, "{hit:?}");
+    }
+}
+
+#[test]
+fn a_pick_names_the_joint() {
+    let joint = Some(Entity::PLACEHOLDER);
+    let hit = {
+        let mut app = app();
+        let (_, _) = spawn_limb(&mut app, 1.0);
+        settle(&mut app);
+        cast(&mut app, Vec3::new(1.4, 8.0, 0.1), Dir3::NEG_Y).unwrap()
+    };
+    let pick = MorphPick::from(&MorphRayHit { joint, ..hit });
+    assert_eq!(pick.joint, joint);
+    assert!(hit.joint.is_some());
+}
+
+#[test]
+fn anchors_go_with_the_joints_in_the_same_frame() {
+    let mut app = app();
+    let (limb, joints) = spawn_limb(&mut app, 1.0);
+    settle(&mut app);
+    let hit = cast(&mut app, Vec3::new(8.0, 0.1, 0.2), Dir3::NEG_X).unwrap();
+    assert_eq!(hit.joint, Some(joints[1]));
+    let hat = app
+        .world_mut()
+        .spawn(MorphSurfaceAnchor::at(&hit).with_offset(0.25))
+        .id();
+    let place = |app: &App, entity: Entity| app.world().get::<GlobalTransform>(entity).unwrap().translation();
+    for x in [1.0, 4.0, -2.0] {
+        put(&mut app, joints[1], Transform::from_xyz(x, 3.0, 0.0));
+        // Its own place does not matter.
+        put(&mut app, limb, Transform::from_translation(Vec3::NAN));
+        app.update();
+        assert!(
+            place(&app, hat).distance(Vec3::new(x + 0.75, 3.1, 0.2)) < 1e-5,
+            "{}",
+            place(&app, hat)
+        );
+    }
+    // With joints that cannot be used it stays.
+    put(&mut app, joints[1], Transform::from_translation(Vec3::NAN));
+    app.update();
+    assert!(
+        place(&app, hat).distance(Vec3::new(-1.25, 3.1, 0.2)) < 1e-5,
+        "{}",
+        place(&app, hat)
+    );
+}
+
+#[test]
+fn an_anchor_on_a_limb_whose_joints_hang_on_another_anchor() {
+    let mut app = app();
+    let (arm, [_, hand]) = spawn_limb(&mut app, 1.0);
+    settle(&mut app);
+    let hit = cast(&mut app, Vec3::new(8.0, 0.1, 0.2), Dir3::NEG_X).unwrap();
+    assert_eq!(hit.entity, arm);
+    let mut anchor = MorphSurfaceAnchor::at(&hit);
+    anchor.align = false;
+    let grip = app.world_mut().spawn(anchor).id();
+    // What the hand holds has joints below the grip.
+    let mesh = add(&mut app, limb());
+    let held = spawn_joints(&mut app, [Vec3::X, Vec3::X * 2.0]);
+    for joint in held {
+        app.world_mut().entity_mut(joint).insert(ChildOf(grip));
+    }
+    let skin = skeleton(&mut app, &held);
+    let stick = spawn_skinned(&mut app, &mesh, skin);
+    app.world_mut().entity_mut(stick).insert(ChildOf(grip));
+    settle(&mut app);
+    let tip = cast(&mut app, Vec3::new(20.0, 0.1, 0.2), Dir3::NEG_X).unwrap();
+    assert_eq!(tip.entity, stick);
+    let flag = app
+        .world_mut()
+        .spawn((MorphSurfaceAnchor::at(&tip), ChildOf(stick)))
+        .id();
+    app.update();
+    let place = |app: &App, entity: Entity| app.world().get::<GlobalTransform>(entity).unwrap().translation();
+    let before = place(&app, flag);
+    put(&mut app, hand, Transform::from_xyz(3.0, 1.0, 0.0));
+    app.update();
+    let moved = place(&app, flag) - before;
+    assert!(moved.distance(Vec3::new(2.0, 1.0, 0.0)) < 1e-4, "{moved}");
+}
+
+#[test]
+fn regions_contacts_and_closest_points_are_about_the_skinned_surface() {
+    let mut app = app();
+    let (limb, _) = spawn_limb(&mut app, 9.0);
+    let wall = add_mesh(&mut app, &cube());
+    let wall = spawn(&mut app, &wall, 9.25);
+    settle(&mut app);
+    let asked = move |mut spatial: MorphSpatialQuery| {
+        let filter = MorphQueryFilter::default().without([wall]);
+        (
+            spatial.overlap_ball(Vec3::new(9.0, 0.0, 0.6), 0.2, &filter).unwrap(),
+            spatial
+                .overlap_box(Vec3::splat(99.0), Vec3::splat(301.0), &filter)
+                .unwrap(),
+            spatial.contacts(limb, wall).map(|contacts| contacts.pair_count),
+            spatial.closest_points(limb, wall, 1.0).map(|closest| closest.distance),
+            spatial.bounds(limb),
+            spatial.posed_triangle(limb, 0),
+        )
+    };
+    let (ball, far, contacts, closest, bounds, triangle) = app.world_mut().run_system_once(asked).unwrap();
+    assert_eq!((ball, far), (vec![limb], vec![]));
+    assert!(contacts.unwrap() > 0 && closest == Some(0.0));
+    let bounds = bounds.unwrap();
+    assert!(bounds.min.distance(Vec3::splat(-0.5)) < 1e-4, "{bounds:?}");
+    assert!(bounds.max.distance(Vec3::new(9.5, 0.5, 0.5)) < 1e-4, "{bounds:?}");
+    assert!(triangle.unwrap().iter().all(|corner| corner.abs().max_element() < 10.0));
+    assert!(app.world().get::<SkinnedMesh>(limb).is_some());
+}

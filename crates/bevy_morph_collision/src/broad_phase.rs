@@ -142,7 +142,8 @@ impl ParticipantItem<'_, '_> {
                     return Ok(None);
                 }
                 // Its joints place it.
-                (Form::Mesh(WorldFromModel::IDENTITY), pose.bounds())
+                let place = WorldFromModel::IDENTITY;
+                (Form::Mesh(place), pose.broad_phase_bounds(&place))
             }
             (_, None, Some(pose)) => {
                 let world_from_model = WorldFromModel::new(self.transform.affine()).map_err(BadPlace::Transform)?;

@@ -1,12 +1,13 @@
 //! How near the errors of a joint's map come to their bounds, in exact arithmetic: of the map itself, made anew or kept from joints that stood
 //! a little differently, and of the images of boxes under it.
 
+use fearless_simd::Level;
 use glam::{DVec3, Vec3};
 use morph_collision_testkit::oracle::Dyadic;
 use morph_collision_testkit::search::{Climb, is_as_known};
 use rand::RngExt;
 
-use super::JointMap;
+use super::{JointMap, MapFrame};
 use crate::bounds::{Aabb, BoxLanes, ExactPoint, WorldFromModel, adjugate, exact_image, levels, with_simd};
 
 /// The numbers of a matrix.
@@ -21,10 +22,15 @@ fn well_conditioned(frame: &[DVec3; 4]) -> Option<WorldFromModel> {
     (frame.iter().all(|column| column.is_finite()) && place.is_well_conditioned()).then_some(place)
 }
 
+fn follow(map: &mut JointMap, place: &WorldFromModel, joint: &[DVec3; 4], reach: f64) -> bool {
+    let (frame, joint) = (MapFrame::new(place), joint.map(|column| column.extend(0.0).to_array()));
+    with_simd!(Level::new(), simd => map.follow(simd, &frame, &joint, reach))
+}
+
 fn image_under(map: &JointMap, p: &ExactPoint) -> ExactPoint {
     std::array::from_fn(|i| {
-        let products = (0..3).map(|column| Dyadic::from(map.rows[i][column]) * p[column].clone());
-        products.sum::<Dyadic>() + Dyadic::from(map.translation[i])
+        let products = (0..3).map(|column| Dyadic::from(map.columns[column][i]) * p[column].clone());
+        products.sum::<Dyadic>() + Dyadic::from(map.columns[3][i])
     })
 }
 
@@ -41,9 +47,9 @@ fn drift_used(numbers: &[f32], is_kept: bool) -> Option<f64> {
     let mut map = JointMap::default();
     if is_kept {
         let [frame, joint] = [2 * MATRIX, 3 * MATRIX].map(|at| columns(&matrices[at..]));
-        map.follow(&well_conditioned(&frame)?, &joint, reach);
+        follow(&mut map, &well_conditioned(&frame)?, &joint, reach);
     }
-    if map.follow(&place, &joint, reach) == is_kept || !map.reach(reach as f32).is_finite() {
+    if follow(&mut map, &place, &joint, reach) == is_kept || !map.reach(reach as f32).is_finite() {
         return None;
     }
     let (rows, determinant) = adjugate(&frame);
@@ -126,7 +132,7 @@ fn image_error(numbers: &[f32]) -> Option<f64> {
     }
     let reach = a.abs().max(b.abs()).max_element();
     let mut map = JointMap::default();
-    map.follow(&place, &joint, f64::from(reach));
+    follow(&mut map, &place, &joint, f64::from(reach));
     let farthest = map.reach(reach);
     if !(f32::MIN_POSITIVE * 1e9..1e36).contains(&farthest) {
         return None;
@@ -138,7 +144,7 @@ fn image_error(numbers: &[f32]) -> Option<f64> {
         for axis in 0..3 {
             let end = |is_high: bool| {
                 let term = |column: usize| {
-                    let entry = map.rows[axis][column];
+                    let entry = map.columns[column][axis];
                     let at = if (entry >= 0.0) == is_high {
                         bounds.max
                     } else {
@@ -146,7 +152,7 @@ fn image_error(numbers: &[f32]) -> Option<f64> {
                     };
                     Dyadic::from(entry) * Dyadic::from(at[column])
                 };
-                (0..3).map(term).sum::<Dyadic>() + Dyadic::from(map.translation[axis])
+                (0..3).map(term).sum::<Dyadic>() + Dyadic::from(map.columns[3][axis])
             };
             for (found, is_high) in [(low[axis], false), (high[axis], true)] {
                 worst = worst.max((Dyadic::from(found) - end(is_high)).abs().ratio(&allowed));

@@ -118,7 +118,7 @@ fn image<S: Simd>(simd: S, of: &Aabb, [x, y, z, translation]: &Columns) -> (f64x
 mod tests {
     use std::sync::Arc;
 
-    use glam::{Affine3A, Vec3};
+    use glam::{Affine3A, DVec3, Vec3};
 
     use crate::{Body, BuildOptions, Influences, JointMatrices, MorphBvh, MorphModel, Pose, WorldFromModel};
 
@@ -138,7 +138,7 @@ mod tests {
         let place = WorldFromModel::IDENTITY;
         let bounds = pose.broad_phase_bounds(&place);
         let corners = Body::new(&mut pose, &place).triangle(0).unwrap();
-        (bounds, corners.map(|corner| corner.as_vec3()).to_vec())
+        (bounds, corners.map(DVec3::as_vec3).to_vec())
     }
 
     #[test]

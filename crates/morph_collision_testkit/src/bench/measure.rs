@@ -5,7 +5,8 @@ use std::time::Duration;
 use morph_collision::QueryStats;
 use thiserror::Error;
 
-use super::runner::{Found, Pass, Runner, SplitPass};
+use super::Found;
+use super::runner::{Pass, Runner, SplitPass};
 use super::{Contender, Experiment};
 use crate::rivals::{PoseError, Wanted};
 

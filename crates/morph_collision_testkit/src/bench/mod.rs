@@ -36,6 +36,7 @@ mod machine;
 mod measure;
 mod of_model;
 mod page;
+mod questions;
 mod runner;
 mod walkers;
 
@@ -46,4 +47,4 @@ pub use experiment::{Experiment, Frame};
 pub use machine::{cpu, pin};
 pub use measure::{Disagreement, Parts, Plan, Row, disagreement, measure, median};
 pub use page::Page;
-pub use runner::Found;
+pub use questions::{Found, Questions};

@@ -2,18 +2,17 @@
 
 use std::time::Duration;
 
-use morph_collision::{QueryStats, TrianglePair};
+use morph_collision::QueryStats;
 
-use super::{Contender, Experiment, Stopwatch};
-use crate::rivals::{BroadPhase, Method, PoseError, Wanted};
+use super::{Contender, Experiment, Found, Questions, Stopwatch};
+use crate::rivals::{Method, PoseError, Wanted};
 
 /// A contender, and memory that its frames reuse.
 #[derive(Debug)]
 pub(super) struct Runner {
     pub(super) name: String,
     method: Box<dyn Method>,
-    broad_phase: BroadPhase,
-    pairs: Vec<TrianglePair>,
+    questions: Questions,
     /// Bodies whose volumes have to follow.
     moved: Vec<usize>,
     /// What the stopwatch shows of nothing.
@@ -26,15 +25,6 @@ pub(super) struct Pass {
     pub(super) work: QueryStats,
     pub(super) found: Vec<Found>,
     pub(super) times: Vec<Duration>,
-}
-
-/// What was found in a frame. Of rays, `pairs` counts those that hit, and `touching` the bodies that were hit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Found {
-    /// Pairs of triangles.
-    pub pairs: u64,
-    /// Pairs of bodies of which there is at least one.
-    pub touching: u64,
 }
 
 /// Time by what it was spent on, of all frames of a pass.
@@ -50,8 +40,7 @@ impl Runner {
         Self {
             name: contender.name,
             method: contender.method,
-            broad_phase: BroadPhase::default(),
-            pairs: Vec::new(),
+            questions: Questions::default(),
             moved: Vec::new(),
             idle: Stopwatch::idle(),
         }
@@ -66,7 +55,7 @@ impl Runner {
             let before = self.method.work();
             let clock = Stopwatch::start();
             experiment.set_bodies(self.method.as_mut(), index)?;
-            let found = self.ask(experiment, index, wanted);
+            let found = self.questions.ask(experiment, index, self.method.as_mut(), wanted);
             pass.times.push(self.since(clock));
             pass.found.push(found);
             pass.work += self.method.work() - before;
@@ -125,36 +114,14 @@ impl Runner {
         }
         if prepared {
             experiment.set_bodies(self.method.as_mut(), index)?;
-            self.ask(experiment, index, wanted);
+            self.questions.ask(experiment, index, self.method.as_mut(), wanted);
         }
         Ok(())
     }
 
-    /// Broad phase and queries, or rays.
-    fn ask(&mut self, experiment: &Experiment, index: usize, wanted: Wanted) -> Found {
-        let method = self.method.as_mut();
-        let mut found = Found::default();
-        let bodies = experiment.frames[index].len();
-        if let Some(rays) = experiment.rays.get(index) {
-            for body in 0..bodies {
-                let hits = rays.iter().filter(|ray| method.cast(body, ray).is_some()).count() as u64;
-                found.pairs += hits;
-                found.touching += u64::from(hits > 0);
-            }
-            return found;
-        }
-        for &(a, b) in self.broad_phase.pairs(method, bodies) {
-            self.pairs.clear();
-            method.collide(a as usize, b as usize, wanted, &mut self.pairs);
-            found.pairs += self.pairs.len() as u64;
-            found.touching += u64::from(!self.pairs.is_empty());
-        }
-        found
-    }
-
     fn time_asking(&mut self, experiment: &Experiment, index: usize, wanted: Wanted) -> Duration {
         let clock = Stopwatch::start();
-        self.ask(experiment, index, wanted);
+        self.questions.ask(experiment, index, self.method.as_mut(), wanted);
         self.since(clock)
     }
 

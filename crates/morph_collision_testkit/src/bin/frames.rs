@@ -7,8 +7,8 @@
 use std::error::Error;
 
 use morph_collision::Kernel;
-use morph_collision_testkit::bench::{Entrant, Experiment};
-use morph_collision_testkit::rivals::{BroadPhase, Method, MethodOptions, PoseError, Wanted};
+use morph_collision_testkit::bench::{Entrant, Experiment, Questions};
+use morph_collision_testkit::rivals::{Method, MethodOptions, PoseError, Wanted};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -23,11 +23,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let experiment = Experiment::named(scene, 20).map_err(|error| error.to_string())?;
     let mut method = Entrant::ALL[0].set_up(&experiment, &MethodOptions::default())?.method;
-    let mut broad_phase = BroadPhase::default();
-    pass(&experiment, method.as_mut(), &mut broad_phase, wanted)?;
+    let mut questions = Questions::default();
+    pass(&experiment, method.as_mut(), &mut questions, wanted)?;
     println!(
-        "{} pairs",
-        counted_pass(&experiment, method.as_mut(), &mut broad_phase, wanted)?
+        "{} pairs or hits",
+        counted_pass(&experiment, method.as_mut(), &mut questions, wanted)?
     );
     Ok(())
 }
@@ -37,28 +37,24 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn counted_pass(
     experiment: &Experiment,
     method: &mut dyn Method,
-    broad_phase: &mut BroadPhase,
+    questions: &mut Questions,
     wanted: Wanted,
-) -> Result<usize, PoseError> {
-    pass(experiment, method, broad_phase, wanted)
+) -> Result<u64, PoseError> {
+    pass(experiment, method, questions, wanted)
 }
 
-/// Runs all frames; returns the number of intersecting pairs.
+/// Runs all frames; returns the number of intersecting pairs, or of rays that hit.
 #[inline(never)]
 fn pass(
     experiment: &Experiment,
     method: &mut dyn Method,
-    broad_phase: &mut BroadPhase,
+    questions: &mut Questions,
     wanted: Wanted,
-) -> Result<usize, PoseError> {
-    let (mut pairs, mut found) = (Vec::new(), 0);
-    for (index, frame) in experiment.frames.iter().enumerate() {
+) -> Result<u64, PoseError> {
+    let mut found = 0;
+    for index in 0..experiment.frames.len() {
         experiment.set_bodies(&mut *method, index)?;
-        for &(a, b) in broad_phase.pairs(method, frame.len()) {
-            pairs.clear();
-            method.collide(a as usize, b as usize, wanted, &mut pairs);
-            found += pairs.len();
-        }
+        found += questions.ask(experiment, index, method, wanted).pairs;
     }
     Ok(found)
 }

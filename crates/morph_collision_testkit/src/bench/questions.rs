@@ -1,0 +1,45 @@
+//! What is asked in a frame.
+
+use morph_collision::TrianglePair;
+
+use super::Experiment;
+use crate::rivals::{BroadPhase, Method, Wanted};
+
+/// Asks a method what an experiment's frames want to know; keeps the memory that frames reuse.
+#[derive(Debug, Default)]
+pub struct Questions {
+    broad_phase: BroadPhase,
+    pairs: Vec<TrianglePair>,
+}
+
+/// What was found in a frame. Of rays, `pairs` counts those that hit, and `touching` the bodies that were hit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Found {
+    /// Pairs of triangles.
+    pub pairs: u64,
+    /// Pairs of bodies of which there is at least one.
+    pub touching: u64,
+}
+
+impl Questions {
+    /// Broad phase and queries of a frame, or its rays. The method must have been given the bodies' poses.
+    pub fn ask(&mut self, experiment: &Experiment, index: usize, method: &mut dyn Method, wanted: Wanted) -> Found {
+        let mut found = Found::default();
+        let bodies = experiment.frames[index].len();
+        if let Some(rays) = experiment.rays.get(index) {
+            for body in 0..bodies {
+                let hits = rays.iter().filter(|ray| method.cast(body, ray).is_some()).count() as u64;
+                found.pairs += hits;
+                found.touching += u64::from(hits > 0);
+            }
+            return found;
+        }
+        for &(a, b) in self.broad_phase.pairs(method, bodies) {
+            self.pairs.clear();
+            method.collide(a as usize, b as usize, wanted, &mut self.pairs);
+            found.pairs += self.pairs.len() as u64;
+            found.touching += u64::from(!self.pairs.is_empty());
+        }
+        found
+    }
+}

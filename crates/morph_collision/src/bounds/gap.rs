@@ -82,6 +82,11 @@ impl GapFrame {
         }
     }
 
+    /// Whether boxes of `a` are not in the frame already.
+    pub(super) fn maps_a(&self) -> bool {
+        self.frames[0].is_some()
+    }
+
     #[inline]
     pub(crate) fn image_of_a(&self, a: &Box64) -> Box64 {
         self.frames[0].as_ref().map_or(*a, |frame| image(frame, a))

@@ -33,7 +33,7 @@ pub(crate) use probe::{ExactPoint, adjugate, exact_image, holds, lack, levels};
 pub(crate) use rounding::{down, up};
 pub(crate) use slopes::{Slopes, push_slopes, slopes_len};
 pub use transform::WorldFromModel;
-pub(crate) use world_query::{ModelPlane, RayCull};
+pub(crate) use world_query::{ByBox, LowerBounds, ModelPlane, RayCull};
 
 #[cfg(test)]
 mod rounding_tests;

@@ -1,9 +1,40 @@
-//! Rays and half-spaces of world space against a body's model-space boxes.
+//! What is asked about points, rays and half-spaces of world space, against a body's model-space boxes.
 
+use fearless_simd::f64x4;
+use fearless_simd::prelude::*;
 use glam::DVec3;
 
 use super::rounding::U64;
-use super::{Box64, GapFrame, PlacedBounds, WorldFromModel};
+use super::{Box64, BoxLanes, GapFrame, LANES, PlacedBounds, WorldFromModel};
+
+/// Lower bounds of what a query looks for, for everything in a box; the children of a node at a time.
+pub(crate) trait LowerBounds {
+    /// Sets the first `count` numbers to the bounds of the first `count` boxes, to NaN for a box to skip; the others to any numbers.
+    fn lower_bounds<S: Simd>(&self, simd: S, boxes: &BoxLanes, count: usize, bounds: &mut [f64; LANES]);
+}
+
+/// Lower bounds by a function of one box.
+pub(crate) struct ByBox<F>(pub(crate) F);
+
+impl<F: Fn(&Box64) -> Option<f64>> LowerBounds for ByBox<F> {
+    #[inline(always)]
+    fn lower_bounds<S: Simd>(&self, _: S, boxes: &BoxLanes, count: usize, bounds: &mut [f64; LANES]) {
+        for (lane, bound) in bounds.iter_mut().enumerate().take(count) {
+            *bound = self.0(&Box64::of(&boxes.get(lane))).unwrap_or(f64::NAN);
+        }
+    }
+}
+
+/// Without any, every triangle is looked at.
+impl<T: LowerBounds> LowerBounds for Option<T> {
+    #[inline(always)]
+    fn lower_bounds<S: Simd>(&self, simd: S, boxes: &BoxLanes, count: usize, bounds: &mut [f64; LANES]) {
+        match self {
+            Some(some) => some.lower_bounds(simd, boxes, count, bounds),
+            None => *bounds = [0.0; LANES],
+        }
+    }
+}
 
 /// A world-space ray in a frame where it can be compared with a body's boxes.
 #[derive(Clone, Copy, Debug)]
@@ -12,6 +43,9 @@ pub(crate) struct RayCull {
     origin: DVec3,
     direction: DVec3,
 }
+
+/// For the quotients. The slack covers the roundings of the boxes' ends.
+const ROUNDING: f64 = 8.0 * U64;
 
 impl RayCull {
     /// The ray `origin + t direction`, for a placed body; `None` if there is no frame.
@@ -26,29 +60,71 @@ impl RayCull {
         })
     }
 
-    /// A lower bound on the smallest `t >= 0` at which the ray is in a box; `None` if it never is.
-    #[inline]
-    pub(crate) fn enter(&self, bounds: &Box64) -> Option<f64> {
-        let bounds = self.frame.image_of_a(bounds);
-        let to_center = bounds.center - self.origin;
-        let half = bounds.half + self.frame.slack;
-        let (mut enter, mut leave) = (0.0_f64, f64::INFINITY);
+    /// The smallest `t >= 0` at which the ray is in each of four boxes of its frame, widened for rounding; NaN if it never is.
+    #[inline(always)]
+    fn enter<S: Simd>(&self, simd: S, min: [f64x4<S>; 3], max: [f64x4<S>; 3]) -> f64x4<S> {
+        /// The reciprocal of a slower ray overflows; an axis along which a ray is that slow bounds nothing.
+        const SLOW: f64 = f64::from_bits((1023 - 500) << 52);
+        let none = f64x4::splat(simd, f64::NEG_INFINITY);
+        let zero = f64x4::splat(simd, 0.0);
+        let (mut enter, mut leave) = (zero, f64x4::splat(simd, f64::INFINITY));
         for axis in 0..3 {
-            let (center, half, speed) = (to_center[axis], half[axis], self.direction[axis]);
+            let (speed, slack) = (self.direction[axis], f64x4::splat(simd, self.frame.slack[axis]));
+            let origin = f64x4::splat(simd, self.origin[axis]);
+            let (low, high) = (min[axis] - origin - slack, max[axis] - origin + slack);
             if speed == 0.0 {
-                if center.abs() > half {
-                    return None;
-                }
-            } else {
-                let ends = [(center - half) / speed, (center + half) / speed];
-                enter = enter.max(ends[0].min(ends[1]));
-                leave = leave.min(ends[0].max(ends[1]));
+                let apart = low.simd_gt(zero) | high.simd_lt(zero);
+                leave = apart.select(none, leave);
+            } else if speed.abs() >= SLOW {
+                let inverse = f64x4::splat(simd, 1.0 / speed);
+                let (low, high) = (low * inverse, high * inverse);
+                enter = enter.max(low.min(high));
+                leave = leave.min(low.max(high));
             }
         }
-        // For the quotients. The slack covers the roundings of the boxes' ends.
-        let rounding = 8.0 * U64;
-        (enter * (1.0 - rounding) <= leave * (1.0 + rounding)).then_some(enter * (1.0 - rounding))
+        let enter = enter * f64x4::splat(simd, 1.0 - ROUNDING);
+        let missed = enter.simd_gt(leave * f64x4::splat(simd, 1.0 + ROUNDING));
+        missed.select(f64x4::splat(simd, f64::NAN), enter)
     }
+}
+
+impl LowerBounds for RayCull {
+    #[inline(always)]
+    fn lower_bounds<S: Simd>(&self, simd: S, boxes: &BoxLanes, count: usize, bounds: &mut [f64; LANES]) {
+        for first in [0, LANES / 2] {
+            if first >= count {
+                break;
+            }
+            let (mut min, mut max) = ([[0.0; 4]; 3], [[0.0; 4]; 3]);
+            if self.frame.maps_a() {
+                for lane in 0..4 {
+                    let Box64 { center, half } = self.frame.image_of_a(&Box64::of(&boxes.get(first + lane)));
+                    for axis in 0..3 {
+                        min[axis][lane] = center[axis] - half[axis];
+                        max[axis][lane] = center[axis] + half[axis];
+                    }
+                }
+            } else {
+                for axis in 0..3 {
+                    for lane in 0..4 {
+                        min[axis][lane] = f64::from(boxes.min[axis].0[first + lane]);
+                        max[axis][lane] = f64::from(boxes.max[axis].0[first + lane]);
+                    }
+                }
+            }
+            let enter = self.enter(simd, load(simd, &min), load(simd, &max));
+            enter.store_slice(&mut bounds[first..first + 4]);
+        }
+    }
+}
+
+#[inline(always)]
+fn load<S: Simd>(simd: S, [x, y, z]: &[[f64; 4]; 3]) -> [f64x4<S>; 3] {
+    [
+        f64x4::from_slice(simd, x),
+        f64x4::from_slice(simd, y),
+        f64x4::from_slice(simd, z),
+    ]
 }
 
 /// A world-space half-space in a body's model space.
@@ -76,5 +152,97 @@ impl ModelPlane {
     #[inline]
     pub(crate) fn reaches(&self, bounds: &Box64) -> bool {
         self.normal.dot(bounds.center) + self.normal.abs().dot(bounds.half) + self.offset >= 0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Affine3A, Vec3};
+    use rand::{RngExt, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    use super::*;
+    use crate::bounds::{Aabb, Kernel, with_simd};
+
+    fn bounds_of(place: &WorldFromModel, origin: DVec3, direction: DVec3, boxes: &BoxLanes) -> [f64; LANES] {
+        let body = PlacedBounds::new(place, DVec3::splat(8.0));
+        let cull = RayCull::new(origin, direction, &body);
+        let mut bounds = [f64::INFINITY; LANES];
+        with_simd!(Kernel::default().level, simd => cull.lower_bounds(simd, boxes, LANES, &mut bounds));
+        bounds
+    }
+
+    #[test]
+    fn a_box_around_a_point_of_the_ray_is_entered_before_and_a_small_one_hardly_before() {
+        let mut rng = Pcg64Mcg::seed_from_u64(3);
+        for case in 0..4000 {
+            let mut vector = |reach: f64| DVec3::from_array(std::array::from_fn(|_| rng.random_range(-reach..reach)));
+            let turn = Affine3A::from_axis_angle(vector(1.0).normalize().as_vec3(), 1.0);
+            let (mut origin, mut direction) = (vector(4.0), vector(1.0));
+            let is_flat = case % 4 == 0;
+            match case % 5 {
+                0 => direction.y = 0.0,
+                1 => direction.y = f64::from_bits(1),
+                _ => {}
+            }
+            // A place without an inverse: boxes are mapped to world space. The ray is in its plane.
+            let place = if is_flat {
+                (origin.y, direction.y) = (0.0, 0.0);
+                Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0))
+            } else {
+                turn
+            };
+            let place = WorldFromModel::new(place).expect("finite");
+            let t = f64::from(case) / 1000.0;
+            let world = origin + t * direction;
+            let model = if is_flat {
+                world
+            } else {
+                place.linear().inverse() * world
+            };
+            let mut boxes = BoxLanes::default();
+            for lane in 0..LANES {
+                let size = [1e-5, 0.5, 3.0][lane % 3];
+                let (min, max) = ((model - size).as_vec3(), (model + size).as_vec3());
+                boxes.set(lane, &Aabb { min, max });
+            }
+            let bounds = bounds_of(&place, origin, direction, &boxes);
+            for (lane, bound) in bounds.into_iter().enumerate() {
+                let size = [1e-5, 0.5, 3.0][lane % 3];
+                let earliest = (t - 4.0 * size / direction.length()).max(0.0);
+                assert!((earliest..=t).contains(&bound), "case {case}, lane {lane}: {bound} {t}");
+            }
+        }
+    }
+
+    #[test]
+    fn boxes_beside_and_behind_the_ray_are_skipped_and_touched_ones_are_not() {
+        let unit = Aabb {
+            min: Vec3::NEG_ONE,
+            max: Vec3::ONE,
+        };
+        let mut boxes = BoxLanes::default();
+        boxes.set_all(&unit);
+        let bound = |origin, direction| bounds_of(&WorldFromModel::IDENTITY, origin, direction, &boxes)[5];
+        for beside in [1.1, -1.1] {
+            assert!(bound(DVec3::new(-3.0, beside, 0.0), DVec3::X).is_nan());
+        }
+        for touched in [1.0, -1.0] {
+            let bound = bound(DVec3::new(-3.0, touched, 0.0), DVec3::X);
+            assert!((1.999..=2.0).contains(&bound), "{bound}");
+        }
+        assert!(bound(DVec3::new(3.0, 0.0, 0.0), DVec3::X).is_nan());
+        assert_eq!(bound(DVec3::ZERO, DVec3::new(0.3, -1.0, 0.2)), 0.0);
+        // Flat boxes in a plane through the origin have no slack there.
+        boxes.set_all(&Aabb {
+            min: Vec3::new(1.0, 0.0, -1.0),
+            max: Vec3::new(2.0, 0.0, 1.0),
+        });
+        let flat = bounds_of(&WorldFromModel::IDENTITY, DVec3::ZERO, DVec3::X, &boxes);
+        assert!((0.999..=1.0).contains(&flat[0]), "{flat:?}");
+        // A ray that is all but parallel to them.
+        let slow = DVec3::new(1.0, f64::from_bits(1), 0.0);
+        let flat = bounds_of(&WorldFromModel::IDENTITY, DVec3::ZERO, slow, &boxes);
+        assert!((0.999..=1.0).contains(&flat[0]), "{flat:?}");
     }
 }

@@ -3,7 +3,7 @@ use std::ops::ControlFlow;
 use super::body::Body;
 use super::leaves::place_leaf;
 use super::stats::QueryStats;
-use crate::bounds::{Aabb, Box64};
+use crate::bounds::LowerBounds;
 use crate::exact::Triangle;
 use crate::traverse::{Queue, walk_one};
 use crate::tree::CornerLanes;
@@ -18,26 +18,21 @@ pub(super) struct OneBody {
 }
 
 impl OneBody {
-    /// Visits leaves in ascending order of `lower_bound` and calls `at_triangle` with the number and the world-space corners of each
+    /// Visits leaves in ascending order of their lower bounds and calls `at_triangle` with the number and the world-space corners of each
     /// triangle. Ends when the lowest bound left exceeds the limit, or at a break, which it passes on.
     ///
-    /// `lower_bound` maps a node's model-space box to a lower bound for its triangles, `None` to skip the node.
     /// `at_triangle` returns the new limit.
     pub(super) fn walk(
         &mut self,
         mut body: Body<'_>,
         limit: f64,
-        lower_bound: impl Fn(&Box64) -> Option<f64>,
+        bounds: &impl LowerBounds,
         mut at_triangle: impl FnMut(u32, &Triangle) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
         let tree = &mut body.posed();
         let before = tree.blended();
         let (mut node_tests, mut triangle_tests) = (0, 0);
-        let bound = |bounds: &Aabb| {
-            node_tests += 1;
-            lower_bound(&Box64::of(bounds))
-        };
-        let flow = walk_one(tree, &mut self.queue, limit, bound, |tree, leaf| {
+        let flow = walk_one(tree, &mut self.queue, limit, bounds, &mut node_tests, |tree, leaf| {
             self.placed.clear();
             place_leaf(tree, leaf, &mut self.posed, &mut self.placed);
             let mut limit = f64::INFINITY;

@@ -122,17 +122,12 @@ impl RayQuery {
         let line = &ray.line;
         let cull = RayCull::new(line.origin, line.direction, &body.posed().stand().placed);
         let mut limit = line.max_t;
-        self.one.walk(
-            body,
-            limit,
-            |bounds| cull.as_ref().map_or(Some(0.0), |cull| cull.enter(bounds)),
-            |number, triangle| {
-                if let Some(crossing) = ray_meets_triangle(line, triangle) {
-                    limit = at_hit(number, &crossing, triangle)?.min(line.max_t);
-                }
-                ControlFlow::Continue(limit)
-            },
-        )
+        self.one.walk(body, limit, &cull, |number, triangle| {
+            if let Some(crossing) = ray_meets_triangle(line, triangle) {
+                limit = at_hit(number, &crossing, triangle)?.min(line.max_t);
+            }
+            ControlFlow::Continue(limit)
+        })
     }
 }
 

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 
-use crate::bounds::Aabb;
+use crate::bounds::{LANES, LowerBounds, with_simd};
 use crate::pose::{NodeRef, Posed};
 use crate::tree::{ChildKind, Leaf};
 
@@ -40,36 +40,42 @@ impl PartialEq for Entry {
 impl Eq for Entry {}
 
 /// Walks a posed tree best first: calls `at_leaf` for leaves in ascending order of their bounds until the bounds exceed the limit or
-/// it breaks, which it passes on. Blends no bounds below nodes that cannot hold an answer.
+/// it breaks, which it passes on. Blends no bounds below nodes that cannot hold an answer. Adds the number of boxes that were bounded to `node_tests`.
 ///
-/// `bound` maps a node's model-space box to a lower bound for its triangles (of their distance, say), `None` to skip the node; it is
-/// called once for each node tested. `at_leaf` returns the new limit.
+/// `at_leaf` returns the new limit.
 pub(crate) fn walk_one<'p>(
     tree: &mut Posed<'p>,
     queue: &mut Queue,
     mut limit: f64,
-    mut bound: impl FnMut(&Aabb) -> Option<f64>,
+    bounds: &impl LowerBounds,
+    node_tests: &mut u64,
     mut at_leaf: impl FnMut(&mut Posed<'p>, Leaf) -> ControlFlow<(), f64>,
 ) -> ControlFlow<()> {
-    let mut enqueue = |queue: &mut Queue, tree: &Posed<'p>, node, limit| {
-        let bound = bound(&tree.node_box(node)).filter(|&bound| bound <= limit);
-        queue.extend(bound.map(|bound| Entry { bound, node }));
+    let mut lowest = [0.0; LANES];
+    let mut enqueue = |queue: &mut Queue, tree: &mut Posed<'p>, group, limit| {
+        let slot = tree.open(group);
+        let count = tree.topology.group(group).children().len();
+        with_simd!(tree.level, simd => bounds.lower_bounds(simd, tree.boxes(slot), count, &mut lowest));
+        *node_tests += count as u64;
+        for (lane, &bound) in lowest.iter().enumerate().take(count) {
+            // Not so for NaN.
+            if bound <= limit {
+                queue.push(Entry {
+                    bound,
+                    node: tree.node(slot, group, lane),
+                });
+            }
+        }
     };
     queue.clear();
-    let root = tree.root();
-    enqueue(queue, tree, root, limit);
+    enqueue(queue, tree, 0, limit);
     while let Some(Entry { bound: lowest, node }) = queue.pop() {
         if lowest > limit {
             break;
         }
         match node.child.kind() {
             ChildKind::Leaf(leaf) => limit = at_leaf(tree, leaf)?,
-            ChildKind::Group(group) => {
-                let slot = tree.open(group);
-                for lane in 0..tree.topology.group(group).children().len() {
-                    enqueue(queue, tree, tree.node(slot, group, lane), limit);
-                }
-            }
+            ChildKind::Group(group) => enqueue(queue, tree, group, limit),
         }
     }
     ControlFlow::Continue(())

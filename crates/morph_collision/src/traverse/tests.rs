@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::probe::{blob, cubes, leaves, row, triangle};
 use super::{NearestStack, Queue, SelfStack, walk_nearest, walk_one, walk_within};
-use crate::bounds::Aabb;
+use crate::bounds::{Aabb, Box64, ByBox};
 use crate::pose::Pose;
 
 /// The pairs of a body's leaves that are visited, and how many boxes were tested.
@@ -64,12 +64,10 @@ struct OneByOne {
 fn one_by_one(pose: &mut Pose, limit: f64, next: ControlFlow<(), f64>) -> OneByOne {
     let mut visited = Vec::new();
     let mut node_tests = 0;
-    let is_ahead = |bounds: &Aabb| bounds.max.x >= 0.0;
-    let bound = |bounds: &Aabb| {
-        node_tests += 1;
-        is_ahead(bounds).then_some(f64::from(bounds.min.x))
-    };
-    let flow = walk_one(&mut pose.posed(), &mut Queue::new(), limit, bound, |tree, leaf| {
+    let is_ahead = |bounds: &Box64| bounds.center.x + bounds.half.x >= 0.0;
+    let bounds = ByBox(|bounds: &Box64| is_ahead(bounds).then_some(bounds.center.x - bounds.half.x));
+    let (tree, queue) = (&mut pose.posed(), &mut Queue::new());
+    let flow = walk_one(tree, queue, limit, &bounds, &mut node_tests, |tree, leaf| {
         visited.push(triangle(tree, leaf));
         next
     });

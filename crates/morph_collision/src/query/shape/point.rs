@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use glam::DVec3;
 
 use super::ShapeQuery;
-use crate::bounds::{Box64, GapFrame, PlacedBounds, WorldFromModel};
+use crate::bounds::{Box64, ByBox, GapFrame, PlacedBounds, WorldFromModel};
 use crate::exact::{TrianglePoint, closest_on_triangle_exactly};
 use crate::input_error::{InputError, check_length, check_point};
 use crate::query::Body;
@@ -66,15 +66,17 @@ impl ShapeQuery {
         };
         let mut closest: Option<(u32, TrianglePoint)> = None;
         let mut limit = max_distance * max_distance * MARGIN;
-        let _never_stopped = self.one.walk(body, limit, squared_distance, |number, triangle| {
-            let foot = closest_on_triangle_exactly(point, triangle);
-            let is_after = |(n, best): &(u32, TrianglePoint)| (foot.squared, number) < (best.squared, *n);
-            if closest.as_ref().is_none_or(is_after) && foot.squared.sqrt() <= max_distance {
-                closest = Some((number, foot));
-                limit = limit.min(foot.squared * MARGIN);
-            }
-            ControlFlow::Continue(limit)
-        });
+        let _never_stopped = self
+            .one
+            .walk(body, limit, &ByBox(squared_distance), |number, triangle| {
+                let foot = closest_on_triangle_exactly(point, triangle);
+                let is_after = |(n, best): &(u32, TrianglePoint)| (foot.squared, number) < (best.squared, *n);
+                if closest.as_ref().is_none_or(is_after) && foot.squared.sqrt() <= max_distance {
+                    closest = Some((number, foot));
+                    limit = limit.min(foot.squared * MARGIN);
+                }
+                ControlFlow::Continue(limit)
+            });
         Ok(closest.map(|(triangle, foot)| ClosestPoint {
             triangle,
             barycentrics: foot.barycentrics,

@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::bound::NodeBound;
 use super::placed::PlacedShape;
+use crate::bounds::{Box64, ByBox};
 use crate::exact::Triangle;
 use crate::input_error::{InputError, check_number};
 use crate::query::Body;
@@ -165,9 +166,8 @@ impl ShapeQuery {
         at_triangle: impl FnMut(u32, &Triangle) -> ControlFlow<(), f64>,
     ) {
         let bound = NodeBound::new(shape, body.posed().stand().placed);
-        let _stopped_early = self
-            .one
-            .walk(body, limit, |node| Some(bound.lower_bound(node)), at_triangle);
+        let bounds = ByBox(|node: &Box64| Some(bound.lower_bound(node)));
+        let _stopped_early = self.one.walk(body, limit, &bounds, at_triangle);
     }
 }
 

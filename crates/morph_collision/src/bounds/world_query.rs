@@ -91,40 +91,34 @@ impl RayCull {
 impl LowerBounds for RayCull {
     #[inline(always)]
     fn lower_bounds<S: Simd>(&self, simd: S, boxes: &BoxLanes, count: usize, bounds: &mut [f64; LANES]) {
-        for first in [0, LANES / 2] {
-            if first >= count {
-                break;
-            }
-            let (mut min, mut max) = ([[0.0; 4]; 3], [[0.0; 4]; 3]);
-            if self.frame.maps_a() {
+        let zero = f64x4::splat(simd, 0.0);
+        let (mut min, mut max) = ([[zero; 3]; 2], [[zero; 3]; 2]);
+        if self.frame.maps_a() {
+            for half in 0..2 {
+                let (mut low, mut high) = ([[0.0; 4]; 3], [[0.0; 4]; 3]);
                 for lane in 0..4 {
-                    let Box64 { center, half } = self.frame.image_of_a(&Box64::of(&boxes.get(first + lane)));
+                    let Box64 { center, half } = self.frame.image_of_a(&Box64::of(&boxes.get(4 * half + lane)));
                     for axis in 0..3 {
-                        min[axis][lane] = center[axis] - half[axis];
-                        max[axis][lane] = center[axis] + half[axis];
+                        low[axis][lane] = center[axis] - half[axis];
+                        high[axis][lane] = center[axis] + half[axis];
                     }
                 }
-            } else {
                 for axis in 0..3 {
-                    for lane in 0..4 {
-                        min[axis][lane] = f64::from(boxes.min[axis].0[first + lane]);
-                        max[axis][lane] = f64::from(boxes.max[axis].0[first + lane]);
-                    }
+                    min[half][axis] = f64x4::from_slice(simd, &low[axis]);
+                    max[half][axis] = f64x4::from_slice(simd, &high[axis]);
                 }
             }
-            let enter = self.enter(simd, load(simd, &min), load(simd, &max));
-            enter.store_slice(&mut bounds[first..first + 4]);
+        } else {
+            for axis in 0..3 {
+                (min[0][axis], min[1][axis]) = boxes.min[axis].load(simd).widen();
+                (max[0][axis], max[1][axis]) = boxes.max[axis].load(simd).widen();
+            }
+        }
+        self.enter(simd, min[0], max[0]).store_slice(&mut bounds[..4]);
+        if count > 4 {
+            self.enter(simd, min[1], max[1]).store_slice(&mut bounds[4..]);
         }
     }
-}
-
-#[inline(always)]
-fn load<S: Simd>(simd: S, [x, y, z]: &[[f64; 4]; 3]) -> [f64x4<S>; 3] {
-    [
-        f64x4::from_slice(simd, x),
-        f64x4::from_slice(simd, y),
-        f64x4::from_slice(simd, z),
-    ]
 }
 
 /// A world-space half-space in a body's model space.

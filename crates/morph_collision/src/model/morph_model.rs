@@ -1,7 +1,7 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 use super::skin::{self, Influence, Influences, Skin};
 use super::weld::weld;
@@ -257,10 +257,12 @@ impl MorphModel {
     /// It is computed in `f32`, in ascending target order, with zero weights left out, by a multiplication and then an
     /// addition. Zero displacements are not stored; adding them would change no value.
     #[inline]
-    pub(crate) fn blend_vertex(&self, vertex: u32, weights: &Weights) -> Vec3 {
-        let mut position = self.base[vertex as usize];
+    pub(crate) fn blend_vertex(&self, vertex: u32, weights: &Weights) -> Vec3A {
+        let mut position = Vec3A::from(self.base[vertex as usize]);
         let (targets, deltas) = self.columns(vertex);
-        weights.visit(targets, deltas, |weight, &delta| position += delta * weight);
+        weights.visit(targets, deltas, |weight, &delta| {
+            position += Vec3A::from(delta) * weight
+        });
         position
     }
 }

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use fearless_simd::f64x4;
 use fearless_simd::prelude::*;
-use glam::Vec3;
+use glam::Vec3A;
 
 use super::ModelError;
 use crate::joints::JointMatrices;
@@ -95,7 +95,7 @@ impl Skin {
     /// The vertex's matrix is `((w_0 J_0 + w_1 J_1) + w_2 J_2) + ...` per entry, in the order of slots; zero weights are left out, and
     /// weights are not normalised. The position, in the first three numbers, is `((M_x p_x + M_y p_y) + M_z p_z) + M_t`. All of it is `f64`, never fused.
     #[inline(always)]
-    pub(crate) fn place<S: Simd>(&self, simd: S, vertex: u32, position: Vec3, joints: &JointMatrices) -> [f64; 4] {
+    pub(crate) fn place<S: Simd>(&self, simd: S, vertex: u32, position: Vec3A, joints: &JointMatrices) -> [f64; 4] {
         let mut blended = [f64x4::splat(simd, 0.0); 4];
         for influence in self.influences(vertex) {
             let weight = f64x4::splat(simd, f64::from(influence.weight));

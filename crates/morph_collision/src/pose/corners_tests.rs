@@ -91,7 +91,7 @@ fn judge_posed(posed: &mut Posed<'_>, way: Way) {
                     let vertices = posed.model.corners(triangle);
                     for ([x, y, z], vertex) in patch.iter().zip(vertices) {
                         let corner = Vec3::new(x.0[lane], y.0[lane], z.0[lane]);
-                        let expected = posed.model.blend_vertex(vertex, posed.weights);
+                        let expected = Vec3::from(posed.model.blend_vertex(vertex, posed.weights));
                         // Equal numbers that are not zero are the same bits.
                         assert_eq!(corner, expected, "leaf {leaf}, lane {lane}, vertex {vertex}");
                     }

@@ -1,7 +1,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 use super::cache::EpochCache;
 use super::posed::{Blended, Posed, Scratch};
@@ -27,7 +27,7 @@ pub struct Pose {
     /// Whether [`Pose::refit`] made the cached boxes.
     is_refitted: bool,
     boxes: EpochCache<BoxLanes>,
-    vertices: EpochCache<Vec3>,
+    vertices: EpochCache<Vec3A>,
     /// For a skinned mesh, with where the space of its boxes stands.
     skinning: Option<(WorldFromModel, Skinning)>,
     standing: Standing,

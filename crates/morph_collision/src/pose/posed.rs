@@ -1,5 +1,5 @@
 use fearless_simd::{Level, Simd};
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec3A};
 
 use super::blend::{blend_group, blend_patch, max_widening};
 use super::cache::EpochCache;
@@ -8,7 +8,7 @@ use super::standing::Standing;
 use crate::bounds::{Aabb, BoxLanes, LANES, WorldFromModel, with_simd, world_map};
 use crate::exact::Triangle;
 use crate::model::{MorphModel, Weights};
-use crate::tree::{Child, ChildKind, CornerLanes, Leaf, LeafLanes, SkinTables, Tables, Topology, in_lanes, put};
+use crate::tree::{Child, ChildKind, CornerLanes, Leaf, LeafLanes, SkinTables, Tables, Topology, gather};
 
 /// The numbers of boxes and vertices that a pose has blended since it was made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -51,7 +51,7 @@ pub(crate) struct Posed<'a> {
     pub(super) leaf_lanes: Option<&'a LeafLanes>,
     pub(super) weights: &'a Weights,
     pub(super) boxes: &'a mut EpochCache<BoxLanes>,
-    pub(super) vertices: &'a mut EpochCache<Vec3>,
+    pub(super) vertices: &'a mut EpochCache<Vec3A>,
     pub(super) standing: &'a mut Standing,
     pub(super) blended: &'a mut Blended,
     pub(super) scratch: &'a mut Scratch,
@@ -63,7 +63,7 @@ pub(crate) struct Posed<'a> {
 #[derive(Clone, Default)]
 pub(super) struct Scratch {
     corners: Vec<CornerLanes>,
-    points: Vec<Vec3>,
+    points: Vec<[f32; 4]>,
     pub(super) world: Vec<[f64; 4]>,
 }
 
@@ -164,7 +164,7 @@ impl Posed<'_> {
 
     /// The position of a welded vertex before joints and placement; blended unless it is cached.
     #[inline(always)]
-    pub(crate) fn vertex(&mut self, vertex: u32) -> Vec3 {
+    pub(crate) fn vertex(&mut self, vertex: u32) -> Vec3A {
         match self.vertices.find(vertex as usize) {
             Some(slot) => *self.vertices.get(slot),
             None => self.blend_vertex(vertex),
@@ -172,7 +172,7 @@ impl Posed<'_> {
     }
 
     #[inline(never)]
-    fn blend_vertex(&mut self, vertex: u32) -> Vec3 {
+    fn blend_vertex(&mut self, vertex: u32) -> Vec3A {
         self.blended.vertices += 1;
         let position = self.model.blend_vertex(vertex, self.weights);
         self.vertices.insert(vertex as usize, position);
@@ -184,7 +184,7 @@ impl Posed<'_> {
         if self.is_skinned() {
             return self.skinned_vertex(vertex).as_vec3();
         }
-        self.vertex(vertex)
+        self.vertex(vertex).into()
     }
 
     /// The position of a welded vertex in world space.
@@ -194,7 +194,7 @@ impl Posed<'_> {
             return self.skinned_vertex(vertex);
         }
         let position = self.vertex(vertex);
-        self.place.transform_point(position)
+        self.place.transform_point(position.into())
     }
 
     /// The corners of a triangle in world space.
@@ -224,22 +224,20 @@ impl Posed<'_> {
             let columns = lanes.patch(self.topology.patches(leaf).start + patch);
             blend_patch(simd, columns, self.weights, corners);
         } else {
-            self.gather_corners(leaf, patch, corners);
+            self.gather_corners(simd, leaf, patch, corners);
         }
     }
 
-    #[inline(never)]
-    fn gather_corners(&mut self, leaf: Leaf, patch: usize, corners: &mut CornerLanes) {
+    #[inline(always)]
+    fn gather_corners<S: Simd>(&mut self, simd: S, leaf: Leaf, patch: usize, corners: &mut CornerLanes) {
         let mesh = self.topology.leaf_mesh(leaf);
         let mut points = std::mem::take(&mut self.scratch.points);
         points.clear();
-        points.extend(mesh.vertices.iter().map(|&vertex| self.vertex(vertex)));
-        let triangles = mesh.corners.chunks(LANES).nth(patch).unwrap_or_default();
-        for (lane, triangle) in in_lanes(triangles) {
-            for (corner, place) in triangle.into_iter().enumerate() {
-                put(corners, lane, corner, points[usize::from(place)]);
-            }
+        for &vertex in mesh.vertices {
+            points.push(self.vertex(vertex).extend(0.0).to_array());
         }
+        let triangles = mesh.corners.chunks(LANES).nth(patch).unwrap_or_default();
+        gather(simd, triangles, &points, corners);
         self.scratch.points = points;
     }
 

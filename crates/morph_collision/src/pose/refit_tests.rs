@@ -65,7 +65,7 @@ fn each_box(posed: &mut Posed<'_>, group: usize, visit: &mut impl FnMut(&Aabb, &
             ChildKind::Leaf(leaf) => {
                 let vertices = topology.leaf_triangles(leaf).iter();
                 let vertices = vertices.flat_map(|&triangle| posed.model.corners(triangle));
-                let blend = |vertex| posed.model.blend_vertex(vertex, posed.weights);
+                let blend = |vertex| Vec3::from(posed.model.blend_vertex(vertex, posed.weights));
                 (vertices.map(blend).collect(), true)
             }
         };

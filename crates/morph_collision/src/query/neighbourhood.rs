@@ -57,7 +57,7 @@ pub(super) struct Placement {
 impl Placement {
     /// Takes points from world space to the neighbourhood; the first three numbers of each count.
     #[inline(always)]
-    pub(super) fn place_points<S: Simd>(&self, simd: S, points: &[[f64; 4]], placed: &mut Vec<[f32; 8]>) {
+    pub(super) fn place_points<S: Simd>(&self, simd: S, points: &[[f64; 4]], placed: &mut Vec<[f32; 4]>) {
         let [x, y, z] = self.origin;
         let origin = f64x4::from_slice(simd, &[x, y, z, 0.0]);
         let scale = f64x4::splat(simd, self.scale);
@@ -65,8 +65,8 @@ impl Placement {
         for point in points {
             // The scale is a power of two, which changes no rounding.
             let local = f64x4::from_slice(simd, point) * scale - origin;
-            let mut numbers = [0.0; 8];
-            local.narrow(local).store_slice(&mut numbers);
+            let mut numbers = [0.0; 4];
+            local.narrow(local).split().0.store_slice(&mut numbers);
             placed.push(numbers);
         }
     }

@@ -4,7 +4,6 @@ use std::cell::Cell;
 use std::ops::{ControlFlow, Range};
 
 use fearless_simd::Simd;
-use glam::Vec3;
 
 use super::neighbourhood::{Neighbourhood, Placement};
 use super::pairs::TrianglePair;
@@ -14,7 +13,7 @@ use crate::bounds::{LANES, WorldFromModel, lanes_of, with_simd};
 use crate::exact::{Facet, Triangle, facets_intersect_counting};
 use crate::model::MorphModel;
 use crate::pose::{EpochCache, Posed};
-use crate::tree::{Leaf, Topology, in_lanes, put};
+use crate::tree::{Leaf, Topology, gather};
 
 /// The patches of one body that a query has read. The next query reuses the memory.
 #[derive(Debug, Default)]
@@ -23,7 +22,7 @@ pub(super) struct Patches {
     placed: EpochCache<Patch>,
     placement: Placement,
     /// Scratch memory: the vertices of a leaf of a skinned mesh in the neighbourhood, in the first three numbers of each.
-    points: Vec<[f32; 8]>,
+    points: Vec<[f32; 4]>,
 }
 
 /// One body of a query.
@@ -75,12 +74,7 @@ impl<'q, 'p> Side<'q, 'p> {
                     let mesh = self.tree.topology.leaf_mesh(leaf);
                     let triangles = mesh.corners.chunks(LANES).nth(index).unwrap_or_default();
                     placement.place_points(simd, self.tree.world_vertices(leaf), points);
-                    let point = |place: u16| points[usize::from(place)];
-                    for (lane, triangle) in in_lanes(triangles) {
-                        for (corner, [x, y, z, ..]) in triangle.map(point).into_iter().enumerate() {
-                            put(&mut patch.corners, lane, corner, Vec3::new(x, y, z));
-                        }
-                    }
+                    gather(simd, triangles, points, &mut patch.corners);
                 } else {
                     self.tree.patch_corners(simd, leaf, index, &mut patch.corners);
                     placement.place(simd, &mut patch.corners);

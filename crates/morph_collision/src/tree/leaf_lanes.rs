@@ -1,5 +1,7 @@
 //! The corners of the leaves' triangles, eight triangles side by side, as they are blended for the exact tests.
 
+use fearless_simd::f32x4;
+use fearless_simd::prelude::*;
 use glam::Vec3;
 
 use super::{Leaf, Topology};
@@ -103,6 +105,27 @@ impl LeafLanes {
             + size_of_val(&*self.starts)
             + size_of_val(&*self.targets)
             + size_of_val(&*self.displacements)
+    }
+}
+
+/// Sets the lanes to the corners of at most eight triangles, which index `points`. A point is the first three of four numbers. Lanes beyond the last triangle repeat it,
+/// so that a condition on all lanes is one on the triangles.
+#[inline(always)]
+pub(crate) fn gather<S: Simd>(simd: S, triangles: &[[u16; 3]], points: &[[f32; 4]], lanes: &mut CornerLanes) {
+    let mut of_lanes = [triangles.last().copied().unwrap_or_default(); LANES];
+    of_lanes[..triangles.len()].copy_from_slice(triangles);
+    for (corner, rows) in lanes.iter_mut().enumerate() {
+        for first in [0, LANES / 2] {
+            let a = f32x4::from_slice(simd, &points[usize::from(of_lanes[first][corner])]);
+            let b = f32x4::from_slice(simd, &points[usize::from(of_lanes[first + 1][corner])]);
+            let c = f32x4::from_slice(simd, &points[usize::from(of_lanes[first + 2][corner])]);
+            let d = f32x4::from_slice(simd, &points[usize::from(of_lanes[first + 3][corner])]);
+            let (ac, bd) = (a.zip_low(c), b.zip_low(d));
+            let (ac_high, bd_high) = (a.zip_high(c), b.zip_high(d));
+            ac.zip_low(bd).store_slice(&mut rows[0].0[first..first + 4]);
+            ac.zip_high(bd).store_slice(&mut rows[1].0[first..first + 4]);
+            ac_high.zip_low(bd_high).store_slice(&mut rows[2].0[first..first + 4]);
+        }
     }
 }
 

@@ -22,7 +22,9 @@ mod topology;
 pub use bvh::MorphBvh;
 pub(crate) use joint_boxes::JointBoxes;
 pub use layout::{LayoutError, TreeLayout};
-pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, in_lanes, put};
+pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, gather};
+#[cfg(test)]
+pub(crate) use leaf_lanes::{in_lanes, put};
 pub use options::BuildOptions;
 pub(crate) use skin_tables::{BODY_FRAME, Block, SkinTables};
 pub(crate) use tables::{GroupTables, Tables};

@@ -32,7 +32,9 @@ impl Shape {
     fn new(model: &MorphModel, weights: &[f32]) -> Self {
         let weights = Weights::new(weights);
         let vertices = 0..model.vertex_count() as u32;
-        let positions: Vec<Vec3> = vertices.map(|vertex| model.blend_vertex(vertex, &weights)).collect();
+        let positions: Vec<Vec3> = vertices
+            .map(|vertex| model.blend_vertex(vertex, &weights).into())
+            .collect();
         let (midpoints, bounds) = (0..model.triangle_count() as u32)
             .map(|triangle| {
                 let corners = model.corners(triangle).map(|vertex| positions[vertex as usize]);

@@ -220,7 +220,7 @@ instructions *SCENES: release
     set -euo pipefail
     frames="${CARGO_TARGET_DIR:-target}/release/frames"
     scenes="{{SCENES}}"
-    for scene in ${scenes:-pass-through-20480 dolphins-564 dolphins-9024 dolphins-36096 heads-cheek heads-crowd horse-gallop samba walkers-hands walkers-deep walkers-crowd walkers-ray walkers-rays}; do
+    for scene in ${scenes:-pass-through-20480 dolphins-564 dolphins-9024 dolphins-36096 heads-cheek heads-crowd horse-gallop samba walkers-hands walkers-deep walkers-crowd head-ray head-rays walkers-ray walkers-rays}; do
         for wanted in all first; do
             # The first pass and the set-up are not counted.
             if ! output=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*counted_pass*' "$frames" $scene $wanted 2>&1); then

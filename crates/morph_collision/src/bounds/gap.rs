@@ -49,20 +49,39 @@ impl GapFrame {
     pub(crate) fn list(a: &PlacedBounds, b: &PlacedBounds) -> Vec<Self> {
         let mut any_faithful = false;
         let mut list = Vec::new();
-        for (target, source, mapped) in [(a, b, 1), (b, a, 0)] {
-            let (mut frames, mut frame) = ([None; 2], Frame::default());
-            if relative(target, source, &mut frame) {
-                frames[mapped] = Some(frame);
-                let (metric, kept) = diagonal_below(target.world_from_model().linear());
-                // Not measured; it decides only how often the third frame is made.
-                any_faithful |= kept > 0.5;
-                list.push(Self::new(frames, metric, a, b));
-            }
+        for (gap, kept) in [Self::of_a(a, b), Self::of_b(a, b)].into_iter().flatten() {
+            // Not measured; it decides only how often the third frame is made.
+            any_faithful |= kept > 0.5;
+            list.push(gap);
         }
         if !any_faithful {
             list.push(Self::world(a, b));
         }
         list
+    }
+
+    /// The first of [`list`](Self::list).
+    pub(super) fn first(a: &PlacedBounds, b: &PlacedBounds) -> Self {
+        let first = Self::of_a(a, b).or_else(|| Self::of_b(a, b));
+        first.map_or_else(|| Self::world(a, b), |(gap, _)| gap)
+    }
+
+    /// The space of the first body, and how faithful it is to lengths; `None` if it has no inverse.
+    fn of_a(a: &PlacedBounds, b: &PlacedBounds) -> Option<(Self, f64)> {
+        let mut frame = Frame::default();
+        relative(a, b, &mut frame).then(|| {
+            let (metric, kept) = diagonal_below(a.world_from_model().linear());
+            (Self::new([None, Some(frame)], metric, a, b), kept)
+        })
+    }
+
+    /// The space of the second body.
+    fn of_b(a: &PlacedBounds, b: &PlacedBounds) -> Option<(Self, f64)> {
+        let mut frame = Frame::default();
+        relative(b, a, &mut frame).then(|| {
+            let (metric, kept) = diagonal_below(b.world_from_model().linear());
+            (Self::new([Some(frame), None], metric, a, b), kept)
+        })
     }
 
     /// World space, where lengths are world lengths up to a few roundings.

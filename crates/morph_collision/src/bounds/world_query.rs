@@ -25,17 +25,6 @@ impl<F: Fn(&Box64) -> Option<f64>> LowerBounds for ByBox<F> {
     }
 }
 
-/// Without any, every triangle is looked at.
-impl<T: LowerBounds> LowerBounds for Option<T> {
-    #[inline(always)]
-    fn lower_bounds<S: Simd>(&self, simd: S, boxes: &BoxLanes, count: usize, bounds: &mut [f64; LANES]) {
-        match self {
-            Some(some) => some.lower_bounds(simd, boxes, count, bounds),
-            None => *bounds = [0.0; LANES],
-        }
-    }
-}
-
 /// A world-space ray in a frame where it can be compared with a body's boxes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RayCull {
@@ -48,16 +37,16 @@ pub(crate) struct RayCull {
 const ROUNDING: f64 = 8.0 * U64;
 
 impl RayCull {
-    /// The ray `origin + t direction`, for a placed body; `None` if there is no frame.
-    pub(crate) fn new(origin: DVec3, direction: DVec3, body: &PlacedBounds) -> Option<Self> {
+    /// The ray `origin + t direction`, for a placed body.
+    pub(crate) fn new(origin: DVec3, direction: DVec3, body: &PlacedBounds) -> Self {
         // Where the ray is near the body, no coordinate of `t direction` is larger than the body's plus the origin's.
         let near = 2.0 * origin.abs() + body.world_reach();
-        let frame = *GapFrame::list(body, &PlacedBounds::new(&WorldFromModel::IDENTITY, near)).first()?;
-        Some(Self {
+        let frame = GapFrame::first(body, &PlacedBounds::new(&WorldFromModel::IDENTITY, near));
+        Self {
             frame,
             origin: frame.image_of_b(&Box64::point(origin)).center,
             direction: frame.frames[1].map_or(direction, |to_model| to_model.linear * direction),
-        })
+        }
     }
 
     /// The smallest `t >= 0` at which the ray is in each of four boxes of its frame, widened for rounding; NaN if it never is.

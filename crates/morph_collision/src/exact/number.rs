@@ -105,13 +105,14 @@ pub(crate) type Vector<N> = [N; 3];
 
 #[inline]
 pub(crate) fn vector<N: Number>(v: DVec3) -> Vector<N> {
-    v.to_array().map(N::new)
+    [N::new(v.x), N::new(v.y), N::new(v.z)]
 }
 
 /// `a - b`.
 #[inline]
 pub(crate) fn difference<N: Number>(a: DVec3, b: DVec3) -> Vector<N> {
-    std::array::from_fn(|axis| N::new(a[axis]).minus(&N::new(b[axis])))
+    let along = |a, b| N::new(a).minus(&N::new(b));
+    [along(a.x, b.x), along(a.y, b.y), along(a.z, b.z)]
 }
 
 #[inline]
@@ -128,7 +129,11 @@ pub(crate) fn cross_coordinate<N: Number>(a: &Vector<N>, b: &Vector<N>, axis: us
 
 #[inline]
 pub(crate) fn cross<N: Number>(a: &Vector<N>, b: &Vector<N>) -> Vector<N> {
-    std::array::from_fn(|axis| cross_coordinate(a, b, axis))
+    [
+        cross_coordinate(a, b, 0),
+        cross_coordinate(a, b, 1),
+        cross_coordinate(a, b, 2),
+    ]
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@ use std::cmp::Ordering::{self, Equal, Greater, Less};
 use glam::DVec3;
 
 use super::dyadic::Dyadic;
-use super::number::{Approx, Number, UNIT_ROUNDOFF, Vector, cross, cross_coordinate, difference, dot, vector};
+use super::number::{Approx, Number, Vector, cross, cross_coordinate, difference, dot, vector};
 use super::predicates::Projection;
 use super::segment::{Segment, edges, flat_triangle_contains};
 use super::triangle::Triangle;
@@ -31,42 +31,7 @@ pub(crate) struct Crossing {
 /// The line passes through the triangle iff all edges turn the same way around it. Each turn is a determinant of the direction
 /// and two corners, seen from the origin. Triangles with a common edge share its determinant up to the sign, so no ray slips
 /// between them. All three are zero where the ray is in the triangle's plane or the triangle is degenerate.
-#[inline]
 pub(crate) fn ray_meets_triangle(line: &Line, triangle: &Triangle) -> Option<Crossing> {
-    if certainly_misses(line, triangle) {
-        return None;
-    }
-    meets(line, triangle)
-}
-
-/// Whether two edges turn in different ways around the line for certain. Decides most triangles.
-///
-/// The differences, cross products and dot products below round a turn by less than 15 units of `U M^2 |d|`, where `M` is the largest coordinate of a corner seen
-/// from the origin and `|d|` the sum of the direction's coordinates. The smallest normal number covers what underflows. Where a turn could overflow, the error
-/// is infinite.
-#[inline]
-fn certainly_misses(line: &Line, triangle: &Triangle) -> bool {
-    let direction = line.direction;
-    let [u, v, w] = [
-        triangle[0] - line.origin,
-        triangle[1] - line.origin,
-        triangle[2] - line.origin,
-    ];
-    let reach = u.abs().max(v.abs()).max(w.abs()).max_element();
-    let error =
-        (1024.0 * reach * reach) * (20.0 / 1024.0 * UNIT_ROUNDOFF) * direction.abs().element_sum() + f64::MIN_POSITIVE;
-    let turns = [
-        direction.dot(u.cross(v)),
-        direction.dot(v.cross(w)),
-        direction.dot(w.cross(u)),
-    ];
-    let least = turns[0].min(turns[1]).min(turns[2]);
-    let most = turns[0].max(turns[1]).max(turns[2]);
-    least < -error && most > error
-}
-
-#[inline(never)]
-fn meets(line: &Line, triangle: &Triangle) -> Option<Crossing> {
     crossing::<Approx>(line, triangle).unwrap_or_else(|| crossing::<Dyadic>(line, triangle).flatten())
 }
 
@@ -75,8 +40,14 @@ fn meets(line: &Line, triangle: &Triangle) -> Option<Crossing> {
 fn crossing<N: Number>(line: &Line, triangle: &Triangle) -> Option<Option<Crossing>> {
     let [a, b, c] = *triangle;
     let direction: [N; 3] = vector(line.direction);
-    let [u, v, w] = triangle.map(|corner| difference::<N>(corner, line.origin));
-    let turns = [(&u, &v), (&v, &w), (&w, &u)].map(|(p, q)| dot(&direction, &cross(p, q)).sign());
+    let u: [N; 3] = difference(a, line.origin);
+    let v: [N; 3] = difference(b, line.origin);
+    let w: [N; 3] = difference(c, line.origin);
+    let turns = [
+        dot(&direction, &cross(&u, &v)).sign(),
+        dot(&direction, &cross(&v, &w)).sign(),
+        dot(&direction, &cross(&w, &u)).sign(),
+    ];
     if turns.contains(&Some(Less)) && turns.contains(&Some(Greater)) {
         return Some(None);
     }
@@ -162,52 +133,4 @@ fn parameter(distance: &Dyadic, speed: &Dyadic, max_t: f64) -> Option<f64> {
 /// Whether a quotient is negative.
 fn is_negative(dividend: &Dyadic, divisor: &Dyadic) -> bool {
     matches!((dividend.order(), divisor.order()), (Less, Greater) | (Greater, Less))
-}
-
-#[cfg(test)]
-mod tests {
-    use rand::{RngExt, SeedableRng};
-    use rand_pcg::Pcg64Mcg;
-
-    use super::*;
-    use crate::exact::number::power_of_two;
-
-    #[test]
-    fn what_certainly_misses_misses_exactly_and_most_misses_are_certain() {
-        let mut rng = Pcg64Mcg::seed_from_u64(1);
-        let (mut certain, mut far_misses, mut doubtful) = (0, 0, 0);
-        for case in 0..40_000 {
-            let scale = power_of_two([0, 0, -300, 400, 506, 511, -505][case % 7]);
-            let mut vector = || DVec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)));
-            let (a, b, c, origin) = (vector(), vector(), vector(), vector());
-            // Every other ray passes an edge within a few roundings.
-            let target = if case % 2 == 0 { 0.3 * a + 0.7 * b } else { vector() };
-            let direction = target - origin;
-            let line = Line {
-                origin: origin * scale,
-                direction,
-                max_t: f64::INFINITY,
-            };
-            let triangle = [a, b, c].map(|corner| corner * scale);
-            let misses = crossing::<Dyadic>(&line, &triangle).flatten().is_none();
-            let is_certain = certainly_misses(&line, &triangle);
-            assert!(misses || !is_certain, "case {case}");
-            if case % 2 == 1 && scale < power_of_two(500) && scale > power_of_two(-500) {
-                // The line misses too.
-                far_misses += u32::from(
-                    misses && {
-                        let back = Line {
-                            direction: -direction,
-                            ..line
-                        };
-                        crossing::<Dyadic>(&back, &triangle).flatten().is_none()
-                    },
-                );
-                certain += u32::from(is_certain);
-            }
-            doubtful += u32::from(case % 2 == 0 && !is_certain);
-        }
-        assert!(certain > 10_000 && certain == far_misses, "{certain} of {far_misses}");
-        assert!(doubtful > 10_000, "{doubtful}");
-    }
 }

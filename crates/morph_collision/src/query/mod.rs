@@ -37,6 +37,7 @@ mod patch;
 mod patches;
 mod placements;
 mod ray;
+mod ray_view;
 mod self_pairs;
 mod shape;
 mod stats;

@@ -5,8 +5,9 @@ use super::leaves::place_leaf;
 use super::stats::QueryStats;
 use crate::bounds::LowerBounds;
 use crate::exact::Triangle;
+use crate::pose::Posed;
 use crate::traverse::{Queue, walk_one};
-use crate::tree::CornerLanes;
+use crate::tree::{CornerLanes, Leaf};
 
 /// The walk that all queries about one body share, and its scratch memory.
 #[derive(Debug, Default)]
@@ -24,23 +25,39 @@ impl OneBody {
     /// `at_triangle` returns the new limit.
     pub(super) fn walk(
         &mut self,
-        mut body: Body<'_>,
+        body: Body<'_>,
         limit: f64,
         bounds: &impl LowerBounds,
         mut at_triangle: impl FnMut(u32, &Triangle) -> ControlFlow<(), f64>,
+    ) -> ControlFlow<()> {
+        let (mut posed, mut placed) = (std::mem::take(&mut self.posed), std::mem::take(&mut self.placed));
+        let flow = self.walk_leaves(body, limit, bounds, |tree, leaf| {
+            placed.clear();
+            place_leaf(tree, leaf, &mut posed, &mut placed);
+            let mut limit = f64::INFINITY;
+            for (number, triangle) in &placed {
+                limit = at_triangle(*number, triangle)?;
+            }
+            ControlFlow::Continue(limit)
+        });
+        (self.posed, self.placed) = (posed, placed);
+        flow
+    }
+
+    /// The same by leaves.
+    pub(super) fn walk_leaves(
+        &mut self,
+        mut body: Body<'_>,
+        limit: f64,
+        bounds: &impl LowerBounds,
+        mut at_leaf: impl FnMut(&mut Posed<'_>, Leaf) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
         let tree = &mut body.posed();
         let before = tree.blended();
         let (mut node_tests, mut triangle_tests) = (0, 0);
         let flow = walk_one(tree, &mut self.queue, limit, bounds, &mut node_tests, |tree, leaf| {
-            self.placed.clear();
-            place_leaf(tree, leaf, &mut self.posed, &mut self.placed);
-            let mut limit = f64::INFINITY;
-            for (number, triangle) in &self.placed {
-                triangle_tests += 1;
-                limit = at_triangle(*number, triangle)?;
-            }
-            ControlFlow::Continue(limit)
+            triangle_tests += tree.topology.leaf_range(leaf).len() as u64;
+            at_leaf(tree, leaf)
         });
         self.stats = QueryStats {
             node_tests,

@@ -6,7 +6,8 @@ use glam::DVec3;
 use super::body::Body;
 use super::input::Ray;
 use super::one::OneBody;
-use crate::bounds::RayCull;
+use super::ray_view::RayView;
+use crate::bounds::{LANES, RayCull, lanes_of, with_simd};
 use crate::exact::{Crossing, Triangle, VALUE_ERROR, closest_on_triangle, ray_meets_triangle};
 
 /// The side of a triangle that a ray hits. The front is where its corners appear counter-clockwise in world space.
@@ -62,6 +63,8 @@ pub struct RayHit {
 #[derive(Debug, Default)]
 pub struct RayQuery {
     one: OneBody,
+    /// Scratch memory.
+    points: Vec<[f32; 4]>,
 }
 
 query_basics!(RayQuery, |query| query.one.stats);
@@ -120,11 +123,23 @@ impl RayQuery {
         mut at_hit: impl FnMut(u32, &Crossing, &Triangle) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
         let line = &ray.line;
-        let cull = RayCull::new(line.origin, line.direction, &body.posed().stand().placed);
+        let placed = body.posed().stand().placed;
+        let (cull, view) = (
+            RayCull::new(line.origin, line.direction, &placed),
+            RayView::new(line, &placed),
+        );
         let mut limit = line.max_t;
-        self.one.walk(body, limit, &cull, |number, triangle| {
-            if let Some(crossing) = ray_meets_triangle(line, triangle) {
-                limit = at_hit(number, &crossing, triangle)?.min(line.max_t);
+        let points = &mut self.points;
+        self.one.walk_leaves(body, limit, &cull, |tree, leaf| {
+            for patch in 0..tree.topology.patches(leaf).len() {
+                let candidates = with_simd!(tree.level, simd => view.candidates(simd, tree, (leaf, patch), points));
+                for lane in lanes_of(candidates) {
+                    let number = tree.topology.leaf_triangles(leaf)[patch * LANES + lane];
+                    let triangle = tree.world_triangle(number);
+                    if let Some(crossing) = ray_meets_triangle(line, &triangle) {
+                        limit = at_hit(number, &crossing, &triangle)?.min(line.max_t);
+                    }
+                }
             }
             ControlFlow::Continue(limit)
         })

@@ -58,7 +58,7 @@ pub(crate) struct BenchArgs {
     /// Only this scene; may be given again.
     ///
     /// One of: pass-through-20480, dolphins-564, dolphins-9024, dolphins-36096, heads-cheek, heads-crowd, horse-gallop, samba,
-    /// walkers-hands, walkers-deep, walkers-crowd, walkers-ray, walkers-rays, or a model's file name without extension. All from heads-cheek on need models that are read from the library's repository and the folder of models
+    /// walkers-hands, walkers-deep, walkers-crowd, head-ray, head-rays, walkers-ray, walkers-rays, or a model's file name without extension. All from heads-cheek on need models that are read from the library's repository and the folder of models
     /// beside it; where these are missing such a scene is skipped, or refused if asked for.
     #[arg(long = "scene", value_name = "NAME")]
     scenes: Vec<String>,

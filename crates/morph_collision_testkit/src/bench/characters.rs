@@ -5,6 +5,7 @@ use morph_collision::Aabb;
 use thiserror::Error;
 
 use super::Experiment;
+use super::rays::rays_at;
 use super::walkers::WALKERS;
 use crate::gltf_read::{ReadError, read_meshes};
 use crate::mesh::MorphMesh;
@@ -27,6 +28,8 @@ struct Script {
     /// The model, as [`find_real_model`] takes it.
     model: &'static str,
     bodies: usize,
+    /// How many rays are cast at each body in a frame.
+    rays: usize,
     motion: Motion,
     /// Where the middle of a body is, by its index, the share of the script, and the size of the mesh at rest.
     place: fn(usize, f64, DVec3) -> Affine3A,
@@ -62,12 +65,13 @@ impl Motion {
 
 const HEAD: &str = "mh_head_eyes_teeth_arkit52.glb";
 
-const SCRIPTS: [Script; 4] = [
+const SCRIPTS: [Script; 6] = [
     Script {
         name: "heads-cheek",
         title: "Heads cheek to cheek",
         model: HEAD,
         bodies: 2,
+        rays: 0,
         motion: Motion::Talk,
         place: heads::cheek_to_cheek,
     },
@@ -76,6 +80,7 @@ const SCRIPTS: [Script; 4] = [
         title: "Heads in a crowd",
         model: HEAD,
         bodies: heads::CROWD,
+        rays: 0,
         motion: Motion::Talk,
         place: heads::crowd,
     },
@@ -84,6 +89,7 @@ const SCRIPTS: [Script; 4] = [
         title: "Galloping horses",
         model: "sequences/horse-gallop.glb",
         bodies: 2,
+        rays: 0,
         motion: Motion::FlipBook { passes: 3.3 },
         place: flip_books::horses,
     },
@@ -92,8 +98,27 @@ const SCRIPTS: [Script; 4] = [
         title: "Samba dancers",
         model: "sequences/samba.glb",
         bodies: 2,
+        rays: 0,
         motion: Motion::FlipBook { passes: 1.7 },
         place: flip_books::dancers,
+    },
+    Script {
+        name: "head-ray",
+        title: "A head and a ray",
+        model: HEAD,
+        bodies: 1,
+        rays: 1,
+        motion: Motion::Talk,
+        place: heads::cheek_to_cheek,
+    },
+    Script {
+        name: "head-rays",
+        title: "A head and rays",
+        model: HEAD,
+        bodies: 1,
+        rays: 100,
+        motion: Motion::Talk,
+        place: heads::cheek_to_cheek,
     },
 ];
 
@@ -136,14 +161,17 @@ impl Experiment {
     pub fn characters() -> impl Iterator<Item = (&'static str, &'static str)> {
         let walkers = WALKERS.iter().filter(|walkers| walkers.rays == 0);
         let walkers = walkers.map(|walkers| (walkers.name, walkers.title));
-        SCRIPTS.iter().map(|script| (script.name, script.title)).chain(walkers)
+        let scripts = SCRIPTS.iter().filter(|script| script.rays == 0);
+        scripts.map(|script| (script.name, script.title)).chain(walkers)
     }
 
-    /// The scenes with rays, by name and the beginning of the heading: a skinned character that walks and talks, hit by one ray in
-    /// each frame, or by a hundred.
+    /// The scenes with rays, by name and the beginning of the heading: a head that talks, and a skinned character that walks and talks, hit by
+    /// one ray in each frame, or by a hundred.
     pub fn with_rays() -> impl Iterator<Item = (&'static str, &'static str)> {
         let walkers = WALKERS.iter().filter(|walkers| walkers.rays > 0);
-        walkers.map(|walkers| (walkers.name, walkers.title))
+        let walkers = walkers.map(|walkers| (walkers.name, walkers.title));
+        let scripts = SCRIPTS.iter().filter(|script| script.rays > 0);
+        scripts.map(|script| (script.name, script.title)).chain(walkers)
     }
 
     /// The names that [`Experiment::named`] knows.
@@ -199,13 +227,22 @@ impl Script {
             };
             (0..bodies).map(body).collect()
         };
+        let rays = |&step: &usize| {
+            let at = (self.place)(0, step as f64 / STEPS as f64, size).translation.as_dvec3();
+            rays_at(at, 0.4 * size, step, self.rays)
+        };
+        let rays = if self.rays > 0 {
+            steps.iter().map(rays).collect()
+        } else {
+            Vec::new()
+        };
         Ok(Experiment {
             name: self.name.to_owned(),
             title,
             bodies,
             frames: steps.iter().map(frame).collect(),
             joints: Vec::new(),
-            rays: Vec::new(),
+            rays,
             steps,
             mesh,
         })

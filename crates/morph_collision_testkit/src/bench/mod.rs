@@ -37,6 +37,7 @@ mod measure;
 mod of_model;
 mod page;
 mod questions;
+mod rays;
 mod runner;
 mod walkers;
 

@@ -5,11 +5,11 @@ use std::f64::consts::TAU;
 use glam::{Affine3A, DQuat, DVec3};
 
 use super::characters::{NoExperiment, STEPS};
+use super::rays::rays_at;
 use super::{Experiment, Frame};
 use crate::gltf_read::read_meshes;
 use crate::mesh::MorphMesh;
 use crate::moments::find_real_model;
-use crate::rivals::CastRay;
 
 const MODEL: &str = "mh_character.glb";
 const CLIP: &str = "walk_and_talk";
@@ -19,6 +19,9 @@ const AHEAD: f64 = 0.37;
 
 /// Loops of the clip in the whole script: 400 steps at 60 a second, of 3 s each; a little off, so that frames lie between keys.
 const LOOPS: f64 = 2.23;
+
+/// Half the size of what rays are aimed at, around the middle of a character: head to feet, without arms.
+const BODY: DVec3 = DVec3::new(1.0, 7.5, 1.0);
 
 /// What the bodies of a scene do.
 pub(super) struct Walkers {
@@ -94,20 +97,6 @@ fn crowd(index: usize, t: f64) -> Affine3A {
     standing(at, 0.4 * (1.7 * index as f64).sin())
 }
 
-/// A ray from around a character that stands at a place, to a point near its middle: from shot to shot somewhere else, and so that most of them hit.
-fn ray_at(at: DVec3, step: usize, ray: usize) -> CastRay {
-    // Steps of low discrepancy.
-    let number = (step * 131 + ray) as f64;
-    let share = |stride: f64| (number * stride).fract();
-    let (turn, up) = (TAU * share(0.618_034), share(0.754_878));
-    let origin = at + DVec3::new(40.0 * turn.cos(), 12.0 * share(0.569_840) - 2.0, 40.0 * turn.sin());
-    let sideways = DVec3::new(-turn.sin(), 0.0, turn.cos()) * (2.0 * share(0.324_718) - 1.0);
-    CastRay {
-        origin,
-        direction: at + DVec3::new(0.0, 15.0 * up - 7.5, 0.6) + sideways - origin,
-    }
-}
-
 impl Walkers {
     pub(super) fn experiment(&self, every: usize) -> Result<Experiment, NoExperiment> {
         let path = find_real_model(MODEL).map_err(|missing| NoExperiment::Missing {
@@ -141,7 +130,7 @@ impl Walkers {
             }
             if self.rays > 0 {
                 let at = (self.place)(0, t).translation.as_dvec3();
-                rays.push((0..self.rays).map(|ray| ray_at(at, step, ray)).collect());
+                rays.push(rays_at(at + DVec3::Z * 0.6, BODY, step, self.rays));
             }
             frames.push(frame);
             joints.push(of_bodies);

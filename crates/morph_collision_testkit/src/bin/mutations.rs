@@ -43,7 +43,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut seeds = files(&root.join("fuzz/corpus").join(name))?;
         if name == "gltf" {
             let copies = seeds.len() / 8 + 1;
-            for mesh in [models::random::random_blob(1, 0, 3, 0.5), models::rigs::rigid_pieces(1, 2, 1)] {
+            for mesh in [
+                models::random::random_blob(1, 0, 3, 0.5),
+                models::rigs::rigid_pieces(1, 2, 1),
+            ] {
                 let glb = to_glb(&mesh, &Appearance::default())?;
                 seeds.extend(std::iter::repeat_n(glb, copies));
             }

@@ -91,7 +91,7 @@ impl Parts {
             skeleton::Property::Scale => (Property::Scale, packer.values(root, Type::Vec3, vectors())),
             skeleton::Property::Rotation => (
                 Property::Rotation,
-                packer.values(root, Type::Vec4, channel.values.iter().map(|value| value.to_array())),
+                packer.values(root, Type::Vec4, channel.values.iter().map(glam::Vec4::to_array)),
             ),
         };
         let interpolation = match channel.interpolation {

@@ -4,7 +4,8 @@
 //! What is compared is the cost of a walk by the surface-area heuristic: the sum over nodes of a box's area times what is below the node,
 //! children or triangles. `leaves tight` counts the smallest boxes for leaves on both sides, `all` every box as it is. `/ morph` is the sum of every box
 //! as it is over that of `morph`, whose boxes are in the spaces of joints; those of `joint-boxes` and `joint-union` are along the world's axes, over a tree of
-//! their own with leaves of the same size.
+//! their own with leaves of the same size. Under joints that scale unevenly (`Scaled`) it says little, since areas in stretched spaces are compared with
+//! areas in the world.
 
 use std::collections::BTreeMap;
 use std::error::Error;

@@ -189,7 +189,11 @@ mod tests {
         let skeleton = &mut mesh.skin.as_mut().expect("a tube is skinned").skeleton;
         skeleton.clips.clear();
         let experiment = Experiment::of_model("t".to_owned(), mesh, 2, 60);
-        let joints = experiment.joints_of(3, 1).expect("it is skinned");
+        let of_bodies = [0, 1].map(|body| experiment.joints_of(3, body).expect("it is skinned"));
+        // About as far apart as bodies without joints, by most of their length of 2.
+        let apart = of_bodies[1][0].translation - of_bodies[0][0].translation;
+        assert!(apart.x > 1.0 && apart.x < 3.0, "{apart}");
+        let joints = of_bodies[1];
         assert!(
             joints.iter().all(|joint| *joint == joints[0] * rest[0]),
             "at rest {joints:?}"

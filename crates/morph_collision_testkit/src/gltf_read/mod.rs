@@ -6,7 +6,7 @@
 //!
 //! Files come from anywhere. Every index is checked where it is used, and nothing is checked that is not used: a file with a broken
 //! texture, a broken second mesh or a missing buffer that no mesh needs still has its first mesh. Whatever is allocated is counted
-//! against the file's [`MemoryBudget`] first. Buffers in other files have to be regular files in the directory of the model or below
+//! against the file's [`MemoryBudget`](crate::memory::MemoryBudget) first. Buffers in other files have to be regular files in the directory of the model or below
 //! ([`ReadOptions::any_path`] lifts that). Images are never decoded. Transforms of nodes that show a mesh are not applied: a mesh is read in
 //! its own space. Default weights are ignored.
 

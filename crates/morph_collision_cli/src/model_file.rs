@@ -10,7 +10,6 @@ use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::printable::Printable;
 
 use crate::error::CliError;
-use crate::output;
 
 /// How far commands trust the files they read.
 #[derive(Debug, Args)]
@@ -83,30 +82,13 @@ impl FileArgs {
 
 /// Reads a mesh that is to collide, with its skin, and without the clips of its weights.
 pub(crate) fn read_mesh(file: &GltfFile, index: usize) -> Result<MorphMesh, CliError> {
-    let mut mesh = read_bound_mesh(file, index)?;
+    let found = file.mesh(index)?;
+    found
+        .check_triangles()
+        .map_err(|reason| mesh_error(file, index, reason))?;
+    let mut mesh = found.mesh;
     mesh.skin = file.skin(index)?;
     Ok(mesh)
-}
-
-/// As [`read_mesh`] in the shape that it was bound in. Says so on stderr if it is skinned.
-pub(crate) fn read_mesh_without_skin(file: &GltfFile, index: usize) -> Result<MorphMesh, CliError> {
-    let mesh = read_bound_mesh(file, index)?;
-    if file.skin(index)?.is_some() {
-        let name = Printable(&mesh.name);
-        output::complain(format_args!(
-            "warning: {}: mesh {index} \"{name}\" is skinned; it is measured without its joints, in its bind pose",
-            file.path().display()
-        ));
-    }
-    Ok(mesh)
-}
-
-fn read_bound_mesh(file: &GltfFile, index: usize) -> Result<MorphMesh, CliError> {
-    let found = file.mesh(index)?;
-    match found.check_triangles() {
-        Ok(_) => Ok(found.mesh),
-        Err(reason) => Err(mesh_error(file, index, reason)),
-    }
 }
 
 /// Counts `bytes` for data derived from a mesh against the file's memory budget.

@@ -133,13 +133,17 @@ fn image(frame: &Frame, source: &Box64) -> Box64 {
 }
 
 /// A diagonal matrix below `linear^T linear`, and the smallest fraction of that one's diagonal that it keeps: 1 where the axes
-/// stay orthogonal. The difference of the two is diagonally dominant, so positive semidefinite.
+/// stay orthogonal, 0 with a zero matrix where they are far from it. With the axes scaled to length 1, the difference of the two is diagonally
+/// dominant, so positive semidefinite. That takes every row: a single axis must not be left out.
 fn diagonal_below(linear: DMat3) -> (DVec3, f64) {
     let gram = linear.transpose() * linear;
-    let diagonal = gram.diagonal();
-    let rows = gram.abs() * DVec3::ONE;
-    let rounding = 16.0 * U64 * (diagonal.max_element() + rows.max_element());
-    let below = (2.0 * diagonal - rows - DVec3::splat(rounding)).max(DVec3::ZERO);
-    let kept = (below / diagonal).min_element();
-    (below, if kept.is_finite() { kept } else { 0.0 })
+    let lengths = gram.diagonal().map(f64::sqrt);
+    // The sum of an axis's cosines with the others, and 1 with itself.
+    let cosines = (gram.abs() * lengths.recip()) / lengths;
+    let kept = DVec3::splat(2.0 - 64.0 * U64) - cosines;
+    if kept.is_finite() && kept.min_element() > 0.0 {
+        (kept * gram.diagonal(), kept.min_element())
+    } else {
+        (DVec3::ZERO, 0.0)
+    }
 }

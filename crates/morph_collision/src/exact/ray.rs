@@ -127,7 +127,8 @@ fn segment_parameter(line: &Line, [p, q]: Segment) -> Option<f64> {
 /// `distance / speed` if that is in 0..=`max_t`.
 fn parameter(distance: &Dyadic, speed: &Dyadic, max_t: f64) -> Option<f64> {
     let is_beyond = || max_t.is_finite() && is_negative(&speed.times(&Dyadic::new(max_t)).minus(distance), speed);
-    (!is_negative(distance, speed) && !is_beyond()).then(|| distance.over(speed))
+    // Where the ray starts, zero over a negative speed is not to become a negative zero, which would be sorted before other hits there.
+    (!is_negative(distance, speed) && !is_beyond()).then(|| distance.over(speed) + 0.0)
 }
 
 /// Whether a quotient is negative.

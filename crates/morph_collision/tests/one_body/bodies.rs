@@ -85,6 +85,11 @@ pub(crate) fn odd_places() -> Vec<(&'static str, Affine3A)> {
         ("a line", Mat3::from_diagonal(Vec3::X)),
         ("a sheet", Mat3::from_diagonal(Vec3::new(1.0, -1.0, 0.0))),
         ("a point", Mat3::ZERO),
+        // An axis is much shorter than what it has in common with another one.
+        (
+            "strongly sheared",
+            turned * Mat3::from_cols(Vec3::X, Vec3::new(10.0, 3.0, 0.0), Vec3::Z),
+        ),
     ]
     .map(|(name, linear)| (name, Affine3A::from_mat3_translation(linear, offset)))
     .to_vec()

@@ -240,3 +240,24 @@ fn a_ray_from_far_away_hits_what_it_is_aimed_at() {
         }
     }
 }
+
+#[test]
+fn hits_where_the_ray_starts_are_at_zero_in_the_order_of_triangles() {
+    let corners = vec![glam::Vec3::ZERO, glam::Vec3::Y, glam::Vec3::Z];
+    let mesh =
+        morph_collision_testkit::mesh::MorphMesh::rigid("corner", corners, vec![[0, 1, 2], [0, 0, 0], [2, 1, 0]]);
+    let case = Case::new("corner", mesh, Vec::new(), glam::Affine3A::IDENTITY);
+    let place = case.world_from_model();
+    for pose in &mut case.poses() {
+        for direction in [DVec3::X, DVec3::NEG_X, DVec3::NEG_Y] {
+            let ray = Ray::new(DVec3::ZERO, direction, 1.0).unwrap();
+            let mut hits = Vec::new();
+            RayQuery::new().all(Body::new(pose, &place), &ray, &mut hits);
+            let found: Vec<_> = hits
+                .iter()
+                .map(|hit| (hit.triangle, hit.t.to_bits(), hit.distance.to_bits()))
+                .collect();
+            assert_eq!(found, [(0, 0, 0), (1, 0, 0), (2, 0, 0)], "along {direction}");
+        }
+    }
+}

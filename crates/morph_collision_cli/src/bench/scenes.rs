@@ -6,7 +6,7 @@ use morph_collision_testkit::bench::{Entrant, Experiment, NoExperiment};
 
 use super::BenchArgs;
 use crate::error::CliError;
-use crate::model_file::{count_memory, read_clips, read_mesh_without_skin};
+use crate::model_file::{count_memory, read_clips, read_mesh};
 use crate::output;
 
 /// An experiment, and how errors speak of it.
@@ -82,7 +82,7 @@ fn of_model(args: &BenchArgs, model: &Path, name: String, entrants: &[Entrant]) 
     for error in errors {
         output::complain(format_args!("warning: passed over: {error}"));
     }
-    let mut mesh = read_mesh_without_skin(&file, index)?;
+    let mut mesh = read_mesh(&file, index)?;
     let bodies = u64::from(args.bodies);
     let of_method = |entrant: &Entrant| {
         if entrant.is_paper() {
@@ -92,7 +92,8 @@ fn of_model(args: &BenchArgs, model: &Path, name: String, entrants: &[Entrant]) 
             mesh.tree_bytes() + bodies * mesh.body_bytes(true)
         }
     };
-    let bytes = entrants.iter().map(of_method).fold(0, u64::saturating_add);
+    let frames = Experiment::bytes_of_model(&mesh, usize::from(args.bodies), usize::from(args.every));
+    let bytes = entrants.iter().map(of_method).fold(frames, u64::saturating_add);
     count_memory(&file, index, bytes, || {
         format!("its trees for {bodies} bodies and {} methods", entrants.len())
     })?;

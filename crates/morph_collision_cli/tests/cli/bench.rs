@@ -81,6 +81,35 @@ fn models_scenes_methods_and_modes_can_be_chosen() -> TestResult {
 }
 
 #[test]
+fn a_skinned_model_plays_its_clip_against_the_methods_for_skins() -> TestResult {
+    let (_dir, path) = crate::skins::model()?;
+    let model = path.to_str().ok_or("not UTF-8")?;
+    let report = bench(&[model, "--mode", "all"])?;
+    let scene = &list(&report, "scenes")?[0];
+    let methods = list(scene, "methods")?;
+    let names: Vec<_> = methods.iter().filter_map(|method| method["name"].as_str()).collect();
+    for name in [
+        "morph",
+        "bottom-up",
+        "joint-boxes",
+        "joint-union",
+        "parry-trimesh",
+        "parry-bvh",
+    ] {
+        assert!(names.contains(&name), "no {name} in {names:?}");
+    }
+    // Those that know nothing of joints.
+    assert!(
+        !names.contains(&"rigid-floor") && !names.contains(&"paper"),
+        "{names:?}"
+    );
+    for method in methods {
+        assert_eq!(method["pairs"], methods[0]["pairs"], "{method}");
+    }
+    Ok(())
+}
+
+#[test]
 fn talking_heads_are_among_the_scenes() -> TestResult {
     let report = bench(&["--scene", "heads-crowd", "--method", "hybrid"])?;
     let scenes = list(&report, "scenes")?;

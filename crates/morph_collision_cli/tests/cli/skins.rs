@@ -9,7 +9,7 @@ use crate::support::{RawMesh, TestResult, error_of, morph_collide, stdout_of, wr
 
 /// A file of two triangles in the plane z = 0 with a target that lifts them by 1. The first one is bound to a joint, which stands under a node at x = 10;
 /// the clip "rise" lifts the joint from 0 to 4 in a second, and the weight from 0 to 1.
-fn model() -> Result<(TempDir, PathBuf), Box<dyn std::error::Error>> {
+pub(crate) fn model() -> Result<(TempDir, PathBuf), Box<dyn std::error::Error>> {
     let dir = tempdir()?;
     let meshes = [RawMesh::triangle("Bound"), RawMesh::triangle("Free")];
     let path = write_gltf(dir.path(), "two.gltf", &meshes)?;

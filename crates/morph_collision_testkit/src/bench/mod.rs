@@ -36,6 +36,7 @@ mod machine;
 mod measure;
 mod of_model;
 mod page;
+mod played;
 mod questions;
 mod rays;
 mod runner;

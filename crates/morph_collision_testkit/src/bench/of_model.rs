@@ -3,10 +3,11 @@
 use std::f64::consts::TAU;
 
 use glam::{Affine3A, DQuat, DVec3};
-use morph_collision::Aabb;
 
 use super::Experiment;
-use crate::mesh::MorphMesh;
+use super::played::{Played, is_playable};
+use crate::mesh::{MeshSkin, MorphMesh};
+use crate::oracle::BodyPose;
 
 /// Steps of the script.
 const STEPS: usize = 400;
@@ -21,17 +22,22 @@ impl Experiment {
     ///
     /// Weights are those of the mesh's first clip of the right length, twice through, each body at another point of it. Without one,
     /// a smooth wave runs through each target, in 0 to 0.5 and half of the time 0.
+    ///
+    /// The joints of a skinned mesh play a clip, 60 steps a second, each body at another point of it: the first one that moves weights as well, which then
+    /// follow it, or else the first. Without one they rest. The bodies stand where their joints put them, not at their places.
     #[must_use]
     pub fn of_model(name: String, mesh: MorphMesh, bodies: usize, every: usize) -> Self {
-        let bounds = Aabb::from_points(mesh.positions.iter().copied());
-        let (size, middle) = (bounds.size().as_dvec3(), bounds.center());
+        let played = Played::of(&mesh);
+        let (min, max) = bounds(&mesh, played.as_ref());
+        let (size, middle) = ((max - min), (0.5 * (min + max)).as_vec3());
         let columns = (bodies as f64).sqrt().ceil().max(1.0) as usize;
         let title = format!("{name}, {bodies} x {} triangles", mesh.triangles.len());
         let weights = script_of(&mesh);
-        Self::scripted(name, title, mesh, bodies, (STEPS, every), |step| {
+        let share = |index: usize| index as f64 / bodies as f64;
+        let mut experiment = Self::scripted(name, title, mesh, bodies, (STEPS, every), |step| {
             let t = step as f64 / STEPS as f64;
             let body = |index: usize| {
-                let own = index as f64 / bodies as f64;
+                let own = share(index);
                 let sway = |cycles: f64, phase: f64| SWAY * (TAU * (cycles * t + own + phase)).sin();
                 let (row, column) = ((index / columns) as f64, (index % columns) as f64);
                 let cell = DVec3::new(
@@ -41,21 +47,56 @@ impl Experiment {
                 );
                 let turn = DQuat::from_rotation_y(0.4 * (TAU * (t + own)).sin());
                 let place = Affine3A::from_rotation_translation(turn.as_quat(), (cell * size).as_vec3());
-                (weights(t, own), place * Affine3A::from_translation(-middle))
+                let of_clip = played.as_ref().and_then(|played| played.weights(step, own));
+                let weights = of_clip.unwrap_or_else(|| weights(t, own));
+                (weights, place * Affine3A::from_translation(-middle))
             };
             (0..bodies).map(body).collect()
-        })
+        });
+        if let Some(played) = played {
+            for (frame, &step) in experiment.frames.iter_mut().zip(&experiment.steps) {
+                let of_body = |(index, (_, place)): (usize, &mut (Vec<f32>, Affine3A))| {
+                    let place = std::mem::replace(place, Affine3A::IDENTITY);
+                    let joints = played.joints(step, share(index));
+                    joints.into_iter().map(|joint| place * joint).collect()
+                };
+                experiment
+                    .joints
+                    .push(frame.iter_mut().enumerate().map(of_body).collect());
+            }
+        }
+        experiment
     }
+
+    /// What the frames of [`Experiment::of_model`] take in memory, in bytes.
+    #[must_use]
+    pub fn bytes_of_model(mesh: &MorphMesh, bodies: usize, every: usize) -> u64 {
+        let joints = mesh.skin.as_ref().map_or(0, MeshSkin::joint_count);
+        let of_body = 128 + size_of::<Affine3A>() * joints + size_of::<f32>() * mesh.targets.len();
+        (STEPS.div_ceil(every.max(1)) as u64)
+            .saturating_mul(bodies as u64)
+            .saturating_mul(of_body as u64)
+    }
+}
+
+/// The smallest and largest coordinates of the mesh with weights of zero, and with its joints at the beginning of their clip.
+fn bounds(mesh: &MorphMesh, played: Option<&Played>) -> (DVec3, DVec3) {
+    let joints = played.map(|played| played.joints(0, 0.0));
+    let pose = BodyPose {
+        mesh,
+        weights: &vec![0.0; mesh.targets.len()],
+        world_from_model: Affine3A::IDENTITY,
+        joints: joints.as_deref(),
+    };
+    let empty = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+    let world = pose.world_vertices();
+    world.into_iter().fold(empty, |(min, max), p| (min.min(p), max.max(p)))
 }
 
 /// Weights at a share of the script, of a body at a share of the way around.
 fn script_of(mesh: &MorphMesh) -> Box<dyn Fn(f64, f64) -> Vec<f32>> {
     let targets = mesh.targets.len();
-    let fits = |weights: &Vec<f32>| weights.len() == targets;
-    let clip = mesh
-        .animations
-        .iter()
-        .find(|clip| !clip.weights.is_empty() && clip.weights.iter().all(fits));
+    let clip = mesh.animations.iter().find(|clip| is_playable(clip, targets));
     match clip.cloned() {
         Some(clip) => Box::new(move |t, own| clip.sample(((2.0 * t + own) * f64::from(clip.duration())) as f32)),
         None => Box::new(move |t, own| {
@@ -67,8 +108,13 @@ fn script_of(mesh: &MorphMesh) -> Box<dyn Fn(f64, f64) -> Vec<f32>> {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec4;
+
     use super::*;
+    use crate::mesh::WeightAnimation;
+    use crate::models::rigs::tube;
     use crate::models::{dolphin, rigid};
+    use crate::skeleton::{Interpolation, JointChannel, JointClip, Property};
 
     #[test]
     fn a_clip_gives_the_weights_and_bodies_differ() {
@@ -95,6 +141,62 @@ mod tests {
                 .iter()
                 .flatten()
                 .all(|(weights, _)| weights.is_empty())
+        );
+    }
+
+    #[test]
+    fn a_skinned_mesh_plays_the_clip_that_moves_joints_and_weights() {
+        let mut mesh = tube(1, 3, 2, 2);
+        let clip = |name: &str, height: f32| JointClip {
+            name: name.to_owned(),
+            channels: vec![JointChannel {
+                node: 0,
+                property: Property::Translation,
+                interpolation: Interpolation::Linear,
+                times: vec![0.0, 2.0],
+                values: vec![Vec4::ZERO, Vec4::Y * height],
+            }],
+        };
+        let skeleton = &mut mesh.skin.as_mut().expect("a tube is skinned").skeleton;
+        skeleton.clips = vec![clip("walk", 100.0), clip("both", 8.0)];
+        let rest = skeleton.at_rest();
+        let weights = |name: &str| WeightAnimation {
+            name: name.to_owned(),
+            times: vec![0.0, 2.0],
+            weights: vec![vec![0.0, 1.0], vec![1.0, 1.0]],
+            tangents: Vec::new(),
+        };
+        mesh.animations = vec![weights("blink"), weights("both")];
+        let experiment = Experiment::of_model("t".to_owned(), mesh.clone(), 2, 60);
+        assert_eq!(experiment.joints.len(), experiment.frames.len());
+        assert!(
+            experiment
+                .frames
+                .iter()
+                .flatten()
+                .all(|(_, place)| *place == Affine3A::IDENTITY)
+        );
+        // A second of two later the first body is half-way; the second one is half of the clip ahead.
+        assert_eq!(experiment.frames[1][0].0, [0.5, 1.0]);
+        assert_eq!(experiment.frames[0][1].0, [0.5, 1.0]);
+        let height = |frame: usize| experiment.joints_of(frame, 0).expect("it is skinned")[0].translation.y;
+        let lifted = height(1) - height(0);
+        // It sways, too: by less than half of the size of a tube that is bent a little.
+        assert!((lifted - 4.0).abs() < 1.0, "{lifted}");
+        let bytes = Experiment::bytes_of_model(&mesh, 2, 60);
+        assert!((14 * (3 * 64 + 8)..10_000).contains(&bytes), "{bytes}");
+
+        let skeleton = &mut mesh.skin.as_mut().expect("a tube is skinned").skeleton;
+        skeleton.clips.clear();
+        let experiment = Experiment::of_model("t".to_owned(), mesh, 2, 60);
+        let of_bodies = [0, 1].map(|body| experiment.joints_of(3, body).expect("it is skinned"));
+        // About as far apart as bodies without joints, by most of their length of 2.
+        let apart = of_bodies[1][0].translation - of_bodies[0][0].translation;
+        assert!(apart.x > 1.0 && apart.x < 3.0, "{apart}");
+        let joints = of_bodies[1];
+        assert!(
+            joints.iter().all(|joint| *joint == joints[0] * rest[0]),
+            "at rest {joints:?}"
         );
     }
 }

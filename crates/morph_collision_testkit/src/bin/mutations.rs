@@ -42,8 +42,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (name, target) in [("gltf", fuzzing::gltf as fn(&[u8])), ("scene", fuzzing::scene)] {
         let mut seeds = files(&root.join("fuzz/corpus").join(name))?;
         if name == "gltf" {
-            let glb = to_glb(&models::random::random_blob(1, 0, 3, 0.5), &Appearance::default())?;
-            seeds.extend(std::iter::repeat_n(glb, seeds.len() / 4 + 1));
+            let copies = seeds.len() / 8 + 1;
+            for mesh in [
+                models::random::random_blob(1, 0, 3, 0.5),
+                models::rigs::rigid_pieces(1, 2, 1),
+            ] {
+                let glb = to_glb(&mesh, &Appearance::default())?;
+                seeds.extend(std::iter::repeat_n(glb, copies));
+            }
         } else {
             seeds.extend(files(&root.join("assets/scenes"))?);
         }

@@ -2,18 +2,22 @@
 //! random poses.
 //!
 //! What is compared is the cost of a walk by the surface-area heuristic: the sum over nodes of a box's area times what is below the node,
-//! children or triangles. `leaves tight` counts the smallest boxes for leaves on both sides, `all` every box as it is.
+//! children or triangles. `leaves tight` counts the smallest boxes for leaves on both sides, `all` every box as it is. `/ morph` is the sum of every box
+//! as it is over that of `morph`, whose boxes are in the spaces of joints; those of `joint-boxes` and `joint-union` are along the world's axes, over a tree of
+//! their own with leaves of the same size. Under joints that scale unevenly (`Scaled`) it says little, since areas in stretched spaces are compared with
+//! areas in the world.
 
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::sync::Arc;
 
-use glam::{DMat3, DVec3};
+use glam::{Affine3A, DMat3, DVec3};
 use morph_collision::{Body, BuildOptions, JointMatrices, MorphBvh, Pose, WorldFromModel};
 use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::rigs::{self, PoseKind};
 use morph_collision_testkit::moments::find_real_model;
+use morph_collision_testkit::rivals::JointNodes;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -28,7 +32,10 @@ const MODELS: [&str; 4] = [
 const FRAMES: usize = 12;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    println!("{:24} {:16} {:>12} {:>8}", "model", "poses", "leaves tight", "all");
+    println!(
+        "{:24} {:16} {:12} {:>12} {:>8} {:>8}",
+        "model", "poses", "method", "leaves tight", "all", "/ morph"
+    );
     let mut meshes = Vec::new();
     for model in MODELS {
         match find_real_model(model) {
@@ -46,31 +53,45 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 fn of_mesh(mesh: &MorphMesh) -> Result<(), Box<dyn Error>> {
     let Some(skin) = &mesh.skin else { return Ok(()) };
-    let mut pose = Pose::new(Arc::new(MorphBvh::build(
-        Arc::new(mesh.to_model()?),
-        &BuildOptions::default(),
-    )));
+    let options = BuildOptions::default();
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(mesh.to_model()?), &options)));
+    let rivals = [false, true].map(|union| JointNodes::new(mesh, union, &options.into()));
+    let [joint_boxes, joint_union] = rivals;
+    let rivals = [joint_boxes?, joint_union?];
     let mut rng = Pcg64Mcg::seed_from_u64(1);
-    let mut sums: BTreeMap<String, Costs> = BTreeMap::new();
+    let mut sums: BTreeMap<String, [Costs; 3]> = BTreeMap::new();
+    let mut add = |poses: String, joints: &[Affine3A]| -> Result<(), Box<dyn Error>> {
+        let weights = weights(&mut rng, mesh.targets.len());
+        pose.set_joints(&JointMatrices::new(joints)?)?;
+        pose.set_weights(&weights)?;
+        let corners = corners(&mut pose);
+        let sums = sums.entry(poses).or_default();
+        sums[0].add(&costs(&nodes(&mut pose), &corners));
+        for (sum, rival) in sums[1..].iter_mut().zip(&rivals) {
+            sum.add(&costs(&nodes_of(rival, &weights, joints), &corners));
+        }
+        Ok(())
+    };
     for clip in &skin.skeleton.clips {
         for frame in 0..FRAMES {
             let seconds = clip.duration() * frame as f32 / FRAMES as f32;
-            let joints = skin.skeleton.world_from_mesh(Some(clip), seconds);
-            pose.set_joints(&JointMatrices::new(&joints)?)?;
-            pose.set_weights(&weights(&mut rng, mesh.targets.len()))?;
-            sums.entry("clips".to_owned()).or_default().add(&costs(&mut pose));
+            add("clips".to_owned(), &skin.skeleton.world_from_mesh(Some(clip), seconds))?;
         }
     }
     for kind in [PoseKind::Gentle, PoseKind::Turned, PoseKind::Scaled] {
         for seed in 0..FRAMES as u64 {
-            pose.set_joints(&JointMatrices::new(&kind.draw(&skin.skeleton, seed))?)?;
-            pose.set_weights(&weights(&mut rng, mesh.targets.len()))?;
-            sums.entry(format!("{kind:?}")).or_default().add(&costs(&mut pose));
+            add(format!("{kind:?}"), &kind.draw(&skin.skeleton, seed))?;
         }
     }
-    for (poses, costs) in sums {
-        let [leaves_tight, all] = [costs.leaves_tight, costs.bounded].map(|cost| cost / costs.tight);
-        println!("{:24} {poses:16} {leaves_tight:12.3} {all:8.3}", mesh.name);
+    for (poses, of_methods) in sums {
+        for (method, costs) in ["morph", "joint-boxes", "joint-union"].iter().zip(&of_methods) {
+            let [leaves_tight, all] = [costs.leaves_tight, costs.bounded].map(|cost| cost / costs.tight);
+            let ratio = costs.bounded / of_methods[0].bounded;
+            println!(
+                "{:24} {poses:16} {method:12} {leaves_tight:12.3} {all:8.3} {ratio:8.3}",
+                mesh.name
+            );
+        }
     }
     Ok(())
 }
@@ -110,7 +131,8 @@ struct Node {
     children: usize,
 }
 
-fn costs(pose: &mut Pose) -> Costs {
+/// The nodes of our tree, each in the space that its box is in.
+fn nodes(pose: &mut Pose) -> Vec<Node> {
     let mut nodes: Vec<Node> = Vec::new();
     let mut path: Vec<usize> = Vec::new();
     pose.visit_nodes(|node| {
@@ -129,13 +151,35 @@ fn costs(pose: &mut Pose) -> Costs {
         });
         true
     });
-    let corners: Vec<[DVec3; 3]> = {
-        let (count, place) = (pose.bvh().model().triangle_count() as u32, WorldFromModel::IDENTITY);
-        let mut body = Body::new(pose, &place);
-        (0..count).filter_map(|triangle| body.triangle(triangle)).collect()
-    };
+    nodes
+}
+
+/// The nodes of a rival's tree, in world space.
+fn nodes_of(rival: &JointNodes, weights: &[f32], joints: &[Affine3A]) -> Vec<Node> {
+    let mut nodes = Vec::new();
+    rival.visit(weights, joints, |node| {
+        nodes.push(Node {
+            is_leaf: node.children == 0,
+            min: node.bounds.min.as_dvec3(),
+            max: node.bounds.max.as_dvec3(),
+            place: WorldFromModel::IDENTITY,
+            triangles: node.triangles.to_vec(),
+            children: node.children,
+        });
+    });
+    nodes
+}
+
+/// The corners of all triangles in world space.
+fn corners(pose: &mut Pose) -> Vec<[DVec3; 3]> {
+    let (count, place) = (pose.bvh().model().triangle_count() as u32, WorldFromModel::IDENTITY);
+    let mut body = Body::new(pose, &place);
+    (0..count).filter_map(|triangle| body.triangle(triangle)).collect()
+}
+
+fn costs(nodes: &[Node], corners: &[[DVec3; 3]]) -> Costs {
     let mut costs = Costs::default();
-    for node in &nodes {
+    for node in nodes {
         // A frame may be scaled: areas are compared in the world's unit.
         let origin = node.place.transform_point(glam::Vec3::ZERO);
         let axis = |axis: glam::Vec3| node.place.transform_point(axis) - origin;

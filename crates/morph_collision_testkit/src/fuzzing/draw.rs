@@ -36,6 +36,11 @@ impl<'a> Draw<'a> {
         self.0.arbitrary().unwrap_or(0)
     }
 
+    /// The number some units in the last place farther from zero, or nearer; zero stays.
+    pub(super) fn nudge(&mut self, value: f32) -> f32 {
+        nudged(value, i32::from(self.byte() as i8))
+    }
+
     fn bits(&mut self) -> u32 {
         self.0.arbitrary().unwrap_or(0)
     }
@@ -50,20 +55,29 @@ impl<'a> Draw<'a> {
             0..4 => self.whole() as f32 / 4.0,
             4 | 5 => f32::from(self.signed()) / 256.0,
             6 => self.whole() as f32 * 2_f32.powi(i32::from(self.byte() as i8)),
-            7 | 8 => nudged(self.whole() as f32 / 4.0, i32::from(self.byte() as i8)),
+            7 | 8 => {
+                let value = self.whole() as f32 / 4.0;
+                self.nudge(value)
+            }
             _ => f32::from_bits(self.bits()),
         }
     }
 
-    fn vector(&mut self) -> Vec3 {
+    pub(super) fn vector(&mut self) -> Vec3 {
         Vec3::from_array(std::array::from_fn(|_| self.number()))
     }
 
     /// A mesh of at most six triangles, eight vertices and four targets; it may not be valid.
     pub(super) fn mesh(&mut self) -> MorphMesh {
-        let vertices = self.among(1, 8);
+        self.mesh_of(8, 6)
+    }
+
+    /// A mesh of at most so many vertices and triangles, and four targets; it may not be valid.
+    pub(super) fn mesh_of(&mut self, vertices: usize, triangles: usize) -> MorphMesh {
+        let vertices = self.among(1, vertices);
         let positions = (0..vertices).map(|_| self.vector()).collect();
-        let triangles = (0..self.among(1, 6)).map(|_| std::array::from_fn(|_| self.among(0, vertices - 1) as u32));
+        let triangles =
+            (0..self.among(1, triangles)).map(|_| std::array::from_fn(|_| self.among(0, vertices - 1) as u32));
         let mut mesh = MorphMesh::rigid("fuzz", positions, triangles.collect());
         for _ in 0..self.among(0, 4) {
             let displacement = |draw: &mut Self| if draw.flag() { draw.vector() } else { Vec3::ZERO };

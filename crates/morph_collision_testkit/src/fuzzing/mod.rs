@@ -3,6 +3,7 @@
 //! | target | bytes are | must hold |
 //! |---|---|---|
 //! | [`pairs()`] | two small meshes, tree options, weights and placements | the oracle's pairs; no vertex outside its box |
+//! | [`skins()`] | two small meshes moved by joints, tree options, weights and matrices | the oracle's pairs, rays and distances; no vertex outside its box |
 //! | [`triangles()`] | two triangles, mostly near-degenerate | the oracle's answer, in any order of corners |
 //! | [`layout()`] | a serialised tree | an error, or a tree that answers right |
 //! | [`scene()`] | a JSON scene | an error, or a scene that is written as it was read |
@@ -13,20 +14,25 @@
 mod draw;
 mod files;
 mod layout;
+mod one_body;
 mod pairs;
+mod rig;
+mod skins;
 mod triangles;
 
 pub use files::{gltf, scene};
 pub use layout::layout;
 pub use pairs::pairs;
+pub use skins::skins;
 pub use triangles::triangles;
 
 /// A target's name and what it does with bytes.
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets.
-pub const TARGETS: [Target; 5] = [
+pub const TARGETS: [Target; 6] = [
     ("pairs", pairs),
+    ("skins", skins),
     ("triangles", triangles),
     ("layout", layout),
     ("scene", scene),

@@ -51,25 +51,7 @@ pub fn pairs(data: &[u8]) {
         let (before, after) = poses.split_at_mut(1);
         let (a, b) = (&mut before[0], &mut after[0]);
 
-        let mut found = Vec::new();
-        query.all(Body::new(a, world_from_a), Body::new(b, world_from_b), &mut found);
-        assert_eq!(sorted(&found), truth, "all");
-        // Twice: the second time there is a witness, if there is a pair.
-        for _ in 0..2 {
-            let (a, b) = (Body::new(a, world_from_a), Body::new(b, world_from_b));
-            let first = query.first_with(&mut memory, a, b);
-            let first: Vec<_> = first.into_iter().collect();
-            assert_eq!(first.is_empty(), truth.is_empty(), "first with a memory");
-            assert!(
-                sorted(&first).iter().all(|pair| truth.contains(pair)),
-                "first with a memory"
-            );
-        }
-        found.clear();
-        query.all(Body::new(b, world_from_b), Body::new(a, world_from_a), &mut found);
-        let mut swapped: Vec<_> = found.iter().map(|pair| (pair.triangle_b, pair.triangle_a)).collect();
-        swapped.sort_unstable();
-        assert_eq!(swapped, truth, "the other way round");
+        assert_pairs(&mut query, &mut memory, [(a, world_from_a), (b, world_from_b)], &truth);
         for ((mesh, pose), is_refitted) in meshes.into_iter().zip([a, b]).zip(is_refitted) {
             let report = if is_refitted {
                 check_refitted_containment(mesh, pose)
@@ -79,6 +61,34 @@ pub fn pairs(data: &[u8]) {
             assert_eq!(report.first, None, "weights {:?}", pose.weights());
         }
     }
+}
+
+/// Asks for all pairs and the first pair of two bodies in every way.
+pub(super) fn assert_pairs(
+    query: &mut PairQuery,
+    memory: &mut PairMemory,
+    [(a, world_from_a), (b, world_from_b)]: [(&mut Pose, &WorldFromModel); 2],
+    truth: &[(u32, u32)],
+) {
+    let mut found = Vec::new();
+    query.all(Body::new(a, world_from_a), Body::new(b, world_from_b), &mut found);
+    assert_eq!(sorted(&found), truth, "all");
+    // Twice: the second time there is a witness, if there is a pair.
+    for _ in 0..2 {
+        let (a, b) = (Body::new(a, world_from_a), Body::new(b, world_from_b));
+        let first = query.first_with(memory, a, b);
+        let first: Vec<_> = first.into_iter().collect();
+        assert_eq!(first.is_empty(), truth.is_empty(), "first with a memory");
+        assert!(
+            sorted(&first).iter().all(|pair| truth.contains(pair)),
+            "first with a memory"
+        );
+    }
+    found.clear();
+    query.all(Body::new(b, world_from_b), Body::new(a, world_from_a), &mut found);
+    let mut swapped: Vec<_> = found.iter().map(|pair| (pair.triangle_b, pair.triangle_a)).collect();
+    swapped.sort_unstable();
+    assert_eq!(swapped, truth, "the other way round");
 }
 
 /// The oracle's pairs of two posed bodies, ascending.

@@ -3,8 +3,8 @@
 use super::GltfFile;
 use super::accessor::Opened;
 use super::document::{Attributes, Mesh};
+use super::error::SkinProblem;
 use super::primitive::Plan;
-use super::skin_error::SkinProblem;
 use crate::mesh::InfluenceSet;
 
 /// The accessors of one set in one primitive.

@@ -7,9 +7,8 @@ use glam::{Mat4, Quat, Vec3};
 
 use super::GltfFile;
 use super::document::{ElementError, Node, abridged};
-use super::error::{MeshProblem, ReadError};
+use super::error::{MeshProblem, ReadError, SkinProblem};
 use super::influences;
-use super::skin_error::SkinProblem;
 use crate::mesh::MeshSkin;
 use crate::skeleton::{Joint, LocalTransform, Skeleton, SkeletonNode};
 
@@ -53,7 +52,7 @@ impl GltfFile {
     }
 
     /// The skin of the first node that shows a mesh with one; `None` also if none of its primitives has influences.
-    pub(super) fn skin_of(&self, mesh: usize, json: &super::Mesh) -> Option<usize> {
+    pub(super) fn skin_of(&self, mesh: usize, json: &super::document::Mesh) -> Option<usize> {
         let bound = |primitive: &super::document::Primitive| {
             let attributes = &primitive.attributes;
             attributes.joints.is_some() && attributes.joint_weights.is_some()

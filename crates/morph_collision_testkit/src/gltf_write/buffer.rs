@@ -23,13 +23,37 @@ impl Packer {
         values: &[[f32; N]],
         bounded: bool,
     ) -> Index<json::Accessor> {
-        let view = self.view(
-            root,
-            values.as_flattened().iter().flat_map(|v| v.to_le_bytes()),
-            Some(Target::ArrayBuffer),
-        );
+        let bytes = values.as_flattened().iter().flat_map(|v| v.to_le_bytes());
+        let view = self.view(root, bytes, Some(Target::ArrayBuffer));
         let bounds = bounded.then(|| extremes(values));
         accessor(root, view, ComponentType::F32, shape, values.len(), bounds)
+    }
+
+    /// The joints of a set of influences, of 8 bits where `joints` allows.
+    pub(super) fn joints(&mut self, root: &mut Root, values: &[[u16; 4]], joints: usize) -> Index<json::Accessor> {
+        let (values_of, target) = (values.as_flattened().iter(), Some(Target::ArrayBuffer));
+        let (view, kind) = if joints <= 256 {
+            (
+                self.view(root, values_of.map(|&joint| joint as u8), target),
+                ComponentType::U8,
+            )
+        } else {
+            let bytes = values_of.flat_map(|joint| joint.to_le_bytes());
+            (self.view(root, bytes, target), ComponentType::U16)
+        };
+        accessor(root, view, kind, Type::Vec4, values.len(), None)
+    }
+
+    /// Matrices of joints, or values of a channel that moves a node.
+    pub(super) fn values<const N: usize>(
+        &mut self,
+        root: &mut Root,
+        shape: Type,
+        values: impl ExactSizeIterator<Item = [f32; N]>,
+    ) -> Index<json::Accessor> {
+        let count = values.len();
+        let view = self.view(root, values.flatten().flat_map(f32::to_le_bytes), None);
+        accessor(root, view, ComponentType::F32, shape, count, None)
     }
 
     /// Key times (bounded) or weights of an animation.

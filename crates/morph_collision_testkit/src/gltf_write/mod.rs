@@ -1,25 +1,31 @@
 //! Writes one mesh with its targets and clips as a binary glTF 2.0 file (`.glb`), the same bytes for the same mesh.
 //!
-//! Besides what the mesh holds, the file gets what a renderer wants: smooth normals for the base and every target
+//! A skinned mesh is written with its influences, its joints with all nodes above them, and their clips (`skin`, `animation`). Besides what the
+//! mesh holds, the file gets what a renderer wants: smooth normals for the base and every target
 //! (`shading`), planar texture coordinates and one material. The layout is one buffer; `buffer` packs it.
 
+mod animation;
 mod buffer;
+mod check;
 mod shading;
+mod skin;
 
-use std::{collections::BTreeMap, io, path::Path};
+use std::{collections::BTreeMap, path::Path};
 
 use gltf_json::{
     self as json, Index, Root,
     accessor::Type,
-    animation::{Channel, Interpolation, Property, Sampler, Target},
     material::{PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor},
     mesh::{MorphTarget, Primitive, Semantic},
     validation::Checked,
 };
 use serde_json::value::RawValue;
 
+pub use self::check::WriteError;
+
+use self::animation::Animated;
 use self::buffer::Packer;
-use crate::mesh::{MorphMesh, WeightAnimation};
+use crate::mesh::MorphMesh;
 
 /// How the written mesh looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,54 +45,6 @@ impl Default for Appearance {
     }
 }
 
-/// Why a mesh could not be written.
-#[derive(Debug, thiserror::Error)]
-pub enum WriteError {
-    /// The file could not be written.
-    #[error("{}: {source}", path.display())]
-    Io {
-        /// The file.
-        path: std::path::PathBuf,
-        /// The system's reason.
-        source: io::Error,
-    },
-    /// glTF has no way to say "no vertices" or "no triangles".
-    #[error("mesh \"{0}\" has no vertices or no triangles, which glTF cannot hold")]
-    Empty(String),
-    /// A list is not as long as it has to be.
-    #[error("mesh \"{mesh}\": {what} {index} has {found} elements instead of {expected}")]
-    Length {
-        /// The mesh's name.
-        mesh: String,
-        /// What the list is: a target, or a clip.
-        what: &'static str,
-        /// The index of the target or clip.
-        index: usize,
-        /// Its length.
-        found: usize,
-        /// The length it has to have.
-        expected: usize,
-    },
-    /// A triangle refers to a vertex that does not exist, or a primitive to a triangle.
-    #[error("mesh \"{mesh}\": {what} {index} refers to elements that do not exist")]
-    OutOfRange {
-        /// The mesh's name.
-        mesh: String,
-        /// What refers: a triangle or a primitive.
-        what: &'static str,
-        /// Its index.
-        index: usize,
-    },
-    /// The file would be larger than glTF's 32-bit lengths allow.
-    #[error("mesh \"{mesh}\": cannot be packed: {reason}")]
-    Pack {
-        /// The mesh's name.
-        mesh: String,
-        /// Why.
-        reason: String,
-    },
-}
-
 /// Writes `mesh` to `path`, replacing what is there.
 ///
 /// # Errors
@@ -99,21 +57,27 @@ pub fn write_glb(path: &Path, mesh: &MorphMesh, appearance: &Appearance) -> Resu
     })
 }
 
-/// The bytes of a `.glb` file: one scene with one node that shows `mesh`.
+/// The bytes of a `.glb` file: one scene with one node that shows `mesh`, and the nodes of its skeleton if it has a skin.
+///
+/// A weight animation and a clip of joints with the same name become one animation of the file, if that keeps both kinds in order. Joints that
+/// stand under several roots get one root above them, as glTF demands.
 ///
 /// Every primitive shares the vertices and has indices of its own, of 16 bits where they fit.
 ///
 /// # Errors
 /// [`WriteError`] where the mesh is empty, or its lists do not go together.
 pub fn to_glb(mesh: &MorphMesh, appearance: &Appearance) -> Result<Vec<u8>, WriteError> {
-    check(mesh)?;
+    check::check(mesh)?;
     let mut root = Root {
         asset: asset(),
         ..Root::default()
     };
     let mut packer = Packer::default();
 
-    let (attributes, targets) = vertices(mesh, &mut root, &mut packer);
+    let (mut attributes, targets) = vertices(mesh, &mut root, &mut packer);
+    if let Some(skin) = &mesh.skin {
+        skin::add_influences(skin, &mut attributes, &mut root, &mut packer);
+    }
     let material = root.push(material(mesh, appearance));
     let primitives = mesh.primitives.iter().map(|range| {
         let triangles = &mesh.triangles[range.start as usize..range.end as usize];
@@ -140,14 +104,20 @@ pub fn to_glb(mesh: &MorphMesh, appearance: &Appearance) -> Result<Vec<u8>, Writ
         name: Some(mesh.name.clone()),
         ..json::Node::default()
     });
-    for clip in &mesh.animations {
-        animation(clip, node, &mut root, &mut packer);
-    }
+    let skeleton = mesh.skin.as_ref().map(|skin| &skin.skeleton);
+    let bones = skeleton.map(|skeleton| skin::bones(skeleton, &mut root, &mut packer));
+    root.nodes[node.value()].skin = bones.as_ref().map(|bones| bones.skin);
+    let animated = Animated {
+        mesh: node,
+        bones: bones.as_ref().map_or(&[], |bones| &bones.nodes),
+    };
+    let clips = skeleton.map_or(&[][..], |skeleton| &skeleton.clips);
+    animation::write(&mesh.animations, clips, &animated, &mut root, &mut packer);
     let scene = json::Scene {
         extensions: None,
         extras: None,
         name: None,
-        nodes: vec![node],
+        nodes: std::iter::once(node).chain(bones.map(|bones| bones.root)).collect(),
     };
     root.scene = Some(root.push(scene));
 
@@ -163,59 +133,6 @@ fn asset() -> json::Asset {
         generator: Some("morph_collision_testkit".into()),
         ..json::Asset::default()
     }
-}
-
-fn check(mesh: &MorphMesh) -> Result<(), WriteError> {
-    let name = || mesh.name.clone();
-    let length = |what, index, found, expected| match found == expected {
-        true => Ok(()),
-        false => Err(WriteError::Length {
-            mesh: name(),
-            what,
-            index,
-            found,
-            expected,
-        }),
-    };
-    let vertices = mesh.positions.len();
-    for (index, target) in mesh.targets.iter().enumerate() {
-        if !target.is_empty() {
-            length("target", index, target.len(), vertices)?;
-        }
-    }
-    for (index, clip) in mesh.animations.iter().enumerate() {
-        length("clip", index, clip.weights.len(), clip.times.len())?;
-        if !clip.tangents.is_empty() {
-            length("the tangents of clip", index, clip.tangents.len(), clip.times.len())?;
-        }
-        for weights in clip.weights.iter().chain(clip.tangents.iter().flatten()) {
-            length("a key of clip", index, weights.len(), mesh.targets.len())?;
-        }
-    }
-    if let Some(index) = mesh
-        .triangles
-        .iter()
-        .position(|t| t.iter().any(|&v| v as usize >= vertices))
-    {
-        return Err(WriteError::OutOfRange {
-            mesh: name(),
-            what: "triangle",
-            index,
-        });
-    }
-    let bad_range =
-        |range: &std::ops::Range<u32>| range.start >= range.end || range.end as usize > mesh.triangles.len();
-    if let Some(index) = mesh.primitives.iter().position(bad_range) {
-        return Err(WriteError::OutOfRange {
-            mesh: name(),
-            what: "primitive",
-            index,
-        });
-    }
-    if vertices == 0 || mesh.primitives.is_empty() {
-        return Err(WriteError::Empty(name()));
-    }
-    Ok(())
 }
 
 type Attributes = BTreeMap<Checked<Semantic>, Index<json::Accessor>>;
@@ -270,49 +187,4 @@ fn target_names(mesh: &MorphMesh) -> json::Extras {
     let names = serde_json::json!({ "targetNames": mesh.target_names });
     let raw = RawValue::from_string(names.to_string()).ok()?;
     (!mesh.target_names.is_empty()).then_some(raw)
-}
-
-/// One linear or cubic channel on the node's weights. Clips without keys are left out, because glTF has none.
-fn animation(clip: &WeightAnimation, node: Index<json::Node>, root: &mut Root, packer: &mut Packer) {
-    if clip.times.is_empty() || clip.weights.iter().all(Vec::is_empty) {
-        return;
-    }
-    // glTF wants strictly ascending times, so a jump (two keys at one time) becomes the shortest ramp there is.
-    let mut times = clip.times.clone();
-    for key in 1..times.len() {
-        times[key] = times[key].max(times[key - 1].next_up());
-    }
-    let input = packer.keys(root, &times, true);
-    let (interpolation, weights) = if clip.tangents.is_empty() {
-        (Interpolation::Linear, clip.weights.concat())
-    } else {
-        // A key is its in-tangent, its value and its out-tangent.
-        let keys = clip.weights.iter().zip(&clip.tangents);
-        let keys = keys.map(|(weights, [arriving, leaving])| [&arriving[..], weights, leaving].concat());
-        (Interpolation::CubicSpline, keys.collect::<Vec<_>>().concat())
-    };
-    let output = packer.keys(root, &weights, false);
-    root.push(json::Animation {
-        extensions: None,
-        extras: None,
-        channels: vec![Channel {
-            sampler: Index::new(0),
-            target: Target {
-                extensions: None,
-                extras: None,
-                node,
-                path: Checked::Valid(Property::MorphTargetWeights),
-            },
-            extensions: None,
-            extras: None,
-        }],
-        name: Some(clip.name.clone()),
-        samplers: vec![Sampler {
-            extensions: None,
-            extras: None,
-            input,
-            interpolation: Checked::Valid(interpolation),
-            output,
-        }],
-    });
 }

@@ -19,13 +19,7 @@ pub fn skinned() -> Vec<Moment> {
     for mesh in &meshes {
         let Some(skin) = &mesh.skin else { continue };
         for kind in PoseKind::ALL {
-            // Every triangle of two points meets every other.
-            let other = if kind == PoseKind::OnePoint {
-                PoseKind::Turned
-            } else {
-                kind
-            };
-            let joints = [kind.draw(&skin.skeleton, 1), other.draw(&skin.skeleton, 2)];
+            let joints = [kind.draw(&skin.skeleton, 1), kind.of_body(1).draw(&skin.skeleton, 2)];
             // What is far away starts in different places.
             let origin = |joints: &[Affine3A]| joints.first().map_or(Vec3::ZERO, |joint| joint.translation.into());
             let shift = origin(&joints[0]) - origin(&joints[1]) + Vec3::new(0.1, 0.05, -0.1);

@@ -9,15 +9,17 @@
 //! agreement of both means something. Exactness comes from integers: every `f64` is a whole number of some power of two. Whole
 //! meshes would take too long so; [`intersecting_pairs`] leaves out integers where `f64` arithmetic with a bound on its error is sure.
 //!
-//! [`Dyadic`] is that number, to measure roundings with.
+//! [`Dyadic`] is that number, to measure roundings with. Distances ([`triangle_distance`]) are in `f64`, and have an error.
 
 mod certain;
+mod distance;
 mod dyadic;
 mod pairs;
 mod scene;
 mod triangles;
 mod vertex;
 
+pub use distance::{point_distance, triangle_distance};
 pub use dyadic::Dyadic;
 pub use pairs::intersecting_pairs;
 pub(crate) use pairs::visit_intersecting_pairs;

@@ -58,10 +58,10 @@ pub(super) struct JointBoxes<A> {
 
 /// What does not change from frame to frame.
 #[derive(Debug)]
-struct Measured {
-    tree: Tree,
+pub(super) struct Measured {
+    pub(super) tree: Tree,
     /// Per group and lane.
-    nodes: Vec<[Node; 8]>,
+    pub(super) nodes: Vec<[Node; 8]>,
     joint_boxes: Vec<JointBox>,
     target_boxes: Vec<TargetBox>,
     /// By vertex: `deltas[starts[v]..starts[v + 1]]`, ascending by target.
@@ -70,7 +70,7 @@ struct Measured {
 }
 
 #[derive(Clone, Copy, Debug, Default)]
-struct Node {
+pub(super) struct Node {
     joint_boxes: (u32, u32),
     /// The least and the largest sum of a vertex's weights.
     sums: [f32; 2],
@@ -91,7 +91,7 @@ struct TargetBox {
 }
 
 impl Measured {
-    fn new(mesh: &WeldedMesh, options: &MethodOptions, all_vertices: bool) -> Self {
+    pub(super) fn new(mesh: &WeldedMesh, options: &MethodOptions, all_vertices: bool) -> Self {
         let tree = tree_at_rest(mesh, options);
         let mut by_vertex: Vec<_> = mesh
             .displacements()
@@ -176,7 +176,7 @@ impl Measured {
     }
 
     /// The box of a node.
-    fn bounds(&self, node: Node, weights: &[f32], joints: &[Affine3A]) -> Box3 {
+    pub(super) fn bounds(&self, node: Node, weights: &[f32], joints: &[Affine3A]) -> Box3 {
         /// More than all roundings of a coordinate, those of vertices included; a term for each target comes on top.
         const ROUNDINGS: f32 = 32.0 * f32::EPSILON;
         let (mut hull, mut farthest) = (Box3::EMPTY, 0.0_f32);

@@ -56,6 +56,7 @@ mod cast;
 mod frames;
 mod hybrid;
 mod joint_boxes;
+mod joint_nodes;
 mod kind;
 mod limits;
 mod morph;
@@ -79,6 +80,7 @@ use thiserror::Error;
 
 pub use broad::BroadPhase;
 pub use cast::{CastHit, CastRay};
+pub use joint_nodes::{JointNode, JointNodes};
 pub use kind::{MethodKind, UnknownMethod};
 pub use limits::WeightLimits;
 pub use options::MethodOptions;

@@ -62,7 +62,7 @@ impl Tree {
     }
 
     /// The triangles under a node: a range of `triangles`, since numbers are in preorder.
-    fn under(&self, child: Child) -> Range<usize> {
+    pub(super) fn under(&self, child: Child) -> Range<usize> {
         let start = self.leaf_starts[self.outermost_leaf(child, |group| group.children().first())] as usize;
         let end = self.leaf_starts[self.outermost_leaf(child, |group| group.children().last()) + 1] as usize;
         start..end

@@ -1,9 +1,12 @@
 //! What each family is made of.
 
-use glam::{Affine3A, DVec3, Mat3, Quat, Vec3};
+use std::ops::RangeInclusive;
+
+use glam::{Affine3A, Mat3, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
+use super::parts::{blobs, direction, overlapping, rotation, turned, vector, weights};
 use super::{Family, geometry, skinned};
 use crate::mesh::MorphMesh;
 use crate::models::{degenerate, random};
@@ -37,9 +40,9 @@ impl Case {
             Family::ZeroArea => zero_area(rng, index),
             Family::Duplicated => geometry::duplicated(rng),
             Family::LargeWeights => {
-                let [a, b] = blobs(rng, 4);
+                let meshes = blobs(rng, 4);
                 let largest = 10.0_f32.powf(rng.random_range(1.0..=6.0));
-                weighted(rng, [a, b], -largest..=largest)
+                weighted(rng, meshes, -largest..=largest)
             }
             Family::ManyTargets => {
                 let meshes = blobs(rng, 256);
@@ -50,7 +53,7 @@ impl Case {
                 rotation(rng) * Mat3::from_diagonal(Vec3::new(1.0, 1.0, -1.0))
             }),
             Family::Sheared => linear(rng, |rng| {
-                let [x, y, z] = std::array::from_fn(|_| rng.random_range(-3.0..=3.0));
+                let [x, y, z] = vector(rng, -3.0..=3.0).to_array();
                 rotation(rng) * Mat3::from_cols(Vec3::X, Vec3::new(x, 1.0, 0.0), Vec3::new(y, z, 1.0))
             }),
             Family::Flattened => linear(rng, |rng| {
@@ -76,41 +79,22 @@ impl Case {
     }
 }
 
-/// Two blobs of 80 triangles.
-pub(super) fn blobs(rng: &mut Pcg64Mcg, targets: usize) -> [MorphMesh; 2] {
-    [0, 1].map(|_| random::random_blob(rng.random(), 1, targets, 0.5))
-}
-
 fn ordinary(rng: &mut Pcg64Mcg) -> Case {
     let meshes = blobs(rng, 4);
     weighted(rng, meshes, 0.0..=0.4)
 }
 
 /// Random weights, random turns, and overlapping more or less.
-pub(super) fn weighted(rng: &mut Pcg64Mcg, meshes: [MorphMesh; 2], range: std::ops::RangeInclusive<f32>) -> Case {
-    let weights = [0, 1].map(|body: usize| {
-        let targets = meshes[body].targets.len();
-        (0..targets).map(|_| rng.random_range(range.clone())).collect()
-    });
-    let places = [0, 1].map(|_| Affine3A::from_mat3(rotation(rng)));
-    overlapping(
-        rng,
-        meshes,
-        Situation {
-            weights,
-            places,
-            ..Situation::default()
-        },
-    )
+pub(super) fn weighted(rng: &mut Pcg64Mcg, meshes: [MorphMesh; 2], range: RangeInclusive<f32>) -> Case {
+    let weights = weights(rng, &meshes, range);
+    let situation = Situation {
+        weights,
+        ..Situation::default()
+    };
+    turned(rng, meshes, situation)
 }
 
-/// Moves the second body to somewhere in the first or near it.
-pub(super) fn overlapping(rng: &mut Pcg64Mcg, meshes: [MorphMesh; 2], mut situation: Situation) -> Case {
-    let apart = direction(rng) * rng.random_range(0.0..0.7);
-    situation.bring_together([&meshes[0], &meshes[1]], apart);
-    Case { meshes, situation }
-}
-
+/// Ordinary blobs in places of any linear map.
 fn linear(rng: &mut Pcg64Mcg, mut matrix: impl FnMut(&mut Pcg64Mcg) -> Mat3) -> Case {
     let Case { meshes, mut situation } = ordinary(rng);
     situation.places = [0, 1].map(|_| Affine3A::from_mat3(matrix(rng)));
@@ -172,13 +156,4 @@ fn zero_area(rng: &mut Pcg64Mcg, index: u64) -> Case {
         };
     }
     case
-}
-
-pub(super) fn rotation(rng: &mut Pcg64Mcg) -> Mat3 {
-    let mut turn = || rng.random_range(-3.2..3.2_f32);
-    Mat3::from_quat(Quat::from_rotation_x(turn()) * Quat::from_rotation_y(turn()) * Quat::from_rotation_z(turn()))
-}
-
-pub(super) fn direction(rng: &mut Pcg64Mcg) -> DVec3 {
-    DVec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0))).normalize_or(DVec3::X)
 }

@@ -5,7 +5,8 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
 use super::Case;
-use super::case::{blobs, overlapping, rotation, scaled, weighted};
+use super::case::{scaled, weighted};
+use super::parts::{blobs, overlapping, rotation, turned, vector, weights};
 use crate::models::{degenerate, rigid};
 use crate::verify::Situation;
 
@@ -13,15 +14,14 @@ use crate::verify::Situation;
 pub(super) fn last_place(rng: &mut Pcg64Mcg, index: u64) -> Case {
     let axis = rng.random_range(0..3_usize);
     let (meshes, weights, mut translation) = if index.is_multiple_of(2) {
-        let mut sizes = || Vec3::from_array(std::array::from_fn(|_| rng.random_range(0.5..2.0_f32)));
-        let (half_a, half_b) = (sizes(), sizes());
+        let [half_a, half_b] = [(); 2].map(|()| vector(rng, 0.5..=2.0));
         let mut translation = Vec3::ZERO;
         translation[axis] = half_a[axis] + half_b[axis];
         let boxes = [rigid::box_mesh(half_a), rigid::box_mesh(half_b)];
         (boxes, [Vec::new(), Vec::new()], translation)
     } else {
         let meshes = blobs(rng, 4);
-        let weights = [0, 1].map(|_| (0..4).map(|_| rng.random_range(-0.5..1.0)).collect::<Vec<f32>>());
+        let weights = weights(rng, &meshes, -0.5..=1.0);
         let [posed_a, posed_b] = [0, 1].map(|body| meshes[body].posed(&weights[body]));
         let highest = posed_a.iter().max_by(|p, q| p[axis].total_cmp(&q[axis])).copied();
         let lowest = posed_b.iter().min_by(|p, q| p[axis].total_cmp(&q[axis])).copied();
@@ -75,7 +75,7 @@ pub(super) fn duplicated(rng: &mut Pcg64Mcg) -> Case {
     let meshes = blobs(rng, 4).map(|blob| {
         let mut mesh = degenerate::duplicated_vertices(&blob);
         for _ in 0..rng.random_range(0..20_usize) {
-            let mut wild = || Vec3::from_array(std::array::from_fn(|_| rng.random_range(-1e3..1e3_f32)));
+            let mut wild = || vector(rng, -1e3..=1e3);
             mesh.positions.push(wild());
             mesh.targets.iter_mut().for_each(|target| target.push(wild()));
         }
@@ -87,37 +87,35 @@ pub(super) fn duplicated(rng: &mut Pcg64Mcg) -> Case {
 /// Pairs of targets that undo each other but for roundings.
 pub(super) fn cancelling(rng: &mut Pcg64Mcg) -> Case {
     let strength = 10.0_f32.powf(rng.random_range(2.0..=6.0));
-    let mut weights = Vec::new();
     let meshes = blobs(rng, 4).map(|mut mesh| {
-        let mut of_body = Vec::new();
         let targets = std::mem::take(&mut mesh.targets);
         for target in targets {
             let large: Vec<Vec3> = target.iter().map(|d| *d * strength).collect();
             let back = large.iter().zip(&target).map(|(&d, &small)| small * 0.1 - d).collect();
             mesh.targets.extend([large, back]);
-            of_body.extend([rng.random_range(0.1..1.0_f32); 2]);
         }
         mesh.target_names = (0..mesh.targets.len()).map(|k| format!("target_{k}")).collect();
-        weights.push(of_body);
         mesh
     });
-    let weights = [weights[0].clone(), weights[1].clone()];
-    let places = [0, 1].map(|_| Affine3A::from_mat3(rotation(rng)));
-    overlapping(
-        rng,
-        meshes,
-        Situation {
-            weights,
-            places,
-            ..Situation::default()
-        },
-    )
+    // Both targets of a pair have the same weight.
+    let weights = weights(rng, &meshes, 0.1..=1.0).map(|mut weights| {
+        weights
+            .as_chunks_mut()
+            .0
+            .iter_mut()
+            .for_each(|[large, back]| *back = *large);
+        weights
+    });
+    let situation = Situation {
+        weights,
+        ..Situation::default()
+    };
+    turned(rng, meshes, situation)
 }
 
 /// Any columns: of very different lengths, or nearly in one plane.
 pub(super) fn any_columns(rng: &mut Pcg64Mcg) -> Mat3 {
-    let mut column = || Vec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0_f32)));
-    let [x, y, mut z] = [column(), column(), column()];
+    let [x, y, mut z] = [(); 3].map(|()| vector(rng, -1.0..=1.0));
     if rng.random_bool(0.5) {
         z = x * 0.5 - y + z * 10.0_f32.powf(rng.random_range(-9.0..=0.0));
     }

@@ -11,6 +11,7 @@ mod family;
 mod geometry;
 mod pace;
 mod panics;
+mod parts;
 mod run;
 mod skin_door;
 mod skinned;

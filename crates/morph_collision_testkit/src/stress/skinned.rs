@@ -1,10 +1,9 @@
 //! Families of skinned meshes.
 
-use glam::Affine3A;
 use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
-use super::case::{overlapping, rotation};
+use super::parts::{turned, weights};
 use super::{Case, Family};
 use crate::mesh::MorphMesh;
 use crate::models::rigs::{PoseKind, branching, random_soup, rigid_pieces, tube, unnormalised};
@@ -26,30 +25,16 @@ pub(super) fn case(rng: &mut Pcg64Mcg, family: Family, index: u64) -> Case {
         ],
     };
     let joints = [0, 1].map(|body: usize| {
-        let kind = kinds[rng.random_range(0..kinds.len())];
-        // All triangles of two bodies that are points would meet, if any do.
-        let kind = if kind == PoseKind::OnePoint && body == 1 {
-            PoseKind::Collapsed
-        } else {
-            kind
-        };
+        let kind = kinds[rng.random_range(0..kinds.len())].of_body(body);
         let skeleton = meshes[body].skin.as_ref().map(|skin| &skin.skeleton);
         skeleton.map_or(Vec::new(), |skeleton| kind.draw(skeleton, rng.random()))
     });
-    let weights = [0, 1].map(|body: usize| {
-        let targets = meshes[body].targets.len();
-        (0..targets).map(|_| rng.random_range(-1.0..=1.0)).collect()
-    });
-    let places = [0, 1].map(|_| Affine3A::from_mat3(rotation(rng)));
-    overlapping(
-        rng,
-        meshes,
-        Situation {
-            weights,
-            places,
-            joints,
-        },
-    )
+    let situation = Situation {
+        weights: weights(rng, &meshes, -1.0..=1.0),
+        joints,
+        ..Situation::default()
+    };
+    turned(rng, meshes, situation)
 }
 
 fn mesh(rng: &mut Pcg64Mcg, family: Family, index: u64) -> MorphMesh {

@@ -90,13 +90,7 @@ impl<'a> Draw<'a> {
             let clip = &skeleton.clips[rng.random_range(0..clips)];
             return skeleton.world_from_mesh(Some(clip), rng.random_range(0.0..=clip.duration().max(0.0)));
         }
-        let kind = PoseKind::ALL[rng.random_range(0..PoseKind::ALL.len())];
-        // All triangles of two bodies that are points would meet, if any do.
-        let kind = if kind == PoseKind::OnePoint && body == 1 {
-            PoseKind::Turned
-        } else {
-            kind
-        };
+        let kind = PoseKind::ALL[rng.random_range(0..PoseKind::ALL.len())].of_body(body);
         kind.draw(skeleton, rng.random())
     }
 

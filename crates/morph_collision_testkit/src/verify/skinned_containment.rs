@@ -70,7 +70,7 @@ fn reach(posed: &[Vec3], skin: &MeshSkin, joints: &[Affine3A]) -> f64 {
     let largest = posed.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
     let of_joint = |joint: &Affine3A| {
         let rows = (0..3).map(|row| joint.matrix3.row(row).abs().element_sum());
-        f64::from(rows.fold(0.0, f32::max) * largest + joint.translation.abs().max_element())
+        f64::from(rows.fold(0.0, f32::max)) * f64::from(largest) + f64::from(joint.translation.abs().max_element())
     };
     let of_joints = joints.iter().map(of_joint).fold(0.0, f64::max);
     let sum = |vertex: usize| skin.sets.iter().flat_map(|set| set.weights[vertex]).sum::<f32>();
@@ -89,8 +89,8 @@ struct Inverse {
 impl Inverse {
     fn new(place: &WorldFromModel) -> Self {
         let origin = place.transform_point(Vec3::ZERO);
-        // Large factors, so that the origin rounds nothing away.
-        const FAR: f32 = (1_u32 << 31) as f32;
+        // A large factor, 2^127, so that the largest origin rounds nothing away.
+        const FAR: f32 = f32::from_bits(254 << 23);
         let column = |axis: Vec3| (place.transform_point(axis * FAR) - origin) / f64::from(FAR);
         let linear = DMat3::from_cols(column(Vec3::X), column(Vec3::Y), column(Vec3::Z)).inverse();
         let rows = (0..3).map(|row| linear.row(row).abs().element_sum());

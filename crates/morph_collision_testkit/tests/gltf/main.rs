@@ -8,3 +8,4 @@ mod support;
 mod unused;
 mod uris;
 mod writing;
+mod writing_skins;

@@ -53,6 +53,16 @@ impl PoseKind {
         Self::Mixed,
     ];
 
+    /// The kind for a body of two, 0 or 1: all triangles of two bodies that are points would meet, if any do, so that only the first one is a point.
+    #[must_use]
+    pub fn of_body(self, body: usize) -> Self {
+        if self == Self::OnePoint && body == 1 {
+            Self::Turned
+        } else {
+            self
+        }
+    }
+
     /// The matrix of every joint, from the mesh's space to world space; the same for the same seed.
     ///
     /// Turns add up along the hierarchy. Scales, shears and mirrors act on what a joint moves itself, so that they do not.

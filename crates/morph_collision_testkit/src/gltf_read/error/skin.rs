@@ -1,8 +1,5 @@
-//! What can be wrong with a skin.
-
-use super::Remedy;
-use super::document::ElementError;
-use super::error::{AccessorProblem, MeshProblem};
+use super::{AccessorProblem, MeshProblem, Remedy};
+use crate::gltf_read::document::ElementError;
 use crate::memory::OverBudget;
 
 /// What is wrong with the skin of a mesh.
@@ -84,19 +81,10 @@ pub enum SkinProblem {
 impl SkinProblem {
     pub(super) fn remedy(&self) -> Option<Remedy> {
         match self {
-            Self::OverBudget(_)
-            | Self::Mesh(MeshProblem::OverBudget(_))
-            | Self::Element {
-                problem: ElementError::OverBudget(_),
-                ..
-            }
-            | Self::Node {
-                problem: ElementError::OverBudget(_),
-                ..
-            } => Some(Remedy::MoreMemory),
-            Self::InverseBind(problem)
-            | Self::Accessor { problem, .. }
-            | Self::Mesh(MeshProblem::Accessor { problem, .. }) => problem.remedy(),
+            Self::OverBudget(_) => Some(Remedy::MoreMemory),
+            Self::Element { problem, .. } | Self::Node { problem, .. } => problem.remedy(),
+            Self::Mesh(problem) => problem.remedy(),
+            Self::InverseBind(problem) | Self::Accessor { problem, .. } => problem.remedy(),
             _ => None,
         }
     }

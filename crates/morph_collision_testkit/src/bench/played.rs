@@ -1,0 +1,60 @@
+//! The clip that a skinned mesh plays in the scene made for it.
+
+use glam::Affine3A;
+
+use crate::mesh::{MorphMesh, WeightAnimation};
+use crate::skeleton::{JointClip, Skeleton};
+
+/// Steps per second in which clips are played.
+const RATE: f64 = 60.0;
+
+/// What the joints of a skinned mesh do.
+pub(super) struct Played {
+    skeleton: Skeleton,
+    joints: Option<JointClip>,
+    /// The clip of weights that belongs to it.
+    weights: Option<WeightAnimation>,
+}
+
+impl Played {
+    /// `None` for a mesh without a skin.
+    pub(super) fn of(mesh: &MorphMesh) -> Option<Self> {
+        let skeleton = &mesh.skin.as_ref()?.skeleton;
+        let fits = |clip: &&WeightAnimation| is_playable(clip, mesh.targets.len());
+        let weights = |joints: &JointClip| {
+            mesh.animations
+                .iter()
+                .filter(fits)
+                .find(|clip| clip.name == joints.name)
+        };
+        let both = skeleton.clips.iter().find(|clip| weights(clip).is_some());
+        let joints = both.or(skeleton.clips.first());
+        Some(Self {
+            weights: joints.and_then(weights).cloned(),
+            joints: joints.cloned(),
+            skeleton: skeleton.clone(),
+        })
+    }
+
+    /// The time of the clip in a step, for a body at a share of the way around.
+    fn seconds(&self, step: usize, own: f64) -> f32 {
+        let duration = self.joints.as_ref().map_or(0.0, JointClip::duration);
+        (step as f64 / RATE + own * f64::from(duration)) as f32
+    }
+
+    /// The matrices of the joints in a step.
+    pub(super) fn joints(&self, step: usize, own: f64) -> Vec<Affine3A> {
+        let seconds = self.seconds(step, own);
+        self.skeleton.world_from_mesh(self.joints.as_ref(), seconds)
+    }
+
+    /// The weights in a step, if the clip moves them.
+    pub(super) fn weights(&self, step: usize, own: f64) -> Option<Vec<f32>> {
+        Some(self.weights.as_ref()?.sample(self.seconds(step, own)))
+    }
+}
+
+/// Whether a clip has keys, of a weight for each target.
+pub(super) fn is_playable(clip: &WeightAnimation, targets: usize) -> bool {
+    !clip.weights.is_empty() && clip.weights.iter().all(|weights| weights.len() == targets)
+}

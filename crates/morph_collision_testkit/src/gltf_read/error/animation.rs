@@ -1,0 +1,134 @@
+use super::{AccessorProblem, Remedy};
+use crate::gltf_read::document::ElementError;
+use crate::memory::OverBudget;
+
+/// What is wrong with an animation of weights or joints.
+#[derive(Debug, PartialEq, thiserror::Error)]
+pub enum AnimationProblem {
+    /// The animation's JSON is malformed.
+    #[error("it {0}")]
+    Element(ElementError),
+    /// A channel's JSON is malformed.
+    #[error("channel {channel} {problem}")]
+    Channel {
+        /// The channel's index in the animation.
+        channel: usize,
+        /// The problem.
+        problem: ElementError,
+    },
+    /// A channel would take more memory than the file may.
+    #[error("channel {channel}: {over}")]
+    OverBudget {
+        /// The channel's index in the animation.
+        channel: usize,
+        /// The part that is too large.
+        over: OverBudget,
+    },
+    /// A tangent of a cubic spline is not finite.
+    #[error("channel {channel}, key {key}, target {target}: the tangent {tangent} is not finite")]
+    Tangent {
+        /// The channel's index in the animation.
+        channel: usize,
+        /// The key's index.
+        key: usize,
+        /// The target's index.
+        target: usize,
+        /// The tangent.
+        tangent: f32,
+    },
+    /// A channel names a sampler, a node or a mesh that does not exist.
+    #[error("channel {channel} refers to a {what} that does not exist")]
+    Dangling {
+        /// The channel's index in the animation.
+        channel: usize,
+        /// What is missing.
+        what: &'static str,
+    },
+    /// A sampler's accessor cannot be decoded.
+    #[error("channel {channel}, {what}: {problem}")]
+    Accessor {
+        /// The channel's index in the animation.
+        channel: usize,
+        /// Key times or weights.
+        what: &'static str,
+        /// Why it cannot be decoded.
+        problem: AccessorProblem,
+    },
+    /// A sampler's interpolation is none that glTF defines.
+    #[error("channel {channel} has an unknown interpolation")]
+    UnknownInterpolation {
+        /// The channel's index in the animation.
+        channel: usize,
+    },
+    /// The keys do not go with the weights.
+    #[error("channel {channel} has {found} weights, but {keys} keys of {targets} targets need {expected}")]
+    WeightCount {
+        /// The channel's index in the animation.
+        channel: usize,
+        /// The number of weights in the file.
+        found: usize,
+        /// The number of keys.
+        keys: usize,
+        /// The number of targets of the mesh.
+        targets: usize,
+        /// The number of weights there should be.
+        expected: usize,
+    },
+    /// The keys do not go with what moves a node.
+    #[error("channel {channel} has {found} {what}, but {keys} keys need {expected}")]
+    ValueCount {
+        /// The channel's index in the animation.
+        channel: usize,
+        /// Translations, rotations or scales.
+        what: &'static str,
+        /// The number in the file.
+        found: usize,
+        /// The number of keys.
+        keys: usize,
+        /// The number there should be.
+        expected: usize,
+    },
+    /// What moves a node is not finite.
+    #[error("channel {channel}, key {key}: the {what} are not finite")]
+    NotFinite {
+        /// The channel's index in the animation.
+        channel: usize,
+        /// The key's index.
+        key: usize,
+        /// Translations, rotations or scales.
+        what: &'static str,
+    },
+    /// A key's time is not finite, or earlier than the key before it.
+    #[error("channel {channel}, key {key} is at {time} s, which is not after the key before it")]
+    KeyOrder {
+        /// The channel's index in the animation.
+        channel: usize,
+        /// The key's index.
+        key: usize,
+        /// Its time.
+        time: f32,
+    },
+    /// A weight is not finite.
+    #[error("channel {channel}, key {key}, target {target}: the weight {weight} is not finite")]
+    Weight {
+        /// The channel's index in the animation.
+        channel: usize,
+        /// The key's index.
+        key: usize,
+        /// The target's index.
+        target: usize,
+        /// The weight.
+        weight: f32,
+    },
+}
+
+impl AnimationProblem {
+    pub(super) fn remedy(&self) -> Option<Remedy> {
+        match self {
+            Self::OverBudget { .. } => Some(Remedy::MoreMemory),
+            Self::Element(problem) | Self::Channel { problem, .. } => problem.remedy(),
+            Self::Accessor { problem, .. } => problem.remedy(),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! What can be wrong with a file, each with the place where it is wrong.
+
+mod accessor;
+mod animation;
+mod buffer;
+mod mesh;
+mod skin;
+
+use std::path::PathBuf;
+
+use super::document::ElementError;
+use crate::memory::OverBudget;
+use crate::printable::Printable;
+
+pub use self::accessor::AccessorProblem;
+pub use self::animation::AnimationProblem;
+pub use self::buffer::{BufferFault, BufferProblem};
+pub use self::mesh::MeshProblem;
+pub use self::skin::SkinProblem;
+
+/// Why a file could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ReadError {
+    /// The file itself could not be read.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The system's reason.
+        source: std::io::Error,
+    },
+    /// Neither a `.glb` container nor glTF JSON.
+    #[error("{}: not a glTF 2.0 file: {reason}", path.display())]
+    NotGltf {
+        /// The file.
+        path: PathBuf,
+        /// What was found instead.
+        reason: String,
+    },
+    /// The file needs an extension that changes how its geometry is stored.
+    #[error("{}: needs the glTF extension {}, which this reader does not know{}", path.display(), Printable(extension), advice(extension))]
+    Extension {
+        /// The file.
+        path: PathBuf,
+        /// The extension's name.
+        extension: String,
+    },
+    /// The file is no regular file.
+    #[error("{}: not a regular file", path.display())]
+    NotRegular {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file as a whole is too large.
+    #[error("{}: {over}", path.display())]
+    OverBudget {
+        /// The file.
+        path: PathBuf,
+        /// The part that is too large.
+        over: OverBudget,
+    },
+    /// A mesh is broken.
+    #[error("{}: mesh {mesh} \"{}\": {problem}", path.display(), Printable(name))]
+    Mesh {
+        /// The file.
+        path: PathBuf,
+        /// The mesh's index in the file.
+        mesh: usize,
+        /// The mesh's name, or the one made up for it.
+        name: String,
+        /// The problem.
+        problem: Box<MeshProblem>,
+    },
+    /// What moves a mesh is broken.
+    #[error("{}: the skin of mesh {mesh} \"{}\": {problem}", path.display(), Printable(name))]
+    Skin {
+        /// The file.
+        path: PathBuf,
+        /// The mesh's index in the file.
+        mesh: usize,
+        /// The mesh's name, or the one made up for it.
+        name: String,
+        /// The problem.
+        problem: Box<SkinProblem>,
+    },
+    /// An animation is broken.
+    #[error("{}: animation {animation} \"{}\": {problem}", path.display(), Printable(name))]
+    Animation {
+        /// The file.
+        path: PathBuf,
+        /// The animation's index in the file.
+        animation: usize,
+        /// The animation's name, or the one made up for it.
+        name: String,
+        /// The problem.
+        problem: Box<AnimationProblem>,
+    },
+}
+
+/// How a caller may let a file through that was refused.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Remedy {
+    /// A larger [`ReadOptions::memory_limit`](super::ReadOptions).
+    MoreMemory,
+    /// [`ReadOptions::any_path`](super::ReadOptions).
+    AnyPath,
+}
+
+impl Remedy {
+    /// The end of a message: which option of `morph-collide` lets the file through.
+    pub fn hint(remedy: Option<Self>) -> &'static str {
+        match remedy {
+            None => "",
+            Some(Self::MoreMemory) => "; --memory-limit raises it",
+            Some(Self::AnyPath) => "; pass --allow-any-path to read it",
+        }
+    }
+}
+
+impl ReadError {
+    /// What would let the file through, where a limit or a rule of the reader keeps it out.
+    pub fn remedy(&self) -> Option<Remedy> {
+        match self {
+            Self::OverBudget { .. } => Some(Remedy::MoreMemory),
+            Self::NotRegular { .. } => Some(Remedy::AnyPath),
+            Self::Mesh { problem, .. } => problem.remedy(),
+            Self::Animation { problem, .. } => problem.remedy(),
+            Self::Skin { problem, .. } => problem.remedy(),
+            Self::Io { .. } | Self::NotGltf { .. } | Self::Extension { .. } => None,
+        }
+    }
+}
+
+/// What to do about compressed geometry.
+fn advice(extension: &str) -> &'static str {
+    match extension {
+        "KHR_draco_mesh_compression" => {
+            "; undo the compression, for example with `npx @gltf-transform/cli cp IN.glb OUT.glb`"
+        }
+        "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
+            "; undo the compression, for example with `gltfpack -i IN.glb -o OUT.glb -noq -kn -ke` (version 0.21 or later)"
+        }
+        _ => "",
+    }
+}
+
+impl ElementError {
+    fn remedy(&self) -> Option<Remedy> {
+        match self {
+            Self::OverBudget(_) => Some(Remedy::MoreMemory),
+            Self::Missing | Self::Malformed(_) => None,
+        }
+    }
+}

@@ -1,0 +1,185 @@
+//! Opens a file and parses its JSON.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use super::buffers::Buffers;
+use super::container::chunks;
+use super::document::{Root, RootError};
+use super::error::ReadError;
+use super::skin::Parents;
+use crate::memory::{self, MemoryBudget};
+
+/// Required extensions that leave a mesh's geometry as it is, by the beginning of their names.
+const HARMLESS: [&str; 26] = [
+    "KHR_materials_",
+    "KHR_texture_",
+    "KHR_lights_",
+    "KHR_animation_pointer",
+    "KHR_mesh_quantization",
+    "KHR_node_",
+    "KHR_physics_",
+    "KHR_audio_",
+    "KHR_xmp",
+    "EXT_texture_",
+    "EXT_lights_",
+    "EXT_materials_",
+    "EXT_mesh_gpu_instancing",
+    "EXT_mesh_features",
+    "EXT_instance_features",
+    "EXT_structural_metadata",
+    "EXT_property_",
+    "MSFT_texture_",
+    "MSFT_packing_",
+    "MSFT_lod",
+    "ADOBE_materials_",
+    "AGI_",
+    "FB_",
+    "GOOGLE_",
+    "OMI_",
+    "VRMC_",
+];
+
+/// How far a reader trusts a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ReadOptions {
+    /// The most bytes that the file may take in memory, everything that is made of it included; [`memory::DEFAULT_LIMIT`] by default.
+    pub memory_limit: u64,
+    /// Allows devices and pipes, and buffers outside the model's directory. Off by default. Nothing is ever fetched from a network.
+    pub any_path: bool,
+}
+
+impl Default for ReadOptions {
+    fn default() -> Self {
+        Self {
+            memory_limit: memory::DEFAULT_LIMIT,
+            any_path: false,
+        }
+    }
+}
+
+/// A file whose JSON is parsed; meshes, clips and buffers are read when they are asked for.
+#[derive(Debug)]
+pub struct GltfFile {
+    pub(super) path: PathBuf,
+    pub(super) root: Root,
+    pub(super) buffers: Buffers,
+    pub(super) budget: MemoryBudget,
+    pub(super) parents: Parents,
+}
+
+impl GltfFile {
+    /// Opens a file and parses its JSON.
+    ///
+    /// # Errors
+    /// The file cannot be read, is no glTF, or needs an extension that changes how geometry is stored.
+    pub fn open(path: &Path, options: &ReadOptions) -> Result<Self, ReadError> {
+        Self::open_within(path, options, MemoryBudget::new(options.memory_limit))
+    }
+
+    /// As [`GltfFile::open`] with a budget that other files may share, in place of [`ReadOptions::memory_limit`].
+    ///
+    /// # Errors
+    /// As [`GltfFile::open`].
+    pub fn open_within(path: &Path, options: &ReadOptions, budget: MemoryBudget) -> Result<Self, ReadError> {
+        let io = |source| ReadError::Io {
+            path: path.to_owned(),
+            source,
+        };
+        // Asked before opening, because opening a pipe waits for its other end.
+        let found = std::fs::metadata(path).map_err(io)?;
+        if !found.is_file() && !found.is_dir() && !options.any_path {
+            return Err(ReadError::NotRegular { path: path.to_owned() });
+        }
+        let file = std::fs::File::open(path).map_err(io)?;
+        // What has no length beforehand grows while it is read, up to twice its length.
+        let (length, growth) = if found.is_file() {
+            (found.len(), 1)
+        } else {
+            (budget.left() / 4, 2)
+        };
+        let over = |over| ReadError::OverBudget {
+            path: path.to_owned(),
+            over,
+        };
+        budget.take(length, growth, || "the file".into()).map_err(over)?;
+        let mut bytes = Vec::with_capacity(usize::try_from(if growth == 1 { length } else { 0 }).unwrap_or(0));
+        file.take(length).read_to_end(&mut bytes).map_err(io)?;
+        let directory = path.parent().unwrap_or(Path::new(""));
+        Self::new(bytes, path, Some(directory), options, budget)
+    }
+
+    /// As [`GltfFile::open`] from a file's bytes; buffers must be within them. `path` is only for messages.
+    ///
+    /// # Errors
+    /// As [`GltfFile::open`].
+    pub fn parse(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Self, ReadError> {
+        let budget = MemoryBudget::new(options.memory_limit);
+        let over = |over| ReadError::OverBudget {
+            path: path.to_owned(),
+            over,
+        };
+        budget.take(bytes.len() as u64, 1, || "the file".into()).map_err(over)?;
+        Self::new(bytes.to_vec(), path, None, options, budget)
+    }
+
+    fn new(
+        bytes: Vec<u8>,
+        path: &Path,
+        directory: Option<&Path>,
+        options: &ReadOptions,
+        budget: MemoryBudget,
+    ) -> Result<Self, ReadError> {
+        let not_gltf = |reason: String| ReadError::NotGltf {
+            path: path.to_owned(),
+            reason,
+        };
+        let (json, chunk) = if bytes.starts_with(b"glTF") {
+            let (json, chunk) = chunks(&bytes).map_err(not_gltf)?;
+            (json, chunk)
+        } else {
+            (0..bytes.len(), None)
+        };
+        let root = Root::parse(&bytes[json], &budget).map_err(|error| match error {
+            RootError::Json(error) => not_gltf(error.to_string()),
+            RootError::OverBudget(over) => ReadError::OverBudget {
+                path: path.to_owned(),
+                over,
+            },
+        })?;
+        let unknown = |name: &&String| !HARMLESS.iter().any(|harmless| name.starts_with(harmless));
+        if let Some(extension) = root.extensions_required.iter().find(unknown) {
+            return Err(ReadError::Extension {
+                path: path.to_owned(),
+                extension: extension.clone(),
+            });
+        }
+        Ok(Self {
+            path: path.to_owned(),
+            buffers: Buffers::new(&root, directory, options, bytes, chunk),
+            root,
+            budget,
+            parents: Parents::new(),
+        })
+    }
+
+    /// The path it was opened with.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// This file and the ones that its buffers are in, whether they exist or not.
+    #[must_use]
+    pub fn files(&self) -> Vec<PathBuf> {
+        let mut files = vec![self.path.clone()];
+        files.extend(self.buffers.files(&self.root, &self.budget));
+        files
+    }
+
+    /// What the file may still take in memory; whoever builds more of its meshes counts that here.
+    #[must_use]
+    pub fn budget(&self) -> &MemoryBudget {
+        &self.budget
+    }
+}

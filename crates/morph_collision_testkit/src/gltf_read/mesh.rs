@@ -1,0 +1,111 @@
+//! Meshes with their names and targets.
+
+use super::document::Mesh;
+use super::error::{MeshProblem, ReadError};
+use super::{GltfFile, primitive};
+use crate::mesh::MorphMesh;
+
+/// A mesh and what the file says about it beside its geometry.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoundMesh {
+    /// The mesh, without clips and without its skin ([`GltfFile::skin`]). Targets that the file stores nothing for are empty ([`MorphMesh::targets`]).
+    pub mesh: MorphMesh,
+    /// Whether a node shows it with a skin, which moves its vertices by bones.
+    pub skinned: bool,
+    /// What it draws where none of its primitives is made of triangles: `points`, `lines` or `points and lines`.
+    pub not_triangles: Option<&'static str>,
+}
+
+impl GltfFile {
+    /// The number of meshes.
+    #[must_use]
+    pub fn mesh_count(&self) -> usize {
+        self.root.meshes.len()
+    }
+
+    /// A mesh's name, or the one made up for it.
+    #[must_use]
+    pub fn mesh_name(&self, index: usize) -> String {
+        let name = self
+            .root
+            .meshes
+            .get(index, &self.budget)
+            .ok()
+            .and_then(|mesh| mesh.name.clone());
+        name.unwrap_or_else(|| format!("mesh_{index}"))
+    }
+
+    /// Reads a mesh.
+    ///
+    /// Several primitives become one mesh: their vertices are joined (once, where primitives share them) and their triangles
+    /// numbered through; strips and fans become triangles of the same winding; points and lines give an empty range. A mesh
+    /// without triangles or without targets is returned as it is.
+    ///
+    /// # Errors
+    /// [`ReadError::Mesh`] names the primitive and accessor at fault.
+    pub fn mesh(&self, index: usize) -> Result<FoundMesh, ReadError> {
+        let name = self.mesh_name(index);
+        let fail = |problem| ReadError::Mesh {
+            path: self.path.clone(),
+            mesh: index,
+            name: name.clone(),
+            problem: Box::new(problem),
+        };
+        let json = self.root.meshes.get(index, &self.budget);
+        let json = json.map_err(|problem| fail(MeshProblem::Element(problem)))?;
+        let (mut mesh, drawn) = primitive::read(self, json).map_err(fail)?;
+        mesh.target_names = target_names(json, mesh.targets.len());
+        mesh.name = name;
+        Ok(FoundMesh {
+            mesh,
+            skinned: self.skin_of(index, json).is_some(),
+            not_triangles: match (drawn.triangles, drawn.points, drawn.lines) {
+                (false, true, true) => Some("points and lines"),
+                (false, true, false) => Some("points"),
+                (false, false, true) => Some("lines"),
+                _ => None,
+            },
+        })
+    }
+
+    /// All meshes with their clips, their skins and with every target in full.
+    pub(super) fn all_meshes(&self) -> Result<Vec<MorphMesh>, ReadError> {
+        let read = |index: usize| {
+            let mut mesh = self.mesh(index)?.mesh;
+            let vertices = mesh.positions.len();
+            for target in mesh.targets.iter_mut().filter(|target| target.is_empty()) {
+                let what = || format!("the displacements of {vertices} vertices");
+                let take = self.budget.take(vertices as u64, 12, what);
+                take.map_err(|over| ReadError::Mesh {
+                    path: self.path.clone(),
+                    mesh: index,
+                    name: mesh.name.clone(),
+                    problem: Box::new(MeshProblem::OverBudget(over)),
+                })?;
+                *target = vec![glam::Vec3::ZERO; vertices];
+            }
+            mesh.animations = self.clips(index, mesh.targets.len()).clips;
+            mesh.skin = self.skin(index)?;
+            Ok(mesh)
+        };
+        (0..self.mesh_count()).map(read).collect()
+    }
+}
+
+/// The names that most exporters put into the mesh's extras, made up where they are missing.
+fn target_names(mesh: &Mesh, count: usize) -> Vec<String> {
+    #[derive(serde::Deserialize)]
+    struct Extras {
+        #[serde(rename = "targetNames")]
+        target_names: Vec<String>,
+    }
+    let mut names = mesh
+        .extras
+        .as_ref()
+        .and_then(|extras| serde_json::from_str::<Extras>(extras.get()).ok())
+        .map(|extras| extras.target_names)
+        .unwrap_or_default();
+    names.truncate(count);
+    names.extend((names.len()..count).map(|target| format!("target_{target}")));
+    names
+}

@@ -1,0 +1,101 @@
+//! The nodes of `joint-boxes` and `joint-union`, to measure how tight they are.
+
+use glam::Affine3A;
+use morph_collision::{Aabb, ModelError};
+
+use super::MethodOptions;
+use super::blended::WeldedMesh;
+use super::joint_boxes::Measured;
+use super::tree::Child;
+use crate::mesh::MorphMesh;
+
+/// The tree of a skinned mesh with boxes made of one for each joint.
+#[derive(Debug)]
+pub struct JointNodes {
+    measured: Measured,
+}
+
+/// A node in a pose.
+#[derive(Clone, Copy, Debug)]
+pub struct JointNode<'a> {
+    /// Its box in world space.
+    pub bounds: Aabb,
+    /// The triangles below it.
+    pub triangles: &'a [u32],
+    /// How many nodes are its children; none of a leaf.
+    pub children: usize,
+}
+
+impl JointNodes {
+    /// The tree as `joint-union` has it, where boxes are around all vertices of a node, or else as `joint-boxes` has it.
+    ///
+    /// # Errors
+    /// As [`MorphMesh::to_model`].
+    pub fn new(mesh: &MorphMesh, union: bool, options: &MethodOptions) -> Result<Self, ModelError> {
+        let measured = Measured::new(&WeldedMesh::new(mesh)?, options, union);
+        Ok(Self { measured })
+    }
+
+    /// Every node with a weight for each target and a matrix for each joint, which lead to world space. Parents come before their children.
+    ///
+    /// # Panics
+    /// If weights or joints are missing.
+    pub fn visit(&self, weights: &[f32], joints: &[Affine3A], mut visitor: impl FnMut(JointNode<'_>)) {
+        let Measured { tree, nodes, .. } = &self.measured;
+        for (group, nodes) in tree.groups.iter().zip(nodes) {
+            for (&child, &node) in group.children().iter().zip(nodes) {
+                visitor(JointNode {
+                    bounds: self.measured.bounds(node, weights, joints).aabb(),
+                    triangles: &tree.triangles[tree.under(child)],
+                    children: match child {
+                        Child::Leaf(_) => 0,
+                        Child::Group(group) => tree.groups[group as usize].children().len(),
+                    },
+                });
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::models::rigs::{PoseKind, branching};
+    use crate::oracle::{posed_vertices, skinned_vertices};
+
+    #[test]
+    fn boxes_hold_what_is_below_and_those_of_joints_are_tighter() -> Result<(), ModelError> {
+        let mesh = branching(2, 12, 4, 2);
+        let skin = mesh.skin.as_ref().expect("it is skinned");
+        let joints = PoseKind::Scaled.draw(&skin.skeleton, 3);
+        let weights = [0.5, -0.5];
+        let posed = posed_vertices(&mesh.positions, &mesh.targets, &weights);
+        let world = skinned_vertices(&posed, &skin.sets, &joints);
+        let mut areas = Vec::new();
+        for union in [false, true] {
+            let (mut area, mut seen, mut children, mut nodes) = (0.0, vec![0; mesh.triangles.len()], 0, 0);
+            JointNodes::new(&mesh, union, &MethodOptions::default())?.visit(&weights, &joints, |node| {
+                for &triangle in node.triangles {
+                    seen[triangle as usize] += usize::from(node.children == 0);
+                    for vertex in mesh.triangles[triangle as usize] {
+                        let vertex = world[vertex as usize];
+                        let (min, max) = (node.bounds.min.as_dvec3(), node.bounds.max.as_dvec3());
+                        assert!(
+                            (min.cmple(vertex) & vertex.cmple(max)).all(),
+                            "{vertex} outside {node:?}"
+                        );
+                    }
+                }
+                let size = node.bounds.size();
+                area += size.x * size.y + size.y * size.z + size.z * size.x;
+                (children, nodes) = (children + node.children, nodes + 1);
+            });
+            assert!(seen.iter().all(|leaves| *leaves == 1), "{seen:?}");
+            // All but the root are children.
+            assert_eq!(children + 1, nodes);
+            areas.push(area);
+        }
+        assert!(areas[1] > 1.2 * areas[0], "{areas:?}");
+        Ok(())
+    }
+}

@@ -21,7 +21,7 @@ const AHEAD: f64 = 0.37;
 const LOOPS: f64 = 2.23;
 
 /// Half the size of what rays are aimed at, around the middle of a character: head to feet, without arms.
-const BODY: DVec3 = DVec3::new(1.0, 7.5, 1.0);
+const BODY: DVec3 = DVec3::new(0.7, 7.0, 0.7);
 
 /// What the bodies of a scene do.
 pub(super) struct Walkers {

@@ -189,7 +189,7 @@ fn scenes_and_the_setting_for_all_meshes_take_skinned_ones() {
     app.world_mut().entity_mut(limb).remove::<MorphCollider>().insert(skin);
     app.world_mut()
         .resource_mut::<MorphCollisionSettings>()
-        .every_morphing_mesh = Some(MorphCollider::default());
+        .every_deforming_mesh = Some(MorphCollider::default());
     app.update();
     assert!(is_collider(&app, limb));
 }

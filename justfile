@@ -149,6 +149,10 @@ verify FRAMES="30":
         done
     done
 
+# Compares the plugin's rays, pairs and culling boxes for skinned characters with brute force, in every frame of every clip at 60 Hz.
+characters:
+    MORPH_COLLISION_EVERY_FRAME=1 cargo test -p morph_collision_workspace --all-features --test plugin skins::characters -- --nocapture
+
 # Generated trouble: CASES cases (200 by default) of every family, three seeds.
 stress CASES="200":
     #!/usr/bin/env bash

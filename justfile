@@ -210,6 +210,10 @@ report *ARGS:
 physics-report *ARGS:
     cargo run --release --example physics_report -- {{ARGS}}
 
+# Makes the tables of docs/characters.md again, in place: crowds of skinned characters, here, with Bevy's own bounds and picking, and with capsules.
+characters-report *ARGS:
+    cargo run --release -p morph_collision_workspace --example characters_report -- {{ARGS}}
+
 # Times the library's queries on this machine: all, or those whose name contains NAME.
 bench *NAME:
     cargo bench -p morph_collision_testkit --bench queries -- {{NAME}}

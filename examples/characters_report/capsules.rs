@@ -6,6 +6,7 @@ use bevy::app::AnimationSystems;
 use bevy::math::{DMat3, DVec3};
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
+use bevy_rapier3d::plugin::context::{RapierContextColliders, RapierContextSimulation};
 use bevy_rapier3d::prelude::*;
 use morph_collision_testkit::mesh::MorphMesh;
 

@@ -88,8 +88,8 @@ impl Stage {
 
     /// Everybody plays a clip in a loop, each from another moment on. Returns how long it takes in seconds.
     pub(crate) fn play(&mut self, clip: &str) -> Result<f32, String> {
-        let clip = self.clips.iter().find(|(name, _)| name == clip);
-        let (_, clip) = clip.ok_or_else(|| format!("{}: there is no clip {clip:?}", self.file.display()))?;
+        let found = self.clips.iter().find(|(name, _)| name == clip);
+        let (_, clip) = found.ok_or_else(|| format!("{}: there is no clip {clip:?}", self.file.display()))?;
         let from = |index: usize, length: f32| (0.618_034 * index as f32).fract() * length;
         let length = crowd::play(&mut self.app, clip, &self.roots, from);
         edit_players(&mut self.app, |player| {

@@ -1,6 +1,7 @@
 //! Meshes that joints move.
 //!
 //! - `joints`: where joints put a mesh, whatever happens to them.
+//! - `instances`: several meshes and skeletons at once.
 //! - `formats`: what meshes and skeletons may look like.
 //! - `surface`: hits, picks and anchors on a skinned surface.
 //! - `gizmos`: debug drawing of skinned meshes.
@@ -12,6 +13,7 @@ mod bounds;
 mod characters;
 mod formats;
 mod gizmos;
+mod instances;
 mod joints;
 mod surface;
 mod torture;

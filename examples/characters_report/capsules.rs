@@ -35,7 +35,10 @@ pub(crate) fn fitted(mesh: &MorphMesh, fit: Fit) -> Vec<Capsule> {
     let Some(skin) = &mesh.skin else { return Vec::new() };
     let mut points = vec![Vec::new(); skin.joint_count()];
     for (vertex, &position) in mesh.positions.iter().enumerate() {
-        let influences = skin.sets.iter().flat_map(|set| set.joints[vertex].into_iter().zip(set.weights[vertex]));
+        let influences = skin
+            .sets
+            .iter()
+            .flat_map(|set| set.joints[vertex].into_iter().zip(set.weights[vertex]));
         if let Some((joint, _)) = influences.max_by(|a, b| a.1.total_cmp(&b.1)) {
             let joint = usize::from(joint);
             let inverse_bind = skin.skeleton.joints[joint].inverse_bind;
@@ -60,7 +63,10 @@ fn capsule(joint: usize, points: &[DVec3], fit: Fit) -> Capsule {
         axis = (spread * axis).normalize_or(DVec3::Y);
     }
     let along: Vec<f64> = points.iter().map(|&point| (point - center).dot(axis)).collect();
-    let off_axis: Vec<f64> = points.iter().map(|&point| (point - center).reject_from(axis).length()).collect();
+    let off_axis: Vec<f64> = points
+        .iter()
+        .map(|&point| (point - center).reject_from(axis).length())
+        .collect();
     let radius = match fit {
         Fit::Around => off_axis.iter().copied().fold(0.0, f64::max),
         Fit::Through => off_axis.iter().sum::<f64>() / count,
@@ -116,7 +122,12 @@ pub(crate) fn dress(stage: &mut Stage, capsules: &[Capsule]) {
         let Some(skin) = world.get::<SkinnedMesh>(part.entity).cloned() else {
             continue;
         };
-        for &Capsule { joint, ends: [a, b], radius } in capsules {
+        for &Capsule {
+            joint,
+            ends: [a, b],
+            radius,
+        } in capsules
+        {
             world.spawn((
                 Collider::capsule(a, b, radius),
                 Sensor,
@@ -143,7 +154,10 @@ pub(crate) fn touching(stage: &mut Stage) -> BTreeSet<(usize, usize)> {
         .collect();
     let characters = |(a, b): (Entity, Entity)| Some((stage.character(a)?, stage.character(b)?));
     let pairs = pairs.into_iter().filter_map(characters);
-    pairs.map(|(a, b)| (a.min(b), a.max(b))).filter(|(a, b)| a != b).collect()
+    pairs
+        .map(|(a, b)| (a.min(b), a.max(b)))
+        .filter(|(a, b)| a != b)
+        .collect()
 }
 
 /// The same by the definition of a capsule, to see that Rapier was asked right; capsules nearer than `slack` count as intersecting.
@@ -155,7 +169,9 @@ pub(crate) fn touching_by_distance(stage: &Stage, capsules: &[Capsule], slack: f
             continue;
         };
         for capsule in capsules {
-            let place = world.get::<GlobalTransform>(skin.joints[capsule.joint]).map(GlobalTransform::affine);
+            let place = world
+                .get::<GlobalTransform>(skin.joints[capsule.joint])
+                .map(GlobalTransform::affine);
             let place = place.unwrap_or_default();
             let ends = capsule.ends.map(|end| place.transform_point3(end).as_dvec3());
             all.push((character, ends, f64::from(capsule.radius)));
@@ -165,7 +181,8 @@ pub(crate) fn touching_by_distance(stage: &Stage, capsules: &[Capsule], slack: f
     for (i, (a, ends_a, radius_a)) in all.iter().enumerate() {
         for (b, ends_b, radius_b) in &all[..i] {
             let reach = radius_a + radius_b + slack;
-            let far = ends_a[0].distance(ends_b[0]) > reach + ends_a[0].distance(ends_a[1]) + ends_b[0].distance(ends_b[1]);
+            let far =
+                ends_a[0].distance(ends_b[0]) > reach + ends_a[0].distance(ends_a[1]) + ends_b[0].distance(ends_b[1]);
             if a != b && !far && segment_distance(*ends_a, *ends_b) <= reach {
                 pairs.insert((*a.min(b), *a.max(b)));
             }
@@ -178,10 +195,19 @@ pub(crate) fn touching_by_distance(stage: &Stage, capsules: &[Capsule], slack: f
 fn segment_distance([a, b]: [DVec3; 2], [c, d]: [DVec3; 2]) -> f64 {
     let to_segment = |p: DVec3, [a, b]: [DVec3; 2]| {
         let along = b - a;
-        let t = if along == DVec3::ZERO { 0.0 } else { ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0) };
+        let t = if along == DVec3::ZERO {
+            0.0
+        } else {
+            ((p - a).dot(along) / along.length_squared()).clamp(0.0, 1.0)
+        };
         p.distance(a + along * t)
     };
-    let ends = [to_segment(a, [c, d]), to_segment(b, [c, d]), to_segment(c, [a, b]), to_segment(d, [a, b])];
+    let ends = [
+        to_segment(a, [c, d]),
+        to_segment(b, [c, d]),
+        to_segment(c, [a, b]),
+        to_segment(d, [a, b]),
+    ];
     let nearest = ends.into_iter().fold(f64::INFINITY, f64::min);
     let (u, v, w) = (b - a, d - c, a - c);
     let (uu, uv, vv, uw, vw) = (u.dot(u), u.dot(v), v.dot(v), u.dot(w), v.dot(w));
@@ -191,5 +217,9 @@ fn segment_distance([a, b]: [DVec3; 2], [c, d]: [DVec3; 2]) -> f64 {
     }
     let (s, t) = ((uv * vw - vv * uw) / determinant, (uu * vw - uv * uw) / determinant);
     let inside = (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t);
-    if inside { nearest.min((w + u * s - v * t).length()) } else { nearest }
+    if inside {
+        nearest.min((w + u * s - v * t).length())
+    } else {
+        nearest
+    }
 }

@@ -15,8 +15,14 @@ use super::stage::{Model, Stage, grid};
 
 /// What is compared on its own, or together with all other clips of its model.
 const MODELS: [(&str, &[&str]); 4] = [
-    ("mh_character.glb", &["walk", "wave_and_crouch", "talk", "walk_and_talk"]),
-    ("mh_character_low.glb", &["walk", "wave_and_crouch", "talk", "walk_and_talk"]),
+    (
+        "mh_character.glb",
+        &["walk", "wave_and_crouch", "talk", "walk_and_talk"],
+    ),
+    (
+        "mh_character_low.glb",
+        &["walk", "wave_and_crouch", "talk", "walk_and_talk"],
+    ),
     ("RobotExpressive.glb", &[]),
     ("Fox.glb", &["Survey", "Walk", "Run"]),
 ];
@@ -37,7 +43,10 @@ impl Seen {
     fn look(&mut self, stage: &Stage, model: &Model, part: &Part) {
         let vertices = stage.vertices(model, part);
         let world = stage.app.world();
-        let (Some(aabb), Some(place)) = (world.get::<Aabb>(part.entity), world.get::<GlobalTransform>(part.entity)) else {
+        let (Some(aabb), Some(place)) = (
+            world.get::<Aabb>(part.entity),
+            world.get::<GlobalTransform>(part.entity),
+        ) else {
             return;
         };
         let place = DAffine3::from_mat4(DMat4::from_cols_array(
@@ -45,7 +54,10 @@ impl Seen {
         ));
         let to_entity = place.inverse();
         let used = part.triangles(&model.meshes).as_flattened();
-        let drawn: Vec<DVec3> = used.iter().map(|&v| to_entity.transform_point3(vertices[v as usize])).collect();
+        let drawn: Vec<DVec3> = used
+            .iter()
+            .map(|&v| to_entity.transform_point3(vertices[v as usize]))
+            .collect();
         let (min, max) = extent(&drawn);
         // Bevy moves the box with the entity: its sides are scaled.
         let scale = DVec3::new(
@@ -85,7 +97,10 @@ pub(crate) fn sizes(quick: bool) -> Result<String, String> {
         let rows: Vec<(String, Vec<String>)> = if own_rows.is_empty() {
             vec![(format!("all {}", clips.len()), clips)]
         } else {
-            own_rows.iter().map(|&clip| (format!("`{clip}`"), vec![clip.to_owned()])).collect()
+            own_rows
+                .iter()
+                .map(|&clip| (format!("`{clip}`"), vec![clip.to_owned()]))
+                .collect()
         };
         let bar = progress(rows.len() as u64);
         for (title, clips) in rows {
@@ -165,7 +180,11 @@ pub(crate) fn times(quick: bool) -> Result<String, String> {
     let mut table = String::from(
         "| what the characters do | ours, ns per joint | Bevy's, ns per joint | ours in a frame, µs | ratio |\n|---|--:|--:|--:|--:|\n",
     );
-    let clips = [("walk", "walk: joints move"), ("talk", "talk: some joints and the face move"), ("walk_and_talk", "walk and talk: both move")];
+    let clips = [
+        ("walk", "walk: joints move"),
+        ("talk", "talk: some joints and the face move"),
+        ("walk_and_talk", "walk and talk: both move"),
+    ];
     let bar = progress(clips.len() as u64 + 1);
     let mut rows: Vec<(&str, Option<&str>)> = clips.iter().map(|&(clip, what)| (what, Some(clip))).collect();
     rows.push(("nothing moves", None));

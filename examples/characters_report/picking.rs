@@ -106,7 +106,15 @@ pub(crate) fn times(quick: bool) -> Result<String, String> {
         let (mut times, mut ratios) = ([Vec::new(), Vec::new()], Vec::new());
         for frame in 0..frames {
             stage.app.update();
-            upkeep.push(stage.app.world().resource::<MorphCollisionDiagnostics>().duration.as_secs_f64() * 1e6);
+            upkeep.push(
+                stage
+                    .app
+                    .world()
+                    .resource::<MorphCollisionDiagnostics>()
+                    .duration
+                    .as_secs_f64()
+                    * 1e6,
+            );
             let mut rays = picture(size, frame);
             if count == 1 {
                 // The ray of one pointer that wanders over the picture.

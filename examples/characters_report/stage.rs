@@ -56,7 +56,8 @@ impl Stage {
         for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
             schedule.set_executor(SingleThreadedExecutor::new());
         }
-        let (roots, clips) = crowd::spawn(&mut app, &model.file, places, on_roots).map_err(|error| error.to_string())?;
+        let (roots, clips) =
+            crowd::spawn(&mut app, &model.file, places, on_roots).map_err(|error| error.to_string())?;
         let is_skinned = |part: &Part| model.meshes[part.mesh].skin.is_some();
         let mut parts = drawn::parts::<()>(app.world_mut(), &model.meshes);
         parts.retain(is_skinned);
@@ -75,7 +76,11 @@ impl Stage {
     /// Runs frames until every tree is there.
     fn settle(&mut self) -> Result<(), String> {
         self.app.update();
-        let is_ready = |world: &mut World| Ok(world.get_resource::<MorphTrees>().is_none_or(|trees| trees.building() == 0));
+        let is_ready = |world: &mut World| {
+            Ok(world
+                .get_resource::<MorphTrees>()
+                .is_none_or(|trees| trees.building() == 0))
+        };
         update_until(&mut self.app, &self.file, is_ready).map_err(|error| error.to_string())?;
         self.app.update();
         self.app.update();

@@ -81,7 +81,8 @@ impl Way {
             Self::Nothing => Pairs::new(),
             Self::Ours(_) => {
                 let contacts = stage.app.world().resource::<MorphCollisions>().iter();
-                let pairs = contacts.filter_map(|c| Some((stage.character(c.collider1)?, stage.character(c.collider2)?)));
+                let pairs =
+                    contacts.filter_map(|c| Some((stage.character(c.collider1)?, stage.character(c.collider2)?)));
                 pairs.map(|(a, b)| (a.min(b), a.max(b))).collect()
             }
             Self::JointBoxes => {
@@ -100,7 +101,10 @@ type Pairs = BTreeSet<(usize, usize)>;
 fn culling_box(stage: &Stage, entity: Entity) -> (DVec3, DVec3) {
     let world = stage.app.world();
     let aabb = world.get::<Aabb>(entity).copied().unwrap_or_default();
-    let place = world.get::<GlobalTransform>(entity).map(GlobalTransform::affine).unwrap_or_default();
+    let place = world
+        .get::<GlobalTransform>(entity)
+        .map(GlobalTransform::affine)
+        .unwrap_or_default();
     let center = place.transform_point3a(aabb.center);
     let radius = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| aabb.relative_radius(&axis.into(), &place.matrix3));
     let (center, radius) = (Vec3::from(center).as_dvec3(), Vec3::from_array(radius).as_dvec3());
@@ -169,7 +173,10 @@ pub(crate) fn answers(quick: bool) -> Result<String, String> {
     let bar = progress(u64::from(moments) * CROWDS.len() as u64);
     for (crowd, apart) in CROWDS {
         let ways = &Way::ALL[1..];
-        let mut stages: Vec<Stage> = ways.iter().map(|way| way.stage(&model, apart)).collect::<Result<_, _>>()?;
+        let mut stages: Vec<Stage> = ways
+            .iter()
+            .map(|way| way.stage(&model, apart))
+            .collect::<Result<_, _>>()?;
         let (mut in_truth, mut rows) = (0, vec![[0; 3]; ways.len()]);
         for _ in 0..moments {
             for stage in &mut stages {
@@ -191,8 +198,15 @@ pub(crate) fn answers(quick: bool) -> Result<String, String> {
             bar.inc(1);
         }
         for (way, [reported, missed, wrong]) in ways.iter().zip(&rows) {
-            let name = if *way == Way::JointBoxes { "Bevy's joint boxes overlap" } else { way.name() };
-            let _infallible = writeln!(table, "| {crowd} | {name} | {in_truth} | {reported} | {missed} | {wrong} |");
+            let name = if *way == Way::JointBoxes {
+                "Bevy's joint boxes overlap"
+            } else {
+                way.name()
+            };
+            let _infallible = writeln!(
+                table,
+                "| {crowd} | {name} | {in_truth} | {reported} | {missed} | {wrong} |"
+            );
         }
     }
     bar.finish_and_clear();
@@ -205,7 +219,9 @@ fn asked_right(model: &Model, stage: &Stage, fit: Fit, found: &Pairs) -> Result<
     let [surely, perhaps] = [-1e-3, 1e-3].map(|slack| capsules::touching_by_distance(stage, &capsules, slack));
     let (missed, invented) = (surely.difference(found).count(), found.difference(&perhaps).count());
     if missed + invented > 0 {
-        return Err(format!("Rapier misses {missed} pairs of capsules and invents {invented}"));
+        return Err(format!(
+            "Rapier misses {missed} pairs of capsules and invents {invented}"
+        ));
     }
     Ok(())
 }

@@ -42,7 +42,12 @@ pub fn spawn(
         commands.entity(ready.entity).insert(Ready);
     });
     let spawn = |&place: &Transform| {
-        let root = (WorldAssetRoot(scene.clone()), Visibility::default(), more.clone(), place);
+        let root = (
+            WorldAssetRoot(scene.clone()),
+            Visibility::default(),
+            more.clone(),
+            place,
+        );
         world.spawn(root).id()
     };
     let roots: Vec<Entity> = places.iter().map(spawn).collect();

@@ -38,14 +38,21 @@ fn turned() -> Transform {
 #[test]
 fn boxes_of_nodes_are_drawn_where_joints_put_them() {
     let (mut app, skinned, joint) = app_with_a_cube();
-    for (weight, place) in [(0.0, Transform::default()), (0.75, turned()), (0.75, Transform::from_xyz(0.0, 7.0, 0.0))] {
+    for (weight, place) in [
+        (0.0, Transform::default()),
+        (0.75, turned()),
+        (0.75, Transform::from_xyz(0.0, 7.0, 0.0)),
+    ] {
         set_weight(&mut app, skinned, weight);
         put(&mut app, joint, place);
         draw(&mut app, |gizmos| gizmos.depth = Some(9));
         // Around each triangle before the joint moves it.
         let shape = stretching_cube();
         let posed = shape.posed(&[weight]);
-        let corners = shape.triangles.iter().map(|corners| corners.map(|corner| posed[corner as usize]));
+        let corners = shape
+            .triangles
+            .iter()
+            .map(|corners| corners.map(|corner| posed[corner as usize]));
         let expected: Vec<[Vec3; 2]> = corners.map(|[a, b, c]| [a.min(b).min(c), a.max(b).max(c)]).collect();
         let Drawn { strips, .. } = drawn(&app);
         assert_eq!(strips.len(), expected.len());
@@ -61,7 +68,11 @@ fn boxes_of_nodes_are_drawn_where_joints_put_them() {
         for [min, max] in &expected {
             let is_it = |drawn: &&[Vec3; 2]| drawn[0].distance(*min) < 1e-4 && drawn[1].distance(*max) < 1e-4;
             let same = expected.iter().filter(|other| *other == &[*min, *max]).count();
-            assert_eq!(boxes.iter().filter(is_it).count(), same, "{min} to {max} in {boxes:?} at {place:?}");
+            assert_eq!(
+                boxes.iter().filter(is_it).count(),
+                same,
+                "{min} to {max} in {boxes:?} at {place:?}"
+            );
         }
     }
 }
@@ -79,10 +90,17 @@ fn touching_triangles_are_outlined_where_joints_put_them() {
     let contact = contact.expect("they touch").clone();
     assert!(contact.triangles.len() > 4, "{contact:?}");
     let shape = stretching_cube();
-    let posed: Vec<Vec3> = shape.posed(&[0.25]).into_iter().map(|p| turned().transform_point(p)).collect();
+    let posed: Vec<Vec3> = shape
+        .posed(&[0.25])
+        .into_iter()
+        .map(|p| turned().transform_point(p))
+        .collect();
     let mut expected = Vec::new();
     for pair in &contact.triangles {
-        for (collider, triangle) in [(contact.collider1, pair.triangle_a), (contact.collider2, pair.triangle_b)] {
+        for (collider, triangle) in [
+            (contact.collider1, pair.triangle_a),
+            (contact.collider2, pair.triangle_b),
+        ] {
             let corners = shape.triangles[triangle as usize].map(|corner| corner as usize);
             expected.push(corners.map(|corner| match collider == skinned {
                 true => posed[corner],
@@ -93,7 +111,11 @@ fn touching_triangles_are_outlined_where_joints_put_them() {
     let Drawn { strips, .. } = drawn(&app);
     assert_eq!(strips.len(), expected.len());
     for (strip, [a, b, c]) in strips.iter().zip(expected) {
-        let is_it = strip.len() == 4 && strip.iter().zip([a, b, c, a]).all(|(drawn, corner)| drawn.distance(corner) < 1e-5);
+        let is_it = strip.len() == 4
+            && strip
+                .iter()
+                .zip([a, b, c, a])
+                .all(|(drawn, corner)| drawn.distance(corner) < 1e-5);
         assert!(is_it, "{strip:?} is not {:?}", [a, b, c]);
     }
 }

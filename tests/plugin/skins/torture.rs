@@ -187,7 +187,10 @@ impl Life {
         let shape = &self.shapes[self.meshes.iter().position(|known| known.id() == mesh)?];
         let mut weights = vec![0.0; shape.targets.len()];
         if let Some(MeshMorphWeights::Value { weights: given }) = limb.get::<MeshMorphWeights>() {
-            weights.iter_mut().zip(given).for_each(|(weight, given)| *weight = *given);
+            weights
+                .iter_mut()
+                .zip(given)
+                .for_each(|(weight, given)| *weight = *given);
         }
         let posed = posed_vertices(&shape.positions, &shape.targets, &weights);
         let place = |entity: Entity| Some(self.app.world().get::<GlobalTransform>(entity)?.affine());
@@ -218,9 +221,9 @@ impl Life {
             };
             let triangles = shape.triangles.clone();
             let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-            let (min, max) = vertices.iter().fold(start, |(min, max), p| {
-                (min.min(p.as_vec3()), max.max(p.as_vec3()))
-            });
+            let (min, max) = vertices
+                .iter()
+                .fold(start, |(min, max), p| (min.min(p.as_vec3()), max.max(p.as_vec3())));
             let found = extent(&mut self.app, limb);
             let (low, high) = found.unwrap_or_else(|| panic!("{context}: {limb} is not there"));
             assert!(

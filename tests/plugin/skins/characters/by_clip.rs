@@ -34,7 +34,10 @@ impl Stage {
         if durations.into_iter().flatten().any(|duration| seconds >= duration) {
             return None;
         }
-        let weights = clip_of_weights.map_or_else(|| drawn::weights(self.app.world(), part.entity), |clip| clip.sample(seconds));
+        let weights = clip_of_weights.map_or_else(
+            || drawn::weights(self.app.world(), part.entity),
+            |clip| clip.sample(seconds),
+        );
         let posed = posed_vertices(&mesh.positions, &mesh.targets, &weights);
         let root = self.global(part.root);
         let joints = skin.skeleton.world_from_mesh(clip_of_joints, seconds);

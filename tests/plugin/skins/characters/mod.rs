@@ -121,7 +121,9 @@ impl Stage {
             for &(entity, place) in &rest {
                 self.app.world_mut().entity_mut(entity).insert(place);
             }
-            let length = play(&mut self.app, clip, &self.roots, |index, length| 0.37 * length * index as f32);
+            let length = play(&mut self.app, clip, &self.roots, |index, length| {
+                0.37 * length * index as f32
+            });
             let frames = ((length * 60.0) as usize).min(most_frames);
             // The graph is a new asset, which takes players a few frames to notice: meanwhile they wait.
             edit_players(&mut self.app, |player| _ = player.pause_all());

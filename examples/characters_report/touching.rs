@@ -124,7 +124,7 @@ fn overlapping(boxes: &[(DVec3, DVec3)]) -> Pairs {
 /// The pairs of characters of which triangles intersect, exactly, by brute force.
 fn truth(model: &Model, stage: &Stage) -> Pairs {
     let all: Vec<Vec<DVec3>> = stage.parts.iter().map(|part| stage.vertices(model, part)).collect();
-    let extents: Vec<_> = all.iter().map(|vertices| extent(vertices)).collect();
+    let extents: Vec<_> = all.iter().map(extent).collect();
     let touch = |&(a, b): &(usize, usize)| {
         let triangles_near = |i: usize, j: usize| {
             let triangles = stage.parts[i].triangles(&model.meshes);

@@ -149,6 +149,10 @@ verify FRAMES="30":
         done
     done
 
+# Compares the plugin's rays, pairs and culling boxes for skinned characters with brute force, in every frame of every clip at 60 Hz.
+characters:
+    MORPH_COLLISION_EVERY_FRAME=1 cargo test -p morph_collision_workspace --all-features --test plugin skins::characters -- --nocapture
+
 # Generated trouble: CASES cases (200 by default) of every family, three seeds.
 stress CASES="200":
     #!/usr/bin/env bash
@@ -205,6 +209,10 @@ report *ARGS:
 # Makes the tables of docs/rapier.md again, in place: bodies on a morphing surface, here and with what a game can do by itself.
 physics-report *ARGS:
     cargo run --release --example physics_report -- {{ARGS}}
+
+# Makes the tables of docs/characters.md again, in place: crowds of skinned characters, here, with Bevy's own bounds and picking, and with capsules.
+characters-report *ARGS:
+    cargo run --release -p morph_collision_workspace --example characters_report -- {{ARGS}}
 
 # Times the library's queries on this machine: all, or those whose name contains NAME.
 bench *NAME:

@@ -11,10 +11,10 @@ use std::time::Instant;
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use clap::Parser;
-use indicatif::{ProgressBar, ProgressStyle};
-use morph_collision_testkit::bench::{Page, cpu, median};
+use morph_collision_testkit::bench::{cpu, median};
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_workspace::physics::{DT, Method, Surface, app, body, settle, sheet, state};
+use morph_collision_workspace::tables::{Section, TableOptions, progress, rewrite};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
@@ -24,12 +24,8 @@ struct Options {
     /// The page to change.
     #[arg(default_value = "docs/rapier.md")]
     page: PathBuf,
-    /// Few drops and frames: rough numbers.
-    #[arg(long)]
-    quick: bool,
-    /// Only the place of this name.
-    #[arg(long)]
-    only: Option<String>,
+    #[command(flatten)]
+    tables: TableOptions,
     /// Print the times of this row of the last table, of this plugin alone, and change nothing: to profile it.
     #[arg(long)]
     row: Option<usize>,
@@ -45,35 +41,25 @@ fn main() -> ExitCode {
     }
 }
 
-type Section = fn(bool) -> String;
-
 fn run(options: &Options) -> Result<(), String> {
-    let sections: [(&str, Section); 4] = [
-        ("machine", |_| format!("{}\n", cpu())),
-        ("behaviour", |_| behaviour()),
-        ("drops", drops),
-        ("time", times),
-    ];
+    let quick = options.tables.quick;
     if let Some(row) = options.row {
         let scenes = scenes();
         let scene = scenes
             .get(row)
             .ok_or_else(|| format!("there are {} rows", scenes.len()))?;
-        let frames = if options.quick { 100 } else { 600 };
+        let frames = if quick { 100 } else { 600 };
         let times = time(scene, &sheet(101), frames, &[Method::Ours]);
         println!("{} surfaces, {}: {:.0} us", scene.shapes, scene.what, times[0]);
         return Ok(());
     }
-    let mut page = Page::read(&options.page)?;
-    for (name, section) in sections {
-        if options.only.as_ref().is_none_or(|only| only == name) {
-            eprintln!("{name}");
-            page.replace(name, &section(options.quick))?;
-            page.write()
-                .map_err(|error| format!("{}: {error}", options.page.display()))?;
-        }
-    }
-    Ok(())
+    let sections: [Section<'_>; 4] = [
+        ("machine", Box::new(|| Ok(format!("{}\n", cpu())))),
+        ("behaviour", Box::new(|| Ok(behaviour()))),
+        ("drops", Box::new(|| Ok(drops(quick)))),
+        ("time", Box::new(|| Ok(times(quick)))),
+    ];
+    rewrite(&options.page, &options.tables, &sections)
 }
 
 fn here() -> App {
@@ -361,9 +347,4 @@ fn time(scene: &Scene, mesh: &MorphMesh, frames: usize, methods: &[Method]) -> V
         }
     }
     times.into_iter().map(|times| median(times.into_iter())).collect()
-}
-
-fn progress(length: u64) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len} {eta}").unwrap_or(ProgressStyle::default_bar());
-    ProgressBar::new(length).with_style(style)
 }

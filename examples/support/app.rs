@@ -25,6 +25,13 @@ const PATIENCE: Duration = Duration::from_secs(300);
 ///
 /// `assets` is the folder that asset paths are relative to. More plugins may be added before [`ready`] is called.
 pub fn headless(assets: &Path) -> App {
+    let mut app = without_collisions(assets);
+    app.add_plugins(MorphCollisionPlugin);
+    app
+}
+
+/// The same without the collision plugin.
+pub fn without_collisions(assets: &Path) -> App {
     let mut app = App::new();
     app.add_plugins((
         MinimalPlugins,
@@ -39,7 +46,6 @@ pub fn headless(assets: &Path) -> App {
         MeshPlugin,
         GltfPlugin::default(),
         AnimationPlugin,
-        MorphCollisionPlugin,
     ))
     .insert_resource(TimeUpdateStrategy::ManualDuration(STEP));
     app

@@ -4,6 +4,8 @@
 #![allow(clippy::type_complexity, clippy::too_many_arguments)]
 
 pub mod app;
+pub mod crowd;
+pub mod drawn;
 pub mod error;
 pub mod instances;
 pub mod options;
@@ -11,6 +13,7 @@ pub mod physics;
 pub mod report;
 #[cfg(feature = "render")]
 pub mod shows;
+pub mod tables;
 pub mod touching;
 #[cfg(feature = "render")]
 pub mod view;

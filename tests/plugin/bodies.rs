@@ -14,7 +14,7 @@ fn parts_of_one_body_collide_with_others_but_not_with_each_other() {
     let root = app
         .world_mut()
         .spawn(MorphColliderScene {
-            only_morphing: false,
+            only_deforming: false,
             ..default()
         })
         .id();
@@ -70,7 +70,7 @@ fn a_mesh_that_comes_into_the_scene_later_becomes_a_part() {
     let mut app = app();
     let mesh = add_mesh(&mut app, &cube());
     let scene = MorphColliderScene {
-        only_morphing: false,
+        only_deforming: false,
         ..default()
     };
     let root = app.world_mut().spawn(scene).id();
@@ -132,7 +132,7 @@ fn a_scene_takes_back_what_it_gave_and_no_more() {
     let mut app = app();
     let mesh = add_mesh(&mut app, &cube());
     let scene = MorphColliderScene {
-        only_morphing: false,
+        only_deforming: false,
         events: true,
         ..default()
     };
@@ -165,7 +165,7 @@ fn a_part_goes_over_to_the_scene_that_it_is_hung_on() {
     let mut app = app();
     let mesh = add_mesh(&mut app, &cube());
     let scene = || MorphColliderScene {
-        only_morphing: false,
+        only_deforming: false,
         ..default()
     };
     let knights = [0, 1].map(|_| app.world_mut().spawn(scene()).id());

@@ -36,7 +36,7 @@ fn two_drawn_cubes() -> (App, [Entity; 2]) {
 }
 
 /// Changes what is drawn and runs a frame.
-fn draw(app: &mut App, change: impl FnOnce(&mut MorphGizmos)) {
+pub(crate) fn draw(app: &mut App, change: impl FnOnce(&mut MorphGizmos)) {
     let mut store = app.world_mut().resource_mut::<GizmoConfigStore>();
     change(store.config_mut::<MorphGizmos>().1);
     app.update();
@@ -44,13 +44,13 @@ fn draw(app: &mut App, change: impl FnOnce(&mut MorphGizmos)) {
 
 /// What was drawn in the last frame: lines, and strips of lines; and the colours of both, without repetitions.
 #[derive(Default, Debug)]
-struct Drawn {
-    lines: Vec<[Vec3; 2]>,
-    strips: Vec<Vec<Vec3>>,
-    colors: Vec<LinearRgba>,
+pub(crate) struct Drawn {
+    pub(crate) lines: Vec<[Vec3; 2]>,
+    pub(crate) strips: Vec<Vec<Vec3>>,
+    pub(crate) colors: Vec<LinearRgba>,
 }
 
-fn drawn(app: &App) -> Drawn {
+pub(crate) fn drawn(app: &App) -> Drawn {
     let handles = app.world().resource::<GizmoHandles>().handles();
     let Some(Some(handle)) = handles.get(&TypeId::of::<MorphGizmos>()) else {
         return Drawn::default();

@@ -135,7 +135,7 @@ fn loads_as_it_is(path: &Path) -> usize {
     );
     if deforming == 0 {
         let everything = MorphColliderScene {
-            only_morphing: false,
+            only_deforming: false,
             ..default()
         };
         let all: usize = file.iter().map(|mesh| mesh.primitives.len()).sum();

@@ -169,7 +169,7 @@ fn paused_nothing_is_looked_at_and_contacts_stay() {
 }
 
 #[test]
-fn every_morphing_mesh_can_be_made_a_collider() {
+fn every_deforming_mesh_can_be_made_a_collider() {
     let mut app = app();
     let (morphing, rigid) = (add_mesh(&mut app, &stretching_cube()), add_mesh(&mut app, &cube()));
     let root = app.world_mut().spawn(Transform::default()).id();
@@ -187,7 +187,7 @@ fn every_morphing_mesh_can_be_made_a_collider() {
     let collider = MorphCollider::new(CollisionMode::First);
     app.world_mut()
         .resource_mut::<MorphCollisionSettings>()
-        .every_morphing_mesh = Some(collider);
+        .every_deforming_mesh = Some(collider);
     settle(&mut app);
     for part in parts {
         assert_eq!(app.world().get::<MorphCollider>(part), Some(&collider));
@@ -261,7 +261,7 @@ fn a_scene_may_name_its_parts() {
     let mut app = app();
     let mesh = add_mesh(&mut app, &cube());
     let scene = MorphColliderScene {
-        only_morphing: false,
+        only_deforming: false,
         only_named: vec!["hull".into(), "sail".into()],
         layers: MorphCollisionLayers::new(2, 4),
         ..default()

@@ -140,7 +140,7 @@ fn the_box_holds_every_posed_vertex_on_every_frame_of_every_clip() {
         let meshes = morphing(&mut app);
         let mut moved = 0;
         for clip in clips {
-            let duration = play(&mut app, &clip, &[], |_| 0.0);
+            let duration = play(&mut app, &clip, &[], |_, _| 0.0);
             let mut before = Vec::new();
             // Up to ten seconds of it.
             for frame in 0..=((duration * 60.0) as usize).min(600) {

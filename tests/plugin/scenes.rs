@@ -86,7 +86,7 @@ fn inserting_a_scene_again_edits_its_parts() {
     let mut scene = Scene::new(MorphColliderScene::default());
     let other = MorphColliderScene {
         collider: FIRST,
-        only_morphing: false,
+        only_deforming: false,
         only_named: vec!["jaw".into()],
         ..default()
     };
@@ -107,7 +107,7 @@ fn parts_that_match_no_longer_are_meshes_again_and_others_become_parts() {
         [scene.morphing, scene.rigid, scene.jaw].map(is_part)
     };
     assert_eq!(is_part(&scene), [true, false, true]);
-    scene.edit(|scene| scene.only_morphing = false);
+    scene.edit(|scene| scene.only_deforming = false);
     assert_eq!(is_part(&scene), [true, true, true]);
     scene.edit(|scene| scene.only_named = vec!["jaw".into()]);
     assert_eq!(is_part(&scene), [false, false, true]);
@@ -119,12 +119,12 @@ fn parts_that_match_no_longer_are_meshes_again_and_others_become_parts() {
     scene.insert(scene.rigid, Name::new("jaw"));
     scene.app.update();
     assert_eq!(is_part(&scene), [false, true, true]);
-    scene.edit(|scene| scene.only_morphing = true);
+    scene.edit(|scene| scene.only_deforming = true);
     assert_eq!(is_part(&scene), [false, false, true]);
     scene.app.world_mut().entity_mut(scene.jaw).remove::<MeshMorphWeights>();
     scene.app.update();
     assert_eq!(is_part(&scene), [false, false, false]);
-    scene.edit(|scene| (scene.only_morphing, scene.only_named) = (false, Vec::new()));
+    scene.edit(|scene| (scene.only_deforming, scene.only_named) = (false, Vec::new()));
     assert_eq!(is_part(&scene), [true, true, true]);
 }
 
@@ -148,7 +148,7 @@ fn what_the_user_put_on_a_part_first_stays() {
     let scene = |collider: MorphCollider, events: bool| MorphColliderScene {
         collider,
         layers: MorphCollisionLayers::NONE,
-        only_morphing: false,
+        only_deforming: false,
         events,
         ..default()
     };
@@ -247,7 +247,7 @@ fn a_scene_within_a_scene_comes_and_goes() {
 fn set_all(app: &mut App, collider: Option<MorphCollider>) {
     app.world_mut()
         .resource_mut::<MorphCollisionSettings>()
-        .every_morphing_mesh = collider;
+        .every_deforming_mesh = collider;
     app.update();
 }
 

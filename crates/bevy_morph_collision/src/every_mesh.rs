@@ -1,4 +1,4 @@
-//! Every mesh that deforms as a collider: [`MorphCollisionSettings::every_morphing_mesh`].
+//! Every mesh that deforms as a collider: [`MorphCollisionSettings::every_deforming_mesh`].
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
@@ -57,7 +57,7 @@ type Has3 = (
 /// Applies the setting to new meshes, and to all when it changes.
 ///
 /// What hangs on one root of the hierarchy is one body.
-pub(crate) fn update_every_morphing_mesh(
+pub(crate) fn update_every_deforming_mesh(
     mut commands: Commands,
     settings: Res<MorphCollisionSettings>,
     new: Query<(Entity, Has3), New>,
@@ -65,7 +65,7 @@ pub(crate) fn update_every_morphing_mesh(
     parents: Query<&ChildOf, Allow<Disabled>>,
     mut applied: Local<Option<MorphCollider>>,
 ) {
-    let wanted = settings.every_morphing_mesh;
+    let wanted = settings.every_deforming_mesh;
     let is_same = match (&wanted, &*applied) {
         (Some(wanted), Some(applied)) => wanted.is_same(applied),
         (None, None) => true,

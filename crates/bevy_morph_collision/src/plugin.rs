@@ -171,7 +171,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         PostUpdate,
         ((
             scene::update_scene_parts,
-            every_mesh::update_every_morphing_mesh,
+            every_mesh::update_every_deforming_mesh,
             import::request_trees,
         )
             .chain()

@@ -40,7 +40,7 @@ pub struct MorphColliderScene {
     /// The layers of each part.
     pub layers: MorphCollisionLayers,
     /// Whether to leave out rigid meshes: those with neither [`MeshMorphWeights`] nor [`SkinnedMesh`].
-    pub only_morphing: bool,
+    pub only_deforming: bool,
     /// If not empty: only meshes whose [`Name`] is one of these, or which are below an entity of the scene whose name is. A
     /// glTF node's name stands on the entity above its meshes.
     pub only_named: Vec<String>,
@@ -53,7 +53,7 @@ impl Default for MorphColliderScene {
         Self {
             collider: MorphCollider::default(),
             layers: MorphCollisionLayers::default(),
-            only_morphing: true,
+            only_deforming: true,
             only_named: Vec::new(),
             events: false,
         }
@@ -198,7 +198,7 @@ impl PartNowItem<'_, '_> {
         let before = self.part;
         let gives = before.map_or(!self.has_own_collider(), |before| before.collider.is_some());
         let is_rigid = self.deforms == (false, false);
-        let matches = is_named && !(is_rigid && scene.only_morphing);
+        let matches = is_named && !(is_rigid && scene.only_deforming);
         if !self.is_mesh || (gives && !matches) {
             self.take_back(commands);
             return;

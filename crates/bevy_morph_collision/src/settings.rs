@@ -17,7 +17,7 @@ pub struct MorphCollisionSettings {
     /// parts. When you change this value, the colliders that came from it follow, except those that you changed yourself.
     /// A collider that you removed does not come back. `None` removes all colliders that came from it, even if you changed
     /// them since, and keeps all others.
-    pub every_morphing_mesh: Option<MorphCollider>,
+    pub every_deforming_mesh: Option<MorphCollider>,
     /// The most triangle pairs that one contact lists, and the most that mode
     /// [`Contacts`](crate::CollisionMode::Contacts) makes its points from; [`MorphContact::is_truncated`](crate::MorphContact) tells
     /// where there are more. At least one is always listed, and whether colliders touch does not depend on it. A new number counts
@@ -32,7 +32,7 @@ impl Default for MorphCollisionSettings {
     fn default() -> Self {
         Self {
             paused: false,
-            every_morphing_mesh: None,
+            every_deforming_mesh: None,
             max_triangle_pairs: 8192,
         }
     }

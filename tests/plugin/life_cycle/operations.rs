@@ -364,10 +364,10 @@ fn toggle_scene(zoo: &mut Zoo) {
 fn edit_scene(zoo: &mut Zoo) {
     all_weigh_well(zoo);
     let cage = zoo.one_of(&zoo.cages.clone());
-    let (mode, only_morphing, events) = (some_mode(zoo), zoo.rng.random_bool(0.5), zoo.rng.random_bool(0.5));
+    let (mode, only_deforming, events) = (some_mode(zoo), zoo.rng.random_bool(0.5), zoo.rng.random_bool(0.5));
     if let Some(mut scene) = zoo.app.world_mut().get_mut::<MorphColliderScene>(cage) {
         scene.collider.mode = mode;
-        scene.only_morphing = only_morphing;
+        scene.only_deforming = only_deforming;
         scene.events = events;
     }
 }
@@ -411,7 +411,7 @@ fn toggle_every(zoo: &mut Zoo) {
     all_weigh_well(zoo);
     let mode = some_mode(zoo);
     let mut settings = zoo.app.world_mut().resource_mut::<MorphCollisionSettings>();
-    settings.every_morphing_mesh = match settings.every_morphing_mesh {
+    settings.every_deforming_mesh = match settings.every_deforming_mesh {
         Some(_) => None,
         None => Some(MorphCollider::new(mode)),
     };

@@ -81,6 +81,28 @@ fn one_mesh_is_shown_with_and_without_a_skeleton() {
 }
 
 #[test]
+fn the_tree_for_a_skeleton_goes_with_the_last_skeleton() {
+    let mut app = app();
+    let (limb, _) = spawn_limb(&mut app, 2.0);
+    let mesh = app.world().get::<Mesh3d>(limb).unwrap().clone();
+    spawn(&mut app, &mesh.0, 50.0);
+    settle(&mut app);
+    let joint_counts = |app: &App| -> Vec<Option<usize>> {
+        let trees = app.world().resource::<MorphTrees>().iter();
+        let mut counts: Vec<_> = trees.map(|(_, tree)| tree.model().joint_count()).collect();
+        counts.sort_unstable();
+        counts
+    };
+    assert_eq!(joint_counts(&app), [None, Some(2)]);
+    // Nothing new is needed for it: the other tree is there.
+    app.world_mut().entity_mut(limb).remove::<SkinnedMesh>();
+    app.update();
+    app.update();
+    assert_eq!(joint_counts(&app), [None]);
+    assert_eq!(along_x(&mut app, limb), Some((99.5, 100.5)));
+}
+
+#[test]
 fn more_than_256_joints_are_followed() {
     let mut app = app();
     let mesh = add(&mut app, boned(&cube(), |p| if p.x > 0.0 { 299 } else { 256 }));
@@ -189,7 +211,7 @@ fn scenes_and_the_setting_for_all_meshes_take_skinned_ones() {
     app.world_mut().entity_mut(limb).remove::<MorphCollider>().insert(skin);
     app.world_mut()
         .resource_mut::<MorphCollisionSettings>()
-        .every_morphing_mesh = Some(MorphCollider::default());
+        .every_deforming_mesh = Some(MorphCollider::default());
     app.update();
     assert!(is_collider(&app, limb));
 }

@@ -7,7 +7,7 @@ use bevy_morph_collision::MorphTrees;
 use super::{add, along_x, boned, extent, limb, put, skeleton, spawn_joints, spawn_limb, spawn_skinned};
 use crate::log::Errors;
 use crate::support::{
-    Messages, add_mesh, app, cube, diagnostics, fixed_app, move_to, set_weight, settle, spawn, stretching_cube, touches,
+    Messages, add_mesh, app, cube, fixed_app, move_to, set_weight, settle, spawn, stretching_cube, touches,
 };
 
 #[test]
@@ -196,62 +196,6 @@ fn bad_joints_are_logged_once_per_skeleton_and_the_mesh_stays() {
         assert_eq!(along_x(&mut app, new), Some((-0.5, 2.5)));
         assert_eq!(log.take().len(), 1);
     });
-}
-
-#[test]
-fn a_character_at_rest_costs_no_comparison_and_moves_nothing() {
-    let mut app = app();
-    let (limb, joints) = spawn_limb(&mut app, 1.0);
-    let mesh = add_mesh(&mut app, &cube());
-    let wall = spawn(&mut app, &mesh, 1.0);
-    settle(&mut app);
-    assert!(touches(&app, limb, wall));
-    for _ in 0..3 {
-        // What animation does: the same values, written again.
-        for (joint, x) in joints.into_iter().zip([0.0, 1.0]) {
-            put(&mut app, joint, Transform::from_xyz(x, 0.0, 0.0));
-        }
-        app.update();
-        let diagnostics = diagnostics(&app);
-        assert_eq!((diagnostics.candidate_pairs, diagnostics.skipped_unchanged), (1, 1));
-        assert_eq!(diagnostics.stats, default());
-    }
-    put(&mut app, joints[1], Transform::from_xyz(1.0, 0.125, 0.0));
-    app.update();
-    assert_eq!(diagnostics(&app).skipped_unchanged, 0);
-}
-
-#[test]
-fn meshes_of_one_skeleton_and_instances_of_one_mesh_move_each_by_itself() {
-    let mut app = app();
-    let mesh = add(&mut app, limb());
-    let mut limbs = Vec::new();
-    for x in [0.0, 4.0, 8.0] {
-        let joints = spawn_joints(&mut app, [Vec3::X * x, Vec3::X * (x + 1.0)]);
-        let skin = skeleton(&mut app, &joints);
-        let twins = [(); 2].map(|()| spawn_skinned(&mut app, &mesh, skin.clone()));
-        limbs.push((joints, twins));
-    }
-    settle(&mut app);
-    assert_eq!(app.world().resource::<MorphTrees>().iter().count(), 1);
-    for frame in 0..3 {
-        for (i, (joints, twins)) in limbs.iter().enumerate() {
-            let x = 4.0 * i as f32;
-            for twin in twins {
-                let end = x + 1.5 + if i == 1 { frame as f32 } else { 0.0 };
-                assert_eq!(along_x(&mut app, *twin), Some((x - 0.5, end)), "{i}, frame {frame}");
-            }
-            assert!(touches(&app, twins[0], twins[1]));
-            if i == 1 {
-                put(
-                    &mut app,
-                    joints[1],
-                    Transform::from_xyz(x + 2.0 + frame as f32, 0.0, 0.0),
-                );
-            }
-        }
-        app.update();
-    }
 }
 
 #[test]

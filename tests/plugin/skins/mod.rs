@@ -1,8 +1,10 @@
 //! Meshes that joints move.
 //!
 //! - `joints`: where joints put a mesh, whatever happens to them.
+//! - `instances`: several meshes and skeletons at once.
 //! - `formats`: what meshes and skeletons may look like.
-//! - `surface`: hits, anchors and gizmos on a skinned surface.
+//! - `surface`: hits, picks and anchors on a skinned surface.
+//! - `gizmos`: debug drawing of skinned meshes.
 //! - `bounds`: the `Aabb` that Bevy culls by.
 //! - `characters`: real models, compared with brute force.
 //! - `torture`: random lives of meshes and joints.
@@ -10,6 +12,8 @@
 mod bounds;
 mod characters;
 mod formats;
+mod gizmos;
+mod instances;
 mod joints;
 mod surface;
 mod torture;

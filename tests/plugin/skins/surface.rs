@@ -1,12 +1,18 @@
-//! Hits, anchors and gizmos on a skinned surface.
+//! Hits, picks and anchors on a skinned surface.
 
+use bevy::ecs::message::MessageCursor;
 use bevy::ecs::system::RunSystemOnce;
 use bevy::mesh::skinning::SkinnedMesh;
+use bevy::picking::backend::PointerHits;
+use bevy::picking::backend::ray::{RayId, RayMap};
+use bevy::picking::pointer::PointerId;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
+use morph_collision_workspace::app::headless;
 
 use super::{add, limb, put, skeleton, spawn_joints, spawn_limb, spawn_skinned};
-use crate::support::{add_mesh, app, cube, settle, spawn};
+use crate::log::start;
+use crate::support::{add_mesh, app, assets, cube, settle, spawn};
 
 fn cast(app: &mut App, origin: Vec3, direction: Dir3) -> Option<MorphRayHit> {
     let system = move |mut spatial: MorphSpatialQuery| {
@@ -63,17 +69,44 @@ fn other_meshes_have_no_joint() {
 }
 
 #[test]
-fn a_pick_names_the_joint() {
-    let joint = Some(Entity::PLACEHOLDER);
-    let hit = {
-        let mut app = app();
-        let (_, _) = spawn_limb(&mut app, 1.0);
-        settle(&mut app);
-        cast(&mut app, Vec3::new(1.4, 8.0, 0.1), Dir3::NEG_Y).unwrap()
+fn a_pointer_picks_the_skinned_surface_and_names_the_joint() {
+    let mut app = headless(&assets());
+    app.init_resource::<RayMap>()
+        .add_message::<PointerHits>()
+        .add_plugins(MorphPickingPlugin);
+    start(&mut app);
+    let (limb, joints) = spawn_limb(&mut app, 9.0);
+    let camera = app.world_mut().spawn(Camera::default()).id();
+    settle(&mut app);
+    let mut cursor = MessageCursor::<PointerHits>::default();
+    let mut pick = |app: &mut App, x: f32, y: f32| {
+        cursor.clear(app.world().resource());
+        let ray = Ray3d::new(Vec3::new(x, 8.0, 0.1), Dir3::NEG_Y);
+        let id = RayId::new(camera, PointerId::Mouse);
+        app.world_mut().resource_mut::<RayMap>().map.insert(id, ray);
+        app.update();
+        let hits: Vec<PointerHits> = cursor.read(app.world().resource()).cloned().collect();
+        let [hits] = hits.as_slice() else {
+            assert!(hits.is_empty(), "{hits:?}");
+            return None;
+        };
+        let [(entity, hit)] = hits.picks.as_slice() else {
+            panic!("one thing is hit: {hits:?}");
+        };
+        assert_eq!(*entity, limb);
+        assert!((hit.depth - (8.0 - y)).abs() < 1e-5, "{hit:?}");
+        assert!(hit.position.unwrap().distance(Vec3::new(x, y, 0.1)) < 1e-5, "{hit:?}");
+        hit.extra_as::<MorphPick>().expect("it tells more").joint
     };
-    let pick = MorphPick::from(&MorphRayHit { joint, ..hit });
-    assert_eq!(pick.joint, joint);
-    assert!(hit.joint.is_some());
+    // The middle of the side that has been stretched is at 4.5.
+    for (x, joint) in [(0.0, 0), (4.25, 0), (4.75, 1), (9.25, 1)] {
+        assert_eq!(pick(&mut app, x, 0.5), Some(joints[joint]), "at {x}");
+    }
+    // The side slopes from 0.5 at -0.5 to -3.5 at 9.5. Where the entity is there is nothing.
+    put(&mut app, joints[1], Transform::from_xyz(9.0, -4.0, 0.0));
+    app.update();
+    assert_eq!(pick(&mut app, 9.25, -3.4), Some(joints[1]));
+    assert_eq!(pick(&mut app, 100.0, 0.5), None);
 }
 
 #[test]

@@ -1,40 +1,66 @@
-//! Random lives of skinned meshes and their joints: no panic, no ghost, and a mesh is where its joints put it.
+//! Random lives of skinned meshes and their joints: no panic, no ghost, a mesh is where its joints and targets put it, and what touches is
+//! what the oracle says.
 
 use std::sync::Weak;
 
-use bevy::math::Affine3A;
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::math::{Affine3A, DVec3};
+use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::morph_collision::MorphBvh;
 use bevy_morph_collision::{MorphTrees, prelude::*};
+use morph_collision_testkit::mesh::{InfluenceSet, MorphMesh};
+use morph_collision_testkit::oracle::{intersecting_pairs, posed_vertices, skinned_vertices, world_vertices};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::{add, boned, extent, limb, skeleton, spawn_skinned};
-use crate::support::{Messages, app, stretching_cube};
+use super::{add, boned, extent, skeleton, spawn_skinned};
+use crate::support::{Messages, app, cube, set_weight, stretching_cube};
+
+/// How many meshes there are at least.
+const LIMBS: usize = 5;
+
+/// The joint of a corner: one for each side.
+fn side(p: Vec3) -> u16 {
+    u16::from(p.x > 0.0)
+}
 
 struct Life {
     app: App,
     rng: Pcg64Mcg,
     meshes: Vec<Handle<Mesh>>,
+    shapes: Vec<MorphMesh>,
     limbs: Vec<Entity>,
     joints: Vec<Entity>,
-    /// How often a mesh was compared with its joints.
-    compared: usize,
+    counts: Counts,
+}
+
+/// What happened, to see that the test tries something.
+#[derive(Debug, Default)]
+struct Counts {
+    /// Meshes compared with their joints.
+    places: usize,
+    /// Pairs of meshes compared with the oracle, and those that touch.
+    pairs: usize,
+    touching: usize,
+    starts: usize,
+    ends: usize,
 }
 
 impl Life {
     fn new(seed: u64) -> Self {
         let mut app = app();
-        let side = |p: Vec3| u16::from(p.x > 0.0);
-        let meshes = vec![add(&mut app, limb()), add(&mut app, boned(&stretching_cube(), side))];
+        let shapes = vec![cube(), stretching_cube()];
+        let meshes = shapes.iter().map(|shape| add(&mut app, boned(shape, side))).collect();
         let mut life = Self {
             app,
             rng: Pcg64Mcg::seed_from_u64(seed),
             meshes,
+            shapes,
             limbs: Vec::new(),
             joints: Vec::new(),
-            compared: 0,
+            counts: Counts::default(),
         };
         for _ in 0..6 {
             life.spawn_joint();
@@ -73,8 +99,9 @@ impl Life {
         let (place, skin) = (self.place(), self.skin());
         let joint = self.joints[self.rng.random_range(0..self.joints.len())];
         let other = self.joints[self.rng.random_range(0..self.joints.len())];
-        let operation = self.rng.random_range(0..10);
-        if operation == 0 || self.limbs.len() < 3 {
+        let weight = self.rng.random_range(-1.0..=2.0_f32);
+        let operation = self.rng.random_range(0..13);
+        if operation == 0 || self.limbs.len() < LIMBS {
             let limb = spawn_skinned(&mut self.app, &mesh, skin);
             self.limbs.push(limb);
             return;
@@ -111,6 +138,21 @@ impl Life {
             7 if exists(world, joint) => {
                 world.entity_mut(joint).remove::<ChildOf>();
             }
+            8 => set_weight(&mut self.app, limb, weight),
+            9 => {
+                let mut limb = world.entity_mut(limb);
+                match limb.contains::<MorphColliderDisabled>() {
+                    true => limb.remove::<MorphColliderDisabled>(),
+                    false => limb.insert(MorphColliderDisabled),
+                };
+            }
+            10 => {
+                let mut limb = world.entity_mut(limb);
+                match limb.contains::<Disabled>() {
+                    true => limb.remove::<Disabled>(),
+                    false => limb.insert(Disabled),
+                };
+            }
             _ if exists(world, joint) => {
                 world.entity_mut(joint).insert(place);
             }
@@ -132,44 +174,84 @@ impl Life {
         (starts, ends)
     }
 
-    /// A limb whose joints are all there, and good, is where they put its corners at rest.
+    /// Whether a mesh takes part.
+    fn is_enabled(&self, limb: Entity) -> bool {
+        let limb = self.app.world().entity(limb);
+        !limb.contains::<MorphColliderDisabled>() && !limb.contains::<Disabled>()
+    }
+
+    /// A mesh's shape and where its vertices are, from components alone; `None` where that depends on what was before: a joint is gone, or bad.
+    fn vertices(&self, limb: Entity) -> Option<(&MorphMesh, Vec<DVec3>)> {
+        let limb = self.app.world().entity(limb);
+        let mesh = limb.get::<Mesh3d>()?.id();
+        let shape = &self.shapes[self.meshes.iter().position(|known| known.id() == mesh)?];
+        let mut weights = vec![0.0; shape.targets.len()];
+        if let Some(MeshMorphWeights::Value { weights: given }) = limb.get::<MeshMorphWeights>() {
+            weights
+                .iter_mut()
+                .zip(given)
+                .for_each(|(weight, given)| *weight = *given);
+        }
+        let posed = posed_vertices(&shape.positions, &shape.targets, &weights);
+        let place = |entity: Entity| Some(self.app.world().get::<GlobalTransform>(entity)?.affine());
+        let Some(skin) = limb.get::<SkinnedMesh>() else {
+            return Some((shape, world_vertices(&posed, &place(limb.id())?)));
+        };
+        let joints: Vec<Affine3A> = skin.joints.iter().map(|&joint| place(joint)).collect::<Option<_>>()?;
+        if !joints.iter().all(Affine3A::is_finite) {
+            return None;
+        }
+        let sides = shape.positions.iter().map(|&p| [side(p), 0, 0, 0]).collect();
+        let weights = vec![[1.0, 0.0, 0.0, 0.0]; posed.len()];
+        let influences = InfluenceSet { joints: sides, weights };
+        Some((shape, skinned_vertices(&posed, &[influences], &joints)))
+    }
+
+    /// Every mesh that takes part is where its vertices are, and touches what the oracle says.
     fn check(&mut self, context: &str) {
+        let mut known = Vec::new();
         for limb in self.limbs.clone() {
-            let Some(skin) = self.app.world().get::<SkinnedMesh>(limb).cloned() else {
-                continue;
-            };
-            let places = skin
-                .joints
-                .iter()
-                .map(|&joint| Some(self.app.world().get::<GlobalTransform>(joint)?.affine()));
-            let Some(places) = places.collect::<Option<Vec<_>>>() else {
-                continue;
-            };
-            if !places.iter().all(Affine3A::is_finite) {
+            if !self.is_enabled(limb) {
+                let touched = self.app.world().resource::<MorphCollisions>().of(limb).next();
+                assert!(touched.is_none(), "{context}: {limb} is disabled");
                 continue;
             }
-            let corner = |i: usize| Vec3::from_array([0, 1, 2].map(|axis| if i >> axis & 1 == 1 { 0.5 } else { -0.5 }));
-            let corners = (0..8).map(|i| places[i & 1].transform_point3(corner(i)));
-            let (min, max) = corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), p| {
-                (min.min(p), max.max(p))
-            });
+            let Some((shape, vertices)) = self.vertices(limb) else {
+                continue;
+            };
+            let triangles = shape.triangles.clone();
+            let start = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+            let (min, max) = vertices
+                .iter()
+                .fold(start, |(min, max), p| (min.min(p.as_vec3()), max.max(p.as_vec3())));
             let found = extent(&mut self.app, limb);
             let (low, high) = found.unwrap_or_else(|| panic!("{context}: {limb} is not there"));
             assert!(
                 low.distance(min) < 1e-3 && high.distance(max) < 1e-3,
                 "{context}: {low} {high}, not {min} {max}"
             );
-            self.compared += 1;
+            self.counts.places += 1;
+            known.push((limb, vertices, triangles));
+        }
+        for (i, (a, of_a, triangles_of_a)) in known.iter().enumerate() {
+            for (b, of_b, triangles_of_b) in &known[..i] {
+                let touch = !intersecting_pairs(of_a, triangles_of_a, of_b, triangles_of_b).is_empty();
+                let found = self.app.world().resource::<MorphCollisions>().contains(*a, *b);
+                assert_eq!(found, touch, "{context}: whether {a} and {b} touch");
+                self.counts.pairs += 1;
+                self.counts.touching += usize::from(touch);
+            }
         }
     }
 }
 
 #[test]
 fn skinned_meshes_and_joints_come_and_go() {
-    let (mut compared, mut starts, mut ends) = (0, 0, 0);
+    let mut all = Counts::default();
     for seed in 0..8 {
         let mut life = Life::new(seed);
         let mut messages = Messages::default();
+        let (mut starts, mut ends) = (0, 0);
         for step in 0..80 {
             for _ in 0..2 {
                 life.operate();
@@ -199,11 +281,14 @@ fn skinned_meshes_and_joints_come_and_go() {
             trees.iter().all(|tree| tree.upgrade().is_none()),
             "seed {seed}: a tree is kept"
         );
-        compared += life.compared;
+        all.places += life.counts.places;
+        all.pairs += life.counts.pairs;
+        all.touching += life.counts.touching;
+        all.starts += starts;
+        all.ends += ends;
     }
-    println!("{compared} places compared, {starts} starts");
-    assert!(
-        compared > 500 && starts > 100,
-        "{compared} places compared, {starts} starts"
-    );
+    println!("{all:?}");
+    assert!(all.places > 1000 && all.starts > 200, "{all:?}");
+    assert!(all.pairs > 1000 && all.touching > 200, "{all:?}");
+    assert!(all.touching < all.pairs, "{all:?}");
 }

@@ -10,9 +10,10 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::oracle::intersecting_pairs;
+use morph_collision_workspace::drawn::{extent, meets, near};
 use rand::RngExt;
 
-use super::{Part, Stage, extent};
+use super::{Part, Stage};
 
 impl Stage {
     /// A ray from outside to somewhere near a vertex.
@@ -114,11 +115,9 @@ impl Stage {
                 .zip(all)
                 .filter(|(part, _)| part.root == self.roots[1])
             {
-                let (near_a, near_b) = (near(a, of_a, extent(of_b)), near(b, of_b, extent(of_a)));
-                let pick = |part: &Part, near: &[u32]| -> Vec<[u32; 3]> {
-                    near.iter().map(|&triangle| part.triangles[triangle as usize]).collect()
-                };
-                for (t, u) in intersecting_pairs(of_a, &pick(a, &near_a), of_b, &pick(b, &near_b)) {
+                let (near_a, corners_a) = near(&a.triangles, of_a, extent(of_b));
+                let (near_b, corners_b) = near(&b.triangles, of_b, extent(of_a));
+                for (t, u) in intersecting_pairs(of_a, &corners_a, of_b, &corners_b) {
                     let (t, u) = (near_a[t as usize], near_b[u as usize]);
                     expected.insert(if a.entity < b.entity {
                         (a.entity, b.entity, t, u)
@@ -143,32 +142,6 @@ impl Stage {
         self.counts.frames_that_touch += usize::from(!expected.is_empty());
         self.counts.triangle_pairs += expected.len();
     }
-}
-
-/// The triangles of a part whose boxes overlap another one.
-fn near(part: &Part, vertices: &[DVec3], (min, max): (DVec3, DVec3)) -> Vec<u32> {
-    let overlaps = |corners: &[u32; 3]| {
-        let (low, high) = extent(corners.iter().map(|&corner| &vertices[corner as usize]));
-        low.cmple(max).all() && high.cmpge(min).all()
-    };
-    let triangles = (0..).zip(&part.triangles);
-    triangles
-        .filter(|(_, corners)| overlaps(corners))
-        .map(|(triangle, _)| triangle)
-        .collect()
-}
-
-/// How far from its origin a ray meets a triangle, after Moeller and Trumbore.
-fn meets(origin: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f64> {
-    let (ab, ac) = (b - a, c - a);
-    let across = direction.cross(ac);
-    let determinant = ab.dot(across);
-    let from_a = origin - a;
-    let u = from_a.dot(across) / determinant;
-    let v = direction.dot(from_a.cross(ab)) / determinant;
-    let distance = ac.dot(from_a.cross(ab)) / determinant;
-    let is_hit = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && distance >= 0.0;
-    is_hit.then_some(distance)
 }
 
 /// The `Aabb` that Bevy culls by holds all vertices that triangles use; returns how many are outside that of the rest pose, at the entity's own place.

@@ -1,7 +1,9 @@
 //! Real characters as they play their clips, against brute force over vertices that are morphed and skinned here, from the file.
+//!
+//! Some frames of each clip are compared; with [`EVERY_FRAME`] in the environment, every frame of every clip at 60 Hz.
 
 mod answers;
-mod drawn;
+mod by_clip;
 
 use std::path::Path;
 
@@ -10,11 +12,16 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::gltf_read::read_meshes;
 use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_workspace::crowd::edit_players;
+use morph_collision_workspace::drawn::{self, extent};
 use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
 use self::answers::check_box;
 use crate::models::{NamedClip, play, shared, with_models};
+
+/// The environment variable that has every frame compared.
+const EVERY_FRAME: &str = "MORPH_COLLISION_EVERY_FRAME";
 
 /// A primitive of the file, shown by an entity.
 struct Part {
@@ -39,7 +46,10 @@ struct Stage {
 /// What was compared, to see that the test tries something.
 #[derive(Debug, Default)]
 struct Counts {
+    clips: usize,
     frames: usize,
+    /// Boxes that were compared with the vertices in them.
+    boxes: usize,
     skinned_vertices: usize,
     /// How far vertices are from where they are by the file's own clips, in parts of the size.
     off_the_clip: f64,
@@ -88,33 +98,19 @@ impl Stage {
         }
     }
 
-    /// By the label of the mesh asset: `Mesh2/Primitive0`.
     fn find_parts(&mut self) {
         let world = self.app.world_mut();
-        let mut colliders = world.query_filtered::<(Entity, &Mesh3d, &MorphBody), With<MorphCollider>>();
-        for (entity, shown, body) in colliders.iter(world) {
-            let path = world
-                .resource::<AssetServer>()
-                .get_path(shown.id())
-                .expect("it is from the file");
-            let label = path
-                .label()
-                .expect("a mesh has a label")
-                .replace("Mesh", "")
-                .replace("Primitive", "");
-            let (mesh, primitive) = label.split_once('/').expect("a mesh and its primitive");
-            let (mesh, primitive): (usize, usize) = (mesh.parse().unwrap(), primitive.parse().unwrap());
-            let range = self.meshes[mesh].primitives[primitive].clone();
+        for part in drawn::parts::<With<MorphCollider>>(world, &self.meshes) {
             self.parts.push(Part {
-                entity,
-                root: body.0,
-                mesh,
-                triangles: self.meshes[mesh].triangles[range.start as usize..range.end as usize].to_vec(),
+                entity: part.entity,
+                root: world.get::<MorphBody>(part.entity).expect("a scene is a body").0,
+                mesh: part.mesh,
+                triangles: part.triangles(&self.meshes).to_vec(),
             });
         }
     }
 
-    /// Plays every clip and compares every so many frames.
+    /// Plays every clip from its beginning to its end and compares every so many frames, which are 1/60 s apart.
     fn play_all(&mut self, every: usize, most_frames: usize) {
         let file = self.meshes.first().map(|mesh| mesh.name.clone()).unwrap_or_default();
         let world = self.app.world_mut();
@@ -125,24 +121,29 @@ impl Stage {
             for &(entity, place) in &rest {
                 self.app.world_mut().entity_mut(entity).insert(place);
             }
-            let length = self
-                .app
-                .world()
-                .resource::<Assets<AnimationClip>>()
-                .get(clip)
-                .unwrap()
-                .duration();
-            play(&mut self.app, clip, &self.roots, |index| 0.37 * length * index as f32);
+            let length = play(&mut self.app, clip, &self.roots, |index, length| {
+                0.37 * length * index as f32
+            });
             let frames = ((length * 60.0) as usize).min(most_frames);
-            // The graph is a new asset, which takes players a few frames to notice.
+            // The graph is a new asset, which takes players a few frames to notice: meanwhile they wait.
+            edit_players(&mut self.app, |player| _ = player.pause_all());
             for _ in 0..3 {
                 self.app.update();
             }
-            for frame in 0..frames {
-                self.app.update();
+            assert_eq!(self.seconds(self.roots[0]), Some(0.0), "{name} starts at its beginning");
+            edit_players(&mut self.app, |player| _ = player.resume_all());
+            self.counts.clips += 1;
+            for frame in 0..=frames {
+                if frame > 0 {
+                    self.app.update();
+                }
                 if frame % every == 0 {
                     self.compare(name, &format!("{file}, {name}, frame {frame}"));
                 }
+            }
+            if most_frames > frames {
+                let left = length - self.seconds(self.roots[0]).expect("it is played");
+                assert!(left < 1.01 / 60.0, "{left} s of {name} were not played");
             }
         }
     }
@@ -164,6 +165,7 @@ impl Stage {
                 self.counts.off_the_clip = self.counts.off_the_clip.max(off);
                 self.counts.skinned_vertices += vertices.len();
             }
+            self.counts.boxes += 1;
             self.counts.outgrown += check_box(&self.app, part, vertices, &self.meshes[part.mesh], when);
         }
         for _ in 0..12 {
@@ -173,16 +175,12 @@ impl Stage {
     }
 }
 
-/// The box around points.
-fn extent<'a>(points: impl IntoIterator<Item = &'a DVec3>) -> (DVec3, DVec3) {
-    let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    points
-        .into_iter()
-        .fold(start, |(min, max), &p| (min.min(p), max.max(p)))
-}
-
 /// What the counts of a model say.
 fn compare_model(name: &str, apart: f32, every: usize, most_frames: usize) -> Option<Counts> {
+    let (every, most_frames) = match std::env::var_os(EVERY_FRAME) {
+        Some(_) => (1, usize::MAX),
+        None => (every, most_frames),
+    };
     let mut stage = Stage::new(&shared(name)?, apart);
     assert!(
         stage.parts.iter().any(|part| stage.meshes[part.mesh].skin.is_some()),

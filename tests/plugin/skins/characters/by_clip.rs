@@ -1,43 +1,23 @@
-//! Where vertices are drawn, from what the file says.
+//! Where vertices are drawn, by the clips of the file itself.
 
 use bevy::animation::ActiveAnimation;
-use bevy::math::{Affine3A, DVec3, Mat4};
-use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
-use bevy::mesh::skinning::SkinnedMesh;
+use bevy::math::{Affine3A, DVec3};
 use bevy::prelude::*;
 use morph_collision_testkit::clip::WeightAnimation;
-use morph_collision_testkit::oracle::{posed_vertices, skinned_vertices, world_vertices};
+use morph_collision_testkit::oracle::{posed_vertices, skinned_vertices};
 use morph_collision_testkit::skeleton::JointClip;
+use morph_collision_workspace::drawn;
 
 use super::{Part, Stage};
 
 impl Stage {
-    fn weights(&self, part: &Part) -> Vec<f32> {
-        let world = self.app.world();
-        match world.get::<MeshMorphWeights>(part.entity) {
-            Some(MeshMorphWeights::Reference(source)) => world.get::<MorphWeights>(*source).unwrap().weights().to_vec(),
-            Some(MeshMorphWeights::Value { weights }) => weights.clone(),
-            None => Vec::new(),
-        }
-    }
-
     fn global(&self, entity: Entity) -> Affine3A {
         self.app.world().get::<GlobalTransform>(entity).unwrap().affine()
     }
 
     /// Where the vertices of a part's mesh are drawn: with the joints of the app, and everything else from the file.
     pub(super) fn vertices(&self, part: &Part) -> Vec<DVec3> {
-        let mesh = &self.meshes[part.mesh];
-        let posed = posed_vertices(&mesh.positions, &mesh.targets, &self.weights(part));
-        let Some(skin) = &mesh.skin else {
-            return world_vertices(&posed, &self.global(part.entity));
-        };
-        let shown = self.app.world().get::<SkinnedMesh>(part.entity).expect("it has a skin");
-        let matrices = shown.joints.iter().zip(&skin.skeleton.joints).map(|(&entity, joint)| {
-            let matrix = Mat4::from(self.global(entity)) * joint.inverse_bind;
-            Affine3A::from_mat4(matrix)
-        });
-        skinned_vertices(&posed, &skin.sets, &matrices.collect::<Vec<_>>())
+        drawn::vertices(self.app.world(), &self.meshes[part.mesh], part.entity)
     }
 
     /// The same by the file's own clip, evaluated here; `None` where that has ended.
@@ -54,7 +34,10 @@ impl Stage {
         if durations.into_iter().flatten().any(|duration| seconds >= duration) {
             return None;
         }
-        let weights = clip_of_weights.map_or_else(|| self.weights(part), |clip| clip.sample(seconds));
+        let weights = clip_of_weights.map_or_else(
+            || drawn::weights(self.app.world(), part.entity),
+            |clip| clip.sample(seconds),
+        );
         let posed = posed_vertices(&mesh.positions, &mesh.targets, &weights);
         let root = self.global(part.root);
         let joints = skin.skeleton.world_from_mesh(clip_of_joints, seconds);
@@ -63,7 +46,7 @@ impl Stage {
     }
 
     /// How far a clip has been played below a root.
-    fn seconds(&self, root: Entity) -> Option<f32> {
+    pub(super) fn seconds(&self, root: Entity) -> Option<f32> {
         let world = self.app.world();
         let mut below = vec![root];
         while let Some(entity) = below.pop() {

@@ -1,0 +1,220 @@
+//! Boxes for culling: how large they are, what they leave out, and what they cost.
+
+use std::fmt::Write as _;
+
+use bevy::camera::primitives::Aabb;
+use bevy::camera::visibility::VisibilitySystems;
+use bevy::math::{DAffine3, DMat4, DVec3, Mat4};
+use bevy::prelude::*;
+use bevy_morph_collision::MorphBoundsPlugin;
+use morph_collision_testkit::bench::{Stopwatch, median};
+use morph_collision_workspace::drawn::{Part, extent};
+use morph_collision_workspace::tables::progress;
+
+use super::stage::{Model, Stage, grid};
+
+/// What is compared on its own, or together with all other clips of its model.
+const MODELS: [(&str, &[&str]); 4] = [
+    (
+        "mh_character.glb",
+        &["walk", "wave_and_crouch", "talk", "walk_and_talk"],
+    ),
+    (
+        "mh_character_low.glb",
+        &["walk", "wave_and_crouch", "talk", "walk_and_talk"],
+    ),
+    ("RobotExpressive.glb", &[]),
+    ("Fox.glb", &["Survey", "Walk", "Run"]),
+];
+
+/// Frames are this many sixtieths of a second apart.
+const EVERY: usize = 2;
+
+/// What was seen of one way to keep boxes, over the frames of clips.
+#[derive(Default)]
+struct Seen {
+    /// Areas, as ratios to those of the smallest boxes with the same axes.
+    ratios: Vec<f64>,
+    /// Boxes that some vertex is outside of, by more than a millionth of the size.
+    burst: usize,
+}
+
+impl Seen {
+    fn look(&mut self, stage: &Stage, model: &Model, part: &Part) {
+        let vertices = stage.vertices(model, part);
+        let world = stage.app.world();
+        let (Some(aabb), Some(place)) = (
+            world.get::<Aabb>(part.entity),
+            world.get::<GlobalTransform>(part.entity),
+        ) else {
+            return;
+        };
+        let place = DAffine3::from_mat4(DMat4::from_cols_array(
+            &Mat4::from(place.affine()).to_cols_array().map(f64::from),
+        ));
+        let to_entity = place.inverse();
+        let used = part.triangles(&model.meshes).as_flattened();
+        let drawn: Vec<DVec3> = used
+            .iter()
+            .map(|&v| to_entity.transform_point3(vertices[v as usize]))
+            .collect();
+        let (min, max) = extent(&drawn);
+        // Bevy moves the box with the entity: its sides are scaled.
+        let scale = DVec3::new(
+            place.matrix3.x_axis.length(),
+            place.matrix3.y_axis.length(),
+            place.matrix3.z_axis.length(),
+        );
+        let area = |sides: DVec3| sides.x * sides.y + sides.y * sides.z + sides.z * sides.x;
+        let (center, half) = (aabb.center.as_dvec3(), aabb.half_extents.as_dvec3());
+        self.ratios.push(area(2.0 * half * scale) / area((max - min) * scale));
+        let slack = (max - min).max_element() * 1e-6;
+        let holds = (center - half - slack).cmple(min).all() && (center + half + slack).cmpge(max).all();
+        self.burst += usize::from(!holds);
+    }
+
+    fn cells(&self) -> String {
+        let worst = self.ratios.iter().copied().fold(0.0, f64::max);
+        let middle = median(self.ratios.iter().copied());
+        format!(" {middle:.3} | {worst:.3} | {} |", self.burst)
+    }
+}
+
+/// How large boxes are.
+pub(crate) fn sizes(quick: bool) -> Result<String, String> {
+    let mut table = String::from(
+        "| model | clip | boxes | ours: median | worst | boxes that some vertex is outside of | Bevy's: median | worst | boxes that some vertex is outside of |\n|---|---|--:|--:|--:|--:|--:|--:|--:|\n",
+    );
+    for (name, own_rows) in MODELS {
+        let model = Model::find(name)?;
+        let upright = [Transform::default()];
+        let mut stages = [
+            Stage::new(&model, &upright, (), |app| _ = app.add_plugins(MorphBoundsPlugin))?,
+            Stage::new(&model, &upright, (), |_| ())?,
+        ];
+        stages[1].set_dynamic_bounds(true);
+        let clips = stages[0].clip_names();
+        let rows: Vec<(String, Vec<String>)> = if own_rows.is_empty() {
+            vec![(format!("all {}", clips.len()), clips)]
+        } else {
+            own_rows
+                .iter()
+                .map(|&clip| (format!("`{clip}`"), vec![clip.to_owned()]))
+                .collect()
+        };
+        let bar = progress(rows.len() as u64);
+        for (title, clips) in rows {
+            let mut seen = [Seen::default(), Seen::default()];
+            for clip in clips {
+                let mut length = 0.0;
+                for stage in &mut stages {
+                    length = stage.play(&clip)?;
+                }
+                let frames = (length * 60.0) as usize;
+                let every = if quick { EVERY * 8 } else { EVERY };
+                for frame in 0..frames {
+                    for (stage, seen) in stages.iter_mut().zip(&mut seen) {
+                        stage.app.update();
+                        if frame % every == 0 {
+                            for part in &stage.parts {
+                                seen.look(stage, &model, part);
+                            }
+                        }
+                    }
+                }
+            }
+            let [ours, bevys] = &seen;
+            let boxes = ours.ratios.len();
+            let _infallible = writeln!(table, "| {name} | {title} | {boxes} |{}{}", ours.cells(), bevys.cells());
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+    }
+    Ok(table)
+}
+
+/// Characters in the crowd that is timed: about 22,000 joints.
+const CHARACTERS: usize = 415;
+const JOINTS: usize = 53;
+
+/// When the bounds of a frame were begun, and how long they took.
+#[derive(Resource, Default)]
+struct Clock {
+    start: Option<Stopwatch>,
+    taken: Option<f64>,
+}
+
+/// Times all that happens between the propagation of transforms and the check of what is visible.
+fn add_clock(app: &mut App) {
+    app.init_resource::<Clock>().add_systems(
+        PostUpdate,
+        (
+            (|mut clock: ResMut<Clock>| clock.start = Some(Stopwatch::start()))
+                .after(TransformSystems::Propagate)
+                .before(VisibilitySystems::CalculateBounds),
+            (|mut clock: ResMut<Clock>| {
+                clock.taken = clock.start.take().map(|watch| watch.elapsed().as_secs_f64() * 1e6);
+            })
+            .after(VisibilitySystems::CalculateBounds)
+            .before(VisibilitySystems::CheckVisibility),
+        ),
+    );
+}
+
+/// What boxes cost per joint.
+pub(crate) fn times(quick: bool) -> Result<String, String> {
+    let model = Model::find("mh_character.glb")?;
+    let frames = if quick { 10 } else { 120 };
+    let places = grid(CHARACTERS, Vec2::splat(9.0));
+    let mut stages = [
+        Stage::new(&model, &places, (), add_clock)?,
+        Stage::new(&model, &places, (), |app| {
+            app.add_plugins(MorphBoundsPlugin);
+            add_clock(app);
+        })?,
+        Stage::new(&model, &places, (), add_clock)?,
+    ];
+    for (stage, dynamic) in stages.iter_mut().zip([false, false, true]) {
+        stage.set_dynamic_bounds(dynamic);
+    }
+    let mut table = String::from(
+        "| what the characters do | ours, ns per joint | Bevy's, ns per joint | ours in a frame, µs | ratio |\n|---|--:|--:|--:|--:|\n",
+    );
+    let clips = [
+        ("walk", "walk: joints move"),
+        ("talk", "talk: some joints and the face move"),
+        ("walk_and_talk", "walk and talk: both move"),
+    ];
+    let bar = progress(clips.len() as u64 + 1);
+    let mut rows: Vec<(&str, Option<&str>)> = clips.iter().map(|&(clip, what)| (what, Some(clip))).collect();
+    rows.push(("nothing moves", None));
+    for (what, clip) in rows {
+        let mut times = [const { Vec::new() }; 3];
+        for stage in &mut stages {
+            match clip {
+                Some(clip) => _ = stage.play(clip)?,
+                None => morph_collision_workspace::crowd::edit_players(&mut stage.app, |player| _ = player.pause_all()),
+            }
+        }
+        for frame in 0..frames + 4 {
+            for (stage, times) in stages.iter_mut().zip(&mut times) {
+                stage.app.update();
+                let taken = stage.app.world().resource::<Clock>().taken;
+                times.extend(taken.filter(|_| frame >= 4));
+            }
+        }
+        let [nothing, ours, bevys] = times.map(|times| median(times.into_iter()));
+        let (ours, bevys) = (ours - nothing, bevys - nothing);
+        let per_joint = |time: f64| time * 1e3 / (CHARACTERS * JOINTS) as f64;
+        let _infallible = writeln!(
+            table,
+            "| {what} | {:.1} | {:.1} | {ours:.0} | {:.2} |",
+            per_joint(ours),
+            per_joint(bevys),
+            bevys / ours
+        );
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(table)
+}

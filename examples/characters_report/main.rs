@@ -1,0 +1,51 @@
+//! Makes the tables of docs/characters.md again, in place: what a crowd of skinned characters costs and what is right about it, here, with
+//! Bevy's own bounds and picking, and with capsules in Rapier.
+//!
+//! `--help` lists the options; `just characters-report` runs it.
+
+mod capsules;
+mod culling;
+mod picking;
+mod stage;
+mod touching;
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Parser;
+use morph_collision_testkit::bench::cpu;
+use morph_collision_workspace::tables::{Section, TableOptions, rewrite};
+
+/// Tables about crowds of skinned characters.
+#[derive(Parser)]
+struct Options {
+    /// The page to change.
+    #[arg(default_value = "docs/characters.md")]
+    page: PathBuf,
+    #[command(flatten)]
+    tables: TableOptions,
+}
+
+fn main() -> ExitCode {
+    match run(&Options::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn run(options: &Options) -> Result<(), String> {
+    let quick = options.tables.quick;
+    let sections: [Section<'_>; 7] = [
+        ("machine", Box::new(|| Ok(format!("{}\n", cpu())))),
+        ("contact-time", Box::new(move || touching::times(quick))),
+        ("contact-answers", Box::new(move || touching::answers(quick))),
+        ("picking-time", Box::new(move || picking::times(quick))),
+        ("picking-answers", Box::new(move || picking::answers(quick))),
+        ("bounds-size", Box::new(move || culling::sizes(quick))),
+        ("bounds-time", Box::new(move || culling::times(quick))),
+    ];
+    rewrite(&options.page, &options.tables, &sections)
+}

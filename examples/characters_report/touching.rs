@@ -1,0 +1,227 @@
+//! Which characters touch: what it costs per frame, and who answers right.
+
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+use bevy::camera::primitives::Aabb;
+use bevy::math::DVec3;
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use morph_collision_testkit::oracle::intersecting_pairs;
+use morph_collision_workspace::drawn::{extent, near};
+use morph_collision_workspace::tables::progress;
+
+use super::capsules::{self, Fit, fitted};
+use super::stage::{Model, Stage, frame_times, grid};
+
+const CHARACTERS: usize = 100;
+const CLIP: &str = "walk_and_talk";
+
+/// How far characters stand apart, in decimetres: nobody touches anybody; nearly everybody touches somebody.
+const CROWDS: [(&str, Vec2); 2] = [("apart", Vec2::new(12.0, 9.0)), ("dense", Vec2::new(4.6, 3.2))];
+
+/// A way to tell which characters touch.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    /// Characters that nobody asks about: what other ways cost more than this is theirs.
+    Nothing,
+    Ours(CollisionMode),
+    /// Boxes around what joints do, as Bevy keeps them for culling.
+    JointBoxes,
+    Capsules(Fit),
+}
+
+impl Way {
+    const ALL: [Self; 6] = [
+        Self::Nothing,
+        Self::Ours(CollisionMode::All),
+        Self::Ours(CollisionMode::First),
+        Self::JointBoxes,
+        Self::Capsules(Fit::Around),
+        Self::Capsules(Fit::Through),
+    ];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Nothing => "nothing",
+            Self::Ours(CollisionMode::First) => "`MorphCollisionPlugin`, first pairs",
+            Self::Ours(_) => "`MorphCollisionPlugin`, all pairs",
+            Self::JointBoxes => "Bevy's joint boxes, overlaps not looked for",
+            Self::Capsules(Fit::Around) => "Rapier, capsules around vertices",
+            Self::Capsules(Fit::Through) => "Rapier, capsules through vertices",
+        }
+    }
+
+    /// A crowd that is asked about this way.
+    fn stage(self, model: &Model, apart: Vec2) -> Result<Stage, String> {
+        let places = grid(CHARACTERS, apart);
+        let mut stage = match self {
+            Self::Nothing | Self::JointBoxes => Stage::new(model, &places, (), |_| ())?,
+            Self::Ours(mode) => {
+                let scene = MorphColliderScene {
+                    collider: MorphCollider::new(mode),
+                    ..default()
+                };
+                Stage::new(model, &places, scene, |app| _ = app.add_plugins(MorphCollisionPlugin))?
+            }
+            Self::Capsules(_) => Stage::new(model, &places, (), capsules::add_physics)?,
+        };
+        stage.set_dynamic_bounds(self == Self::JointBoxes);
+        if let Self::Capsules(fit) = self {
+            let capsules: Vec<_> = model.meshes.iter().flat_map(|mesh| fitted(mesh, fit)).collect();
+            capsules::dress(&mut stage, &capsules);
+        }
+        stage.play(CLIP)?;
+        Ok(stage)
+    }
+
+    /// The pairs of characters that touch, as this way has it.
+    fn touching(self, stage: &mut Stage) -> Pairs {
+        match self {
+            Self::Nothing => Pairs::new(),
+            Self::Ours(_) => {
+                let contacts = stage.app.world().resource::<MorphCollisions>().iter();
+                let pairs =
+                    contacts.filter_map(|c| Some((stage.character(c.collider1)?, stage.character(c.collider2)?)));
+                pairs.map(|(a, b)| (a.min(b), a.max(b))).collect()
+            }
+            Self::JointBoxes => {
+                let boxes = stage.parts.iter().map(|part| culling_box(stage, part.entity));
+                let boxes: Vec<_> = boxes.collect();
+                overlapping(&boxes)
+            }
+            Self::Capsules(_) => capsules::touching(stage),
+        }
+    }
+}
+
+type Pairs = BTreeSet<(usize, usize)>;
+
+/// The box in the world around the box that Bevy culls an entity by.
+fn culling_box(stage: &Stage, entity: Entity) -> (DVec3, DVec3) {
+    let world = stage.app.world();
+    let aabb = world.get::<Aabb>(entity).copied().unwrap_or_default();
+    let place = world
+        .get::<GlobalTransform>(entity)
+        .map(GlobalTransform::affine)
+        .unwrap_or_default();
+    let center = place.transform_point3a(aabb.center);
+    let radius = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| aabb.relative_radius(&axis.into(), &place.matrix3));
+    let (center, radius) = (Vec3::from(center).as_dvec3(), Vec3::from_array(radius).as_dvec3());
+    (center - radius, center + radius)
+}
+
+fn overlapping(boxes: &[(DVec3, DVec3)]) -> Pairs {
+    let mut pairs = Pairs::new();
+    for (b, (min, max)) in boxes.iter().enumerate() {
+        let overlaps = |(low, high): &(DVec3, DVec3)| low.cmple(*max).all() && high.cmpge(*min).all();
+        let before = boxes[..b].iter().enumerate();
+        pairs.extend(before.filter(|(_, other)| overlaps(other)).map(|(a, _)| (a, b)));
+    }
+    pairs
+}
+
+/// The pairs of characters of which triangles intersect, exactly, by brute force.
+fn truth(model: &Model, stage: &Stage) -> Pairs {
+    let all: Vec<Vec<DVec3>> = stage.parts.iter().map(|part| stage.vertices(model, part)).collect();
+    let extents: Vec<_> = all.iter().map(extent).collect();
+    let touch = |&(a, b): &(usize, usize)| {
+        let triangles_near = |i: usize, j: usize| {
+            let triangles = stage.parts[i].triangles(&model.meshes);
+            near(triangles, &all[i], extents[j]).1
+        };
+        !intersecting_pairs(&all[a], &triangles_near(a, b), &all[b], &triangles_near(b, a)).is_empty()
+    };
+    overlapping(&extents).into_iter().filter(touch).collect()
+}
+
+/// What a frame costs, beyond a frame of the same characters that nobody asks about.
+pub(crate) fn times(quick: bool) -> Result<String, String> {
+    let model = Model::find("mh_character.glb")?;
+    let frames = if quick { 20 } else { 180 };
+    let mut of_crowds = Vec::new();
+    for (_, apart) in CROWDS {
+        let stages: Result<Vec<Stage>, String> = Way::ALL.iter().map(|way| way.stage(&model, apart)).collect();
+        of_crowds.push(frame_times(&mut stages?, frames));
+    }
+    let mut table = String::from("| |");
+    for (crowd, _) in CROWDS {
+        let _infallible = write!(table, " {crowd}, µs | ratio |");
+    }
+    table.push_str("\n|---|--:|--:|--:|--:|\n");
+    for (i, way) in Way::ALL.iter().enumerate() {
+        let _infallible = write!(table, "| {} |", way.name());
+        for times in &of_crowds {
+            let (base, ours) = (times[0], times[1] - times[0]);
+            let _infallible = match way {
+                Way::Nothing => write!(table, " ({base:.0}) | |"),
+                _ => write!(table, " {:.0} | {:.2} |", times[i] - base, (times[i] - base) / ours),
+            };
+        }
+        table.push('\n');
+    }
+    Ok(table)
+}
+
+/// What each way says of pairs of characters, against the truth.
+pub(crate) fn answers(quick: bool) -> Result<String, String> {
+    let model = Model::find("mh_character.glb")?;
+    let moments: u32 = if quick { 2 } else { 15 };
+    let mut table = String::from(
+        "| crowd | way | touching pairs of characters in truth | reported | missed | false |\n|---|---|--:|--:|--:|--:|\n",
+    );
+    let bar = progress(u64::from(moments) * CROWDS.len() as u64);
+    for (crowd, apart) in CROWDS {
+        let ways = &Way::ALL[1..];
+        let mut stages: Vec<Stage> = ways
+            .iter()
+            .map(|way| way.stage(&model, apart))
+            .collect::<Result<_, _>>()?;
+        let (mut in_truth, mut rows) = (0, vec![[0; 3]; ways.len()]);
+        for _ in 0..moments {
+            for stage in &mut stages {
+                for _ in 0..12 {
+                    stage.app.update();
+                }
+            }
+            let truth = truth(&model, &stages[0]);
+            in_truth += truth.len();
+            for ((way, stage), row) in ways.iter().zip(&mut stages).zip(&mut rows) {
+                let found = way.touching(stage);
+                row[0] += found.len();
+                row[1] += truth.difference(&found).count();
+                row[2] += found.difference(&truth).count();
+                if let Way::Capsules(fit) = way {
+                    asked_right(&model, stage, *fit, &found)?;
+                }
+            }
+            bar.inc(1);
+        }
+        for (way, [reported, missed, wrong]) in ways.iter().zip(&rows) {
+            let name = if *way == Way::JointBoxes {
+                "Bevy's joint boxes overlap"
+            } else {
+                way.name()
+            };
+            let _infallible = writeln!(
+                table,
+                "| {crowd} | {name} | {in_truth} | {reported} | {missed} | {wrong} |"
+            );
+        }
+    }
+    bar.finish_and_clear();
+    Ok(table)
+}
+
+/// Whether Rapier's pairs are those of the capsules: it would be no rival if it were asked wrongly.
+fn asked_right(model: &Model, stage: &Stage, fit: Fit, found: &Pairs) -> Result<(), String> {
+    let capsules: Vec<_> = model.meshes.iter().flat_map(|mesh| fitted(mesh, fit)).collect();
+    let [surely, perhaps] = [-1e-3, 1e-3].map(|slack| capsules::touching_by_distance(stage, &capsules, slack));
+    let (missed, invented) = (surely.difference(found).count(), found.difference(&perhaps).count());
+    if missed + invented > 0 {
+        return Err(format!(
+            "Rapier misses {missed} pairs of capsules and invents {invented}"
+        ));
+    }
+    Ok(())
+}

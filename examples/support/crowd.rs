@@ -1,0 +1,99 @@
+//! Several of a model at places of their own, each in its own moment of a clip.
+
+use std::path::Path;
+
+use bevy::gltf::Gltf;
+use bevy::prelude::*;
+use bevy::world_serialization::WorldInstanceReady;
+
+use crate::app::{load_gltf, update_until};
+use crate::error::ExampleError;
+
+/// A clip of a model, and its name, which is empty where the file has none.
+pub type NamedClip = (String, Handle<AnimationClip>);
+
+/// Loads a model that lies in the app's asset folder and spawns its first scene at each of some places, with `more` on its root.
+///
+/// Returns the roots and the model's clips. The app must be [ready](crate::app::ready).
+///
+/// # Errors
+/// The file cannot be loaded, or has no scene.
+pub fn spawn(
+    app: &mut App,
+    file: &Path,
+    places: &[Transform],
+    more: impl Bundle + Clone,
+) -> Result<(Vec<Entity>, Vec<NamedClip>), ExampleError> {
+    #[derive(Component)]
+    struct Ready;
+    let gltf = load_gltf(app, file)?;
+    let world = app.world_mut();
+    let no_scene = || ExampleError::NoScene(file.into());
+    let (scene, clips) = {
+        let gltf = world.resource::<Assets<Gltf>>().get(&gltf).ok_or_else(no_scene)?;
+        let name = |clip: &Handle<AnimationClip>| {
+            let named = gltf.named_animations.iter().find(|(_, named)| *named == clip);
+            named.map(|(name, _)| name.to_string()).unwrap_or_default()
+        };
+        let clips: Vec<NamedClip> = gltf.animations.iter().map(|clip| (name(clip), clip.clone())).collect();
+        (gltf.scenes.first().cloned().ok_or_else(no_scene)?, clips)
+    };
+    world.add_observer(|ready: On<WorldInstanceReady>, mut commands: Commands| {
+        commands.entity(ready.entity).insert(Ready);
+    });
+    let spawn = |&place: &Transform| {
+        let root = (
+            WorldAssetRoot(scene.clone()),
+            Visibility::default(),
+            more.clone(),
+            place,
+        );
+        world.spawn(root).id()
+    };
+    let roots: Vec<Entity> = places.iter().map(spawn).collect();
+    update_until(app, file, |world| {
+        Ok(roots.iter().all(|&root| world.get::<Ready>(root).is_some()))
+    })?;
+    Ok((roots, clips))
+}
+
+/// The root that an entity is below, or is, by its index among `roots`.
+#[must_use]
+pub fn root_of(world: &World, mut entity: Entity, roots: &[Entity]) -> Option<usize> {
+    loop {
+        if let Some(index) = roots.iter().position(|&root| root == entity) {
+            return Some(index);
+        }
+        entity = world.get::<ChildOf>(entity)?.parent();
+    }
+}
+
+/// Plays a clip once, and no other: by the players below each root, from a time of its own on, in seconds. Returns how long the clip takes in seconds.
+pub fn play(app: &mut App, clip: &Handle<AnimationClip>, roots: &[Entity], from: impl Fn(usize, f32) -> f32) -> f32 {
+    let world = app.world_mut();
+    let clips = world.resource::<Assets<AnimationClip>>();
+    let duration = clips.get(clip).map_or(0.0, AnimationClip::duration);
+    let (graph, node) = AnimationGraph::from_clip(clip.clone());
+    let graph = world.resource_mut::<Assets<AnimationGraph>>().add(graph);
+    let mut players = world.query_filtered::<Entity, With<AnimationPlayer>>();
+    let found: Vec<Entity> = players.iter(world).collect();
+    for player in found {
+        let index = root_of(world, player, roots).unwrap_or_default();
+        let mut entity = world.entity_mut(player);
+        entity.insert(AnimationGraphHandle(graph.clone()));
+        if let Some(mut player) = entity.get_mut::<AnimationPlayer>() {
+            player.stop_all();
+            player.play(node).seek_to(from(index, duration));
+        }
+    }
+    duration
+}
+
+/// Changes how every player plays what it plays.
+pub fn edit_players(app: &mut App, edit: impl Fn(&mut AnimationPlayer)) {
+    let world = app.world_mut();
+    let mut players = world.query::<&mut AnimationPlayer>();
+    for mut player in players.iter_mut(world) {
+        edit(&mut player);
+    }
+}

@@ -5,6 +5,7 @@
 
 mod blend;
 mod cache;
+mod displacement;
 mod instance;
 mod joint_hull;
 mod posed;

@@ -4,6 +4,7 @@
 #![allow(clippy::type_complexity, clippy::too_many_arguments)]
 
 pub mod app;
+pub mod character;
 pub mod error;
 pub mod instances;
 pub mod options;

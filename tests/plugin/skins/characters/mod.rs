@@ -2,6 +2,7 @@
 
 mod answers;
 mod drawn;
+mod velocity;
 
 use std::path::Path;
 

@@ -100,8 +100,7 @@ fn count(options: &Options) -> Result<(), ExampleError> {
 
 fn run(frames: u32) -> Result<Report, ExampleError> {
     let assets = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets"));
-    let mut app = physics::app(assets);
-    app.add_plugins(character::plugin);
+    let mut app = physics::app_with(assets, character::plugin);
     update_until(&mut app, &assets.join(MODEL), |world| {
         Ok(world.query_filtered::<(), With<Skin>>().iter(world).count() == 1)
     })?;

@@ -22,10 +22,13 @@ const ROOT: f32 = 0.84;
 /// The model is in decimetres.
 const SCALE: f32 = 0.1;
 
-/// What the left arm adds to the clip for the hand to come to the face: rotations about local axes, with their angles.
-const TO_FACE: [(&str, Vec3); 2] = [
-    ("upperarm_l", Vec3::new(0.623, -0.056, -0.706)),
-    ("lowerarm_l", Vec3::new(-0.121, 0.05, -0.553)),
+/// Where joints turn for the left hand to come to the face, and for the right one to be out of its way; the clip moves the others on.
+const TO_FACE: [(&str, Quat); 5] = [
+    ("head", Quat::from_xyzw(-0.3912, -0.2879, -0.012, 0.874)),
+    ("upperarm_l", Quat::from_xyzw(0.7115, -0.6238, -0.3028, 0.1136)),
+    ("lowerarm_l", Quat::from_xyzw(0.5387, 0.6808, 0.4946, 0.04)),
+    ("hand_l", Quat::from_xyzw(0.5641, -0.3551, -0.2346, 0.7076)),
+    ("upperarm_r", Quat::from_xyzw(-0.256, 0.8258, -0.1923, 0.4642)),
 ];
 
 /// The clips, in the order of their nodes in the graph.
@@ -118,7 +121,7 @@ pub(super) fn raise_hand(moment: Res<Moment>, mut joints: Query<(&Name, &mut Tra
     }
     for (name, mut place) in &mut joints {
         if let Some((_, turn)) = TO_FACE.iter().find(|(joint, _)| *joint == name.as_str()) {
-            place.rotation *= Quat::from_scaled_axis(*turn * share);
+            place.rotation = place.rotation.slerp(turn.normalize(), share);
         }
     }
 }

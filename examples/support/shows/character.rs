@@ -20,9 +20,9 @@ pub fn character() -> Show {
         name: "character",
         about: "A skinned and morphed character: rays stick to its skin, crates feel its feet, and its hand on its face is red.",
         keys: &[("click", "sticks a dart to the skin"), ("X", "removes the darts")],
-        eye: Vec3::new(-0.5, 1.1, 4.3),
-        target: Vec3::new(0.0, 0.65, 0.6),
-        pictures: &[66, 300],
+        eye: Vec3::new(-0.35, 1.15, 3.75),
+        target: Vec3::new(-0.2, 0.62, 0.5),
+        pictures: &[66, 200],
         scene: Box::new(|app| {
             app.add_plugins((RapierPhysicsPlugin::<NoUserData>::default(), MorphRapierPlugin, plugin))
                 .add_systems(Startup, light_the_ground)

@@ -48,13 +48,12 @@ fn the_overlay_lies_on_characters_that_are_skinned_and_morphed() {
              mut meshes: ResMut<Assets<Mesh>>,
              mut materials: ResMut<Assets<StandardMaterial>>,
              mut bind_poses: ResMut<Assets<SkinnedMeshInverseBindposes>>| {
-                for (side, seconds) in [(-1.0, 0.6), (1.0, 1.4)] {
+                for (side, seconds) in [(-1.0, 0.0), (1.0, 0.3)] {
                     let (mesh, weights, joints) = character(seconds);
                     let drawn = drawn(&mesh, weights, &mut meshes, &mut materials);
-                    let aside = Affine3A::from_rotation_translation(
-                        Quat::from_rotation_y(0.9 * side),
-                        Vec3::new(0.08 * side, 0.0, 0.0),
-                    );
+                    let turned = Quat::from_rotation_y(0.5 * side);
+                    let aside = Vec3::new(0.08 * side, 0.0, 0.0);
+                    let aside = Affine3A::from_scale_rotation_translation(Vec3::splat(1.9), turned, aside);
                     let joints: Vec<Affine3A> = joints.into_iter().map(|joint| aside * joint).collect();
                     let skeleton = skeleton(&joints, &mut bind_poses, &mut commands);
                     commands.spawn((drawn, MorphCollider::default(), Transform::default(), skeleton));

@@ -16,6 +16,9 @@ use morph_collision_workspace::view::offscreen::Offscreen;
 use morph_collision_workspace::view::stage::BACKGROUND;
 use morph_collision_workspace::view::{Show, clock};
 
+/// The colour of what is [`drawn`].
+const PLAIN: Color = Color::srgb(0.1, 0.3, 0.5);
+
 /// One renderer at a time: each takes all processors.
 pub(crate) fn alone() -> MutexGuard<'static, ()> {
     static RENDERER: Mutex<()> = Mutex::new(());
@@ -81,7 +84,7 @@ pub(crate) fn drawn(
         shown.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, set.weights.clone());
     }
     let plain = StandardMaterial {
-        base_color: Color::srgb(0.1, 0.3, 0.5),
+        base_color: PLAIN,
         unlit: true,
         double_sided: true,
         cull_mode: None,
@@ -99,6 +102,13 @@ pub(crate) fn is_drawn(picture: &RgbImage, x: u32, y: u32) -> bool {
     let [r, g, b] = BACKGROUND.to_srgba().to_u8_array_no_alpha();
     let pixel = picture.get_pixel(x, y).0;
     pixel.iter().zip([r, g, b]).any(|(&a, b)| a.abs_diff(b) > 8)
+}
+
+/// Whether what [`drawn`] gives covers the whole pixel.
+pub(crate) fn is_covered(picture: &RgbImage, x: u32, y: u32) -> bool {
+    let [r, g, b] = PLAIN.to_srgba().to_u8_array_no_alpha();
+    let pixel = picture.get_pixel(x, y).0;
+    pixel.iter().zip([r, g, b]).all(|(&a, b)| a.abs_diff(b) <= 8)
 }
 
 /// Whether the overlay is there.

@@ -80,14 +80,14 @@ fn light_the_ground(
     ));
 }
 
-/// The file's own colour, seen from both sides.
+/// A mannequin's colour.
 fn color(
     skins: Query<&MeshMaterial3d<StandardMaterial>, Added<Skin>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
     for skin in &skins {
         if let Some(mut material) = materials.get_mut(&skin.0) {
-            material.base_color = Color::srgb(0.87, 0.7, 0.61);
+            material.base_color = Color::srgb(0.5, 0.63, 0.7);
             material.perceptual_roughness = 0.65;
         }
     }
@@ -102,8 +102,8 @@ fn draw(
     mut looks: Local<Option<[Handle<StandardMaterial>; 2]>>,
     mut commands: Commands,
 ) {
-    let [wood, blue] = looks.get_or_insert_with(|| {
-        [Color::srgb(0.72, 0.55, 0.36), Color::srgb(0.15, 0.35, 0.85)].map(|color| materials.add(color))
+    let [wood, orange] = looks.get_or_insert_with(|| {
+        [Color::srgb(0.72, 0.55, 0.36), Color::srgb(0.95, 0.6, 0.1)].map(|color| materials.add(color))
     });
     for entity in &crates {
         let cube = meshes.add(Cuboid::from_length(2.0 * HALF));
@@ -119,7 +119,7 @@ fn draw(
         commands.entity(entity).with_children(|dart| {
             for (mesh, height) in [(shaft, 0.5 * LENGTH), (end, LENGTH)] {
                 let place = Transform::from_xyz(0.0, height, 0.0);
-                dart.spawn((mesh, MeshMaterial3d(blue.clone()), place, Pickable::IGNORE));
+                dart.spawn((mesh, MeshMaterial3d(orange.clone()), place, Pickable::IGNORE));
             }
         });
     }

@@ -65,7 +65,11 @@ fn it_is_none_where_there_is_nothing_to_compare_with() {
     let mut app = app();
     let mesh = add_mesh(&mut app, &cube());
     let cube = spawn(&mut app, &mesh, 0.0);
-    while app.world_mut().run_system_once(move |spatial: MorphSpatialQuery| spatial.bounds(cube).is_none()).unwrap() {
+    while app
+        .world_mut()
+        .run_system_once(move |spatial: MorphSpatialQuery| spatial.bounds(cube).is_none())
+        .unwrap()
+    {
         app.update();
     }
     assert_eq!(below(&mut app, 0.1), None, "this is its first run");
@@ -80,9 +84,13 @@ fn it_is_none_where_there_is_nothing_to_compare_with() {
     assert_eq!(below(&mut app, 0.1), None, "it was not there in the run before");
     // So it is with an entity that was disabled, and not looked at.
     app.update();
-    app.world_mut().entity_mut(cube).insert(bevy::ecs::entity_disabling::Disabled);
+    app.world_mut()
+        .entity_mut(cube)
+        .insert(bevy::ecs::entity_disabling::Disabled);
     app.update();
-    app.world_mut().entity_mut(cube).remove::<bevy::ecs::entity_disabling::Disabled>();
+    app.world_mut()
+        .entity_mut(cube)
+        .remove::<bevy::ecs::entity_disabling::Disabled>();
     app.update();
     assert_eq!(below(&mut app, 0.1), None, "nor then");
     app.update();

@@ -7,8 +7,7 @@ use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::physics::{bevy_mesh, body, settle, sheet};
 
 use crate::support::{
-    BALL, Log, app, ball_on_sheet, below, diagnostics, pair, place, population, put, run, set_weights,
-    spawn,
+    BALL, Log, app, ball_on_sheet, below, diagnostics, pair, place, population, put, run, set_weights, spawn,
 };
 
 /// What a game does to a surface.

@@ -32,7 +32,13 @@ pub(super) struct Kept {
 
 /// The plugin compares bodies with each other; a body with itself is asked of the core, with a pose of the same tree.
 pub(super) fn feel(
-    mut skins: Query<(Entity, &Mesh3d, &SkinnedMesh, Option<&MeshMorphWeights>, &mut HandOnFace)>,
+    mut skins: Query<(
+        Entity,
+        &Mesh3d,
+        &SkinnedMesh,
+        Option<&MeshMorphWeights>,
+        &mut HandOnFace,
+    )>,
     shared: Query<&MorphWeights>,
     joints: Query<(&GlobalTransform, Option<&Name>)>,
     bind_poses: Res<Assets<SkinnedMeshInverseBindposes>>,
@@ -58,9 +64,16 @@ pub(super) fn feel(
         let Some(Kept { pose, places }) = kept.get_mut(&entity) else {
             continue;
         };
-        let matrices = skin.joints.iter().zip(bind_poses.get(&skin.inverse_bindposes).into_iter().flat_map(|b| b.iter()));
+        let matrices = skin.joints.iter().zip(
+            bind_poses
+                .get(&skin.inverse_bindposes)
+                .into_iter()
+                .flat_map(|b| b.iter()),
+        );
         let matrices: Vec<Affine3A> = matrices
-            .filter_map(|(joint, bind_pose)| Some(joints.get(*joint).ok()?.0.affine() * Affine3A::from_mat4(*bind_pose)))
+            .filter_map(|(joint, bind_pose)| {
+                Some(joints.get(*joint).ok()?.0.affine() * Affine3A::from_mat4(*bind_pose))
+            })
             .collect();
         let weights = match weights {
             Some(MeshMorphWeights::Value { weights }) => weights.as_slice(),

@@ -49,7 +49,11 @@ pub(super) fn spawn(mut commands: Commands) {
 /// On the round, but not where the character stands at first; now on the left, now on the right.
 fn in_the_way(index: usize) -> Transform {
     let angle = TAU * (index as f32 + 1.5) / (CRATES as f32 + 2.0);
-    let aside = if index.is_multiple_of(2) { 1.0 + 0.09 / ROUND } else { 1.0 - 0.09 / ROUND };
+    let aside = if index.is_multiple_of(2) {
+        1.0 + 0.09 / ROUND
+    } else {
+        1.0 - 0.09 / ROUND
+    };
     Transform::from_translation(on_round(angle) * aside + Vec3::Y * HALF).with_rotation(Quat::from_rotation_y(angle))
 }
 

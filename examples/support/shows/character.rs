@@ -31,7 +31,7 @@ pub fn character() -> Show {
                 .add_systems(
                     PostUpdate,
                     show_touching
-                        .after(MorphCollisionSystems::Weights)
+                        .after(MorphCollisionSystems::Anchors)
                         .before(OverlaySystems),
                 )
                 .add_observer(stick_dart);

@@ -208,11 +208,7 @@ fn split(
     }
 }
 
-fn reach(
-    mut arms: Query<(&Arm, &mut MeshMorphWeights)>,
-    mut hands: Query<(&Hand, &mut Transform)>,
-    clock: Res<Clock>,
-) {
+fn reach(mut arms: Query<(&Arm, &mut MeshMorphWeights)>, mut hands: Query<(&Hand, &mut Transform)>, clock: Res<Clock>) {
     let share = |index: usize| {
         let phase = clock.frame as f32 / 60.0 + 0.8 * index as f32;
         0.75 + 0.25 * phase.sin()

@@ -57,7 +57,8 @@ impl Stage {
         app.world_mut()
             .add_observer(|_: On<WorldInstanceReady>, mut ready: ResMut<Ready>| ready.0 = true);
         let size = Transform::from_scale(Vec3::splat(0.1));
-        app.world_mut().spawn((WorldAssetRoot(scene), Visibility::default(), size));
+        app.world_mut()
+            .spawn((WorldAssetRoot(scene), Visibility::default(), size));
         update_until(&mut app, &file, |world| Ok(world.resource::<Ready>().0)).expect("the scene is spawned");
         let world = app.world_mut();
         let mut skinned = world.query::<(Entity, &SkinnedMesh)>();
@@ -169,7 +170,10 @@ fn a_waving_hand_throws_a_ball() {
     println!("the hand at {hand}, the ball at {ball}");
     assert!(hand.length() > 1.0, "{hand}");
     let along = ball.dot(hand.normalize());
-    assert!(along > 0.6 * hand.length() && along < 2.0 * hand.length(), "thrown at {ball} by {hand}");
+    assert!(
+        along > 0.6 * hand.length() && along < 2.0 * hand.length(),
+        "thrown at {ball} by {hand}"
+    );
 }
 
 #[test]
@@ -183,7 +187,10 @@ fn a_walking_foot_kicks_a_ball() {
     println!("the foot at {foot}, the ball at {ball}");
     assert!(foot.length() > 0.8, "{foot}");
     let along = ball.dot(foot.normalize());
-    assert!(along > 0.6 * foot.length() && along < 2.0 * foot.length(), "thrown at {ball} by {foot}");
+    assert!(
+        along > 0.6 * foot.length() && along < 2.0 * foot.length(),
+        "thrown at {ball} by {foot}"
+    );
 }
 
 #[test]
@@ -230,7 +237,11 @@ fn balls_that_fall_on_it_stay_outside_and_only_what_is_near_them_is_there() {
     let balls: Vec<Entity> = (0..9)
         .map(|i| {
             let (x, z) = (0.1 * (i % 3 - 1) as f32, 0.1 * (i / 3 - 1) as f32);
-            body(&mut stage.app, Collider::ball(radius), Vec3::new(x, top + 0.3 + 0.1 * i as f32, z))
+            body(
+                &mut stage.app,
+                Collider::ball(radius),
+                Vec3::new(x, top + 0.3 + 0.1 * i as f32, z),
+            )
         })
         .collect();
     let (mut touched, mut deepest) = (0, 0.0_f32);

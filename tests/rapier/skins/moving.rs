@@ -23,7 +23,9 @@ fn box_on_arm(x: f32) -> (App, Arm, Entity) {
 
 /// How far a box that lies on one of its sides is above the surface, in truth.
 fn gap(app: &App, arm: &Arm, cuboid: Entity) -> f32 {
-    arm.truth(app).distance_to_point(&Pose::IDENTITY, place(app, cuboid), true) - HALF
+    arm.truth(app)
+        .distance_to_point(&Pose::IDENTITY, place(app, cuboid), true)
+        - HALF
 }
 
 #[test]
@@ -98,7 +100,10 @@ fn a_punch_throws_a_ball_at_the_speed_of_the_fist() {
     // The ball goes where the side of the arm faces, as fast as the arm goes that way.
     let along = fist.dot(speed.normalize());
     assert!(along > 0.9 * fist.length(), "thrown at {speed} by {fist}");
-    assert!((speed.length() - along).abs() < 0.1 * along, "thrown at {speed} by {fist}");
+    assert!(
+        (speed.length() - along).abs() < 0.1 * along,
+        "thrown at {speed} by {fist}"
+    );
     let after = velocity(&app, ball);
     assert!(after.length() > 0.9 * speed.length(), "{after} in the end");
 }

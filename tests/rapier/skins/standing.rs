@@ -98,7 +98,9 @@ fn only_what_is_near_a_body_costs() {
         assert_eq!(population(&mut app), (1 + parts, 11 + parts));
     }
     // It leaves.
-    app.world_mut().entity_mut(ball).insert(Transform::from_xyz(0.0, 50.0, 0.0));
+    app.world_mut()
+        .entity_mut(ball)
+        .insert(Transform::from_xyz(0.0, 50.0, 0.0));
     run(&mut app, 2);
     spread(&mut app, &arms, 0.2);
     run(&mut app, 1);
@@ -108,7 +110,11 @@ fn only_what_is_near_a_body_costs() {
 #[test]
 fn a_body_asleep_on_a_still_arm_costs_nothing_and_wakes_with_the_joints() {
     let (mut app, arm) = app_with_arm();
-    let cuboid = body(&mut app, Collider::cuboid(0.15, 0.15, 0.15), Vec3::new(1.5, TOP + 0.16, 0.0));
+    let cuboid = body(
+        &mut app,
+        Collider::cuboid(0.15, 0.15, 0.15),
+        Vec3::new(1.5, TOP + 0.16, 0.0),
+    );
     app.world_mut().entity_mut(cuboid).insert(Sleeping::default());
     run(&mut app, 300);
     let asleep = |app: &App| app.world().get::<Sleeping>(cuboid).unwrap().sleeping;
@@ -142,7 +148,11 @@ fn an_arm_on_a_kinematic_body_carries_at_the_velocity_of_the_body() {
     for kind in [RigidBody::KinematicVelocityBased, RigidBody::KinematicPositionBased] {
         let mut app = app();
         let (arm, root) = arm_on(&mut app, kind);
-        let cuboid = body(&mut app, Collider::cuboid(0.15, 0.15, 0.15), Vec3::new(1.5, TOP + 0.16, 0.0));
+        let cuboid = body(
+            &mut app,
+            Collider::cuboid(0.15, 0.15, 0.15),
+            Vec3::new(1.5, TOP + 0.16, 0.0),
+        );
         run(&mut app, 60);
         for i in 1..=60 {
             let mut root = app.world_mut().entity_mut(root);
@@ -153,7 +163,10 @@ fn an_arm_on_a_kinematic_body_carries_at_the_velocity_of_the_body() {
             }
             run(&mut app, 1);
         }
-        let gap = arm.truth(&app).distance_to_point(&Pose::IDENTITY, place(&app, cuboid), true) - 0.15;
+        let gap = arm
+            .truth(&app)
+            .distance_to_point(&Pose::IDENTITY, place(&app, cuboid), true)
+            - 0.15;
         let speed = velocity(&app, cuboid).y;
         assert!(gap.abs() < 1e-2, "{kind:?}: gap {gap}");
         assert!((speed - 0.5).abs() < 0.025, "{kind:?}: velocity {speed}");
@@ -164,17 +177,29 @@ fn an_arm_on_a_kinematic_body_carries_at_the_velocity_of_the_body() {
 #[test]
 fn an_arm_on_a_dynamic_body_falls_rests_and_sleeps() {
     let mut app = app();
-    app.world_mut()
-        .spawn((RigidBody::Fixed, Collider::cuboid(10.0, 0.5, 10.0), Transform::from_xyz(0.0, -2.0, 0.0)));
+    app.world_mut().spawn((
+        RigidBody::Fixed,
+        Collider::cuboid(10.0, 0.5, 10.0),
+        Transform::from_xyz(0.0, -2.0, 0.0),
+    ));
     let (arm, root) = arm_on(&mut app, RigidBody::Dynamic);
     // Bent in the plane in which it lies.
     let bent = Transform::from_rotation(Quat::from_rotation_y(0.8));
     arm.pose(&mut app, [Transform::IDENTITY, bent]);
     run(&mut app, 600);
-    let lowest = arm.truth(&app).vertices().iter().map(|v| v.y).fold(f32::INFINITY, f32::min);
+    let lowest = arm
+        .truth(&app)
+        .vertices()
+        .iter()
+        .map(|v| v.y)
+        .fold(f32::INFINITY, f32::min);
     assert!((lowest + 1.5).abs() < 2e-2, "its lowest point is at {lowest}");
     assert!(app.world().get::<Sleeping>(root).unwrap().sleeping);
-    assert_eq!(diagnostics(&app).moving, 0, "what a rotation leaves behind is no motion");
+    assert_eq!(
+        diagnostics(&app).moving,
+        0,
+        "what a rotation leaves behind is no motion"
+    );
 }
 
 #[test]

@@ -51,10 +51,7 @@ pub(super) fn region(bounds: &ParryAabb, pose: &Pose, place: &WorldFromModel) ->
     let (min, max) = (bounds.mins.as_dvec3(), bounds.maxs.as_dvec3());
     let slab = |axis: usize| {
         let along = DVec3::from_array(axes.map(|column| column[axis]));
-        [
-            (along, origin[axis] - min[axis]),
-            (-along, max[axis] - origin[axis]),
-        ]
+        [(along, origin[axis] - min[axis]), (-along, max[axis] - origin[axis])]
     };
     ConvexRegion::from_half_spaces([0, 1, 2].map(slab).as_flattened())
 }

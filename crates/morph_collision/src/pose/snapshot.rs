@@ -54,7 +54,8 @@ impl PoseSnapshot {
             let position = model.blend_vertex(vertex, &self.weights);
             match moved_by_joints {
                 Some((joints, skin)) => {
-                    let [x, y, z, _] = with_simd!(bvh.kernel().level, simd => skin.place(simd, vertex, position, joints));
+                    let [x, y, z, _] =
+                        with_simd!(bvh.kernel().level, simd => skin.place(simd, vertex, position, joints));
                     DVec3::new(x, y, z)
                 }
                 None => world_from_model.transform_point(position),
@@ -89,7 +90,10 @@ mod tests {
         } else {
             MorphModel::from_displacements(&base, &triangles, &targets)
         };
-        let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model.unwrap()), &BuildOptions::default())));
+        let mut pose = Pose::new(Arc::new(MorphBvh::build(
+            Arc::new(model.unwrap()),
+            &BuildOptions::default(),
+        )));
         change(&mut pose, weight, joint);
         pose
     }

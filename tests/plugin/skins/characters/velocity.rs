@@ -15,7 +15,12 @@ fn a_hit_tells_how_fast_the_skin_of_a_character_that_walks_and_talks_is() {
         return;
     };
     let mut stage = Stage::new(&file, 0.3);
-    let (_, clip) = stage.clips.iter().find(|(name, _)| name == "walk_and_talk").unwrap().clone();
+    let (_, clip) = stage
+        .clips
+        .iter()
+        .find(|(name, _)| name == "walk_and_talk")
+        .unwrap()
+        .clone();
     play(&mut stage.app, &clip, &stage.roots, |index| 0.7 * index as f32);
     for _ in 0..3 {
         stage.app.update();
@@ -51,7 +56,11 @@ fn a_hit_tells_how_fast_the_skin_of_a_character_that_walks_and_talks_is() {
             let corners = stage.parts[at].triangles[hit.triangle as usize];
             let shares = hit.barycentrics.as_dvec3().to_array();
             let place = |vertices: &[DVec3]| -> DVec3 {
-                corners.iter().zip(shares).map(|(&corner, share)| vertices[corner as usize] * share).sum()
+                corners
+                    .iter()
+                    .zip(shares)
+                    .map(|(&corner, share)| vertices[corner as usize] * share)
+                    .sum()
             };
             let expected = (place(&now[at]) - place(&before[at])) / STEP.as_secs_f64();
             let velocity = velocity.expect("it was there before").as_dvec3();

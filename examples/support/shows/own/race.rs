@@ -138,6 +138,9 @@ pub(super) fn run(
     }
     let posed: Option<Vec<_>> = race.parts.iter().map(|&(_, part)| parts.get(part).ok()).collect();
     let Some(posed) = posed.filter(|posed| !posed.is_empty()) else {
+        if race.trouble.is_some() {
+            *told = notes(race, &verdict);
+        }
         return;
     };
     let poses: Vec<_> = posed

@@ -100,7 +100,7 @@ pictures:
     draw dolphins --triangles 2256 --bare --size 960x540
     draw pass_through --bare --size 480x400
     draw face --bare --size 640x640 --at 60,192
-    draw character --size 960x540 --at 66,300
+    draw character --size 960x540 --at 66,200
     draw picking --size 960x540 --at 60
     draw culling --size 960x540 --at 90
     draw physics --size 960x540 --at 180

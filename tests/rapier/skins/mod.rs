@@ -10,6 +10,7 @@ mod standing;
 
 use std::f32::consts::TAU;
 
+use bevy::math::DVec3;
 use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
@@ -123,7 +124,7 @@ impl Arm {
         let posed = posed_vertices(&self.mesh.positions, &self.mesh.targets, &weights);
         let joints = self.joints.map(|joint| global(app, joint).affine());
         let placed = skinned_vertices(&posed, &self.mesh.skin.as_ref().unwrap().sets, &joints);
-        let placed = placed.into_iter().map(|vertex| vertex.as_vec3()).collect();
+        let placed = placed.into_iter().map(DVec3::as_vec3).collect();
         TriMesh::new(placed, self.mesh.triangles.clone()).expect("a mesh with triangles")
     }
 }

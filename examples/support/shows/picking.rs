@@ -22,8 +22,8 @@ pub fn picking() -> Show {
         name: "picking",
         about: "Point at a model: the arrow stands on the triangle that is hit, as it is morphed and posed now.",
         keys: &[("click", "paints the model")],
-        eye: Vec3::new(-0.3, 0.5, 5.8),
-        target: Vec3::new(-0.3, -0.1, 0.0),
+        eye: Vec3::new(0.6, 0.5, 6.6),
+        target: Vec3::new(0.6, -0.1, 0.0),
         pictures: &[20, 60, 100, 140],
         scene: Box::new(|app| {
             let cue = |frame, x, y, click| Cue {
@@ -35,7 +35,7 @@ pub fn picking() -> Show {
                 cue(18, -1.6, 0.0, false),
                 cue(56, 0.6, 0.3, true),
                 cue(98, 2.5, 0.2, false),
-                cue(136, -3.2, 0.35, false),
+                cue(136, 4.1, 0.35, false),
             ]))
             .add_systems(Startup, spawn)
             .add_systems(Update, (wobble.run_if(started), point))
@@ -73,8 +73,8 @@ fn spawn(
             ..default()
         },
         // It is in decimetres.
-        Transform::from_xyz(-3.2, 0.0, 0.0)
-            .with_rotation(Quat::from_rotation_y(0.5))
+        Transform::from_xyz(4.1, 0.0, 0.0)
+            .with_rotation(Quat::from_rotation_y(-0.5))
             .with_scale(Vec3::splat(0.11)),
     ));
     let models = [

@@ -109,6 +109,31 @@ fn a_punch_throws_a_ball_at_the_speed_of_the_fist() {
 }
 
 #[test]
+fn a_fist_throws_a_ball_that_it_would_pass_in_one_step() {
+    let (mut app, arm) = app_with_arm();
+    let at = Quat::from_rotation_y(2.55) * (Vec3::X * 2.5);
+    let ball = body(&mut app, Collider::ball(0.1), at);
+    app.world_mut().entity_mut(ball).insert(GravityScale(0.0));
+    run(&mut app, 5);
+    // A third of a second to 12 radians per second: the ball's place moves by 0.5 in a step, five times its radius.
+    let (mut angle, mut turn) = (0.0, 0.0_f32);
+    let mut fastest = Vec3::ZERO;
+    for _ in 0..30 {
+        turn = (turn + 0.6).min(12.0);
+        angle += turn * DT;
+        let turned = Transform::from_rotation(Quat::from_rotation_y(angle));
+        arm.pose(&mut app, [Transform::IDENTITY, turned]);
+        run(&mut app, 1);
+        if velocity(&app, ball).length() > fastest.length() {
+            fastest = velocity(&app, ball);
+        }
+    }
+    let fist = Vec3::Y.cross(at) * 12.0;
+    let along = fastest.dot(fist.normalize());
+    assert!(along > 0.7 * fist.length(), "thrown at {fastest} by {fist}");
+}
+
+#[test]
 fn an_arm_that_swells_throws_what_lies_on_it() {
     let (mut app, arm, cuboid) = box_on_arm(1.5);
     // Its top goes up by 0.46 within a tenth of a second, while its joints stay.

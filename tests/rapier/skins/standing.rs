@@ -168,7 +168,8 @@ fn an_arm_on_a_kinematic_body_carries_at_the_velocity_of_the_body() {
             .distance_to_point(&Pose::IDENTITY, place(&app, cuboid), true)
             - 0.15;
         let speed = velocity(&app, cuboid).y;
-        assert!(gap.abs() < 1e-2, "{kind:?}: gap {gap}");
+        // In a step the body moves by 0.008.
+        assert!(gap.abs() < 4e-3, "{kind:?}: gap {gap}");
         assert!((speed - 0.5).abs() < 0.025, "{kind:?}: velocity {speed}");
         assert!((place(&app, root).y - 0.5).abs() < 0.02);
     }

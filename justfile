@@ -76,7 +76,7 @@ demo *ARGS:
 demo-check:
     #!/usr/bin/env bash
     set -euo pipefail
-    cargo build --workspace --all-features --example dolphins --example crowd --example physics
+    cargo build --workspace --all-features --example dolphins --example crowd --example physics --example character
     summary=$("${CARGO_TARGET_DIR:-target}/debug/examples/dolphins" --headless --json)
     echo "$summary"
     grep -Eq '"events_started": *[1-9]' <<< "$summary"
@@ -86,6 +86,9 @@ demo-check:
     rain=$("${CARGO_TARGET_DIR:-target}/debug/examples/physics" --headless --bodies 40 --steps 240 --json)
     echo "$rain"
     grep -Eq '"fell_through": *0,' <<< "$rain"
+    character=$("${CARGO_TARGET_DIR:-target}/debug/examples/character" --headless --frames 400 --json)
+    echo "$character"
+    grep -Eq '"kicks": *[1-9].*"frames_hand_on_face": *[1-9]' <<< "$character"
 
 # Makes the pictures of README and docs again, with or without a GPU or display.
 pictures:
@@ -97,6 +100,7 @@ pictures:
     draw dolphins --triangles 2256 --bare --size 960x540
     draw pass_through --bare --size 480x400
     draw face --bare --size 640x640 --at 60,192
+    draw character --size 960x540 --at 66,200
     draw picking --size 960x540 --at 60
     draw culling --size 960x540 --at 90
     draw physics --size 960x540 --at 180

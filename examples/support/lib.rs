@@ -4,6 +4,7 @@
 #![allow(clippy::type_complexity, clippy::too_many_arguments)]
 
 pub mod app;
+pub mod character;
 pub mod crowd;
 pub mod drawn;
 pub mod error;

@@ -24,4 +24,5 @@ mod skins;
 mod spatial;
 mod support;
 mod trees;
+mod velocities;
 mod weights;

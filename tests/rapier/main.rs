@@ -10,4 +10,5 @@ mod moving;
 mod presence;
 mod queries;
 mod shapes;
+mod skins;
 mod support;

@@ -1,16 +1,13 @@
 //! When a surface is in physics and when it is not: no ghost stays behind, and what comes back carries.
 
 use bevy::ecs::entity_disabling::Disabled;
-use bevy::mesh::VertexAttributeValues;
-use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_workspace::physics::{bevy_mesh, body, settle, sheet};
 
 use crate::support::{
-    BALL, Log, app, ball_on_sheet, below, collect_errors, diagnostics, pair, place, population, put, run, set_weights,
-    spawn,
+    BALL, Log, app, ball_on_sheet, below, diagnostics, pair, place, population, put, run, set_weights, spawn,
 };
 
 /// What a game does to a surface.
@@ -358,42 +355,4 @@ fn a_body_that_becomes_fixed_in_its_sleep_needs_no_parts() {
     set_weights(&mut app, surface, &[-2.0, 0.0]);
     run(&mut app, 2);
     assert_eq!((diagnostics(&app).parts, population(&mut app).0), (0, 1));
-}
-
-#[test]
-fn a_skinned_mesh_is_refused_once_and_works_again_without_its_skeleton() {
-    collect_errors(|errors| {
-        let mut app = app();
-        let mut mesh = bevy_mesh(&sheet(8));
-        let vertices = mesh.count_vertices();
-        mesh.insert_attribute(
-            Mesh::ATTRIBUTE_JOINT_INDEX,
-            VertexAttributeValues::Uint16x4(vec![[0; 4]; vertices]),
-        );
-        mesh.insert_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, vec![[1.0_f32, 0.0, 0.0, 0.0]; vertices]);
-        let mesh = Mesh3d(app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh));
-        let joint = app.world_mut().spawn(Transform::default()).id();
-        let skin = SkinnedMesh {
-            joints: vec![joint],
-            ..default()
-        };
-        let surface = (mesh, skin, MorphRapierCollider::default(), Name::new("character"));
-        let surface = app.world_mut().spawn(surface).id();
-        settle(&mut app);
-        run(&mut app, 5);
-        let logged = errors.take();
-        assert_eq!(logged.len(), 1, "{logged:?}");
-        for part in ["`character`", "MorphRapierCollider", "joints", "left out"] {
-            assert!(logged[0].contains(part), "{logged:?} does not say {part}");
-        }
-        assert_eq!(diagnostics(&app).surfaces, 0);
-        assert_eq!(below(&mut app, 3.0, 3.1), None, "nothing of it is in physics");
-
-        app.world_mut().entity_mut(surface).remove::<SkinnedMesh>();
-        settle(&mut app);
-        run(&mut app, 5);
-        let (hit, _) = below(&mut app, 3.0, 3.1).expect("it is rigid now");
-        assert_eq!(hit, surface);
-        assert_eq!(errors.take(), [""; 0]);
-    });
 }

@@ -1,11 +1,14 @@
 //! The overlay lies on the surface that the GPU blends: moved towards the camera by a little it is all seen, moved away by as little it is gone.
 
+use bevy::math::Affine3A;
+use bevy::mesh::skinning::SkinnedMeshInverseBindposes;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::models::pass_through_body_at;
+use morph_collision_workspace::view::Show;
 use morph_collision_workspace::view::overlay::Overlay;
 
-use crate::support::{alone, count, drawn, is_red, offscreen, scene};
+use crate::support::{alone, character, count, drawn, is_red, offscreen, scene, skeleton};
 
 const EYE: Vec3 = Vec3::new(0.4, 0.6, 4.0);
 
@@ -31,6 +34,37 @@ fn the_overlay_lies_on_the_drawn_surface() {
             },
         );
     });
+    lies_on_the_surface(show);
+}
+
+/// Two characters that stand in each other.
+#[test]
+fn the_overlay_lies_on_characters_that_are_skinned_and_morphed() {
+    let _alone = alone();
+    let show = scene(EYE, |app| {
+        app.add_systems(
+            Startup,
+            |mut commands: Commands,
+             mut meshes: ResMut<Assets<Mesh>>,
+             mut materials: ResMut<Assets<StandardMaterial>>,
+             mut bind_poses: ResMut<Assets<SkinnedMeshInverseBindposes>>| {
+                for (side, seconds) in [(-1.0, 0.0), (1.0, 0.3)] {
+                    let (mesh, weights, joints) = character(seconds);
+                    let drawn = drawn(&mesh, weights, &mut meshes, &mut materials);
+                    let turned = Quat::from_rotation_y(0.5 * side);
+                    let aside = Vec3::new(0.08 * side, 0.0, 0.0);
+                    let aside = Affine3A::from_scale_rotation_translation(Vec3::splat(1.9), turned, aside);
+                    let joints: Vec<Affine3A> = joints.into_iter().map(|joint| aside * joint).collect();
+                    let skeleton = skeleton(&joints, &mut bind_poses, &mut commands);
+                    commands.spawn((drawn, MorphCollider::default(), Transform::default(), skeleton));
+                }
+            },
+        );
+    });
+    lies_on_the_surface(show);
+}
+
+fn lies_on_the_surface(show: Show) {
     let mut show = offscreen(show, (480, 360));
     let mut red = |towards: f32| {
         show.app_mut().world_mut().resource_mut::<Overlay>().offset = EYE.normalize() * towards;

@@ -6,6 +6,7 @@ use bevy::ecs::system::RunSystemOnce;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use image::RgbImage;
+use morph_collision_workspace::character::{Dart, HandOnFace, Tally};
 use morph_collision_workspace::shows;
 use morph_collision_workspace::view::Show;
 use morph_collision_workspace::view::offscreen::Offscreen;
@@ -75,6 +76,59 @@ fn a_face_runs_into_itself_and_wears_pins() {
     assert!(
         off.len() == 4 && off.iter().all(|&off| off < 1e-4),
         "{off:?} off the skin"
+    );
+}
+
+#[test]
+fn a_character_touches_its_face_wears_darts_and_kicks_crates() {
+    let _alone = alone();
+    let (mut show, picture) = watch(shows::character(), 66);
+    // The face is small in so small a picture.
+    assert!(count(&picture, is_red) > 0, "nothing is red");
+    let world = show.app_mut().world_mut();
+    let pairs = world.query::<&HandOnFace>().single(world).unwrap().0.len();
+    assert!(pairs > 0, "the hand is on the face");
+    // It walks, and crates are in its way.
+    show.advance(130);
+    let world = show.app_mut().world_mut();
+    assert_eq!(world.query::<&HandOnFace>().single(world).unwrap().0.len(), 0);
+    let tally = world.resource::<Tally>().clone();
+    assert!(
+        tally.kicks > 0 && tally.hits > 1 && tally.last_hit.is_some(),
+        "{tally:?}"
+    );
+    let off = |darts: Query<(&MorphSurfaceAnchor, &GlobalTransform), With<Dart>>, mut spatial: MorphSpatialQuery| {
+        let off = |(anchor, place): (&MorphSurfaceAnchor, &GlobalTransform)| {
+            let corners = spatial.posed_triangle(anchor.collider, anchor.triangle).unwrap();
+            let [u, v, w] = anchor.barycentrics.to_array();
+            place
+                .translation()
+                .distance(corners[0] * u + corners[1] * v + corners[2] * w)
+        };
+        darts.iter().map(off).collect::<Vec<f32>>()
+    };
+    let off = world.run_system_once(off).unwrap();
+    assert!(
+        off.len() as u32 == tally.hits && off.iter().all(|&off| off < 1e-4),
+        "{off:?} off the skin"
+    );
+}
+
+#[test]
+fn a_skinned_model_is_pointed_at_where_its_joints_put_it() {
+    let _alone = alone();
+    let (mut show, _) = watch(shows::picking(), 136);
+    show.advance(4);
+    let notes = show.app_mut().world().resource::<Notes>().0.clone();
+    let said = |name: &str| notes.iter().find(|(of, _)| *of == name).map(|(_, value)| value.clone());
+    assert_eq!(
+        said("pointed at").as_deref(),
+        Some("mh_character_low.skin"),
+        "{notes:?}"
+    );
+    assert!(
+        said("joint").is_some_and(|joint| joint.starts_with("spine")),
+        "{notes:?}"
     );
 }
 

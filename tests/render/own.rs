@@ -66,6 +66,15 @@ impl Own {
         panic!("the copies never touch");
     }
 
+    /// How the left knees of a character are bent.
+    fn knees(&mut self) -> Vec<Quat> {
+        let knees = |joints: Query<(&Name, &Transform)>| -> Vec<Quat> {
+            let knees = joints.iter().filter(|(name, _)| name.as_str() == "calf_l");
+            knees.map(|(_, place)| place.rotation).collect()
+        };
+        self.show.app_mut().world_mut().run_system_once(knees).unwrap()
+    }
+
     fn weights(&mut self) -> Vec<Vec<f32>> {
         let all = |weights: Query<&MorphWeights>| -> Vec<Vec<f32>> {
             weights.iter().map(|weights| weights.weights().to_vec()).collect()
@@ -102,6 +111,29 @@ fn a_model_is_shown_twice_and_costs_less_than_a_refit_of_the_whole() {
         vertices.trim_end_matches(" vertices").parse().unwrap()
     };
     assert!(0.0 < vertices("morph trees") && vertices("morph trees") < vertices("whole mesh refitted"));
+}
+
+#[test]
+fn a_skinned_model_plays_its_clip_and_runs_into_its_copy() {
+    let _alone = alone();
+    let mut own = Own::new("character.glb", asset("mh_character_low.glb"));
+    let judged = own.verdict.now();
+    assert!(judged.shown && judged.error.is_none());
+    own.until_they_touch();
+    assert_eq!(own.diagnostics().colliders, 2);
+    assert!(own.show.app_mut().world().resource::<Overlay>().triangles > 0);
+    // Its joints move it, each copy by its own skeleton.
+    let first = own.knees();
+    let mut most = [0.0_f32; 2];
+    for _ in 0..4 {
+        own.show.advance(11);
+        for ((most, first), now) in most.iter_mut().zip(&first).zip(own.knees()) {
+            *most = most.max(first.angle_between(now));
+        }
+    }
+    assert!(first.len() == 2 && most.iter().all(|&most| most > 0.2), "{most:?}");
+    let notes = own.show.app_mut().world().resource::<Notes>().0.clone();
+    assert!(notes.iter().any(|(name, _)| *name == "not compared"), "{notes:?}");
 }
 
 #[test]

@@ -72,6 +72,7 @@ impl Stage {
             "dolphins" => shows::dolphins(Path::new("dolphin_2256.glb"), 12, false),
             "pass_through" => shows::pass_through(),
             "face" => shows::face(),
+            "character" => shows::character(),
             "picking" => shows::picking(),
             "culling" => shows::culling(),
             "physics" => shows::physics(shows::Rain {

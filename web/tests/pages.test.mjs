@@ -30,6 +30,7 @@ const FOUND = {
   pass_through: "(state) => state.triangle_pairs > 0 && state.red > 0 && state.events > 0",
   crowd: "(state) => state.triangle_pairs > 0 && state.red > 0 && state.events > 0",
   face: `(state) => ${note("self-intersections")} > 0 && state.red > 0`,
+  character: `(state) => ${note("parts near crates")} > 0 && ${note("hand on face")} >= 0`,
   picking: `(state) => ${note("triangle")} >= 0`,
   culling: `(state) => ${note("drawn, left")} < ${note("drawn, right")}`,
   physics: `(state) => ${note("parts of surfaces near")} > 0`,

@@ -5,6 +5,7 @@ use morph_collision::{Aabb, PlacedShape, Pose, WorldFromModel};
 
 use crate::import::TreeKey;
 use crate::layers::MorphCollisionLayers;
+use crate::velocities::Before;
 use crate::weights::BadWeights;
 
 /// Makes the [`Mesh3d`] of this entity collide as it is drawn: at its current morph weights and joints, at its current [`GlobalTransform`].
@@ -98,6 +99,8 @@ pub(crate) struct ColliderState {
     pub(crate) has_joints: bool,
     /// How it took part in the last run; none if it did not.
     pub(crate) placed: Option<Placement>,
+    /// What it was like in the run before the last one.
+    pub(crate) before: Before,
     /// Whether the pose has other weights or joints, or is another one, than when its bounds were last asked for.
     pub(crate) reposed: bool,
     /// Whether anything an answer depends on differs from the last run.

@@ -65,10 +65,10 @@
 //! | | rigid | morph targets | joints | both |
 //! |---|---|---|---|---|
 //! | events, layers, modes, contacts | yes | yes | yes | yes |
-//! | rays, overlaps, closest points, posed vertices | yes | yes | yes, a hit names the joint | yes, a hit names the joint |
+//! | rays, overlaps, closest points, posed vertices, velocities of the surface | yes | yes | yes, a hit names the joint | yes, a hit names the joint |
 //! | picking, surface anchors, debug drawing | yes | yes | yes | yes |
 //! | `Aabb` (`MorphBoundsPlugin`) | Bevy's own | yes | yes | yes |
-//! | physics (`MorphRapierCollider`) | yes | yes | refused, with an error in the log | refused, with an error in the log |
+//! | physics (`MorphRapierCollider`) | yes | yes | yes | yes |
 //!
 //! A mesh has joints if it has `Mesh::ATTRIBUTE_JOINT_INDEX` and `Mesh::ATTRIBUTE_JOINT_WEIGHT` and its entity has
 //! [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh). It is where its joints' `GlobalTransform`s, after propagation, and the inverse bind poses put it; see
@@ -106,6 +106,7 @@ mod settings;
 mod shape;
 mod skeletons;
 mod spatial;
+mod velocities;
 mod weights;
 mod workers;
 

@@ -20,7 +20,7 @@ use crate::{
 };
 use crate::{
     anchors, broad_phase, changes, collider, diagnostics, events, every_mesh, import, joints, narrow_phase, scene,
-    settings, weights,
+    settings, velocities, weights,
 };
 
 /// Detects collisions between [`MorphCollider`]s every frame, in [`PostUpdate`].
@@ -137,6 +137,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .init_resource::<MorphCollisionDiagnostics>()
         .init_resource::<MorphCollisionSettings>()
         .init_resource::<diagnostics::Preparation>()
+        .init_resource::<velocities::RunTimes>()
         .add_message::<MorphCollisionStart>()
         .add_message::<MorphCollisionEnd>()
         .add_observer(collider::forget_collider)
@@ -184,6 +185,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         (
             (
                 diagnostics::begin_run,
+                velocities::remember,
                 import::hand_out_trees,
                 weights::read_weights,
                 joints::read_joints,

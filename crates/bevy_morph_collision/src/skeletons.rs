@@ -42,6 +42,12 @@ impl Skeleton {
         self.matrices.as_ref()
     }
 
+    /// The matrices as they are now; `None` while some are bad.
+    #[cfg(feature = "rapier")]
+    pub(crate) fn world_from_mesh(&self) -> Option<&[Affine3A]> {
+        self.problem.is_none().then_some(&self.world_from_mesh)
+    }
+
     /// A joint whose matrix cannot be used now, and why.
     pub(crate) fn problem(&self) -> Option<(Entity, &InputError)> {
         let (joint, error) = self.problem.as_ref()?;

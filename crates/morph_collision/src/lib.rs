@@ -61,7 +61,7 @@ pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect
 pub use input_error::InputError;
 pub use joints::JointMatrices;
 pub use model::{Influences, ModelError, MorphModel};
-pub use pose::{Pose, PosedNode, WeightsError};
+pub use pose::{Pose, PoseSnapshot, PosedNode, WeightsError};
 #[cfg(feature = "rayon")]
 pub use query::RayonWorkers;
 pub use query::{

@@ -20,9 +20,15 @@ pub const DT: f32 = 1.0 / 60.0;
 
 /// An app with physics in steps of [`DT`], one for each frame, ready for its first.
 pub fn app(assets: &Path) -> App {
+    app_with(assets, |_: &mut App| {})
+}
+
+/// The same with another plugin.
+pub fn app_with(assets: &Path, plugin: impl Plugin) -> App {
     let mut app = crate::app::headless(assets);
     app.add_plugins((RapierPhysicsPlugin::<NoUserData>::default(), MorphRapierPlugin))
-        .insert_resource(TimestepMode::Fixed { dt: DT, substeps: 1 });
+        .insert_resource(TimestepMode::Fixed { dt: DT, substeps: 1 })
+        .add_plugins(plugin);
     crate::app::ready(&mut app);
     app
 }

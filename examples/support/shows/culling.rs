@@ -1,4 +1,4 @@
-//! What Bevy culls morphing meshes by, and what it should: on the left its own box, that of the rest pose, on the right the repaired one.
+//! What Bevy culls morphing and skinned meshes by, and what it should: on the left its own box, that of the rest pose, on the right the repaired one.
 
 use std::f32::consts::PI;
 
@@ -8,7 +8,9 @@ use bevy::camera::{CameraUpdateSystems, RenderTarget, Viewport};
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::gizmos::config::{GizmoConfigGroup, GizmoConfigStore};
 use bevy::gizmos::{AppGizmoBuilder, gizmos::Gizmos};
+use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::morph::MeshMorphWeights;
+use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
 use bevy_panorbit_camera::PanOrbitCameraSystemSet;
 use morph_collision_testkit::mesh::MorphMesh;
@@ -35,9 +37,13 @@ impl Half {
     }
 }
 
-/// Number of an arm.
+/// Number of an arm. Morph targets pull out the even ones, joints the odd ones.
 #[derive(Component)]
 struct Arm(usize);
+
+/// What pulls out an arm, by the arm's number.
+#[derive(Component)]
+struct Hand(usize);
 
 /// The camera of the right half.
 #[derive(Component)]
@@ -54,7 +60,7 @@ struct RightBoxes;
 pub fn culling() -> Show {
     Show {
         name: "culling",
-        about: "Left: culled by Bevy's own boxes, those of the rest pose. Right: by boxes that follow the morph.",
+        about: "Left: culled by Bevy's own boxes, those of the rest pose. Right: by boxes that follow morph targets and joints.",
         keys: &[("left half", "is where the mouse moves both cameras")],
         eye: Vec3::new(0.0, 0.0, 7.0),
         target: Vec3::ZERO,
@@ -94,13 +100,32 @@ fn arm() -> MorphMesh {
     mesh
 }
 
+/// The same arm, pulled out by its second joint.
+fn boned_arm(arm: &MorphMesh) -> Mesh {
+    let mut rigid = arm.clone();
+    rigid.targets.clear();
+    let share = |p: &Vec3| {
+        let pulled = (-p.x / 0.45).max(0.0).powi(8);
+        [1.0 - pulled, pulled, 0.0, 0.0]
+    };
+    let weights: Vec<[f32; 4]> = arm.positions.iter().map(share).collect();
+    let joints = vec![[0_u16, 1, 0, 0]; weights.len()];
+    with_normals(&rigid)
+        .with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_INDEX, VertexAttributeValues::Uint16x4(joints))
+        .with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights)
+}
+
 fn spawn(
     mut commands: Commands,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
+    mut bind_poses: ResMut<Assets<SkinnedMeshInverseBindposes>>,
     mut gizmos: ResMut<GizmoConfigStore>,
 ) {
-    let mesh = with_normals(&arm());
+    let arm = arm();
+    let boned = meshes.add(boned_arm(&arm));
+    let bind_poses = bind_poses.add(SkinnedMeshInverseBindposes::from(vec![Mat4::IDENTITY; 2]));
+    let mesh = with_normals(&arm);
     let rest = Aabb::from_min_max(Vec3::splat(-0.45), Vec3::splat(0.45));
     let mesh = meshes.add(mesh);
     let colors = [Color::srgb(0.75, 0.5, 0.45), Color::srgb(0.4, 0.6, 0.5)].map(|color| materials.add(color));
@@ -110,11 +135,22 @@ fn spawn(
                 Arm(index),
                 half,
                 half.layer(),
-                Mesh3d(mesh.clone()),
                 MeshMaterial3d(color.clone()),
-                MeshMorphWeights::Value { weights: vec![0.0] },
                 Transform::from_xyz(2.4, 1.8 - 1.2 * index as f32, 0.0),
             ));
+            if index.is_multiple_of(2) {
+                arm.insert((Mesh3d(mesh.clone()), MeshMorphWeights::Value { weights: vec![0.0] }));
+            } else {
+                let root = arm.id();
+                let body = arm.commands_mut().spawn((Transform::default(), ChildOf(root))).id();
+                let hand = (Hand(index), Transform::default(), ChildOf(root));
+                let hand = arm.commands_mut().spawn(hand).id();
+                let skin = SkinnedMesh {
+                    inverse_bindposes: bind_poses.clone(),
+                    joints: vec![body, hand],
+                };
+                arm.insert((Mesh3d(boned.clone()), skin));
+            }
             if half == Half::Bevys {
                 // As Bevy computes it, once, and out of the plugin's hands.
                 arm.insert((NoAutoAabb, rest));
@@ -172,17 +208,23 @@ fn split(
     }
 }
 
-fn reach(mut arms: Query<(&Arm, &mut MeshMorphWeights)>, clock: Res<Clock>) {
-    for (&Arm(index), mut weights) in &mut arms {
+fn reach(mut arms: Query<(&Arm, &mut MeshMorphWeights)>, mut hands: Query<(&Hand, &mut Transform)>, clock: Res<Clock>) {
+    let share = |index: usize| {
         let phase = clock.frame as f32 / 60.0 + 0.8 * index as f32;
+        0.75 + 0.25 * phase.sin()
+    };
+    for (&Arm(index), mut weights) in &mut arms {
         *weights = MeshMorphWeights::Value {
-            weights: vec![0.75 + 0.25 * phase.sin()],
+            weights: vec![share(index)],
         };
+    }
+    for (&Hand(index), mut place) in &mut hands {
+        place.translation.x = -4.0 * share(index);
     }
 }
 
 /// All arms move aside until the balls they grow out of are out of sight, and come back.
-fn sway(mut arms: Query<(&Arm, &mut Transform)>, clock: Res<Clock>) {
+fn sway(mut arms: Query<(&Arm, &mut Transform), Without<Hand>>, clock: Res<Clock>) {
     for (&Arm(index), mut place) in &mut arms {
         let phase = PI * clock.frame as f32 / 90.0 + 0.1 * index as f32;
         place.translation.x = 1.8 + 2.0 * (0.5 - 0.5 * phase.cos());

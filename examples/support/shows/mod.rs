@@ -1,5 +1,6 @@
 //! The scenes of the drawn examples, one file each.
 
+mod character;
 mod crowd;
 mod culling;
 mod dolphins;
@@ -10,6 +11,7 @@ mod pass_through;
 mod physics;
 mod picking;
 
+pub use character::character;
 pub use crowd::crowd;
 pub use culling::culling;
 pub use dolphins::dolphins;

@@ -13,7 +13,7 @@ use bevy::gltf::Gltf;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::gltf_read::{GltfFile, ReadOptions};
-use morph_collision_testkit::inspect::FileReport;
+use morph_collision_testkit::inspect::{FileReport, MeshReport};
 
 pub use self::inbox::{Inbox, Judged, Verdict};
 use self::race::Race;
@@ -135,7 +135,7 @@ fn receive(
     commands.spawn((candidate, Pending));
 }
 
-/// Reads a file as the command-line tool does. Something in it has to morph.
+/// Reads a file as the command-line tool does. Something in it has to morph, or to follow joints.
 fn look_into(name: &str, bytes: &[u8]) -> Result<FileReport, String> {
     let path = Path::new(name);
     let file = GltfFile::parse(bytes, path, &ReadOptions::default()).map_err(|error| error.to_string())?;
@@ -143,8 +143,9 @@ fn look_into(name: &str, bytes: &[u8]) -> Result<FileReport, String> {
     if let Some(reason) = report.why_unusable() {
         return Err(format!("{name}: no usable mesh: {reason}"));
     }
-    if !report.meshes.iter().any(|mesh| !mesh.rigid && mesh.usable.is_some()) {
-        return Err(format!("{name}: no mesh has morph targets"));
+    let deforms = |mesh: &MeshReport| !mesh.rigid || mesh.skin.is_some();
+    if !report.meshes.iter().any(|mesh| deforms(mesh) && mesh.usable.is_some()) {
+        return Err(format!("{name}: no mesh has morph targets or joints"));
     }
     Ok(report)
 }

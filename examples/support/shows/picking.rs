@@ -1,4 +1,4 @@
-//! Morphing models under the pointer: what is drawn is what is hit.
+//! Morphing and skinned models under the pointer: what is drawn is what is hit.
 
 use std::path::Path;
 
@@ -20,11 +20,11 @@ use crate::view::stage::Notes;
 pub fn picking() -> Show {
     Show {
         name: "picking",
-        about: "Point at a model: the arrow stands on the triangle that is hit, as it is morphed now.",
+        about: "Point at a model: the arrow stands on the triangle that is hit, as it is morphed and posed now.",
         keys: &[("click", "paints the model")],
-        eye: Vec3::new(-0.3, 0.5, 5.8),
-        target: Vec3::new(-0.3, -0.1, 0.0),
-        pictures: &[20, 60, 100],
+        eye: Vec3::new(0.6, 0.5, 6.6),
+        target: Vec3::new(0.6, -0.1, 0.0),
+        pictures: &[20, 60, 100, 140],
         scene: Box::new(|app| {
             let cue = |frame, x, y, click| Cue {
                 frame,
@@ -35,6 +35,7 @@ pub fn picking() -> Show {
                 cue(18, -1.6, 0.0, false),
                 cue(56, 0.6, 0.3, true),
                 cue(98, 2.5, 0.2, false),
+                cue(136, 4.1, 0.35, false),
             ]))
             .add_systems(Startup, spawn)
             .add_systems(Update, (wobble.run_if(started), point))
@@ -62,6 +63,19 @@ fn spawn(
             ..default()
         },
         Transform::from_xyz(-1.6, 0.0, 0.0).with_rotation(Quat::from_rotation_y(0.9)),
+    ));
+    let character = Path::new("mh_character_low.glb");
+    commands.spawn((
+        scene(&assets, character),
+        Plays::from(&assets, character, 0.0),
+        MorphColliderScene {
+            collider: MorphCollider::new(CollisionMode::Passive),
+            ..default()
+        },
+        // It is in decimetres.
+        Transform::from_xyz(4.1, 0.0, 0.0)
+            .with_rotation(Quat::from_rotation_y(-0.5))
+            .with_scale(Vec3::splat(0.11)),
     ));
     let models = [
         ("pass_through_20480.glb", 0.5, Color::srgb(0.45, 0.62, 0.5)),
@@ -157,8 +171,10 @@ fn point(
         .map_or_else(|_| entity.to_string(), ToString::to_string);
     let [u, v, w] = pick.barycentrics.to_array();
     let uv = pick.uv.map_or("none".into(), |uv| format!("{:.2} {:.2}", uv.x, uv.y));
+    let joint = pick.joint.and_then(|joint| names.get(joint).ok());
     notes.0 = vec![
         ("pointed at", name),
+        ("joint", joint.map_or("none".into(), ToString::to_string)),
         ("triangle", pick.triangle.to_string()),
         ("barycentrics", format!("{u:.2} {v:.2} {w:.2}")),
         ("uv", uv),

@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
@@ -13,7 +12,6 @@ use bevy_rapier3d::plugin::context::RapierContextEntityLink;
 use bevy_rapier3d::prelude::{Collider, ColliderDisabled, RapierColliderHandle};
 use bevy_rapier3d::rapier::geometry::{Collider as RapierCollider, ColliderHandle, ColliderSet};
 use morph_collision::{MorphBvh, Pose};
-use tracing::error;
 
 use super::MorphRapierCollider;
 use super::follow::Following;
@@ -94,11 +92,8 @@ pub(super) fn attach_surfaces(
     shared: Query<&MorphWeights>,
     trees: Option<Res<MorphTrees>>,
     layouts: Res<MeshLayouts>,
-    names: Query<NameOrEntity, Allow<Disabled>>,
-    mut refused: Local<EntityHashSet>,
     mut rest: Local<Vec<f32>>,
 ) {
-    refused.retain(|&entity| colliders.contains(entity));
     let Some(trees) = trees else { return };
     for (entity, shows, surface, collider, context) in &colliders {
         // A collider of the game's own wins.
@@ -107,18 +102,7 @@ pub(super) fn attach_surfaces(
         // A shape collides in place of the mesh.
         let mesh = mesh.filter(|_| collides && wanted && !has_shape);
         let tree = mesh.and_then(|mesh| trees.shown_with(mesh, settings, skin));
-        if tree.is_some_and(is_skinned) {
-            if !disabled && refused.insert(entity) {
-                let name = names.get(entity).map_or(entity.to_string(), |name| name.to_string());
-                error!(
-                    "entity `{name}` has MorphRapierCollider and a mesh that joints move, which is not supported: it is left out \
-                     of physics. Its MorphCollider works; for physics, put colliders on its joints"
-                );
-            }
-        } else {
-            refused.remove(&entity);
-        }
-        match (surface, tree.filter(|tree| !is_foreign && !is_skinned(tree))) {
+        match (surface, tree.filter(|_| !is_foreign)) {
             (None, Some(bvh)) if !disabled => {
                 let mut pose = Pose::new(bvh.clone());
                 // Bad weights are logged when the surface goes on to its first step.
@@ -147,11 +131,6 @@ pub(super) fn attach_surfaces(
             }
         }
     }
-}
-
-/// Whether joints move a mesh.
-fn is_skinned(tree: &Arc<MorphBvh>) -> bool {
-    tree.model().joint_count().is_some()
 }
 
 /// Whether a collider is the surface of a mesh, rather than the game's own.

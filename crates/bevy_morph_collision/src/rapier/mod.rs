@@ -1,10 +1,10 @@
-//! Physics: rigid bodies of `bevy_rapier3d` rest on morphing meshes, are pushed and carried by them, and its queries see them.
+//! Physics: rigid bodies of `bevy_rapier3d` rest on morphing and skinned meshes, are pushed and carried by them, and its queries see them.
 //!
 //! - `surface`, `triangles`: what Rapier knows as shapes.
 //! - `dispatcher`, `gathered`: what it asks about two of them.
 //! - `range`: the sizes at which Parry can answer that.
 //! - `attach`: which meshes have a surface.
-//! - `follow`: where a surface is and was.
+//! - `follow`, `placed`: where a surface is and was.
 //! - `push`, `part`, `motion`: how it pushes: what is near moving bodies is a kinematic body for one step.
 //! - `world`: what they see of Rapier's world, and change.
 //! - `step`: the systems around Rapier's step.
@@ -16,6 +16,7 @@ mod gathered;
 mod layout;
 mod motion;
 mod part;
+mod placed;
 mod push;
 mod range;
 mod step;
@@ -50,8 +51,10 @@ use crate::plugin::MorphCollisionSystems;
 ///
 /// Like a `TriMesh` it is a surface without an inside.
 ///
-/// A mesh that joints move (with [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh), joint indices and weights) is refused with an error in the
-/// log, once per entity, and left out of physics: put Rapier's colliders on its joints instead.
+/// A mesh that joints move (with [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh), joint indices and weights) is where its joints are before the step, with the
+/// velocity that they give it: a character carries what stands on its hand, and its punch throws crates. On a body, joints are taken to move
+/// with that body: put mesh and joints below it, as a glTF scene's root has them. Joints that are bodies themselves (a ragdoll) are followed one step late.
+/// The entity's own transform must be finite all the same.
 ///
 /// The surface is there while the entity has this component, a [`MorphCollider`] and a mesh whose tree is ready, and nothing disables it:
 /// [`MorphColliderDisabled`](crate::MorphColliderDisabled), `ColliderDisabled` or Bevy's `Disabled`. Pausing collision detection does not

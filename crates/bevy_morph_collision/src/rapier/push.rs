@@ -8,7 +8,7 @@ use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use bevy_rapier3d::rapier::dynamics::{RigidBody, RigidBodyHandle, RigidBodySet};
 use bevy_rapier3d::rapier::geometry::{ColliderHandle, ColliderSet};
 use bevy_rapier3d::rapier::pipeline::ActiveEvents;
-use morph_collision::{Body, ConvexRegion, ShapeQuery};
+use morph_collision::ShapeQuery;
 
 use super::follow::Following;
 use super::layout::MeshLayout;
@@ -236,16 +236,7 @@ impl Pushing {
         near.region = region;
         near.travelled = following.travelled;
         near.triangles.clear();
-        let bounds = morph_collision::Aabb {
-            min: near.region.mins,
-            max: near.region.maxs,
-        };
-        if let Ok(region) = ConvexRegion::from_aabb(&bounds) {
-            let mut posed = following.surface.lock();
-            let body = Body::new(&mut posed.pose, &following.world_from_model);
-            let shapes = &mut self.scratch.shapes;
-            shapes.all_in_region(body, &region, &mut near.triangles);
-        }
+        following.triangles_in(&near.region, &mut self.scratch.shapes, &mut near.triangles);
         !near.triangles.is_empty()
     }
 

@@ -7,6 +7,7 @@ use std::time::Duration;
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::collections::HashSet;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
@@ -22,10 +23,11 @@ use tracing::error;
 
 use super::MorphRapierCollider;
 use super::attach::RapierSurface;
-use super::follow::{is_rigid, places, rigid_place};
+use super::follow::{Ahead, is_rigid, rigid_place};
 use super::range::{MAX_COORDINATE, box_in_range, in_range};
 use super::world::{Audience, Manners, Mover, Step, World, find_movers, no_push};
 use crate::collider::MorphColliderDisabled;
+use crate::skeletons::{BindPoses, Skeletons};
 
 /// What the last step of physics needed of [`MorphRapierCollider`]s.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -93,11 +95,14 @@ pub(super) fn before_step(
         &RapierColliderHandle,
         &RapierContextEntityLink,
         &GlobalTransform,
-        Option<&MeshMorphWeights>,
+        (Option<&MeshMorphWeights>, Option<&SkinnedMesh>),
         Option<&SolverGroups>,
         (Has<MorphColliderDisabled>, Has<ColliderDisabled>),
     )>,
     shared: Query<&MorphWeights>,
+    globals: Query<&GlobalTransform>,
+    bind_poses: Option<Res<BindPoses>>,
+    mut skeletons: Local<Skeletons>,
     names: Query<NameOrEntity>,
     mode: Res<TimestepMode>,
     time: Res<Time>,
@@ -109,6 +114,8 @@ pub(super) fn before_step(
     if surfaces.is_empty() {
         return;
     }
+    skeletons.begin();
+    let global_of = |joint: Entity| Some(globals.get(joint).ok()?.affine());
     let Stepping { now, movers, too_large } = &mut *stepping;
     let name_of = |entity| names.get(entity).map(|name| name.to_string()).unwrap_or_default();
     let (mut refused, mut has_stepped) = (HashSet::default(), false);
@@ -132,7 +139,7 @@ pub(super) fn before_step(
         let mut world = world(&mut simulation, &mut colliders, &mut joints, &mut bodies);
         find_movers(world.bodies, world.colliders, dt, movers, &mut refuse);
         let audience = Audience::of(&world);
-        for (entity, settings, mut surface, handle, link, place, weights, solver_groups, disabled) in &mut surfaces {
+        for (entity, settings, mut surface, handle, link, place, shows, solver_groups, disabled) in &mut surfaces {
             if link.0 != context {
                 continue;
             }
@@ -148,10 +155,17 @@ pub(super) fn before_step(
             let (morph_disabled, collider_disabled) = disabled;
             let mut off = morph_disabled;
             if !morph_disabled {
-                let places = places(collider, world.bodies, place, dt);
-                let bad_place = match places {
-                    Ok(places) => {
-                        if let Err(complaint) = surface.following.advance(weights, &shared, places, dt) {
+                let (weights, skin) = shows;
+                let is_skinned = surface.following.is_skinned();
+                // Bad joints are the collider's to report. The last good ones stay in force.
+                let joints = skin.filter(|_| is_skinned).and_then(|skin| {
+                    let skeleton = skeletons.of(skin, bind_poses.as_deref(), global_of);
+                    skeleton.world_from_mesh()
+                });
+                let ahead = Ahead::of(collider, world.bodies, place, (is_skinned, joints), dt);
+                let bad_place = match ahead {
+                    Ok(ahead) => {
+                        if let Err(complaint) = surface.following.advance(weights, &shared, ahead, dt) {
                             let name = name_of(entity);
                             error!("the surface of entity `{name}` stays as it was: {complaint}");
                         }
@@ -161,7 +175,7 @@ pub(super) fn before_step(
                     }
                     Err(error) => Some(error.to_string()),
                 };
-                off = bad_place.is_some();
+                off = bad_place.is_some() || surface.following.lacks_joints();
                 if let Some(bad_place) = &bad_place
                     && surface.bad_place.as_ref() != Some(bad_place)
                 {

@@ -1,4 +1,4 @@
-//! A morphing mesh as a shape of Parry's.
+//! A morphing or skinned mesh as a shape of Parry's.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -17,7 +17,7 @@ use super::layout::MeshLayout;
 use super::range::{MAX_COORDINATE, box_in_range};
 use super::triangles::{Triangles, nowhere, pseudo_normals};
 
-/// The surface of a morphing mesh, for Rapier: the shape of the [`Collider`](bevy_rapier3d::prelude::Collider) of a
+/// The surface of a morphing or skinned mesh, for Rapier: the shape of the [`Collider`](bevy_rapier3d::prelude::Collider) of a
 /// [`MorphRapierCollider`](crate::MorphRapierCollider).
 ///
 /// Rays and closest points are answered by the mesh's own tree, refitted where they look. Everything else is answered by
@@ -35,6 +35,7 @@ pub struct MorphSurface {
 /// What a surface is made of at the moment.
 pub(super) struct Posed {
     layout: Arc<MeshLayout>,
+    /// That of a skinned mesh is in the collider's space.
     pub(super) pose: Pose,
     /// From the mesh to the collider, which has a place and a rotation of its own: scale and shear.
     pub(super) collider_from_model: WorldFromModel,
@@ -119,9 +120,14 @@ impl Posed {
         if changed {
             self.collider_from_model = collider_from_model;
             // It may be larger, or mirrored.
-            (self.mass, self.outward) = (None, None);
+            self.forget_mass();
         }
         changed
+    }
+
+    /// What is enclosed is asked for anew.
+    pub(super) fn forget_mass(&mut self) {
+        (self.mass, self.outward) = (None, None);
     }
 
     /// Whether the surface is that of a solid body; if it is closed, contacts then push outward alone.
@@ -229,7 +235,7 @@ impl Posed {
     }
 
     pub(super) fn bounds(&mut self) -> Aabb {
-        let bounds = self.pose.world_bounds(&self.collider_from_model);
+        let bounds = self.pose.broad_phase_bounds(&self.collider_from_model);
         // A box that is not finite would be quarantined, collider and all.
         let finite = |v: Vec3| v.clamp(Vec3::splat(-1e18), Vec3::splat(1e18));
         Aabb::new(finite(bounds.min), finite(bounds.max))

@@ -7,6 +7,7 @@ mod points;
 mod query;
 mod rays;
 mod surface;
+mod velocity;
 
 pub use answer::{MorphClosestPoints, MorphContacts, MorphProjection, MorphRayHit};
 pub use filter::MorphQueryFilter;

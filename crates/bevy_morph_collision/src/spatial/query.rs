@@ -7,6 +7,7 @@ use super::surface::Surfaces;
 use crate::collider::{ColliderState, Form};
 use crate::narrow_phase::world_triangle;
 use crate::settings::MorphCollisionSettings;
+use crate::velocities::RunTimes;
 
 /// Asks about the meshes of [`MorphCollider`](crate::MorphCollider)s as they are posed: rays, overlaps, closest points, contacts.
 ///
@@ -37,6 +38,7 @@ pub struct MorphSpatialQuery<'w, 's> {
     pub(super) colliders: Query<'w, 's, (Entity, &'static mut ColliderState)>,
     surfaces: Surfaces<'w, 's>,
     settings: Option<Res<'w, MorphCollisionSettings>>,
+    pub(super) times: Option<Res<'w, RunTimes>>,
     pub(super) queries: Local<'s, Queries>,
 }
 

@@ -261,7 +261,7 @@ impl MorphModel {
         let mut position = Vec3A::from(self.base[vertex as usize]);
         let (targets, deltas) = self.columns(vertex);
         weights.visit(targets, deltas, |weight, &delta| {
-            position += Vec3A::from(delta) * weight
+            position += Vec3A::from(delta) * weight;
         });
         position
     }

@@ -22,14 +22,14 @@ use crate::tree::MorphBvh;
 /// Memory: 8 bytes per inner node and per vertex, plus what was visited.
 #[derive(Clone)]
 pub struct Pose {
-    bvh: Arc<MorphBvh>,
-    weights: Weights,
+    pub(super) bvh: Arc<MorphBvh>,
+    pub(super) weights: Weights,
     /// Whether [`Pose::refit`] made the cached boxes.
     is_refitted: bool,
     boxes: EpochCache<BoxLanes>,
     vertices: EpochCache<Vec3A>,
     /// For a skinned mesh, with where the space of its boxes stands.
-    skinning: Option<(WorldFromModel, Skinning)>,
+    pub(super) skinning: Option<(WorldFromModel, Skinning)>,
     standing: Standing,
     blended: Blended,
     scratch: Scratch,
@@ -225,15 +225,6 @@ impl Pose {
 
     fn joint_changes(&self) -> Option<u32> {
         self.skinning.as_ref().map(|(_, skinning)| skinning.version())
-    }
-
-    /// A bound on the distance in model space between any vertex and the same vertex at the weights `before`, roundings
-    /// included. `before` has one weight per target. Joints do not count: it is about vertices before these move them.
-    ///
-    /// Cost: linear in the number of targets.
-    #[must_use]
-    pub fn displacement_from(&self, before: &[f32]) -> f64 {
-        weights::displacement(self.bvh.model(), before, self.weights())
     }
 
     /// Bytes on the heap, without the shared tree.

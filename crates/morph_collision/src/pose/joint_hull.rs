@@ -45,20 +45,7 @@ impl JointHull {
         joints: &JointMatrices,
         (sums, error): (RangeInclusive<f64>, f64),
     ) -> Aabb {
-        if !self.is_current {
-            self.boxes.clear();
-            self.reach = 0.0;
-            for (_, tables) in tables.blocks() {
-                let mut boxes = BoxLanes::default();
-                let reach = with_simd!(level, simd => blend_group(simd, tables, weights, &mut boxes));
-                self.reach = self.reach.max(reach);
-                self.boxes.push(boxes);
-            }
-            self.is_current = true;
-        }
-        // NaN is not.
-        let is_bounded = self.reach <= MAX_REACH;
-        if !is_bounded {
+        if !self.is_bounded(level, tables, weights) {
             return Aabb::UNBOUNDED;
         }
         let mut hull = Extent::EMPTY;
@@ -77,6 +64,52 @@ impl JointHull {
             max: (hull.max * least).max(hull.max * most) + pad,
         };
         scaled.outward()
+    }
+
+    /// A bound on the way that any joint takes any of its vertices at these weights when its matrix changes from `before` to `now`; infinite where there
+    /// is none.
+    pub(super) fn way(
+        &mut self,
+        level: Level,
+        tables: &JointBoxes,
+        weights: &Weights,
+        before: &JointMatrices,
+        now: &JointMatrices,
+    ) -> f64 {
+        if !self.is_bounded(level, tables, weights) {
+            return f64::INFINITY;
+        }
+        let mut way = 0.0_f64;
+        for ((moved, _), boxes) in tables.blocks().zip(&self.boxes) {
+            for (lane, &joint) in moved.iter().enumerate() {
+                let of = boxes.get(lane);
+                let (from, to) = (before.columns(joint), now.columns(joint));
+                let [x, y, z, t] = std::array::from_fn(|column| to[column] - from[column]);
+                let (min, max) = (of.min.as_dvec3(), of.max.as_dvec3());
+                let (center, half) = ((min + max) * 0.5, (max - min) * 0.5);
+                let middle = x * center.x + y * center.y + z * center.z + t;
+                let radius = x.abs() * half.x + y.abs() * half.y + z.abs() * half.z;
+                way = way.max((middle.abs() + radius).length());
+            }
+        }
+        way
+    }
+
+    /// Blends the boxes unless they are those of the weights; returns whether they can be computed with.
+    fn is_bounded(&mut self, level: Level, tables: &JointBoxes, weights: &Weights) -> bool {
+        if !self.is_current {
+            self.boxes.clear();
+            self.reach = 0.0;
+            for (_, tables) in tables.blocks() {
+                let mut boxes = BoxLanes::default();
+                let reach = with_simd!(level, simd => blend_group(simd, tables, weights, &mut boxes));
+                self.reach = self.reach.max(reach);
+                self.boxes.push(boxes);
+            }
+            self.is_current = true;
+        }
+        // NaN is not.
+        self.reach <= MAX_REACH
     }
 }
 

@@ -5,6 +5,7 @@
 
 mod blend;
 mod cache;
+mod displacement;
 mod instance;
 mod joint_hull;
 mod posed;
@@ -12,6 +13,7 @@ mod posed_skin;
 mod shape;
 mod skin_blend;
 mod skinning;
+mod snapshot;
 mod standing;
 mod visit;
 mod weights;
@@ -19,6 +21,7 @@ mod weights;
 pub(crate) use cache::EpochCache;
 pub use instance::Pose;
 pub(crate) use posed::{Blended, NodeId, NodeRef, Posed};
+pub use snapshot::PoseSnapshot;
 pub(crate) use standing::Standing;
 pub use visit::PosedNode;
 pub use weights::WeightsError;

@@ -6,6 +6,7 @@ use glam::DVec3;
 use super::posed::{NodeId, Posed};
 use super::skinning::SkinTree;
 use crate::bounds::{Aabb, BoxLanes, Extent, Frame, WorldFromModel, with_simd};
+use crate::joints::JointMatrices;
 use crate::tree::{BODY_FRAME, ChildKind, Leaf};
 
 /// Boxes that are kept in the space of a joint.
@@ -85,6 +86,13 @@ impl<'a> Posed<'a> {
         let tree = self.skin_tree()?;
         let (_, skinning) = self.skin.as_mut()?;
         Some(skinning.world_bounds(tree))
+    }
+
+    /// A bound on how far any joint takes its vertices when the joints become others, and how far off vertices are by rounding.
+    pub(super) fn joint_displacement(&mut self, now: &JointMatrices) -> Option<(f64, f64)> {
+        let tree = self.skin_tree()?;
+        let (_, skinning) = self.skin.as_mut()?;
+        Some((skinning.joint_way(tree, now), skinning.error()))
     }
 
     /// The map from the space of a joint to the body's; `None` where there is none.

@@ -242,6 +242,12 @@ impl Skinning {
         self.hull.around(tree.level, joints, tree.weights, &self.joints, slack)
     }
 
+    /// A bound on how far any joint takes its vertices when the joints become others.
+    pub(super) fn joint_way(&mut self, tree: SkinTree<'_>, now: &JointMatrices) -> f64 {
+        let joints = &tree.skin.joints;
+        self.hull.way(tree.level, joints, tree.weights, &self.joints, now)
+    }
+
     /// Where a frame stands.
     pub(super) fn place_of(&self, frame: usize) -> WorldFromModel {
         self.frames[frame].place

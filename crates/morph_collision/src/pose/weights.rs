@@ -52,25 +52,3 @@ pub(super) fn check(model: &MorphModel, weights: &[f32]) -> Result<(), WeightsEr
     }
     Ok(())
 }
-
-/// A bound on how far any posed vertex moves between two weight vectors, in model space: `sum |dw_k| D_k` plus the roundings
-/// of both blends (docs/numerics.md, "Vertices").
-pub(super) fn displacement(model: &MorphModel, before: &[f32], after: &[f32]) -> f64 {
-    let mut moved = 0.0;
-    let mut reach = f64::from(model.base_reach());
-    let mut active = 2.0;
-    for ((before, after), target) in before.iter().zip(after).zip(model.target_reach()) {
-        let (before, after, target) = (f64::from(*before), f64::from(*after), f64::from(*target));
-        moved += (after - before).abs() * target;
-        reach += before.abs().max(after.abs()) * target;
-        active += f64::from(u8::from(before != 0.0 || after != 0.0));
-    }
-    // Without any move both blends round alike.
-    let rounded = if moved == 0.0 {
-        0.0
-    } else {
-        2.0 * active * f64::from(f32::EPSILON) * reach
-    };
-    // Reaches are per coordinate.
-    3_f64.sqrt() * (moved + rounded)
-}

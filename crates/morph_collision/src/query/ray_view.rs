@@ -105,13 +105,12 @@ impl RayView {
             let (x, x_high) = rows[0].load(simd).widen();
             let (y, y_high) = rows[1].load(simd).widen();
             let (z, z_high) = rows[2].load(simd).widen();
-            for axis in 0..2 {
-                let [m_x, m_y, m_z, translation] = self.from_model[axis];
+            for (&[m_x, m_y, m_z, translation], row) in self.from_model.iter().zip(rows) {
                 let (m_x, m_y) = (f64x4::splat(simd, m_x), f64x4::splat(simd, m_y));
                 let (m_z, translation) = (f64x4::splat(simd, m_z), f64x4::splat(simd, translation));
                 let low = ((m_x * x + m_y * y) + m_z * z) + translation;
                 let high = ((m_x * x_high + m_y * y_high) + m_z * z_high) + translation;
-                low.narrow(high).store_slice(&mut rows[axis].0);
+                low.narrow(high).store_slice(&mut row.0);
             }
         }
     }

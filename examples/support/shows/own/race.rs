@@ -3,6 +3,7 @@
 use std::time::Duration;
 
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::mesh::{Indices, VertexAttributeValues};
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
@@ -113,7 +114,13 @@ impl Contender {
     }
 }
 
-type Part<'a> = (Entity, &'a Mesh3d, Option<&'a MeshMorphWeights>, &'a GlobalTransform);
+type Part<'a> = (
+    Entity,
+    &'a Mesh3d,
+    Option<&'a MeshMorphWeights>,
+    &'a GlobalTransform,
+    Has<SkinnedMesh>,
+);
 
 pub(super) fn run(
     mut race: ResMut<Race>,
@@ -131,11 +138,14 @@ pub(super) fn run(
     }
     let posed: Option<Vec<_>> = race.parts.iter().map(|&(_, part)| parts.get(part).ok()).collect();
     let Some(posed) = posed.filter(|posed| !posed.is_empty()) else {
+        if race.trouble.is_some() {
+            *told = notes(race, &verdict);
+        }
         return;
     };
     let poses: Vec<_> = posed
         .iter()
-        .map(|(_, _, weights, place)| (weights.map_or(&[][..], |weights| weights_of(weights, &shared)), *place))
+        .map(|(_, _, weights, place, _)| (weights.map_or(&[][..], |weights| weights_of(weights, &shared)), *place))
         .collect();
     let copies: Vec<usize> = race.parts.iter().map(|&(copy, _)| copy).collect();
     race.frames += 1;
@@ -163,7 +173,11 @@ fn prepare(
     assets: &Assets<Mesh>,
 ) {
     let (mut found, mut bodies, mut meshes, mut known) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    for (entity, mesh, ..) in parts {
+    for (entity, mesh, _, _, is_skinned) in parts {
+        if is_skinned {
+            race.trouble = Some("only models without joints are".into());
+            return;
+        }
         let Some(member) = parents.iter_ancestors(entity).find_map(|above| members.get(above).ok()) else {
             continue;
         };

@@ -4,6 +4,7 @@
 
 mod answers;
 mod by_clip;
+mod velocity;
 
 use std::path::Path;
 

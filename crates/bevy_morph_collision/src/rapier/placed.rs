@@ -1,0 +1,76 @@
+//! A pose whose space stands somewhere in the world.
+//!
+//! A skinned pose is in the space of its collider, since its joints are given as the collider sees them. So, like any other, it is placed by an affine
+//! map, which queries of the core do not use for it.
+
+use bevy::math::{Affine3A, DAffine3, DMat3, DVec3};
+use bevy::prelude::*;
+use bevy_rapier3d::parry::bounding_volume::Aabb as ParryAabb;
+use bevy_rapier3d::parry::math::Pose as Place;
+use morph_collision::{Aabb, ConvexRegion, InputError, JointMatrices, Pose, WorldFromModel};
+
+/// A box in world space around a pose. No node of a skinned mesh is blended for it.
+pub(super) fn world_bounds(pose: &mut Pose, place: &WorldFromModel) -> Aabb {
+    if pose.joints().is_none() {
+        return pose.world_bounds(place);
+    }
+    let bounds = pose.broad_phase_bounds(&WorldFromModel::IDENTITY);
+    let corners = corners(&bounds).map(|corner| place.transform_point(corner));
+    let min = corners.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let max = corners.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    Aabb {
+        min: min.as_vec3().map(f32::next_down),
+        max: max.as_vec3().map(f32::next_up),
+    }
+}
+
+/// The corners of a box.
+pub(super) fn corners(bounds: &Aabb) -> [Vec3; 8] {
+    std::array::from_fn(|i| {
+        let pick = |axis: usize| {
+            if i >> axis & 1 == 0 {
+                bounds.min[axis]
+            } else {
+                bounds.max[axis]
+            }
+        };
+        Vec3::new(pick(0), pick(1), pick(2))
+    })
+}
+
+/// A box of world space, as queries about a pose want it.
+pub(super) fn region(bounds: &ParryAabb, pose: &Pose, place: &WorldFromModel) -> Result<ConvexRegion, InputError> {
+    if pose.joints().is_none() {
+        return ConvexRegion::from_aabb(&Aabb {
+            min: bounds.mins,
+            max: bounds.maxs,
+        });
+    }
+    let origin = place.transform_point(Vec3::ZERO);
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| place.transform_point(axis) - origin);
+    let (min, max) = (bounds.mins.as_dvec3(), bounds.maxs.as_dvec3());
+    let slab = |axis: usize| {
+        let along = DVec3::from_array(axes.map(|column| column[axis]));
+        [(along, origin[axis] - min[axis]), (-along, max[axis] - origin[axis])]
+    };
+    ConvexRegion::from_half_spaces([0, 1, 2].map(slab).as_flattened())
+}
+
+/// Joints as a collider sees them that stands at `place`.
+pub(super) fn joints_in(place: &Place, world_from_mesh: &[Affine3A]) -> Result<JointMatrices, InputError> {
+    let precise = |affine: &Affine3A| {
+        let [x, y, z] = [0, 1, 2].map(|axis| Vec3::from(affine.matrix3.col(axis)).as_dvec3());
+        DAffine3 {
+            matrix3: DMat3::from_cols(x, y, z),
+            translation: Vec3::from(affine.translation).as_dvec3(),
+        }
+    };
+    let to_collider = precise(&Affine3A::from_rotation_translation(place.rotation, place.translation)).inverse();
+    let seen = |joint: &Affine3A| {
+        let DAffine3 { matrix3, translation } = to_collider * precise(joint);
+        let [x, y, z] = [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis].map(DVec3::as_vec3);
+        Affine3A::from_mat3_translation(Mat3::from_cols(x, y, z), translation.as_vec3())
+    };
+    let joints: Vec<Affine3A> = world_from_mesh.iter().map(seen).collect();
+    JointMatrices::new(&joints)
+}

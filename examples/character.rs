@@ -1,0 +1,174 @@
+//! A skinned and morphed character walks, talks, crouches and waves: rays stick to its skin, it kicks crates, and its hand on its face is red.
+//!
+//! With the feature `render` it is drawn, unless `--headless` asks for numbers; `--help` lists the options.
+
+use std::fmt;
+use std::io::{self, Write};
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::Instant;
+
+use bevy::ecs::system::RunSystemOnce;
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use clap::Parser;
+use morph_collision_workspace::app::{STEP, update_until};
+use morph_collision_workspace::character::{self, Dart, HandOnFace, MODEL, Moment, Skin, Tally};
+use morph_collision_workspace::error::ExampleError;
+use morph_collision_workspace::options::ViewOptions;
+use morph_collision_workspace::physics;
+#[cfg(feature = "render")]
+use morph_collision_workspace::{shows, view};
+use serde::Serialize;
+
+/// A character that walks, talks, crouches and waves, is hit by rays and kicks crates.
+#[derive(Parser)]
+struct Options {
+    /// Frames of a sixtieth of a second.
+    #[arg(long, default_value_t = 960, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
+    frames: u32,
+    /// Do not draw, print numbers. Without the feature `render` nothing else can be done.
+    #[arg(long)]
+    headless: bool,
+    #[command(flatten)]
+    view: ViewOptions,
+    /// Print nothing but the result, as one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What came of it.
+#[derive(Serialize, Default)]
+struct Report {
+    frames: u32,
+    rays: u32,
+    hits: u32,
+    /// How far a dart was ever off its triangle.
+    darts_off_by: f32,
+    kicks: u32,
+    /// Frames in which a hand touched the face.
+    frames_hand_on_face: u32,
+    /// The most pairs of triangles of the two.
+    most_pairs: usize,
+    /// The most parts of the skin near crates.
+    most_parts: u32,
+    /// Whole frames, in microseconds.
+    frame_us: Times,
+}
+
+#[derive(Serialize, Default)]
+struct Times {
+    median: f64,
+    worst: f64,
+}
+
+fn main() -> ExitCode {
+    let options = Options::parse();
+    let drawn = options.view.is_drawn("character", options.headless || options.json);
+    let done = drawn.and_then(|drawn| if drawn { draw(&options) } else { count(&options) });
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+#[cfg(feature = "render")]
+fn draw(options: &Options) -> Result<(), ExampleError> {
+    view::run(shows::character(), &options.view)
+}
+
+#[cfg(not(feature = "render"))]
+fn draw(_: &Options) -> Result<(), ExampleError> {
+    Err(ExampleError::NotDrawn("character"))
+}
+
+fn count(options: &Options) -> Result<(), ExampleError> {
+    let report = run(options.frames)?;
+    let text = match options.json {
+        // Numbers and plain names always have a JSON form.
+        true => serde_json::to_string(&report).unwrap_or_default(),
+        false => report.to_string(),
+    };
+    if writeln!(io::stdout().lock(), "{text}").is_err() {
+        std::process::exit(0);
+    }
+    Ok(())
+}
+
+fn run(frames: u32) -> Result<Report, ExampleError> {
+    let assets = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets"));
+    let mut app = physics::app_with(assets, character::plugin);
+    update_until(&mut app, &assets.join(MODEL), |world| {
+        Ok(world.query_filtered::<(), With<Skin>>().iter(world).count() == 1)
+    })?;
+    physics::settle(&mut app);
+    let mut report = Report {
+        frames,
+        ..Report::default()
+    };
+    let mut times = Vec::new();
+    for frame in 0..frames {
+        app.insert_resource(Moment {
+            seconds: frame as f32 * STEP.as_secs_f32(),
+            started: true,
+        });
+        let start = Instant::now();
+        app.update();
+        times.push(start.elapsed().as_secs_f64() * 1e6);
+        report.look(&mut app);
+    }
+    times.sort_by(f64::total_cmp);
+    let tenths = |us: f64| (us * 10.0).round() / 10.0;
+    let at = |place: usize| times.get(place).copied().map_or(0.0, tenths);
+    report.frame_us = Times {
+        median: at(times.len() / 2),
+        worst: at(times.len().saturating_sub(1)),
+    };
+    Ok(report)
+}
+
+impl Report {
+    /// What a frame adds.
+    fn look(&mut self, app: &mut App) {
+        let tally = app.world().resource::<Tally>().clone();
+        (self.rays, self.hits, self.kicks) = (tally.rays, tally.hits, tally.kicks);
+        let parts = app.world().resource::<MorphRapierDiagnostics>().parts;
+        self.most_parts = self.most_parts.max(parts);
+        let look = |darts: Query<(&MorphSurfaceAnchor, &GlobalTransform), With<Dart>>,
+                    touching: Query<&HandOnFace>,
+                    mut spatial: MorphSpatialQuery| {
+            let mut off = 0.0_f32;
+            for (anchor, place) in &darts {
+                if let Some([a, b, c]) = spatial.posed_triangle(anchor.collider, anchor.triangle) {
+                    let [u, v, w] = anchor.barycentrics.to_array();
+                    off = off.max(place.translation().distance(a * u + b * v + c * w));
+                }
+            }
+            (off, touching.iter().map(|HandOnFace(pairs)| pairs.len()).sum::<usize>())
+        };
+        let (off, pairs) = app.world_mut().run_system_once(look).unwrap_or_default();
+        self.darts_off_by = self.darts_off_by.max(off);
+        self.frames_hand_on_face += u32::from(pairs > 0);
+        self.most_pairs = self.most_pairs.max(pairs);
+    }
+}
+
+impl fmt::Display for Report {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{} frames", self.frames)?;
+        writeln!(f, "  rays that hit    {} of {}", self.hits, self.rays)?;
+        writeln!(f, "  darts off by     {:.1e}", self.darts_off_by)?;
+        writeln!(f, "  crates kicked    {}", self.kicks)?;
+        writeln!(
+            f,
+            "  hand on face     in {} frames, up to {} pairs of triangles",
+            self.frames_hand_on_face, self.most_pairs
+        )?;
+        writeln!(f, "  parts of skin    up to {} near crates", self.most_parts)?;
+        let Times { median, worst } = self.frame_us;
+        write!(f, "  per frame        {median:.0} us median, {worst:.0} us worst")
+    }
+}

@@ -1,0 +1,135 @@
+//! The crates in the character's way, and the rays that are cast at it.
+
+use std::f32::consts::TAU;
+
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use bevy_rapier3d::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use super::act::{PERIOD, ROUND, on_round};
+use super::{Moment, Skin, Tally};
+
+/// A crate, and whether it has been kicked since it was put in the way.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct Crate {
+    kicked: bool,
+}
+
+/// Where a ray hit; it stays on the skin.
+#[derive(Component, Clone, Copy, Debug)]
+pub struct Dart;
+
+/// Half of the ground's edges.
+pub const GROUND: Vec3 = Vec3::new(4.0, 0.1, 4.0);
+/// Half of a crate's edges.
+pub const HALF: f32 = 0.1;
+const CRATES: usize = 12;
+/// A ray every so many seconds.
+const EVERY: f32 = 0.25;
+const DARTS: usize = 48;
+
+pub(super) fn spawn(mut commands: Commands) {
+    commands.spawn((
+        Collider::cuboid(GROUND.x, GROUND.y, GROUND.z),
+        Transform::from_xyz(0.0, -GROUND.y, 0.0),
+    ));
+    for index in 0..CRATES {
+        commands.spawn((
+            Crate::default(),
+            RigidBody::Dynamic,
+            Collider::cuboid(HALF, HALF, HALF),
+            Velocity::default(),
+            in_the_way(index),
+        ));
+    }
+}
+
+/// On the round, but not where the character stands at first; now on the left, now on the right.
+fn in_the_way(index: usize) -> Transform {
+    let angle = TAU * (index as f32 + 1.5) / (CRATES as f32 + 2.0);
+    let aside = if index.is_multiple_of(2) {
+        1.0 + 0.09 / ROUND
+    } else {
+        1.0 - 0.09 / ROUND
+    };
+    Transform::from_translation(on_round(angle) * aside + Vec3::Y * HALF).with_rotation(Quat::from_rotation_y(angle))
+}
+
+/// Counts kicks: crates that move while the character walks.
+pub(super) fn watch(mut crates: Query<(&mut Crate, &Velocity)>, mut tally: ResMut<Tally>) {
+    for (mut kicked, velocity) in &mut crates {
+        if !kicked.kicked && velocity.linear.length() > 0.7 {
+            kicked.kicked = true;
+            tally.kicks += 1;
+        }
+    }
+}
+
+/// With every round all crates are in the way again.
+pub(super) fn bring_back(
+    moment: Res<Moment>,
+    mut round: Local<i32>,
+    mut crates: Query<(&mut Crate, &mut Transform, &mut Velocity)>,
+) {
+    let now = (moment.seconds / PERIOD).floor() as i32;
+    if std::mem::replace(&mut *round, now) == now {
+        return;
+    }
+    for (index, (mut kicked, mut place, mut velocity)) in crates.iter_mut().enumerate() {
+        *kicked = Crate::default();
+        *place = in_the_way(index);
+        *velocity = Velocity::default();
+    }
+}
+
+/// Where rays come from, and when the next one is cast.
+#[derive(Resource)]
+pub(crate) struct Aim {
+    rng: Pcg64Mcg,
+    next: f32,
+}
+
+impl Default for Aim {
+    fn default() -> Self {
+        Self {
+            rng: Pcg64Mcg::seed_from_u64(4),
+            next: 0.5,
+        }
+    }
+}
+
+/// A ray from somewhere around at somewhere on the character.
+pub(super) fn shoot(
+    moment: Res<Moment>,
+    mut aim: ResMut<Aim>,
+    mut spatial: MorphSpatialQuery,
+    skin: Query<Entity, With<Skin>>,
+    names: Query<&Name>,
+    darts: Query<Entity, With<Dart>>,
+    mut tally: ResMut<Tally>,
+    mut commands: Commands,
+) {
+    let Ok(skin) = skin.single() else { return };
+    // After a jump of the clock the rays that were left out are not made up for.
+    if moment.seconds < aim.next || darts.iter().count() >= DARTS {
+        return;
+    }
+    aim.next = moment.seconds + EVERY;
+    let Some(bounds) = spatial.bounds(skin) else { return };
+    let mut within = |reach: f32| aim.rng.random_range(-reach..=reach);
+    let aside = Vec3::new(within(1.0), 0.3 * within(1.0), 0.6 + within(1.0)).normalize_or_zero();
+    let spread = Vec3::new(0.1, 0.4 * bounds.size().y, 0.1);
+    let target = bounds.center() + spread * Vec3::new(within(1.0), within(1.0), within(1.0));
+    let Ok(direction) = Dir3::new(-aside) else { return };
+    tally.rays += 1;
+    let filter = MorphQueryFilter::default();
+    if let Ok(Some(hit)) = spatial.cast_ray(target + 3.0 * aside, direction, 10.0, &filter) {
+        tally.hits += 1;
+        let joint = hit.joint.and_then(|joint| names.get(joint).ok());
+        let velocity = hit.velocity(&mut spatial).unwrap_or_default();
+        tally.last_hit = Some((joint.map(ToString::to_string).unwrap_or_default(), velocity));
+        commands.spawn((Dart, MorphSurfaceAnchor::at(&hit), Visibility::default()));
+    }
+}

@@ -1,0 +1,263 @@
+//! A real character that plays its clips: its pushes judged by vertices that are morphed and skinned here, from the file.
+
+use std::path::{Path, PathBuf};
+
+use bevy::gltf::Gltf;
+use bevy::math::DVec3;
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::prelude::*;
+use bevy::world_serialization::WorldInstanceReady;
+use bevy_morph_collision::prelude::*;
+use bevy_rapier3d::parry::math::Pose;
+use bevy_rapier3d::parry::query::PointQuery;
+use bevy_rapier3d::parry::shape::TriMesh;
+use bevy_rapier3d::prelude::*;
+use morph_collision_testkit::gltf_read::read_meshes;
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::oracle::{posed_vertices, skinned_vertices};
+use morph_collision_workspace::app::{load_gltf, update_until};
+use morph_collision_workspace::physics::{self, DT, body, settle};
+
+use crate::log::run_here;
+use crate::support::{diagnostics, global, place, population, run, velocity};
+
+/// A model from outside the repository, if that folder is there.
+fn character() -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/models/mh_character.glb");
+    if !path.is_file() {
+        println!("skipped: {} is not there", path.display());
+        return None;
+    }
+    path.canonicalize().ok()
+}
+
+/// A character, 1.7 high, that plays a clip.
+struct Stage {
+    app: App,
+    mesh: MorphMesh,
+    surface: Entity,
+    joints: Vec<Entity>,
+}
+
+impl Stage {
+    /// `None` where there is no model.
+    fn new(clip: &str) -> Option<Self> {
+        let file = character()?;
+        let mesh = read_meshes(&file).expect("the model can be read").swap_remove(0);
+        let mut app = physics::app(file.parent().unwrap());
+        run_here(&mut app);
+        let gltf = load_gltf(&mut app, &file).expect("the model can be loaded");
+        let (scene, clip) = {
+            let gltf = app.world().resource::<Assets<Gltf>>().get(&gltf).unwrap();
+            (gltf.scenes[0].clone(), gltf.named_animations[clip].clone())
+        };
+        #[derive(Resource, Default)]
+        struct Ready(bool);
+        app.init_resource::<Ready>();
+        app.world_mut()
+            .add_observer(|_: On<WorldInstanceReady>, mut ready: ResMut<Ready>| ready.0 = true);
+        let size = Transform::from_scale(Vec3::splat(0.1));
+        app.world_mut()
+            .spawn((WorldAssetRoot(scene), Visibility::default(), size));
+        update_until(&mut app, &file, |world| Ok(world.resource::<Ready>().0)).expect("the scene is spawned");
+        let world = app.world_mut();
+        let mut skinned = world.query::<(Entity, &SkinnedMesh)>();
+        let (surface, skin) = skinned.single(world).expect("there is one skinned mesh");
+        let joints = skin.joints.clone();
+        world.entity_mut(surface).insert(MorphRapierCollider::default());
+        let (graph, node) = AnimationGraph::from_clip(clip);
+        let graph = world.resource_mut::<Assets<AnimationGraph>>().add(graph);
+        let mut players = world.query_filtered::<Entity, With<AnimationPlayer>>();
+        let players: Vec<Entity> = players.iter(world).collect();
+        for &player in &players {
+            world.entity_mut(player).insert(AnimationGraphHandle(graph.clone()));
+        }
+        settle(&mut app);
+        for &player in &players {
+            let mut player = app.world_mut().get_mut::<AnimationPlayer>(player).unwrap();
+            player.play(node).repeat();
+        }
+        run(&mut app, 5);
+        Some(Self {
+            app,
+            mesh,
+            surface,
+            joints,
+        })
+    }
+
+    /// Where its vertices are now, in the file's order.
+    fn vertices(&self) -> Vec<DVec3> {
+        let skin = self.mesh.skin.as_ref().unwrap();
+        let weights = vec![0.0; self.mesh.targets.len()];
+        let posed = posed_vertices(&self.mesh.positions, &self.mesh.targets, &weights);
+        let joints: Vec<_> = self.joints.iter().zip(&skin.skeleton.joints).collect();
+        let matrices: Vec<bevy::math::Affine3A> = joints
+            .into_iter()
+            .map(|(&entity, joint)| {
+                let matrix = Mat4::from(global(&self.app, entity).affine()) * joint.inverse_bind;
+                bevy::math::Affine3A::from_mat4(matrix)
+            })
+            .collect();
+        skinned_vertices(&posed, &skin.sets, &matrices)
+    }
+
+    fn truth(&self) -> TriMesh {
+        let vertices = self.vertices().into_iter().map(DVec3::as_vec3).collect();
+        TriMesh::new(vertices, self.mesh.triangles.clone()).expect("a mesh with triangles")
+    }
+
+    fn distance(&self, point: Vec3) -> f32 {
+        self.truth().distance_to_point(&Pose::IDENTITY, point, false).abs()
+    }
+
+    /// Frames of a clip without any body: where every vertex is in each.
+    fn rehearse(&mut self, frames: usize) -> Vec<Vec<DVec3>> {
+        (0..frames)
+            .map(|_| {
+                run(&mut self.app, 1);
+                self.vertices()
+            })
+            .collect()
+    }
+
+    /// Kicks or punches a ball that floats where a vertex is fastest; returns the speed of the vertex, and the ball's after it.
+    fn hit_a_ball(&mut self, frames: usize, radius: f32, limb: impl Fn(DVec3) -> bool) -> (DVec3, DVec3) {
+        let poses = self.rehearse(frames);
+        let (mut fastest, mut at) = (0.0, (0, 0));
+        for (frame, two) in poses.windows(2).enumerate() {
+            for (vertex, (from, to)) in two[0].iter().zip(&two[1]).enumerate() {
+                let speed = from.distance(*to) / f64::from(DT);
+                // In the middle of a swing, and outward: what is behind it is its own limb.
+                if speed > fastest && frame > 4 && limb(*from) {
+                    (fastest, at) = (speed, (frame, vertex));
+                }
+            }
+        }
+        let (frame, vertex) = at;
+        let speed = (poses[frame + 1][vertex] - poses[frame][vertex]) / f64::from(DT);
+        // In front of the surface there: as far along its way as no triangle is near yet.
+        let direction = speed.normalize();
+        let reach = f64::from(radius) * 1.05;
+        let clear = |way: f64| {
+            let center = poses[frame][vertex] + direction * way;
+            poses[frame].iter().all(|p| p.distance(center) > reach)
+        };
+        let way = (0..60).map(|i| 0.01 * f64::from(i)).find(|&way| clear(way)).unwrap();
+        let center = (poses[frame][vertex] + direction * way).as_vec3();
+        // The clip comes round to that frame again.
+        run(&mut self.app, frame + 1);
+        let ball = body(&mut self.app, Collider::ball(radius), center);
+        self.app.world_mut().entity_mut(ball).insert(GravityScale(0.0));
+        let mut best = Vec3::ZERO;
+        for _ in 0..20 {
+            run(&mut self.app, 1);
+            let now = velocity(&self.app, ball);
+            if now.length() > best.length() {
+                best = now;
+            }
+        }
+        (speed, best.as_dvec3())
+    }
+}
+
+#[test]
+fn a_waving_hand_throws_a_ball() {
+    let Some(mut stage) = Stage::new("wave_and_crouch") else {
+        return;
+    };
+    let (hand, ball) = stage.hit_a_ball(120, 0.08, |_| true);
+    println!("the hand at {hand}, the ball at {ball}");
+    assert!(hand.length() > 1.0, "{hand}");
+    let along = ball.dot(hand.normalize());
+    assert!(
+        along > 0.6 * hand.length() && along < 2.0 * hand.length(),
+        "thrown at {ball} by {hand}"
+    );
+}
+
+#[test]
+fn a_walking_foot_kicks_a_ball() {
+    let Some(mut stage) = Stage::new("walk") else {
+        return;
+    };
+    let vertices = stage.vertices();
+    let ground = vertices.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
+    let (foot, ball) = stage.hit_a_ball(60, 0.08, |p| p.y < ground + 0.25);
+    println!("the foot at {foot}, the ball at {ball}");
+    assert!(foot.length() > 0.8, "{foot}");
+    let along = ball.dot(foot.normalize());
+    assert!(
+        along > 0.6 * foot.length() && along < 2.0 * foot.length(),
+        "thrown at {ball} by {foot}"
+    );
+}
+
+#[test]
+fn a_tray_on_the_head_goes_down_and_up_as_the_character_crouches() {
+    let Some(mut stage) = Stage::new("wave_and_crouch") else {
+        return;
+    };
+    let vertices = stage.vertices();
+    let top = vertices.iter().copied().max_by(|a, b| a.y.total_cmp(&b.y)).unwrap();
+    let tray = body(
+        &mut stage.app,
+        Collider::cuboid(0.6, 0.01, 0.6),
+        Vec3::new(top.x as f32, top.y as f32 + 0.012, top.z as f32),
+    );
+    let upright = LockedAxes::ROTATION_LOCKED | LockedAxes::TRANSLATION_LOCKED_X | LockedAxes::TRANSLATION_LOCKED_Z;
+    stage.app.world_mut().entity_mut(tray).insert(upright);
+    let (mut lowest, mut highest, mut worst, mut deepest) = (f32::INFINITY, f32::NEG_INFINITY, 0.0_f32, 0.0_f32);
+    run(&mut stage.app, 10);
+    for _ in 0..240 {
+        run(&mut stage.app, 1);
+        let height = place(&stage.app, tray).y - 0.01;
+        (lowest, highest) = (lowest.min(height), highest.max(height));
+        // Whatever is below the tray, which is level: the highest vertex of all.
+        let below = stage.vertices().iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max) as f32;
+        worst = worst.max(height - below);
+        deepest = deepest.max(below - height);
+    }
+    println!("between {lowest} and {highest}, at most {worst} above and {deepest} below the head's top");
+    assert!(highest - lowest > 0.3, "from {lowest} to {highest}");
+    assert!(deepest < 1e-2, "it sinks in by {deepest}");
+    assert!(worst < 2e-2, "it floats by {worst}");
+}
+
+#[test]
+fn balls_that_fall_on_it_stay_outside_and_only_what_is_near_them_is_there() {
+    let Some(mut stage) = Stage::new("wave_and_crouch") else {
+        return;
+    };
+    run(&mut stage.app, 1);
+    let idle = diagnostics(&stage.app);
+    assert_eq!((idle.surfaces, idle.moving, idle.parts, idle.blended), (1, 1, 0, 0));
+    let radius = 0.04;
+    let top = stage.vertices().iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max) as f32;
+    let balls: Vec<Entity> = (0..9)
+        .map(|i| {
+            let (x, z) = (0.1 * (i % 3 - 1) as f32, 0.1 * (i / 3 - 1) as f32);
+            body(
+                &mut stage.app,
+                Collider::ball(radius),
+                Vec3::new(x, top + 0.3 + 0.1 * i as f32, z),
+            )
+        })
+        .collect();
+    let (mut touched, mut deepest) = (0, 0.0_f32);
+    for _ in 0..90 {
+        run(&mut stage.app, 1);
+        let near = diagnostics(&stage.app);
+        assert!(near.parts <= 8 * 9);
+        assert_eq!(population(&mut stage.app).0, 9 + near.parts as usize);
+        for &ball in &balls {
+            let distance = stage.distance(place(&stage.app, ball));
+            touched += usize::from(distance < 1.05 * radius);
+            deepest = deepest.max(radius - distance);
+        }
+    }
+    println!("{touched} times touching, at most {deepest} deep");
+    assert!(touched > 10, "{touched}");
+    assert!(deepest < 0.5 * radius, "a ball is {deepest} inside");
+    assert!(stage.app.world().get::<MorphRapierCollider>(stage.surface).is_some());
+}

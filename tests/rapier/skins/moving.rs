@@ -1,0 +1,160 @@
+//! Bodies on a limb that moves.
+
+use bevy::prelude::*;
+use bevy_rapier3d::parry::math::Pose;
+use bevy_rapier3d::parry::query::PointQuery;
+use bevy_rapier3d::prelude::*;
+use morph_collision_workspace::physics::{DT, body};
+
+use super::{Arm, TOP, app_with_arm, both};
+use crate::support::{place, run, set_weights, velocity};
+
+const HALF: f32 = 0.15;
+
+/// An arm with a box on it that has come to rest, at some place along it.
+fn box_on_arm(x: f32) -> (App, Arm, Entity) {
+    let (mut app, arm) = app_with_arm();
+    let cuboid = Collider::cuboid(HALF, HALF, HALF);
+    let cuboid = body(&mut app, cuboid, Vec3::new(x, TOP + HALF + 0.01, 0.0));
+    run(&mut app, 60);
+    assert!(gap(&app, &arm, cuboid).abs() < 1e-2 && velocity(&app, cuboid).length() < 1e-2);
+    (app, arm, cuboid)
+}
+
+/// How far a box that lies on one of its sides is above the surface, in truth.
+fn gap(app: &App, arm: &Arm, cuboid: Entity) -> f32 {
+    arm.truth(app)
+        .distance_to_point(&Pose::IDENTITY, place(app, cuboid), true)
+        - HALF
+}
+
+#[test]
+fn a_box_on_a_rising_arm_has_its_velocity() {
+    let (mut app, arm, cuboid) = box_on_arm(1.5);
+    for i in 1..=90 {
+        arm.pose(&mut app, both(Transform::from_xyz(0.0, 0.5 * DT * i as f32, 0.0)));
+        run(&mut app, 1);
+        if i > 10 {
+            let (gap, speed) = (gap(&app, &arm, cuboid), velocity(&app, cuboid).y);
+            assert!(gap.abs() < 1e-2, "gap {gap} in step {i}");
+            assert!((speed - 0.5).abs() < 0.025, "velocity {speed} in step {i}");
+        }
+    }
+}
+
+#[test]
+fn a_box_on_an_arm_that_slides_is_carried() {
+    let (mut app, arm, cuboid) = box_on_arm(-1.0);
+    for i in 1..=90 {
+        arm.pose(&mut app, both(Transform::from_xyz(DT * i as f32, 0.0, 0.0)));
+        run(&mut app, 1);
+    }
+    let speed = velocity(&app, cuboid);
+    assert!(speed.distance(Vec3::X) < 0.05, "velocity {speed}");
+    let lag = -1.0 + 1.5 - place(&app, cuboid).x;
+    assert!(lag.abs() < 0.15, "behind by {lag}");
+}
+
+#[test]
+fn a_box_on_a_forearm_that_turns_moves_as_its_own_place_does() {
+    let (mut app, arm, cuboid) = box_on_arm(2.0);
+    const TURN: f32 = 0.3;
+    for i in 1..=60 {
+        let turned = Transform::from_rotation(Quat::from_rotation_z(TURN * DT * i as f32));
+        arm.pose(&mut app, [Transform::IDENTITY, turned]);
+        run(&mut app, 1);
+        if i > 15 {
+            let (gap, speed) = (gap(&app, &arm, cuboid), velocity(&app, cuboid));
+            let expected = Vec3::Z.cross(place(&app, cuboid)) * TURN;
+            assert!(gap.abs() < 1e-2, "gap {gap} in step {i}");
+            assert!(speed.distance(expected) < 0.05, "{speed} in step {i}, not {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_punch_throws_a_ball_at_the_speed_of_the_fist() {
+    let (mut app, arm) = app_with_arm();
+    let ball = body(&mut app, Collider::ball(0.2), Vec3::new(2.5, 0.0, -1.5));
+    app.world_mut().entity_mut(ball).insert(GravityScale(0.0));
+    run(&mut app, 5);
+    assert_eq!(velocity(&app, ball), Vec3::ZERO);
+    // Sideways about the elbow: a sixth of a second to 3 radians per second, then on at that speed.
+    let (mut angle, mut turn) = (0.0, 0.0_f32);
+    let mut hit_at = None;
+    for i in 0..60 {
+        turn = (turn + 0.3).min(3.0);
+        angle += turn * DT;
+        let turned = Transform::from_rotation(Quat::from_rotation_y(angle));
+        arm.pose(&mut app, [Transform::IDENTITY, turned]);
+        run(&mut app, 1);
+        if hit_at.is_none() && velocity(&app, ball).length() > 0.1 {
+            hit_at = Some((i, place(&app, ball), velocity(&app, ball)));
+        }
+    }
+    let (step, at, speed) = hit_at.expect("the fist meets the ball");
+    assert!(step >= 10, "hit in step {step}");
+    // The side of the arm moves there at:
+    let fist = Vec3::Y.cross(at) * 3.0;
+    assert!(fist.length() > 7.0, "{fist}");
+    // The ball goes where the side of the arm faces, as fast as the arm goes that way.
+    let along = fist.dot(speed.normalize());
+    assert!(along > 0.9 * fist.length(), "thrown at {speed} by {fist}");
+    assert!(
+        (speed.length() - along).abs() < 0.1 * along,
+        "thrown at {speed} by {fist}"
+    );
+    let after = velocity(&app, ball);
+    assert!(after.length() > 0.9 * speed.length(), "{after} in the end");
+}
+
+#[test]
+fn a_fist_throws_a_ball_that_it_would_pass_in_one_step() {
+    let (mut app, arm) = app_with_arm();
+    let at = Quat::from_rotation_y(2.55) * (Vec3::X * 2.5);
+    let ball = body(&mut app, Collider::ball(0.1), at);
+    app.world_mut().entity_mut(ball).insert(GravityScale(0.0));
+    run(&mut app, 5);
+    // A third of a second to 12 radians per second: the ball's place moves by 0.5 in a step, five times its radius.
+    let (mut angle, mut turn) = (0.0, 0.0_f32);
+    let mut fastest = Vec3::ZERO;
+    for _ in 0..30 {
+        turn = (turn + 0.6).min(12.0);
+        angle += turn * DT;
+        let turned = Transform::from_rotation(Quat::from_rotation_y(angle));
+        arm.pose(&mut app, [Transform::IDENTITY, turned]);
+        run(&mut app, 1);
+        if velocity(&app, ball).length() > fastest.length() {
+            fastest = velocity(&app, ball);
+        }
+    }
+    let fist = Vec3::Y.cross(at) * 12.0;
+    let along = fastest.dot(fist.normalize());
+    assert!(along > 0.7 * fist.length(), "thrown at {fastest} by {fist}");
+}
+
+#[test]
+fn an_arm_that_swells_throws_what_lies_on_it() {
+    let (mut app, arm, cuboid) = box_on_arm(1.5);
+    // Its top goes up by 0.46 within a tenth of a second, while its joints stay.
+    for i in 1..=6 {
+        set_weights(&mut app, arm.surface, &[i as f32 / 6.0]);
+        run(&mut app, 1);
+    }
+    let speed = velocity(&app, cuboid).y;
+    assert!((3.7..5.5).contains(&speed), "thrown at {speed}");
+}
+
+#[test]
+fn joints_that_jump_do_not_throw() {
+    let (mut app, arm, cuboid) = box_on_arm(1.5);
+    arm.pose(&mut app, both(Transform::from_xyz(0.0, 0.2, 0.0)));
+    let mut highest: f32 = 0.0;
+    for _ in 0..90 {
+        run(&mut app, 1);
+        highest = highest.max(place(&app, cuboid).y);
+    }
+    assert!(highest < TOP + HALF + 0.25, "thrown to {highest}");
+    let gap = gap(&app, &arm, cuboid);
+    assert!(gap.abs() < 1e-2, "gap {gap}");
+}

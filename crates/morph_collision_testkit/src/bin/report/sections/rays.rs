@@ -1,4 +1,4 @@
-//! Rays at a skinned character: every method that casts them.
+//! Rays at a head and at a skinned character: every method that casts them.
 
 use std::error::Error;
 
@@ -9,7 +9,7 @@ use super::{Context, race};
 use crate::render;
 use crate::sweeps::methods;
 
-/// A table of all scenes with rays; where the model is not there, what the page has.
+/// A table for each mesh of the scenes with rays; where a model is not there, what the page has.
 pub(crate) fn rays(context: &Context, old: &str) -> Result<String, Box<dyn Error>> {
     let mut scenes = Vec::new();
     for (name, _) in Experiment::with_rays() {
@@ -25,5 +25,6 @@ pub(crate) fn rays(context: &Context, old: &str) -> Result<String, Box<dyn Error
         let rows = race(&experiment, &methods(&experiment), Wanted::All, context.rounds)?;
         scenes.push((experiment, rows));
     }
-    Ok(render::ray_table(&scenes))
+    let tables = scenes.chunk_by(|(a, _), (b, _)| a.mesh.name == b.mesh.name && a.mesh.triangles == b.mesh.triangles);
+    Ok(tables.map(render::ray_table).collect())
 }

@@ -54,7 +54,7 @@ impl RayView {
             origin,
             from_model: [0, 1].map(|axis| columns.map(|column| along(axis, column))),
             scale,
-            // Fewer than 40 roundings of coordinates and their sums; a vertex is itself rounded where it is placed.
+            // 128 roundings; a corner has fewer than 40, those of where it is placed among them.
             error: (64.0 * f64::EPSILON * reach * scale) as f32 + f32::MIN_POSITIVE,
         }
     }

@@ -37,6 +37,8 @@ mod refit_tests;
 #[cfg(test)]
 mod rounding_tests;
 #[cfg(test)]
+mod skin_tightness_tests;
+#[cfg(test)]
 mod skinning_tests;
 #[cfg(test)]
 mod tests;

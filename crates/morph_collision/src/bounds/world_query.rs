@@ -1,4 +1,4 @@
-//! What is asked about points, rays and half-spaces of world space, against a body's model-space boxes.
+//! Tests world-space rays and half-spaces against a body's model-space boxes.
 
 use fearless_simd::f64x4;
 use fearless_simd::prelude::*;
@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::rounding::U64;
 use super::{Box64, BoxLanes, GapFrame, LANES, PlacedBounds, WorldFromModel};
 
-/// Lower bounds of what a query looks for, for everything in a box; the children of a node at a time.
+/// Lower bounds of what a query looks for, for everything in a box; for all children of a node at once.
 pub(crate) trait LowerBounds {
     /// Sets the first `count` numbers to the bounds of the first `count` boxes, to NaN for a box to skip; the others to any numbers.
     fn lower_bounds<S: Simd>(&self, simd: S, boxes: &BoxLanes, count: usize, bounds: &mut [f64; LANES]);
@@ -71,6 +71,8 @@ impl RayCull {
                 leave = leave.min(low.max(high));
             }
         }
+        // NaN comes from boxes of infinite size, which bound nothing.
+        let enter = enter.simd_ge(zero).select(enter, zero);
         let enter = enter * f64x4::splat(simd, 1.0 - ROUNDING);
         let missed = enter.simd_gt(leave * f64x4::splat(simd, 1.0 + ROUNDING));
         missed.select(f64x4::splat(simd, f64::NAN), enter)
@@ -134,7 +136,9 @@ impl ModelPlane {
     /// Whether a point of a box may be in the half-space.
     #[inline]
     pub(crate) fn reaches(&self, bounds: &Box64) -> bool {
-        self.normal.dot(bounds.center) + self.normal.abs().dot(bounds.half) + self.offset >= 0.0
+        let farthest = self.normal.dot(bounds.center) + self.normal.abs().dot(bounds.half) + self.offset;
+        // NaN comes from boxes of infinite size, which every half-space may reach.
+        farthest >= 0.0 || farthest.is_nan()
     }
 }
 
@@ -145,7 +149,7 @@ mod tests {
     use rand_pcg::Pcg64Mcg;
 
     use super::*;
-    use crate::bounds::{Aabb, Kernel, with_simd};
+    use crate::bounds::{Aabb, Kernel, levels, with_simd};
 
     fn bounds_of(place: &WorldFromModel, origin: DVec3, direction: DVec3, boxes: &BoxLanes) -> [f64; LANES] {
         let body = PlacedBounds::new(place, DVec3::splat(8.0));
@@ -153,6 +157,31 @@ mod tests {
         let mut bounds = [f64::INFINITY; LANES];
         with_simd!(Kernel::default().level, simd => cull.lower_bounds(simd, boxes, LANES, &mut bounds));
         bounds
+    }
+
+    #[test]
+    fn boxes_of_infinite_size_are_never_skipped() {
+        let infinite = Aabb::UNBOUNDED;
+        let mut boxes = BoxLanes::default();
+        boxes.set_all(&infinite);
+        let turn = Affine3A::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), 1.0);
+        for place in [Affine3A::IDENTITY, turn, Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0))] {
+            let place = WorldFromModel::new(place).expect("finite");
+            // Infinite boxes make for infinite bodies.
+            for magnitude in [DVec3::INFINITY, DVec3::ONE] {
+                let body = PlacedBounds::new(&place, magnitude);
+                for direction in [DVec3::X, DVec3::new(0.3, -1.0, 0.5)] {
+                    let cull = RayCull::new(DVec3::new(1e39, 0.0, 1.0), direction, &body);
+                    for &level in levels() {
+                        let mut bounds = [f64::NAN; LANES];
+                        with_simd!(level, simd => cull.lower_bounds(simd, &boxes, LANES, &mut bounds));
+                        assert_eq!(bounds, [0.0; LANES], "{place:?} {magnitude} {direction}");
+                    }
+                }
+                let plane = ModelPlane::new(DVec3::X, -1e300, &body);
+                assert!(plane.reaches(&Box64::of(&infinite)), "{place:?} {magnitude}");
+            }
+        }
     }
 
     #[test]

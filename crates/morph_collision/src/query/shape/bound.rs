@@ -55,12 +55,9 @@ impl<'a> NodeBound<'a> {
                 .max(along - radius - supports[0])
                 .max(-along - radius - supports[1]);
         }
+        let bound = bound - self.slack;
         // Overflow culls nothing.
-        if bound.is_nan() {
-            f64::NEG_INFINITY
-        } else {
-            bound - self.slack
-        }
+        if bound.is_nan() { f64::NEG_INFINITY } else { bound }
     }
 }
 

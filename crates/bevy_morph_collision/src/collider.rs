@@ -99,7 +99,7 @@ pub(crate) struct ColliderState {
     pub(crate) has_joints: bool,
     /// How it took part in the last run; none if it did not.
     pub(crate) placed: Option<Placement>,
-    /// What it was like in the run before the last one.
+    /// Its state one run earlier.
     pub(crate) before: Before,
     /// Whether the pose has other weights or joints, or is another one, than when its bounds were last asked for.
     pub(crate) reposed: bool,

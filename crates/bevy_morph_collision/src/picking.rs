@@ -22,7 +22,7 @@ use crate::spatial::{MorphQueryFilter, MorphRayHit, MorphSpatialQuery};
 /// `DefaultPlugins`); an error in the log says which one is missing.
 ///
 /// Bevy's own `MeshPickingPlugin` picks morphing and skinned meshes in their rest pose. Leave it out, or set
-/// `MeshPickingSettings::require_markers` and mark only what does not morph.
+/// `MeshPickingSettings::require_markers` and mark only what does not deform.
 ///
 /// ```
 /// # use bevy::prelude::*;

@@ -144,9 +144,10 @@ impl Following {
         }
         let mut same_shape = self.past.pose.weights() == posed.pose.weights();
         if same_shape && self.past.pose.joints() != posed.pose.joints() {
-            // What a place that is taken out again leaves behind is no change.
+            // Rounding left by removing the collider's place is not a change.
             let size = coordinates(&mut posed.pose, &world_from_model);
-            same_shape = !first && self.past.pose.displacement_from_pose(&mut posed.pose) <= 1e-6 * size;
+            same_shape =
+                !first && size.is_finite() && self.past.pose.displacement_from_pose(&mut posed.pose) <= 1e-6 * size;
         }
         if first && self.past.pose.joints().is_some() {
             // It has been seen in the pose that it was bound in.

@@ -114,7 +114,6 @@ pub(super) fn before_step(
     if surfaces.is_empty() {
         return;
     }
-    skeletons.begin();
     let global_of = |joint: Entity| Some(globals.get(joint).ok()?.affine());
     let Stepping { now, movers, too_large } = &mut *stepping;
     let name_of = |entity| names.get(entity).map(|name| name.to_string()).unwrap_or_default();
@@ -123,7 +122,7 @@ pub(super) fn before_step(
         if refused.insert(collider) && !too_large.contains(&collider) {
             let name = Entity::try_from_bits(collider as u64).map(name_of).unwrap_or_default();
             error!(
-                "the collider of entity `{name}` is more than {MAX_COORDINATE:e} units large, or moves that far in a step: no morphing \
+                "the collider of entity `{name}` is more than {MAX_COORDINATE:e} units large, or moves that far in a step: no deforming \
                  surface pushes it; make it smaller"
             );
         }
@@ -134,6 +133,10 @@ pub(super) fn before_step(
             continue;
         }
         now.store(true, Ordering::Release);
+        if !has_stepped {
+            // Not in frames without a step, or skeletons would be forgotten in a pause.
+            skeletons.begin();
+        }
         has_stepped = true;
         let parameters = simulation.integration_parameters;
         let mut world = world(&mut simulation, &mut colliders, &mut joints, &mut bodies);

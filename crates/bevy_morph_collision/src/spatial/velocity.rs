@@ -10,8 +10,8 @@ impl MorphSpatialQuery<'_, '_> {
     /// The velocity of a point of a collider's surface, in world units per second: what morph targets, joints and the entity's own motion add up
     /// to.
     ///
-    /// It is the way of that point of the triangle from the plugin's run before the last one to the last one, divided by the time between the two
-    /// ([`Time`] of the schedule that the plugin runs in). A jump is no exception: what is teleported is fast for one run. `None` if there is no such
+    /// The distance that the point moved between the plugin's last two runs, divided by the time between them
+    /// ([`Time`] of the schedule that the plugin runs in). Teleporting counts as motion. While collisions are paused, it stays that of the last run. `None` if there is no such
     /// collider or triangle, if it took no part in the run before or had another mesh then, or if no time has passed.
     ///
     /// Costs six vertices, three of them blended anew with each call. Where nobody asks, it costs a copy of each collider's weights per run.

@@ -41,6 +41,9 @@ impl Pose {
         if moved == 0.0 {
             return 0.0;
         }
+        if moved.is_nan() {
+            return f64::INFINITY;
+        }
         moved * (1.0 + 1e-9) + 3_f64.sqrt() * (error + error_before)
     }
 }

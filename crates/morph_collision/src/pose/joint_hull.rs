@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::blend::blend_group;
 use super::skin_blend::MAX_REACH;
-use crate::bounds::{Aabb, BoxLanes, Extent, with_simd};
+use crate::bounds::{Aabb, Box64, BoxLanes, Extent, with_simd};
 use crate::joints::{Columns, JointMatrices};
 use crate::model::Weights;
 use crate::tree::JointBoxes;
@@ -66,9 +66,9 @@ impl JointHull {
         scaled.outward()
     }
 
-    /// A bound on the way that any joint takes any of its vertices at these weights when its matrix changes from `before` to `now`; infinite where there
+    /// A bound on how far any joint takes any of its vertices at these weights when its matrix changes from `before` to `now`; infinite where there
     /// is none.
-    pub(super) fn way(
+    pub(super) fn displacement(
         &mut self,
         level: Level,
         tables: &JointBoxes,
@@ -79,20 +79,18 @@ impl JointHull {
         if !self.is_bounded(level, tables, weights) {
             return f64::INFINITY;
         }
-        let mut way = 0.0_f64;
+        let mut displacement = 0.0_f64;
         for ((moved, _), boxes) in tables.blocks().zip(&self.boxes) {
             for (lane, &joint) in moved.iter().enumerate() {
-                let of = boxes.get(lane);
                 let (from, to) = (before.columns(joint), now.columns(joint));
                 let [x, y, z, t] = std::array::from_fn(|column| to[column] - from[column]);
-                let (min, max) = (of.min.as_dvec3(), of.max.as_dvec3());
-                let (center, half) = ((min + max) * 0.5, (max - min) * 0.5);
+                let Box64 { center, half } = Box64::of(&boxes.get(lane));
                 let middle = x * center.x + y * center.y + z * center.z + t;
                 let radius = x.abs() * half.x + y.abs() * half.y + z.abs() * half.z;
-                way = way.max((middle.abs() + radius).length());
+                displacement = displacement.max((middle.abs() + radius).length());
             }
         }
-        way
+        displacement
     }
 
     /// Blends the boxes unless they are those of the weights; returns whether they can be computed with.

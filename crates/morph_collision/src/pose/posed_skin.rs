@@ -92,7 +92,7 @@ impl<'a> Posed<'a> {
     pub(super) fn joint_displacement(&mut self, now: &JointMatrices) -> Option<(f64, f64)> {
         let tree = self.skin_tree()?;
         let (_, skinning) = self.skin.as_mut()?;
-        Some((skinning.joint_way(tree, now), skinning.error()))
+        Some((skinning.joint_displacement(tree, now), skinning.error()))
     }
 
     /// The map from the space of a joint to the body's; `None` where there is none.

@@ -243,9 +243,10 @@ impl Skinning {
     }
 
     /// A bound on how far any joint takes its vertices when the joints become others.
-    pub(super) fn joint_way(&mut self, tree: SkinTree<'_>, now: &JointMatrices) -> f64 {
+    pub(super) fn joint_displacement(&mut self, tree: SkinTree<'_>, now: &JointMatrices) -> f64 {
         let joints = &tree.skin.joints;
-        self.hull.way(tree.level, joints, tree.weights, &self.joints, now)
+        self.hull
+            .displacement(tree.level, joints, tree.weights, &self.joints, now)
     }
 
     /// Where a frame stands.

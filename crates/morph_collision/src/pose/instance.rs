@@ -167,9 +167,15 @@ impl Pose {
     /// A conservative box in world space around the posed mesh.
     ///
     /// It holds every posed vertex as [`WorldFromModel::transform_point`] places it. It is infinite where world coordinates
-    /// exceed the range of `f32`. Cost: that of [`Pose::bounds`].
+    /// exceed the range of `f32`. For a skinned mesh it is what the boxes of the root's children, which have the axes of a joint, and
+    /// [`Pose::broad_phase_bounds`] have in common. Cost: that of [`Pose::bounds`].
     pub fn world_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
-        self.posed_at(world_from_model).world_bounds()
+        let mut posed = self.posed_at(world_from_model);
+        let of_nodes = posed.world_bounds();
+        posed.hull_of_joints().map_or(of_nodes, |of_joints| Aabb {
+            min: of_nodes.min.max(of_joints.min),
+            max: of_nodes.max.min(of_joints.max),
+        })
     }
 
     /// A conservative box in world space that costs as little as possible, to find out which bodies may meet at all.

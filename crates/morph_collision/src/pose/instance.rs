@@ -181,7 +181,7 @@ impl Pose {
     /// A conservative box in world space that costs as little as possible, to find out which bodies may meet at all.
     ///
     /// For a skinned mesh it is the hull of one box per joint, around the vertices that the joint moves. That is looser than [`Pose::world_bounds`]
-    /// (on characters 1.0 to 2.7 times the area), but no node is blended for it. For other meshes both are the same. Cost: linear in the number of joints; after
+    /// (on characters 1.0 to 2.1 times the area, on average), but no node is blended for it. For other meshes both are the same. Cost: linear in the number of joints; after
     /// new weights, also in the number of targets that move each joint's vertices.
     pub fn broad_phase_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
         let mut posed = self.posed_at(world_from_model);

@@ -6,7 +6,6 @@
 //! - You have an engine of your own, or none: use this crate. It depends on `glam` and not on an engine.
 //! - Your meshes never deform: any collision library will do. (Meshes without targets work here, as rigid bodies.)
 //! - Your meshes are deformed by bones, with or without targets: use this crate ([`MorphModel::skinned`], [`Pose::set_joints`]).
-//!   The Bevy plugin ignores bones as yet.
 //!
 //! # The pipeline
 //!
@@ -26,6 +25,8 @@
 //! | Which of many boxes overlap? | [`overlapping_pairs`] |
 //! | What does a ray hit? | [`RayQuery`] |
 //! | What touches a ball, capsule, cuboid, half-space, box or frustum? Which point is closest? | [`ShapeQuery`] |
+//! | What does a moving shape touch first? | [`ShapeQuery::cast`]; another shape: [`PlacedShape::cast`] |
+//! | Is a point inside a closed mesh? | [`RayQuery::encloses`] |
 //! | Where does a body intersect itself? | [`SelfQuery`] |
 //! | Where is a point on the surface as the shape changes? | [`SurfaceAnchor`] |
 //! | What are the bounds, positions and normals of a shape? | [`Pose`] |
@@ -67,7 +68,8 @@ pub use query::RayonWorkers;
 pub use query::{
     BatchAnswers, BatchQuery, Body, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion, DistanceQuery,
     Facing, Manifold, PairMemory, PairQuery, PairTask, PlacedShape, QueryStats, Ray, RayHit, RayQuery, SelfQuery,
-    Shape, ShapeContact, ShapeQuery, SurfaceAnchor, SurfaceFrame, ThreadWorkers, TrianglePair, Wanted, Workers,
+    Shape, ShapeCastHit, ShapeContact, ShapeGap, ShapeImpact, ShapeQuery, SurfaceAnchor, SurfaceFrame, ThreadWorkers,
+    TrianglePair, Wanted, Workers,
 };
 pub use traverse::overlapping_pairs;
-pub use tree::{BuildOptions, LayoutError, MorphBvh, TreeLayout};
+pub use tree::{BuildOptions, LayoutError, MorphBvh, MorphBvhBuilder, TreeLayout};

@@ -12,17 +12,27 @@ const DOLPHIN: Appearance = Appearance {
     base_color: [0.22, 0.32, 0.42, 1.0],
     roughness: 0.45,
 };
+/// Moss.
+const HILL: Appearance = Appearance {
+    base_color: [0.20, 0.33, 0.27, 1.0],
+    roughness: 0.8,
+};
 /// Warm clay.
 const BODY: Appearance = Appearance {
     base_color: [0.62, 0.36, 0.22, 1.0],
     roughness: 0.7,
 };
 
-/// The models: file name, mesh, looks. The finest dolphin comes last but one, the body of the pass-through last.
+/// The models: file name, mesh, looks; the small ones first.
 pub fn models() -> impl Iterator<Item = (String, MorphMesh, Appearance)> {
-    let dolphins = (0..4).map(|level| (models::dolphin(level), DOLPHIN));
+    let mut dolphins = (0..4).map(|level| (models::dolphin(level), DOLPHIN));
+    let small: Vec<_> = dolphins.by_ref().take(2).collect();
+    let hill = std::iter::once_with(|| (models::heaving_body(), HILL));
     let body = std::iter::once_with(|| (models::pass_through_body(), BODY));
-    dolphins
+    small
+        .into_iter()
+        .chain(hill)
+        .chain(dolphins)
         .chain(body)
         .map(|(mesh, appearance)| (format!("{}.glb", mesh.name), mesh, appearance))
 }

@@ -55,6 +55,8 @@ pub mod moments;
 pub mod near_degenerate;
 pub mod numbers;
 pub mod oracle;
+#[cfg(feature = "report")]
+pub mod plot;
 pub mod printable;
 pub mod rivals;
 pub mod scenes;

@@ -45,6 +45,39 @@ fn dolphins_have_the_papers_triangle_counts_and_are_closed() {
 }
 
 #[test]
+fn the_heaving_body_is_solid_at_every_moment_and_its_rim_rests() {
+    let body = models::heaving_body();
+    assert_eq!(body.triangles.len(), 5120);
+    assert_solid(&body, 1);
+    let clip = &body.animations[0];
+    assert_eq!(clip.weights.first(), clip.weights.last(), "it loops");
+    let rims = |p: &Vec3| Vec3::new(p.x / 1.2, 0.0, p.z).length() > 0.99;
+    let rest: Vec<Vec3> = body.positions.iter().copied().filter(rims).collect();
+    assert!(rest.len() > 20, "{}", rest.len());
+    let mut highest = Vec::new();
+    for moment in 0..40 {
+        let posed = body.posed(&clip.sample(0.2 * moment as f32));
+        assert!(volume(&body, &posed) > 0.1);
+        for (p, rest) in posed.iter().zip(&body.positions).filter(|(_, rest)| rims(rest)) {
+            assert!(p.distance(*rest) < 1e-4, "{rest} goes to {p}");
+        }
+        highest.push(posed.iter().fold(f32::MIN, |highest, p| highest.max(p.y)));
+        // The top faces up, not steeper than what a character climbs.
+        for &[a, b, c] in &body.triangles {
+            let [a, b, c] = [a, b, c].map(|v| posed[v as usize]);
+            let middle = (a + b + c) / 3.0;
+            let normal = (b - a).cross(c - a).normalize();
+            let on_top = middle.y > -0.005;
+            assert!(!on_top || normal.y > 0.71, "{normal} at {middle}");
+        }
+    }
+    let (low, high) = highest
+        .iter()
+        .fold((f32::MAX, f32::MIN), |(low, high), &y| (low.min(y), high.max(y)));
+    assert!(high - low > 0.05, "from {low} to {high}");
+}
+
+#[test]
 fn finer_dolphins_have_the_same_shape_in_every_pose() {
     let (coarse, fine) = (models::dolphin(0), models::dolphin(2));
     assert_eq!(

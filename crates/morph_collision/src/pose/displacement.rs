@@ -1,156 +1,255 @@
-//! How far vertices may be from where they were.
+//! How far vertices may be from where they were: a bound from the boxes that trees and joints have, before any vertex is blended.
+//!
+//! A vertex `p` becomes `q` by new weights, and is taken to the world by a map `A` before and `B` now. It moves by `(B - A) p + B (q - p)`.
+//! The first part is farthest in a corner of a box around `p`; for the second there is a box around `q - p`, from the intervals of the targets
+//! whose weights differ, and a bound on how much `B` stretches. A vertex under joints moves by the weighted sum of what its joints do.
 
+use std::ops::Range;
 use std::sync::Arc;
 
+use fearless_simd::Level;
+use glam::{DMat3, DVec3};
+
+use super::blend::blend_change;
 use super::instance::Pose;
-use crate::model::MorphModel;
+use super::posed::Posed;
+use crate::bounds::{Aabb, Box64, BoxLanes, WorldFromModel, with_simd};
+use crate::tree::{ChildKind, GroupTables};
+
+/// How many levels below the root's children are looked at. Not measured: more make the bound smaller, and cost more.
+const LEVELS: usize = 2;
 
 impl Pose {
-    /// A bound on the distance in model space between any vertex and the same vertex at the weights `before`, roundings
-    /// included. `before` has one weight per target. Joints do not count: it is about vertices before these move them; see
-    /// [`Pose::displacement_from_pose`].
-    ///
-    /// Cost: linear in the number of targets.
-    #[must_use]
-    pub fn displacement_from(&self, before: &[f32]) -> f64 {
-        displacement(self.bvh.model(), before, self.weights())
-    }
-
     /// A bound on the distance between any vertex and the same vertex in another pose of the mesh, roundings included. Infinite for poses of
     /// different trees.
     ///
-    /// Distances are in model space, those of a skinned mesh in world space: what its joints do is bounded by a box per joint, around the vertices
-    /// that it moves. Cost: linear in the numbers of targets and joints; no node is blended.
+    /// Distances are in model space, those of a skinned mesh in world space. [`Body::displacement_from`](crate::Body::displacement_from) is about
+    /// placed bodies, and says what it costs.
     #[must_use]
     pub fn displacement_from_pose(&self, before: &mut Self) -> f64 {
-        if !Arc::ptr_eq(&self.bvh, &before.bvh) {
-            return f64::INFINITY;
-        }
-        let of_targets = self.displacement_from(before.weights());
-        let (Some((_, now)), Some(skin)) = (&self.skinning, self.bvh.model().skin()) else {
-            return of_targets;
-        };
-        let joints = now.joints.clone();
-        let error = now.error();
-        let mut posed = before.posed();
-        let Some((of_joints, error_before)) = posed.joint_displacement(&joints) else {
-            return f64::INFINITY;
-        };
-        // The reach of a row bounds each coordinate; the square root of 3 is in the bound for targets.
-        let moved = skin.max_sum() * (of_joints + joints.linear_reach() * of_targets);
-        if moved == 0.0 {
-            return 0.0;
-        }
-        if moved.is_nan() {
-            return f64::INFINITY;
-        }
-        moved * (1.0 + 1e-9) + 3_f64.sqrt() * (error + error_before)
-    }
-}
-
-/// A bound on how far any posed vertex moves between two weight vectors, in model space: `sum |dw_k| D_k` plus the roundings
-/// of both blends (docs/numerics.md, "Vertices").
-fn displacement(model: &MorphModel, before: &[f32], after: &[f32]) -> f64 {
-    let mut moved = 0.0;
-    let mut reach = f64::from(model.base_reach());
-    let mut active = 2.0;
-    for ((before, after), target) in before.iter().zip(after).zip(model.target_reach()) {
-        let (before, after, target) = (f64::from(*before), f64::from(*after), f64::from(*target));
-        moved += (after - before).abs() * target;
-        reach += before.abs().max(after.abs()) * target;
-        active += f64::from(u8::from(before != 0.0 || after != 0.0));
-    }
-    // Without any move both blends round alike.
-    let rounded = if moved == 0.0 {
-        0.0
-    } else {
-        2.0 * active * f64::from(f32::EPSILON) * reach
-    };
-    // Reaches are per coordinate.
-    3_f64.sqrt() * (moved + rounded)
-}
-
-#[cfg(test)]
-mod tests {
-    use std::sync::Arc;
-
-    use glam::{Affine3A, DVec3, EulerRot, Quat, Vec3};
-    use rand::{RngExt, SeedableRng};
-    use rand_pcg::Pcg64Mcg;
-
-    use crate::{Body, BuildOptions, Influences, JointMatrices, MorphBvh, MorphModel, Pose, WorldFromModel};
-
-    const JOINTS: u16 = 3;
-
-    /// Loose triangles; weights of joints that sum to 1 unless `sums` differ from that.
-    fn skinned(rng: &mut Pcg64Mcg, sums: f32) -> Arc<MorphBvh> {
-        let point = |rng: &mut Pcg64Mcg| Vec3::from_array([(); 3].map(|()| rng.random_range(-1.0..1.0)));
-        let base: Vec<Vec3> = (0..90).map(|_| point(rng)).collect();
-        let targets: [Vec<Vec3>; 2] = [(); 2].map(|()| (0..90).map(|_| point(rng) * 0.3).collect());
-        let joints: Vec<_> = (0..90).map(|_| [(); 4].map(|()| rng.random_range(0..JOINTS))).collect();
-        let weights = (0..90).map(|_| {
-            let share = rng.random_range(0.0..1.0);
-            [share * sums, (1.0 - share) * sums, 0.0, 0.0]
-        });
-        let weights: Vec<_> = weights.collect();
-        let triangles: Vec<_> = (0..30).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-        let influences = Influences {
-            joints: &joints,
-            weights: &weights,
-        };
-        let model = MorphModel::skinned(&base, &triangles, &targets, usize::from(JOINTS), &[influences]).unwrap();
-        Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()))
-    }
-
-    fn vertices(pose: &mut Pose) -> Vec<DVec3> {
         let place = WorldFromModel::IDENTITY;
-        let count = pose.bvh().model().vertex_count() as u32;
-        (0..count).map(|v| Body::new(pose, &place).vertex(v).unwrap()).collect()
+        displacement((before, &place), (self, &place), 0.0..f64::INFINITY)
     }
+}
 
-    #[test]
-    fn no_vertex_of_a_skinned_mesh_moves_farther_than_the_bound() {
-        let mut rng = Pcg64Mcg::seed_from_u64(5);
-        let (mut closest, mut moved_at_all) = (0.0_f64, 0);
-        for case in 0..200 {
-            let sums = [1.0, 1.0, 0.7, 1.6][case % 4];
-            let bvh = skinned(&mut rng, sums);
-            let [mut before, mut now] = [(); 2].map(|()| {
-                let matrices = [(); JOINTS as usize].map(|()| {
-                    let [a, b, c] = [(); 3].map(|()| rng.random_range(-0.2..0.2));
-                    let at = Vec3::from_array([(); 3].map(|()| rng.random_range(-1.0..1.0)));
-                    let turn = Quat::from_euler(EulerRot::XYZ, a, b, c);
-                    Affine3A::from_scale_rotation_translation(Vec3::splat(1.0 + a), turn, at)
-                });
-                let mut pose = Pose::new(bvh.clone());
-                pose.set_joints(&JointMatrices::new(&matrices).unwrap()).unwrap();
-                let weights = [(); 2].map(|()| rng.random_range(-0.1..0.1));
-                pose.set_weights(&weights).unwrap();
-                pose
-            });
-            let bound = now.displacement_from_pose(&mut before);
-            let (from, to) = (vertices(&mut before), vertices(&mut now));
-            let most = from.iter().zip(&to).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
-            assert!(most <= bound, "{most} is more than {bound}");
-            closest = closest.max(most / bound);
-            moved_at_all += usize::from(most > 0.1);
+/// A bound on the distance between any vertex of a body and the same vertex of the body as it was before. What is at most the start of `wanted` counts as
+/// that, and what is more than its end may be any larger number: both save work.
+pub(crate) fn displacement(
+    (before, from): (&mut Pose, &WorldFromModel),
+    (now, to): (&Pose, &WorldFromModel),
+    wanted: Range<f64>,
+) -> f64 {
+    if !Arc::ptr_eq(&now.bvh, &before.bvh) {
+        return f64::INFINITY;
+    }
+    let enough = wanted.start;
+    let same_weights = before.weights.all() == now.weights.all();
+    let bound = if now.skinning.is_some() {
+        if same_weights && before.joints() == now.joints() {
+            return enough;
         }
-        assert!(moved_at_all == 200 && closest > 0.5, "{closest}");
+        under_joints(before, now, wanted).unwrap_or(f64::INFINITY)
+    } else {
+        if same_weights && from.is_same_map(to) {
+            return enough;
+        }
+        placed((before, from), (now, to), wanted)
+    };
+    known(bound).max(enough)
+}
+
+fn placed(
+    (before, from): (&mut Pose, &WorldFromModel),
+    (now, to): (&Pose, &WorldFromModel),
+    wanted: Range<f64>,
+) -> f64 {
+    let motion = Motion {
+        linear: to.linear() - from.linear(),
+        translation: to.translation() - from.translation(),
+    };
+    let mut posed = before.posed_at(from);
+    let group = posed.top_group();
+    let slot = posed.open(group);
+    let boxes = *posed.boxes(slot);
+    let magnitude = posed.bounds().magnitude().as_dvec3();
+    let change = Change {
+        weights: [posed.weights.all(), now.weights.all()],
+        stretch: stretch(&to.linear()),
+        level: posed.level,
+    };
+    let moved = change.of_group(posed.tables.group(group));
+    let children = posed.topology.group(group).children();
+    let magnitudes = (0..children.len()).map(|lane| moved.get(lane).magnitude().as_dvec3());
+    let farther = magnitude + magnitudes.fold(DVec3::ZERO, DVec3::max);
+    let rounding = (from.placement_error(magnitude) + to.placement_error(farther)).length();
+
+    let mut farthest = wanted.start;
+    for (lane, child) in children.iter().enumerate() {
+        let by_targets = change.length(&moved.get(lane));
+        let by_place = rounding + motion.of_box(&boxes.get(lane), farthest - rounding - by_targets);
+        let bound = known(by_place + by_targets);
+        if by_place > wanted.end {
+            return bound;
+        }
+        if bound <= farthest {
+            continue;
+        }
+        match child.kind() {
+            ChildKind::Group(below) => {
+                let wanted = farthest..wanted.end;
+                farthest = change.refine(&posed, below, LEVELS, by_place, wanted);
+            }
+            ChildKind::Leaf(_) => farthest = bound,
+        }
+        if farthest > wanted.end {
+            break;
+        }
+    }
+    farthest
+}
+
+fn under_joints(before: &mut Pose, now: &Pose, wanted: Range<f64>) -> Option<f64> {
+    let (to, error) = now.skinning.as_ref().map(|(_, now)| (&now.joints, now.error()))?;
+    let skin = now.bvh.model().skin()?;
+    let mut posed = before.posed();
+    let tree = posed.skin_tree()?;
+    let (tables, skinning) = posed.skin.as_mut()?;
+    let (from, rounding) = (skinning.joints.clone(), 3_f64.sqrt() * (error + skinning.error()));
+    let boxes = skinning.joint_boxes(tree)?;
+    let sum = skin.max_sum().max(1e-3) * (1.0 + 1e-9);
+    let enough = (wanted.start - rounding) / sum;
+    let mut farthest = enough;
+    for ((joints, tables), boxes) in tables.joints.blocks().zip(boxes) {
+        let change = Change {
+            weights: [posed.weights.all(), now.weights.all()],
+            stretch: 1.0,
+            level: posed.level,
+        };
+        let moved = change.of_group(tables);
+        for (lane, &joint) in joints.iter().enumerate() {
+            let (from, to) = (from.columns(joint), to.columns(joint));
+            let [x, y, z, translation] = std::array::from_fn(|column| to[column] - from[column]);
+            let motion = Motion {
+                linear: DMat3::from_cols(x, y, z),
+                translation,
+            };
+            let by_targets = match change.length(&moved.get(lane)) {
+                0.0 => 0.0,
+                length => length * stretch(&DMat3::from_cols(to[0], to[1], to[2])),
+            };
+            let by_joint = motion.of_box(&boxes.get(lane), farthest - by_targets);
+            farthest = farthest.max(known(by_joint + by_targets));
+            if farthest > enough && sum * farthest + rounding > wanted.end {
+                return Some(f64::INFINITY);
+            }
+        }
+    }
+    // Not by way of `farthest`, which is rounded: whether that is enough must not depend on it.
+    Some(if farthest <= enough {
+        wanted.start
+    } else {
+        sum * farthest + rounding
+    })
+}
+
+/// Other weights, and what follows them.
+struct Change<'a> {
+    /// Before and now.
+    weights: [&'a [f32]; 2],
+    /// A bound on how much longer the map to the world makes a vector.
+    stretch: f64,
+    level: Level,
+}
+
+impl Change<'_> {
+    /// Boxes around the displacements in each child of a group.
+    fn of_group(&self, tables: GroupTables<'_>) -> BoxLanes {
+        let mut moved = BoxLanes::default();
+        with_simd!(self.level, simd => blend_change(simd, tables, self.weights, &mut moved));
+        moved
     }
 
-    #[test]
-    fn the_bound_is_the_way_where_all_joints_go_the_same_one() {
-        let bvh = skinned(&mut Pcg64Mcg::seed_from_u64(6), 1.0);
-        let at = |x: f32| {
-            let mut pose = Pose::new(bvh.clone());
-            let matrices = [Affine3A::from_translation(Vec3::X * x); JOINTS as usize];
-            pose.set_joints(&JointMatrices::new(&matrices).unwrap()).unwrap();
-            pose
-        };
-        let bound = at(3.0).displacement_from_pose(&mut at(1.0));
-        assert!((2.0..2.0001).contains(&bound), "{bound}");
-        assert_eq!(at(3.0).displacement_from_pose(&mut at(3.0)), 0.0);
-        let other = skinned(&mut Pcg64Mcg::seed_from_u64(6), 1.0);
-        assert_eq!(at(3.0).displacement_from_pose(&mut Pose::new(other)), f64::INFINITY);
+    /// A bound on the lengths, in the world, of displacements in a box.
+    fn length(&self, moved: &Aabb) -> f64 {
+        self.stretch * moved.magnitude().as_dvec3().length() * (1.0 + 1e-9)
     }
+
+    /// A bound for the vertices of a group, which the place moves by at most `by_place`.
+    fn refine(&self, posed: &Posed<'_>, group: usize, levels: usize, by_place: f64, wanted: Range<f64>) -> f64 {
+        let mut farthest = wanted.start;
+        let moved = self.of_group(posed.tables.group(group));
+        for (lane, child) in posed.topology.group(group).children().iter().enumerate() {
+            let bound = known(by_place + self.length(&moved.get(lane)));
+            if bound <= farthest {
+                continue;
+            }
+            farthest = match child.kind() {
+                ChildKind::Group(below) if levels > 1 => {
+                    self.refine(posed, below, levels - 1, by_place, farthest..wanted.end)
+                }
+                _ => bound,
+            };
+            if farthest > wanted.end {
+                break;
+            }
+        }
+        farthest
+    }
+}
+
+/// The difference of two maps: what it gives for a point is how far the point moves.
+struct Motion {
+    linear: DMat3,
+    translation: DVec3,
+}
+
+impl Motion {
+    /// A bound on how far points of a box move: that of the farthest corner, or a simpler one if that is at most `enough`.
+    fn of_box(&self, bounds: &Aabb, enough: f64) -> f64 {
+        let reach = self.linear.abs() * bounds.magnitude().as_dvec3() + self.translation.abs();
+        let rounding = 32.0 * f64::EPSILON * reach.element_sum();
+        let Box64 { center, half } = Box64::of(bounds);
+        let middle = self.linear * center + self.translation;
+        let simple = (middle.abs() + self.linear.abs() * half).length() + rounding;
+        if simple <= enough {
+            return simple;
+        }
+        let [x, y, z] = [
+            self.linear.x_axis * half.x,
+            self.linear.y_axis * half.y,
+            self.linear.z_axis * half.z,
+        ];
+        let farthest = [x + y + z, x + y - z, x - y + z, x - y - z]
+            .into_iter()
+            .map(|corner| {
+                (middle + corner)
+                    .length_squared()
+                    .max((middle - corner).length_squared())
+            })
+            .fold(0.0, f64::max);
+        // What is not a number is lost in a maximum, but not in `simple`.
+        if simple.is_finite() {
+            farthest.sqrt() * (1.0 + 1e-9) + rounding
+        } else {
+            f64::INFINITY
+        }
+    }
+}
+
+/// A bound on how much longer a map makes a vector: on the square root of the largest eigenvalue of `m^T m`, from the sums of its rows. It is
+/// reached where the axes stay at right angles.
+fn stretch(m: &DMat3) -> f64 {
+    let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis];
+    let [xy, xz, yz] = [x.dot(y).abs(), x.dot(z).abs(), y.dot(z).abs()];
+    let sums = [
+        x.length_squared() + xy + xz,
+        y.length_squared() + xy + yz,
+        z.length_squared() + xz + yz,
+    ];
+    sums.into_iter().fold(0.0, f64::max).sqrt() * (1.0 + 1e-9)
+}
+
+/// The bound, or infinity where overflow has left none.
+fn known(bound: f64) -> f64 {
+    if bound.is_nan() { f64::INFINITY } else { bound }
 }

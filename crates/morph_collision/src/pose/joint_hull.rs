@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use super::blend::blend_group;
 use super::skin_blend::MAX_REACH;
-use crate::bounds::{Aabb, Box64, BoxLanes, Extent, with_simd};
+use crate::bounds::{Aabb, BoxLanes, Extent, with_simd};
 use crate::joints::{Columns, JointMatrices};
 use crate::model::Weights;
 use crate::tree::JointBoxes;
@@ -66,31 +66,9 @@ impl JointHull {
         scaled.outward()
     }
 
-    /// A bound on how far any joint takes any of its vertices at these weights when its matrix changes from `before` to `now`; infinite where there
-    /// is none.
-    pub(super) fn displacement(
-        &mut self,
-        level: Level,
-        tables: &JointBoxes,
-        weights: &Weights,
-        before: &JointMatrices,
-        now: &JointMatrices,
-    ) -> f64 {
-        if !self.is_bounded(level, tables, weights) {
-            return f64::INFINITY;
-        }
-        let mut displacement = 0.0_f64;
-        for ((moved, _), boxes) in tables.blocks().zip(&self.boxes) {
-            for (lane, &joint) in moved.iter().enumerate() {
-                let (from, to) = (before.columns(joint), now.columns(joint));
-                let [x, y, z, t] = std::array::from_fn(|column| to[column] - from[column]);
-                let Box64 { center, half } = Box64::of(&boxes.get(lane));
-                let middle = x * center.x + y * center.y + z * center.z + t;
-                let radius = x.abs() * half.x + y.abs() * half.y + z.abs() * half.z;
-                displacement = displacement.max((middle.abs() + radius).length());
-            }
-        }
-        displacement
+    /// The boxes; `None` where coordinates are too large to compute with.
+    pub(super) fn boxes(&mut self, level: Level, tables: &JointBoxes, weights: &Weights) -> Option<&[BoxLanes]> {
+        self.is_bounded(level, tables, weights).then_some(&self.boxes)
     }
 
     /// Blends the boxes unless they are those of the weights; returns whether they can be computed with.

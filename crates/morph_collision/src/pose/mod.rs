@@ -19,6 +19,7 @@ mod visit;
 mod weights;
 
 pub(crate) use cache::EpochCache;
+pub(crate) use displacement::displacement;
 pub use instance::Pose;
 pub(crate) use posed::{Blended, NodeId, NodeRef, Posed};
 pub use snapshot::PoseSnapshot;
@@ -28,6 +29,8 @@ pub use weights::WeightsError;
 
 #[cfg(test)]
 mod corners_tests;
+#[cfg(test)]
+mod displacement_tests;
 #[cfg(test)]
 mod joint_rounding_tests;
 #[cfg(test)]

@@ -6,7 +6,6 @@ use glam::DVec3;
 use super::posed::{NodeId, Posed};
 use super::skinning::SkinTree;
 use crate::bounds::{Aabb, BoxLanes, Extent, Frame, WorldFromModel, with_simd};
-use crate::joints::JointMatrices;
 use crate::tree::{BODY_FRAME, ChildKind, Leaf};
 
 /// Boxes that are kept in the space of a joint.
@@ -88,20 +87,13 @@ impl<'a> Posed<'a> {
         Some(skinning.world_bounds(tree))
     }
 
-    /// A bound on how far any joint takes its vertices when the joints become others, and how far off vertices are by rounding.
-    pub(super) fn joint_displacement(&mut self, now: &JointMatrices) -> Option<(f64, f64)> {
-        let tree = self.skin_tree()?;
-        let (_, skinning) = self.skin.as_mut()?;
-        Some((skinning.joint_displacement(tree, now), skinning.error()))
-    }
-
     /// The map from the space of a joint to the body's; `None` where there is none.
     pub(crate) fn body_from_bone(&mut self, frame: usize) -> Option<Frame> {
         let (_, skinning) = self.skin.as_mut()?;
         skinning.body_from_frame(frame)
     }
 
-    fn skin_tree(&self) -> Option<SkinTree<'a>> {
+    pub(super) fn skin_tree(&self) -> Option<SkinTree<'a>> {
         let (skin, _) = self.skin.as_ref()?;
         Some(SkinTree {
             model: self.model,

@@ -242,11 +242,9 @@ impl Skinning {
         self.hull.around(tree.level, joints, tree.weights, &self.joints, slack)
     }
 
-    /// A bound on how far any joint takes its vertices when the joints become others.
-    pub(super) fn joint_displacement(&mut self, tree: SkinTree<'_>, now: &JointMatrices) -> f64 {
-        let joints = &tree.skin.joints;
-        self.hull
-            .displacement(tree.level, joints, tree.weights, &self.joints, now)
+    /// What each joint moves, before it does; `None` where coordinates are too large to compute with.
+    pub(super) fn joint_boxes(&mut self, tree: SkinTree<'_>) -> Option<&[BoxLanes]> {
+        self.hull.boxes(tree.level, &tree.skin.joints, tree.weights)
     }
 
     /// Where a frame stands.

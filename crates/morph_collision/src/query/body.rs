@@ -1,8 +1,10 @@
+use std::ops::Range;
+
 use glam::DVec3;
 
 use crate::bounds::WorldFromModel;
 use crate::exact::Triangle;
-use crate::pose::{Pose, Posed};
+use crate::pose::{Pose, Posed, displacement};
 
 /// A pose and its placement, borrowed for one query.
 #[derive(Debug)]
@@ -36,6 +38,27 @@ impl<'a> Body<'a> {
     pub fn triangle(&mut self, triangle: u32) -> Option<Triangle> {
         let exists = (triangle as usize) < self.pose.bvh().model().triangle_count();
         exists.then(|| self.posed().world_triangle(triangle))
+    }
+
+    /// A bound on how far any vertex is, in world space, from where the same vertex is in `before`; roundings included. Infinite for poses of
+    /// different trees.
+    ///
+    /// The bound is about the vertices of triangles, and so about every point of the surface. No vertex is blended for it. It costs a pass over the targets
+    /// and one over the joints; if only targets move vertices, up to two levels of the tree below the root's children are looked at, where that makes the bound smaller.
+    #[must_use]
+    pub fn displacement_from(&self, before: Body<'_>) -> f64 {
+        self.displacement(before, 0.0..f64::INFINITY)
+    }
+
+    /// Whether [`Body::displacement_from`] is at most `distance`, which costs less to find out.
+    #[must_use]
+    pub fn moved_at_most(&self, distance: f64, before: Body<'_>) -> bool {
+        self.displacement(before, distance..distance) <= distance
+    }
+
+    fn displacement(&self, before: Body<'_>, wanted: Range<f64>) -> f64 {
+        let before = (before.pose, before.world_from_model);
+        displacement(before, (self.pose, self.world_from_model), wanted)
     }
 
     pub(crate) fn posed(&mut self) -> Posed<'_> {

@@ -54,7 +54,7 @@ pub use memory::PairMemory;
 pub use pairs::{PairQuery, TrianglePair};
 pub use ray::{Facing, RayHit, RayQuery};
 pub use self_pairs::SelfQuery;
-pub use shape::{ClosestPoint, PlacedShape, Shape, ShapeContact, ShapeQuery};
+pub use shape::{ClosestPoint, PlacedShape, Shape, ShapeCastHit, ShapeContact, ShapeGap, ShapeImpact, ShapeQuery};
 pub use stats::QueryStats;
 
 #[cfg(test)]

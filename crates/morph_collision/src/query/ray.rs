@@ -9,6 +9,7 @@ use super::one::OneBody;
 use super::ray_view::RayView;
 use crate::bounds::{LANES, RayCull, lanes_of, with_simd};
 use crate::exact::{Crossing, Triangle, VALUE_ERROR, closest_on_triangle, ray_meets_triangle};
+use crate::input_error::InputError;
 
 /// The side of a triangle that a ray hits. The front is where its corners appear counter-clockwise in world space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -113,6 +114,50 @@ impl RayQuery {
             ControlFlow::Continue(f64::INFINITY)
         });
         hits[start..].sort_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
+    }
+
+    /// Whether a point is on the surface or inside a mesh that is closed, however its triangles are turned outwards or inwards.
+    ///
+    /// Counts along a ray from the point how often it passes through fronts and backs; they balance outside. Along rays that meet an edge that
+    /// cannot be told, so another one is cast. A mesh with holes has no inside: near them either answer is possible.
+    ///
+    /// # Errors
+    /// [`InputError`] if the point is not finite or beyond 1e50.
+    pub fn encloses(&mut self, mut body: Body<'_>, point: DVec3) -> Result<bool, InputError> {
+        /// Directions without relation to those that models like.
+        const DIRECTIONS: [DVec3; 5] = [
+            DVec3::new(0.7391, 0.4127, 0.5323),
+            DVec3::new(-0.3271, 0.8117, 0.4831),
+            DVec3::new(0.5417, -0.6173, 0.5711),
+            DVec3::new(-0.6029, -0.4783, -0.6389),
+            DVec3::new(0.2087, 0.3313, -0.9203),
+        ];
+        /// Hits as near to each other, relative to `t`, may be one passage through an edge.
+        const TOGETHER: f64 = 1e-9;
+        let (mut inside, mut outside) = (0, 0);
+        for direction in DIRECTIONS {
+            let ray = Ray::new(point, direction, f64::INFINITY)?;
+            let mut hits = Vec::new();
+            self.all(body.reborrow(), &ray, &mut hits);
+            if hits.first().is_some_and(|hit| hit.t == 0.0) {
+                return Ok(true);
+            }
+            let winding: i64 = hits
+                .iter()
+                .map(|hit| match hit.facing {
+                    Facing::Front => -1,
+                    Facing::Back => 1,
+                    Facing::EdgeOn => 0,
+                })
+                .sum();
+            let is_clear = hits.iter().all(|hit| hit.facing != Facing::EdgeOn)
+                && hits.windows(2).all(|pair| pair[1].t - pair[0].t > TOGETHER * pair[1].t);
+            if is_clear {
+                return Ok(winding != 0);
+            }
+            *(if winding == 0 { &mut outside } else { &mut inside }) += 1;
+        }
+        Ok(inside > outside)
     }
 
     /// Calls `at_hit` for hits until it breaks. It returns the parameter of the line beyond which hits no longer matter.

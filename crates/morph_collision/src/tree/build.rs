@@ -1,9 +1,11 @@
-//! Building: splits nodes from the top down and measures them from the bottom up, in one recursion.
+//! Building: splits nodes from the top down and measures them from the bottom up, in one pass.
 
 use std::sync::Arc;
+use std::vec;
 
 use super::clusters::{Cluster, dominant};
 use super::extents::NodeExtents;
+use super::pace::{Pace, at_once};
 use super::sah::Partition;
 use super::skin_tables::SkinBuilder;
 use super::topology::{Child, Group};
@@ -11,7 +13,7 @@ use super::{BuildOptions, LeafLanes, MorphBvh, Tables, Topology};
 use crate::bounds::{Kernel, LANES};
 use crate::model::MorphModel;
 
-/// The most levels of a tree, so that recursion never overflows the stack. Not measured; trees of real meshes have about ten.
+/// The most levels of a tree. Not measured; trees of real meshes have about ten.
 pub(super) const MAX_DEPTH: usize = 256;
 /// More levels than splitting by count takes: each one divides 2^31 triangles by eight.
 const COUNT_DEPTH: usize = 33;
@@ -19,18 +21,18 @@ const COUNT_DEPTH: usize = 33;
 /// Decides how a node's triangles are divided among its children.
 pub(super) trait Splits {
     /// Reorders a node's triangles child by child and returns the number of triangles of each child, `None` for a leaf.
-    fn split(&mut self, triangles: &mut [u32], depth: usize) -> Option<Vec<usize>>;
+    async fn split(&mut self, triangles: &mut [u32], depth: usize, pace: &Pace) -> Option<Vec<usize>>;
 }
 
 impl Splits for Partition {
-    fn split(&mut self, triangles: &mut [u32], depth: usize) -> Option<Vec<usize>> {
+    async fn split(&mut self, triangles: &mut [u32], depth: usize, pace: &Pace) -> Option<Vec<usize>> {
         if triangles.len() <= self.leaf_size {
             return None;
         }
         let counts = if depth + COUNT_DEPTH > MAX_DEPTH {
             Vec::new()
         } else {
-            self.by_area(triangles)
+            self.by_area(triangles, pace).await
         };
         if counts.len() > 1 {
             return Some(counts);
@@ -45,7 +47,7 @@ impl Splits for Partition {
 pub(super) struct Recorded<'a>(pub(super) &'a [u32]);
 
 impl Splits for Recorded<'_> {
-    fn split(&mut self, _: &mut [u32], _: usize) -> Option<Vec<usize>> {
+    async fn split(&mut self, _: &mut [u32], _: usize, _: &Pace) -> Option<Vec<usize>> {
         let (&children, rest) = self.0.split_first()?;
         let (counts, rest) = rest.split_at_checked(children as usize)?;
         self.0 = rest;
@@ -54,44 +56,53 @@ impl Splits for Recorded<'_> {
 }
 
 impl MorphBvh {
-    /// Builds the tree.
+    /// Builds the tree. [`MorphBvhBuilder`](crate::MorphBvhBuilder) does it in steps.
     #[must_use]
     pub fn build(model: Arc<MorphModel>, options: &BuildOptions) -> Self {
-        let triangles = (0..model.triangle_count() as u32).collect();
-        let splits = Partition::new(&model, options.leaf_size());
-        build_over(model, options, triangles, splits)
+        at_once(build_paced(model, options, &Pace::endless()))
     }
 }
 
+/// Builds a tree, pausing between the pieces of work.
+pub(super) async fn build_paced(model: Arc<MorphModel>, options: &BuildOptions, pace: &Pace) -> MorphBvh {
+    let triangles = (0..model.triangle_count() as u32).collect();
+    let splits = Partition::new(&model, options.leaf_size(), pace).await;
+    build_over(model, options, triangles, splits, pace).await
+}
+
 /// Builds a tree over all triangles, given in any order.
-pub(super) fn build_over(
+pub(super) async fn build_over(
     model: Arc<MorphModel>,
     options: &BuildOptions,
     mut triangles: Vec<u32>,
     splits: impl Splits,
+    pace: &Pace,
 ) -> MorphBvh {
     let mut builder = Builder {
         model: &model,
+        pace,
         splits,
         topology: Topology::new(),
         tables: Tables::default(),
-        skin: model.skin().map(|_| {
-            let vertices = 0..model.vertex_count() as u32;
-            let clusters = vertices.map(|vertex| Cluster::of_vertex(&model, vertex));
-            SkinBuilder::new(dominant(Cluster::joined(clusters.collect()).iter()))
-        }),
+        skin: match model.skin() {
+            Some(_) => Some(SkinBuilder::new(dominant_joint(&model, pace).await)),
+            None => None,
+        },
     };
     let above_root = builder.reserve();
-    let (root, clusters) = builder.node(&mut triangles, 0);
+    let (root, clusters) = builder.nodes(&mut triangles).await;
     builder.finish(above_root, &[root], vec![clusters], true);
     let (mut topology, mut tables, skin) = (builder.topology, builder.tables, builder.skin);
     tables.finish();
     topology.triangles = triangles;
-    MorphBvh {
+    let leaf_lanes = match skin {
         // Vertices that joints move are blended one by one.
-        leaf_lanes: (skin.is_none())
-            .then(|| LeafLanes::new(&model, &topology).map(Arc::new))
-            .flatten(),
+        Some(_) => None,
+        None => LeafLanes::new(&model, &topology, pace).await.map(Arc::new),
+    };
+    pace.spend(if skin.is_some() { model.vertex_count() } else { 0 }).await;
+    MorphBvh {
+        leaf_lanes,
         skin: skin.map(|skin| Arc::new(skin.finish(&model))),
         model,
         topology: Arc::new(topology),
@@ -101,29 +112,82 @@ pub(super) fn build_over(
     }
 }
 
+/// The joint that moves most of a mesh.
+async fn dominant_joint(model: &MorphModel, pace: &Pace) -> u16 {
+    let mut clusters = Vec::with_capacity(model.vertex_count());
+    for vertex in 0..model.vertex_count() as u32 {
+        pace.spend(work_on(model, 1)).await;
+        clusters.push(Cluster::of_vertex(model, vertex));
+    }
+    pace.spend(work_on(model, clusters.len())).await;
+    dominant(Cluster::joined(clusters).iter())
+}
+
+/// The work of measuring some vertices, or children, on every target.
+fn work_on(model: &MorphModel, count: usize) -> usize {
+    // Joints are not counted: a vertex has few.
+    count * (4 + model.target_count())
+}
+
 struct Builder<'a, S> {
     model: &'a MorphModel,
+    pace: &'a Pace,
     splits: S,
     topology: Topology,
     tables: Tables,
     skin: Option<SkinBuilder>,
 }
 
+/// A group whose children are being built.
+struct Open {
+    group: usize,
+    /// How many triangles the children to come have.
+    counts: vec::IntoIter<usize>,
+    children: Vec<Child>,
+    clusters: Vec<Vec<Cluster>>,
+}
+
 impl<S: Splits> Builder<'_, S> {
-    /// Builds the node over `triangles`, which it reorders. Returns it with the clusters of its vertices.
-    fn node(&mut self, triangles: &mut [u32], depth: usize) -> (Child, Vec<Cluster>) {
-        self.topology.depth = self.topology.depth.max(depth);
-        let Some(counts) = self.splits.split(triangles, depth) else {
-            return self.leaf(triangles);
-        };
-        let group = self.reserve();
-        let mut rest = triangles;
-        let build_child = |count| {
-            let part = rest.split_off_mut(..count).unwrap_or_default();
-            self.node(part, depth + 1)
-        };
-        let (children, clusters): (Vec<_>, Vec<_>) = counts.into_iter().map(build_child).unzip();
-        (Child::group(group), self.finish(group, &children, clusters, depth == 0))
+    /// Builds all nodes in preorder over `triangles`, which it reorders. Returns the root with the clusters of its vertices.
+    async fn nodes(&mut self, triangles: &mut [u32]) -> (Child, Vec<Cluster>) {
+        let mut open: Vec<Open> = Vec::new();
+        let mut range = 0..triangles.len();
+        loop {
+            // Down to the next leaf.
+            while let Some(counts) = self
+                .splits
+                .split(&mut triangles[range.clone()], open.len(), self.pace)
+                .await
+            {
+                let children = counts.len();
+                let mut counts = counts.into_iter();
+                range.end = range.start + counts.next().unwrap_or_default();
+                open.push(Open {
+                    group: self.reserve(),
+                    counts,
+                    children: Vec::with_capacity(children),
+                    clusters: Vec::with_capacity(children),
+                });
+            }
+            self.topology.depth = self.topology.depth.max(open.len());
+            self.pace.spend(work_on(self.model, range.len())).await;
+            let mut node = self.leaf(&triangles[range.clone()]);
+            // Up from it, past all groups whose last child is done.
+            loop {
+                let Some(mut parent) = open.pop() else { return node };
+                let (child, clusters) = node;
+                parent.children.push(child);
+                parent.clusters.push(clusters);
+                if let Some(count) = parent.counts.next() {
+                    range = range.end..range.end + count;
+                    open.push(parent);
+                    break;
+                }
+                self.pace.spend(work_on(self.model, parent.children.len())).await;
+                let clusters = self.finish(parent.group, &parent.children, parent.clusters, open.is_empty());
+                node = (Child::group(parent.group), clusters);
+            }
+        }
     }
 
     fn leaf(&mut self, triangles: &[u32]) -> (Child, Vec<Cluster>) {

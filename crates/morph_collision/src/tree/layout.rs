@@ -4,6 +4,7 @@ use std::{fmt, mem};
 use thiserror::Error;
 
 use super::build::{MAX_DEPTH, Recorded, build_over};
+use super::pace::{Pace, at_once};
 use super::topology::Child;
 use super::{BuildOptions, ChildKind, MorphBvh};
 use crate::bounds::LANES;
@@ -187,6 +188,7 @@ impl MorphBvh {
     pub fn from_layout(model: Arc<MorphModel>, layout: &TreeLayout) -> Result<Self, LayoutError> {
         layout.check(&model)?;
         let (triangles, splits) = (layout.triangles.clone(), Recorded(&layout.nodes));
-        Ok(build_over(model, &layout.options, triangles, splits))
+        let pace = Pace::endless();
+        Ok(at_once(build_over(model, &layout.options, triangles, splits, &pace)))
     }
 }

@@ -4,6 +4,7 @@ use fearless_simd::f32x4;
 use fearless_simd::prelude::*;
 use glam::Vec3;
 
+use super::pace::Pace;
 use super::{Leaf, Topology};
 use crate::bounds::{LANES, Lanes};
 use crate::model::MorphModel;
@@ -42,18 +43,21 @@ pub(crate) struct PatchColumns<'a> {
 impl LeafLanes {
     /// `None` if the average patch has too many targets or too few triangles. The vertices of such a tree are blended one by
     /// one.
-    pub(super) fn new(model: &MorphModel, topology: &Topology) -> Option<Self> {
+    pub(super) async fn new(model: &MorphModel, topology: &Topology, pace: &Pace) -> Option<Self> {
         let mut lanes = Self {
             starts: vec![0],
             ..Self::default()
         };
-        let leaves = || (0..topology.leaf_count()).map(|leaf| topology.leaf_triangles(Leaf(leaf)));
         let patches = topology.patch_count();
         if model.triangle_count() < MIN_TRIANGLES * patches {
             return None;
         }
-        for triangles in leaves().flat_map(|triangles| triangles.chunks(LANES)) {
-            lanes.push(model, triangles);
+        for leaf in 0..topology.leaf_count() {
+            let triangles = topology.leaf_triangles(Leaf(leaf));
+            pace.spend(3 * triangles.len() * (1 + model.target_count())).await;
+            for triangles in triangles.chunks(LANES) {
+                lanes.push(model, triangles);
+            }
             if lanes.targets.len() > MAX_TARGETS * patches {
                 return None;
             }
@@ -63,25 +67,23 @@ impl LeafLanes {
 
     /// Adds the next patch.
     fn push(&mut self, model: &MorphModel, triangles: &[u32]) {
-        let corners = || {
-            in_lanes(triangles).flat_map(|(lane, triangle)| {
-                let corners = model.corners(triangle).into_iter().enumerate();
-                corners.map(move |(corner, vertex)| (lane, corner, vertex))
-            })
-        };
         let mut base = CornerLanes::default();
         let mut targets = Vec::new();
-        for (lane, corner, vertex) in corners() {
-            put(&mut base, lane, corner, model.base(vertex));
-            targets.extend(model.displacements(vertex).map(|d| d.target));
+        for (lane, triangle) in in_lanes(triangles) {
+            for (corner, vertex) in model.corners(triangle).into_iter().enumerate() {
+                put(&mut base, lane, corner, model.base(vertex));
+                targets.extend(model.displacements(vertex).map(|d| d.target));
+            }
         }
         targets.sort_unstable();
         targets.dedup();
         let mut displacements = vec![CornerLanes::default(); targets.len()];
-        for (lane, corner, vertex) in corners() {
-            for displacement in model.displacements(vertex) {
-                let column = targets.partition_point(|&target| target < displacement.target);
-                put(&mut displacements[column], lane, corner, displacement.delta);
+        for (lane, triangle) in in_lanes(triangles) {
+            for (corner, vertex) in model.corners(triangle).into_iter().enumerate() {
+                for displacement in model.displacements(vertex) {
+                    let column = targets.partition_point(|&target| target < displacement.target);
+                    put(&mut displacements[column], lane, corner, displacement.delta);
+                }
             }
         }
         self.bases.push(base);

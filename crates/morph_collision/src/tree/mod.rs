@@ -1,12 +1,13 @@
 //! The immutable tree: which triangles are together, and what blends into a box for each node.
 //!
-//! `build` runs the stages. `sah` splits a node's triangles by the surface-area heuristic. `topology` records the
+//! `build` runs the stages, and `builder` in steps; `pace` decides where a step ends. `sah` splits a node's triangles by the surface-area heuristic. `topology` records the
 //! result in preorder. `extents` measures the base and each target over every node. `tables` turns extents into what a pose
 //! blends. For skinned meshes `clusters` splits the vertices of each node by joints, `blocks` puts them side by side, and `skin_tables` stores how
 //! these move. `joint_boxes` bounds what each joint moves. `leaf_lanes` stores the corners of the leaves' triangles for the exact tests.
 
 mod blocks;
 mod build;
+mod builder;
 mod bvh;
 mod clusters;
 mod extents;
@@ -14,11 +15,13 @@ mod joint_boxes;
 mod layout;
 mod leaf_lanes;
 mod options;
+mod pace;
 mod sah;
 mod skin_tables;
 mod tables;
 mod topology;
 
+pub use builder::MorphBvhBuilder;
 pub use bvh::MorphBvh;
 pub(crate) use joint_boxes::JointBoxes;
 pub use layout::{LayoutError, TreeLayout};
@@ -30,6 +33,8 @@ pub(crate) use skin_tables::{BODY_FRAME, Block, SkinTables};
 pub(crate) use tables::{GroupTables, Tables};
 pub(crate) use topology::{Child, ChildKind, Leaf, Topology};
 
+#[cfg(test)]
+mod builder_tests;
 #[cfg(test)]
 mod sah_tests;
 #[cfg(test)]

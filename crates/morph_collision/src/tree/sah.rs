@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use glam::Vec3;
 
+use super::pace::Pace;
 use crate::bounds::{Aabb, LANES};
 use crate::model::{MorphModel, Weights};
 
@@ -77,13 +78,16 @@ fn half_area(bounds: &Aabb) -> f64 {
 }
 
 impl Partition {
-    pub(super) fn new(model: &MorphModel, leaf_size: usize) -> Self {
+    pub(super) async fn new(model: &MorphModel, leaf_size: usize, pace: &Pace) -> Self {
         let mut targets: Vec<usize> = (0..model.target_count()).collect();
         targets.sort_by(|&i, &j| model.target_reach()[j].total_cmp(&model.target_reach()[i]));
         targets.truncate(MAX_TARGETS);
         let mut weights = vec![0.0; model.target_count()];
+        let work = model.vertex_count() + model.triangle_count();
+        pace.spend(work).await;
         let mut shapes = vec![Shape::new(model, &weights)];
         for target in targets {
+            pace.spend(work).await;
             weights[target] = 1.0;
             shapes.push(Shape::new(model, &weights));
             weights[target] = 0.0;
@@ -93,8 +97,8 @@ impl Partition {
 
     /// Reorders the triangles child by child and returns the number of triangles of each child: 1 to 8 children, none empty. There is
     /// one child only if no plane separates the midpoints.
-    pub(super) fn by_area(&self, triangles: &mut [u32]) -> Vec<usize> {
-        let mut parts = vec![self.part(triangles, 0..triangles.len())];
+    pub(super) async fn by_area(&self, triangles: &mut [u32], pace: &Pace) -> Vec<usize> {
+        let mut parts = vec![self.part(triangles, 0..triangles.len(), pace).await];
         while parts.len() < LANES {
             let Some(costliest) = (0..parts.len())
                 .filter(|&i| parts[i].is_divisible)
@@ -103,12 +107,12 @@ impl Partition {
                 break;
             };
             let range = parts[costliest].range.clone();
-            match self.halve(&mut triangles[range.clone()]) {
+            match self.halve(&mut triangles[range.clone()], pace).await {
                 Some(count) => {
                     let middle = range.start + count;
-                    let halves = [range.start..middle, middle..range.end];
-                    let halves = halves.map(|half| self.part(triangles, half));
-                    parts.splice(costliest..=costliest, halves);
+                    parts[costliest] = self.part(triangles, range.start..middle, pace).await;
+                    let second = self.part(triangles, middle..range.end, pace).await;
+                    parts.insert(costliest + 1, second);
                 }
                 None => parts[costliest].is_divisible = false,
             }
@@ -116,9 +120,15 @@ impl Partition {
         parts.into_iter().map(|part| part.range.len()).collect()
     }
 
-    fn part(&self, triangles: &[u32], range: Range<usize>) -> Part {
+    async fn part(&self, triangles: &[u32], range: Range<usize>, pace: &Pace) -> Part {
         let part = &triangles[range.clone()];
-        let area: f64 = self.shapes.iter().map(|shape| half_area(&hull(shape, part))).sum();
+        let mut area = 0.0;
+        for shapes in self.pieces(part) {
+            pace.spend(shapes.len() * part.len()).await;
+            area = shapes
+                .iter()
+                .fold(area, |area, shape| area + half_area(&hull(shape, part)));
+        }
         Part {
             cost: area * self.leaves(part.len()),
             is_divisible: part.len() > self.leaf_size,
@@ -133,21 +143,19 @@ impl Partition {
 
     /// Moves the triangles to the two sides of the best plane. Returns the number on the first side, `None` if no plane
     /// separates them.
-    fn halve(&self, triangles: &mut [u32]) -> Option<usize> {
+    async fn halve(&self, triangles: &mut [u32], pace: &Pace) -> Option<usize> {
         let mut best: Option<(f64, usize, Binned)> = None;
         for axis in 0..3 {
+            pace.spend(triangles.len()).await;
             let Some((bins, binned)) = self.binned(triangles, axis) else {
                 continue;
             };
             let mut costs = vec![0.0; bins];
-            for shape in &self.shapes {
-                let mut boxes = vec![(Aabb::EMPTY, 0); bins];
-                for &(bin, triangle) in &binned {
-                    let (bounds, count) = &mut boxes[bin];
-                    *bounds = bounds.union(&shape.bounds[triangle as usize]);
-                    *count += 1;
-                }
-                self.add_costs(boxes.into_iter(), &mut costs);
+            for shapes in self.pieces(triangles) {
+                pace.spend(shapes.len() * triangles.len()).await;
+                shapes
+                    .iter()
+                    .for_each(|shape| self.add_shape(shape, &binned, &mut costs));
             }
             // Among equal costs, as of triangles without area, the middle.
             let imbalance = |plane: usize| (2 * plane).abs_diff(bins);
@@ -166,6 +174,23 @@ impl Partition {
             *slot = *triangle;
         }
         Some(first.len())
+    }
+
+    /// All shapes, in pieces of so many that a piece is not much work over some triangles.
+    fn pieces(&self, triangles: &[u32]) -> std::slice::Chunks<'_, Shape> {
+        const PIECE: usize = 1 << 14;
+        self.shapes.chunks((PIECE / triangles.len().max(1)).max(1))
+    }
+
+    /// For the plane before each bin adds to its cost what it costs on one shape.
+    fn add_shape(&self, shape: &Shape, binned: &[(usize, u32)], costs: &mut [f64]) {
+        let mut boxes = vec![(Aabb::EMPTY, 0); costs.len()];
+        for &(bin, triangle) in binned {
+            let (bounds, count) = &mut boxes[bin];
+            *bounds = bounds.union(&shape.bounds[triangle as usize]);
+            *count += 1;
+        }
+        self.add_costs(boxes.into_iter(), costs);
     }
 
     /// A number of bins along an axis, and each triangle with its bin; `None` if one bin holds all midpoints. Few triangles are

@@ -7,6 +7,7 @@ use morph_collision_testkit::models::{degenerate, dolphin, random};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
+use super::pace::{Pace, at_once};
 use super::sah::{Partition, Shape};
 use super::validate_tests::validate;
 use super::*;
@@ -27,7 +28,7 @@ fn judge(shapes: Vec<Shape>, about: &str) {
     for leaf_size in [1, 3, 8, 255] {
         partition.leaf_size = leaf_size;
         let mut triangles: Vec<u32> = (0..count as u32).collect();
-        let lengths = partition.by_area(&mut triangles);
+        let lengths = at_once(partition.by_area(&mut triangles, &Pace::endless()));
         let about = format!("{about}, {count} triangles, {leaf_size} to a leaf: {lengths:?}");
         assert!(!lengths.contains(&0) && lengths.len() <= 8, "{about}");
         assert_eq!(lengths.iter().sum::<usize>(), count, "{about}");

@@ -2,6 +2,7 @@
 
 mod anchors;
 mod bodies;
+mod casts;
 mod containment;
 mod distance;
 mod laziness;

@@ -261,3 +261,64 @@ fn hits_where_the_ray_starts_are_at_zero_in_the_order_of_triangles() {
         }
     }
 }
+
+#[test]
+fn a_point_is_in_a_closed_mesh_if_triangles_surround_it() {
+    let mut random = Random(17);
+    let (mut inside, mut outside) = (0, 0);
+    for case in bodies::generated() {
+        // The others have no inside: open ones, and places that flatten.
+        let is_solid = [
+            "blob at",
+            "blob turned",
+            "blob sheared",
+            "blob mirrored",
+            "blob strongly",
+            "dolphin",
+        ];
+        if !is_solid.iter().any(|name| case.name.starts_with(name)) {
+            continue;
+        }
+        let (triangles, place) = (case.world_triangles(), case.world_from_model());
+        let around = box_around(&triangles);
+        for mut pose in case.poses() {
+            for i in 0..60 {
+                let corner = triangles[random.below(triangles.len())][0];
+                let middle = around.0.midpoint(around.1);
+                let point = if i % 2 == 0 {
+                    random.around(around)
+                } else {
+                    corner.lerp(middle, random.unit())
+                };
+                // The solid angles under which triangles are seen add up to 4 pi for each time that they surround it.
+                let solid_angle = |[a, b, c]: &Corners| {
+                    let [a, b, c] = [*a - point, *b - point, *c - point];
+                    let [x, y, z] = [a.length(), b.length(), c.length()];
+                    let volume = a.dot(b.cross(c));
+                    2.0 * volume.atan2(x * y * z + a.dot(b) * z + b.dot(c) * x + c.dot(a) * y)
+                };
+                let winding = triangles.iter().map(solid_angle).sum::<f64>() / (4.0 * std::f64::consts::PI);
+                assert!((winding - winding.round()).abs() < 1e-6, "{} is not closed", case.name);
+                let expected = winding.round() != 0.0;
+                let found = RayQuery::new().encloses(Body::new(&mut pose, &place), point).unwrap();
+                assert_eq!(found, expected, "{} at {point}: {winding}", case.name);
+                *(if found { &mut inside } else { &mut outside }) += 1;
+            }
+            // A corner is on the surface.
+            let corner = triangles[0][0];
+            assert!(
+                RayQuery::new().encloses(Body::new(&mut pose, &place), corner).unwrap(),
+                "{}",
+                case.name
+            );
+        }
+    }
+    assert!(inside > 50 && outside > 50, "{inside} {outside}");
+    let case = &bodies::generated()[0];
+    let (place, mut pose) = (case.world_from_model(), case.poses().swap_remove(0));
+    assert!(
+        RayQuery::new()
+            .encloses(Body::new(&mut pose, &place), DVec3::NAN)
+            .is_err()
+    );
+}

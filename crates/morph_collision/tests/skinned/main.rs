@@ -235,9 +235,11 @@ fn points_shapes_and_regions() {
                 },
                 Shape::HalfSpace { normal: Vec3::Y },
             ];
-            let mut touching = Vec::new();
+            let (mut touching, mut casts) = (Vec::new(), Vec::new());
+            let direction = point(rng).as_dvec3() + DVec3::new(0.0, 0.0, 8.0);
             for shape in shapes {
                 let placed = PlacedShape::new(shape, Quat::from_rotation_z(0.5), at).unwrap();
+                casts.push(query.cast(body.reborrow(), &placed, direction, 9.0).unwrap());
                 query.all(body.reborrow(), &placed, &mut touching);
                 touching.push(u32::MAX);
             }
@@ -250,7 +252,7 @@ fn points_shapes_and_regions() {
                 &ConvexRegion::from_half_spaces(&planes).unwrap(),
                 &mut touching,
             );
-            answers.push((closest, touching));
+            answers.push((closest, touching, casts));
         }
         answers
     });

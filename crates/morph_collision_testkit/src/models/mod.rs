@@ -1,6 +1,7 @@
 //! Generated meshes, the same to the last bit on every machine.
 //!
 //! - [`dolphin()`] and [`pass_through_body()`]: the bodies of the two experiments in the paper this project starts from.
+//! - [`heaving_body()`]: a hill to walk on.
 //! - [`random`]: seeded meshes for property tests. [`degenerate`]: what files should not hold, and do.
 //! - [`rigid`]: boxes and grids without targets.
 //! - [`rigs`]: skinned meshes, and poses for skeletons.
@@ -10,6 +11,7 @@
 pub mod degenerate;
 mod dolphin;
 mod grid;
+mod heaving;
 mod icosphere;
 mod pass_through;
 pub mod random;
@@ -21,4 +23,5 @@ mod tube;
 
 pub use self::dolphin::{dolphin, swim_weights};
 pub(crate) use self::grid::round6;
+pub use self::heaving::heaving_body;
 pub use self::pass_through::{pass_through_body, pass_through_body_at};

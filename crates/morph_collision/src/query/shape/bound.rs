@@ -63,7 +63,7 @@ impl<'a> NodeBound<'a> {
 
 impl PlacedShape {
     /// The largest `direction . x` over the shape; may be infinite.
-    fn support(&self, direction: DVec3) -> f64 {
+    pub(super) fn support(&self, direction: DVec3) -> f64 {
         match &self.solid {
             Solid::Round { axis: [p, q], radius } => direction.dot(*p).max(direction.dot(*q)) + radius,
             Solid::Cuboid(cuboid) => cuboid.support(direction),
@@ -73,7 +73,7 @@ impl PlacedShape {
     }
 
     /// The gradient of the signed distance at a point: a unit vector, an arbitrary one where the gradient does not exist.
-    fn outward(&self, point: DVec3) -> DVec3 {
+    pub(super) fn outward(&self, point: DVec3) -> DVec3 {
         match &self.solid {
             Solid::Round { axis, .. } => (point - closest_on_segment(point, *axis)).normalize_or(DVec3::X),
             Solid::Cuboid(cuboid) => cuboid.outward(point),
@@ -82,7 +82,7 @@ impl PlacedShape {
     }
 
     /// An upper bound for the coordinates that take part in a distance to the shape.
-    fn reach(&self) -> f64 {
+    pub(super) fn reach(&self) -> f64 {
         match &self.solid {
             Solid::Round { axis: [p, q], radius } => p.abs().max(q.abs()).max_element() + radius,
             Solid::Cuboid(cuboid) => cuboid.reach(),

@@ -33,6 +33,17 @@ impl Cuboid {
         Self { half, rotation, center }
     }
 
+    pub(super) fn center(&self) -> DVec3 {
+        self.center
+    }
+
+    pub(super) fn moved_by(&self, offset: DVec3) -> Self {
+        Self {
+            center: self.center + offset,
+            ..*self
+        }
+    }
+
     /// Corner `i` in the box's own frame. Bit `k` selects the upper end along axis `k`.
     fn local_corner(&self, i: usize) -> DVec3 {
         let sign = |bit: usize| if i & bit == 0 { -1.0 } else { 1.0 };
@@ -41,6 +52,12 @@ impl Cuboid {
 
     fn corners(&self) -> [DVec3; 8] {
         std::array::from_fn(|i| self.rotation * self.local_corner(i) + self.center)
+    }
+
+    /// How far its corners are from where they were, and with them any point, but for roundings of the lengths.
+    pub(super) fn displacement_from(&self, before: &Self) -> f64 {
+        let corners = self.corners().into_iter().zip(before.corners());
+        corners.map(|(now, before)| now.distance(before)).fold(0.0, f64::max)
     }
 
     fn local(&self, point: DVec3) -> DVec3 {
@@ -79,7 +96,7 @@ impl Cuboid {
         beyond.max(DVec3::ZERO).length() + beyond.max_element().min(0.0)
     }
 
-    fn faces(&self) -> impl Iterator<Item = Triangle> {
+    pub(super) fn faces(&self) -> impl Iterator<Item = Triangle> {
         let corners = self.corners();
         let halves = FACES.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
         halves.map(move |half| half.map(|corner| corners[corner]))

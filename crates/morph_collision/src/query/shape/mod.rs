@@ -5,12 +5,16 @@
 //! gives a lower bound for a node (`bound`). A triangle's signed distance is the minimum over its points.
 
 mod bound;
+mod cast;
 mod cuboid;
+mod pair;
 mod placed;
 mod point;
 mod query;
 mod region;
 
+pub use cast::{ShapeCastHit, ShapeImpact};
+pub use pair::ShapeGap;
 pub use placed::{PlacedShape, Shape};
 pub use point::ClosestPoint;
 pub use query::{ShapeContact, ShapeQuery};

@@ -145,6 +145,34 @@ impl PlacedShape {
         }
     }
 
+    /// A bound on how far any point of the shape is from where it was in `before`, in world units; roundings included. Infinite for another kind of
+    /// shape, and for half-spaces that have turned.
+    #[must_use]
+    pub fn displacement_from(&self, before: &Self) -> f64 {
+        let moved = match (&before.solid, &self.solid) {
+            (
+                Solid::Round { axis: [p, q], radius },
+                Solid::Round {
+                    axis: [p_now, q_now],
+                    radius: radius_now,
+                },
+            ) => p.distance(*p_now).max(q.distance(*q_now)) + (radius_now - radius).abs(),
+            (Solid::Cuboid(before), Solid::Cuboid(now)) => now.displacement_from(before),
+            (
+                Solid::HalfSpace { point, normal },
+                Solid::HalfSpace {
+                    point: point_now,
+                    normal: normal_now,
+                },
+            ) if normal == normal_now => {
+                let moved = *point_now - *point;
+                moved.dot(*normal).abs() + 8.0 * f64::EPSILON * moved.length()
+            }
+            _ => f64::INFINITY,
+        };
+        moved * (1.0 + 1e-9)
+    }
+
     /// Whether a closed triangle in world space shares a point with the shape.
     ///
     /// Exact for a cuboid, the solid spanned by its eight `f64` corners and its `f64` centre, with each face split into two

@@ -5,7 +5,6 @@
 //! a section: experiments --testkit's bench--> rows --render, plot--> Markdown, SVG, CSV --bench's Page--> the page, docs/plots/
 //! ```
 
-mod plot;
 mod render;
 mod sections;
 mod sweeps;

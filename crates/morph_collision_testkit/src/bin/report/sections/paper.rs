@@ -7,8 +7,8 @@ use morph_collision_testkit::bench::{Experiment, Plan, Row, measure};
 use morph_collision_testkit::rivals::{MethodKind, MethodOptions, PaperOptions, Wanted};
 
 use super::{Context, race};
-use crate::plot::{Axis, Figure, Panel, Series, exponent};
 use crate::sweeps::{Candidate, morph, rival};
+use morph_collision_testkit::plot::{Axis, Figure, Panel, Series, exponent};
 
 const MODES: [(Wanted, &str); 2] = [(Wanted::All, "all pairs"), (Wanted::First, "first pair")];
 

@@ -13,8 +13,8 @@ use parry3d::bounding_volume::Aabb;
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 
 use super::{Context, race};
-use crate::plot::{Axis, Figure, Panel, Series, exponent};
 use crate::sweeps::{morph, rival};
+use morph_collision_testkit::plot::{Axis, Figure, Panel, Series, exponent};
 
 /// One size of what grows.
 struct Size {

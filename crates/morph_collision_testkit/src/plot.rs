@@ -10,33 +10,45 @@ use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
 
 /// Panels, two in a row.
-pub(crate) struct Figure {
+#[derive(Clone, Debug)]
+pub struct Figure {
     /// The files' name, without extension.
-    pub(crate) name: String,
-    pub(crate) panels: Vec<Panel>,
+    pub name: String,
+    /// From left to right, then down.
+    pub panels: Vec<Panel>,
 }
 
 /// A chart.
-pub(crate) struct Panel {
-    pub(crate) title: String,
-    pub(crate) x: Axis,
-    pub(crate) y: Axis,
-    pub(crate) series: Vec<Series>,
+#[derive(Clone, Debug)]
+pub struct Panel {
+    /// Above it.
+    pub title: String,
+    /// To the right.
+    pub x: Axis,
+    /// Upwards.
+    pub y: Axis,
+    /// The lines.
+    pub series: Vec<Series>,
 }
 
 /// What is along an axis, with its unit.
-#[derive(Clone, Copy)]
-pub(crate) struct Axis {
-    pub(crate) label: &'static str,
-    pub(crate) log: bool,
+#[derive(Clone, Copy, Debug)]
+pub struct Axis {
+    /// What it says there.
+    pub label: &'static str,
+    /// Whether it is logarithmic.
+    pub log: bool,
 }
 
 /// A line through points.
-pub(crate) struct Series {
-    pub(crate) name: String,
-    pub(crate) points: Vec<(f64, f64)>,
+#[derive(Clone, Debug)]
+pub struct Series {
+    /// In the legend.
+    pub name: String,
+    /// In the order of the line.
+    pub points: Vec<(f64, f64)>,
     /// Whether points are marked.
-    pub(crate) marked: bool,
+    pub marked: bool,
 }
 
 /// Distinguishable for all eyes (Okabe and Ito).
@@ -61,7 +73,10 @@ type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 impl Figure {
     /// Writes `NAME.svg` and `NAME.csv` into a folder, and returns the Markdown that shows them on a page beside it.
-    pub(crate) fn write(&self, folder: &Path, alt: &str) -> Result<String, Box<dyn Error>> {
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn write(&self, folder: &Path, alt: &str) -> Result<String, Box<dyn Error>> {
         std::fs::create_dir_all(folder)?;
         let mut csv = "panel,series,x,y\n".to_owned();
         for panel in &self.panels {
@@ -205,7 +220,8 @@ fn number(value: f64) -> String {
 }
 
 /// The exponent `e` of the best fit `y = c x^e`, by least squares over logarithms.
-pub(crate) fn exponent(points: &[(f64, f64)]) -> f64 {
+#[must_use]
+pub fn exponent(points: &[(f64, f64)]) -> f64 {
     let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
     let count = logs.len().max(1) as f64;
     let (mean_x, mean_y) = logs

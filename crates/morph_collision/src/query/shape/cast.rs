@@ -1,0 +1,216 @@
+//! A shape that moves along a line until it touches something.
+
+use std::ops::ControlFlow;
+
+use glam::DVec3;
+
+use super::ShapeQuery;
+use super::placed::{Closest, PlacedShape};
+use crate::bounds::{Box64, ByBox, PlacedBounds};
+use crate::input_error::{InputError, check_direction, check_length};
+use crate::query::Body;
+
+/// Where a moving shape first touches something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeImpact {
+    /// How far the shape has moved, in world units; 0 if the two intersect at the start.
+    pub distance: f64,
+    /// Where they touch, on what was hit, in world space. Of two that intersect at the start: the point that is deepest in the shape.
+    pub point: DVec3,
+    /// The unit vector from what was hit towards the shape. Zero only if they intersect at the start where there is no such direction.
+    pub normal: DVec3,
+}
+
+/// The first triangle that a moving shape touches.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeCastHit {
+    /// The triangle's index in its mesh.
+    pub triangle: u32,
+    /// When the shape touches it, and where.
+    pub impact: ShapeImpact,
+}
+
+impl ShapeQuery {
+    /// The first triangle that a shape touches while it moves along `direction`, whose length does not matter, for at most `max_distance`,
+    /// which may be infinite.
+    ///
+    /// The shape is solid. The distance is never longer than the true one by more than a few `f64` roundings of the coordinates that take part,
+    /// nor shorter by more than a millionth of a millionth of them. A path that misses a triangle by as little may count as a hit. Among
+    /// equal distances the lowest triangle index wins.
+    ///
+    /// # Errors
+    /// [`InputError`] if the direction is zero or not finite, or `max_distance` is negative or NaN.
+    ///
+    /// ```
+    /// # use std::sync::Arc;
+    /// # use glam::{DVec3, Quat, Vec3};
+    /// # use morph_collision::*;
+    /// # let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
+    /// # let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+    /// # let place = WorldFromModel::IDENTITY;
+    /// pose.set_weights(&[0.5])?; // lifts the triangle to z = 0.5
+    /// let ball = PlacedShape::new(Shape::Ball { radius: 1.0 }, Quat::IDENTITY, Vec3::new(0.25, 0.25, 5.0))?;
+    /// let hit = ShapeQuery::new().cast(Body::new(&mut pose, &place), &ball, DVec3::NEG_Z, f64::INFINITY)?;
+    /// let hit = hit.ok_or("nothing hit")?;
+    /// assert_eq!((hit.impact.distance, hit.impact.point, hit.impact.normal), (3.5, DVec3::new(0.25, 0.25, 0.5), DVec3::Z));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn cast(
+        &mut self,
+        mut body: Body<'_>,
+        shape: &PlacedShape,
+        direction: DVec3,
+        max_distance: f64,
+    ) -> Result<Option<ShapeCastHit>, InputError> {
+        let direction = unit_direction(direction)?;
+        check_length("max_distance", max_distance)?;
+        let sweep = Sweep::new(shape, direction, body.posed().stand().placed);
+        let mut first: Option<ShapeCastHit> = None;
+        let mut limit = max_distance;
+        let _never_stopped = self.one.walk(
+            body,
+            limit,
+            &ByBox(|node: &Box64| sweep.earliest(node)),
+            |number, triangle| {
+                let impact = first_impact(shape, direction, limit, |shape| shape.closest(triangle));
+                let is_first = |impact: &ShapeImpact| match &first {
+                    Some(before) => (impact.distance, number) < (before.impact.distance, before.triangle),
+                    None => true,
+                };
+                if let Some(impact) = impact.filter(is_first) {
+                    limit = impact.distance;
+                    first = Some(ShapeCastHit {
+                        triangle: number,
+                        impact,
+                    });
+                }
+                ControlFlow::Continue(limit)
+            },
+        );
+        Ok(first)
+    }
+}
+
+/// A direction of length 1.
+pub(super) fn unit_direction(direction: DVec3) -> Result<DVec3, InputError> {
+    check_direction("direction", direction)?;
+    Ok((direction / direction.abs().max_element()).normalize())
+}
+
+/// How far a shape must move along a unit vector to touch a convex target; `None` if it is farther than `limit`, or never.
+///
+/// `closest` tells the distance of the shape, when it is there, from the target, and the normal of a plane that separates them.
+///
+/// The plane bounds the distance that is free: as far as the shape may move before it crosses the gap along the normal, the two stay apart. From
+/// there the next plane is asked for. This is Newton's method for a convex function, so it ends after few steps, from the near side.
+pub(super) fn first_impact(
+    shape: &PlacedShape,
+    direction: DVec3,
+    limit: f64,
+    closest: impl Fn(&PlacedShape) -> Closest,
+) -> Option<ShapeImpact> {
+    /// Where a path grazes the target, each step halves what is left: these are more than the bits of a number.
+    const MAX_STEPS: usize = 64;
+    /// Relative to the coordinates that take part: what is nearer touches. The direction across so narrow a gap would be rounding's.
+    const TOUCHING: f64 = 1e-13;
+    let mut distance = 0.0;
+    let mut touching = closest(shape);
+    for _ in 0..MAX_STEPS {
+        let reach = shape.reach() + distance + touching.point.abs().max_element();
+        if touching.distance <= TOUCHING * reach {
+            break;
+        }
+        let approach = direction.dot(touching.normal);
+        if approach <= 0.0 {
+            return None;
+        }
+        distance += touching.distance / approach;
+        if distance.is_nan() || distance > limit {
+            return None;
+        }
+        let now = closest(&shape.moved_by(direction * distance));
+        touching = Closest {
+            normal: if now.distance <= TOUCHING * reach {
+                touching.normal
+            } else {
+                now.normal
+            },
+            ..now
+        };
+    }
+    Some(ShapeImpact {
+        distance,
+        point: touching.point,
+        normal: -touching.normal,
+    })
+}
+
+impl PlacedShape {
+    /// The same shape elsewhere.
+    pub(super) fn moved_by(&self, offset: DVec3) -> Self {
+        use super::placed::Solid;
+        let solid = match self.solid {
+            Solid::Round { axis, radius } => Solid::Round {
+                axis: axis.map(|end| end + offset),
+                radius,
+            },
+            Solid::Cuboid(cuboid) => Solid::Cuboid(cuboid.moved_by(offset)),
+            Solid::HalfSpace { point, normal } => Solid::HalfSpace {
+                point: point + offset,
+                normal,
+            },
+        };
+        Self { solid }
+    }
+}
+
+/// Lower bounds of how far a shape must move to touch what is in a node's box.
+struct Sweep {
+    body: PlacedBounds,
+    /// Unit vectors, the shape's extent along each, and how fast it moves along them.
+    slabs: [(DVec3, [f64; 2], f64); 6],
+    slack: f64,
+}
+
+/// Relative to all magnitudes together: 64 roundings, more than the longest chain of operations here has.
+const ROUNDING: f64 = 32.0 * f64::EPSILON;
+
+impl Sweep {
+    fn new(shape: &PlacedShape, direction: DVec3, body: PlacedBounds) -> Self {
+        let across = direction.any_orthonormal_pair();
+        let along = [direction, across.0, across.1, DVec3::X, DVec3::Y, DVec3::Z];
+        let slabs = along.map(|w| (w, [-shape.support(-w), shape.support(w)], w.dot(direction)));
+        let slack = ROUNDING * (body.world_reach().element_sum() + shape.reach()) + 3.0 * body.error();
+        Self { body, slabs, slack }
+    }
+
+    /// `None` if the shape certainly passes by.
+    ///
+    /// Speeds are rounded by less than what the slack leaves for the distances at which boxes are met.
+    fn earliest(&self, node: &Box64) -> Option<f64> {
+        let place = self.body.world_from_model();
+        let m = place.linear();
+        let center = m * node.center + place.translation();
+        let axes = [m.x_axis * node.half.x, m.y_axis * node.half.y, m.z_axis * node.half.z];
+        let (mut first, mut last) = (0.0_f64, f64::INFINITY);
+        for (w, [shape_low, shape_high], speed) in &self.slabs {
+            let middle = w.dot(center);
+            let radius = axes.iter().map(|axis| w.dot(*axis).abs()).sum::<f64>() + self.slack;
+            let (low, high) = (middle - radius - shape_high, middle + radius - shape_low);
+            // Overflow bounds nothing.
+            if low.is_nan() || high.is_nan() {
+                continue;
+            }
+            if *speed == 0.0 {
+                if low > 0.0 || high < 0.0 {
+                    return None;
+                }
+                continue;
+            }
+            let (enter, leave) = (low / speed, high / speed);
+            first = first.max(enter.min(leave));
+            last = last.min(enter.max(leave));
+        }
+        (first <= last).then_some(first * (1.0 - 1e-12))
+    }
+}

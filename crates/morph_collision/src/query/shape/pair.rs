@@ -1,0 +1,304 @@
+//! Two primitive shapes, and a shape and a point.
+
+use glam::DVec3;
+
+use super::cast::{ShapeImpact, first_impact, unit_direction};
+use super::placed::{Closest, PlacedShape, Solid};
+use crate::exact::Triangle;
+use crate::input_error::{InputError, check_length};
+
+/// The closest points of two shapes, or the deepest ones if they intersect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeGap {
+    /// The distance, in world units. Not positive if they intersect; then it is the negative of a depth.
+    pub distance: f64,
+    /// On the first shape, in world space.
+    pub point_a: DVec3,
+    /// On the second shape.
+    pub point_b: DVec3,
+    /// The unit vector from the first shape towards the second.
+    pub normal: DVec3,
+}
+
+impl PlacedShape {
+    /// The point of the shape that is closest to `point`, which is `point` itself inside the shape.
+    #[must_use]
+    pub fn closest_point(&self, point: DVec3) -> DVec3 {
+        let distance = self.signed_distance(point);
+        if distance > 0.0 {
+            point - self.outward(point) * distance
+        } else {
+            point
+        }
+    }
+
+    /// Whether two solid shapes share a point, computed in `f64`.
+    #[must_use]
+    pub fn meets(&self, other: &Self) -> bool {
+        self.gap(other).distance <= 0.0
+    }
+
+    /// The closest points of two solid shapes, computed in `f64`.
+    ///
+    /// Where they intersect, the distance is that of some point of one inside the other, a lower bound of the depth.
+    #[must_use]
+    pub fn gap(&self, other: &Self) -> ShapeGap {
+        let closest = self.closest_of_shape(other);
+        ShapeGap {
+            distance: closest.distance,
+            point_a: closest.point - closest.normal * closest.distance,
+            point_b: closest.point,
+            normal: closest.normal,
+        }
+    }
+
+    /// How far the shape moves along `direction`, whose length does not matter, until it touches another one; `None` if that is farther than
+    /// `max_distance`, which may be infinite, or never. As accurate as [`ShapeQuery::cast`](crate::ShapeQuery::cast).
+    ///
+    /// # Errors
+    /// [`InputError`] if the direction is zero or not finite, or `max_distance` is negative or NaN.
+    ///
+    /// ```
+    /// use glam::{DVec3, Quat, Vec3};
+    /// use morph_collision::{PlacedShape, Shape};
+    ///
+    /// let ball = PlacedShape::ball(DVec3::new(0.0, 9.0, 0.0), 1.0)?;
+    /// let cuboid = Shape::Cuboid { half_extents: Vec3::ONE };
+    /// let cuboid = PlacedShape::new(cuboid, Quat::IDENTITY, Vec3::ZERO)?;
+    /// let impact = ball.cast(DVec3::NEG_Y, 100.0, &cuboid)?;
+    /// assert_eq!(impact.map(|impact| impact.distance), Some(7.0));
+    /// # Ok::<(), morph_collision::InputError>(())
+    /// ```
+    pub fn cast(&self, direction: DVec3, max_distance: f64, other: &Self) -> Result<Option<ShapeImpact>, InputError> {
+        let direction = unit_direction(direction)?;
+        check_length("max_distance", max_distance)?;
+        Ok(first_impact(self, direction, max_distance, |shape| {
+            shape.closest_of_shape(other)
+        }))
+    }
+
+    /// The point of another shape with the smallest signed distance.
+    fn closest_of_shape(&self, other: &Self) -> Closest {
+        match (&self.solid, &other.solid) {
+            // All points within a radius of a segment.
+            (_, Solid::Round { axis: [p, q], radius }) => {
+                let closest = self.closest(&[*p, *q, *q]);
+                Closest {
+                    point: closest.point - closest.normal * *radius,
+                    distance: closest.distance - radius,
+                    ..closest
+                }
+            }
+            (Solid::HalfSpace { .. }, Solid::Cuboid(cuboid)) => self.closest_of_faces(cuboid.faces()),
+            (Solid::Round { .. } | Solid::Cuboid(_), Solid::Cuboid(cuboid)) => {
+                let closest = self.closest_of_faces(cuboid.faces());
+                let inside = self.center();
+                // All of this shape may be inside the other.
+                let depth = cuboid.signed_distance(inside);
+                if closest.distance > 0.0 && depth <= 0.0 {
+                    return Closest {
+                        point: inside,
+                        normal: -cuboid.outward(inside),
+                        distance: depth,
+                    };
+                }
+                closest
+            }
+            (Solid::HalfSpace { normal, .. }, Solid::HalfSpace { point, normal: other }) => Closest {
+                point: *point,
+                normal: *normal,
+                distance: if *normal == -*other {
+                    self.signed_distance(*point)
+                } else {
+                    // Unless they face each other, they have points in common however far away.
+                    f64::NEG_INFINITY
+                },
+            },
+            (_, Solid::HalfSpace { .. }) => {
+                let closest = other.closest_of_shape(self);
+                Closest {
+                    point: closest.point - closest.normal * closest.distance,
+                    normal: -closest.normal,
+                    distance: closest.distance,
+                }
+            }
+        }
+    }
+
+    fn closest_of_faces(&self, faces: impl Iterator<Item = Triangle>) -> Closest {
+        let closest = faces.map(|face| self.closest(&face));
+        let nearest = closest.min_by(|x, y| x.distance.total_cmp(&y.distance));
+        // A cuboid has twelve.
+        nearest.unwrap_or(Closest {
+            point: DVec3::ZERO,
+            normal: DVec3::ZERO,
+            distance: f64::INFINITY,
+        })
+    }
+
+    /// A point inside.
+    fn center(&self) -> DVec3 {
+        match &self.solid {
+            Solid::Round { axis: [p, q], .. } => p.midpoint(*q),
+            Solid::Cuboid(cuboid) => cuboid.center(),
+            Solid::HalfSpace { point, .. } => *point,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{Quat, Vec3};
+
+    use super::*;
+    use crate::Shape;
+
+    fn placed(shape: Shape, rotation: Quat, at: [f32; 3]) -> PlacedShape {
+        PlacedShape::new(shape, rotation, Vec3::from_array(at)).unwrap()
+    }
+
+    /// Shapes of every kind, turned.
+    fn shapes(at: [f32; 3], turn: f32) -> Vec<PlacedShape> {
+        let rotation = Quat::from_euler(glam::EulerRot::XYZ, turn, 1.3 * turn, 0.7 * turn);
+        let half_extents = Vec3::new(0.5, 1.0, 0.25);
+        [
+            Shape::Ball { radius: 0.7 },
+            Shape::Ball { radius: 0.0 },
+            Shape::Capsule {
+                half_length: 0.8,
+                radius: 0.3,
+            },
+            Shape::Cuboid { half_extents },
+            Shape::Cuboid {
+                half_extents: Vec3::new(0.6, 0.4, 0.0),
+            },
+            Shape::HalfSpace {
+                normal: Vec3::new(1.0, 2.0, -0.5),
+            },
+        ]
+        .map(|shape| placed(shape, rotation, at))
+        .to_vec()
+    }
+
+    /// The smallest signed distance from `a` of points of `b`, by descent from many starts: an upper bound that is nearly sharp.
+    fn sampled(a: &PlacedShape, b: &PlacedShape) -> f64 {
+        let mut best = f64::INFINITY;
+        for i in 0..5 {
+            for j in 0..5 {
+                for k in 0..5 {
+                    let start =
+                        b.center() + DVec3::new(f64::from(i) - 2.0, f64::from(j) - 2.0, f64::from(k) - 2.0) * 0.6;
+                    let mut point = b.closest_point(start);
+                    let mut size = 0.5;
+                    for _ in 0..400 {
+                        // Along the way out of `a`, back into `b`.
+                        let next = b.closest_point(point - a.outward(point) * size);
+                        if a.signed_distance(next) < a.signed_distance(point) {
+                            point = next;
+                        } else {
+                            size *= 0.8;
+                        }
+                    }
+                    best = best.min(a.signed_distance(point));
+                }
+            }
+        }
+        best
+    }
+
+    #[test]
+    fn gaps_are_those_of_sampled_points() {
+        let (mut apart, mut deep) = (0, 0);
+        for (i, at) in [[0.3, 0.2, 0.1], [1.5, -0.5, 0.7], [3.0, 0.0, 0.5], [0.9, 1.1, -0.6]]
+            .into_iter()
+            .enumerate()
+        {
+            for a in shapes([0.0; 3], 0.4) {
+                for b in shapes(at, 0.9 + i as f32) {
+                    let gap = a.gap(&b);
+                    let back = b.gap(&a);
+                    assert_eq!(gap.distance > 0.0, back.distance > 0.0, "{a:?} {b:?}");
+                    assert_eq!(a.meets(&b), b.meets(&a));
+                    let halves = [&a, &b].map(|shape| matches!(shape.solid, Solid::HalfSpace { .. }));
+                    if halves == [true, true] {
+                        continue;
+                    }
+                    if gap.distance > 0.0 {
+                        apart += 1;
+                        assert!(
+                            (gap.distance - back.distance).abs() < 1e-9,
+                            "{a:?} {b:?}: {gap:?} {back:?}"
+                        );
+                        assert!((gap.point_b - gap.point_a - gap.normal * gap.distance).length() < 1e-9);
+                        assert!(
+                            a.signed_distance(gap.point_a).abs() < 1e-9 && b.signed_distance(gap.point_b).abs() < 1e-9
+                        );
+                        if !halves[1] {
+                            let sampled = sampled(&a, &b);
+                            assert!(
+                                sampled > gap.distance - 1e-9 && sampled < gap.distance + 0.05,
+                                "{sampled} {gap:?}"
+                            );
+                        }
+                    } else {
+                        deep += 1;
+                        if !halves[1] {
+                            let sampled = sampled(&a, &b);
+                            assert!(sampled < 1e-6, "{a:?} {b:?}: {sampled} {gap:?}");
+                        }
+                    }
+                }
+            }
+        }
+        assert!(apart > 20 && deep > 20, "{apart} {deep}");
+    }
+
+    #[test]
+    fn casts_end_where_shapes_meet_first() {
+        let (mut hits, mut misses) = (0, 0);
+        for i in 0..24_u32 {
+            let angle = f64::from(i) * 0.77;
+            let direction = DVec3::new(angle.cos(), 0.4 * (1.7 * angle).sin(), angle.sin());
+            let start = (direction * -6.0 + DVec3::new(0.3, 0.5 * angle.sin(), 0.2))
+                .as_vec3()
+                .to_array();
+            for a in shapes(start, i as f32) {
+                for b in shapes([0.0; 3], 0.5) {
+                    let Some(hit) = a.cast(direction * 3.0, 20.0, &b).unwrap() else {
+                        misses += 1;
+                        let meets = |step: u32| a.moved_by(direction.normalize() * f64::from(step) * 0.01).meets(&b);
+                        assert!(!(0..2000).any(meets), "{a:?} {b:?}");
+                        continue;
+                    };
+                    hits += 1;
+                    let at = |distance: f64| a.moved_by(direction.normalize() * distance).gap(&b).distance;
+                    assert!(at(hit.distance) < 1e-9, "{a:?} {b:?} {hit:?}");
+                    let before = (0..100).map(|step| hit.distance * f64::from(step) / 100.0);
+                    assert!(
+                        before.clone().all(|distance| hit.distance == 0.0 || at(distance) > 0.0),
+                        "{a:?} {b:?} {hit:?}"
+                    );
+                    if hit.distance > 0.0 {
+                        assert!(b.signed_distance(hit.point).abs() < 1e-9, "{hit:?}");
+                        assert!(hit.normal.dot(direction) < 0.0, "{hit:?}");
+                    }
+                }
+            }
+        }
+        assert!(hits > 300 && misses > 50, "{hits} {misses}");
+    }
+
+    #[test]
+    fn a_ball_grazes_and_passes() {
+        let ball = |x: f64| PlacedShape::ball(DVec3::new(x, 10.0, 0.0), 1.0).unwrap();
+        let target = PlacedShape::ball(DVec3::ZERO, 1.0).unwrap();
+        let cast = |x: f64| ball(x).cast(DVec3::NEG_Y, f64::INFINITY, &target).unwrap();
+        let expected = 10.0 - (4.0_f64 - 1.99 * 1.99).sqrt();
+        assert!((cast(1.99).unwrap().distance - expected).abs() < 1e-9);
+        assert!((cast(2.0).unwrap().distance - 10.0).abs() < 1e-5);
+        assert_eq!(cast(2.000_001), None);
+        assert_eq!(ball(0.0).cast(DVec3::NEG_Y, 7.9, &target).unwrap(), None);
+        assert!(ball(0.0).cast(DVec3::ZERO, 1.0, &target).is_err());
+        assert!(ball(0.0).cast(DVec3::X, f64::NAN, &target).is_err());
+    }
+}

@@ -1,0 +1,67 @@
+use std::fmt;
+use std::future::Future;
+use std::ops::ControlFlow;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::task::Poll;
+
+use super::build::build_paced;
+use super::pace::{Pace, go_on};
+use super::{BuildOptions, MorphBvh};
+use crate::model::MorphModel;
+
+/// The work of a step.
+pub(super) const STEP: usize = 1 << 17;
+
+/// Builds a [`MorphBvh`] in steps, for threads that have other things to do meanwhile, such as the only one of a web page.
+///
+/// The tree is the one that [`MorphBvh::build`] returns, bit for bit. A step takes as long as it takes to put 131,072 triangles into boxes, about
+/// a millisecond. It may take longer for meshes of more triangles or vertices than that, which some steps go through as a whole.
+///
+/// ```
+/// # use std::{ops::ControlFlow, sync::Arc};
+/// # use glam::Vec3;
+/// # use morph_collision::{BuildOptions, MorphBvhBuilder, MorphModel};
+/// # let base = [Vec3::ZERO, Vec3::X, Vec3::Y];
+/// # let model = Arc::new(MorphModel::from_displacements::<[Vec3; 3]>(&base, &[[0, 1, 2]], &[])?);
+/// let mut builder = MorphBvhBuilder::new(model, &BuildOptions::default());
+/// let bvh = loop {
+///     builder = match builder.step() {
+///         ControlFlow::Continue(builder) => builder, // draw a frame, handle events
+///         ControlFlow::Break(bvh) => break bvh,
+///     };
+/// };
+/// # Ok::<(), morph_collision::ModelError>(())
+/// ```
+pub struct MorphBvhBuilder {
+    pub(super) pace: Arc<Pace>,
+    build: Pin<Box<dyn Future<Output = MorphBvh> + Send + Sync>>,
+}
+
+impl MorphBvhBuilder {
+    /// A builder that has not done anything yet.
+    #[must_use]
+    pub fn new(model: Arc<MorphModel>, options: &BuildOptions) -> Self {
+        let pace = Arc::new(Pace::endless());
+        let (of_build, options) = (pace.clone(), *options);
+        Self {
+            pace,
+            build: Box::pin(async move { build_paced(model, &options, &of_build).await }),
+        }
+    }
+
+    /// Does the next step. Returns the tree after the last one, and the builder before that.
+    pub fn step(mut self) -> ControlFlow<MorphBvh, Self> {
+        self.pace.begin(STEP);
+        match go_on(self.build.as_mut()) {
+            Poll::Ready(bvh) => ControlFlow::Break(bvh),
+            Poll::Pending => ControlFlow::Continue(self),
+        }
+    }
+}
+
+impl fmt::Debug for MorphBvhBuilder {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("MorphBvhBuilder").finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,118 @@
+//! Trees that are built in steps.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use glam::{Affine3A, Vec3};
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::models::{degenerate, dolphin, random};
+
+use super::builder::STEP;
+use super::*;
+use crate::joints::JointMatrices;
+use crate::model::{Influences, MorphModel};
+use crate::pose::Pose;
+
+/// Builds in steps. Returns the tree, the number of steps, and how many of them did more than a step's work.
+fn in_steps(model: &Arc<MorphModel>, options: &BuildOptions) -> (MorphBvh, usize, usize) {
+    let mut builder = MorphBvhBuilder::new(model.clone(), options);
+    let (mut steps, mut long) = (1, 0);
+    loop {
+        let pace = builder.pace.clone();
+        match builder.step() {
+            ControlFlow::Break(bvh) => return (bvh, steps, long),
+            ControlFlow::Continue(rest) => builder = rest,
+        }
+        steps += 1;
+        long += usize::from(pace.left() == 0);
+    }
+}
+
+/// The bits of all boxes of a tree in a few poses.
+fn boxes(bvh: &MorphBvh) -> Vec<u32> {
+    let mut pose = Pose::new(Arc::new(bvh.clone()));
+    let mut bits = Vec::new();
+    for turn in 0..3 {
+        let weight = |target: usize| ((target + 3 * turn) as f32 * 0.7).sin() * 1.5;
+        let weights: Vec<f32> = (0..bvh.model().target_count()).map(weight).collect();
+        pose.set_weights(&weights).unwrap();
+        if let Some(joints) = bvh.model().joint_count() {
+            let joint = |i: usize| Affine3A::from_rotation_y(i as f32 * turn as f32);
+            let joints: Vec<Affine3A> = (0..joints).map(joint).collect();
+            pose.set_joints(&JointMatrices::new(&joints).unwrap()).unwrap();
+        }
+        pose.visit_nodes(|node| {
+            let bounds = node.bounds;
+            bits.extend(
+                [bounds.min, bounds.max]
+                    .map(|p| p.to_array().map(f32::to_bits))
+                    .as_flattened(),
+            );
+            true
+        });
+    }
+    bits
+}
+
+fn model_of(mesh: &MorphMesh) -> Arc<MorphModel> {
+    Arc::new(MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap())
+}
+
+/// A mesh whose vertices follow three joints.
+fn skinned(mesh: &MorphMesh) -> Arc<MorphModel> {
+    let vertices = 0..mesh.positions.len();
+    let joints: Vec<[u16; 4]> = vertices.clone().map(|i| [(i % 3) as u16, 2, 1, 0]).collect();
+    let weights: Vec<[f32; 4]> = vertices
+        .map(|i| [0.75, 0.25 - (i % 5) as f32 * 0.05, 0.0, 0.0])
+        .collect();
+    let influences = Influences {
+        joints: &joints,
+        weights: &weights,
+    };
+    Arc::new(MorphModel::skinned(&mesh.positions, &mesh.triangles, &mesh.targets, 3, &[influences]).unwrap())
+}
+
+#[test]
+fn a_tree_that_is_built_in_steps_is_the_same_tree() {
+    let models = [
+        model_of(&dolphin(1)),
+        model_of(&random::random_blob(2, 4, 5, 0.5)),
+        model_of(&random::triangle_soup(3, 2000, 2)),
+        model_of(&degenerate::all_equal(5000)),
+        skinned(&random::random_blob(4, 4, 3, 0.5)),
+    ];
+    for model in &models {
+        for leaf_size in [1, 8] {
+            let options = BuildOptions::default().with_leaf_size(leaf_size).unwrap();
+            let (bvh, steps, _) = in_steps(model, &options);
+            assert!(steps > 1, "{model:?}");
+            let at_once = MorphBvh::build(model.clone(), &options);
+            assert_eq!(bvh.layout(), at_once.layout());
+            assert_eq!(bvh.bytes(), at_once.bytes());
+            assert_eq!(boxes(&bvh), boxes(&at_once));
+        }
+    }
+}
+
+#[test]
+fn no_step_is_long_and_there_are_as_many_as_the_work_takes() {
+    let mesh = random::random_blob(1, 5, 6, 0.5);
+    let (triangles, shapes) = (mesh.triangles.len(), 1 + mesh.targets.len());
+    for model in [model_of(&mesh), skinned(&mesh)] {
+        let (bvh, steps, long) = in_steps(&model, &BuildOptions::default());
+        assert_eq!(long, 0, "of {steps} steps");
+        // On each level of halving, every triangle goes into a box of each shape for each axis.
+        let levels = (bvh.leaf_count() as f64).log2().floor() as usize;
+        let least = 3 * triangles * shapes * levels / STEP;
+        println!("{triangles} triangles: {steps} steps, of at least {least}");
+        assert!((least..3 * least).contains(&steps), "{steps} instead of {least}");
+    }
+}
+
+#[test]
+fn a_triangle_is_built_in_one_step() {
+    let base = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let model = MorphModel::from_displacements::<[Vec3; 0]>(&base, &[[0, 1, 2]], &[]).unwrap();
+    let (bvh, steps, _) = in_steps(&Arc::new(model), &BuildOptions::default());
+    assert_eq!((bvh.node_count(), steps), (1, 1));
+}

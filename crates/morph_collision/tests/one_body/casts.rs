@@ -1,0 +1,212 @@
+//! Shapes that move, judged by distances from triangles measured along their way.
+
+use glam::{DVec3, EulerRot, Quat, Vec3};
+use morph_collision::{Body, PlacedShape, Shape, ShapeQuery};
+
+use crate::bodies::{self, Case, Random, box_around};
+use crate::reference::{Corners, point_triangle, touch};
+
+const WAYS: usize = 4;
+
+/// A shape, and the parts that make it: points with a radius, and triangles.
+struct Moving {
+    shape: Shape,
+    rotation: Quat,
+}
+
+impl Moving {
+    fn all(random: &mut Random, size: f64) -> Vec<Self> {
+        let mut length = || (size * (0.02 + 0.2 * random.unit())) as f32;
+        let shapes = [
+            Shape::Ball { radius: length() },
+            Shape::Ball { radius: 0.0 },
+            Shape::Capsule {
+                half_length: length(),
+                radius: length(),
+            },
+            Shape::Cuboid {
+                half_extents: Vec3::new(length(), length(), length()),
+            },
+        ];
+        let turn = |shape| Self {
+            shape,
+            rotation: Quat::from_euler(
+                EulerRot::XYZ,
+                random.unit() as f32 * 6.0,
+                random.unit() as f32 * 6.0,
+                0.3,
+            ),
+        };
+        shapes.map(turn).into_iter().collect()
+    }
+
+    fn placed(&self, at: DVec3) -> PlacedShape {
+        PlacedShape::new(self.shape, self.rotation, at.as_vec3()).unwrap()
+    }
+
+    /// An upper bound of the distance of the shape's points, when it is at `at`, from a triangle, and by how much it is too large at most:
+    /// the distance of many of its points.
+    fn distance(&self, at: DVec3, triangle: &Corners) -> (f64, f64) {
+        let turned = |point: Vec3| at + self.rotation.as_dquat().normalize() * point.as_dvec3();
+        match self.shape {
+            Shape::Ball { radius } => (point_triangle(at, triangle) - f64::from(radius), 0.0),
+            Shape::Capsule { half_length, radius } => {
+                let points = (-32..=32).map(|i| turned(Vec3::Y * half_length * (i as f32 / 32.0)));
+                let nearest = points
+                    .map(|p| point_triangle(p, triangle))
+                    .fold(f64::INFINITY, f64::min);
+                (nearest - f64::from(radius), f64::from(half_length) / 32.0)
+            }
+            Shape::Cuboid { half_extents } => {
+                let corner = |i: usize| {
+                    let sign = |bit: usize| if i & bit == 0 { -1.0 } else { 1.0 };
+                    turned(half_extents * Vec3::new(sign(1), sign(2), sign(4)))
+                };
+                let faces = [
+                    [0, 1, 3, 2],
+                    [4, 5, 7, 6],
+                    [0, 1, 5, 4],
+                    [2, 3, 7, 6],
+                    [0, 2, 6, 4],
+                    [1, 3, 7, 5],
+                ];
+                let mut nearest = f64::INFINITY;
+                for [a, b, c, d] in faces {
+                    for half in [[a, b, c], [a, c, d]] {
+                        let face = half.map(corner);
+                        if touch(&face, triangle) {
+                            return (0.0, 0.0);
+                        }
+                        for p in triangle {
+                            nearest = nearest.min(point_triangle(*p, &face));
+                        }
+                        for p in face {
+                            nearest = nearest.min(point_triangle(p, triangle));
+                        }
+                        for (p, q) in [(0, 1), (1, 2), (2, 0)].map(|(i, j)| (face[i], face[j])) {
+                            for k in 0..=16 {
+                                nearest = nearest.min(point_triangle(p.lerp(q, f64::from(k) / 16.0), triangle));
+                            }
+                        }
+                    }
+                }
+                (nearest, f64::from(half_extents.max_element()) / 8.0)
+            }
+            Shape::HalfSpace { .. } => unreachable!("none is cast here"),
+        }
+    }
+}
+
+fn check(case: &Case, random: &mut Random) -> [usize; 3] {
+    let triangles = case.world_triangles();
+    let (min, max) = box_around(&triangles);
+    let size = (max - min).max_element().max(0.5);
+    let coordinates = size + min.abs().max(max.abs()).max_element();
+    let place = case.world_from_model();
+    let mut poses = case.poses();
+    let mut query = ShapeQuery::new();
+    let mut counts = [0; 3];
+    for _ in 0..WAYS {
+        for moving in Moving::all(random, size) {
+            let from = random.around((min, max)).as_vec3().as_dvec3();
+            let direction = (random.around((min, max)) - from).normalize_or(DVec3::X);
+            let within = size * (0.5 + 3.0 * random.unit());
+            let shape = moving.placed(from);
+            let hits: Vec<_> = poses
+                .iter_mut()
+                .map(|pose| {
+                    query
+                        .cast(Body::new(pose, &place), &shape, direction * 0.5, within)
+                        .unwrap()
+                })
+                .collect();
+            assert!(hits.iter().all(|hit| hit == &hits[0]), "{}: {hits:?}", case.name);
+            let hit = hits[0];
+            let nearest = |distance: f64| {
+                let at = from + direction * distance;
+                let all = triangles.iter().map(|triangle| moving.distance(at, triangle));
+                all.fold(
+                    (f64::INFINITY, 0.0),
+                    |best, one| if one.0 < best.0 { one } else { best },
+                )
+            };
+            let name = format!(
+                "{} {:?} from {from} along {direction}: {hit:?}",
+                case.name, moving.shape
+            );
+            let free = hit.map_or(within, |hit| hit.impact.distance);
+            for step in 0..12 {
+                let distance = free * f64::from(step) / 12.0;
+                // Whatever is sampled is in the shape: none of it may touch before.
+                assert!(
+                    free == 0.0 || nearest(distance).0 > -1e-9 * coordinates,
+                    "{name}: {distance}"
+                );
+                if matches!(moving.shape, Shape::Ball { .. } | Shape::Cuboid { .. }) {
+                    assert!(
+                        free == 0.0 || nearest(distance).0 > 0.0,
+                        "{name}: touches at {distance}"
+                    );
+                }
+            }
+            let Some(hit) = hit else {
+                counts[0] += 1;
+                continue;
+            };
+            counts[if hit.impact.distance > 0.0 { 1 } else { 2 }] += 1;
+            let (distance, too_much) = moving.distance(
+                from + direction * hit.impact.distance,
+                &triangles[hit.triangle as usize],
+            );
+            assert!(
+                distance - too_much < 1e-9 * coordinates,
+                "{name}: {distance} {too_much}"
+            );
+            let on_it = point_triangle(hit.impact.point, &triangles[hit.triangle as usize]);
+            assert!(
+                on_it < 1e-9 * coordinates,
+                "{name}: the point is {on_it} off the triangle"
+            );
+            if hit.impact.distance > 0.0 {
+                let moved = moving.placed(DVec3::ZERO);
+                let local = hit.impact.point - from - direction * hit.impact.distance;
+                assert!(
+                    moved.signed_distance(local).abs() < 1e-6 * coordinates,
+                    "{name}: off the shape"
+                );
+                assert!(hit.impact.normal.dot(direction) < 1e-9 && (hit.impact.normal.length() - 1.0).abs() < 1e-9);
+            }
+        }
+    }
+    counts
+}
+
+#[test]
+fn nothing_is_touched_before_the_hit_and_something_then() {
+    let mut random = Random(5);
+    let mut counts = [0; 3];
+    for case in bodies::generated() {
+        let of_this = check(&case, &mut random);
+        counts = [0, 1, 2].map(|i| counts[i] + of_this[i]);
+    }
+    assert!(
+        counts.iter().all(|&count| count > 20),
+        "misses, hits, touching at the start: {counts:?}"
+    );
+}
+
+#[test]
+fn bad_casts_are_refused() {
+    let case = &bodies::generated()[0];
+    let (place, mut pose) = (case.world_from_model(), case.poses().swap_remove(0));
+    let ball = PlacedShape::ball(DVec3::ZERO, 1.0).unwrap();
+    for (direction, within) in [
+        (DVec3::ZERO, 1.0),
+        (DVec3::NAN, 1.0),
+        (DVec3::X, -1.0),
+        (DVec3::X, f64::NAN),
+    ] {
+        let cast = ShapeQuery::new().cast(Body::new(&mut pose, &place), &ball, direction, within);
+        assert!(cast.is_err(), "{direction} {within}");
+    }
+}

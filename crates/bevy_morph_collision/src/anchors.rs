@@ -113,15 +113,17 @@ impl DrawnSurfaces<'_, '_> {
         let tree = self.trees.tree(key)?;
         let pose = self.poses.lend(key, tree);
         if !pose.weights().is_empty() && take_weights(pose, weights, &self.shared, &mut self.rest).is_err() {
-            pose.set_weights(state.pose.as_ref()?.weights()).ok()?;
+            pose.set_weights(state.pose.as_ref()?.lock().weights()).ok()?;
         }
         if pose.joints().is_some() {
             let skeleton = self.skeletons.of(skin?, self.bind_poses.as_deref(), global_of);
-            let matrices = match skeleton.problem() {
-                None => skeleton.matrices()?,
-                Some(_) => state.pose.as_ref().filter(|_| state.has_joints)?.joints()?,
+            match skeleton.problem() {
+                None => pose.set_joints(skeleton.matrices()?).ok()?,
+                Some(_) => {
+                    let last_good = state.pose.as_ref().filter(|_| state.has_joints)?.lock();
+                    pose.set_joints(last_good.joints()?).ok()?
+                }
             };
-            pose.set_joints(matrices).ok()?;
         }
         Some(pose)
     }

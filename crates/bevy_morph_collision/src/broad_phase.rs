@@ -7,7 +7,10 @@ use bevy::prelude::*;
 use morph_collision::{Aabb, InputError, WorldFromModel, overlapping_pairs};
 use tracing::{debug_span, error};
 
-use crate::collider::{ColliderState, CollisionMode, Form, MorphBody, MorphCollider, MorphColliderDisabled, Placement};
+use crate::body::{MorphColliderOf, body_of};
+use crate::collider::{
+    ColliderState, Form, LockedPose, MorphCollider, MorphColliderDisabled, MorphCollisionMode, Placement,
+};
 use crate::diagnostics::MorphCollisionDiagnostics;
 use crate::layers::MorphCollisionLayers;
 use crate::shape::MorphShape;
@@ -19,6 +22,8 @@ pub(crate) struct Candidates {
     /// Whether any collider changed, came or went since the run before.
     pub(crate) changed: bool,
     run: u32,
+    /// Grows in every run in which a collider moved, came or went.
+    pub(crate) version: u64,
     // Kept for their memory, and for runs in which nothing changes.
     colliders: Vec<(Entity, Placement)>,
     bounds: Vec<Option<Aabb>>,
@@ -43,10 +48,10 @@ struct Counts {
 pub(crate) struct Participant {
     entity: Entity,
     collider: &'static MorphCollider,
-    layers: &'static MorphCollisionLayers,
+    layers: Option<&'static MorphCollisionLayers>,
     state: &'static mut ColliderState,
     transform: Ref<'static, GlobalTransform>,
-    body: Option<&'static MorphBody>,
+    body: Option<&'static MorphColliderOf>,
     shape: Option<Ref<'static, MorphShape>>,
     is_disabled: Has<MorphColliderDisabled>,
 }
@@ -66,9 +71,14 @@ pub(crate) fn find_candidates(
     let candidates = &mut *candidates;
     candidates.run = candidates.run.wrapping_add(1);
     let mut present = 0;
-    let mut changed = false;
+    let (mut changed, mut any_moved) = (false, false);
     for mut participant in &mut colliders {
         let stale = participant.state.seen.wrapping_add(1) != candidates.run;
+        if !stale && participant.rests() {
+            participant.state.seen = candidates.run;
+            present += 1;
+            continue;
+        }
         let reposed = participant.state.reposed && participant.state.pose.is_some();
         diagnostics.stats.nodes_blended += u64::from(reposed);
         let place = participant.place(stale);
@@ -86,15 +96,20 @@ pub(crate) fn find_candidates(
             None
         });
         state.bad_place = bad_place;
-        state.changed |= stale || placed != state.placed;
-        changed |= state.changed && (placed.is_some() || state.placed.is_some());
-        state.placed = placed;
+        let moved = stale || placed != state.placed;
+        any_moved |= moved;
+        state.changed |= moved;
+        let took_part = std::mem::replace(&mut state.placed, placed).is_some();
+        let is_behind = state.follow(stale, participant.collider.tolerance);
+        diagnostics.held_colliders += u64::from(is_behind);
+        changed |= state.changed && (placed.is_some() || took_part);
         present += usize::from(placed.is_some());
     }
     candidates.changed = changed || present != candidates.colliders.len();
     if candidates.changed {
         candidates.sweep(&colliders);
     }
+    candidates.version += u64::from(candidates.changed || any_moved);
 
     let Counts {
         overlaps,
@@ -116,6 +131,26 @@ pub(crate) fn find_candidates(
 }
 
 impl ParticipantItem<'_, '_> {
+    /// Whether a collider stands where it stood in the last run, with the same settings, and has nothing else to catch up with.
+    fn rests(&self) -> bool {
+        let Some(placed) = &self.state.placed else { return false };
+        let is_same_form = match (&placed.form, &self.shape) {
+            (Form::Mesh(_), None) => self.state.pose.is_some(),
+            (Form::Shape(_), Some(shape)) => !shape.is_changed(),
+            _ => false,
+        };
+        let state = &self.state;
+        let is_still = !state.reposed && !state.changed && state.held.is_none() && !self.transform.is_changed();
+        is_same_form
+            && is_still
+            && !self.is_disabled
+            && self.collider.tolerance == 0.0
+            && self.collider.margin == placed.margin
+            && self.collider.mode == placed.mode
+            && self.layers.copied().unwrap_or_default() == placed.layers
+            && body_of(self.entity, self.body) == placed.body
+    }
+
     /// Where a collider is now; `None` if it takes no part.
     fn place(&mut self, stale: bool) -> Result<Option<Placement>, BadPlace> {
         if self.is_disabled {
@@ -131,7 +166,7 @@ impl ParticipantItem<'_, '_> {
             None => false,
         };
         // A shape wins over a mesh.
-        let (form, bounds) = match (before, &self.shape, &mut state.pose) {
+        let (form, bounds) = match (before, &self.shape, state.pose.as_mut().map(LockedPose::get_mut)) {
             (Some(Placement { form, bounds, .. }), ..) if kept => (form, bounds),
             (_, Some(shape), _) => {
                 let (shape, bounds) = shape.place(&self.transform).map_err(BadPlace::Shape)?;
@@ -155,17 +190,18 @@ impl ParticipantItem<'_, '_> {
         if !(0.0..1e30).contains(&margin) {
             return Err(BadPlace::Margin(margin));
         }
+        let tolerance = self.collider.tolerance;
+        if !(0.0..1e30).contains(&tolerance) {
+            return Err(BadPlace::Tolerance(tolerance));
+        }
         // A pose keeps its root box as long as its weights and joints stay.
         state.reposed = false;
         Ok(Some(Placement {
             form,
-            body: self
-                .body
-                .map(|body| body.0)
-                .filter(|&body| body != Entity::PLACEHOLDER)
-                .unwrap_or(self.entity),
+            body: body_of(self.entity, self.body),
             mode: self.collider.mode,
-            layers: *self.layers,
+            // Who removes the layers gets the default ones.
+            layers: self.layers.copied().unwrap_or_default(),
             margin,
             bounds,
         }))
@@ -181,6 +217,8 @@ enum BadPlace {
     Shape(InputError),
     #[error("its margin is {0}, it must be a finite number that is not negative")]
     Margin(f32),
+    #[error("its tolerance is {0}, it must be a finite number that is not negative")]
+    Tolerance(f32),
 }
 
 impl Candidates {
@@ -189,17 +227,19 @@ impl Candidates {
         self.run
     }
 
+    /// The colliders that took part in the last run, ascending, as collisions see them.
+    pub(crate) fn colliders(&self) -> &[(Entity, Placement)] {
+        &self.colliders
+    }
+
     fn sweep(&mut self, colliders: &Query<Participant>) {
         self.counts = Counts::default();
         self.colliders.clear();
         for participant in colliders {
-            if let Some(placed) = participant.state.placed {
+            if let Some(&placed) = participant.state.seen_as() {
                 self.colliders.push((participant.entity, placed));
-                self.counts.nodes += participant
-                    .state
-                    .pose
-                    .as_ref()
-                    .map_or(0, |pose| pose.bvh().node_count() as u64);
+                let pose = participant.state.pose.as_ref();
+                self.counts.nodes += pose.map_or(0, |pose| pose.lock().bvh().node_count() as u64);
             }
         }
         self.colliders.sort_unstable_by_key(|&(entity, _)| entity);
@@ -222,7 +262,7 @@ impl Candidates {
                 &mut counts.same_body
             } else if !placed_a.layers.interacts_with(placed_b.layers) {
                 &mut counts.layers
-            } else if placed_a.mode.max(placed_b.mode) == CollisionMode::Passive {
+            } else if placed_a.mode.max(placed_b.mode) == MorphCollisionMode::Passive {
                 &mut counts.passive
             } else if matches!((placed_a.form, placed_b.form), (Form::Shape(_), Form::Shape(_))) {
                 &mut counts.rigid

@@ -80,8 +80,8 @@ impl Changes {
     }
 }
 
-/// Shows the changes to the systems around a schedule, too, if it is one of the fixed ones.
-pub(crate) fn follow_frames(app: &mut App, schedule: InternedScheduleLabel) {
+/// Whether a schedule is one of those that run once for each step of fixed time.
+pub(crate) fn is_fixed(schedule: InternedScheduleLabel) -> bool {
     let fixed = [
         FixedFirst.intern(),
         FixedPreUpdate.intern(),
@@ -89,7 +89,12 @@ pub(crate) fn follow_frames(app: &mut App, schedule: InternedScheduleLabel) {
         FixedPostUpdate.intern(),
         FixedLast.intern(),
     ];
-    if !fixed.contains(&schedule) {
+    fixed.contains(&schedule)
+}
+
+/// Shows the changes to the systems around a schedule, too, if it is one of the fixed ones.
+pub(crate) fn follow_frames(app: &mut App, schedule: InternedScheduleLabel) {
+    if !is_fixed(schedule) {
         return;
     }
     app.world_mut().resource_mut::<MorphCollisions>().changes.is_fixed = true;

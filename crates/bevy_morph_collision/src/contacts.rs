@@ -3,14 +3,17 @@
 use std::collections::BTreeMap;
 
 use bevy::prelude::*;
-use morph_collision::TrianglePair;
+use morph_collision::{ShapeContact, TrianglePair};
 
+use crate::body_pairs::BodyPairs;
 use crate::changes::Changes;
-use crate::collider::CollisionMode;
+use crate::collider::MorphCollisionMode;
 
 /// The colliders that touch, as of the last run of [`NarrowPhase`](crate::MorphCollisionSystems::NarrowPhase).
 ///
-/// As a system parameter: `Res<MorphCollisions>`.
+/// As a system parameter: `Res<MorphCollisions>`. It can be asked about colliders ([`contains`](Self::contains), [`get`](Self::get),
+/// [`of`](Self::of)) and about bodies ([`contains_bodies`](Self::contains_bodies),
+/// [`collisions_between_bodies`](Self::collisions_between_bodies), [`bodies_colliding_with`](Self::bodies_colliding_with)).
 ///
 /// # What started and ended
 ///
@@ -30,6 +33,9 @@ use crate::collider::CollisionMode;
 pub struct MorphCollisions {
     #[reflect(ignore)]
     pub(crate) current: BTreeMap<(Entity, Entity), MorphContact>,
+    /// The same contacts by their bodies.
+    #[reflect(ignore)]
+    pub(crate) bodies: BodyPairs,
     #[reflect(ignore)]
     pub(crate) changes: Changes,
     /// Whether anything was compared in this run.
@@ -45,14 +51,14 @@ pub struct MorphContact {
     pub collider1: Entity,
     /// The second collider.
     pub collider2: Entity,
-    /// The body of the first: its [`MorphBody`](crate::MorphBody), or itself.
+    /// The body of the first: that of its [`MorphColliderOf`](crate::MorphColliderOf), or itself.
     pub body1: Entity,
     /// The body of the second.
     pub body2: Entity,
     /// What was asked for.
-    pub mode: CollisionMode,
+    pub mode: MorphCollisionMode,
     /// A point at which they touch, in world space; between the closest points where only their margins do. In mode
-    /// [`Contacts`](CollisionMode::Contacts) the deepest, otherwise that of the first pair of triangles found.
+    /// [`Contacts`](MorphCollisionMode::Contacts) the deepest, otherwise that of the first pair of triangles found.
     pub point: Vec3,
     /// The direction in which the first collider leaves the second there, a unit vector; zero if there is none.
     pub normal: Vec3,
@@ -61,7 +67,7 @@ pub struct MorphContact {
     /// Intersecting triangles, `triangle_a` of `collider1` and `triangle_b` of `collider2`, sorted; of a
     /// [`MorphShape`](crate::MorphShape) it is [`MorphContact::NO_TRIANGLE`].
     ///
-    /// How many are listed is up to the [`CollisionMode`]. A triangle's number is its place in the mesh's index buffer,
+    /// How many are listed is up to the [`MorphCollisionMode`]. A triangle's number is its place in the mesh's index buffer,
     /// divided by 3; in a triangle strip, its place among the triangles that name three different vertices.
     ///
     /// Not reflected: the list is empty in a value made by reflection.
@@ -71,7 +77,7 @@ pub struct MorphContact {
     /// [`MorphCollisionSettings::max_triangle_pairs`](crate::MorphCollisionSettings): `triangles` are some of them, and `points` and
     /// `normal` are made from some of them. Which ones depends on the tree. Always `false` in modes that ask for one pair.
     pub is_truncated: bool,
-    /// In mode [`Contacts`](CollisionMode::Contacts): up to four points of contact, the deepest first.
+    /// In mode [`Contacts`](MorphCollisionMode::Contacts): up to four points of contact, the deepest first.
     pub points: Vec<MorphContactPoint>,
 }
 
@@ -93,6 +99,31 @@ pub(crate) fn no_triangles() -> TrianglePair {
     TrianglePair {
         triangle_a: MorphContact::NO_TRIANGLE,
         triangle_b: MorphContact::NO_TRIANGLE,
+    }
+}
+
+/// A triangle of a mesh that meets a shape.
+pub(crate) fn pair_with_shape(triangle: u32, shape_first: bool) -> TrianglePair {
+    let mut triangles = [triangle, MorphContact::NO_TRIANGLE];
+    if shape_first {
+        triangles.reverse();
+    }
+    TrianglePair {
+        triangle_a: triangles[0],
+        triangle_b: triangles[1],
+    }
+}
+
+impl MorphContactPoint {
+    /// The deepest four points of triangles that meet a shape, which come out deepest first.
+    pub(crate) fn with_shape(met: &mut [ShapeContact], shape_first: bool) -> Vec<Self> {
+        met.sort_by(|x, y| x.distance.total_cmp(&y.distance).then(x.triangle.cmp(&y.triangle)));
+        let point = |met: &ShapeContact| Self {
+            point: met.point_on_triangle.as_vec3(),
+            depth: -met.distance as f32,
+            triangles: pair_with_shape(met.triangle, shape_first),
+        };
+        met.iter().take(4).map(point).collect()
     }
 }
 

@@ -11,19 +11,22 @@ use morph_collision::QueryStats;
 pub struct MorphCollisionDiagnostics {
     /// Colliders that took part.
     pub colliders: u64,
+    /// Colliders that collisions saw as they were in an earlier run, because they have moved by no more than their
+    /// [tolerance](crate::MorphCollider::tolerance) since then.
+    pub held_colliders: u64,
     /// Pairs of colliders whose world bounds overlapped; the others are apart and not counted.
     pub overlapping_pairs: u64,
     /// Overlapping pairs that are parts of one body.
     pub skipped_same_body: u64,
     /// Overlapping pairs that [`MorphCollisionLayers`](crate::MorphCollisionLayers) keep apart.
     pub skipped_layers: u64,
-    /// Overlapping pairs of [passive](crate::CollisionMode::Passive) colliders.
+    /// Overlapping pairs of [passive](crate::MorphCollisionMode::Passive) colliders.
     pub skipped_passive: u64,
     /// Overlapping pairs of two [shapes](crate::MorphShape).
     pub skipped_rigid: u64,
     /// Overlapping pairs that were left: different bodies that care about each other.
     pub candidate_pairs: u64,
-    /// Candidate pairs of which neither collider changed, so that the answer is that of the run before.
+    /// Candidate pairs of which neither collider changed, or not by more than its tolerance, so that the answer is that of the run before.
     pub skipped_unchanged: u64,
     /// Pairs of colliders that touched.
     pub touching_pairs: u64,

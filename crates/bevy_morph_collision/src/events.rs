@@ -8,6 +8,7 @@ use bevy::ecs::query::Allow;
 use bevy::prelude::*;
 use tracing::debug_span;
 
+use crate::body::MorphColliders;
 use crate::contacts::{MorphCollisions, MorphContact};
 use crate::diagnostics::MorphCollisionDiagnostics;
 
@@ -16,14 +17,14 @@ use crate::diagnostics::MorphCollisionDiagnostics;
 /// As a [`Message`] it is sent once per pair, `collider1 < collider2`. As an [`EntityEvent`] it is triggered for each of the
 /// two that has [`MorphCollisionEventsEnabled`], which is then `collider1`.
 #[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq)]
-#[reflect(Debug, Clone, PartialEq)]
+#[reflect(Event, Message, Debug, Clone, PartialEq)]
 pub struct MorphCollisionStart {
     /// A collider; the target of the entity event.
     #[event_target]
     pub collider1: Entity,
     /// The other one.
     pub collider2: Entity,
-    /// The body of `collider1`: its [`MorphBody`](crate::MorphBody), or itself.
+    /// The body of `collider1`: that of its [`MorphColliderOf`](crate::MorphColliderOf), or itself.
     pub body1: Entity,
     /// The body of `collider2`.
     pub body2: Entity,
@@ -35,12 +36,12 @@ pub struct MorphCollisionStart {
 
 /// Two colliders stopped touching.
 ///
-/// It is sent as [`MorphCollisionStart`] is. It is also sent when a collider was despawned, so the entities may not exist any more;
+/// It is sent as [`MorphCollisionStart`] is. It is also sent when a collider was despawned, so the entities may no longer exist;
 /// when it was left out because its mesh or transform became unusable; and when it got
 /// [`MorphColliderDisabled`](crate::MorphColliderDisabled) or Bevy's [`Disabled`]. A disabled entity hears its own end:
 /// observers run for it as for any entity. But `Query` parameters of those observers skip it without `Allow<Disabled>`.
 #[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
-#[reflect(Debug, Clone, PartialEq)]
+#[reflect(Event, Message, Debug, Clone, PartialEq)]
 pub struct MorphCollisionEnd {
     /// A collider; the target of the entity event.
     #[event_target]
@@ -58,17 +59,22 @@ pub struct MorphCollisionEnd {
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 pub struct MorphCollisionEventsEnabled;
 
-/// Put this on a collider to have the colliders that it touches listed, ascending. The plugin updates it in every run; the list of
-/// a disabled collider is empty.
+/// Lists what an entity touches, in ascending order; the plugin updates it in every run.
+///
+/// - On a body, an entity with [`MorphColliders`](crate::MorphColliders), such as the root of a
+///   [`MorphColliderScene`](crate::MorphColliderScene): the bodies that it touches with any of its colliders.
+/// - On any other collider: the colliders that it touches.
+///
+/// The list of a disabled collider is empty.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 pub struct MorphCollidingEntities(Vec<Entity>);
 
 impl MorphCollidingEntities {
-    /// Whether a collider is among them.
+    /// Whether an entity is among them.
     #[must_use]
-    pub fn contains(&self, collider: Entity) -> bool {
-        self.0.binary_search(&collider).is_ok()
+    pub fn contains(&self, entity: Entity) -> bool {
+        self.0.binary_search(&entity).is_ok()
     }
 }
 
@@ -80,7 +86,7 @@ impl std::ops::Deref for MorphCollidingEntities {
     }
 }
 
-/// Tells of this run's changes: first what ended, then what started, both in ascending order.
+/// Reports this run's changes: first what ended, then what started, both in ascending order.
 pub(crate) fn report_changes(
     collisions: Res<MorphCollisions>,
     enabled: Query<(), (With<MorphCollisionEventsEnabled>, Allow<Disabled>)>,
@@ -141,30 +147,38 @@ fn both_ways(contact: &MorphContact) -> [([Entity; 4], Vec3); 2] {
     ]
 }
 
-/// Brings [`MorphCollidingEntities`] up to date where anything was compared, or the component is new.
+/// Brings [`MorphCollidingEntities`] up to date where anything was compared, the component is new, or an entity became a body or
+/// is no longer one.
 pub(crate) fn list_colliding_entities(
     collisions: Res<MorphCollisions>,
-    mut lists: Query<(Entity, &mut MorphCollidingEntities), Allow<Disabled>>,
+    mut lists: Query<(Entity, &mut MorphCollidingEntities, Option<Ref<MorphColliders>>), Allow<Disabled>>,
+    mut no_bodies: RemovedComponents<MorphColliders>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
-    if !collisions.compared && !lists.iter_mut().any(|(_, list)| list.is_changed()) {
+    let is_body_no_more = no_bodies.read().count() > 0;
+    let mut is_new = lists
+        .iter_mut()
+        .map(|(_, list, colliders)| list.is_changed() || colliders.is_some_and(|colliders| colliders.is_added()));
+    if !collisions.compared && !is_body_no_more && !is_new.any(|is_new| is_new) {
         return;
     }
     let start = Instant::now();
-    let mut touching: EntityHashMap<Vec<Entity>> = lists.iter().map(|(collider, _)| (collider, Vec::new())).collect();
+    let empty = |(entity, _, colliders): (Entity, _, Option<_>)| (entity, (colliders.is_some(), Vec::new()));
+    let mut touching: EntityHashMap<(bool, Vec<Entity>)> = lists.iter().map(empty).collect();
     for contact in collisions.iter() {
-        for (collider, other) in [
-            (contact.collider1, contact.collider2),
-            (contact.collider2, contact.collider1),
-        ] {
-            if let Some(list) = touching.get_mut(&collider) {
+        for ([collider, other, body, other_body], _) in both_ways(contact) {
+            if let Some((false, list)) = touching.get_mut(&collider) {
                 list.push(other);
+            }
+            if let Some((true, list)) = touching.get_mut(&body) {
+                list.push(other_body);
             }
         }
     }
-    for (collider, mut list) in &mut lists {
-        let mut now = touching.remove(&collider).unwrap_or_default();
+    for (entity, mut list, _) in &mut lists {
+        let (_, mut now) = touching.remove(&entity).unwrap_or_default();
         now.sort_unstable();
+        now.dedup();
         if list.0 != now {
             list.0 = now;
         }

@@ -6,7 +6,9 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
-use crate::collider::{MorphBody, MorphCollider, follows};
+use crate::body::{MorphColliderOf, body_of, give_body};
+use crate::body_roots::BodyRoots;
+use crate::collider::{MorphCollider, follows};
 use crate::layers::MorphCollisionLayers;
 use crate::scene::ScenePart;
 use crate::settings::MorphCollisionSettings;
@@ -18,7 +20,8 @@ use crate::settings::MorphCollisionSettings;
 pub(crate) struct Automatic {
     collider: Option<MorphCollider>,
     layers: bool,
-    body: Option<MorphBody>,
+    /// The body that it named, or the mesh itself.
+    body: Option<Entity>,
 }
 
 impl Automatic {
@@ -32,9 +35,9 @@ impl Automatic {
         self.layers && now == Some(&MorphCollisionLayers::default())
     }
 
-    /// Whether a body is the one that it gave.
-    pub(crate) fn gave_body(&self, now: Option<&MorphBody>) -> bool {
-        self.body.is_some() && self.body.as_ref() == now
+    /// Whether a collider's body is the one that it gave.
+    pub(crate) fn gave_body(&self, now: Entity) -> bool {
+        self.body == Some(now)
     }
 }
 
@@ -51,18 +54,18 @@ type New = (
 type Has3 = (
     Option<&'static MorphCollider>,
     Option<&'static MorphCollisionLayers>,
-    Option<&'static MorphBody>,
+    Option<&'static MorphColliderOf>,
 );
 
 /// Applies the setting to new meshes, and to all when it changes.
 ///
-/// What hangs on one root of the hierarchy is one body.
+/// The bodies of meshes follow the hierarchy, and the components that make an entity a body.
 pub(crate) fn update_every_deforming_mesh(
     mut commands: Commands,
     settings: Res<MorphCollisionSettings>,
     new: Query<(Entity, Has3), New>,
     mut known: Query<(Entity, &mut Automatic, Has3), Allow<Disabled>>,
-    parents: Query<&ChildOf, Allow<Disabled>>,
+    mut roots: BodyRoots,
     mut applied: Local<Option<MorphCollider>>,
 ) {
     let wanted = settings.every_deforming_mesh;
@@ -87,23 +90,35 @@ pub(crate) fn update_every_deforming_mesh(
         }
     }
     let Some(collider) = wanted else { return };
-    for (entity, (has_collider, layers, body)) in &new {
-        let root = MorphBody(parents.root_ancestor(entity));
-        let mut entity = commands.entity(entity);
+    let unsettled = roots.unsettled();
+    let root_of = roots.finder();
+    for mesh in unsettled {
+        let Ok((mesh, mut automatic, (_, _, of))) = known.get_mut(mesh) else {
+            continue;
+        };
+        let Some(given) = &mut automatic.body else { continue };
+        let root = root_of(mesh);
+        if follows(false, given, Some(&body_of(mesh, of)), root, PartialEq::eq) {
+            give_body(&mut commands.entity(mesh), root);
+        }
+    }
+    for (mesh, (has_collider, layers, of)) in &new {
+        let mut entity = commands.entity(mesh);
         if has_collider.is_some() {
             entity.try_insert(Automatic::default());
             continue;
         }
+        let body = of.is_none().then(|| root_of(mesh));
         entity.try_insert((
             collider,
             Automatic {
                 collider: Some(collider),
                 layers: layers.is_none(),
-                body: body.is_none().then_some(root),
+                body,
             },
         ));
-        if body.is_none() {
-            entity.try_insert(root);
+        if let Some(body) = body {
+            give_body(&mut entity, body);
         }
     }
 }
@@ -113,13 +128,13 @@ impl Automatic {
     fn take_back(
         &self,
         mut entity: EntityCommands,
-        (collider, layers, body): (
+        (collider, layers, of): (
             Option<&MorphCollider>,
             Option<&MorphCollisionLayers>,
-            Option<&MorphBody>,
+            Option<&MorphColliderOf>,
         ),
     ) {
-        if self.collider.is_some() && collider.is_none() {
+        if collider.is_none() {
             // The user removed it: it does not come back with the setting either.
             entity.try_insert(Self::default());
         } else {
@@ -131,8 +146,8 @@ impl Automatic {
         if self.gave_layers(layers) {
             entity.try_remove::<MorphCollisionLayers>();
         }
-        if self.gave_body(body) {
-            entity.try_remove::<MorphBody>();
+        if self.gave_body(body_of(entity.id(), of)) {
+            entity.try_remove::<MorphColliderOf>();
         }
     }
 }

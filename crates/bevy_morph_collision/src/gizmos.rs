@@ -6,17 +6,16 @@ use bevy::gizmos::{AppGizmoBuilder, GizmoAsset};
 use bevy::math::{Affine3A, DVec3, Mat3A};
 use bevy::prelude::*;
 use morph_collision::{Body, WorldFromModel};
-use tracing::error;
 
 use crate::collider::{ColliderState, Form};
 use crate::contacts::MorphCollisions;
-use crate::narrow_phase::world_triangle;
 use crate::plugin::MorphCollisionSystems;
+use crate::plugins::missing;
 
 /// Draws boxes of trees, contacts and touching triangles, as [`MorphGizmos`] says.
 ///
 /// It needs [`MorphCollisionPlugin`](crate::MorphCollisionPlugin) and Bevy's `GizmoPlugin` (one of `DefaultPlugins`); an error in the log
-/// says which one is missing. The lines are Bevy's gizmos: to see them you need a renderer with `bevy_gizmos_render`.
+/// says which one is missing, unless this plugin came with [`MorphPlugins`](crate::MorphPlugins). The lines are Bevy's gizmos: to see them you need a renderer with `bevy_gizmos_render`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MorphGizmosPlugin;
 
@@ -64,19 +63,27 @@ impl Default for MorphGizmos {
 
 impl Plugin for MorphGizmosPlugin {
     fn build(&self, app: &mut App) {
-        app.init_gizmo_group::<MorphGizmos>().add_systems(
-            PostUpdate,
-            draw.after(MorphCollisionSystems::Events)
-                .run_if(resource_exists::<MorphCollisions>),
-        );
+        app.init_gizmo_group::<MorphGizmos>()
+            .register_type::<MorphGizmos>()
+            .add_systems(
+                PostUpdate,
+                draw.after(MorphCollisionSystems::Events)
+                    .run_if(resource_exists::<MorphCollisions>),
+            );
     }
 
     fn finish(&self, app: &mut App) {
         if !app.world().contains_resource::<MorphCollisions>() {
-            error!("MorphGizmosPlugin draws nothing without MorphCollisionPlugin: add it to the app");
+            missing(
+                app,
+                "MorphGizmosPlugin draws nothing without MorphCollisionPlugin: add it to the app",
+            );
         }
         if !app.world().contains_resource::<Assets<GizmoAsset>>() {
-            error!("MorphGizmosPlugin draws nothing without Bevy's GizmoPlugin: add it to the app");
+            missing(
+                app,
+                "MorphGizmosPlugin draws nothing without Bevy's GizmoPlugin: add it to the app",
+            );
             // Bevy's systems for the group of gizmos panic without it.
             app.init_resource::<Assets<GizmoAsset>>();
         }
@@ -104,7 +111,7 @@ fn draw(
             else {
                 continue;
             };
-            pose.visit_nodes(|node| {
+            pose.get_mut().visit_nodes(|node| {
                 if node.depth == depth || node.is_leaf {
                     let color = if node.was_fresh { style.refitted } else { style.resting };
                     let cube = Transform::from_translation(node.bounds.center()).with_scale(node.bounds.size());
@@ -155,6 +162,6 @@ fn corners(state: &mut ColliderState, triangle: u32) -> Option<[Vec3; 3]> {
     let Form::Mesh(place) = &placed.as_ref()?.form else {
         return None;
     };
-    let corners = world_triangle(&mut Body::new(pose.as_mut()?, place), triangle)?;
+    let corners = Body::new(pose.as_mut()?.get_mut(), place).triangle(triangle)?;
     Some(corners.map(DVec3::as_vec3))
 }

@@ -1,22 +1,27 @@
 //! From Bevy's [`Mesh`] to a shared tree: copied on the main thread, built in the background, handed out.
 
 mod complaints;
+mod decode;
 #[cfg(feature = "gltf")]
 mod gltf;
 mod mesh_data;
 mod mesh_tree;
+mod progress;
 mod skin_data;
 mod tree_key;
 mod tree_settings;
 mod trees;
+mod turns;
 mod users;
 
+pub(crate) use decode::uv_of;
 #[cfg(feature = "gltf")]
 pub(crate) use gltf::repair_split_meshes;
 pub use mesh_data::ImportError;
+pub use progress::MorphTreeProgress;
 pub(crate) use skin_data::influences_of;
 pub(crate) use tree_key::TreeKey;
-pub use tree_settings::{MorphTreeOptions, MorphTreeSettings};
+pub use tree_settings::{DefaultMorphTreeSettings, MorphTreeSettings};
 pub use trees::MorphTrees;
 pub(crate) use trees::{finish_trees, follow_asset_events, start_trees};
-pub(crate) use users::{Culls, drop_unused_trees, hand_out_trees, request_trees};
+pub(crate) use users::{Culls, Shows, drop_unused_trees, hand_out_trees, key_of, request_trees};

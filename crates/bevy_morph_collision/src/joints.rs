@@ -26,7 +26,7 @@ pub(crate) fn read_joints(
     skeletons.begin();
     let global_of = |joint: Entity| Some(globals.get(joint).ok()?.affine());
     for (entity, mut state, skin) in &mut colliders {
-        let Some(pose) = state.pose.as_ref() else { continue };
+        let Some(pose) = state.pose_mut() else { continue };
         if pose.joints().is_none() {
             continue;
         }
@@ -44,7 +44,7 @@ pub(crate) fn read_joints(
             skeleton.is_reported = true;
         }
         let state = &mut *state;
-        if let (Some(matrices), Some(pose)) = (skeleton.matrices(), &mut state.pose)
+        if let (Some(matrices), Some(pose)) = (skeleton.matrices(), state.pose_mut())
             && let Ok(changed) = pose.set_joints(matrices)
         {
             let changed = changed || !state.has_joints;

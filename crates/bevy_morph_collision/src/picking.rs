@@ -1,5 +1,9 @@
 //! Picking: what is drawn is what is hit.
 
+use crate::contacts::MorphCollisions;
+use crate::plugins::missing;
+use crate::shape::MorphShape;
+use crate::spatial::{MorphQueryFilter, MorphRayHit, MorphSpatialQuery};
 use bevy::camera::Camera;
 use bevy::camera::visibility::RenderLayers;
 use bevy::picking::PickingSystems;
@@ -7,10 +11,6 @@ use bevy::picking::backend::ray::RayMap;
 use bevy::picking::backend::{HitData, PointerHits};
 use bevy::picking::prelude::Pickable;
 use bevy::prelude::*;
-use tracing::{debug, error};
-
-use crate::contacts::MorphCollisions;
-use crate::spatial::{MorphQueryFilter, MorphRayHit, MorphSpatialQuery};
 
 /// A picking backend for Bevy: pointers hit the meshes of [`MorphCollider`](crate::MorphCollider)s as they are morphed and
 /// moved by joints.
@@ -19,7 +19,8 @@ use crate::spatial::{MorphQueryFilter, MorphRayHit, MorphSpatialQuery};
 /// An entity with a [`MorphShape`](crate::MorphShape) is not hit, even if it has a mesh.
 ///
 /// It needs [`MorphCollisionPlugin`](crate::MorphCollisionPlugin) and Bevy's picking plugins (`DefaultPickingPlugins`, among
-/// `DefaultPlugins`); an error in the log says which one is missing.
+/// `DefaultPlugins`); an error in the log says which one is missing, unless this plugin came with
+/// [`MorphPlugins`](crate::MorphPlugins).
 ///
 /// Bevy's own `MeshPickingPlugin` picks morphing and skinned meshes in their rest pose. Leave it out, or set
 /// `MeshPickingSettings::require_markers` and mark only what does not deform.
@@ -90,15 +91,23 @@ impl Plugin for MorphPickingPlugin {
     fn finish(&self, app: &mut App) {
         let world = app.world();
         if !world.contains_resource::<MorphCollisions>() {
-            error!("MorphPickingPlugin hits nothing without MorphCollisionPlugin: add it to the app");
+            missing(
+                app,
+                "MorphPickingPlugin hits nothing without MorphCollisionPlugin: add it to the app",
+            );
         }
         if !world.contains_resource::<RayMap>() || !world.contains_resource::<Messages<PointerHits>>() {
-            error!("MorphPickingPlugin hits nothing without Bevy's DefaultPickingPlugins: add them to the app");
+            missing(
+                app,
+                "MorphPickingPlugin hits nothing without Bevy's DefaultPickingPlugins: add them to the app",
+            );
         }
     }
 }
 
 /// What decides if a collider can be picked.
+///
+/// A shape is not drawn.
 type PickedBy = (
     Option<&'static Pickable>,
     Option<&'static RenderLayers>,
@@ -110,8 +119,8 @@ fn hit_colliders(
     settings: Res<MorphPickingSettings>,
     rays: Res<RayMap>,
     cameras: Query<(&Camera, Option<&RenderLayers>)>,
-    colliders: Query<PickedBy>,
-    mut spatial: MorphSpatialQuery,
+    colliders: Query<PickedBy, Without<MorphShape>>,
+    spatial: MorphSpatialQuery,
     mut hits: MessageWriter<PointerHits>,
 ) {
     let everything = RenderLayers::default();
@@ -140,15 +149,8 @@ fn hit_colliders(
                 only_front: !settings.back_faces,
                 ..default()
             };
-            let hit = spatial.cast_ray_where(ray.origin, ray.direction, f32::INFINITY, &filter, can_pick);
-            let hit = match hit {
-                Ok(Some(hit)) => hit,
-                Ok(None) => break,
-                Err(error) => {
-                    debug!("a pointer's ray cannot be cast: {error}");
-                    break;
-                }
-            };
+            let hit = spatial.cast_ray_predicate(ray.origin, ray.direction, f32::INFINITY, &filter, can_pick);
+            let Some(hit) = hit else { break };
             let data = HitData::new_with_extra(
                 id.camera,
                 hit.distance,

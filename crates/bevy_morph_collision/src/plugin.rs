@@ -9,51 +9,58 @@ use bevy::prelude::*;
 use bevy::transform::TransformSystems;
 use bevy::transform::systems::{mark_dirty_trees, propagate_parent_transforms, sync_simple_transforms};
 
+use crate::body::{MorphBodyRoot, MorphColliderOf, MorphColliders};
+use crate::body_events::{MorphBodyCollisionEnd, MorphBodyCollisionStart};
 use crate::contacts::{MorphCollisions, MorphContact, MorphContactPoint};
 use crate::diagnostics::MorphCollisionDiagnostics;
 use crate::events::{MorphCollidingEntities, MorphCollisionEnd, MorphCollisionEventsEnabled, MorphCollisionStart};
-use crate::import::{MorphTreeOptions, MorphTreeSettings, MorphTrees};
-use crate::spatial::{MorphClosestPoints, MorphContacts, MorphProjection, MorphQueryFilter, MorphRayHit};
+use crate::import::{DefaultMorphTreeSettings, ImportError, MorphTreeProgress, MorphTreeSettings, MorphTrees};
+use crate::readiness::{MorphColliderFailed, MorphColliderReady, MorphColliderSceneReady};
+use crate::spatial::{
+    MorphClosestPoints, MorphManifold, MorphProjection, MorphQueryFilter, MorphRayHit, MorphShapeHit, SpatialState,
+};
 use crate::{
-    CollisionMode, MorphBody, MorphCollider, MorphColliderDisabled, MorphColliderScene, MorphCollisionLayers,
+    MorphCollider, MorphColliderDisabled, MorphColliderScene, MorphCollisionLayers, MorphCollisionMode,
     MorphCollisionSettings, MorphShape, MorphSurfaceAnchor,
 };
 use crate::{
-    anchors, broad_phase, changes, collider, diagnostics, events, every_mesh, import, joints, narrow_phase, scene,
-    settings, velocities, weights,
+    anchors, body_events, body_pairs, broad_phase, changes, collider, diagnostics, events, every_mesh, import, joints,
+    narrow_phase, readiness, scene, settings, velocities, weights,
 };
 
-/// Detects collisions between [`MorphCollider`]s every frame, in [`PostUpdate`].
+/// Detects collisions between [`MorphCollider`]s: by default every frame, in [`PostUpdate`].
 ///
-/// Insert [`MorphTreeOptions`] before the plugin to build trees in another way than the default one.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct MorphCollisionPlugin;
-
-/// Detects collisions in a schedule of one's choice; see [`MorphCollisionPlugin::in_schedule`].
+/// Insert [`DefaultMorphTreeSettings`] before the plugin to build trees in another way than the default one.
 #[derive(Clone, Copy, Debug)]
-pub struct MorphCollisionIn {
+pub struct MorphCollisionPlugin {
     schedule: InternedScheduleLabel,
 }
 
 impl MorphCollisionPlugin {
-    /// The same plugin in another schedule than [`PostUpdate`], usually [`FixedPostUpdate`].
+    /// The plugin in a schedule of one's choice, usually [`FixedPostUpdate`].
     ///
-    /// Transforms are propagated there first, so that what moved in [`FixedUpdate`] is where it was moved to. Morph weights
-    /// are those that the last frame's animation left. [Surface anchors](MorphSurfaceAnchor) still follow in [`PostUpdate`].
-    /// What [`MorphCollisions::started`] and [`MorphCollisions::ended`] show then is described
+    /// In another schedule than [`PostUpdate`], transforms are propagated there first, so that what moved in [`FixedUpdate`] is where it was
+    /// moved to. Morph weights are those that the last frame's animation left. [Surface anchors](MorphSurfaceAnchor) still follow in
+    /// [`PostUpdate`]. What [`MorphCollisions::started`] and [`MorphCollisions::ended`] show then is described
     /// [there](MorphCollisions#what-started-and-ended).
     ///
     /// ```
     /// # use bevy::prelude::*;
     /// # use bevy_morph_collision::MorphCollisionPlugin;
     /// # let mut app = App::new();
-    /// app.add_plugins(MorphCollisionPlugin.in_schedule(FixedPostUpdate));
+    /// app.add_plugins(MorphCollisionPlugin::new(FixedPostUpdate));
     /// ```
     #[must_use]
-    pub fn in_schedule(self, schedule: impl ScheduleLabel) -> MorphCollisionIn {
-        MorphCollisionIn {
+    pub fn new(schedule: impl ScheduleLabel) -> Self {
+        Self {
             schedule: schedule.intern(),
         }
+    }
+}
+
+impl Default for MorphCollisionPlugin {
+    fn default() -> Self {
+        Self::new(PostUpdate)
     }
 }
 
@@ -82,8 +89,11 @@ impl Plugin for TreesPlugin {
         // Now, before anything is loaded; or later, if the glTF plugin comes after this one.
         #[cfg(feature = "gltf")]
         import::repair_split_meshes(app);
-        app.init_resource::<MorphTreeOptions>()
+        app.init_resource::<DefaultMorphTreeSettings>()
             .init_resource::<MorphTrees>()
+            .register_type::<DefaultMorphTreeSettings>()
+            .register_type::<MorphTreeSettings>()
+            .register_type::<MorphTrees>()
             .configure_sets(
                 PostUpdate,
                 MorphCollisionSystems::Import
@@ -113,18 +123,7 @@ impl Plugin for TreesPlugin {
 
 impl Plugin for MorphCollisionPlugin {
     fn build(&self, app: &mut App) {
-        build(app, PostUpdate.intern());
-    }
-}
-
-impl Plugin for MorphCollisionIn {
-    fn build(&self, app: &mut App) {
         build(app, self.schedule);
-    }
-
-    fn name(&self) -> &str {
-        // There is one plugin, whatever its schedule.
-        std::any::type_name::<MorphCollisionPlugin>()
     }
 }
 
@@ -138,8 +137,11 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .init_resource::<MorphCollisionSettings>()
         .init_resource::<diagnostics::Preparation>()
         .init_resource::<velocities::RunTimes>()
+        .init_resource::<SpatialState>()
         .add_message::<MorphCollisionStart>()
         .add_message::<MorphCollisionEnd>()
+        .add_message::<MorphBodyCollisionStart>()
+        .add_message::<MorphBodyCollisionEnd>()
         .add_observer(collider::forget_collider)
         .add_observer(scene::forget_scene);
     register_types(app);
@@ -170,14 +172,17 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
     }
     app.add_systems(
         PostUpdate,
-        ((
-            scene::update_scene_parts,
-            every_mesh::update_every_deforming_mesh,
-            import::request_trees,
+        (
+            (
+                scene::update_scene_parts,
+                every_mesh::update_every_deforming_mesh,
+                import::request_trees,
+            )
+                .chain()
+                .after(import::follow_asset_events)
+                .before(import::start_trees),
+            readiness::report_readiness.after(import::finish_trees),
         )
-            .chain()
-            .after(import::follow_asset_events)
-            .before(import::start_trees),)
             .in_set(Stage::Import),
     )
     .add_systems(
@@ -193,8 +198,14 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                 .chain()
                 .in_set(Stage::Weights),
             broad_phase::find_candidates.in_set(Stage::BroadPhase),
-            narrow_phase::find_contacts.in_set(Stage::NarrowPhase),
-            (events::report_changes, events::list_colliding_entities)
+            (narrow_phase::find_contacts, body_pairs::pair_bodies)
+                .chain()
+                .in_set(Stage::NarrowPhase),
+            (
+                events::report_changes,
+                body_events::report_body_changes,
+                events::list_colliding_entities,
+            )
                 .chain()
                 .in_set(Stage::Events),
             changes::begin_empty_run
@@ -210,11 +221,14 @@ fn register_types(app: &mut App) {
         .register_type::<MorphColliderDisabled>()
         .register_type::<MorphColliderScene>()
         .register_type::<MorphCollisionLayers>()
-        .register_type::<MorphBody>()
+        .register_type::<MorphColliderOf>()
+        .register_type::<MorphColliders>()
+        .register_type::<MorphBodyRoot>()
+        .register_type::<MorphBodyCollisionStart>()
+        .register_type::<MorphBodyCollisionEnd>()
         .register_type::<MorphShape>()
         .register_type::<MorphSurfaceAnchor>()
-        .register_type::<MorphTreeSettings>()
-        .register_type::<CollisionMode>()
+        .register_type::<MorphCollisionMode>()
         .register_type::<MorphCollidingEntities>()
         .register_type::<MorphCollisionEventsEnabled>()
         .register_type::<MorphCollisionStart>()
@@ -226,9 +240,13 @@ fn register_types(app: &mut App) {
         .register_type::<MorphContactPoint>()
         .register_type::<MorphRayHit>()
         .register_type::<MorphProjection>()
+        .register_type::<MorphShapeHit>()
         .register_type::<MorphClosestPoints>()
-        .register_type::<MorphContacts>()
+        .register_type::<MorphManifold>()
         .register_type::<MorphQueryFilter>()
-        .register_type::<MorphTrees>()
-        .register_type::<MorphTreeOptions>();
+        .register_type::<MorphTreeProgress>()
+        .register_type::<ImportError>()
+        .register_type::<MorphColliderReady>()
+        .register_type::<MorphColliderFailed>()
+        .register_type::<MorphColliderSceneReady>();
 }

@@ -10,13 +10,17 @@ use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
-use crate::collider::{MorphBody, MorphCollider, follows};
+use crate::body::{MorphColliderOf, body_of, give_body};
+use crate::collider::{MorphCollider, follows};
 use crate::diagnostics::Preparation;
 use crate::events::MorphCollisionEventsEnabled;
 use crate::every_mesh::Automatic;
 use crate::layers::MorphCollisionLayers;
 
 /// Put this on the root of a scene: every mesh below it becomes a [`MorphCollider`], and all of them are parts of one body.
+///
+/// The body is the entity with this component: observe [`MorphBodyCollisionStart`](crate::MorphBodyCollisionStart) and
+/// [`MorphBodyCollisionEnd`](crate::MorphBodyCollisionEnd) on it, or put [`MorphCollidingEntities`](crate::MorphCollidingEntities) there.
 ///
 /// It works with scenes spawned from an asset (`WorldAssetRoot`) and with entities spawned by hand, whether the component or the
 /// meshes come first. Meshes that appear later are found too. Parts of one body never collide with each other.
@@ -27,7 +31,7 @@ use crate::layers::MorphCollisionLayers;
 /// Components that you put on a part stay yours:
 ///
 /// - A mesh that already has a [`MorphCollider`] joins the body with it, whatever its name, and keeps its collider, layers and
-///   events. [`MorphCollisionLayers`], [`MorphBody`] and [`MorphCollisionEventsEnabled`] that were there first stay as well.
+///   events. [`MorphCollisionLayers`], [`MorphColliderOf`] and [`MorphCollisionEventsEnabled`] that were there first stay as well.
 /// - A component that the scene added and that you then change or remove is left alone when the scene is edited.
 /// - When a part leaves the scene, what the scene added is removed: the collider even if you changed it since, layers and body only
 ///   if you did not.
@@ -63,10 +67,11 @@ impl Default for MorphColliderScene {
 /// What a scene gave to one of its parts; `None` where the part had its own.
 #[derive(Component, Clone, Copy, PartialEq)]
 pub(crate) struct ScenePart {
-    root: Entity,
+    pub(crate) root: Entity,
     collider: Option<MorphCollider>,
     layers: Option<MorphCollisionLayers>,
-    body: Option<MorphBody>,
+    /// The body that it named; the part itself if it is the root.
+    body: Option<Entity>,
     events: bool,
 }
 
@@ -79,7 +84,7 @@ pub(crate) struct PartNow {
     deforms: (Has<MeshMorphWeights>, Has<SkinnedMesh>),
     collider: Option<&'static MorphCollider>,
     layers: Option<&'static MorphCollisionLayers>,
-    body: Option<&'static MorphBody>,
+    body: Option<&'static MorphColliderOf>,
     events: Has<MorphCollisionEventsEnabled>,
     automatic: Option<&'static Automatic>,
 }
@@ -222,9 +227,9 @@ impl PartNowItem<'_, '_> {
             entity.try_insert(scene.layers);
         }
         if let Some(given) = &mut part.body
-            && follows(new, given, self.body, MorphBody(root), PartialEq::eq)
+            && follows(new, given, Some(&self.body()), root, PartialEq::eq)
         {
-            entity.try_insert(MorphBody(root));
+            give_body(&mut entity, root);
         }
         if part.events && !scene.events {
             part.events = false;
@@ -242,14 +247,19 @@ impl PartNowItem<'_, '_> {
     fn first(&self, root: Entity, scene: &MorphColliderScene, gives: bool) -> ScenePart {
         let automatic = self.automatic();
         let gives_layers = gives && (self.layers.is_none() || automatic.gave_layers(self.layers));
-        let gives_body = self.body.is_none() || automatic.gave_body(self.body);
+        let gives_body = self.body.is_none() || automatic.gave_body(self.body());
         ScenePart {
             root,
             collider: gives.then(|| self.collider.copied().unwrap_or(scene.collider)),
             layers: gives_layers.then(|| self.layers.copied().unwrap_or(scene.layers)),
-            body: gives_body.then(|| self.body.copied().unwrap_or(MorphBody(root))),
+            body: gives_body.then(|| self.body()),
             events: false,
         }
+    }
+
+    /// The body it is part of now.
+    fn body(&self) -> Entity {
+        body_of(self.entity, self.body)
     }
 
     fn has_own_collider(&self) -> bool {
@@ -271,8 +281,8 @@ impl PartNowItem<'_, '_> {
         if part.layers.is_some() && part.layers.as_ref() == self.layers {
             entity.try_remove::<MorphCollisionLayers>();
         }
-        if part.body.is_some() && part.body.as_ref() == self.body {
-            entity.try_remove::<MorphBody>();
+        if part.body == Some(self.body()) {
+            entity.try_remove::<MorphColliderOf>();
         }
         if part.events {
             entity.try_remove::<MorphCollisionEventsEnabled>();

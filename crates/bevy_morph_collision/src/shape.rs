@@ -8,10 +8,12 @@ use crate::collider::MorphCollider;
 
 /// A rigid primitive shape that collides with morphing and rigid meshes. The default is a ball of radius 0.5.
 ///
+/// Bevy's primitives can be turned into one: `MorphShape::from(Capsule3d::new(0.3, 1.2))`.
+///
 /// On an entity that also has a [`Mesh3d`], the shape wins: the mesh does not collide, and no tree is built for it. Add or remove
 /// the shape at any time. When it is removed, the mesh collides as soon as its tree is ready.
 ///
-/// Spatial queries, picking, [`MorphSurfaceAnchor`](crate::MorphSurfaceAnchor)s and `MorphRapierCollider` look at meshes that
+/// Spatial queries find shapes. Picking, [`MorphSurfaceAnchor`](crate::MorphSurfaceAnchor)s and `MorphRapierCollider` look at meshes that
 /// collide, so they do not see an entity with a shape. To pick its mesh, use Bevy's `MeshPickingPlugin`.
 ///
 /// Shapes are solid, and stand where the [`GlobalTransform`] says. A box takes its scale axis by axis, a capsule's length that
@@ -48,6 +50,26 @@ pub enum MorphShape {
 impl Default for MorphShape {
     fn default() -> Self {
         Self::Ball { radius: 0.5 }
+    }
+}
+
+impl From<Sphere> for MorphShape {
+    fn from(Sphere { radius }: Sphere) -> Self {
+        Self::Ball { radius }
+    }
+}
+
+impl From<Capsule3d> for MorphShape {
+    fn from(Capsule3d { radius, half_length }: Capsule3d) -> Self {
+        Self::Capsule { half_length, radius }
+    }
+}
+
+impl From<Cuboid> for MorphShape {
+    fn from(Cuboid { half_size }: Cuboid) -> Self {
+        Self::Cuboid {
+            half_extents: half_size,
+        }
     }
 }
 

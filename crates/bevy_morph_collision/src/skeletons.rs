@@ -43,7 +43,7 @@ impl Skeleton {
     }
 
     /// The matrices as they are now; `None` while some are bad.
-    #[cfg(feature = "rapier")]
+    #[cfg(any(feature = "rapier", feature = "avian"))]
     pub(crate) fn world_from_mesh(&self) -> Option<&[Affine3A]> {
         self.problem.is_none().then_some(&self.world_from_mesh)
     }

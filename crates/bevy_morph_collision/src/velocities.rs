@@ -7,7 +7,7 @@ use bevy::prelude::*;
 use morph_collision::{PoseSnapshot, WorldFromModel};
 
 use crate::broad_phase::Candidates;
-use crate::collider::{ColliderState, Form};
+use crate::collider::{ColliderState, Form, LockedPose};
 use crate::diagnostics::MorphCollisionDiagnostics;
 
 /// A collider's mesh as a run left it.
@@ -48,7 +48,7 @@ pub(crate) fn remember(
             Some(Form::Mesh(place)) => Some(place),
             _ => None,
         };
-        if let (Some(_), Some(pose)) = (state.before.place, &state.pose) {
+        if let (Some(_), Some(pose)) = (state.before.place, state.pose.as_mut().map(LockedPose::get_mut)) {
             state.before.shape.take(pose);
         }
     }

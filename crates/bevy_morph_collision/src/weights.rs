@@ -8,7 +8,7 @@ use morph_collision::{Pose, WeightsError};
 use thiserror::Error;
 use tracing::{debug_span, error};
 
-use crate::collider::{ColliderState, MorphCollider};
+use crate::collider::{ColliderState, LockedPose, MorphCollider};
 use crate::diagnostics::MorphCollisionDiagnostics;
 use crate::import::MorphTrees;
 
@@ -59,7 +59,7 @@ pub(crate) fn read_weights(
     let _span = debug_span!("morph_collision::weights").entered();
     for (entity, mut state, weights) in &mut colliders {
         let state = &mut *state;
-        let Some(pose) = &mut state.pose else {
+        let Some(pose) = state.pose.as_mut().map(LockedPose::get_mut) else {
             state.bad_weights.runs = 0;
             continue;
         };
@@ -100,17 +100,27 @@ pub(crate) fn take_weights(
     shared: &Query<&MorphWeights>,
     rest: &mut Vec<f32>,
 ) -> Result<bool, WeightsProblem> {
-    let given = match weights {
-        Some(MeshMorphWeights::Value { weights }) => weights.as_slice(),
+    let drawn = drawn_weights(pose.weights().len(), weights, shared, rest)?;
+    Ok(pose.set_weights(drawn)?)
+}
+
+/// The weights that a mesh with so many targets is drawn with; they may be bad.
+pub(crate) fn drawn_weights<'a>(
+    count: usize,
+    weights: Option<&'a MeshMorphWeights>,
+    shared: &'a Query<&MorphWeights>,
+    rest: &'a mut Vec<f32>,
+) -> Result<&'a [f32], WeightsProblem> {
+    match weights {
+        Some(MeshMorphWeights::Value { weights }) => Ok(weights),
         Some(&MeshMorphWeights::Reference(source)) => match shared.get(source) {
-            Ok(weights) => weights.weights(),
-            Err(_) => return Err(WeightsProblem::NoSource(source)),
+            Ok(weights) => Ok(weights.weights()),
+            Err(_) => Err(WeightsProblem::NoSource(source)),
         },
         None => {
             rest.clear();
-            rest.resize(pose.weights().len(), 0.0);
-            rest
+            rest.resize(count, 0.0);
+            Ok(rest)
         }
-    };
-    Ok(pose.set_weights(given)?)
+    }
 }

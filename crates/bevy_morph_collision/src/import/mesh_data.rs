@@ -1,17 +1,18 @@
 //! What the collision tree needs of a [`Mesh`], checked for what only Bevy's meshes can get wrong.
 
-use std::sync::Arc;
-
 use bevy::asset::RenderAssetUsages;
-use bevy::mesh::{Indices, MeshAccessError, PrimitiveTopology, VertexAttributeValues};
+use bevy::mesh::{Indices, MeshAccessError, PrimitiveTopology};
 use bevy::prelude::*;
-use morph_collision::{BuildOptions, InputError, ModelError, MorphBvh, MorphModel};
+use morph_collision::{InputError, ModelError, MorphModel};
 use thiserror::Error;
 
+use super::decode::Positions;
 use super::skin_data::SkinData;
 
 /// Why a mesh cannot collide.
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Reflect, Clone, Debug, PartialEq, Error)]
+#[reflect(opaque)]
+#[reflect(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum ImportError {
     /// The mesh data is for the renderer only, which takes it away.
@@ -26,9 +27,12 @@ pub enum ImportError {
     /// There is no position attribute.
     #[error("it has no vertex positions")]
     NoPositions,
-    /// Positions are compressed, or of another unusual format.
-    #[error("its positions are {0}, only uncompressed Float32x3 can be read (see `GltfPlugin::mesh_compression`)")]
+    /// Positions are of an unusual format.
+    #[error("its positions are {0}, only Float32x3 and Snorm16x4 (see `Mesh::compress_positions`) can be read")]
     PositionFormat(&'static str),
+    /// Positions are compressed, and the box that they are relative to is missing.
+    #[error("its positions are compressed (Snorm16x4), but there is no `Mesh::final_aabb` to decode them with")]
+    NoPositionBounds,
     /// Joint indices are of an unusual format.
     #[error("its joint indices are {0}, only Uint16x4 and Uint8x4 can be read")]
     JointFormat(&'static str),
@@ -96,13 +100,6 @@ pub(super) struct MeshData {
     skin: Option<SkinData>,
 }
 
-/// A mesh's tree and the corners of its triangles.
-pub(super) struct Built {
-    pub(super) tree: MorphBvh,
-    /// The vertices of each triangle, as the mesh numbers them.
-    pub(super) corners: Vec<[u32; 3]>,
-}
-
 impl MeshData {
     /// An empty copy of a mesh that can be read, shown with a skeleton of this many joints, or with none.
     pub(super) fn of(mesh: &Mesh, joints: Option<usize>) -> Result<Self, ImportError> {
@@ -111,7 +108,7 @@ impl MeshData {
         if mesh.asset_usage == RenderAssetUsages::RENDER_WORLD {
             return Err(ImportError::Extracted);
         }
-        positions(mesh)?;
+        Positions::of(mesh)?;
         let is_strip = match mesh.primitive_topology() {
             PrimitiveTopology::TriangleList => false,
             PrimitiveTopology::TriangleStrip => true,
@@ -139,7 +136,7 @@ impl MeshData {
     ///
     /// The mesh must be as it was when the copy was begun.
     pub(super) fn copy(&mut self, mesh: &Mesh, left: &mut usize) -> Result<bool, ImportError> {
-        let mut is_complete = copy(&mut self.positions, positions(mesh)?, left, |&p| p.into());
+        let mut is_complete = Positions::of(mesh)?.copy(&mut self.positions, left);
         if let Some(copied) = &mut self.indices {
             is_complete &= match mesh.try_indices_option()? {
                 Some(Indices::U16(indices)) => copy(copied, indices, left, |&index| index.into()),
@@ -158,8 +155,9 @@ impl MeshData {
         Ok(is_complete)
     }
 
-    /// Builds the mesh's tree from the whole copy: the long part, for a thread in the background.
-    pub(super) fn build(self, options: &BuildOptions) -> Result<Built, ImportError> {
+    /// Makes a model from the whole copy, for a task in the background. Returns it with the vertices of each triangle, as the mesh
+    /// numbers them.
+    pub(super) fn into_model(self) -> Result<(MorphModel, Vec<[u32; 3]>), ImportError> {
         let targets = self.targets()?;
         let vertices = self.positions.len();
         let is_list = !self.is_strip;
@@ -183,8 +181,7 @@ impl MeshData {
             )?,
             None => MorphModel::from_displacements(&self.positions, &corners, &targets)?,
         };
-        let tree = MorphBvh::build(Arc::new(model), options);
-        Ok(Built { tree, corners })
+        Ok((model, corners))
     }
 
     /// How many targets there are.
@@ -232,13 +229,6 @@ pub(super) fn copy<T, U>(into: &mut Vec<U>, from: &[T], left: &mut usize, conver
     into.extend(now.iter().map(convert));
     *left -= now.len();
     now.len() == missing.len()
-}
-
-fn positions(mesh: &Mesh) -> Result<&[[f32; 3]], ImportError> {
-    match mesh.try_attribute(Mesh::ATTRIBUTE_POSITION.id)? {
-        VertexAttributeValues::Float32x3(values) => Ok(values),
-        other => Err(ImportError::PositionFormat(other.enum_variant_name())),
-    }
 }
 
 /// Triangle `t` has the indices `3 t`, `3 t + 1` and `3 t + 2`.
@@ -299,7 +289,7 @@ mod tests {
             })
             .collect();
         assert_eq!(pieces, [(false, 0), (false, 0), (true, 3)]);
-        let built = data.build(&BuildOptions::default()).unwrap();
-        assert_eq!((built.tree.model().target_count(), built.corners), (2, vec![[0, 1, 2]]));
+        let (model, corners) = data.into_model().unwrap();
+        assert_eq!((model.target_count(), corners), (2, vec![[0, 1, 2]]));
     }
 }

@@ -2,23 +2,38 @@
 
 use std::sync::Arc;
 
+use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy::tasks::{AsyncComputeTaskPool, Task};
-use morph_collision::{BuildOptions, MorphBvh};
+use morph_collision::{BuildOptions, MorphBvh, MorphModel};
 
 use super::complaints::Complaints;
-use super::mesh_data::{Built, ImportError, MeshData};
+use super::mesh_data::{ImportError, MeshData};
 use super::tree_key::TreeKey;
+use super::turns::Turns;
 
 /// Called in the background with each new tree, before it is handed out.
 pub(super) type OnBuilt = Arc<dyn Fn(&Arc<MorphBvh>) + Send + Sync>;
 
+/// What tasks in the background need.
+#[derive(Clone, Default)]
+pub(super) struct Background {
+    pub(super) turns: Turns,
+    pub(super) on_built: Vec<OnBuilt>,
+}
+
 /// The tree of one mesh, and its state.
 pub(super) struct MeshTree {
     pub(super) tree: Option<Arc<MorphBvh>>,
+    /// Whether the tree is one of the same mesh with other settings, in force until the first one of its own is built.
+    pub(super) is_lent: bool,
+    /// Whether there is a new tree or a new error that colliders have not been told of.
+    pub(super) is_news: bool,
     /// The vertices of the tree's triangles, as the mesh numbers them.
     pub(super) corners: Arc<[[u32; 3]]>,
     pub(super) work: Work,
+    /// Whether what is being built is the mesh of the present tree, only with other settings.
+    is_same_mesh: bool,
     /// Whether the mesh was modified after what is being built was read.
     pub(super) outdated: bool,
     pub(super) error: Option<ImportError>,
@@ -33,6 +48,13 @@ pub(super) enum Work {
     Building(Task<Result<Finished, ImportError>>),
 }
 
+/// What a tree is built from.
+pub(super) enum Source {
+    Copy(MeshData),
+    /// The mesh has been read for another tree.
+    Model(Arc<MorphModel>, Arc<[[u32; 3]]>),
+}
+
 /// A new tree, and the corners of its triangles.
 pub(super) type Finished = (Arc<MorphBvh>, Arc<[[u32; 3]]>);
 
@@ -40,6 +62,31 @@ impl MeshTree {
     /// Whether a new tree is on its way.
     pub(super) fn is_coming(&self) -> bool {
         !matches!(self.work, Work::None)
+    }
+
+    /// An entry without a tree.
+    pub(super) fn new(asked_by: Entity) -> Self {
+        Self {
+            tree: None,
+            is_lent: false,
+            is_news: false,
+            corners: Arc::default(),
+            work: Work::None,
+            is_same_mesh: false,
+            outdated: false,
+            error: None,
+            asked_by,
+        }
+    }
+
+    /// Whether the tree, if there is one, is of the mesh as it is now.
+    pub(super) fn is_up_to_date(&self) -> bool {
+        let is_same = match self.work {
+            Work::None => true,
+            Work::Reading(_) => false,
+            Work::Building(_) => self.is_same_mesh,
+        };
+        is_same && !self.outdated && self.error.is_none()
     }
 
     /// Begins to read the mesh, from its first vertex.
@@ -58,7 +105,7 @@ impl MeshTree {
         mesh: &Mesh,
         left: &mut usize,
         options: &BuildOptions,
-        on_built: &[OnBuilt],
+        background: &Background,
         complaints: &Complaints,
     ) {
         let Work::Reading(data) = &mut self.work else { return };
@@ -66,10 +113,7 @@ impl MeshTree {
             Ok(false) => {}
             Ok(true) => {
                 if let Work::Reading(data) = std::mem::replace(&mut self.work, Work::None) {
-                    self.build(key, options, on_built, move |options| {
-                        let Built { tree, corners } = data.build(options)?;
-                        Ok((tree.into(), corners.into()))
-                    });
+                    self.build(key, options, background, Source::Copy(data));
                 }
             }
             Err(error) => {
@@ -80,25 +124,50 @@ impl MeshTree {
     }
 
     /// Builds a tree in the background.
-    pub(super) fn build(
-        &mut self,
-        key: &TreeKey,
-        options: &BuildOptions,
-        on_built: &[OnBuilt],
-        build: impl FnOnce(&BuildOptions) -> Result<Finished, ImportError> + Send + 'static,
-    ) {
+    pub(super) fn build(&mut self, key: &TreeKey, options: &BuildOptions, background: &Background, source: Source) {
+        self.is_same_mesh = matches!(source, Source::Model(..));
         let options = key.settings.map_or(Ok(*options), |settings| settings.over(*options));
-        let on_built = on_built.to_vec();
+        let Background { turns, on_built } = background.clone();
         let pool = AsyncComputeTaskPool::get_or_init(Default::default);
         self.work = Work::Building(pool.spawn(async move {
-            let finished = build(&options?)?;
-            on_built.iter().for_each(|work| work(&finished.0));
-            Ok(finished)
+            let options = options?;
+            let (model, corners) = match source {
+                Source::Model(model, corners) => (model, corners),
+                Source::Copy(data) => {
+                    let start = Instant::now();
+                    let (model, corners) = data.into_model()?;
+                    turns.after_step(start.elapsed()).await;
+                    (Arc::new(model), corners.into())
+                }
+            };
+            let tree = Arc::new(turns.build(model, &options).await);
+            for work in on_built {
+                let start = Instant::now();
+                work(&tree);
+                turns.after_step(start.elapsed()).await;
+            }
+            Ok((tree, corners))
         }));
     }
 
+    /// Builds the tree again if the app's settings have changed since. The last good tree of a mesh that is bad now stays as it is.
+    pub(super) fn follow_settings(&mut self, key: &TreeKey, options: &BuildOptions, background: &Background) {
+        if key.settings.is_none()
+            && !self.is_coming()
+            && self.error.is_none()
+            && let Some(tree) = self.tree.as_ref().filter(|tree| tree.options() != options)
+        {
+            let source = Source::Model(tree.model().clone(), self.corners.clone());
+            self.build(key, options, background, source);
+        }
+    }
+
     pub(super) fn fail(&mut self, id: AssetId<Mesh>, error: ImportError, complaints: &Complaints) {
+        if std::mem::take(&mut self.is_lent) {
+            self.tree = None;
+        }
         complaints.unusable_mesh(id, self.asked_by, self.tree.is_some(), &error);
         self.error = Some(error);
+        self.is_news = true;
     }
 }

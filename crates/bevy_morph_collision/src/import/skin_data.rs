@@ -4,6 +4,7 @@ use bevy::mesh::{MeshVertexAttribute, VertexAttributeValues};
 use bevy::prelude::*;
 use morph_collision::Influences;
 
+use super::decode::{snorm8, snorm16, unorm8, unorm16};
 use super::mesh_data::{ImportError, copy};
 
 /// A copy of a mesh's joint indices and weights, in whatever format they are stored.
@@ -58,20 +59,6 @@ impl SkinData {
             weights: &self.weights,
         }
     }
-}
-
-// As GPUs decode them.
-fn unorm16(weight: u16) -> f32 {
-    f32::from(weight) / 65535.0
-}
-fn unorm8(weight: u8) -> f32 {
-    f32::from(weight) / 255.0
-}
-fn snorm16(weight: i16) -> f32 {
-    (f32::from(weight) / 32767.0).max(-1.0)
-}
-fn snorm8(weight: i8) -> f32 {
-    (f32::from(weight) / 127.0).max(-1.0)
 }
 
 /// The joints of a vertex with their weights; `None` if the mesh has none that can be read.

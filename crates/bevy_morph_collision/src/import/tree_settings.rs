@@ -3,22 +3,23 @@
 use bevy::prelude::*;
 use morph_collision::{BuildOptions, InputError};
 
-/// How trees are built, for all meshes. No answer depends on it.
+/// How trees are built, for all meshes. No answer depends on it. When you change it, trees are built again; the earlier ones stay in force meanwhile.
 ///
 /// ```
 /// # use bevy::prelude::*;
-/// # use bevy_morph_collision::{BuildOptions, MorphCollisionPlugin, MorphTreeOptions};
+/// # use bevy_morph_collision::{BuildOptions, MorphCollisionPlugin, DefaultMorphTreeSettings};
 /// # let mut app = App::new();
-/// app.insert_resource(MorphTreeOptions(BuildOptions::default().with_leaf_size(16)?));
-/// app.add_plugins(MorphCollisionPlugin);
+/// app.insert_resource(DefaultMorphTreeSettings(BuildOptions::default().with_leaf_size(16)?));
+/// app.add_plugins(MorphCollisionPlugin::default());
 /// # Ok::<(), bevy_morph_collision::InputError>(())
 /// ```
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default)]
 #[reflect(Resource, Clone, Debug, Default)]
-pub struct MorphTreeOptions(#[reflect(ignore)] pub BuildOptions);
+pub struct DefaultMorphTreeSettings(#[reflect(ignore)] pub BuildOptions);
 
-/// On a collider: how the tree of its mesh is built, instead of as [`MorphTreeOptions`] says. Colliders with equal settings
-/// share a tree. No answer depends on it.
+/// On a collider: how the tree of its mesh is built, instead of as [`DefaultMorphTreeSettings`] says. Colliders with equal settings
+/// share a tree. No answer depends on it: when you change it, the tree that the mesh has stays in force until the new one is built. With a bad
+/// leaf size the collider is left out.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[reflect(Component, Debug, Default, Clone, PartialEq, Hash)]
 pub struct MorphTreeSettings {

@@ -10,9 +10,9 @@ use morph_collision::MorphBvh;
 
 use super::complaints::Complaints;
 use super::mesh_data::ImportError;
-use super::mesh_tree::{MeshTree, OnBuilt, Work};
+use super::mesh_tree::{Background, MeshTree, Source, Work};
 use super::tree_key::TreeKey;
-use super::tree_settings::{MorphTreeOptions, MorphTreeSettings};
+use super::tree_settings::{DefaultMorphTreeSettings, MorphTreeSettings};
 
 /// The collision trees of all meshes that a collider has asked for.
 ///
@@ -23,7 +23,9 @@ use super::tree_settings::{MorphTreeOptions, MorphTreeSettings};
 ///
 /// Bevy lends meshes to systems only, so they are copied on the main thread: at most 131,072 positions, indices, displacements and
 /// influences of joints in a frame, which takes about 0.7 ms on an AMD EPYC core. A face with 30,000 vertices and 52 targets takes 12
-/// frames. A mesh that is modified while it is being copied is copied again in one go. Everything else happens in the background.
+/// frames. A mesh that is modified while it is being copied is copied again in one go. Everything else happens in the background. Where
+/// tasks share the thread of the frames, as on the web, all of them together take 4 ms of a frame, and at most a step more: about a millisecond, but
+/// as a mesh is checked and welded in one step, tens of milliseconds for the largest faces.
 #[derive(Resource, Reflect, Default)]
 #[reflect(Resource, Debug, Default)]
 pub struct MorphTrees {
@@ -31,7 +33,7 @@ pub struct MorphTrees {
     pub(super) of_mesh: HashMap<TreeKey, MeshTree>,
     /// Asked for, and not begun yet, because the mesh is not loaded.
     #[reflect(ignore)]
-    waiting: Vec<(TreeKey, Entity)>,
+    pub(super) waiting: Vec<(TreeKey, Entity)>,
     /// Another number whenever a tree came or went.
     #[reflect(ignore)]
     pub(super) version: u64,
@@ -41,9 +43,9 @@ pub struct MorphTrees {
     /// How much of meshes may still be copied in this frame.
     #[reflect(ignore)]
     left: usize,
-    /// Called in the background with each new tree, before it is handed out.
+    /// What tasks are given.
     #[reflect(ignore)]
-    on_built: Vec<OnBuilt>,
+    background: Background,
 }
 
 /// Positions, indices, displacements and influences that are copied in a frame.
@@ -56,7 +58,8 @@ impl MorphTrees {
         self.with_settings(mesh, None)
     }
 
-    /// The tree of a mesh as entities with these settings and without [`SkinnedMesh`] show it, if it is ready.
+    /// The tree of a mesh as entities with these settings and without [`SkinnedMesh`] show it, if it is ready. While it is being built for the first time,
+    /// one of the same mesh with other settings, if there is one.
     #[must_use]
     pub fn with_settings(&self, mesh: AssetId<Mesh>, settings: Option<MorphTreeSettings>) -> Option<&Arc<MorphBvh>> {
         let joints = None;
@@ -90,9 +93,8 @@ impl MorphTrees {
 
     /// The trees that are ready, in no particular order; a mesh may have several, with different settings, with and without joints.
     pub fn iter(&self) -> impl Iterator<Item = (AssetId<Mesh>, &Arc<MorphBvh>)> {
-        self.of_mesh
-            .iter()
-            .filter_map(|(key, entry)| Some((key.mesh, entry.tree.as_ref()?)))
+        let own = self.of_mesh.iter().filter(|(_, entry)| !entry.is_lent);
+        own.filter_map(|(key, entry)| Some((key.mesh, entry.tree.as_ref()?)))
     }
 
     /// How many trees are being built right now: their meshes are being copied, or they are built in the background.
@@ -113,10 +115,15 @@ impl MorphTrees {
         entry.corners.get(triangle as usize).copied().filter(|_| is_present)
     }
 
+    /// The number that changes whenever a tree comes or goes.
+    pub(crate) fn version(&self) -> u64 {
+        self.version
+    }
+
     /// Has something done with every tree to come, in the background and before anyone has the tree.
-    #[cfg(feature = "rapier")]
+    #[cfg(any(feature = "rapier", feature = "avian"))]
     pub(crate) fn on_built(&mut self, work: impl Fn(&Arc<MorphBvh>) + Send + Sync + 'static) {
-        self.on_built.push(Arc::new(work));
+        self.background.on_built.push(Arc::new(work));
     }
 
     /// Sees to it that a tree will be there once its mesh is loaded.
@@ -134,8 +141,7 @@ impl MorphTrees {
     /// The tree of a mesh as it is now, if there is one: none while a modified mesh is being built, or could not be.
     pub(crate) fn up_to_date(&self, key: TreeKey) -> Option<&Arc<MorphBvh>> {
         let entry = self.of_mesh.get(&key)?;
-        let current = !entry.is_coming() && entry.error.is_none();
-        entry.tree.as_ref().filter(|_| current)
+        entry.tree.as_ref().filter(|_| entry.is_up_to_date())
     }
 }
 
@@ -153,11 +159,12 @@ impl std::fmt::Debug for MorphTrees {
 pub(crate) fn follow_asset_events(
     mut events: MessageReader<AssetEvent<Mesh>>,
     mut trees: ResMut<MorphTrees>,
-    options: Res<MorphTreeOptions>,
+    options: Res<DefaultMorphTreeSettings>,
     meshes: Res<Assets<Mesh>>,
     complaints: Complaints,
 ) {
     trees.bypass_change_detection().left = COPIED_PER_FRAME;
+    trees.background.turns.begin_frame();
     for event in events.read() {
         let trees = &mut *trees;
         match *event {
@@ -166,7 +173,7 @@ pub(crate) fn follow_asset_events(
                 let MorphTrees {
                     of_mesh,
                     left,
-                    on_built,
+                    background,
                     ..
                 } = trees;
                 for (key, entry) in of_mesh.iter_mut().filter(|(key, _)| key.mesh == id) {
@@ -176,11 +183,11 @@ pub(crate) fn follow_asset_events(
                         Work::Reading(_) => {
                             let mut all = usize::MAX;
                             entry.start(key, mesh, &complaints);
-                            entry.read_on(key, mesh, &mut all, &options.0, on_built, &complaints);
+                            entry.read_on(key, mesh, &mut all, &options.0, background, &complaints);
                         }
                         Work::None => {
                             entry.start(key, mesh, &complaints);
-                            entry.read_on(key, mesh, left, &options.0, on_built, &complaints);
+                            entry.read_on(key, mesh, left, &options.0, background, &complaints);
                         }
                     }
                 }
@@ -202,16 +209,17 @@ pub(crate) fn follow_asset_events(
 /// Meshes that were asked for are read, as soon as they are loaded, and their trees begun.
 pub(crate) fn start_trees(
     mut trees: ResMut<MorphTrees>,
-    options: Res<MorphTreeOptions>,
+    options: Res<DefaultMorphTreeSettings>,
     meshes: Res<Assets<Mesh>>,
     complaints: Complaints,
 ) {
     let MorphTrees {
         of_mesh,
         waiting,
+        version,
         stale,
         left,
-        on_built,
+        background,
         ..
     } = trees.bypass_change_detection();
     *stale = false;
@@ -219,23 +227,16 @@ pub(crate) fn start_trees(
         let Some(mesh) = meshes.get(key.mesh) else { return true };
         let sibling = of_mesh.iter().find_map(|(of, entry)| {
             let is_same = of.mesh == key.mesh && of.joints == key.joints;
-            let current = is_same && !entry.is_coming() && entry.error.is_none();
-            Some((entry.tree.as_ref().filter(|_| current)?, &entry.corners))
+            let is_usable = is_same && entry.is_up_to_date();
+            Some((entry.tree.as_ref().filter(|_| is_usable)?, &entry.corners))
         });
-        let mut entry = MeshTree {
-            tree: None,
-            corners: Arc::default(),
-            work: Work::None,
-            outdated: false,
-            error: None,
-            asked_by,
-        };
+        let mut entry = MeshTree::new(asked_by);
         if let Some((tree, corners)) = sibling {
-            // The mesh has been read for another tree.
-            let (model, corners) = (tree.model().clone(), corners.clone());
-            entry.build(&key, &options.0, on_built, move |options| {
-                Ok((MorphBvh::build(model, options).into(), corners))
-            });
+            // Its answers are the same.
+            (entry.tree, entry.corners, entry.is_lent) = (Some(tree.clone()), corners.clone(), true);
+            *version += 1;
+            let source = Source::Model(tree.model().clone(), corners.clone());
+            entry.build(&key, &options.0, background, source);
         } else {
             entry.start(&key, mesh, &complaints);
         }
@@ -243,8 +244,9 @@ pub(crate) fn start_trees(
         false
     });
     for (key, entry) in of_mesh {
+        entry.follow_settings(key, &options.0, background);
         if let Some(mesh) = meshes.get(key.mesh) {
-            entry.read_on(key, mesh, left, &options.0, on_built, &complaints);
+            entry.read_on(key, mesh, left, &options.0, background, &complaints);
         }
     }
 }
@@ -252,7 +254,7 @@ pub(crate) fn start_trees(
 /// Trees that are done replace the ones before.
 pub(crate) fn finish_trees(
     mut trees: ResMut<MorphTrees>,
-    options: Res<MorphTreeOptions>,
+    options: Res<DefaultMorphTreeSettings>,
     meshes: Res<Assets<Mesh>>,
     complaints: Complaints,
 ) {
@@ -260,7 +262,7 @@ pub(crate) fn finish_trees(
         of_mesh,
         version,
         left,
-        on_built,
+        background,
         ..
     } = trees.bypass_change_detection();
     for (key, entry) in of_mesh {
@@ -272,9 +274,10 @@ pub(crate) fn finish_trees(
         *version += 1;
         match result {
             Ok((tree, corners)) => {
-                entry.tree = Some(tree);
+                (entry.tree, entry.is_lent) = (Some(tree), false);
                 entry.corners = corners;
                 entry.error = None;
+                entry.is_news = true;
             }
             Err(error) => entry.fail(key.mesh, error, &complaints),
         }
@@ -282,7 +285,7 @@ pub(crate) fn finish_trees(
             && let Some(mesh) = meshes.get(key.mesh)
         {
             entry.start(key, mesh, &complaints);
-            entry.read_on(key, mesh, left, &options.0, on_built, &complaints);
+            entry.read_on(key, mesh, left, &options.0, background, &complaints);
         }
     }
 }

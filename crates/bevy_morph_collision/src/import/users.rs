@@ -14,19 +14,20 @@ use super::tree_key::TreeKey;
 use super::tree_settings::MorphTreeSettings;
 use super::trees::MorphTrees;
 use crate::broad_phase::Candidates;
-use crate::collider::{ColliderState, MorphCollider};
+use crate::collider::{ColliderState, LockedPose, MorphCollider};
 use crate::diagnostics::{MorphCollisionDiagnostics, Preparation};
 use crate::shape::MorphShape;
 
 /// What decides which tree a collider has.
-type Shows = (
+pub(crate) type Shows = (
     Option<&'static Mesh3d>,
     Option<&'static MorphTreeSettings>,
     Option<&'static SkinnedMesh>,
     Has<MorphShape>,
 );
 
-fn key_of(
+/// The tree that a collider has; none if it shows no mesh, or has a shape.
+pub(crate) fn key_of(
     (mesh, settings, skin, has_shape): (Option<&Mesh3d>, Option<&MorphTreeSettings>, Option<&SkinnedMesh>, bool),
 ) -> Option<TreeKey> {
     // A shape collides in place of the mesh.
@@ -142,24 +143,30 @@ pub(crate) fn hand_out_trees(
 impl ColliderState {
     fn take_tree(&mut self, key: Option<TreeKey>, tree: Option<&Arc<MorphBvh>>) {
         self.tree = key;
-        let is_current = match (tree, self.pose.as_ref().map(Pose::bvh)) {
+        let mut before = self.pose.take();
+        let is_current = match (tree, before.as_mut().map(|pose| pose.get_mut().bvh())) {
             (Some(tree), Some(current)) => Arc::ptr_eq(tree, current),
             (None, None) => true,
             _ => false,
         };
         if is_current {
+            self.pose = before;
             return;
         }
+        let before = before.as_mut().map(LockedPose::get_mut);
         let mut pose = tree.map(|tree| Pose::new(tree.clone()));
-        if let (Some(pose), Some(before)) = (&mut pose, &self.pose) {
+        if let (Some(pose), Some(before)) = (&mut pose, &before) {
             // The last good weights stay in force if the ones to come are bad; another number of targets starts at rest.
             let _fits = pose.set_weights(before.weights());
         }
         // Likewise joints.
-        let joints = self.pose.as_ref().and_then(Pose::joints).filter(|_| self.has_joints);
+        let joints = before
+            .as_ref()
+            .and_then(|pose| pose.joints())
+            .filter(|_| self.has_joints);
         let carried = pose.as_mut().zip(joints).map(|(pose, joints)| pose.set_joints(joints));
         self.has_joints = matches!(carried, Some(Ok(_)));
-        self.pose = pose;
+        self.pose = pose.map(LockedPose::new);
         self.reposed = true;
         self.changed = true;
     }

@@ -14,11 +14,10 @@ use morph_collision::{BatchQuery, Body, PairTask, Pose, Wanted};
 use tracing::debug_span;
 
 use self::memories::{Memories, keep_memories};
-pub(crate) use self::touch::world_triangle;
 use self::touch::{Listed, Touch, wants_all};
 
 use crate::broad_phase::Candidates;
-use crate::collider::{ColliderState, CollisionMode, Form, Placement};
+use crate::collider::{ColliderState, Form, LockedPose, MorphCollisionMode, Placement};
 use crate::contacts::{MorphCollisions, MorphContact};
 use crate::diagnostics::MorphCollisionDiagnostics;
 use crate::settings::MorphCollisionSettings;
@@ -33,6 +32,8 @@ pub(crate) struct Scratch {
     batch: BatchQuery,
     /// The most triangle pairs that a contact lists.
     limit: usize,
+    /// Whether that is another number than in the last run.
+    compare_all: bool,
     /// Pairs of meshes that are asked about.
     asked: Vec<Asked>,
     /// Where pairs touched in the last run; `next_memories` is room for making the next ones.
@@ -46,7 +47,7 @@ pub(crate) struct Scratch {
 struct Asked {
     pair: Pair,
     places: (usize, usize),
-    mode: CollisionMode,
+    mode: MorphCollisionMode,
 }
 
 /// Asks for every candidate pair whether, and where, it touches: all pairs of meshes at once, on Bevy's threads.
@@ -64,11 +65,12 @@ pub(crate) fn find_contacts(
     let _span = debug_span!("morph_collision::narrow_phase").entered();
     let collisions = &mut *collisions;
     collisions.changes.begin_run();
-    collisions.compared = std::mem::take(&mut candidates.changed);
+    let scratch = &mut *scratch;
+    let limit = settings.list_limit();
+    scratch.compare_all = std::mem::replace(&mut scratch.limit, limit) != limit;
+    collisions.compared = std::mem::take(&mut candidates.changed) || scratch.compare_all;
     if collisions.compared {
-        let scratch = &mut *scratch;
         scratch.answers.clear();
-        scratch.limit = settings.list_limit();
         let unchanged = scratch.ask(&candidates.pairs, &mut colliders, &collisions.current, &mut diagnostics);
         diagnostics.skipped_unchanged = unchanged;
         collisions.replace(&candidates.pairs, &mut scratch.answers);
@@ -135,7 +137,7 @@ impl Scratch {
             let (Some(a), Some(b)) = (place(pair.0), place(pair.1)) else {
                 continue;
             };
-            if !placed[a].changed && !placed[b].changed {
+            if !placed[a].changed && !placed[b].changed && !self.compare_all {
                 unchanged += 1;
                 continue;
             }
@@ -171,6 +173,7 @@ impl Scratch {
             touch,
             batch,
             limit,
+            compare_all: _,
             asked,
             memories,
             next_memories,
@@ -229,14 +232,16 @@ struct Placed<'a> {
 
 impl<'a> Placed<'a> {
     fn new(entity: Entity, state: &'a mut ColliderState) -> Option<Self> {
-        let ColliderState {
-            pose, placed, changed, ..
-        } = state;
+        let changed = state.changed;
+        let (placement, pose) = match &mut state.held {
+            Some(held) => (&held.placed, &mut held.pose),
+            None => (state.placed.as_ref()?, &mut state.pose),
+        };
         Some(Self {
             entity,
-            changed: *changed,
-            placement: placed.as_ref()?,
-            pose: pose.as_mut(),
+            changed,
+            placement,
+            pose: pose.as_mut().map(LockedPose::get_mut),
         })
     }
 

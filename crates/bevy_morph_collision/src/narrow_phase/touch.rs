@@ -2,13 +2,12 @@
 
 use bevy::prelude::*;
 use morph_collision::{
-    Body, ContactQuery, DistanceQuery, PlacedShape, ShapeContact, ShapeQuery, SurfaceAnchor, TrianglePair,
-    triangle_contact,
+    ContactQuery, DistanceQuery, PlacedShape, ShapeContact, ShapeQuery, TrianglePair, triangle_contact,
 };
 
 use super::{Asked, Placed};
-use crate::collider::CollisionMode;
-use crate::contacts::{MorphContact, MorphContactPoint};
+use crate::collider::MorphCollisionMode;
+use crate::contacts::{MorphContact, MorphContactPoint, pair_with_shape};
 use crate::diagnostics::MorphCollisionDiagnostics;
 
 /// The queries that look at what touches.
@@ -27,8 +26,8 @@ pub(super) struct Listed {
 }
 
 /// Whether every pair of triangles is asked for, up to a limit.
-pub(super) fn wants_all(mode: CollisionMode) -> bool {
-    matches!(mode, CollisionMode::All | CollisionMode::Contacts)
+pub(super) fn wants_all(mode: MorphCollisionMode) -> bool {
+    matches!(mode, MorphCollisionMode::All | MorphCollisionMode::Contacts)
 }
 
 impl Touch {
@@ -65,13 +64,13 @@ impl Touch {
         }
         contact.is_truncated = is_truncated;
         let first = triangles[0];
-        let corners_a = world_triangle(&mut a.body()?, first.triangle_a)?;
-        let corners_b = world_triangle(&mut b.body()?, first.triangle_b)?;
+        let corners_a = a.body()?.triangle(first.triangle_a)?;
+        let corners_b = b.body()?.triangle(first.triangle_b)?;
         if let Some(met) = triangle_contact(&corners_a, &corners_b) {
             contact.point = met.point().as_vec3();
             contact.normal = met.normal.as_vec3();
         }
-        if asked.mode == CollisionMode::Contacts {
+        if asked.mode == MorphCollisionMode::Contacts {
             let manifold = self.contact.manifold_up_to(a.body()?, b.body()?, limit);
             diagnostics.stats += self.contact.stats();
             if let Some(manifold) = manifold {
@@ -86,7 +85,7 @@ impl Touch {
                 contact.point = contact.points.first().map_or(contact.point, |deepest| deepest.point);
             }
         }
-        if asked.mode != CollisionMode::Any {
+        if asked.mode != MorphCollisionMode::Any {
             triangles.sort_unstable();
             contact.triangles = triangles;
         }
@@ -109,16 +108,7 @@ impl Touch {
         let margin = f64::from(a.placement.margin) + f64::from(b.placement.margin);
         let mut contact = MorphContact::of(asked, a, b);
         let mesh = if shape_first { b } else { a };
-        let pair = |triangle: u32| match shape_first {
-            true => TrianglePair {
-                triangle_a: MorphContact::NO_TRIANGLE,
-                triangle_b: triangle,
-            },
-            false => TrianglePair {
-                triangle_a: triangle,
-                triangle_b: MorphContact::NO_TRIANGLE,
-            },
-        };
+        let pair = |triangle| pair_with_shape(triangle, shape_first);
         // Out of the shape towards the mesh is how the mesh leaves it.
         let turn = if shape_first { -1.0 } else { 1.0 };
         let closest = self.shape.closest(mesh.body()?, shape, margin).ok()?;
@@ -128,7 +118,7 @@ impl Touch {
         contact.normal = (closest.normal * turn).as_vec3();
         contact.distance = closest.distance.max(0.0) as f32;
         let touches = closest.distance <= 0.0;
-        if touches && asked.mode == CollisionMode::First {
+        if touches && asked.mode == MorphCollisionMode::First {
             contact.triangles.push(pair(closest.triangle));
         }
         if touches && wants_all(asked.mode) {
@@ -138,13 +128,8 @@ impl Touch {
             contact.is_truncated = is_truncated.ok()?;
             contact.triangles = met.iter().map(|met| pair(met.triangle)).collect();
             contact.triangles.sort_unstable();
-            if asked.mode == CollisionMode::Contacts {
-                met.sort_by(|x, y| x.distance.total_cmp(&y.distance).then(x.triangle.cmp(&y.triangle)));
-                contact.points.extend(met.iter().take(4).map(|met| MorphContactPoint {
-                    point: met.point_on_triangle.as_vec3(),
-                    depth: -met.distance as f32,
-                    triangles: pair(met.triangle),
-                }));
+            if asked.mode == MorphCollisionMode::Contacts {
+                contact.points = MorphContactPoint::with_shape(&mut met, shape_first);
             }
         }
         Some(contact)
@@ -167,17 +152,4 @@ impl MorphContact {
             points: Vec::new(),
         }
     }
-}
-
-/// A triangle's corners in world space.
-pub(crate) fn world_triangle(body: &mut Body<'_>, triangle: u32) -> Option<morph_collision::Triangle> {
-    let mut corner = |barycentrics| {
-        let anchor = SurfaceAnchor { triangle, barycentrics };
-        anchor.point(body.reborrow())
-    };
-    Some([
-        corner([1.0, 0.0, 0.0])?,
-        corner([0.0, 1.0, 0.0])?,
-        corner([0.0, 0.0, 1.0])?,
-    ])
 }

@@ -14,13 +14,13 @@ use bevy_rapier3d::rapier::geometry::{Collider as RapierCollider, ColliderHandle
 use morph_collision::{MorphBvh, Pose};
 
 use super::MorphRapierCollider;
-use super::follow::Following;
-use super::layout::MeshLayouts;
 use super::push::Pushing;
 use super::step::{Contexts, world};
-use super::surface::MorphSurface;
 use crate::collider::MorphCollider;
 use crate::import::{MorphTreeSettings, MorphTrees};
+use crate::physics::follow::Following;
+use crate::physics::layout::MeshLayouts;
+use crate::physics::surface::MorphSurface;
 use crate::shape::MorphShape;
 use crate::weights::take_weights;
 
@@ -36,6 +36,8 @@ pub(crate) struct RapierSurface {
     off: bool,
     /// Why its place or size keeps it out of physics, so that it is logged once.
     pub(super) bad_place: Option<String>,
+    /// Whether the log says that it is not closed, and should be.
+    pub(super) told_open: bool,
 }
 
 impl RapierSurface {
@@ -117,6 +119,7 @@ pub(super) fn attach_surfaces(
                     context: None,
                     off: true,
                     bad_place: None,
+                    told_open: false,
                 };
                 commands.entity(entity).try_insert((Collider::from(shape), surface));
             }

@@ -8,10 +8,12 @@ use bevy_rapier3d::parry::query::{
 };
 use bevy_rapier3d::parry::shape::Shape;
 
-use super::gathered::{Gathered, is_quiet, until_past, widening};
-use super::range::{Range, check, in_range};
-use super::surface::MorphSurface;
-use super::triangles::Patch;
+use super::gathered::{Gathered, is_ground, is_quiet, until_past, widening};
+use super::sweep::sweep_core;
+use crate::physics::inside::one_is_in_the_other;
+use crate::physics::range::{Range, check, in_range};
+use crate::physics::surface::MorphSurface;
+use crate::physics::triangles::Patch;
 
 /// Answers what Rapier asks about a [`MorphSurface`](crate::MorphSurface) and another shape, or two of them: contacts, intersections, distances,
 /// shape casts. About other shapes it answers as Parry's default dispatcher.
@@ -35,6 +37,10 @@ fn refuses(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> bool {
 
 /// The same for shapes that move, with these velocities.
 fn refuses_moving(pos12: &Pose, velocities: &[Vector], g1: &dyn Shape, g2: &dyn Shape) -> bool {
+    if is_ground(g1) || is_ground(g2) {
+        // It stands for a surface that answers itself.
+        return true;
+    }
     let range = check(pos12, g1, g2);
     let refused = match range {
         Range::Foreign => false,
@@ -72,19 +78,31 @@ impl QueryDispatcher for MorphQueryDispatcher {
         let Some(near) = Gathered::near(pos12, g1, g2, 0.0) else {
             return DefaultQueryDispatcher.intersection_test(pos12, g1, g2);
         };
-        if near.nothing() {
-            return Ok(apart);
+        if !near.nothing() {
+            let (near1, near2) = near.shapes(g1, g2);
+            let mut answer = DefaultQueryDispatcher.intersection_test(pos12, near1, near2)?;
+            near.name(&mut answer.subshape1, &mut answer.subshape2);
+            if answer.intersecting {
+                return Ok(answer);
+            }
         }
-        let (g1, g2) = near.shapes(g1, g2);
-        let mut answer = DefaultQueryDispatcher.intersection_test(pos12, g1, g2)?;
-        near.name(&mut answer.subshape1, &mut answer.subshape2);
-        Ok(answer)
+        Ok(ShapeIntersection {
+            intersecting: one_is_in_the_other(pos12, g1, g2),
+            ..apart
+        })
     }
 
     fn distance(&self, pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> Result<ShapeDistance, Unsupported> {
         if refuses(pos12, g1, g2) {
             return Ok(ShapeDistance {
                 distance: Real::MAX,
+                subshape1: 0,
+                subshape2: 0,
+            });
+        }
+        if one_is_in_the_other(pos12, g1, g2) {
+            return Ok(ShapeDistance {
+                distance: 0.0,
                 subshape1: 0,
                 subshape2: 0,
             });
@@ -127,6 +145,9 @@ impl QueryDispatcher for MorphQueryDispatcher {
     ) -> Result<ClosestPoints, Unsupported> {
         if refuses(pos12, g1, g2) {
             return Ok(ClosestPoints::Disjoint);
+        }
+        if one_is_in_the_other(pos12, g1, g2) {
+            return Ok(ClosestPoints::Intersecting);
         }
         let ask = |_: &Gathered, g1: &dyn Shape, g2: &dyn Shape| {
             DefaultQueryDispatcher.closest_points(pos12, g1, g2, max_dist)
@@ -194,6 +215,9 @@ impl QueryDispatcher for MorphQueryDispatcher {
         let velocities = [motion1, motion2].map(|motion| [motion.linvel, motion.angvel, motion.local_center]);
         if refuses_moving(&pos12, velocities.as_flattened(), g1, g2) {
             return Ok(None);
+        }
+        if !stop_at_penetration && let Some(hit) = sweep_core(motion1, g1, motion2, g2, start_time, end_time) {
+            return Ok(hit);
         }
         let on_the_way = Gathered::in_motion(motion1, g1, motion2, g2, start_time, end_time);
         let Some(near) = on_the_way.or_else(|| Gathered::whole(g1, g2)) else {

@@ -5,8 +5,9 @@ use bevy_rapier3d::parry::math::{Pose, Real, Vector};
 use bevy_rapier3d::parry::query::{NonlinearRigidMotion, Unsupported};
 use bevy_rapier3d::parry::shape::{Shape, SubShapeId};
 
-use super::surface::MorphSurface;
-use super::triangles::{Patch, Triangles};
+use super::ground::Ground;
+use crate::physics::surface::MorphSurface;
+use crate::physics::triangles::{Patch, Triangles};
 
 /// What the triangles of surfaces near each other are; shapes that are no surfaces stay what they are.
 pub(super) struct Gathered {
@@ -88,7 +89,7 @@ impl Gathered {
 
     /// Nothing of either, or of a part.
     pub(super) fn none(g1: &dyn Shape, g2: &dyn Shape) -> Self {
-        let is_ours = |shape: &dyn Shape| is_surface(shape) || shape.as_shape::<Patch>().is_some();
+        let is_ours = |shape: &dyn Shape| is_surface(shape) || is_ground(shape) || shape.as_shape::<Patch>().is_some();
         let none = |shape: &dyn Shape| is_ours(shape).then(|| Triangles::new(Vec::new(), Vec::new(), Vec::new()));
         Self {
             first: none(g1),
@@ -101,7 +102,7 @@ impl Gathered {
         let whole = |shape: &dyn Shape| {
             shape
                 .as_shape::<MorphSurface>()
-                .map(|surface| surface.lock().all_triangles())
+                .map(|surface| surface.lock().all_triangles(false))
         };
         let (first, second) = (whole(g1), whole(g2));
         (first.is_some() || second.is_some()).then_some(Self { first, second })
@@ -127,6 +128,11 @@ impl Gathered {
             self.second.as_ref().map_or(g2, |triangles| triangles),
         )
     }
+}
+
+/// Whether a shape is what controllers stand on.
+pub(super) fn is_ground(shape: &dyn Shape) -> bool {
+    shape.as_shape::<Ground>().is_some()
 }
 
 fn is_surface(shape: &dyn Shape) -> bool {

@@ -1,42 +1,61 @@
-//! Physics: rigid bodies of `bevy_rapier3d` rest on morphing and skinned meshes, are pushed and carried by them, and its queries see them.
+//! Physics: rigid bodies of `bevy_rapier3d` rest on morphing and skinned meshes, are pushed and carried by them, and its queries see them. Its character
+//! controllers walk on them.
 //!
-//! - `surface`, `triangles`: what Rapier knows as shapes.
-//! - `dispatcher`, `gathered`: what it asks about two of them.
-//! - `range`: the sizes at which Parry can answer that.
-//! - `attach`: which meshes have a surface.
-//! - `follow`, `placed`: where a surface is and was.
-//! - `push`, `part`, `motion`: how it pushes: what is near moving bodies is a kinematic body for one step.
+//! - `dispatcher`, `gathered`, `sweep`: what it asks about two shapes of which one is a surface, or a part of one.
+//! - `scene`, `attach`: which meshes have a surface.
+//! - `frames`: remembers what they are drawn with.
+//! - `push`, `part`: how it pushes: what is near moving bodies is a kinematic body for one step.
+//! - `expel`: how what is inside a solid one gets out.
 //! - `world`: what they see of Rapier's world, and change.
 //! - `step`: the systems around Rapier's step.
+//! - `forces`, `touches`: what is told of its contacts. `spared`: what joints keep it from pushing.
+//! - `footing`, `ground`, `carry`, `character`: what character controllers stand on, and how it carries them.
+//! - `velocity`: how fast surfaces move, for anyone who asks.
+//!
+//! What a surface is, where it moves and what of it is near bodies is in [`crate::physics`].
 
 mod attach;
+mod carry;
+mod character;
 mod dispatcher;
-mod follow;
+mod expel;
+mod footing;
+mod forces;
+mod frames;
 mod gathered;
-mod layout;
-mod motion;
+mod ground;
 mod part;
-mod placed;
 mod push;
-mod range;
+mod scene;
+mod spared;
 mod step;
-mod surface;
-mod triangles;
+mod sweep;
+mod touches;
+mod velocity;
 mod world;
 
 use bevy::app::AnimationSystems;
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::mesh::mark_3d_meshes_as_changed_if_their_assets_changed;
 use bevy::prelude::*;
-use bevy_rapier3d::plugin::{PhysicsSet, RapierContextInitialization};
+use bevy_rapier3d::control::KinematicCharacterController;
+use bevy_rapier3d::plugin::systems::update_character_controls;
+use bevy_rapier3d::plugin::{PhysicsSet, RapierContextInitialization, RapierTransformPropagateSet};
 
+pub use crate::physics::surface::MorphSurface;
+pub use carry::{MorphCharacterCarry, MorphCharacterGround};
 pub use dispatcher::MorphQueryDispatcher;
+pub use scene::MorphRapierScene;
 pub use step::MorphRapierDiagnostics;
-pub use surface::MorphSurface;
+pub use velocity::MorphRapierVelocity;
 
-use crate::collider::{CollisionMode, MorphCollider};
+use crate::changes::is_fixed;
+use crate::collider::{MorphCollider, MorphCollisionMode};
 use crate::contacts::MorphCollisions;
+use crate::physics::layout;
+use crate::physics::scene::give_to_parts;
 use crate::plugin::MorphCollisionSystems;
+use crate::plugins::missing;
 
 /// Makes the mesh of a [`MorphCollider`] a collider of Rapier's: bodies collide with it as it morphs.
 ///
@@ -46,10 +65,11 @@ use crate::plugin::MorphCollisionSystems;
 ///
 /// - Without a `RigidBody`, or on a fixed or kinematic one (of this entity or one above), the surface pushes and carries bodies at
 ///   its own velocity: that of the animation, and that of the body.
+/// - A `KinematicCharacterController` stands on it and is carried by it; see [`MorphCharacterCarry`].
 /// - On a dynamic body it is the body's shape. It collides as it is at each step, and its morphing moves others only by pushing them
 ///   out of itself.
 ///
-/// Like a `TriMesh` it is a surface without an inside.
+/// Like a `TriMesh` it is a surface without an inside, unless it is [`solid`](Self::solid).
 ///
 /// A mesh that joints move (with [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh), joint indices and weights) is where its joints are before the step, with the
 /// velocity that they give it: a character carries what stands on its hand, and its punch throws crates. On a body, joints are taken to move
@@ -61,18 +81,28 @@ use crate::plugin::MorphCollisionSystems;
 /// pause it. While its transform is not finite, or it is larger than 1e8 units or as far from the origin, it is left out, which is logged once.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
-#[require(MorphCollider = MorphCollider::new(CollisionMode::Passive))]
+#[require(MorphCollider = MorphCollider::new(MorphCollisionMode::Passive))]
 pub struct MorphRapierCollider {
     /// By how much a velocity of the surface may change in a second, in world units per second squared. A surface that is elsewhere
     /// from one step to the next has not moved but jumped: what changes faster than this is believed to be a motion when the
     /// step after confirms it, and until then does not throw anything. The default is 100, ten times a fall's.
     pub max_acceleration: f32,
+    /// Whether a closed mesh has an inside. The default is that it has none.
+    ///
+    /// - Contacts push outward alone. What is inside all the same (it was spawned there, or the surface jumped over it) is driven out, at most at the speed at
+    ///   which Rapier pushes bodies apart (`IntegrationParameters::max_corrective_velocity`, 3 units per second), and leaves at a third of that.
+    /// - What is wholly inside touches, for sensors and for Rapier's queries: intersections, distances, points, and rays that ask for `solid`.
+    ///
+    /// A mesh is closed if along each of its edges as many triangles run one way as the other. Otherwise this has no effect, and a warning in the log names the
+    /// entity. You can change it at any time; it takes effect in the next step.
+    pub solid: bool,
 }
 
 impl Default for MorphRapierCollider {
     fn default() -> Self {
         Self {
             max_acceleration: 100.0,
+            solid: false,
         }
     }
 }
@@ -88,28 +118,30 @@ impl Default for MorphRapierCollider {
 /// use bevy_rapier3d::prelude::*;
 ///
 /// # let mut app = App::new();
-/// app.add_plugins((RapierPhysicsPlugin::<NoUserData>::default(), MorphCollisionPlugin, MorphRapierPlugin));
+/// app.add_plugins((RapierPhysicsPlugin::<NoUserData>::default(), MorphCollisionPlugin::default(), MorphRapierPlugin::default()));
 /// # fn spawn(mut commands: Commands, jelly: Handle<Mesh>) {
 /// commands.spawn((Mesh3d(jelly), MorphRapierCollider::default()));
 /// commands.spawn((RigidBody::Dynamic, Collider::ball(0.5), Transform::from_xyz(0.0, 5.0, 0.0)));
 /// # }
 /// ```
-#[derive(Clone, Copy, Debug, Default)]
-pub struct MorphRapierPlugin;
-
-/// [`MorphRapierPlugin`] in a schedule of one's choice; see [`MorphRapierPlugin::in_schedule`].
 #[derive(Clone, Copy, Debug)]
-pub struct MorphRapierIn {
+pub struct MorphRapierPlugin {
     schedule: InternedScheduleLabel,
 }
 
 impl MorphRapierPlugin {
-    /// The same plugin, for a `RapierPhysicsPlugin` in another schedule than [`PostUpdate`], usually [`FixedUpdate`].
+    /// The plugin for a `RapierPhysicsPlugin` in another schedule than [`PostUpdate`], usually [`FixedUpdate`].
     #[must_use]
-    pub fn in_schedule(self, schedule: impl ScheduleLabel) -> MorphRapierIn {
-        MorphRapierIn {
+    pub fn new(schedule: impl ScheduleLabel) -> Self {
+        Self {
             schedule: schedule.intern(),
         }
+    }
+}
+
+impl Default for MorphRapierPlugin {
+    fn default() -> Self {
+        Self::new(PostUpdate)
     }
 }
 
@@ -126,16 +158,6 @@ pub enum MorphRapierSystems {
 
 impl Plugin for MorphRapierPlugin {
     fn build(&self, app: &mut App) {
-        build(app, PostUpdate.intern());
-    }
-
-    fn finish(&self, app: &mut App) {
-        check(app);
-    }
-}
-
-impl Plugin for MorphRapierIn {
-    fn build(&self, app: &mut App) {
         build(app, self.schedule);
     }
 
@@ -145,24 +167,41 @@ impl Plugin for MorphRapierIn {
 }
 
 fn check(app: &mut App) {
-    if !app.world().contains_resource::<MorphCollisions>() {
-        tracing::error!("MorphRapierPlugin does nothing without MorphCollisionPlugin, which builds its trees");
+    let world = app.world();
+    if !world.contains_resource::<MorphCollisions>() {
+        missing(
+            app,
+            "MorphRapierPlugin does nothing without MorphCollisionPlugin, which builds its trees",
+        );
+    }
+    if !world.contains_resource::<RapierContextInitialization>() {
+        missing(
+            app,
+            "MorphRapierPlugin does nothing without RapierPhysicsPlugin, which must be added before it",
+        );
+    } else if !world.contains_resource::<step::Stepping>() {
+        tracing::error!("MorphRapierPlugin does nothing: RapierPhysicsPlugin must be added before it");
     }
     layout::add_to_trees(app);
 }
 
 fn build(app: &mut App, schedule: InternedScheduleLabel) {
     if !app.world().contains_resource::<RapierContextInitialization>() {
-        tracing::error!("MorphRapierPlugin does nothing without RapierPhysicsPlugin, which must be added before it");
+        // Logged at the end, when it is known whether it comes later.
         return;
     }
+    let is_fixed = is_fixed(schedule);
     // Now, or later if the other plugin comes after this one.
     app.init_resource::<layout::MeshLayouts>();
     layout::add_to_trees(app);
     app.register_type::<MorphRapierCollider>()
+        .register_type::<MorphRapierScene>()
         .register_type::<MorphRapierDiagnostics>()
+        .register_type::<MorphCharacterCarry>()
+        .register_type::<MorphCharacterGround>()
         .init_resource::<MorphRapierDiagnostics>()
-        .init_resource::<step::Stepping>()
+        .insert_resource(step::Stepping::new(is_fixed))
+        .init_resource::<footing::Footing>()
         .add_observer(step::teach_context)
         .add_observer(attach::detach_surface)
         .add_observer(attach::take_parts_along)
@@ -186,11 +225,37 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .add_systems(
             schedule,
             (
-                attach::attach_surfaces.in_set(MorphRapierSystems::Attach),
+                (give_to_parts::<MorphRapierScene>, attach::attach_surfaces)
+                    .chain()
+                    .in_set(MorphRapierSystems::Attach),
                 (attach::stop_absent, step::before_step)
                     .chain()
                     .in_set(MorphRapierSystems::BeforeStep),
                 step::after_step.in_set(MorphRapierSystems::AfterStep),
+                footing::before_controllers
+                    .in_set(PhysicsSet::SyncBackend)
+                    .before(update_character_controls),
+                (footing::after_controllers, carry::carry)
+                    .chain()
+                    .in_set(PhysicsSet::SyncBackend)
+                    .after(update_character_controls)
+                    .before(RapierTransformPropagateSet),
             ),
         );
+    if is_fixed {
+        let at_the_end = frames::record_frame
+            .after(AnimationSystems)
+            .after(TransformSystems::Propagate)
+            .before(MorphCollisionSystems::Anchors);
+        app.add_systems(PostUpdate, at_the_end)
+            .add_systems(FixedLast, frames::after_steps);
+    } else {
+        let before_steps = frames::record_frame.in_set(MorphRapierSystems::BeforeStep);
+        app.add_systems(
+            schedule,
+            before_steps.after(attach::stop_absent).before(step::before_step),
+        );
+    }
+    // Without effect if there are controllers already: these are carried if they are given the component.
+    let _too_late = app.try_register_required_components::<KinematicCharacterController, MorphCharacterCarry>();
 }

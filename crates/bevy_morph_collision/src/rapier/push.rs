@@ -1,94 +1,72 @@
-//! The parts of a surface that are near moving bodies.
+//! What a surface pushes with: its parts near moving bodies, as kinematic bodies of Rapier's.
 
 use std::sync::Arc;
 
-use bevy::platform::collections::HashMap;
 use bevy::prelude::Entity;
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
+use bevy_rapier3d::prelude::ContactForceEvent;
 use bevy_rapier3d::rapier::dynamics::{RigidBody, RigidBodyHandle, RigidBodySet};
 use bevy_rapier3d::rapier::geometry::{ColliderHandle, ColliderSet};
 use bevy_rapier3d::rapier::pipeline::ActiveEvents;
-use morph_collision::ShapeQuery;
 
-use super::follow::Following;
-use super::layout::MeshLayout;
-use super::part::{Part, PartScratch, Purpose};
-use super::surface::MorphSurface;
-use super::world::{Manners, Mover, Step, World};
+use super::expel::Expulsion;
+use super::forces::{Forces, Stepped};
+use super::part::{PartBodies, PartHandles};
+use super::spared::Spared;
+use super::world::{Manners, Step, World};
+use crate::physics::follow::Following;
+use crate::physics::layout::MeshLayout;
+use crate::physics::near::Nearby;
+use crate::physics::surface::MorphSurface;
 
-/// What a surface pushes with. For each collider near it there is a part of the surface, or several where it moves too
-/// differently for one. A triangle is in one of them at most.
+/// What a surface pushes with.
 pub(super) struct Pushing {
     entity: Entity,
-    layout: Arc<MeshLayout>,
-    near: HashMap<ColliderHandle, Near>,
+    near: Nearby<ColliderHandle, RigidBodyHandle, PartHandles>,
     manners: Option<Manners>,
     /// Whether parts go without a name, so that Rapier tells nobody of their contacts.
     nameless: bool,
-    /// Bodies that are bullets for this step.
-    bullets: Vec<RigidBodyHandle>,
-    step: u32,
-    scratch: Scratch,
-}
-
-/// What is near a collider that may move.
-struct Near {
-    body: RigidBodyHandle,
-    /// All triangles in here are known, for the surface as it was when it was looked at.
-    region: Aabb,
-    triangles: Vec<u32>,
-    /// How far the surface had travelled by then.
-    travelled: f64,
-    parts: Vec<Part>,
-    /// Into how many parts triangles are cut.
-    cut: usize,
-    /// The last step in which the collider was near.
-    seen: u32,
-}
-
-/// Parts for one collider at most.
-const MAX_CUT: usize = 8;
-
-#[derive(Default)]
-struct Scratch {
-    shapes: ShapeQuery,
-    /// For each triangle of the mesh the last step in which a part had it.
-    taken: Vec<u32>,
-    free: Vec<u32>,
-    part: PartScratch,
-    to_wake: Vec<RigidBodyHandle>,
+    /// Whether Rapier tells of contacts of parts as well as of the whole surface's.
+    pub(super) repeats: bool,
+    forces: Forces,
+    spared: Spared,
+    expulsion: Expulsion,
+    /// Bodies that are bullets for this step alone, or are none for it, and what they are otherwise.
+    bullets: Vec<(RigidBodyHandle, bool)>,
+    // Memory to use again.
+    meeting: Vec<u32>,
 }
 
 impl Pushing {
     pub(super) fn new(entity: Entity, layout: Arc<MeshLayout>) -> Self {
         Self {
             entity,
-            layout,
-            near: HashMap::default(),
+            near: Nearby::new(layout),
             manners: None,
             nameless: false,
+            repeats: false,
+            forces: Forces::default(),
+            spared: Spared::default(),
+            expulsion: Expulsion::default(),
             bullets: Vec::new(),
-            step: 0,
-            scratch: Scratch::default(),
+            meeting: Vec::new(),
         }
     }
 
     pub(super) fn is_idle(&self) -> bool {
-        self.near.is_empty()
+        self.near.is_idle()
     }
 
     /// How many parts are in the physics world.
     pub(super) fn parts(&self) -> u32 {
-        self.near.values().map(|near| near.parts.len() as u32).sum()
+        self.near.parts().count() as u32
     }
 
     /// Takes all parts out of the world.
     pub(super) fn stop(&mut self, world: &mut World) {
-        for (_, mut near) in self.near.drain() {
-            near.parts.iter_mut().for_each(|part| part.remove(world));
-        }
+        self.expulsion.stop();
+        self.near.stop(|part| world.remove(part.body));
         self.manners = None;
-        self.scratch = Scratch::default();
     }
 
     /// Sees to it that during the step to come whatever may meet the surface meets parts that move as it does.
@@ -104,72 +82,106 @@ impl Pushing {
         if step.movers.is_empty() && self.is_idle() {
             return 0;
         }
-        self.step += 1;
+        self.near.begin(following);
+        self.expulsion.begin();
+        let is_solid = following.surface.lock().is_solid();
         let bounds = following.bounds();
-        let bounds = Aabb::new(bounds.min, bounds.max).loosened(step.prediction);
+        let bounds = Aabb::new(bounds.min, bounds.max).loosened(step.pace.prediction);
         self.teach(manners, world.colliders);
+        self.spared.find(step.body, world);
 
         let (mut blended, mut busy) = (0, false);
         let mut events = manners.events;
-        for mover in step.movers {
-            if !mover.bounds.intersects(&bounds) || !mover.groups.test(manners.groups) {
+        for mover in step.movers.meeting(&bounds, &mut self.meeting) {
+            let visitor = &mover.visitor;
+            if !mover.groups.test(manners.groups) || self.spared.contains(visitor.body) {
                 continue;
             }
-            let restless = |near: &Near| near.parts.iter().any(|part| !part.is_settled());
             events |= mover.events;
-            if mover.asleep && !following.moves {
-                let near = self.near.get_mut(&mover.collider);
-                if let Some(near) = near.filter(|near| !restless(near)) {
-                    near.seen = self.step;
-                    continue;
-                }
-                if !self.near.contains_key(&mover.collider) {
-                    continue;
-                }
+            if self.near.sleeps_on(visitor, following) {
+                self.expulsion.keep(mover);
+                continue;
             }
             if !busy {
                 busy = true;
-                self.scratch.taken.resize(self.layout.order.len(), 0);
-                if !following.moves {
-                    self.keep_for_sleepers(world.bodies);
-                }
+                let is_asleep = |body| world.bodies.get(body).is_some_and(RigidBody::is_sleeping);
+                self.near.give_out(following, is_asleep);
             }
-            let touches = self.look_near(mover, following, step);
-            if mover.fast
-                && touches
-                && let Some(body) = world.bodies.get_mut(mover.body)
+            let touches = self.near.look_near(visitor, following, &step.pace);
+            let is_inside = is_solid && self.expulsion.drive_out(mover, following, &manners, step, world);
+            // Rapier sweeps what is fast against what is fixed, and only bullets against what is kinematic, as parts are. What is on its way
+            // out would be stopped by the surface.
+            if touches
+                && (mover.fast || is_inside)
+                && let Some(body) = world.bodies.get_mut(visitor.body)
+                && body.is_ccd_enabled() == is_inside
             {
-                // Rapier sweeps what is fast against what is fixed, and only bullets against what is kinematic, as parts are.
-                body.enable_ccd(true);
-                self.bullets.push(mover.body);
+                body.enable_ccd(!is_inside);
+                self.bullets.push((visitor.body, mover.bullet));
             }
-            blended += self.push(mover, following, manners, step, world);
+            let mut bodies = PartBodies {
+                entity: self.entity,
+                manners,
+                stepping: step.stepping,
+                world: &mut *world,
+            };
+            blended += self.near.push(visitor, following, &step.pace, &mut bodies);
         }
-        self.forget(world);
-        for &body in &self.scratch.to_wake {
+        self.near.forget(|part| world.remove(part.body));
+        self.expulsion.forget();
+        for body in self.near.take_to_wake() {
             world.islands.wake_up(world.bodies, body, true);
         }
-        self.scratch.to_wake.clear();
         let listening = step.audience.listens || events.contains(ActiveEvents::COLLISION_EVENTS);
         following.surface.set_quiet(!listening);
-        if busy && listening && !step.audience.hooked {
+        if busy && (listening || events.contains(ActiveEvents::CONTACT_FORCE_EVENTS)) {
             // The surface tells of what it touches as a whole: of parts without a name nothing is told. Hooks are given names, and
             // cannot do without.
-            self.nameless = true;
-            self.name_parts(0, world.colliders);
+            let hooked = step
+                .audience
+                .hooks_near(&bounds.loosened(following.displacement as f32));
+            self.repeats = listening && hooked;
+            self.nameless = !hooked;
+            if self.nameless {
+                self.name_parts(0, world.colliders);
+            }
         }
+        self.spared.guard(self.near.parts().map(|part| part.body), world);
         blended
+    }
+
+    /// Drives what is inside the surface, which is on a dynamic body, out of it.
+    pub(super) fn drive_apart(
+        &mut self,
+        collider: ColliderHandle,
+        following: &mut Following,
+        manners: &Manners,
+        step: &Step,
+        world: &mut World,
+    ) {
+        self.spared.find(step.body, world);
+        let Self { expulsion, spared, .. } = self;
+        expulsion.drive_apart(collider, following, manners, spared, step, world);
+    }
+
+    /// Tells what forces the surface had with others in the step, where Rapier told nothing of its parts.
+    pub(super) fn tell_forces(&mut self, stepped: &Stepped, tell: &mut impl FnMut(ContactForceEvent)) {
+        if self.nameless {
+            let parts = self.near.parts().map(|part| part.collider);
+            self.forces.tell(self.entity, parts, stepped, tell);
+        }
     }
 
     /// Parts are known as their surface again.
     pub(super) fn finish(&mut self, surface: &MorphSurface, bodies: &mut RigidBodySet, colliders: &mut ColliderSet) {
         surface.set_quiet(false);
+        self.repeats = false;
         if std::mem::take(&mut self.nameless) {
             self.name_parts(self.name(), colliders);
         }
-        for body in self.bullets.drain(..) {
+        for (body, is_bullet) in self.bullets.drain(..) {
             if let Some(body) = bodies.get_mut(body) {
-                body.enable_ccd(false);
+                body.enable_ccd(is_bullet);
             }
         }
     }
@@ -179,7 +191,7 @@ impl Pushing {
     }
 
     fn name_parts(&self, name: u128, colliders: &mut ColliderSet) {
-        for part in self.near.values().flat_map(|near| &near.parts) {
+        for part in self.near.parts() {
             if let Some(collider) = colliders.get_mut(part.collider) {
                 collider.user_data = name;
             }
@@ -191,123 +203,10 @@ impl Pushing {
             return;
         }
         self.manners = Some(manners);
-        for part in self.near.values().flat_map(|near| &near.parts) {
+        for part in self.near.parts() {
             if let Some(collider) = colliders.get_mut(part.collider) {
                 manners.teach(collider);
             }
         }
-    }
-
-    /// What bodies sleep on while nothing moves is not given to others.
-    fn keep_for_sleepers(&mut self, bodies: &RigidBodySet) {
-        for near in self.near.values() {
-            let asleep = bodies.get(near.body).is_some_and(RigidBody::is_sleeping);
-            if asleep && near.parts.iter().all(Part::is_settled) {
-                for &triangle in near.parts.iter().flat_map(Part::triangles) {
-                    self.scratch.taken[triangle as usize] = self.step;
-                }
-            }
-        }
-    }
-
-    /// Finds the triangles that a collider may touch; says whether there are any.
-    fn look_near(&mut self, mover: &Mover, following: &mut Following, step: &Step) -> bool {
-        let near = self.near.entry(mover.collider).or_insert_with(|| Near {
-            body: mover.body,
-            region: Aabb::new_invalid(),
-            triangles: Vec::new(),
-            travelled: 0.0,
-            parts: Vec::new(),
-            cut: 1,
-            seen: 0,
-        });
-        near.seen = self.step;
-        // Wherever a vertex is during the step, it ends this near; and somewhat more, not to look again every time.
-        let room = following.displacement as f32 + 0.1 * mover.bounds.extents().max_element();
-        let region = mover.bounds.loosened(step.prediction + room);
-        let travelled = (following.travelled - near.travelled) as f32;
-        let known = near
-            .region
-            .contains(&mover.bounds.loosened(step.prediction + travelled));
-        // After a jump it is far larger than need be, and what others stand on is in it.
-        if known && near.region.extents().cmple(2.0 * region.extents()).all() {
-            return !near.triangles.is_empty();
-        }
-        near.region = region;
-        near.travelled = following.travelled;
-        near.triangles.clear();
-        following.triangles_in(&near.region, &mut self.scratch.shapes, &mut near.triangles);
-        !near.triangles.is_empty()
-    }
-
-    /// Puts what a collider may touch before it; says how many parts were blended.
-    fn push(
-        &mut self,
-        mover: &Mover,
-        following: &mut Following,
-        manners: Manners,
-        step: &Step,
-        world: &mut World,
-    ) -> u32 {
-        let Self {
-            near, scratch, layout, ..
-        } = self;
-        let Some(near) = near.get_mut(&mover.collider) else {
-            return 0;
-        };
-        scratch.free.clear();
-        for &triangle in &near.triangles {
-            let taken = &mut scratch.taken[triangle as usize];
-            if std::mem::replace(taken, self.step) != self.step {
-                scratch.free.push(triangle);
-            }
-        }
-        let cut = near.cut.min(scratch.free.len());
-        if cut > 1 {
-            scratch
-                .free
-                .sort_unstable_by_key(|&triangle| layout.order[triangle as usize]);
-        }
-        let each = scratch.free.len().div_ceil(cut.max(1)).max(1);
-        let parts = scratch.free.chunks(each);
-        while near.parts.len() > parts.len() {
-            near.parts.pop().into_iter().for_each(|mut part| part.remove(world));
-        }
-        near.parts.resize_with(parts.len(), Part::new);
-
-        let purpose = Purpose {
-            entity: self.entity,
-            manners,
-            center: mover.bounds.center().as_dvec3(),
-            size: f64::from(mover.bounds.extents().max_element()),
-        };
-        let (mut blended, mut differs) = (0, false);
-        let bvh = following.before.pose.bvh().clone();
-        for (part, triangles) in near.parts.iter_mut().zip(parts) {
-            part.take(triangles, bvh.model(), layout, &mut scratch.part);
-            if following.moves || !part.is_settled() {
-                blended += 1;
-                differs |= part.update(following, &purpose, step, world, &mut scratch.part);
-            }
-        }
-        if differs && near.cut < MAX_CUT {
-            near.cut *= 2;
-        }
-        if mover.asleep && near.parts.iter().any(|part| !part.is_settled()) {
-            scratch.to_wake.push(mover.body);
-        }
-        blended
-    }
-
-    /// Lets go of colliders that went away.
-    fn forget(&mut self, world: &mut World) {
-        let step = self.step;
-        self.near.retain(|_, near| {
-            let stays = near.seen == step;
-            if !stays {
-                near.parts.iter_mut().for_each(|part| part.remove(world));
-            }
-            stays
-        });
     }
 }

@@ -6,9 +6,8 @@ use std::time::Duration;
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
-use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
-use bevy::mesh::skinning::SkinnedMesh;
-use bevy::platform::collections::HashSet;
+use bevy::mesh::morph::MorphWeights;
+use bevy::platform::collections::{HashMap, HashSet};
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use bevy_rapier3d::plugin::context::{
@@ -16,17 +15,23 @@ use bevy_rapier3d::plugin::context::{
     SimulationToRenderTime,
 };
 use bevy_rapier3d::plugin::{RapierConfiguration, TimestepMode};
-use bevy_rapier3d::prelude::{ColliderDisabled, RapierColliderHandle, SolverGroups};
+use bevy_rapier3d::prelude::{ColliderDisabled, CollisionEvent, ContactForceEvent, RapierColliderHandle, SolverGroups};
 use bevy_rapier3d::rapier::dynamics::RigidBody;
 use bevy_rapier3d::rapier::geometry::InteractionGroups;
-use tracing::error;
+use tracing::{error, warn};
 
 use super::MorphRapierCollider;
 use super::attach::RapierSurface;
-use super::follow::{Ahead, is_rigid, rigid_place};
-use super::range::{MAX_COORDINATE, box_in_range, in_range};
-use super::world::{Audience, Manners, Mover, Step, World, find_movers, no_push};
+use super::forces::{Stepped, is_one_step, substep};
+use super::touches::tell_whole;
+use super::world::{Audience, Manners, Movers, Step, World, no_push};
 use crate::collider::MorphColliderDisabled;
+use crate::physics::clock::{Lag, Span};
+use crate::physics::drawn::Shows;
+use crate::physics::follow::{Ahead, is_rigid, rigid_place};
+use crate::physics::inside::not_closed;
+use crate::physics::part::Pace;
+use crate::physics::range::{MAX_COORDINATE, box_in_range, in_range};
 use crate::skeletons::{BindPoses, Skeletons};
 
 /// What the last step of physics needed of [`MorphRapierCollider`]s.
@@ -50,9 +55,19 @@ pub struct MorphRapierDiagnostics {
 pub(crate) struct Stepping {
     /// Whether a step is going on.
     now: Arc<AtomicBool>,
-    movers: Vec<Mover>,
+    movers: Movers,
     /// The colliders of bodies that were too large in the last step: these are in the log.
     too_large: HashSet<u128>,
+    /// Whether physics runs in a fixed schedule.
+    pub(super) is_fixed: bool,
+    /// How far it is then behind what is drawn.
+    pub(super) lag: Lag,
+}
+
+impl Stepping {
+    pub(super) fn new(is_fixed: bool) -> Self {
+        Self { is_fixed, ..default() }
+    }
 }
 
 pub(super) type Contexts<'w, 's> = Query<
@@ -94,8 +109,7 @@ pub(super) fn before_step(
         &mut RapierSurface,
         &RapierColliderHandle,
         &RapierContextEntityLink,
-        &GlobalTransform,
-        (Option<&MeshMorphWeights>, Option<&SkinnedMesh>),
+        Shows,
         Option<&SolverGroups>,
         (Has<MorphColliderDisabled>, Has<ColliderDisabled>),
     )>,
@@ -114,8 +128,14 @@ pub(super) fn before_step(
     if surfaces.is_empty() {
         return;
     }
-    let global_of = |joint: Entity| Some(globals.get(joint).ok()?.affine());
-    let Stepping { now, movers, too_large } = &mut *stepping;
+    let Stepping {
+        now,
+        movers,
+        too_large,
+        is_fixed,
+        lag,
+    } = &mut *stepping;
+    let fixed_span = is_fixed.then(|| lag.span(time.elapsed_secs_f64(), time.delta_secs_f64()));
     let name_of = |entity| names.get(entity).map(|name| name.to_string()).unwrap_or_default();
     let (mut refused, mut has_stepped) = (HashSet::default(), false);
     let mut refuse = |collider: u128| {
@@ -128,7 +148,8 @@ pub(super) fn before_step(
         }
     };
     for (context, mut simulation, mut colliders, mut joints, mut bodies, configuration, behind) in &mut contexts {
-        let dt = time_ahead(&mode, &time, behind.diff);
+        let (dt, interpolated) = time_ahead(&mode, &time, behind.diff);
+        let span = fixed_span.unwrap_or(interpolated);
         if !configuration.physics_pipeline_active || dt <= 0.0 {
             continue;
         }
@@ -140,9 +161,13 @@ pub(super) fn before_step(
         has_stepped = true;
         let parameters = simulation.integration_parameters;
         let mut world = world(&mut simulation, &mut colliders, &mut joints, &mut bodies);
-        find_movers(world.bodies, world.colliders, dt, movers, &mut refuse);
-        let audience = Audience::of(&world);
-        for (entity, settings, mut surface, handle, link, place, shows, solver_groups, disabled) in &mut surfaces {
+        let count = surfaces.iter().len();
+        movers.find(world.bodies, world.colliders, dt, count, &mut refuse);
+        let once = is_one_step(&mode, dt);
+        let audience = Audience::of(&world, parameters.length_unit, once);
+        for (entity, settings, mut surface, handle, link, (place, weights, skin), solver_groups, disabled) in
+            &mut surfaces
+        {
             if link.0 != context {
                 continue;
             }
@@ -158,22 +183,24 @@ pub(super) fn before_step(
             let (morph_disabled, collider_disabled) = disabled;
             let mut off = morph_disabled;
             if !morph_disabled {
-                let (weights, skin) = shows;
                 let is_skinned = surface.following.is_skinned();
-                // Bad joints are the collider's to report. The last good ones stay in force.
-                let joints = skin.filter(|_| is_skinned).and_then(|skin| {
-                    let skeleton = skeletons.of(skin, bind_poses.as_deref(), global_of);
-                    skeleton.world_from_mesh()
-                });
-                let ahead = Ahead::of(collider, world.bodies, place, (is_skinned, joints), dt);
+                let drawn = &mut surface.following.drawn;
+                let skin = skin.filter(|_| is_skinned);
+                let mut live = drawn.live(place, skin, &mut skeletons, bind_poses.as_deref(), &globals);
+                drawn.stands_alone = collider.parent().is_none();
+                if let Some(span) = span {
+                    drawn.at_step(&live);
+                    live = drawn.at(span.end, live);
+                }
+                let ahead = Ahead::of(collider, world.bodies, &live, is_skinned, dt);
                 let bad_place = match ahead {
                     Ok(ahead) => {
-                        if let Err(complaint) = surface.following.advance(weights, &shared, ahead, dt) {
+                        if let Err(complaint) = surface.following.advance(weights, &shared, ahead, span, dt) {
                             let name = name_of(entity);
                             error!("the surface of entity `{name}` stays as it was: {complaint}");
                         }
                         let bounds = surface.following.surface.lock().bounds();
-                        let fits = box_in_range(&bounds) && in_range(place.translation());
+                        let fits = box_in_range(&bounds) && in_range(live.place.translation.into());
                         (!fits).then(|| format!("it is larger than {MAX_COORDINATE:e} units or as far from the origin"))
                     }
                     Err(error) => Some(error.to_string()),
@@ -188,17 +215,23 @@ pub(super) fn before_step(
                     );
                 }
                 surface.bad_place = bad_place;
+                let drawn_at = rigid_place(&live.place.into());
                 if !off
                     && collider.parent().is_none()
-                    && !is_rigid(collider.position())
+                    // A scale of zero leaves no valid rotation, and Rapier would disable the collider for good.
+                    && (!is_rigid(collider.position()) || (span.is_some() && *collider.position() != drawn_at))
                     && let Some(collider) = world.colliders.get_mut(handle.0)
                 {
-                    // A scale of zero leaves no valid rotation, and Rapier would disable the collider for good.
-                    collider.set_position(rigid_place(place));
+                    collider.set_position(drawn_at);
                 }
             }
             surface.switch(off, collider_disabled, world.colliders, handle.0);
-            let RapierSurface { following, pushing, .. } = surface;
+            let RapierSurface {
+                following,
+                pushing,
+                told_open,
+                ..
+            } = surface;
             if off {
                 if !pushing.is_idle() {
                     pushing.stop(&mut world);
@@ -214,12 +247,19 @@ pub(super) fn before_step(
             let on_dynamic = parent
                 .and_then(|body| world.bodies.get(body))
                 .is_some_and(RigidBody::is_dynamic);
+            let is_there = collider.is_enabled() && !collider.is_sensor();
             let wanted = solver_groups.map_or(InteractionGroups::all(), |&groups| groups.into());
-            let pushes_itself = on_dynamic || collider.is_sensor() || !collider.is_enabled();
+            let pushes_itself = on_dynamic || !is_there;
             let own_groups = if pushes_itself { wanted } else { no_push(wanted) };
             let manners = Manners::of(collider, wanted);
-            following.surface.lock().set_solid(on_dynamic);
-            let changed = following.moves || following.reshaped;
+            let (turned, is_closed) = {
+                let mut posed = following.surface.lock();
+                (posed.set_sides(settings.solid, on_dynamic), posed.is_closed())
+            };
+            if settings.solid && !is_closed && !std::mem::replace(told_open, true) {
+                warn!("{}", not_closed(&name_of(entity)));
+            }
+            let changed = following.moves || following.reshaped || turned;
             if (changed || collider.solver_groups() != own_groups)
                 && let Some(collider) = world.colliders.get_mut(handle.0)
             {
@@ -230,6 +270,19 @@ pub(super) fn before_step(
                     collider.set_shape(shape);
                 }
             }
+            let step = Step {
+                pace: Pace {
+                    dt,
+                    prediction: parameters.prediction_distance() + manners.contact_skin,
+                    max_acceleration: settings.max_acceleration,
+                },
+                // As fast as Rapier pushes apart what overlaps.
+                leaving: parameters.max_corrective_velocity().min(10.0 * parameters.length_unit),
+                movers,
+                audience: &audience,
+                body: parent,
+                stepping: now,
+            };
             if pushes_itself {
                 if following.moves
                     && on_dynamic
@@ -240,16 +293,11 @@ pub(super) fn before_step(
                 if !pushing.is_idle() {
                     pushing.stop(&mut world);
                 }
+                if on_dynamic && is_closed && settings.solid && is_there {
+                    pushing.drive_apart(handle.0, following, &manners, &step, &mut world);
+                }
                 continue;
             }
-            let step = Step {
-                dt,
-                movers,
-                prediction: parameters.prediction_distance() + manners.contact_skin,
-                max_acceleration: settings.max_acceleration,
-                audience,
-                stepping: now,
-            };
             diagnostics.blended += pushing.prepare(following, manners, &step, &mut world);
             diagnostics.parts += pushing.parts();
         }
@@ -262,26 +310,49 @@ pub(super) fn before_step(
 
 /// Parts are there for steps alone.
 pub(super) fn after_step(
-    mut contexts: Query<(&mut RapierRigidBodySet, &mut RapierContextColliders)>,
-    mut surfaces: Query<&mut RapierSurface, Allow<Disabled>>,
+    mut contexts: Query<(
+        &RapierContextSimulation,
+        &mut RapierRigidBodySet,
+        &mut RapierContextColliders,
+    )>,
+    mut surfaces: Query<(Entity, &mut RapierSurface), Allow<Disabled>>,
+    mut forces: MessageWriter<ContactForceEvent>,
+    mut touches: MessageMutator<CollisionEvent>,
+    mode: Res<TimestepMode>,
     stepping: Res<Stepping>,
     mut diagnostics: ResMut<MorphRapierDiagnostics>,
 ) {
     let start = Instant::now();
     stepping.now.store(false, Ordering::Release);
-    for mut surface in &mut surfaces {
+    let mut repeating = HashMap::default();
+    for (entity, mut surface) in &mut surfaces {
         let surface = &mut *surface;
-        if let Some((mut bodies, mut colliders)) = surface.context.and_then(|context| contexts.get_mut(context).ok()) {
+        let Some(context) = surface.context else { continue };
+        if let Ok((simulation, mut bodies, mut colliders)) = contexts.get_mut(context) {
             let RapierSurface { following, pushing, .. } = surface;
+            let stepped = Stepped {
+                narrow_phase: &simulation.narrow_phase,
+                bodies: &bodies.bodies,
+                colliders: &colliders.colliders,
+                dt: substep(&mode, simulation.integration_parameters.dt),
+            };
+            pushing.tell_forces(&stepped, &mut |force| _ = forces.write(force));
+            if pushing.repeats {
+                repeating.insert(entity, context);
+            }
             pushing.finish(&following.surface, &mut bodies.bodies, &mut colliders.colliders);
         }
     }
+    tell_whole(&repeating, &mut touches, |context| {
+        let (simulation, _, colliders) = contexts.get(context).ok()?;
+        Some((&simulation.narrow_phase, colliders))
+    });
     diagnostics.duration += start.elapsed();
 }
 
-/// How much time Rapier will go on by.
-fn time_ahead(mode: &TimestepMode, time: &Time, behind: f32) -> f32 {
-    match *mode {
+/// How much time Rapier will go on by; if it draws bodies between steps, also what the steps see of what is drawn.
+pub(super) fn time_ahead(mode: &TimestepMode, time: &Time, behind: f32) -> (f32, Option<Span>) {
+    let dt = match *mode {
         TimestepMode::Fixed { dt, substeps } if substeps > 0 => dt,
         TimestepMode::Variable {
             max_dt,
@@ -298,10 +369,14 @@ fn time_ahead(mode: &TimestepMode, time: &Time, behind: f32) -> f32 {
                 left -= dt;
                 steps += 1.0;
             }
-            steps * dt * time_scale
+            // Physics is ahead by up to a step, and so looks at what was drawn a step before.
+            let end = time.elapsed_secs_f64() - f64::from(left) - f64::from(dt);
+            let begin = end - f64::from(steps) * f64::from(dt);
+            return (steps * dt * time_scale, Some(Span { begin, end }));
         }
         _ => 0.0,
-    }
+    };
+    (dt, None)
 }
 
 /// Every context gets to know surfaces as it comes into the world, before it has contacts, and before a game gives it something else.

@@ -14,7 +14,10 @@ use bevy_rapier3d::rapier::geometry::{
 };
 use bevy_rapier3d::rapier::pipeline::{ActiveEvents, ActiveHooks};
 
-use super::range::{box_in_range, in_range};
+use crate::physics::near::Visitor;
+use crate::physics::part::Pace;
+use crate::physics::range::{box_in_range, in_range};
+use crate::physics::sorted_boxes::SortedBoxes;
 
 /// The parts of a physics world that bodies come into and go from.
 pub(super) struct World<'a> {
@@ -43,68 +46,117 @@ impl World<'_> {
 
 /// What a step is about.
 pub(super) struct Step<'a> {
-    /// In seconds.
-    pub(super) dt: f32,
-    pub(super) movers: &'a [Mover],
-    /// How far away a contact is prepared.
-    pub(super) prediction: f32,
-    pub(super) max_acceleration: f32,
+    pub(super) pace: Pace,
+    /// How fast bodies are driven out of what is solid.
+    pub(super) leaving: f32,
+    pub(super) movers: &'a Movers,
     /// What others than movers want.
-    pub(super) audience: Audience,
+    pub(super) audience: &'a Audience,
+    /// The body that the surface is on.
+    pub(super) body: Option<RigidBodyHandle>,
     /// Set while a step is going on.
     pub(super) stepping: &'a Arc<AtomicBool>,
 }
 
 /// What there is in a world that contacts of surfaces matter to, whatever is near.
-#[derive(Clone, Copy)]
 pub(super) struct Audience {
-    /// Colliders with hooks, which are given entities.
-    pub(super) hooked: bool,
+    /// Where colliders with hooks, which are given entities, may be when Rapier looks for pairs.
+    hooked: Vec<Aabb>,
+    /// Whether it looks once.
+    once: bool,
     /// Colliders that are on no dynamic body and want events, or soft bodies, which meet the surface as a whole.
     pub(super) listens: bool,
 }
 
 impl Audience {
-    pub(super) fn of(world: &World) -> Self {
-        let dynamic = |collider: &Collider| {
-            let body = collider.parent().and_then(|body| world.bodies.get(body));
-            body.is_some_and(RigidBody::is_dynamic)
-        };
+    /// `once` says whether Rapier does one step, without substeps.
+    pub(super) fn of(world: &World, margin: f32, once: bool) -> Self {
+        let body = |collider: &Collider| collider.parent().and_then(|body| world.bodies.get(body));
         let listens = |collider: &Collider| {
             collider.active_events().contains(ActiveEvents::COLLISION_EVENTS)
                 && !collider
                     .active_collision_types()
                     .difference(ActiveCollisionTypes::default())
                     .is_empty()
-                && !dynamic(collider)
+                && !body(collider).is_some_and(RigidBody::is_dynamic)
         };
+        let whereabouts = |collider: &Collider| {
+            let Some(body) = body(collider) else {
+                return collider.compute_aabb();
+            };
+            // Colliders of a body that the game moved follow in the step.
+            let in_body = collider.position_wrt_parent().copied().unwrap_or_default();
+            let at = |place| collider.shape().compute_aabb(&(place * in_body));
+            at(*body.position())
+                .merged(&at(*body.next_position()))
+                .loosened(body.soft_ccd_prediction())
+        };
+        let hooked = world.colliders.iter().map(|(_, collider)| collider);
+        let hooked = hooked.filter(|collider| !collider.active_hooks().is_empty());
         Self {
-            hooked: world
-                .colliders
-                .iter()
-                .any(|(_, collider)| !collider.active_hooks().is_empty()),
+            hooked: hooked
+                .map(|collider| whereabouts(collider).loosened(margin + collider.contact_skin()))
+                .collect(),
+            once,
             listens: !world.soft_bodies.is_empty() || world.colliders.iter().any(|(_, collider)| listens(collider)),
         }
+    }
+
+    /// Whether a hook may be given what is in a box.
+    pub(super) fn hooks_near(&self, bounds: &Aabb) -> bool {
+        let mut hooked = self.hooked.iter();
+        // In later steps, anything may be anywhere.
+        hooked.any(|hooked| !self.once || hooked.intersects(bounds))
     }
 }
 
 /// A collider of a dynamic body.
 pub(super) struct Mover {
-    pub(super) collider: ColliderHandle,
-    pub(super) body: RigidBodyHandle,
-    /// Where it may be during the step.
-    pub(super) bounds: Aabb,
-    pub(super) asleep: bool,
+    pub(super) visitor: Visitor<ColliderHandle, RigidBodyHandle>,
     /// Whether it moves, in a step, by more than a quarter of its smallest extent, and is no bullet yet.
     pub(super) fast: bool,
+    /// Whether the game wants it to be one.
+    pub(super) bullet: bool,
     pub(super) groups: InteractionGroups,
     pub(super) events: ActiveEvents,
 }
 
-/// Finds the colliders of dynamic bodies, and where they may be during a step.
-///
-/// Those that are too large for Parry, or too fast, are left out and given to `refuse` by their user data.
-pub(super) fn find_movers(
+/// All colliders of dynamic bodies that surfaces may push.
+#[derive(Default)]
+pub(super) struct Movers {
+    all: Vec<Mover>,
+    boxes: SortedBoxes,
+}
+
+impl Movers {
+    pub(super) fn is_empty(&self) -> bool {
+        self.all.is_empty()
+    }
+
+    /// Those that may be in a box during the step, in the order of their bodies. `places` is memory to use.
+    pub(super) fn meeting<'a>(&'a self, bounds: &Aabb, places: &'a mut Vec<u32>) -> impl Iterator<Item = &'a Mover> {
+        self.boxes.meeting(bounds, places);
+        places.iter().map(|&place| &self.all[place as usize])
+    }
+
+    /// Finds them anew, and where they may be during a step. So many surfaces are going to look for those near them.
+    ///
+    /// Those that are too large for Parry, or too fast, are left out and given to `refuse` by their user data.
+    pub(super) fn find(
+        &mut self,
+        bodies: &RigidBodySet,
+        colliders: &ColliderSet,
+        dt: f32,
+        surfaces: usize,
+        refuse: &mut impl FnMut(u128),
+    ) {
+        find_movers(bodies, colliders, dt, &mut self.all, refuse);
+        self.boxes
+            .take(self.all.iter().map(|mover| mover.visitor.bounds), surfaces);
+    }
+}
+
+fn find_movers(
     bodies: &RigidBodySet,
     colliders: &ColliderSet,
     dt: f32,
@@ -139,11 +191,14 @@ pub(super) fn find_movers(
                 continue;
             }
             movers.push(Mover {
-                collider,
-                body: handle,
-                bounds: bounds.loosened(shape.contact_skin()),
-                asleep,
+                visitor: Visitor {
+                    collider,
+                    body: handle,
+                    bounds: bounds.loosened(shape.contact_skin()),
+                    asleep,
+                },
                 fast,
+                bullet: body.is_ccd_enabled(),
                 groups: shape.collision_groups(),
                 events: shape.active_events(),
             });
@@ -160,7 +215,7 @@ pub(super) struct Manners {
     restitution_rule: CoefficientCombineRule,
     pub(super) contact_skin: f32,
     pub(super) groups: InteractionGroups,
-    solver_groups: InteractionGroups,
+    pub(super) solver_groups: InteractionGroups,
     hooks: ActiveHooks,
     pub(super) events: ActiveEvents,
     force_threshold: f32,

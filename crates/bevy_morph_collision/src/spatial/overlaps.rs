@@ -2,51 +2,102 @@
 
 use bevy::camera::primitives::Frustum;
 use bevy::prelude::*;
-use morph_collision::{Aabb, ConvexRegion, InputError, PlacedShape};
+use bevy::shape::Aabb3d;
+use morph_collision::{Aabb, ConvexRegion, InputError};
 
-use super::points::away;
+use super::query::Target;
 use super::{MorphQueryFilter, MorphSpatialQuery};
 
 impl MorphSpatialQuery<'_, '_> {
-    /// The colliders whose surface meets a solid ball, ascending.
+    /// The colliders whose boxes meet a box along the axes, ascending: a cheap first look. The boxes are those of the broad phase, around all
+    /// that a collider may reach, without its margin.
     ///
-    /// # Errors
-    /// Numbers that are not finite; a negative radius.
-    pub fn overlap_ball(
-        &mut self,
-        center: Vec3,
-        radius: f32,
+    /// For the surfaces in a box, ask [`MorphSpatialQuery::shape_intersections`] about a cuboid.
+    #[must_use]
+    pub fn aabb_intersections_with_aabb(&self, aabb: Aabb3d, filter: &MorphQueryFilter) -> Vec<Entity> {
+        self.aabb_intersections_with_aabb_predicate(aabb, filter, |_| true)
+    }
+
+    /// [`MorphSpatialQuery::aabb_intersections_with_aabb`], only for colliders that a predicate accepts.
+    #[must_use]
+    pub fn aabb_intersections_with_aabb_predicate(
+        &self,
+        aabb: Aabb3d,
         filter: &MorphQueryFilter,
-    ) -> Result<Vec<Entity>, InputError> {
-        let ball = PlacedShape::ball(center.as_dvec3(), f64::from(radius))?;
-        let near = self.near(filter, |bounds| (away(bounds, center) <= radius).then_some(0.0));
-        Ok(self.meeting(near, |queries, body| queries.shape.any(body, &ball)))
+        mut predicate: impl FnMut(Entity) -> bool,
+    ) -> Vec<Entity> {
+        let mut met = Vec::new();
+        let aabb = Aabb {
+            min: aabb.min.into(),
+            max: aabb.max.into(),
+        };
+        if self.valid("aabb_intersections_with_aabb", check(&aabb)).is_none() {
+            return met;
+        }
+        let overlaps = |bounds: &Aabb| aabb.overlaps(bounds).then_some(0.0);
+        self.walk(filter, &mut predicate, 0.0, overlaps, |_, entity, _| {
+            met.push(entity);
+            0.0
+        });
+        met.sort_unstable();
+        met
     }
 
-    /// The colliders whose surface meets a solid box along the axes, ascending.
-    ///
-    /// # Errors
-    /// Numbers that are not finite.
-    pub fn overlap_box(&mut self, min: Vec3, max: Vec3, filter: &MorphQueryFilter) -> Result<Vec<Entity>, InputError> {
-        let wanted = Aabb { min, max };
-        let region = ConvexRegion::from_aabb(&wanted)?;
-        let near = self.near(filter, |bounds| wanted.overlaps(bounds).then_some(0.0));
-        Ok(self.meeting(near, |queries, body| queries.shape.any_in_region(body, &region)))
-    }
-
-    /// The colliders whose surface is inside a frustum or meets it, ascending: what a camera with this frustum could see.
+    /// The colliders that a camera with this frustum could see, ascending: meshes whose surface is inside or meets it, and all shapes whose
+    /// boxes do.
     ///
     /// Sides that are not finite, as that of an infinite far plane, are left out.
-    pub fn overlap_frustum(&mut self, frustum: &Frustum, filter: &MorphQueryFilter) -> Vec<Entity> {
+    #[must_use]
+    pub fn frustum_intersections(&self, frustum: &Frustum, filter: &MorphQueryFilter) -> Vec<Entity> {
+        self.frustum_intersections_predicate(frustum, filter, |_| true)
+    }
+
+    /// [`MorphSpatialQuery::frustum_intersections`], only for colliders that a predicate accepts.
+    #[must_use]
+    pub fn frustum_intersections_predicate(
+        &self,
+        frustum: &Frustum,
+        filter: &MorphQueryFilter,
+        mut predicate: impl FnMut(Entity) -> bool,
+    ) -> Vec<Entity> {
+        let mut met = Vec::new();
         let sides = frustum.half_spaces.iter();
         let mut half_spaces: Vec<_> = sides
             .map(|side| (side.normal().as_dvec3(), f64::from(side.d())))
             .collect();
         half_spaces.retain(|side| ConvexRegion::from_half_spaces(std::slice::from_ref(side)).is_ok());
-        let Ok(region) = ConvexRegion::from_half_spaces(&half_spaces) else {
-            return Vec::new();
+        let Some(region) = self.valid("frustum_intersections", ConvexRegion::from_half_spaces(&half_spaces)) else {
+            return met;
         };
-        let near = self.near(filter, |_| Some(0.0));
-        self.meeting(near, |queries, body| queries.shape.any_in_region(body, &region))
+        // The corner of a box that is farthest inwards decides.
+        let reaches = |bounds: &Aabb| {
+            let inside = half_spaces.iter().all(|(normal, offset)| {
+                let corner = Vec3::select(normal.cmpgt(bevy::math::DVec3::ZERO), bounds.max, bounds.min).as_dvec3();
+                let slack = 1e-6 * (normal.abs().dot(corner.abs()) + offset.abs());
+                let inside = normal.dot(corner) + offset;
+                inside.is_nan() || inside >= -slack
+            });
+            inside.then_some(0.0)
+        };
+        self.walk(filter, &mut predicate, 0.0, reaches, |queries, entity, target| {
+            let meets = match target {
+                Target::Mesh(body) => queries.shape.any_in_region(body, &region),
+                Target::Shape(_) => true,
+            };
+            met.extend(meets.then_some(entity));
+            0.0
+        });
+        met.sort_unstable();
+        met
     }
+}
+
+/// Infinite boxes are fine.
+fn check(aabb: &Aabb) -> Result<(), InputError> {
+    let finite = |v: Vec3| v.map(|x| x.clamp(f32::MIN, f32::MAX));
+    ConvexRegion::from_aabb(&Aabb {
+        min: finite(aabb.min),
+        max: finite(aabb.max),
+    })?;
+    Ok(())
 }

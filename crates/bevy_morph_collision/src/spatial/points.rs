@@ -1,123 +1,155 @@
-//! Closest points, contacts of two colliders, and posed vertices.
+//! Points: the closest ones, and what they are in.
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
-use morph_collision::{Aabb, Body, ClosestPoint, InputError};
+use morph_collision::{Aabb, ClosestPoint, InputError, PlacedShape};
 
-use super::query::body;
-use super::{MorphClosestPoints, MorphContacts, MorphProjection, MorphQueryFilter, MorphSpatialQuery};
-use crate::narrow_phase::world_triangle;
+use super::query::Target;
+use super::rays::{checked_ray, renamed};
+use super::{MorphProjection, MorphQueryFilter, MorphSpatialQuery};
+use crate::contacts::MorphContact;
 
 impl MorphSpatialQuery<'_, '_> {
-    /// The point closest to some point on the surface of any collider, at most `max_distance` away, which may be infinite.
-    ///
-    /// # Errors
-    /// Numbers that are not finite; a negative distance.
-    pub fn project_point(
-        &mut self,
+    /// The point closest to some point on any mesh or in any shape, at most `max_distance` away, which may be infinite.
+    #[must_use]
+    pub fn project_point(&self, point: Vec3, max_distance: f32, filter: &MorphQueryFilter) -> Option<MorphProjection> {
+        self.project_point_predicate(point, max_distance, filter, |_| true)
+    }
+
+    /// [`MorphSpatialQuery::project_point`], only for colliders that a predicate accepts.
+    #[must_use]
+    pub fn project_point_predicate(
+        &self,
         point: Vec3,
         max_distance: f32,
         filter: &MorphQueryFilter,
-    ) -> Result<Option<MorphProjection>, InputError> {
-        let near = self.near(filter, |bounds| {
-            Some(away(bounds, point)).filter(|&away| away <= max_distance)
-        });
-        let mut within = f64::from(max_distance);
-        let mut best: Option<(Entity, ClosestPoint)> = None;
-        for &(at_least, entity) in &near {
-            if best.is_some_and(|(_, closest)| f64::from(at_least) > closest.distance) {
-                break;
-            }
-            let Ok((_, mut state)) = self.colliders.get_mut(entity) else {
-                continue;
+        mut predicate: impl FnMut(Entity) -> bool,
+    ) -> Option<MorphProjection> {
+        let within = self.valid("project_point", checked_distance(point, max_distance))?;
+        let from = point.as_dvec3();
+        let near = |bounds: &Aabb| Some(away(bounds, point));
+        let mut best: Option<(Entity, Found)> = None;
+        self.walk(filter, &mut predicate, max_distance, near, |queries, entity, target| {
+            let limit = best.as_ref().map_or(within, |(_, found)| found.distance);
+            let found = match target {
+                Target::Mesh(mut body) => match queries.shape.closest_point(body.reborrow(), from, limit) {
+                    Ok(Some(closest)) => Some(Found {
+                        distance: closest.distance,
+                        point: closest.point,
+                        normal: body.triangle(closest.triangle).map_or(Vec3::ZERO, normal_of),
+                        on_mesh: Some(closest),
+                    }),
+                    _ => None,
+                },
+                Target::Shape(shape) => Some(Found::in_shape(shape, from)).filter(|found| found.distance <= limit),
             };
-            let Some(body) = body(&mut state) else { continue };
-            let closest = self.queries.shape.closest_point(body, point.as_dvec3(), within)?;
-            if let Some(closest) = closest.filter(|new| best.is_none_or(|(_, old)| new.distance < old.distance)) {
-                within = closest.distance;
-                best = Some((entity, closest));
+            let is_closest = |found: &Found| match &best {
+                Some((other, before)) => (found.distance, entity) < (before.distance, *other),
+                None => true,
+            };
+            if let Some(found) = found.filter(is_closest) {
+                best = Some((entity, found));
             }
-        }
-        self.queries.near = near;
-        Ok(best.map(|(entity, closest)| {
-            let barycentrics = DVec3::from_array(closest.barycentrics).as_vec3();
-            MorphProjection {
-                entity,
-                distance: closest.distance as f32,
-                point: closest.point.as_vec3(),
-                normal: self.normal(entity, closest.triangle),
-                triangle: closest.triangle,
-                barycentrics,
-                uv: self.uv(entity, closest.triangle, barycentrics),
-                joint: self.joint(entity, closest.triangle, barycentrics),
-            }
-        }))
-    }
-
-    /// The closest points of two colliders, if they are at most `max_distance` apart; `None` also where one of them is not
-    /// there.
-    pub fn closest_points(&mut self, a: Entity, b: Entity, max_distance: f32) -> Option<MorphClosestPoints> {
-        let Self { colliders, queries, .. } = self;
-        let [mut a, mut b] = colliders.get_many_mut([a, b]).ok()?;
-        let distance = &mut queries.distance;
-        let closest = distance.closest(body(&mut a.1)?, body(&mut b.1)?, f64::from(max_distance));
-        closest.ok()?.map(|closest| MorphClosestPoints {
-            point1: closest.point_a.as_vec3(),
-            point2: closest.point_b.as_vec3(),
-            distance: closest.distance as f32,
-            triangles: morph_collision::TrianglePair {
-                triangle_a: closest.triangle_a,
-                triangle_b: closest.triangle_b,
-            },
+            best.as_ref()
+                .map_or(max_distance, |(_, found)| (found.distance as f32).next_up())
+        });
+        let (entity, found) = best?;
+        let triangle = found
+            .on_mesh
+            .map_or(MorphContact::NO_TRIANGLE, |closest| closest.triangle);
+        let barycentrics = found
+            .on_mesh
+            .map_or(DVec3::ZERO, |closest| DVec3::from_array(closest.barycentrics))
+            .as_vec3();
+        Some(MorphProjection {
+            entity,
+            distance: found.distance as f32,
+            point: found.point.as_vec3(),
+            normal: found.normal,
+            triangle,
+            barycentrics,
+            uv: self.uv(entity, triangle, barycentrics),
+            joint: self.joint(entity, triangle, barycentrics),
         })
     }
 
-    /// Where two colliders meet; `None` where they do not, or one of them is not there.
+    /// The colliders that a point is in, ascending: shapes, and meshes that are closed around it or have it on their surface.
     ///
-    /// It looks at [`MorphCollisionSettings::max_triangle_pairs`](crate::MorphCollisionSettings) pairs of triangles at most.
-    pub fn contacts(&mut self, a: Entity, b: Entity) -> Option<MorphContacts> {
-        let limit = self.list_limit();
-        let Self { colliders, queries, .. } = self;
-        let [mut a, mut b] = colliders.get_many_mut([a, b]).ok()?;
-        let (body_a, body_b) = (body(&mut a.1)?, body(&mut b.1)?);
-        let manifold = queries.contact.manifold_up_to(body_a, body_b, limit);
-        manifold.as_ref().map(MorphContacts::from)
+    /// Whether a mesh is closed around a point is counted along a ray from it: how often the ray leaves through the front of a triangle, and how often it
+    /// enters. A mesh with holes has no inside; near its holes either answer is possible.
+    #[must_use]
+    pub fn point_intersections(&self, point: Vec3, filter: &MorphQueryFilter) -> Vec<Entity> {
+        self.point_intersections_predicate(point, filter, |_| true)
     }
 
-    /// A box in world space around a collider as it is posed: conservative, from its tree's root alone.
+    /// [`MorphSpatialQuery::point_intersections`], only for colliders that a predicate accepts.
     #[must_use]
-    pub fn bounds(&self, collider: Entity) -> Option<Aabb> {
-        let (_, state) = self.colliders.get(collider).ok()?;
-        Some(state.placed?.bounds)
-    }
-
-    /// A vertex of a collider's mesh as it is posed, in world space.
-    #[must_use]
-    pub fn posed_vertex(&mut self, collider: Entity, vertex: u32) -> Option<Vec3> {
-        let (_, mut state) = self.colliders.get_mut(collider).ok()?;
-        let Body { pose, world_from_model } = body(&mut state)?;
-        Some(world_from_model.transform_point(pose.source_vertex(vertex)?).as_vec3())
-    }
-
-    /// All vertices of a collider's mesh as they are posed, in world space, in the mesh's order. Blends the whole mesh.
-    #[must_use]
-    pub fn posed_vertices(&mut self, collider: Entity) -> Option<Vec<Vec3>> {
-        let (_, mut state) = self.colliders.get_mut(collider).ok()?;
-        let Body { pose, world_from_model } = body(&mut state)?;
-        let posed = (0..).map_while(|vertex| pose.source_vertex(vertex));
-        Some(posed.map(|p| world_from_model.transform_point(p).as_vec3()).collect())
-    }
-
-    /// The corners of a triangle of a collider's mesh as it is posed, in world space.
-    #[must_use]
-    pub fn posed_triangle(&mut self, collider: Entity, triangle: u32) -> Option<[Vec3; 3]> {
-        let (_, mut state) = self.colliders.get_mut(collider).ok()?;
-        Some(world_triangle(&mut body(&mut state)?, triangle)?.map(DVec3::as_vec3))
+    pub fn point_intersections_predicate(
+        &self,
+        point: Vec3,
+        filter: &MorphQueryFilter,
+        mut predicate: impl FnMut(Entity) -> bool,
+    ) -> Vec<Entity> {
+        let mut met = Vec::new();
+        if self
+            .valid("point_intersections", checked_distance(point, 0.0))
+            .is_none()
+        {
+            return met;
+        }
+        let holds = |bounds: &Aabb| bounds.contains(point).then_some(0.0);
+        self.walk(filter, &mut predicate, 0.0, holds, |queries, entity, target| {
+            let holds = match target {
+                Target::Mesh(body) => queries.ray.encloses(body, point.as_dvec3()).unwrap_or(false),
+                Target::Shape(shape) => shape.signed_distance(point.as_dvec3()) <= 0.0,
+            };
+            met.extend(holds.then_some(entity));
+            0.0
+        });
+        met.sort_unstable();
+        met
     }
 }
 
+/// The point of a collider that is closest to another point.
+struct Found {
+    distance: f64,
+    point: DVec3,
+    normal: Vec3,
+    on_mesh: Option<ClosestPoint>,
+}
+
+impl Found {
+    fn in_shape(shape: &PlacedShape, from: DVec3) -> Self {
+        let point = shape.closest_point(from);
+        Self {
+            distance: point.distance(from),
+            point,
+            normal: towards(point, from),
+            on_mesh: None,
+        }
+    }
+}
+
+fn normal_of([a, b, c]: morph_collision::Triangle) -> Vec3 {
+    (b - a).cross(c - a).normalize_or_zero().as_vec3()
+}
+
 /// A lower bound of the distance of a point from a box.
-pub(super) fn away(bounds: &Aabb, point: Vec3) -> f32 {
+fn away(bounds: &Aabb, point: Vec3) -> f32 {
     let outside = (bounds.min - point).max(point - bounds.max).max(Vec3::ZERO);
     outside.length() * (1.0 - 1e-6)
+}
+
+/// The unit vector from one point towards another, zero if there is none.
+fn towards(from: DVec3, to: DVec3) -> Vec3 {
+    (to - from).normalize_or_zero().as_vec3()
+}
+
+pub(super) fn checked_distance(point: Vec3, max_distance: f32) -> Result<f64, InputError> {
+    // A ray of that length says what is wrong with a number.
+    match checked_ray(point, Dir3::X, max_distance) {
+        Ok(_) => Ok(f64::from(max_distance)),
+        Err(error) => Err(renamed(error, "origin", "point")),
+    }
 }

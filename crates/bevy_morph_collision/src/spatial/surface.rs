@@ -1,13 +1,11 @@
 //! What a mesh says about a point of its surface.
 
 use bevy::ecs::system::SystemParam;
-use bevy::mesh::VertexAttributeValues;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
-use morph_collision::Pose;
 
 use crate::collider::ColliderState;
-use crate::import::{MorphTrees, influences_of};
+use crate::import::{MorphTrees, influences_of, uv_of};
 
 /// The meshes that colliders show.
 #[derive(SystemParam)]
@@ -27,20 +25,17 @@ impl Surfaces<'_, '_> {
     ) -> Option<(&Mesh, Option<&SkinnedMesh>, [usize; 3])> {
         let (mesh, skin) = self.shown.get(entity).ok()?;
         let mesh = self.meshes.as_ref()?.get(mesh)?;
-        let bvh = state.pose.as_ref()?.bvh();
-        let corners = self.trees.as_ref()?.corners(state.tree?, bvh, triangle)?;
+        let bvh = state.pose.as_ref()?.lock().bvh().clone();
+        let corners = self.trees.as_ref()?.corners(state.tree?, &bvh, triangle)?;
         Some((mesh, skin, corners.map(|corner| corner as usize)))
     }
 
     /// The texture coordinates at a point of a triangle.
     pub(super) fn uv(&self, entity: Entity, state: &ColliderState, triangle: u32, barycentrics: Vec3) -> Option<Vec2> {
         let (mesh, _, corners) = self.triangle(entity, state, triangle)?;
-        let VertexAttributeValues::Float32x2(uvs) = mesh.try_attribute(Mesh::ATTRIBUTE_UV_0.id).ok()? else {
-            return None;
-        };
         let mut uv = Vec2::ZERO;
         for (corner, weight) in corners.into_iter().zip(barycentrics.to_array()) {
-            uv += Vec2::from_array(*uvs.get(corner)?) * weight;
+            uv += uv_of(mesh, corner)? * weight;
         }
         Some(uv)
     }
@@ -54,7 +49,7 @@ impl Surfaces<'_, '_> {
         barycentrics: Vec3,
     ) -> Option<Entity> {
         // Unless the collider's mesh is skinned, its attributes do nothing.
-        state.pose.as_ref().and_then(Pose::joints)?;
+        state.pose.as_ref()?.lock().joints()?;
         let (mesh, skin, corners) = self.triangle(entity, state, triangle)?;
         let mut shares: Vec<(u16, f32)> = Vec::new();
         for (corner, share) in corners.into_iter().zip(barycentrics.to_array()) {

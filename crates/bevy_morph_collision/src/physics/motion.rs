@@ -4,9 +4,9 @@ use bevy::math::{DMat3, DVec3};
 
 /// The motion of a rigid body: velocity of its origin, and angular velocity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct RigidMotion {
-    pub(super) linear: DVec3,
-    pub(super) angular: DVec3,
+pub(crate) struct RigidMotion {
+    pub(crate) linear: DVec3,
+    pub(crate) angular: DVec3,
 }
 
 impl RigidMotion {
@@ -14,7 +14,7 @@ impl RigidMotion {
     /// origin.
     ///
     /// About axes that the points do not tell anything about, such as the line that all are on, nothing turns.
-    pub(super) fn fitted(points: &[DVec3], velocities: &[DVec3], weights: &[f64]) -> Self {
+    pub(crate) fn fitted(points: &[DVec3], velocities: &[DVec3], weights: &[f64]) -> Self {
         let all = || points.iter().zip(velocities).zip(weights);
         let total: f64 = weights.iter().sum();
         if total <= 0.0 {
@@ -41,10 +41,15 @@ impl RigidMotion {
         }
     }
 
+    /// The velocity of a point, relative to the body's origin.
+    pub(crate) fn at(&self, point: DVec3) -> DVec3 {
+        self.linear + self.angular.cross(point)
+    }
+
     /// How far off the motion is, weighted; in units of velocity.
-    pub(super) fn error(&self, points: &[DVec3], velocities: &[DVec3], weights: &[f64]) -> f64 {
+    pub(crate) fn error(&self, points: &[DVec3], velocities: &[DVec3], weights: &[f64]) -> f64 {
         let all = points.iter().zip(velocities).zip(weights);
-        all.map(|((&point, &velocity), &weight)| weight * velocity.distance(self.linear + self.angular.cross(point)))
+        all.map(|((&point, &velocity), &weight)| weight * velocity.distance(self.at(point)))
             .fold(0.0, f64::max)
     }
 }
@@ -53,7 +58,7 @@ impl RigidMotion {
 ///
 /// `limit` is the change of velocity that one step may bring. Something that moves faster than that at once is believed
 /// when the next step confirms it.
-pub(super) fn continuous(velocities: &[DVec3], before: Option<&[DVec3]>, limit: f64) -> bool {
+pub(crate) fn continuous(velocities: &[DVec3], before: Option<&[DVec3]>, limit: f64) -> bool {
     let speed = fastest(velocities);
     if speed <= limit {
         return true;
@@ -63,8 +68,14 @@ pub(super) fn continuous(velocities: &[DVec3], before: Option<&[DVec3]>, limit: 
     changes.fold(0.0, f64::max) <= limit.max(0.5 * speed)
 }
 
+/// The velocities of points that go from one place to another in some time.
+pub(crate) fn between(from: &[DVec3], to: &[DVec3], time: f64, into: &mut Vec<DVec3>) {
+    into.clear();
+    into.extend(from.iter().zip(to).map(|(from, to)| (to - from) / time));
+}
+
 /// The greatest speed among velocities.
-pub(super) fn fastest(velocities: &[DVec3]) -> f64 {
+pub(crate) fn fastest(velocities: &[DVec3]) -> f64 {
     velocities.iter().map(|v| v.length_squared()).fold(0.0, f64::max).sqrt()
 }
 

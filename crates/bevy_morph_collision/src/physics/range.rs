@@ -1,8 +1,8 @@
 //! The sizes and places at which Parry can compute.
 
-use bevy_rapier3d::parry::bounding_volume::Aabb;
-use bevy_rapier3d::parry::math::{Pose, Real, Vector};
-use bevy_rapier3d::parry::shape::{HalfSpace, Shape};
+use parry3d::bounding_volume::Aabb;
+use parry3d::math::{Pose, Real, Vector};
+use parry3d::shape::{HalfSpace, Shape};
 
 use super::surface::MorphSurface;
 use super::triangles::Patch;
@@ -12,21 +12,21 @@ use super::triangles::Patch;
 /// Parry multiplies up to four lengths with each other. In `f32` that overflows at lengths of 4.3e9: measured answers are right up to
 /// 2^30 = 1.1e9 and are wrong, infinite or NaN from 2^32 on. From 6e18 on squares overflow, and EPA panics (`docs/rapier.md`). Differences
 /// of two shapes' corners are up to 4 sqrt(3) = 7 times as long as a coordinate, so 1e8 leaves room below 1.1e9.
-pub(super) const MAX_COORDINATE: Real = 1e8;
+pub(crate) const MAX_COORDINATE: Real = 1e8;
 
 /// Whether every component is within [`MAX_COORDINATE`]; NaN is not.
-pub(super) fn in_range(vector: Vector) -> bool {
+pub(crate) fn in_range(vector: Vector) -> bool {
     vector.abs().cmple(Vector::splat(MAX_COORDINATE)).all()
 }
 
 /// The same for both corners of a box.
-pub(super) fn box_in_range(bounds: &Aabb) -> bool {
+pub(crate) fn box_in_range(bounds: &Aabb) -> bool {
     in_range(bounds.mins) && in_range(bounds.maxs)
 }
 
 /// What a pair of shapes is to the dispatcher.
 #[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Range {
+pub(crate) enum Range {
     /// Neither is a surface: Parry is asked as it would be without the dispatcher.
     Foreign,
     /// Parry can answer.
@@ -36,7 +36,7 @@ pub(super) enum Range {
 }
 
 /// Checks a pair of shapes. Cost: their boxes.
-pub(super) fn check(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> Range {
+pub(crate) fn check(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> Range {
     let is_ours = |shape: &dyn Shape| shape.as_shape::<MorphSurface>().is_some() || shape.as_shape::<Patch>().is_some();
     if !is_ours(g1) && !is_ours(g2) {
         return Range::Foreign;
@@ -57,8 +57,8 @@ pub(super) fn check(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> Range {
 
 #[cfg(test)]
 mod tests {
-    use bevy_rapier3d::parry::math::Rotation;
-    use bevy_rapier3d::parry::shape::Ball;
+    use parry3d::math::Rotation;
+    use parry3d::shape::Ball;
 
     use super::*;
 

@@ -9,17 +9,17 @@ use morph_collision::{MorphBvh, MorphModel};
 use crate::import::MorphTrees;
 
 /// No vertex.
-pub(super) const NONE: u32 = u32::MAX;
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// How the triangles of a mesh lie; shared by all that show it.
-pub(super) struct MeshLayout {
+pub(crate) struct MeshLayout {
     /// Where each triangle stands in the order of its tree, in which neighbours are near each other.
-    pub(super) order: Vec<u32>,
+    pub(crate) order: Vec<u32>,
     /// For each edge of a triangle, from a corner to the next, the third corner of the triangle on its other side; [`NONE`] if
     /// there is no such triangle, or several.
-    pub(super) across: Vec<[u32; 3]>,
-    /// Whether every edge has two triangles that run along it in opposite directions: the surface has an inside.
-    pub(super) closed: bool,
+    pub(crate) across: Vec<[u32; 3]>,
+    /// Whether along every edge as many triangles run one way as the other: the surface has an inside.
+    pub(crate) closed: bool,
 }
 
 impl MeshLayout {
@@ -48,11 +48,13 @@ fn across(model: &MorphModel) -> (Vec<[u32; 3]>, bool) {
     edges.sort_unstable();
     let mut closed = true;
     for same in edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
+        let (low, high) = (same[0].0, same[0].1);
+        let up = same.iter().filter(|edge| triangles[edge.2][edge.3] == low).count();
+        // From a vertex to itself there is no edge.
+        closed &= low == high || 2 * up == same.len();
         let &[(_, _, one, one_edge), (_, _, other, other_edge)] = same else {
-            closed = false;
             continue;
         };
-        closed &= triangles[one][one_edge] != triangles[other][other_edge];
         let third = |triangle: usize, edge: usize| triangles[triangle][(edge + 2) % 3];
         across[one][one_edge] = third(other, other_edge);
         across[other][other_edge] = third(one, one_edge);
@@ -64,11 +66,11 @@ fn across(model: &MorphModel) -> (Vec<[u32; 3]>, bool) {
 ///
 /// A layout is computed with its tree, in the background: sorting the edges of a large mesh takes longer than a frame.
 #[derive(Resource, Clone, Default)]
-pub(super) struct MeshLayouts(Arc<Mutex<Vec<(Weak<MorphBvh>, Arc<MeshLayout>)>>>);
+pub(crate) struct MeshLayouts(Arc<Mutex<Vec<(Weak<MorphBvh>, Arc<MeshLayout>)>>>);
 
 impl MeshLayouts {
     /// Computes the layout of a new tree, and keeps it as long as there is the tree.
-    pub(super) fn add(&self, bvh: &Arc<MorphBvh>) {
+    pub(crate) fn add(&self, bvh: &Arc<MorphBvh>) {
         let layout = Arc::new(MeshLayout::of(bvh));
         let mut layouts = self.lock();
         layouts.retain(|(of, _)| of.strong_count() > 0);
@@ -76,7 +78,7 @@ impl MeshLayouts {
     }
 
     /// The layout of a tree. Every tree that is handed out has one.
-    pub(super) fn of(&self, bvh: &Arc<MorphBvh>) -> Option<Arc<MeshLayout>> {
+    pub(crate) fn of(&self, bvh: &Arc<MorphBvh>) -> Option<Arc<MeshLayout>> {
         let layouts = self.lock();
         let known = layouts.iter().find(|(of, _)| of.as_ptr() == Arc::as_ptr(bvh));
         known.map(|(_, layout)| layout.clone())
@@ -92,7 +94,7 @@ impl MeshLayouts {
 struct Added;
 
 /// Has a layout computed with every tree, from now on. Does nothing the second time, or while nothing builds trees.
-pub(super) fn add_to_trees(app: &mut App) {
+pub(crate) fn add_to_trees(app: &mut App) {
     let world = app.world_mut();
     let Some(layouts) = world.get_resource::<MeshLayouts>().cloned() else {
         return;
@@ -118,6 +120,26 @@ mod tests {
         let all = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
         let model = MorphModel::from_displacements::<Vec<Vec3>>(&positions, &all[..triangles], &[]).unwrap();
         Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()))
+    }
+
+    #[test]
+    fn closed_is_what_has_an_inside() {
+        let closed = |positions: &[Vec3], triangles: &[[u32; 3]]| {
+            let model = MorphModel::from_displacements::<Vec<Vec3>>(positions, triangles, &[]).unwrap();
+            across(&model).1
+        };
+        let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
+        let one = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+        assert!(closed(&positions, &one));
+        assert!(!closed(&positions, &one[1..]));
+        // One triangle turned around.
+        assert!(!closed(&positions, &[[0, 1, 2], one[1], one[2], one[3]]));
+        // Another tetrahedron along the edge from 0 to 1: four triangles are around it.
+        let other = [[0, 6, 1], [0, 1, 5], [1, 6, 5], [0, 5, 6]];
+        assert!(closed(&positions, &[one, other].concat()));
+        assert!(!closed(&positions, &[&one[..], &other[1..]].concat()));
+        // A triangle without an area runs along an edge both ways.
+        assert!(closed(&positions, &[&one[..], &[[0, 1, 1]]].concat()));
     }
 
     #[test]

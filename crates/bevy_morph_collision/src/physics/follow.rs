@@ -2,29 +2,58 @@
 
 use std::sync::Arc;
 
-use bevy::math::{Affine3A, DVec3};
+#[cfg(feature = "rapier")]
+use bevy::math::Affine3A;
+use bevy::math::DVec3;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
-use bevy_rapier3d::parry::bounding_volume::Aabb as ParryAabb;
-use bevy_rapier3d::parry::math::Pose as Place;
+#[cfg(feature = "rapier")]
 use bevy_rapier3d::rapier::dynamics::{RigidBodySet, RigidBodyType};
+#[cfg(feature = "rapier")]
 use bevy_rapier3d::rapier::geometry::Collider as RapierCollider;
-use morph_collision::{Aabb, Body, InputError, JointMatrices, MorphBvh, Pose, ShapeQuery, WorldFromModel};
+#[cfg(feature = "rapier")]
+use morph_collision::InputError;
+use morph_collision::{Aabb, Body, JointMatrices, MorphBvh, Pose, ShapeQuery, WorldFromModel};
+use parry3d::bounding_volume::Aabb as ParryAabb;
+use parry3d::math::Pose as Place;
 
+use super::clock::Span;
+use super::drawn::Drawn;
+#[cfg(feature = "rapier")]
+use super::drawn::Live;
+#[cfg(feature = "rapier")]
+use super::inside::is_mirrored;
 use super::layout::MeshLayout;
-use super::placed::{corners, joints_in, region, world_bounds};
+use super::motion::{between, continuous};
+use super::placed::{corners, region, world_bounds};
 use super::surface::MorphSurface;
 use crate::weights::take_weights;
 
 /// A mesh at one moment.
-pub(super) struct Moment {
-    pub(super) pose: Pose,
-    pub(super) world_from_model: WorldFromModel,
+pub(crate) struct Moment {
+    pub(crate) pose: Pose,
+    pub(crate) world_from_model: WorldFromModel,
 }
 
 impl Moment {
+    /// Goes to what was drawn at some time, where frames change that.
+    fn see(&mut self, drawn: &Drawn, time: f64) {
+        if let Some(weights) = drawn.weights.at(time) {
+            let _fits = self.pose.set_weights(&weights);
+        }
+        if let Some(joints) = drawn.joints.at(time)
+            && let Ok(joints) = JointMatrices::new(&joints.matrices)
+        {
+            let _fits = self.pose.set_joints(&joints);
+        }
+        let place = drawn.place.at(time).filter(|_| drawn.stands_alone);
+        if let Some(Ok(place)) = place.map(WorldFromModel::new) {
+            self.world_from_model = place;
+        }
+    }
+
     /// Vertices in world space.
-    pub(super) fn vertices(&mut self, vertices: &[u32], into: &mut Vec<DVec3>) {
+    pub(crate) fn vertices(&mut self, vertices: &[u32], into: &mut Vec<DVec3>) {
         posed_vertices(&mut self.pose, &self.world_from_model, vertices, into);
     }
 }
@@ -36,25 +65,29 @@ fn posed_vertices(pose: &mut Pose, place: &WorldFromModel, vertices: &[u32], int
 }
 
 /// A surface's last moments. What is now is in the [`MorphSurface`] that Rapier has.
-pub(super) struct Following {
-    pub(super) surface: MorphSurface,
+pub(crate) struct Following {
+    pub(crate) surface: MorphSurface,
     /// Where it is at the end of the step to come.
-    pub(super) world_from_model: WorldFromModel,
+    pub(crate) world_from_model: WorldFromModel,
     /// Where it was one step earlier, if it moves; otherwise anything.
-    pub(super) before: Moment,
+    pub(crate) before: Moment,
     /// Where it was two steps earlier, if it moved then, too; otherwise anything.
-    pub(super) past: Moment,
+    pub(crate) past: Moment,
     /// Whether it moves during the step to come.
-    pub(super) moves: bool,
+    pub(crate) moves: bool,
     /// Whether it is another shape than before, as its collider sees it.
-    pub(super) reshaped: bool,
+    pub(crate) reshaped: bool,
     /// The length of the last step if it moved during it.
-    pub(super) moved_for: Option<f32>,
+    pub(crate) moved_for: Option<f32>,
     /// How far any vertex may be, at the end of the step to come, from where it was at its begin; in world units.
-    pub(super) displacement: f64,
+    pub(crate) displacement: f64,
     /// All of these so far.
-    pub(super) travelled: f64,
+    pub(crate) travelled: f64,
     last_step: f32,
+    /// What it is drawn with.
+    pub(crate) drawn: Drawn,
+    /// What the step to come sees of that, if it looks between frames.
+    span: Option<Span>,
     /// Whether it is skinned and has had no joints yet.
     lacks_joints: bool,
     rest: Vec<f32>,
@@ -63,7 +96,7 @@ pub(super) struct Following {
 
 impl Following {
     /// At rest for now; where it is, the first step will tell.
-    pub(super) fn new(entity: Entity, bvh: &Arc<MorphBvh>, weights: &[f32], layout: &Arc<MeshLayout>) -> Self {
+    pub(crate) fn new(entity: Entity, bvh: &Arc<MorphBvh>, weights: &[f32], layout: &Arc<MeshLayout>) -> Self {
         let moment = || {
             let mut pose = Pose::new(bvh.clone());
             // They are those of a pose of the same tree.
@@ -85,42 +118,55 @@ impl Following {
             displacement: 0.0,
             travelled: 0.0,
             last_step: 0.0,
+            drawn: Drawn::new(moment().bounds().center()),
+            span: None,
             lacks_joints: bvh.model().joint_count().is_some(),
             rest: Vec::new(),
             complaint: None,
         }
     }
 
+    /// The length of the step to come, or of the last one; 0 before the first.
+    pub(crate) fn last_step(&self) -> f32 {
+        self.last_step
+    }
+
     /// Whether joints move the mesh.
-    pub(super) fn is_skinned(&self) -> bool {
+    pub(crate) fn is_skinned(&self) -> bool {
         self.before.pose.joints().is_some()
     }
 
     /// Whether it is nowhere, because its joints are.
-    pub(super) fn lacks_joints(&self) -> bool {
+    pub(crate) fn lacks_joints(&self) -> bool {
         self.lacks_joints
     }
 
     /// Makes the next step the first: whatever changes until then is not a motion.
-    pub(super) fn restart(&mut self) {
+    pub(crate) fn restart(&mut self) {
         self.last_step = 0.0;
         self.moves = false;
+        self.drawn.forget();
     }
 
     /// Goes on to the end of a step of `dt` seconds. Returns what is wrong with weights that cannot be used, once; the last good ones
     /// stay in force.
-    pub(super) fn advance(
+    ///
+    /// With a `span`, what frames change is seen as it is drawn at its end, and as it was at its begin.
+    pub(crate) fn advance(
         &mut self,
         weights: Option<&MeshMorphWeights>,
         shared: &Query<&MorphWeights>,
         ahead: Ahead,
+        span: Option<Span>,
         dt: f32,
     ) -> Result<(), String> {
         let Ahead {
             world_from_model,
             collider_from_model,
             joints,
+            mirrored,
         } = ahead;
+        let last_end = std::mem::replace(&mut self.span, span).map(|span| span.end);
         let first = self.last_step == 0.0 || (self.lacks_joints && joints.is_some());
         self.lacks_joints &= joints.is_none();
         self.moved_for = self.moves.then_some(self.last_step);
@@ -131,14 +177,26 @@ impl Following {
         let mut posed = self.surface.lock();
         // The oldest pose is used again for the newest.
         let taken = take_weights(&mut self.past.pose, weights, shared, &mut self.rest);
-        if taken.is_err() {
-            let _fits = self.past.pose.set_weights(posed.pose.weights());
+        match (&taken, span) {
+            (Ok(_), Some(_)) => self.drawn.weights_at_step(self.past.pose.weights()),
+            (Ok(_), None) => {}
+            (Err(_), _) => {
+                let _fits = self.past.pose.set_weights(posed.pose.weights());
+            }
         }
         // A wrong number of weights is the collider's to report, once it is clear that it will stay.
         let complaint = taken.err().filter(|problem| !problem.is_count());
         let complaint = complaint.map(|problem| problem.to_string());
         // Likewise joints, which the collider reports if they are bad.
         let joints = joints.filter(|joints| self.past.pose.set_joints(joints).is_ok());
+        let mirrored = if joints.is_none() && self.past.pose.joints().is_some() {
+            posed.mirrored
+        } else {
+            mirrored
+        };
+        if let Some(between_frames) = span.and_then(|span| self.drawn.weights.at(span.end)) {
+            let _fits = self.past.pose.set_weights(&between_frames);
+        }
         if let (None, Some(last)) = (joints, posed.pose.joints()) {
             let _fits = self.past.pose.set_joints(last);
         }
@@ -163,10 +221,19 @@ impl Following {
             self.world_from_model = world_from_model;
             if self.moves {
                 self.displacement = displacement(&mut self.before, &posed.pose, &world_from_model);
+                if let Some(span) = span.filter(|_| self.drawn.follows_frames()) {
+                    self.moved_for = None;
+                    if last_end.is_none_or(|end| !span.follows(end)) {
+                        // What it went through since the last step is no motion.
+                        self.before.see(&self.drawn, span.begin);
+                        let seen = displacement(&mut self.before, &posed.pose, &world_from_model);
+                        self.displacement = self.displacement.max(seen);
+                    }
+                }
                 self.travelled += self.displacement;
             }
         }
-        self.reshaped |= posed.place(collider_from_model);
+        self.reshaped |= posed.place(collider_from_model, mirrored);
         drop(posed);
         if self.complaint == complaint {
             return Ok(());
@@ -175,8 +242,61 @@ impl Following {
         self.complaint.clone().map_or(Ok(()), Err)
     }
 
+    /// Whether vertices go on, in the frames that a step looks between, as they went in the frame before each.
+    ///
+    /// A frame that brings a greater change of velocity than `max_acceleration` is no motion but a jump, however many steps it is seen in.
+    pub(crate) fn goes_on(&mut self, vertices: &[u32], max_acceleration: f32) -> bool {
+        let Some(span) = self.span else { return true };
+        let (mut earlier, mut before): (Option<Vec<DVec3>>, Option<(f64, Vec<DVec3>)>) = (None, None);
+        // Where a body carries it, only what it is drawn with counts.
+        self.past.world_from_model = self.world_from_model;
+        let posed = self.surface.lock();
+        let _fits = self.past.pose.set_weights(posed.pose.weights());
+        if let Some(joints) = posed.pose.joints() {
+            let _fits = self.past.pose.set_joints(joints);
+        }
+        drop(posed);
+        for time in self.drawn.frames_around(span) {
+            self.past.see(&self.drawn, time);
+            let mut now = Vec::new();
+            self.past.vertices(vertices, &mut now);
+            if let Some((last, before)) = &before {
+                let frame = time - last;
+                let mut velocities = Vec::new();
+                between(before, &now, frame, &mut velocities);
+                let is_seen = time > span.begin;
+                if is_seen && !continuous(&velocities, earlier.as_deref(), f64::from(max_acceleration) * frame) {
+                    return false;
+                }
+                earlier = Some(velocities);
+            }
+            before = Some((time, now));
+        }
+        true
+    }
+
+    /// Whether the step to come sees something between frames.
+    pub(crate) fn looks_between_frames(&self) -> bool {
+        self.span.is_some() && self.drawn.follows_frames()
+    }
+
+    /// The surface at the begin of the step to come, and its place: that of the world, or for a skinned mesh that of its collider.
+    pub(crate) fn at_begin<T>(&mut self, ask: impl FnOnce(&mut Pose, &WorldFromModel) -> T) -> T {
+        if self.moves {
+            let Moment { pose, world_from_model } = &mut self.before;
+            ask(pose, world_from_model)
+        } else {
+            ask(&mut self.surface.lock().pose, &self.world_from_model)
+        }
+    }
+
+    /// How far any vertex has travelled at most until the begin of the step to come.
+    pub(crate) fn travelled_before(&self) -> f64 {
+        self.travelled - if self.moves { self.displacement } else { 0.0 }
+    }
+
     /// A box around the surface during the step to come.
-    pub(super) fn bounds(&mut self) -> Aabb {
+    pub(crate) fn bounds(&mut self) -> Aabb {
         let now = world_bounds(&mut self.surface.lock().pose, &self.world_from_model);
         if !self.moves {
             return now;
@@ -186,7 +306,7 @@ impl Following {
     }
 
     /// Appends the triangles that meet a box in world space at the end of the step to come.
-    pub(super) fn triangles_in(&mut self, bounds: &ParryAabb, query: &mut ShapeQuery, into: &mut Vec<u32>) {
+    pub(crate) fn triangles_in(&mut self, bounds: &ParryAabb, query: &mut ShapeQuery, into: &mut Vec<u32>) {
         let mut posed = self.surface.lock();
         if let Ok(region) = region(bounds, &posed.pose, &self.world_from_model) {
             let body = Body::new(&mut posed.pose, &self.world_from_model);
@@ -195,7 +315,7 @@ impl Following {
     }
 
     /// Vertices in world space at the end of the step to come.
-    pub(super) fn vertices(&mut self, vertices: &[u32], into: &mut Vec<DVec3>) {
+    pub(crate) fn vertices(&mut self, vertices: &[u32], into: &mut Vec<DVec3>) {
         posed_vertices(&mut self.surface.lock().pose, &self.world_from_model, vertices, into);
     }
 }
@@ -226,7 +346,7 @@ fn coordinates(pose: &mut Pose, place: &WorldFromModel) -> f64 {
 }
 
 /// The place of an entity without its scale and shear. The rotation of an entity scaled to zero is the identity.
-pub(super) fn rigid_place(entity: &GlobalTransform) -> Place {
+pub(crate) fn rigid_place(entity: &GlobalTransform) -> Place {
     let (_, rotation, translation) = entity.to_scale_rotation_translation();
     let place = Place::from_parts(translation, rotation);
     if is_rigid(&place) {
@@ -237,29 +357,33 @@ pub(super) fn rigid_place(entity: &GlobalTransform) -> Place {
 }
 
 /// Whether a place is finite and rotates without scaling.
-pub(super) fn is_rigid(place: &Place) -> bool {
+pub(crate) fn is_rigid(place: &Place) -> bool {
     // Of a rotation that is not finite, this is false, too.
     place.translation.is_finite() && (place.rotation.length_squared() - 1.0).abs() < 1e-3
 }
 
 /// Where a mesh will be at the end of a step.
-pub(super) struct Ahead {
+pub(crate) struct Ahead {
     /// From the space of its pose, which for a skinned mesh is the collider's.
-    pub(super) world_from_model: WorldFromModel,
-    pub(super) collider_from_model: WorldFromModel,
+    pub(crate) world_from_model: WorldFromModel,
+    pub(crate) collider_from_model: WorldFromModel,
     /// As the collider sees them.
-    pub(super) joints: Option<JointMatrices>,
+    pub(crate) joints: Option<JointMatrices>,
+    /// Whether its place, or its joints, mirror it.
+    pub(crate) mirrored: bool,
 }
 
+#[cfg(feature = "rapier")]
 impl Ahead {
-    /// `joints` are those of a skinned mesh as they are drawn, if they are known.
-    pub(super) fn of(
+    /// `live` is what the surface is to be drawn with.
+    pub(crate) fn of(
         collider: &RapierCollider,
         bodies: &RigidBodySet,
-        entity: &GlobalTransform,
-        (is_skinned, joints): (bool, Option<&[Affine3A]>),
+        live: &Live,
+        is_skinned: bool,
         dt: f32,
     ) -> Result<Self, InputError> {
+        let entity = &GlobalTransform::from(live.place);
         // Rapier's collider has the entity's place and rotation; what is left is scale and shear, which joints do without.
         let place = rigid_place(entity);
         let rigid = Affine3A::from_rotation_translation(place.rotation, place.translation);
@@ -269,12 +393,18 @@ impl Ahead {
         } else {
             rigid.inverse() * affine
         };
-        let joints = joints.map(|joints| joints_in(&place, joints)).transpose()?;
+        let joints = live.joints.as_ref().map(|joints| JointMatrices::new(&joints.matrices));
+        let joints = joints.transpose()?;
+        let mirrored = match &live.joints {
+            Some(joints) => is_mirrored(joints.matrices.iter()),
+            None => is_mirrored([&collider_from_model].into_iter()),
+        };
         let ahead = |world_from_model| {
             Ok(Self {
                 world_from_model,
                 collider_from_model: WorldFromModel::new(collider_from_model)?,
                 joints,
+                mirrored,
             })
         };
         let in_body = collider.position_wrt_parent().copied();

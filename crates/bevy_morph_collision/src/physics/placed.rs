@@ -5,12 +5,12 @@
 
 use bevy::math::{Affine3A, DAffine3, DMat3, DVec3};
 use bevy::prelude::*;
-use bevy_rapier3d::parry::bounding_volume::Aabb as ParryAabb;
-use bevy_rapier3d::parry::math::Pose as Place;
-use morph_collision::{Aabb, ConvexRegion, InputError, JointMatrices, Pose, WorldFromModel};
+use morph_collision::{Aabb, ConvexRegion, InputError, Pose, WorldFromModel};
+use parry3d::bounding_volume::Aabb as ParryAabb;
+use parry3d::math::Pose as Place;
 
 /// A box in world space around a pose. No node of a skinned mesh is blended for it.
-pub(super) fn world_bounds(pose: &mut Pose, place: &WorldFromModel) -> Aabb {
+pub(crate) fn world_bounds(pose: &mut Pose, place: &WorldFromModel) -> Aabb {
     if pose.joints().is_none() {
         return pose.world_bounds(place);
     }
@@ -25,7 +25,7 @@ pub(super) fn world_bounds(pose: &mut Pose, place: &WorldFromModel) -> Aabb {
 }
 
 /// The corners of a box.
-pub(super) fn corners(bounds: &Aabb) -> [Vec3; 8] {
+pub(crate) fn corners(bounds: &Aabb) -> [Vec3; 8] {
     std::array::from_fn(|i| {
         let pick = |axis: usize| {
             if i >> axis & 1 == 0 {
@@ -39,7 +39,7 @@ pub(super) fn corners(bounds: &Aabb) -> [Vec3; 8] {
 }
 
 /// A box of world space, as queries about a pose want it.
-pub(super) fn region(bounds: &ParryAabb, pose: &Pose, place: &WorldFromModel) -> Result<ConvexRegion, InputError> {
+pub(crate) fn region(bounds: &ParryAabb, pose: &Pose, place: &WorldFromModel) -> Result<ConvexRegion, InputError> {
     if pose.joints().is_none() {
         return ConvexRegion::from_aabb(&Aabb {
             min: bounds.mins,
@@ -56,8 +56,20 @@ pub(super) fn region(bounds: &ParryAabb, pose: &Pose, place: &WorldFromModel) ->
     ConvexRegion::from_half_spaces([0, 1, 2].map(slab).as_flattened())
 }
 
+/// A point of the space that `place` leads to, as queries about a pose want it.
+pub(crate) fn into_query(point: DVec3, pose: &Pose, place: &WorldFromModel) -> DVec3 {
+    if pose.joints().is_none() {
+        return point;
+    }
+    let origin = place.transform_point(Vec3::ZERO);
+    let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| place.transform_point(axis) - origin);
+    // A collider's place turns and moves; it does not scale.
+    let away = point - origin;
+    DVec3::new(x.dot(away), y.dot(away), z.dot(away))
+}
+
 /// Joints as a collider sees them that stands at `place`.
-pub(super) fn joints_in(place: &Place, world_from_mesh: &[Affine3A]) -> Result<JointMatrices, InputError> {
+pub(crate) fn joints_in(place: &Place, world_from_mesh: &[Affine3A]) -> Vec<Affine3A> {
     let precise = |affine: &Affine3A| {
         let [x, y, z] = [0, 1, 2].map(|axis| Vec3::from(affine.matrix3.col(axis)).as_dvec3());
         DAffine3 {
@@ -71,6 +83,5 @@ pub(super) fn joints_in(place: &Place, world_from_mesh: &[Affine3A]) -> Result<J
         let [x, y, z] = [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis].map(DVec3::as_vec3);
         Affine3A::from_mat3_translation(Mat3::from_cols(x, y, z), translation.as_vec3())
     };
-    let joints: Vec<Affine3A> = world_from_mesh.iter().map(seen).collect();
-    JointMatrices::new(&joints)
+    world_from_mesh.iter().map(seen).collect()
 }

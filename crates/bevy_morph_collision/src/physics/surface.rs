@@ -5,12 +5,12 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use bevy::math::Vec3;
 use bevy::prelude::Entity;
-use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};
-use bevy_rapier3d::parry::mass_properties::MassProperties;
-use bevy_rapier3d::parry::math::{Real, Vector};
-use bevy_rapier3d::parry::query::{PointProjection, Ray, RayCast, RayIntersection};
-use bevy_rapier3d::parry::shape::{FeatureId, Shape, ShapeType, Triangle, TypedShape};
 use morph_collision::{Body, ConvexRegion, Facing, InputError, Pose, RayQuery, ShapeQuery, WorldFromModel};
+use parry3d::bounding_volume::{Aabb, BoundingSphere};
+use parry3d::mass_properties::MassProperties;
+use parry3d::math::{Real, Vector};
+use parry3d::query::{PointProjection, Ray, RayCast, RayIntersection};
+use parry3d::shape::{FeatureId, Shape, ShapeType, Triangle, TypedShape};
 use tracing::error;
 
 use super::layout::MeshLayout;
@@ -22,7 +22,7 @@ use super::triangles::{Triangles, nowhere, pseudo_normals};
 ///
 /// Rays and closest points are answered by the mesh's own tree, refitted where they look. Everything else is answered by
 /// [`MorphQueryDispatcher`](crate::MorphQueryDispatcher), which gathers the triangles near the other shape. Like a `TriMesh`
-/// it has no inside. Clones show the same mesh in the same pose.
+/// it has no inside, unless it is [`solid`](crate::MorphRapierCollider::solid). Clones show the same mesh in the same pose.
 #[derive(Clone)]
 pub struct MorphSurface {
     entity: Entity,
@@ -33,28 +33,34 @@ pub struct MorphSurface {
 }
 
 /// What a surface is made of at the moment.
-pub(super) struct Posed {
-    layout: Arc<MeshLayout>,
+pub(crate) struct Posed {
+    pub(super) layout: Arc<MeshLayout>,
     /// That of a skinned mesh is in the collider's space.
-    pub(super) pose: Pose,
+    pub(crate) pose: Pose,
     /// From the mesh to the collider, which has a place and a rotation of its own: scale and shear.
-    pub(super) collider_from_model: WorldFromModel,
-    queries: Queries,
-    /// For contacts of a closed surface that is a body's: whether normals, as triangles are wound, point outward, 1 or -1.
-    outward: Option<Real>,
+    pub(crate) collider_from_model: WorldFromModel,
+    pub(super) queries: Queries,
+    /// Whether the game wants it to have an inside, and it has.
+    pub(super) solid: bool,
+    /// If contacts push one way: whether normals, as triangles are wound, point outward, 1 or -1.
+    pub(super) outward: Option<Real>,
+    /// The same of the mesh where nothing mirrors it, once it is known.
+    pub(super) winding: Option<Real>,
+    /// Whether its place or its joints mirror it.
+    pub(super) mirrored: bool,
     /// For a density of 1. Asked for whenever a shape changes, and does not change with it.
     mass: Option<MassProperties>,
 }
 
 #[derive(Default)]
-struct Queries {
-    ray: RayQuery,
+pub(super) struct Queries {
+    pub(super) ray: RayQuery,
     shape: ShapeQuery,
     found: Vec<u32>,
 }
 
 impl MorphSurface {
-    pub(super) fn new(
+    pub(crate) fn new(
         entity: Entity,
         pose: Pose,
         collider_from_model: WorldFromModel,
@@ -65,7 +71,10 @@ impl MorphSurface {
             pose,
             collider_from_model,
             queries: Queries::default(),
+            solid: false,
             outward: None,
+            winding: None,
+            mirrored: false,
             mass: None,
         };
         Self {
@@ -77,7 +86,7 @@ impl MorphSurface {
     }
 
     /// Logs, once per surface, that a question about it and another shape is not answered.
-    pub(super) fn refuse(&self) {
+    pub(crate) fn refuse(&self) {
         if !self.refused.swap(true, Ordering::Relaxed) {
             error!(
                 "the surface of entity `{}` does not meet a shape that is larger than {MAX_COORDINATE:e} units, farther away or faster: \
@@ -88,15 +97,15 @@ impl MorphSurface {
     }
 
     /// Whether its contacts are of no interest, because it pushes with parts of it and nobody listens.
-    pub(super) fn is_quiet(&self) -> bool {
+    pub(crate) fn is_quiet(&self) -> bool {
         self.quiet.load(Ordering::Acquire)
     }
 
-    pub(super) fn set_quiet(&self, quiet: bool) {
+    pub(crate) fn set_quiet(&self, quiet: bool) {
         self.quiet.store(quiet, Ordering::Release);
     }
 
-    pub(super) fn lock(&self) -> MutexGuard<'_, Posed> {
+    pub(crate) fn lock(&self) -> MutexGuard<'_, Posed> {
         // A query that panicked has at worst left its own scratch unfinished.
         self.posed.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -110,7 +119,7 @@ impl std::fmt::Debug for MorphSurface {
 
 impl Posed {
     /// Says how the mesh stands in the collider, and whether that is new.
-    pub(super) fn place(&mut self, collider_from_model: WorldFromModel) -> bool {
+    pub(crate) fn place(&mut self, collider_from_model: WorldFromModel, mirrored: bool) -> bool {
         let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
         let [old, new] =
             [&self.collider_from_model, &collider_from_model].map(|place| corners.map(|p| place.transform_point(p)));
@@ -119,33 +128,21 @@ impl Posed {
         let changed = old.iter().zip(&new).any(|(old, new)| old.distance(*new) > 1e-5 * size);
         if changed {
             self.collider_from_model = collider_from_model;
-            // It may be larger, or mirrored.
+            // It may be larger.
             self.forget_mass();
         }
+        self.mirrored = mirrored;
         changed
     }
 
     /// What is enclosed is asked for anew.
-    pub(super) fn forget_mass(&mut self) {
-        (self.mass, self.outward) = (None, None);
-    }
-
-    /// Whether the surface is that of a solid body; if it is closed, contacts then push outward alone.
-    pub(super) fn set_solid(&mut self, solid: bool) {
-        if !solid || !self.layout.closed {
-            self.outward = None;
-        } else if self.outward.is_none() {
-            let volume: f64 = self
-                .all_corners()
-                .map(|[a, b, c]| a.as_dvec3().dot(b.as_dvec3().cross(c.as_dvec3())))
-                .sum();
-            self.outward = Some(if volume < 0.0 { -1.0 } else { 1.0 });
-        }
+    pub(crate) fn forget_mass(&mut self) {
+        self.mass = None;
     }
 
     /// The triangles that meet a box in the collider's space; what contacts with them want to know of their neighbours, too, if
     /// asked for.
-    pub(super) fn triangles_in(&mut self, region: &Aabb, for_contacts: bool) -> Triangles {
+    pub(crate) fn triangles_in(&mut self, region: &Aabb, for_contacts: bool) -> Triangles {
         let Self {
             pose,
             collider_from_model,
@@ -165,12 +162,12 @@ impl Posed {
     }
 
     /// All of them.
-    pub(super) fn all_triangles(&mut self) -> Triangles {
+    pub(crate) fn all_triangles(&mut self, for_contacts: bool) -> Triangles {
         self.queries.found.clear();
         self.queries
             .found
             .extend(0..self.pose.bvh().model().triangle_count() as u32);
-        self.gather(false)
+        self.gather(for_contacts)
     }
 
     fn mass(&mut self, density: Real) -> MassProperties {
@@ -234,14 +231,18 @@ impl Posed {
         Triangles::new(numbers, corners, normals)
     }
 
-    pub(super) fn bounds(&mut self) -> Aabb {
+    pub(crate) fn bounds(&mut self) -> Aabb {
         let bounds = self.pose.broad_phase_bounds(&self.collider_from_model);
         // A box that is not finite would be quarantined, collider and all.
         let finite = |v: Vec3| v.clamp(Vec3::splat(-1e18), Vec3::splat(1e18));
         Aabb::new(finite(bounds.min), finite(bounds.max))
     }
 
-    fn ray(&mut self, ray: &Ray, max_time_of_impact: Real) -> Result<Option<RayIntersection>, InputError> {
+    fn ray(&mut self, ray: &Ray, max_time_of_impact: Real, solid: bool) -> Result<Option<RayIntersection>, InputError> {
+        if solid && self.encloses(ray.origin) {
+            // As of Parry's own solid shapes.
+            return Ok(Some(RayIntersection::new(0.0, Vector::ZERO, FeatureId::Unknown)));
+        }
         let (origin, direction) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
         let asked = morph_collision::Ray::new(origin, direction, f64::from(max_time_of_impact))?;
         let body = Body::new(&mut self.pose, &self.collider_from_model);
@@ -258,11 +259,15 @@ impl Posed {
         }))
     }
 
-    fn project(&mut self, point: Vector) -> Option<PointProjection> {
+    fn project(&mut self, point: Vector, solid: bool) -> Option<PointProjection> {
+        let is_inside = self.encloses(point);
+        if is_inside && solid {
+            return Some(PointProjection::new(true, point));
+        }
         let body = Body::new(&mut self.pose, &self.collider_from_model);
         let closest = self.queries.shape.closest_point(body, point.as_dvec3(), f64::INFINITY);
         let closest = closest.ok()??;
-        Some(PointProjection::new(false, closest.point.as_vec3()).with_subshape(closest.triangle))
+        Some(PointProjection::new(is_inside, closest.point.as_vec3()).with_subshape(closest.triangle))
     }
 }
 
@@ -271,15 +276,15 @@ impl RayCast for MorphSurface {
         &self,
         ray: &Ray,
         max_time_of_impact: Real,
-        _solid: bool,
+        solid: bool,
     ) -> Option<RayIntersection> {
-        self.lock().ray(ray, max_time_of_impact).ok().flatten()
+        self.lock().ray(ray, max_time_of_impact, solid).ok().flatten()
     }
 }
 
-impl bevy_rapier3d::parry::query::PointQuery for MorphSurface {
-    fn project_local_point(&self, point: Vector, _solid: bool) -> PointProjection {
-        self.lock().project(point).unwrap_or_else(|| nowhere(point))
+impl parry3d::query::PointQuery for MorphSurface {
+    fn project_local_point(&self, point: Vector, solid: bool) -> PointProjection {
+        self.lock().project(point, solid).unwrap_or_else(|| nowhere(point))
     }
 
     fn project_local_point_and_get_feature(&self, point: Vector) -> (PointProjection, FeatureId) {

@@ -3,20 +3,20 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};
-use bevy_rapier3d::parry::mass_properties::MassProperties;
-use bevy_rapier3d::parry::math::{Pose, Real, Vector};
-use bevy_rapier3d::parry::partitioning::{Bvh, BvhBuildStrategy};
-use bevy_rapier3d::parry::query::details::NormalConstraints;
-use bevy_rapier3d::parry::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
-use bevy_rapier3d::parry::shape::{
+use parry3d::bounding_volume::{Aabb, BoundingSphere, BoundingVolume};
+use parry3d::mass_properties::MassProperties;
+use parry3d::math::{Pose, Real, Vector};
+use parry3d::partitioning::{Bvh, BvhBuildStrategy};
+use parry3d::query::details::NormalConstraints;
+use parry3d::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
+use parry3d::shape::{
     CompositeShape, FeatureId, Shape, ShapeType, SubShapeId, Triangle, TrianglePseudoNormals, TypedShape,
 };
 
 /// Triangles of a mesh, gathered anew whenever something asks what is near it: there are never many. Their sub-shapes are
 /// numbered from 0, since Parry's trees have room for every number up to the largest.
 #[derive(Clone)]
-pub(super) struct Triangles {
+pub(crate) struct Triangles {
     /// As the mesh numbers them; none if nobody asks.
     numbers: Vec<u32>,
     corners: Vec<Triangle>,
@@ -24,10 +24,12 @@ pub(super) struct Triangles {
     /// all if nobody asks.
     normals: Vec<Option<TrianglePseudoNormals>>,
     bvh: Bvh,
+    /// Whether they are as they were when contacts with them were last computed. Shared by copies.
+    still: Arc<AtomicBool>,
 }
 
 impl Triangles {
-    pub(super) fn new(numbers: Vec<u32>, corners: Vec<Triangle>, normals: Vec<Option<TrianglePseudoNormals>>) -> Self {
+    pub(crate) fn new(numbers: Vec<u32>, corners: Vec<Triangle>, normals: Vec<Option<TrianglePseudoNormals>>) -> Self {
         let leaves: Vec<Aabb> = corners.iter().map(Triangle::local_aabb).collect();
         let bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves);
         Self {
@@ -35,11 +37,18 @@ impl Triangles {
             corners,
             normals,
             bvh,
+            still: Arc::default(),
         }
     }
 
+    /// Says that contacts with them have been computed as they are: Parry may use those again.
+    pub(crate) fn stand_still(&self) {
+        self.still.store(true, Ordering::Release);
+    }
+
     /// The same triangles elsewhere.
-    pub(super) fn move_to(&mut self, triangles: impl Iterator<Item = (Triangle, Option<TrianglePseudoNormals>)>) {
+    pub(crate) fn move_to(&mut self, triangles: impl Iterator<Item = (Triangle, Option<TrianglePseudoNormals>)>) {
+        self.still.store(false, Ordering::Release);
         self.corners.clear();
         self.normals.clear();
         for (corners, normals) in triangles {
@@ -52,16 +61,16 @@ impl Triangles {
         self.bvh.refit_without_opt();
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.corners.len()
     }
 
-    pub(super) fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.corners.is_empty()
     }
 
     /// The mesh's number of a sub-shape.
-    pub(super) fn number(&self, subshape: SubShapeId) -> SubShapeId {
+    pub(crate) fn number(&self, subshape: SubShapeId) -> SubShapeId {
         self.numbers.get(subshape as usize).copied().unwrap_or(0)
     }
 }
@@ -79,7 +88,7 @@ impl CompositeShape for Triangles {
     }
 
     fn is_deformable(&self) -> bool {
-        true
+        !self.still.load(Ordering::Acquire)
     }
 }
 
@@ -118,7 +127,7 @@ impl PointQuery for Triangles {
 ///
 /// Neighbours are given by their third corners, across the edges from a corner to the next. Of a solid body's surface `outward`
 /// says whether the normal as triangles are wound points outward, 1 or -1; then what is inside is left alone.
-pub(super) fn pseudo_normals(
+pub(crate) fn pseudo_normals(
     corners: [Vector; 3],
     across: [Option<Vector>; 3],
     outward: Option<Real>,
@@ -141,7 +150,7 @@ pub(super) fn pseudo_normals(
 }
 
 /// The projection on a shape that has no points.
-pub(super) fn nowhere(point: Vector) -> PointProjection {
+pub(crate) fn nowhere(point: Vector) -> PointProjection {
     // As far away as can be said: `distance_to_point` and filters by distance leave it out.
     PointProjection::new(false, point + Vector::MAX)
 }
@@ -191,15 +200,17 @@ impl Shape for Triangles {
 
 /// The part of a surface that pushes bodies during a step, and is not there for anyone else.
 #[derive(Clone)]
-pub(super) struct Patch {
-    pub(super) triangles: Triangles,
+pub(crate) struct Patch {
+    pub(crate) triangles: Triangles,
     /// Whether a step is going on, in which it exists.
-    pub(super) stepping: Arc<AtomicBool>,
+    pub(crate) stepping: Arc<AtomicBool>,
+    /// By how much more than its triangles its box has room for.
+    pub(crate) reach: Real,
 }
 
 impl Patch {
     /// The triangles, while they exist.
-    pub(super) fn present(&self) -> Option<&Triangles> {
+    pub(crate) fn present(&self) -> Option<&Triangles> {
         self.stepping.load(Ordering::Acquire).then_some(&self.triangles)
     }
 }
@@ -232,7 +243,7 @@ impl PointQuery for Patch {
 
 impl Shape for Patch {
     fn compute_local_aabb(&self) -> Aabb {
-        self.triangles.compute_local_aabb()
+        self.triangles.compute_local_aabb().loosened(self.reach)
     }
 
     fn compute_local_bounding_sphere(&self) -> BoundingSphere {
@@ -243,8 +254,9 @@ impl Shape for Patch {
         Box::new(self.clone())
     }
 
+    /// It is as large as it is.
     fn scale_dyn(&self, _scale: Vector, _num_subdivisions: u32) -> Option<Box<dyn Shape>> {
-        None
+        Some(self.clone_dyn())
     }
 
     fn mass_properties(&self, _density: Real) -> MassProperties {

@@ -1,0 +1,178 @@
+//! A boss with three plates of armour: each hit dents a plate, with a morph target, and in the end breaks it. Then the flesh behind it can be hit.
+//!
+//! A volley of three balls is one body, and so is the boss. Two events tell apart what a game needs told apart: `MorphCollisionStart` on a *plate* says which
+//! part was hit by which ball; `MorphBodyCollisionStart` on the *boss* comes once per volley, and is where the sound is played.
+//!
+//! To run it: `cargo run -p bevy_morph_collision --example boss_armour`
+//!
+//! Yours to replace: `plate` by meshes of a glTF with targets for dents; `volley` by what your players throw.
+
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::mesh::morph::{MeshMorphWeights, MorphAttributes};
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+
+pub(crate) const DENT: f32 = 0.4;
+const RADIUS: f32 = 0.15;
+
+fn main() {
+    App::new()
+        .add_plugins((DefaultPlugins, MorphPlugins::default(), game))
+        .run();
+}
+
+pub(crate) fn game(app: &mut App) {
+    app.add_systems(Startup, set_up).add_systems(Update, (volley, fly));
+}
+
+/// How many volleys the boss has felt.
+#[derive(Component)]
+pub(crate) struct Boss(pub(crate) u32);
+
+/// How many more hits a plate takes, or the flesh.
+#[derive(Component)]
+pub(crate) struct Part(pub(crate) u32);
+
+#[derive(Component)]
+pub(crate) struct Volley;
+
+#[derive(Component)]
+struct Flying;
+
+/// A square sheet in the xy plane whose one target pushes its middle in, towards -Z.
+fn plate() -> Mesh {
+    let mut mesh = Plane3d::new(Vec3::Z, Vec2::splat(0.6)).mesh().subdivisions(12).build();
+    let positions = mesh
+        .attribute(Mesh::ATTRIBUTE_POSITION)
+        .and_then(|values| values.as_float3());
+    let push = |&[x, y, _]: &[f32; 3]| {
+        let depth = (1.0 - Vec2::new(x, y).length() / 0.6).max(0.0);
+        MorphAttributes::new(Vec3::NEG_Z * DENT * depth, Vec3::ZERO, Vec3::ZERO)
+    };
+    let dent = positions.unwrap_or_default().iter().map(push).collect();
+    mesh.set_morph_targets(dent);
+    mesh
+}
+
+fn set_up(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
+    let (mesh, steel) = (meshes.add(plate()), materials.add(Color::srgb(0.5, 0.55, 0.6)));
+    // All meshes below become parts of one body, the rigid flesh as well as the plates that morph.
+    let scene = MorphColliderScene {
+        only_deforming: false,
+        events: true,
+        ..default()
+    };
+    let boss = commands
+        .spawn((Boss(0), scene, Visibility::default()))
+        .observe(cry)
+        .id();
+    let flesh = (
+        Part(5),
+        Mesh3d(meshes.add(Cuboid::new(4.2, 1.4, 0.8))),
+        MeshMaterial3d(materials.add(Color::srgb(0.7, 0.2, 0.2))),
+        Transform::from_xyz(0.0, 0.0, -1.2),
+        ChildOf(boss),
+    );
+    commands.spawn(flesh).observe(hit);
+    for (x, health) in [(-1.4, 2), (0.0, 3), (1.4, 4)] {
+        let plate = (
+            Part(health),
+            Mesh3d(mesh.clone()),
+            MeshMaterial3d(steel.clone()),
+            MeshMorphWeights::Value { weights: vec![0.0] },
+            Transform::from_xyz(x, 0.0, 0.0),
+            ChildOf(boss),
+        );
+        commands.spawn(plate).observe(hit);
+    }
+    commands.spawn((
+        Camera3d::default(),
+        Tonemapping::None,
+        Transform::from_xyz(2.5, 2.5, 5.0).looking_at(Vec3::ZERO, Vec3::Y),
+        children![DirectionalLight::default()],
+    ));
+}
+
+/// Every two seconds, until nothing is left of the boss.
+fn volley(
+    time: Res<Time>,
+    mut wait: Local<f32>,
+    old: Query<Entity, With<Volley>>,
+    parts: Query<(), (With<Part>, Without<MorphColliderDisabled>)>,
+    mut commands: Commands,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) {
+    *wait -= time.delta_secs();
+    if *wait > 0.0 || parts.is_empty() {
+        return;
+    }
+    *wait += 2.0;
+    old.iter().for_each(|volley| commands.entity(volley).despawn());
+    let (mesh, lead) = (meshes.add(Sphere::new(RADIUS)), materials.add(Color::BLACK));
+    let volley = (Volley, Transform::from_xyz(0.0, 0.0, 5.0), Visibility::default());
+    let volley = commands.spawn(volley).id();
+    for x in [-1.4, 0.0, 1.4] {
+        commands.spawn((
+            Flying,
+            MorphShape::Ball { radius: RADIUS },
+            // One body with the other two.
+            MorphColliderOf { body: volley },
+            Mesh3d(mesh.clone()),
+            MeshMaterial3d(lead.clone()),
+            Transform::from_xyz(x, 0.0, 0.0),
+            ChildOf(volley),
+        ));
+    }
+}
+
+fn fly(time: Res<Time>, mut balls: Query<&mut Transform, With<Flying>>) {
+    for mut place in &mut balls {
+        place.translation.z -= 5.0 * time.delta_secs();
+    }
+}
+
+/// On each part: once for each ball.
+fn hit(
+    start: On<MorphCollisionStart>,
+    mut parts: Query<(&mut Part, Option<&mut MeshMorphWeights>)>,
+    collisions: Res<MorphCollisions>,
+    mut commands: Commands,
+) {
+    let (part, ball) = (start.collider1, start.collider2);
+    let Ok((mut health, weights)) = parts.get_mut(part) else {
+        return;
+    };
+    health.0 = health.0.saturating_sub(1);
+    if health.0 == 0 {
+        // It takes with it what sticks to it, and the rest of the volley.
+        commands
+            .entity(part)
+            .insert((MorphColliderDisabled, Visibility::Hidden));
+        commands.entity(start.body2).try_despawn();
+        return;
+    }
+    if let Some(mut weights) = weights {
+        let dent = 1.0 / (1 + health.0) as f32;
+        *weights = MeshMorphWeights::Value { weights: vec![dent] };
+    }
+    // The ball sticks where it hit and goes along with the dent, so it touches the boss until the volley is over.
+    let contact = collisions.get(part, ball);
+    if let Some(pair) = contact.and_then(|contact| contact.triangles.first())
+        // It may be gone, with a volley that broke another part in this very frame.
+        && let Ok(mut ball) = commands.get_entity(ball)
+    {
+        // A ball has no triangles; its number in the pair is larger than any.
+        let triangle = pair.triangle_a.min(pair.triangle_b);
+        let anchor = MorphSurfaceAnchor::new(part, triangle, Vec3::splat(1.0 / 3.0));
+        ball.remove::<Flying>().insert(anchor);
+    }
+}
+
+/// On the boss: once for each volley, whatever it hits and however often.
+fn cry(start: On<MorphBodyCollisionStart>, mut bosses: Query<&mut Boss>) {
+    if let Ok(mut boss) = bosses.get_mut(start.body1) {
+        boss.0 += 1;
+        info!("clang, at {}", start.point);
+    }
+}

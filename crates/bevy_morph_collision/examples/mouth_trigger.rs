@@ -1,0 +1,150 @@
+//! Meatballs fly at a mouth that opens and closes. What gets in is eaten; what hits lips or cheeks bounces off.
+//!
+//! No trigger volume has to be built and kept in the mouth by hand: the mouth itself is the trigger. What a meatball touches first decides, teeth and tongue
+//! or skin, and the lips are in front of the teeth exactly as long as they are drawn so.
+//!
+//! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --example mouth_trigger`
+//!
+//! Yours to replace: `FACE`; `INSIDE`, or if teeth and tongue are meshes of their own, compare the `Name` of `start.collider1`; what throws the food.
+
+use bevy::core_pipeline::tonemapping::Tonemapping;
+use bevy::mesh::morph::MorphWeights;
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+
+/// In the folder `assets`.
+const FACE: &str = "mh_head_eyes_teeth_arkit52.glb";
+/// The first triangle of teeth and tongue; this file has them last.
+const INSIDE: u32 = 8894;
+pub(crate) const RADIUS: f32 = 0.07;
+
+fn main() {
+    App::new()
+        .add_plugins((DefaultPlugins, MorphPlugins::default(), game))
+        .run();
+}
+
+pub(crate) fn game(app: &mut App) {
+    app.init_resource::<Score>()
+        .add_systems(Startup, set_up)
+        .add_systems(Update, (chew, throw.run_if(resource_exists::<Hungry>), fly));
+}
+
+#[derive(Resource, Default, Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Score {
+    pub(crate) eaten: u32,
+    pub(crate) bounced: u32,
+}
+
+/// There from when the face can be hit.
+#[derive(Resource)]
+struct Hungry;
+
+#[derive(Component)]
+pub(crate) struct Food {
+    pub(crate) velocity: Vec3,
+    /// Whether it has hit the face before: then it is no longer appetising.
+    pub(crate) is_spent: bool,
+}
+
+fn set_up(mut commands: Commands, assets: Res<AssetServer>) {
+    commands
+        .spawn((
+            WorldAssetRoot(assets.load(GltfAssetLabel::Scene(0).from_asset(FACE))),
+            MorphColliderScene::default(),
+        ))
+        .observe(|_: On<MorphColliderSceneReady>, mut commands: Commands| commands.insert_resource(Hungry))
+        .observe(taste);
+    commands.spawn((
+        Camera3d::default(),
+        Tonemapping::None,
+        Transform::from_xyz(3.0, 7.5, 6.0).looking_at(Vec3::new(0.0, 6.8, 1.0), Vec3::Y),
+        children![DirectionalLight::default()],
+    ));
+}
+
+/// Two seconds open, two seconds closed, more or less.
+fn chew(time: Res<Time>, meshes: Res<Assets<Mesh>>, mut faces: Query<&mut MorphWeights>) {
+    for mut face in &mut faces {
+        let mesh = face.first_mesh().and_then(|mesh| meshes.get(mesh));
+        let names = mesh.and_then(Mesh::morph_target_names);
+        let jaw = names.and_then(|names| names.iter().position(|name| name == "jawOpen"));
+        if let Some(jaw) = jaw {
+            face.weights_mut()[jaw] = 0.5 - 0.5 * (1.5 * time.elapsed_secs()).cos();
+        }
+    }
+}
+
+/// Three times a second; most at the mouth, some a bit beside it.
+fn throw(
+    time: Res<Time>,
+    mut wait: Local<f32>,
+    mut thrown: Local<usize>,
+    mut commands: Commands,
+    mut meshes: ResMut<Assets<Mesh>>,
+    mut materials: ResMut<Assets<StandardMaterial>>,
+) {
+    *wait -= time.delta_secs();
+    if *wait > 0.0 {
+        return;
+    }
+    *wait += 0.33;
+    let aims = [(0.0, 6.45), (0.1, 6.45), (0.45, 6.7), (-0.05, 6.5), (0.0, 6.85)];
+    let (x, y) = aims[*thrown % aims.len()];
+    *thrown += 1;
+    commands.spawn((
+        Food {
+            velocity: Vec3::NEG_Z * 3.0,
+            is_spent: false,
+        },
+        MorphShape::Ball { radius: RADIUS },
+        Mesh3d(meshes.add(Sphere::new(RADIUS))),
+        MeshMaterial3d(materials.add(Color::srgb(0.4, 0.15, 0.05))),
+        Transform::from_xyz(x, y, 4.0),
+    ));
+}
+
+fn fly(time: Res<Time>, mut commands: Commands, mut flying: Query<(Entity, &mut Food, &mut Transform)>) {
+    for (entity, mut food, mut place) in &mut flying {
+        if food.is_spent {
+            food.velocity.y -= 9.81 * time.delta_secs();
+        }
+        place.translation += food.velocity * time.delta_secs();
+        if place.translation.y < 4.0 || place.translation.z < -3.0 {
+            commands.entity(entity).despawn();
+        }
+    }
+}
+
+/// The face's observer: one start for each meatball, however many triangles it touches.
+fn taste(
+    start: On<MorphBodyCollisionStart>,
+    collisions: Res<MorphCollisions>,
+    mut flying: Query<&mut Food>,
+    mut score: ResMut<Score>,
+    mut commands: Commands,
+) {
+    let Ok(mut food) = flying.get_mut(start.body2) else {
+        return;
+    };
+    // A ball has no triangles; its number in the pair is larger than any.
+    let mut touched = collisions
+        .collisions_between_bodies(start.body1, start.body2)
+        .flat_map(|contact| &contact.triangles)
+        .map(|pair| pair.triangle_a.min(pair.triangle_b));
+    if !food.is_spent && touched.any(|triangle| triangle >= INSIDE) {
+        score.eaten += 1;
+        info!("yum");
+        commands.entity(start.body2).despawn();
+        return;
+    }
+    if !food.is_spent {
+        score.bounced += 1;
+        info!("ouch");
+    }
+    food.is_spent = true;
+    // The normal is the way out for the face; the meatball goes the other way.
+    let out = -start.normal;
+    let speed = food.velocity.dot(out);
+    food.velocity -= 1.6 * speed.min(0.0) * out;
+}

@@ -1,0 +1,125 @@
+//! How a mesh gets its surface in physics, and loses it.
+
+use std::sync::Arc;
+
+use avian3d::prelude::Collider;
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
+use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::platform::collections::HashMap;
+use bevy::prelude::*;
+use morph_collision::{MorphBvh, Pose};
+
+use super::MorphAvianCollider;
+use super::push::Pushing;
+use super::shape::WholeSurface;
+use crate::collider::MorphCollider;
+use crate::import::{MorphTreeSettings, MorphTrees};
+use crate::physics::follow::Following;
+use crate::physics::layout::MeshLayouts;
+use crate::shape::MorphShape;
+use crate::weights::take_weights;
+
+/// What the plugin knows of one surface.
+#[derive(Component)]
+pub(crate) struct AvianSurface {
+    pub(super) following: Following,
+    pub(super) pushing: Pushing,
+    bvh: Arc<MorphBvh>,
+    /// What its parts touch: colliders, with their bodies.
+    pub(super) touching: HashMap<Entity, Option<Entity>>,
+    /// Whether contacts are made with the whole of it, as its collider knows.
+    pub(super) meets: bool,
+    /// Why its place or size keeps it out of physics, so that it is logged once.
+    pub(super) bad_place: Option<String>,
+    /// Whether the log says that it is not closed, and should be.
+    pub(super) told_open: bool,
+}
+
+/// What decides whether an entity has a surface, and which.
+type Shows<'w> = (
+    Option<&'w Mesh3d>,
+    Option<&'w MorphTreeSettings>,
+    Option<&'w SkinnedMesh>,
+    Option<&'w MeshMorphWeights>,
+    Has<MorphShape>,
+    Has<MorphCollider>,
+    Has<MorphAvianCollider>,
+    Has<Disabled>,
+);
+
+/// Makes colliders whose mesh has a tree surfaces. Takes that away where the collider, the mesh or its tree is gone.
+///
+/// The first step gives them their shape. It asks [`MorphTrees`] itself, so physics goes on while collision detection is paused.
+pub(super) fn attach_surfaces(
+    mut commands: Commands,
+    colliders: Query<
+        (Entity, Shows, Option<&AvianSurface>, Option<&Collider>),
+        (Allow<Disabled>, Or<(With<MorphAvianCollider>, With<AvianSurface>)>),
+    >,
+    shared: Query<&MorphWeights>,
+    trees: Option<Res<MorphTrees>>,
+    layouts: Res<MeshLayouts>,
+    mut rest: Local<Vec<f32>>,
+) {
+    let Some(trees) = trees else { return };
+    for (entity, shows, surface, collider) in &colliders {
+        // A collider of the game's own wins.
+        let is_foreign = collider.is_some_and(|collider| !is_surface(collider));
+        let (mesh, settings, skin, weights, has_shape, collides, wanted, disabled) = shows;
+        // A shape collides in place of the mesh.
+        let mesh = mesh.filter(|_| collides && wanted && !has_shape);
+        let tree = mesh.and_then(|mesh| trees.shown_with(mesh, settings, skin));
+        match (surface, tree.filter(|_| !is_foreign)) {
+            (None, Some(bvh)) if !disabled => {
+                let mut pose = Pose::new(bvh.clone());
+                // Bad weights are logged when the surface goes on to its first step.
+                let _logged_later = take_weights(&mut pose, weights, &shared, &mut rest);
+                let Some(layout) = layouts.of(bvh) else { continue };
+                let surface = AvianSurface {
+                    following: Following::new(entity, bvh, pose.weights(), &layout),
+                    pushing: Pushing::new(layout),
+                    bvh: bvh.clone(),
+                    touching: HashMap::default(),
+                    meets: false,
+                    bad_place: None,
+                    told_open: false,
+                };
+                commands.entity(entity).try_insert(surface);
+            }
+            (None, _) => {}
+            (Some(_), None) => remove_surface(commands.entity(entity), collider),
+            (Some(surface), Some(bvh)) => {
+                if !disabled && !Arc::ptr_eq(&surface.bvh, bvh) {
+                    // With its parts; the new one comes next time.
+                    remove_surface(commands.entity(entity), collider);
+                }
+            }
+        }
+    }
+}
+
+/// Whether a collider is the surface of a mesh, rather than the game's own.
+pub(super) fn is_surface(collider: &Collider) -> bool {
+    collider.shape().as_shape::<WholeSurface>().is_some()
+}
+
+/// Removes a surface; a collider of the game's own stays.
+fn remove_surface(mut entity: EntityCommands, collider: Option<&Collider>) {
+    entity.try_remove::<AvianSurface>();
+    if collider.is_some_and(is_surface) {
+        entity.try_remove::<Collider>();
+    }
+}
+
+/// Removes a surface from physics at once when [`MorphAvianCollider`] is removed.
+pub(super) fn detach_surface(
+    removed: On<Remove<MorphAvianCollider>>,
+    surfaces: Query<Option<&Collider>, (With<AvianSurface>, Allow<Disabled>)>,
+    mut commands: Commands,
+) {
+    if let Ok(collider) = surfaces.get(removed.entity) {
+        remove_surface(commands.entity(removed.entity), collider);
+    }
+}

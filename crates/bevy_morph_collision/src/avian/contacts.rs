@@ -1,0 +1,158 @@
+//! Contacts with parts are contacts of their surface: computed anew where it changed, and told of in its name.
+
+use std::sync::atomic::Ordering;
+
+use avian3d::collision::contact_types::{ContactEdgeFlags, ContactId};
+use avian3d::prelude::{
+    ColliderOf, CollidingEntities, CollisionEnd, CollisionEventsEnabled, CollisionStart, ContactGraph,
+};
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
+use bevy::ecs::system::SystemParam;
+use bevy::platform::collections::HashMap;
+use bevy::prelude::*;
+
+use super::attach::AvianSurface;
+use super::step::Stepping;
+
+/// Before contacts are updated: those of what changed are not taken from the last step, and those of parts make no events.
+pub(super) fn refresh_contacts(
+    mut graph: ResMut<ContactGraph>,
+    mut stepping: ResMut<Stepping>,
+    surfaces: Query<&AvianSurface>,
+    mut contacts: Local<Vec<ContactId>>,
+) {
+    stepping.now.store(true, Ordering::Release);
+    for (collider, reach) in stepping.changed.drain(..) {
+        contacts.clear();
+        contacts.extend(graph.contact_edges_with(collider).map(|contact| contact.id));
+        for &contact in &*contacts {
+            if let Some((_, pair)) = graph.get_mut_by_id(contact) {
+                // Avian keeps contacts while the places of bodies are almost the same, whatever became of their shapes.
+                pair.recycling_cache = None;
+                // What it will reach during the step, too.
+                pair.speculative_distance = pair.speculative_distance.max(reach);
+            }
+        }
+    }
+    for part in surfaces.iter().flat_map(|surface| surface.pushing.parts()) {
+        for contact in graph.contact_edges_with_mut(part) {
+            contact.flags.remove(ContactEdgeFlags::CONTACT_EVENTS);
+        }
+    }
+}
+
+/// Who is told of contacts, and how.
+#[derive(SystemParam)]
+pub(super) struct Told<'w, 's> {
+    wants_events: Query<'w, 's, (), (With<CollisionEventsEnabled>, Allow<Disabled>)>,
+    colliding: Query<'w, 's, &'static mut CollidingEntities, Allow<Disabled>>,
+    bodies: Query<'w, 's, &'static ColliderOf, Allow<Disabled>>,
+    starts: MessageWriter<'w, CollisionStart>,
+    ends: MessageWriter<'w, CollisionEnd>,
+}
+
+impl Told<'_, '_> {
+    fn wants(&self, surface: Entity, other: Entity) -> bool {
+        self.wants_events.contains(surface) || self.wants_events.contains(other)
+    }
+
+    fn body(&self, collider: Entity) -> Option<Entity> {
+        self.bodies.get(collider).ok().map(|of| of.body)
+    }
+
+    fn started(&mut self, surface: Entity, other: Entity, body: Option<Entity>) {
+        if self.wants(surface, other) {
+            self.starts.write(CollisionStart {
+                collider1: surface,
+                collider2: other,
+                body1: self.body(surface),
+                body2: body,
+            });
+        }
+        for (one, met) in [(surface, other), (other, surface)] {
+            if let Ok(mut colliding) = self.colliding.get_mut(one) {
+                colliding.insert(met);
+            }
+        }
+    }
+
+    fn ended(&mut self, surface: Entity, other: Entity, body: Option<Entity>) {
+        if self.wants(surface, other) {
+            self.ends.write(CollisionEnd {
+                collider1: surface,
+                collider2: other,
+                body1: self.body(surface),
+                body2: body,
+            });
+        }
+        for (one, met) in [(surface, other), (other, surface)] {
+            if let Ok(mut colliding) = self.colliding.get_mut(one) {
+                colliding.remove(&met);
+            }
+        }
+    }
+}
+
+/// After contacts were updated: what touches a part touches its surface.
+pub(super) fn name_surfaces(
+    graph: Res<ContactGraph>,
+    mut surfaces: Query<(Entity, &mut AvianSurface), Allow<Disabled>>,
+    mut told: Told,
+    mut touching: Local<HashMap<Entity, Option<Entity>>>,
+) {
+    for (entity, mut surface) in &mut surfaces {
+        if surface.pushing.is_idle() && surface.touching.is_empty() {
+            continue;
+        }
+        touching.clear();
+        for part in surface.pushing.parts() {
+            for contact in graph.contact_edges_with(part).filter(|contact| contact.is_touching()) {
+                let (other, body) = if contact.collider1 == part {
+                    (contact.collider2, contact.body2)
+                } else {
+                    (contact.collider1, contact.body1)
+                };
+                touching.insert(other, body);
+                if let Ok(mut colliding) = told.colliding.get_mut(other)
+                    && colliding.contains(&part)
+                {
+                    colliding.remove(&part);
+                }
+            }
+        }
+        let AvianSurface { touching: before, .. } = &mut *surface;
+        for (&other, &body) in before.iter().filter(|(other, _)| !touching.contains_key(*other)) {
+            told.ended(entity, other, body);
+        }
+        for (&other, &body) in touching.iter().filter(|(other, _)| !before.contains_key(*other)) {
+            told.started(entity, other, body);
+        }
+        std::mem::swap(before, &mut touching);
+    }
+}
+
+/// Takes a surface that is being removed out of the world, with its parts.
+pub(super) fn take_parts_along(
+    removed: On<Remove<AvianSurface>>,
+    mut surfaces: Query<&mut AvianSurface, Allow<Disabled>>,
+    mut commands: Commands,
+    mut told: Told,
+) {
+    if let Ok(mut surface) = surfaces.get_mut(removed.entity) {
+        surface.pushing.stop(&mut commands);
+        for (other, body) in surface.touching.drain() {
+            told.ended(removed.entity, other, body);
+        }
+    }
+}
+
+/// Takes the parts of disabled entities out of the world.
+pub(super) fn stop_disabled(mut surfaces: Query<&mut AvianSurface, With<Disabled>>, mut commands: Commands) {
+    for mut surface in &mut surfaces {
+        surface.following.restart();
+        if !surface.pushing.is_idle() {
+            surface.pushing.stop(&mut commands);
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! Remembers what surfaces are drawn with, frame by frame, for steps at other times.
+
+use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::prelude::*;
+
+use super::MorphAvianCollider;
+use super::attach::AvianSurface;
+use super::step::Stepping;
+use crate::physics::drawn::Shows;
+use crate::skeletons::{BindPoses, Skeletons};
+use crate::weights::drawn_weights;
+
+/// At the end of a frame.
+pub(super) fn record_frame(
+    mut surfaces: Query<(&MorphAvianCollider, &mut AvianSurface, Shows)>,
+    shared: Query<&MorphWeights>,
+    globals: Query<&GlobalTransform>,
+    bind_poses: Option<Res<BindPoses>>,
+    mut skeletons: Local<Skeletons>,
+    fixed: Res<Time<Fixed>>,
+    mut stepping: ResMut<Stepping>,
+) {
+    // What the clock of steps will show when it comes to this frame.
+    let now = fixed.elapsed_secs_f64() + fixed.overstep().as_secs_f64();
+    stepping.lag.frame(now);
+    skeletons.begin();
+    for (settings, mut surface, (place, weights, skin)) in &mut surfaces {
+        let following = &mut surface.following;
+        let skin = skin.filter(|_| following.is_skinned());
+        let drawn = &mut following.drawn;
+        let live = drawn.live(place, skin, &mut skeletons, bind_poses.as_deref(), &globals);
+        let count = following.before.pose.weights().len();
+        drawn.record(now, &live, count, (weights, &shared), settings.max_acceleration);
+    }
+}
+
+/// After the steps of a frame: what has changed since then, steps change.
+pub(super) fn after_steps(
+    mut surfaces: Query<(&mut AvianSurface, Option<&MeshMorphWeights>)>,
+    shared: Query<&MorphWeights>,
+    mut rest: Local<Vec<f32>>,
+) {
+    for (mut surface, weights) in &mut surfaces {
+        let following = &mut surface.following;
+        let count = following.before.pose.weights().len();
+        if let Ok(weights) = drawn_weights(count, weights, &shared, &mut rest) {
+            following.drawn.weights.after_steps(&weights.to_vec());
+        }
+    }
+}

@@ -1,0 +1,179 @@
+//! What a surface pushes with: its parts near colliders that may move.
+
+use std::sync::Arc;
+
+use avian3d::dynamics::joints::joint_graph::JointGraph;
+use avian3d::prelude::{SleepTimer, Sleeping, WakeBody};
+use bevy::ecs::system::SystemParam;
+use bevy::prelude::*;
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
+
+use super::MorphAvianPart;
+use super::movers::{Mover, Movers};
+use super::part::{Manners, PartBodies, PartBody, remove};
+use crate::physics::expel::{Drive, Expelling};
+use crate::physics::follow::Following;
+use crate::physics::layout::MeshLayout;
+use crate::physics::near::Nearby;
+use crate::physics::part::Pace;
+
+/// What a surface pushes with.
+pub(super) struct Pushing {
+    near: Nearby<Entity, Entity, PartBody>,
+    expelling: Expelling<Entity>,
+    manners: Option<Manners>,
+    // Memory to use again.
+    meeting: Vec<u32>,
+}
+
+/// Which bodies sleep, or are about to.
+#[derive(SystemParam)]
+pub(super) struct Sleep<'w, 's> {
+    asleep: Query<'w, 's, (), With<Sleeping>>,
+    timers: Query<'w, 's, &'static mut SleepTimer, Without<MorphAvianPart>>,
+}
+
+/// What is around a surface that pushes.
+pub(super) struct Around<'a, 'w, 's> {
+    pub(super) movers: &'a Movers,
+    /// The body that the surface is on.
+    pub(super) body: Option<Entity>,
+    /// Whether somebody wants to know what the surface touches.
+    pub(super) listens: bool,
+    pub(super) joints: &'a JointGraph,
+    pub(super) sleep: &'a mut Sleep<'w, 's>,
+    /// How fast bodies are driven out of what is solid.
+    pub(super) leaving: f32,
+    /// Bodies that are, and by how much their velocities change.
+    pub(super) driven: &'a mut Vec<(Entity, Vec3)>,
+}
+
+impl Pushing {
+    pub(super) fn new(layout: Arc<MeshLayout>) -> Self {
+        Self {
+            near: Nearby::new(layout),
+            expelling: Expelling::default(),
+            manners: None,
+            meeting: Vec::new(),
+        }
+    }
+
+    pub(super) fn is_idle(&self) -> bool {
+        self.near.is_idle()
+    }
+
+    /// The entities of its parts.
+    pub(super) fn parts(&self) -> impl Iterator<Item = Entity> {
+        self.near.parts().filter_map(|part| part.entity)
+    }
+
+    /// Takes all parts out of the world. Avian wakes what slept on them.
+    pub(super) fn stop(&mut self, commands: &mut Commands) {
+        self.expelling.stop();
+        self.near.stop(|part| remove(part, commands));
+        self.manners = None;
+    }
+
+    /// Sees to it that during the step to come whatever may meet the surface meets parts that move as it does.
+    ///
+    /// Says how many parts had to be blended.
+    pub(super) fn prepare(
+        &mut self,
+        following: &mut Following,
+        pace: &Pace,
+        around: &mut Around,
+        bodies: &mut PartBodies,
+    ) -> u32 {
+        if around.movers.is_empty() && self.is_idle() {
+            return 0;
+        }
+        self.near.begin(following);
+        self.expelling.begin();
+        let bounds = following.bounds();
+        let bounds = Aabb::new(bounds.min, bounds.max).loosened(pace.prediction);
+        self.teach(bodies);
+
+        let (mut blended, mut busy) = (0, false);
+        let mut meeting = std::mem::take(&mut self.meeting);
+        for mover in around.movers.meeting(&bounds, &mut meeting) {
+            let visitor = &mover.visitor;
+            if !mover.layers.interacts_with(bodies.manners.layers)
+                || !(mover.pushed || mover.listens || around.listens)
+                || around.spares(visitor.body)
+            {
+                continue;
+            }
+            if self.near.sleeps_on(visitor, following) {
+                self.expelling.keep(visitor.collider);
+                continue;
+            }
+            if !busy {
+                busy = true;
+                self.near.give_out(following, |body| around.sleep.asleep.contains(body));
+            }
+            self.near.look_near(visitor, following, pace);
+            if let Some(change) = self.drive_out(mover, following, pace, around.leaving) {
+                around.driven.push((visitor.body, change));
+            }
+            blended += self.near.push(visitor, following, pace, bodies);
+            // What is carried slowly is not at rest.
+            if self.near.moves_near(visitor.collider)
+                && !visitor.asleep
+                && let Ok(mut timer) = around.sleep.timers.get_mut(visitor.body)
+            {
+                timer.0 = 0.0;
+            }
+        }
+        self.meeting = meeting;
+        let commands = &mut *bodies.commands;
+        self.expelling.forget();
+        self.near.forget(|part| remove(part, commands));
+        for body in self.near.take_to_wake() {
+            commands.queue_silenced(WakeBody(body));
+        }
+        blended
+    }
+
+    /// By how much the velocity of a body is to change, if it is inside the surface and that is solid.
+    fn drive_out(&mut self, mover: &Mover, following: &mut Following, pace: &Pace, leaving: f32) -> Option<Vec3> {
+        let guest = mover.guest.as_ref()?;
+        let outward = {
+            let posed = following.surface.lock();
+            posed.outward().filter(|_| posed.is_solid())?
+        };
+        let travelled = following.travelled_before();
+        let drive = Drive {
+            limit: leaving,
+            dt: pace.dt,
+        };
+        let exit = following.at_begin(|pose, place| {
+            let at = (pose, place);
+            self.expelling
+                .exit(mover.visitor.collider, guest, at, travelled, f64::from(outward), drive)
+        })?;
+        let change = exit.change_of(mover.velocity, following, pace);
+        Some(change).filter(|&change| change != Vec3::ZERO)
+    }
+
+    fn teach(&mut self, bodies: &mut PartBodies) {
+        if self.manners == Some(bodies.manners) {
+            return;
+        }
+        self.manners = Some(bodies.manners);
+        for part in self.near.parts().filter_map(|part| part.entity) {
+            bodies.manners.teach(bodies.commands.entity(part));
+        }
+    }
+}
+
+impl Around<'_, '_, '_> {
+    /// Whether the surface does not meet a body: it is on it, or a joint between them says so.
+    fn spares(&self, body: Entity) -> bool {
+        let Some(own) = self.body else { return false };
+        own == body
+            || self
+                .joints
+                .joints_between(own, body)
+                .any(|joint| joint.collision_disabled)
+    }
+}

@@ -1,0 +1,115 @@
+//! A whole surface, as Avian's queries see it.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
+
+use parry3d::bounding_volume::{Aabb, BoundingSphere};
+use parry3d::mass_properties::MassProperties;
+use parry3d::math::{Real, Vector};
+use parry3d::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
+use parry3d::shape::{CompositeShape, FeatureId, Shape, ShapeType, TypedShape};
+
+use crate::physics::surface::MorphSurface;
+use crate::physics::triangles::{Triangles, nowhere};
+
+/// A surface in one pose.
+///
+/// Rays and closest points are answered by the mesh's own tree. For what is asked about it and another shape Avian has Parry's own
+/// dispatcher, which wants all triangles: they are gathered when that is asked for first.
+#[derive(Clone)]
+pub(super) struct WholeSurface {
+    surface: MorphSurface,
+    /// Whether contacts are made with it, rather than with its parts.
+    meets: bool,
+    /// Set while contacts are computed.
+    stepping: Arc<AtomicBool>,
+    all: OnceLock<Triangles>,
+}
+
+impl WholeSurface {
+    /// As the surface is now. What changes afterwards is another.
+    pub(super) fn new(surface: MorphSurface, meets: bool, stepping: Arc<AtomicBool>) -> Self {
+        Self {
+            surface,
+            meets,
+            stepping,
+            all: OnceLock::new(),
+        }
+    }
+
+    /// Whether it answers: while contacts are computed, its parts do, unless contacts are made with it.
+    fn is_asked(&self) -> bool {
+        self.meets || !self.stepping.load(Ordering::Acquire)
+    }
+}
+
+impl RayCast for WholeSurface {
+    fn cast_local_ray_and_get_normal(
+        &self,
+        ray: &Ray,
+        max_time_of_impact: Real,
+        solid: bool,
+    ) -> Option<RayIntersection> {
+        self.surface
+            .cast_local_ray_and_get_normal(ray, max_time_of_impact, solid)
+    }
+}
+
+impl PointQuery for WholeSurface {
+    fn project_local_point(&self, point: Vector, solid: bool) -> PointProjection {
+        if self.is_asked() {
+            self.surface.project_local_point(point, solid)
+        } else {
+            // So Parry finds contacts with balls.
+            nowhere(point)
+        }
+    }
+
+    fn project_local_point_and_get_feature(&self, point: Vector) -> (PointProjection, FeatureId) {
+        (self.project_local_point(point, false), FeatureId::Unknown)
+    }
+}
+
+impl Shape for WholeSurface {
+    fn compute_local_aabb(&self) -> Aabb {
+        self.surface.compute_local_aabb()
+    }
+
+    fn compute_local_bounding_sphere(&self) -> BoundingSphere {
+        self.surface.compute_local_bounding_sphere()
+    }
+
+    fn clone_dyn(&self) -> Box<dyn Shape> {
+        Box::new(self.clone())
+    }
+
+    /// The scale of the entity is in the surface already.
+    fn scale_dyn(&self, _scale: Vector, _num_subdivisions: u32) -> Option<Box<dyn Shape>> {
+        Some(self.clone_dyn())
+    }
+
+    fn mass_properties(&self, density: Real) -> MassProperties {
+        self.surface.mass_properties(density)
+    }
+
+    fn shape_type(&self) -> ShapeType {
+        ShapeType::Custom
+    }
+
+    fn as_typed_shape(&self) -> TypedShape<'_> {
+        TypedShape::Custom(self)
+    }
+
+    fn ccd_thickness(&self) -> Real {
+        self.surface.ccd_thickness()
+    }
+
+    fn ccd_angular_thickness(&self) -> Real {
+        self.surface.ccd_angular_thickness()
+    }
+
+    fn as_composite_shape(&self) -> Option<&(dyn CompositeShape + Sync)> {
+        self.is_asked()
+            .then(|| self.all.get_or_init(|| self.surface.lock().all_triangles(true)) as _)
+    }
+}

@@ -1,0 +1,358 @@
+//! Moves surfaces to their pose at the end of Avian's step, and puts something to stand on before bodies near them.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
+
+use avian3d::dynamics::joints::joint_graph::JointGraph;
+use avian3d::dynamics::solver::SolverConfig;
+use avian3d::prelude::{
+    ActiveCollisionHooks, AngularVelocity, Collider, ColliderDisabled, ColliderOf, ColliderTransform,
+    CollidingEntities, CollisionEventsEnabled, CollisionLayers, CollisionMargin, ComputedCenterOfMass, Friction,
+    LinearVelocity, LockedAxes, NarrowPhaseConfig, PhysicsLengthUnit, Position, Restitution, RigidBody,
+    RigidBodyDisabled, Rotation, Sensor, Sleeping, WakeBody,
+};
+use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::platform::collections::HashSet;
+use bevy::platform::time::Instant;
+use bevy::prelude::*;
+use parry3d::math::Pose as Place;
+use parry3d::shape::SharedShape;
+use tracing::{error, warn};
+
+use super::ahead::{Joints, Motion, ahead};
+use super::attach::AvianSurface;
+use super::movers::Movers;
+use super::part::{Manners, PartBodies, Parts};
+use super::push::{Around, Sleep};
+use super::shape::WholeSurface;
+use super::{MorphAvianCollider, MorphAvianPart};
+use crate::collider::MorphColliderDisabled;
+use crate::physics::clock::Lag;
+use crate::physics::inside::not_closed;
+use crate::physics::part::Pace;
+use crate::physics::range::{MAX_COORDINATE, box_in_range, in_range};
+use crate::skeletons::{BindPoses, Skeletons};
+
+/// What the last step of physics needed of [`MorphAvianCollider`]s.
+#[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[reflect(Resource, Debug, Default, Clone, PartialEq)]
+pub struct MorphAvianDiagnostics {
+    /// Surfaces in physics, without those that are switched off, too large, or at a place that is not finite.
+    pub surfaces: u32,
+    /// Of these, those that moved or morphed.
+    pub moving: u32,
+    /// Parts of surfaces near bodies: what is in the physics world as kinematic bodies.
+    pub parts: u32,
+    /// Of these, those whose vertices were blended for the step.
+    pub blended: u32,
+    /// Time taken before the step.
+    pub duration: Duration,
+}
+
+/// What is true of all surfaces.
+#[derive(Resource, Default)]
+pub(crate) struct Stepping {
+    /// Whether contacts are computed now.
+    pub(super) now: Arc<AtomicBool>,
+    pub(super) movers: Movers,
+    /// Colliders that were too large in the last step: these are in the log.
+    pub(super) too_large: HashSet<Entity>,
+    /// Colliders that are not as they were in the last step, and how far they reach in this one.
+    pub(super) changed: Vec<(Entity, f32)>,
+    /// Bodies that are inside of what is solid, and by how much their velocities change to leave it.
+    driven: Vec<(Entity, Vec3)>,
+    /// Whether physics runs in a fixed schedule.
+    is_fixed: bool,
+    /// How far it is then behind what is drawn.
+    pub(super) lag: Lag,
+}
+
+impl Stepping {
+    pub(super) fn new(is_fixed: bool) -> Self {
+        Self { is_fixed, ..default() }
+    }
+}
+
+/// What Avian knows of a surface's collider.
+type Knows<'w> = (
+    &'w GlobalTransform,
+    Option<&'w Position>,
+    Option<&'w Rotation>,
+    Option<&'w ColliderOf>,
+    Option<&'w ColliderTransform>,
+);
+
+/// What a collider is like for those who touch it.
+type Mannered<'w> = (
+    Option<&'w Friction>,
+    Option<&'w Restitution>,
+    Option<&'w CollisionMargin>,
+    Option<&'w CollisionLayers>,
+    Option<&'w ActiveCollisionHooks>,
+    Has<Sensor>,
+    Has<CollisionEventsEnabled>,
+    Has<CollidingEntities>,
+);
+
+/// Bodies that surfaces are on.
+type Bodies<'w, 's> = Query<
+    'w,
+    's,
+    (
+        &'static RigidBody,
+        (&'static Position, &'static Rotation),
+        (&'static LinearVelocity, &'static AngularVelocity),
+        &'static ComputedCenterOfMass,
+        (Option<&'static Friction>, Option<&'static CollisionMargin>),
+        (Has<RigidBodyDisabled>, Has<Sleeping>),
+    ),
+    Without<MorphAvianPart>,
+>;
+
+/// Surfaces go where they will be at the end of the step, and bodies near them get something to stand on.
+pub(super) fn before_step(
+    mut commands: Commands,
+    mut surfaces: Query<
+        (
+            Entity,
+            &MorphAvianCollider,
+            &mut AvianSurface,
+            Option<&mut Collider>,
+            Knows,
+            Mannered,
+            (Option<&MeshMorphWeights>, Option<&SkinnedMesh>),
+            (Has<MorphColliderDisabled>, Has<ColliderDisabled>),
+        ),
+        Without<MorphAvianPart>,
+    >,
+    bodies: Bodies,
+    mut parts: Parts,
+    mut sleep: Sleep,
+    joint_graph: Res<JointGraph>,
+    shared: Query<&MorphWeights>,
+    globals: Query<&GlobalTransform>,
+    bind_poses: Option<Res<BindPoses>>,
+    mut skeletons: Local<Skeletons>,
+    names: Query<NameOrEntity>,
+    (config, solver, length_unit): (Res<NarrowPhaseConfig>, Res<SolverConfig>, Res<PhysicsLengthUnit>),
+    (time, fixed): (Res<Time>, Option<Res<Time<Fixed>>>),
+    mut stepping: ResMut<Stepping>,
+    mut diagnostics: ResMut<MorphAvianDiagnostics>,
+) {
+    let start = Instant::now();
+    *diagnostics = MorphAvianDiagnostics::default();
+    if surfaces.is_empty() {
+        return;
+    }
+    let dt = time.delta_secs();
+    let global_of = |joint: Entity| Some(globals.get(joint).ok()?.affine());
+    let name_of = |entity| names.get(entity).map(|name| name.to_string()).unwrap_or_default();
+    let Stepping {
+        now,
+        movers,
+        changed,
+        driven,
+        is_fixed,
+        lag,
+        ..
+    } = &mut *stepping;
+    let span = fixed
+        .filter(|_| *is_fixed)
+        .and_then(|fixed| lag.span(fixed.elapsed_secs_f64(), fixed.delta_secs_f64()));
+    skeletons.begin();
+    for (entity, settings, mut surface, collider, knows, mannered, shows, disabled) in &mut surfaces {
+        let AvianSurface {
+            following,
+            pushing,
+            bad_place,
+            meets,
+            told_open,
+            ..
+        } = &mut *surface;
+        let (morph_disabled, collider_disabled) = disabled;
+        let (global, position, rotation, of, in_body) = knows;
+        let body = of.and_then(|of| Some((of.body, bodies.get(of.body).ok()?)));
+        let mut off = morph_disabled;
+        if !morph_disabled {
+            let (weights, skin) = shows;
+            let is_skinned = following.is_skinned();
+            // Bad joints are the collider's to report. The last good ones stay in force.
+            let skin = skin.filter(|_| is_skinned);
+            let mut between_frames = None;
+            if let Some(span) = span {
+                let drawn = &mut following.drawn;
+                let live = drawn.live(global, skin, &mut skeletons, bind_poses.as_deref(), &globals);
+                drawn.at_step(&live);
+                // Where the entity is, Avian says.
+                drawn.stands_alone = false;
+                between_frames = drawn.joints.at(span.end);
+            }
+            let joints = skin.and_then(|skin| {
+                let skeleton = skeletons.of(skin, bind_poses.as_deref(), global_of);
+                skeleton.world_from_mesh()
+            });
+            let joints = match (&between_frames, joints) {
+                (Some(joints), Some(_)) => Some(Joints::InCollider(&joints.matrices)),
+                (_, joints) => joints.map(Joints::InWorld),
+            };
+            let own = position
+                .zip(rotation)
+                .map(|(at, turned)| Place::from_parts(at.0, turned.0));
+            let motion = body.map(|(body, (kind, place, velocity, center_of_mass, _, (_, asleep)))| {
+                let motion = Motion {
+                    kind: *kind,
+                    asleep,
+                    position: place.0,
+                    rotation: place.1,
+                    linear: velocity.0,
+                    angular: velocity.1,
+                    center_of_mass,
+                };
+                let in_body = in_body.filter(|_| body != entity);
+                let in_body = in_body.map_or(Place::IDENTITY, |it| Place::from_parts(it.translation, it.rotation));
+                (motion, in_body)
+            });
+            // A collider that it is yet to have stands where the entity does.
+            let own = own.filter(|_| collider.is_some());
+            let problem = match ahead(global, own, motion, (is_skinned, joints), dt) {
+                Ok(ahead) => {
+                    if let Err(complaint) = following.advance(weights, &shared, ahead, span, dt) {
+                        let name = name_of(entity);
+                        error!("the surface of entity `{name}` stays as it was: {complaint}");
+                    }
+                    let bounds = following.surface.lock().bounds();
+                    let fits = box_in_range(&bounds) && in_range(global.translation());
+                    (!fits).then(|| format!("it is larger than {MAX_COORDINATE:e} units or as far from the origin"))
+                }
+                Err(error) => Some(error.to_string()),
+            };
+            off = problem.is_some() || following.lacks_joints();
+            if let Some(problem) = &problem
+                && bad_place.as_ref() != Some(problem)
+            {
+                let name = name_of(entity);
+                error!(
+                    "the surface of entity `{name}` is left out of physics until its transform is good again: {problem}"
+                );
+            }
+            *bad_place = problem;
+        }
+        if off {
+            // What happens to the surface meanwhile is not a motion.
+            following.restart();
+            if collider.is_some() {
+                commands.entity(entity).try_remove::<Collider>();
+            }
+            pushing.stop(&mut commands);
+            continue;
+        }
+        let (friction, restitution, margin, layers, hooks, is_sensor, events, colliding) = mannered;
+        let on_dynamic = body.is_some_and(|(_, state)| *state.0 == RigidBody::Dynamic);
+        let (turned, is_closed) = {
+            let mut posed = following.surface.lock();
+            (posed.set_sides(settings.solid, on_dynamic), posed.is_closed())
+        };
+        if settings.solid && !is_closed && !std::mem::replace(told_open, true) {
+            warn!("{}", not_closed(&name_of(entity)));
+        }
+        let meets_as_whole = on_dynamic || is_sensor;
+        let shape = || {
+            let whole = WholeSurface::new(following.surface.clone(), meets_as_whole, now.clone());
+            Collider::from(SharedShape::new(whole))
+        };
+        match collider {
+            // The first step, or the first after it was switched off.
+            None => {
+                commands.entity(entity).try_insert(shape());
+            }
+            Some(mut collider) => {
+                if following.reshaped || turned || *meets != meets_as_whole {
+                    *collider = shape();
+                    changed.push((entity, 0.0));
+                }
+            }
+        }
+        *meets = meets_as_whole;
+        if collider_disabled {
+            following.restart();
+            pushing.stop(&mut commands);
+            continue;
+        }
+        diagnostics.surfaces += 1;
+        diagnostics.moving += u32::from(following.moves);
+        let pushes = !meets_as_whole && body.is_none_or(|(_, (.., (disabled, _)))| !disabled);
+        if !pushes {
+            if following.moves
+                && on_dynamic
+                && let Some((body, _)) = body
+            {
+                commands.queue_silenced(WakeBody(body));
+            }
+            pushing.stop(&mut commands);
+            continue;
+        }
+        let of_body = body.map(|(_, (.., manners, _))| manners).unwrap_or_default();
+        let manners = Manners {
+            friction: friction.or(of_body.0).copied(),
+            restitution: restitution.copied(),
+            margin: margin.or(of_body.1).copied(),
+            layers: layers.copied().unwrap_or_default(),
+            hooks: hooks.copied(),
+        };
+        let pace = Pace {
+            dt,
+            prediction: length_unit.0 * config.contact_tolerance
+                + manners.margin.map_or(0.0, |margin| margin.0.max(0.0)),
+            max_acceleration: settings.max_acceleration,
+        };
+        let mut around = Around {
+            movers,
+            body: body.map(|(body, _)| body),
+            listens: events || colliding,
+            joints: &joint_graph,
+            sleep: &mut sleep,
+            // As fast as Avian pushes apart what overlaps.
+            leaving: solver.max_overlap_solve_speed.min(10.0) * length_unit.0,
+            driven,
+        };
+        let mut part_bodies = PartBodies {
+            surface: entity,
+            manners,
+            stepping: now,
+            commands: &mut commands,
+            parts: &mut parts,
+            changed,
+        };
+        diagnostics.blended += pushing.prepare(following, &pace, &mut around, &mut part_bodies);
+        diagnostics.parts += pushing.parts().count() as u32;
+    }
+    diagnostics.duration = start.elapsed();
+}
+
+/// What is inside of solid surfaces is driven out of them.
+pub(super) fn drive_out(
+    mut stepping: ResMut<Stepping>,
+    mut bodies: Query<(&mut LinearVelocity, Option<&LockedAxes>)>,
+    mut commands: Commands,
+) {
+    for (body, change) in stepping.driven.drain(..) {
+        let Ok((mut velocity, locked)) = bodies.get_mut(body) else {
+            continue;
+        };
+        let locked = locked.copied().unwrap_or_default();
+        let free = Vec3::new(
+            f32::from(!locked.is_translation_x_locked()),
+            f32::from(!locked.is_translation_y_locked()),
+            f32::from(!locked.is_translation_z_locked()),
+        );
+        velocity.0 += free * change;
+        commands.queue_silenced(WakeBody(body));
+    }
+}
+
+/// Whole surfaces answer for themselves again.
+pub(super) fn after_step(stepping: Res<Stepping>) {
+    stepping.now.store(false, Ordering::Release);
+}

@@ -1,0 +1,113 @@
+//! Which bodies touch: the contacts of colliders, by pairs of bodies.
+
+use bevy::prelude::*;
+
+use crate::contacts::{MorphCollisions, MorphContact};
+
+/// Two entities in ascending order.
+pub(crate) type Pair = (Entity, Entity);
+
+/// The contacts of the last run and of the one before, by their bodies.
+#[derive(Debug, Default)]
+pub(crate) struct BodyPairs {
+    /// The two bodies and the two colliders of each contact, ascending.
+    now: Vec<(Pair, Pair)>,
+    before: Vec<(Pair, Pair)>,
+    /// Whether anything was compared in the last run. If not, `before` is that of an earlier one.
+    compared: bool,
+}
+
+impl BodyPairs {
+    /// Takes over the contacts of a run in which colliders were compared.
+    fn replace<'a>(&mut self, contacts: impl Iterator<Item = &'a MorphContact>) {
+        std::mem::swap(&mut self.now, &mut self.before);
+        self.now.clear();
+        self.now.extend(contacts.map(|contact| {
+            let colliders = (contact.collider1, contact.collider2);
+            (ascending(contact.body1, contact.body2), colliders)
+        }));
+        // Already sorted where every collider is a body of its own.
+        self.now.sort_unstable();
+    }
+
+    /// The contacts of two bodies.
+    fn between(&self, a: Entity, b: Entity) -> &[(Pair, Pair)] {
+        let bodies = ascending(a, b);
+        let start = self.now.partition_point(|&(of, _)| of < bodies);
+        let end = self.now.partition_point(|&(of, _)| of <= bodies);
+        &self.now[start..end]
+    }
+
+    /// Bodies that touch now and did not in the run before, with the first contact of each.
+    pub(crate) fn started(&self) -> impl Iterator<Item = (Pair, Pair)> {
+        let now = if self.compared { &self.now[..] } else { &[] };
+        news(now, &self.before)
+    }
+
+    /// Bodies that touched in the run before and do not now.
+    pub(crate) fn ended(&self) -> impl Iterator<Item = Pair> {
+        let before = if self.compared { &self.before[..] } else { &[] };
+        news(before, &self.now).map(|(bodies, _)| bodies)
+    }
+}
+
+/// The first contact of each pair of bodies in one sorted list that has none in the other; one pass over both.
+fn news(list: &[(Pair, Pair)], other: &[(Pair, Pair)]) -> impl Iterator<Item = (Pair, Pair)> {
+    let mut other = other.iter().map(|&(bodies, _)| bodies).peekable();
+    list.chunk_by(|a, b| a.0 == b.0).filter_map(move |contacts| {
+        let first = contacts[0];
+        while other.next_if(|&bodies| bodies < first.0).is_some() {}
+        (other.peek() != Some(&first.0)).then_some(first)
+    })
+}
+
+fn ascending(a: Entity, b: Entity) -> Pair {
+    (a.min(b), a.max(b))
+}
+
+/// Groups the contacts by their bodies, unless they are those of the run before.
+pub(crate) fn pair_bodies(mut collisions: ResMut<MorphCollisions>) {
+    // This is a part of what the narrow phase writes.
+    let collisions = collisions.bypass_change_detection();
+    collisions.bodies.compared = collisions.compared;
+    if collisions.compared {
+        collisions.bodies.replace(collisions.current.values());
+    }
+}
+
+/// Bodies: what [`MorphColliderOf`](crate::MorphColliderOf) makes of several colliders, and every other collider by itself.
+impl MorphCollisions {
+    /// Whether two bodies touch, with any of their colliders; their order does not matter.
+    #[must_use]
+    pub fn contains_bodies(&self, a: Entity, b: Entity) -> bool {
+        !self.bodies.between(a, b).is_empty()
+    }
+
+    /// The contacts between the colliders of two bodies, in ascending order of their colliders. The order of the bodies does not
+    /// matter; each contact has its own.
+    pub fn collisions_between_bodies(&self, a: Entity, b: Entity) -> impl Iterator<Item = &MorphContact> {
+        let colliders = self.bodies.between(a, b).iter().map(|(_, colliders)| colliders);
+        colliders.filter_map(|colliders| self.current.get(colliders))
+    }
+
+    /// The contacts of all colliders of a body, in ascending order. Looks through all contacts.
+    pub fn collisions_with_body(&self, body: Entity) -> impl Iterator<Item = &MorphContact> {
+        self.iter()
+            .filter(move |contact| contact.body1 == body || contact.body2 == body)
+    }
+
+    /// The bodies that touch a body, each once, in ascending order. Looks through all contacts.
+    pub fn bodies_colliding_with(&self, body: Entity) -> impl Iterator<Item = Entity> {
+        let pairs = self
+            .bodies
+            .now
+            .chunk_by(|a, b| a.0 == b.0)
+            .map(|contacts| contacts[0].0);
+        // Those before the body come first, then those after it.
+        pairs.filter_map(move |(a, b)| match body {
+            _ if body == a => Some(b),
+            _ if body == b => Some(a),
+            _ => None,
+        })
+    }
+}

@@ -1,0 +1,192 @@
+//! When a background task may go on: at any time on a thread of its own, and for a few milliseconds in each frame on the thread of the frames.
+//!
+//! On the web, and natively without Bevy's feature `multi_threaded`, tasks run on the thread that draws. To yield to the executor is not enough
+//! there: it comes back before the next frame does. So a task waits for the frame.
+
+use std::future::poll_fn;
+use std::ops::ControlFlow;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::task::{Poll, Waker};
+use std::thread::{self, ThreadId};
+use std::time::Duration;
+
+use bevy::platform::time::Instant;
+use bevy::tasks::futures_lite::future::yield_now;
+use morph_collision::{BuildOptions, MorphBvh, MorphBvhBuilder, MorphModel};
+
+/// How long all tasks together may hold up a frame. They stop after the step that exceeds it.
+const PER_FRAME: Duration = Duration::from_millis(4);
+
+/// Shared by all tasks.
+#[derive(Clone)]
+pub(super) struct Turns(Arc<Shared>);
+
+struct Shared {
+    frames_thread: ThreadId,
+    per_frame: Duration,
+    state: Mutex<State>,
+}
+
+#[derive(Default)]
+struct State {
+    frame: u64,
+    /// How long tasks have held up this frame.
+    spent: Duration,
+    waiting: Vec<Waker>,
+}
+
+impl Default for Turns {
+    /// For an app that is being set up on this thread.
+    fn default() -> Self {
+        Self::with(PER_FRAME)
+    }
+}
+
+impl Turns {
+    fn with(per_frame: Duration) -> Self {
+        Self(Arc::new(Shared {
+            frames_thread: thread::current().id(),
+            per_frame,
+            state: Mutex::default(),
+        }))
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.0.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Wakes all tasks that wait for a frame.
+    pub(super) fn begin_frame(&self) {
+        let woken = {
+            let mut state = self.state();
+            state.frame += 1;
+            state.spent = Duration::ZERO;
+            std::mem::take(&mut state.waiting)
+        };
+        woken.into_iter().for_each(Waker::wake);
+    }
+
+    /// Yields after a step of work.
+    pub(super) async fn after_step(&self, took: Duration) {
+        if thread::current().id() != self.0.frames_thread {
+            return yield_now().await;
+        }
+        let frame = {
+            let mut state = self.state();
+            state.spent += took;
+            (state.spent >= self.0.per_frame).then_some(state.frame)
+        };
+        let Some(frame) = frame else { return yield_now().await };
+        poll_fn(|context| {
+            let mut state = self.state();
+            if state.frame != frame {
+                return Poll::Ready(());
+            }
+            state.waiting.push(context.waker().clone());
+            Poll::Pending
+        })
+        .await;
+    }
+
+    /// Builds a tree, and yields after each step.
+    pub(super) async fn build(&self, model: Arc<MorphModel>, options: &BuildOptions) -> MorphBvh {
+        let mut builder = MorphBvhBuilder::new(model, options);
+        loop {
+            let start = Instant::now();
+            builder = match builder.step() {
+                ControlFlow::Break(tree) => return tree,
+                ControlFlow::Continue(builder) => builder,
+            };
+            self.after_step(start.elapsed()).await;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::pin::pin;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::task::{Context, Wake};
+
+    use bevy::prelude::*;
+
+    use super::*;
+
+    /// How often a task was woken.
+    #[derive(Default)]
+    struct Woken(AtomicUsize);
+
+    impl Wake for Woken {
+        fn wake(self: Arc<Self>) {
+            self.0.fetch_add(1, Ordering::Relaxed);
+        }
+    }
+
+    /// A bumpy square of so many triangles a side, twice.
+    fn model(side: u32) -> Arc<MorphModel> {
+        let vertex = |i: u32| Vec3::new((i % side) as f32, (i / side) as f32, (i as f32 * 0.7).sin());
+        let positions: Vec<Vec3> = (0..side * side).map(vertex).collect();
+        let corners: Vec<[u32; 3]> = (0..side - 1)
+            .flat_map(|row| (0..side - 1).map(move |column| row * side + column))
+            .flat_map(|i| [[i, i + 1, i + side], [i + 1, i + side + 1, i + side]])
+            .collect();
+        let lifted: Vec<Vec3> = positions.iter().map(|p| Vec3::Z * p.x).collect();
+        Arc::new(MorphModel::from_displacements(&positions, &corners, &[lifted]).unwrap())
+    }
+
+    #[test]
+    fn a_task_on_the_thread_of_the_frames_waits_for_the_next_one() {
+        let (model, options) = (model(80), BuildOptions::default());
+        let turns = Turns::with(Duration::ZERO);
+        let woken = Arc::new(Woken::default());
+        let waker = Waker::from(woken.clone());
+        let mut context = Context::from_waker(&waker);
+        let mut task = pin!(turns.build(model.clone(), &options));
+        let mut frames = 0;
+        let tree = loop {
+            if let Poll::Ready(tree) = task.as_mut().poll(&mut context) {
+                break tree;
+            }
+            // It does nothing more in this frame, and nobody is told to try.
+            assert!(task.as_mut().poll(&mut context).is_pending());
+            assert_eq!(woken.0.swap(0, Ordering::Relaxed), 0);
+            turns.begin_frame();
+            assert!(woken.0.swap(0, Ordering::Relaxed) >= 1, "the frame wakes it");
+            frames += 1;
+        };
+        assert!(frames >= 10, "{frames}");
+        assert!(tree.layout() == MorphBvh::build(model, &options).layout());
+    }
+
+    #[test]
+    fn a_task_on_another_thread_yields_and_goes_on() {
+        let turns = Turns::with(Duration::ZERO);
+        let yields = thread::spawn(move || {
+            let woken = Arc::new(Woken::default());
+            let waker = Waker::from(woken.clone());
+            let options = BuildOptions::default();
+            let mut task = pin!(turns.build(model(80), &options));
+            let mut polls = 0;
+            while task.as_mut().poll(&mut Context::from_waker(&waker)).is_pending() {
+                polls += 1;
+                assert_eq!(woken.0.load(Ordering::Relaxed), polls, "whoever yields is polled again");
+            }
+            polls
+        });
+        assert!(yields.join().unwrap() >= 10);
+    }
+
+    #[test]
+    fn tasks_share_the_time_of_a_frame() {
+        let turns = Turns::with(Duration::from_millis(4));
+        let mut context = Context::from_waker(Waker::noop());
+        let mut is_ready = |took: u64| {
+            let mut step = pin!(turns.after_step(Duration::from_millis(took)));
+            // The first poll of a yield is never ready.
+            step.as_mut().poll(&mut context).is_ready() || step.as_mut().poll(&mut context).is_ready()
+        };
+        assert_eq!([1, 1, 1, 1, 0].map(&mut is_ready), [true, true, true, false, false]);
+        turns.begin_frame();
+        assert_eq!([3, 2].map(&mut is_ready), [true, false]);
+    }
+}

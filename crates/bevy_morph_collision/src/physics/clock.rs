@@ -1,0 +1,158 @@
+//! Which moment of what is drawn a step of physics sees.
+
+use std::collections::VecDeque;
+
+/// How many frames are remembered.
+const FRAMES: usize = 64;
+/// The share of a step by which the lag changes at most.
+const MAX_DRIFT: f64 = 0.01;
+
+/// What a step sees: how what is drawn moves between two moments, in seconds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Span {
+    pub(crate) begin: f64,
+    pub(crate) end: f64,
+}
+
+impl Span {
+    /// Whether this is where another one ended, but for rounding.
+    pub(crate) fn follows(&self, end: f64) -> bool {
+        (self.begin - end).abs() <= 1e-3 * (self.end - self.begin)
+    }
+}
+
+/// How far physics in a fixed schedule is behind what is drawn, in seconds.
+///
+/// A step's time is up to a frame later than the last frame that was drawn, so steps look at what was drawn a little more than the longest usual frame
+/// before. The lag changes slowly, lest surfaces change their speed; a single long frame is waited for and caught up with at once.
+#[derive(Default)]
+pub(crate) struct Lag {
+    frames: VecDeque<f64>,
+    last_frame: Option<f64>,
+    lag: f64,
+    known: usize,
+    /// The end of the last step's span.
+    last: Option<f64>,
+}
+
+impl Lag {
+    /// A frame is drawn at this time.
+    pub(crate) fn frame(&mut self, time: f64) {
+        if let Some(last) = self.last_frame.replace(time) {
+            if time < last {
+                // Time was set back.
+                *self = Self::default();
+                self.last_frame = Some(time);
+            } else if time > last {
+                self.frames.push_back(time - last);
+                self.known += 1;
+                if self.frames.len() > FRAMES {
+                    self.frames.pop_front();
+                }
+            }
+        }
+    }
+
+    /// What a step sees that ends at `time` and is `dt` long; `None` before the first frame.
+    pub(crate) fn span(&mut self, time: f64, dt: f64) -> Option<Span> {
+        let drawn = self.last_frame?;
+        let wanted = self.wanted();
+        let settles = self.known < FRAMES / 4 || (self.lag - wanted).abs() > 2.0 * dt;
+        let drift = if settles { f64::INFINITY } else { MAX_DRIFT * dt };
+        self.lag += (wanted - self.lag).clamp(-drift, drift);
+        // Nothing is known of what is still to be drawn.
+        self.lag = self.lag.max(time - drawn);
+        let end = time - self.lag;
+        // After a long frame what was not seen is left out, rather than seen at once.
+        let goes_on = |last: &f64| (0.0..=1.5 * dt).contains(&(end - last));
+        let begin = self.last.filter(goes_on).unwrap_or(end - dt);
+        self.last = Some(end);
+        Some(Span { begin, end })
+    }
+
+    /// A tenth more than the second longest frame of the last ones: the longest may have been an accident.
+    fn wanted(&self) -> f64 {
+        let (mut longest, mut second) = (0.0_f64, 0.0_f64);
+        for &frame in &self.frames {
+            if frame > longest {
+                (longest, second) = (frame, longest);
+            } else {
+                second = second.max(frame);
+            }
+        }
+        1.1 * if self.frames.len() < 3 { longest } else { second }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Runs frames of these lengths against steps of 1/64 s; returns by how much each step goes on in what is drawn, relative to its length.
+    fn rates(frames: impl IntoIterator<Item = f64>) -> Vec<f64> {
+        let dt = 1.0 / 64.0;
+        let (mut lag, mut drawn, mut time, mut last) = (Lag::default(), 0.0, 0.0, None);
+        let mut rates = Vec::new();
+        for frame in frames {
+            let now = drawn + frame;
+            while time + dt <= now {
+                time += dt;
+                if let Some(Span { begin, end }) = lag.span(time, dt) {
+                    assert!(end <= drawn + 1e-12, "{end} is not drawn yet, only {drawn}");
+                    assert!(end - begin <= 1.5 * dt, "{}", end - begin);
+                    if let Some(last) = last.replace(end) {
+                        rates.push((end - last) / dt);
+                    }
+                }
+            }
+            drawn = now;
+            lag.frame(drawn);
+        }
+        rates
+    }
+
+    #[test]
+    fn steady_frames_are_seen_at_a_steady_rate() {
+        for rate in [144.0, 64.0, 60.0, 50.0, 40.0, 30.0] {
+            let rates = rates((0..300).map(|_| 1.0 / rate));
+            assert!(rates.len() > 100);
+            let worst = rates[30..].iter().map(|rate| (rate - 1.0).abs()).fold(0.0, f64::max);
+            assert!(worst < 1e-9, "{worst} at {rate} frames a second");
+        }
+    }
+
+    #[test]
+    fn frames_of_any_length_are_seen_at_nearly_a_steady_rate() {
+        let mut state = 1_u64;
+        let random = std::iter::repeat_with(|| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (state >> 40) as f64 / 16_777_216.0
+        });
+        let rates = rates(random.take(3000).map(|x| 1.0 / 144.0 + x * (1.0 / 30.0 - 1.0 / 144.0)));
+        let worst = rates[30..].iter().map(|rate| (rate - 1.0).abs()).fold(0.0, f64::max);
+        assert!(worst <= 0.010_001, "{worst}");
+    }
+
+    #[test]
+    fn a_long_frame_is_forgotten_at_once() {
+        let frames = (0..400).map(|i| if i == 200 { 0.2 } else { 1.0 / 60.0 });
+        let rates = rates(frames);
+        let total: f64 = rates[30..].iter().map(|rate| rate - 1.0).sum::<f64>() / 64.0;
+        let after = &rates[rates.len() - 100..];
+        assert!(after.iter().all(|rate| (rate - 1.0).abs() < 1e-9), "{after:?}");
+        assert!(
+            total.abs() < 1e-3,
+            "what was waited for was not caught up with: {total}"
+        );
+    }
+
+    #[test]
+    fn time_that_is_set_back_starts_anew() {
+        let mut lag = Lag::default();
+        for i in 0..20 {
+            lag.frame(10.0 + f64::from(i) / 60.0);
+        }
+        lag.frame(1.0);
+        assert_eq!(lag.span(1.0, 0.5), Some(Span { begin: 0.5, end: 1.0 }));
+    }
+}

@@ -1,0 +1,120 @@
+//! The inside of closed surfaces: which side of their triangles is out, and what is in there.
+
+use bevy::math::Affine3A;
+use morph_collision::Body;
+#[cfg(feature = "rapier")]
+use parry3d::math::Pose as Place;
+use parry3d::math::{Real, Vector};
+use parry3d::shape::Shape;
+
+use super::surface::{MorphSurface, Posed};
+
+impl Posed {
+    /// Whether the mesh has an inside.
+    pub(crate) fn is_closed(&self) -> bool {
+        self.layout.closed
+    }
+
+    /// Whether what is inside counts as touching.
+    pub(crate) fn is_solid(&self) -> bool {
+        self.solid
+    }
+
+    /// Whether normals, as triangles are wound, point outward (1) or inward (-1), if contacts push one way.
+    pub(crate) fn outward(&self) -> Option<Real> {
+        self.outward
+    }
+
+    /// Says whether the inside of the surface is solid, or whether at least contacts push outward alone; returns whether that is new. A mesh
+    /// that is not closed has no inside.
+    pub(crate) fn set_sides(&mut self, solid: bool, outward_alone: bool) -> bool {
+        let closed = self.is_closed();
+        let outward = (closed && (solid || outward_alone)).then(|| self.find_outward());
+        let new = (solid && closed, outward);
+        let old = (self.solid, self.outward);
+        (self.solid, self.outward) = new;
+        old != new
+    }
+
+    fn find_outward(&mut self) -> Real {
+        let mirror = if self.mirrored { -1.0 } else { 1.0 };
+        if self.winding.is_none() {
+            let volume = self.posed_volume();
+            let is_mirrored = self.mirrored && self.pose.joints().is_some();
+            let winding = if (volume < 0.0) == is_mirrored { 1.0 } else { -1.0 };
+            // What encloses nothing in this pose may do so in the next.
+            self.winding = (volume != 0.0 && volume.is_finite()).then_some(winding);
+        }
+        self.winding.map_or(1.0, |winding| winding * mirror)
+    }
+
+    /// Six times the volume that the pose encloses, negative if normals point inward. Joints mirror it; the place does not.
+    fn posed_volume(&mut self) -> f64 {
+        let origin = self.pose.vertex(0).unwrap_or_default().as_dvec3();
+        let triangles = 0..self.pose.bvh().model().triangle_count() as u32;
+        let volumes = triangles
+            .filter_map(|triangle| self.pose.triangle(triangle))
+            .map(|corners| {
+                let [a, b, c] = corners.map(|corner| corner.as_dvec3() - origin);
+                a.dot(b.cross(c))
+            });
+        volumes.sum()
+    }
+
+    /// Whether a point in the collider's space is inside what is solid.
+    pub(crate) fn encloses(&mut self, point: Vector) -> bool {
+        if !self.solid || !self.bounds().contains_local_point(point) {
+            return false;
+        }
+        let body = Body::new(&mut self.pose, &self.collider_from_model);
+        self.queries.ray.encloses(body, point.as_dvec3()).unwrap_or(false)
+    }
+}
+
+/// What the log says of an entity's surface that is to be solid, and cannot.
+pub(crate) fn not_closed(name: &str) -> String {
+    format!(
+        "the surface of entity `{name}` is not solid, because its mesh is not closed: along some edge there are not as many triangles that run one \
+         way as there are that run the other; close the mesh, or leave `solid` off"
+    )
+}
+
+/// Whether one of two shapes is a solid surface around the other, if their boundaries do not cross.
+#[cfg(feature = "rapier")]
+pub(crate) fn one_is_in_the_other(pos12: &Place, g1: &dyn Shape, g2: &dyn Shape) -> bool {
+    let is_in = |surface: &dyn Shape, place: &Place, other: &dyn Shape| {
+        let Some(surface) = surface.as_shape::<MorphSurface>().filter(|it| it.lock().is_solid()) else {
+            return false;
+        };
+        // Before the surface is locked again: the other one may be the same.
+        let point = point_of(other).map(|point| place.transform_point(point));
+        point.is_some_and(|point| surface.lock().encloses(point))
+    };
+    is_in(g1, pos12, g2) || is_in(g2, &pos12.inverse(), g1)
+}
+
+/// A point of a shape, in its own space: the middle of what is convex, otherwise that of a part.
+pub(crate) fn point_of(shape: &dyn Shape) -> Option<Vector> {
+    if let Some(surface) = shape.as_shape::<MorphSurface>() {
+        let mut posed = surface.lock();
+        let corner = posed.pose.triangle(0)?[0];
+        return Some(posed.collider_from_model.transform_point(corner).as_vec3());
+    }
+    let Some(composite) = shape.as_composite_shape() else {
+        return Some(shape.compute_local_bounding_sphere().center());
+    };
+    let mut point = None;
+    composite.map_part_at(0, &mut |place, part, _| {
+        let middle = part.compute_local_bounding_sphere().center();
+        point = Some(place.map_or(middle, |place| place.transform_point(middle)));
+    });
+    point
+}
+
+/// Whether a mesh that is placed so, or moved by such joints, is a mirror image of itself. Of many joints, most count.
+pub(crate) fn is_mirrored<'a>(places: impl Iterator<Item = &'a Affine3A>) -> bool {
+    let sum: i32 = places
+        .map(|place| if place.matrix3.determinant() < 0.0 { -1 } else { 1 })
+        .sum();
+    sum < 0
+}

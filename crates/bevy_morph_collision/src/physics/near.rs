@@ -1,0 +1,257 @@
+//! The parts of a surface that are near colliders that may move.
+
+use std::hash::Hash;
+use std::sync::Arc;
+
+use bevy::platform::collections::HashMap;
+use morph_collision::ShapeQuery;
+use parry3d::bounding_volume::{Aabb, BoundingVolume};
+use parry3d::math::Real;
+
+use super::follow::Following;
+use super::layout::MeshLayout;
+use super::part::{Bodies, Pace, Part, PartScratch, Purpose};
+
+/// A collider that may move, and touch a surface.
+///
+/// `C` is what a physics engine knows colliders by, `B` bodies.
+#[derive(Clone, Copy)]
+pub(crate) struct Visitor<C, B> {
+    pub(crate) collider: C,
+    pub(crate) body: B,
+    /// Where it may be during the step.
+    pub(crate) bounds: Aabb,
+    pub(crate) asleep: bool,
+}
+
+/// For each collider near a surface a part of the surface, or several where it moves too differently for one. A triangle is in one
+/// of them at most.
+///
+/// `P` is what a physics engine knows a part by.
+pub(crate) struct Nearby<C, B, P> {
+    layout: Arc<MeshLayout>,
+    near: HashMap<C, Near<B, P>>,
+    step: u32,
+    /// To which side contacts pushed in the last step, and whether that has just changed.
+    outward: Option<Real>,
+    turned: bool,
+    scratch: Scratch,
+    to_wake: Vec<B>,
+}
+
+/// What is near a collider that may move.
+struct Near<B, P> {
+    body: B,
+    /// All triangles in here are known, for the surface as it was when it was looked at.
+    region: Aabb,
+    triangles: Vec<u32>,
+    /// How far the surface had travelled by then.
+    travelled: f64,
+    parts: Vec<Part<P>>,
+    /// Into how many parts triangles are cut.
+    cut: usize,
+    /// The last step in which the collider was near.
+    seen: u32,
+}
+
+impl<B, P: Default> Near<B, P> {
+    fn is_settled(&self) -> bool {
+        self.parts.iter().all(Part::is_settled)
+    }
+}
+
+/// Parts for one collider at most.
+const MAX_CUT: usize = 8;
+
+#[derive(Default)]
+struct Scratch {
+    shapes: ShapeQuery,
+    /// For each triangle of the mesh the last step in which a part had it.
+    taken: Vec<u32>,
+    free: Vec<u32>,
+    part: PartScratch,
+}
+
+impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
+    pub(crate) fn new(layout: Arc<MeshLayout>) -> Self {
+        Self {
+            layout,
+            near: HashMap::default(),
+            step: 0,
+            outward: None,
+            turned: false,
+            scratch: Scratch::default(),
+            to_wake: Vec::new(),
+        }
+    }
+
+    pub(crate) fn is_idle(&self) -> bool {
+        self.near.is_empty()
+    }
+
+    /// What the physics engine knows its parts by.
+    pub(crate) fn parts(&self) -> impl Iterator<Item = &P> {
+        self.near.values().flat_map(|near| &near.parts).map(|part| &part.body)
+    }
+
+    /// Lets go of everything.
+    pub(crate) fn stop(&mut self, mut remove: impl FnMut(P)) {
+        for (_, near) in self.near.drain() {
+            near.parts.into_iter().for_each(|part| remove(part.body));
+        }
+        self.scratch = Scratch::default();
+    }
+
+    /// Begins a step.
+    pub(crate) fn begin(&mut self, following: &Following) {
+        self.step += 1;
+        let outward = following.surface.lock().outward();
+        self.turned = self.outward != outward;
+        self.outward = outward;
+        if self.turned {
+            let parts = self.near.values_mut().flat_map(|near| &mut near.parts);
+            parts.for_each(Part::unsettle);
+        }
+    }
+
+    /// Begins to give triangles to parts. What bodies sleep on while nothing moves is not given to others.
+    pub(crate) fn give_out(&mut self, following: &Following, is_asleep: impl Fn(B) -> bool) {
+        self.scratch.taken.resize(self.layout.order.len(), 0);
+        if following.moves {
+            return;
+        }
+        for near in self.near.values() {
+            if near.is_settled() && is_asleep(near.body) {
+                for &triangle in near.parts.iter().flat_map(Part::triangles) {
+                    self.scratch.taken[triangle as usize] = self.step;
+                }
+            }
+        }
+    }
+
+    /// Whether a collider sleeps on what does not move, and needs nothing.
+    pub(crate) fn sleeps_on(&mut self, visitor: &Visitor<C, B>, following: &Following) -> bool {
+        if !visitor.asleep || following.moves || self.turned {
+            return false;
+        }
+        let Some(near) = self.near.get_mut(&visitor.collider) else {
+            return true;
+        };
+        let settled = near.is_settled();
+        if settled {
+            near.seen = self.step;
+        }
+        settled
+    }
+
+    /// Finds the triangles that a collider may touch; says whether there are any.
+    pub(crate) fn look_near(&mut self, visitor: &Visitor<C, B>, following: &mut Following, pace: &Pace) -> bool {
+        let near = self.near.entry(visitor.collider).or_insert_with(|| Near {
+            body: visitor.body,
+            region: Aabb::new_invalid(),
+            triangles: Vec::new(),
+            travelled: 0.0,
+            parts: Vec::new(),
+            cut: 1,
+            seen: 0,
+        });
+        near.seen = self.step;
+        // Wherever a vertex is during the step, it ends this near; and somewhat more, not to look again in the next steps.
+        let room = 3.0 * following.displacement as f32 + 0.1 * visitor.bounds.extents().max_element();
+        let region = visitor.bounds.loosened(pace.prediction + room);
+        let travelled = (following.travelled - near.travelled) as f32;
+        let known = near
+            .region
+            .contains(&visitor.bounds.loosened(pace.prediction + travelled));
+        // After a jump it is far larger than need be, and what others stand on is in it.
+        if known && near.region.extents().cmple(2.0 * region.extents()).all() {
+            return !near.triangles.is_empty();
+        }
+        near.region = region;
+        near.travelled = following.travelled;
+        near.triangles.clear();
+        following.triangles_in(&near.region, &mut self.scratch.shapes, &mut near.triangles);
+        !near.triangles.is_empty()
+    }
+
+    /// Puts what a collider may touch before it; says how many parts were blended.
+    pub(crate) fn push(
+        &mut self,
+        visitor: &Visitor<C, B>,
+        following: &mut Following,
+        pace: &Pace,
+        bodies: &mut impl Bodies<P>,
+    ) -> u32 {
+        let Self {
+            near, scratch, layout, ..
+        } = self;
+        let Some(near) = near.get_mut(&visitor.collider) else {
+            return 0;
+        };
+        scratch.free.clear();
+        for &triangle in &near.triangles {
+            let taken = &mut scratch.taken[triangle as usize];
+            if std::mem::replace(taken, self.step) != self.step {
+                scratch.free.push(triangle);
+            }
+        }
+        let cut = near.cut.min(scratch.free.len());
+        if cut > 1 {
+            scratch
+                .free
+                .sort_unstable_by_key(|&triangle| layout.order[triangle as usize]);
+        }
+        let each = scratch.free.len().div_ceil(cut.max(1)).max(1);
+        let parts = scratch.free.chunks(each);
+        while near.parts.len() > parts.len() {
+            near.parts.pop().into_iter().for_each(|part| bodies.remove(part.body));
+        }
+        near.parts.resize_with(parts.len(), Part::new);
+
+        let purpose = Purpose {
+            center: visitor.bounds.center().as_dvec3(),
+            size: f64::from(visitor.bounds.extents().max_element()),
+        };
+        let (mut blended, mut differs) = (0, false);
+        let bvh = following.before.pose.bvh().clone();
+        for (part, triangles) in near.parts.iter_mut().zip(parts) {
+            part.take(triangles, bvh.model(), layout, &mut scratch.part);
+            if following.moves || !part.is_settled() {
+                blended += 1;
+                differs |= part.update(following, &purpose, pace, bodies, &mut scratch.part);
+            } else {
+                part.rest(bodies);
+            }
+        }
+        if differs && near.cut < MAX_CUT {
+            near.cut *= 2;
+        }
+        if visitor.asleep && !near.is_settled() {
+            self.to_wake.push(visitor.body);
+        }
+        blended
+    }
+
+    /// Whether what is near a collider moves.
+    #[cfg(feature = "avian")]
+    pub(crate) fn moves_near(&self, collider: C) -> bool {
+        self.near.get(&collider).is_some_and(|near| !near.is_settled())
+    }
+
+    /// Lets go of colliders that went away.
+    pub(crate) fn forget(&mut self, mut remove: impl FnMut(P)) {
+        let step = self.step;
+        self.near.retain(|_, near| {
+            let stays = near.seen == step;
+            if !stays {
+                near.parts.drain(..).for_each(|part| remove(part.body));
+            }
+            stays
+        });
+    }
+
+    /// The bodies that slept and whose ground moves.
+    pub(crate) fn take_to_wake(&mut self) -> impl Iterator<Item = B> {
+        self.to_wake.drain(..)
+    }
+}

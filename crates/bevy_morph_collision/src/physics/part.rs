@@ -1,0 +1,270 @@
+//! A part of a surface as a kinematic body that moves as the surface does there.
+
+use bevy::math::{DVec3, Vec3};
+use morph_collision::MorphModel;
+use parry3d::shape::{Triangle, TrianglePseudoNormals};
+
+use super::follow::Following;
+use super::layout::{MeshLayout, NONE};
+use super::motion::{RigidMotion, between, continuous, fastest};
+use super::triangles::pseudo_normals;
+
+/// How a step goes.
+#[derive(Clone, Copy)]
+pub(crate) struct Pace {
+    /// In seconds.
+    pub(crate) dt: f32,
+    /// How far away a contact is prepared.
+    pub(crate) prediction: f32,
+    /// By how much a velocity may change in a second.
+    pub(crate) max_acceleration: f32,
+}
+
+/// Where a part is at the begin of a step, and how it moves during it.
+pub(crate) struct Placed {
+    pub(crate) origin: Vec3,
+    pub(crate) linear: Vec3,
+    pub(crate) angular: Vec3,
+    /// How far any of it moves.
+    pub(crate) reach: f32,
+    /// Whether it consists of other triangles than before.
+    pub(crate) reshaped: bool,
+}
+
+/// The kinematic bodies of a physics engine that parts are. `P` is what it knows one by; the default is none.
+pub(crate) trait Bodies<P> {
+    /// Brings a part to its place, or into the world. Triangles are around its origin, with the normals that contacts may have.
+    fn put(
+        &mut self,
+        part: &mut P,
+        placed: &Placed,
+        triangles: impl ExactSizeIterator<Item = (Triangle, Option<TrianglePseudoNormals>)>,
+    );
+
+    /// A part stands as it did in the last step, so the contacts computed then hold.
+    fn rest(&mut self, _part: &mut P) {}
+
+    /// Takes a part out.
+    fn remove(&mut self, part: P);
+}
+
+/// Some triangles of a surface in the physics world.
+pub(crate) struct Part<P> {
+    pub(crate) body: P,
+    /// As the mesh numbers them.
+    triangles: Vec<u32>,
+    vertices: Vec<u32>,
+    /// Places among the vertices.
+    corners: Vec<[u32; 3]>,
+    /// Likewise of neighbours' third corners, or [`NONE`].
+    across: Vec<[u32; 3]>,
+    /// Whether it consists of other triangles than its shape.
+    reshaped: bool,
+    /// Whether it stands where the surface is now, and does not move.
+    settled: bool,
+    /// Whether it did so in the last step.
+    rests: bool,
+    /// How it moved in the last step, about a point, if that was no jump.
+    moved: Option<(RigidMotion, DVec3)>,
+}
+
+/// What a part is for.
+pub(crate) struct Purpose {
+    /// The middle of what it is to meet, and how large that is.
+    pub(crate) center: DVec3,
+    pub(crate) size: f64,
+}
+
+/// Memory that parts use in turn.
+#[derive(Default)]
+pub(crate) struct PartScratch {
+    /// For each vertex of the mesh, where it stands among a part's: with the number of the part for which that is so.
+    places: Vec<(u32, u32)>,
+    part: u32,
+    now: Vec<DVec3>,
+    before: Vec<DVec3>,
+    past: Vec<DVec3>,
+    velocities: Vec<DVec3>,
+    velocities_before: Vec<DVec3>,
+    weights: Vec<f64>,
+}
+
+impl<P: Default> Part<P> {
+    pub(crate) fn new() -> Self {
+        Self {
+            body: P::default(),
+            triangles: Vec::new(),
+            vertices: Vec::new(),
+            corners: Vec::new(),
+            across: Vec::new(),
+            reshaped: true,
+            settled: false,
+            rests: false,
+            moved: None,
+        }
+    }
+
+    pub(crate) fn is_settled(&self) -> bool {
+        self.settled
+    }
+
+    /// Is put where it is again.
+    pub(crate) fn unsettle(&mut self) {
+        self.settled = false;
+    }
+
+    pub(crate) fn triangles(&self) -> &[u32] {
+        &self.triangles
+    }
+
+    /// Consists of these triangles from now on.
+    pub(crate) fn take(
+        &mut self,
+        triangles: &[u32],
+        model: &MorphModel,
+        layout: &MeshLayout,
+        scratch: &mut PartScratch,
+    ) {
+        if self.triangles == triangles {
+            return;
+        }
+        self.settled = false;
+        self.reshaped = true;
+        self.triangles.clear();
+        self.triangles.extend_from_slice(triangles);
+        self.vertices.clear();
+        self.corners.clear();
+        self.across.clear();
+        scratch.places.resize(model.vertex_count(), (0, 0));
+        scratch.part += 1;
+        let vertices = &mut self.vertices;
+        let mut place_of = |vertex: u32| {
+            if vertex == NONE {
+                return NONE;
+            }
+            let place = &mut scratch.places[vertex as usize];
+            if place.0 != scratch.part {
+                *place = (scratch.part, vertices.len() as u32);
+                vertices.push(vertex);
+            }
+            place.1
+        };
+        for corners in triangles.iter().filter_map(|&triangle| model.triangle(triangle)) {
+            self.corners.push(corners.map(&mut place_of));
+        }
+        for &triangle in triangles {
+            self.across.push(layout.across[triangle as usize].map(&mut place_of));
+        }
+    }
+
+    /// Stays where it is for another step.
+    pub(crate) fn rest(&mut self, bodies: &mut impl Bodies<P>) {
+        if !std::mem::replace(&mut self.rests, true) {
+            bodies.rest(&mut self.body);
+        }
+    }
+
+    /// Puts the part where the surface is at the begin of the step, moving as the surface does until its end.
+    ///
+    /// Says whether it moves too differently in different places for one body.
+    pub(crate) fn update(
+        &mut self,
+        following: &mut Following,
+        purpose: &Purpose,
+        pace: &Pace,
+        bodies: &mut impl Bodies<P>,
+        scratch: &mut PartScratch,
+    ) -> bool {
+        self.rests = false;
+        following.vertices(&self.vertices, &mut scratch.now);
+        let moves = following.moves && self.velocities(following, pace, scratch);
+        let PartScratch {
+            now,
+            before,
+            velocities,
+            weights,
+            ..
+        } = scratch;
+        let start = if moves { before } else { now };
+        if start.is_empty() || !start.iter().all(|vertex| vertex.as_vec3().is_finite()) {
+            // Where no number can say. What was good before stays.
+            return false;
+        }
+        let origin = (start.iter().sum::<DVec3>() / start.len() as f64).as_vec3();
+        let (mut motion, mut speed, mut differs) = (RigidMotion::default(), 0.0, false);
+        weigh(start, purpose, weights);
+        for vertex in start.iter_mut() {
+            *vertex -= origin.as_dvec3();
+        }
+        if moves {
+            speed = fastest(velocities);
+            motion = RigidMotion::fitted(start, velocities, weights);
+            differs = motion.error(start, velocities, weights) > 0.02 * speed;
+        }
+        self.settled = !following.moves || (moves && speed == 0.0);
+        self.moved = moves.then_some((motion, origin.as_dvec3()));
+
+        let start: &[DVec3] = start;
+        let outward = following.surface.lock().outward();
+        let triangles = self.corners.iter().zip(&self.across).map(|(corners, across)| {
+            let corners = corners.map(|corner| start[corner as usize].as_vec3());
+            let across = across.map(|corner| start.get(corner as usize).map(|vertex| vertex.as_vec3()));
+            (Triangle::from(corners), pseudo_normals(corners, across, outward))
+        });
+        let placed = Placed {
+            origin,
+            linear: motion.linear.as_vec3(),
+            angular: motion.angular.as_vec3(),
+            reach: speed as f32 * pace.dt,
+            reshaped: std::mem::take(&mut self.reshaped),
+        };
+        bodies.put(&mut self.body, &placed, triangles);
+        differs
+    }
+
+    /// Finds what velocity each vertex has, and whether that is a motion rather than a jump.
+    fn velocities(&self, following: &mut Following, pace: &Pace, scratch: &mut PartScratch) -> bool {
+        let PartScratch {
+            now,
+            before,
+            past,
+            velocities,
+            velocities_before,
+            ..
+        } = scratch;
+        following.before.vertices(&self.vertices, before);
+        between(before, now, f64::from(pace.dt), velocities);
+        let limit = f64::from(pace.max_acceleration * pace.dt);
+        if following.looks_between_frames() {
+            // A step may see little of a jump. What moves as it did has not jumped.
+            let slight = 0.1 * limit;
+            return fastest(velocities) <= slight
+                || self.moved.is_some_and(|(motion, origin)| {
+                    let changes = before.iter().zip(&*velocities);
+                    let changes = changes.map(|(vertex, velocity)| velocity.distance(motion.at(vertex - origin)));
+                    changes.fold(0.0, f64::max) <= slight
+                })
+                || following.goes_on(&self.vertices, pace.max_acceleration);
+        }
+        if continuous(velocities, None, limit) {
+            return true;
+        }
+        let Some(last_step) = following.moved_for else {
+            return false;
+        };
+        following.past.vertices(&self.vertices, past);
+        between(past, before, f64::from(last_step), velocities_before);
+        continuous(velocities, Some(velocities_before), limit)
+    }
+}
+
+/// What is closest to a body counts most: 1 for the closest vertex, less for those farther away.
+fn weigh(vertices: &[DVec3], purpose: &Purpose, weights: &mut Vec<f64>) {
+    weights.clear();
+    weights.extend(vertices.iter().map(|vertex| vertex.distance_squared(purpose.center)));
+    let closest = weights.iter().copied().fold(f64::INFINITY, f64::min);
+    let scale = 16.0 / (purpose.size * purpose.size).max(f64::MIN_POSITIVE);
+    for weight in weights {
+        *weight = 1.0 / (1.0 + scale * (*weight - closest));
+    }
+}

@@ -1,0 +1,91 @@
+//! Points of a surface: where they are, and how fast.
+
+use bevy::math::DVec3;
+#[cfg(feature = "rapier")]
+use bevy::math::Vec3;
+#[cfg(feature = "rapier")]
+use morph_collision::{Body, ShapeQuery};
+use morph_collision::{ClosestPoint, Pose, WorldFromModel};
+
+use super::follow::Following;
+use super::motion::{between, continuous};
+#[cfg(feature = "rapier")]
+use super::placed::into_query;
+
+/// A point of a mesh.
+#[derive(Clone, Copy)]
+pub(crate) struct SurfacePoint {
+    pub(crate) triangle: u32,
+    pub(crate) barycentrics: DVec3,
+}
+
+impl From<ClosestPoint> for SurfacePoint {
+    fn from(closest: ClosestPoint) -> Self {
+        Self {
+            triangle: closest.triangle,
+            barycentrics: DVec3::from_array(closest.barycentrics),
+        }
+    }
+}
+
+impl SurfacePoint {
+    /// Where it is, and the normal of its triangle as that is wound, if it has one.
+    pub(crate) fn place(&self, pose: &mut Pose, place: &WorldFromModel) -> Option<(DVec3, Option<DVec3>)> {
+        let corners = pose.triangle(self.triangle)?;
+        let [a, b, c] = corners.map(|corner| place.transform_point(corner));
+        let [i, j, k] = self.barycentrics.to_array();
+        Some((a * i + b * j + c * k, (b - a).cross(c - a).try_normalize()))
+    }
+}
+
+impl Following {
+    /// The velocity of a point during the step to come or the last one, in world units per second. Zero while a jump is not confirmed as a motion, as
+    /// for bodies. `None` if there is no such triangle.
+    pub(crate) fn velocity_at(&mut self, point: SurfacePoint, max_acceleration: f32) -> Option<DVec3> {
+        let corners = self.before.pose.bvh().model().triangle(point.triangle)?;
+        let dt = f64::from(self.last_step());
+        if !self.moves || dt <= 0.0 {
+            return Some(DVec3::ZERO);
+        }
+        let [mut now, mut before, mut past] = [const { Vec::new() }; 3];
+        self.vertices(&corners, &mut now);
+        self.before.vertices(&corners, &mut before);
+        let velocities = |from: &[DVec3], to: &[DVec3], dt: f64| -> Vec<DVec3> {
+            let mut velocities = Vec::new();
+            between(from, to, dt, &mut velocities);
+            velocities
+        };
+        let velocity = velocities(&before, &now, dt);
+        let goes_on = if self.looks_between_frames() {
+            self.goes_on(&corners, max_acceleration)
+        } else {
+            let limit = f64::from(max_acceleration) * dt;
+            let earlier = self.moved_for.map(|last_step| {
+                self.past.vertices(&corners, &mut past);
+                velocities(&past, &before, f64::from(last_step))
+            });
+            continuous(&velocity, earlier.as_deref(), limit)
+        };
+        if !goes_on {
+            return Some(DVec3::ZERO);
+        }
+        let shares = point.barycentrics.to_array();
+        Some(
+            velocity
+                .iter()
+                .zip(shares)
+                .map(|(velocity, share)| share * velocity)
+                .sum(),
+        )
+    }
+
+    /// The point of the surface that is closest to a point in world space.
+    #[cfg(feature = "rapier")]
+    pub(crate) fn closest(&mut self, point: Vec3, query: &mut ShapeQuery) -> Option<SurfacePoint> {
+        let mut posed = self.surface.lock();
+        let point = into_query(point.as_dvec3(), &posed.pose, &self.world_from_model);
+        let body = Body::new(&mut posed.pose, &self.world_from_model);
+        let closest = query.closest_point(body, point, f64::INFINITY).ok()??;
+        Some(closest.into())
+    }
+}

@@ -1,0 +1,71 @@
+//! Scenes whose parts come into physics by themselves: one component on the root, whichever the engine.
+
+use bevy::ecs::component::Mutable;
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
+use bevy::prelude::*;
+
+use crate::collider::{MorphCollider, MorphCollisionMode};
+use crate::scene::{MorphColliderScene, ScenePart};
+
+/// A component on the root of a scene that puts each of its parts into the physics of one engine.
+pub(crate) trait PhysicsScene: Component {
+    /// What puts a mesh into physics.
+    type Collider: Component<Mutability = Mutable> + Copy + PartialEq;
+
+    /// The collider of each part.
+    fn collider(&self) -> Self::Collider;
+}
+
+/// A scene at whose parts physics alone looks.
+pub(crate) fn passive() -> MorphColliderScene {
+    MorphColliderScene {
+        collider: MorphCollider::new(MorphCollisionMode::Passive),
+        ..default()
+    }
+}
+
+/// What a scene gave to one of its parts.
+#[derive(Component)]
+pub(crate) struct Given<C: Component>(C);
+
+/// Gives the parts of scenes the collider that their scene names, and takes it away from what is no part any more.
+pub(crate) fn give_to_parts<S: PhysicsScene>(
+    mut commands: Commands,
+    mut parts: Query<
+        (
+            Entity,
+            Option<&ScenePart>,
+            Option<&mut S::Collider>,
+            Option<&mut Given<S::Collider>>,
+        ),
+        (Or<(With<ScenePart>, With<Given<S::Collider>>)>, Allow<Disabled>),
+    >,
+    scenes: Query<&S, Allow<Disabled>>,
+) {
+    for (entity, part, collider, given) in &mut parts {
+        let scene = part.and_then(|part| scenes.get(part.root).ok());
+        match (scene.map(S::collider), given) {
+            (Some(wanted), None) => {
+                if collider.is_none() {
+                    commands.entity(entity).try_insert((wanted, Given(wanted)));
+                }
+            }
+            (Some(wanted), Some(mut given)) => {
+                if given.0 != wanted {
+                    let unchanged = collider.filter(|collider| **collider == given.0);
+                    if let Some(mut collider) = unchanged {
+                        *collider = wanted;
+                    }
+                    given.0 = wanted;
+                }
+            }
+            (None, Some(_)) => {
+                commands
+                    .entity(entity)
+                    .try_remove::<(S::Collider, Given<S::Collider>)>();
+            }
+            (None, None) => {}
+        }
+    }
+}

@@ -1,0 +1,192 @@
+//! Drives out what is inside a solid surface.
+
+use bevy::math::{DVec3, Vec3};
+use bevy_rapier3d::parry::bounding_volume::Aabb;
+use bevy_rapier3d::parry::math::Pose as Place;
+use bevy_rapier3d::rapier::dynamics::{RigidBody, RigidBodyHandle};
+use bevy_rapier3d::rapier::geometry::ColliderHandle;
+
+use super::spared::Spared;
+use super::world::{Manners, Mover, Step, World};
+use crate::physics::expel::{Drive, Exit, Expelling, Guest};
+use crate::physics::follow::Following;
+use crate::physics::inside::point_of;
+
+/// What is near a solid surface, and inside.
+#[derive(Default)]
+pub(super) struct Expulsion {
+    expelling: Expelling<ColliderHandle>,
+}
+
+impl Expulsion {
+    pub(super) fn begin(&mut self) {
+        self.expelling.begin();
+    }
+
+    pub(super) fn keep(&mut self, mover: &Mover) {
+        self.expelling.keep(mover.visitor.collider);
+    }
+
+    pub(super) fn forget(&mut self) {
+        self.expelling.forget();
+    }
+
+    pub(super) fn stop(&mut self) {
+        self.expelling.stop();
+    }
+
+    /// Drives a collider out of a surface that pushes with parts, if it is inside; says whether it is.
+    pub(super) fn drive_out(
+        &mut self,
+        mover: &Mover,
+        following: &mut Following,
+        manners: &Manners,
+        step: &Step,
+        world: &mut World,
+    ) -> bool {
+        let Some(guest) = guest(mover, manners, world) else {
+            return false;
+        };
+        let Some(outward) = following.surface.lock().outward() else {
+            return false;
+        };
+        let travelled = following.travelled_before();
+        let exit = following.at_begin(|pose, place| {
+            let at = (pose, place);
+            self.expelling.exit(
+                mover.visitor.collider,
+                &guest,
+                at,
+                travelled,
+                f64::from(outward),
+                drive(step),
+            )
+        });
+        let Some(exit) = exit else { return false };
+        if let Some(body) = world.bodies.get_mut(mover.visitor.body) {
+            let change = exit.change_of(body.linvel(), following, &step.pace);
+            if change != Vec3::ZERO {
+                body.apply_impulse(change * body.mass(), true);
+                world.islands.wake_up(world.bodies, mover.visitor.body, true);
+            }
+        }
+        true
+    }
+
+    /// Drives whatever is inside a surface on a dynamic body out of it. The body is driven the other way.
+    pub(super) fn drive_apart(
+        &mut self,
+        collider: ColliderHandle,
+        following: &mut Following,
+        manners: &Manners,
+        spared: &Spared,
+        step: &Step,
+        world: &mut World,
+    ) {
+        self.begin();
+        let mut posed = following.surface.lock();
+        let (Some(outward), Some(own)) = (posed.outward(), step.body) else {
+            return;
+        };
+        let Some(place) = place_of(collider, world) else { return };
+        let local: Aabb = posed.bounds();
+        let bounds = local.transform_by(&place);
+        let own_rests = !following.moves && world.bodies.get(own).is_some_and(RigidBody::is_sleeping);
+        let mut meeting = Vec::new();
+        for mover in step.movers.meeting(&bounds, &mut meeting) {
+            let visitor = &mover.visitor;
+            if visitor.body == own || !mover.groups.test(manners.groups) || spared.contains(visitor.body) {
+                continue;
+            }
+            if visitor.asleep && own_rests {
+                self.keep(mover);
+                continue;
+            }
+            let Some(guest) = guest(mover, manners, world) else {
+                continue;
+            };
+            // All of this is in the collider's space, which goes where the body goes.
+            let center = place.inverse_transform_point(guest.center.as_vec3()).as_dvec3();
+            let speed_of_own = world.bodies.get(own).map_or(Vec3::ZERO, RigidBody::linvel);
+            let reach = guest.reach + f64::from(speed_of_own.length() * step.pace.dt) + 0.1 * guest.size;
+            let guest = Guest { center, reach, ..guest };
+            let collider_from_model = posed.collider_from_model;
+            let at = (&mut posed.pose, &collider_from_model);
+            let exit = self.expelling.exit(
+                visitor.collider,
+                &guest,
+                at,
+                following.travelled,
+                f64::from(outward),
+                drive(step),
+            );
+            if let Some(exit) = exit {
+                let direction = (place.rotation * exit.direction.as_vec3()).normalize_or_zero();
+                separate(world, [visitor.body, own], direction, &exit);
+            }
+        }
+        self.forget();
+    }
+}
+
+/// A collider as a surface sees it that may drive it out; none if its groups forbid that.
+fn guest(mover: &Mover, manners: &Manners, world: &World) -> Option<Guest> {
+    let collider = world.colliders.get(mover.visitor.collider)?;
+    if !collider.solver_groups().test(manners.solver_groups) {
+        return None;
+    }
+    let place = place_of(mover.visitor.collider, world)?;
+    let shape = collider.shape();
+    let center: DVec3 = place.transform_point(point_of(shape)?).as_dvec3();
+    let extents = shape.compute_local_aabb().extents();
+    Some(Guest {
+        center,
+        size: 0.5 * f64::from(extents.min_element()),
+        reach: f64::from(mover.visitor.bounds.extents().length()),
+    })
+}
+
+/// Where a collider is. Of a body that the game moved, colliders follow in the step.
+fn place_of(collider: ColliderHandle, world: &World) -> Option<Place> {
+    let collider = world.colliders.get(collider)?;
+    let Some(body) = collider.parent().and_then(|body| world.bodies.get(body)) else {
+        return Some(*collider.position());
+    };
+    Some(*body.position() * collider.position_wrt_parent().copied().unwrap_or_default())
+}
+
+fn drive(step: &Step) -> Drive {
+    Drive {
+        limit: step.leaving,
+        dt: step.pace.dt,
+    }
+}
+
+/// Has one body move away from another, along a direction; the impulse is taken from the other.
+fn separate(world: &mut World, bodies: [RigidBodyHandle; 2], direction: Vec3, exit: &Exit) {
+    let [Some(first), Some(second)] = bodies.map(|body| world.bodies.get(body)) else {
+        return;
+    };
+    if first.mass() == 0.0 || second.mass() == 0.0 {
+        // Rapier is yet to weigh it.
+        return;
+    }
+    let at = first.center_of_mass();
+    let yields = |body: &RigidBody| {
+        let mass = body.mass_properties();
+        let turns = (at - body.center_of_mass()).cross(direction);
+        direction.dot(mass.effective_inv_mass * direction) + turns.dot(mass.effective_world_inv_inertia * turns)
+    };
+    let relative = first.velocity_at_point(at) - second.velocity_at_point(at);
+    let change = exit.change(f64::from(direction.dot(relative))) as f32;
+    let impulse = change / (yields(first) + yields(second));
+    if impulse == 0.0 || !impulse.is_finite() {
+        return;
+    }
+    for (body, impulse) in bodies.into_iter().zip([impulse, -impulse]) {
+        if let Some(body) = world.bodies.get_mut(body) {
+            body.apply_impulse_at_point(impulse * direction, at, true);
+        }
+        world.islands.wake_up(world.bodies, body, true);
+    }
+}

@@ -1,0 +1,127 @@
+//! Contact forces of a surface as a whole, in place of those of its parts.
+
+use bevy::platform::collections::{HashMap, HashSet};
+use bevy::prelude::*;
+use bevy_rapier3d::plugin::TimestepMode;
+use bevy_rapier3d::prelude::ContactForceEvent;
+use bevy_rapier3d::rapier::dynamics::{RigidBody, RigidBodySet};
+use bevy_rapier3d::rapier::geometry::{
+    Collider, ColliderHandle, ColliderSet, ContactForceEvent as PairForce, NarrowPhase,
+};
+use bevy_rapier3d::rapier::pipeline::ActiveEvents;
+
+/// Rapier's world after a step.
+pub(super) struct Stepped<'a> {
+    pub(super) narrow_phase: &'a NarrowPhase,
+    pub(super) bodies: &'a RigidBodySet,
+    pub(super) colliders: &'a ColliderSet,
+    /// The length of a substep.
+    pub(super) dt: f32,
+}
+
+/// Which colliders pressed on a surface by more than their threshold in the last step.
+#[derive(Default)]
+pub(super) struct Forces {
+    above: HashSet<ColliderHandle>,
+}
+
+impl Forces {
+    /// Tells, for each collider that asks for it, what it and the surface press each other with: what Rapier tells of two colliders, summed
+    /// over the surface's parts. Of several substeps, the last one counts.
+    pub(super) fn tell(
+        &mut self,
+        surface: Entity,
+        parts: impl Iterator<Item = ColliderHandle>,
+        stepped: &Stepped,
+        tell: &mut impl FnMut(ContactForceEvent),
+    ) {
+        let mut sums: HashMap<ColliderHandle, (ContactForceEvent, f32)> = HashMap::default();
+        for part in parts {
+            let Some(part_collider) = stepped.colliders.get(part) else {
+                continue;
+            };
+            for pair in stepped.narrow_phase.contact_pairs_with(part) {
+                let is_first = pair.collider1 == part;
+                let other = if is_first { pair.collider2 } else { pair.collider1 };
+                let Some(collider) = stepped.colliders.get(other) else {
+                    continue;
+                };
+                let threshold = threshold(part_collider).min(threshold(collider));
+                let body = collider.parent().and_then(|body| stepped.bodies.get(body));
+                let total = pair.total_impulse_magnitude() / stepped.dt;
+                // What sleeps keeps the contacts that it fell asleep with.
+                if threshold == f32::MAX || total == 0.0 || body.is_none_or(RigidBody::is_sleeping) {
+                    continue;
+                }
+                let Some(entity) = Entity::try_from_bits(collider.user_data as u64) else {
+                    continue;
+                };
+                let force = PairForce::from_contact_pair(stepped.dt, pair, total);
+                // Pairs are in no order; the surface comes first.
+                let sign = if is_first { 1.0 } else { -1.0 };
+                let (sum, _) = sums
+                    .entry(other)
+                    .or_insert_with(|| (nothing(surface, entity), threshold));
+                sum.total_force += sign * force.total_force;
+                sum.total_force_magnitude += force.total_force_magnitude;
+                if force.max_force_magnitude > sum.max_force_magnitude {
+                    sum.max_force_magnitude = force.max_force_magnitude;
+                    sum.max_force_direction = sign * force.max_force_direction;
+                }
+            }
+        }
+        sums.retain(|_, (sum, threshold)| sum.total_force_magnitude > *threshold);
+        for (other, (sum, _)) in &mut sums {
+            sum.started = !self.above.contains(other);
+            tell(*sum);
+        }
+        self.above.clear();
+        self.above.extend(sums.keys().copied());
+    }
+}
+
+fn nothing(surface: Entity, other: Entity) -> ContactForceEvent {
+    ContactForceEvent {
+        collider1: surface,
+        collider2: other,
+        total_force: Vec3::ZERO,
+        total_force_magnitude: 0.0,
+        max_force_direction: Vec3::ZERO,
+        max_force_magnitude: 0.0,
+        started: false,
+    }
+}
+
+/// The force beyond which a collider asks for events.
+fn threshold(collider: &Collider) -> f32 {
+    let asks = collider.active_events().contains(ActiveEvents::CONTACT_FORCE_EVENTS);
+    if asks {
+        collider.contact_force_event_threshold()
+    } else {
+        f32::MAX
+    }
+}
+
+/// The length of a substep, when the step's is known.
+pub(super) fn substep(mode: &TimestepMode, dt: f32) -> f32 {
+    let (substeps, scale) = match *mode {
+        TimestepMode::Fixed { substeps, .. } | TimestepMode::Variable { substeps, .. } => (substeps, 1.0),
+        TimestepMode::Interpolated {
+            substeps, time_scale, ..
+        } => (substeps, time_scale),
+    };
+    dt * scale / substeps.max(1) as f32
+}
+
+/// Whether Rapier does one step without substeps in `dt` seconds.
+pub(super) fn is_one_step(mode: &TimestepMode, dt: f32) -> bool {
+    let (one, substeps) = match *mode {
+        TimestepMode::Fixed { substeps, .. } | TimestepMode::Variable { substeps, .. } => (dt, substeps),
+        TimestepMode::Interpolated {
+            dt,
+            time_scale,
+            substeps,
+        } => (dt * time_scale, substeps),
+    };
+    substeps <= 1 && dt <= one
+}

@@ -1,0 +1,70 @@
+//! Joints whose bodies do not touch each other hold for the parts of a surface, too.
+
+use bevy::platform::collections::HashMap;
+use bevy_rapier3d::rapier::dynamics::{GenericJoint, ImpulseJointHandle, MultibodyLink, RigidBodyHandle};
+
+use super::world::World;
+
+/// What a surface does not push, because a joint between its body and that one has contacts disabled.
+#[derive(Default)]
+pub(super) struct Spared {
+    bodies: Vec<RigidBodyHandle>,
+    /// For a part's body and a spared one: a joint that holds nothing and disables their contacts.
+    guards: HashMap<(RigidBodyHandle, RigidBodyHandle), ImpulseJointHandle>,
+}
+
+impl Spared {
+    /// Finds what is joined to the body of a surface without contacts, by the rules of Rapier's narrow phase.
+    pub(super) fn find(&mut self, body: Option<RigidBodyHandle>, world: &World) {
+        self.bodies.clear();
+        let Some(body) = body else { return };
+        let joined = world.impulse_joints.attached_joints(body);
+        for (one, other, _, _) in joined.filter(|joined| !joined.3.data.contacts_enabled) {
+            self.bodies.push(if one == body { other } else { one });
+        }
+        let multibody = world.multibody_joints.rigid_body_link(body);
+        let Some(multibody) = multibody.and_then(|link| world.multibody_joints.get_multibody(link.multibody)) else {
+            return;
+        };
+        for other in multibody
+            .links()
+            .map(MultibodyLink::rigid_body_handle)
+            .filter(|&other| other != body)
+        {
+            let joint = world.multibody_joints.joint_between(body, other);
+            if !multibody.self_contacts_enabled() || joint.is_some_and(|(_, _, link)| !link.joint.data.contacts_enabled)
+            {
+                self.bodies.push(other);
+            }
+        }
+    }
+
+    pub(super) fn contains(&self, body: RigidBodyHandle) -> bool {
+        self.bodies.contains(&body)
+    }
+
+    /// Keeps parts, which are there for others, from touching what is spared.
+    pub(super) fn guard(&mut self, parts: impl Iterator<Item = RigidBodyHandle>, world: &mut World) {
+        if self.bodies.is_empty() && self.guards.is_empty() {
+            return;
+        }
+        let bodies = &self.bodies;
+        self.guards.retain(|(_, body), guard| {
+            // With a body, its joints go.
+            let stays = world.impulse_joints.get(*guard).is_some() && bodies.contains(body);
+            if !stays {
+                world.impulse_joints.remove(*guard, false);
+            }
+            stays
+        });
+        for part in parts {
+            for &body in &self.bodies {
+                self.guards.entry((part, body)).or_insert_with(|| {
+                    let mut joint = GenericJoint::default();
+                    joint.set_contacts_enabled(false);
+                    world.impulse_joints.insert(part, body, joint, false)
+                });
+            }
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Tells when colliders and scenes are ready.
+
+use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
+use bevy::ecs::system::SystemParam;
+use bevy::mesh::skinning::SkinnedMesh;
+use bevy::prelude::*;
+
+use crate::collider::{ColliderState, MorphCollider};
+use crate::import::{ImportError, MorphTreeSettings, MorphTrees, Shows, TreeKey, key_of};
+use crate::scene::ScenePart;
+use crate::shape::MorphShape;
+
+/// A collider has its tree, and takes part from the next run on.
+///
+/// It is triggered on the collider for its first tree, and again for each new one: when it shows another mesh, its mesh was modified, or it
+/// has other [`MorphTreeSettings`]. It is not triggered when weights or joints change. A [`MorphShape`] is ready at once. Triggered in
+/// [`PostUpdate`], whatever schedule collisions are detected in, also while they are
+/// [paused](crate::MorphCollisionSettings::paused).
+#[derive(EntityEvent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Event, Debug, Clone, PartialEq)]
+pub struct MorphColliderReady {
+    /// The collider.
+    pub entity: Entity,
+}
+
+/// A collider's mesh cannot be used as it is. The log says so too.
+///
+/// The collider is left out until it shows another mesh, or the mesh is modified. If an earlier state of the mesh has a tree, that stays in
+/// force instead.
+#[derive(EntityEvent, Reflect, Clone, Debug, PartialEq)]
+#[reflect(Event, Debug, Clone, PartialEq)]
+pub struct MorphColliderFailed {
+    /// The collider.
+    pub entity: Entity,
+    /// What is wrong with the mesh.
+    pub reason: ImportError,
+}
+
+/// Every part of a [`MorphColliderScene`](crate::MorphColliderScene) is ready or has failed.
+///
+/// It is triggered on the scene's root, after the events of its parts. A glTF scene's parts come all at once, when it is spawned, so this comes once
+/// for the whole scene. When parts come or go later, or get another mesh, the scene is ready again as soon as they are. A scene none of whose
+/// meshes is a part is never ready.
+#[derive(EntityEvent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Event, Debug, Clone, PartialEq)]
+pub struct MorphColliderSceneReady {
+    /// The root of the scene.
+    pub entity: Entity,
+    /// How many of its meshes are colliders.
+    pub parts: u32,
+    /// How many of these cannot be used; each had a [`MorphColliderFailed`].
+    pub failed: u32,
+}
+
+/// What a collider has been told last.
+#[derive(Clone, Copy, Default, PartialEq)]
+pub(crate) enum Told {
+    #[default]
+    Nothing,
+    /// That it is ready, with this tree; `None` for a shape.
+    Ready(Option<TreeKey>),
+    /// That this mesh cannot be used.
+    Failed(TreeKey),
+}
+
+/// The parts of a scene.
+#[derive(Default)]
+pub(crate) struct Parts {
+    count: u32,
+    failed: u32,
+    /// Whether one is not ready yet.
+    is_waiting: bool,
+    /// Whether the root has to be told.
+    is_news: bool,
+}
+
+/// Changes after which a collider may be ready, or no longer.
+type ColliderNews = (
+    Or<(
+        Added<MorphCollider>,
+        Added<MorphShape>,
+        Changed<Mesh3d>,
+        Changed<MorphTreeSettings>,
+        Changed<SkinnedMesh>,
+        Changed<ScenePart>,
+    )>,
+    With<MorphCollider>,
+    Allow<Disabled>,
+);
+
+/// Removals that do the same.
+#[derive(SystemParam)]
+pub(crate) struct Removals<'w, 's> {
+    colliders: RemovedComponents<'w, 's, MorphCollider>,
+    shapes: RemovedComponents<'w, 's, MorphShape>,
+    meshes: RemovedComponents<'w, 's, Mesh3d>,
+    settings: RemovedComponents<'w, 's, MorphTreeSettings>,
+    skins: RemovedComponents<'w, 's, SkinnedMesh>,
+    parts: RemovedComponents<'w, 's, ScenePart>,
+}
+
+impl Removals<'_, '_> {
+    fn read(&mut self) -> usize {
+        let shows = self.shapes.read().count() + self.meshes.read().count() + self.settings.read().count();
+        shows + self.skins.read().count() + self.colliders.read().count() + self.parts.read().count()
+    }
+}
+
+/// Tells colliders and roots of scenes what they have not been told yet. It looks only when a tree or a collider changed.
+pub(crate) fn report_readiness(
+    mut commands: Commands,
+    mut colliders: Query<
+        (Entity, Shows, &mut ColliderState, Option<&ScenePart>, Has<Disabled>),
+        (With<MorphCollider>, Allow<Disabled>),
+    >,
+    changed: Query<(), ColliderNews>,
+    mut removals: Removals,
+    mut trees: ResMut<MorphTrees>,
+    mut version: Local<u64>,
+    mut scenes: Local<EntityHashMap<Parts>>,
+) {
+    let news = trees.bypass_change_detection().take_news();
+    let is_same = std::mem::replace(&mut *version, trees.version()) == trees.version();
+    if removals.read() == 0 && is_same && news.is_empty() && changed.is_empty() {
+        return;
+    }
+    let mut now = EntityHashMap::<Parts>::default();
+    let mut settled: Vec<(Entity, Option<ImportError>)> = Vec::new();
+    for (entity, shows, mut state, part, is_disabled) in &mut colliders {
+        let (key, has_shape) = (key_of(shows), shows.3);
+        let outcome = key.and_then(|key| Some((key, trees.outcome(key)?)));
+        let told = match outcome {
+            _ if has_shape => Told::Ready(None),
+            Some((key, Ok(()))) => Told::Ready(Some(key)),
+            Some((key, Err(_))) => Told::Failed(key),
+            None => Told::Nothing,
+        };
+        let is_new_tree = key.is_some_and(|key| news.contains(&key));
+        let is_news = told != Told::Nothing && (is_new_tree || told != state.told);
+        if told != state.told {
+            state.told = told;
+        }
+        if is_news {
+            let reason = outcome.and_then(|(_, outcome)| outcome.err());
+            settled.push((entity, reason.filter(|_| !has_shape).cloned()));
+        }
+        // What is disabled gets no tree.
+        if let Some(part) = part.filter(|_| told != Told::Nothing || !is_disabled) {
+            let parts = now.entry(part.root).or_default();
+            parts.count += 1;
+            parts.failed += u32::from(matches!(told, Told::Failed(_)));
+            parts.is_waiting |= told == Told::Nothing;
+            parts.is_news |= is_news;
+        }
+    }
+    settled.sort_unstable_by_key(|(entity, _)| *entity);
+    for (entity, reason) in settled {
+        match reason {
+            None => commands.trigger(MorphColliderReady { entity }),
+            Some(reason) => commands.trigger(MorphColliderFailed { entity, reason }),
+        }
+    }
+    let mut ready: Vec<MorphColliderSceneReady> = Vec::new();
+    for (&entity, parts) in &mut now {
+        let before = scenes.get(&entity);
+        let is_news = before.is_none_or(|before| before.is_news || before.count != parts.count);
+        parts.is_news |= is_news || parts.is_waiting;
+        if parts.is_news && !parts.is_waiting {
+            parts.is_news = false;
+            ready.push(MorphColliderSceneReady {
+                entity,
+                parts: parts.count,
+                failed: parts.failed,
+            });
+        }
+    }
+    *scenes = now;
+    ready.sort_unstable_by_key(|ready| ready.entity);
+    ready.into_iter().for_each(|ready| commands.trigger(ready));
+}

@@ -1,0 +1,232 @@
+//! A tree over the boxes of all colliders, so that a query looks at few of them.
+//!
+//! The tree is brought up to date by the first query after a run in which anything changed. While colliders move, its boxes are fitted again; it
+//! is rebuilt when that has made them loose, or when many colliders came or went.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use bevy::math::FloatOrd;
+use bevy::prelude::*;
+use morph_collision::Aabb;
+
+/// The most boxes in a leaf.
+const LEAF_SIZE: usize = 4;
+/// The tree is rebuilt when its looseness has grown by this factor. Not measured.
+const MAX_GROWTH: f32 = 2.0;
+
+/// The colliders' boxes, by their places in a sorted list of colliders.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ColliderIndex {
+    /// The run of the list that it was brought up to date with.
+    pub(super) version: u64,
+    /// A node comes before what is below it, its first child right after it.
+    nodes: Vec<Node>,
+    items: Vec<Item>,
+    /// The colliders among the items, ascending, and where.
+    members: Vec<(Entity, u32)>,
+    /// Places of colliders outside the tree: those that came since it was built, and those with boxes that are not finite.
+    loose: Vec<(u32, Aabb)>,
+    /// When the tree was built.
+    built_looseness: f32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Node {
+    bounds: Aabb,
+    /// The items of a leaf. Of an inner node: 0 and the second child.
+    count: u32,
+    start: u32,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Item {
+    bounds: Aabb,
+    /// The place in the list of colliders; [`GONE`] if it is no longer there.
+    place: u32,
+}
+
+const GONE: u32 = u32::MAX;
+
+impl ColliderIndex {
+    /// Takes over the colliders' boxes as they are now. The list is sorted by entity.
+    ///
+    /// Costs a look at every collider, and `n log n` when the tree is rebuilt.
+    pub(super) fn update(&mut self, colliders: impl ExactSizeIterator<Item = (Entity, Aabb)> + Clone) {
+        let all = colliders.len();
+        self.loose.clear();
+        self.items.iter_mut().for_each(|item| {
+            *item = Item {
+                bounds: Aabb::EMPTY,
+                place: GONE,
+            };
+        });
+        let (mut came, mut found) = (0, 0);
+        let mut members = self.members.iter().peekable();
+        for (place, (entity, bounds)) in (0..).zip(colliders.clone()) {
+            while members.next_if(|(member, _)| *member < entity).is_some() {}
+            if let Some(&(_, item)) = members.next_if(|(member, _)| *member == entity) {
+                self.items[item as usize] = Item { bounds, place };
+                found += 1;
+            } else {
+                came += usize::from(is_bounded(&bounds));
+                self.loose.push((place, bounds));
+            }
+        }
+        let went = self.members.len() - found;
+        self.fit();
+        if came + went > 32 + all.isqrt() || self.looseness() > MAX_GROWTH * self.built_looseness {
+            self.build(colliders);
+        }
+    }
+
+    fn build(&mut self, colliders: impl Iterator<Item = (Entity, Aabb)>) {
+        self.nodes.clear();
+        self.items.clear();
+        self.members.clear();
+        self.loose.clear();
+        let mut inside = Vec::new();
+        for (place, (entity, bounds)) in (0..).zip(colliders) {
+            if is_bounded(&bounds) {
+                inside.push((entity, Item { bounds, place }));
+            } else {
+                self.loose.push((place, bounds));
+            }
+        }
+        self.split(&mut inside);
+        self.members.sort_unstable();
+        self.fit();
+        self.built_looseness = self.looseness();
+    }
+
+    /// Adds a node for some colliders, and all below it: halves by the middles of the boxes, along the axis on which these lie farthest apart.
+    fn split(&mut self, inside: &mut [(Entity, Item)]) {
+        let node = self.nodes.len();
+        self.nodes.push(Node {
+            bounds: Aabb::EMPTY,
+            count: 0,
+            start: self.items.len() as u32,
+        });
+        if inside.len() <= LEAF_SIZE {
+            self.nodes[node].count = inside.len() as u32;
+            for (entity, item) in inside {
+                self.members.push((*entity, self.items.len() as u32));
+                self.items.push(*item);
+            }
+            return;
+        }
+        let centers = Aabb::from_points(inside.iter().map(|(_, item)| item.bounds.center()));
+        let axis = centers.size().max_position();
+        let middle = inside.len() / 2;
+        inside.select_nth_unstable_by(middle, |(a, x), (b, y)| {
+            let along = |item: &Item| item.bounds.center()[axis];
+            along(x).total_cmp(&along(y)).then(a.cmp(b))
+        });
+        let (low, high) = inside.split_at_mut(middle);
+        self.split(low);
+        self.nodes[node].start = self.nodes.len() as u32;
+        self.split(high);
+    }
+
+    /// Fits all nodes to the items, from the last one to the root.
+    fn fit(&mut self) {
+        for node in (0..self.nodes.len()).rev() {
+            let Node { count, start, .. } = self.nodes[node];
+            let start = start as usize;
+            self.nodes[node].bounds = match count {
+                0 if start > node => self.nodes[node + 1].bounds.union(&self.nodes[start].bounds),
+                _ => {
+                    let items = &self.items[start..start + count as usize];
+                    items.iter().fold(Aabb::EMPTY, |hull, item| hull.union(&item.bounds))
+                }
+            };
+        }
+    }
+
+    /// The sum of the sizes of all nodes, relative to that of the root; 0 if there is none.
+    fn looseness(&self) -> f32 {
+        let sizes = self
+            .nodes
+            .iter()
+            .map(|node| &node.bounds)
+            .filter(|bounds| !is_empty(bounds));
+        let mut sizes = sizes.map(|bounds| bounds.size().element_sum());
+        match sizes.next() {
+            // What is no longer bounded has to leave the tree.
+            Some(f32::INFINITY) => f32::INFINITY,
+            Some(root) if root > 0.0 => 1.0 + sizes.sum::<f32>() / root,
+            _ => 0.0,
+        }
+    }
+
+    /// Calls `at` with the places of colliders in ascending order of their bounds, until what is left is above the limit that it returns.
+    ///
+    /// `bound` tells for a box a lower bound for all that is in it, `None` if it holds nothing of interest; of a smaller box it
+    /// never tells less.
+    pub(super) fn walk(
+        &self,
+        queue: &mut Queue,
+        mut limit: f32,
+        mut bound: impl FnMut(&Aabb) -> Option<f32>,
+        mut at: impl FnMut(usize) -> f32,
+    ) {
+        queue.clear();
+        let mut offer = |queue: &mut Queue, bounds: &Aabb, what: Found, limit: f32| {
+            if is_empty(bounds) {
+                return;
+            }
+            if let Some(bound) = bound(bounds).filter(|bound| bound.is_nan() || *bound <= limit) {
+                queue.push(Reverse((FloatOrd(bound), what)));
+            }
+        };
+        for (place, bounds) in &self.loose {
+            offer(queue, bounds, Found::Collider(*place), limit);
+        }
+        if let Some(root) = self.nodes.first() {
+            offer(queue, &root.bounds, Found::Node(0), limit);
+        }
+        while let Some(Reverse((FloatOrd(lowest), what))) = queue.pop() {
+            if lowest > limit {
+                break;
+            }
+            let node = match what {
+                Found::Collider(place) => {
+                    limit = at(place as usize);
+                    continue;
+                }
+                Found::Node(node) => node,
+            };
+            let Node { count, start, .. } = self.nodes[node as usize];
+            if count == 0 && start > node {
+                for child in [node + 1, start] {
+                    offer(queue, &self.nodes[child as usize].bounds, Found::Node(child), limit);
+                }
+            } else {
+                for item in &self.items[start as usize..(start + count) as usize] {
+                    offer(queue, &item.bounds, Found::Collider(item.place), limit);
+                }
+            }
+        }
+    }
+}
+
+fn is_bounded(bounds: &Aabb) -> bool {
+    bounds.min.is_finite() && bounds.max.is_finite()
+}
+
+fn is_empty(bounds: &Aabb) -> bool {
+    bounds.min.x > bounds.max.x
+}
+
+/// What is still to be looked at, the lowest bound first, before all others a bound that is not a number. Walks reuse the memory.
+pub(super) type Queue = BinaryHeap<Reverse<(FloatOrd, Found)>>;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Found {
+    Node(u32),
+    Collider(u32),
+}
+
+#[cfg(test)]
+#[path = "index_tests.rs"]
+mod tests;

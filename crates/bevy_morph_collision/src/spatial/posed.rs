@@ -1,0 +1,38 @@
+//! Colliders as they are posed.
+
+use bevy::math::DVec3;
+use bevy::prelude::*;
+use morph_collision::{Aabb, Body};
+
+use super::MorphSpatialQuery;
+
+impl MorphSpatialQuery<'_, '_> {
+    /// A box in world space around a collider as it is posed: conservative, from its tree's root alone.
+    #[must_use]
+    pub fn bounds(&self, collider: Entity) -> Option<Aabb> {
+        Some(self.state(collider)?.placed?.bounds)
+    }
+
+    /// A vertex of a collider's mesh as it is posed, in world space.
+    #[must_use]
+    pub fn posed_vertex(&self, collider: Entity, vertex: u32) -> Option<Vec3> {
+        self.with_mesh(collider, |Body { pose, world_from_model }| {
+            Some(world_from_model.transform_point(pose.source_vertex(vertex)?).as_vec3())
+        })
+    }
+
+    /// All vertices of a collider's mesh as they are posed, in world space, in the mesh's order. Blends the whole mesh.
+    #[must_use]
+    pub fn posed_vertices(&self, collider: Entity) -> Option<Vec<Vec3>> {
+        self.with_mesh(collider, |Body { pose, world_from_model }| {
+            let posed = (0..).map_while(|vertex| pose.source_vertex(vertex));
+            Some(posed.map(|p| world_from_model.transform_point(p).as_vec3()).collect())
+        })
+    }
+
+    /// The corners of a triangle of a collider's mesh as it is posed, in world space.
+    #[must_use]
+    pub fn posed_triangle(&self, collider: Entity, triangle: u32) -> Option<[Vec3; 3]> {
+        self.with_mesh(collider, |mut body| Some(body.triangle(triangle)?.map(DVec3::as_vec3)))
+    }
+}

@@ -1,0 +1,163 @@
+//! Solid shapes: where they are, and on their way.
+
+use bevy::prelude::*;
+use morph_collision::{Aabb, InputError, PlacedShape, ShapeImpact};
+
+use super::query::Target;
+use super::rays::{checked_ray, enters};
+use super::{MorphQueryFilter, MorphShapeHit, MorphSpatialQuery};
+use crate::contacts::MorphContact;
+use crate::shape::MorphShape;
+
+impl MorphSpatialQuery<'_, '_> {
+    /// The colliders that a solid shape meets, ascending.
+    ///
+    /// A mesh that is wholly inside the shape meets it; one that is closed around it does not.
+    #[must_use]
+    pub fn shape_intersections(
+        &self,
+        shape: &MorphShape,
+        origin: Vec3,
+        rotation: Quat,
+        filter: &MorphQueryFilter,
+    ) -> Vec<Entity> {
+        self.shape_intersections_predicate(shape, origin, rotation, filter, |_| true)
+    }
+
+    /// [`MorphSpatialQuery::shape_intersections`], only for colliders that a predicate accepts.
+    #[must_use]
+    pub fn shape_intersections_predicate(
+        &self,
+        shape: &MorphShape,
+        origin: Vec3,
+        rotation: Quat,
+        filter: &MorphQueryFilter,
+        mut predicate: impl FnMut(Entity) -> bool,
+    ) -> Vec<Entity> {
+        let Some((shape, around)) = self.valid("shape_intersections", place(shape, origin, rotation)) else {
+            return Vec::new();
+        };
+        let mut met = Vec::new();
+        let overlaps = |bounds: &Aabb| around.overlaps(bounds).then_some(0.0);
+        self.walk(filter, &mut predicate, 0.0, overlaps, |queries, entity, target| {
+            let meets = match target {
+                Target::Mesh(body) => queries.shape.any(body, &shape),
+                Target::Shape(other) => shape.meets(other),
+            };
+            met.extend(meets.then_some(entity));
+            0.0
+        });
+        met.sort_unstable();
+        met
+    }
+
+    /// The first collider that a solid shape touches while it moves at most `max_distance`, which may be infinite, without turning.
+    ///
+    /// Shapes that touch at the start are at distance 0.
+    ///
+    /// ```
+    /// # use bevy::prelude::*;
+    /// # use bevy_morph_collision::prelude::*;
+    /// fn how_far_may_it_fall(spatial: MorphSpatialQuery) {
+    ///     let capsule = MorphShape::Capsule { half_length: 0.5, radius: 0.4 };
+    ///     let from = Vec3::new(0.0, 10.0, 0.0);
+    ///     let hit = spatial.cast_shape(&capsule, from, Quat::IDENTITY, Dir3::NEG_Y, 100.0, &MorphQueryFilter::default());
+    ///     if let Some(hit) = hit {
+    ///         println!("{} until it touches {}", hit.distance, hit.entity);
+    ///     }
+    /// }
+    /// # App::new().add_systems(Update, how_far_may_it_fall);
+    /// ```
+    #[must_use]
+    pub fn cast_shape(
+        &self,
+        shape: &MorphShape,
+        origin: Vec3,
+        rotation: Quat,
+        direction: Dir3,
+        max_distance: f32,
+        filter: &MorphQueryFilter,
+    ) -> Option<MorphShapeHit> {
+        self.cast_shape_predicate(shape, origin, rotation, direction, max_distance, filter, |_| true)
+    }
+
+    /// [`MorphSpatialQuery::cast_shape`], only for colliders that a predicate accepts.
+    #[must_use]
+    pub fn cast_shape_predicate(
+        &self,
+        shape: &MorphShape,
+        origin: Vec3,
+        rotation: Quat,
+        direction: Dir3,
+        max_distance: f32,
+        filter: &MorphQueryFilter,
+        mut predicate: impl FnMut(Entity) -> bool,
+    ) -> Option<MorphShapeHit> {
+        let (shape, around) = self.valid("cast_shape", place(shape, origin, rotation))?;
+        let way = direction.as_dvec3();
+        self.valid("cast_shape", checked_ray(origin, direction, max_distance))?;
+        let reaches = |bounds: &Aabb| {
+            let grown = Aabb {
+                min: bounds.min - (around.max - origin),
+                max: bounds.max - (around.min - origin),
+            };
+            enters(&grown, origin, *direction, max_distance)
+        };
+        let mut best: Option<MorphShapeHit> = None;
+        let mut limit = max_distance;
+        self.walk(
+            filter,
+            &mut predicate,
+            max_distance,
+            reaches,
+            |queries, entity, target| {
+                let within = f64::from(limit);
+                let hit = match target {
+                    Target::Mesh(body) => match queries.shape.cast(body, &shape, way, within) {
+                        Ok(Some(hit)) => Some((hit.triangle, hit.impact)),
+                        _ => None,
+                    },
+                    Target::Shape(other) => match shape.cast(way, within, other) {
+                        Ok(Some(impact)) => Some((MorphContact::NO_TRIANGLE, impact)),
+                        _ => None,
+                    },
+                };
+                let hit = hit.map(|(triangle, impact)| MorphShapeHit::new(entity, triangle, &impact));
+                let is_first = |hit: &MorphShapeHit| match &best {
+                    Some(before) => (hit.distance, entity) < (before.distance, before.entity),
+                    None => true,
+                };
+                if let Some(hit) = hit.filter(is_first) {
+                    limit = hit.distance.next_up().min(max_distance);
+                    best = Some(hit);
+                }
+                limit
+            },
+        );
+        best
+    }
+}
+
+impl MorphShapeHit {
+    fn new(entity: Entity, triangle: u32, impact: &ShapeImpact) -> Self {
+        Self {
+            entity,
+            distance: impact.distance as f32,
+            point: impact.point.as_vec3(),
+            normal: impact.normal.as_vec3(),
+            triangle,
+        }
+    }
+}
+
+/// A shape in world space, and a box around it.
+fn place(shape: &MorphShape, origin: Vec3, rotation: Quat) -> Result<(PlacedShape, Aabb), InputError> {
+    // Says which number is bad, before anything is made of it.
+    PlacedShape::ball(origin.as_dvec3(), 0.0)?;
+    PlacedShape::new(morph_collision::Shape::Ball { radius: 0.0 }, rotation, Vec3::ZERO)?;
+    shape.place(
+        &Transform::from_translation(origin)
+            .with_rotation(rotation.normalize())
+            .into(),
+    )
+}

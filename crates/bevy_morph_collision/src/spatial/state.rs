@@ -1,0 +1,96 @@
+//! What all queries share: the index of colliders, scratch memory, and what has been warned of.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::ecs::query::Allow;
+use bevy::prelude::*;
+use morph_collision::{ContactQuery, DistanceQuery, InputError, RayHit, RayQuery, ShapeQuery};
+use tracing::warn;
+
+use super::index::{ColliderIndex, Queue};
+use crate::broad_phase::Candidates;
+use crate::collider::ColliderState;
+
+/// What the spatial queries of all systems share. Locks are held for moments, never while a query runs.
+#[derive(Resource, Default)]
+pub(crate) struct SpatialState {
+    index: Mutex<Arc<ColliderIndex>>,
+    #[allow(clippy::vec_box, reason = "they move in and out with every question")]
+    idle: Mutex<Vec<Box<Queries>>>,
+    warned: Mutex<Vec<&'static str>>,
+}
+
+/// What a query reuses.
+#[derive(Default)]
+pub(super) struct Queries {
+    pub(super) ray: RayQuery,
+    pub(super) shape: ShapeQuery,
+    pub(super) distance: DistanceQuery,
+    pub(super) contact: ContactQuery,
+    pub(super) hits: Vec<RayHit>,
+    pub(super) queue: Queue,
+}
+
+/// More than ask at the same time.
+const MAX_IDLE: usize = 64;
+
+impl SpatialState {
+    /// The index, up to date with the last run. Colliders with a tolerance are where they are, not where collisions see them.
+    pub(super) fn index(
+        &self,
+        candidates: &Candidates,
+        states: &Query<&ColliderState, Allow<Disabled>>,
+    ) -> Arc<ColliderIndex> {
+        let mut index = self.index.lock().unwrap_or_else(PoisonError::into_inner);
+        if index.version != candidates.version {
+            let changed = Arc::make_mut(&mut index);
+            changed.version = candidates.version;
+            let colliders = candidates.colliders().iter();
+            changed.update(colliders.map(|(collider, seen)| {
+                let placed = states.get(*collider).ok().and_then(|state| state.placed.as_ref());
+                (*collider, placed.unwrap_or(seen).bounds)
+            }));
+        }
+        index.clone()
+    }
+
+    /// Scratch memory for one query. A query may be asked from within another one.
+    pub(super) fn scratch(&self) -> Scratch<'_> {
+        let idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        Scratch {
+            state: self,
+            queries: Some(idle.unwrap_or_default()),
+        }
+    }
+
+    /// Logs the first bad question of each kind.
+    pub(super) fn warn(&self, method: &'static str, error: &InputError) {
+        let mut warned = self.warned.lock().unwrap_or_else(PoisonError::into_inner);
+        if !warned.contains(&method) {
+            warned.push(method);
+            warn!("`MorphSpatialQuery::{method}` finds nothing: {error}. Further ones like it are not logged");
+        }
+    }
+}
+
+pub(super) struct Scratch<'a> {
+    state: &'a SpatialState,
+    /// Until it is dropped.
+    queries: Option<Box<Queries>>,
+}
+
+impl Scratch<'_> {
+    pub(super) fn queries(&mut self) -> &mut Queries {
+        self.queries.get_or_insert_default()
+    }
+}
+
+impl Drop for Scratch<'_> {
+    fn drop(&mut self) {
+        let mut idle = self.state.idle.lock().unwrap_or_else(PoisonError::into_inner);
+        if idle.len() < MAX_IDLE {
+            idle.extend(self.queries.take());
+        }
+    }
+}

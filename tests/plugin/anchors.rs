@@ -223,10 +223,10 @@ fn following_between_ticks_takes_nothing_from_collisions() {
     }
     let ticks = |app: &App| app.world().resource::<Ticks>().0;
     let reach = |app: &mut App| {
-        let cast = move |mut spatial: MorphSpatialQuery| {
-            let filter = MorphQueryFilter::default().without([other]);
+        let cast = move |spatial: MorphSpatialQuery| {
+            let filter = MorphQueryFilter::from_excluded_entities([other]);
             let hit = spatial.cast_ray(Vec3::new(9.0, 0.1, 0.2), Dir3::NEG_X, 100.0, &filter);
-            hit.ok().flatten().map(|hit| 9.0 - hit.distance)
+            hit.map(|hit| 9.0 - hit.distance)
         };
         app.world_mut()
             .run_system_once(cast)

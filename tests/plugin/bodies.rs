@@ -41,12 +41,13 @@ fn the_same_body_named_by_hand_keeps_colliders_apart() {
     let [a, b] = [0.0, 0.5].map(|x| spawn(&mut app, &mesh, x));
     settle(&mut app);
     assert!(touches(&app, a, b));
+    let root = app.world_mut().spawn_empty().id();
     for part in [a, b] {
-        app.world_mut().entity_mut(part).insert(MorphBody(a));
+        app.world_mut().entity_mut(part).insert(MorphColliderOf { body: root });
     }
     app.update();
     assert!(!touches(&app, a, b));
-    app.world_mut().entity_mut(b).insert(MorphBody(b));
+    app.world_mut().entity_mut(b).remove::<MorphColliderOf>();
     app.update();
     assert!(touches(&app, a, b), "two bodies again, though nothing moved");
 }
@@ -61,7 +62,7 @@ fn rigid_parts_are_left_out_unless_asked_for() {
     let morphing = app.world_mut().spawn((Mesh3d(morphing), weights, ChildOf(root))).id();
     settle(&mut app);
     assert!(app.world().get::<MorphCollider>(rigid).is_none());
-    assert_eq!(app.world().get::<MorphBody>(morphing), Some(&MorphBody(root)));
+    assert_eq!(body_of(&app, morphing), Some(root));
     assert_eq!(diagnostics(&app).colliders, 1);
 }
 
@@ -80,7 +81,12 @@ fn a_mesh_that_comes_into_the_scene_later_becomes_a_part() {
     assert!(app.world().get::<MorphCollider>(part).is_none());
     app.world_mut().entity_mut(branch).insert(ChildOf(root));
     app.update();
-    assert_eq!(app.world().get::<MorphBody>(part), Some(&MorphBody(root)));
+    assert_eq!(body_of(&app, part), Some(root));
+}
+
+/// The body that a collider names.
+fn body_of(app: &App, collider: Entity) -> Option<Entity> {
+    app.world().get::<MorphColliderOf>(collider).map(|of| of.body)
 }
 
 /// Spawns the dolphin's scene from the asset server.
@@ -93,8 +99,10 @@ fn spawn_dolphin(app: &mut App, bundle: impl Bundle) -> Entity {
 }
 
 fn bodies(app: &mut App) -> Vec<Entity> {
-    let mut parts = app.world_mut().query_filtered::<&MorphBody, With<MorphCollider>>();
-    parts.iter(app.world()).map(|body| body.0).collect()
+    let mut parts = app
+        .world_mut()
+        .query_filtered::<&MorphColliderOf, With<MorphCollider>>();
+    parts.iter(app.world()).map(|of| of.body).collect()
 }
 
 #[test]
@@ -115,8 +123,8 @@ fn a_loaded_scene_collides_whether_the_component_comes_before_or_after_it() {
     assert_eq!(diagnostics(&app).touching_pairs, 1, "they are in the same place");
     let mut with_events = app
         .world_mut()
-        .query_filtered::<&MorphBody, With<MorphCollisionEventsEnabled>>();
-    let with_events: Vec<_> = with_events.iter(app.world()).map(|body| body.0).collect();
+        .query_filtered::<&MorphColliderOf, With<MorphCollisionEventsEnabled>>();
+    let with_events: Vec<_> = with_events.iter(app.world()).map(|of| of.body).collect();
     assert_eq!(with_events, [late]);
 
     let mut messages = Messages::default();
@@ -140,11 +148,11 @@ fn a_scene_takes_back_what_it_gave_and_no_more() {
     let made = app.world_mut().spawn((Mesh3d(mesh.clone()), ChildOf(root))).id();
     let own = (
         Mesh3d(mesh.clone()),
-        MorphCollider::new(CollisionMode::First),
+        MorphCollider::new(MorphCollisionMode::First),
         ChildOf(root),
     );
     let own = app.world_mut().spawn(own).id();
-    let hitbox = (MorphShape::Ball { radius: 1.0 }, MorphBody(root));
+    let hitbox = (MorphShape::Ball { radius: 1.0 }, MorphColliderOf { body: root });
     let hitbox = app.world_mut().spawn(hitbox).id();
     settle(&mut app);
     assert!(app.world().get::<MorphCollider>(made).is_some());
@@ -154,10 +162,10 @@ fn a_scene_takes_back_what_it_gave_and_no_more() {
     assert!(world.get::<MorphCollider>(made).is_none() && world.get::<MorphCollisionEventsEnabled>(made).is_none());
     assert_eq!(
         world.get::<MorphCollider>(own),
-        Some(&MorphCollider::new(CollisionMode::First))
+        Some(&MorphCollider::new(MorphCollisionMode::First))
     );
-    assert_eq!(world.get::<MorphBody>(own), None);
-    assert!(world.get::<MorphCollider>(hitbox).is_some() && world.get::<MorphBody>(hitbox) == Some(&MorphBody(root)));
+    assert_eq!(body_of(&app, own), None);
+    assert!(world.get::<MorphCollider>(hitbox).is_some() && body_of(&app, hitbox) == Some(root));
 }
 
 #[test]
@@ -171,11 +179,11 @@ fn a_part_goes_over_to_the_scene_that_it_is_hung_on() {
     let knights = [0, 1].map(|_| app.world_mut().spawn(scene()).id());
     let sword = app.world_mut().spawn((Mesh3d(mesh), ChildOf(knights[0]))).id();
     settle(&mut app);
-    let body = |app: &App| app.world().get::<MorphBody>(sword).copied();
-    assert_eq!(body(&app), Some(MorphBody(knights[0])));
+    let body = |app: &App| body_of(app, sword);
+    assert_eq!(body(&app), Some(knights[0]));
     app.world_mut().entity_mut(sword).insert(ChildOf(knights[1]));
     app.update();
-    assert_eq!(body(&app), Some(MorphBody(knights[1])));
+    assert_eq!(body(&app), Some(knights[1]));
     app.world_mut().entity_mut(sword).remove::<ChildOf>();
     app.update();
     assert_eq!(body(&app), None);

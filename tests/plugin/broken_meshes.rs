@@ -1,7 +1,7 @@
 //! What cannot be used is named in the log once, left out, and does no harm to the rest.
 
 use bevy::asset::RenderAssetUsages;
-use bevy::mesh::{Indices, PrimitiveTopology, morph::MorphAttributes};
+use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues, VertexFormat, morph::MorphAttributes};
 use bevy::prelude::*;
 use bevy_morph_collision::{ImportError, MorphTrees, morph_collision::ModelError};
 
@@ -25,10 +25,19 @@ fn extracted() -> Mesh {
     mesh
 }
 
-fn compressed() -> Mesh {
+/// Positions are compressed, and nothing says relative to what.
+fn compressed_without_bounds() -> Mesh {
     let mut mesh = bevy_mesh(&cube());
     mesh.compress_positions().expect("a cube can be compressed");
+    mesh.final_aabb = None;
     mesh
+}
+
+fn with_whole_numbers() -> Mesh {
+    let mut attribute = Mesh::ATTRIBUTE_POSITION;
+    attribute.format = VertexFormat::Sint32x3;
+    empty(PrimitiveTopology::TriangleList)
+        .with_inserted_attribute(attribute, VertexAttributeValues::Sint32x3(vec![[0, 1, 2]; 3]))
 }
 
 /// As the glTF loader makes them of meshes without normals: vertices split, displacements not.
@@ -77,9 +86,10 @@ fn data_that_is_not_there_or_cannot_be_read_is_refused() {
         refusal(empty(PrimitiveTopology::TriangleList)),
         ImportError::NoPositions
     );
-    let refused = refusal(compressed());
+    assert_eq!(refusal(compressed_without_bounds()), ImportError::NoPositionBounds);
+    let refused = refusal(with_whole_numbers());
     assert!(
-        matches!(refused, ImportError::PositionFormat(format) if format.contains("Snorm16")),
+        matches!(refused, ImportError::PositionFormat(format) if format.contains("Sint32")),
         "{refused}"
     );
 }

@@ -12,11 +12,11 @@ use morph_collision_testkit::{
 
 use crate::support::{add_mesh, app, assets, diagnostics, settle, touches};
 
-const MODES: [CollisionMode; 4] = [
-    CollisionMode::Any,
-    CollisionMode::First,
-    CollisionMode::All,
-    CollisionMode::Contacts,
+const MODES: [MorphCollisionMode; 4] = [
+    MorphCollisionMode::Any,
+    MorphCollisionMode::First,
+    MorphCollisionMode::All,
+    MorphCollisionMode::Contacts,
 ];
 
 /// Far below the 5 million pairs of two dolphins' triangles, and above what placing them takes.
@@ -28,7 +28,7 @@ fn dolphin() -> MorphMesh {
 }
 
 /// Two bodies side by side under one parent of some size, after a first frame.
-fn under_one_parent(mode: CollisionMode, limit: usize) -> (App, Entity, [Entity; 2]) {
+fn under_one_parent(mode: MorphCollisionMode, limit: usize) -> (App, Entity, [Entity; 2]) {
     let mut app = app();
     app.world_mut()
         .resource_mut::<MorphCollisionSettings>()
@@ -101,8 +101,8 @@ fn two_bodies_under_one_parent_that_pops_in_from_scale_0_are_decided_exactly_and
             truncated += usize::from(contact.is_truncated);
             let listed = contact.triangles.len();
             match mode {
-                CollisionMode::Any => assert_eq!(listed, 0),
-                CollisionMode::First => assert_eq!(listed, 1),
+                MorphCollisionMode::Any => assert_eq!(listed, 0),
+                MorphCollisionMode::First => assert_eq!(listed, 1),
                 _ => {
                     assert!(0 < listed && listed <= LIMIT, "{mode:?} at scale {scale}: {listed}");
                     assert_eq!(
@@ -113,11 +113,11 @@ fn two_bodies_under_one_parent_that_pops_in_from_scale_0_are_decided_exactly_and
                     assert!(contact.is_truncated || scale > 0.0);
                 }
             }
-            assert_eq!(contact.points.is_empty(), mode != CollisionMode::Contacts);
+            assert_eq!(contact.points.is_empty(), mode != MorphCollisionMode::Contacts);
         }
         // At scale 0 every pair of triangles touches; at scale 1 the bodies are side by side.
         assert!((3..8).contains(&touched), "{mode:?}: {touched}");
-        let lists = matches!(mode, CollisionMode::All | CollisionMode::Contacts);
+        let lists = matches!(mode, MorphCollisionMode::All | MorphCollisionMode::Contacts);
         assert_eq!(truncated > 0, lists, "{mode:?}");
     }
 }
@@ -125,7 +125,7 @@ fn two_bodies_under_one_parent_that_pops_in_from_scale_0_are_decided_exactly_and
 #[test]
 fn the_default_limit_bounds_what_a_collapsed_body_lists() {
     let limit = MorphCollisionSettings::default().max_triangle_pairs;
-    let (mut app, parent, [a, b]) = under_one_parent(CollisionMode::All, limit);
+    let (mut app, parent, [a, b]) = under_one_parent(MorphCollisionMode::All, limit);
     grow(&mut app, parent, 0.0);
     let contact = app
         .world()
@@ -140,7 +140,7 @@ fn the_default_limit_bounds_what_a_collapsed_body_lists() {
 
 #[test]
 fn a_limit_of_0_still_tells_that_bodies_touch() {
-    let (mut app, parent, [a, b]) = under_one_parent(CollisionMode::All, 0);
+    let (mut app, parent, [a, b]) = under_one_parent(MorphCollisionMode::All, 0);
     grow(&mut app, parent, 0.0);
     let contact = app
         .world()
@@ -154,7 +154,7 @@ fn a_limit_of_0_still_tells_that_bodies_touch() {
 
 #[test]
 fn a_contact_within_the_limit_is_complete() {
-    let (mut app, parent, [a, b]) = under_one_parent(CollisionMode::All, 2256 * 2256);
+    let (mut app, parent, [a, b]) = under_one_parent(MorphCollisionMode::All, 2256 * 2256);
     grow(&mut app, parent, 1.0);
     assert!(!touches(&app, a, b));
     app.world_mut().entity_mut(b).insert(Transform::from_xyz(0.0, 0.2, 0.0));
@@ -189,7 +189,7 @@ fn a_contact_within_the_limit_is_complete() {
 #[test]
 fn a_shape_and_a_collapsed_mesh_list_no_more_than_the_limit() {
     const LIMIT: usize = 100;
-    for mode in [CollisionMode::All, CollisionMode::Contacts] {
+    for mode in [MorphCollisionMode::All, MorphCollisionMode::Contacts] {
         let (mut app, parent, [a, _]) = under_one_parent(mode, LIMIT);
         let ball = app
             .world_mut()
@@ -204,17 +204,17 @@ fn a_shape_and_a_collapsed_mesh_list_no_more_than_the_limit() {
             .expect("they touch");
         assert_eq!(contact.triangles.len(), LIMIT);
         assert!(contact.is_truncated);
-        assert_eq!(contact.points.is_empty(), mode == CollisionMode::All);
+        assert_eq!(contact.points.is_empty(), mode == MorphCollisionMode::All);
     }
 }
 
 #[test]
 fn spatial_queries_look_at_no_more_pairs_than_the_limit() {
-    let (mut app, parent, [a, b]) = under_one_parent(CollisionMode::Passive, 500);
+    let (mut app, parent, [a, b]) = under_one_parent(MorphCollisionMode::Passive, 500);
     grow(&mut app, parent, 0.0);
     let contacts = app
         .world_mut()
-        .run_system_once(move |mut spatial: MorphSpatialQuery| spatial.contacts(a, b))
+        .run_system_once(move |spatial: MorphSpatialQuery| spatial.contacts(a, b))
         .expect("its parameters are there")
         .expect("they touch");
     assert_eq!(contacts.pair_count, 500);

@@ -43,10 +43,10 @@ fn found(app: &App, instances: &Instances) -> Vec<BodyPairs> {
 fn poses(app: &mut App, instances: &Instances) -> Vec<(Vec<f32>, GlobalTransform)> {
     let parts = app
         .world_mut()
-        .query_filtered::<(&MorphBody, &MeshMorphWeights, &GlobalTransform), With<MorphCollider>>();
+        .query_filtered::<(&MorphColliderOf, &MeshMorphWeights, &GlobalTransform), With<MorphCollider>>();
     let world = app.world();
     let pose_of = |root: Entity| {
-        let (_, weights, place) = parts.iter_manual(world).find(|(body, ..)| body.0 == root)?;
+        let (_, weights, place) = parts.iter_manual(world).find(|(of, ..)| of.body == root)?;
         let weights = match weights {
             MeshMorphWeights::Value { weights } => weights.clone(),
             MeshMorphWeights::Reference(source) => world.get::<MorphWeights>(*source)?.weights().to_vec(),

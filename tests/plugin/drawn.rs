@@ -6,7 +6,7 @@ use bevy::gizmos::config::GizmoConfigStore;
 use bevy::gizmos::{GizmoAsset, GizmoHandles, GizmoPlugin};
 use bevy::prelude::*;
 use bevy_morph_collision::morph_collision::Pose;
-use bevy_morph_collision::{BuildOptions, MorphTreeOptions, MorphTrees, prelude::*};
+use bevy_morph_collision::{BuildOptions, DefaultMorphTreeSettings, MorphTrees, prelude::*};
 use morph_collision_workspace::app::headless;
 
 use crate::log::start;
@@ -20,12 +20,14 @@ fn two_drawn_cubes() -> (App, [Entity; 2]) {
     let mut app = headless(&assets());
     app.add_plugins((GizmoPlugin, MorphGizmosPlugin));
     // Small leaves, so that there are nodes below the root's children.
-    app.insert_resource(MorphTreeOptions(BuildOptions::default().with_leaf_size(1).unwrap()));
+    app.insert_resource(DefaultMorphTreeSettings(
+        BuildOptions::default().with_leaf_size(1).unwrap(),
+    ));
     start(&mut app);
     let mesh = add_mesh(&mut app, &stretching_cube());
     let cubes = [0.0, APART].map(|x| spawn(&mut app, &mesh, x));
     for cube in cubes {
-        let contacts = MorphCollider::new(CollisionMode::Contacts);
+        let contacts = MorphCollider::new(MorphCollisionMode::Contacts);
         app.world_mut().entity_mut(cube).insert(contacts);
     }
     draw(&mut app, |gizmos| {

@@ -146,7 +146,7 @@ fn removing_the_component_ends_the_contact_and_adding_it_starts_another() {
 
 #[test]
 fn the_collider_that_asks_for_more_decides_what_a_contact_tells() {
-    use CollisionMode::{All, Any, First};
+    use MorphCollisionMode::{All, Any, First};
     let (mut app, [a, b]) = two_cubes(0.8);
     let mut triangles_in = |mode_a, mode_b| {
         app.world_mut().entity_mut(a).insert(MorphCollider::new(mode_a));

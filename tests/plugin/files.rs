@@ -273,7 +273,7 @@ fn meshes_without_normals_are_repaired_whichever_plugin_comes_first() {
         ..default()
     };
     let mut app = App::new();
-    app.add_plugins((MorphCollisionPlugin, MinimalPlugins, TransformPlugin, assets))
+    app.add_plugins((MorphCollisionPlugin::default(), MinimalPlugins, TransformPlugin, assets))
         .add_plugins((
             WorldSerializationPlugin,
             ImagePlugin::default(),

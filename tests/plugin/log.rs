@@ -26,10 +26,6 @@ impl Errors {
     }
 
     /// The warnings since it was last asked.
-    #[allow(
-        dead_code,
-        reason = "the tests of physics, which share this file, look at errors only"
-    )]
     pub(crate) fn take_warnings(&self) -> Vec<String> {
         self.take_level(Level::WARN)
     }

@@ -13,7 +13,7 @@ use bevy::reflect::serde::{ReflectDeserializer, ReflectSerializer};
 use bevy::reflect::{FromReflect, Reflect, TypePath, TypeRegistry};
 use bevy_morph_collision::MorphCollisionDiagnosticsPlugin;
 use bevy_morph_collision::prelude::*;
-use bevy_morph_collision::{Facing, MorphClosestPoints, MorphContactPoint, MorphContacts, MorphProjection};
+use bevy_morph_collision::{Facing, MorphClosestPoints, MorphContactPoint, MorphManifold, MorphProjection};
 use serde::de::DeserializeSeed;
 
 use morph_collision_workspace::app::headless;
@@ -41,26 +41,31 @@ fn the_plugins_add_no_ambiguous_order_of_systems() {
     };
     let before = ambiguities(&mut bevy());
     let mut ours = bevy();
-    ours.add_plugins((MorphCollisionPlugin, MorphBoundsPlugin, MorphCollisionDiagnosticsPlugin));
+    ours.add_plugins((
+        MorphCollisionPlugin::default(),
+        MorphBoundsPlugin,
+        MorphCollisionDiagnosticsPlugin,
+    ));
     assert_eq!(ambiguities(&mut ours), before);
     let mut fixed = bevy();
-    fixed.add_plugins((MorphCollisionPlugin.in_schedule(FixedPostUpdate), MorphBoundsPlugin));
+    fixed.add_plugins((MorphCollisionPlugin::new(FixedPostUpdate), MorphBoundsPlugin));
     assert_eq!(ambiguities(&mut fixed), before);
 
     // It would be noticed.
     let mut careless = bevy();
-    careless
-        .add_plugins(MorphCollisionPlugin)
-        .add_systems(PostUpdate, |mut collisions: ResMut<MorphCollisions>| {
+    careless.add_plugins(MorphCollisionPlugin::default()).add_systems(
+        PostUpdate,
+        |mut collisions: ResMut<MorphCollisions>| {
             collisions.set_changed();
-        });
+        },
+    );
     assert!(ambiguities(&mut careless) > before);
 }
 
 #[test]
 fn the_plugin_runs_in_the_fixed_schedule_too() {
     let mut app = plain_app();
-    app.add_plugins(MorphCollisionPlugin.in_schedule(FixedPostUpdate));
+    app.add_plugins(MorphCollisionPlugin::new(FixedPostUpdate));
     // Two frames to a step.
     let step = Time::<Fixed>::default().timestep();
     app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(step / 2));
@@ -94,14 +99,14 @@ fn settings_survive_a_scene_file() {
     let app = app();
     let registry = app.world().resource::<AppTypeRegistry>().read();
     let scene = MorphColliderScene {
-        collider: MorphCollider::new(CollisionMode::Contacts).with_margin(0.25),
+        collider: MorphCollider::new(MorphCollisionMode::Contacts).with_margin(0.25),
         layers: MorphCollisionLayers::new(3, 5),
         only_named: vec!["jaw".into()],
         ..default()
     };
     let values: Vec<Box<dyn PartialReflect>> = vec![
         Box::new(scene),
-        Box::new(MorphCollider::new(CollisionMode::First)),
+        Box::new(MorphCollider::new(MorphCollisionMode::First)),
         Box::new(MorphCollisionLayers::new(1, 2)),
         Box::new(MorphTreeSettings { leaf_size: 3 }),
         Box::new(MorphShape::Capsule {
@@ -109,7 +114,7 @@ fn settings_survive_a_scene_file() {
             radius: 0.5,
         }),
         Box::new(MorphColliderDisabled),
-        Box::new(MorphBody::default()),
+        Box::new(MorphColliderOf::default()),
         Box::new(MorphSurfaceAnchor::default().with_offset(0.5)),
     ];
     for value in values {
@@ -164,8 +169,8 @@ fn questions_and_answers_are_reflected() {
         triangle_b: MorphContact::NO_TRIANGLE,
     };
     let filter = MorphQueryFilter {
-        layers: Some(5),
-        excluded: vec![entity],
+        mask: Some(5),
+        excluded_entities: vec![entity],
         only_front: true,
     };
     assert_eq!(there_and_back(&registry, &filter), filter);
@@ -210,7 +215,7 @@ fn questions_and_answers_are_reflected() {
         depth: 0.25,
         triangles,
     };
-    let contacts = MorphContacts {
+    let contacts = MorphManifold {
         normal: Vec3::Z,
         depth: 0.5,
         pair_count: 3,
@@ -233,7 +238,7 @@ fn components_have_a_reflected_default() {
     }
     let shape = MorphShape::Ball { radius: 0.5 };
     assert_eq!(*default_of::<MorphShape>(&registry), shape);
-    assert_eq!(*default_of::<MorphBody>(&registry), MorphBody(Entity::PLACEHOLDER));
+    assert_eq!(default_of::<MorphColliderOf>(&registry).body, Entity::PLACEHOLDER);
     let anchor = default_of::<MorphSurfaceAnchor>(&registry);
     assert_eq!((anchor.collider, anchor.offset), (Entity::PLACEHOLDER, 0.0));
     assert!((anchor.barycentrics.element_sum() - 1.0).abs() < 1e-6);
@@ -268,7 +273,7 @@ fn plugins_that_need_others_say_so_and_do_not_panic() {
         ),
         (
             &|app| {
-                app.add_plugins((MorphGizmosPlugin, MorphCollisionPlugin));
+                app.add_plugins((MorphGizmosPlugin, MorphCollisionPlugin::default()));
             },
             &[["MorphGizmosPlugin", "GizmoPlugin"]],
         ),
@@ -281,7 +286,7 @@ fn plugins_that_need_others_say_so_and_do_not_panic() {
         ),
         (
             &|app| {
-                app.add_plugins((MorphPickingPlugin, MorphCollisionPlugin));
+                app.add_plugins((MorphPickingPlugin, MorphCollisionPlugin::default()));
             },
             &[["MorphPickingPlugin", "DefaultPickingPlugins"]],
         ),
@@ -299,7 +304,12 @@ fn plugins_that_need_others_say_so_and_do_not_panic() {
         (
             &|app| {
                 picking(app);
-                app.add_plugins((MorphPickingPlugin, MorphGizmosPlugin, GizmoPlugin, MorphCollisionPlugin));
+                app.add_plugins((
+                    MorphPickingPlugin,
+                    MorphGizmosPlugin,
+                    GizmoPlugin,
+                    MorphCollisionPlugin::default(),
+                ));
             },
             &[],
         ),

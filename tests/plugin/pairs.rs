@@ -40,14 +40,14 @@ fn two_passive_colliders_are_never_compared_and_one_is_when_the_other_asks() {
     for cube in [a, b] {
         app.world_mut()
             .entity_mut(cube)
-            .insert(MorphCollider::new(CollisionMode::Passive));
+            .insert(MorphCollider::new(MorphCollisionMode::Passive));
     }
     app.update();
     assert!(!touches(&app, a, b));
     assert_eq!(diagnostics(&app).skipped_passive, 1);
     app.world_mut()
         .entity_mut(b)
-        .insert(MorphCollider::new(CollisionMode::Any));
+        .insert(MorphCollider::new(MorphCollisionMode::Any));
     app.update();
     assert!(touches(&app, a, b));
 }
@@ -140,7 +140,7 @@ fn contacts_have_points_with_depths_the_deepest_first() {
     let (mut app, [a, b]) = two_cubes(0.9);
     app.world_mut()
         .entity_mut(a)
-        .insert(MorphCollider::new(CollisionMode::Contacts));
+        .insert(MorphCollider::new(MorphCollisionMode::Contacts));
     app.update();
     let contact = app.world().resource::<MorphCollisions>().get(a, b).cloned().unwrap();
     assert!((1..=4).contains(&contact.points.len()), "{contact:?}");
@@ -172,7 +172,7 @@ fn paused_nothing_is_looked_at_and_contacts_stay() {
 fn every_deforming_mesh_can_be_made_a_collider() {
     let mut app = app();
     let (morphing, rigid) = (add_mesh(&mut app, &stretching_cube()), add_mesh(&mut app, &cube()));
-    let root = app.world_mut().spawn(Transform::default()).id();
+    let root = app.world_mut().spawn((Transform::default(), MorphBodyRoot)).id();
     let weights = || MeshMorphWeights::Value { weights: vec![0.0] };
     let mut part = |mesh: &Handle<Mesh>| {
         app.world_mut()
@@ -184,14 +184,14 @@ fn every_deforming_mesh_can_be_made_a_collider() {
     app.update();
     assert_eq!(diagnostics(&app).colliders, 0);
 
-    let collider = MorphCollider::new(CollisionMode::First);
+    let collider = MorphCollider::new(MorphCollisionMode::First);
     app.world_mut()
         .resource_mut::<MorphCollisionSettings>()
         .every_deforming_mesh = Some(collider);
     settle(&mut app);
     for part in parts {
         assert_eq!(app.world().get::<MorphCollider>(part), Some(&collider));
-        assert_eq!(app.world().get::<MorphBody>(part), Some(&MorphBody(root)));
+        assert_eq!(app.world().get(part), Some(&MorphColliderOf { body: root }));
     }
     let run = diagnostics(&app);
     assert_eq!((run.colliders, run.skipped_same_body, run.touching_pairs), (2, 1, 0));
@@ -238,7 +238,7 @@ fn colliders_can_have_trees_of_their_own() {
     app.world_mut().entity_mut(a).insert(settings);
     settle(&mut app);
     assert!(touches(&app, a, b), "trees with different leaves");
-    let trees = app.world().resource::<bevy_morph_collision::MorphTrees>();
+    let trees = app.world().resource::<MorphTrees>();
     assert_eq!(trees.iter().count(), 2);
     let mesh = app.world().get::<Mesh3d>(a).unwrap().id();
     let own = trees.with_settings(mesh, Some(settings)).unwrap();
@@ -302,8 +302,8 @@ fn a_lasting_contact_is_found_where_it_was_found_before() {
         };
         (0..100).map(frame).collect::<Vec<_>>()
     };
-    let all = run(CollisionMode::All);
-    for mode in [CollisionMode::First, CollisionMode::Any] {
+    let all = run(MorphCollisionMode::All);
+    for mode in [MorphCollisionMode::First, MorphCollisionMode::Any] {
         let (mut lasting, mut without_a_walk, mut untouched) = (0, 0, 0);
         let mut age = 0;
         for ((found, node_tests), (expected, _)) in run(mode).into_iter().zip(&all) {

@@ -191,7 +191,7 @@ fn a_tail_slaps_a_ball() {
     let shape = MorphShape::Ball { radius: way * 0.05 };
     let ball = app
         .world_mut()
-        .spawn((shape, MorphCollider::new(CollisionMode::Contacts), ball))
+        .spawn((shape, MorphCollider::new(MorphCollisionMode::Contacts), ball))
         .id();
     set(&mut app, target, 0.0);
     assert!(!touches(&app, dolphin, ball), "at rest the tail is elsewhere");
@@ -253,10 +253,10 @@ fn a_mouth_opens_onto_a_ball() {
 fn a_smile_is_picked_where_it_is_drawn() {
     let (mut app, _) = with_model(&head());
     let cast = |app: &mut App, origin: Vec3, direction: Dir3| {
-        let system = move |mut spatial: MorphSpatialQuery| {
+        let system = move |spatial: MorphSpatialQuery| {
             spatial.cast_ray(origin, direction, f32::INFINITY, &MorphQueryFilter::default())
         };
-        app.world_mut().run_system_once(system).unwrap().unwrap()
+        app.world_mut().run_system_once(system).unwrap()
     };
     let rest: Vec<Vec<Vec3>> = morphing(&mut app).iter().map(|&mesh| posed(&app, mesh)).collect();
     for name in ["mouthSmileLeft", "mouthSmileRight"] {

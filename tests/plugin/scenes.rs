@@ -8,8 +8,9 @@ use bevy_morph_collision::prelude::*;
 use crate::support::{add_mesh, app, cube, move_to, settle, spawn, stretching_cube, touches};
 
 const FIRST: MorphCollider = MorphCollider {
-    mode: CollisionMode::First,
+    mode: MorphCollisionMode::First,
     margin: 0.25,
+    tolerance: 0.125,
 };
 
 /// A scene with a morphing part, a rigid one, and a named one that morphs; the name is on the entity above its mesh.
@@ -112,7 +113,7 @@ fn parts_that_match_no_longer_are_meshes_again_and_others_become_parts() {
     scene.edit(|scene| scene.only_named = vec!["jaw".into()]);
     assert_eq!(is_part(&scene), [false, false, true]);
     for part in [scene.morphing, scene.rigid] {
-        assert!(scene.has::<MorphBody>(part).is_none() && scene.has::<MorphCollisionLayers>(part).is_none());
+        assert!(scene.has::<MorphColliderOf>(part).is_none() && scene.has::<MorphCollisionLayers>(part).is_none());
         assert!(scene.has::<MorphCollisionEventsEnabled>(part).is_none());
     }
     // What it is called, and whether it morphs, may change, too.
@@ -133,7 +134,10 @@ fn what_the_user_put_on_a_part_first_stays() {
     let mut app = app();
     let mesh = add_mesh(&mut app, &cube());
     let root = app.world_mut().spawn(Transform::default()).id();
-    let (own_layers, own) = (MorphCollisionLayers::new(4, 4), MorphCollider::new(CollisionMode::Any));
+    let (own_layers, own) = (
+        MorphCollisionLayers::new(4, 4),
+        MorphCollider::new(MorphCollisionMode::Any),
+    );
     let mut part = |bundle: &dyn Fn(&mut EntityWorldMut)| {
         let mut part = app.world_mut().spawn((Mesh3d(mesh.clone()), ChildOf(root)));
         bundle(&mut part);
@@ -160,7 +164,7 @@ fn what_the_user_put_on_a_part_first_stays() {
         assert_eq!(world.get::<MorphCollider>(collider), Some(&own));
         assert_eq!(world.get::<MorphCollisionLayers>(collider), Some(&default()));
         assert!(world.get::<MorphCollisionEventsEnabled>(collider).is_none());
-        assert_eq!(world.get::<MorphBody>(collider), Some(&MorphBody(root)));
+        assert_eq!(world.get(collider), Some(&MorphColliderOf { body: root }));
         assert_eq!(world.get::<MorphCollider>(others), Some(&collider_now));
         assert_eq!(world.get::<MorphCollisionLayers>(others), Some(&own_layers));
         assert!(world.get::<MorphCollisionEventsEnabled>(others).is_some());
@@ -177,7 +181,7 @@ fn what_the_user_put_on_a_part_first_stays() {
 #[test]
 fn what_the_user_changes_on_a_part_stays_until_the_part_leaves_the_scene() {
     let mut scene = Scene::new(MorphColliderScene::default());
-    let mine = MorphCollider::new(CollisionMode::Contacts);
+    let mine = MorphCollider::new(MorphCollisionMode::Contacts);
     scene.insert(scene.jaw, mine);
     scene
         .app
@@ -237,11 +241,12 @@ fn a_scene_within_a_scene_comes_and_goes() {
     };
     scene.insert(node, inner);
     scene.app.update();
-    let jaw = |scene: &Scene| (scene.has::<MorphBody>(scene.jaw), scene.collider(scene.jaw));
-    assert_eq!(jaw(&scene), (Some(MorphBody(node)), Some(FIRST)));
+    let jaw = |scene: &Scene| (scene.has(scene.jaw), scene.collider(scene.jaw));
+    assert_eq!(jaw(&scene), (Some(MorphColliderOf { body: node }), Some(FIRST)));
     scene.app.world_mut().entity_mut(node).remove::<MorphColliderScene>();
     scene.app.update();
-    assert_eq!(jaw(&scene), (Some(MorphBody(scene.root)), Some(default())));
+    let body = MorphColliderOf { body: scene.root };
+    assert_eq!(jaw(&scene), (Some(body), Some(default())));
 }
 
 fn set_all(app: &mut App, collider: Option<MorphCollider>) {
@@ -275,15 +280,15 @@ fn the_setting_for_every_mesh_can_be_changed_and_taken_back() {
     let (mut app, meshes @ [loose, own, _]) = three_meshes();
     let theirs = Some(MorphCollider::default());
     assert_eq!(colliders(&app, meshes), [None, theirs, theirs]);
-    for collider in [FIRST, MorphCollider::new(CollisionMode::Any)] {
+    for collider in [FIRST, MorphCollider::new(MorphCollisionMode::Any)] {
         set_all(&mut app, Some(collider));
         assert_eq!(colliders(&app, meshes), [Some(collider), theirs, theirs]);
-        assert_eq!(app.world().get::<MorphBody>(loose), Some(&MorphBody(loose)));
+        assert_eq!(app.world().get::<MorphColliderOf>(loose), None);
     }
     set_all(&mut app, None);
     assert_eq!(colliders(&app, meshes), [None, theirs, theirs]);
     let world = app.world();
-    assert!(world.get::<MorphBody>(loose).is_none() && world.get::<MorphCollisionLayers>(loose).is_none());
+    assert!(world.get::<MorphCollisionLayers>(loose).is_none());
     assert!(world.get::<MorphCollisionLayers>(own).is_some());
     set_all(&mut app, Some(FIRST));
     assert_eq!(colliders(&app, meshes), [Some(FIRST), theirs, theirs]);
@@ -309,7 +314,7 @@ fn a_collider_that_the_user_removed_stays_away() {
 fn a_collider_that_the_user_changed_goes_its_own_way() {
     let (mut app, meshes @ [loose, ..]) = three_meshes();
     set_all(&mut app, Some(FIRST));
-    let mine = MorphCollider::new(CollisionMode::Contacts);
+    let mine = MorphCollider::new(MorphCollisionMode::Contacts);
     app.world_mut().entity_mut(loose).insert(mine);
     set_all(&mut app, Some(MorphCollider::default()));
     assert_eq!(colliders(&app, meshes)[0], Some(mine));
@@ -329,7 +334,7 @@ fn a_scene_decides_before_the_setting_for_every_mesh() {
     app.world_mut().entity_mut(loose).insert(ChildOf(root));
     app.update();
     assert_eq!(colliders(&app, meshes)[0], Some(scene.collider));
-    assert_eq!(app.world().get::<MorphBody>(loose), Some(&MorphBody(root)));
+    assert_eq!(app.world().get(loose), Some(&MorphColliderOf { body: root }));
     app.world_mut().entity_mut(root).remove::<MorphColliderScene>();
     app.update();
     assert_eq!(colliders(&app, meshes)[0], Some(FIRST));

@@ -39,7 +39,7 @@ pub(crate) fn plain_app() -> App {
 /// An app with the collision plugin in [`FixedPostUpdate`], so many frames to a tick, or so many ticks to a frame.
 pub(crate) fn fixed_app(frames_per_tick: u32, ticks_per_frame: u32) -> App {
     let mut app = plain_app();
-    app.add_plugins(MorphCollisionPlugin.in_schedule(FixedPostUpdate));
+    app.add_plugins(MorphCollisionPlugin::new(FixedPostUpdate));
     let frame = Time::<Fixed>::default().timestep() * ticks_per_frame / frames_per_tick;
     app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(frame));
     start(&mut app);

@@ -14,12 +14,12 @@ const PER_FRAME: f32 = 1.0 / 60.0;
 
 /// The velocity where a ray straight down at some place hits, and that of the closest point, which are the same.
 fn below(app: &mut App, x: f32) -> Option<Vec3> {
-    let system = move |mut spatial: MorphSpatialQuery| {
+    let system = move |spatial: MorphSpatialQuery| {
         let (from, filter) = (Vec3::new(x, 4.0, 0.1), MorphQueryFilter::default());
-        let hit = spatial.cast_ray(from, Dir3::NEG_Y, 100.0, &filter).unwrap().unwrap();
-        let closest = spatial.project_point(hit.point, 1.0, &filter).unwrap().unwrap();
-        let velocity = hit.velocity(&mut spatial);
-        let of_closest = closest.velocity(&mut spatial);
+        let hit = spatial.cast_ray(from, Dir3::NEG_Y, 100.0, &filter).unwrap();
+        let closest = spatial.project_point(hit.point, 1.0, &filter).unwrap();
+        let velocity = hit.velocity(&spatial);
+        let of_closest = closest.velocity(&spatial);
         let difference = velocity.unwrap_or_default().distance(of_closest.unwrap_or_default());
         assert!(difference < 1e-3 && velocity.is_some() == of_closest.is_some());
         velocity
@@ -107,7 +107,7 @@ fn it_is_none_where_there_is_nothing_to_compare_with() {
     settle(&mut app);
     app.update();
     assert_near(below(&mut app, 0.1), Vec3::ZERO);
-    let no_triangle = move |mut spatial: MorphSpatialQuery| {
+    let no_triangle = move |spatial: MorphSpatialQuery| {
         let nobody = spatial.surface_velocity(Entity::PLACEHOLDER, 0, Vec3::X);
         (nobody, spatial.surface_velocity(cube, 1_000_000, Vec3::X))
     };

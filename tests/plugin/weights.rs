@@ -101,7 +101,7 @@ fn stretching_both_ways() -> MorphMesh {
 
 /// The lowest and highest x of a collider's vertices.
 fn reach(app: &mut App, entity: Entity) -> (f32, f32) {
-    let posed = move |mut spatial: MorphSpatialQuery| spatial.posed_vertices(entity);
+    let posed = move |spatial: MorphSpatialQuery| spatial.posed_vertices(entity);
     let posed = app.world_mut().run_system_once(posed).unwrap().unwrap();
     let x = |p: &Vec3| p.x;
     (
@@ -214,7 +214,11 @@ fn primitives_under_one_node_share_its_weights() {
     let mesh = add_mesh(&mut app, &stretching_cube());
     let other = spawn(&mut app, &mesh, 0.0);
     for primitive in [a, other] {
-        let shared = (MeshMorphWeights::Reference(node), ChildOf(node), MorphBody(node));
+        let shared = (
+            MeshMorphWeights::Reference(node),
+            ChildOf(node),
+            MorphColliderOf { body: node },
+        );
         app.world_mut().entity_mut(primitive).insert(shared);
     }
     settle(&mut app);

@@ -261,7 +261,7 @@ impl BevyPhysicsHooks for Falls<'_, '_> {
 #[test]
 fn hooks_know_the_surface() {
     let mut app = headless(Path::new("."));
-    app.add_plugins((RapierPhysicsPlugin::<Falls>::default(), MorphRapierPlugin))
+    app.add_plugins((RapierPhysicsPlugin::<Falls>::default(), MorphRapierPlugin::default()))
         .insert_resource(TimestepMode::Fixed { dt: DT, substeps: 1 });
     start(&mut app);
     let surface = spawn(&mut app, &sheet(16), ());

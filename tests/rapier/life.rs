@@ -142,15 +142,24 @@ fn ambiguities(app: &mut App) -> usize {
 
 #[test]
 fn the_plugin_adds_no_ambiguous_order_of_systems() {
-    let rapier = || {
-        let mut app = headless(Path::new("."));
-        app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default());
-        app
-    };
-    let before = ambiguities(&mut rapier());
-    let mut ours = rapier();
-    ours.add_plugins(MorphRapierPlugin);
-    assert_eq!(ambiguities(&mut ours), before);
+    let in_frames = |app: &mut App, plugin: RapierPhysicsPlugin| _ = app.add_plugins(plugin);
+    let in_steps = |app: &mut App, plugin: RapierPhysicsPlugin| _ = app.add_plugins(plugin.in_fixed_schedule());
+    type Added = (fn(&mut App, RapierPhysicsPlugin), MorphRapierPlugin);
+    let schedules: [Added; 2] = [
+        (in_frames, MorphRapierPlugin::default()),
+        (in_steps, MorphRapierPlugin::new(FixedUpdate)),
+    ];
+    for (add_rapier, plugin) in schedules {
+        let rapier = || {
+            let mut app = headless(Path::new("."));
+            add_rapier(&mut app, RapierPhysicsPlugin::default());
+            app
+        };
+        let before = ambiguities(&mut rapier());
+        let mut ours = rapier();
+        ours.add_plugins(plugin);
+        assert_eq!(ambiguities(&mut ours), before, "{plugin:?}");
+    }
 }
 
 #[test]
@@ -158,7 +167,7 @@ fn physics_in_the_fixed_schedule_carries() {
     let mut app = headless(Path::new("."));
     app.add_plugins((
         RapierPhysicsPlugin::<NoUserData>::default().in_fixed_schedule(),
-        MorphRapierPlugin.in_schedule(FixedUpdate),
+        MorphRapierPlugin::new(FixedUpdate),
     ))
     .insert_resource(TimestepMode::Fixed {
         dt: 1.0 / 64.0,

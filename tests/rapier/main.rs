@@ -1,14 +1,23 @@
 //! The plugin together with `bevy_rapier3d`, in apps without a window.
 
 mod bad_places;
+mod characters;
+#[cfg(feature = "render")]
+mod cookbook;
 mod events;
 mod extremes;
+mod heaving;
 mod life;
 #[path = "../plugin/log.rs"]
 mod log;
+mod many;
 mod moving;
 mod presence;
 mod queries;
+mod scene;
 mod shapes;
 mod skins;
+mod solid;
 mod support;
+mod times;
+mod whole;

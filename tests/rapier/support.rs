@@ -1,5 +1,6 @@
 //! An app with physics, meshes in it that morph, and what they are in truth.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use bevy::ecs::message::MessageCursor;
@@ -12,6 +13,7 @@ use bevy_rapier3d::parry::shape::TriMesh;
 use bevy_rapier3d::plugin::context::{RapierContextColliders, RapierRigidBodySet};
 use bevy_rapier3d::prelude::*;
 use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::models::rigid::box_mesh;
 use morph_collision_testkit::oracle::{posed_vertices, world_vertices};
 use morph_collision_workspace::physics::{self, bevy_mesh, body, settle, sheet, state};
 
@@ -148,6 +150,35 @@ pub(crate) fn below(app: &mut App, x: f32, z: f32) -> Option<(Entity, f32)> {
         context.cast_ray(Vec3::new(x, 5.0, z), -Vec3::Y, 100.0, true, QueryFilter::default())
     });
     hit.map(|(entity, distance)| (entity, 5.0 - distance))
+}
+
+/// A closed box around the origin, each side cut into many triangles. Its targets: all of it rises by 1, its upper side alone does, its upper
+/// side slides by 1 along `+X`, and its upper side moves down by 1.
+pub(crate) fn slab(half: Vec3) -> MorphMesh {
+    let mut mesh = box_mesh(half);
+    for _ in 0..4 {
+        let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
+        let mut finer = Vec::new();
+        for &[a, b, c] in &mesh.triangles {
+            let [ab, bc, ca] = [(a, b), (b, c), (c, a)].map(|(from, to)| {
+                *middles.entry((from.min(to), from.max(to))).or_insert_with(|| {
+                    mesh.positions
+                        .push(mesh.positions[from as usize].midpoint(mesh.positions[to as usize]));
+                    mesh.positions.len() as u32 - 1
+                })
+            });
+            finer.extend([[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]);
+        }
+        mesh.triangles = finer;
+    }
+    let upper = |way: Vec3| {
+        let moved = move |p: &Vec3| if p.y > 0.0 { way } else { Vec3::ZERO };
+        mesh.positions.iter().map(moved).collect::<Vec<_>>()
+    };
+    let all = |way: Vec3| vec![way; mesh.positions.len()];
+    mesh.targets = vec![all(Vec3::Y), upper(Vec3::Y), upper(Vec3::X), upper(-Vec3::Y)];
+    mesh.target_names = ["rise", "thicken", "slide", "thin"].map(String::from).to_vec();
+    mesh
 }
 
 /// Runs a test's body and collects the errors that it logs.

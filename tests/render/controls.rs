@@ -9,10 +9,12 @@ use bevy::mesh::morph::MorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::gltf_write::{Appearance, to_glb};
+use morph_collision_workspace::heaving::{Game, JUMP, Player, SPEED};
 use morph_collision_workspace::shows;
 use morph_collision_workspace::view::offscreen::Offscreen;
 use morph_collision_workspace::view::overlay::Overlay;
 use morph_collision_workspace::view::sliders::Sliders;
+use morph_collision_workspace::view::stage::StageCamera;
 
 use crate::support::{alone, frame, offscreen};
 
@@ -21,18 +23,22 @@ const SIZE: (u32, u32) = (160, 90);
 /// Presses a key in one frame and releases it in the next.
 fn press(show: &mut Offscreen, key_code: KeyCode) {
     for state in [ButtonState::Pressed, ButtonState::Released] {
-        let world = show.app_mut().world_mut();
-        let window = world.query_filtered::<Entity, With<Window>>().single(world).unwrap();
-        world.write_message(KeyboardInput {
-            key_code,
-            logical_key: Key::Unidentified(NativeKey::Unidentified),
-            state,
-            text: None,
-            repeat: false,
-            window,
-        });
+        set_key(show, key_code, state);
         show.advance(1);
     }
+}
+
+fn set_key(show: &mut Offscreen, key_code: KeyCode, state: ButtonState) {
+    let world = show.app_mut().world_mut();
+    let window = world.query_filtered::<Entity, With<Window>>().single(world).unwrap();
+    world.write_message(KeyboardInput {
+        key_code,
+        logical_key: Key::Unidentified(NativeKey::Unidentified),
+        state,
+        text: None,
+        repeat: false,
+        window,
+    });
 }
 
 /// How many frames pass in four.
@@ -62,6 +68,52 @@ fn keys_pause_step_and_change_the_speed() {
     assert!(passed(&mut show) > 0.0);
     press(&mut show, KeyCode::KeyT);
     assert!(!show.app_mut().world().resource::<Overlay>().shown);
+}
+
+#[test]
+fn keys_walk_as_seen_from_the_camera_jump_and_pause() {
+    let _alone = alone();
+    let game = Game { bodies: 0, ..default() };
+    let mut show = offscreen(shows::physics(game), SIZE);
+    let player = |show: &mut Offscreen| -> (Vec3, Player) {
+        let world = show.app_mut().world_mut();
+        let (place, player) = world.query::<(&Transform, &Player)>().single(world).unwrap();
+        (place.translation, *player)
+    };
+    // It lands, and waits.
+    show.advance(70);
+    // The camera looks from behind the hill.
+    let world = show.app_mut().world_mut();
+    let mut cameras = world.query_filtered::<&mut Transform, With<StageCamera>>();
+    *cameras.single_mut(world).unwrap() = Transform::from_xyz(0.0, 4.0, -9.0).looking_at(Vec3::ZERO, Vec3::Y);
+    show.advance(2);
+    let keys = [
+        (KeyCode::KeyW, Vec2::Y),
+        (KeyCode::ArrowDown, Vec2::NEG_Y),
+        (KeyCode::KeyD, Vec2::NEG_X),
+        (KeyCode::ArrowLeft, Vec2::X),
+    ];
+    for (key, towards) in keys {
+        let (from, _) = player(&mut show);
+        set_key(&mut show, key, ButtonState::Pressed);
+        show.advance(30);
+        let (to, _) = player(&mut show);
+        set_key(&mut show, key, ButtonState::Released);
+        show.advance(2);
+        // Half a second: less up a slope, and the hill carries it aside.
+        let way = (to - from).xz();
+        let (ahead, aside) = (way.dot(towards), way.perp_dot(towards).abs());
+        assert!(ahead > 0.25 * SPEED && aside < 0.5, "{key:?}: {way}");
+    }
+    press(&mut show, KeyCode::Space);
+    show.advance(8);
+    let (_, jumping) = player(&mut show);
+    assert!(jumping.rising > 0.3 * JUMP && jumping.airborne > 0.05, "{jumping:?}");
+    show.advance(90);
+    assert_eq!(player(&mut show).1.airborne, 0.0, "it lands");
+    assert!(passed(&mut show) > 0.0, "Space does not pause");
+    press(&mut show, KeyCode::KeyP);
+    assert_eq!(passed(&mut show), 0.0);
 }
 
 #[test]
@@ -107,16 +159,14 @@ fn a_file_that_is_no_good_ends_the_show_with_its_name() {
     std::fs::create_dir_all(&folder).unwrap();
     let broken = folder.join("broken.glb");
     std::fs::write(&broken, b"no glTF").unwrap();
-    let rain = shows::Rain {
-        bodies: 1,
-        seed: 1,
-        ccd: false,
-        models: vec![broken.clone()],
+    let game = Game {
+        model: broken.clone(),
+        ..default()
     };
     for show in [
         shows::dolphins(&broken, 2, true),
         shows::crowd(&broken, 2, true),
-        shows::physics(rain),
+        shows::physics(game),
     ] {
         let error = Offscreen::new(show, SIZE, true).unwrap_err().to_string();
         // It says what is wrong, rather than that nothing comes.

@@ -7,6 +7,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use image::RgbImage;
 use morph_collision_workspace::character::{Dart, HandOnFace, Tally};
+use morph_collision_workspace::heaving::{Falling, Game, Player};
 use morph_collision_workspace::shows;
 use morph_collision_workspace::view::Show;
 use morph_collision_workspace::view::offscreen::Offscreen;
@@ -62,7 +63,7 @@ fn a_face_runs_into_itself_and_wears_pins() {
     let pairs = world.query::<&SelfTouching>().single(world).unwrap().0.len();
     assert!(pairs > 0, "a speaking mouth touches itself");
     // Each is on its triangle, wherever that went.
-    let off = |pins: Query<(&MorphSurfaceAnchor, &GlobalTransform)>, mut spatial: MorphSpatialQuery| -> Vec<f32> {
+    let off = |pins: Query<(&MorphSurfaceAnchor, &GlobalTransform)>, spatial: MorphSpatialQuery| -> Vec<f32> {
         let off = |(anchor, place): (&MorphSurfaceAnchor, &GlobalTransform)| {
             let corners = spatial.posed_triangle(anchor.collider, anchor.triangle).unwrap();
             let [u, v, w] = anchor.barycentrics.to_array();
@@ -97,7 +98,7 @@ fn a_character_touches_its_face_wears_darts_and_kicks_crates() {
         tally.kicks > 0 && tally.hits > 1 && tally.last_hit.is_some(),
         "{tally:?}"
     );
-    let off = |darts: Query<(&MorphSurfaceAnchor, &GlobalTransform), With<Dart>>, mut spatial: MorphSpatialQuery| {
+    let off = |darts: Query<(&MorphSurfaceAnchor, &GlobalTransform), With<Dart>>, spatial: MorphSpatialQuery| {
         let off = |(anchor, place): (&MorphSurfaceAnchor, &GlobalTransform)| {
             let corners = spatial.posed_triangle(anchor.collider, anchor.triangle).unwrap();
             let [u, v, w] = anchor.barycentrics.to_array();
@@ -157,23 +158,31 @@ fn pointed_at_is_what_is_drawn() {
 }
 
 #[test]
-fn bodies_fall() {
+fn a_player_stands_in_the_rain_on_a_hill_that_heaves() {
     let _alone = alone();
-    let rain = shows::Rain {
+    let game = Game {
         bodies: 20,
-        seed: 1,
-        ccd: false,
-        models: Vec::new(),
+        ..default()
     };
-    let (mut show, _) = watch(shows::physics(rain), 20);
-    show.advance(20);
+    let (mut show, picture) = watch(shows::physics(game), 20);
+    let orange = |picture: &RgbImage, x, y| {
+        let [r, g, b] = picture.get_pixel(x, y).0.map(i32::from);
+        r > g + 60 && g > b + 10
+    };
+    let seen = count(&picture, orange);
+    assert!(seen > 60, "{seen} pixels of the player are to be seen");
+    show.advance(40);
     let world = show.app_mut().world_mut();
-    let low = world
-        .query_filtered::<&Transform, With<bevy_rapier3d::prelude::RigidBody>>()
-        .iter(world)
-        .filter(|place| place.translation.y < 3.4)
-        .count();
-    assert!(low >= 10, "{low} of 20 bodies have fallen");
+    let (mut lowest, mut bodies) = (f32::MAX, world.query::<(&Falling, &Transform)>());
+    for (_, place) in bodies.iter(world) {
+        lowest = lowest.min(place.translation.y);
+    }
+    assert!(lowest < 1.6, "the lowest of 20 bodies is at {lowest}");
+    let ground = *world
+        .query_filtered::<&MorphCharacterGround, With<Player>>()
+        .single(world)
+        .unwrap();
+    assert!(ground.surface.is_some() && ground.velocity.y != 0.0, "{ground:?}");
 }
 
 #[test]

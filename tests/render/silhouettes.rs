@@ -70,7 +70,7 @@ fn compare_once_seen(
         .run_system_once(
             |camera: Single<(&Camera, &GlobalTransform), With<StageCamera>>,
              collider: Single<Entity, With<MorphCollider>>,
-             mut spatial: MorphSpatialQuery| {
+             spatial: MorphSpatialQuery| {
                 let (camera, eye) = *camera;
                 let vertices: Vec<Vec2> = spatial
                     .posed_vertices(*collider)
@@ -85,7 +85,7 @@ fn compare_once_seen(
                             .viewport_to_world(eye, Vec2::new(x as f32 + 0.5, y as f32 + 0.5))
                             .unwrap();
                         let hit = spatial.cast_ray(ray.origin, ray.direction, 100.0, &MorphQueryFilter::default());
-                        pixels.push(((x, y), hit.unwrap().is_some()));
+                        pixels.push(((x, y), hit.is_some()));
                     }
                 }
                 (vertices, pixels)

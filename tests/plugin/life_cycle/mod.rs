@@ -4,7 +4,9 @@
 //! - `operations`: what can happen to it.
 //! - `truth`: what should be reported, from components and brute force alone.
 //! - `story`: what is reported: messages, entity events, lists.
+//! - `bodies`: what is reported of bodies.
 
+mod bodies;
 mod operations;
 mod story;
 mod truth;
@@ -12,6 +14,7 @@ mod zoo;
 
 use morph_collision_testkit::oracle::intersecting_pairs;
 
+use self::bodies::BodyStory;
 use self::operations::{operate, spawn};
 use self::story::Story;
 use self::truth::Truth;
@@ -29,6 +32,7 @@ struct Counts {
     listed_triangle_pairs: usize,
     starts: usize,
     ends: usize,
+    starts_of_many: usize,
 }
 
 impl std::ops::AddAssign for Counts {
@@ -39,6 +43,7 @@ impl std::ops::AddAssign for Counts {
         self.listed_triangle_pairs += other.listed_triangle_pairs;
         self.starts += other.starts;
         self.ends += other.ends;
+        self.starts_of_many += other.starts_of_many;
     }
 }
 
@@ -46,6 +51,7 @@ impl std::ops::AddAssign for Counts {
 fn live(seed: u64) -> Counts {
     let mut zoo = Zoo::new(seed);
     let (mut truth, mut story) = (Truth::default(), Story::new(&mut zoo.app));
+    let mut bodies = BodyStory::new(&mut zoo.app);
     let mut counts = Counts::default();
     for _ in 0..8 {
         spawn(&mut zoo);
@@ -63,10 +69,14 @@ fn live(seed: u64) -> Counts {
         let context = format!("seed {seed}, operation {step}: {}", done.join(", "));
         if rebuilds || zoo.has_trees_of_its_own() {
             // Trees are built in the background: when each one is done is not known.
-            zoo.settle(|app| story.read(app, &context));
+            zoo.settle(|app| {
+                story.read(app, &context);
+                bodies.read(app, &context);
+            });
         }
         zoo.app.update();
         story.read(&mut zoo.app, &context);
+        bodies.read(&mut zoo.app, &context);
         truth.update(&mut zoo);
         counts.frames += 1;
         counts.compared_pairs += truth.compared;
@@ -76,9 +86,11 @@ fn live(seed: u64) -> Counts {
 
     zoo.despawn_everything();
     story.read(&mut zoo.app, "the end");
+    bodies.read(&mut zoo.app, "the end");
     assert_eq!(story.touching(), 0, "seed {seed}: everything is gone");
     assert_eq!(story.starts, story.ends, "seed {seed}");
     (counts.starts, counts.ends) = (story.starts, story.ends);
+    counts.starts_of_many = bodies.starts_of_many;
     counts
 }
 
@@ -91,5 +103,6 @@ fn reported_pairs_are_those_of_the_oracle_whatever_happens_to_colliders() {
     println!("{counts:?}");
     assert!(counts.frames > 1000 && counts.compared_pairs > 20_000, "{counts:?}");
     assert!(counts.touching_pairs > 4_000 && counts.starts > 1_000, "{counts:?}");
+    assert!(counts.starts_of_many > 200, "{counts:?}");
     assert!(counts.listed_triangle_pairs > 20_000, "{counts:?}");
 }

@@ -154,7 +154,7 @@ fn despawn_cage(zoo: &mut Zoo) {
     let cage = zoo.rng.random_range(0..zoo.cages.len());
     let world = zoo.app.world_mut();
     world.despawn(zoo.cages[cage]);
-    zoo.cages[cage] = world.spawn(Transform::default()).id();
+    zoo.cages[cage] = world.spawn(super::zoo::cage()).id();
 }
 
 fn toggle<C: Component + Default>(zoo: &mut Zoo) {
@@ -331,8 +331,8 @@ fn set_layers(zoo: &mut Zoo) {
     zoo.app.world_mut().entity_mut(animal).insert(layers);
 }
 
-fn some_mode(zoo: &mut Zoo) -> CollisionMode {
-    use CollisionMode::{All, Any, Contacts, First, Passive};
+fn some_mode(zoo: &mut Zoo) -> MorphCollisionMode {
+    use MorphCollisionMode::{All, Any, Contacts, First, Passive};
     zoo.one_of(&[Passive, Any, First, All, All, All, Contacts, Contacts])
 }
 
@@ -348,10 +348,10 @@ fn set_body(zoo: &mut Zoo) {
     let Some(animal) = animal(zoo) else { return };
     let cage = zoo.one_of(&zoo.cages.clone());
     let mut entity = zoo.app.world_mut().entity_mut(animal);
-    if entity.contains::<MorphBody>() {
-        entity.remove::<MorphBody>();
+    if entity.contains::<MorphColliderOf>() {
+        entity.remove::<MorphColliderOf>();
     } else {
-        entity.insert(MorphBody(cage));
+        entity.insert(MorphColliderOf { body: cage });
     }
 }
 

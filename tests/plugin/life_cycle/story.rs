@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
@@ -85,10 +86,10 @@ impl Story {
         }
     }
 
-    /// The lists on entities, those of disabled entities included.
+    /// The lists on colliders, those of disabled entities included.
     fn check_lists(&self, world: &mut World, context: &str) {
         let mut lists =
-            world.query_filtered::<(Entity, &MorphCollidingEntities), Allow<bevy::ecs::entity_disabling::Disabled>>();
+            world.query_filtered::<(Entity, &MorphCollidingEntities), (Without<MorphColliders>, Allow<Disabled>)>();
         for (entity, list) in lists.iter(world) {
             let mut expected: Vec<Entity> = self.open.iter().filter_map(|&(a, b)| other((a, b), entity)).collect();
             expected.sort_unstable();

@@ -21,7 +21,7 @@ type Triangles = Arc<Vec<(u32, u32)>>;
 #[derive(Clone)]
 pub(super) enum Touching {
     /// Two meshes: what was asked for, the bodies, and all intersecting triangles.
-    Meshes(CollisionMode, [Entity; 2], Triangles),
+    Meshes(MorphCollisionMode, [Entity; 2], Triangles),
     /// A mesh and a ball.
     Ball([Entity; 2]),
     /// A mesh and a ball whose distance is too close to the radius to tell in rounded arithmetic.
@@ -52,7 +52,7 @@ struct Solid {
 struct Present {
     entity: Entity,
     body: Entity,
-    mode: CollisionMode,
+    mode: MorphCollisionMode,
     layers: MorphCollisionLayers,
     form: Form,
 }
@@ -75,7 +75,8 @@ impl Truth {
         for (j, b) in present.iter().enumerate() {
             for a in &present[..j] {
                 let asked = a.mode.max(b.mode);
-                let compared = a.body != b.body && a.layers.interacts_with(b.layers) && asked != CollisionMode::Passive;
+                let compared =
+                    a.body != b.body && a.layers.interacts_with(b.layers) && asked != MorphCollisionMode::Passive;
                 if !compared {
                     continue;
                 }
@@ -117,7 +118,7 @@ impl Truth {
             &MorphCollider,
             &MorphCollisionLayers,
             &GlobalTransform,
-            Option<&MorphBody>,
+            Option<&MorphColliderOf>,
             Option<&Mesh3d>,
             Option<&MorphShape>,
             Option<&MeshMorphWeights>,
@@ -126,7 +127,7 @@ impl Truth {
         let mut sources = world.query::<&MorphWeights>();
         let mut present = Vec::new();
         let mut seen = HashMap::new();
-        for (entity, collider, layers, place, body, mesh, shape, weights, is_disabled) in colliders.iter(world) {
+        for (entity, collider, layers, place, of, mesh, shape, weights, is_disabled) in colliders.iter(world) {
             let mesh = mesh.and_then(|mesh| Some((mesh.id(), meshes.get(&mesh.id())?.as_ref()?)));
             if let Some((id, mesh)) = mesh {
                 let given = match weights {
@@ -154,7 +155,7 @@ impl Truth {
             };
             present.push(Present {
                 entity,
-                body: body.map_or(entity, |body| body.0),
+                body: of.map_or(entity, |of| of.body),
                 mode: collider.mode,
                 layers: *layers,
                 form,
@@ -225,7 +226,7 @@ impl Truth {
                 .collect();
             listed += found.len();
             match mode {
-                CollisionMode::All | CollisionMode::Contacts => {
+                MorphCollisionMode::All | MorphCollisionMode::Contacts => {
                     let all = triangles.len();
                     assert_eq!(
                         contact.is_truncated,
@@ -239,13 +240,15 @@ impl Truth {
                         "{context}: {a} and {b}"
                     );
                 }
-                CollisionMode::First => {
+                MorphCollisionMode::First => {
                     assert!(
                         found.len() == 1 && triangles.contains(&found[0]),
                         "{context}: {a} and {b}"
                     );
                 }
-                CollisionMode::Any | CollisionMode::Passive => assert!(found.is_empty(), "{context}: {a} and {b}"),
+                MorphCollisionMode::Any | MorphCollisionMode::Passive => {
+                    assert!(found.is_empty(), "{context}: {a} and {b}");
+                }
             }
         }
         for contact in collisions.iter() {
@@ -273,7 +276,10 @@ fn describe(world: &World, entity: Entity) -> String {
         world.get::<MorphCollider>(entity),
         world.get::<MorphCollisionLayers>(entity),
     );
-    let weights = (world.get::<MeshMorphWeights>(entity), world.get::<MorphBody>(entity));
+    let weights = (
+        world.get::<MeshMorphWeights>(entity),
+        world.get::<MorphColliderOf>(entity),
+    );
     format!("{entity}: {components:?} {place:?} {shows:?} {collides:?} {weights:?}")
 }
 

@@ -26,6 +26,11 @@ pub(super) struct Zoo {
     pub(super) cages: Vec<Entity>,
 }
 
+/// A parent, and often a body; it lists what it touches.
+pub(super) fn cage() -> impl Bundle {
+    (Transform::default(), MorphCollidingEntities::default())
+}
+
 impl Zoo {
     pub(super) fn new(seed: u64) -> Self {
         let mut app = app();
@@ -57,9 +62,7 @@ impl Zoo {
                 .resource_mut::<MorphCollisionSettings>()
                 .max_triangle_pairs = 40;
         }
-        let cages = (0..3)
-            .map(|_| app.world_mut().spawn(Transform::default()).id())
-            .collect();
+        let cages = (0..3).map(|_| app.world_mut().spawn(cage()).id()).collect();
         settle(&mut app);
         Self {
             app,

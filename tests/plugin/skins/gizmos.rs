@@ -2,7 +2,7 @@
 
 use bevy::gizmos::GizmoPlugin;
 use bevy::prelude::*;
-use bevy_morph_collision::{BuildOptions, MorphTreeOptions, prelude::*};
+use bevy_morph_collision::{BuildOptions, DefaultMorphTreeSettings, prelude::*};
 use morph_collision_workspace::app::headless;
 
 use super::{add, boned, put, skeleton, spawn_joints, spawn_skinned};
@@ -15,7 +15,9 @@ fn app_with_a_cube() -> (App, Entity, Entity) {
     let mut app = headless(&assets());
     app.add_plugins((GizmoPlugin, MorphGizmosPlugin));
     // One triangle to a leaf.
-    app.insert_resource(MorphTreeOptions(BuildOptions::default().with_leaf_size(1).unwrap()));
+    app.insert_resource(DefaultMorphTreeSettings(
+        BuildOptions::default().with_leaf_size(1).unwrap(),
+    ));
     start(&mut app);
     let mesh = add(&mut app, boned(&stretching_cube(), |_| 0));
     let [joint] = spawn_joints(&mut app, [Vec3::ZERO]);

@@ -82,7 +82,7 @@ fn put(app: &mut App, entity: Entity, place: Transform) {
 
 /// The box around the vertices of a collider as spatial queries see them; none if it is not there.
 fn extent(app: &mut App, collider: Entity) -> Option<(Vec3, Vec3)> {
-    let vertices = move |mut spatial: MorphSpatialQuery| spatial.posed_vertices(collider);
+    let vertices = move |spatial: MorphSpatialQuery| spatial.posed_vertices(collider);
     let vertices = app.world_mut().run_system_once(vertices).unwrap()?;
     let hull = |pick: fn(Vec3, Vec3) -> Vec3| vertices.iter().copied().reduce(pick);
     hull(Vec3::min).zip(hull(Vec3::max))

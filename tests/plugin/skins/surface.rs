@@ -15,10 +15,10 @@ use crate::log::start;
 use crate::support::{add_mesh, app, assets, cube, settle, spawn};
 
 fn cast(app: &mut App, origin: Vec3, direction: Dir3) -> Option<MorphRayHit> {
-    let system = move |mut spatial: MorphSpatialQuery| {
+    let system = move |spatial: MorphSpatialQuery| {
         spatial.cast_ray(origin, direction, f32::INFINITY, &MorphQueryFilter::default())
     };
-    app.world_mut().run_system_once(system).unwrap().unwrap()
+    app.world_mut().run_system_once(system).unwrap()
 }
 
 #[test]
@@ -33,11 +33,11 @@ fn a_hit_names_the_joint_that_moves_it_most() {
         assert!((hit.point - Vec3::new(x, 0.5, 0.1)).length() < 1e-5, "{hit:?}");
         let all = app
             .world_mut()
-            .run_system_once(move |mut spatial: MorphSpatialQuery| {
+            .run_system_once(move |spatial: MorphSpatialQuery| {
                 let filter = MorphQueryFilter::default();
                 let all = spatial.ray_hits(Vec3::new(x, 8.0, 0.1), Dir3::NEG_Y, 100.0, &filter);
                 let closest = spatial.project_point(Vec3::new(x, 0.6, 0.1), 1.0, &filter);
-                (all.unwrap(), closest.unwrap().unwrap())
+                (all, closest.unwrap())
             })
             .unwrap();
         assert_eq!(all.0.len(), 2);
@@ -184,13 +184,19 @@ fn regions_contacts_and_closest_points_are_about_the_skinned_surface() {
     let wall = add_mesh(&mut app, &cube());
     let wall = spawn(&mut app, &wall, 9.25);
     settle(&mut app);
-    let asked = move |mut spatial: MorphSpatialQuery| {
-        let filter = MorphQueryFilter::default().without([wall]);
+    let far = MorphShape::Cuboid {
+        half_extents: Vec3::splat(101.0),
+    };
+    let asked = move |spatial: MorphSpatialQuery| {
+        let filter = MorphQueryFilter::from_excluded_entities([wall]);
         (
-            spatial.overlap_ball(Vec3::new(9.0, 0.0, 0.6), 0.2, &filter).unwrap(),
-            spatial
-                .overlap_box(Vec3::splat(99.0), Vec3::splat(301.0), &filter)
-                .unwrap(),
+            spatial.shape_intersections(
+                &MorphShape::Ball { radius: 0.2 },
+                Vec3::new(9.0, 0.0, 0.6),
+                Quat::IDENTITY,
+                &filter,
+            ),
+            spatial.shape_intersections(&far, Vec3::splat(200.0), Quat::IDENTITY, &filter),
             spatial.contacts(limb, wall).map(|contacts| contacts.pair_count),
             spatial.closest_points(limb, wall, 1.0).map(|closest| closest.distance),
             spatial.bounds(limb),

@@ -2,10 +2,12 @@
 //!
 //! - `moving`: bodies on a limb, hit by it and carried by it.
 //! - `standing`: where it is, what it costs, and what it is on bodies.
+//! - `solid`: what is inside of it.
 //! - `character`: a real character that plays its clips.
 
 mod character;
 mod moving;
+mod solid;
 mod standing;
 
 use std::f32::consts::TAU;

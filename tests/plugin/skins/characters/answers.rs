@@ -27,11 +27,11 @@ impl Stage {
         let Ok(direction) = Dir3::new(target.as_vec3() - origin) else {
             return;
         };
-        let cast = move |mut spatial: MorphSpatialQuery| {
+        let cast = move |spatial: MorphSpatialQuery| {
             let filter = MorphQueryFilter::default();
             spatial.cast_ray(origin, direction, f32::INFINITY, &filter)
         };
-        let hit = self.app.world_mut().run_system_once(cast).unwrap().unwrap();
+        let hit = self.app.world_mut().run_system_once(cast).unwrap();
         let mut first: Option<f64> = None;
         for (part, vertices) in self.parts.iter().zip(all) {
             for corners in &part.triangles {

@@ -104,7 +104,10 @@ impl Stage {
         for part in drawn::parts::<With<MorphCollider>>(world, &self.meshes) {
             self.parts.push(Part {
                 entity: part.entity,
-                root: world.get::<MorphBody>(part.entity).expect("a scene is a body").0,
+                root: world
+                    .get::<MorphColliderOf>(part.entity)
+                    .expect("a scene is a body")
+                    .body,
                 mesh: part.mesh,
                 triangles: part.triangles(&self.meshes).to_vec(),
             });

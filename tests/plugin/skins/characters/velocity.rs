@@ -44,10 +44,10 @@ fn a_hit_tells_how_fast_the_skin_of_a_character_that_walks_and_talks_is() {
             let outside = DVec3::new((max.x - min.x) * 2.0, 3.0 * f64::from(ray as u32), 2.0 * max.z);
             let (from, to) = (outside.as_vec3(), now[part][vertex].as_vec3());
             let direction = Dir3::new(to - from).unwrap();
-            let cast = move |mut spatial: MorphSpatialQuery| {
+            let cast = move |spatial: MorphSpatialQuery| {
                 let hit = spatial.cast_ray(from, direction, 1e3, &MorphQueryFilter::default());
-                let hit = hit.unwrap()?;
-                Some((hit, hit.velocity(&mut spatial)))
+                let hit = hit?;
+                Some((hit, hit.velocity(&spatial)))
             };
             let Some((hit, velocity)) = stage.app.world_mut().run_system_once(cast).unwrap() else {
                 continue;

@@ -1,0 +1,199 @@
+//! Whole scenes in physics.
+
+use std::path::Path;
+
+use avian3d::prelude::*;
+use bevy::gltf::Gltf;
+use bevy::mesh::morph::MeshMorphWeights;
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_workspace::app::{headless, load_gltf, update_until};
+use morph_collision_workspace::physics::{bevy_mesh, settle, sheet};
+
+use crate::log::start;
+use crate::support::{app, below, body, diagnostics, place, population, run, velocity};
+
+/// A deforming mesh below an entity.
+fn part(app: &mut App, parent: Entity, name: &'static str, mesh: &MorphMesh, at: Vec3) -> Entity {
+    let handle = app.world_mut().resource_mut::<Assets<Mesh>>().add(bevy_mesh(mesh));
+    let weights = MeshMorphWeights::Value {
+        weights: vec![0.0; mesh.targets.len()],
+    };
+    let place = Transform::from_translation(at);
+    app.world_mut()
+        .spawn((Mesh3d(handle), weights, Name::new(name), place, ChildOf(parent)))
+        .id()
+}
+
+/// Whether a ball that falls there is held.
+fn holds(app: &mut App, at: Vec3) -> bool {
+    let ball = body(app, Collider::sphere(0.3), at + Vec3::Y * 0.5);
+    run(app, 60);
+    let held = (place(app, ball).y - at.y - 0.3).abs() < 1e-2;
+    app.world_mut().entity_mut(ball).despawn();
+    run(app, 2);
+    held
+}
+
+fn limits(app: &mut App) -> Vec<f32> {
+    let mut colliders = app.world_mut().query::<&MorphAvianCollider>();
+    let mut limits: Vec<f32> = colliders.iter(app.world()).map(|c| c.max_acceleration).collect();
+    limits.sort_by(f32::total_cmp);
+    limits
+}
+
+#[test]
+fn one_component_brings_a_whole_scene_into_physics_and_takes_it_out() {
+    let mut app = app();
+    let root = app
+        .world_mut()
+        .spawn((MorphAvianScene::default(), Transform::default()))
+        .id();
+    let [left, right] = [Vec3::X * -10.0, Vec3::X * 10.0];
+    part(&mut app, root, "left", &sheet(8), left);
+    settle(&mut app);
+    // One that comes later, below an entity of its own.
+    let arm = app
+        .world_mut()
+        .spawn((Transform::from_translation(right), Visibility::default(), ChildOf(root)))
+        .id();
+    let late = part(&mut app, arm, "right", &sheet(8), Vec3::ZERO);
+    settle(&mut app);
+    run(&mut app, 3);
+    assert_eq!(diagnostics(&app).surfaces, 2);
+    assert!(holds(&mut app, left) && holds(&mut app, right));
+    // Nothing but physics looks at them.
+    let mode = app.world().get::<MorphCollider>(late).unwrap().mode;
+    assert_eq!(mode, MorphCollisionMode::Passive);
+
+    // Edited: what was not changed by hand follows.
+    app.world_mut()
+        .get_mut::<MorphAvianCollider>(late)
+        .unwrap()
+        .max_acceleration = 5.0;
+    let edited = MorphAvianCollider {
+        max_acceleration: 50.0,
+        ..default()
+    };
+    app.world_mut().get_mut::<MorphAvianScene>(root).unwrap().collider = edited;
+    run(&mut app, 2);
+    assert_eq!(limits(&mut app), [5.0, 50.0]);
+
+    app.world_mut().entity_mut(root).remove::<MorphAvianScene>();
+    run(&mut app, 3);
+    assert_eq!(diagnostics(&app).surfaces, 0);
+    assert_eq!(population(&mut app), (0, 0));
+    assert!(!holds(&mut app, left));
+    let mut colliders = app.world_mut().query::<&MorphCollider>();
+    assert_eq!(
+        colliders.iter(app.world()).count(),
+        2,
+        "they are parts of the scene still"
+    );
+    // And back.
+    app.world_mut().entity_mut(root).insert(MorphAvianScene::default());
+    run(&mut app, 3);
+    assert_eq!(limits(&mut app), [100.0, 100.0]);
+    assert!(holds(&mut app, right));
+}
+
+#[test]
+fn names_choose_the_parts_and_colliders_of_the_games_own_stay() {
+    let mut app = app();
+    let scene = MorphColliderScene {
+        only_named: vec!["ground".into()],
+        ..default()
+    };
+    let root = app
+        .world_mut()
+        .spawn((scene, MorphAvianScene::default(), Transform::default()))
+        .id();
+    let ground = part(&mut app, root, "ground", &sheet(8), Vec3::ZERO);
+    let grass = part(&mut app, root, "grass", &sheet(8), Vec3::X * 20.0);
+    let own = MorphAvianCollider {
+        max_acceleration: 1.0,
+        ..default()
+    };
+    let own_part = part(&mut app, root, "own", &sheet(8), Vec3::X * 40.0);
+    app.world_mut().entity_mut(own_part).insert(own);
+    settle(&mut app);
+    run(&mut app, 3);
+    let has = |app: &App, entity| app.world().get::<MorphAvianCollider>(entity).copied();
+    assert_eq!(has(&app, ground), Some(MorphAvianCollider::default()));
+    assert_eq!((has(&app, grass), has(&app, own_part)), (None, Some(own)));
+    assert!(holds(&mut app, Vec3::ZERO) && !holds(&mut app, Vec3::X * 20.0) && holds(&mut app, Vec3::X * 40.0));
+
+    app.world_mut().entity_mut(ground).insert(Name::new("sand"));
+    run(&mut app, 3);
+    assert_eq!(has(&app, ground), None);
+    app.world_mut()
+        .get_mut::<MorphColliderScene>(root)
+        .unwrap()
+        .only_named
+        .push("grass".into());
+    run(&mut app, 3);
+    assert_eq!(has(&app, grass), Some(MorphAvianCollider::default()));
+    app.world_mut().entity_mut(root).remove::<MorphAvianScene>();
+    run(&mut app, 3);
+    assert_eq!((has(&app, grass), has(&app, own_part)), (None, Some(own)));
+}
+
+#[test]
+fn the_parts_of_a_scene_on_a_body_move_with_it() {
+    let mut app = app();
+    let root = app
+        .world_mut()
+        .spawn((
+            MorphAvianScene::default(),
+            RigidBody::Kinematic,
+            LinearVelocity(Vec3::X),
+            Transform::default(),
+        ))
+        .id();
+    let parts = [-10.0, 10.0].map(|x| part(&mut app, root, "part", &sheet(16), Vec3::X * x));
+    settle(&mut app);
+    run(&mut app, 3);
+    for part in parts {
+        let body = app.world().get::<ColliderOf>(part).map(|of| of.body);
+        assert_eq!(body, Some(root));
+    }
+    let from = place(&app, root).x;
+    let boxes = [-10.0, 10.0].map(|x| {
+        body(
+            &mut app,
+            Collider::cuboid(0.6, 0.6, 0.6),
+            Vec3::new(from + x, 0.31, 0.0),
+        )
+    });
+    run(&mut app, 90);
+    for cuboid in boxes {
+        let velocity = velocity(&app, cuboid);
+        assert!((velocity - Vec3::X).length() < 0.02, "it is carried at {velocity}");
+        assert!((place(&app, cuboid).y - 0.3).abs() < 1e-2);
+    }
+}
+
+#[test]
+fn a_gltf_file_is_in_physics_once_it_is_spawned() {
+    let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets");
+    let file = assets.join("dolphin_564.glb");
+    let mut app = headless(&assets);
+    app.add_plugins((PhysicsPlugins::default(), MorphAvianPlugin::default()));
+    start(&mut app);
+    let gltf = load_gltf(&mut app, &file).expect("it comes with the repository");
+    let scene = app.world().resource::<Assets<Gltf>>().get(&gltf).unwrap().scenes[0].clone();
+    app.world_mut()
+        .spawn((WorldAssetRoot(scene), MorphAvianScene::default()));
+    update_until(&mut app, &file, |world| {
+        Ok(world.resource::<MorphAvianDiagnostics>().surfaces == 1)
+    })
+    .expect("it comes into physics");
+    run(&mut app, 2);
+    let hits = below(&mut app, 0.0, 0.0);
+    let mut parts = app
+        .world_mut()
+        .query_filtered::<Entity, (With<MeshMorphWeights>, With<MorphAvianCollider>)>();
+    let mesh = parts.single(app.world()).expect("there is one mesh");
+    assert!(hits.first().is_some_and(|&(entity, _)| entity == mesh), "{hits:?}");
+}

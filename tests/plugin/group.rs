@@ -1,0 +1,105 @@
+//! All plugins at once, with and without what they work with.
+
+use bevy::diagnostic::DiagnosticsStore;
+use bevy::gizmos::GizmoPlugin;
+use bevy::gizmos::config::GizmoConfigStore;
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use bevy_rapier3d::prelude::{NoUserData, RapierPhysicsPlugin};
+
+use crate::log::{Errors, start};
+use crate::support::{add_mesh, cube, plain_app, settle, spawn, touches};
+
+/// Runs a test with what an app with some plugins logs: errors and warnings.
+fn with_app(plugins: impl FnOnce(&mut App), test: impl FnOnce(&mut App, Vec<String>)) {
+    Errors::collect(|errors| {
+        let mut app = plain_app();
+        plugins(&mut app);
+        start(&mut app);
+        let mesh = add_mesh(&mut app, &cube());
+        let [a, b] = [0.0, 0.8].map(|x| spawn(&mut app, &mesh, x));
+        settle(&mut app);
+        assert!(touches(&app, a, b));
+        let logged = errors.take().into_iter().chain(errors.take_warnings()).collect();
+        test(&mut app, logged);
+    });
+}
+
+#[test]
+fn the_group_works_in_an_app_without_anything_to_see() {
+    with_app(
+        |app| {
+            app.add_plugins(MorphPlugins::default());
+        },
+        |app, logged| {
+            assert_eq!(logged, [""; 0]);
+            assert!(app.is_plugin_added::<MorphBoundsPlugin>() && app.is_plugin_added::<MorphPickingPlugin>());
+            let store = app.world().resource::<DiagnosticsStore>();
+            assert!(store.get(&MorphCollisionDiagnosticsPlugin::TOUCHING_PAIRS).is_some());
+            assert!(
+                app.world().get_resource::<MorphRapierDiagnostics>().is_none(),
+                "there is no physics"
+            );
+        },
+    );
+}
+
+#[test]
+fn the_group_brings_what_belongs_to_plugins_that_are_there() {
+    with_app(
+        |app| {
+            app.add_plugins((
+                GizmoPlugin,
+                RapierPhysicsPlugin::<NoUserData>::default(),
+                MorphPlugins::default(),
+            ));
+        },
+        |app, logged| {
+            assert_eq!(logged, [""; 0]);
+            assert!(app.world().contains_resource::<MorphRapierDiagnostics>());
+            let store = app.world().resource::<GizmoConfigStore>();
+            assert!(store.get_config::<MorphGizmos>().is_some());
+        },
+    );
+}
+
+#[test]
+fn physics_that_comes_after_the_group_is_an_error() {
+    with_app(
+        |app| {
+            app.add_plugins((MorphPlugins::default(), RapierPhysicsPlugin::<NoUserData>::default()));
+        },
+        |_, logged| {
+            assert_eq!(logged.len(), 1, "{logged:?}");
+            assert!(
+                logged[0].contains("RapierPhysicsPlugin must be added before"),
+                "{logged:?}"
+            );
+        },
+    );
+}
+
+#[test]
+fn the_group_runs_in_other_schedules_and_without_some_plugins() {
+    #[derive(Resource, Default)]
+    struct Runs(usize);
+    let mut app = plain_app();
+    app.add_plugins(
+        MorphPlugins::new(FixedPostUpdate)
+            .build()
+            .disable::<MorphGizmosPlugin>(),
+    );
+    let step = Time::<Fixed>::default().timestep();
+    app.insert_resource(bevy::time::TimeUpdateStrategy::ManualDuration(step / 2));
+    app.init_resource::<Runs>()
+        .add_systems(Last, |run: Res<MorphCollisionDiagnostics>, mut runs: ResMut<Runs>| {
+            runs.0 += usize::from(run.is_changed());
+        });
+    start(&mut app);
+    assert!(!app.is_plugin_added::<MorphGizmosPlugin>());
+    for _ in 0..20 {
+        app.update();
+    }
+    let runs = app.world().resource::<Runs>().0;
+    assert!((9..=11).contains(&runs), "{runs} runs in 20 frames");
+}

@@ -1,0 +1,307 @@
+//! Meshes and primitive shapes together, judged by the formulas of their distances.
+
+use bevy::math::Vec3A;
+use bevy::prelude::*;
+use bevy::shape::Aabb3d;
+use bevy_morph_collision::prelude::*;
+
+use super::{any, ask, three};
+use crate::support::{add_mesh, app, settle, spawn, stretching_cube};
+
+/// A cube that stretches and shapes of every kind, in places without order.
+pub(super) fn crowd(count: u32) -> (App, Vec<(Entity, Transform, Option<MorphShape>)>) {
+    let mut app = app();
+    let mesh = add_mesh(&mut app, &stretching_cube());
+    let kinds = [
+        None,
+        Some(MorphShape::Ball { radius: 0.6 }),
+        Some(MorphShape::Capsule {
+            half_length: 0.5,
+            radius: 0.3,
+        }),
+        Some(MorphShape::Cuboid {
+            half_extents: Vec3::new(0.3, 0.7, 0.5),
+        }),
+    ];
+    let mut all = Vec::new();
+    for i in 0..count {
+        let x = i as f32;
+        let at = Vec3::new((x * 0.7).sin(), (x * 1.3).cos(), (x * 2.1).sin()) * 6.0;
+        let turn = Quat::from_euler(EulerRot::XYZ, x, 0.5 * x, 0.2 * x);
+        let place = Transform::from_translation(at).with_rotation(turn);
+        let shape = kinds[i as usize % kinds.len()];
+        let entity = match shape {
+            Some(shape) => app.world_mut().spawn((shape, place)).id(),
+            None => {
+                let entity = spawn(&mut app, &mesh, 0.0);
+                app.world_mut().entity_mut(entity).insert(place);
+                entity
+            }
+        };
+        all.push((entity, place, shape));
+    }
+    settle(&mut app);
+    (app, all)
+}
+
+/// The signed distance of a point from a collider as it is placed; from a cube's surface the distance.
+fn distance(point: Vec3, place: &Transform, shape: Option<MorphShape>) -> f32 {
+    let local = place.rotation.inverse() * (point - place.translation);
+    let of_box = |half: Vec3| {
+        let beyond = local.abs() - half;
+        beyond.max(Vec3::ZERO).length() + beyond.max_element().min(0.0)
+    };
+    match shape {
+        None => of_box(Vec3::splat(0.5)).abs(),
+        Some(MorphShape::Ball { radius }) => local.length() - radius,
+        Some(MorphShape::Capsule { half_length, radius }) => {
+            (local - Vec3::Y * local.y.clamp(-half_length, half_length)).length() - radius
+        }
+        Some(MorphShape::Cuboid { half_extents }) => of_box(half_extents),
+        Some(MorphShape::HalfSpace { .. }) => unreachable!("none is spawned"),
+    }
+}
+
+#[test]
+fn shapes_are_found_like_meshes() {
+    let (mut app, all) = crowd(60);
+    let placed: Vec<Entity> = all.iter().map(|(entity, ..)| *entity).collect();
+    let (mut hits, mut inside, mut casts) = ([0, 0], 0, [0, 0]);
+    for i in 0..150_u32 {
+        let x = i as f32;
+        let from = Vec3::new((x * 1.9).cos(), (x * 0.3).sin(), (x * 0.77).cos()) * 7.0;
+        // Near the middle of a collider, seldom in it.
+        let to = all[i as usize * 7 % all.len()].1.translation
+            + Vec3::new((x * 0.9).sin(), (x * 1.1).cos(), (x * 1.7).sin()) * 0.6;
+        let direction = Dir3::new(to - from).unwrap();
+        let is_shape = |entity: Entity| all.iter().any(|one| one.0 == entity && one.2.is_some());
+        let nearest = |point: Vec3| -> (f32, Entity) {
+            let each = all
+                .iter()
+                .map(|(entity, place, shape)| (distance(point, place, *shape), *entity));
+            each.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+        };
+
+        let hit = ask(&mut app, move |s| s.cast_ray(from, direction, 30.0, &any()));
+        let free = hit.map_or(30.0, |hit| hit.distance);
+        for step in 0..300 {
+            let distance = free * step as f32 / 300.0;
+            assert!(
+                nearest(from + direction * distance).0 > 0.0 || free == 0.0,
+                "ray {i} at {distance}"
+            );
+        }
+        if let Some(hit) = hit {
+            hits[usize::from(is_shape(hit.entity))] += 1;
+            let (_, place, shape) = all.iter().find(|one| one.0 == hit.entity).unwrap();
+            if hit.distance > 0.0 {
+                assert!(distance(hit.point, place, *shape).abs() < 1e-4, "{hit:?}");
+                assert!((hit.point - from - direction * hit.distance).length() < 1e-4);
+                let out = distance(hit.point + 0.01 * hit.normal, place, *shape);
+                assert!((out - 0.01).abs() < 1e-3, "{out} {hit:?}");
+            } else {
+                assert!(
+                    distance(from, place, *shape) <= 0.0 && hit.normal == Vec3::ZERO,
+                    "{hit:?}"
+                );
+            }
+        }
+
+        let projected = ask(&mut app, move |s| s.project_point(from, f32::INFINITY, &any())).unwrap();
+        let (expected, _) = nearest(from);
+        assert!(
+            (projected.distance - expected.max(0.0)).abs() < 1e-4,
+            "{projected:?} {expected}"
+        );
+        assert!((projected.point.distance(from) - projected.distance).abs() < 1e-4);
+
+        let at = ask(&mut app, move |s| s.point_intersections(to, &any()));
+        let expected: Vec<Entity> = {
+            let holds = |place: &Transform, shape: Option<MorphShape>| {
+                let cube = MorphShape::Cuboid {
+                    half_extents: Vec3::splat(0.5),
+                };
+                distance(to, place, Some(shape.unwrap_or(cube))) <= 0.0
+            };
+            let mut inside: Vec<Entity> = all.iter().filter(|one| holds(&one.1, one.2)).map(|one| one.0).collect();
+            inside.sort();
+            inside
+        };
+        assert_eq!(at, expected, "{to}");
+        inside += at.len();
+
+        // A ball grows all that it is asked about.
+        let ball = MorphShape::Ball { radius: 0.4 };
+        let near = ask(&mut app, move |s| {
+            s.shape_intersections(&ball, to, Quat::IDENTITY, &any())
+        });
+        for (entity, place, shape) in &all {
+            let away = distance(to, place, *shape) - 0.4;
+            assert!(
+                away.abs() < 1e-4 || near.contains(entity) == (away < 0.0),
+                "{away} {shape:?}"
+            );
+        }
+        let cast = ask(&mut app, move |s| {
+            s.cast_shape(&ball, from, Quat::IDENTITY, direction, 30.0, &any())
+        });
+        let free = cast.map_or(30.0, |hit| hit.distance);
+        for step in 0..300 {
+            let distance = free * step as f32 / 300.0;
+            assert!(
+                nearest(from + direction * distance).0 > 0.4 - 1e-4 || free == 0.0,
+                "cast {i} at {distance}"
+            );
+        }
+        if let Some(hit) = cast {
+            casts[usize::from(is_shape(hit.entity))] += 1;
+            let (_, place, shape) = all.iter().find(|one| one.0 == hit.entity).unwrap();
+            let away = distance(from + direction * hit.distance, place, *shape) - 0.4;
+            assert!(away < 1e-4, "{away} {hit:?}");
+            assert!(
+                hit.distance == 0.0 || distance(hit.point, place, *shape).abs() < 1e-4,
+                "{hit:?}"
+            );
+        }
+
+        let boxes = ask(&mut app, move |s| {
+            let around = Aabb3d {
+                min: (to - 1.0).into(),
+                max: (to + 1.0).into(),
+            };
+            s.aabb_intersections_with_aabb(around, &any())
+        });
+        assert!(near.iter().all(|entity| boxes.contains(entity)) && boxes.len() < placed.len());
+    }
+    assert!(
+        hits[0] > 10 && hits[1] > 30 && casts[0] > 10 && casts[1] > 30 && inside > 10,
+        "{hits:?} {casts:?} {inside}"
+    );
+}
+
+#[test]
+fn pairs_with_shapes_have_closest_points_and_contacts() {
+    let (mut app, [a, ..]) = three();
+    let ball = app
+        .world_mut()
+        .spawn((MorphShape::Ball { radius: 0.5 }, Transform::from_xyz(0.0, 2.0, 0.0)))
+        .id();
+    let other = app
+        .world_mut()
+        .spawn((MorphShape::Ball { radius: 0.5 }, Transform::from_xyz(0.0, 4.0, 0.0)))
+        .id();
+    settle(&mut app);
+    for (first, second, sign) in [(a, ball, 1.0), (ball, a, -1.0), (ball, other, 1.0), (other, ball, -1.0)] {
+        let closest = ask(&mut app, move |s| s.closest_points(first, second, 9.0)).unwrap();
+        assert!((closest.distance - 1.0).abs() < 1e-6, "{closest:?}");
+        assert!((closest.point2.y - closest.point1.y - sign).abs() < 1e-6, "{closest:?}");
+        assert_eq!(ask(&mut app, move |s| s.closest_points(first, second, 0.9)), None);
+        assert_eq!(ask(&mut app, move |s| s.contacts(first, second)), None);
+    }
+    app.world_mut()
+        .entity_mut(ball)
+        .insert(Transform::from_xyz(0.0, 0.9, 0.0));
+    app.update();
+    for (first, second, sign) in [(a, ball, -1.0), (ball, a, 1.0)] {
+        let contacts = ask(&mut app, move |s| s.contacts(first, second)).unwrap();
+        assert!((contacts.normal.y - sign).abs() < 1e-5, "{contacts:?}");
+        assert!(
+            (contacts.depth - 0.1).abs() < 1e-5 && contacts.pair_count >= 1,
+            "{contacts:?}"
+        );
+        let closest = ask(&mut app, move |s| s.closest_points(first, second, 9.0)).unwrap();
+        assert_eq!((closest.distance, closest.point1), (0.0, closest.point2));
+    }
+    assert_eq!(ask(&mut app, move |s| s.closest_points(a, a, 9.0)), None);
+}
+
+#[test]
+fn every_question_asks_its_predicate() {
+    let (mut app, all) = crowd(24);
+    let chosen = all[5].0;
+    let at = all[5].1.translation;
+    let only = move |entity: Entity| entity == chosen;
+    let ball = MorphShape::Ball { radius: 50.0 };
+    let everything = Aabb3d {
+        min: Vec3A::splat(-99.0),
+        max: Vec3A::splat(99.0),
+    };
+    let frustum = bevy::camera::primitives::Frustum::default();
+    let found = ask(&mut app, move |s| {
+        let away = at + Vec3::new(30.0, 1.0, 0.0);
+        let back = Dir3::new(at - away).unwrap();
+        vec![
+            s.ray_hits_predicate(away, back, 99.0, &any(), only)
+                .iter()
+                .map(|hit| hit.entity)
+                .collect(),
+            s.cast_ray_predicate(away, back, 99.0, &any(), only)
+                .map(|hit| hit.entity)
+                .into_iter()
+                .collect(),
+            s.cast_shape_predicate(&MorphShape::default(), away, Quat::IDENTITY, back, 99.0, &any(), only)
+                .map(|hit| hit.entity)
+                .into_iter()
+                .collect(),
+            s.project_point_predicate(away, 99.0, &any(), only)
+                .map(|near| near.entity)
+                .into_iter()
+                .collect(),
+            s.point_intersections_predicate(at, &any(), only),
+            s.shape_intersections_predicate(&ball, at, Quat::IDENTITY, &any(), only),
+            s.aabb_intersections_with_aabb_predicate(everything, &any(), only),
+            s.frustum_intersections_predicate(&frustum, &any(), only),
+        ]
+    });
+    for (i, found) in found.into_iter().enumerate() {
+        let found: Vec<Entity> = found;
+        assert_eq!(found, [chosen], "question {i}");
+    }
+    // One question within another.
+    let nested = ask(&mut app, move |s| {
+        let in_sight = |entity: Entity| {
+            s.bounds(entity).is_some() && !s.shape_intersections(&ball, at, Quat::IDENTITY, &any()).is_empty()
+        };
+        s.aabb_intersections_with_aabb_predicate(everything, &any(), in_sight)
+            .len()
+    });
+    assert_eq!(nested, 24);
+}
+
+#[test]
+fn questions_follow_colliders_that_move_come_and_go() {
+    let (mut app, mut all) = crowd(80);
+    // How collisions see a collider does not matter.
+    for (entity, ..) in all.iter().step_by(2) {
+        let tolerant = MorphCollider::default().with_tolerance(5.0);
+        app.world_mut().entity_mut(*entity).insert(tolerant);
+    }
+    for frame in 0..30_u32 {
+        for (i, (entity, place, _)) in all.iter_mut().enumerate() {
+            place.translation += Vec3::new((i as f32).sin(), (i as f32).cos(), 0.3) * 0.4;
+            app.world_mut().entity_mut(*entity).insert(*place);
+        }
+        if frame % 4 == 3 {
+            let (gone, ..) = all.swap_remove(frame as usize % all.len());
+            app.world_mut().despawn(gone);
+            let place = Transform::from_xyz(frame as f32, 0.0, 0.0);
+            let shape = MorphShape::Ball { radius: 0.6 };
+            let new = app.world_mut().spawn((shape, place)).id();
+            all.push((new, place, Some(shape)));
+        }
+        app.update();
+        let near = |from: Vec3| -> f32 {
+            let each = all.iter().map(|(_, place, shape)| distance(from, place, *shape));
+            each.fold(f32::INFINITY, f32::min).max(0.0)
+        };
+        for i in 0..10 {
+            let from = Vec3::new((i as f32 * 2.1).sin(), (i as f32).cos(), 0.1 * i as f32) * 8.0;
+            let found = ask(&mut app, move |s| s.project_point(from, f32::INFINITY, &any())).unwrap();
+            assert!(
+                (found.distance - near(from)).abs() < 1e-4,
+                "frame {frame}: {found:?} {}",
+                near(from)
+            );
+        }
+    }
+}

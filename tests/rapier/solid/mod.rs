@@ -1,0 +1,330 @@
+//! Closed surfaces with an inside: what gets in is driven out, and sensors see what is in there.
+
+mod sensors;
+mod sides;
+
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use bevy_rapier3d::prelude::*;
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::models::rigid::box_mesh;
+use morph_collision_workspace::physics::{DT, body, settle};
+
+use crate::support::{app, place, run, set_weights, slab, spawn, velocity};
+
+const SOLID: MorphRapierCollider = MorphRapierCollider {
+    max_acceleration: 100.0,
+    solid: true,
+};
+
+/// How fast Rapier pushes bodies apart, and how fast what was inside leaves.
+const DRIVEN: f32 = 3.0;
+const LEAVES: f32 = 1.0;
+
+const SLAB: Vec3 = Vec3::new(2.0, 0.5, 2.0);
+
+/// A slab in physics, solid or not.
+fn with_slab(half: Vec3, solid: bool, more: impl Bundle) -> (App, Entity) {
+    let mut app = app();
+    let slab = spawn(&mut app, &slab(half), more);
+    app.world_mut()
+        .entity_mut(slab)
+        .insert(MorphRapierCollider { solid, ..SOLID });
+    settle(&mut app);
+    (app, slab)
+}
+
+fn floating(app: &mut App, collider: Collider, at: Vec3) -> Entity {
+    let body = body(app, collider, at);
+    app.world_mut().entity_mut(body).insert(GravityScale(0.0));
+    body
+}
+
+/// How far a point is inside a slab, along each axis; negative outside.
+fn depth(at: Vec3, half: Vec3) -> f32 {
+    (half - at.abs()).min_element()
+}
+
+/// Shapes that are 0.4 wide.
+fn shapes() -> [Collider; 5] {
+    let corners: Vec<Vec3> = box_mesh(Vec3::splat(0.2)).positions;
+    [
+        Collider::ball(0.2),
+        Collider::cuboid(0.2, 0.2, 0.2),
+        Collider::capsule_y(0.1, 0.1),
+        Collider::convex_hull(&corners).unwrap(),
+        Collider::compound(vec![(Vec3::ZERO, Quat::IDENTITY, Collider::cuboid(0.2, 0.2, 0.2))]),
+    ]
+}
+
+/// Lets a body leave: after how many steps it is out and away, how fast it was at most, and how fast when its middle came out.
+fn leave(app: &mut App, body: Entity, half: Vec3) -> (usize, f32, f32) {
+    let (mut fastest, mut at_the_door): (f32, Option<f32>) = (0.0, None);
+    for step in 1..=240 {
+        run(app, 1);
+        let speed = velocity(app, body).length();
+        fastest = fastest.max(speed);
+        let depth = depth(place(app, body), half);
+        if depth < 0.0 {
+            at_the_door.get_or_insert(speed);
+        }
+        if depth < -0.19 {
+            return (step, fastest, at_the_door.unwrap_or_default());
+        }
+    }
+    panic!("it is still in, at {}", place(app, body));
+}
+
+#[test]
+fn what_is_spawned_inside_is_driven_out() {
+    for at in [
+        Vec3::new(0.1, 0.15, 0.05),
+        Vec3::new(0.1, -0.15, 0.05),
+        Vec3::new(1.6, 0.02, -0.3),
+        Vec3::new(0.0, 1e-3, 0.0),
+    ] {
+        for shape in shapes() {
+            let (mut app, _) = with_slab(SLAB, true, ());
+            let body = floating(&mut app, shape.clone(), at);
+            let (steps, fastest, leaves) = leave(&mut app, body, SLAB);
+            let way = place(&app, body) - at;
+            println!("{at}: {steps} steps, {fastest}/s, leaves at {leaves}/s, {way}");
+            assert!(steps < 60, "{steps} steps from {at}");
+            assert!(fastest < 1.02 * DRIVEN, "{fastest} from {at}");
+            assert!((0.5 * LEAVES..1.2 * LEAVES).contains(&leaves), "{leaves} from {at}");
+            // Straight out by the side that is nearest.
+            let nearest = if at.x > 1.0 { Vec3::X } else { Vec3::Y * at.y.signum() };
+            assert!(way.normalize().dot(nearest) > 0.99, "{way} from {at}");
+            // It goes on without another push.
+            run(&mut app, 10);
+            assert!(velocity(&app, body).length() < 1.2 * LEAVES, "{}", velocity(&app, body));
+        }
+    }
+}
+
+#[test]
+fn what_is_far_inside_a_large_body_finds_out() {
+    let half = Vec3::splat(4.0);
+    let (mut app, _) = with_slab(half, true, ());
+    let ball = floating(&mut app, Collider::ball(0.2), Vec3::new(0.3, 1.2, 0.1));
+    let (steps, fastest, _) = leave(&mut app, ball, half);
+    println!("{steps} steps, {fastest}/s");
+    assert!(
+        (40..120).contains(&steps) && fastest < 1.02 * DRIVEN,
+        "{steps}, {fastest}"
+    );
+}
+
+#[test]
+fn small_things_and_bullets_are_driven_out() {
+    for (size, bullet) in [(0.03, false), (0.03, true), (0.2, true), (0.004, false)] {
+        for shape in [Collider::ball(size), Collider::cuboid(size, size, size)] {
+            let (mut app, _) = with_slab(SLAB, true, ());
+            let body = floating(&mut app, shape, Vec3::new(0.1, 0.2, 0.05));
+            if bullet {
+                app.world_mut().entity_mut(body).insert(Ccd::enabled());
+            }
+            run(&mut app, 90);
+            let out = depth(place(&app, body), SLAB);
+            assert!(out < -0.9 * size, "{size}, {bullet}: {}", place(&app, body));
+            assert!(velocity(&app, body).length() < 1.2 * LEAVES, "{}", velocity(&app, body));
+        }
+    }
+}
+
+#[test]
+fn what_a_jump_swallows_leaves_by_the_way_it_came() {
+    // The slab jumps up: the box is nearer to its lower side then.
+    let half = Vec3::new(2.0, 0.25, 2.0);
+    let (mut app, surface) = with_slab(half, true, ());
+    let cuboid = body(&mut app, Collider::cuboid(0.15, 0.15, 0.15), Vec3::new(0.1, 0.41, 0.05));
+    run(&mut app, 60);
+    assert!((place(&app, cuboid).y - 0.4).abs() < 1e-2);
+    set_weights(&mut app, surface, &[0.55, 0.0, 0.0, 0.0]);
+    let (mut fastest, mut highest): (f32, f32) = (0.0, 0.0);
+    for _ in 0..120 {
+        run(&mut app, 1);
+        fastest = fastest.max(velocity(&app, cuboid).length());
+        highest = highest.max(place(&app, cuboid).y);
+    }
+    println!("{fastest}/s, up to {highest}");
+    assert!(fastest < 1.02 * DRIVEN && highest < 1.05, "{fastest}, {highest}");
+    let rests = place(&app, cuboid).y;
+    assert!((rests - 0.95).abs() < 1e-2, "{rests}");
+}
+
+#[test]
+fn what_a_jump_swallows_while_it_sleeps_leaves_too() {
+    let (mut app, surface) = with_slab(SLAB, true, ());
+    let cuboid = body(&mut app, Collider::cuboid(0.15, 0.15, 0.15), Vec3::new(0.1, 0.66, 0.05));
+    app.world_mut().entity_mut(cuboid).insert(Sleeping::default());
+    run(&mut app, 300);
+    assert!(app.world().get::<Sleeping>(cuboid).unwrap().sleeping);
+    // Its upper side is far above the box, which is nearer to the lower side.
+    set_weights(&mut app, surface, &[0.0, 1.5, 0.0, 0.0]);
+    run(&mut app, 180);
+    let rests = place(&app, cuboid).y;
+    assert!((rests - 2.15).abs() < 1e-2, "{rests}");
+}
+
+#[test]
+fn a_surface_that_grows_over_a_body_lets_it_out() {
+    // Faster than contacts follow: by 0.3 in every step for four steps.
+    let (mut app, surface) = with_slab(SLAB, true, ());
+    let ball = floating(&mut app, Collider::ball(0.2), Vec3::new(0.1, 0.9, 0.05));
+    run(&mut app, 5);
+    for i in 1..=4 {
+        set_weights(&mut app, surface, &[0.0, 0.3 * i as f32, 0.0, 0.0]);
+        run(&mut app, 1);
+    }
+    run(&mut app, 90);
+    let (at, speed) = (place(&app, ball), velocity(&app, ball));
+    println!("{at}, {speed}");
+    assert!(at.y > 1.89, "{at}");
+}
+
+/// Two jaws that snap at what is between them, and how it fared: how many steps its middle was inside, its greatest speed, and where it ended.
+fn snap(solid: bool) -> (usize, f32, Vec3) {
+    let upper = |mut jaw: MorphMesh, up: f32| {
+        jaw.positions.iter_mut().for_each(|p| p.y += up);
+        jaw
+    };
+    let half = Vec3::new(2.0, 0.4, 2.0);
+    let (lower, above) = (upper(slab(half), -0.7), upper(slab(half), 0.7));
+    // One mesh: the upper jaw moves down by 0.3 and leaves half of the ball's size between.
+    let count = lower.positions.len() as u32;
+    let mut positions = lower.positions.clone();
+    positions.extend(&above.positions);
+    let mut triangles = lower.triangles.clone();
+    triangles.extend(above.triangles.iter().map(|t| t.map(|corner| corner + count)));
+    let bite = (0..positions.len()).map(|i| if i < count as usize { Vec3::ZERO } else { -Vec3::Y * 0.4 });
+    let bite = bite.collect();
+    let mut mesh = MorphMesh::rigid("jaws", positions, triangles);
+    mesh.targets = vec![bite];
+    mesh.target_names = vec!["bite".into()];
+    let mut app = app();
+    let jaws = spawn(&mut app, &mesh, ());
+    app.world_mut()
+        .entity_mut(jaws)
+        .insert(MorphRapierCollider { solid, ..SOLID });
+    settle(&mut app);
+    let ball = body(&mut app, Collider::ball(0.2), Vec3::new(0.1, 0.1, 0.05));
+    let (mut inside, mut fastest): (usize, f32) = (0, 0.0);
+    for i in 0..240 {
+        // Shut and open again, ten times a second.
+        let bite = 0.5 - 0.5 * (std::f32::consts::TAU * 10.0 * DT * i as f32).cos();
+        set_weights(&mut app, jaws, &[bite]);
+        run(&mut app, 1);
+        let at = place(&app, ball);
+        let above = depth(at - Vec3::Y * (0.7 - 0.4 * bite), half);
+        let below = depth(at + Vec3::Y * 0.7, half);
+        inside += usize::from(above.max(below) > 0.02);
+        fastest = fastest.max(velocity(&app, ball).length());
+    }
+    (inside, fastest, place(&app, ball))
+}
+
+#[test]
+fn what_is_between_fast_jaws_is_not_swallowed() {
+    let thin = snap(false);
+    let solid = snap(true);
+    println!("thin: {thin:?}, solid: {solid:?}");
+    assert!(solid.0 < 12, "inside in {} steps", solid.0);
+    assert!(solid.1 < 40.0, "{}", solid.1);
+    assert!(
+        solid.2.y.abs() < 0.35 || solid.2.xz().abs().max_element() > 2.0,
+        "{}",
+        solid.2
+    );
+}
+
+#[test]
+fn a_surface_that_is_not_solid_is_as_thin_as_ever() {
+    let (mut app, slab) = with_slab(SLAB, false, ());
+    let ball = floating(&mut app, Collider::ball(0.2), Vec3::new(0.1, 0.1, 0.05));
+    run(&mut app, 60);
+    assert_eq!(place(&app, ball), Vec3::new(0.1, 0.1, 0.05));
+    // What comes at it from inside is stopped.
+    app.world_mut().entity_mut(ball).insert(Velocity::linear(Vec3::Y));
+    run(&mut app, 60);
+    assert!((place(&app, ball).y - 0.3).abs() < 0.03, "{}", place(&app, ball));
+    // It can be changed at any time, also for what sleeps.
+    app.world_mut()
+        .entity_mut(ball)
+        .insert((Velocity::zero(), Sleeping::default()));
+    run(&mut app, 200);
+    assert!(app.world().get::<Sleeping>(ball).unwrap().sleeping);
+    app.world_mut().entity_mut(slab).insert(SOLID);
+    run(&mut app, 60);
+    assert!(place(&app, ball).y > 0.69, "{}", place(&app, ball));
+    let inside = floating(&mut app, Collider::ball(0.2), Vec3::new(1.0, 0.1, 0.05));
+    app.world_mut()
+        .entity_mut(slab)
+        .insert(MorphRapierCollider { solid: false, ..SOLID });
+    run(&mut app, 30);
+    assert_eq!(place(&app, inside), Vec3::new(1.0, 0.1, 0.05));
+}
+
+#[test]
+fn what_surrounds_a_solid_body_is_not_inside() {
+    // A ring of four bars around a rod: its middle is in the rod, and none of it.
+    let (mut app, _) = with_slab(Vec3::new(0.3, 2.0, 0.3), true, ());
+    let bar = |at: Vec3, half: Vec3| (at, Quat::IDENTITY, Collider::cuboid(half.x, half.y, half.z));
+    let (long, wide) = (Vec3::new(0.7, 0.1, 0.1), Vec3::new(0.1, 0.1, 0.7));
+    let bars = [Vec3::Z, -Vec3::Z].map(|at| bar(0.6 * at, long));
+    let ring = [bars, [Vec3::X, -Vec3::X].map(|at| bar(0.6 * at, wide))].concat();
+    let ring = floating(&mut app, Collider::compound(ring), Vec3::new(0.05, 0.2, 0.0));
+    run(&mut app, 60);
+    assert!(
+        place(&app, ring).distance(Vec3::new(0.05, 0.2, 0.0)) < 1e-4,
+        "{}",
+        place(&app, ring)
+    );
+}
+
+#[test]
+fn groups_spare_what_is_inside() {
+    let at = Vec3::new(0.1, 0.1, 0.05);
+    let others = Group::GROUP_2;
+    for (spared, groups) in [(true, others), (false, Group::GROUP_1)] {
+        let (mut app, _) = with_slab(SLAB, true, SolverGroups::new(Group::ALL, Group::GROUP_1));
+        let ball = floating(&mut app, Collider::ball(0.2), at);
+        app.world_mut()
+            .entity_mut(ball)
+            .insert(SolverGroups::new(groups, Group::ALL));
+        run(&mut app, 60);
+        assert_eq!(place(&app, ball) == at, spared, "{}", place(&app, ball));
+    }
+}
+
+#[test]
+fn a_solid_dynamic_body_and_what_is_inside_it_part() {
+    let more = (RigidBody::Dynamic, GravityScale(0.0), Velocity::default());
+    let (mut app, surface) = with_slab(SLAB, true, more);
+    app.world_mut()
+        .entity_mut(surface)
+        .insert(ColliderMassProperties::Mass(3.0));
+    run(&mut app, 3);
+    for at in [Vec3::new(0.4, 0.1, 0.05), Vec3::new(-0.4, -0.1, 0.05)] {
+        let ball = floating(&mut app, Collider::ball(0.2), at);
+        app.world_mut()
+            .entity_mut(ball)
+            .insert(ColliderMassProperties::Mass(1.0));
+        let mut fastest: f32 = 0.0;
+        for _ in 0..60 {
+            run(&mut app, 1);
+            let momentum = 3.0 * velocity(&app, surface) + velocity(&app, ball);
+            assert!(momentum.length() < 1e-3, "{momentum}");
+            fastest = fastest.max((velocity(&app, ball) - velocity(&app, surface)).length());
+        }
+        let apart = (place(&app, ball) - place(&app, surface)).y.abs();
+        println!("{apart} apart, {fastest}/s");
+        assert!(apart > 0.69 && fastest < 1.1 * DRIVEN, "{apart}, {fastest}");
+        assert!(velocity(&app, ball).length() > 0.1, "{}", velocity(&app, ball));
+        app.world_mut().despawn(ball);
+        app.world_mut()
+            .entity_mut(surface)
+            .insert((Transform::default(), Velocity::zero()));
+        run(&mut app, 2);
+    }
+}

@@ -1,0 +1,153 @@
+//! Surfaces that are animated once a frame, and physics that steps at other times.
+//!
+//! - `steady`: what moves steadily pushes at its speed, in every step.
+//! - `gltf`: the same from an animation player.
+//! - `sudden`: jumps, long frames, pauses, places.
+//! - `walking`: characters.
+
+mod gltf;
+mod steady;
+mod sudden;
+mod walking;
+
+use std::path::Path;
+use std::time::Duration;
+
+use bevy::mesh::morph::MeshMorphWeights;
+use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
+use bevy_morph_collision::prelude::*;
+use bevy_rapier3d::prelude::*;
+use morph_collision_workspace::app::{headless, ready};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+
+use crate::log::run_here;
+
+/// When physics steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Steps {
+    /// In `FixedUpdate`, that often a second.
+    Fixed(f64),
+    /// In `PostUpdate`, 60 times a second, with bodies drawn in between.
+    Interpolated,
+}
+
+/// How long frames are, in seconds.
+#[derive(Clone, Copy, Debug)]
+enum Frames {
+    Every(f64),
+    /// At random between these.
+    Between(f64, f64),
+}
+
+const STEPS: [Steps; 3] = [Steps::Fixed(64.0), Steps::Fixed(60.0), Steps::Interpolated];
+const FRAMES: [Frames; 7] = [
+    Frames::Every(1.0 / 144.0),
+    Frames::Every(1.0 / 60.0),
+    Frames::Every(1.0 / 50.0),
+    Frames::Every(1.0 / 40.0),
+    Frames::Every(1.0 / 30.0),
+    Frames::Between(1.0 / 144.0, 1.0 / 50.0),
+    Frames::Between(1.0 / 144.0, 1.0 / 30.0),
+];
+
+/// Some of them.
+const LENGTHS: [Frames; 4] = [FRAMES[0], FRAMES[1], FRAMES[4], FRAMES[6]];
+
+/// An app that watches what bodies do after every step.
+fn app(assets: &Path, steps: Steps) -> App {
+    let mut app = headless(assets);
+    let rapier = RapierPhysicsPlugin::<NoUserData>::default();
+    match steps {
+        Steps::Fixed(rate) => {
+            let dt = (1.0 / rate) as f32;
+            app.add_plugins((rapier.in_fixed_schedule(), MorphRapierPlugin::new(FixedUpdate)))
+                .insert_resource(TimestepMode::Fixed { dt, substeps: 1 })
+                .insert_resource(Time::<Fixed>::from_hz(rate))
+                .add_systems(FixedUpdate, watch.after(PhysicsSet::Writeback));
+        }
+        Steps::Interpolated => {
+            app.add_plugins((rapier, MorphRapierPlugin::default()))
+                .insert_resource(TimestepMode::Interpolated {
+                    dt: 1.0 / 60.0,
+                    time_scale: 1.0,
+                    substeps: 1,
+                })
+                .add_systems(PostUpdate, watch.after(PhysicsSet::Writeback));
+        }
+    }
+    app.add_systems(Update, animate.run_if(not(resource_exists::<steady::Stop>)));
+    ready(&mut app);
+    run_here(&mut app);
+    app
+}
+
+/// Runs frames.
+fn frames(app: &mut App, frames: Frames, count: usize) {
+    let mut random = Pcg64::seed_from_u64(3);
+    for _ in 0..count {
+        let length = match frames {
+            Frames::Every(length) => length,
+            Frames::Between(low, high) => random.random_range(low..high),
+        };
+        app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f64(length)));
+        app.update();
+    }
+}
+
+/// Weights over time.
+type Weights = fn(f32) -> [f32; 2];
+
+/// The weights of a surface over time, since some moment.
+#[derive(Resource)]
+struct Animated {
+    surface: Entity,
+    since: f32,
+    weights: Weights,
+}
+
+/// Begins to animate a surface; returns when.
+fn begin(app: &mut App, surface: Entity, weights: Weights) -> f32 {
+    let since = now(app);
+    app.insert_resource(Animated {
+        surface,
+        since,
+        weights,
+    });
+    since
+}
+
+fn now(app: &App) -> f32 {
+    app.world().resource::<Time<Virtual>>().elapsed_secs()
+}
+
+fn animate(mut surfaces: Query<&mut MeshMorphWeights>, animated: If<Res<Animated>>, time: Res<Time>) {
+    let weights = (animated.weights)(time.elapsed_secs() - animated.since).to_vec();
+    if let Ok(mut shown) = surfaces.get_mut(animated.surface) {
+        *shown = MeshMorphWeights::Value { weights };
+    }
+}
+
+/// What a body did: where it was and how fast, after each step.
+#[derive(Resource)]
+struct Watched {
+    body: Entity,
+    steps: Vec<(Vec3, Vec3)>,
+}
+
+fn begin_to_watch(app: &mut App, body: Entity) {
+    let steps = Vec::new();
+    app.insert_resource(Watched { body, steps });
+}
+
+fn watch(mut watched: If<ResMut<Watched>>, bodies: Query<(&Transform, &Velocity)>) {
+    if let Ok((place, velocity)) = bodies.get(watched.body) {
+        watched.steps.push((place.translation, velocity.linear));
+    }
+}
+
+/// The lowest and the highest of some numbers.
+fn range(numbers: impl Iterator<Item = f32>) -> (f32, f32) {
+    numbers.fold((f32::MAX, f32::MIN), |(low, high), x| (low.min(x), high.max(x)))
+}

@@ -1,0 +1,142 @@
+//! What moves steadily pushes and carries at its own speed in every step, whenever frames and steps come.
+
+use std::path::Path;
+
+use bevy::prelude::*;
+use bevy_rapier3d::prelude::*;
+use morph_collision_workspace::physics::{body, settle, sheet};
+
+use super::{FRAMES, Frames, LENGTHS, STEPS, Steps, Watched, animate, app, begin, begin_to_watch, frames, now, range};
+use crate::support::{place, spawn};
+
+/// A sheet, and a body at rest on it.
+fn on_a_sheet(steps: Steps, lengths: Frames, collider: Collider) -> (App, Entity, Entity) {
+    let mut app = app(Path::new("."), steps);
+    let surface = spawn(&mut app, &sheet(16), ());
+    settle(&mut app);
+    let body = body(&mut app, collider, Vec3::new(0.1, 0.5, 0.05));
+    frames(&mut app, lengths, 60);
+    begin_to_watch(&mut app, body);
+    (app, surface, body)
+}
+
+#[test]
+fn a_ball_rises_with_the_surface_in_every_step() {
+    for steps in STEPS {
+        for lengths in FRAMES {
+            let (mut app, surface, ball) = on_a_sheet(steps, lengths, Collider::ball(0.5));
+            let since = begin(&mut app, surface, |time| [0.5 * time, 0.0]);
+            frames(&mut app, lengths, 200);
+            let velocities = &app.world().resource::<Watched>().steps[30..];
+            assert!(velocities.len() > 50);
+            let (low, high) = range(velocities.iter().map(|(_, velocity)| velocity.y));
+            assert!(
+                low > 0.49 && high < 0.51,
+                "{steps:?}, {lengths:?}: velocities from {low} to {high}"
+            );
+            // What the ball is behind what is drawn, in seconds: not more than a few frames or steps.
+            let behind = (0.5 * (now(&app) - since) - (place(&app, ball).y - 0.5)) / 0.5;
+            assert!(
+                (-0.02..0.06).contains(&behind),
+                "{steps:?}, {lengths:?}: {behind} s behind"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_box_is_carried_as_far_as_the_surface_slides() {
+    for steps in STEPS {
+        for lengths in LENGTHS {
+            let (mut app, surface, cuboid) = on_a_sheet(steps, lengths, Collider::cuboid(0.5, 0.5, 0.5));
+            let since = begin(&mut app, surface, |time| [0.0, time.min(1.0)]);
+            while now(&app) < since + 1.5 {
+                frames(&mut app, lengths, 10);
+            }
+            let carried = place(&app, cuboid).x - 0.1;
+            // The surface starts and stops at once; friction needs a moment for both.
+            assert!(
+                (carried - 1.0).abs() < 0.03,
+                "{steps:?}, {lengths:?}: carried by {carried}"
+            );
+        }
+    }
+}
+
+#[test]
+fn what_is_animated_in_every_step_is_seen_as_it_is() {
+    for lengths in LENGTHS {
+        for after_physics in [false, true] {
+            let steps = Steps::Fixed(64.0);
+            let mut app = app(Path::new("."), steps);
+            if after_physics {
+                app.add_systems(FixedUpdate, animate.after(PhysicsSet::Writeback));
+            } else {
+                app.add_systems(FixedUpdate, animate.before(PhysicsSet::SyncBackend));
+            }
+            let surface = spawn(&mut app, &sheet(16), ());
+            settle(&mut app);
+            let ball = body(&mut app, Collider::ball(0.5), Vec3::new(0.1, 0.5, 0.05));
+            frames(&mut app, lengths, 60);
+            // Frames come first, and steps take over.
+            begin(&mut app, surface, |time| [1e-4 * time, 0.0]);
+            frames(&mut app, lengths, 30);
+            begin_to_watch(&mut app, ball);
+            // The system in `Update` must not be there: it would animate by another clock.
+            app.insert_resource(Stop);
+            let since = app.world().resource::<Time<Fixed>>().elapsed_secs();
+            begin(&mut app, surface, |time| [0.5 * time, 0.0]);
+            app.world_mut().resource_mut::<super::Animated>().since = since;
+            frames(&mut app, lengths, 200);
+            let watched = app.world().resource::<Watched>();
+            let (low, high) = range(watched.steps[30..].iter().map(|(_, velocity)| velocity.y));
+            assert!(
+                low > 0.495 && high < 0.505,
+                "{lengths:?}: velocities from {low} to {high}"
+            );
+            let elapsed = app.world().resource::<Time<Fixed>>().elapsed_secs() - since;
+            let behind = 0.5 * elapsed - (place(&app, ball).y - 0.5);
+            let a_step = if after_physics { 0.5 / 64.0 } else { 0.0 };
+            assert!(
+                (behind - a_step).abs() < 2e-3,
+                "{lengths:?}, {after_physics}: {behind} behind"
+            );
+        }
+    }
+}
+
+/// While this is there, nothing is animated in `Update`.
+#[derive(Resource)]
+pub(super) struct Stop;
+
+#[test]
+fn an_entity_that_is_moved_once_a_frame_carries() {
+    for steps in STEPS {
+        for lengths in LENGTHS {
+            let (mut app, surface, cuboid) = on_a_sheet(steps, lengths, Collider::cuboid(0.5, 0.5, 0.5));
+            let since = now(&app);
+            app.add_systems(Update, move |mut places: Query<&mut Transform>, time: Res<Time>| {
+                let time = time.elapsed_secs() - since;
+                if let Ok(mut place) = places.get_mut(surface) {
+                    place.translation = Vec3::new(0.3 * time, 0.5 * time, 0.0);
+                }
+            });
+            frames(&mut app, lengths, 200);
+            let velocities = &app.world().resource::<Watched>().steps[60..];
+            for axis in [0, 1] {
+                let speed = [0.3, 0.5][axis];
+                let (low, high) = range(velocities.iter().map(|(_, velocity)| velocity[axis]));
+                assert!(
+                    low > 0.98 * speed && high < 1.02 * speed,
+                    "{steps:?}, {lengths:?}: velocities along {axis} from {low} to {high}"
+                );
+            }
+            let height = place(&app, cuboid).y - 0.5;
+            let expected = 0.5 * (now(&app) - since);
+            assert!(
+                (height - expected).abs() < 0.03,
+                "{steps:?}, {lengths:?}: {height}, {expected}"
+            );
+        }
+    }
+}

@@ -26,7 +26,7 @@ features:
     #!/usr/bin/env bash
     set -euo pipefail
     for feature in serde rayon; do cargo check -p morph_collision --no-default-features --features "$feature"; done
-    for feature in "" gltf picking gizmos diagnostics rapier; do cargo check -p bevy_morph_collision --no-default-features --features "$feature"; done
+    for feature in "" gltf picking gizmos diagnostics rapier avian; do cargo check -p bevy_morph_collision --no-default-features --features "$feature"; done
 
 # Packages the published crates and builds each from its package (the last one compiles Bevy).
 package:
@@ -72,6 +72,10 @@ first-run PICTURE="dolphins.png":
 demo *ARGS:
     cargo run --release --features render --example dolphins -- {{ARGS}}
 
+# A program of the plugin's cookbook, in a window: just cookbook face_zones.
+cookbook NAME:
+    BEVY_ASSET_ROOT="{{justfile_directory()}}" cargo run -p bevy_morph_collision --all-features --example {{NAME}}
+
 # The examples must find what touches. They are built as the tests built them.
 demo-check:
     #!/usr/bin/env bash
@@ -83,9 +87,9 @@ demo-check:
     crowd=$("${CARGO_TARGET_DIR:-target}/debug/examples/crowd" --headless --instances 60 --frames 5 --json)
     echo "$crowd"
     grep -Eq '"dense":.*"pairs": *[1-9]' <<< "$crowd"
-    rain=$("${CARGO_TARGET_DIR:-target}/debug/examples/physics" --headless --bodies 40 --steps 240 --json)
+    rain=$("${CARGO_TARGET_DIR:-target}/debug/examples/physics" --headless --bodies 40 --frames 300 --json)
     echo "$rain"
-    grep -Eq '"fell_through": *0,' <<< "$rain"
+    grep -Eq '"fell_through": *0,.*"player_grounded": *(1|0\.9)[0-9.]*,.*"player_walked": *[1-9]' <<< "$rain"
     character=$("${CARGO_TARGET_DIR:-target}/debug/examples/character" --headless --frames 400 --json)
     echo "$character"
     grep -Eq '"kicks": *[1-9].*"frames_hand_on_face": *[1-9]' <<< "$character"
@@ -214,9 +218,17 @@ report *ARGS:
 physics-report *ARGS:
     cargo run --release --example physics_report -- {{ARGS}}
 
+# Makes the tables of docs/avian.md again, in place: the same with Avian; --batches N drops N hundred bodies (100 by default).
+avian-report *ARGS:
+    cargo run --release --example avian_report -- {{ARGS}}
+
 # Makes the tables of docs/characters.md again, in place: crowds of skinned characters, here, with Bevy's own bounds and picking, and with capsules.
 characters-report *ARGS:
     cargo run --release -p morph_collision_workspace --example characters_report -- {{ARGS}}
+
+# Makes the table and the plot of docs/tolerance.md again, in place: time against error.
+tolerance-report *ARGS:
+    cargo run --release -p morph_collision_workspace --example tolerance_report -- {{ARGS}}
 
 # Times the library's queries on this machine: all, or those whose name contains NAME.
 bench *NAME:

@@ -139,7 +139,7 @@ impl Report {
         self.most_parts = self.most_parts.max(parts);
         let look = |darts: Query<(&MorphSurfaceAnchor, &GlobalTransform), With<Dart>>,
                     touching: Query<&HandOnFace>,
-                    mut spatial: MorphSpatialQuery| {
+                    spatial: MorphSpatialQuery| {
             let mut off = 0.0_f32;
             for (anchor, place) in &darts {
                 if let Some([a, b, c]) = spatial.posed_triangle(anchor.collider, anchor.triangle) {

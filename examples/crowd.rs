@@ -37,6 +37,9 @@ struct Options {
     /// Any glTF or glb file with morph targets, in place of the dolphins.
     #[arg(long)]
     model: Option<PathBuf>,
+    /// How far bodies may move before their pairs are compared again, in percent of a body's length.
+    #[arg(long, default_value_t = 0.0, value_parser = percentage)]
+    tolerance: f32,
     /// Do not draw, print numbers. Without the feature `render` nothing else can be done.
     #[arg(long)]
     headless: bool,
@@ -51,6 +54,8 @@ struct Options {
 #[derive(Serialize)]
 struct Report {
     instances: usize,
+    /// In world units.
+    tolerance: f32,
     idle: Cost,
     apart: Cost,
     dense: Cost,
@@ -64,6 +69,8 @@ struct Cost {
     plugin_us: f64,
     /// Bodies that touch.
     pairs: u64,
+    /// Colliders that had moved by no more than the tolerance.
+    held: u64,
 }
 
 fn main() -> ExitCode {
@@ -94,10 +101,11 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     });
     app::ready(&mut app);
     let instances = Instances::spawn(&mut app, &file, count, false)?;
+    let tolerance = options.tolerance / 100.0 * instances.length();
     // Touching or not is what is asked.
     let mut parts = app.world_mut().query::<&mut MorphCollider>();
     for mut collider in parts.iter_mut(app.world_mut()) {
-        *collider = MorphCollider::new(CollisionMode::Any);
+        *collider = MorphCollider::new(MorphCollisionMode::Any).with_tolerance(tolerance);
     }
 
     let progress = progress_bar(3 * u64::from(options.frames));
@@ -116,6 +124,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
 
     let report = Report {
         instances: count,
+        tolerance,
         idle,
         apart,
         dense,
@@ -142,7 +151,7 @@ impl Crowd {
     /// Medians over some frames, after a few that are not counted. `spacing` is that of the bodies in body lengths; `None` leaves
     /// them where they are.
     fn time(&mut self, spacing: Option<f32>) -> Cost {
-        let (mut frames, mut plugin, mut pairs) = (Vec::new(), Vec::new(), Vec::new());
+        let [mut frames, mut plugin, mut pairs, mut held] = [const { Vec::new() }; 4];
         for frame in 0..5 + self.frames {
             if let Some(spacing) = spacing {
                 self.place(frame, spacing);
@@ -157,12 +166,14 @@ impl Crowd {
             frames.push(took.as_secs_f64() * 1e6);
             plugin.push(diagnostics.duration.as_secs_f64() * 1e6);
             pairs.push(diagnostics.touching_pairs as f64);
+            held.push(diagnostics.held_colliders as f64);
             self.progress.inc(1);
         }
         Cost {
             frame_us: median(frames),
             plugin_us: median(plugin),
             pairs: median(pairs) as u64,
+            held: median(held) as u64,
         }
     }
 
@@ -185,6 +196,15 @@ impl Crowd {
     }
 }
 
+/// A number of percent that is finite and not negative.
+fn percentage(text: &str) -> Result<f32, String> {
+    let percent: f32 = text.parse().map_err(|error| format!("{error}"))?;
+    let is_good = (0.0..1e6).contains(&percent);
+    is_good
+        .then_some(percent)
+        .ok_or_else(|| "it must be from 0 to 1000000".to_owned())
+}
+
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)
@@ -192,17 +212,21 @@ fn median(mut values: Vec<f64>) -> f64 {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        writeln!(f, "{} morphing bodies; medians per frame", self.instances)?;
         writeln!(
             f,
-            "{:8} {:>12} {:>12} {:>10}",
-            "", "frame, us", "plugin, us", "touching"
+            "{} morphing bodies, tolerance {}; medians per frame",
+            self.instances, self.tolerance
+        )?;
+        writeln!(
+            f,
+            "{:8} {:>12} {:>12} {:>10} {:>10}",
+            "", "frame, us", "plugin, us", "touching", "held"
         )?;
         for (name, cost) in [("idle", &self.idle), ("apart", &self.apart), ("dense", &self.dense)] {
             writeln!(
                 f,
-                "{name:8} {:12.0} {:12.1} {:10}",
-                cost.frame_us, cost.plugin_us, cost.pairs
+                "{name:8} {:12.0} {:12.1} {:10} {:10}",
+                cost.frame_us, cost.plugin_us, cost.pairs, cost.held
             )?;
         }
         write!(

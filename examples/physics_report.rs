@@ -6,17 +6,16 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
-use std::time::Instant;
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
 use clap::Parser;
-use morph_collision_testkit::bench::{cpu, median};
+use morph_collision_testkit::bench::cpu;
 use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_workspace::physics::drops::{Drop, Kind, batch_of_drops, bowl, fates, waves};
+use morph_collision_workspace::physics::times::{Scene, Timed, scenes, table, time};
 use morph_collision_workspace::physics::{DT, Method, Surface, app, body, settle, sheet, state};
 use morph_collision_workspace::tables::{Section, TableOptions, progress, rewrite};
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
 
 /// Tables about rigid bodies on morphing surfaces.
 #[derive(Parser)]
@@ -26,9 +25,21 @@ struct Options {
     page: PathBuf,
     #[command(flatten)]
     tables: TableOptions,
-    /// Print the times of this row of the last table, of this plugin alone, and change nothing: to profile it.
+    /// Print the times of this row of the last table, of one way alone, and change nothing: to profile it.
     #[arg(long)]
     row: Option<usize>,
+    /// Which: 0 is this plugin, then come the rivals.
+    #[arg(long, default_value_t = 0)]
+    way: usize,
+    /// Print which bodies of one hundred drops fall through, here, and change nothing.
+    #[arg(long)]
+    batch: Option<u64>,
+}
+
+impl Options {
+    fn way(&self) -> Method {
+        Method::ALL.get(self.way).copied().unwrap_or(Method::Ours)
+    }
 }
 
 fn main() -> ExitCode {
@@ -49,8 +60,20 @@ fn run(options: &Options) -> Result<(), String> {
             .get(row)
             .ok_or_else(|| format!("there are {} rows", scenes.len()))?;
         let frames = if quick { 100 } else { 600 };
-        let times = time(scene, &sheet(101), frames, &[Method::Ours]);
+        let mesh = sheet(101);
+        let times = time(scene, frames, worlds(scene, &mesh, &[options.way()]));
         println!("{} surfaces, {}: {:.0} us", scene.shapes, scene.what, times[0]);
+        return Ok(());
+    }
+    if let Some(batch) = options.batch {
+        let (mesh, drops) = (bowl(), batch_of_drops(batch, 100));
+        for ccd in [false, true] {
+            for (i, drop) in drops.iter().enumerate() {
+                if fall(options.way(), &mesh, ccd, std::slice::from_ref(drop)).0 > 0 {
+                    println!("CCD {ccd}: {i}: {drop:?}");
+                }
+            }
+        }
         return Ok(());
     }
     let sections: [Section<'_>; 4] = [
@@ -136,21 +159,6 @@ fn behaviour() -> String {
     table
 }
 
-/// A bowl of 24 by 24 that waves.
-fn bowl() -> MorphMesh {
-    let mut mesh = sheet(48);
-    for vertex in &mut mesh.positions {
-        *vertex *= 3.0;
-        vertex.y = 0.03 * (vertex.x * vertex.x + vertex.z * vertex.z);
-    }
-    let wave = |direction: Vec2, phase: f32| {
-        let height = |p: &Vec3| 0.3 * (direction.dot(p.xz()) + phase).sin();
-        mesh.positions.iter().map(|p| Vec3::Y * height(p)).collect()
-    };
-    mesh.targets = vec![wave(Vec2::new(1.0, 0.2), 0.0), wave(Vec2::new(-0.3, 0.9), 1.0)];
-    mesh
-}
-
 /// Bodies that fall into the bowl, each alone: how many fall through.
 fn drops(quick: bool) -> String {
     let mesh = bowl();
@@ -162,9 +170,9 @@ fn drops(quick: bool) -> String {
         for method in [Method::Ours, Method::NewMesh] {
             let (mut through, mut left) = (0, 0);
             for batch in 0..batches {
-                let fates = batch_of_drops(method, &mesh, ccd, batch, per_batch);
-                through += fates.0;
-                left += fates.1;
+                let fell = fall(method, &mesh, ccd, &batch_of_drops(batch, per_batch));
+                through += fell.0;
+                left += fell.1;
                 progress.inc(1);
             }
             let on = if ccd { "on" } else { "off" };
@@ -176,175 +184,71 @@ fn drops(quick: bool) -> String {
     table
 }
 
-fn batch_of_drops(method: Method, mesh: &MorphMesh, ccd: bool, batch: u64, count: u64) -> (u64, u64) {
-    let mut rng = Pcg64Mcg::seed_from_u64(batch);
+fn fall(method: Method, mesh: &MorphMesh, ccd: bool, drops: &[Drop]) -> (u64, u64) {
     let mut app = here();
     let mut surface = Surface::spawn(&mut app, method, mesh, Vec3::ZERO, &mut None);
     settle(&mut app);
     let mut bodies = Vec::new();
-    for _ in 0..count {
-        let mut within = |reach: f32| rng.random_range(-reach..=reach);
-        let at = Vec3::new(within(6.0), 5.0 + within(2.0), within(6.0));
-        // As after a fall of some metres.
-        let linear = Vec3::new(within(3.0), -6.0 + within(4.0), within(3.0));
-        let angular = Vec3::new(within(5.0), within(5.0), within(5.0));
-        let size = 0.25 + within(0.15);
-        let collider = match bodies.len() % 3 {
-            0 => Collider::ball(size),
-            1 => Collider::cuboid(size, 0.7 * size, 0.5 * size),
-            _ => Collider::capsule_y(size, 0.5 * size),
+    for drop in drops {
+        let size = drop.size;
+        let collider = match drop.kind {
+            Kind::Ball => Collider::ball(size),
+            Kind::Cuboid => Collider::cuboid(size, 0.7 * size, 0.5 * size),
+            Kind::Capsule => Collider::capsule_y(size, 0.5 * size),
         };
-        let body = body(&mut app, collider, at);
+        let body = body(&mut app, collider, drop.at);
         // They meet the surface alone.
         let groups = CollisionGroups::new(Group::GROUP_1, Group::ALL ^ Group::GROUP_1);
         let mut entity = app.world_mut().entity_mut(body);
-        entity.insert((Velocity { linear, angular }, groups));
+        let velocity = Velocity {
+            linear: drop.linear,
+            angular: drop.angular,
+        };
+        entity.insert((velocity, groups));
         if ccd {
             entity.insert(Ccd::enabled());
         }
         bodies.push(body);
     }
     for step in 0..240 {
-        let time = step as f32 * DT;
-        surface.pose(&mut app, &[(3.0 * time).sin(), (2.3 * time).cos()]);
+        surface.pose(&mut app, &waves(step as f32 * DT));
         app.update();
     }
-    let places = bodies.iter().map(|&body| state(&app, body).0);
-    places.fold((0, 0), |(through, left), at| {
-        if at.x.abs().max(at.z.abs()) > 11.5 {
-            (through, left + 1)
-        } else {
-            (through + u64::from(at.y < -1.0), left)
-        }
-    })
-}
-
-/// What a scene of the table of times is.
-struct Scene {
-    what: &'static str,
-    shapes: usize,
-    /// On each of the first so many shapes.
-    on: usize,
-    bodies: usize,
-    morphs: bool,
-}
-
-fn scenes() -> Vec<Scene> {
-    let few = |shapes, on| Scene {
-        what: "few bodies",
-        shapes,
-        on,
-        bodies: 2,
-        morphs: true,
-    };
-    vec![
-        few(1, 1),
-        few(10, 10),
-        few(100, 1),
-        Scene {
-            what: "many bodies",
-            bodies: 100,
-            ..few(1, 1)
-        },
-        Scene {
-            what: "many bodies",
-            bodies: 30,
-            ..few(10, 10)
-        },
-        Scene {
-            what: "nothing near",
-            bodies: 0,
-            ..few(10, 0)
-        },
-        Scene {
-            what: "nothing morphs",
-            morphs: false,
-            ..few(1, 1)
-        },
-        Scene {
-            what: "nothing morphs, many bodies",
-            bodies: 100,
-            morphs: false,
-            ..few(1, 1)
-        },
-    ]
+    fates(bodies.iter().map(|&body| state(&app, body).0))
 }
 
 /// What a frame costs.
 fn times(quick: bool) -> String {
     let mesh = sheet(101);
-    let frames = if quick { 20 } else { 100 };
-    let scenes = scenes();
-    let mut table = String::from("| surfaces | bodies | ours, µs |");
-    for method in &Method::ALL[1..] {
-        let _infallible = write!(table, " {} |", method.name());
-    }
-    table.push_str("\n|---|---|--:|--:|--:|--:|--:|\n");
-    let progress = progress(scenes.len() as u64);
-    for scene in &scenes {
-        let row = time(scene, &mesh, frames, &Method::ALL);
-        let (shapes, bodies) = (scene.shapes, scene.on * scene.bodies);
-        let _infallible = write!(table, "| {shapes} | {bodies} ({}) | {:.0} |", scene.what, row[0]);
-        for rival in &row[1..] {
-            let _infallible = write!(table, " {:.2} |", rival / row[0]);
-        }
-        table.push('\n');
-        progress.inc(1);
-    }
-    progress.finish_and_clear();
-    table
+    let names: Vec<&str> = Method::ALL[1..].iter().map(|method| method.name()).collect();
+    table(quick, &names, |scene| worlds(scene, &mesh, &Method::ALL))
 }
 
-/// Frames of one way in a row.
-const TURN: usize = 20;
-
-/// Medians of whole frames in microseconds, the ways in turns.
-fn time(scene: &Scene, mesh: &MorphMesh, frames: usize, methods: &[Method]) -> Vec<f64> {
-    let mut worlds: Vec<_> = methods
-        .iter()
-        .map(|&method| {
-            let mut app = here();
-            let mut shared = None;
-            let surfaces: Vec<_> = (0..scene.shapes)
-                .map(|i| Surface::spawn(&mut app, method, mesh, Vec3::X * 20.0 * i as f32, &mut shared))
-                .collect();
-            settle(&mut app);
-            for surface in 0..scene.on {
-                for i in 0..scene.bodies {
-                    let cell =
-                        Vec3::new((i % 10) as f32 - 4.5, 0.4, (i / 10) as f32 - 4.5) * Vec3::new(0.75, 1.0, 0.75);
-                    let at = Vec3::X * 20.0 * surface as f32 + cell;
-                    let collider = if i % 2 == 0 {
-                        Collider::ball(0.3)
-                    } else {
-                        Collider::cuboid(0.3, 0.3, 0.3)
-                    };
-                    let body = body(&mut app, collider, at);
-                    app.world_mut().entity_mut(body).insert(Sleeping::disabled());
-                }
-            }
-            (app, surfaces)
-        })
-        .collect();
-    // In turns of some frames, as in a game that has its caches to itself.
-    let mut times = vec![Vec::new(); worlds.len()];
-    for turn in 0..=frames.div_ceil(TURN) {
-        for ((app, surfaces), times) in worlds.iter_mut().zip(&mut times) {
-            for frame in 0..TURN {
-                let time = (turn * TURN + frame) as f32 * DT;
-                let start = Instant::now();
-                if scene.morphs {
-                    for surface in surfaces.iter_mut() {
-                        surface.pose(app, &[0.05 * (6.0 * time).sin(), 0.05 * (5.0 * time).cos()]);
-                    }
-                }
-                app.update();
-                // The first turn is for bodies to come to rest, the first frames of one for caches to fill.
-                if turn > 0 && frame >= TURN / 4 {
-                    times.push(start.elapsed().as_secs_f64() * 1e6);
-                }
-            }
+/// A scene in as many ways.
+fn worlds<'a>(scene: &Scene, mesh: &'a MorphMesh, methods: &[Method]) -> Vec<Timed<'a>> {
+    let world = |&method: &Method| -> Timed<'a> {
+        let mut app = here();
+        let mut shared = None;
+        let spawn = |at| Surface::spawn(&mut app, method, mesh, at, &mut shared);
+        let mut surfaces: Vec<_> = scene.sheets().map(spawn).collect();
+        for floor in scene.floors() {
+            app.world_mut()
+                .spawn((Collider::cuboid(3.0, 0.5, 4.0), Transform::from_translation(floor)));
         }
-    }
-    times.into_iter().map(|times| median(times.into_iter())).collect()
+        settle(&mut app);
+        for (i, at) in scene.places().enumerate() {
+            let collider = if i % 2 == 0 {
+                Collider::ball(0.3)
+            } else {
+                Collider::cuboid(0.3, 0.3, 0.3)
+            };
+            let body = body(&mut app, collider, at);
+            app.world_mut().entity_mut(body).insert(Sleeping::disabled());
+        }
+        let pose = move |app: &mut App, weights: &[f32]| {
+            surfaces.iter_mut().for_each(|surface| surface.pose(app, weights));
+        };
+        (app, Box::new(pose))
+    };
+    methods.iter().map(world).collect()
 }

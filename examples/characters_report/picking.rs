@@ -28,7 +28,7 @@ type Hit = Option<(Entity, f32)>;
 /// Casts rays and says what they hit and how long that took.
 type Caster = SystemId<In<Vec<Ray3d>>, (Vec<Hit>, f64)>;
 
-fn by_plugin(In(rays): In<Vec<Ray3d>>, mut spatial: MorphSpatialQuery) -> (Vec<Hit>, f64) {
+fn by_plugin(In(rays): In<Vec<Ray3d>>, spatial: MorphSpatialQuery) -> (Vec<Hit>, f64) {
     let filter = MorphQueryFilter {
         only_front: true,
         ..default()
@@ -36,7 +36,7 @@ fn by_plugin(In(rays): In<Vec<Ray3d>>, mut spatial: MorphSpatialQuery) -> (Vec<H
     let watch = Stopwatch::start();
     let cast = |ray: Ray3d| {
         let hit = spatial.cast_ray(ray.origin, ray.direction, f32::INFINITY, &filter);
-        hit.ok().flatten().map(|hit| (hit.entity, hit.distance))
+        hit.map(|hit| (hit.entity, hit.distance))
     };
     let hits = rays.into_iter().map(cast).collect();
     (hits, watch.elapsed().as_secs_f64() * 1e6)
@@ -56,11 +56,13 @@ fn by_bevy(In(rays): In<Vec<Ray3d>>, mut mesh_rays: MeshRayCast) -> (Vec<Hit>, f
 /// A crowd that both can be asked about, with Bevy's own boxes around what joints do.
 fn crowd(model: &Model) -> Result<(Stage, [Caster; 2]), String> {
     let scene = MorphColliderScene {
-        collider: MorphCollider::new(CollisionMode::Passive),
+        collider: MorphCollider::new(MorphCollisionMode::Passive),
         ..default()
     };
     let places = grid(CHARACTERS, Vec2::splat(9.0));
-    let mut stage = Stage::new(model, &places, scene, |app| _ = app.add_plugins(MorphCollisionPlugin))?;
+    let mut stage = Stage::new(model, &places, scene, |app| {
+        _ = app.add_plugins(MorphCollisionPlugin::default());
+    })?;
     stage.set_dynamic_bounds(true);
     stage.play(CLIP)?;
     let world = stage.app.world_mut();

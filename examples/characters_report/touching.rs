@@ -25,7 +25,7 @@ const CROWDS: [(&str, Vec2); 2] = [("apart", Vec2::new(12.0, 9.0)), ("dense", Ve
 enum Way {
     /// Characters that nobody asks about: what other ways cost more than this is theirs.
     Nothing,
-    Ours(CollisionMode),
+    Ours(MorphCollisionMode),
     /// Boxes around what joints do, as Bevy keeps them for culling.
     JointBoxes,
     Capsules(Fit),
@@ -34,8 +34,8 @@ enum Way {
 impl Way {
     const ALL: [Self; 6] = [
         Self::Nothing,
-        Self::Ours(CollisionMode::All),
-        Self::Ours(CollisionMode::First),
+        Self::Ours(MorphCollisionMode::All),
+        Self::Ours(MorphCollisionMode::First),
         Self::JointBoxes,
         Self::Capsules(Fit::Around),
         Self::Capsules(Fit::Through),
@@ -44,7 +44,7 @@ impl Way {
     fn name(self) -> &'static str {
         match self {
             Self::Nothing => "nothing",
-            Self::Ours(CollisionMode::First) => "`MorphCollisionPlugin`, first pairs",
+            Self::Ours(MorphCollisionMode::First) => "`MorphCollisionPlugin`, first pairs",
             Self::Ours(_) => "`MorphCollisionPlugin`, all pairs",
             Self::JointBoxes => "Bevy's joint boxes, overlaps not looked for",
             Self::Capsules(Fit::Around) => "Rapier, capsules around vertices",
@@ -62,7 +62,9 @@ impl Way {
                     collider: MorphCollider::new(mode),
                     ..default()
                 };
-                Stage::new(model, &places, scene, |app| _ = app.add_plugins(MorphCollisionPlugin))?
+                Stage::new(model, &places, scene, |app| {
+                    _ = app.add_plugins(MorphCollisionPlugin::default());
+                })?
             }
             Self::Capsules(_) => Stage::new(model, &places, (), capsules::add_physics)?,
         };

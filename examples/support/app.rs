@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use bevy::animation::AnimationPlugin;
-use bevy::asset::{AssetMetaCheck, AssetPath, RecursiveDependencyLoadState, UntypedAssetId};
+use bevy::asset::{AssetMetaCheck, AssetPath, RecursiveDependencyLoadState, UnapprovedPathMode, UntypedAssetId};
 use bevy::gltf::{Gltf, GltfPlugin};
 use bevy::mesh::MeshPlugin;
 use bevy::platform::time::Instant;
@@ -26,7 +26,7 @@ const PATIENCE: Duration = Duration::from_secs(300);
 /// `assets` is the folder that asset paths are relative to. More plugins may be added before [`ready`] is called.
 pub fn headless(assets: &Path) -> App {
     let mut app = without_collisions(assets);
-    app.add_plugins(MorphCollisionPlugin);
+    app.add_plugins(MorphCollisionPlugin::default());
     app
 }
 
@@ -39,6 +39,8 @@ pub fn without_collisions(assets: &Path) -> App {
         AssetPlugin {
             file_path: assets.to_string_lossy().into_owned(),
             meta_check: AssetMetaCheck::Never,
+            // A user's own model may lie anywhere.
+            unapproved_path_mode: UnapprovedPathMode::Allow,
             ..AssetPlugin::default()
         },
         WorldSerializationPlugin,

@@ -8,6 +8,7 @@ pub mod character;
 pub mod crowd;
 pub mod drawn;
 pub mod error;
+pub mod heaving;
 pub mod instances;
 pub mod options;
 pub mod physics;

@@ -1,18 +1,15 @@
-//! Which bodies touch: the plugin's events are of colliders, and a body may have several.
-
-use std::collections::{BTreeMap, BTreeSet};
+//! Which bodies started and stopped touching, frame by frame.
 
 use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
-/// Follows the plugin's messages, and puts those of one pair of bodies together.
+/// Follows the plugin's messages about bodies.
 #[derive(Debug, Default)]
 pub struct TouchingBodies {
-    starts: MessageCursor<MorphCollisionStart>,
-    ends: MessageCursor<MorphCollisionEnd>,
-    /// How many colliders of two bodies touch.
-    colliders: BTreeMap<(Entity, Entity), usize>,
+    starts: MessageCursor<MorphBodyCollisionStart>,
+    ends: MessageCursor<MorphBodyCollisionEnd>,
+    touching: usize,
 }
 
 /// What changed in a frame: pairs of bodies in ascending order.
@@ -27,37 +24,27 @@ pub struct Changes {
 impl TouchingBodies {
     /// Reads the messages of the frame that has just been run.
     pub fn follow(&mut self, world: &World) -> Changes {
-        let pair = |a: Entity, b: Entity| (a.min(b), a.max(b));
-        let before: BTreeSet<_> = self.colliders.keys().copied().collect();
-        if let Some(ends) = world.get_resource::<Messages<MorphCollisionEnd>>() {
-            for end in self.ends.read(ends) {
-                if let Some(count) = self.colliders.get_mut(&pair(end.body1, end.body2)) {
-                    *count = count.saturating_sub(1);
-                }
-            }
+        let mut changes = Changes::default();
+        if let Some(ends) = world.get_resource() {
+            changes.ended = self.ends.read(ends).map(|end| (end.body1, end.body2)).collect();
         }
-        if let Some(starts) = world.get_resource::<Messages<MorphCollisionStart>>() {
-            for start in self.starts.read(starts) {
-                *self.colliders.entry(pair(start.body1, start.body2)).or_default() += 1;
-            }
+        if let Some(starts) = world.get_resource() {
+            let starts = self.starts.read(starts);
+            changes.started = starts.map(|start| (start.body1, start.body2)).collect();
         }
-        self.colliders.retain(|_, count| *count > 0);
-        let now: BTreeSet<_> = self.colliders.keys().copied().collect();
-        Changes {
-            started: now.difference(&before).copied().collect(),
-            ended: before.difference(&now).copied().collect(),
-        }
+        self.touching = (self.touching + changes.started.len()).saturating_sub(changes.ended.len());
+        changes
     }
 
     /// How many pairs of bodies touch.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.colliders.len()
+        self.touching
     }
 
     /// Whether no bodies touch.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.colliders.is_empty()
+        self.touching == 0
     }
 }

@@ -4,12 +4,14 @@ import { lacking, load } from "./load.js";
 import { Stage } from "./morph.js";
 
 const main = document.querySelector("main");
+// Where the show needs Space for something else, another key pauses.
+const { pause = "Space" } = document.body.dataset;
 main.insertAdjacentHTML("afterbegin", `
   <div class="stage">
     <canvas id="show" tabindex="0" aria-label="The show. Drag to look around; the panel on it has the controls."></canvas>
     <div class="cover"><p class="what" role="status">Loading</p><progress></progress></div>
   </div>
-  <p class="hands">Look around with the right mouse button or one finger, zoom with the wheel or two. Space pauses, “.” goes on by one frame, T shows and
+  <p class="hands">Look around with the right mouse button or one finger, zoom with the wheel or two. ${pause} pauses, “.” goes on by one frame, T shows and
     hides what touches, V the bounding volumes.</p>
   <dl class="counts" aria-label="What the show counts"></dl>`);
 const [cover, what, bar, counts] = [".cover", ".what", "progress", ".counts"].map((name) => main.querySelector(name));

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use morph_collision_workspace::heaving::Game;
 use morph_collision_workspace::shows::{self, Inbox, Judged, Verdict};
 use morph_collision_workspace::view::Show;
 use morph_collision_workspace::view::files::Files;
@@ -75,12 +76,7 @@ impl Stage {
             "character" => shows::character(),
             "picking" => shows::picking(),
             "culling" => shows::culling(),
-            "physics" => shows::physics(shows::Rain {
-                bodies: 120,
-                seed: 1,
-                ccd: false,
-                models: Vec::new(),
-            }),
+            "physics" => shows::physics(Game::default()),
             "crowd" => shows::crowd(dolphin, 125, false),
             "own" => shows::own(self.inbox.clone(), self.verdict.clone()),
             _ => return None,

@@ -24,6 +24,9 @@ after(async () => {
 const shows = (page, condition) => until(page, `(${condition})(window.show.state())`);
 const note = (name) => `Number.parseFloat(state.notes.find(([name]) => name === ${JSON.stringify(name)})?.[1] ?? "")`;
 
+/** The key that pauses. */
+const pauseKey = (name) => (name === "physics" ? "p" : "Space");
+
 /** What every show has to find, as a condition on its state. */
 const FOUND = {
   dolphins: "(state) => state.triangle_pairs > 0 && state.red > 0 && state.events > 0",
@@ -55,19 +58,35 @@ for (const [name, found] of Object.entries(FOUND)) {
     await keep(page, name);
 
     // Paused, both stand still: it was the show that changed the picture.
-    await page.keyboard.press("Space");
+    await page.keyboard.press(pauseKey(name));
     await new Promise((then) => setTimeout(then, 1500));
     const third = { picture: await drawn(page), state: await state(page) };
     const fourth = { picture: await drawn(page), state: await state(page) };
     assert.equal(fourth.state.frame, third.state.frame);
     assert.ok(fourth.picture.equals(third.picture), "something moves while the show is paused");
 
-    await page.keyboard.press("Space");
+    await page.keyboard.press(pauseKey(name));
     paces[name] = await pace(page);
     assert.deepEqual(errors, []);
     await page.close();
   });
 }
+
+test("keys make the player walk and jump", async () => {
+  const { page, errors } = await visit(browser.browser, `${site.origin}/physics.html`);
+  await begun(page);
+  const player = `window.show.state().notes.find(([name]) => name === "player")[1]`;
+  await until(page, `${player} === "on the hill"`);
+  await page.keyboard.press("Space");
+  await until(page, `${player} === "in the air"`);
+  await until(page, `${player} !== "in the air"`);
+  // Straight ahead it leaves the hill, which it would not do by itself.
+  await page.keyboard.down("w");
+  await until(page, `${player} === "on the ground"`);
+  await page.keyboard.up("w");
+  assert.deepEqual(errors, []);
+  await page.close();
+});
 
 test("a finger looks around", async () => {
   const phone = { width: 420, height: 800, hasTouch: true, isMobile: true };

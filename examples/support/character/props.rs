@@ -104,7 +104,7 @@ impl Default for Aim {
 pub(super) fn shoot(
     moment: Res<Moment>,
     mut aim: ResMut<Aim>,
-    mut spatial: MorphSpatialQuery,
+    spatial: MorphSpatialQuery,
     skin: Query<Entity, With<Skin>>,
     names: Query<&Name>,
     darts: Query<Entity, With<Dart>>,
@@ -125,10 +125,10 @@ pub(super) fn shoot(
     let Ok(direction) = Dir3::new(-aside) else { return };
     tally.rays += 1;
     let filter = MorphQueryFilter::default();
-    if let Ok(Some(hit)) = spatial.cast_ray(target + 3.0 * aside, direction, 10.0, &filter) {
+    if let Some(hit) = spatial.cast_ray(target + 3.0 * aside, direction, 10.0, &filter) {
         tally.hits += 1;
         let joint = hit.joint.and_then(|joint| names.get(joint).ok());
-        let velocity = hit.velocity(&mut spatial).unwrap_or_default();
+        let velocity = hit.velocity(&spatial).unwrap_or_default();
         tally.last_hit = Some((joint.map(ToString::to_string).unwrap_or_default(), velocity));
         commands.spawn((Dart, MorphSurfaceAnchor::at(&hit), Visibility::default()));
     }

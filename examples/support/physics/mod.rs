@@ -1,6 +1,8 @@
 //! Rigid bodies on morphing surfaces: scenes that the examples and tests share, and the ways to make a surface collide.
 
+pub mod drops;
 mod rivals;
+pub mod times;
 
 use std::f32::consts::TAU;
 use std::path::Path;
@@ -13,7 +15,7 @@ use bevy_morph_collision::{MorphTrees, prelude::*};
 use bevy_rapier3d::prelude::*;
 use morph_collision_testkit::{mesh::MorphMesh, models::rigid};
 
-pub use rivals::{Method, Surface};
+pub use rivals::{Method, Surface, blend};
 
 /// The length of a step.
 pub const DT: f32 = 1.0 / 60.0;
@@ -26,9 +28,12 @@ pub fn app(assets: &Path) -> App {
 /// The same with another plugin.
 pub fn app_with(assets: &Path, plugin: impl Plugin) -> App {
     let mut app = crate::app::headless(assets);
-    app.add_plugins((RapierPhysicsPlugin::<NoUserData>::default(), MorphRapierPlugin))
-        .insert_resource(TimestepMode::Fixed { dt: DT, substeps: 1 })
-        .add_plugins(plugin);
+    app.add_plugins((
+        RapierPhysicsPlugin::<NoUserData>::default(),
+        MorphRapierPlugin::default(),
+    ))
+    .insert_resource(TimestepMode::Fixed { dt: DT, substeps: 1 })
+    .add_plugins(plugin);
     crate::app::ready(&mut app);
     app
 }

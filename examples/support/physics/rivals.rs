@@ -1,5 +1,7 @@
 //! This plugin, and what a game can do by itself to make a morphing mesh collide in Rapier.
 
+use std::borrow::Cow;
+
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
@@ -14,8 +16,12 @@ use super::bevy_mesh;
 pub enum Method {
     /// [`MorphRapierCollider`].
     Ours,
-    /// Every vertex blended, `set_vertices` on Rapier's own copy of a `TriMesh`: in place.
+    /// Every vertex blended, `set_vertices` on Rapier's own copy of a `TriMesh`: in place. Parry may go on with contacts from before.
     InPlace,
+    /// The same with [`TriMeshFlags::DEFORMABLE`]: contacts are computed anew.
+    Deformable,
+    /// The same with [`TriMeshFlags::FIX_INTERNAL_EDGES_TWO_SIDED`] as well: edges inside the surface do not catch, as they do not here.
+    Smooth,
     /// Every vertex blended, `set_vertices` on the `Collider` component, which copies the mesh.
     Component,
     /// Every vertex blended, a new `TriMesh` each time.
@@ -26,9 +32,11 @@ pub enum Method {
 
 impl Method {
     /// All of them, ours first.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 7] = [
         Self::Ours,
         Self::InPlace,
+        Self::Deformable,
+        Self::Smooth,
         Self::Component,
         Self::NewMesh,
         Self::SoftBody,
@@ -40,6 +48,8 @@ impl Method {
         match self {
             Self::Ours => "`MorphRapierCollider`",
             Self::InPlace => "`set_vertices` in place",
+            Self::Deformable => "the same, `DEFORMABLE`",
+            Self::Smooth => "the same, `DEFORMABLE` and `FIX_INTERNAL_EDGES_TWO_SIDED`",
             Self::Component => "`set_vertices` on the component",
             Self::NewMesh => "new `TriMesh`",
             Self::SoftBody => "pinned soft body",
@@ -55,7 +65,7 @@ const SKIN: f32 = 0.01;
 pub struct Surface<'a> {
     method: Method,
     entity: Entity,
-    mesh: &'a MorphMesh,
+    mesh: Cow<'a, MorphMesh>,
     at: Vec3,
     blended: Vec<Vec3>,
 }
@@ -71,9 +81,13 @@ impl<'a> Surface<'a> {
     ) -> Self {
         let place = Transform::from_translation(at);
         let world = app.world_mut();
+        let mesh = match method {
+            Method::Smooth => Cow::Owned(in_order_of_triangles(mesh)),
+            _ => Cow::Borrowed(mesh),
+        };
         let entity = match method {
             Method::Ours => {
-                let asset = shared.get_or_insert_with(|| world.resource_mut::<Assets<Mesh>>().add(bevy_mesh(mesh)));
+                let asset = shared.get_or_insert_with(|| world.resource_mut::<Assets<Mesh>>().add(bevy_mesh(&mesh)));
                 let weights = vec![0.0; mesh.targets.len()];
                 world.spawn((
                     Mesh3d(asset.clone()),
@@ -94,7 +108,13 @@ impl<'a> Surface<'a> {
                 entity
             }
             _ => {
-                let collider = Collider::trimesh(mesh.positions.clone(), mesh.triangles.clone());
+                let flags = match method {
+                    Method::Deformable => TriMeshFlags::DEFORMABLE,
+                    Method::Smooth => TriMeshFlags::DEFORMABLE | TriMeshFlags::FIX_INTERNAL_EDGES_TWO_SIDED,
+                    _ => TriMeshFlags::default(),
+                };
+                let (positions, triangles) = (mesh.positions.clone(), mesh.triangles.clone());
+                let collider = Collider::trimesh_with_flags(positions, triangles, flags);
                 let mut entity = world.spawn(place);
                 if let Ok(collider) = collider {
                     entity.insert(collider);
@@ -115,7 +135,7 @@ impl<'a> Surface<'a> {
     /// Gives it other weights.
     pub fn pose(&mut self, app: &mut App, weights: &[f32]) {
         if self.method != Method::Ours {
-            blend(self.mesh, weights, &mut self.blended);
+            blend(&self.mesh, weights, &mut self.blended);
         }
         let world = app.world_mut();
         match self.method {
@@ -125,7 +145,7 @@ impl<'a> Surface<'a> {
                     *to = MeshMorphWeights::Value { weights };
                 }
             }
-            Method::InPlace => {
+            Method::InPlace | Method::Deformable | Method::Smooth => {
                 let mut contexts = world.query::<&mut RapierContextColliders>();
                 let Ok(mut context) = contexts.single_mut(world) else {
                     return;
@@ -159,8 +179,34 @@ impl<'a> Surface<'a> {
     }
 }
 
+/// A mesh with its vertices in the order in which triangles name them: that in which Parry keeps those of a mesh whose edges it mends.
+fn in_order_of_triangles(mesh: &MorphMesh) -> MorphMesh {
+    let mut places = vec![u32::MAX; mesh.positions.len()];
+    let mut order = Vec::new();
+    for &vertex in mesh.triangles.as_flattened() {
+        let place = &mut places[vertex as usize];
+        if *place == u32::MAX {
+            *place = order.len() as u32;
+            order.push(vertex);
+        }
+    }
+    let ordered = |all: &Vec<Vec3>| {
+        order
+            .iter()
+            .filter_map(|&vertex| all.get(vertex as usize).copied())
+            .collect()
+    };
+    let corners = |corners: &[u32; 3]| corners.map(|vertex| places[vertex as usize]);
+    MorphMesh {
+        positions: ordered(&mesh.positions),
+        targets: mesh.targets.iter().map(ordered).collect(),
+        triangles: mesh.triangles.iter().map(corners).collect(),
+        ..mesh.clone()
+    }
+}
+
 /// Blends every vertex, one target after the other, as fast as plain loops do.
-fn blend(mesh: &MorphMesh, weights: &[f32], into: &mut Vec<Vec3>) {
+pub fn blend(mesh: &MorphMesh, weights: &[f32], into: &mut Vec<Vec3>) {
     into.clone_from(&mesh.positions);
     for (target, &weight) in mesh.targets.iter().zip(weights) {
         if weight != 0.0 {

@@ -24,17 +24,21 @@ pub fn character() -> Show {
         target: Vec3::new(-0.2, 0.62, 0.5),
         pictures: &[66, 200],
         scene: Box::new(|app| {
-            app.add_plugins((RapierPhysicsPlugin::<NoUserData>::default(), MorphRapierPlugin, plugin))
-                .add_systems(Startup, light_the_ground)
-                .add_systems(PreUpdate, (wait, keep_time))
-                .add_systems(Update, (color, draw, remove_darts.run_if(not(is_typing)), tell))
-                .add_systems(
-                    PostUpdate,
-                    show_touching
-                        .after(MorphCollisionSystems::Anchors)
-                        .before(OverlaySystems),
-                )
-                .add_observer(stick_dart);
+            app.add_plugins((
+                RapierPhysicsPlugin::<NoUserData>::default(),
+                MorphRapierPlugin::default(),
+                plugin,
+            ))
+            .add_systems(Startup, light_the_ground)
+            .add_systems(PreUpdate, (wait, keep_time))
+            .add_systems(Update, (color, draw, remove_darts.run_if(not(is_typing)), tell))
+            .add_systems(
+                PostUpdate,
+                show_touching
+                    .after(MorphCollisionSystems::Anchors)
+                    .before(OverlaySystems),
+            )
+            .add_observer(stick_dart);
         }),
     }
 }

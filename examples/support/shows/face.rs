@@ -89,7 +89,7 @@ fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
             material: skin,
             pieces: &PIECES,
             dress: |part| {
-                part.insert((MorphCollider::new(CollisionMode::Passive), SelfTouching::default()));
+                part.insert((MorphCollider::new(MorphCollisionMode::Passive), SelfTouching::default()));
             },
         },
         Pending,

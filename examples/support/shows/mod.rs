@@ -18,5 +18,5 @@ pub use dolphins::dolphins;
 pub use face::face;
 pub use own::{Inbox, Judged, Verdict, own};
 pub use pass_through::pass_through;
-pub use physics::{Rain, physics};
+pub use physics::physics;
 pub use picking::{Arrow, picking};

@@ -1,171 +1,214 @@
-//! Balls and boxes rain on a body and on a face that wobble.
+//! A player walks on a hill that heaves, in the rain of balls and boxes.
 
-use std::path::PathBuf;
-
-use bevy::asset::AssetPath;
-use bevy::mesh::morph::MeshMorphWeights;
+use bevy::light::CascadeShadowConfigBuilder;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use bevy_rapier3d::prelude::*;
-use rand::{RngExt, SeedableRng};
-use rand_pcg::Pcg64Mcg;
 
-use crate::physics::{DT, wobbling};
+use crate::heaving::{self, Falling, Form, GROUND, Game, HALF_SEGMENT, Hill, Player, RADIUS, Tally, Wish};
 use crate::view::Show;
-use crate::view::clock::{Clock, Pending, started};
-use crate::view::models::{ModelPart, ModelRoot};
-use crate::view::stage::Notes;
+use crate::view::clock::{PauseKey, Pending, is_typing};
+use crate::view::sliders::SliderSystems;
+use crate::view::smooth::{self, Smooth};
+use crate::view::stage::{Notes, StageCamera};
 
-/// From one surface to the next.
-const APART: f32 = 6.4;
-
-/// What falls on what.
-#[derive(Resource, Clone, Debug)]
-pub struct Rain {
-    /// How many bodies.
-    pub bodies: u32,
-    /// Where and how they fall.
-    pub seed: u64,
-    /// Whether they are detected continuously.
-    pub ccd: bool,
-    /// The surfaces: names of assets or paths of glb files; a body and a face if there are none.
-    pub models: Vec<PathBuf>,
-}
-
-impl Rain {
-    fn surfaces(&self) -> Vec<PathBuf> {
-        if self.models.is_empty() {
-            return ["pass_through_20480.glb", "mh_head_eyes_teeth_arkit52.glb"]
-                .map(PathBuf::from)
-                .to_vec();
-        }
-        self.models.clone()
-    }
-
-    /// Where one of so many surfaces stands.
-    fn aside(index: usize, count: usize) -> f32 {
-        APART * (index as f32 - 0.5 * (count as f32 - 1.0))
-    }
-}
-
-/// Rain on morphing surfaces.
+/// The game, drawn.
 #[must_use]
-pub fn physics(rain: Rain) -> Show {
+pub fn physics(game: Game) -> Show {
     Show {
         name: "physics",
-        about: "What morphs pushes, carries and throws what falls on it, at the speed of its surface.",
-        keys: &[],
-        eye: Vec3::new(0.0, 3.4, 11.0),
-        target: Vec3::new(0.0, 0.2, 0.0),
+        about: "A hill from a glTF file heaves as its clip says: it carries who walks on it, and throws what falls on it. \
+            Physics in fixed steps, by Rapier.",
+        keys: &[
+            ("W A S D, arrows", "walk; alone, it walks by itself"),
+            ("Space", "jump"),
+        ],
+        // A little to the left, where the panel is.
+        eye: Vec3::new(-0.9, 4.3, 8.4),
+        target: Vec3::new(-0.9, 0.8, 0.0),
         pictures: &[60, 180, 360, 540],
         scene: Box::new(move |app| {
-            app.add_plugins((RapierPhysicsPlugin::<NoUserData>::default(), MorphRapierPlugin))
-                .insert_resource(TimestepMode::Variable {
-                    max_dt: 8.0 * DT,
-                    time_scale: 1.0,
-                    substeps: 4,
-                })
-                .insert_resource(rain)
-                .add_systems(Startup, spawn)
-                .add_systems(Update, (tell, (fall, wobble).run_if(started)));
+            app.insert_resource(game)
+                .insert_resource(PauseKey(KeyCode::KeyP, "P"))
+                .add_plugins((heaving::plugin, smooth::plugin))
+                // Physics remembers what is drawn.
+                .configure_sets(PostUpdate, SliderSystems.before(TransformSystems::Propagate))
+                .add_systems(PostStartup, (wait, cast_shadows, light_the_ground))
+                .add_systems(
+                    PreUpdate,
+                    listen.after(bevy::input::InputSystems).run_if(not(is_typing)),
+                )
+                .add_systems(Update, (begin, dress, turn, tell));
         }),
     }
 }
 
-fn spawn(
+/// Until the game has begun.
+#[derive(Component)]
+struct Loading;
+
+fn wait(mut commands: Commands, hills: Query<Entity, With<Hill>>) {
+    for hill in &hills {
+        commands.entity(hill).insert(Pending);
+    }
+    commands.spawn((Loading, Pending));
+}
+
+fn begin(mut commands: Commands, players: Query<(), With<Player>>, loading: Query<Entity, With<Loading>>) {
+    if !players.is_empty() {
+        loading.iter().for_each(|entity| commands.entity(entity).despawn());
+    }
+}
+
+/// A low sun: its shadows tell who stands on what, and how the hill moves.
+fn cast_shadows(mut commands: Commands, mut lights: Query<(Entity, &mut DirectionalLight)>) {
+    let brightest = lights
+        .iter_mut()
+        .max_by(|a, b| a.1.illuminance.total_cmp(&b.1.illuminance));
+    if let Some((entity, mut light)) = brightest {
+        light.shadow_maps_enabled = true;
+        light.illuminance *= 1.6;
+        let cascades = CascadeShadowConfigBuilder {
+            num_cascades: 1,
+            maximum_distance: 30.0,
+            ..default()
+        };
+        let low = Transform::from_xyz(-4.0, 2.2, 0.6).looking_at(Vec3::ZERO, Vec3::Y);
+        commands.entity(entity).insert((cascades.build(), low));
+    }
+}
+
+fn light_the_ground(
     mut commands: Commands,
-    rain: Res<Rain>,
-    assets: Res<AssetServer>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
 ) {
-    let colors = [Color::srgb(0.45, 0.62, 0.5), Color::srgb(0.85, 0.68, 0.6)];
-    let surfaces = rain.surfaces();
-    let count = surfaces.len();
-    for (index, (file, base_color)) in surfaces.into_iter().zip(colors.into_iter().cycle()).enumerate() {
-        commands.spawn((
-            ModelRoot {
-                model: assets.load(AssetPath::from_path_buf(file)),
-                size: 5.0,
-                material: StandardMaterial {
-                    base_color,
-                    perceptual_roughness: 0.7,
-                    ..default()
-                },
-                pieces: &[],
-                dress: |part| {
-                    part.insert(MorphRapierCollider::default());
-                },
-            },
-            Pending,
-            Visibility::default(),
-            Transform::from_xyz(Rain::aside(index, count), 0.0, 0.0),
-        ));
-    }
-    let ground = Vec3::new(9.0, 0.2, 9.0);
     commands.spawn((
-        Collider::cuboid(ground.x, ground.y, ground.z),
-        Mesh3d(meshes.add(Cuboid::from_size(2.0 * ground))),
-        MeshMaterial3d(materials.add(Color::srgb(0.8, 0.82, 0.84))),
-        Transform::from_xyz(0.0, -3.2, 0.0),
+        Mesh3d(meshes.add(Cuboid::from_size(2.0 * GROUND))),
+        MeshMaterial3d(materials.add(StandardMaterial {
+            base_color: Color::srgb(0.82, 0.80, 0.74),
+            perceptual_roughness: 0.95,
+            ..default()
+        })),
+        Transform::from_xyz(0.0, -GROUND.y, 0.0),
     ));
 }
 
-/// All bodies are in the air when the show begins.
-fn fall(
-    rain: Res<Rain>,
-    mut commands: Commands,
+/// Keys, as seen from the camera.
+fn listen(
+    keys: Res<ButtonInput<KeyCode>>,
+    camera: Single<&GlobalTransform, With<StageCamera>>,
+    mut wish: ResMut<Wish>,
+) {
+    let axis =
+        |more: [KeyCode; 2], less: [KeyCode; 2]| f32::from(keys.any_pressed(more)) - f32::from(keys.any_pressed(less));
+    let right = axis(
+        [KeyCode::KeyD, KeyCode::ArrowRight],
+        [KeyCode::KeyA, KeyCode::ArrowLeft],
+    );
+    let ahead = axis([KeyCode::KeyW, KeyCode::ArrowUp], [KeyCode::KeyS, KeyCode::ArrowDown]);
+    let camera_right = camera.right().xz().normalize_or_zero();
+    // Also right for a camera that looks straight down.
+    let camera_ahead = -camera_right.perp();
+    wish.walk = (right * camera_right + ahead * camera_ahead).clamp_length_max(1.0);
+    wish.jump |= keys.just_pressed(KeyCode::Space);
+}
+
+/// The part of the player that is drawn and turns.
+#[derive(Component)]
+struct Figure;
+
+/// What player and rain look like.
+fn dress(
+    players: Query<Entity, Added<Player>>,
+    bodies: Query<(Entity, &Falling), Added<Falling>>,
     mut meshes: ResMut<Assets<Mesh>>,
     mut materials: ResMut<Assets<StandardMaterial>>,
-    mut done: Local<bool>,
+    mut commands: Commands,
 ) {
-    if std::mem::replace(&mut *done, true) {
+    for player in &players {
+        let [suit, visor, pack] = [
+            (Color::srgb(0.95, 0.42, 0.08), 0.5),
+            (Color::srgb(0.07, 0.10, 0.16), 0.15),
+            (Color::srgb(0.98, 0.95, 0.88), 0.6),
+        ]
+        .map(|(base_color, perceptual_roughness)| {
+            MeshMaterial3d(materials.add(StandardMaterial {
+                base_color,
+                perceptual_roughness,
+                ..default()
+            }))
+        });
+        let body = Mesh3d(meshes.add(Capsule3d::new(RADIUS, 2.0 * HALF_SEGMENT)));
+        let eyes = Mesh3d(meshes.add(Capsule3d::new(0.5 * RADIUS, 0.6 * RADIUS)));
+        let load = Mesh3d(meshes.add(Cuboid::new(1.1 * RADIUS, 1.5 * RADIUS, 0.6 * RADIUS)));
+        let lying = Transform::from_xyz(0.0, 0.95 * HALF_SEGMENT, 0.62 * RADIUS)
+            .with_rotation(Quat::from_rotation_z(std::f32::consts::FRAC_PI_2));
+        let behind = Transform::from_xyz(0.0, 0.1, -RADIUS);
+        commands.entity(player).with_children(|player| {
+            player
+                .spawn((Figure, Smooth::default(), Transform::default(), body, suit))
+                .with_children(|figure| {
+                    figure.spawn((eyes, visor, lying));
+                    figure.spawn((load, pack, behind));
+                });
+        });
+    }
+    if bodies.is_empty() {
         return;
     }
-    let count = rain.surfaces().len();
-    let mut rng = Pcg64Mcg::seed_from_u64(rain.seed);
+    // Pale, so that the player stands out.
     let colors: Vec<_> = (0..6)
-        .map(|i| materials.add(Color::hsl(60.0 * i as f32 + 15.0, 0.55, 0.55)))
+        .map(|i| materials.add(Color::hsl(35.0 * i as f32 + 160.0, 0.35, 0.72)))
         .collect();
     let (ball, cuboid) = (meshes.add(Sphere::new(1.0)), meshes.add(Cuboid::from_length(2.0)));
-    for i in 0..rain.bodies {
-        let mut within = |reach: f32| rng.random_range(-reach..=reach);
-        let aside = Rain::aside(i as usize % count, count);
-        let at = Vec3::new(aside + within(1.6), 3.5 + 0.06 * i as f32, within(1.6));
-        let size = 0.2 + within(0.08);
-        let (collider, mesh, shape) = match i % 4 {
-            0 | 1 => (Collider::ball(size), ball.clone(), Vec3::splat(size)),
-            _ => {
-                let half = size * Vec3::new(1.0, 0.8, 0.6);
-                (Collider::cuboid(half.x, half.y, half.z), cuboid.clone(), half)
-            }
+    for (body, falling) in &bodies {
+        let (mesh, size) = match falling.form {
+            Form::Ball(radius) => (ball.clone(), Vec3::splat(radius)),
+            Form::Cuboid(half) => (cuboid.clone(), half),
         };
         // What is drawn is scaled, what collides has its size.
-        let drawn = (
-            Mesh3d(mesh),
-            MeshMaterial3d(colors[i as usize % colors.len()].clone()),
-            Transform::from_scale(shape),
-        );
-        let ccd = Ccd { enabled: rain.ccd };
-        let place = Transform::from_translation(at);
+        let place = Transform::from_scale(size);
+        let color = colors[falling.number as usize / 2 % colors.len()].clone();
         commands
-            .spawn((RigidBody::Dynamic, collider, ccd, place, Visibility::default()))
-            .with_child(drawn);
+            .entity(body)
+            .with_child((Smooth::at(place), place, Mesh3d(mesh), MeshMaterial3d(color)));
     }
 }
 
-fn tell(diagnostics: Res<MorphRapierDiagnostics>, bodies: Query<&RigidBody>, mut notes: ResMut<Notes>) {
+fn turn(mut figures: Query<(&mut Smooth, &ChildOf), With<Figure>>, players: Query<&Player>) {
+    for (mut figure, parent) in &mut figures {
+        if let Ok(player) = players.get(parent.parent()) {
+            figure.own.rotation = Quat::from_rotation_y(player.facing);
+        }
+    }
+}
+
+fn tell(
+    diagnostics: Res<MorphRapierDiagnostics>,
+    bodies: Query<(), With<Falling>>,
+    grounds: Query<(&Player, &MorphCharacterGround)>,
+    tally: Res<Tally>,
+    mut notes: ResMut<Notes>,
+) {
+    let (place, speed) = grounds
+        .iter()
+        .next()
+        .map_or(("not there yet", 0.0), |(player, ground)| {
+            let place = match (ground.surface, player.airborne > 0.0) {
+                (Some(_), _) => "on the hill",
+                (None, true) => "in the air",
+                (None, false) => "on the ground",
+            };
+            (place, ground.velocity.length())
+        });
     notes.0 = vec![
+        ("player", place.into()),
+        ("carried at", format!("{speed:.2} units/s")),
+        (
+            "steps on its feet",
+            format!("{:.1} %", 100.0 * tally.share(tally.grounded)),
+        ),
         ("bodies", bodies.iter().count().to_string()),
         ("parts of surfaces near", diagnostics.parts.to_string()),
     ];
-}
-
-fn wobble(mut surfaces: Query<&mut MeshMorphWeights, With<ModelPart>>, clock: Res<Clock>) {
-    for mut weights in &mut surfaces {
-        if let MeshMorphWeights::Value { weights } = &mut *weights {
-            let count = weights.len();
-            weights.clone_from(&wobbling(clock.frame as f32 * DT, count));
-        }
-    }
 }

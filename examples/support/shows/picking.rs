@@ -59,7 +59,7 @@ fn spawn(
         scene(&assets, dolphin),
         Plays::from(&assets, dolphin, 0.0),
         MorphColliderScene {
-            collider: MorphCollider::new(CollisionMode::Passive),
+            collider: MorphCollider::new(MorphCollisionMode::Passive),
             ..default()
         },
         Transform::from_xyz(-1.6, 0.0, 0.0).with_rotation(Quat::from_rotation_y(0.9)),
@@ -69,7 +69,7 @@ fn spawn(
         scene(&assets, character),
         Plays::from(&assets, character, 0.0),
         MorphColliderScene {
-            collider: MorphCollider::new(CollisionMode::Passive),
+            collider: MorphCollider::new(MorphCollisionMode::Passive),
             ..default()
         },
         // It is in decimetres.
@@ -92,7 +92,7 @@ fn spawn(
                 },
                 pieces: &[],
                 dress: |part| {
-                    part.insert(MorphCollider::new(CollisionMode::Passive));
+                    part.insert(MorphCollider::new(MorphCollisionMode::Passive));
                 },
             },
             Pending,

@@ -28,6 +28,16 @@ pub struct Clock {
     settled: u32,
 }
 
+/// The key that pauses, and its name; shows that need `Space` for something else take another.
+#[derive(Resource, Clone, Copy, Debug)]
+pub struct PauseKey(pub KeyCode, pub &'static str);
+
+impl Default for PauseKey {
+    fn default() -> Self {
+        Self(KeyCode::Space, "Space")
+    }
+}
+
 /// A frame has so many moments, for shows that do not run at full speed.
 pub const FRACTIONS: usize = 256;
 
@@ -49,6 +59,7 @@ pub fn started(clock: Res<Clock>) -> bool {
 
 pub(super) fn plugin(app: &mut App) {
     app.init_resource::<Clock>()
+        .init_resource::<PauseKey>()
         .add_systems(Startup, |mut time: ResMut<Time<Virtual>>| {
             time.pause();
             // Where frames take longer the show runs slower, rather than in leaps.
@@ -88,13 +99,14 @@ pub(super) fn tick(mut clock: ResMut<Clock>, mut time: ResMut<Time<Virtual>>, mu
 fn keys(
     keys: Res<ButtonInput<KeyCode>>,
     typing: Option<Res<EguiWantsInput>>,
+    pause_key: Res<PauseKey>,
     mut clock: ResMut<Clock>,
     mut time: ResMut<Time<Virtual>>,
 ) {
     if !clock.started || is_typing(typing) {
         return;
     }
-    if keys.just_pressed(KeyCode::Space) {
+    if keys.just_pressed(pause_key.0) {
         pause(&mut time);
     }
     if keys.just_pressed(KeyCode::Period) {

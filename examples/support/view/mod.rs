@@ -18,6 +18,7 @@ pub mod pointer;
 #[cfg(not(target_arch = "wasm32"))]
 mod run;
 pub mod sliders;
+pub mod smooth;
 pub mod stage;
 #[cfg(not(target_arch = "wasm32"))]
 mod window;

@@ -119,7 +119,7 @@ fn draw(
             );
         }
     }
-    let mut spatial = access.p0();
+    let spatial = access.p0();
     let mut corners = Vec::with_capacity(3 * touching.len());
     for (collider, triangle) in touching {
         if triangle != MorphContact::NO_TRIANGLE

@@ -5,18 +5,17 @@ use bevy::prelude::*;
 use bevy_egui::{EguiContexts, EguiPrimaryContextPass, egui};
 use bevy_morph_collision::prelude::*;
 
-use super::clock::{self, Clock};
+use super::clock::{self, Clock, PauseKey};
 use super::overlay::Overlay;
 use super::sliders::Sliders;
 use super::stage::{Notes, Playbill};
 
 /// Keys that every show listens to.
-const KEYS: [(&str, &str); 9] = [
+const KEYS: [(&str, &str); 8] = [
     ("right drag", "orbit"),
     ("middle drag", "pan"),
     ("wheel", "zoom"),
     ("fingers", "one orbits, two pan and zoom"),
-    ("Space", "pause"),
     (".", "one frame, when paused"),
     ("- =", "slower, faster"),
     ("T", "touching triangles"),
@@ -58,7 +57,7 @@ fn panel(
     mut overlay: ResMut<Overlay>,
     mut sliders: ResMut<Sliders>,
     mut store: ResMut<GizmoConfigStore>,
-    real: Res<Time<Real>>,
+    (real, pause): (Res<Time<Real>>, Res<PauseKey>),
 ) -> Result {
     // A page covers the canvas until then, and does not know before how wide it will be.
     if cfg!(target_arch = "wasm32") && !clock.started {
@@ -100,7 +99,8 @@ fn panel(
                 egui::CollapsingHeader::new("keys")
                     .default_open(keys_open)
                     .show(ui, |ui| {
-                        let own = bill.keys.iter().chain(&KEYS);
+                        let pause = (pause.1, "pause");
+                        let own = bill.keys.iter().chain([&pause]).chain(&KEYS);
                         rows(ui, "keys", own.map(|&(key, what)| (key, what.to_owned())));
                     });
             });

@@ -101,7 +101,7 @@ pub(super) fn app(plugins: PluginGroupBuilder, files: &Files) -> App {
     let mut app = App::new();
     files.serve(&mut app);
     app.add_plugins(plugins).add_plugins((
-        MorphCollisionPlugin,
+        MorphCollisionPlugin::default(),
         MorphBoundsPlugin,
         MorphPickingPlugin,
         MorphGizmosPlugin,

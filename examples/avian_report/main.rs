@@ -1,0 +1,174 @@
+//! Makes the tables of docs/avian.md again, in place: how bodies of Avian behave on a morphing surface, how many fall through, and what a
+//! step costs, here and with what a game can do by itself.
+//!
+//! `--help` lists the options; `just avian-report` runs it.
+
+mod stage;
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use bevy::prelude::*;
+use clap::Parser;
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_workspace::physics::drops::{Drop, Kind, batch_of_drops, bowl, fates, waves};
+use morph_collision_workspace::physics::times::{Scene, Timed, table};
+use morph_collision_workspace::physics::{DT, settle, sheet};
+use morph_collision_workspace::tables::{Section, TableOptions, progress, rewrite};
+use stage::{Method, Surface, app, body, drop_body, floor, glide, half, small, state, stay_awake};
+
+/// Tables about Avian's rigid bodies on morphing surfaces.
+#[derive(Parser)]
+struct Options {
+    /// The page to change.
+    #[arg(default_value = "docs/avian.md")]
+    page: PathBuf,
+    /// How many hundreds of bodies to drop.
+    #[arg(long, default_value_t = 100)]
+    batches: u64,
+    #[command(flatten)]
+    tables: TableOptions,
+}
+
+fn main() -> ExitCode {
+    let options = Options::parse();
+    let batches = if options.tables.quick { 4 } else { options.batches };
+    let sections: [Section<'_>; 3] = [
+        ("behaviour", Box::new(|| Ok(behaviour()))),
+        ("drops", Box::new(|| Ok(drops(batches)))),
+        ("time", Box::new(|| Ok(times(options.tables.quick)))),
+    ];
+    match rewrite(&options.page, &options.tables, &sections) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+/// A body that rests on a sheet.
+fn at_rest(method: Method, mesh: &MorphMesh, kind: Kind) -> (App, Surface<'_>, Entity) {
+    let mut app = app(Path::new("."));
+    let surface = Surface::spawn(&mut app, method, mesh, Vec3::ZERO, &mut None);
+    settle(&mut app);
+    let body = body(&mut app, half(kind), Vec3::new(0.1, 0.52, 0.05));
+    for _ in 0..60 {
+        app.update();
+    }
+    (app, surface, body)
+}
+
+/// Five things that a surface does to what lies on it; as in docs/rapier.md.
+fn behaviour() -> String {
+    let mesh = sheet(32);
+    let mut table = String::from(
+        "| way | ball on a surface rising at 0.5/s: velocity | gap | cuboid on a surface sliding at 1/s: velocity | ball slapped up by 0.5 in 0.1 s: speed | ball on a surface that jumps by 0.2: highest | cuboid sliding at 3/s without friction: velocity after 1 s |\n|---|--:|--:|--:|--:|--:|--:|\n",
+    );
+    for method in Method::ALL {
+        let (mut app, mut surface, body) = at_rest(method, &mesh, Kind::Ball);
+        for i in 1..=90 {
+            surface.pose(&mut app, &[0.5 * DT * i as f32, 0.0]);
+            app.update();
+        }
+        let (place, speed) = state(&app, body);
+        let (rise, gap) = (speed.y, place.y - 0.5 - 0.75);
+
+        let (mut app, mut surface, body) = at_rest(method, &mesh, Kind::Cuboid);
+        for i in 1..=120 {
+            surface.pose(&mut app, &[0.0, DT * i as f32]);
+            app.update();
+        }
+        let slide = state(&app, body).1.x;
+
+        let (mut app, mut surface, body) = at_rest(method, &mesh, Kind::Ball);
+        for i in 1..=6 {
+            surface.pose(&mut app, &[i as f32 / 12.0, 0.0]);
+            app.update();
+        }
+        let slap = state(&app, body).1.y;
+
+        let (mut app, mut surface, body) = at_rest(method, &mesh, Kind::Ball);
+        surface.pose(&mut app, &[0.2, 0.0]);
+        let mut highest: f32 = 0.0;
+        for _ in 0..120 {
+            app.update();
+            highest = highest.max(state(&app, body).0.y);
+        }
+
+        let (mut app, _, body) = at_rest(method, &mesh, Kind::Cuboid);
+        glide(&mut app, body);
+        for _ in 0..60 {
+            app.update();
+        }
+        let glides = state(&app, body).1.x;
+
+        let name = method.name();
+        let _infallible = writeln!(
+            table,
+            "| {name} | {rise:.3} | {gap:+.4} | {slide:.3} | {slap:.2} | {highest:.3} | {glides:.3} |"
+        );
+    }
+    table
+}
+
+/// Bodies that fall into the bowl, each alone: how many fall through.
+fn drops(batches: u64) -> String {
+    let mesh = bowl();
+    let per_batch = 100;
+    let progress = progress(batches * 2);
+    let mut table = String::from("| way | drops | fell through | left over the rim |\n|---|--:|--:|--:|\n");
+    for method in Method::ALL {
+        let (mut through, mut left) = (0, 0);
+        for batch in 0..batches {
+            let fell = fall(method, &mesh, &batch_of_drops(batch, per_batch));
+            through += fell.0;
+            left += fell.1;
+            progress.inc(1);
+        }
+        let (name, drops) = (method.name(), batches * per_batch);
+        let _infallible = writeln!(table, "| {name} | {drops} | {through} | {left} |");
+    }
+    progress.finish_and_clear();
+    table
+}
+
+fn fall(method: Method, mesh: &MorphMesh, drops: &[Drop]) -> (u64, u64) {
+    let mut app = app(Path::new("."));
+    let mut surface = Surface::spawn(&mut app, method, mesh, Vec3::ZERO, &mut None);
+    settle(&mut app);
+    let bodies: Vec<Entity> = drops.iter().map(|drop| drop_body(&mut app, drop)).collect();
+    for step in 0..240 {
+        surface.pose(&mut app, &waves(step as f32 * DT));
+        app.update();
+    }
+    fates(bodies.iter().map(|&body| state(&app, body).0))
+}
+
+/// What a frame costs.
+fn times(quick: bool) -> String {
+    let mesh = sheet(101);
+    table(quick, &[Method::NewMesh.name()], |scene| {
+        Method::ALL.map(|method| world(scene, &mesh, method)).into()
+    })
+}
+
+fn world<'a>(scene: &Scene, mesh: &'a MorphMesh, method: Method) -> Timed<'a> {
+    let mut app = app(Path::new("."));
+    let mut shared = None;
+    let spawn = |at| Surface::spawn(&mut app, method, mesh, at, &mut shared);
+    let mut surfaces: Vec<_> = scene.sheets().map(spawn).collect();
+    for at in scene.floors() {
+        floor(&mut app, at);
+    }
+    settle(&mut app);
+    for (i, at) in scene.places().enumerate() {
+        let body = body(&mut app, small(if i % 2 == 0 { Kind::Ball } else { Kind::Cuboid }), at);
+        stay_awake(&mut app, body);
+    }
+    let pose = move |app: &mut App, weights: &[f32]| {
+        surfaces.iter_mut().for_each(|surface| surface.pose(app, weights));
+    };
+    (app, Box::new(pose))
+}

@@ -1,0 +1,97 @@
+//! A hill that heaves, a player who walks on it, and balls and boxes that rain on both: a small game, as a game would set it up.
+//!
+//! The hill is a glTF file, its weights are played by Bevy's animation player from the file's own clip, once a frame. Physics runs in
+//! `FixedUpdate`, 64 times a second, whatever the frames. One `MorphRapierScene` on the scene's root is all that joins the two.
+//!
+//! The window, the web page and the numbers of the example share this. Nothing here draws.
+//!
+//! - `hill`: the file, its place and its clip.
+//! - `player`: a capsule with Rapier's character controller.
+//! - `rain`: what falls.
+//! - `tally`: what is counted.
+
+mod hill;
+mod player;
+mod rain;
+mod tally;
+
+use std::path::PathBuf;
+
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use bevy_rapier3d::prelude::*;
+
+pub use hill::{Hill, MODEL};
+pub use player::{HALF_SEGMENT, IDLE, JUMP, Player, RADIUS, SPEED, Wish};
+pub use rain::{Falling, Form};
+pub use tally::Tally;
+
+/// Steps a second: Bevy's default.
+pub const RATE: f64 = 64.0;
+
+/// Half the ground's size; its top is at height 0.
+pub const GROUND: Vec3 = Vec3::new(10.0, 0.5, 10.0);
+
+/// What falls lower than this has left the ground.
+const ABYSS: f32 = -6.0;
+
+/// The game's options.
+#[derive(Resource, Clone, Debug)]
+pub struct Game {
+    /// How many balls and boxes.
+    pub bodies: u32,
+    /// Where and how they fall.
+    pub seed: u64,
+    /// Whether they are detected continuously.
+    pub ccd: bool,
+    /// The hill: an asset's name or a file's path.
+    pub model: PathBuf,
+}
+
+impl Default for Game {
+    fn default() -> Self {
+        Self {
+            bodies: 120,
+            seed: 1,
+            ccd: false,
+            model: MODEL.into(),
+        }
+    }
+}
+
+/// All of it, but for the collision plugin.
+pub fn plugin(app: &mut App) {
+    app.add_plugins((
+        RapierPhysicsPlugin::<NoUserData>::default().in_fixed_schedule(),
+        MorphRapierPlugin::new(FixedUpdate),
+    ))
+    .insert_resource(Time::<Fixed>::from_hz(RATE))
+    .insert_resource(TimestepMode::Fixed {
+        dt: (1.0 / RATE) as f32,
+        substeps: 1,
+    })
+    .init_resource::<Game>()
+    .init_resource::<Wish>()
+    .init_resource::<Tally>()
+    .add_observer(hill::play)
+    .add_systems(Startup, (hill::load, lay_the_ground))
+    .add_systems(
+        Update,
+        (hill::fit, hill::wave, (player::spawn, rain::spawn).run_if(hill::is_new)).chain(),
+    )
+    .add_systems(
+        FixedUpdate,
+        (
+            (player::bring_back, player::walk, rain::bring_back).before(PhysicsSet::SyncBackend),
+            (tally::follow_the_player, tally::follow_the_rain).after(PhysicsSet::Writeback),
+        ),
+    );
+}
+
+fn lay_the_ground(mut commands: Commands) {
+    commands.spawn((
+        Name::new("ground"),
+        Collider::cuboid(GROUND.x, GROUND.y, GROUND.z),
+        Transform::from_xyz(0.0, -GROUND.y, 0.0),
+    ));
+}

@@ -1,0 +1,87 @@
+//! The rain: balls and boxes that fall on the hill, roll off, and fall again.
+
+use bevy::prelude::*;
+use bevy_rapier3d::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use super::hill::Hill;
+use super::{ABYSS, Game};
+
+/// What falls.
+#[derive(Component, Clone, Copy, Debug)]
+pub struct Falling {
+    /// Its number.
+    pub number: u32,
+    /// What it is.
+    pub form: Form,
+    /// Where it was after the last step; `None` before its first, and where it was put elsewhere.
+    pub(super) before: Option<Vec3>,
+    /// Whether its centre went through the hill.
+    pub through: bool,
+    /// From where it fell.
+    from: Vec3,
+}
+
+/// What a body is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Form {
+    /// A ball of this radius.
+    Ball(f32),
+    /// A cuboid with these half extents.
+    Cuboid(Vec3),
+}
+
+/// All bodies are in the air when the game begins.
+pub(super) fn spawn(mut commands: Commands, game: Res<Game>, hill: Single<&Hill>) {
+    let mut rng = Pcg64Mcg::seed_from_u64(game.seed);
+    let Vec2 { x: reach, y: top } = hill.reach;
+    for number in 0..game.bodies {
+        let mut within = |reach: f32| rng.random_range(-reach..=reach);
+        let from = Vec3::new(
+            within(0.6 * reach),
+            top + 1.5 + 0.08 * number as f32,
+            within(0.5 * reach),
+        );
+        let size = 0.19 + within(0.07);
+        let form = match number % 2 {
+            0 => Form::Ball(size),
+            _ => Form::Cuboid(size * Vec3::new(1.0, 0.8, 0.6)),
+        };
+        let collider = match form {
+            Form::Ball(radius) => Collider::ball(radius),
+            Form::Cuboid(half) => Collider::cuboid(half.x, half.y, half.z),
+        };
+        commands.spawn((
+            Falling {
+                number,
+                form,
+                before: None,
+                through: false,
+                from,
+            },
+            RigidBody::Dynamic,
+            collider,
+            Velocity::default(),
+            // Grass: what rolls comes to rest.
+            Damping {
+                angular_damping: 1.0,
+                ..default()
+            },
+            Ccd { enabled: game.ccd },
+            Transform::from_translation(from),
+            Visibility::default(),
+        ));
+    }
+}
+
+/// What has left the ground rains again.
+pub(super) fn bring_back(mut bodies: Query<(&mut Falling, &mut Transform, &mut Velocity)>) {
+    for (mut falling, mut place, mut velocity) in &mut bodies {
+        if place.translation.y < ABYSS {
+            place.translation = falling.from;
+            *velocity = Velocity::default();
+            falling.before = None;
+        }
+    }
+}

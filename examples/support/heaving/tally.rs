@@ -1,0 +1,67 @@
+//! What is counted, after every step.
+
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use bevy_rapier3d::prelude::*;
+use bevy_rapier3d::rapier::geometry::Collider as RapierCollider;
+
+use super::player::Player;
+use super::rain::Falling;
+
+/// What the player has done so far.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub struct Tally {
+    /// Steps since it first stood on something.
+    pub steps: u32,
+    /// Those after which it was on the ground, as Rapier's controller says.
+    pub grounded: u32,
+    /// Those after which the hill was below its feet.
+    pub on_hill: u32,
+    /// How far it has walked, as seen from above.
+    pub walked: f32,
+    /// Where it was.
+    before: Option<Vec3>,
+}
+
+impl Tally {
+    /// A part of the steps, in 0..=1.
+    #[must_use]
+    pub fn share(&self, of: u32) -> f32 {
+        of as f32 / self.steps.max(1) as f32
+    }
+}
+
+pub(super) fn follow_the_player(
+    players: Query<(&Transform, &KinematicCharacterControllerOutput, &MorphCharacterGround), With<Player>>,
+    mut tally: ResMut<Tally>,
+) {
+    for (place, output, ground) in &players {
+        if tally.steps == 0 && !output.grounded {
+            continue;
+        }
+        tally.steps += 1;
+        tally.grounded += u32::from(output.grounded);
+        tally.on_hill += u32::from(ground.surface.is_some());
+        let before = tally.before.replace(place.translation).unwrap_or(place.translation);
+        tally.walked += before.xz().distance(place.translation.xz());
+    }
+}
+
+/// Looks for bodies whose centres went through the hill, as physics sees it.
+pub(super) fn follow_the_rain(
+    mut bodies: Query<(&Transform, &mut Falling)>,
+    surfaces: Query<(), With<MorphRapierCollider>>,
+    context: ReadRapierContext,
+) {
+    let Ok(context) = context.single() else { return };
+    let is_surface = |entity: Entity, _: &RapierCollider| surfaces.contains(entity);
+    let filter = QueryFilter::new().predicate(&is_surface);
+    for (place, mut falling) in &mut bodies {
+        let at = place.translation;
+        let Some(before) = falling.before.replace(at) else {
+            continue;
+        };
+        let way = at - before;
+        falling.through |= way != Vec3::ZERO && context.cast_ray(before, way, 1.0, false, filter).is_some();
+    }
+}

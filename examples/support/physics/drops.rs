@@ -1,0 +1,86 @@
+//! Bodies that fall into a waving bowl.
+
+use bevy::prelude::*;
+use morph_collision_testkit::mesh::MorphMesh;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use super::sheet;
+
+/// What a body is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// A ball.
+    Ball,
+    /// A cuboid.
+    Cuboid,
+    /// An upright capsule.
+    Capsule,
+}
+
+/// A body that is about to fall.
+#[derive(Clone, Copy, Debug)]
+pub struct Drop {
+    /// Its shape.
+    pub kind: Kind,
+    /// Radius of a ball, half the longest edge of a cuboid, half the segment of a capsule.
+    pub size: f32,
+    /// Where it is.
+    pub at: Vec3,
+    /// How fast.
+    pub linear: Vec3,
+    /// How it spins.
+    pub angular: Vec3,
+}
+
+/// A bowl of 24 by 24 that waves.
+#[must_use]
+pub fn bowl() -> MorphMesh {
+    let mut mesh = sheet(48);
+    for vertex in &mut mesh.positions {
+        *vertex *= 3.0;
+        vertex.y = 0.03 * (vertex.x * vertex.x + vertex.z * vertex.z);
+    }
+    let wave = |direction: Vec2, phase: f32| {
+        let height = |p: &Vec3| 0.3 * (direction.dot(p.xz()) + phase).sin();
+        mesh.positions.iter().map(|p| Vec3::Y * height(p)).collect()
+    };
+    mesh.targets = vec![wave(Vec2::new(1.0, 0.2), 0.0), wave(Vec2::new(-0.3, 0.9), 1.0)];
+    mesh
+}
+
+/// Its weights at a time.
+#[must_use]
+pub fn waves(time: f32) -> [f32; 2] {
+    [(3.0 * time).sin(), (2.3 * time).cos()]
+}
+
+/// What falls; the same for the same batch.
+#[must_use]
+pub fn batch_of_drops(batch: u64, count: u64) -> Vec<Drop> {
+    let mut rng = Pcg64Mcg::seed_from_u64(batch);
+    let kinds = [Kind::Ball, Kind::Cuboid, Kind::Capsule];
+    let drop = |kind| {
+        let mut within = |reach: f32| rng.random_range(-reach..=reach);
+        Drop {
+            at: Vec3::new(within(6.0), 5.0 + within(2.0), within(6.0)),
+            // As after a fall of some metres.
+            linear: Vec3::new(within(3.0), -6.0 + within(4.0), within(3.0)),
+            angular: Vec3::new(within(5.0), within(5.0), within(5.0)),
+            size: 0.25 + within(0.15),
+            kind,
+        }
+    };
+    kinds.into_iter().cycle().take(count as usize).map(drop).collect()
+}
+
+/// Of bodies that fell, how many fell through, and how many left over the rim.
+pub fn fates(places: impl Iterator<Item = Vec3>) -> (u64, u64) {
+    places.fold((0, 0), |(through, left), at| {
+        if at.x.abs().max(at.z.abs()) > 11.5 {
+            (through, left + 1)
+        } else {
+            (through + u64::from(at.y < -1.0), left)
+        }
+    })
+}

@@ -1,0 +1,183 @@
+//! What frames cost with bodies near morphing surfaces: the scenes, and how ways to make surfaces collide take turns in them.
+
+use std::fmt::Write as _;
+use std::time::Instant;
+
+use bevy::prelude::*;
+use morph_collision_testkit::bench::median;
+
+use super::DT;
+
+/// Sheets in a row, and bodies.
+#[derive(Clone, Copy, Debug)]
+pub struct Scene {
+    /// What is special about it.
+    pub what: &'static str,
+    /// How many sheets there are.
+    pub shapes: usize,
+    /// How many of them, the first, have bodies on them.
+    pub on: usize,
+    /// On each of those.
+    pub bodies: usize,
+    /// On a level floor of its own beside each sheet.
+    pub beside: usize,
+    /// Whether the sheets change in each frame.
+    pub morphs: bool,
+}
+
+/// What all ways are timed in.
+#[must_use]
+pub fn scenes() -> Vec<Scene> {
+    let few = |shapes, on| Scene {
+        what: "few bodies",
+        shapes,
+        on,
+        bodies: 2,
+        beside: 0,
+        morphs: true,
+    };
+    let tenth = |shapes| Scene {
+        what: "one in ten touches",
+        bodies: 1,
+        beside: 9,
+        ..few(shapes, shapes)
+    };
+    vec![
+        few(1, 1),
+        few(10, 10),
+        few(100, 1),
+        tenth(1),
+        tenth(10),
+        tenth(100),
+        Scene {
+            what: "none touches",
+            beside: 10,
+            ..few(100, 0)
+        },
+        Scene {
+            what: "many bodies",
+            bodies: 100,
+            ..few(1, 1)
+        },
+        Scene {
+            what: "many bodies",
+            bodies: 30,
+            ..few(10, 10)
+        },
+        Scene {
+            what: "nothing near",
+            ..few(10, 0)
+        },
+        Scene {
+            what: "nothing morphs",
+            morphs: false,
+            ..few(1, 1)
+        },
+        Scene {
+            what: "nothing morphs, many bodies",
+            bodies: 100,
+            morphs: false,
+            ..few(1, 1)
+        },
+    ]
+}
+
+impl Scene {
+    /// Where each sheet is.
+    pub fn sheets(&self) -> impl Iterator<Item = Vec3> + use<> {
+        (0..self.shapes).map(sheet_at)
+    }
+
+    /// Where each floor is, of 6 by 8 and a height of 1 around that.
+    pub fn floors(&self) -> impl Iterator<Item = Vec3> + use<> {
+        let floors = if self.beside > 0 { self.shapes } else { 0 };
+        (0..floors).map(|i| sheet_at(i) + Vec3::new(10.0, -0.5, 0.0))
+    }
+
+    /// Where bodies of radius or half-extent 0.3 are, balls and cuboids in turns: first those on sheets.
+    pub fn places(&self) -> impl Iterator<Item = Vec3> + use<> {
+        let Self {
+            shapes,
+            on,
+            bodies,
+            beside,
+            ..
+        } = *self;
+        let cell = |i: usize| Vec3::new((i % 10) as f32 - 4.5, 0.4, (i / 10) as f32 - 4.5) * Vec3::new(0.75, 1.0, 0.75);
+        let aside = |i: usize| Vec3::new(10.0 + 1.2 * ((i % 4) as f32 - 1.5), 0.4, 1.2 * ((i / 4) as f32 - 1.5));
+        let on = (0..on).flat_map(move |sheet| (0..bodies).map(move |i| sheet_at(sheet) + cell(i)));
+        let beside = (0..shapes).flat_map(move |sheet| (0..beside).map(move |i| sheet_at(sheet) + aside(i)));
+        on.chain(beside)
+    }
+
+    /// How many bodies there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.on * self.bodies + self.shapes * self.beside
+    }
+}
+
+fn sheet_at(i: usize) -> Vec3 {
+    Vec3::X * 20.0 * i as f32
+}
+
+/// A world in which one way is timed: gives its sheets weights.
+pub type Timed<'a> = (App, Box<dyn FnMut(&mut App, &[f32]) + 'a>);
+
+/// Frames of one way in a row.
+const TURN: usize = 20;
+
+/// Medians of whole frames in microseconds, the ways in turns.
+#[must_use]
+pub fn time(scene: &Scene, frames: usize, mut worlds: Vec<Timed<'_>>) -> Vec<f64> {
+    // In turns of some frames, as in a game that has its caches to itself.
+    let mut times = vec![Vec::new(); worlds.len()];
+    for turn in 0..=frames.div_ceil(TURN) {
+        for ((app, pose), times) in worlds.iter_mut().zip(&mut times) {
+            for frame in 0..TURN {
+                let time = (turn * TURN + frame) as f32 * DT;
+                let start = Instant::now();
+                if scene.morphs {
+                    pose(app, &[0.05 * (6.0 * time).sin(), 0.05 * (5.0 * time).cos()]);
+                }
+                app.update();
+                // The first turn is for bodies to come to rest, the first frames of one for caches to fill.
+                if turn > 0 && frame >= TURN / 4 {
+                    times.push(start.elapsed().as_secs_f64() * 1e6);
+                }
+            }
+        }
+    }
+    times.into_iter().map(|times| median(times.into_iter())).collect()
+}
+
+/// The table of them: of ours in microseconds, of the rivals relative to that.
+#[must_use]
+pub fn table<'a>(quick: bool, rivals: &[&str], worlds: impl Fn(&Scene) -> Vec<Timed<'a>>) -> String {
+    let mut table = String::from("| surfaces | bodies | ours, µs |");
+    for rival in rivals {
+        let _infallible = write!(table, " {rival} |");
+    }
+    table.push_str("\n|---|---|--:|");
+    table.push_str(&"--:|".repeat(rivals.len()));
+    table.push('\n');
+    let scenes = scenes();
+    let progress = crate::tables::progress(scenes.len() as u64);
+    for scene in &scenes {
+        let frames = match (quick, scene.shapes) {
+            (true, _) => 20,
+            (_, 100..) => 40,
+            _ => 100,
+        };
+        let row = time(scene, frames, worlds(scene));
+        let (shapes, bodies) = (scene.shapes, scene.count());
+        let _infallible = write!(table, "| {shapes} | {bodies} ({}) | {:.0} |", scene.what, row[0]);
+        for rival in &row[1..] {
+            let _infallible = write!(table, " {:.2} |", rival / row[0]);
+        }
+        table.push('\n');
+        progress.inc(1);
+    }
+    progress.finish_and_clear();
+    table
+}

@@ -1,0 +1,144 @@
+//! One app with a crowd whose colliders have a tolerance, at consecutive frames of 60 Hz.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use bevy::ecs::schedule::SingleThreadedExecutor;
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use morph_collision_testkit::gltf_read::read_meshes;
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::moments::find_real_model;
+use morph_collision_workspace::crowd::root_of;
+use morph_collision_workspace::drawn::{self, Part};
+use morph_collision_workspace::instances::{Instances, in_crowd};
+use morph_collision_workspace::{app, error::ExampleError};
+
+/// What is looked at.
+pub(crate) struct Scene {
+    pub(crate) name: &'static str,
+    pub(crate) model: &'static str,
+    pub(crate) count: usize,
+    /// How far neighbours are apart, in sizes of a body.
+    pub(crate) spacing: f32,
+    /// Whether bodies turn and bob besides playing their clip.
+    pub(crate) wanders: bool,
+}
+
+/// The scenes, all of which have many contacts and near misses.
+pub(crate) const SCENES: [Scene; 4] = [
+    Scene {
+        name: "dolphins that turn and bob",
+        model: "dolphin_564.glb",
+        count: 216,
+        spacing: 0.5,
+        wanders: true,
+    },
+    Scene {
+        name: "dolphins that swim in place",
+        model: "dolphin_564.glb",
+        count: 216,
+        spacing: 0.5,
+        wanders: false,
+    },
+    Scene {
+        name: "talking heads",
+        model: "mh_head_eyes_teeth_arkit52_dao.glb",
+        count: 27,
+        spacing: 0.62,
+        wanders: false,
+    },
+    Scene {
+        name: "walking characters",
+        model: "mh_character_low.glb",
+        count: 64,
+        spacing: 0.3,
+        wanders: false,
+    },
+];
+
+/// An app, and where its crowd is in time.
+pub(crate) struct Stage {
+    pub(crate) app: App,
+    pub(crate) parts: Vec<Part>,
+    pub(crate) meshes: Vec<MorphMesh>,
+    /// The longest side of a body, in world units.
+    pub(crate) size: f32,
+    roots: Vec<Entity>,
+    frame: usize,
+}
+
+impl Stage {
+    /// A crowd, each with a tolerance in sizes of its body, in an app whose systems run on one thread.
+    pub(crate) fn new(scene: &Scene, tolerance: f32) -> Result<Self, String> {
+        let file = find_real_model(scene.model).map_err(|missing| missing.to_string())?;
+        let file = file
+            .canonicalize()
+            .map_err(|error| format!("{}: {error}", scene.model))?;
+        let meshes = read_meshes(&file).map_err(|error| error.to_string())?;
+        let mut app = app::headless(file.parent().unwrap_or(Path::new(".")));
+        app::ready(&mut app);
+        for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
+            schedule.set_executor(SingleThreadedExecutor::new());
+        }
+        let spawned = |error: ExampleError| error.to_string();
+        let instances = Instances::spawn(&mut app, &file, scene.count, false).map_err(spawned)?;
+        let size = instances.length();
+        let mut stage = Self {
+            parts: Vec::new(),
+            meshes,
+            size,
+            roots: instances.roots,
+            frame: 0,
+            app,
+        };
+        stage.place(scene);
+        for _ in 0..3 {
+            stage.app.update();
+        }
+        let mut colliders = stage.app.world_mut().query::<&mut MorphCollider>();
+        for mut collider in colliders.iter_mut(stage.app.world_mut()) {
+            *collider = MorphCollider::new(MorphCollisionMode::Any).with_tolerance(tolerance * size);
+        }
+        let mut parts = drawn::parts::<With<MorphCollider>>(stage.app.world_mut(), &stage.meshes);
+        let (world, roots) = (stage.app.world(), &stage.roots);
+        parts.sort_by_cached_key(|part| (root_of(world, part.entity, roots), part.mesh, part.triangles.start));
+        stage.parts = parts;
+        stage.app.update();
+        Ok(stage)
+    }
+
+    /// Goes on by one frame; returns the microseconds that the plugin took.
+    pub(crate) fn update(&mut self, scene: &Scene) -> f64 {
+        self.frame += 1;
+        if scene.wanders {
+            self.place(scene);
+        }
+        self.app.update();
+        self.diagnostics().duration.as_secs_f64() * 1e6
+    }
+
+    fn place(&mut self, scene: &Scene) {
+        let seconds = self.frame as f32 / 60.0;
+        for (index, &root) in self.roots.iter().enumerate() {
+            if let Some(mut transform) = self.app.world_mut().get_mut::<Transform>(root) {
+                *transform = in_crowd(index, self.roots.len(), seconds, scene.spacing * self.size);
+            }
+        }
+    }
+
+    pub(crate) fn diagnostics(&self) -> MorphCollisionDiagnostics {
+        *self.app.world().resource::<MorphCollisionDiagnostics>()
+    }
+
+    /// The pairs of parts that are reported to touch.
+    pub(crate) fn touching(&self) -> BTreeSet<(usize, usize)> {
+        let place = |entity: Entity| self.parts.iter().position(|part| part.entity == entity);
+        let collisions = self.app.world().resource::<MorphCollisions>();
+        let pairs = collisions.iter().filter_map(|contact| {
+            let (a, b) = (place(contact.collider1)?, place(contact.collider2)?);
+            Some((a.min(b), a.max(b)))
+        });
+        pairs.collect()
+    }
+}

@@ -45,6 +45,29 @@ fn a_ball_on_a_rising_surface_has_its_velocity() {
 }
 
 #[test]
+fn what_is_swept_rises_with_the_surface_below_it() {
+    for shape in [Collider::ball(0.1), Collider::cuboid(0.1, 0.1, 0.1), Collider::capsule_x(0.1, 0.1)] {
+        let mut app = app();
+        let sheet = spawn(&mut app, &sheet(32), ());
+        settle(&mut app);
+        let swept = body(&mut app, shape, Vec3::new(0.1, 0.11, 0.05));
+        app.world_mut().entity_mut(swept).insert(Ccd::enabled());
+        run(&mut app, 60);
+        let mut height = 0.0;
+        for i in 1..=120_u8 {
+            // Faster and faster, and so fast in the end that it is swept in each step.
+            let speed = (0.2 * f32::from(i)).min(8.0);
+            height += speed * DT;
+            set_weights(&mut app, sheet, &[height, 0.0]);
+            run(&mut app, 1);
+            let (gap, rises) = (place(&app, swept).y - 0.1 - height, velocity(&app, swept).y);
+            assert!(gap.abs() < 1e-2, "gap {gap} in step {i}");
+            assert!((rises - speed).abs() < 0.02 * speed, "velocity {rises} of {speed} in step {i}");
+        }
+    }
+}
+
+#[test]
 fn a_box_on_a_sliding_surface_is_carried() {
     let (mut app, sheet, cuboid) = on_the_sheet(Collider::cuboid(0.5, 0.5, 0.5), 0.51);
     for i in 1..=120 {

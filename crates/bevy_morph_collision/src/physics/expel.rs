@@ -191,9 +191,11 @@ impl Exit {
 impl Drive {
     /// How fast something moves whose middle is so deep inside.
     ///
-    /// More slowly where that is about to be outside. From there on contacts push it, which does not leave it a velocity.
+    /// More slowly where that may be outside after the step: from there on contacts push it, which take no velocity away. In the step they may move it as far as
+    /// it is driven.
     fn speed(&self, depth: f64, size: f64) -> f64 {
-        let share = (depth / size).clamp(AT_THE_DOOR, 1.0);
+        let step = 2.0 * f64::from(self.limit * self.dt);
+        let share = ((depth - step) / size).clamp(AT_THE_DOOR, 1.0);
         let at_once = (depth + size) / f64::from(self.dt);
         (share * f64::from(self.limit)).min(at_once)
     }

@@ -101,7 +101,7 @@ fn at_rest<'a>(method: Method, mesh: &'a MorphMesh, collider: Collider) -> (App,
     (app, surface, body)
 }
 
-/// Four things that a surface does to what lies on it.
+/// What a surface does to what lies on it.
 fn behaviour() -> String {
     let mesh = sheet(32);
     let ball = || Collider::ball(0.5);

@@ -201,3 +201,38 @@ fn what_touches_a_surface_that_goes_is_told() {
         assert!(colliding(&app, ball).is_empty(), "{name}");
     }
 }
+
+#[test]
+fn a_floor_and_other_surfaces_are_told_of_no_parts() {
+    let mut app = app();
+    let told = || (CollidingEntities::default(), CollisionEventsEnabled);
+    let floor = (
+        (RigidBody::Static, Collider::cuboid(20.0, 1.0, 20.0), told()),
+        Transform::from_xyz(0.0, -0.5, 0.0),
+    );
+    let floor = app.world_mut().spawn(floor).id();
+    let surface = spawn(&mut app, &sheet(16), told());
+    // Across the first, below the same ball.
+    let steep = Transform::from_rotation(Quat::from_rotation_z(0.3));
+    let other = spawn(&mut app, &sheet(16), (steep, told()));
+    settle(&mut app);
+    let mut log = Log::from_now(&app);
+    let ball = body(&mut app, Collider::sphere(0.3), BALL);
+    let second = body(&mut app, Collider::sphere(0.3), BALL + 0.5 * Vec3::Z);
+    log.run(&mut app, 60, |app, i| {
+        let height = 0.02 * (0.5 * i as f32).sin();
+        set_weights(app, surface, &[height, 0.0]);
+        set_weights(app, other, &[-height, 0.0]);
+    });
+    let balls = [ball, second];
+    assert!(!log.started.is_empty());
+    for &(a, b) in log.started.iter().chain(&log.ended) {
+        let met = if balls.contains(&a) { b } else { a };
+        assert!(balls.contains(&a) || balls.contains(&b), "{a} and {b}");
+        assert!(balls.contains(&met) || [surface, other, floor].contains(&met), "{met}");
+    }
+    for entity in [floor, surface, other] {
+        let with = colliding(&app, entity);
+        assert!(with.iter().all(|with| balls.contains(with)), "{entity}: {with:?}");
+    }
+}

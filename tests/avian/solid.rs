@@ -62,6 +62,37 @@ fn what_is_inside_is_driven_out_of_what_is_solid() {
 }
 
 #[test]
+fn a_body_of_several_colliders_leaves_no_faster() {
+    // Around one of them there is a second surface.
+    let (mut app, _) = with_slab(true);
+    let mut twin = box_mesh(Vec3::new(2.0, 0.5, 2.0));
+    twin.targets = vec![vec![Vec3::Y; twin.positions.len()]];
+    twin.target_names = vec!["rise".into()];
+    let twin = spawn(&mut app, &twin, ());
+    app.world_mut().entity_mut(twin).insert(SOLID);
+    settle(&mut app);
+    let at = Vec3::new(0.1, 0.1, 0.05);
+    let body = (RigidBody::Dynamic, GravityScale(0.0), Transform::from_translation(at));
+    let body = app.world_mut().spawn(body).id();
+    for i in [-1.0, 0.0, 1.0] {
+        let part = (
+            Collider::cuboid(0.4, 0.4, 0.4),
+            Transform::from_xyz(0.5 * i, 0.0, 0.0),
+            ChildOf(body),
+        );
+        app.world_mut().spawn(part);
+    }
+    let mut fastest: f32 = 0.0;
+    for _ in 0..60 {
+        run(&mut app, 1);
+        fastest = fastest.max(velocity(&app, body).length());
+    }
+    let (now, speed) = (place(&app, body), velocity(&app, body).length());
+    assert!(now.y > 0.69, "{now}");
+    assert!(fastest < 4.1 && speed < 1.5, "{fastest}, {speed}");
+}
+
+#[test]
 fn locked_axes_and_layers_keep_what_is_inside() {
     let (mut app, slab) = with_slab(true);
     let at = Vec3::new(0.1, 0.1, 0.05);

@@ -5,10 +5,10 @@ use bevy::math::Affine3A;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
-use morph_collision_workspace::physics::{body, settle, sheet};
+use morph_collision_workspace::physics::{DT, body, settle, sheet};
 
 use crate::support::{
-    BALL, app, ball_on_sheet, below, collect_errors, diagnostics, place, put, run, set_weights, spawn, velocity,
+    BALL, app, ball_on_sheet, below, collect_errors, diagnostics, place, put, run, set_weights, slab, spawn, velocity,
 };
 
 /// Where a second sheet with a ball on it is, that has no part in the trouble.
@@ -189,6 +189,50 @@ fn bad_weights_leave_the_last_good_ones() {
     set_weights(&mut app, surface, &[0.1, 0.0]);
     run(&mut app, 5);
     assert!((place(&app, ball).y - 0.4).abs() < 1e-2);
+}
+
+#[test]
+fn what_was_somewhere_near_infinity_pushes_as_before() {
+    for solid in [false, true] {
+        let (mut app, surface, ball) = ball_on_sheet();
+        let slab = spawn(
+            &mut app,
+            &slab(Vec3::new(2.0, 0.5, 2.0)),
+            Transform::from_translation(ASIDE),
+        );
+        app.world_mut().entity_mut(slab).insert(MorphRapierCollider {
+            solid,
+            ..MorphRapierCollider::default()
+        });
+        settle(&mut app);
+        let floats = body(&mut app, Collider::ball(0.2), ASIDE + Vec3::new(0.1, 1.0, 0.05));
+        app.world_mut().entity_mut(floats).insert(GravityScale(0.0));
+        run(&mut app, 5);
+        for surface in [surface, slab] {
+            let count = if surface == slab { 4 } else { 2 };
+            set_weights(&mut app, surface, &vec![1e25; count]);
+            run(&mut app, 1);
+            set_weights(&mut app, surface, &vec![0.0; count]);
+        }
+        put(&mut app, ball, BALL);
+        run(&mut app, 30);
+        for step in 1..=60_u8 {
+            let height = DT * f32::from(step);
+            set_weights(&mut app, surface, &[height, 0.0]);
+            set_weights(&mut app, slab, &[height, 0.0, 0.0, 0.0]);
+            run(&mut app, 1);
+        }
+        let (carried, pushed) = (place(&app, ball).y, place(&app, floats).y);
+        assert!((carried - 1.3).abs() < 2e-2, "{carried}");
+        assert!(pushed > ASIDE.y + 1.69, "{pushed}");
+        // In one step, over all of it.
+        put(&mut app, floats, ASIDE + Vec3::new(0.1, 1.9, 0.05));
+        run(&mut app, 2);
+        set_weights(&mut app, slab, &[1.0, 1.0, 0.0, 0.0]);
+        run(&mut app, 90);
+        let at = place(&app, floats);
+        assert_eq!(at.y > ASIDE.y + 2.69, solid, "{at}");
+    }
 }
 
 #[test]

@@ -46,7 +46,11 @@ fn a_ball_on_a_rising_surface_has_its_velocity() {
 
 #[test]
 fn what_is_swept_rises_with_the_surface_below_it() {
-    for shape in [Collider::ball(0.1), Collider::cuboid(0.1, 0.1, 0.1), Collider::capsule_x(0.1, 0.1)] {
+    for shape in [
+        Collider::ball(0.1),
+        Collider::cuboid(0.1, 0.1, 0.1),
+        Collider::capsule_x(0.1, 0.1),
+    ] {
         let mut app = app();
         let sheet = spawn(&mut app, &sheet(32), ());
         settle(&mut app);
@@ -62,7 +66,10 @@ fn what_is_swept_rises_with_the_surface_below_it() {
             run(&mut app, 1);
             let (gap, rises) = (place(&app, swept).y - 0.1 - height, velocity(&app, swept).y);
             assert!(gap.abs() < 1e-2, "gap {gap} in step {i}");
-            assert!((rises - speed).abs() < 0.02 * speed, "velocity {rises} of {speed} in step {i}");
+            assert!(
+                (rises - speed).abs() < 0.02 * speed,
+                "velocity {rises} of {speed} in step {i}"
+            );
         }
     }
 }

@@ -356,3 +356,19 @@ fn a_body_that_becomes_fixed_in_its_sleep_needs_no_parts() {
     run(&mut app, 2);
     assert_eq!((diagnostics(&app).parts, population(&mut app).0), (0, 1));
 }
+
+#[test]
+fn a_removed_collider_comes_back_while_the_surface_is_wanted() {
+    let (mut app, surface, ball) = ball_on_sheet();
+    app.world_mut().entity_mut(surface).remove::<Collider>();
+    run(&mut app, 5);
+    put(&mut app, ball, BALL);
+    run(&mut app, 30);
+    assert!((place(&app, ball).y - 0.3).abs() < 1e-2, "{}", place(&app, ball));
+    app.world_mut()
+        .entity_mut(surface)
+        .remove::<(MorphRapierCollider, Collider)>();
+    run(&mut app, 30);
+    assert!(!app.world().entity(surface).contains::<Collider>());
+    assert!(place(&app, ball).y < 0.0, "{}", place(&app, ball));
+}

@@ -121,6 +121,13 @@ pub(super) fn is_new(
     is && !std::mem::replace(&mut *was, is)
 }
 
+/// The clip begins when all is there: the game is the same however long that took.
+pub(super) fn rewind(mut players: Query<&mut AnimationPlayer>) {
+    for mut player in &mut players {
+        player.rewind_all();
+    }
+}
+
 /// A file without a clip wobbles.
 pub(super) fn wave(
     hills: Query<&Hill>,

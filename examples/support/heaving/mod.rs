@@ -77,7 +77,12 @@ pub fn plugin(app: &mut App) {
     .add_systems(Startup, (hill::load, lay_the_ground))
     .add_systems(
         Update,
-        (hill::fit, hill::wave, (player::spawn, rain::spawn).run_if(hill::is_new)).chain(),
+        (
+            hill::fit,
+            hill::wave,
+            (hill::rewind, player::spawn, rain::spawn).run_if(hill::is_new),
+        )
+            .chain(),
     )
     .add_systems(
         FixedUpdate,

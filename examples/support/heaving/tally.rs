@@ -5,6 +5,7 @@ use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
 use bevy_rapier3d::rapier::geometry::Collider as RapierCollider;
 
+use super::ABYSS;
 use super::player::Player;
 use super::rain::Falling;
 
@@ -47,7 +48,7 @@ pub(super) fn follow_the_player(
     }
 }
 
-/// Looks for bodies whose centres went through the hill, as physics sees it.
+/// Looks for bodies whose centres went through the hill, as physics sees it, or that it has risen above.
 pub(super) fn follow_the_rain(
     mut bodies: Query<(&Transform, &mut Falling)>,
     surfaces: Query<(), With<MorphRapierCollider>>,
@@ -61,7 +62,8 @@ pub(super) fn follow_the_rain(
         let Some(before) = falling.before.replace(at) else {
             continue;
         };
-        let way = at - before;
-        falling.through |= way != Vec3::ZERO && context.cast_ray(before, way, 1.0, false, filter).is_some();
+        let hits =
+            |way: Vec3, from: Vec3| way != Vec3::ZERO && context.cast_ray(from, way, 1.0, false, filter).is_some();
+        falling.through |= hits(at - before, before) || hits(ABYSS.abs() * Vec3::Y, at);
     }
 }

@@ -162,7 +162,7 @@ fn overlaps_are_those_of_the_surface() {
     app.update();
     assert_eq!(
         ask(&mut app, move |s| s.frustum_intersections(&frustum, &any())),
-        [b, seen]
+        ascending(vec![b, seen])
     );
 }
 

@@ -191,7 +191,7 @@ fn snap(solid: bool) -> (usize, f32, Vec3) {
     };
     let half = Vec3::new(2.0, 0.4, 2.0);
     let (lower, above) = (upper(slab(half), -0.7), upper(slab(half), 0.7));
-    // One mesh: the upper jaw moves down by 0.3 and leaves half of the ball's size between.
+    // One mesh: the upper jaw moves down by 0.4 and leaves half of the ball's size between.
     let count = lower.positions.len() as u32;
     let mut positions = lower.positions.clone();
     positions.extend(&above.positions);
@@ -229,6 +229,7 @@ fn what_is_between_fast_jaws_is_not_swallowed() {
     let thin = snap(false);
     let solid = snap(true);
     println!("thin: {thin:?}, solid: {solid:?}");
+    assert!(thin.0 > 24, "a thin one would swallow it: inside in {} steps", thin.0);
     assert!(solid.0 < 12, "inside in {} steps", solid.0);
     assert!(solid.1 < 40.0, "{}", solid.1);
     assert!(
@@ -266,6 +267,36 @@ fn a_surface_that_is_not_solid_is_as_thin_as_ever() {
 }
 
 #[test]
+fn what_has_no_volume_lies_still_on_a_solid_surface() {
+    // The first triangle of each is at its underside, with which it sinks in a little.
+    let (mut app, _) = with_slab(SLAB, true, ());
+    let mut crate_ = box_mesh(Vec3::splat(0.2));
+    crate_
+        .triangles
+        .sort_by_key(|corners| corners.map(|corner| crate_.positions[corner as usize].y > 0.0));
+    let shell = Collider::trimesh(crate_.positions.clone(), crate_.triangles.clone()).unwrap();
+    let shell = body(&mut app, shell, Vec3::new(0.1, 0.705, 0.05));
+    let weight = (ColliderMassProperties::Mass(1.0), AdditionalMassProperties::Mass(0.0));
+    app.world_mut().entity_mut(shell).insert(weight);
+    let morphing = spawn(&mut app, &crate_, Transform::from_xyz(-1.0, 0.705, 0.05));
+    let weight = ColliderMassProperties::Mass(1.0);
+    app.world_mut()
+        .entity_mut(morphing)
+        .insert((RigidBody::Dynamic, Velocity::default(), weight));
+    settle(&mut app);
+    run(&mut app, 60);
+    for lies in [shell, morphing] {
+        let (mut fastest, mut highest): (f32, f32) = (0.0, 0.0);
+        for _ in 0..120 {
+            run(&mut app, 1);
+            fastest = fastest.max(velocity(&app, lies).length());
+            highest = highest.max(place(&app, lies).y);
+        }
+        assert!(fastest < 0.05 && (highest - 0.7).abs() < 1e-2, "{fastest}, {highest}");
+    }
+}
+
+#[test]
 fn what_surrounds_a_solid_body_is_not_inside() {
     // A ring of four bars around a rod: its middle is in the rod, and none of it.
     let (mut app, _) = with_slab(Vec3::new(0.3, 2.0, 0.3), true, ());
@@ -295,6 +326,47 @@ fn groups_spare_what_is_inside() {
         run(&mut app, 60);
         assert_eq!(place(&app, ball) == at, spared, "{}", place(&app, ball));
     }
+}
+
+#[test]
+fn a_scaled_dynamic_body_notices_what_it_swallows() {
+    for by_scale in [false, true] {
+        let more = (RigidBody::Dynamic, GravityScale(0.0), Velocity::default());
+        let (mut app, surface) = with_slab(0.1 * SLAB, true, more);
+        let scaled = |y: f32| Transform::from_scale(Vec3::new(10.0, y, 10.0));
+        app.world_mut()
+            .entity_mut(surface)
+            .insert((scaled(10.0), ColliderMassProperties::Mass(1e3)));
+        let ball = floating(&mut app, Collider::ball(0.2), Vec3::new(0.1, 1.4, 0.05));
+        run(&mut app, 5);
+        if by_scale {
+            app.world_mut().entity_mut(surface).insert(scaled(40.0));
+        } else {
+            set_weights(&mut app, surface, &[0.0, 0.15, 0.0, 0.0]);
+        }
+        run(&mut app, 90);
+        let (top, at) = (2.0, place(&app, ball));
+        assert!(at.y > top - 0.01, "{by_scale}: {at}");
+    }
+}
+
+#[test]
+fn what_a_dynamic_body_grew_over_while_it_was_switched_off_leaves_it() {
+    let more = (RigidBody::Dynamic, GravityScale(0.0), Velocity::default());
+    let (mut app, surface) = with_slab(SLAB, true, more);
+    app.world_mut()
+        .entity_mut(surface)
+        .insert(ColliderMassProperties::Mass(1e3));
+    let ball = floating(&mut app, Collider::ball(0.2), Vec3::new(0.1, 1.5, 0.05));
+    run(&mut app, 5);
+    app.world_mut().entity_mut(surface).insert(MorphColliderDisabled);
+    run(&mut app, 2);
+    set_weights(&mut app, surface, &[0.0, 1.5, 0.0, 0.0]);
+    run(&mut app, 2);
+    app.world_mut().entity_mut(surface).remove::<MorphColliderDisabled>();
+    run(&mut app, 120);
+    let at = place(&app, ball);
+    assert!(at.y > 2.19, "{at}");
 }
 
 #[test]

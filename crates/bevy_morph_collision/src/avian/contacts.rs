@@ -113,7 +113,10 @@ pub(super) fn name_surfaces(
                 } else {
                     (contact.collider1, contact.body1)
                 };
-                touching.insert(other, body);
+                // Parts meet also what the surface itself never does: walls and parts of other surfaces.
+                if surface.pushing.is_near(other) {
+                    touching.insert(other, body);
+                }
                 if let Ok(mut colliding) = told.colliding.get_mut(other)
                     && colliding.contains(&part)
                 {

@@ -5,7 +5,8 @@
 //! - `ahead`: where a mesh will be at the end of a step.
 //! - `movers`: the colliders that may meet it.
 //! - `push`, `part`: how it pushes: what is near moving bodies is a kinematic body for one step.
-//! - `step`: the system before Avian's step.
+//! - `frames`: what surfaces are drawn with, frame by frame.
+//! - `step`: the systems around Avian's step.
 //! - `contacts`: that contacts with parts are those of the surface.
 //!
 //! What a surface is, where it moves and what of it is near bodies is in [`crate::physics`].
@@ -66,14 +67,18 @@ pub struct MorphAvianCollider {
     /// from one step to the next has not moved but jumped: what changes faster than this is believed to be a motion when the
     /// step after confirms it, and until then does not throw anything. The default is 100, ten times a fall's.
     pub max_acceleration: f32,
-    /// Whether a closed mesh has an inside. The default is that it has none.
+    /// Whether a closed mesh has an inside. Default: no.
     ///
     /// - Contacts push outward alone. Unless the surface is on a dynamic body, what is inside all the same is driven out, at most at the speed at which Avian pushes
-    ///   bodies apart (`SolverConfig::max_overlap_solve_speed`, 4 units per second), and leaves at a third of that.
+    ///   bodies apart (`SolverConfig::max_overlap_solve_speed`, 4 units per second, and never more than 10 length units), and leaves at a third of that.
+    ///   It wakes if it sleeps. Between two solid surfaces that overlap, it may be driven from one into the other.
     /// - What asks `SpatialQuery` for points, or for rays that are `solid`, finds the inside. Sensors and shape intersections do not: Avian computes them with the
     ///   triangles alone.
     ///
-    /// A mesh is closed if along each of its edges as many triangles run one way as the other. Otherwise this has no effect, and a warning in the log names the
+    /// Costs a ray and a closest point for each body near the surface, whenever the two have moved by as much as was between them.
+    ///
+    /// A mesh is closed if along each of its edges as many triangles run one way as the other. Vertices that are at the same place in every pose, as at a seam of
+    /// texture coordinates, count as one. Otherwise this has no effect, and a warning in the log names the
     /// entity. You can change it at any time; it takes effect in the next step.
     pub solid: bool,
 }

@@ -2,8 +2,8 @@
 
 use avian3d::prelude::{
     AngularVelocity, Collider, ColliderDisabled, ColliderOf, ColliderTransform, CollidingEntities,
-    CollisionEventsEnabled, CollisionLayers, CollisionMargin, Gravity, GravityScale, LinearVelocity, Position,
-    RigidBody, RigidBodyDisabled, Rotation, Sensor, Sleeping,
+    CollisionEventsEnabled, CollisionLayers, CollisionMargin, ComputedCenterOfMass, Gravity, GravityScale,
+    LinearVelocity, Position, RigidBody, RigidBodyDisabled, Rotation, Sensor, Sleeping,
 };
 use bevy::platform::collections::HashSet;
 use bevy::prelude::*;
@@ -16,7 +16,6 @@ use super::attach::AvianSurface;
 use super::step::Stepping;
 use super::{MorphAvianCollider, MorphAvianPart};
 use crate::physics::expel::Guest;
-use crate::physics::inside::point_of;
 use crate::physics::near::Visitor;
 use crate::physics::range::{MAX_COORDINATE, box_in_range, in_range};
 use crate::physics::sorted_boxes::SortedBoxes;
@@ -35,7 +34,7 @@ pub(super) struct Mover {
     pub(super) guest: Option<Guest>,
 }
 
-/// All of them.
+/// All colliders that may meet a surface.
 #[derive(Default)]
 pub(super) struct Movers {
     all: Vec<Mover>,
@@ -78,6 +77,7 @@ pub(super) fn find_movers(
             &Rotation,
             &LinearVelocity,
             &AngularVelocity,
+            &ComputedCenterOfMass,
             Option<&GravityScale>,
             Has<Sleeping>,
             Has<RigidBodyDisabled>,
@@ -104,7 +104,7 @@ pub(super) fn find_movers(
     for (entity, collider, own_place, (of, in_body), layers, margin, (sensor, surface), listens) in &colliders {
         let body = of.and_then(|of| bodies.get(of.body).ok().map(|state| (of.body, state)));
         let is_dynamic = body.is_some_and(|(_, state)| *state.0 == RigidBody::Dynamic);
-        let disabled = body.is_some_and(|(_, state)| state.7);
+        let disabled = body.is_some_and(|(_, state)| state.8);
         let pushed = is_dynamic && !sensor && !disabled;
         let moves = body.is_some_and(|(_, state)| *state.0 != RigidBody::Static);
         // Nothing else is ever told of, or pushed: walls, ground, and surfaces that meet bodies with their parts.
@@ -118,7 +118,7 @@ pub(super) fn find_movers(
         let mut stands = place(own_place.0, own_place.1);
         let bounds = match body {
             None => shape.compute_aabb(&stands),
-            Some((body, (kind, position, rotation, linear, angular, scale, sleeps, _))) => {
+            Some((body, (kind, position, rotation, linear, angular, center_of_mass, scale, sleeps, _))) => {
                 asleep = sleeps;
                 let in_body = in_body.filter(|_| body != entity);
                 let in_body = in_body.map_or(Place::IDENTITY, |it| Place::from_parts(it.translation, it.rotation));
@@ -135,7 +135,9 @@ pub(super) fn find_movers(
                     };
                     way = (linear.0 + falls) * dt;
                     let turned = Quat::from_scaled_axis(angular.0 * dt) * rotation.0;
-                    let next = Place::from_parts(position.0 + way, turned);
+                    // It turns about its centre of mass.
+                    let aside = rotation.0 * center_of_mass.0 - turned * center_of_mass.0;
+                    let next = Place::from_parts(position.0 + way + aside, turned);
                     now.merged(&shape.compute_aabb(&(next * in_body)))
                 }
             }
@@ -155,14 +157,7 @@ pub(super) fn find_movers(
             }
             continue;
         }
-        let guest = (any_solid && pushed).then(|| {
-            let center = stands.transform_point(point_of(shape.0.as_ref())?);
-            Some(Guest {
-                center: center.as_dvec3(),
-                size: 0.5 * f64::from(shape.compute_local_aabb().extents().min_element()),
-                reach: f64::from(bounds.extents().length()),
-            })
-        });
+        let guest = (any_solid && pushed).then(|| Guest::of(shape.0.as_ref(), &stands, bounds.extents().length()));
         movers.push(Mover {
             visitor: Visitor {
                 collider: entity,

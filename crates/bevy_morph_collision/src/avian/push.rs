@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use avian3d::dynamics::joints::joint_graph::JointGraph;
 use avian3d::prelude::{SleepTimer, Sleeping, WakeBody};
+use bevy::ecs::entity::hash_map::EntityHashMap;
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
@@ -44,8 +45,8 @@ pub(super) struct Around<'a, 'w, 's> {
     pub(super) sleep: &'a mut Sleep<'w, 's>,
     /// How fast bodies are driven out of what is solid.
     pub(super) leaving: f32,
-    /// Bodies that are, and by how much their velocities change.
-    pub(super) driven: &'a mut Vec<(Entity, Vec3)>,
+    /// By how much the velocities of bodies change that are.
+    pub(super) driven: &'a mut EntityHashMap<Vec3>,
 }
 
 impl Pushing {
@@ -60,6 +61,11 @@ impl Pushing {
 
     pub(super) fn is_idle(&self) -> bool {
         self.near.is_idle()
+    }
+
+    /// Whether it has parts for a collider.
+    pub(super) fn is_near(&self, collider: Entity) -> bool {
+        self.near.knows(collider)
     }
 
     /// The entities of its parts.
@@ -88,7 +94,7 @@ impl Pushing {
             return 0;
         }
         self.near.begin(following);
-        self.expelling.begin();
+        self.expelling.begin(None);
         let bounds = following.bounds();
         let bounds = Aabb::new(bounds.min, bounds.max).loosened(pace.prediction);
         self.teach(bodies);
@@ -112,9 +118,7 @@ impl Pushing {
                 self.near.give_out(following, |body| around.sleep.asleep.contains(body));
             }
             self.near.look_near(visitor, following, pace);
-            if let Some(change) = self.drive_out(mover, following, pace, around.leaving) {
-                around.driven.push((visitor.body, change));
-            }
+            self.drive_out(mover, following, pace, around);
             blended += self.near.push(visitor, following, pace, bodies);
             // What is carried slowly is not at rest.
             if self.near.moves_near(visitor.collider)
@@ -134,25 +138,29 @@ impl Pushing {
         blended
     }
 
-    /// By how much the velocity of a body is to change, if it is inside the surface and that is solid.
-    fn drive_out(&mut self, mover: &Mover, following: &mut Following, pace: &Pace, leaving: f32) -> Option<Vec3> {
-        let guest = mover.guest.as_ref()?;
+    /// Has a body leave the surface, if it is inside and that is solid.
+    fn drive_out(&mut self, mover: &Mover, following: &mut Following, pace: &Pace, around: &mut Around) {
         let outward = {
             let posed = following.surface.lock();
-            posed.outward().filter(|_| posed.is_solid())?
+            posed.outward().filter(|_| posed.is_solid())
+        };
+        let (Some(guest), Some(outward)) = (&mover.guest, outward) else {
+            return;
         };
         let travelled = following.travelled_before();
         let drive = Drive {
-            limit: leaving,
+            limit: around.leaving,
             dt: pace.dt,
         };
         let exit = following.at_begin(|pose, place| {
             let at = (pose, place);
             self.expelling
                 .exit(mover.visitor.collider, guest, at, travelled, f64::from(outward), drive)
-        })?;
-        let change = exit.change_of(mover.velocity, following, pace);
-        Some(change).filter(|&change| change != Vec3::ZERO)
+        });
+        let Some(exit) = exit else { return };
+        // Its other colliders, and other surfaces, may drive it, too.
+        let driven = around.driven.entry(mover.visitor.body).or_default();
+        *driven += exit.change_of(mover.velocity + *driven, following, pace);
     }
 
     fn teach(&mut self, bodies: &mut PartBodies) {

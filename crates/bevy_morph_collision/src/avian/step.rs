@@ -12,6 +12,7 @@ use avian3d::prelude::{
     LinearVelocity, LockedAxes, NarrowPhaseConfig, PhysicsLengthUnit, Position, Restitution, RigidBody,
     RigidBodyDisabled, Rotation, Sensor, Sleeping, WakeBody,
 };
+use bevy::ecs::entity::hash_map::EntityHashMap;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::collections::HashSet;
@@ -62,7 +63,7 @@ pub(crate) struct Stepping {
     /// Colliders that are not as they were in the last step, and how far they reach in this one.
     pub(super) changed: Vec<(Entity, f32)>,
     /// Bodies that are inside of what is solid, and by how much their velocities change to leave it.
-    driven: Vec<(Entity, Vec3)>,
+    driven: EntityHashMap<Vec3>,
     /// Whether physics runs in a fixed schedule.
     is_fixed: bool,
     /// How far it is then behind what is drawn.
@@ -252,7 +253,10 @@ pub(super) fn before_step(
         let on_dynamic = body.is_some_and(|(_, state)| *state.0 == RigidBody::Dynamic);
         let (turned, is_closed) = {
             let mut posed = following.surface.lock();
-            (posed.set_sides(settings.solid, on_dynamic), posed.is_closed())
+            (
+                posed.set_sides(settings.solid, on_dynamic, following.reshaped),
+                posed.is_closed(),
+            )
         };
         if settings.solid && !is_closed && !std::mem::replace(told_open, true) {
             warn!("{}", not_closed(&name_of(entity)));
@@ -337,7 +341,7 @@ pub(super) fn drive_out(
     mut bodies: Query<(&mut LinearVelocity, Option<&LockedAxes>)>,
     mut commands: Commands,
 ) {
-    for (body, change) in stepping.driven.drain(..) {
+    for (body, change) in stepping.driven.drain().filter(|(_, change)| *change != Vec3::ZERO) {
         let Ok((mut velocity, locked)) = bodies.get_mut(body) else {
             continue;
         };

@@ -8,11 +8,17 @@ use std::hash::Hash;
 use bevy::math::{DVec3, Vec3};
 use bevy::platform::collections::HashMap;
 use morph_collision::{Body, Pose, RayQuery, ShapeQuery, WorldFromModel};
+use parry3d::math::Pose as Place;
+use parry3d::shape::Shape;
 
 use super::follow::Following;
+use super::inside::Probe;
 use super::part::Pace;
 use super::placed::into_query;
 use super::point::SurfacePoint;
+
+/// How deep a point on the outside of something may be inside, relative to half the smallest extent of that, while it counts as lying on the surface.
+const SLACK: f64 = 0.5;
 
 /// How fast something leaves, as a share of how fast it may be driven while it is deep inside.
 const AT_THE_DOOR: f64 = 0.3;
@@ -20,6 +26,8 @@ const AT_THE_DOOR: f64 = 0.3;
 /// Who is inside a solid surface. `C` is what a physics engine knows colliders by.
 pub(crate) struct Expelling<C> {
     known: HashMap<C, Known>,
+    /// How the mesh is placed in the space that all of this is in, if that is its collider's and not the world.
+    in_collider: Option<WorldFromModel>,
     step: u32,
     shapes: ShapeQuery,
     rays: RayQuery,
@@ -27,12 +35,28 @@ pub(crate) struct Expelling<C> {
 
 /// A collider near a surface.
 pub(crate) struct Guest {
-    /// The middle of it, at the begin of the step.
+    /// The middle of it, or at least a point of it, at the begin of the step.
     pub(crate) center: DVec3,
+    /// How deep that may be inside before it counts.
+    pub(crate) slack: f64,
     /// Half its smallest extent.
     pub(crate) size: f64,
     /// How far it can be from there in this step, all of it.
     pub(crate) reach: f64,
+}
+
+impl Guest {
+    /// A shape at a place; nothing if it has no points.
+    pub(crate) fn of(shape: &dyn Shape, place: &Place, reach: f32) -> Option<Self> {
+        let probe = Probe::of(shape)?;
+        let size = 0.5 * f64::from(shape.compute_local_aabb().extents().min_element());
+        Some(Self {
+            center: place.transform_point(probe.point).as_dvec3(),
+            slack: if probe.is_outside { SLACK * size } else { 0.0 },
+            size,
+            reach: f64::from(reach),
+        })
+    }
 }
 
 /// What is known of a collider near a surface.
@@ -76,6 +100,7 @@ impl<C> Default for Expelling<C> {
     fn default() -> Self {
         Self {
             known: HashMap::default(),
+            in_collider: None,
             step: 0,
             shapes: ShapeQuery::default(),
             rays: RayQuery::default(),
@@ -84,9 +109,19 @@ impl<C> Default for Expelling<C> {
 }
 
 impl<C: Copy + Eq + Hash> Expelling<C> {
-    /// Begins a step.
-    pub(crate) fn begin(&mut self) {
+    /// Begins a step. All will be in world space, or in that of the surface's collider, if the place of the mesh in there is given.
+    pub(crate) fn begin(&mut self, in_collider: Option<&WorldFromModel>) {
         self.step += 1;
+        if self.in_collider.as_ref() == in_collider {
+            return;
+        }
+        if self.in_collider.is_some() == in_collider.is_some() {
+            // Another scale: everything may be nearer than it was.
+            self.known.values_mut().for_each(|known| known.room = 0.0);
+        } else {
+            self.known.clear();
+        }
+        self.in_collider = in_collider.cloned();
     }
 
     /// Remembers a collider that rests, as does the surface.
@@ -121,7 +156,12 @@ impl<C: Copy + Eq + Hash> Expelling<C> {
         drive: Drive,
     ) -> Option<Exit> {
         let known = self.known.entry(collider).or_default();
-        let &Guest { center, size, reach } = guest;
+        let &Guest {
+            center,
+            slack,
+            size,
+            reach,
+        } = guest;
         if known.center.distance(center) > known.reach {
             // It has not come here from there: somebody has put it here.
             known.door = None;
@@ -136,14 +176,16 @@ impl<C: Copy + Eq + Hash> Expelling<C> {
         let is_inside = self.rays.encloses(Body::new(pose, place), asked).ok()?;
         let within = if is_inside { f64::INFINITY } else { reach };
         let closest = self.shapes.closest_point(Body::new(pose, place), asked, within).ok()?;
-        if !is_inside {
-            known.room = closest.as_ref().map_or(reach, |closest| closest.distance);
+        let depth = closest.as_ref().filter(|_| is_inside).map(|closest| closest.distance);
+        let Some(nearest) = depth.filter(|&depth| depth >= slack) else {
+            if !is_inside {
+                known.room = closest.as_ref().map_or(reach, |closest| closest.distance);
+            }
             known.door = closest.map(SurfacePoint::from);
             known.driven = 0.0;
             return None;
-        }
+        };
         let closest = closest?;
-        let nearest = closest.distance;
         // By the way that it came, if that is not much longer: what is pushed into a wall does not leave on the other side.
         let mut door = known.door.and_then(|door| Some((door, door.place(pose, place)?)));
         if door.is_none_or(|(_, (at, _))| at.distance(center) > 4.0 * nearest + reach) {
@@ -157,7 +199,7 @@ impl<C: Copy + Eq + Hash> Expelling<C> {
         } else {
             outward * normal?
         };
-        let speed = drive.speed(depth, size);
+        let speed = drive.speed(depth - slack, size.max(f64::MIN_POSITIVE));
         Some(Exit {
             point,
             direction,

@@ -141,9 +141,11 @@ impl Following {
         self.lacks_joints
     }
 
-    /// Makes the next step the first: whatever changes until then is not a motion.
+    /// Makes the next step the first: whatever changes until then is not a motion. What is known of its surroundings has to be forgotten with it.
     pub(crate) fn restart(&mut self) {
         self.last_step = 0.0;
+        // After one frame somewhere near infinity, nothing could be added to it.
+        self.travelled = 0.0;
         self.moves = false;
         self.drawn.forget();
     }
@@ -322,10 +324,7 @@ impl Following {
 
 /// How far any vertex may be from where it was, in world units.
 fn displacement(before: &mut Moment, pose: &Pose, world_from_model: &WorldFromModel) -> f64 {
-    let zero = world_from_model.transform_point(Vec3::ZERO);
-    let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| world_from_model.transform_point(axis) - zero);
-    let stretch = axes.iter().map(|axis| axis.length_squared()).sum::<f64>().sqrt();
-    let reshaped = stretch * pose.displacement_from_pose(&mut before.pose);
+    let reshaped = stretch(world_from_model) * pose.displacement_from_pose(&mut before.pose);
     if before.world_from_model == *world_from_model {
         return reshaped;
     }
@@ -336,6 +335,13 @@ fn displacement(before: &mut Moment, pose: &Pose, world_from_model: &WorldFromMo
         from.distance(world_from_model.transform_point(corner))
     });
     reshaped + ways.into_iter().fold(0.0, f64::max)
+}
+
+/// How many times longer a way may become.
+pub(crate) fn stretch(place: &WorldFromModel) -> f64 {
+    let zero = place.transform_point(Vec3::ZERO);
+    let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| place.transform_point(axis) - zero);
+    axes.iter().map(|axis| axis.length_squared()).sum::<f64>().sqrt()
 }
 
 /// The largest coordinate that takes part in where a skinned mesh is.

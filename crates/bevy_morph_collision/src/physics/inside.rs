@@ -26,9 +26,10 @@ impl Posed {
     }
 
     /// Says whether the inside of the surface is solid, or whether at least contacts push outward alone; returns whether that is new. A mesh
-    /// that is not closed has no inside.
-    pub(crate) fn set_sides(&mut self, solid: bool, outward_alone: bool) -> bool {
+    /// that is not closed has no inside. `reshaped` says whether the pose may be another than at the last call.
+    pub(crate) fn set_sides(&mut self, solid: bool, outward_alone: bool, reshaped: bool) -> bool {
         let closed = self.is_closed();
+        self.is_flat &= !reshaped;
         let outward = (closed && (solid || outward_alone)).then(|| self.find_outward());
         let new = (solid && closed, outward);
         let old = (self.solid, self.outward);
@@ -38,18 +39,19 @@ impl Posed {
 
     fn find_outward(&mut self) -> Real {
         let mirror = if self.mirrored { -1.0 } else { 1.0 };
-        if self.winding.is_none() {
+        if self.winding.is_none() && !self.is_flat {
             let volume = self.posed_volume();
             let is_mirrored = self.mirrored && self.pose.joints().is_some();
-            let winding = if (volume < 0.0) == is_mirrored { 1.0 } else { -1.0 };
-            // What encloses nothing in this pose may do so in the next.
-            self.winding = (volume != 0.0 && volume.is_finite()).then_some(winding);
+            // What encloses nothing in this pose may do so in another.
+            self.winding = volume.map(|volume| if (volume < 0.0) == is_mirrored { 1.0 } else { -1.0 });
+            self.is_flat = self.winding.is_none();
         }
         self.winding.map_or(1.0, |winding| winding * mirror)
     }
 
-    /// Six times the volume that the pose encloses, negative if normals point inward. Joints mirror it; the place does not.
-    fn posed_volume(&mut self) -> f64 {
+    /// Six times the volume that the pose encloses, negative if normals point inward; none if it is no more than rounding. Joints mirror it; the place
+    /// does not.
+    fn posed_volume(&mut self) -> Option<f64> {
         let origin = self.pose.vertex(0).unwrap_or_default().as_dvec3();
         let triangles = 0..self.pose.bvh().model().triangle_count() as u32;
         let volumes = triangles
@@ -58,7 +60,9 @@ impl Posed {
                 let [a, b, c] = corners.map(|corner| corner.as_dvec3() - origin);
                 a.dot(b.cross(c))
             });
-        volumes.sum()
+        let (volume, parts) = volumes.fold((0.0, 0.0), |(sum, parts), volume| (sum + volume, parts + volume.abs()));
+        // False of what is not finite.
+        (volume.abs() > ROUNDING * parts).then_some(volume)
     }
 
     /// Whether a point in the collider's space is inside what is solid.
@@ -70,6 +74,9 @@ impl Posed {
         self.queries.ray.encloses(body, point.as_dvec3()).unwrap_or(false)
     }
 }
+
+/// How much of a volume may be rounding of vertices, relative to the volumes between a vertex and each triangle.
+const ROUNDING: f64 = 1e-6;
 
 /// What the log says of an entity's surface that is to be solid, and cannot.
 pub(crate) fn not_closed(name: &str) -> String {
@@ -87,28 +94,46 @@ pub(crate) fn one_is_in_the_other(pos12: &Place, g1: &dyn Shape, g2: &dyn Shape)
             return false;
         };
         // Before the surface is locked again: the other one may be the same.
-        let point = point_of(other).map(|point| place.transform_point(point));
+        let point = Probe::of(other).map(|probe| place.transform_point(probe.point));
         point.is_some_and(|point| surface.lock().encloses(point))
     };
     is_in(g1, pos12, g2) || is_in(g2, &pos12.inverse(), g1)
 }
 
-/// A point of a shape, in its own space: the middle of what is convex, otherwise that of a part.
-pub(crate) fn point_of(shape: &dyn Shape) -> Option<Vector> {
-    if let Some(surface) = shape.as_shape::<MorphSurface>() {
-        let mut posed = surface.lock();
-        let corner = posed.pose.triangle(0)?[0];
-        return Some(posed.collider_from_model.transform_point(corner).as_vec3());
+/// A point of a shape, by which it is told whether the shape is inside something.
+pub(crate) struct Probe {
+    /// In the shape's own space: the middle of what is convex, otherwise that of a part.
+    pub(crate) point: Vector,
+    /// Whether it is on the outside of the shape: then it may be somewhat inside what the shape lies on.
+    pub(crate) is_outside: bool,
+}
+
+impl Probe {
+    pub(crate) fn of(shape: &dyn Shape) -> Option<Self> {
+        let on_skin = |point| Self {
+            point,
+            is_outside: true,
+        };
+        if let Some(surface) = shape.as_shape::<MorphSurface>() {
+            let mut posed = surface.lock();
+            let corner = posed.pose.triangle(0)?[0];
+            return Some(on_skin(posed.collider_from_model.transform_point(corner).as_vec3()));
+        }
+        let middle = |shape: &dyn Shape| Self {
+            point: shape.compute_local_bounding_sphere().center(),
+            is_outside: shape.as_triangle().is_some(),
+        };
+        let Some(composite) = shape.as_composite_shape() else {
+            return Some(middle(shape));
+        };
+        let mut probe = None;
+        composite.map_part_at(0, &mut |place, part, _| {
+            let Self { point, is_outside } = middle(part);
+            let point = place.map_or(point, |place| place.transform_point(point));
+            probe = Some(Self { point, is_outside });
+        });
+        probe
     }
-    let Some(composite) = shape.as_composite_shape() else {
-        return Some(shape.compute_local_bounding_sphere().center());
-    };
-    let mut point = None;
-    composite.map_part_at(0, &mut |place, part, _| {
-        let middle = part.compute_local_bounding_sphere().center();
-        point = Some(place.map_or(middle, |place| place.transform_point(middle)));
-    });
-    point
 }
 
 /// Whether a mesh that is placed so, or moved by such joints, is a mirror image of itself. Of many joints, most count.

@@ -89,6 +89,12 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
         self.near.is_empty()
     }
 
+    /// Whether a collider was near in the last step.
+    #[cfg(feature = "avian")]
+    pub(crate) fn knows(&self, collider: C) -> bool {
+        self.near.contains_key(&collider)
+    }
+
     /// What the physics engine knows its parts by.
     pub(crate) fn parts(&self) -> impl Iterator<Item = &P> {
         self.near.values().flat_map(|near| &near.parts).map(|part| &part.body)

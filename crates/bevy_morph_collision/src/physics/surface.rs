@@ -46,6 +46,8 @@ pub(crate) struct Posed {
     pub(super) outward: Option<Real>,
     /// The same of the mesh where nothing mirrors it, once it is known.
     pub(super) winding: Option<Real>,
+    /// Whether it is unknown because the pose encloses nothing.
+    pub(super) is_flat: bool,
     /// Whether its place or its joints mirror it.
     pub(super) mirrored: bool,
     /// For a density of 1. Asked for whenever a shape changes, and does not change with it.
@@ -74,6 +76,7 @@ impl MorphSurface {
             solid: false,
             outward: None,
             winding: None,
+            is_flat: false,
             mirrored: false,
             mass: None,
         };

@@ -127,7 +127,7 @@ pub(super) fn attach_surfaces(
             (Some(_), None) => remove_surface(commands.entity(entity), collider),
             (Some(surface), Some(bvh)) => {
                 let elsewhere = surface.context.is_some() && surface.context != context.map(|link| link.0);
-                if !disabled && (elsewhere || !Arc::ptr_eq(&surface.bvh, bvh)) {
+                if !disabled && (elsewhere || collider.is_none() || !Arc::ptr_eq(&surface.bvh, bvh)) {
                     // With its parts; the new one comes next time.
                     commands.entity(entity).try_remove::<RapierSurface>();
                 }

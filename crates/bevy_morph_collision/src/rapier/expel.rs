@@ -1,6 +1,6 @@
 //! Drives out what is inside a solid surface.
 
-use bevy::math::{DVec3, Vec3};
+use bevy::math::Vec3;
 use bevy_rapier3d::parry::bounding_volume::Aabb;
 use bevy_rapier3d::parry::math::Pose as Place;
 use bevy_rapier3d::rapier::dynamics::{RigidBody, RigidBodyHandle};
@@ -9,8 +9,7 @@ use bevy_rapier3d::rapier::geometry::ColliderHandle;
 use super::spared::Spared;
 use super::world::{Manners, Mover, Step, World};
 use crate::physics::expel::{Drive, Exit, Expelling, Guest};
-use crate::physics::follow::Following;
-use crate::physics::inside::point_of;
+use crate::physics::follow::{Following, stretch};
 
 /// What is near a solid surface, and inside.
 #[derive(Default)]
@@ -19,8 +18,9 @@ pub(super) struct Expulsion {
 }
 
 impl Expulsion {
+    /// Begins a step in which the surface pushes with parts.
     pub(super) fn begin(&mut self) {
-        self.expelling.begin();
+        self.expelling.begin(None);
     }
 
     pub(super) fn keep(&mut self, mover: &Mover) {
@@ -83,13 +83,16 @@ impl Expulsion {
         step: &Step,
         world: &mut World,
     ) {
-        self.begin();
-        let mut posed = following.surface.lock();
-        let (Some(outward), Some(own)) = (posed.outward(), step.body) else {
+        let (local, outward, in_collider): (Aabb, _, _) = {
+            let mut posed = following.surface.lock();
+            (posed.bounds(), posed.outward(), posed.collider_from_model)
+        };
+        let (Some(outward), Some(own), Some(place)) = (outward, step.body, place_of(collider, world)) else {
+            self.stop();
             return;
         };
-        let Some(place) = place_of(collider, world) else { return };
-        let local: Aabb = posed.bounds();
+        self.expelling.begin(Some(&in_collider));
+        let travelled = stretch(&in_collider) * following.travelled;
         let bounds = local.transform_by(&place);
         let own_rests = !following.moves && world.bodies.get(own).is_some_and(RigidBody::is_sleeping);
         let mut meeting = Vec::new();
@@ -102,21 +105,21 @@ impl Expulsion {
                 self.keep(mover);
                 continue;
             }
-            let Some(guest) = guest(mover, manners, world) else {
+            // Before the surface is locked: the other one may be the same.
+            let Some(mut guest) = guest(mover, manners, world) else {
                 continue;
             };
+            if let Some(own) = world.bodies.get(own) {
+                let turns = own.angvel().length() * own.center_of_mass().distance(guest.center.as_vec3());
+                guest.reach += f64::from((own.linvel().length() + turns) * step.pace.dt) + 0.1 * guest.size;
+            }
             // All of this is in the collider's space, which goes where the body goes.
-            let center = place.inverse_transform_point(guest.center.as_vec3()).as_dvec3();
-            let speed_of_own = world.bodies.get(own).map_or(Vec3::ZERO, RigidBody::linvel);
-            let reach = guest.reach + f64::from(speed_of_own.length() * step.pace.dt) + 0.1 * guest.size;
-            let guest = Guest { center, reach, ..guest };
-            let collider_from_model = posed.collider_from_model;
-            let at = (&mut posed.pose, &collider_from_model);
+            guest.center = place.inverse_transform_point(guest.center.as_vec3()).as_dvec3();
             let exit = self.expelling.exit(
                 visitor.collider,
                 &guest,
-                at,
-                following.travelled,
+                (&mut following.surface.lock().pose, &in_collider),
+                travelled,
                 f64::from(outward),
                 drive(step),
             );
@@ -136,14 +139,7 @@ fn guest(mover: &Mover, manners: &Manners, world: &World) -> Option<Guest> {
         return None;
     }
     let place = place_of(mover.visitor.collider, world)?;
-    let shape = collider.shape();
-    let center: DVec3 = place.transform_point(point_of(shape)?).as_dvec3();
-    let extents = shape.compute_local_aabb().extents();
-    Some(Guest {
-        center,
-        size: 0.5 * f64::from(extents.min_element()),
-        reach: f64::from(mover.visitor.bounds.extents().length()),
-    })
+    Guest::of(collider.shape(), &place, mover.visitor.bounds.extents().length())
 }
 
 /// Where a collider is. Of a body that the game moved, colliders follow in the step.

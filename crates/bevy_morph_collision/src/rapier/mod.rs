@@ -87,13 +87,18 @@ pub struct MorphRapierCollider {
     /// from one step to the next has not moved but jumped: what changes faster than this is believed to be a motion when the
     /// step after confirms it, and until then does not throw anything. The default is 100, ten times a fall's.
     pub max_acceleration: f32,
-    /// Whether a closed mesh has an inside. The default is that it has none.
+    /// Whether a closed mesh has an inside. Default: no.
     ///
     /// - Contacts push outward alone. What is inside all the same (it was spawned there, or the surface jumped over it) is driven out, at most at the speed at
-    ///   which Rapier pushes bodies apart (`IntegrationParameters::max_corrective_velocity`, 3 units per second), and leaves at a third of that.
-    /// - What is wholly inside touches, for sensors and for Rapier's queries: intersections, distances, points, and rays that ask for `solid`.
+    ///   which Rapier pushes bodies apart (`IntegrationParameters::max_corrective_velocity`, 3 units per second, and never more than 10 length units), and leaves at a third
+    ///   of that. It wakes if it sleeps. Character controllers are not driven. Between two solid surfaces that overlap, a body may be driven from one into the other.
+    /// - What is wholly inside touches, for sensors and for Rapier's queries: intersections, distances, points, and rays that ask for `solid`. Shape casts and contacts see
+    ///   triangles alone.
     ///
-    /// A mesh is closed if along each of its edges as many triangles run one way as the other. Otherwise this has no effect, and a warning in the log names the
+    /// Costs a ray and a closest point for each body near the surface, whenever the two have moved by as much as was between them.
+    ///
+    /// A mesh is closed if along each of its edges as many triangles run one way as the other. Vertices that are at the same place in every pose, as at a seam of
+    /// texture coordinates, count as one. Otherwise this has no effect, and a warning in the log names the
     /// entity. You can change it at any time; it takes effect in the next step.
     pub solid: bool,
 }

@@ -62,11 +62,18 @@ impl Pushing {
         self.near.parts().count() as u32
     }
 
-    /// Takes all parts out of the world.
+    /// Takes all parts out of the world, and forgets what was near.
     pub(super) fn stop(&mut self, world: &mut World) {
         self.expulsion.stop();
-        self.near.stop(|part| world.remove(part.body));
-        self.manners = None;
+        self.stop_parts(world);
+    }
+
+    /// Takes all parts out of the world.
+    pub(super) fn stop_parts(&mut self, world: &mut World) {
+        if !self.is_idle() {
+            self.near.stop(|part| world.remove(part.body));
+            self.manners = None;
+        }
     }
 
     /// Sees to it that during the step to come whatever may meet the surface meets parts that move as it does.

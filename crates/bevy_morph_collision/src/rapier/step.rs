@@ -233,9 +233,7 @@ pub(super) fn before_step(
                 ..
             } = surface;
             if off {
-                if !pushing.is_idle() {
-                    pushing.stop(&mut world);
-                }
+                pushing.stop(&mut world);
                 continue;
             }
             let Some(collider) = world.colliders.get(handle.0) else {
@@ -254,7 +252,10 @@ pub(super) fn before_step(
             let manners = Manners::of(collider, wanted);
             let (turned, is_closed) = {
                 let mut posed = following.surface.lock();
-                (posed.set_sides(settings.solid, on_dynamic), posed.is_closed())
+                (
+                    posed.set_sides(settings.solid, on_dynamic, following.reshaped),
+                    posed.is_closed(),
+                )
             };
             if settings.solid && !is_closed && !std::mem::replace(told_open, true) {
                 warn!("{}", not_closed(&name_of(entity)));
@@ -290,11 +291,11 @@ pub(super) fn before_step(
                 {
                     world.islands.wake_up(world.bodies, body, true);
                 }
-                if !pushing.is_idle() {
-                    pushing.stop(&mut world);
-                }
+                pushing.stop_parts(&mut world);
                 if on_dynamic && is_closed && settings.solid && is_there {
                     pushing.drive_apart(handle.0, following, &manners, &step, &mut world);
+                } else {
+                    pushing.stop(&mut world);
                 }
                 continue;
             }

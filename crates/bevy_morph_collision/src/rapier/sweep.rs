@@ -6,7 +6,8 @@ use bevy_rapier3d::parry::shape::{Ball, Shape};
 
 use crate::physics::triangles::Patch;
 
-/// How much of a swept shape must not get through what it touches already, relative to its smallest extent.
+/// The radius of what must not get through of a swept shape that touches already, relative to Parry's thickness of it: the radius of a ball, half the smallest extent of
+/// a cuboid.
 const CORE: Real = 0.25;
 
 /// Sweeps a shape that touches a part of a surface already; `None` if it does not.

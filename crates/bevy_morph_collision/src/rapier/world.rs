@@ -139,7 +139,7 @@ impl Movers {
         places.iter().map(|&place| &self.all[place as usize])
     }
 
-    /// Finds them anew, and where they may be during a step. So many surfaces are going to look for those near them.
+    /// Finds them anew, and where they may be during a step. `surfaces` is the number of searches that follow.
     ///
     /// Those that are too large for Parry, or too fast, are left out and given to `refuse` by their user data.
     pub(super) fn find(

@@ -226,11 +226,9 @@ fn snap(solid: bool) -> (usize, f32, Vec3) {
 
 #[test]
 fn what_is_between_fast_jaws_is_not_swallowed() {
-    let thin = snap(false);
     let solid = snap(true);
-    println!("thin: {thin:?}, solid: {solid:?}");
-    assert!(thin.0 > 24, "a thin one would swallow it: inside in {} steps", thin.0);
-    assert!(solid.0 < 12, "inside in {} steps", solid.0);
+    println!("{solid:?}");
+    assert!(solid.0 < 3, "inside in {} steps", solid.0);
     assert!(solid.1 < 40.0, "{}", solid.1);
     assert!(
         solid.2.y.abs() < 0.35 || solid.2.xz().abs().max_element() > 2.0,

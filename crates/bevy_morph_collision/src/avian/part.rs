@@ -114,6 +114,7 @@ impl Bodies<PartBody> for PartBodies<'_, '_, '_, '_, '_> {
             triangles,
             stepping: self.stepping.clone(),
             reach: placed.reach,
+            velocity: [placed.linear, placed.angular],
         }));
         let there = part
             .entity

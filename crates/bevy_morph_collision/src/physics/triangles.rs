@@ -206,6 +206,8 @@ pub(crate) struct Patch {
     pub(crate) stepping: Arc<AtomicBool>,
     /// By how much more than its triangles its box has room for.
     pub(crate) reach: Real,
+    /// Its linear and angular velocity in the step, per second, about its origin.
+    pub(crate) velocity: [Vector; 2],
 }
 
 impl Patch {

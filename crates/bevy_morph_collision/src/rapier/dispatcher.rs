@@ -9,7 +9,7 @@ use bevy_rapier3d::parry::query::{
 use bevy_rapier3d::parry::shape::Shape;
 
 use super::gathered::{Gathered, is_ground, is_quiet, until_past, widening};
-use super::sweep::sweep_core;
+use super::sweep::sweep_part;
 use crate::physics::inside::one_is_in_the_other;
 use crate::physics::range::{Range, check, in_range};
 use crate::physics::surface::MorphSurface;
@@ -216,7 +216,7 @@ impl QueryDispatcher for MorphQueryDispatcher {
         if refuses_moving(&pos12, velocities.as_flattened(), g1, g2) {
             return Ok(None);
         }
-        if !stop_at_penetration && let Some(hit) = sweep_core(motion1, g1, motion2, g2, start_time, end_time) {
+        if !stop_at_penetration && let Some(hit) = sweep_part(motion1, g1, motion2, g2, start_time, end_time) {
             return Ok(hit);
         }
         let on_the_way = Gathered::in_motion(motion1, g1, motion2, g2, start_time, end_time);

@@ -70,6 +70,7 @@ impl Bodies<PartHandles> for PartBodies<'_, '_> {
             triangles: Triangles::new(Vec::new(), corners, normals),
             stepping: self.stepping.clone(),
             reach: 0.0,
+            velocity: [linear, angular],
         };
         let Some(collider) = world.colliders.get_mut(part.collider) else {
             let mut collider = ColliderBuilder::new(SharedShape::new(patch(triangles.unzip())))
@@ -84,7 +85,10 @@ impl Bodies<PartHandles> for PartBodies<'_, '_> {
         let count = triangles.len();
         let shape = collider.shape_mut().as_shape_mut::<Patch>();
         match shape.filter(|patch| !placed.reshaped && patch.triangles.len() == count) {
-            Some(patch) => patch.triangles.move_to(triangles),
+            Some(patch) => {
+                patch.velocity = [linear, angular];
+                patch.triangles.move_to(triangles);
+            }
             None => collider.set_shape(SharedShape::new(patch(triangles.unzip()))),
         }
     }

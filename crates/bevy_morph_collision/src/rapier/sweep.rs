@@ -1,6 +1,6 @@
 //! What Rapier asks about fast bodies and parts of surfaces.
 
-use bevy_rapier3d::parry::math::{Pose, Real};
+use bevy_rapier3d::parry::math::{Pose, Real, Rotation, Vector};
 use bevy_rapier3d::parry::query::{DefaultQueryDispatcher, NonlinearRigidMotion, QueryDispatcher, ShapeCastHit};
 use bevy_rapier3d::parry::shape::{Ball, Shape};
 
@@ -10,12 +10,17 @@ use crate::physics::triangles::Patch;
 /// a cuboid.
 const CORE: Real = 0.25;
 
-/// Sweeps a shape that touches a part of a surface already; `None` if it does not.
+/// A part at the end of the step, where Rapier wants to know what meets it, or the shape that is swept against it.
+struct Swept<'a> {
+    motion: NonlinearRigidMotion,
+    shape: &'a dyn Shape,
+}
+
+/// Sweeps a shape against a part of a surface; `None` if neither is one, or both are.
 ///
-/// Rapier sweeps bodies against where a part ends in the step. What rests on a part that rises is in there at once, and meets its next triangle soon after: stopped there
-/// in step after step, it does not rise with the part and falls through. What touches already is a matter of contacts. Only its core, a ball around its middle, must not get
-/// through.
-pub(super) fn sweep_core(
+/// Rapier sweeps a body against the part as it will be at the end of the step. So what a part lifts, or pushes away, would be stopped in each step by the triangle next to that on which it
+/// lies, would not move with the part, and fall through in the end. Here only that stops a body which it meets while both move.
+pub(super) fn sweep_part(
     motion1: &NonlinearRigidMotion,
     g1: &dyn Shape,
     motion2: &NonlinearRigidMotion,
@@ -23,30 +28,67 @@ pub(super) fn sweep_core(
     start_time: Real,
     end_time: Real,
 ) -> Option<Option<ShapeCastHit>> {
-    let parts = [g1, g2].map(|shape| shape.as_shape::<Patch>().is_some());
-    if parts[0] == parts[1] {
-        return None;
+    let swept = [(motion1, g1), (motion2, g2)].map(|(motion, shape)| Swept { motion: *motion, shape });
+    let [one, other] = &swept;
+    let parts = [g1, g2].map(|shape| shape.as_shape::<Patch>());
+    // What is asked of a pair the other way around is answered the other way around.
+    match parts {
+        [Some(patch), None] => first_touch(patch, one, other, start_time, end_time),
+        [None, Some(patch)] => {
+            first_touch(patch, other, one, start_time, end_time).map(|hit| hit.map(ShapeCastHit::swapped))
+        }
+        _ => None,
     }
-    let pos12 = motion1
+}
+
+fn first_touch(
+    patch: &Patch,
+    part: &Swept,
+    other: &Swept,
+    start_time: Real,
+    end_time: Real,
+) -> Option<Option<ShapeCastHit>> {
+    let cast = |part: &NonlinearRigidMotion, other: &Swept| {
+        let Swept { motion, shape } = other;
+        let hit =
+            DefaultQueryDispatcher.cast_shapes_nonlinear(part, patch, motion, *shape, start_time, end_time, false);
+        hit.ok()
+    };
+    let along = motion_until(&part.motion, patch, end_time);
+    let begin = along
         .position_at_time(start_time)
-        .inv_mul(&motion2.position_at_time(start_time));
-    let touches = DefaultQueryDispatcher.intersection_test(&pos12, g1, g2).ok()?;
-    if !touches.intersecting {
-        return None;
-    }
-    let core = |motion: &NonlinearRigidMotion, shape: &dyn Shape| {
-        let middle = shape.mass_properties(1.0).local_com;
-        (
-            motion.prepend(Pose::from_translation(middle)),
-            Ball::new(CORE * shape.ccd_thickness()),
-        )
-    };
-    let hit = if parts[0] {
-        let (motion, core) = core(motion2, g2);
-        DefaultQueryDispatcher.cast_shapes_nonlinear(motion1, g1, &motion, &core, start_time, end_time, false)
+        .inv_mul(&other.motion.position_at_time(start_time));
+    let touches = DefaultQueryDispatcher
+        .intersection_test(&begin, patch, other.shape)
+        .ok()?;
+    // What touches already is a matter of contacts. Only its core, a ball around its middle, must not get through.
+    let core = Ball::new(CORE * other.shape.ccd_thickness());
+    let other = &if touches.intersecting {
+        let middle = other.shape.mass_properties(1.0).local_com;
+        Swept {
+            motion: other.motion.prepend(Pose::from_translation(middle)),
+            shape: &core,
+        }
     } else {
-        let (motion, core) = core(motion1, g1);
-        DefaultQueryDispatcher.cast_shapes_nonlinear(&motion, &core, motion2, g2, start_time, end_time, false)
+        Swept { ..*other }
     };
-    hit.ok()
+    let Some(meets) = cast(&along, other)? else {
+        return Some(None);
+    };
+    // Rather before where the part ends than where they meet: in the rest of the step it comes closer.
+    let before_its_end = cast(&part.motion, other)?.filter(|hit| hit.time_of_impact > 0.0);
+    Some(before_its_end.or(Some(meets)))
+}
+
+/// How a part moves that Rapier has at rest at its end.
+fn motion_until(end: &NonlinearRigidMotion, patch: &Patch, dt: Real) -> NonlinearRigidMotion {
+    let [linear, angular] = patch.velocity;
+    if end.linvel != Vector::ZERO || end.angvel != Vector::ZERO {
+        return *end;
+    }
+    let begin = Pose::from_parts(
+        end.start.translation - dt * linear,
+        Rotation::from_scaled_axis(-dt * angular) * end.start.rotation,
+    );
+    NonlinearRigidMotion::new(begin, Vector::ZERO, linear, angular)
 }

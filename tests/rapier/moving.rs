@@ -4,6 +4,7 @@ use bevy::prelude::*;
 use bevy_rapier3d::parry::math::Pose;
 use bevy_rapier3d::parry::query::PointQuery;
 use bevy_rapier3d::prelude::*;
+use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_workspace::physics::{DT, body, settle, sheet};
 
 use crate::support::{app, global, place, run, set_weights, spawn, truth, velocity};
@@ -122,6 +123,31 @@ fn a_jump_does_not_throw() {
 }
 
 #[test]
+fn contacts_of_what_rested_follow_a_surface_that_tilts_in_place() {
+    let mut app = app();
+    let corners = vec![
+        Vec3::new(-4.0, 0.0, -2.0),
+        Vec3::new(0.0, 0.0, 4.0),
+        Vec3::new(4.0, 0.0, -2.0),
+    ];
+    let mut mesh = MorphMesh::rigid("triangle", corners, vec![[0, 1, 2]]);
+    mesh.targets = vec![mesh.positions.iter().map(|p| 0.3 * p.x * Vec3::Y).collect()];
+    mesh.target_names = vec!["tilt".into()];
+    let surface = spawn(&mut app, &mesh, Friction::coefficient(1.0));
+    settle(&mut app);
+    let cuboid = body(&mut app, Collider::cuboid(0.5, 0.5, 0.5), Vec3::new(0.8, 0.5, 0.0));
+    app.world_mut()
+        .entity_mut(cuboid)
+        .insert((LockedAxes::ROTATION_LOCKED, Sleeping::disabled()));
+    run(&mut app, 60);
+    // At once, about its middle: the part's body stays where it is.
+    set_weights(&mut app, surface, &[1.0]);
+    run(&mut app, 60);
+    let height = place(&app, cuboid).y;
+    assert!(height > 0.85, "{height}");
+}
+
+#[test]
 fn a_sleeping_body_wakes_when_the_surface_comes_or_goes() {
     for direction in [1.0, -1.0] {
         let (mut app, sheet, cuboid) = on_the_sheet(Collider::cuboid(0.5, 0.5, 0.5), 0.51);
@@ -141,7 +167,7 @@ fn a_sleeping_body_wakes_when_the_surface_comes_or_goes() {
 }
 
 /// A bowl that waves slowly.
-fn bowl() -> morph_collision_testkit::mesh::MorphMesh {
+fn bowl() -> MorphMesh {
     let mut bowl = sheet(32);
     for vertex in &mut bowl.positions {
         vertex.y = 0.1 * (vertex.x * vertex.x + vertex.z * vertex.z);

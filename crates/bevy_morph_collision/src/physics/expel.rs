@@ -121,7 +121,7 @@ impl<C: Copy + Eq + Hash> Expelling<C> {
         } else {
             self.known.clear();
         }
-        self.in_collider = in_collider.cloned();
+        self.in_collider = in_collider.copied();
     }
 
     /// Remembers a collider that rests, as does the surface.

@@ -5,6 +5,7 @@
 //! - `scene`, `attach`: which meshes have a surface.
 //! - `frames`: remembers what they are drawn with.
 //! - `push`, `part`: how it pushes: what is near moving bodies is a kinematic body for one step.
+//! - `link`, `obstacles`: on a dynamic body, parts are links of it for one step, and there are parts for everything near.
 //! - `expel`: how what is inside a solid one gets out.
 //! - `world`: what they see of Rapier's world, and change.
 //! - `step`: the systems around Rapier's step.
@@ -24,6 +25,8 @@ mod forces;
 mod frames;
 mod gathered;
 mod ground;
+mod link;
+mod obstacles;
 mod part;
 mod push;
 mod scene;

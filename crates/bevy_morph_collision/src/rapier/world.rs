@@ -18,6 +18,7 @@ use crate::physics::near::Visitor;
 use crate::physics::part::Pace;
 use crate::physics::range::{box_in_range, in_range};
 use crate::physics::sorted_boxes::SortedBoxes;
+use crate::physics::triangles::Patch;
 
 /// The parts of a physics world that bodies come into and go from.
 pub(super) struct World<'a> {
@@ -110,7 +111,13 @@ impl Audience {
     }
 }
 
+/// Whether a collider is a part of a surface.
+pub(super) fn is_part(collider: &Collider) -> bool {
+    collider.shape().as_shape::<Patch>().is_some()
+}
+
 /// A collider of a dynamic body.
+#[derive(Clone, Copy)]
 pub(super) struct Mover {
     pub(super) visitor: Visitor<ColliderHandle, RigidBodyHandle>,
     /// Whether it moves, in a step, by more than a quarter of its smallest extent, and is no bullet yet.
@@ -172,7 +179,7 @@ fn find_movers(
         let next = body.predict_position_using_velocity_and_forces(dt);
         for &collider in body.colliders() {
             let Some(shape) = colliders.get(collider) else { continue };
-            if shape.is_sensor() || !shape.is_enabled() {
+            if shape.is_sensor() || !shape.is_enabled() || is_part(shape) {
                 continue;
             }
             let in_body = shape.position_wrt_parent().copied().unwrap_or_default();

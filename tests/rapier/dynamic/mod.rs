@@ -1,0 +1,65 @@
+//! Surfaces on dynamic bodies that morph: they throw and carry, and their bodies feel it.
+
+mod carries;
+mod throws;
+
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use bevy_rapier3d::prelude::*;
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_workspace::physics::{body, settle};
+
+use crate::support::{app, slab, spawn};
+
+/// Half of a slab's edges.
+pub(super) const HALF: Vec3 = Vec3::new(1.0, 0.25, 1.0);
+
+/// A dynamic body of a mass whose surface is a mesh.
+pub(super) fn spawn_on(app: &mut App, mesh: &MorphMesh, mass: f32, at: Vec3, more: impl Bundle) -> Entity {
+    let weight = AdditionalMassProperties::MassProperties(mass_of(mass, HALF));
+    let body = (
+        RigidBody::Dynamic,
+        Velocity::default(),
+        ColliderMassProperties::Density(0.0),
+        weight,
+    );
+    let rest = (Transform::from_translation(at), Sleeping::disabled());
+    let entity = spawn(app, mesh, (body, rest, more));
+    settle(app);
+    entity
+}
+
+/// Of a cuboid.
+pub(super) fn mass_of(mass: f32, half: Vec3) -> MassProperties {
+    let square = half * half;
+    MassProperties {
+        mass,
+        principal_inertia: mass / 3.0 * (Vec3::splat(square.element_sum()) - square),
+        ..default()
+    }
+}
+
+/// A slab in a world without gravity.
+pub(super) fn floating(mass: f32) -> (App, Entity) {
+    let mut app = app();
+    let surface = spawn_on(&mut app, &slab(HALF), mass, Vec3::ZERO, GravityScale(0.0));
+    (app, surface)
+}
+
+/// A slab that lies on the ground, whose upper side is at `2 * HALF.y`.
+pub(super) fn grounded(mass: f32) -> (App, Entity) {
+    let mut app = app();
+    app.world_mut()
+        .spawn((Collider::cuboid(50.0, 0.5, 50.0), Transform::from_xyz(0.0, -0.5, 0.0)));
+    let surface = spawn_on(&mut app, &slab(HALF), mass, Vec3::Y * HALF.y, ());
+    (app, surface)
+}
+
+/// A body that does not sleep.
+pub(super) fn thing(app: &mut App, collider: Collider, mass: f32, at: Vec3, more: impl Bundle) -> Entity {
+    let thing = body(app, collider, at);
+    app.world_mut()
+        .entity_mut(thing)
+        .insert((ColliderMassProperties::Mass(mass), Sleeping::disabled(), more));
+    thing
+}

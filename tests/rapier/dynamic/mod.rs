@@ -1,10 +1,11 @@
 //! Surfaces on dynamic bodies that morph: they throw and carry, and their bodies feel it.
 
 mod carries;
+mod odd;
 mod throws;
+mod told;
 
 use bevy::prelude::*;
-use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_workspace::physics::{body, settle};

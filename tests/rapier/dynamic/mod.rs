@@ -25,8 +25,13 @@ pub(super) fn spawn_on(app: &mut App, mesh: &MorphMesh, mass: f32, at: Vec3, mor
         weight,
     );
     let rest = (Transform::from_translation(at), Sleeping::disabled());
-    let entity = spawn(app, mesh, (body, rest, more));
+    // It does not fall before it has a surface.
+    let entity = spawn(app, mesh, (body, rest, GravityScale(0.0)));
     settle(app);
+    app.world_mut()
+        .entity_mut(entity)
+        .insert(GravityScale(1.0))
+        .insert(more);
     entity
 }
 

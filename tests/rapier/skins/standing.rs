@@ -213,7 +213,8 @@ fn an_arm_on_a_dynamic_body_throws_and_is_thrown_back() {
         ..default()
     };
     app.world_mut().entity_mut(root).insert((
-        GravityScale(0.0),
+        // It has fallen a little until it was ready.
+        (GravityScale(0.0), Transform::default(), Velocity::default()),
         AdditionalMassProperties::MassProperties(weight),
         Sleeping::disabled(),
     ));

@@ -9,50 +9,80 @@ use bevy_rapier3d::rapier::geometry::{Collider, ColliderHandle};
 use super::gathered::is_ground;
 use super::world::{Mover, World, is_part};
 use crate::physics::near::Visitor;
+use crate::physics::sorted_boxes::SortedBoxes;
 
-/// The colliders that are on no dynamic body, as far as they are in a box during a step.
-pub(super) fn obstacles_in(bounds: &Aabb, dt: f32, world: &World) -> Vec<Mover> {
-    let found = |(handle, collider): (ColliderHandle, &Collider)| {
-        if collider.is_sensor() || !collider.is_enabled() || is_part(collider) || is_ground(collider.shape()) {
-            return None;
-        }
-        let parent = collider.parent();
-        let in_box = match parent.and_then(|body| world.bodies.get(body)) {
-            None => within(bounds, collider.shape(), collider.position()),
-            Some(body) if body.is_dynamic() || !body.is_enabled() => None,
-            Some(body) => {
-                let in_body = collider.position_wrt_parent().copied().unwrap_or_default();
-                let begin = within(bounds, collider.shape(), &(*body.position() * in_body));
-                let end = match body.body_type() {
-                    RigidBodyType::KinematicPositionBased => *body.next_position(),
-                    RigidBodyType::KinematicVelocityBased => body.predict_position_using_velocity(dt),
-                    _ => *body.position(),
-                };
-                let end = if end == *body.position() {
-                    None
-                } else {
-                    within(bounds, collider.shape(), &(end * in_body))
-                };
-                match (begin, end) {
-                    (Some(begin), Some(end)) => Some(begin.merged(&end)),
-                    (begin, end) => begin.or(end),
-                }
-            }
+/// All colliders that are on no dynamic body, and may have contacts.
+pub(super) struct Obstacles {
+    colliders: Vec<ColliderHandle>,
+    boxes: SortedBoxes,
+}
+
+impl Obstacles {
+    /// Finds them, for so many searches in a step of `dt` seconds.
+    pub(super) fn find(world: &World, dt: f32, searches: usize) -> Self {
+        let found = |(handle, collider): (ColliderHandle, &Collider)| {
+            let [begin, end] = whereabouts(collider, dt, world)?.map(|place| collider.shape().compute_aabb(&place));
+            Some((handle, begin.merged(&end)))
         };
-        Some(Mover {
-            visitor: Visitor {
-                collider: handle,
-                body: parent.unwrap_or_else(RigidBodyHandle::invalid),
-                bounds: in_box?.loosened(collider.contact_skin()),
-                asleep: false,
-            },
-            fast: false,
-            bullet: false,
-            groups: collider.collision_groups(),
-            events: collider.active_events(),
-        })
+        let (colliders, found): (Vec<_>, Vec<_>) = world.colliders.iter().filter_map(found).unzip();
+        let mut boxes = SortedBoxes::default();
+        boxes.take(found.into_iter(), searches);
+        Self { colliders, boxes }
+    }
+
+    /// Those in a box during a step of `dt` seconds, as far as they are in it.
+    pub(super) fn within(&self, bounds: &Aabb, dt: f32, world: &World) -> Vec<Mover> {
+        let mut places = Vec::new();
+        self.boxes.meeting(bounds, &mut places);
+        let obstacle = |&place: &u32| {
+            let handle = *self.colliders.get(place as usize)?;
+            let collider = world.colliders.get(handle)?;
+            let [begin, end] = whereabouts(collider, dt, world)?;
+            let at_begin = within(bounds, collider.shape(), &begin);
+            let at_end = if end == begin {
+                None
+            } else {
+                within(bounds, collider.shape(), &end)
+            };
+            let in_box = match (at_begin, at_end) {
+                (Some(begin), Some(end)) => begin.merged(&end),
+                (begin, end) => begin.or(end)?,
+            };
+            Some(Mover {
+                visitor: Visitor {
+                    collider: handle,
+                    body: collider.parent().unwrap_or_else(RigidBodyHandle::invalid),
+                    bounds: in_box.loosened(collider.contact_skin()),
+                    asleep: false,
+                },
+                fast: false,
+                bullet: false,
+                groups: collider.collision_groups(),
+                events: collider.active_events(),
+            })
+        };
+        places.iter().filter_map(obstacle).collect()
+    }
+}
+
+/// Where a collider is at the begin and at the end of a step, if it is an obstacle.
+fn whereabouts(collider: &Collider, dt: f32, world: &World) -> Option<[Place; 2]> {
+    if collider.is_sensor() || !collider.is_enabled() || is_part(collider) || is_ground(collider.shape()) {
+        return None;
+    }
+    let Some(body) = collider.parent().and_then(|body| world.bodies.get(body)) else {
+        return Some([*collider.position(); 2]);
     };
-    world.colliders.iter().filter_map(found).collect()
+    if body.is_dynamic() || !body.is_enabled() {
+        return None;
+    }
+    let end = match body.body_type() {
+        RigidBodyType::KinematicPositionBased => *body.next_position(),
+        RigidBodyType::KinematicVelocityBased => body.predict_position_using_velocity(dt),
+        _ => *body.position(),
+    };
+    let in_body = collider.position_wrt_parent().copied().unwrap_or_default();
+    Some([*body.position() * in_body, end * in_body])
 }
 
 /// A box around what of a shape is in a box.

@@ -12,7 +12,6 @@ use bevy_rapier3d::rapier::pipeline::ActiveEvents;
 use super::expel::Expulsion;
 use super::forces::{Forces, Stepped};
 use super::link::Carrier;
-use super::obstacles::obstacles_in;
 use super::part::{PartBodies, PartHandles};
 use super::spared::Spared;
 use super::world::{Manners, Step, World};
@@ -111,11 +110,8 @@ impl Pushing {
         let bounds = Aabb::new(bounds.min, bounds.max).loosened(reach);
         self.teach(manners, world.colliders);
         self.spared.find(step.body, world);
-        let obstacles = if self.linked {
-            obstacles_in(&bounds, step.pace.dt, world)
-        } else {
-            Vec::new()
-        };
+        let obstacles = step.obstacles.filter(|_| self.linked);
+        let obstacles = obstacles.map_or_else(Vec::new, |all| all.within(&bounds, step.pace.dt, world));
 
         let (mut blended, mut busy) = (0, false);
         let mut events = manners.events;

@@ -24,6 +24,7 @@ use super::MorphRapierCollider;
 use super::attach::RapierSurface;
 use super::forces::{Stepped, is_one_step, substep};
 use super::link::{Carrier, Links};
+use super::obstacles::Obstacles;
 use super::touches::tell_whole;
 use super::world::{Audience, Manners, Movers, Step, World, no_push};
 use crate::collider::MorphColliderDisabled;
@@ -43,7 +44,7 @@ pub struct MorphRapierDiagnostics {
     pub surfaces: u32,
     /// Of these, those that moved or morphed.
     pub moving: u32,
-    /// Parts of surfaces near dynamic bodies: what is in the physics world as kinematic bodies.
+    /// Parts of surfaces near dynamic bodies, or of surfaces on dynamic bodies near anything: bodies of their own in the physics world.
     pub parts: u32,
     /// Of these, those whose vertices were blended for the step.
     pub blended: u32,
@@ -169,7 +170,7 @@ pub(super) fn before_step(
         movers.find(world.bodies, world.colliders, dt, count, &mut refuse);
         let once = is_one_step(&mode, dt);
         let audience = Audience::of(&world, parameters.length_unit, once);
-        let mut to_link = Vec::new();
+        let (mut to_link, mut obstacles) = (Vec::new(), None);
         for (entity, settings, mut surface, handle, link, (place, weights, skin), solver_groups, disabled) in
             &mut surfaces
         {
@@ -256,6 +257,9 @@ pub(super) fn before_step(
                 Some(body) => Carrier::of(body, collider, &world, dt),
                 None => None,
             };
+            if carrier.is_some() && obstacles.is_none() {
+                obstacles = Some(Obstacles::find(&world, dt, count));
+            }
             let pushes_itself = !is_there || (on_dynamic && carrier.is_none());
             let own_groups = if pushes_itself { wanted } else { no_push(wanted) };
             let manners = Manners::of(collider, wanted);
@@ -289,6 +293,7 @@ pub(super) fn before_step(
                 // As fast as Rapier pushes apart what overlaps.
                 leaving: parameters.max_corrective_velocity().min(10.0 * parameters.length_unit),
                 movers,
+                obstacles: obstacles.as_ref(),
                 audience: &audience,
                 body: parent,
                 stepping: now,

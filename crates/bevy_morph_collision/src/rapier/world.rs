@@ -14,6 +14,7 @@ use bevy_rapier3d::rapier::geometry::{
 };
 use bevy_rapier3d::rapier::pipeline::{ActiveEvents, ActiveHooks};
 
+use super::obstacles::Obstacles;
 use crate::physics::near::Visitor;
 use crate::physics::part::Pace;
 use crate::physics::range::{box_in_range, in_range};
@@ -51,6 +52,8 @@ pub(super) struct Step<'a> {
     /// How fast bodies are driven out of what is solid.
     pub(super) leaving: f32,
     pub(super) movers: &'a Movers,
+    /// What else there is, for surfaces on dynamic bodies that move.
+    pub(super) obstacles: Option<&'a Obstacles>,
     /// What others than movers want.
     pub(super) audience: &'a Audience,
     /// The body that the surface is on.

@@ -12,7 +12,7 @@ fn a_rising_side_lifts_at_its_speed() {
     for mass in [0.2, 1.0, 5.0] {
         let (mut app, surface) = grounded(3.0);
         let top = 2.0 * HALF.y;
-        let ball = thing(&mut app, Collider::ball(0.3), mass, Vec3::Y * (top + 0.3), ());
+        let ball = thing(&mut app, Collider::ball(0.3), mass, Vec3::new(0.1, top + 0.3, 0.05), ());
         run(&mut app, 20);
         let mut worst = (0.0_f32, 0.0_f32, 0.0_f32);
         for frame in 1..=120 {
@@ -111,14 +111,16 @@ fn stack(blocks: usize, mass: f32) -> Stacked {
     let blocks: Vec<_> = (0..blocks)
         .map(|i| {
             let half = Vec3::new(0.5, 0.25, 0.5) - 0.03 * i as f32 * Vec3::new(1.0, 0.0, 1.0);
-            let at = Vec3::Y * half.y * (1 + 2 * i) as f32;
+            let at = Vec3::Y * (half.y * (1 + 2 * i) as f32 + 0.01 * (i + 1) as f32);
             spawn_on(&mut app, &slab_cut(half, 2), 1.0, at, ())
         })
         .collect();
     let (floor, speed) = (0.5 * blocks.len() as f32, 0.25 * blocks.len() as f32);
-    let at = Vec3::Y * (floor + 0.25);
+    run(&mut app, 60);
+    let at = Vec3::Y * (floor + 0.26);
     let cuboid = thing(&mut app, Collider::cuboid(0.25, 0.25, 0.25), mass, at, ());
     run(&mut app, 60);
+    let at = place(&app, cuboid);
     let mut off_speed = 0.0_f32;
     for frame in 1..=120 {
         for &block in &blocks {

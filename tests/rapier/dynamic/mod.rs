@@ -10,7 +10,7 @@ use bevy_rapier3d::prelude::*;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_workspace::physics::{body, settle};
 
-use crate::support::{app, slab, spawn};
+use crate::support::{app, place, run, slab, slab_cut, spawn};
 
 /// Half of a slab's edges.
 pub(super) const HALF: Vec3 = Vec3::new(1.0, 0.25, 1.0);
@@ -57,7 +57,14 @@ pub(super) fn grounded(mass: f32) -> (App, Entity) {
     let mut app = app();
     app.world_mut()
         .spawn((Collider::cuboid(50.0, 0.5, 50.0), Transform::from_xyz(0.0, -0.5, 0.0)));
-    let surface = spawn_on(&mut app, &slab(HALF), mass, Vec3::Y * HALF.y, ());
+    // It falls a little.
+    let surface = spawn_on(&mut app, &slab_cut(HALF, 2), mass, Vec3::Y * (HALF.y + 0.01), ());
+    run(&mut app, 90);
+    assert!(
+        (place(&app, surface).y - HALF.y).abs() < 1e-2,
+        "{}",
+        place(&app, surface)
+    );
     (app, surface)
 }
 

@@ -336,8 +336,8 @@ fn a_body_jumps_off_the_ground_with_its_own_leg() {
         .iter()
         .map(|p| if p.y < 0.0 { -Vec3::Y } else { Vec3::ZERO });
     mesh.targets[3] = leg.collect();
-    let body = spawn_on(&mut app, &mesh, 3.0, Vec3::Y * HALF.y, ());
-    run(&mut app, 20);
+    let body = spawn_on(&mut app, &mesh, 3.0, Vec3::Y * (HALF.y + 0.02), ());
+    run(&mut app, 60);
     for frame in 1..=12 {
         set_weights(&mut app, body, &[0.0, 0.0, 0.0, 3.0 * DT * frame as f32]);
         run(&mut app, 1);

@@ -57,8 +57,10 @@ fn contacts_are_told_once_and_forces_of_the_whole_surface() {
         assert_eq!((force.collider1, force.collider2), (surface, cuboid));
         forces.push(force.total_force_magnitude);
     }
-    println!("{forces:?}");
-    assert!(forces.iter().all(|force| (force - 19.62).abs() < 2.0), "{forces:?}");
+    let mean = forces.iter().sum::<f32>() / forces.len() as f32;
+    assert!((mean - 19.62).abs() < 1.0, "{forces:?}");
+    // Where it comes to other triangles, a step may tell more.
+    assert!(forces.iter().all(|force| (force - 19.62).abs() < 8.0), "{forces:?}");
     log.run(&mut app, 1, |app, _| put(app, cuboid, Vec3::new(0.0, 4.0, 0.0)));
     log.run(&mut app, 3, |_, _| {});
     assert_eq!(

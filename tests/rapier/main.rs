@@ -4,6 +4,7 @@ mod bad_places;
 mod characters;
 #[cfg(feature = "render")]
 mod cookbook;
+mod dynamic;
 mod events;
 mod extremes;
 mod heaving;

@@ -155,8 +155,13 @@ pub(crate) fn below(app: &mut App, x: f32, z: f32) -> Option<(Entity, f32)> {
 /// A closed box around the origin, each side cut into many triangles. Its targets: all of it rises by 1, its upper side alone does, its upper
 /// side slides by 1 along `+X`, and its upper side moves down by 1.
 pub(crate) fn slab(half: Vec3) -> MorphMesh {
+    slab_cut(half, 4)
+}
+
+/// The same with each side cut into four, this many times.
+pub(crate) fn slab_cut(half: Vec3, times: usize) -> MorphMesh {
     let mut mesh = box_mesh(half);
-    for _ in 0..4 {
+    for _ in 0..times {
         let mut middles: HashMap<(u32, u32), u32> = HashMap::new();
         let mut finer = Vec::new();
         for &[a, b, c] in &mesh.triangles {

@@ -204,6 +204,42 @@ fn an_arm_on_a_dynamic_body_falls_rests_and_sleeps() {
 }
 
 #[test]
+fn an_arm_on_a_dynamic_body_throws_and_is_thrown_back() {
+    let mut app = app();
+    let (arm, root) = arm_on(&mut app, RigidBody::Dynamic);
+    let weight = MassProperties {
+        mass: 5.0,
+        principal_inertia: Vec3::new(1.0, 15.0, 15.0),
+        ..default()
+    };
+    app.world_mut().entity_mut(root).insert((
+        // It has fallen a little until it was ready.
+        (GravityScale(0.0), Transform::default(), Velocity::default()),
+        AdditionalMassProperties::MassProperties(weight),
+        Sleeping::disabled(),
+    ));
+    app.world_mut()
+        .entity_mut(arm.surface)
+        .insert(ColliderMassProperties::Density(0.0));
+    let ball = body(&mut app, Collider::ball(0.3), Vec3::new(1.5, TOP + 0.35, 0.0));
+    app.world_mut().entity_mut(ball).insert((
+        GravityScale(0.0),
+        ColliderMassProperties::Mass(1.0),
+        Sleeping::disabled(),
+    ));
+    run(&mut app, 3);
+    for frame in 1..=12 {
+        let raised = Transform::from_rotation(Quat::from_rotation_z(2.0 * DT * frame as f32));
+        arm.pose(&mut app, [Transform::IDENTITY, raised]);
+        run(&mut app, 1);
+    }
+    run(&mut app, 20);
+    let (thrown, back) = (velocity(&app, ball), velocity(&app, root));
+    assert!(thrown.y > 1.5 && thrown.y < 3.5, "{thrown}");
+    assert!((thrown + 5.0 * back).length() < 0.02, "{thrown} {back}");
+}
+
+#[test]
 fn joints_that_cannot_be_used_keep_the_last_good_ones_or_leave_it_out() {
     collect_errors(|errors| {
         let mut app = app();

@@ -89,5 +89,6 @@ pub(super) fn ahead(
         collider_from_model: WorldFromModel::new(collider_from_model)?,
         joints,
         mirrored,
+        carried: false,
     })
 }

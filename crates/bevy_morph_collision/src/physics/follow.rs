@@ -84,6 +84,8 @@ pub(crate) struct Following {
     /// All of these so far.
     pub(crate) travelled: f64,
     last_step: f32,
+    /// Whether a dynamic body carries it. Then its place is that of the body at the begin of the step, at all moments: only its shape moves it.
+    carried: bool,
     /// What it is drawn with.
     pub(crate) drawn: Drawn,
     /// What the step to come sees of that, if it looks between frames.
@@ -118,6 +120,7 @@ impl Following {
             displacement: 0.0,
             travelled: 0.0,
             last_step: 0.0,
+            carried: false,
             drawn: Drawn::new(moment().bounds().center()),
             span: None,
             lacks_joints: bvh.model().joint_count().is_some(),
@@ -167,7 +170,10 @@ impl Following {
             collider_from_model,
             joints,
             mirrored,
+            carried,
         } = ahead;
+        // A body that has just become dynamic, or has just ceased to be, has not moved the surface.
+        let same_carrier = std::mem::replace(&mut self.carried, carried) == carried;
         let last_end = std::mem::replace(&mut self.span, span).map(|span| span.end);
         let first = self.last_step == 0.0 || (self.lacks_joints && joints.is_some());
         self.lacks_joints &= joints.is_none();
@@ -213,8 +219,12 @@ impl Following {
             // It has been seen in the pose that it was bound in.
             posed.forget_mass();
         }
+        if carried {
+            self.world_from_model = world_from_model;
+            self.before.world_from_model = world_from_model;
+        }
         if !same_shape || world_from_model != self.world_from_model {
-            self.moves = !first;
+            self.moves = !first && same_carrier;
             self.reshaped |= !same_shape;
             std::mem::swap(&mut self.past, &mut self.before);
             // `before` is the new moment now, and the last one changes places with it.
@@ -234,6 +244,9 @@ impl Following {
                 }
                 self.travelled += self.displacement;
             }
+        }
+        if carried {
+            self.past.world_from_model = world_from_model;
         }
         self.reshaped |= posed.place(collider_from_model, mirrored);
         drop(posed);
@@ -338,7 +351,7 @@ fn displacement(before: &mut Moment, pose: &Pose, world_from_model: &WorldFromMo
 }
 
 /// How many times longer a way may become.
-pub(crate) fn stretch(place: &WorldFromModel) -> f64 {
+fn stretch(place: &WorldFromModel) -> f64 {
     let zero = place.transform_point(Vec3::ZERO);
     let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| place.transform_point(axis) - zero);
     axes.iter().map(|axis| axis.length_squared()).sum::<f64>().sqrt()
@@ -377,6 +390,8 @@ pub(crate) struct Ahead {
     pub(crate) joints: Option<JointMatrices>,
     /// Whether its place, or its joints, mirror it.
     pub(crate) mirrored: bool,
+    /// Whether a dynamic body carries it, whose place this is at the begin of the step.
+    pub(crate) carried: bool,
 }
 
 #[cfg(feature = "rapier")]
@@ -405,28 +420,31 @@ impl Ahead {
             Some(joints) => is_mirrored(joints.matrices.iter()),
             None => is_mirrored([&collider_from_model].into_iter()),
         };
-        let ahead = |world_from_model| {
+        let ahead = |world_from_model, carried| {
             Ok(Self {
                 world_from_model,
                 collider_from_model: WorldFromModel::new(collider_from_model)?,
                 joints,
                 mirrored,
+                carried,
             })
         };
         let in_body = collider.position_wrt_parent().copied();
         let body = collider.parent().and_then(|body| bodies.get(body)).zip(in_body);
         let Some((body, in_body)) = body else {
             // As the entity stands, to the last bit: that is where it is drawn.
-            return ahead(WorldFromModel::new(affine)?);
+            return ahead(WorldFromModel::new(affine)?, false);
         };
         let place: Place = match body.body_type() {
-            // Rapier moves it, and nothing else asks.
-            RigidBodyType::Dynamic => return ahead(WorldFromModel::IDENTITY),
             RigidBodyType::KinematicPositionBased => *body.next_position(),
             RigidBodyType::KinematicVelocityBased => body.predict_position_using_velocity(dt),
+            // Where Rapier moves a dynamic one is not known yet.
             _ => *body.position(),
         } * in_body;
         let world_from_collider = Affine3A::from_rotation_translation(place.rotation, place.translation);
-        ahead(WorldFromModel::new(world_from_collider * collider_from_model)?)
+        ahead(
+            WorldFromModel::new(world_from_collider * collider_from_model)?,
+            body.is_dynamic(),
+        )
     }
 }

@@ -55,6 +55,27 @@ struct Near<B, P> {
 }
 
 impl<B, P: Default> Near<B, P> {
+    fn new(body: B) -> Self {
+        Self {
+            body,
+            region: Aabb::new_invalid(),
+            triangles: Vec::new(),
+            travelled: 0.0,
+            parts: Vec::new(),
+            cut: 1,
+            seen: 0,
+        }
+    }
+
+    /// Finds the triangles in a box; returns whether there are any.
+    fn look(&mut self, region: Aabb, following: &mut Following, query: &mut ShapeQuery) -> bool {
+        self.region = region;
+        self.travelled = following.travelled;
+        self.triangles.clear();
+        following.triangles_in(&region, query, &mut self.triangles);
+        !self.triangles.is_empty()
+    }
+
     fn is_settled(&self) -> bool {
         self.parts.iter().all(Part::is_settled)
     }
@@ -152,15 +173,8 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
 
     /// Finds the triangles that a collider may touch; says whether there are any.
     pub(crate) fn look_near(&mut self, visitor: &Visitor<C, B>, following: &mut Following, pace: &Pace) -> bool {
-        let near = self.near.entry(visitor.collider).or_insert_with(|| Near {
-            body: visitor.body,
-            region: Aabb::new_invalid(),
-            triangles: Vec::new(),
-            travelled: 0.0,
-            parts: Vec::new(),
-            cut: 1,
-            seen: 0,
-        });
+        let near = self.near.entry(visitor.collider);
+        let near = near.or_insert_with(|| Near::new(visitor.body));
         near.seen = self.step;
         // Wherever a vertex is during the step, it ends this near; and somewhat more, not to look again in the next steps.
         let room = 3.0 * following.displacement as f32 + 0.1 * visitor.bounds.extents().max_element();
@@ -173,11 +187,17 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
         if known && near.region.extents().cmple(2.0 * region.extents()).all() {
             return !near.triangles.is_empty();
         }
-        near.region = region;
-        near.travelled = following.travelled;
-        near.triangles.clear();
-        following.triangles_in(&near.region, &mut self.scratch.shapes, &mut near.triangles);
-        !near.triangles.is_empty()
+        near.look(region, following, &mut self.scratch.shapes)
+    }
+
+    /// The same for the step to come alone, on a surface whose own body moves as well: what is within `reach`.
+    #[cfg(feature = "rapier")]
+    pub(crate) fn look_anew(&mut self, visitor: &Visitor<C, B>, following: &mut Following, reach: Real) -> bool {
+        let near = self.near.entry(visitor.collider);
+        let near = near.or_insert_with(|| Near::new(visitor.body));
+        near.seen = self.step;
+        let region = visitor.bounds.loosened(reach + following.displacement as f32);
+        near.look(region, following, &mut self.scratch.shapes)
     }
 
     /// Puts what a collider may touch before it; says how many parts were blended.

@@ -9,7 +9,7 @@ use bevy_rapier3d::rapier::geometry::ColliderHandle;
 use super::spared::Spared;
 use super::world::{Manners, Mover, Step, World};
 use crate::physics::expel::{Drive, Exit, Expelling, Guest};
-use crate::physics::follow::{Following, stretch};
+use crate::physics::follow::Following;
 
 /// What is near a solid surface, and inside.
 #[derive(Default)]
@@ -92,7 +92,7 @@ impl Expulsion {
             return;
         };
         self.expelling.begin(Some(&in_collider));
-        let travelled = stretch(&in_collider) * following.travelled;
+        let travelled = following.travelled;
         let bounds = local.transform_by(&place);
         let own_rests = !following.moves && world.bodies.get(own).is_some_and(RigidBody::is_sleeping);
         let mut meeting = Vec::new();

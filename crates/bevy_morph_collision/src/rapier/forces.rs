@@ -50,7 +50,7 @@ impl Forces {
                 let body = collider.parent().and_then(|body| stepped.bodies.get(body));
                 let total = pair.total_impulse_magnitude() / stepped.dt;
                 // What sleeps keeps the contacts that it fell asleep with.
-                if threshold == f32::MAX || total == 0.0 || body.is_none_or(RigidBody::is_sleeping) {
+                if threshold == f32::MAX || total == 0.0 || body.is_some_and(RigidBody::is_sleeping) {
                     continue;
                 }
                 let Some(entity) = Entity::try_from_bits(collider.user_data as u64) else {

@@ -5,6 +5,7 @@
 //! - `scene`, `attach`: which meshes have a surface.
 //! - `frames`: remembers what they are drawn with.
 //! - `push`, `part`: how it pushes: what is near moving bodies is a kinematic body for one step.
+//! - `link`, `obstacles`: on a dynamic body, parts are links of it for one step, and there are parts for everything near.
 //! - `expel`: how what is inside a solid one gets out.
 //! - `world`: what they see of Rapier's world, and change.
 //! - `step`: the systems around Rapier's step.
@@ -24,6 +25,8 @@ mod forces;
 mod frames;
 mod gathered;
 mod ground;
+mod link;
+mod obstacles;
 mod part;
 mod push;
 mod scene;
@@ -66,8 +69,8 @@ use crate::plugins::missing;
 /// - Without a `RigidBody`, or on a fixed or kinematic one (of this entity or one above), the surface pushes and carries bodies at
 ///   its own velocity: that of the animation, and that of the body.
 /// - A `KinematicCharacterController` stands on it and is carried by it; see [`MorphCharacterCarry`].
-/// - On a dynamic body it is the body's shape. It collides as it is at each step, and its morphing moves others only by pushing them
-///   out of itself.
+/// - On a dynamic body it is the body's shape. While it morphs it throws and carries others at its own velocity, and the body is pushed the other way. A body in a
+///   `MultibodyJoint` of the game's only pushes others out of its surface.
 ///
 /// Like a `TriMesh` it is a surface without an inside, unless it is [`solid`](Self::solid).
 ///

@@ -1,4 +1,4 @@
-//! Parts of surfaces as kinematic bodies of Rapier's.
+//! Parts of surfaces as bodies of Rapier's: kinematic ones, or on a dynamic body links of it.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -6,9 +6,10 @@ use std::sync::atomic::AtomicBool;
 use bevy::prelude::Entity;
 use bevy_rapier3d::parry::math::Pose as Place;
 use bevy_rapier3d::parry::shape::{SharedShape, Triangle, TrianglePseudoNormals};
-use bevy_rapier3d::rapier::dynamics::{RigidBodyBuilder, RigidBodyHandle};
+use bevy_rapier3d::rapier::dynamics::{RigidBodyBuilder, RigidBodyHandle, RigidBodyType};
 use bevy_rapier3d::rapier::geometry::{ActiveCollisionTypes, ColliderBuilder, ColliderHandle};
 
+use super::link::{Carrier, Link};
 use super::world::{Manners, World};
 use crate::physics::part::{Bodies, Placed};
 use crate::physics::triangles::{Patch, Triangles};
@@ -33,6 +34,8 @@ pub(super) struct PartBodies<'a, 'w> {
     pub(super) entity: Entity,
     pub(super) manners: Manners,
     pub(super) stepping: &'a Arc<AtomicBool>,
+    /// The dynamic body that the surface is on, if it is on one.
+    pub(super) carrier: Option<&'a mut Carrier>,
     pub(super) world: &'a mut World<'w>,
 }
 
@@ -52,19 +55,35 @@ impl Bodies<PartHandles> for PartBodies<'_, '_> {
         } = *placed;
         let place = Place::from_translation(placed.origin);
         let world = &mut *self.world;
+        let (mut body_type, mut types) = (
+            RigidBodyType::KinematicVelocityBased,
+            ActiveCollisionTypes::DYNAMIC_KINEMATIC,
+        );
+        let (mut linear, mut angular, mut reach) = (linear, angular, reach);
+        if let Some(carrier) = &self.carrier {
+            (body_type, types) = (RigidBodyType::Dynamic, carrier.types);
+            // What decides how far away contacts are prepared.
+            linear += carrier.velocity.linvel + carrier.velocity.angvel.cross(placed.origin - carrier.center);
+            angular += carrier.velocity.angvel;
+            reach = reach.max(carrier.soft_ccd_prediction);
+        }
         if let Some(body) = world.bodies.get_mut(part.body) {
             body.set_position(place, false);
             body.set_linvel(linear, false);
             body.set_angvel(angular, false);
             body.set_soft_ccd_prediction(reach);
         } else {
-            let body = RigidBodyBuilder::kinematic_velocity_based()
+            let body = RigidBodyBuilder::new(body_type)
                 .pose(place)
+                .can_sleep(body_type != RigidBodyType::Dynamic)
                 .linvel(linear)
                 .angvel(angular)
                 .soft_ccd_prediction(reach)
                 .user_data(u128::from(self.entity.to_bits()));
             part.body = world.bodies.insert(body);
+        }
+        if let Some(carrier) = &mut self.carrier {
+            carrier.links.push(Link::new(part.body, placed, carrier));
         }
         let patch = |(corners, normals): (Vec<_>, Vec<_>)| Patch {
             triangles: Triangles::new(Vec::new(), corners, normals),
@@ -75,7 +94,7 @@ impl Bodies<PartHandles> for PartBodies<'_, '_> {
         let Some(collider) = world.colliders.get_mut(part.collider) else {
             let mut collider = ColliderBuilder::new(SharedShape::new(patch(triangles.unzip())))
                 .density(0.0)
-                .active_collision_types(ActiveCollisionTypes::DYNAMIC_KINEMATIC)
+                .active_collision_types(types)
                 .user_data(u128::from(self.entity.to_bits()))
                 .build();
             self.manners.teach(&mut collider);

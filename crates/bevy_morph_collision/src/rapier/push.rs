@@ -11,6 +11,7 @@ use bevy_rapier3d::rapier::pipeline::ActiveEvents;
 
 use super::expel::Expulsion;
 use super::forces::{Forces, Stepped};
+use super::link::Carrier;
 use super::part::{PartBodies, PartHandles};
 use super::spared::Spared;
 use super::world::{Manners, Step, World};
@@ -23,6 +24,8 @@ use crate::physics::surface::MorphSurface;
 pub(super) struct Pushing {
     entity: Entity,
     near: Nearby<ColliderHandle, RigidBodyHandle, PartHandles>,
+    /// Whether its parts are links of a dynamic body.
+    linked: bool,
     manners: Option<Manners>,
     /// Whether parts go without a name, so that Rapier tells nobody of their contacts.
     nameless: bool,
@@ -42,6 +45,7 @@ impl Pushing {
         Self {
             entity,
             near: Nearby::new(layout),
+            linked: false,
             manners: None,
             nameless: false,
             repeats: false,
@@ -78,29 +82,44 @@ impl Pushing {
 
     /// Sees to it that during the step to come whatever may meet the surface meets parts that move as it does.
     ///
+    /// With a `carrier`, whatever the surface may meet is met by parts, fixed or not, and the parts have to be joined to the carrier before the step.
+    ///
     /// Says how many parts had to be blended.
     pub(super) fn prepare(
         &mut self,
         following: &mut Following,
         manners: Manners,
         step: &Step,
+        mut carrier: Option<&mut Carrier>,
         world: &mut World,
     ) -> u32 {
-        if step.movers.is_empty() && self.is_idle() {
+        if self.linked != carrier.is_some() {
+            self.stop(world);
+            self.linked = carrier.is_some();
+        }
+        if step.movers.is_empty() && self.is_idle() && !self.linked {
             return 0;
         }
         self.near.begin(following);
-        self.expulsion.begin();
-        let is_solid = following.surface.lock().is_solid();
+        let is_solid = following.surface.lock().is_solid() && !self.linked;
+        if !self.linked {
+            self.expulsion.begin();
+        }
+        let reach = step.pace.prediction + carrier.as_ref().map_or(0.0, |carrier| carrier.way);
         let bounds = following.bounds();
-        let bounds = Aabb::new(bounds.min, bounds.max).loosened(step.pace.prediction);
+        let bounds = Aabb::new(bounds.min, bounds.max).loosened(reach);
         self.teach(manners, world.colliders);
         self.spared.find(step.body, world);
+        let obstacles = step.obstacles.filter(|_| self.linked);
+        let obstacles = obstacles.map_or_else(Vec::new, |all| all.within(&bounds, step.pace.dt, world));
 
         let (mut blended, mut busy) = (0, false);
         let mut events = manners.events;
-        for mover in step.movers.meeting(&bounds, &mut self.meeting) {
+        for mover in step.movers.meeting(&bounds, &mut self.meeting).chain(&obstacles) {
             let visitor = &mover.visitor;
+            if carrier.as_ref().is_some_and(|carrier| carrier.has(mover)) {
+                continue;
+            }
             if !mover.groups.test(manners.groups) || self.spared.contains(visitor.body) {
                 continue;
             }
@@ -114,7 +133,11 @@ impl Pushing {
                 let is_asleep = |body| world.bodies.get(body).is_some_and(RigidBody::is_sleeping);
                 self.near.give_out(following, is_asleep);
             }
-            let touches = self.near.look_near(visitor, following, &step.pace);
+            let touches = if self.linked {
+                self.near.look_anew(visitor, following, reach)
+            } else {
+                self.near.look_near(visitor, following, &step.pace)
+            };
             let is_inside = is_solid && self.expulsion.drive_out(mover, following, &manners, step, world);
             // Rapier sweeps what is fast against what is fixed, and only bullets against what is kinematic, as parts are. What is on its way
             // out would be stopped by the surface.
@@ -130,12 +153,17 @@ impl Pushing {
                 entity: self.entity,
                 manners,
                 stepping: step.stepping,
+                carrier: carrier.as_deref_mut(),
                 world: &mut *world,
             };
             blended += self.near.push(visitor, following, &step.pace, &mut bodies);
         }
         self.near.forget(|part| world.remove(part.body));
-        self.expulsion.forget();
+        if let Some(carrier) = carrier {
+            self.leave_out_unlinked(carrier, world.colliders);
+        } else {
+            self.expulsion.forget();
+        }
         for body in self.near.take_to_wake() {
             world.islands.wake_up(world.bodies, body, true);
         }
@@ -155,6 +183,23 @@ impl Pushing {
         }
         self.spared.guard(self.near.parts().map(|part| part.body), world);
         blended
+    }
+
+    /// Parts that are not joined to their carrier in this step would be obstacles of their own.
+    fn leave_out_unlinked(&self, carrier: &Carrier, colliders: &mut ColliderSet) {
+        for part in self.near.parts() {
+            let is_linked = carrier.links.iter().any(|link| link.part == part.body);
+            if let Some(collider) = colliders.get_mut(part.collider)
+                && collider.is_enabled() != is_linked
+            {
+                collider.set_enabled(is_linked);
+            }
+        }
+    }
+
+    /// Stops driving out what is inside.
+    pub(super) fn stop_driving(&mut self) {
+        self.expulsion.stop();
     }
 
     /// Drives what is inside the surface, which is on a dynamic body, out of it.

@@ -23,6 +23,8 @@ use tracing::{error, warn};
 use super::MorphRapierCollider;
 use super::attach::RapierSurface;
 use super::forces::{Stepped, is_one_step, substep};
+use super::link::{Carrier, Links};
+use super::obstacles::Obstacles;
 use super::touches::tell_whole;
 use super::world::{Audience, Manners, Movers, Step, World, no_push};
 use crate::collider::MorphColliderDisabled;
@@ -42,7 +44,7 @@ pub struct MorphRapierDiagnostics {
     pub surfaces: u32,
     /// Of these, those that moved or morphed.
     pub moving: u32,
-    /// Parts of surfaces near dynamic bodies: what is in the physics world as kinematic bodies.
+    /// Parts of surfaces near dynamic bodies, or of surfaces on dynamic bodies near anything: bodies of their own in the physics world.
     pub parts: u32,
     /// Of these, those whose vertices were blended for the step.
     pub blended: u32,
@@ -56,6 +58,8 @@ pub(crate) struct Stepping {
     /// Whether a step is going on.
     now: Arc<AtomicBool>,
     movers: Movers,
+    /// What is linked during a step, for each physics world.
+    links: HashMap<Entity, Links>,
     /// The colliders of bodies that were too large in the last step: these are in the log.
     too_large: HashSet<u128>,
     /// Whether physics runs in a fixed schedule.
@@ -131,6 +135,7 @@ pub(super) fn before_step(
     let Stepping {
         now,
         movers,
+        links,
         too_large,
         is_fixed,
         lag,
@@ -165,6 +170,7 @@ pub(super) fn before_step(
         movers.find(world.bodies, world.colliders, dt, count, &mut refuse);
         let once = is_one_step(&mode, dt);
         let audience = Audience::of(&world, parameters.length_unit, once);
+        let (mut to_link, mut obstacles) = (Vec::new(), None);
         for (entity, settings, mut surface, handle, link, (place, weights, skin), solver_groups, disabled) in
             &mut surfaces
         {
@@ -247,7 +253,14 @@ pub(super) fn before_step(
                 .is_some_and(RigidBody::is_dynamic);
             let is_there = collider.is_enabled() && !collider.is_sensor();
             let wanted = solver_groups.map_or(InteractionGroups::all(), |&groups| groups.into());
-            let pushes_itself = on_dynamic || !is_there;
+            let carrier = match parent.filter(|_| on_dynamic && is_there && following.moves) {
+                Some(body) => Carrier::of(body, collider, &world, dt),
+                None => None,
+            };
+            if carrier.is_some() && obstacles.is_none() {
+                obstacles = Some(Obstacles::find(&world, dt, count));
+            }
+            let pushes_itself = !is_there || (on_dynamic && carrier.is_none());
             let own_groups = if pushes_itself { wanted } else { no_push(wanted) };
             let manners = Manners::of(collider, wanted);
             let (turned, is_closed) = {
@@ -280,28 +293,34 @@ pub(super) fn before_step(
                 // As fast as Rapier pushes apart what overlaps.
                 leaving: parameters.max_corrective_velocity().min(10.0 * parameters.length_unit),
                 movers,
+                obstacles: obstacles.as_ref(),
                 audience: &audience,
                 body: parent,
                 stepping: now,
             };
-            if pushes_itself {
-                if following.moves
-                    && on_dynamic
-                    && let Some(body) = parent
-                {
-                    world.islands.wake_up(world.bodies, body, true);
-                }
-                pushing.stop_parts(&mut world);
-                if on_dynamic && is_closed && settings.solid && is_there {
-                    pushing.drive_apart(handle.0, following, &manners, &step, &mut world);
-                } else {
-                    pushing.stop(&mut world);
-                }
-                continue;
+            if following.moves
+                && on_dynamic
+                && let Some(body) = parent
+            {
+                world.islands.wake_up(world.bodies, body, true);
             }
-            diagnostics.blended += pushing.prepare(following, manners, &step, &mut world);
-            diagnostics.parts += pushing.parts();
+            if pushes_itself {
+                pushing.stop_parts(&mut world);
+            } else {
+                let mut carrier = carrier;
+                diagnostics.blended += pushing.prepare(following, manners, &step, carrier.as_mut(), &mut world);
+                diagnostics.parts += pushing.parts();
+                to_link.extend(carrier.into_iter().flat_map(|carrier| carrier.links));
+            }
+            if on_dynamic && is_closed && settings.solid && is_there {
+                pushing.drive_apart(handle.0, following, &manners, &step, &mut world);
+            } else if pushes_itself || on_dynamic {
+                pushing.stop_driving();
+            }
         }
+        // All at once: a surface looks for what is joined to its body.
+        let links = links.entry(context).or_default();
+        links.join(to_link.into_iter(), dt, once, &mut world);
     }
     if has_stepped {
         *too_large = refused;
@@ -315,21 +334,30 @@ pub(super) fn after_step(
         &RapierContextSimulation,
         &mut RapierRigidBodySet,
         &mut RapierContextColliders,
+        &mut RapierContextJoints,
     )>,
     mut surfaces: Query<(Entity, &mut RapierSurface), Allow<Disabled>>,
     mut forces: MessageWriter<ContactForceEvent>,
     mut touches: MessageMutator<CollisionEvent>,
     mode: Res<TimestepMode>,
-    stepping: Res<Stepping>,
+    mut stepping: ResMut<Stepping>,
     mut diagnostics: ResMut<MorphRapierDiagnostics>,
 ) {
     let start = Instant::now();
+    stepping.links.retain(|&context, links| {
+        let world = contexts.get_mut(context);
+        if let Ok((_, mut bodies, _, mut joints)) = world {
+            links.part(&mut bodies.bodies, &mut joints.multibody_joints);
+            return true;
+        }
+        false
+    });
     stepping.now.store(false, Ordering::Release);
     let mut repeating = HashMap::default();
     for (entity, mut surface) in &mut surfaces {
         let surface = &mut *surface;
         let Some(context) = surface.context else { continue };
-        if let Ok((simulation, mut bodies, mut colliders)) = contexts.get_mut(context) {
+        if let Ok((simulation, mut bodies, mut colliders, _)) = contexts.get_mut(context) {
             let RapierSurface { following, pushing, .. } = surface;
             let stepped = Stepped {
                 narrow_phase: &simulation.narrow_phase,
@@ -345,7 +373,7 @@ pub(super) fn after_step(
         }
     }
     tell_whole(&repeating, &mut touches, |context| {
-        let (simulation, _, colliders) = contexts.get(context).ok()?;
+        let (simulation, _, colliders, _) = contexts.get(context).ok()?;
         Some((&simulation.narrow_phase, colliders))
     });
     diagnostics.duration += start.elapsed();

@@ -14,10 +14,12 @@ use bevy_rapier3d::rapier::geometry::{
 };
 use bevy_rapier3d::rapier::pipeline::{ActiveEvents, ActiveHooks};
 
+use super::obstacles::Obstacles;
 use crate::physics::near::Visitor;
 use crate::physics::part::Pace;
 use crate::physics::range::{box_in_range, in_range};
 use crate::physics::sorted_boxes::SortedBoxes;
+use crate::physics::triangles::Patch;
 
 /// The parts of a physics world that bodies come into and go from.
 pub(super) struct World<'a> {
@@ -50,6 +52,8 @@ pub(super) struct Step<'a> {
     /// How fast bodies are driven out of what is solid.
     pub(super) leaving: f32,
     pub(super) movers: &'a Movers,
+    /// What else there is, for surfaces on dynamic bodies that move.
+    pub(super) obstacles: Option<&'a Obstacles>,
     /// What others than movers want.
     pub(super) audience: &'a Audience,
     /// The body that the surface is on.
@@ -110,7 +114,13 @@ impl Audience {
     }
 }
 
+/// Whether a collider is a part of a surface.
+pub(super) fn is_part(collider: &Collider) -> bool {
+    collider.shape().as_shape::<Patch>().is_some()
+}
+
 /// A collider of a dynamic body.
+#[derive(Clone, Copy)]
 pub(super) struct Mover {
     pub(super) visitor: Visitor<ColliderHandle, RigidBodyHandle>,
     /// Whether it moves, in a step, by more than a quarter of its smallest extent, and is no bullet yet.
@@ -172,7 +182,7 @@ fn find_movers(
         let next = body.predict_position_using_velocity_and_forces(dt);
         for &collider in body.colliders() {
             let Some(shape) = colliders.get(collider) else { continue };
-            if shape.is_sensor() || !shape.is_enabled() {
+            if shape.is_sensor() || !shape.is_enabled() || is_part(shape) {
                 continue;
             }
             let in_body = shape.position_wrt_parent().copied().unwrap_or_default();

@@ -1,0 +1,260 @@
+//! Parts of surfaces on dynamic bodies: for one step they are links of their body.
+//!
+//! A link hangs on its body by a kinematic multibody joint, whose velocity Rapier's solver does not change. So a contact with the link meets the mass and the
+//! inertia of the body, and the velocity of the body and of the surface together. A link has no mass of its own.
+
+use bevy::math::{Mat3, Quat, Vec3};
+use bevy_rapier3d::parry::math::Pose as Place;
+use bevy_rapier3d::rapier::dynamics::{
+    GenericJoint, GenericJointBuilder, JointAxesMask, Multibody, MultibodyJointHandle, MultibodyJointSet, RigidBody,
+    RigidBodyHandle, RigidBodySet, RigidBodyVelocity,
+};
+use bevy_rapier3d::rapier::geometry::{ActiveCollisionTypes, Collider};
+
+use super::world::{Mover, World};
+use crate::physics::part::Placed;
+
+/// Slower than this, per second, a part does not move along an axis, or turn.
+const STILL: f32 = 1e-6;
+
+/// The inertia of a body along an axis that is locked. Rapier's own value there is zero, and a matrix with zeros cannot be inverted.
+const LOCKED: f32 = 1e12;
+
+/// A part that is to be a link.
+pub(super) struct Link {
+    body: RigidBodyHandle,
+    pub(super) part: RigidBodyHandle,
+    /// Where it is in the body.
+    place: Place,
+    /// How it moves there.
+    linear: Vec3,
+    angular: Vec3,
+}
+
+impl Link {
+    pub(super) fn new(part: RigidBodyHandle, placed: &Placed, carrier: &Carrier) -> Self {
+        let to_body = carrier.place.rotation.inverse();
+        Self {
+            body: carrier.body,
+            part,
+            place: Place::from_parts(carrier.place.inverse_transform_point(placed.origin), to_body),
+            linear: to_body * placed.linear,
+            angular: to_body * placed.angular,
+        }
+    }
+
+    /// The joint, and the velocities of its free axes.
+    ///
+    /// `X` is the axis of rotation, `Y` across it. So three free axes are enough, of which one is angular.
+    fn joint(&self) -> (GenericJoint, impl Iterator<Item = f32> + use<>) {
+        let turns = self.angular.length();
+        let x = if turns > STILL { self.angular } else { self.linear };
+        let x = x.try_normalize().unwrap_or(Vec3::X);
+        let along = self.linear.dot(x);
+        let across = self.linear - along * x;
+        let sideways = across.length();
+        // Across both to a few digits, and so to the last.
+        let y = (across / sideways.max(f32::MIN_POSITIVE)).reject_from_normalized(x);
+        let y = if sideways > STILL { y.try_normalize() } else { None };
+        let y = y.unwrap_or_else(|| x.any_orthonormal_vector());
+        let frame = Quat::from_mat3(&Mat3::from_cols(x, y, x.cross(y)));
+        let mut locked = JointAxesMask::LIN_Z | JointAxesMask::ANG_Y | JointAxesMask::ANG_Z;
+        let mut speed = |speed: f32, axis: JointAxesMask| {
+            let moves = speed.abs() > STILL;
+            if !moves {
+                locked |= axis;
+            }
+            moves.then_some(speed)
+        };
+        let speeds = [
+            speed(along, JointAxesMask::LIN_X),
+            speed(sideways, JointAxesMask::LIN_Y),
+            speed(turns, JointAxesMask::ANG_X),
+        ];
+        let joint = GenericJointBuilder::new(locked)
+            .local_frame1(Place::from_parts(self.place.translation, frame))
+            .local_frame2(Place::from_rotation(self.place.rotation.inverse() * frame))
+            .contacts_enabled(false)
+            .build();
+        (joint, speeds.into_iter().flatten())
+    }
+}
+
+/// A dynamic body that carries a surface.
+pub(super) struct Carrier {
+    body: RigidBodyHandle,
+    place: Place,
+    pub(super) center: Vec3,
+    pub(super) velocity: RigidBodyVelocity<f32>,
+    pub(super) soft_ccd_prediction: f32,
+    /// Between which types of bodies parts have contacts.
+    pub(super) types: ActiveCollisionTypes,
+    /// How far the body takes any of the surface in the step.
+    pub(super) way: f32,
+    pub(super) links: Vec<Link>,
+}
+
+impl Carrier {
+    /// The body of a surface. None if its parts cannot be links of it.
+    pub(super) fn of(body: RigidBodyHandle, surface: &Collider, world: &World, dt: f32) -> Option<Self> {
+        let carrier = world.bodies.get(body)?;
+        let is_free = world.multibody_joints.rigid_body_link(body).is_none();
+        if !carrier.is_dynamic() || !carrier.is_enabled() || !is_free || !has_inertia(carrier) {
+            return None;
+        }
+        let in_body = surface.position_wrt_parent().copied().unwrap_or_default();
+        let local = surface.shape().compute_local_aabb();
+        let next = carrier.predict_position_using_velocity_and_forces(dt) * in_body;
+        let now = *carrier.position() * in_body;
+        let ways = local
+            .vertices()
+            .map(|corner| now.transform_point(corner).distance(next.transform_point(corner)));
+        let types = ActiveCollisionTypes::DYNAMIC_DYNAMIC
+            | ActiveCollisionTypes::DYNAMIC_KINEMATIC
+            | ActiveCollisionTypes::DYNAMIC_FIXED;
+        Some(Self {
+            body,
+            place: *carrier.position(),
+            center: carrier.center_of_mass(),
+            velocity: *carrier.vels(),
+            soft_ccd_prediction: carrier.soft_ccd_prediction(),
+            types: surface.active_collision_types() & types | ActiveCollisionTypes::DYNAMIC_DYNAMIC,
+            way: ways.into_iter().fold(0.0, f32::max),
+            links: Vec::new(),
+        })
+    }
+
+    /// Whether a collider is on the body itself.
+    pub(super) fn has(&self, mover: &Mover) -> bool {
+        mover.visitor.body == self.body
+    }
+}
+
+/// Whether a body can be moved along all axes that are not locked, and about them.
+fn has_inertia(body: &RigidBody) -> bool {
+    let mass = body.mass_properties();
+    let (linear, angular) = (mass.effective_inv_mass, mass.effective_world_inv_inertia);
+    let yields = linear
+        .to_array()
+        .into_iter()
+        .chain([angular.m11, angular.m22, angular.m33]);
+    let locked = body.locked_axes().bits();
+    yields
+        .enumerate()
+        .all(|(axis, yields)| locked >> axis & 1 != 0 || (yields.is_finite() && yields > 0.0))
+}
+
+/// A body that has links.
+struct Linked {
+    body: RigidBodyHandle,
+    /// Where the body and its center of mass were at the begin of the step, if Rapier moves the one as if it were the other.
+    moved_from: Option<(Vec3, Vec3)>,
+}
+
+/// What is linked during a step.
+#[derive(Default)]
+pub(super) struct Links {
+    /// The length of the step.
+    dt: f32,
+    bodies: Vec<Linked>,
+    joints: Vec<MultibodyJointHandle>,
+}
+
+impl Links {
+    /// Joins parts to their bodies for a step of `dt` seconds. `once` says whether it has no substeps.
+    pub(super) fn join(&mut self, links: impl Iterator<Item = Link>, dt: f32, once: bool, world: &mut World) {
+        self.dt = dt;
+        for link in links {
+            let (joint, speeds) = link.joint();
+            let inserted = world
+                .multibody_joints
+                .insert_kinematic(link.body, link.part, joint, true);
+            let Some(handle) = inserted else { continue };
+            self.joints.push(handle);
+            let Some((multibody, id)) = world.multibody_joints.get_mut(handle) else {
+                continue;
+            };
+            if !self.bodies.iter().any(|linked| linked.body == link.body)
+                && let Some(body) = world.bodies.get(link.body)
+            {
+                begin(multibody, body, once);
+                self.bodies.push(Linked {
+                    body: link.body,
+                    moved_from: (!once).then(|| (body.translation(), body.center_of_mass())),
+                });
+            }
+            let Some(first) = multibody.link(id).map(|link| link.assembly_id()) else {
+                continue;
+            };
+            let mut velocities = multibody.generalized_velocity_mut();
+            for (velocity, speed) in velocities.iter_mut().skip(first).zip(speeds) {
+                *velocity = speed;
+            }
+        }
+    }
+
+    /// Takes all joints away after the step. Bodies keep the velocities that they had as roots.
+    pub(super) fn part(&mut self, bodies: &mut RigidBodySet, joints: &mut MultibodyJointSet) {
+        for linked in self.bodies.drain(..) {
+            let multibody = joints.rigid_body_link(linked.body).map(|link| link.multibody);
+            let multibody = multibody.and_then(|multibody| joints.get_multibody(multibody));
+            if let (Some(multibody), Some(body)) = (multibody, bodies.get_mut(linked.body)) {
+                end(multibody, body, linked.moved_from, self.dt);
+            }
+        }
+        // Once one is gone, nothing of a multibody can be read.
+        for joint in self.joints.drain(..) {
+            if joints.get(joint).is_some() {
+                joints.remove(joint, false);
+            }
+        }
+    }
+}
+
+/// Makes the root of a new multibody move as its body does.
+fn begin(multibody: &mut Multibody, body: &RigidBody, once: bool) {
+    // Parts lie beside each other.
+    multibody.set_self_contacts_enabled(false);
+    if once {
+        // About its center of mass. That is where the body stands now: not so in a later substep.
+        let center = body.local_center_of_mass();
+        let root = &mut multibody.root_mut().joint.data;
+        root.local_frame1 = Place::from_translation(*body.rotation() * center);
+        root.local_frame2 = Place::from_translation(center);
+    }
+    // Rapier's default would slow it down.
+    multibody.damping_mut().fill(0.0);
+    let locked = body.locked_axes().bits();
+    for (axis, inertia) in multibody.armature_mut().iter_mut().take(6).enumerate() {
+        *inertia = if locked >> axis & 1 != 0 { LOCKED } else { 0.0 };
+    }
+    let motion = body.linvel().to_array().into_iter().chain(body.angvel().to_array());
+    for (velocity, speed) in multibody.generalized_velocity_mut().iter_mut().zip(motion) {
+        *velocity = speed;
+    }
+}
+
+/// Gives a body the velocity of the root that it was, damped as Rapier damps bodies.
+fn end(multibody: &Multibody, body: &mut RigidBody, moved_from: Option<(Vec3, Vec3)>, dt: f32) {
+    let speeds = multibody.generalized_velocity();
+    let mut speeds = speeds.iter().copied();
+    let mut velocity = || Some(Vec3::new(speeds.next()?, speeds.next()?, speeds.next()?));
+    let (Some(linear), Some(angular)) = (velocity(), velocity()) else {
+        return;
+    };
+    if !linear.is_finite() || !angular.is_finite() {
+        return;
+    }
+    let damped = |velocity: Vec3, damping: f32| velocity / (1.0 + dt * damping);
+    if !body.is_sleeping() {
+        body.set_linvel(damped(linear, body.linear_damping()), false);
+        body.set_angvel(damped(angular, body.angular_damping()), false);
+    }
+    if let Some((from, center)) = moved_from {
+        // Rapier has turned it about its origin, which went the way of its center of mass.
+        let center = center + (body.translation() - from);
+        let place = *body.position();
+        let translation = center - place.rotation * body.local_center_of_mass();
+        body.set_position(Place::from_parts(translation, place.rotation), false);
+    }
+}

@@ -222,7 +222,7 @@ fn it_may_go_while_it_morphs() {
             _ = app
                 .world_mut()
                 .entity_mut(entity)
-                .insert(RigidBody::KinematicPositionBased)
+                .insert(RigidBody::KinematicPositionBased);
         },
         |app, entity| _ = app.world_mut().entity_mut(entity).remove::<RigidBody>(),
         |app, entity| {

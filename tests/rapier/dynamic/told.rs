@@ -43,7 +43,7 @@ fn contacts_are_told_once_and_forces_of_the_whole_surface() {
     for frame in 0..30 {
         let height = 0.18 + 0.1 * DT * (frame + 1) as f32;
         log.run(&mut app, 1, |app, _| {
-            set_weights(app, surface, &[0.0, height, 0.0, 0.0])
+            set_weights(app, surface, &[0.0, height, 0.0, 0.0]);
         });
         let told: Vec<_> = cursor
             .read(app.world().resource::<Messages<ContactForceEvent>>())

@@ -6,8 +6,8 @@
 use bevy::math::{Mat3, Quat, Vec3};
 use bevy_rapier3d::parry::math::Pose as Place;
 use bevy_rapier3d::rapier::dynamics::{
-    GenericJoint, GenericJointBuilder, JointAxesMask, Multibody, MultibodyJointHandle, MultibodyJointSet, RigidBody,
-    RigidBodyHandle, RigidBodySet, RigidBodyVelocity,
+    GenericJoint, GenericJointBuilder, JointAxesMask, Multibody, MultibodyJointHandle, MultibodyJointSet,
+    MultibodyLink, RigidBody, RigidBodyHandle, RigidBodySet, RigidBodyVelocity,
 };
 use bevy_rapier3d::rapier::geometry::{ActiveCollisionTypes, Collider};
 
@@ -183,7 +183,7 @@ impl Links {
                     moved_from: (!once).then(|| (body.translation(), body.center_of_mass())),
                 });
             }
-            let Some(first) = multibody.link(id).map(|link| link.assembly_id()) else {
+            let Some(first) = multibody.link(id).map(MultibodyLink::assembly_id) else {
                 continue;
             };
             let mut velocities = multibody.generalized_velocity_mut();

@@ -1,6 +1,6 @@
 //! What has got inside a solid surface, and where it is to leave.
 //!
-//! Contacts push out what reaches into a surface by less than half of itself. What is in deeper, they leave alone: its middle is
+//! Contacts push out what reaches into a surface by less than half of itself. They leave alone what is in deeper: its middle is
 //! behind every triangle. It is driven out by its velocity instead, as fast as the engine pushes bodies apart.
 
 use std::hash::Hash;

@@ -6,11 +6,10 @@ use bevy_rapier3d::parry::shape::{Ball, Shape};
 
 use crate::physics::triangles::Patch;
 
-/// The radius of what must not get through of a swept shape that touches already, relative to Parry's thickness of it: the radius of a ball, half the smallest extent of
-/// a cuboid.
+/// The radius of the core of a swept shape, relative to the thickness that Parry gives it: the radius of a ball, half the smallest extent of a cuboid.
 const CORE: Real = 0.25;
 
-/// A part at the end of the step, where Rapier wants to know what meets it, or the shape that is swept against it.
+/// One of the two shapes: the part, which Rapier has at rest where it ends, or what is swept against it.
 struct Swept<'a> {
     motion: NonlinearRigidMotion,
     shape: &'a dyn Shape,
@@ -18,8 +17,8 @@ struct Swept<'a> {
 
 /// Sweeps a shape against a part of a surface; `None` if neither is one, or both are.
 ///
-/// Rapier sweeps a body against the part as it will be at the end of the step. So what a part lifts, or pushes away, would be stopped in each step by the triangle next to that on which it
-/// lies, would not move with the part, and fall through in the end. Here only that stops a body which it meets while both move.
+/// Rapier sweeps a body against the part as it will be at the end of the step. A body that is lifted or pushed away by the part would be stopped by a neighboring triangle in each step. It
+/// would stay behind, and fall through in the end. Here a body is stopped only by what it meets while both move.
 pub(super) fn sweep_part(
     motion1: &NonlinearRigidMotion,
     g1: &dyn Shape,
@@ -31,7 +30,6 @@ pub(super) fn sweep_part(
     let swept = [(motion1, g1), (motion2, g2)].map(|(motion, shape)| Swept { motion: *motion, shape });
     let [one, other] = &swept;
     let parts = [g1, g2].map(|shape| shape.as_shape::<Patch>());
-    // What is asked of a pair the other way around is answered the other way around.
     match parts {
         [Some(patch), None] => first_touch(patch, one, other, start_time, end_time),
         [None, Some(patch)] => {
@@ -75,7 +73,7 @@ fn first_touch(
     let Some(meets) = cast(&along, other)? else {
         return Some(None);
     };
-    // Rather before where the part ends than where they meet: in the rest of the step it comes closer.
+    // Stop it before the place where the part ends, if it can be: after they meet, the part comes closer in the rest of the step.
     let before_its_end = cast(&part.motion, other)?.filter(|hit| hit.time_of_impact > 0.0);
     Some(before_its_end.or(Some(meets)))
 }

@@ -1,10 +1,10 @@
-# What people and CI call. `just` lists the recipes.
+# Recipes for developers and CI. `just` lists them.
 
 default:
     @just --list
 
-# Everything that must hold before a change lands. Steps are in this order so that later ones find what earlier ones compiled: clippy and the
-# docs share one build of Bevy, the tests and the examples another, and everything in release a third without Bevy.
+# All checks that must pass before a change lands. The order lets later steps reuse what earlier ones compiled: clippy and the
+# docs share one build of Bevy, tests and examples another, and all release steps a third one without Bevy.
 ci: fmt-check clippy doc test demo-check features package-short first-run determinism-release instructions-check verify-short fuzz-short
 
 # Formats the code.
@@ -21,31 +21,31 @@ clippy:
 test:
     cargo test --workspace --all-features
 
-# Each feature of the published crates by itself.
+# Checks the published crates with each feature separately.
 features:
     #!/usr/bin/env bash
     set -euo pipefail
     for feature in serde rayon; do cargo check -p morph_collision --no-default-features --features "$feature"; done
     for feature in "" gltf picking gizmos diagnostics rapier avian; do cargo check -p bevy_morph_collision --no-default-features --features "$feature"; done
 
-# Packages the published crates and builds each from its package (the last one compiles Bevy).
+# Packages the published crates and builds each one from its package (the last one compiles Bevy).
 package:
     cargo package -p morph_collision -p morph_collision_testkit -p morph_collision_cli -p bevy_morph_collision
 
-# The same for CI: does not build the plugin, which would compile Bevy, and also packages what is not committed yet.
+# The same for CI. It does not build the plugin, which would compile Bevy, and allows uncommitted changes.
 package-short:
     cargo package --allow-dirty --config profile.dev.debug=false -p morph_collision -p morph_collision_testkit -p morph_collision_cli
     cargo package --allow-dirty --no-verify -p morph_collision -p bevy_morph_collision
 
-# The same bits in debug and release, for trees of several leaf sizes, on any number of threads.
+# Checks that answers have the same bits in debug and release, for several leaf sizes, on any number of threads.
 determinism: && determinism-release
     cargo test -p morph_collision_testkit --test determinism
 
-# The release half; the tests are the other. Built together with the command-line tool, so that both have the same dependencies.
+# The release half of it; the tests are the other half. Built together with the command-line tool, so that both share dependencies.
 determinism-release: release
     "${CARGO_TARGET_DIR:-target}/release/determinism"
 
-# The release half on 64-bit Arm, emulated, to run the NEON kernels. On Debian: apt install gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user
+# The release half on emulated 64-bit Arm, to run the NEON kernels. On Debian: apt install gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user
 determinism-aarch64:
     #!/usr/bin/env bash
     set -euo pipefail
@@ -56,27 +56,27 @@ determinism-aarch64:
     echo "$output"
     grep -q 'kernels: neon$' <<< "$output"
 
-# The command-line tool, the determinism check and what counts instructions.
+# Builds the command-line tool, the determinism check and the program whose instructions are counted.
 release:
     cargo build --release -p morph_collision_cli -p morph_collision_testkit --bin morph-collide --bin determinism --bin frames
 
-# With examples, dependencies have the features that tests and clippy use: otherwise Bevy would be checked again.
+# Builds the docs. With --examples, dependencies have the same features as for tests and clippy; otherwise Bevy would be checked again.
 doc:
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --all-features --no-deps --lib --bins --examples
 
-# The README's first command: touching dolphins as a picture, with nothing but Rust and a C linker.
+# The README's first command: draws a picture of touching dolphins. Needs only Rust and a C linker.
 first-run PICTURE="dolphins.png":
     cargo run --release -p morph_collision_cli -- run assets/scenes/two_dolphins.json --picture {{PICTURE}}
 
-# The dolphins in a window; without a display: just demo --screenshots out.
+# Shows the dolphins in a window. Without a display: just demo --screenshots out.
 demo *ARGS:
     cargo run --release --features render --example dolphins -- {{ARGS}}
 
-# A program of the plugin's cookbook, in a window: just cookbook face_zones.
+# Runs a program of the plugin's cookbook in a window: just cookbook face_zones.
 cookbook NAME:
     BEVY_ASSET_ROOT="{{justfile_directory()}}" cargo run -p bevy_morph_collision --all-features --example {{NAME}}
 
-# The examples must find what touches. They are built as the tests built them.
+# Checks that the examples find collisions. They are built with the same features as for the tests.
 demo-check:
     #!/usr/bin/env bash
     set -euo pipefail
@@ -94,7 +94,7 @@ demo-check:
     echo "$character"
     grep -Eq '"kicks": *[1-9].*"frames_hand_on_face": *[1-9]' <<< "$character"
 
-# Makes the pictures of README and docs again, with or without a GPU or display.
+# Regenerates the pictures of README and docs, with or without a GPU or display.
 pictures:
     #!/usr/bin/env bash
     set -euo pipefail
@@ -113,39 +113,39 @@ pictures:
     cargo run --quiet --release --features render --example dolphins -- --screenshots docs/pictures/volumes \
         --triangles 2256 --size 960x540 --at 60 --volumes 3
 
-# The examples as a web site, in target/web-site (half an hour the first time).
+# Builds the examples as a web site in target/web-site (takes half an hour the first time).
 web:
     web/build.sh target/web-site
 
-# Shows that site to this machine.
+# Serves that site on this machine only.
 serve PORT="8080":
     @echo "http://localhost:{{PORT}}"
     python3 -m http.server {{PORT}} --bind 127.0.0.1 --directory target/web-site
 
-# Tests the site in Chromium (CHROMIUM=PATH for one that is not /usr/bin/chromium); pictures of the pages go to target/web-pictures.
+# Tests the site in Chromium (CHROMIUM=PATH if it is not /usr/bin/chromium). Screenshots of the pages go to target/web-pictures.
 web-test: web
     node --test --test-concurrency=1 web/tests/*.test.mjs
 
-# What these need, but for Node.js, Python and Chromium: the target, wasm-bindgen of the version in Cargo.lock, wasm-opt, and what steers Chromium.
+# Installs the tools for the web recipes, except Node.js, Python and Chromium: the target, wasm-bindgen in the version of Cargo.lock, and the npm packages.
 web-tools:
     rustup target add wasm32-unknown-unknown
     cargo install wasm-bindgen-cli --version "$(sed -n '/^name = "wasm-bindgen"$/{n;s/^version = "\(.*\)"$/\1/p}' Cargo.lock)"
     npm ci --prefix web
 
-# Stores the pictures that tests compare with anew. Look at them.
+# Updates the reference pictures of the render tests. Look at them before you commit them.
 references:
     MORPH_COLLISION_STORE_REFERENCES=1 cargo test --workspace --all-features --test render references::
 
-# Writes the models and scenes in assets/ again; they come out bit for bit as they are.
+# Regenerates the models and scenes in assets/. The result is identical, bit for bit.
 assets:
     cargo run --release -p morph_collision_testkit --bin make_assets -- assets
 
-# Looks for vertices outside their blended boxes: at least CHECKS checks for each leaf size, ten million by default.
+# Searches for vertices outside their blended boxes: at least CHECKS checks for each leaf size, ten million by default.
 containment *CHECKS:
     cargo run --release -p morph_collision_testkit --bin containment -- {{CHECKS}}
 
 # Compares the answers about every model in assets/ and ../shared/models with brute force: FRAMES situations each (30 by
-# default), trees of several leaf sizes, three seeds.
+# default), several leaf sizes, three seeds.
 verify FRAMES="30":
     #!/usr/bin/env bash
     set -euo pipefail
@@ -161,7 +161,7 @@ verify FRAMES="30":
 characters:
     MORPH_COLLISION_EVERY_FRAME=1 cargo test -p morph_collision_workspace --all-features --test plugin skins::characters -- --nocapture
 
-# Generated trouble: CASES cases (200 by default) of every family, three seeds.
+# Tests difficult generated input: CASES cases (200 by default) of every family, three seeds.
 stress CASES="200":
     #!/usr/bin/env bash
     set -euo pipefail
@@ -169,7 +169,7 @@ stress CASES="200":
         cargo run --quiet --release -p morph_collision_cli -- stress --cases {{CASES}} --seed $seed
     done
 
-# A short form of both, for CI.
+# A short version of verify and stress, for CI.
 verify-short: release
     #!/usr/bin/env bash
     set -euo pipefail
@@ -179,14 +179,14 @@ verify-short: release
     "$tool" verify assets/dolphin_2256.glb assets/pass_through_20480.glb --frames 10
     "$tool" stress --cases 54
 
-# Fuzzes each target for 10 seconds, regressions first (cargo install cargo-fuzz --locked; a C++ compiler).
+# Fuzzes each target for 10 seconds, regressions first (needs cargo install cargo-fuzz --locked and a C++ compiler).
 fuzz-short: (fuzz "10")
 
-# Fuzzes each target for SECONDS, one after the other, regressions first.
+# Fuzzes the targets one after another for SECONDS each, regressions first.
 fuzz SECONDS:
     #!/usr/bin/env bash
     set -euo pipefail
-    # Nothing here is unsafe, so no sanitizer, and then any toolchain will do.
+    # There is no unsafe code, so no sanitizer is needed, and any toolchain works without one.
     cargo fuzz build --sanitizer none
     for target in $(cargo fuzz list); do
         mkdir -p "fuzz/corpus/$target" "fuzz/regressions/$target"
@@ -196,49 +196,49 @@ fuzz SECONDS:
         fi
         dictionary=()
         if [ -e "fuzz/dictionaries/$target.txt" ]; then dictionary=(-dict="fuzz/dictionaries/$target.txt"); fi
-        # New inputs go to the first folder, which is not kept.
+        # New inputs go to the first folder, which is not committed.
         mkdir -p "fuzz/target/corpus/$target"
-        # Readers of files get no more address space than this, in KiB: a file that claims gigabytes has to be refused.
+        # Limits the address space of file readers, in KiB: they must refuse a file that claims gigabytes.
         limit=unlimited
         case "$target" in gltf | scene) limit=2000000 ;; esac
         (ulimit -v "$limit"; cargo fuzz run --sanitizer none "$target" "fuzz/target/corpus/$target" "fuzz/corpus/$target" -- \
             -max_total_time={{SECONDS}} -max_len=4096 -print_final_stats=1 "${dictionary[@]}")
     done
 
-# Feeds mutated files to the readers of models and scenes for SECONDS, with 2 GB of address space.
+# Feeds mutated files to the readers of models and scenes for SECONDS, within 2 GB of address space.
 mutations SECONDS="900" SEED="1":
     cargo build -p morph_collision_testkit --bin mutations
     ulimit -v 2000000; "${CARGO_TARGET_DIR:-target}/debug/mutations" {{SECONDS}} {{SEED}}
 
-# Makes every table and plot of docs/performance.md again, in place: --quick for rough ones, --only PLACE for one.
+# Regenerates every table and plot of docs/performance.md in place: --quick for rough numbers, --only PLACE for one of them.
 report *ARGS:
     cargo run --release -p morph_collision_testkit --features report --bin report -- {{ARGS}} docs/performance.md
 
-# Makes the tables of docs/rapier.md again, in place: bodies on a morphing surface, here and with what a game can do by itself.
+# Regenerates the tables of docs/rapier.md in place: bodies on a morphing surface, compared with what a game can do without the plugin.
 physics-report *ARGS:
     cargo run --release --example physics_report -- {{ARGS}}
 
-# Makes the tables of docs/avian.md again, in place: the same with Avian; --batches N drops N hundred bodies (100 by default).
+# Regenerates the tables of docs/avian.md in place: the same with Avian. --batches N drops N hundred bodies (100 by default).
 avian-report *ARGS:
     cargo run --release --example avian_report -- {{ARGS}}
 
-# Makes the tables of docs/characters.md again, in place: crowds of skinned characters, here, with Bevy's own bounds and picking, and with capsules.
+# Regenerates the tables of docs/characters.md in place: crowds of skinned characters, compared with Bevy's bounds and picking and with capsules.
 characters-report *ARGS:
     cargo run --release -p morph_collision_workspace --example characters_report -- {{ARGS}}
 
-# Makes the table and the plot of docs/tolerance.md again, in place: time against error.
+# Regenerates the tables and the plot of docs/tolerance.md in place: time against error.
 tolerance-report *ARGS:
     cargo run --release -p morph_collision_workspace --example tolerance_report -- {{ARGS}}
 
-# Times the library's queries on this machine: all, or those whose name contains NAME.
+# Times the library's queries on this machine: all, or only those whose name contains NAME.
 bench *NAME:
     cargo bench -p morph_collision_testkit --bench queries -- {{NAME}}
 
-# Counts the instructions that queries take (valgrind, and gungraun-runner of the same version as gungraun).
+# Counts the instructions of queries (needs valgrind, and gungraun-runner in the same version as gungraun).
 bench-instructions *ARGS:
     cargo bench -p morph_collision_testkit --bench instructions -- {{ARGS}}
 
-# Counts the instructions of 20 frames of the bench scenes, in millions (valgrind); of all scenes by default.
+# Counts the instructions of 20 frames of the bench scenes, in millions (needs valgrind). Default: all scenes.
 instructions *SCENES: release
     #!/usr/bin/env bash
     set -euo pipefail
@@ -255,7 +255,7 @@ instructions *SCENES: release
         done
     done
 
-# Fails if a scene's queries take over 5 % more instructions than are recorded in instructions.txt, where the processor has AVX2.
+# Fails if a scene's queries take over 5 % more instructions than recorded in instructions.txt. Skipped if the processor has no AVX2.
 instructions-check: release
     #!/usr/bin/env bash
     set -euo pipefail
@@ -267,10 +267,10 @@ instructions-check: release
         { ratio = $3 / before[$1 " " $2]; failed += ratio > 1.05 || $3 == 0; printf "%s  %.3f of %s\n", $0, ratio, before[$1 " " $2] }
         END { if (failed || NR != rows) exit 1 }' || { echo "slower than $recorded says, or not all of it was counted; record it anew if that is meant"; exit 1; }
 
-# Judges nearly degenerate pairs of triangles in exact arithmetic: a million of them by default.
+# Checks nearly degenerate pairs of triangles against exact arithmetic: a million of them by default.
 triangles *ARGS:
     cargo run --release -p morph_collision_testkit --bin triangles -- {{ARGS}}
 
-# Which lines the tests of the core and the test kit run, for the folders of exact tests and poses (cargo install cargo-llvm-cov).
+# Line coverage of the folders exact and pose by the tests of the core and the test kit (needs cargo install cargo-llvm-cov).
 coverage:
     cargo llvm-cov --summary-only -p morph_collision -p morph_collision_testkit 2> /dev/null | grep -E "^(Filename|(morph_collision/src/)?(exact|pose)/)"

@@ -1,9 +1,9 @@
-//! The same bits as elsewhere: the determinism test, scene by scene.
+//! The determinism test, scene by scene: answers have the same bits here as elsewhere.
 
 use morph_collision_testkit::determinism::{Line, Scene, answer, differences, scenes};
 use wasm_bindgen::prelude::*;
 
-/// The test, and how far it is.
+/// The determinism test and its progress.
 #[wasm_bindgen]
 #[derive(Debug)]
 pub struct Answers {
@@ -13,7 +13,7 @@ pub struct Answers {
 
 #[wasm_bindgen]
 impl Answers {
-    /// Before the first scene.
+    /// Starts the test before its first scene.
     #[wasm_bindgen(constructor)]
     pub fn new() -> Self {
         Self {
@@ -22,16 +22,16 @@ impl Answers {
         }
     }
 
-    /// How many scenes there are.
+    /// The number of scenes.
     #[wasm_bindgen(getter)]
     pub fn count(&self) -> usize {
         self.scenes.len()
     }
 
-    /// Asks the next scene's questions of trees with several leaf sizes; returns its line of hashes, or `None` after the last scene.
+    /// Runs the next scene's queries for several leaf sizes. Returns the scene's line of hashes, or `None` after the last scene.
     ///
     /// # Errors
-    /// Two trees, or two sets of instructions, give different answers.
+    /// Fails if two trees, or two sets of instructions, give different answers.
     pub fn next(&mut self) -> Result<Option<String>, String> {
         let Some(scene) = self.scenes.get(self.lines.len()) else {
             return Ok(None);
@@ -42,7 +42,7 @@ impl Answers {
         Ok(Some(text))
     }
 
-    /// What differs from what is expected everywhere, once all are asked; nothing, one hopes.
+    /// The differences from the expected hashes, once all scenes have run. Empty if the test passes.
     pub fn differences(&self) -> Vec<String> {
         differences(&self.lines)
     }

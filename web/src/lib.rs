@@ -1,9 +1,9 @@
-//! What a page's script calls: a stage for the drawn examples, and the check that answers are the same bits here as elsewhere.
+//! The API for the pages' scripts: a stage for the drawn examples, and a check that answers have the same bits here as elsewhere.
 //!
-//! A page makes a `Stage`, gives it the files that the show needs, and starts it; from then on the show runs by itself, and the page asks
-//! for its state. For other machines than a browser's, this crate is empty.
+//! A page creates a `Stage`, gives it the files that the show needs, and starts it. From then on the show runs by itself, and the page polls
+//! its state. On targets other than wasm32, this crate is empty.
 #![cfg(target_arch = "wasm32")]
-// What `wasm_bindgen` makes of an export is unsafe; nothing written here is.
+// The code that `wasm_bindgen` generates for exports is unsafe. Nothing written here is.
 #![allow(unsafe_code)]
 
 mod answers;

@@ -1,4 +1,4 @@
-//! A show in a canvas.
+//! Runs a show in a canvas.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ use morph_collision_workspace::view::page::{self, State, Told};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
-/// A show, and the way to it once it runs.
+/// A show, and the channels to it while it runs.
 #[wasm_bindgen]
 #[derive(Debug, Default)]
 pub struct Stage {
@@ -20,44 +20,44 @@ pub struct Stage {
     verdict: Verdict,
 }
 
-/// What a page gets to know.
+/// The state that a page receives.
 #[derive(Serialize)]
 struct Report {
     #[serde(flatten)]
     state: State,
-    /// Of the user's own model.
+    /// The result of checking the user's own model.
     model: Judged,
 }
 
 #[wasm_bindgen]
 impl Stage {
-    /// An empty one.
+    /// Creates a stage without files or a show.
     #[wasm_bindgen(constructor)]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Gives it a file that the show will ask for by this name.
+    /// Adds a file that the show will request by this name.
     pub fn provide(&self, name: &str, bytes: Vec<u8>) {
         self.files.insert(Path::new(name), bytes);
     }
 
-    /// Starts a show in the canvas that this CSS selector finds. Once.
+    /// Starts a show in the canvas that this CSS selector finds. Call it once.
     ///
     /// # Errors
-    /// There is no show of that name.
+    /// Fails if there is no show with that name.
     pub fn start(&self, name: &str, canvas: &str) -> Result<(), String> {
         let show = self.show(name).ok_or_else(|| format!("there is no example {name:?}"))?;
         page::run(show, canvas, &self.files, self.told.clone());
         Ok(())
     }
 
-    /// Brings the user's own model: its name, and all that is in it.
+    /// Passes the user's own model to the show: its file name and content.
     pub fn bring(&self, name: String, bytes: Vec<u8>) {
         self.inbox.put(name, bytes);
     }
 
-    /// What the show is at, as JSON.
+    /// The current state of the show, as JSON.
     pub fn state(&self) -> String {
         let report = Report {
             state: self.told.now(),

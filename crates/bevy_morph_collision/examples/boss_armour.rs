@@ -1,11 +1,13 @@
-//! A boss with three plates of armour: each hit dents a plate, with a morph target, and in the end breaks it. Then the flesh behind it can be hit.
+//! A boss with three plates of armour. Each hit dents a plate with a morph target, and the last one breaks it. Then the flesh behind it can be hit.
 //!
-//! A volley of three balls is one body, and so is the boss. Two events tell apart what a game needs told apart: `MorphCollisionStart` on a *plate* says which
-//! part was hit by which ball; `MorphBodyCollisionStart` on the *boss* comes once per volley, and is where the sound is played.
+//! A volley of three balls is one body, and so is the boss. The example uses two kinds of events:
+//!
+//! - `MorphCollisionStart` on a *plate* tells you which part was hit by which ball.
+//! - `MorphBodyCollisionStart` on the *boss* fires once per volley. Play the sound there.
 //!
 //! To run it: `cargo run -p bevy_morph_collision --example boss_armour`
 //!
-//! Yours to replace: `plate` by meshes of a glTF with targets for dents; `volley` by what your players throw.
+//! For your game, replace `plate` with glTF meshes that have targets for dents, and `volley` with whatever your players throw.
 
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::mesh::morph::{MeshMorphWeights, MorphAttributes};
@@ -25,11 +27,11 @@ pub(crate) fn game(app: &mut App) {
     app.add_systems(Startup, set_up).add_systems(Update, (volley, fly));
 }
 
-/// How many volleys the boss has felt.
+/// Counts the volleys that have hit the boss.
 #[derive(Component)]
 pub(crate) struct Boss(pub(crate) u32);
 
-/// How many more hits a plate takes, or the flesh.
+/// How many more hits a plate or the flesh can take.
 #[derive(Component)]
 pub(crate) struct Part(pub(crate) u32);
 
@@ -39,7 +41,7 @@ pub(crate) struct Volley;
 #[derive(Component)]
 struct Flying;
 
-/// A square sheet in the xy plane whose one target pushes its middle in, towards -Z.
+/// A square sheet in the xy plane. Its only target pushes the middle in, towards -Z.
 fn plate() -> Mesh {
     let mut mesh = Plane3d::new(Vec3::Z, Vec2::splat(0.6)).mesh().subdivisions(12).build();
     let positions = mesh
@@ -56,7 +58,7 @@ fn plate() -> Mesh {
 
 fn set_up(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut materials: ResMut<Assets<StandardMaterial>>) {
     let (mesh, steel) = (meshes.add(plate()), materials.add(Color::srgb(0.5, 0.55, 0.6)));
-    // All meshes below become parts of one body, the rigid flesh as well as the plates that morph.
+    // All child meshes become parts of one body: the rigid flesh as well as the morphing plates.
     let scene = MorphColliderScene {
         only_deforming: false,
         events: true,
@@ -93,7 +95,7 @@ fn set_up(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>, mut material
     ));
 }
 
-/// Every two seconds, until nothing is left of the boss.
+/// Throws a volley every two seconds until all parts of the boss are broken.
 fn volley(
     time: Res<Time>,
     mut wait: Local<f32>,
@@ -116,7 +118,7 @@ fn volley(
         commands.spawn((
             Flying,
             MorphShape::Ball { radius: RADIUS },
-            // One body with the other two.
+            // The three balls are one body.
             MorphColliderOf { body: volley },
             Mesh3d(mesh.clone()),
             MeshMaterial3d(lead.clone()),
@@ -132,7 +134,7 @@ fn fly(time: Res<Time>, mut balls: Query<&mut Transform, With<Flying>>) {
     }
 }
 
-/// On each part: once for each ball.
+/// Observes each part: runs once for each ball that hits it.
 fn hit(
     start: On<MorphCollisionStart>,
     mut parts: Query<(&mut Part, Option<&mut MeshMorphWeights>)>,
@@ -145,7 +147,7 @@ fn hit(
     };
     health.0 = health.0.saturating_sub(1);
     if health.0 == 0 {
-        // It takes with it what sticks to it, and the rest of the volley.
+        // The whole volley goes with it, including the balls that stick to it.
         commands
             .entity(part)
             .insert((MorphColliderDisabled, Visibility::Hidden));
@@ -156,20 +158,20 @@ fn hit(
         let dent = 1.0 / (1 + health.0) as f32;
         *weights = MeshMorphWeights::Value { weights: vec![dent] };
     }
-    // The ball sticks where it hit and goes along with the dent, so it touches the boss until the volley is over.
+    // The ball sticks where it hit and follows the dent, so it keeps touching the boss until the volley is despawned.
     let contact = collisions.get(part, ball);
     if let Some(pair) = contact.and_then(|contact| contact.triangles.first())
-        // It may be gone, with a volley that broke another part in this very frame.
+        // The ball may be despawned already, if its volley broke another part in this frame.
         && let Ok(mut ball) = commands.get_entity(ball)
     {
-        // A ball has no triangles; its number in the pair is larger than any.
+        // A ball has no triangles. Its index in the pair is larger than any triangle's.
         let triangle = pair.triangle_a.min(pair.triangle_b);
         let anchor = MorphSurfaceAnchor::new(part, triangle, Vec3::splat(1.0 / 3.0));
         ball.remove::<Flying>().insert(anchor);
     }
 }
 
-/// On the boss: once for each volley, whatever it hits and however often.
+/// Observes the boss: runs once for each volley, whatever it hits and however often.
 fn cry(start: On<MorphBodyCollisionStart>, mut bosses: Query<&mut Boss>) {
     if let Ok(mut boss) = bosses.get_mut(start.body1) {
         boss.0 += 1;

@@ -1,12 +1,15 @@
-//! A face speaks; click on it and hear what you hit: "nose left", "jaw", "lower teeth".
+//! A talking face. Click on it, and the log tells you what you hit: "nose left", "jaw", "lower teeth".
 //!
-//! Nobody has painted zones. Eyeballs, teeth and tongue are named by their part; a place on the skin gets its name from
-//! the target that moves it most: what `jawOpen` moves is the jaw, what `noseSneerLeft` moves is the left of the nose. Pins mark the hits, and go along with the speech.
+//! No zones are painted. Eyeballs, teeth and tongue are ranges of triangles. A point on the skin is named after the target that moves it most: what `jawOpen`
+//! moves is the jaw, what `noseSneerLeft` moves is the left side of the nose. Pins mark the hits and follow the moving skin.
 //!
 //! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --example face_zones`
 //!
-//! Yours to replace: `FACE`, any glTF whose targets have such names; `PARTS`, or drop it if eyes and teeth are meshes of their own, and look at the `Name` of
-//! `hit.entity` instead; `talk` by a clip.
+//! For your game, replace:
+//!
+//! - `FACE`: any glTF whose targets have such names works.
+//! - `PARTS`: if eyes and teeth are separate meshes, drop it and look at the `Name` of `hit.entity` instead.
+//! - `talk`: play a clip.
 
 use std::ops::Range;
 
@@ -15,10 +18,10 @@ use bevy::mesh::morph::MorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
-/// In the folder `assets`.
+/// A file in the folder `assets`.
 const FACE: &str = "mh_head_eyes_teeth_arkit52.glb";
 
-/// This face is one mesh. Exporters write object after object, so each part is a range of triangles; the rest is skin.
+/// This face is a single mesh. Exporters write one object after another, so each part is a range of triangles. The rest is skin.
 const PARTS: [(Range<u32>, &str); 5] = [
     (8614..8754, "left eyeball"),
     (8754..8894, "right eyeball"),
@@ -39,7 +42,7 @@ pub(crate) fn game(app: &mut App) {
         .add_systems(Update, (talk, aim, hit).chain());
 }
 
-/// Something flies along a line. Here it is a click; in your game it may be an arrow.
+/// A shot along a ray. Here it is a click; in your game it may be an arrow.
 #[derive(Message)]
 pub(crate) struct Shot(pub(crate) Ray3d);
 
@@ -68,7 +71,7 @@ fn set_up(
     ));
 }
 
-/// Instead of an animation clip, which does as well: what counts are the weights.
+/// Sets the weights directly. An animation clip works as well: only the weights matter.
 fn talk(time: Res<Time>, meshes: Res<Assets<Mesh>>, mut faces: Query<&mut MorphWeights>) {
     let t = time.elapsed_secs();
     for mut face in &mut faces {
@@ -128,7 +131,7 @@ fn hit(
     }
 }
 
-/// The zone of the target that moves a triangle most, if any moves it noticeably.
+/// Names the zone after the target that moves the triangle most, if any target moves it noticeably.
 fn zone(mesh: &Mesh, triangle: u32) -> Option<String> {
     let (names, moves) = (mesh.morph_target_names()?, mesh.morph_targets()?);
     let first = 3 * triangle as usize;
@@ -136,7 +139,7 @@ fn zone(mesh: &Mesh, triangle: u32) -> Option<String> {
         Some(indices) => indices.iter().skip(first).take(3).collect(),
         None => (first..first + 3).collect(),
     };
-    // Bevy keeps one target after the other, each with all vertices.
+    // Bevy stores one target after another, each with all vertices.
     let vertices = mesh.count_vertices();
     let reach = |target: usize| -> f32 {
         let lengths = corners

@@ -1,20 +1,20 @@
 //! A head nods and frowns in a fixed-step game, and wears a hat that never slips.
 //!
-//! Collisions run with the game, in `FixedPostUpdate`; a ray from above finds the spot for the hat, once. From then on `MorphSurfaceAnchor` keeps it there in
-//! every frame that is drawn, also in those without a step. Hats, decals, sparks, sweat: it is the same component.
+//! Collisions run with the game, in `FixedPostUpdate`. A ray from above finds the place for the hat once. From then on `MorphSurfaceAnchor` keeps the hat there in
+//! every drawn frame, even in frames without a fixed step. Use the same component for decals, sparks or sweat.
 //!
 //! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --example hat`
 //!
-//! Yours to replace: `HEAD`, any glTF with morph targets or a skeleton; the hat; `nod`.
+//! For your game, replace `HEAD` (any glTF with morph targets or a skeleton works), the hat, and `nod`.
 
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::mesh::morph::MorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
-/// In the folder `assets`.
+/// A file in the folder `assets`.
 const HEAD: &str = "mh_head_eyes_teeth_arkit52.glb";
-/// Above the brow, where all that frowning moves the skin.
+/// A point above the brow, where frowning moves the skin.
 const ABOVE: Vec3 = Vec3::new(0.1, 12.0, 1.38);
 
 fn main() {
@@ -50,7 +50,7 @@ fn set_up(
         MorphColliderScene::default(),
     ));
     let felt = materials.add(Color::srgb(0.1, 0.1, 0.15));
-    // An anchored entity has its +Y out of the surface, so a hat is built upwards from 0.
+    // The +Y axis of an anchored entity points out of the surface, so the hat is built upwards from 0.
     let mut part = |radius: f32, height: f32| {
         let middle = Transform::from_xyz(0.0, 0.5 * height, 0.0);
         (
@@ -68,7 +68,7 @@ fn set_up(
     ));
 }
 
-/// Tries until there is something below: the model is being loaded, and its tree is being built.
+/// Casts the ray until it hits: it misses while the model is loading and its tree is being built.
 fn put_on_hat(
     spatial: MorphSpatialQuery,
     mut hats: Query<(Entity, &mut Visibility), With<Hat>>,
@@ -82,7 +82,7 @@ fn put_on_hat(
     }
 }
 
-/// In `Update`, between the steps of the game: what is smooth to look at. About the neck.
+/// Rotates the head about the neck. Runs in `Update`, so the motion is smooth between the game's fixed steps.
 fn nod(time: Res<Time>, mut heads: Query<&mut Transform, With<Head>>) {
     const NECK: Vec3 = Vec3::new(0.0, 6.0, 0.0);
     for mut head in &mut heads {

@@ -1,16 +1,16 @@
-//! A loading screen: a bar grows while models are loaded and their collision trees are built; then the game starts, once, and everything collides from its
-//! first frame on.
+//! A loading screen: a bar grows while models are loaded and their collision trees are built. Then the game starts, and everything collides from its first
+//! frame on.
 //!
 //! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --example loading_screen`
 //!
-//! Yours to replace: `MODELS`; the bar; what happens in `start`. A mesh that cannot be used counts as done, and the log says why; a file
-//! that is missing is waited for.
+//! For your game, replace `MODELS`, the bar, and what `start` does. A mesh that cannot be used counts as done, and the log says why. If a file is missing, the
+//! game waits for it forever.
 
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
-/// In the folder `assets`, with where they stand and how large they are.
+/// Files in the folder `assets`, each with its position and scale.
 const MODELS: [(&str, Vec3, f32); 3] = [
     ("mh_head_eyes_teeth_arkit52.glb", Vec3::new(-2.5, -7.0, 0.0), 1.0),
     ("mh_character_low.glb", Vec3::ZERO, 0.25),
@@ -33,14 +33,14 @@ pub(crate) fn game(app: &mut App) {
 #[derive(Component)]
 pub(crate) struct Model;
 
-/// A model whose parts all collide.
+/// Marks a model whose parts are all ready to collide.
 #[derive(Component)]
 struct Ready;
 
 #[derive(Component)]
 pub(crate) struct Bar;
 
-/// There from when the game runs.
+/// Exists once the game has started.
 #[derive(Resource)]
 pub(crate) struct Playing;
 
@@ -56,7 +56,7 @@ fn set_up(
             WorldAssetRoot(assets.load(GltfAssetLabel::Scene(0).from_asset(file))),
             MorphColliderScene::default(),
             Transform::from_translation(place).with_scale(Vec3::splat(size)),
-            // The curtain.
+            // Hidden until the game starts.
             Visibility::Hidden,
         ));
     }
@@ -74,10 +74,10 @@ fn set_up(
     ));
 }
 
-/// Half of the bar is for files, which bring their colliders with them, and half for the trees of these.
+/// The first half of the bar is for loading files, the second half for building the trees of their colliders.
 fn fill_bar(trees: Res<MorphTrees>, roots: Query<Has<Children>, With<Model>>, bar: Single<&mut Transform, With<Bar>>) {
     let loaded = roots.iter().filter(|&is_there| is_there).count() as f32 / MODELS.len() as f32;
-    // Before the first file is there nobody has asked for a tree, and none is missing.
+    // Before the first file is loaded, no tree has been requested and `fraction()` is 1, so weight it by `loaded`.
     let filled = 0.5 * loaded + 0.5 * loaded * trees.progress().fraction();
     let mut bar = bar.into_inner();
     bar.scale.x = bar.scale.x.max(filled);
@@ -90,14 +90,14 @@ fn complain(failed: On<MorphColliderFailed>, names: Query<NameOrEntity>) {
     }
 }
 
-/// When the last model is ready.
+/// Starts the game when the last model is ready.
 fn start(
     ready: On<MorphColliderSceneReady>,
     mut models: Query<(Entity, Has<Ready>, &mut Visibility), With<Model>>,
     bar: Option<Single<Entity, With<Bar>>>,
     mut commands: Commands,
 ) {
-    // A scene may become ready again: when it gets another mesh, for example.
+    // A scene may become ready more than once, for example when it gets another mesh.
     commands.entity(ready.entity).insert(Ready);
     let is_last = models
         .iter()

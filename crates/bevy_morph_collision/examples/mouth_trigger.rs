@@ -1,20 +1,24 @@
-//! Meatballs fly at a mouth that opens and closes. What gets in is eaten; what hits lips or cheeks bounces off.
+//! Meatballs fly at a mouth that opens and closes. What gets in is eaten; what hits the lips or cheeks bounces off.
 //!
-//! No trigger volume has to be built and kept in the mouth by hand: the mouth itself is the trigger. What a meatball touches first decides, teeth and tongue
-//! or skin, and the lips are in front of the teeth exactly as long as they are drawn so.
+//! You need no trigger volume that follows the mouth: the mouth itself is the trigger. A meatball is eaten if it touches teeth or tongue first, and bounces off if
+//! it touches skin first. The lips cover the teeth exactly when they are drawn that way.
 //!
 //! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --example mouth_trigger`
 //!
-//! Yours to replace: `FACE`; `INSIDE`, or if teeth and tongue are meshes of their own, compare the `Name` of `start.collider1`; what throws the food.
+//! For your game, replace:
+//!
+//! - `FACE`.
+//! - `INSIDE`: if teeth and tongue are separate meshes, compare the `Name` of `start.collider1` instead.
+//! - `throw`.
 
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::mesh::morph::MorphWeights;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 
-/// In the folder `assets`.
+/// A file in the folder `assets`.
 const FACE: &str = "mh_head_eyes_teeth_arkit52.glb";
-/// The first triangle of teeth and tongue; this file has them last.
+/// The first triangle of teeth and tongue, which come last in this file.
 const INSIDE: u32 = 8894;
 pub(crate) const RADIUS: f32 = 0.07;
 
@@ -36,14 +40,14 @@ pub(crate) struct Score {
     pub(crate) bounced: u32,
 }
 
-/// There from when the face can be hit.
+/// Exists once the face is ready to collide.
 #[derive(Resource)]
 struct Hungry;
 
 #[derive(Component)]
 pub(crate) struct Food {
     pub(crate) velocity: Vec3,
-    /// Whether it has hit the face before: then it is no longer appetising.
+    /// Whether it has hit the face before. If so, it is not eaten any more.
     pub(crate) is_spent: bool,
 }
 
@@ -63,7 +67,7 @@ fn set_up(mut commands: Commands, assets: Res<AssetServer>) {
     ));
 }
 
-/// Two seconds open, two seconds closed, more or less.
+/// Opens and closes the mouth: about two seconds open, two seconds closed.
 fn chew(time: Res<Time>, meshes: Res<Assets<Mesh>>, mut faces: Query<&mut MorphWeights>) {
     for mut face in &mut faces {
         let mesh = face.first_mesh().and_then(|mesh| meshes.get(mesh));
@@ -75,7 +79,7 @@ fn chew(time: Res<Time>, meshes: Res<Assets<Mesh>>, mut faces: Query<&mut MorphW
     }
 }
 
-/// Three times a second; most at the mouth, some a bit beside it.
+/// Throws three meatballs a second, most at the mouth, some slightly off.
 fn throw(
     time: Res<Time>,
     mut wait: Local<f32>,
@@ -116,7 +120,7 @@ fn fly(time: Res<Time>, mut commands: Commands, mut flying: Query<(Entity, &mut 
     }
 }
 
-/// The face's observer: one start for each meatball, however many triangles it touches.
+/// Observes the face: runs once for each meatball, however many triangles it touches.
 fn taste(
     start: On<MorphBodyCollisionStart>,
     collisions: Res<MorphCollisions>,
@@ -127,7 +131,7 @@ fn taste(
     let Ok(mut food) = flying.get_mut(start.body2) else {
         return;
     };
-    // A ball has no triangles; its number in the pair is larger than any.
+    // A ball has no triangles. Its index in the pair is larger than any triangle's.
     let mut touched = collisions
         .collisions_between_bodies(start.body1, start.body2)
         .flat_map(|contact| &contact.triangles)
@@ -143,7 +147,7 @@ fn taste(
         info!("ouch");
     }
     food.is_spent = true;
-    // The normal is the way out for the face; the meatball goes the other way.
+    // The normal is the direction in which the face leaves the meatball. The meatball bounces the opposite way.
     let out = -start.normal;
     let speed = food.velocity.dot(out);
     food.velocity -= 1.6 * speed.min(0.0) * out;

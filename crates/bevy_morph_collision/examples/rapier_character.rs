@@ -1,11 +1,11 @@
-//! A character walks on the spot and talks while balls rain on it. They bounce off its shoulders, arms and face as these are drawn.
+//! A character walks on the spot and talks while balls rain on it. They bounce off its shoulders, arms and face exactly as drawn.
 //!
-//! The character comes from a glTF file with a skeleton and morph targets. A `MorphRapierScene` on its root is all that Rapier needs: it treats the
-//! character as it would any collider. Nobody has fitted capsules to limbs.
+//! The character comes from a glTF file with a skeleton and morph targets. Put a `MorphRapierScene` on its root, and Rapier treats the character like any other
+//! collider. You do not need to fit capsules to limbs.
 //!
 //! In a clone of the repository: `BEVY_ASSET_ROOT=$PWD cargo run -p bevy_morph_collision --features rapier --example rapier_character`
 //!
-//! Yours to replace: `CHARACTER` and `CLIP`; the rain. In your `Cargo.toml`: `bevy_morph_collision = { version = "0.1", features = ["rapier"] }`.
+//! For your game, replace `CHARACTER`, `CLIP` and `rain`. Your `Cargo.toml` needs `bevy_morph_collision = { version = "0.1", features = ["rapier"] }`.
 
 use bevy::core_pipeline::tonemapping::Tonemapping;
 use bevy::prelude::*;
@@ -13,15 +13,15 @@ use bevy::world_serialization::WorldInstanceReady;
 use bevy_morph_collision::prelude::*;
 use bevy_rapier3d::prelude::*;
 
-/// In the folder `assets`; in decimetres, 17 high.
+/// A file in the folder `assets`. Its unit is the decimetre; the character is 17 units high.
 const CHARACTER: &str = "mh_character_low.glb";
-/// The number of its clip: `walk_and_talk`.
+/// The index of its clip `walk_and_talk`.
 const CLIP: usize = 3;
 pub(crate) const RADIUS: f32 = 0.08;
 
 fn main() {
     App::new()
-        // Rapier comes before the plugins that build on it.
+        // Add Rapier before the plugins that build on it.
         .add_plugins((DefaultPlugins, RapierPhysicsPlugin::<NoUserData>::default()))
         .add_plugins((MorphPlugins::default(), game))
         .run();
@@ -70,7 +70,7 @@ fn set_up(
     ));
 }
 
-/// When the scene is spawned: its players are somewhere below its root.
+/// Starts the clip once the scene is spawned. The animation players are descendants of its root.
 fn play(
     ready: On<WorldInstanceReady>,
     children: Query<&Children>,
@@ -86,7 +86,7 @@ fn play(
     }
 }
 
-/// From the moment when the character is in physics, ten balls a second, from a spiral above the head; away with those that have rolled off.
+/// Drops ten balls a second along a spiral above the head, once the character is in physics. Despawns balls that have fallen off.
 fn rain(
     time: Res<Time>,
     mut due: Local<f32>,

@@ -96,7 +96,7 @@ impl PlacedBounds {
         Self::with_error(world_from_model, magnitude, error)
     }
 
-    /// As [`PlacedBounds::new`], with a given error, for points that are placed in another way.
+    /// Like [`PlacedBounds::new`], with a given error, for points that are placed in another way.
     pub(crate) fn with_error(world_from_model: &WorldFromModel, magnitude: DVec3, error: f64) -> Self {
         Self {
             world_from_model: *world_from_model,

@@ -13,7 +13,7 @@ use crate::joints::JointMatrices;
 use crate::model::{Influences, MorphModel};
 use crate::pose::Pose;
 
-/// Builds in steps. Returns the tree, the number of steps, and how many of them used up a step's work.
+/// Builds in steps. Returns the tree, the number of steps, and how many steps left no work unused.
 fn in_steps(model: &Arc<MorphModel>, options: &BuildOptions) -> (MorphBvh, usize, usize) {
     let mut builder = MorphBvhBuilder::new(model.clone(), options);
     let (mut steps, mut long) = (1, 0);

@@ -111,7 +111,7 @@ impl LeafLanes {
 }
 
 /// Sets the lanes to the corners of at most eight triangles, which index `points`. Only the first three numbers of a point are used.
-/// Lanes beyond the last triangle repeat it, so that a condition holds for all lanes exactly if it holds for all triangles.
+/// Lanes beyond the last triangle repeat it, so a condition on all lanes is a condition on all triangles.
 #[inline(always)]
 pub(crate) fn gather<S: Simd>(simd: S, triangles: &[[u16; 3]], points: &[[f32; 4]], lanes: &mut CornerLanes) {
     let mut of_lanes = [triangles.last().copied().unwrap_or_default(); LANES];
@@ -131,8 +131,7 @@ pub(crate) fn gather<S: Simd>(simd: S, triangles: &[[u16; 3]], points: &[[f32; 4
     }
 }
 
-/// Pairs every lane with an item. Lanes beyond the last item repeat it, so that a condition holds for all lanes exactly if it holds
-/// for all items.
+/// Pairs every lane with an item. Lanes beyond the last item repeat it, so a condition on all lanes is a condition on all items.
 pub(crate) fn in_lanes<T: Copy>(items: &[T]) -> impl Iterator<Item = (usize, T)> {
     let rest = items.last().copied().into_iter().cycle();
     (0..LANES).zip(items.iter().copied().chain(rest))

@@ -1,7 +1,7 @@
 //! The surface-area heuristic, summed over several shapes.
 //!
 //! Planes are placed on the base, and the cost of a split is summed over all shapes. A node is split in two, then its costliest
-//! child that cannot be a leaf is split again, until it has eight children. The cost of triangles is the number of leaves they
+//! child is split again, until it has eight children or all of them can be leaves. Triangles count as the number of leaves they
 //! fill, rounded up, because a leaf is tested as a whole. This makes leaves nearly full.
 
 use std::ops::Range;

@@ -1,14 +1,14 @@
-//! The one error for values that a caller passes in, and the checks that return it.
+//! The error for invalid values passed in by a caller, and the checks that return it.
 
 use std::fmt;
 
 use glam::DVec3;
 use thiserror::Error;
 
-/// Coordinates beyond this leave no room for products in `f64`.
+/// Products of larger coordinates could overflow in `f64`.
 const LARGEST: f64 = 1e50;
 
-/// Why a value was refused.
+/// Why a value was rejected.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum InputError {
@@ -17,7 +17,7 @@ pub enum InputError {
     BadCoordinate {
         /// The name of the vector.
         what: String,
-        /// 0 to 2.
+        /// 0, 1 or 2 for x, y or z.
         axis: usize,
         /// The offending coordinate.
         value: f64,
@@ -55,7 +55,7 @@ pub enum InputError {
 }
 
 impl InputError {
-    /// The same error about a part of a list.
+    /// Prefixes the name in the error with the part of a list that it is about.
     pub(crate) fn of(mut self, part: &str) -> Self {
         let (Self::BadCoordinate { what, .. }
         | Self::NoDirection { what, .. }
@@ -66,7 +66,7 @@ impl InputError {
     }
 }
 
-/// Prints a number with no more digits than it was given with, which may have been as `f32`.
+/// Prints a number without needless digits: as an `f32` if it is one.
 struct Short(f64);
 
 impl fmt::Display for Short {
@@ -118,7 +118,7 @@ pub(crate) fn check_length(what: &str, value: f64) -> Result<(), InputError> {
     check_number(what, value, value >= 0.0, "0 or more")
 }
 
-/// Checks a condition that a number must meet.
+/// Returns an error unless `is_good`.
 pub(crate) fn check_number(what: &str, value: f64, is_good: bool, expected: &'static str) -> Result<(), InputError> {
     if is_good {
         Ok(())

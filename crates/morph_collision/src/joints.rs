@@ -1,4 +1,4 @@
-//! The joint matrices of a skeleton at one moment.
+//! The joint matrices of a skeleton in one pose.
 
 use std::fmt;
 use std::sync::Arc;
@@ -10,29 +10,30 @@ use crate::input_error::{InputError, check_vector};
 /// The columns of a matrix, with a fourth coordinate of 0.
 pub(crate) type Columns = [[f64; 4]; 4];
 
-/// The matrices of a skeleton's joints: each takes points from the mesh's space to world space.
+/// The matrices of a skeleton's joints. Each one takes points from the mesh's space to world space.
 ///
-/// In glTF's words, each is the global transform of a joint times its inverse bind matrix. Meshes that share a skeleton share one of these:
-/// it is checked once, and cloning is cheap. Any finite affine map is allowed: scale, shear, mirroring, and scale 0.
+/// In glTF's terms, each matrix is the global transform of a joint times its inverse bind matrix. Meshes with the same skeleton can share
+/// one `JointMatrices`: it is checked once, and cloning is cheap. Any finite affine map is allowed, including scale, shear, mirroring and
+/// scale 0.
 #[derive(Clone)]
 pub struct JointMatrices {
-    /// The columns of each, `x`, `y`, `z` and the translation. The last one is all zeros: what pulls vertices whose weights do not
-    /// sum to 1 towards the world's origin.
+    /// The columns of each matrix: `x`, `y`, `z` and the translation. An extra matrix of zeros comes last. It pulls vertices whose weights
+    /// do not sum to 1 towards the world's origin.
     columns: Arc<[Columns]>,
-    /// The largest sum of the absolute values in a row of a linear part.
+    /// The largest sum of absolute values in a row of any linear part.
     linear_reach: f64,
-    /// The largest absolute coordinate of a translation.
+    /// The largest absolute coordinate of any translation.
     translation_reach: f64,
 }
 
 impl JointMatrices {
-    /// The largest entry of a matrix.
+    /// The largest absolute entry allowed in a matrix.
     const LARGEST: f64 = 1e34;
 
-    /// Checks matrices, one per joint.
+    /// Checks the matrices, one per joint.
     ///
     /// # Errors
-    /// [`InputError`] names the joint and the first of its entries that is NaN, infinite or beyond 1e34.
+    /// [`InputError`] names the joint and its first entry that is NaN, infinite or larger than 1e34 in absolute value.
     pub fn new(world_from_mesh: &[Affine3A]) -> Result<Self, InputError> {
         let mut columns = Vec::with_capacity(world_from_mesh.len() + 1);
         let (mut linear_reach, mut translation_reach) = (0.0_f64, 0.0_f64);
@@ -40,7 +41,7 @@ impl JointMatrices {
             let [x, y, z] = [0, 1, 2].map(|axis| Vec3::from(matrix.matrix3.col(axis)).as_dvec3());
             let translation = Vec3::from(matrix.translation).as_dvec3();
             let row_sums = x.abs() + y.abs() + z.abs();
-            // NaN is not.
+            // False for NaN.
             let is_small = |v: DVec3| v.abs().cmple(DVec3::splat(Self::LARGEST)).all();
             if !(is_small(x) && is_small(y) && is_small(z) && is_small(translation)) {
                 check(joint, [x, y, z, translation])?;
@@ -57,7 +58,7 @@ impl JointMatrices {
         })
     }
 
-    /// A skeleton at rest: every joint leaves the mesh as it is.
+    /// A skeleton at rest: every matrix is the identity.
     pub(crate) fn at_rest(count: usize) -> Self {
         let mut columns = vec![[DVec3::X, DVec3::Y, DVec3::Z, DVec3::ZERO].map(pad); count];
         columns.push(Columns::default());
@@ -80,13 +81,13 @@ impl JointMatrices {
         self.len() == 0
     }
 
-    /// The columns of a joint's matrix, or zeros for the number after the last joint's.
+    /// The columns of a joint's matrix; zeros if `joint` is the number of joints.
     #[inline(always)]
     pub(crate) fn padded(&self, joint: u16) -> &Columns {
         &self.columns[usize::from(joint)]
     }
 
-    /// The same without the fourth coordinates.
+    /// The columns of a joint's matrix without the fourth coordinates.
     pub(crate) fn columns(&self, joint: u16) -> [DVec3; 4] {
         self.padded(joint).map(vector)
     }
@@ -102,7 +103,7 @@ impl JointMatrices {
         self.linear_reach
     }
 
-    /// A bound on the world coordinates that a joint gives to points with coordinates up to `reach`.
+    /// A bound on the world coordinates to which any joint takes points with coordinates up to `reach`.
     pub(crate) fn world_reach(&self, reach: f64) -> f64 {
         self.linear_reach * reach + self.translation_reach
     }
@@ -130,7 +131,7 @@ fn pad(DVec3 { x, y, z }: DVec3) -> [f64; 4] {
     [x, y, z, 0.0]
 }
 
-/// Names the first entry of a matrix that may not be.
+/// Returns an error for the first entry of a matrix that is not allowed.
 #[cold]
 fn check(joint: usize, matrix: [DVec3; 4]) -> Result<(), InputError> {
     for (what, column) in ["x axis", "y axis", "z axis", "translation"].into_iter().zip(matrix) {

@@ -2,10 +2,10 @@
 //!
 //! # Is this the crate you need?
 //!
-//! - You write a Bevy game: use `bevy_morph_collision`, which is this crate as a plugin.
-//! - You have an engine of your own, or none: use this crate. It depends on `glam` and not on an engine.
-//! - Your meshes never deform: any collision library will do. (Meshes without targets work here, as rigid bodies.)
-//! - Your meshes are deformed by bones, with or without targets: use this crate ([`MorphModel::skinned`], [`Pose::set_joints`]).
+//! - You write a Bevy game: use `bevy_morph_collision`, this crate as a plugin.
+//! - You have your own engine, or none: use this crate. It depends on `glam`, not on an engine.
+//! - Your meshes never deform: any collision library will do. (Meshes without targets also work here, as rigid bodies.)
+//! - Bones deform your meshes, with or without targets: use this crate ([`MorphModel::skinned`], [`Pose::set_joints`]).
 //!
 //! # The pipeline
 //!
@@ -14,14 +14,14 @@
 //! (+ influences)         immutable     immutable   one per instance                 scratch
 //! ```
 //!
-//! # What can be asked
+//! # Queries
 //!
-//! | question | answer |
+//! | question | use |
 //! |---|---|
 //! | Which triangles of two bodies intersect? | [`PairQuery`], with [`PairMemory`] from frame to frame |
+//! | Which triangles of many pairs of bodies intersect, on several threads? | [`BatchQuery`], on [`Workers`] |
 //! | Where do two bodies touch, how deep, and which way is out? | [`ContactQuery`], [`triangle_contact`] |
 //! | How far apart are two bodies? | [`DistanceQuery`] |
-//! | The same for many pairs, on several threads? | [`BatchQuery`], on [`Workers`] |
 //! | Which of many boxes overlap? | [`overlapping_pairs`] |
 //! | What does a ray hit? | [`RayQuery`] |
 //! | What touches a ball, capsule, cuboid, half-space, box or frustum? Which point is closest? | [`ShapeQuery`] |
@@ -31,20 +31,21 @@
 //! | Where is a point on the surface as the shape changes? | [`SurfaceAnchor`] |
 //! | What are the bounds, positions and normals of a shape? | [`Pose`] |
 //!
-//! A query object holds scratch memory: create it once and reuse it. Its methods return the answer; `stats()` tells how much work the last
-//! one took. Lists are appended to; the `up_to` forms stop at a limit and return whether there is more.
+//! A query object owns scratch memory: create it once and reuse it. Its methods return the answer, and `stats()` reports how much work the
+//! last call took. Methods that fill a list append to it. The `up_to` variants stop at a limit and return whether there is more.
 //!
-//! How a tree is built ([`BuildOptions`]) never changes an answer; `docs/performance.md` in the repository says what the size of leaves is worth.
+//! [`BuildOptions`] never change an answer. `docs/performance.md` in the repository shows how the leaf size affects speed.
 //!
 //! # What an answer means
 //!
-//! A posed vertex is the `f32` blend of base and displacements in ascending target order, taken to world space in `f64`
-//! by the body's affine; see [`WorldFromModel::transform_point`]. That of a skinned mesh is taken there by the weighted sum of
-//! its joints' matrices instead, also in `f64`; [`Body::vertex`] gives it. Over those vertices the answer is exact: touching counts,
-//! coplanar and degenerate triangles are handled, and there is no epsilon. Trees change only the speed. For balls, capsules and
-//! half-spaces [`PlacedShape::intersects`] says what is exact.
+//! A posed vertex is the `f32` blend of base and displacements, in ascending target order. The body's affine map takes it to world space in
+//! `f64`; see [`WorldFromModel::transform_point`]. A vertex of a skinned mesh is taken to world space by the weighted sum of its joints'
+//! matrices instead, also in `f64`. [`Body::vertex`] returns these positions.
+//!
+//! Over those vertices the answer is exact: touching counts, coplanar and degenerate triangles are handled, and there is no epsilon.
+//! Trees only change the speed. [`PlacedShape::intersects`] says what is exact for balls, capsules and half-spaces.
 #![forbid(unsafe_code)]
-// docs.rs says which feature has what.
+// docs.rs shows which feature an item needs.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 mod bounds;

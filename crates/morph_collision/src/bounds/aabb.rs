@@ -17,7 +17,7 @@ impl Default for Aabb {
 }
 
 impl Aabb {
-    /// The box without points: the neutral element of [`Aabb::union`].
+    /// The empty box: the neutral element of [`Aabb::union`].
     pub const EMPTY: Self = Self {
         min: Vec3::INFINITY,
         max: Vec3::NEG_INFINITY,
@@ -29,14 +29,14 @@ impl Aabb {
         max: Vec3::INFINITY,
     };
 
-    /// The smallest box around points; [`Aabb::EMPTY`] if there are none.
+    /// The smallest box around the points; [`Aabb::EMPTY`] if there are none.
     #[must_use]
     pub fn from_points(points: impl IntoIterator<Item = Vec3>) -> Self {
         let boxes = points.into_iter().map(|p| Self { min: p, max: p });
         boxes.fold(Self::EMPTY, |hull, one| hull.union(&one))
     }
 
-    /// The smallest box around both.
+    /// The smallest box around both boxes.
     #[must_use]
     pub fn union(&self, other: &Self) -> Self {
         Self {
@@ -51,13 +51,13 @@ impl Aabb {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
-    /// Whether a point lies in the box or on its faces.
+    /// Whether a point is in the box or on its surface.
     #[must_use]
     pub fn contains(&self, point: Vec3) -> bool {
         self.min.cmple(point).all() && point.cmple(self.max).all()
     }
 
-    /// The middle of the box.
+    /// The center of the box.
     #[must_use]
     pub fn center(&self) -> Vec3 {
         0.5 * self.min + 0.5 * self.max
@@ -69,7 +69,7 @@ impl Aabb {
         self.max - self.min
     }
 
-    /// The sum of the edge lengths, to compare the sizes of boxes.
+    /// The sum of the edge lengths, used to compare the sizes of boxes.
     #[inline]
     pub(crate) fn girth(&self) -> f32 {
         self.size().element_sum()

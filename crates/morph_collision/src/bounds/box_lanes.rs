@@ -4,10 +4,10 @@ use glam::Vec3;
 
 use super::{Aabb, LANES, Lanes};
 
-/// Eight boxes as structure of arrays: the children of a node, or the triangles of a patch.
+/// Eight boxes as a structure of arrays: the children of a node, or the triangles of a patch.
 ///
-/// The ends of a box depend linearly on the points it is made from, so boxes are blended as numbers: `base + sum a * slope`.
-/// Lanes without a child hold any numbers; callers mask them out.
+/// The ends of boxes are blended like any other numbers: `base + sum a * slope`. Lanes without a child hold arbitrary numbers;
+/// callers mask them out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
 pub(crate) struct BoxLanes {
@@ -34,7 +34,7 @@ impl BoxLanes {
         }
     }
 
-    /// Sets all eight boxes to one.
+    /// Sets all eight boxes to the same box.
     pub(crate) fn set_all(&mut self, bounds: &Aabb) {
         (0..LANES).for_each(|lane| self.set(lane, bounds));
     }
@@ -48,7 +48,7 @@ impl BoxLanes {
         }
     }
 
-    /// Grows all eight by `by` on every side.
+    /// Grows all eight boxes by `by` on every side.
     #[inline(always)]
     pub(crate) fn widen<S: Simd>(&mut self, simd: S, by: f32) {
         for axis in 0..3 {
@@ -57,7 +57,7 @@ impl BoxLanes {
         }
     }
 
-    /// The smallest box around the corners of triangles in lanes, all of which are used.
+    /// The smallest box around the corners of triangles. All lanes must be in use.
     #[inline(always)]
     pub(crate) fn around<S: Simd>(simd: S, corners: &[[[Lanes; 3]; 3]]) -> Aabb {
         let mut boxes = Self::default();
@@ -75,7 +75,7 @@ impl BoxLanes {
         boxes.hull_of_all(simd)
     }
 
-    /// The sum of each box's sides, scaled.
+    /// Sets `girths` to the sum of each box's edge lengths, times `scale`.
     #[inline(always)]
     pub(crate) fn girths<S: Simd>(&self, simd: S, scale: f32, girths: &mut Lanes) {
         let side = |axis: usize| self.max[axis].load(simd) - self.min[axis].load(simd);
@@ -83,7 +83,7 @@ impl BoxLanes {
         sum.store_slice(&mut girths.0);
     }
 
-    /// The approximate depth of each lane in `other`: deeper boxes are more likely to hold intersections.
+    /// Sets `depths` to roughly how deep each box reaches into `other`. Deeper boxes are more likely to contain intersections.
     #[inline(always)]
     pub(crate) fn depths<S: Simd>(&self, simd: S, other: &Aabb, depths: &mut [f32; LANES]) {
         let mut depth = f32x8::splat(simd, f32::INFINITY);
@@ -94,7 +94,7 @@ impl BoxLanes {
         depth.store_slice(depths);
     }
 
-    /// The bit mask of the lanes that share a point with `other`; touching counts.
+    /// The bit mask of the boxes that share a point with `other`; touching counts.
     #[inline(always)]
     pub(crate) fn overlap_mask<S: Simd>(&self, simd: S, other: &Aabb) -> u8 {
         let mut overlap = mask32x8::splat(simd, true);
@@ -105,7 +105,7 @@ impl BoxLanes {
         overlap.to_bitmask() as u8
     }
 
-    /// The smallest box around the first lanes, at least one.
+    /// The smallest box around the boxes in the first `lanes` lanes. `lanes` must be at least 1.
     #[inline(always)]
     pub(crate) fn hull<S: Simd>(&self, simd: S, lanes: usize) -> Aabb {
         const NUMBERS: Lanes = Lanes([0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0]);
@@ -118,7 +118,7 @@ impl BoxLanes {
         }
     }
 
-    /// The smallest box around all eight.
+    /// The smallest box around all eight boxes.
     #[inline(always)]
     pub(crate) fn hull_of_all<S: Simd>(&self, simd: S) -> Aabb {
         let ([a, b, c], [d, e, f]) = (&self.min, &self.max);

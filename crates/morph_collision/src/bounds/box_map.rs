@@ -4,15 +4,16 @@ use glam::{DVec3, Vec3A};
 
 use super::{Aabb, BoxLanes, Frame};
 
-/// Roundings of a row of the map, each at most half a unit in the last place of the largest magnitude reached. At most ten
-/// happen: the entries', three products and sums, the offset's, and those of the slack (docs/numerics.md).
+/// The number of roundings allowed for in a row of the map. Each is at most half a unit in the last place of the largest
+/// magnitude reached. At most ten happen: of the entries, of three products and sums, of the offset, and of the slack itself
+/// (docs/numerics.md).
 const MAP_ROUNDINGS: f32 = 16.0;
-/// Magnitudes beyond this could overflow in sums; such a map is not used.
+/// Larger magnitudes could overflow in sums; such a map is not used.
 const MAX_REACH: f32 = 1e37;
-/// Covers what underflows in entries, and in products with them; far below any `f32` that is not subnormal.
+/// Covers underflow in entries and in products with them; far below any normal `f32`.
 const UNDERFLOW: f32 = 1e-42;
 
-/// An affine map of boxes, conservative: each end of the image is an offset plus one scaled end of the source per axis.
+/// A conservative affine map of boxes: each end of the image is an offset plus one scaled end of the source per axis.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct BoxMap {
     columns: [Vec3A; 3],
@@ -21,13 +22,13 @@ pub(crate) struct BoxMap {
 }
 
 impl BoxMap {
-    /// The map to a frame for boxes of points within the frame's magnitude; `None` where `f32` cannot hold it.
+    /// The map to a frame, for boxes of points within the frame's magnitude; `None` if `f32` cannot represent it.
     pub(crate) fn new(frame: &Frame) -> Option<Self> {
         let mut map = Self::default();
         map.set(frame).then_some(map)
     }
 
-    /// Becomes the map to a frame; returns false where `f32` cannot hold it.
+    /// Replaces this map with the map to a frame; returns false if `f32` cannot represent it.
     #[inline]
     pub(crate) fn set(&mut self, frame: &Frame) -> bool {
         let rounded = |v: DVec3| v.as_vec3a();
@@ -35,13 +36,13 @@ impl BoxMap {
         let (offset, magnitude) = (rounded(frame.translation), rounded(frame.magnitude));
         let (row_sums, underflow) = (x.abs() + y.abs() + z.abs(), UNDERFLOW * (1.0 + magnitude.element_sum()));
         let reach = x.abs() * magnitude.x + y.abs() * magnitude.y + z.abs() * magnitude.z + offset.abs();
-        // The factor covers the error's own roundings.
+        // The factor covers the roundings of the error itself.
         let error = rounded(frame.error) * (1.0 + 8.0 * f32::EPSILON) + underflow;
         let slack = error + reach * (MAP_ROUNDINGS * f32::EPSILON / 2.0);
         self.columns = [x, y, z];
         self.offset_min = offset - slack;
         self.offset_max = offset + slack;
-        // The sum of everything, so that one comparison finds what is too large or NaN.
+        // Sums everything, so that one comparison finds any number that is too large or NaN.
         (reach + slack + row_sums).element_sum() <= MAX_REACH
     }
 
@@ -60,7 +61,7 @@ impl BoxMap {
         }
     }
 
-    /// The images of eight boxes; lanes without a child get any values.
+    /// Sets `mapped` to the images of eight boxes. Lanes without a child get arbitrary values.
     #[inline(always)]
     pub(crate) fn all<S: Simd>(&self, simd: S, source: &BoxLanes, mapped: &mut BoxLanes) {
         let ([a, b, c], [d, e, f]) = (&source.min, &source.max);

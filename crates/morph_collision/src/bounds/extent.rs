@@ -2,7 +2,7 @@ use glam::{DVec3, Vec3};
 
 use super::{Aabb, down, up};
 
-/// A closed box in `f64`. Comparing coordinates is exact.
+/// A closed box in `f64`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Extent {
     pub(crate) min: DVec3,
@@ -43,7 +43,7 @@ impl Extent {
         }
     }
 
-    /// A lower bound on the squared distance, up to a few roundings; 0 for boxes that overlap.
+    /// The squared distance between two boxes, up to a few roundings; 0 if they overlap.
     #[inline]
     pub(crate) fn squared_distance(&self, other: &Self) -> f64 {
         let gap = (self.min - other.max).max(other.min - self.max).max(DVec3::ZERO);

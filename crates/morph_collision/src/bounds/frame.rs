@@ -1,7 +1,8 @@
-//! Frames in which boxes of two bodies are compared: the space of either body, or world space where neither can be inverted.
+//! Frames in which the boxes of two bodies are compared: the space of either body, or world space if neither body's map can be
+//! inverted.
 //!
-//! All maps are made in `f64` with a bound on their own error. [`BoxMap`] rounds them to `f32` and adds a slack for the
-//! roundings of `f32`. `docs/numerics.md` derives both.
+//! All maps are computed in `f64` with a bound on their error. [`BoxMap`] rounds them to `f32` and adds a slack for its own
+//! roundings. `docs/numerics.md` derives both bounds.
 
 use glam::{DMat3, DVec3};
 
@@ -13,14 +14,14 @@ use super::{BoxMap, WorldFromModel};
 pub(crate) struct Frame {
     pub(crate) linear: DMat3,
     pub(crate) translation: DVec3,
-    /// The largest absolute coordinates of the points that will be mapped. Boxes around them may reach farther (docs/numerics.md).
+    /// The largest absolute coordinates of the points to be mapped. Boxes around them may reach farther (docs/numerics.md).
     pub(crate) magnitude: DVec3,
-    /// The error bound per axis of the target: of the map, and of where the points are placed.
+    /// The error bound for each axis of the target space. It covers the map itself and the rounding of placed points.
     pub(crate) error: DVec3,
 }
 
 impl Frame {
-    /// The map that takes points by `first` and then by this one.
+    /// The map that applies `first`, then this one.
     pub(crate) fn after(&self, first: &Self) -> Self {
         let linear = self.linear * first.linear;
         let translation = self.linear * first.translation + self.translation;
@@ -29,26 +30,25 @@ impl Frame {
             linear,
             translation,
             magnitude: first.magnitude,
-            // Three products and sums for each of the matrices.
+            // Three products and sums for each matrix.
             error: self.error + self.linear.abs() * first.error + 16.0 * U64 * reach,
         }
     }
 
-    /// The largest absolute coordinates after the map.
+    /// The largest absolute coordinates of mapped points.
     pub(super) fn reach(&self) -> DVec3 {
         self.linear.abs() * self.magnitude + self.translation.abs()
     }
 }
 
-/// A frame for the boxes of two bodies, as the map of each; a body without a map is in its own space there.
+/// A frame for the boxes of two bodies: the map of each body into it, or `None` if the frame is that body's own space.
 pub(super) type Frames = [Option<Frame>; 2];
 
-/// Calls `visit` with the frames that decide whether boxes of two placed bodies may meet, until it returns false: both bodies'
-/// own axes (SAT-lite). A frame is made only when it is visited, and is given as the map from each body's own space, if that is
-/// another one.
+/// Calls `visit` with the frames in which boxes of two placed bodies are compared, until it returns false.
 ///
-/// World space is added where neither body can be inverted sharply: where each is much flatter or thinner in the world than in its
-/// own space.
+/// The frames are the two bodies' own spaces (SAT-lite). World space is added if neither body's map has an accurate inverse,
+/// which happens if both are much flatter or thinner in the world than in their own space. `visit` gets the map of each body into
+/// the frame, `None` if it is that body's own space. Each frame is computed just before it is visited.
 #[inline]
 pub(crate) fn visit_frames(a: &PlacedBounds, b: &PlacedBounds, mut visit: impl FnMut([Option<&Frame>; 2]) -> bool) {
     let mut any_sharp = false;
@@ -70,15 +70,15 @@ pub(crate) fn visit_frames(a: &PlacedBounds, b: &PlacedBounds, mut visit: impl F
     }
 }
 
-/// Whether the error of a map to a body's own space is small beside that body.
+/// Whether the error of a map to a body's own space is small compared with that body.
 #[inline]
 fn is_sharp(frame: &Frame, target: &PlacedBounds) -> bool {
-    // Not measured; it decides only how often the third frame is made.
+    // Not measured; it only affects how often the third frame is computed.
     const SMALL: f64 = 1e-3;
     frame.error.max_element() <= SMALL * target.magnitude.max_element()
 }
 
-/// A placed body as the maps between bodies need it.
+/// The data of a placed body from which maps between bodies are computed.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct PlacedBounds {
     world_from_model: WorldFromModel,
@@ -86,7 +86,7 @@ pub(crate) struct PlacedBounds {
     magnitude: DVec3,
     /// The largest absolute world coordinates of its points, relative to its translation.
     spread: DVec3,
-    /// How far its points may be from where they are placed, along any world axis.
+    /// The largest placement error of its points along any world axis.
     error: f64,
 }
 
@@ -96,7 +96,7 @@ impl PlacedBounds {
         Self::with_error(world_from_model, magnitude, error)
     }
 
-    /// With points that are placed in another way, and so with another error.
+    /// Like [`PlacedBounds::new`], with a given error, for points that are placed in another way.
     pub(crate) fn with_error(world_from_model: &WorldFromModel, magnitude: DVec3, error: f64) -> Self {
         Self {
             world_from_model: *world_from_model,
@@ -115,7 +115,7 @@ impl PlacedBounds {
         self.magnitude
     }
 
-    /// The map from another body's or frame's space to this one; `None` where this one cannot be inverted.
+    /// The map from the space of another body or frame to this body's; `None` if this body's map cannot be inverted.
     pub(crate) fn frame_from(&self, source: &Self) -> Option<Frame> {
         let mut frame = Frame::default();
         relative(self, source, &mut frame).then_some(frame)
@@ -130,14 +130,14 @@ impl PlacedBounds {
     }
 }
 
-/// World space moved to A's origin.
+/// World space, translated to A's origin.
 pub(super) fn frames_in_world(a: &PlacedBounds, b: &PlacedBounds) -> Frames {
     let origin = a.world_from_model.translation();
     let error = DVec3::splat(a.error + b.error);
     [a, b].map(|body| Some(to_world(&body.world_from_model, origin, body.magnitude, error)))
 }
 
-/// World space moved to A's origin, and rotated so that a flat or thin A lies along the axes.
+/// World space, translated to A's origin and rotated so that a flat or thin A lies along the axes.
 #[cold]
 fn frames_in_turned_world(a: &PlacedBounds, b: &PlacedBounds) -> Frames {
     let axes = long_axes(a.world_from_model.linear(), a.magnitude).transpose();
@@ -145,14 +145,14 @@ fn frames_in_turned_world(a: &PlacedBounds, b: &PlacedBounds) -> Frames {
         linear: axes * frame.linear,
         translation: axes * frame.translation,
         magnitude: frame.magnitude,
-        // The products of three coordinates round once for the linear part and once for the translation.
+        // Two rounded matrix products: one for the linear part and one for the translation.
         error: axes.abs() * (frame.error + 8.0 * U64 * frame.reach()),
     };
     frames_in_world(a, b).map(|frame| frame.map(turned))
 }
 
-/// An orthonormal basis, up to rounding, for the image of a box: the first axis is along the longest side, the second in the
-/// plane of the two longest.
+/// An orthonormal basis, up to rounding, for the image of a box. The first axis is along the longest side, the second in the
+/// plane of the two longest sides.
 fn long_axes(linear: DMat3, half: DVec3) -> DMat3 {
     let mut sides = [linear.x_axis * half.x, linear.y_axis * half.y, linear.z_axis * half.z];
     sides.sort_by(|u, v| v.length_squared().total_cmp(&u.length_squared()));
@@ -160,7 +160,7 @@ fn long_axes(linear: DMat3, half: DVec3) -> DMat3 {
         return DMat3::IDENTITY;
     };
     let across = |v: DVec3| (v - first * v.dot(first)).try_normalize();
-    // Twice, because what is left of a nearly parallel side is mostly rounding, and not yet orthogonal.
+    // Orthogonalised twice: what the first pass leaves of a nearly parallel side is mostly rounding error.
     let second = sides[1..].iter().find_map(|side| across(*side / sides[0].length()));
     let second = second
         .and_then(across)
@@ -168,8 +168,8 @@ fn long_axes(linear: DMat3, half: DVec3) -> DMat3 {
     DMat3::from_cols(first, second, first.cross(second))
 }
 
-/// The map to world space for boxes of a placed body: it holds all its points as they are placed.
-/// `None` where world coordinates exceed the range of `f32`.
+/// The map to world space for boxes of a placed body. Mapped boxes contain the body's points as they are placed.
+/// `None` if world coordinates exceed the range of `f32`.
 pub(crate) fn world_map(placed: &PlacedBounds) -> Option<BoxMap> {
     let error = DVec3::splat(placed.error);
     BoxMap::new(&to_world(
@@ -180,7 +180,7 @@ pub(crate) fn world_map(placed: &PlacedBounds) -> Option<BoxMap> {
     ))
 }
 
-/// The map to world space relative to `origin`, which keeps small bodies far from the world's origin sharp.
+/// The map to world space relative to `origin`, which keeps boxes of small bodies tight far from the world's origin.
 fn to_world(world_from_model: &WorldFromModel, origin: DVec3, magnitude: DVec3, error: DVec3) -> Frame {
     let translation = world_from_model.translation() - origin;
     Frame {
@@ -191,7 +191,7 @@ fn to_world(world_from_model: &WorldFromModel, origin: DVec3, magnitude: DVec3, 
     }
 }
 
-/// Sets `frame` to the map from one body's space to another's; returns false where the target cannot be inverted safely.
+/// Sets `frame` to the map from the source's space to the target's; returns false if the target's map has no safe inverse.
 #[inline]
 pub(super) fn relative(target: &PlacedBounds, source: &PlacedBounds, frame: &mut Frame) -> bool {
     let Some(inverse) = target.world_from_model.inverse() else {

@@ -1,4 +1,4 @@
-//! Lower bounds on the world distance between boxes of two bodies, in `f64`.
+//! Lower bounds, in `f64`, on the world distance between boxes of two bodies.
 
 use glam::{DMat3, DVec3};
 
@@ -6,7 +6,7 @@ use super::frame::{Frames, PlacedBounds, frames_in_world, relative};
 use super::rounding::U64;
 use super::{Aabb, Frame};
 
-/// A box by its centre and half size.
+/// A box given by its center and half size.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Box64 {
     pub(crate) center: DVec3,
@@ -14,7 +14,7 @@ pub(crate) struct Box64 {
 }
 
 impl Box64 {
-    /// The slack of a [`GapFrame`] covers the roundings.
+    /// Converts a box. The slack of a [`GapFrame`] covers the roundings.
     #[inline]
     pub(crate) fn of(bounds: &Aabb) -> Self {
         let (min, max) = (bounds.min.as_dvec3(), bounds.max.as_dvec3());
@@ -32,25 +32,26 @@ impl Box64 {
     }
 }
 
-/// A frame for boxes of two bodies, with the length of its axes in the world.
+/// A frame for the boxes of two bodies, with a lower bound on the world lengths of its vectors.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct GapFrame {
     pub(super) frames: Frames,
     /// A vector `v` of the frame is at least `sqrt(sum metric_i v_i^2)` long in the world.
     metric: DVec3,
-    /// The error bound of two boxes in the frame, for all roundings together.
+    /// The error bound for comparing two boxes in the frame. It covers all roundings.
     pub(super) slack: DVec3,
 }
 
 impl GapFrame {
-    /// The frames of two placed bodies: the spaces of both, where they can be inverted.
+    /// The frames of two placed bodies: the space of each body whose map can be inverted.
     ///
-    /// World space is added where neither can be, and where both are so sheared that their coordinates say little about lengths.
+    /// World space is added if neither can be inverted, or if both are so sheared that their coordinates say little about
+    /// lengths.
     pub(crate) fn list(a: &PlacedBounds, b: &PlacedBounds) -> Vec<Self> {
         let mut any_faithful = false;
         let mut list = Vec::new();
         for (gap, kept) in [Self::of_a(a, b), Self::of_b(a, b)].into_iter().flatten() {
-            // Not measured; it decides only how often the third frame is made.
+            // Not measured; it only affects how often the third frame is computed.
             any_faithful |= kept > 0.5;
             list.push(gap);
         }
@@ -66,7 +67,7 @@ impl GapFrame {
         first.map_or_else(|| Self::world(a, b), |(gap, _)| gap)
     }
 
-    /// The space of the first body, and how faithful it is to lengths; `None` if it has no inverse.
+    /// The space of the first body, and the second result of [`diagonal_below`]; `None` if its map has no inverse.
     fn of_a(a: &PlacedBounds, b: &PlacedBounds) -> Option<(Self, f64)> {
         let mut frame = Frame::default();
         relative(a, b, &mut frame).then(|| {
@@ -75,7 +76,7 @@ impl GapFrame {
         })
     }
 
-    /// The space of the second body.
+    /// The same for the second body.
     fn of_b(a: &PlacedBounds, b: &PlacedBounds) -> Option<(Self, f64)> {
         let mut frame = Frame::default();
         relative(b, a, &mut frame).then(|| {
@@ -101,7 +102,7 @@ impl GapFrame {
         }
     }
 
-    /// Whether boxes of `a` are not in the frame already.
+    /// Whether boxes of `a` have to be mapped into the frame.
     pub(super) fn maps_a(&self) -> bool {
         self.frames[0].is_some()
     }
@@ -132,13 +133,15 @@ fn image(frame: &Frame, source: &Box64) -> Box64 {
     }
 }
 
-/// A diagonal matrix below `linear^T linear`, and the smallest fraction of that one's diagonal that it keeps: 1 where the axes
-/// stay orthogonal, 0 with a zero matrix where they are far from it. With the axes scaled to length 1, the difference of the two is diagonally
-/// dominant, so positive semidefinite. That takes every row: a single axis must not be left out.
+/// A diagonal matrix below `linear^T linear`, and the smallest fraction of that matrix's diagonal that it keeps.
+///
+/// The fraction is 1 if the axes stay orthogonal. If they are far from orthogonal, both results are zero. With the axes scaled
+/// to length 1, the difference of the two matrices is diagonally dominant and therefore positive semidefinite. This needs
+/// every row to be dominant, so it is all axes or none.
 fn diagonal_below(linear: DMat3) -> (DVec3, f64) {
     let gram = linear.transpose() * linear;
     let lengths = gram.diagonal().map(f64::sqrt);
-    // The sum of an axis's cosines with the others, and 1 with itself.
+    // For each axis, the sum of its absolute cosines with all axes, including 1 with itself.
     let cosines = (gram.abs() * lengths.recip()) / lengths;
     let kept = DVec3::splat(2.0 - 64.0 * U64) - cosines;
     if kept.is_finite() && kept.min_element() > 0.0 {

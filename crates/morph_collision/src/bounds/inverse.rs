@@ -6,9 +6,9 @@ use super::rounding::U64;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Inverse {
     pub(super) linear: DMat3,
-    /// The row sums of its absolute values.
+    /// The row sums of the absolute values of `linear`.
     pub(super) rows: DVec3,
-    /// How far off it may take a vector whose coordinates are within 1.
+    /// The largest error of the image of a vector with coordinates within 1.
     pub(super) error: f64,
 }
 
@@ -19,23 +19,24 @@ impl Inverse {
         error: 1.1 * 8.0 * U64 * 3.0,
     };
 
-    /// `None` where the map is singular, or so nearly that the inverse's error bound is useless.
+    /// `None` if the map is singular, or so close to singular that the error bound of the inverse is useless.
     pub(super) fn new(linear: DMat3) -> Option<Self> {
-        // Scaled to entries around 1, so that tiny and huge bodies are inverted as well as any other.
+        // Scaled to entries around 1, so that tiny and huge bodies are inverted as accurately as others.
         let size = column_maxima(linear.abs()).max_element();
         let scaled = linear * (1.0 / size);
         if size == 0.0 || scaled.determinant().abs() < 1e-60 {
             return None;
         }
         let inverse = scaled.inverse() * (1.0 / size);
-        // With inverse * linear = I - R, |linear^-1 - inverse| <= |R| / (1 - |R|) |inverse|. R itself is rounded.
+        // With inverse * linear = I - R, |linear^-1 - inverse| <= |R| / (1 - |R|) |inverse|. The second term covers the rounding
+        // of R.
         let norm = |m: DMat3| (m * DVec3::ONE).max_element();
         let residual =
             norm((DMat3::IDENTITY - inverse * linear).abs()) + 8.0 * U64 * norm(inverse.abs() * linear.abs());
         (inverse.is_finite() && residual <= 1.0 / 16.0).then(|| Self {
             linear: inverse,
             rows: inverse.abs() * DVec3::ONE,
-            // 1.1 is above `1 / (1 - residual)`.
+            // 1.1 is more than `1 / (1 - residual)`.
             error: 1.1 * residual * column_maxima(inverse.abs()).element_sum(),
         })
     }

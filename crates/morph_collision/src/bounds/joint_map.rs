@@ -1,4 +1,4 @@
-//! What a joint does to the points of a mesh, as seen from a frame, and the images of boxes under it.
+//! How a joint moves the points of a mesh, as seen from a frame, and the images of boxes under that map.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f64x4, mask32x8};
@@ -11,36 +11,37 @@ use crate::joints::Columns;
 const U: f64 = f32::EPSILON as f64 / 2.0;
 /// Maps with larger entries could overflow in sums.
 const MAX_ENTRY: f32 = 1e37;
-/// A map whose joints move by the rounding of their `f32` matrices moves by a few of these.
+/// The relative drift allowed. If joints move only by the rounding of their `f32` matrices, the map moves by a few `U`.
 const DRIFT: f64 = 4.0 * U;
 
 /// An affine map from a mesh's space, before joints move it, to a frame.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct JointMap {
-    /// Whether it changes nothing: the frame is the joint's own.
+    /// Whether this is the identity, because the frame is the joint's own.
     pub(crate) is_identity: bool,
     /// The columns of the linear part and the translation, with a fourth coordinate of 0.
     columns: [[f32; 4]; 4],
     /// The absolute values of the linear part.
     sizes: [[f32; 4]; 3],
-    /// The largest sum of the absolute values in a row, and the largest absolute coordinate of the translation.
+    /// The largest sum of absolute values in a row of the linear part.
     norm: f32,
+    /// The largest absolute coordinate of the translation.
     shift: f32,
-    /// How far off it may take a point: by its rounding to `f32`, and as it is kept when its joints hardly move.
+    /// The largest error of a mapped point. It covers the rounding to `f32`, and keeping the map while its joints hardly move.
     pub(crate) drift: f32,
 }
 
-/// A space that joints are mapped to: the map from world space into it is `inverse (x - translation)`.
+/// A space in which joints are seen. The map from world space into it is `inverse (x - translation)`.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct MapFrame {
     inverse: [[f64; 4]; 3],
     translation: [f64; 4],
-    /// The largest sum of the absolute values in a row of the inverse.
+    /// The largest sum of absolute values in a row of the inverse.
     norm: f64,
 }
 
 impl MapFrame {
-    /// That of a map which can be inverted well.
+    /// The model space of `place`, which must be well conditioned.
     pub(crate) fn new(place: &WorldFromModel) -> Self {
         let pad = |v: DVec3| [v.x, v.y, v.z, 0.0];
         let inverse = place.inverse_linear();
@@ -51,7 +52,7 @@ impl MapFrame {
         }
     }
 
-    /// The image of a vector.
+    /// The image of a vector under the linear part.
     #[inline(always)]
     fn turn<S: Simd>(&self, simd: S, vector: &[f64; 4]) -> f64x4<S> {
         let [x, y, z] = &self.inverse;
@@ -80,8 +81,9 @@ impl JointMap {
         drift: 0.0,
     };
 
-    /// Becomes the map of a joint with these columns to a frame, which must be well conditioned, for points with coordinates up to `reach`. Stays
-    /// as it is, and returns false, if it is right up to its drift.
+    /// Updates the map for a joint with these columns and a well-conditioned frame, for points with coordinates up to `reach`.
+    ///
+    /// If the current map is still right up to its drift, keeps it and returns false.
     #[inline(always)]
     pub(crate) fn follow<S: Simd>(&mut self, simd: S, frame: &MapFrame, joint: &Columns, reach: f64) -> bool {
         let zero = f64x4::splat(simd, 0.0);
@@ -99,9 +101,9 @@ impl JointMap {
         }
         let reaches = f64x4::splat(simd, reach);
         let world = (own_row_sums * reaches + offset.abs()) + from.abs();
-        // The last term covers entries that are subnormal.
+        // The last term covers subnormal entries.
         let drift = DRIFT * frame.norm * largest(world) + reach * 1e-44;
-        // A map from where numbers were larger would stay loose.
+        // Without this, a map computed while numbers were larger would stay loose.
         let is_sharp = f64::from(self.drift) <= 2.0 * drift + f64::from(f32::MIN_POSITIVE) * 2.0;
         let moved = moved * reaches + (images[3] - widened(simd, &self.columns[3])).abs();
         if !self.is_identity && is_sharp && largest(moved) <= f64::from(self.drift) {
@@ -113,7 +115,7 @@ impl JointMap {
         }
         let columns = columns.map(|column| column.map(|entry| entry as f32));
         let [x, y, z, _] = columns.map(|column| column.map(f32::abs));
-        // Rounded up, for the error bound of what is computed from them.
+        // Rounded up, because error bounds are computed from these.
         let up = |value: f64| (value * (1.0 + 4.0 * U)) as f32;
         *self = Self {
             is_identity: false,
@@ -126,7 +128,7 @@ impl JointMap {
         true
     }
 
-    /// A bound on the coordinates of images of points with coordinates up to `reach`; infinite where `f32` may not hold the map.
+    /// A bound on the mapped coordinates of points with coordinates up to `reach`; infinite if `f32` might not represent the map.
     #[inline(always)]
     pub(crate) fn reach(&self, reach: f32) -> f32 {
         if self.norm.max(self.shift) <= MAX_ENTRY {
@@ -136,7 +138,7 @@ impl JointMap {
         }
     }
 
-    /// The images of eight boxes, given by their centres and half sizes.
+    /// The images of eight boxes, given by their centers and half sizes.
     #[inline(always)]
     pub(crate) fn image<S: Simd>(&self, simd: S, [center, half]: &Ends<S>) -> Ends<S> {
         let zero = [f32x8::splat(simd, 0.0); 3];
@@ -164,7 +166,7 @@ fn widened<S: Simd>(simd: S, column: &[f32; 4]) -> f64x4<S> {
     f64x4::from_slice(simd, &column.map(f64::from))
 }
 
-/// The largest of the first three numbers, if they are not negative.
+/// The largest of the first three numbers.
 #[inline(always)]
 fn largest<S: Simd>(vector: f64x4<S>) -> f64 {
     let mut of = [0.0; 4];
@@ -173,7 +175,7 @@ fn largest<S: Simd>(vector: f64x4<S>) -> f64 {
 }
 
 impl BoxLanes {
-    /// Grows the boxes in the lanes of a mask to hold others.
+    /// Grows the boxes in the lanes of `mask` to contain the given boxes.
     #[inline(always)]
     pub(crate) fn join<S: Simd>(&mut self, simd: S, [low, high]: Ends<S>, mask: u8) {
         let is_used = mask32x8::from_bitmask(simd, u64::from(mask));
@@ -188,7 +190,7 @@ impl BoxLanes {
         }
     }
 
-    /// Grows the box in a lane to hold that in a lane of others.
+    /// Grows the box in `lane` to contain the box in lane `other` of `others`.
     #[inline(always)]
     pub(crate) fn join_one(&mut self, lane: usize, others: &Self, other: usize) {
         let (lane, other) = (lane % LANES, other % LANES);

@@ -1,16 +1,16 @@
 //! The instruction sets that kernels are compiled for.
 //!
-//! A kernel is one `#[inline(always)]` function with a [`Simd`](fearless_simd::Simd) token; [`with_simd!`] compiles it for
-//! each instruction set. All sets multiply and add in the same order without fusing, so all give the same bits.
+//! A kernel is an `#[inline(always)]` function that takes a [`Simd`](fearless_simd::Simd) token; [`with_simd!`] compiles it for
+//! each instruction set. All of them multiply and add in the same order without fusing, so they give the same bits.
 
 use std::sync::OnceLock;
 
 use fearless_simd::Level;
 
-/// An instruction set of this machine. It decides the speed only: all of them give the same bits.
+/// A SIMD instruction set of this machine. It only affects speed: all instruction sets give the same bits.
 ///
-/// The default is the best one, which is detected once. Set another with
-/// [`MorphBvh::with_kernel`](crate::MorphBvh::with_kernel) in tests and measurements.
+/// The default is the best one available, which is detected once. For tests and measurements, choose another with
+/// [`MorphBvh::with_kernel`](crate::MorphBvh::with_kernel).
 #[derive(Clone, Copy, Debug)]
 pub struct Kernel {
     name: &'static str,
@@ -25,7 +25,7 @@ impl Default for Kernel {
 }
 
 impl Kernel {
-    /// The instruction sets of this machine, best first. The last one exists on every machine of its kind.
+    /// The instruction sets of this machine, best first. Every machine of the same architecture has the last one.
     #[must_use]
     pub fn available() -> &'static [Self] {
         static AVAILABLE: OnceLock<Vec<Kernel>> = OnceLock::new();
@@ -40,7 +40,7 @@ impl Kernel {
 
     fn detect() -> Vec<Self> {
         let best = Level::new();
-        // AVX-512 is left out: a kernel has eight lanes, which fill 256 bits.
+        // No AVX-512: kernels have eight lanes, which fill 256 bits.
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         let levels = [
             ("avx2", best.as_avx2().map(Level::Avx2)),
@@ -69,7 +69,7 @@ impl Kernel {
     }
 }
 
-/// Evaluates an expression that calls one kernel, with the token of a level's instructions.
+/// Evaluates an expression that calls one kernel, passing it the SIMD token of a level.
 macro_rules! with_simd {
     ($level:expr, $simd:pat => $kernel:expr) => {
         fearless_simd::dispatch!($level, $simd => $kernel)

@@ -1,10 +1,10 @@
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 
-/// The most children that a node can have, and the width of every kernel.
+/// The maximum number of children of a node, and the width of every kernel.
 pub(crate) const LANES: usize = 8;
 
-/// One number of eight boxes.
+/// One coordinate of each of eight boxes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C, align(32))]
 pub(crate) struct Lanes(pub(crate) [f32; LANES]);
@@ -27,10 +27,10 @@ impl Lanes {
     }
 }
 
-/// The lanes of a bit mask, ascending.
+/// The lanes whose bits are set in a mask, ascending.
 #[inline(always)]
 pub(crate) fn lanes_of(mask: u8) -> impl Iterator<Item = usize> {
-    // Wider than the mask: that takes fewer instructions.
+    // Wider than the mask, which takes fewer instructions.
     let mut left = u32::from(mask);
     std::iter::from_fn(move || {
         let lane = left.trailing_zeros() as usize;

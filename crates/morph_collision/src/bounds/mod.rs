@@ -1,5 +1,5 @@
-//! Bounding boxes, one ([`Aabb`]) or eight at a time ([`BoxLanes`]), and the frames in which the boxes of two bodies are
-//! compared.
+//! Bounding boxes, single ([`Aabb`]) or eight side by side ([`BoxLanes`]), and the frames in which the boxes of two bodies
+//! are compared.
 
 mod aabb;
 mod box_lanes;

@@ -1,4 +1,4 @@
-//! Exact points against boxes, for tests of the error bounds, and every instruction set, for tests of single kernels.
+//! Test helpers: exact points against boxes, for tests of error bounds, and all instruction sets, for tests of single kernels.
 
 use std::sync::OnceLock;
 
@@ -17,13 +17,13 @@ pub(crate) fn levels() -> &'static [Level] {
 /// An exact point.
 pub(crate) type ExactPoint = [Dyadic; 3];
 
-/// The exact image of a point, times a determinant, and how far from it a body's point may lie.
+/// The exact image of a point, times a determinant, and how far from it a body's point may be.
 #[derive(Debug)]
 pub(crate) struct Image {
     /// Positive.
     pub(crate) determinant: Dyadic,
     pub(crate) scaled: ExactPoint,
-    /// A matrix by rows, times the determinant, and the largest coordinates of the vectors that it maps to offsets.
+    /// The rows of a matrix, times the determinant, and the largest coordinates of the vectors that it maps to offsets.
     pub(crate) scaled_offset: ([ExactPoint; 3], ExactPoint),
 }
 
@@ -48,7 +48,7 @@ pub(crate) fn exact_image([x, y, z, translation]: &[DVec3; 4], p: &ExactPoint) -
     })
 }
 
-/// The inverse of a linear part times its determinant, and the determinant; with signs such that the latter is not negative.
+/// The inverse of a linear part times its determinant, and the determinant. Both are negated if the determinant is negative.
 pub(crate) fn adjugate(columns: &[DVec3; 4]) -> ([ExactPoint; 3], Dyadic) {
     let m = |row: usize, column: usize| Dyadic::from(columns[column][row]);
     // Entry (row, column) is the cofactor of (column, row).
@@ -70,7 +70,7 @@ pub(crate) fn box_at(point: Vec3) -> Aabb {
     Aabb { min: point, max: point }
 }
 
-/// Whether a point lies in a box or on its faces, exactly.
+/// Whether a point is in a box or on its surface, exactly.
 pub(crate) fn holds(bounds: &Aabb, point: &ExactPoint) -> bool {
     (0..3).all(|i| Dyadic::from(bounds.min[i]) <= point[i] && point[i] <= Dyadic::from(bounds.max[i]))
 }

@@ -1,4 +1,4 @@
-//! Half units in the last place, and conversions to `f32` that round outward.
+//! The unit roundoff of `f64`, and conversions to `f32` that round outward.
 
 /// Half a unit in the last place of 1, in `f64`.
 pub(crate) const U64: f64 = f64::EPSILON / 2.0;

@@ -1,4 +1,4 @@
-//! How close the errors of placed vertices, and of boxes in another body's space, come to their bounds; in exact arithmetic.
+//! Measures in exact arithmetic how close the errors of placed vertices, and of boxes in another body's space, come to their bounds.
 
 use glam::{Affine3A, DVec3, Vec3};
 use morph_collision_testkit::oracle::Dyadic;
@@ -31,7 +31,7 @@ fn place_of(numbers: &[f32]) -> Affine3A {
     Affine3A::from_cols_array(&columns)
 }
 
-/// Error over bound of one placed point.
+/// The error of one placed point, divided by its bound.
 fn placement_ratio(numbers: &[f32]) -> Option<f64> {
     let place = place_of(numbers);
     let checked = WorldFromModel::new(place).ok()?;
@@ -63,7 +63,7 @@ fn a_placed_vertex_is_off_by_nearly_its_bound_and_never_by_more() {
             let scale = 2_f32.powi(rng.random_range(-60..60));
             let mut numbers: Vec<f32> = (0..15).map(|_| rng.random_range(-1.0..1.0) * scale).collect();
             if i % 2 == 0 {
-                // One product near 1, and what is added to it just above half a unit in its last place, over and over.
+                // One product is near 1; each term added to it is just above half a unit in its last place.
                 let tiny = 2_f32.powi(-53) * 1.01;
                 numbers = vec![1.01; 15];
                 numbers[3..6].fill(tiny);
@@ -78,11 +78,11 @@ fn a_placed_vertex_is_off_by_nearly_its_bound_and_never_by_more() {
     assert!(is_as_known(ratio, 0.987), "{ratio} of the bound, known is 0.987");
 }
 
-/// The fraction of its slack that the map to A's space needs at a point of B.
+/// The fraction of its slack that the map to A's space needs for a point of B.
 fn map_ratio(numbers: &[f32]) -> Option<f64> {
     let (place_a, place_b) = (place_of(numbers), place_of(&numbers[12..]));
     let [world_from_a, world_from_b] = [WorldFromModel::new(place_a).ok()?, WorldFromModel::new(place_b).ok()?];
-    // Few bits, so that the point's own box is exact.
+    // Few bits, so that the box of the point is exact.
     let q = Vec3::from_slice(&numbers[24..27]).clamp(Vec3::NEG_ONE, Vec3::ONE);
     let q = (q * 4096.0).round() / 4096.0;
     let (rows, determinant) = adjugate(&columns(&place_a));
@@ -120,8 +120,8 @@ fn map_ratio(numbers: &[f32]) -> Option<f64> {
     Some(used)
 }
 
-/// `known` are the fractions of the slack that are needed near the origin, where `f32` loses most, and far from it, where the
-/// placements do.
+/// `known` has the fractions of the slack needed near the origin, where `f32` causes most of the error, and far from it, where
+/// the placements do.
 fn search_map(known: [f64; 2]) {
     for (where_, range, known) in [("near", -8..3, known[0]), ("far", 36..60, known[1])] {
         let climb = Climb {
@@ -134,7 +134,7 @@ fn search_map(known: [f64; 2]) {
                 let distance = 2_f32.powi(rng.random_range(range.clone()));
                 let mut numbers: Vec<f32> = (0..27).map(|_| rng.random_range(-1.0..1.0)).collect();
                 for body in [0, 12] {
-                    // Well away from singular.
+                    // Far from singular.
                     (0..3).for_each(|i| numbers[body + 4 * i] += 2.0);
                     numbers[body + 9..body + 12].iter_mut().for_each(|t| *t *= distance);
                 }

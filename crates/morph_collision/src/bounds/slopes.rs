@@ -5,21 +5,20 @@ use super::{Aabb, BoxLanes, LANES, Lanes};
 
 /// How the boxes of a node's `W` children move per unit of a weight: six rows of `W` numbers, lower ends first.
 ///
-/// Rows follow each other without gaps and are read eight lanes wide. What lanes without a child get is of no meaning; callers mask them
-/// out.
+/// Rows are stored without gaps and read eight lanes wide. Lanes without a child get meaningless numbers; callers mask them out.
 #[derive(Clone, Copy)]
 pub(crate) struct Slopes<'a, const W: usize> {
     min: &'a [f32],
     max: &'a [f32],
 }
 
-/// The numbers that slopes of a width take.
+/// How many numbers the slopes of `width` children take.
 pub(crate) const fn slopes_len(width: usize) -> usize {
     6 * width
 }
 
 impl<'a, const W: usize> Slopes<'a, W> {
-    /// The slopes at a place in a list of them, which must end with [`LANES`] numbers to spare.
+    /// The slopes at an index of a list. The list must end with [`LANES`] unused numbers.
     #[inline(always)]
     pub(crate) fn at(list: &'a [f32], place: usize) -> Self {
         let slopes = &list[place * slopes_len(W)..][..5 * W + LANES];

@@ -4,14 +4,14 @@ use super::inverse::Inverse;
 use super::rounding::U64;
 use crate::input_error::{InputError, check_vector};
 
-/// Where a body stands: a checked affine map from its model space to world space.
+/// A body's transform: a checked affine map from its model space to world space.
 ///
-/// Every finite affine map is allowed: non-uniform scale, shear, mirroring, and scale 0 along an axis.
+/// Every finite affine map is allowed, including non-uniform scale, shear, mirroring, and scale 0 along an axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WorldFromModel {
     linear: DMat3,
     translation: DVec3,
-    /// Computed once, because every pair of bodies needs it; `None` where [`Inverse::new`] refuses.
+    /// Computed once, because every pair of bodies needs it; `None` if [`Inverse::new`] returns `None`.
     inverse: Option<Inverse>,
     scale: f64,
 }
@@ -23,7 +23,7 @@ impl Default for WorldFromModel {
 }
 
 impl WorldFromModel {
-    /// Model space is world space.
+    /// The identity: model space is world space.
     pub const IDENTITY: Self = Self {
         linear: DMat3::IDENTITY,
         translation: DVec3::ZERO,
@@ -61,31 +61,31 @@ impl WorldFromModel {
         }
     }
 
-    /// Whether the inverse map magnifies rounding errors little enough for boxes to be kept in its model space.
+    /// Whether the inverse magnifies rounding errors so little that boxes can be stored in this model space.
     pub(crate) fn is_well_conditioned(&self) -> bool {
-        /// Not measured; joints of characters are far below, and what is above is as good in another space.
+        /// Not measured. Joints of characters are far below it; boxes above it are just as good in another space.
         const MAX_CONDITION: f64 = 1e3;
         let norm = (self.linear.abs() * DVec3::ONE).max_element();
         self.inverse.is_some() && self.inverse_norm() * norm <= MAX_CONDITION
     }
 
-    /// The linear part of the inverse; that of the identity where there is none.
+    /// The linear part of the inverse; the identity if there is no inverse.
     pub(super) fn inverse_linear(&self) -> DMat3 {
         self.inverse.map_or(DMat3::IDENTITY, |inverse| inverse.linear)
     }
 
-    /// The largest sum of absolute values in a row of the inverse.
+    /// The largest sum of absolute values in a row of the inverse's linear part.
     pub(super) fn inverse_norm(&self) -> f64 {
         self.inverse.map_or(1.0, |inverse| inverse.rows.max_element())
     }
 
-    /// The largest absolute model-space coordinate of world points whose coordinates are within `radius` of those of `center`.
+    /// A bound on the absolute model-space coordinates of world points whose coordinates differ from `center`'s by at most `radius`.
     pub(crate) fn model_reach(&self, center: DVec3, radius: f64) -> f64 {
         let offset = (center - self.translation).abs().max_element();
         self.inverse_norm() * (radius + offset) * (1.0 + 1e-9)
     }
 
-    /// A world-space point in model space, and how far off it may be along each axis.
+    /// Takes a world-space point to model space. Also returns the error bound along each axis.
     pub(crate) fn model_point(&self, world: DVec3) -> (DVec3, f64) {
         let offset = world - self.translation;
         let reach = offset.abs().max_element() + U64 * (world.abs() + self.translation.abs()).max_element();
@@ -97,9 +97,10 @@ impl WorldFromModel {
         )
     }
 
-    /// A model-space point in world space: per coordinate `((m_x p_x + m_y p_y) + m_z p_z) + t` in `f64`.
+    /// Takes a model-space point to world space: per coordinate `((m_x p_x + m_y p_y) + m_z p_z) + t` in `f64`.
     ///
-    /// The products are exact; the three sums are rounded in this order. Every answer of this crate is about these points.
+    /// The products are exact, and the three sums are rounded in this order. All answers about meshes without joints are about
+    /// these points.
     #[must_use]
     #[inline]
     pub fn transform_point(&self, point: Vec3) -> DVec3 {
@@ -107,22 +108,23 @@ impl WorldFromModel {
         ((self.linear.x_axis * p.x + self.linear.y_axis * p.y) + self.linear.z_axis * p.z) + self.translation
     }
 
-    /// A model-space normal in world space, scaled as the area of its surface is scaled: an area-weighted normal stays one.
+    /// Takes a model-space normal to world space. Its length is scaled like the area of its surface, so an area-weighted normal
+    /// stays area-weighted.
     ///
-    /// It is multiplied by the cofactor matrix, which needs no inverse and follows the winding through a mirroring. The
-    /// result is zero where the map flattens the surface to a line. Error: a few `f64` roundings.
+    /// The normal is multiplied by the cofactor matrix, which needs no inverse and follows the winding if the map mirrors. The
+    /// result is zero if the map flattens the surface to a line. Error: a few `f64` roundings.
     #[must_use]
     pub fn transform_normal(&self, normal: DVec3) -> DVec3 {
         let [x, y, z] = [self.linear.x_axis, self.linear.y_axis, self.linear.z_axis];
         y.cross(z) * normal.x + z.cross(x) * normal.y + x.cross(y) * normal.z
     }
 
-    /// Whether the map turns outward windings inward.
+    /// Whether the map mirrors: it turns outward windings inward.
     pub(crate) fn mirrors(&self) -> bool {
         self.linear.determinant() < 0.0
     }
 
-    /// Whether two maps are the same, whatever was computed from them.
+    /// Whether two maps have the same linear part and translation. Cheaper than `==`, which also compares derived values.
     #[inline]
     pub(crate) fn is_same_map(&self, other: &Self) -> bool {
         self.linear == other.linear && self.translation == other.translation
@@ -137,12 +139,12 @@ impl WorldFromModel {
         }
     }
 
-    /// The length of the longest image of a unit axis.
+    /// The length of the longest mapped unit axis.
     pub(crate) fn scale(&self) -> f64 {
         self.scale
     }
 
-    /// The largest absolute world coordinates of points within a magnitude.
+    /// A bound on the absolute world coordinates of points within a magnitude.
     pub(crate) fn reach(&self, magnitude: DVec3) -> DVec3 {
         self.linear.abs() * magnitude + self.translation.abs()
     }

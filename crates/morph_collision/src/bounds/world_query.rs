@@ -7,13 +7,14 @@ use glam::DVec3;
 use super::rounding::U64;
 use super::{Box64, BoxLanes, GapFrame, LANES, PlacedBounds, WorldFromModel};
 
-/// Lower bounds of what a query looks for, for everything in a box; for all children of a node at once.
+/// Computes lower bounds, such as on a distance, for everything in a box, for all children of a node at once.
 pub(crate) trait LowerBounds {
-    /// Sets the first `count` numbers to the bounds of the first `count` boxes, to NaN for a box to skip; the others to any numbers.
+    /// Sets the first `count` numbers to the bounds of the first `count` boxes, or to NaN for boxes to skip. The other numbers are
+    /// arbitrary.
     fn lower_bounds<S: Simd>(&self, simd: S, boxes: &BoxLanes, count: usize, bounds: &mut [f64; LANES]);
 }
 
-/// Lower bounds by a function of one box.
+/// Lower bounds from a function of one box.
 pub(crate) struct ByBox<F>(pub(crate) F);
 
 impl<F: Fn(&Box64) -> Option<f64>> LowerBounds for ByBox<F> {
@@ -25,7 +26,7 @@ impl<F: Fn(&Box64) -> Option<f64>> LowerBounds for ByBox<F> {
     }
 }
 
-/// A world-space ray in a frame where it can be compared with a body's boxes.
+/// A world-space ray in a frame in which it can be tested against a body's boxes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct RayCull {
     frame: GapFrame,
@@ -33,13 +34,13 @@ pub(crate) struct RayCull {
     direction: DVec3,
 }
 
-/// For the quotients. The slack covers the roundings of the boxes' ends.
+/// Covers the roundings of quotients. The frame's slack covers those of the boxes' ends.
 const ROUNDING: f64 = 8.0 * U64;
 
 impl RayCull {
     /// The ray `origin + t direction`, for a placed body.
     pub(crate) fn new(origin: DVec3, direction: DVec3, body: &PlacedBounds) -> Self {
-        // Where the ray is near the body, no coordinate of `t direction` is larger than the body's plus the origin's.
+        // At points of the ray near the body, coordinates of `t direction` are at most the body's plus the origin's.
         let near = 2.0 * origin.abs() + body.world_reach();
         let frame = GapFrame::first(body, &PlacedBounds::new(&WorldFromModel::IDENTITY, near));
         Self {
@@ -49,10 +50,10 @@ impl RayCull {
         }
     }
 
-    /// The smallest `t >= 0` at which the ray is in each of four boxes of its frame, widened for rounding; NaN if it never is.
+    /// The smallest `t >= 0` at which the ray is in each of four boxes, widened for rounding; NaN for boxes that it misses.
     #[inline(always)]
     fn enter<S: Simd>(&self, simd: S, min: [f64x4<S>; 3], max: [f64x4<S>; 3]) -> f64x4<S> {
-        /// The reciprocal of a slower ray overflows; an axis along which a ray is that slow bounds nothing.
+        /// Axes along which the ray is slower, but not still, are ignored: the reciprocal would overflow.
         const SLOW: f64 = f64::from_bits((1023 - 500) << 52);
         let none = f64x4::splat(simd, f64::NEG_INFINITY);
         let zero = f64x4::splat(simd, 0.0);
@@ -71,7 +72,7 @@ impl RayCull {
                 leave = leave.min(low.max(high));
             }
         }
-        // NaN comes from boxes of infinite size, which bound nothing.
+        // NaN comes from boxes of infinite size, which give no bound.
         let enter = enter.simd_ge(zero).select(enter, zero);
         let enter = enter * f64x4::splat(simd, 1.0 - ROUNDING);
         let missed = enter.simd_gt(leave * f64x4::splat(simd, 1.0 + ROUNDING));
@@ -120,24 +121,24 @@ pub(crate) struct ModelPlane {
 }
 
 impl ModelPlane {
-    /// The half-space `normal . x + offset >= 0` of world space, for a placed body. It is widened to
-    /// contain every point of a triangle that meets the half-space.
+    /// The half-space `normal . x + offset >= 0` of world space, for a placed body. It is widened so that no rounding can
+    /// exclude a point of the body that is in the half-space.
     pub(crate) fn new(normal: DVec3, offset: f64, body: &PlacedBounds) -> Self {
         let world_from_model = body.world_from_model();
         let reach = normal.abs().dot(body.world_reach()) + offset.abs();
         let error = normal.abs().element_sum() * body.error();
         Self {
             normal: world_from_model.linear().transpose() * normal,
-            // A few roundings per term, 64 to be safe.
+            // There are a few roundings per term; 64 is safe.
             offset: normal.dot(world_from_model.translation()) + offset + 64.0 * U64 * reach + error,
         }
     }
 
-    /// Whether a point of a box may be in the half-space.
+    /// Whether any point of a box might be in the half-space.
     #[inline]
     pub(crate) fn reaches(&self, bounds: &Box64) -> bool {
         let farthest = self.normal.dot(bounds.center) + self.normal.abs().dot(bounds.half) + self.offset;
-        // NaN comes from boxes of infinite size, which every half-space may reach.
+        // NaN comes from boxes of infinite size, which might reach any half-space.
         farthest >= 0.0 || farthest.is_nan()
     }
 }
@@ -167,7 +168,7 @@ mod tests {
         let turn = Affine3A::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), 1.0);
         for place in [Affine3A::IDENTITY, turn, Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0))] {
             let place = WorldFromModel::new(place).expect("finite");
-            // Infinite boxes make for infinite bodies.
+            // Infinite boxes make bodies infinite.
             for magnitude in [DVec3::INFINITY, DVec3::ONE] {
                 let body = PlacedBounds::new(&place, magnitude);
                 for direction in [DVec3::X, DVec3::new(0.3, -1.0, 0.5)] {
@@ -197,7 +198,7 @@ mod tests {
                 1 => direction.y = f64::from_bits(1),
                 _ => {}
             }
-            // A place without an inverse: boxes are mapped to world space. The ray is in its plane.
+            // A transform without an inverse, so boxes are mapped to world space. The ray is in its plane.
             let place = if is_flat {
                 (origin.y, direction.y) = (0.0, 0.0);
                 Affine3A::from_scale(Vec3::new(1.0, 0.0, 1.0))
@@ -252,7 +253,7 @@ mod tests {
         });
         let flat = bounds_of(&WorldFromModel::IDENTITY, DVec3::ZERO, DVec3::X, &boxes);
         assert!((0.999..=1.0).contains(&flat[0]), "{flat:?}");
-        // A ray that is all but parallel to them.
+        // A ray that is almost parallel to them.
         let slow = DVec3::new(1.0, f64::from_bits(1), 0.0);
         let flat = bounds_of(&WorldFromModel::IDENTITY, DVec3::ZERO, slow, &boxes);
         assert!((0.999..=1.0).contains(&flat[0]), "{flat:?}");

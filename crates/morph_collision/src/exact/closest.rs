@@ -1,6 +1,6 @@
 //! Closest points of points, segments and triangles, in `f64`.
 //!
-//! The points lie on what they are said to lie on. A distance is too large by a few roundings of the coordinates at most, for
+//! Returned points lie on their segment or triangle. A distance is too large by at most a few roundings of the coordinates, for
 //! segments and triangles of any shape.
 
 use glam::DVec3;
@@ -10,7 +10,7 @@ use super::number::{Number, difference, dot};
 use super::segment::{Segment, edges};
 use super::triangle::{Triangle, triangles_intersect};
 
-/// The point of a triangle that is closest to some point.
+/// The point of a triangle that is closest to a given point.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TrianglePoint {
     /// Not negative; their sum is 1 up to rounding.
@@ -30,7 +30,7 @@ pub(crate) struct ClosestPoints {
 }
 
 impl ClosestPoints {
-    /// Farther apart than any two points.
+    /// A placeholder that is farther apart than any two points.
     pub(crate) const NONE: Self = Self {
         on_a: DVec3::ZERO,
         on_b: DVec3::ZERO,
@@ -42,7 +42,7 @@ impl ClosestPoints {
         Self { on_a, on_b, squared }
     }
 
-    /// Takes another pair if it is closer.
+    /// Replaces this pair with another if that is closer.
     pub(crate) fn keep(&mut self, other: Self) {
         if other.squared < self.squared {
             *self = other;
@@ -50,9 +50,9 @@ impl ClosestPoints {
     }
 }
 
-/// As [`closest_on_triangle`]; the distance is 0 exactly if the point is on the triangle.
+/// Like [`closest_on_triangle`], but the distance is 0 if and only if the point is on the triangle.
 pub(crate) fn closest_on_triangle_exactly(point: DVec3, triangle: &Triangle) -> TrianglePoint {
-    // The error of a distance is far below a trillionth of that of the farthest corner.
+    // The error of a distance is far below a trillionth of the distance to the farthest corner.
     const NEAR: f64 = 1e-24;
     let foot = closest_on_triangle(point, triangle);
     let size = triangle
@@ -67,10 +67,10 @@ pub(crate) fn closest_on_triangle_exactly(point: DVec3, triangle: &Triangle) -> 
     TrianglePoint { point, squared, ..foot }
 }
 
-/// The closest point of a closed triangle, degenerate or not.
+/// The closest point of a closed triangle, which may be degenerate.
 ///
-/// The distance is off by a few roundings of the largest distance between the four points. That holds for slivers too: the
-/// foot on their plane is found exactly.
+/// The error of the distance is a few roundings of the largest distance between the four points. This holds for slivers too,
+/// because the foot on their plane is computed in exact arithmetic.
 pub(crate) fn closest_on_triangle(point: DVec3, triangle: &Triangle) -> TrianglePoint {
     let [a, b, c] = *triangle;
     let mut best = closest_on_edge(point, [a, b], 0);
@@ -101,7 +101,7 @@ fn closest_on_edge(point: DVec3, [start, end]: Segment, first: usize) -> Triangl
     let mut barycentrics = [0.0; 3];
     barycentrics[first] = 1.0 - t;
     barycentrics[(first + 1) % 3] = t;
-    // The difference is not taken from the rounded point, which would cost accuracy near the edge.
+    // The residual is not computed from the rounded point, which would lose accuracy near the edge.
     let (on_edge, residual) = if t == 1.0 {
         (end, point - end)
     } else {
@@ -115,7 +115,7 @@ fn closest_on_edge(point: DVec3, [start, end]: Segment, first: usize) -> Triangl
     }
 }
 
-/// Where on a closed segment its point closest to `point` lies, from 0 to 1.
+/// The parameter, from 0 to 1, of the point of a closed segment that is closest to `point`.
 fn closest_parameter(point: DVec3, [start, end]: Segment) -> f64 {
     let edge = end - start;
     let length_squared = edge.length_squared();
@@ -142,13 +142,13 @@ pub(super) fn lerp([p, q]: Segment, t: f64) -> DVec3 {
 
 /// `[y, z]` such that `y u + z v` is the point closest to `r` in the plane of `u` and `v`. Each vector is given by its ends.
 ///
-/// Vectors at a small angle take exact arithmetic. `None` where they span no plane, and where their angle is so small that no
-/// point between them can be closer than the nearer edge, whose squared distance is `edges_squared`.
+/// Uses exact arithmetic if the angle between `u` and `v` is small. `None` if they span no plane, or if the angle is so small that
+/// no point between the edges can be closer than the nearer edge, whose squared distance is `edges_squared`.
 fn plane_coordinates(r: Segment, u: Segment, v: Segment, edges_squared: f64) -> Option<[f64; 2]> {
-    // The squared sine of the angle, which decides how much roundings are magnified. Here they lose four digits at most; not
-    // measured, exact arithmetic is rare at this bound.
+    // The squared sine of the angle, which determines how much rounding errors are magnified. Above this bound, they cost at most
+    // four digits. Not measured; exact arithmetic is rare with it.
     const SMALL_ANGLE: f64 = 1e-4;
-    // Gains below `1e-14` of a squared distance are rounding.
+    // Improvements below `1e-14` of a squared distance are rounding error.
     const NO_CLOSER: f64 = 1e-14;
     let [from_r, along_u, along_v] = [r, u, v].map(|[from, to]| to - from);
     let normal = along_u.cross(along_v);
@@ -159,7 +159,8 @@ fn plane_coordinates(r: Segment, u: Segment, v: Segment, edges_squared: f64) -> 
         let z = along_u.cross(from_r).dot(normal) / area;
         return Some([y, z]);
     }
-    // Points between the edges are within `sqrt(area / uu)` of them. The area may be nothing but rounding, hence the sum.
+    // Points between the edges are within `sqrt(area / uu)` of them. The second term is there because the area may be pure
+    // rounding error.
     let max_area = area + 1e-30 * (uu * vv);
     if max_area <= NO_CLOSER * (uu.min(vv) * edges_squared) {
         return None;
@@ -191,7 +192,7 @@ pub(crate) fn closest_of_segments(s: Segment, t: Segment) -> ClosestPoints {
     for q in t {
         best.keep(ClosestPoints::new(closest_on_segment(q, s), q));
     }
-    // Inside both segments, where the lines are closest: by Cramer's rule, if that lies inside the first segment.
+    // The points where the lines are closest, by Cramer's rule, if the first one is inside its segment.
     let (d, e, r) = (s[1] - s[0], t[1] - t[0], t[0] - s[0]);
     let (dd, de, ee) = (d.length_squared(), d.dot(e), e.length_squared());
     let along = (r.dot(d) * ee - r.dot(e) * de) / (dd * ee - de * de);
@@ -215,11 +216,11 @@ pub(crate) fn closest_of_segment_and_triangle(segment: Segment, triangle: &Trian
     best
 }
 
-/// The closest points of two closed triangles, degenerate or not.
+/// The closest points of two closed triangles, which may be degenerate.
 ///
-/// The squared distance is 0 exactly if they share a point. The points, and a distance that is not 0, are off by a few
-/// roundings of the largest distance between the six corners. Triangles apart are closest at a corner of one or at an edge of
-/// each.
+/// The squared distance is 0 if and only if the triangles share a point. The error of the points, and of a distance other than
+/// 0, is a few roundings of the largest distance between the six corners. Disjoint triangles are closest at a corner of one or at
+/// an edge of each.
 pub(crate) fn closest_of_triangles(a: &Triangle, b: &Triangle) -> ClosestPoints {
     let intersect = triangles_intersect(a, b);
     let mut best = ClosestPoints::NONE;
@@ -257,15 +258,15 @@ pub(crate) fn closest_of_triangles(a: &Triangle, b: &Triangle) -> ClosestPoints 
     best
 }
 
-/// The point of a segment closest to where its line crosses a triangle's plane; `None` if they are parallel.
+/// The point of a segment closest to where its line crosses a triangle's plane; `None` if the line and the plane are parallel.
 fn plane_crossing([p, q]: Segment, &[a, b, c]: &Triangle) -> Option<DVec3> {
     let normal = (b - a).cross(c - a);
     let t = normal.dot(a - p) / normal.dot(q - p);
     t.is_finite().then(|| p + (q - p) * t.clamp(0.0, 1.0))
 }
 
-/// The closest points of two segments if neither is an end. Points at ends are found from the corners, whose squared distance
-/// is `corners_squared`.
+/// The closest points of two segments if neither is an end. Callers check the corners first; `corners_squared` is the smallest
+/// squared distance found so far.
 fn closest_inside_segments([p, q]: Segment, [r, s]: Segment, corners_squared: f64) -> Option<ClosestPoints> {
     let [x, y] = plane_coordinates([p, r], [p, q], [s, r], corners_squared)?;
     let inside = (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y);

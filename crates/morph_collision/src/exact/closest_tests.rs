@@ -1,4 +1,4 @@
-//! Closest points in figures of whole numbers, where they are known beforehand.
+//! Closest points in figures with integer coordinates, where the result is known.
 
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -12,7 +12,7 @@ use super::{
 
 const FLOOR: Triangle = [DVec3::ZERO, DVec3::new(4.0, 0.0, 0.0), DVec3::new(0.0, 4.0, 0.0)];
 
-/// Whole coordinates below `limit`.
+/// Integer coordinates with absolute values below `limit`.
 fn vector(rng: &mut Pcg64Mcg, limit: i64) -> DVec3 {
     DVec3::from_array(std::array::from_fn(|_| rng.random_range(1 - limit..limit) as f64))
 }
@@ -21,7 +21,7 @@ fn small(rng: &mut Pcg64Mcg) -> DVec3 {
     vector(rng, 10)
 }
 
-/// Coordinates are large, so the closest point that is computed is often beside the given one.
+/// Coordinates are so large that the rounded closest point often differs from the given one.
 #[test]
 fn a_point_of_a_triangle_is_its_own_closest_point_at_any_size() {
     let mut rng = Pcg64Mcg::seed_from_u64(1);
@@ -95,7 +95,7 @@ fn a_segment_is_closest_to_a_triangle_at_an_end_or_at_an_edge() {
     }
 }
 
-/// The square of its height underflows.
+/// The square of the point's height underflows.
 #[test]
 fn a_point_that_is_hardly_above_a_triangle_is_not_on_it() {
     let point = DVec3::new(1.0, 1.0, 1e-200);

@@ -13,20 +13,20 @@ use super::triangle::{Triangle, hull_of_line, sides_of_both, triangles_intersect
 
 /// Where two intersecting triangles meet.
 ///
-/// That they meet, and which edges pierce which triangle, is decided exactly. Coordinates are `f64`: the ends of the segment
-/// lie on both triangles up to about `1e-13` times the larger one's size and a few roundings of the coordinates.
+/// Whether they meet, and which edges pierce which triangle, is decided exactly. Coordinates are `f64`: the ends of the segment
+/// lie on both triangles up to about `1e-13` times the size of the larger one, plus a few roundings of the coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TriangleContact {
     /// The two common points that are farthest apart, in lexicographic order.
     ///
-    /// - Triangles that cross: the ends of their line of intersection.
+    /// - Crossing triangles: the ends of their intersection segment.
     /// - Triangles that touch in one point: that point twice, up to rounding.
     /// - Coplanar triangles: a longest diagonal of the common area.
     pub segment: [DVec3; 2],
-    /// The direction in which the first triangle leaves the second: the unit vector along `n_b - n_a`. `n_a` and `n_b` are the
-    /// unit normals of triangles whose corners turn counter-clockwise seen from outside.
+    /// The direction in which to move the first triangle out of the second: the unit vector along `n_b - n_a`. `n_a` and `n_b`
+    /// are the unit normals of the triangles, whose corners are counter-clockwise seen from outside.
     ///
-    /// Zero where `n_a` equals `n_b`: for coplanar triangles that face the same way, and for two triangles without area.
+    /// Zero if `n_a` equals `n_b`: for coplanar triangles that face the same way, and for two triangles without area.
     pub normal: DVec3,
 }
 
@@ -47,7 +47,7 @@ impl TriangleContact {
 
 /// Where two closed triangles meet; `None` exactly when [`triangles_intersect`](crate::triangles_intersect) is false.
 ///
-/// Exchanging the triangles keeps the segment and reverses the normal.
+/// Swapping the triangles keeps the segment and reverses the normal.
 ///
 /// ```
 /// use glam::DVec3;
@@ -78,9 +78,9 @@ pub fn triangle_contact(a: &Triangle, b: &Triangle) -> Option<TriangleContact> {
     Some(TriangleContact { segment, normal })
 }
 
-/// A power of two; dividing by it leaves room for squares and determinants of coordinates.
+/// A power of two. After dividing by it, squares and determinants of coordinates stay in range.
 fn scale_of(a: &Triangle, b: &Triangle) -> f64 {
-    /// Sizes that have room: fourth powers stay in range.
+    /// Sizes that need no scaling: their fourth powers stay in range.
     const ORDINARY: std::ops::Range<f64> = 1e-60..1e60;
     let sizes = a.iter().chain(b).map(|corner| corner.abs().max_element());
     let largest = sizes.fold(0.0, f64::max);
@@ -91,10 +91,10 @@ fn scale_of(a: &Triangle, b: &Triangle) -> f64 {
     power_of_two_below(largest).clamp(power_of_two(-1000), power_of_two(1000))
 }
 
-/// The unit normal by the right-hand rule; zero for a triangle without area. A sliver's normal is as uncertain as its shape.
+/// The unit normal by the right-hand rule; zero for a triangle without area. A sliver's normal is only as accurate as its shape.
 pub(crate) fn unit_normal([a, b, c]: &Triangle) -> DVec3 {
     let (u, v) = (b - a, c - a);
-    // Scaled first, so that tiny and huge triangles have a normal like any other.
+    // Scaled first, so that tiny and huge triangles have a normal too.
     let size = u.abs().max(v.abs()).max_element();
     if size == 0.0 {
         return DVec3::ZERO;
@@ -102,9 +102,9 @@ pub(crate) fn unit_normal([a, b, c]: &Triangle) -> DVec3 {
     (u / size).cross(v / size).normalize_or_zero()
 }
 
-/// The two points common to both triangles that are farthest apart.
+/// The two common points of both triangles that are farthest apart.
 ///
-/// What two triangles have in common is convex, and each of its corners is a point where an edge of one meets the other.
+/// The intersection of two triangles is convex, and each of its corners is a point where an edge of one meets the other.
 pub(crate) fn common_segment(a: &Triangle, b: &Triangle) -> Option<Segment> {
     let [a_sides, b_sides] = sides_of_both(a, b)?;
     let mut corners = Corners::default();
@@ -113,7 +113,7 @@ pub(crate) fn common_segment(a: &Triangle, b: &Triangle) -> Option<Segment> {
     corners.farthest()
 }
 
-/// Corners of what two triangles have in common, some of them twice.
+/// The corners of the intersection of two triangles, possibly with duplicates.
 #[derive(Default)]
 struct Corners {
     /// At most four from each of six edges.
@@ -131,7 +131,7 @@ impl Corners {
 
     fn farthest(mut self) -> Option<Segment> {
         let points = self.points.get_mut(..self.len)?;
-        // Sorted, so that ties do not depend on which triangle is the first.
+        // Sorted, so that ties do not depend on the order of the triangles.
         points.sort_by(lexicographic);
         let mut farthest = [*points.first()?; 2];
         let mut length = 0.0;
@@ -146,7 +146,7 @@ impl Corners {
         Some(farthest)
     }
 
-    /// Adds where the edges of `triangle`, whose corners lie on these sides of the plane of `other`, meet `other`.
+    /// Adds the points where edges of `triangle` meet `other`. The corners of `triangle` lie on these sides of `other`'s plane.
     fn add_edges(&mut self, triangle: &Triangle, sides: [Ordering; 3], other: &Triangle) {
         let projection = Projection::of_plane(*other);
         for (edge, sides) in edges(triangle).into_iter().zip(edges(&sides)) {
@@ -158,7 +158,7 @@ impl Corners {
         }
     }
 
-    /// Adds where an edge that is not in the plane of a triangle meets it.
+    /// Adds the point where an edge that is not in a triangle's plane meets the triangle.
     fn add_piercing(&mut self, edge: Segment, sides: [Ordering; 2], triangle: &Triangle) {
         if sides[0] == sides[1] || !line_pierces(edge, triangle) {
             return;
@@ -174,7 +174,7 @@ impl Corners {
         });
     }
 
-    /// For an edge in the plane of the triangle: adds its ends inside, and where it crosses the triangle's edges.
+    /// For an edge in the triangle's plane: adds its ends inside the triangle, and the points where it crosses the triangle's edges.
     fn add_flat(&mut self, edge: Segment, triangle: &Triangle, projection: Projection) {
         let flat = |point| projection.apply(point);
         let flat_triangle = triangle.map(flat);
@@ -185,7 +185,7 @@ impl Corners {
         }
     }
 
-    /// Adds where two segments in a plane cross in a point that is an end of neither.
+    /// Adds the point where two coplanar segments cross, unless it is an end of either.
     fn add_flat_crossing(&mut self, edge: Segment, side: Segment, projection: Projection, triangle: &Triangle) {
         let flat = |point| projection.apply(point);
         let ([p, q], [u, v]) = (edge.map(flat), side.map(flat));
@@ -195,7 +195,7 @@ impl Corners {
         }
     }
 
-    /// Adds where an edge meets a triangle that is a segment or a point.
+    /// Adds the points where an edge meets a triangle that is a segment or a point.
     fn add_collapsed(&mut self, edge: Segment, triangle: &Triangle) {
         let hull = hull_of_line(triangle);
         if !segments_intersect(edge, hull) {
@@ -214,12 +214,13 @@ impl Corners {
     }
 }
 
-/// Where an edge crosses a triangle, from the heights of its ends over the triangle's plane or edge.
+/// The point where an edge crosses a triangle, computed from the heights of its ends over the triangle's plane or edge.
 ///
-/// Heights of an edge nearly in the plane are mostly rounding. Where the point they give is off the triangle, `exactly` gives
-/// where along itself the edge crosses. If that is still off, the point of the edge closest to the triangle may be better.
+/// If the edge is nearly in the plane, its heights are mostly rounding error. If the point they give is off the triangle, `exactly`
+/// computes the crossing's parameter along the edge. If that point is off too, the edge's point closest to the triangle may be better.
+/// Returns the best of the three.
 fn crossing(edge: Segment, heights: [f64; 2], exactly: impl FnOnce() -> f64, triangle: &Triangle) -> DVec3 {
-    // About 90 roundings, which crossings at ordinary angles stay below. Not measured.
+    // About 90 roundings; crossings at ordinary angles stay below. Not measured.
     const TOLERANCE: f64 = 1e-14;
     let at = |t: f64| lerp(edge, if t.is_finite() { t.clamp(0.0, 1.0) } else { 0.5 });
     let point = at(heights[0] / (heights[0] - heights[1]));

@@ -1,4 +1,4 @@
-//! Where triangles meet, for figures that can be drawn on squared paper.
+//! Where triangles meet, for figures that you can draw on squared paper.
 
 use glam::DVec3;
 use morph_collision_testkit::near_degenerate::Family;
@@ -8,12 +8,12 @@ use rand_pcg::Pcg64Mcg;
 use super::number::power_of_two;
 use super::{Segment, Triangle, common_segment, triangle_contact, unit_normal};
 
-/// In the plane of the paper.
+/// A triangle in the xy plane.
 fn flat(corners: [[f64; 2]; 3]) -> Triangle {
     corners.map(|[x, y]| DVec3::new(x, y, 0.0))
 }
 
-/// The segment, in either order of the triangles.
+/// The contact segment. Checks that it is the same in either order of the triangles.
 fn segment(a: &Triangle, b: &Triangle) -> Segment {
     let contact = triangle_contact(a, b).unwrap();
     assert_eq!(triangle_contact(b, a).unwrap().segment, contact.segment);
@@ -48,7 +48,7 @@ fn a_hexagon_common_to_coplanar_triangles_has_its_longest_diagonal() {
     assert_near(segment(&a, &b), [[0.0, 4.0, 0.0], [4.0, 0.0, 0.0]]);
 }
 
-/// Each has a corner in the other, nearer to the crossings than the other ends of the sides.
+/// Each triangle has a corner in the other. It is nearer to the crossings than the other ends of its sides.
 #[test]
 fn a_diamond_common_to_coplanar_triangles_has_its_longest_diagonal() {
     let up = flat([[0.0, 1.0], [-16.0, -7.0], [16.0, -7.0]]);
@@ -80,7 +80,7 @@ fn triangles_that_are_crossing_segments_have_the_crossing_in_common() {
     assert_eq!(common_segment(&first, &second), Some([DVec3::new(2.0, 2.0, 0.0); 2]));
 }
 
-/// Triangles at small angles, some of whose crossings are found exactly.
+/// Triangles at small angles. Some of their crossings need exact arithmetic.
 #[test]
 fn contacts_grow_with_their_triangles() {
     let mut rng = Pcg64Mcg::seed_from_u64(1);

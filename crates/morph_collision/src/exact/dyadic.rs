@@ -7,9 +7,9 @@ use dashu_int::ops::BitTest;
 
 use super::number::{Number, power_of_two};
 
-/// The number `mantissa * 2^exponent`. Sums, differences and products of finite `f64`s are such numbers, whatever their size.
+/// The number `mantissa * 2^exponent`. Sums, differences and products of finite `f64`s of any size are such numbers.
 ///
-/// Slow, and used only where [`Approx`](super::number::Approx) or the `robust` predicates cannot decide.
+/// Slow, so it is only used if [`Approx`](super::number::Approx) or the `robust` predicates cannot decide.
 #[derive(Clone, Debug)]
 pub(crate) struct Dyadic {
     mantissa: IBig,
@@ -22,13 +22,13 @@ impl Dyadic {
         self.mantissa.cmp(&IBig::ZERO)
     }
 
-    /// The quotient, to a few roundings. The operands need not be in the range of `f64`.
+    /// The quotient, up to a few roundings. The operands may be outside the range of `f64`.
     pub(crate) fn over(&self, divisor: &Self) -> f64 {
         let ((a, a_exponent), (b, b_exponent)) = (self.leading(), divisor.leading());
         scaled(a / b, a_exponent - b_exponent)
     }
 
-    /// The first 62 bits of the mantissa, which fit an `i64`, as a rounded `f64`; and its exponent.
+    /// The first 62 bits of the mantissa, which fit an `i64`, rounded to `f64`, and their exponent.
     fn leading(&self) -> (f64, i64) {
         let dropped = self.mantissa.bit_len().saturating_sub(62);
         let leading = i64::try_from(&self.mantissa >> dropped).unwrap_or(0);
@@ -108,7 +108,7 @@ mod tests {
 
     use super::*;
 
-    /// Whole numbers up to 2^40 and their products of three fit `i128`.
+    /// Integers up to 2^40; products of three fit an `i128`.
     fn whole() -> impl Strategy<Value = i64> {
         prop_oneof![-4_i64..5, -(1_i64 << 40)..(1_i64 << 40)]
     }

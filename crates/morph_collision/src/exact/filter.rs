@@ -1,4 +1,4 @@
-//! The first test of two triangles: in `f64`, with an error bound. It decides most pairs.
+//! The first test of two triangles, in `f64` with an error bound. It decides most pairs.
 
 use std::cmp::Ordering::{self, Equal, Greater, Less};
 
@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::number::{UNIT_ROUNDOFF, power_of_two};
 use super::triangle::{Triangle, strictly_one_side};
 
-/// A triangle with what the filter computes once per triangle.
+/// A triangle with the values that the filter computes once per triangle.
 #[derive(Clone, Debug)]
 pub(crate) struct Facet {
     pub(crate) corners: Triangle,
@@ -28,7 +28,7 @@ impl Facet {
         }
     }
 
-    /// The sides of the plane on which some corners lie; `Equal` where that is not certain.
+    /// The sides of the plane on which the corners of a triangle lie; `Equal` where that is not certain.
     #[inline]
     fn sides(&self, &[a, b, c]: &Triangle) -> [Ordering; 3] {
         [self.side(a), self.side(b), self.side(c)]
@@ -41,14 +41,14 @@ impl Facet {
     }
 }
 
-/// Whether two closed triangles share a point; `None` where the sign of a determinant is not certain.
+/// Whether two closed triangles share a point; `None` if the sign of a needed determinant is not certain.
 ///
 /// Triangles that touch, are coplanar or are degenerate are undecided unless a plane separates them with certainty. Cost: six
-/// heights over planes, and two determinants where each triangle reaches through the other's plane.
+/// heights over planes, and two determinants if each triangle crosses the other's plane.
 ///
-/// With all corners off the other's plane, each triangle has one corner alone on its side. It meets the common line of the
-/// planes between the two edges from that corner, and two determinants tell whether the two intervals overlap (Guigue and
-/// Devillers 2003).
+/// If each triangle crosses the other's plane and no corner is in it, each triangle has a lone corner, with the other two on the
+/// opposite side. The two edges from that corner bound the triangle's interval on the common line of the planes, and two
+/// determinants tell whether the two intervals overlap (Guigue and Devillers 2003).
 #[inline]
 pub(super) fn facets_intersect(facet_a: &Facet, facet_b: &Facet) -> Option<bool> {
     let (a, b) = (&facet_a.corners, &facet_b.corners);
@@ -79,7 +79,7 @@ pub(super) fn facets_intersect(facet_a: &Facet, facet_b: &Facet) -> Option<bool>
     }
 }
 
-/// Rotates a triangle so that the corner alone on its side comes first; also says whether that is the upper side.
+/// Rotates a triangle so that the lone corner comes first. Also returns whether that corner is on the upper side.
 #[inline]
 fn lone_corner_first(&[a, b, c]: &Triangle, sides: [Ordering; 3]) -> (Triangle, bool) {
     let (rotated, side) = if sides[0] == sides[1] {
@@ -101,14 +101,14 @@ fn determinant(u: DVec3, v: DVec3, w: DVec3) -> Ordering {
 /// The error bound of a determinant of three rounded differences, relative to the product of their largest coordinates.
 ///
 /// Each of its six terms is at most that product and is rounded at most eight times: in three differences, two products and
-/// three sums. So the error is below `6 * 8` roundings; the rest covers terms of second order.
+/// three sums. So the error is below `6 * 8` roundings; the rest covers second-order terms.
 const RELATIVE: f64 = 52.0 * UNIT_ROUNDOFF;
 
-/// The sign of a determinant, given the product of the largest coordinates of its differences; `Equal` where the error or the
+/// The sign of a determinant, given the product of the largest coordinates of its differences. `Equal` if the error or the
 /// range of `f64` leaves it open.
 #[inline]
 fn certain_sign(determinant: f64, product: f64) -> Ordering {
-    // Within these, no part of the determinant overflows, and what underflows is far below the error.
+    // Within these limits, no part of the determinant overflows, and underflow is far below the error.
     const MIN: f64 = power_of_two(-900);
     const MAX: f64 = power_of_two(900);
     let error = product * RELATIVE;

@@ -1,9 +1,9 @@
-//! Exact answers about `f64` points: signs of determinants decide, never rounded lengths.
+//! Exact answers about `f64` points. Signs of determinants decide, never rounded lengths.
 //!
-//! Most pairs of triangles are decided by a `filter` in `f64` with an error bound, the rest by adaptive `predicates`. Tests
-//! that need other polynomials (`ray`, `region`) are written once over a [`Number`](number::Number). They run with error
-//! bounds first, and in exact arithmetic (`dyadic`) where a sign is left open. Points and lengths (`closest`, `contact`) are
-//! in `f64`, with stated errors.
+//! - A `filter` in `f64` with an error bound decides most pairs of triangles; adaptive `predicates` decide the rest.
+//! - Tests that need other polynomials (`ray`, `region`) are generic over [`Number`](number::Number). They run with error bounds
+//!   first, and in exact arithmetic (`dyadic`) if that leaves a sign open.
+//! - Points and lengths (`closest`, `contact`) are `f64`, with stated errors.
 
 mod closest;
 mod contact;

@@ -1,4 +1,4 @@
-//! Geometry written once over a [`Number`]: run with error bounds first, and exactly where a sign is left open.
+//! Geometry that is generic over [`Number`]. It runs with error bounds first, and exactly if that leaves a sign open.
 
 use std::cmp::Ordering;
 
@@ -7,12 +7,12 @@ use glam::DVec3;
 /// Half a unit in the last place of 1.
 pub(super) const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 
-/// `2^exponent`, for exponents of normal numbers.
+/// `2^exponent`. The result must be a normal number.
 pub(crate) const fn power_of_two(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 
-/// The largest power of two that is at most a positive number. Dividing by it is exact.
+/// The largest power of two that is not above a positive number. Dividing by it is exact.
 pub(crate) fn power_of_two_below(value: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff << 52;
     const SHIFT: f64 = power_of_two(60);
@@ -25,22 +25,22 @@ pub(crate) fn power_of_two_below(value: f64) -> f64 {
 
 /// A number that knows whether its sign is certain.
 ///
-/// A test is a function of [`Number`]s that returns `None` as soon as it needs a sign or value that is not certain. It is run
-/// with [`Approx`] first. After a `None` it is run with [`Dyadic`](super::dyadic::Dyadic), which is always certain.
+/// A test is a function of [`Number`]s that returns `None` as soon as it needs a sign or value that is not certain. It runs
+/// with [`Approx`] first. If that returns `None`, it runs with [`Dyadic`](super::dyadic::Dyadic), which is always certain.
 pub(crate) trait Number: Clone {
-    /// A finite number.
+    /// The number `value`, which must be finite.
     fn new(value: f64) -> Self;
     fn plus(&self, other: &Self) -> Self;
     fn minus(&self, other: &Self) -> Self;
     fn times(&self, other: &Self) -> Self;
     fn sign(&self) -> Option<Ordering>;
-    /// The quotient, to a relative error of at most three [`VALUE_ERROR`]s.
+    /// The quotient, with a relative error of at most three [`VALUE_ERROR`]s.
     fn ratio(&self, divisor: &Self) -> Option<f64>;
 }
 
 /// The largest relative error of a dividend or divisor of [`Number::ratio`].
 ///
-/// Not measured: thousands of roundings, so that exact arithmetic is rare, and far below what a caller can see.
+/// Not measured. It amounts to thousands of roundings, so exact arithmetic is rare, and is far too small for a caller to notice.
 pub(crate) const VALUE_ERROR: f64 = 1e-12;
 
 /// An `f64` and a bound on its error.
@@ -51,8 +51,8 @@ pub(crate) struct Approx {
 }
 
 impl Approx {
-    /// The result of an operation: adds the rounding of `value` to the error carried over. The factor covers the roundings of
-    /// the error itself.
+    /// The result of an operation. Adds the rounding of `value` to the carried error; the factor covers the roundings of the
+    /// error itself.
     fn rounded(value: f64, carried: f64) -> Self {
         Self {
             value,
@@ -84,7 +84,8 @@ impl Number for Approx {
             return Self::new(0.0);
         }
         let carried = self.value.abs() * other.error + self.error * other.value.abs() + self.error * other.error;
-        // The product and the three terms above can each underflow by half the smallest subnormal; this is four of them.
+        // The product and the three terms above can each lose half the smallest subnormal to underflow. This adds four
+        // subnormals.
         Self::rounded(self.value * other.value, carried + f64::from_bits(4))
     }
 
@@ -164,7 +165,7 @@ mod tests {
 
     #[test]
     fn errors_grow_with_factors_and_vanish_only_in_products_with_zero() {
-        // The sum is rounded to 1, which leaves nothing of the second term.
+        // The sum is rounded to 1, so the second term is lost.
         let lost = Approx::new(1.0)
             .plus(&Approx::new(UNIT_ROUNDOFF))
             .minus(&Approx::new(1.0));

@@ -8,7 +8,7 @@ use super::{
     Line, Plane, Triangle, closest_of_triangles, closest_on_triangle, ray_meets_triangle, triangle_meets_region,
 };
 
-/// Points of a coarse grid. Rays in a triangle's plane, through its corners and along its edges are common there.
+/// Points of a coarse grid, so that rays in a triangle's plane, through its corners and along its edges are common.
 fn grid_point() -> impl Strategy<Value = DVec3> {
     prop::array::uniform3(-2_i8..3).prop_map(|c| DVec3::from_array(c.map(f64::from)))
 }
@@ -77,7 +77,7 @@ proptest! {
 
 #[test]
 fn the_inside_of_a_sliver_is_found() {
-    // The edges are 40 times as far away as the inside.
+    // The edges are 40 times as far away as the interior.
     for width in [1e-3, 1e-6, 1e-9, 1e-12] {
         let sliver = [DVec3::ZERO, DVec3::X, DVec3::new(0.5, width, 0.0)];
         let height = 0.01 * width;
@@ -101,7 +101,7 @@ fn the_inside_of_nearly_parallel_edges_is_found() {
     }
 }
 
-/// Points a few roundings in front of a plane or behind it; the exact sum of products is the truth.
+/// Points a few roundings in front of a plane or behind it, compared with the exact sum of products.
 #[test]
 fn points_within_roundings_of_a_plane_are_classified_exactly() {
     let mut rng = Pcg64Mcg::seed_from_u64(1);

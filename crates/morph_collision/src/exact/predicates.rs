@@ -1,5 +1,5 @@
-//! Signs of orientation determinants, exact for all finite points: by the adaptive predicates of the `robust` crate
-//! (Shewchuk 1997) where products stay in range, and in exact arithmetic elsewhere.
+//! Signs of orientation determinants, exact for all finite points. Computed by the adaptive predicates of the `robust` crate
+//! (Shewchuk 1997) if products stay in range, otherwise in exact arithmetic.
 
 use std::cmp::Ordering;
 
@@ -9,7 +9,7 @@ use robust::{Coord, Coord3D};
 use super::dyadic::Dyadic;
 use super::number::{Number, Vector, cross, cross_coordinate, difference, dot, power_of_two};
 
-/// The side of the plane through `a`, `b`, `c` on which `d` lies; `Equal` in the plane, or where the three span none.
+/// The side of the plane through `a`, `b`, `c` on which `d` lies; `Equal` if `d` is in the plane or the three points span none.
 #[inline]
 pub(crate) fn plane_side(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Ordering {
     if !in_range([a, b, c, d].iter().flat_map(DVec3::to_array)) {
@@ -25,13 +25,13 @@ pub(crate) fn plane_height(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
     robust::orient3d(point(a), point(b), point(c), point(d))
 }
 
-/// Where the segment from `p` to `q` crosses the plane, as a fraction of its length: to a few roundings, at any angle.
+/// Where the segment from `p` to `q` crosses the plane, as a fraction of its length. Accurate to a few roundings at any angle.
 #[cold]
 pub(crate) fn plane_crossing([a, b, c]: [DVec3; 3], [p, q]: [DVec3; 2]) -> f64 {
     fraction(plane_determinant(a, b, c, p), plane_determinant(a, b, c, q))
 }
 
-/// Where the segment from `p` to `q` crosses the line through `a` and `b`, as a fraction of its length: to a few roundings.
+/// Where the segment from `p` to `q` crosses the line through `a` and `b`, as a fraction of its length. Accurate to a few roundings.
 #[cold]
 pub(crate) fn line_crossing([a, b]: [DVec2; 2], [p, q]: [DVec2; 2]) -> f64 {
     fraction(line_determinant(a, b, p), line_determinant(a, b, q))
@@ -41,7 +41,7 @@ fn fraction(first: Dyadic, second: Dyadic) -> f64 {
     first.over(&first.minus(&second))
 }
 
-/// The side of the line through `a`, `b` on which `c` lies; `Equal` on the line, or where `a` is `b`.
+/// The side of the line through `a`, `b` on which `c` lies; `Equal` if `c` is on the line or `a` equals `b`.
 #[inline]
 pub(crate) fn line_side(a: DVec2, b: DVec2, c: DVec2) -> Ordering {
     if !in_range([a, b, c].iter().flat_map(DVec2::to_array)) {
@@ -57,11 +57,11 @@ pub(crate) fn line_height(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     robust::orient2d(point(a), point(b), point(c))
 }
 
-/// Whether no product of three differences of these coordinates overflows or underflows, in any part: each coordinate is 0 or
-/// between `2^-277` and `2^300` in size, and so a whole multiple of `2^-330`.
+/// Whether no part of any product of three differences of these coordinates can overflow or underflow. Each coordinate must be 0,
+/// or have an absolute value between `2^-277` and `2^300`. It is then an integer multiple of `2^-330`.
 ///
-/// Corners of bodies in world space are below `2^256`, whatever the mesh and its place, and those of bodies without joints are whole
-/// multiples of `2^-298`. So only tiny ones take the slow path without need.
+/// Corners of bodies in world space are always below `2^256`, and those of bodies without joints are integer multiples of `2^-298`.
+/// So only tiny coordinates take the slow path needlessly.
 #[inline]
 fn in_range(mut coordinates: impl Iterator<Item = f64>) -> bool {
     const MIN: f64 = power_of_two(-277);
@@ -86,14 +86,14 @@ fn sign(determinant: f64) -> Ordering {
     determinant.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
 }
 
-/// A projection along a coordinate axis, which is exact: it drops that coordinate.
+/// A projection along a coordinate axis. It drops that coordinate, so it is exact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Projection {
     axis: usize,
 }
 
 impl Projection {
-    /// A projection that is one to one on the plane through three points; `None` if they are on one line.
+    /// A projection that is one-to-one on the plane through three points; `None` if the points are collinear.
     pub(crate) fn of_plane(points: [DVec3; 3]) -> Option<Self> {
         (0..3).map(|axis| Self { axis }).find(|projection| {
             let [a, b, c] = points.map(|p| projection.apply(p));

@@ -12,7 +12,7 @@ use super::triangle::Triangle;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Line {
     pub(crate) origin: DVec3,
-    /// Not zero; its largest coordinate has a size around 1.
+    /// Not zero; its largest absolute coordinate is around 1.
     pub(crate) direction: DVec3,
     pub(crate) max_t: f64,
 }
@@ -20,22 +20,22 @@ pub(crate) struct Line {
 /// Where a ray first meets a triangle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing {
-    /// To a relative error of a few [`VALUE_ERROR`](super::number::VALUE_ERROR)s.
+    /// With a relative error of a few [`VALUE_ERROR`](super::number::VALUE_ERROR)s.
     pub(crate) t: f64,
-    /// The sign of the direction along the triangle's normal: `Less` on the front, `Equal` where the triangle is edge-on.
+    /// The sign of the direction along the triangle's normal: `Less` for a hit on the front, `Equal` if the triangle is edge-on.
     pub(crate) along_normal: Ordering,
 }
 
-/// Whether, where and from which side a ray meets a closed triangle: exactly, up to the roundings of `t`.
+/// Whether, where and from which side a ray meets a closed triangle. Exact, except for the roundings of `t`.
 ///
 /// The line passes through the triangle iff all edges turn the same way around it. Each turn is a determinant of the direction
-/// and two corners, seen from the origin. Triangles with a common edge share its determinant up to the sign, so no ray slips
-/// between them. All three are zero where the ray is in the triangle's plane or the triangle is degenerate.
+/// and of two corners, relative to the origin. Triangles with a common edge share its determinant up to the sign, so no ray slips
+/// between them. All three determinants are zero if the ray is in the triangle's plane or the triangle is degenerate.
 pub(crate) fn ray_meets_triangle(line: &Line, triangle: &Triangle) -> Option<Crossing> {
     crossing::<Approx>(line, triangle).unwrap_or_else(|| crossing::<Dyadic>(line, triangle).flatten())
 }
 
-/// The outer `None` says that the numbers are not exact enough to decide.
+/// The outer `None` means that the numbers are not exact enough to decide.
 #[inline]
 fn crossing<N: Number>(line: &Line, triangle: &Triangle) -> Option<Option<Crossing>> {
     let [a, b, c] = *triangle;
@@ -75,12 +75,13 @@ fn crossing<N: Number>(line: &Line, triangle: &Triangle) -> Option<Option<Crossi
     }))
 }
 
-/// The first `t` at which a ray meets a triangle whose plane it is in, or which is a segment or a point; exact decisions.
+/// The first `t` at which a ray meets a triangle, if the ray is in the triangle's plane or the triangle is a segment or a point.
+/// Decisions are exact.
 ///
-/// The ray starts inside the triangle, or enters through an edge.
+/// A ray that meets the triangle starts inside it or enters through an edge.
 #[cold]
 fn edge_on_parameter(line: &Line, triangle: &Triangle) -> Option<f64> {
-    // The edges alone decide for a degenerate triangle.
+    // For a degenerate triangle, only the edges matter.
     let starts_inside = Projection::of_plane(*triangle).is_some_and(|projection| {
         let flat = |point| projection.apply(point);
         flat_triangle_contains(&triangle.map(flat), flat(line.origin))
@@ -94,7 +95,7 @@ fn edge_on_parameter(line: &Line, triangle: &Triangle) -> Option<f64> {
     entries.min_by(f64::total_cmp)
 }
 
-/// The first `t` at which a ray meets a closed segment in a common plane.
+/// The first `t` at which a ray meets a closed segment that is coplanar with it.
 fn segment_parameter(line: &Line, [p, q]: Segment) -> Option<f64> {
     let direction: Vector<Dyadic> = vector(line.direction);
     let (to_p, to_q, edge) = (difference(p, line.origin), difference(q, line.origin), difference(q, p));
@@ -103,7 +104,7 @@ fn segment_parameter(line: &Line, [p, q]: Segment) -> Option<f64> {
         if speed.order() == Equal {
             continue;
         }
-        // Not parallel in this projection, and so not in space: they meet if the ends are on different sides of the line.
+        // Not parallel in this projection, so not parallel in space. They meet if the ends are on different sides of the line.
         let sides = [&to_p, &to_q].map(|to| cross_coordinate(&direction, to, axis).order());
         if sides[0] == sides[1] {
             return None;
@@ -124,10 +125,10 @@ fn segment_parameter(line: &Line, [p, q]: Segment) -> Option<f64> {
     parameters.min_by(f64::total_cmp)
 }
 
-/// `distance / speed` if that is in 0..=`max_t`.
+/// `distance / speed` if that is from 0 to `max_t`.
 fn parameter(distance: &Dyadic, speed: &Dyadic, max_t: f64) -> Option<f64> {
     let is_beyond = || max_t.is_finite() && is_negative(&speed.times(&Dyadic::new(max_t)).minus(distance), speed);
-    // Where the ray starts, zero over a negative speed is not to become a negative zero, which would be sorted before other hits there.
+    // Adding 0 turns a negative zero, from zero over a negative speed, into 0. Otherwise it would sort before other hits at the origin.
     (!is_negative(distance, speed) && !is_beyond()).then(|| distance.over(speed) + 0.0)
 }
 

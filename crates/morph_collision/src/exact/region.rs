@@ -13,10 +13,10 @@ pub(crate) struct Plane {
     pub(crate) offset: f64,
 }
 
-/// Whether a closed triangle shares a point with the intersection of half-spaces: exactly.
+/// Whether a closed triangle shares a point with the intersection of half-spaces. The answer is exact.
 ///
-/// In barycentric coordinates the shared points are a bounded polygon, cut out by one line per half-space and one per
-/// edge. It has a point iff it has a corner: a crossing of two lines that is on the right side of all others. Degenerate
+/// In barycentric coordinates, the shared points are a bounded polygon, cut out by one line per half-space and one per edge. The
+/// polygon is not empty iff it has a corner: a crossing of two lines that is on the right side of all others. Degenerate
 /// triangles and empty regions need no special case.
 pub(crate) fn triangle_meets_region(triangle: &Triangle, sides: &[Plane]) -> bool {
     filter(triangle, sides)
@@ -25,7 +25,7 @@ pub(crate) fn triangle_meets_region(triangle: &Triangle, sides: &[Plane]) -> boo
         .unwrap_or(false)
 }
 
-/// Decides most triangles: those with a corner certainly inside, and those certainly beyond one half-space.
+/// Decides most triangles: those with a corner that is certainly inside, and those that are certainly outside one half-space.
 fn filter(triangle: &Triangle, sides: &[Plane]) -> Option<bool> {
     // Three products and three sums round by at most 6 half units in the last place of the sum of magnitudes.
     const RELATIVE: f64 = 16.0 * UNIT_ROUNDOFF;
@@ -45,7 +45,7 @@ fn filter(triangle: &Triangle, sides: &[Plane]) -> Option<bool> {
     inside.contains(&true).then_some(true)
 }
 
-/// `None` where the numbers are not exact enough to decide.
+/// Decides by the corners of the polygon; `None` if the numbers are not exact enough.
 fn meets<N: Number>(triangle: &Triangle, sides: &[Plane]) -> Option<bool> {
     let corners = triangle.map(vector::<N>);
     let mut inside = [true; 3];
@@ -71,7 +71,7 @@ fn meets<N: Number>(triangle: &Triangle, sides: &[Plane]) -> Option<bool> {
     cuts.extend(edges);
     for (i, first) in cuts.iter().enumerate() {
         for (j, second) in cuts[..i].iter().enumerate() {
-            // The point is on the two cuts that define it; testing them would ask for the sign of zero.
+            // The point is on the two cuts that define it, so they are not tested: that would ask for the sign of zero.
             let others = cuts.iter().enumerate().filter(|(k, _)| *k != i && *k != j);
             if is_common_point(&cross(first, second), others.map(|(_, cut)| cut))? {
                 return Some(true);
@@ -81,7 +81,7 @@ fn meets<N: Number>(triangle: &Triangle, sides: &[Plane]) -> Option<bool> {
     Some(false)
 }
 
-/// Whether homogeneous barycentric coordinates are those of a point on the right side of every cut.
+/// Whether homogeneous barycentric coordinates describe a point on the right side of every cut.
 fn is_common_point<'a, N: Number + 'a>(point: &Vector<N>, cuts: impl Iterator<Item = &'a Vector<N>>) -> Option<bool> {
     let wrong = point[0].plus(&point[1]).plus(&point[2]).sign()?.reverse();
     if wrong == Equal {

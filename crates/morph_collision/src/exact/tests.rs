@@ -10,7 +10,7 @@ use super::filter::facets_intersect;
 use super::segment::segments_intersect;
 use super::{Facet, Triangle, triangle_contact, triangles_intersect};
 
-/// What the filter alone decides.
+/// What the filter decides without exact predicates.
 fn filtered(a: &Triangle, b: &Triangle) -> Option<bool> {
     facets_intersect(&Facet::new(*a), &Facet::new(*b))
 }
@@ -65,7 +65,7 @@ fn triangles_degenerate_to_segments_and_points() {
     let collinear_gap = segment.map(|p| p + v(0.0, 0.0, 2.5));
     assert!(!triangles_intersect(&segment, &collinear_gap));
     assert!(triangles_intersect(&segment, &segment.map(|p| p + v(0.0, 0.0, 2.0))));
-    // They cross between the second and third corner along each line.
+    // They cross between the second and the third corner of each.
     let along_x = [v(0.0, 0.0, 0.0), v(1.0, 0.0, 0.0), v(4.0, 0.0, 0.0)];
     let along_y = [v(3.0, -3.0, 0.0), v(3.0, -2.0, 0.0), v(3.0, 1.0, 0.0)];
     assert!(triangles_intersect(&along_x, &along_y));
@@ -109,7 +109,7 @@ proptest! {
     }
 }
 
-/// Three corners on one line, in any order, so that shared corners need not be ends.
+/// Three collinear corners in any order, so that shared corners need not be ends.
 fn collinear_triangles() -> impl Strategy<Value = Triangle> {
     let vector = || prop::array::uniform3(-2_i8..3).prop_map(|c| DVec3::from_array(c.map(f64::from)));
     (vector(), vector(), prop::array::uniform3(-3_i8..4))
@@ -202,7 +202,7 @@ fn the_filter_decides_triangles_in_general_position() {
     assert_eq!(filtered(&FLAT, &FLAT), None);
 }
 
-/// Pairs that rounded determinants get wrong, without the box test that comes before the filter in queries.
+/// Pairs for which rounded determinants are wrong, without the box test that queries do before the filter.
 #[test]
 fn the_filter_never_contradicts_the_oracle_on_nearly_degenerate_triangles() {
     let mut rng = Pcg64Mcg::seed_from_u64(1);

@@ -1,4 +1,4 @@
-//! The checks on a mesh's positions, displacements and triangles.
+//! Checks of a mesh's positions, displacements and triangles.
 
 use glam::Vec3;
 
@@ -12,7 +12,7 @@ pub(super) fn count(what: &'static str, count: usize, limit: usize) -> Result<()
     Ok(())
 }
 
-/// Checks the vectors of a shape: as many as the base has, with coordinates within the range.
+/// Checks that a shape has `expected` vectors, and that their coordinates are finite and in range.
 pub(super) fn vectors(shape: &str, vectors: &[Vec3], expected: usize) -> Result<(), ModelError> {
     if vectors.len() != expected {
         return Err(ModelError::LengthMismatch {

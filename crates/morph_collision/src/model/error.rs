@@ -10,7 +10,7 @@ pub enum ModelError {
     /// The mesh has no triangles.
     #[error("the mesh has no triangles")]
     NoTriangles,
-    /// There are more vertices, triangles, targets or joints than their indices can number.
+    /// There are more vertices, triangles, targets, joints or sets of influences than supported.
     #[error("the mesh has {count} {what}, at most {limit} are supported")]
     TooMany {
         /// "vertices", "triangles", "targets", "joints" or "sets of influences".
@@ -46,7 +46,7 @@ pub enum ModelError {
         /// The number of joints.
         joint_count: usize,
     },
-    /// The weight of an influence is NaN, infinite, negative or beyond 1000.
+    /// The weight of an influence is NaN, infinite, negative or more than 1000.
     #[error(
         "vertex {vertex}, influence {slot}: the weight of joint {joint} is {weight}, not a number between 0 and 1000"
     )]
@@ -60,20 +60,20 @@ pub enum ModelError {
         /// Its weight.
         weight: f32,
     },
-    /// A target or reference has a different length from the base.
+    /// The length of a target or a set of influences differs from the base's.
     #[error("{shape} has {length} vertices, the base has {expected}")]
     LengthMismatch {
-        /// "target", "reference" or "influences" and its index, such as "target 3".
+        /// The name and index of the list, such as "target 3" or "weights of influences 0".
         shape: String,
         /// Its length.
         length: usize,
         /// The length of the base.
         expected: usize,
     },
-    /// A coordinate is NaN, infinite, or beyond 1e37.
+    /// A coordinate is NaN, infinite, or larger than 1e37 in absolute value.
     #[error("{shape}, vertex {vertex}: coordinate {value} is not a number between -1e37 and 1e37")]
     BadCoordinate {
-        /// "base", or "target" or "reference" and its index, such as "target 3".
+        /// "base", or "target" and its index, such as "target 3".
         shape: String,
         /// The vertex.
         vertex: usize,

@@ -1,5 +1,5 @@
 //! The immutable mesh: welded base positions, sparse displacements, influences of joints, triangles, and the map from source
-//! vertices.
+//! to welded vertices.
 
 mod check;
 mod error;

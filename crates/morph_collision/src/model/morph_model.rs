@@ -7,7 +7,7 @@ use super::skin::{self, Influence, Influences, Skin};
 use super::weld::weld;
 use super::{ModelError, Weights, check};
 
-/// The largest coordinate of a mesh. It leaves room for sums in `f32`, which ends near 3.4e38 (docs/numerics.md).
+/// The largest coordinate allowed in a mesh. It leaves room for sums in `f32`, whose range ends near 3.4e38 (docs/numerics.md).
 pub(crate) const LARGEST: f32 = 1e37;
 
 /// The displacement of one vertex by one target.
@@ -17,21 +17,26 @@ pub(crate) struct Displacement {
     pub(crate) delta: Vec3,
 }
 
-/// A triangle mesh with morph targets, and joints if it is skinned: immutable, shared by all instances.
+/// A triangle mesh with morph targets, and with joints if it is skinned. It is immutable and shared by all instances.
 ///
-/// Vertices with equal positions, displacements and influences are welded. The vertices that were passed in are the *source*
-/// vertices; [`MorphModel::welded_from_source`] maps them to welded ones. Triangles keep their order and winding. A mesh without
-/// targets is an ordinary rigid mesh.
+/// Vertices with equal positions, displacements and influences are welded. The vertices you pass in are the *source* vertices;
+/// [`MorphModel::welded_from_source`] maps them to welded ones. Triangles keep their order and winding. A mesh with neither
+/// targets nor joints is an ordinary rigid mesh.
 ///
-/// Positions are in the mesh's own space and unit. Memory: 20 bytes per welded vertex and 12 per triangle, 12 bytes per vertex
-/// and target that moves it, and 2 bytes per target for every set of targets that moves a vertex.
+/// Positions are in the mesh's own space and unit. Memory:
+///
+/// - 20 bytes per welded vertex, and 4 per source vertex
+/// - 12 bytes per triangle
+/// - 12 bytes per displacement: per welded vertex and target that moves it
+/// - 2 bytes per target in each distinct set of targets that moves a vertex
+/// - for skinned meshes, 8 bytes per influence and 4 per welded vertex
 #[derive(Clone)]
 pub struct MorphModel {
     base: Vec<Vec3>,
     /// `deltas[starts[v]..starts[v + 1]]` are the displacements of vertex `v`, in ascending target order.
     deltas: Vec<Vec3>,
     starts: Vec<u32>,
-    /// `targets[lists[v]..]` are the targets that move vertex `v`, as many as it has displacements. Vertices share lists.
+    /// `targets[lists[v]..]` are the targets that move vertex `v`, one per displacement. Vertices with equal lists share one.
     targets: Vec<u16>,
     lists: Vec<u32>,
     triangles: Vec<[u32; 3]>,
@@ -39,18 +44,24 @@ pub struct MorphModel {
     skin: Option<Skin>,
     /// The largest absolute coordinate of the base.
     base_reach: f32,
-    /// For each target the largest absolute coordinate of its displacements.
+    /// The largest absolute coordinate of each target's displacements.
     target_reach: Vec<f32>,
 }
 
 impl MorphModel {
-    /// Makes a model from base positions and per-target displacements, as glTF stores them: a vertex is `base + sum_k w_k d_k`.
+    /// Creates a model from base positions and per-target displacements, as glTF stores them: a vertex is `base + sum_k w_k d_k`.
     ///
     /// Each target has one displacement per base vertex. `triangles` index the base.
     ///
     /// # Errors
-    /// [`ModelError`] if there are no vertices or triangles, an index is out of range, a target has a different length, or a
-    /// coordinate is not finite or beyond 1e37. It names the target, vertex or triangle.
+    /// [`ModelError`] if
+    ///
+    /// - there are no vertices or no triangles, or too many
+    /// - an index is out of range
+    /// - a target and the base have different lengths
+    /// - a coordinate is not finite, or larger than 1e37 in absolute value
+    ///
+    /// The error names the target, vertex or triangle.
     pub fn from_displacements<T: AsRef<[Vec3]>>(
         base: &[Vec3],
         triangles: &[[u32; 3]],
@@ -59,14 +70,14 @@ impl MorphModel {
         Self::new(base, triangles, targets, None)
     }
 
-    /// Makes a model of a skinned mesh: vertices are displaced by targets first and moved by joints then.
+    /// Creates a model of a skinned mesh. Targets displace vertices first, then joints move them.
     ///
-    /// `base`, `triangles` and `targets` are those of [`MorphModel::from_displacements`]. There are one or two sets of influences, for up to eight per
-    /// vertex. Where their weights do not sum to 1, the mesh is pulled towards the world's origin, as GPUs draw it.
+    /// `base`, `triangles` and `targets` are as in [`MorphModel::from_displacements`]. Pass one or two sets of influences, for up to eight per
+    /// vertex. If a vertex's weights do not sum to 1, it is pulled towards the world's origin, as GPUs draw it.
     ///
     /// # Errors
-    /// Also if a set has a different length, the weight of an influence is NaN, negative or beyond 1000, or its joint is out of range. The error
-    /// names the vertex, the influence and the joint.
+    /// As for [`MorphModel::from_displacements`], and if a set of influences and the base have different lengths, an influence has a weight
+    /// that is NaN, negative or more than 1000, or its joint is out of range. The error names the vertex, the influence and the joint.
     pub fn skinned<T: AsRef<[Vec3]>>(
         base: &[Vec3],
         triangles: &[[u32; 3]],
@@ -127,13 +138,13 @@ impl MorphModel {
         })
     }
 
-    /// The number of targets, which is the number of weights of an instance.
+    /// The number of targets. Each instance has as many weights.
     #[must_use]
     pub fn target_count(&self) -> usize {
         self.target_reach.len()
     }
 
-    /// The number of joints, or `None` for a mesh that is not skinned.
+    /// The number of joints, or `None` if the mesh is not skinned.
     #[must_use]
     pub fn joint_count(&self) -> Option<usize> {
         self.skin.as_ref().map(Skin::joint_count)
@@ -180,7 +191,7 @@ impl MorphModel {
             .count()
     }
 
-    /// A hash (FNV-1a) of all positions, displacements, triangles and influences, to tell meshes apart. It is the same on every machine.
+    /// A hash (FNV-1a) of all positions, displacements, triangles and influences, which tells meshes apart. It is the same on every machine.
     ///
     /// Cost: one pass over the mesh.
     #[must_use]
@@ -215,7 +226,10 @@ impl MorphModel {
             + self.skin.as_ref().map_or(0, Skin::bytes)
     }
 
-    /// The welded vertices of a triangle that exists.
+    /// The welded vertices of a triangle.
+    ///
+    /// # Panics
+    /// If there is no such triangle.
     #[inline]
     pub(crate) fn corners(&self, triangle: u32) -> [u32; 3] {
         self.triangles[triangle as usize]
@@ -225,7 +239,7 @@ impl MorphModel {
         self.base[vertex as usize]
     }
 
-    /// The targets that move a vertex, ascending, and by how much.
+    /// The targets that move a vertex, ascending, and their displacements of it.
     #[inline(always)]
     fn columns(&self, vertex: u32) -> (&[u16], &[Vec3]) {
         let v = vertex as usize;
@@ -252,10 +266,10 @@ impl MorphModel {
         &self.target_reach
     }
 
-    /// The posed position of a welded vertex in model space. This is the definition that every answer rests on.
+    /// The posed position of a welded vertex in model space. Every answer is based on this definition.
     ///
-    /// It is computed in `f32`, in ascending target order, with zero weights left out, by a multiplication and then an
-    /// addition. Zero displacements are not stored; adding them would change no value.
+    /// It is computed in `f32`, in ascending target order, skipping zero weights, with separate multiplications and additions.
+    /// Zero displacements are not stored; adding them would change no value.
     #[inline]
     pub(crate) fn blend_vertex(&self, vertex: u32, weights: &Weights) -> Vec3A {
         let mut position = Vec3A::from(self.base[vertex as usize]);

@@ -1,4 +1,4 @@
-//! How near the error of a posed vertex comes to its bound, in exact arithmetic.
+//! Measures in exact arithmetic how close the error of a posed vertex comes to its bound.
 
 use glam::Vec3;
 use morph_collision_testkit::oracle::Dyadic;
@@ -7,7 +7,7 @@ use rand::RngExt;
 
 use super::{MorphModel, Weights};
 
-/// Error over bound of one posed coordinate: `numbers` are the base, and weight and displacement of each target.
+/// The error of one posed coordinate, divided by its bound. `numbers` are the base, then the weight and displacement of each target.
 fn ratio(numbers: &[f32]) -> Option<f64> {
     let (base, targets) = numbers.split_first()?;
     let pairs = || targets.chunks_exact(2).map(|pair| (pair[0], pair[1]));
@@ -23,7 +23,7 @@ fn ratio(numbers: &[f32]) -> Option<f64> {
     if reach.to_f64() > 2e37 {
         return None;
     }
-    // g_n R + m 2^-150 with g_n = n u / (1 - n u), both sides times 1 - n u.
+    // The bound is g_n R + m 2^-150 with g_n = n u / (1 - n u). Both sides are multiplied by 1 - n u.
     let active = weights.iter().filter(|w| **w != 0.0).count() as f64;
     let n_u = Dyadic::from(active + 1.0) * Dyadic::power_of_two(-24);
     let rest = Dyadic::from(1.0_f64) - n_u.clone();

@@ -9,20 +9,20 @@ use glam::Vec3A;
 use super::ModelError;
 use crate::joints::JointMatrices;
 
-/// Up to four joints of every vertex with their weights, as glTF stores them (`JOINTS_0` and `WEIGHTS_0`).
+/// Up to four joints per vertex and their weights, as glTF stores them (`JOINTS_0` and `WEIGHTS_0`).
 ///
-/// An influence with weight 0 does nothing, whatever its joint.
+/// An influence with weight 0 is ignored, even if its joint does not exist.
 #[derive(Clone, Copy, Debug)]
 pub struct Influences<'a> {
     /// Joint indices, one entry per vertex.
     pub joints: &'a [[u16; 4]],
-    /// Their weights, one entry per vertex: not negative, at most 1000, and usually with a sum of 1. They are not normalised.
+    /// Weights of the joints, one entry per vertex: not negative, at most 1000, and usually with a sum of 1. They are not normalised.
     pub weights: &'a [[f32; 4]],
 }
 
-/// The most sets of influences, so that a vertex has at most eight.
+/// The maximum number of sets of influences: a vertex has at most eight influences.
 const MAX_SETS: usize = 2;
-/// The largest weight of an influence. Together with [`JointMatrices::LARGEST`] it keeps vertices in the range of the exact tests.
+/// The largest weight allowed. Together with [`JointMatrices::LARGEST`] it keeps vertices in the range of the exact tests.
 const MAX_WEIGHT: f32 = 1000.0;
 
 /// A joint that moves a vertex.
@@ -38,10 +38,11 @@ pub(crate) struct Influence {
 pub(crate) struct Skin {
     pub(super) joint_count: usize,
     influences: Vec<Influence>,
-    /// `influences[starts[v]..starts[v + 1]]` are those of vertex `v`, in the order of their slots.
+    /// `influences[starts[v]..starts[v + 1]]` are those of vertex `v`, in slot order.
     starts: Vec<u32>,
-    /// The largest sum of a vertex's weights, and how far any is from 1, rounded up.
+    /// The largest sum of a vertex's weights, rounded up.
     max_sum: f64,
+    /// The largest difference between the sum of a vertex's weights and 1, rounded up.
     max_missing: f64,
 }
 
@@ -73,7 +74,7 @@ impl Skin {
         self.max_sum
     }
 
-    /// What the weights of a vertex may sum to.
+    /// A range that contains the sum of every vertex's weights.
     pub(crate) fn sums(&self) -> RangeInclusive<f64> {
         1.0 - self.max_missing..=self.max_sum
     }
@@ -82,18 +83,19 @@ impl Skin {
         self.max_missing
     }
 
-    /// The influences of a vertex with weights that are not 0, in the order of their slots.
+    /// The influences of a vertex, in slot order, without those of weight 0.
     #[inline(always)]
     pub(crate) fn influences(&self, vertex: u32) -> &[Influence] {
         let v = vertex as usize;
         &self.influences[self.starts[v] as usize..self.starts[v + 1] as usize]
     }
 
-    /// The world position of a welded vertex, given its position after morphing. This is the definition that every answer about
-    /// skinned meshes rests on.
+    /// The world position of a welded vertex, given its position after morphing. Every answer about skinned meshes is based on
+    /// this definition.
     ///
-    /// The vertex's matrix is `((w_0 J_0 + w_1 J_1) + w_2 J_2) + ...` per entry, in the order of slots; zero weights are left out, and
-    /// weights are not normalised. The position, in the first three numbers, is `((M_x p_x + M_y p_y) + M_z p_z) + M_t`. All of it is `f64`, never fused.
+    /// The vertex's matrix is `((w_0 J_0 + w_1 J_1) + w_2 J_2) + ...` per entry, in slot order. Zero weights are skipped, and
+    /// weights are not normalised. The position is `((M_x p_x + M_y p_y) + M_z p_z) + M_t`, in the first three numbers. Everything is
+    /// computed in `f64`, never fused.
     #[inline(always)]
     pub(crate) fn place<S: Simd>(&self, simd: S, vertex: u32, position: Vec3A, joints: &JointMatrices) -> [f64; 4] {
         let mut blended = [f64x4::splat(simd, 0.0); 4];
@@ -116,7 +118,7 @@ impl Skin {
         size_of_val(&*self.influences) + size_of_val(&*self.starts)
     }
 
-    /// All that defines it, to be hashed.
+    /// Everything that defines the skin, for hashing.
     pub(super) fn words(&self) -> impl Iterator<Item = u32> {
         let influences = self
             .influences
@@ -128,7 +130,7 @@ impl Skin {
     }
 }
 
-/// Checks influences and returns those of each vertex that have a weight, in the order of their slots.
+/// Checks influences. Returns those of each vertex, in slot order, without those of weight 0.
 pub(super) fn checked(
     vertices: usize,
     joint_count: usize,

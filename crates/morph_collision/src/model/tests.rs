@@ -6,7 +6,7 @@ const CORNERS: [Vec3; 3] = [Vec3::ZERO, Vec3::X, Vec3::Y];
 
 #[test]
 fn vertices_are_welded_only_if_they_move_alike() {
-    // A quad of two triangles with split corners: 1 and 4 agree, 2 and 3 agree at rest but part under the target.
+    // A quad of two triangles with split corners. Vertices 1 and 4 are equal; 2 and 3 are equal only until the target moves 3.
     let base = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Y, Vec3::X, Vec3::ONE];
     let mut target = [Vec3::ZERO; 6];
     target[3] = Vec3::Z;

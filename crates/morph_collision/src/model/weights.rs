@@ -1,12 +1,12 @@
-/// One weight per target, and which of them are not zero, so that what blends pays for those alone.
+/// One weight per target, and a list of the nonzero ones, so that blending costs only what those cost.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Weights {
     all: Vec<f32>,
-    /// The targets whose weights are not zero, ascending, with these.
+    /// The targets with nonzero weights, ascending, with their weights.
     active: Vec<(u32, f32)>,
 }
 
-/// A binary search is taken to cost as much as going over this many targets. Not measured.
+/// One binary search is assumed to cost as much as iterating over this many targets. Not measured.
 const SEARCH: usize = 8;
 
 impl Weights {
@@ -28,7 +28,7 @@ impl Weights {
         &self.all
     }
 
-    /// The targets whose weights are not zero, ascending, with these.
+    /// The targets with nonzero weights, ascending, with their weights.
     pub(crate) fn active(&self) -> &[(u32, f32)] {
         &self.active
     }
@@ -38,14 +38,14 @@ impl Weights {
         size_of_val(&*self.all) + self.active.capacity() * size_of::<(u32, f32)>()
     }
 
-    /// Whether so few targets are active that searching this many for each of them beats going over all.
+    /// Whether so few targets are active that searching a list of this many targets for each of them beats iterating over the list.
     #[inline(always)]
     pub(crate) fn are_few_of(&self, targets: usize) -> bool {
         self.active.len() * SEARCH < targets
     }
 
-    /// Calls `visit` with the weight and the value of each target with a nonzero weight. `targets` is ascending, and `values[i]` belongs to
-    /// `targets[i]`.
+    /// Calls `visit` with the weight and the value of each listed target whose weight is not zero. `targets` must be ascending, and
+    /// `values[i]` belongs to `targets[i]`.
     #[inline(always)]
     pub(crate) fn visit<T>(&self, targets: &[u16], values: &[T], mut visit: impl FnMut(f32, &T)) {
         if targets.len() == self.all.len() {
@@ -78,7 +78,7 @@ mod tests {
 
     use super::*;
 
-    /// Places of active targets and the bits of their weights, in order.
+    /// The indices of active targets in `targets`, and the bits of their weights, in order.
     fn visited_by_definition(weights: &[f32], targets: &[u16]) -> Vec<(usize, u32)> {
         let weights = targets.iter().map(|&target| weights[usize::from(target)]);
         let active = weights.enumerate().filter(|&(_, weight)| weight != 0.0);

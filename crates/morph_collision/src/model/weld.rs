@@ -1,4 +1,4 @@
-//! Welding: vertices with equal positions, displacements and influences move together in all poses, so one is kept.
+//! Welding: vertices with equal positions, displacements and influences move together in all poses, so only one is kept.
 
 use std::collections::HashMap;
 use std::hash::{Hash, Hasher};
@@ -8,7 +8,7 @@ use glam::Vec3;
 use super::Displacement;
 use super::skin::Influence;
 
-/// Everything that decides where a vertex can be: equal keys mean equal vertices in all poses.
+/// Everything that determines where a vertex can be. Vertices with equal keys have equal positions in all poses.
 #[derive(PartialEq)]
 struct Key<'a> {
     base: Vec3,
@@ -32,13 +32,13 @@ impl Hash for Key<'_> {
     }
 }
 
-/// Hashes -0 as 0, because they are equal.
+/// Hashes -0 like 0, because they are equal.
 fn hash_vector<H: Hasher>(v: Vec3, state: &mut H) {
     (v + Vec3::ZERO).to_array().map(f32::to_bits).hash(state);
 }
 
-/// Returns the welded vertex of each vertex, numbered by first appearance, and the first vertex of each welded one. `influences` is
-/// empty for a mesh without joints.
+/// Returns the welded vertex of each vertex, numbered by first appearance, and the first vertex of each welded vertex. `influences`
+/// is empty for a mesh without joints.
 pub(super) fn weld(
     base: &[Vec3],
     displacements: &[Vec<Displacement>],

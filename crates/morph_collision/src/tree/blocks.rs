@@ -1,13 +1,13 @@
-//! Which clusters of a group's children stand side by side.
+//! Arranges the clusters of a group's children side by side.
 
 use super::clusters::{Cluster, Interval};
 use crate::bounds::{LANES, Lanes};
 
-/// A lane of a block: a child, and one of its clusters or none.
+/// A lane of a block: a child, and one of its clusters if there is one.
 pub(super) type Lane<'c> = (usize, Option<&'c Cluster>);
 
-/// Divides the clusters of a group's children into blocks: either the next cluster of each child, or those next to each other in the order of
-/// their joints, whichever takes fewer instructions.
+/// Divides the clusters of a group's children into blocks, in one of two ways: block `i` has the `i`-th cluster of each child, or the
+/// clusters of all children are sorted by their joints and cut into blocks. Returns whichever takes fewer instructions.
 pub(super) fn arranged(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
     let most = children.iter().map(Vec::len).max().unwrap_or(0);
     let of_each = |place| {
@@ -38,13 +38,13 @@ pub(super) fn arranged(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
     }
 }
 
-/// What the steps of the kernel take, in instructions: counted once, with AVX2, and rounded.
+/// The instructions that the steps of the kernel take, counted once, with AVX2, and rounded.
 const BLOCK: usize = 160;
 const PIVOT: usize = 120;
 const ROW: usize = 140;
 const SCATTERING: usize = 190;
 
-/// The joints of a block: the strongest of each lane, and what all others weigh.
+/// The joints of a block: the strongest one of each lane, and the weights of all others.
 #[derive(Default)]
 pub(super) struct Steps {
     pub(super) pivots: Vec<(u16, u8)>,

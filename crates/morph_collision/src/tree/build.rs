@@ -1,4 +1,4 @@
-//! Building: splits nodes from the top down and measures them from the bottom up, in one pass.
+//! Building: splits nodes top-down and measures them bottom-up, in one pass.
 
 use std::sync::Arc;
 use std::vec;
@@ -13,14 +13,14 @@ use super::{BuildOptions, LeafLanes, MorphBvh, Tables, Topology};
 use crate::bounds::{Kernel, LANES};
 use crate::model::MorphModel;
 
-/// The most levels of a tree. Not measured; trees of real meshes have about ten.
+/// The maximum depth of a tree. Not measured; trees of real meshes have about ten levels.
 pub(super) const MAX_DEPTH: usize = 256;
-/// More levels than splitting by count takes: each one divides 2^31 triangles by eight.
+/// More levels than splitting by count ever takes: each level divides up to 2^31 triangles by eight.
 const COUNT_DEPTH: usize = 33;
 
 /// Decides how a node's triangles are divided among its children.
 pub(super) trait Splits {
-    /// Reorders a node's triangles child by child and returns the number of triangles of each child, `None` for a leaf.
+    /// Reorders a node's triangles child by child, and returns the number of triangles of each child. `None` makes the node a leaf.
     async fn split(&mut self, triangles: &mut [u32], depth: usize, pace: &Pace) -> Option<Vec<usize>>;
 }
 
@@ -37,13 +37,13 @@ impl Splits for Partition {
         if counts.len() > 1 {
             return Some(counts);
         }
-        // No plane separates the midpoints.
+        // No plane separates the midpoints, or the tree is too deep: split by count.
         let chunks = triangles.chunks(triangles.len().div_ceil(LANES));
         Some(chunks.map(<[u32]>::len).collect())
     }
 }
 
-/// Replays the splits of a layout, whose triangles are already in order. The rest of its nodes.
+/// Replays the splits of a layout, whose triangles are already in order. Holds the nodes still to come.
 pub(super) struct Recorded<'a>(pub(super) &'a [u32]);
 
 impl Splits for Recorded<'_> {
@@ -56,7 +56,7 @@ impl Splits for Recorded<'_> {
 }
 
 impl MorphBvh {
-    /// Builds the tree. [`MorphBvhBuilder`](crate::MorphBvhBuilder) does it in steps.
+    /// Builds the tree. To build it in steps, use [`MorphBvhBuilder`](crate::MorphBvhBuilder).
     #[must_use]
     pub fn build(model: Arc<MorphModel>, options: &BuildOptions) -> Self {
         at_once(build_paced(model, options, &Pace::endless()))
@@ -96,7 +96,7 @@ pub(super) async fn build_over(
     tables.finish();
     topology.triangles = triangles;
     let leaf_lanes = match skin {
-        // Vertices that joints move are blended one by one.
+        // Vertices moved by joints are blended one by one.
         Some(_) => None,
         None => LeafLanes::new(&model, &topology, pace).await.map(Arc::new),
     };
@@ -112,7 +112,7 @@ pub(super) async fn build_over(
     }
 }
 
-/// The joint that moves most of a mesh.
+/// The joint that moves most of the mesh.
 async fn dominant_joint(model: &MorphModel, pace: &Pace) -> u16 {
     let mut clusters = Vec::with_capacity(model.vertex_count());
     for vertex in 0..model.vertex_count() as u32 {
@@ -123,9 +123,9 @@ async fn dominant_joint(model: &MorphModel, pace: &Pace) -> u16 {
     dominant(Cluster::joined(clusters).iter())
 }
 
-/// The work of measuring some vertices, or children, on every target.
+/// The work of measuring `count` vertices or children on every target.
 fn work_on(model: &MorphModel, count: usize) -> usize {
-    // Joints are not counted: a vertex has few.
+    // Joints are not counted, because a vertex has few.
     count * (4 + model.target_count())
 }
 
@@ -141,14 +141,14 @@ struct Builder<'a, S> {
 /// A group whose children are being built.
 struct Open {
     group: usize,
-    /// How many triangles the children to come have.
+    /// The numbers of triangles of the remaining children.
     counts: vec::IntoIter<usize>,
     children: Vec<Child>,
     clusters: Vec<Vec<Cluster>>,
 }
 
 impl<S: Splits> Builder<'_, S> {
-    /// Builds all nodes in preorder over `triangles`, which it reorders. Returns the root with the clusters of its vertices.
+    /// Builds all nodes in preorder and reorders `triangles` accordingly. Returns the root and the clusters of its vertices.
     async fn nodes(&mut self, triangles: &mut [u32]) -> (Child, Vec<Cluster>) {
         let mut open: Vec<Open> = Vec::new();
         let mut range = 0..triangles.len();
@@ -172,7 +172,7 @@ impl<S: Splits> Builder<'_, S> {
             self.topology.depth = self.topology.depth.max(open.len());
             self.pace.spend(work_on(self.model, range.len())).await;
             let mut node = self.leaf(&triangles[range.clone()]);
-            // Up from it, past all groups whose last child is done.
+            // Up again, past all groups whose last child is done.
             loop {
                 let Some(mut parent) = open.pop() else { return node };
                 let (child, clusters) = node;
@@ -198,7 +198,7 @@ impl<S: Splits> Builder<'_, S> {
         (Child::leaf(leaf), Cluster::joined(clusters.collect()))
     }
 
-    /// Takes the next number in preorder for a group whose children are not known yet.
+    /// Reserves the next number in preorder for a group whose children are not known yet.
     fn reserve(&mut self) -> usize {
         self.topology.groups.push(Group::default());
         match &mut self.skin {
@@ -208,17 +208,17 @@ impl<S: Splits> Builder<'_, S> {
         self.topology.groups.len() - 1
     }
 
-    /// Stores the children of a group and returns the clusters of all of them.
+    /// Stores the children of a group and returns their joined clusters.
     fn finish(&mut self, group: usize, children: &[Child], clusters: Vec<Vec<Cluster>>, is_top: bool) -> Vec<Cluster> {
         self.topology.groups[group].set(children);
         if let Some(skin) = &mut self.skin {
-            // The root's box is the hull of its children's, which make the body's bounds.
+            // Group 0 holds only the root, whose box is the hull of its children's boxes.
             if group > 0 {
                 skin.fill(group, &clusters, is_top);
             }
             return Cluster::joined(clusters.into_iter().flatten().collect());
         }
-        // Without joints each child is one cluster.
+        // Without joints, each child is one cluster.
         let extents: Vec<NodeExtents> = clusters.into_iter().flatten().map(|cluster| cluster.extents).collect();
         let whole = NodeExtents::of_parts(extents.iter());
         self.tables.fill(group, &extents, &whole);

@@ -10,13 +10,14 @@ use super::pace::{Pace, go_on};
 use super::{BuildOptions, MorphBvh};
 use crate::model::MorphModel;
 
-/// The work of a step.
+/// The work of one step, in the unit of [`Pace`].
 pub(super) const STEP: usize = 1 << 17;
 
-/// Builds a [`MorphBvh`] in steps, for threads that have other things to do meanwhile, such as the only one of a web page.
+/// Builds a [`MorphBvh`] in steps, for threads that must not block, such as the only thread of a web page.
 ///
-/// The tree is the one that [`MorphBvh::build`] returns, bit for bit. A step takes as long as it takes to put 131,072 triangles into boxes, about
-/// a millisecond. It may take longer for meshes of more triangles or vertices than that, which some steps go through as a whole.
+/// The tree is the same as from [`MorphBvh::build`], bit for bit. A step does as much work as putting 131,072 triangles into boxes,
+/// which takes about a millisecond. Steps can take longer if a mesh has more triangles or vertices than that, because some steps
+/// process the whole mesh.
 ///
 /// ```
 /// # use std::{ops::ControlFlow, sync::Arc};
@@ -39,7 +40,7 @@ pub struct MorphBvhBuilder {
 }
 
 impl MorphBvhBuilder {
-    /// A builder that has not done anything yet.
+    /// Creates a builder. It does nothing until the first step.
     #[must_use]
     pub fn new(model: Arc<MorphModel>, options: &BuildOptions) -> Self {
         let pace = Arc::new(Pace::endless());
@@ -50,7 +51,7 @@ impl MorphBvhBuilder {
         }
     }
 
-    /// Does the next step. Returns the tree after the last one, and the builder before that.
+    /// Does the next step. Returns the builder, or the tree after the last step.
     pub fn step(mut self) -> ControlFlow<MorphBvh, Self> {
         self.pace.begin(STEP);
         match go_on(self.build.as_mut()) {

@@ -1,4 +1,4 @@
-//! Trees that are built in steps.
+//! Tests of trees built in steps.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::joints::JointMatrices;
 use crate::model::{Influences, MorphModel};
 use crate::pose::Pose;
 
-/// Builds in steps. Returns the tree, the number of steps, and how many of them did more than a step's work.
+/// Builds in steps. Returns the tree, the number of steps, and how many steps left no work unused.
 fn in_steps(model: &Arc<MorphModel>, options: &BuildOptions) -> (MorphBvh, usize, usize) {
     let mut builder = MorphBvhBuilder::new(model.clone(), options);
     let (mut steps, mut long) = (1, 0);
@@ -101,7 +101,7 @@ fn no_step_is_long_and_there_are_as_many_as_the_work_takes() {
     for model in [model_of(&mesh), skinned(&mesh)] {
         let (bvh, steps, long) = in_steps(&model, &BuildOptions::default());
         assert_eq!(long, 0, "of {steps} steps");
-        // On each level of halving, every triangle goes into a box of each shape for each axis.
+        // Each time nodes are halved, every triangle is put into boxes once per shape and axis.
         let levels = (bvh.leaf_count() as f64).log2().floor() as usize;
         let least = 3 * triangles * shapes * levels / STEP;
         println!("{triangles} triangles: {steps} steps, of at least {least}");

@@ -5,10 +5,11 @@ use super::{BuildOptions, Child, ChildKind, LeafLanes, SkinTables, Tables, Topol
 use crate::bounds::Kernel;
 use crate::model::MorphModel;
 
-/// A bounding-volume tree over a [`MorphModel`], valid at all weights: immutable, shared by all instances of the mesh.
+/// A bounding volume hierarchy over a [`MorphModel`], valid for all weights. It is immutable and shared by all instances of the
+/// mesh.
 ///
-/// Each node stores its box at the base and, for each target that moves any of its vertices, how the box moves. A
-/// [`Pose`](crate::Pose) blends these when a query looks at the node.
+/// Each node stores its box at the base, and how the box moves with each target that moves any of its vertices. A
+/// [`Pose`](crate::Pose) blends these when a query visits the node.
 ///
 /// Building takes `O(n log n)` time for `n` triangles. Memory is proportional to the number of targets that move a node, summed
 /// over all nodes. Cloning is cheap.
@@ -17,7 +18,7 @@ pub struct MorphBvh {
     pub(super) model: Arc<MorphModel>,
     pub(crate) topology: Arc<Topology>,
     pub(crate) tables: Arc<Tables>,
-    /// For a skinned mesh.
+    /// `Some` for a skinned mesh.
     pub(crate) skin: Option<Arc<SkinTables>>,
     pub(crate) leaf_lanes: Option<Arc<LeafLanes>>,
     pub(super) options: BuildOptions,
@@ -25,9 +26,10 @@ pub struct MorphBvh {
 }
 
 impl MorphBvh {
-    /// Makes queries use this instruction set instead of the machine's best one: for tests and measurements.
+    /// Makes queries use this instruction set instead of the machine's best one. For tests and measurements.
     ///
-    /// The bits of the answers do not change. Where the trees of two bodies differ, pairs are compared with the first body's.
+    /// Answers stay the same bit for bit. If the trees of two bodies use different instruction sets, pair queries use the first
+    /// body's.
     #[must_use]
     pub fn with_kernel(mut self, kernel: Kernel) -> Self {
         self.kernel = kernel;
@@ -78,11 +80,11 @@ impl MorphBvh {
         self.topology.bytes() + self.tables.bytes() + skin + leaf_lanes
     }
 
-    /// Cuts the mesh into parts of nearby triangles: the largest subtrees of at most `max_triangles` triangles. Every triangle is
+    /// Cuts the mesh into parts of nearby triangles: the largest subtrees with at most `max_triangles` triangles. Every triangle is
     /// in exactly one part, and successive parts are near each other.
     ///
-    /// A leaf is never cut, so a part has more than `max_triangles` triangles where a leaf does. Cost: the number of parts times
-    /// the depth of the tree.
+    /// Leaves are never cut, so a leaf with more than `max_triangles` triangles becomes a part as it is. Cost: the number of
+    /// parts times the depth of the tree.
     #[must_use]
     pub fn subtrees(&self, max_triangles: usize) -> Vec<&[u32]> {
         let topology = &self.topology;

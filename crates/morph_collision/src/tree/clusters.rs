@@ -1,14 +1,14 @@
-//! The vertices of a node, split by the joints that move them most, with what bounds each part.
+//! Splits the vertices of a node by the joints that move them most, and collects the bounds of each part.
 
 use super::extents::NodeExtents;
 use crate::model::{Influence, MorphModel};
 
 /// Second joints with less weight than this do not split clusters (docs/skinning.md).
 const MIN_SECOND: f32 = 0.05;
-/// Where the weights of a vertex miss a sum of 1 by more than this, what is missing counts as an influence.
+/// If the sum of a vertex's weights differs from 1 by more than this, the difference counts as an influence.
 const MISSING: f64 = 1.0 / (1 << 20) as f64;
 
-/// The weight of a joint over the vertices of a cluster: its least and its largest.
+/// The smallest and the largest weight of a joint over the vertices of a cluster.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Interval {
     pub(super) joint: u16,
@@ -21,22 +21,22 @@ pub(super) struct Interval {
 pub(super) struct Cluster {
     /// The strongest joint, and the second one, or [`NONE`].
     key: [u16; 2],
-    /// What the vertices span before joints move them.
+    /// The extents of the vertices before joints move them.
     pub(super) extents: NodeExtents,
-    /// Ascending by joint. Joints that are not listed have weight 0. Weights that miss a sum of 1 are made up for by the joint after
-    /// the last one, whose matrix is 0.
+    /// Ascending by joint. Joints that are not listed have weight 0. If weights do not sum to 1, an extra joint after the last one, whose
+    /// matrix is 0, gets the difference.
     pub(super) weights: Vec<Interval>,
-    /// The largest `|1 - sum of weights|` that is not among the weights.
+    /// The largest `|1 - sum of weights|` over vertices for which that difference is not in `weights`.
     pub(super) missing: f32,
-    /// The sum of the weights of each joint over the vertices, roughly: which joint moves most of a node.
+    /// Roughly the sum of each joint's weights over the vertices. It tells which joint moves most of a node.
     pub(super) shares: Vec<(u16, f32)>,
 }
 
-/// In place of a joint.
+/// Stands for no joint.
 pub(super) const NONE: u16 = u16::MAX;
 
 impl Cluster {
-    /// The only cluster of a node that no joint moves.
+    /// The only cluster of a node of a mesh without joints.
     pub(super) fn without_joints(extents: NodeExtents) -> Self {
         Self {
             key: [NONE; 2],
@@ -71,7 +71,7 @@ impl Cluster {
             found.map_or(NONE, |(_, joint)| *joint)
         };
         Self {
-            // Without influences the vertex is at the origin, whose weight is then 1.
+            // A vertex without influences has weight 1 for the extra joint, which takes it to the origin.
             key: [joint(0, 0.0), joint(1, MIN_SECOND)],
             extents,
             shares: weights
@@ -92,17 +92,17 @@ impl Cluster {
         self.key
     }
 
-    /// The joint whose image of the cluster is corrected by those of the others.
+    /// The joint that maps the cluster. The other joints correct its image.
     pub(super) fn strongest(&self) -> u16 {
         self.key[0]
     }
 
-    /// The joints other than the strongest with what they weigh.
+    /// The joints other than the strongest, with their weights.
     pub(super) fn others(&self) -> impl Iterator<Item = &Interval> {
         self.weights.iter().filter(|weight| weight.joint != self.strongest())
     }
 
-    /// Joins the clusters of parts of a node: those with the same joints become one.
+    /// Joins the clusters of a node's parts: those with the same key become one.
     pub(super) fn joined(mut parts: Vec<Self>) -> Vec<Self> {
         parts.sort_by_key(|cluster| cluster.key);
         parts.chunk_by(|a, b| a.key == b.key).map(Self::union).collect()
@@ -142,7 +142,7 @@ impl Cluster {
     }
 }
 
-/// The weights of the joints of a vertex, ascending by joint. A joint that is there several times has the sum.
+/// The weights of a vertex's joints, ascending by joint. A joint that occurs several times gets the sum.
 fn summed(influences: &[Influence]) -> Vec<Interval> {
     let mut sorted = influences.to_vec();
     sorted.sort_by_key(|influence| influence.joint);
@@ -160,7 +160,7 @@ fn summed(influences: &[Influence]) -> Vec<Interval> {
     sums.collect()
 }
 
-/// The sum of weights. It is exactly 1 only if it is so without rounding.
+/// The sum of the weights. Returns exactly 1 only if the exact sum is 1.
 fn sum(influences: &[Influence]) -> f64 {
     let terms = || influences.iter().map(|influence| f64::from(influence.weight));
     let sum: f64 = terms().sum();
@@ -169,13 +169,13 @@ fn sum(influences: &[Influence]) -> f64 {
     if is_exact || sum != 1.0 { sum } else { sum.next_up() }
 }
 
-/// The `f32` numbers around a sum of a few weights, its rounding included.
+/// The `f32` numbers below and above a sum of a few weights, with room for its rounding.
 fn outward(sum: f64) -> (f32, f32) {
     let rounding = 8.0 * f64::EPSILON * (1.0 + sum.abs());
     (crate::bounds::down(sum - rounding), crate::bounds::up(sum + rounding))
 }
 
-/// The joint with the largest share of a node, if any moves it.
+/// The joint with the largest share of a node, or [`NONE`] if no joint moves it.
 pub(super) fn dominant<'c>(clusters: impl Iterator<Item = &'c Cluster>) -> u16 {
     let mut shares: Vec<(u16, f32)> = clusters.flat_map(|cluster| cluster.shares.iter().copied()).collect();
     shares.sort_by_key(|(joint, _)| *joint);

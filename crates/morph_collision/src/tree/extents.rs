@@ -1,4 +1,4 @@
-//! What a node's vertices span, in `f64`: at the base, with each target at weight 1, and the displacements themselves.
+//! The extents of a node in `f64`: of its vertices at the base and with each target at weight 1, and of the displacements.
 
 use glam::DVec3;
 
@@ -12,7 +12,7 @@ impl Extent {
     }
 
     /// How far the ends of a base box must move to become the ends of this box, rounded outward. The pad covers the rounding of
-    /// points that are sums of two vectors (docs/numerics.md, "Blended boxes").
+    /// points computed as the sum of two vectors (docs/numerics.md, "Blended boxes").
     pub(super) fn slope_from(&self, base: &Aabb) -> Aabb {
         let pad = 8.0 * f64::EPSILON * self.reach() + 4.0 * f64::EPSILON * base.magnitude().as_dvec3();
         let min = self.min - base.min.as_dvec3() - pad;
@@ -21,17 +21,17 @@ impl Extent {
     }
 }
 
-/// What a node spans under a target that moves it.
+/// The extents of a node under a target that moves it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TargetExtents {
     pub(super) target: u16,
-    /// Of `d_k`, the displacements.
+    /// The extent of the displacements `d_k`.
     pub(super) displacement: Extent,
-    /// Of `b + d_k`: the paper's reference volume.
+    /// The extent of `b + d_k`: the paper's reference volume.
     pub(super) reference: Extent,
 }
 
-/// Everything that a node's box is made from.
+/// Everything from which a node's box is computed.
 #[derive(Clone, Debug)]
 pub(super) struct NodeExtents {
     pub(super) base: Extent,
@@ -57,7 +57,7 @@ impl NodeExtents {
         }
     }
 
-    /// The union of some parts. A part that a target does not move is at its base under it.
+    /// The union of some parts. If a target does not move a part, the part stays at its base under that target.
     pub(super) fn of_parts<'p>(parts: impl Iterator<Item = &'p Self> + Clone) -> Self {
         let union = |of: &dyn Fn(&Self) -> Extent| parts.clone().map(of).fold(Extent::EMPTY, Extent::union);
         let mut targets: Vec<u16> = parts.clone().flat_map(|p| p.targets.iter().map(|t| t.target)).collect();
@@ -77,7 +77,7 @@ impl NodeExtents {
         }
     }
 
-    /// A point near the node that nothing moves.
+    /// A corner of the node's base box, as a point that no target moves.
     pub(super) fn a_point(&self) -> Self {
         Self {
             base: Extent::point(self.base.min),
@@ -85,7 +85,7 @@ impl NodeExtents {
         }
     }
 
-    /// What the node spans under a target, or `None` if the target does not move it.
+    /// The extents of the node under a target, or `None` if the target does not move it.
     pub(super) fn under(&self, target: u16) -> Option<&TargetExtents> {
         let i = self.targets.binary_search_by_key(&target, |t| t.target).ok()?;
         Some(&self.targets[i])

@@ -1,11 +1,11 @@
-//! What each joint moves: a box per joint around its vertices before joints move them. Together they bound a body before any node is blended.
+//! One box per joint around the vertices that it moves, before joints move them. Together they bound a body before any node is blended.
 
 use super::extents::NodeExtents;
 use super::tables::{GroupTables, Tables};
 use crate::bounds::LANES;
 use crate::model::MorphModel;
 
-/// The boxes of all joints that move anything, eight side by side.
+/// The boxes of all joints that move a vertex of a triangle, eight side by side.
 #[derive(Clone, Default)]
 pub(crate) struct JointBoxes {
     /// Ascending.
@@ -46,7 +46,7 @@ impl JointBoxes {
         boxes
     }
 
-    /// The joints, eight at a time, and what blends their boxes.
+    /// The joints, eight at a time, with the tables that blend their boxes.
     #[inline(always)]
     pub(crate) fn blocks(&self) -> impl Iterator<Item = (&[u16], GroupTables<'_>)> {
         let tables = |(block, joints)| (joints, self.boxes.group(block));

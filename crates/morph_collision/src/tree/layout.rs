@@ -13,11 +13,11 @@ use crate::model::MorphModel;
 /// The version of [`TreeLayout`] that this crate writes and reads.
 const VERSION: u32 = 2;
 
-/// The shape of a tree without its boxes: which triangles are together, and the build options. A game can ship it to save the
-/// time of splitting. It is serialisable with the feature `serde`.
+/// The structure of a tree without its boxes: which triangles each node holds, and the build options. Ship it with your game to
+/// skip splitting at load time. The feature `serde` makes it serialisable.
 ///
-/// [`MorphBvh::from_layout`] measures the boxes again on the mesh. That is cheaper than splitting, keeps files small, and no
-/// corrupt file can make an answer wrong.
+/// [`MorphBvh::from_layout`] measures the boxes again on the mesh. This is cheaper than splitting, keeps files small, and means
+/// that a corrupt file cannot make an answer wrong.
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -39,7 +39,7 @@ pub struct TreeLayout {
     /// [`MorphModel::fingerprint`] of the mesh.
     fingerprint: u64,
     options: BuildOptions,
-    /// The nodes in preorder. A node is its number of children, then the number of triangles below each of them; a leaf is a 0.
+    /// The nodes in preorder. A node is its number of children, then the number of triangles below each child. A leaf is a 0.
     nodes: Vec<u32>,
     /// The mesh's triangle numbers in leaf order.
     triangles: Vec<u32>,
@@ -63,7 +63,7 @@ pub enum LayoutError {
         /// The mesh's fingerprint.
         expected: u64,
     },
-    /// There are too few or too many triangles.
+    /// The layout has fewer or more triangles than the mesh.
     #[error("tree layout: {found} triangles, the mesh has {expected}")]
     TriangleCount {
         /// The number of triangles in the layout.
@@ -111,7 +111,7 @@ impl TreeLayout {
         self.check_nodes()
     }
 
-    /// Walks the nodes with the number of triangles and the depth that each must have.
+    /// Walks the nodes and checks each against its number of triangles and its depth.
     fn check_nodes(&self) -> Result<(), LayoutError> {
         let mut rest = vec![(self.triangles.len(), 0)];
         let mut place = 0;
@@ -152,7 +152,7 @@ impl fmt::Debug for TreeLayout {
 }
 
 impl MorphBvh {
-    /// The tree's shape, to store and restore.
+    /// The structure of the tree, to store and restore it.
     #[must_use]
     pub fn layout(&self) -> TreeLayout {
         let topology = &self.topology;
@@ -179,12 +179,12 @@ impl MorphBvh {
         }
     }
 
-    /// Restores a tree over the mesh that it was built for.
+    /// Restores a tree over the mesh for which it was built.
     ///
-    /// Cost: `O(n)` for `n` triangles; boxes are measured, nothing is split.
+    /// Cost: `O(n)` for `n` triangles. Boxes are measured, but nothing is split.
     ///
     /// # Errors
-    /// [`LayoutError`] if the layout is of another version or another mesh, or corrupt.
+    /// [`LayoutError`] if the layout has another version, belongs to another mesh, or is corrupt.
     pub fn from_layout(model: Arc<MorphModel>, layout: &TreeLayout) -> Result<Self, LayoutError> {
         layout.check(&model)?;
         let (triangles, splits) = (layout.triangles.clone(), Recorded(&layout.nodes));

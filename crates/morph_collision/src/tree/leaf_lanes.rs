@@ -1,4 +1,4 @@
-//! The corners of the leaves' triangles, eight triangles side by side, as they are blended for the exact tests.
+//! The corners of the leaves' triangles, eight triangles side by side, from which corners are blended for the exact tests.
 
 use fearless_simd::f32x4;
 use fearless_simd::prelude::*;
@@ -9,20 +9,21 @@ use super::{Leaf, Topology};
 use crate::bounds::{LANES, Lanes};
 use crate::model::MorphModel;
 
-/// Three corners of up to eight triangles, by corner and coordinate.
+/// The corners of up to eight triangles, by corner and coordinate.
 pub(crate) type CornerLanes = [[Lanes; 3]; 3];
 
-/// With more targets per patch than this on average, no lanes are stored. Not measured; it caps the displacements at 288 bytes
-/// per triangle.
+/// If patches have more targets than this on average, no lanes are stored. Not measured; it caps the displacements at 288 bytes
+/// per triangle where patches are full.
 const MAX_TARGETS: usize = 8;
-/// With fewer triangles per patch than this on average, no lanes are stored. Not measured; more than half of the lanes would be
+/// If patches have fewer triangles than this on average, no lanes are stored. Not measured; more than half of the lanes would be
 /// unused.
 const MIN_TRIANGLES: usize = 4;
 
-/// The triangles of every leaf in patches of eight: base corners, and displacements of each target that moves any of them.
+/// The triangles of every leaf in patches of eight: their base corners, and the displacements of each target that moves any of
+/// them.
 #[derive(Clone, Default)]
 pub(crate) struct LeafLanes {
-    /// By patch.
+    /// One entry per patch.
     bases: Vec<CornerLanes>,
     /// `starts[i]..starts[i + 1]` are the entries of patch `i` in `targets` and `displacements`, ascending by target.
     starts: Vec<u32>,
@@ -41,8 +42,7 @@ pub(crate) struct PatchColumns<'a> {
 }
 
 impl LeafLanes {
-    /// `None` if the average patch has too many targets or too few triangles. The vertices of such a tree are blended one by
-    /// one.
+    /// `None` if the average patch has too many targets or too few triangles. Vertices are then blended one by one.
     pub(super) async fn new(model: &MorphModel, topology: &Topology, pace: &Pace) -> Option<Self> {
         let mut lanes = Self {
             starts: vec![0],
@@ -110,8 +110,8 @@ impl LeafLanes {
     }
 }
 
-/// Sets the lanes to the corners of at most eight triangles, which index `points`. A point is the first three of four numbers. Lanes beyond the last triangle repeat it,
-/// so that a condition on all lanes is one on the triangles.
+/// Sets the lanes to the corners of at most eight triangles, which index `points`. Only the first three numbers of a point are used.
+/// Lanes beyond the last triangle repeat it, so a condition on all lanes is a condition on all triangles.
 #[inline(always)]
 pub(crate) fn gather<S: Simd>(simd: S, triangles: &[[u16; 3]], points: &[[f32; 4]], lanes: &mut CornerLanes) {
     let mut of_lanes = [triangles.last().copied().unwrap_or_default(); LANES];
@@ -131,7 +131,7 @@ pub(crate) fn gather<S: Simd>(simd: S, triangles: &[[u16; 3]], points: &[[f32; 4
     }
 }
 
-/// Pairs every lane with an item. Lanes beyond the last item repeat it, so that a condition on all lanes is one on the items.
+/// Pairs every lane with an item. Lanes beyond the last item repeat it, so a condition on all lanes is a condition on all items.
 pub(crate) fn in_lanes<T: Copy>(items: &[T]) -> impl Iterator<Item = (usize, T)> {
     let rest = items.last().copied().into_iter().cycle();
     (0..LANES).zip(items.iter().copied().chain(rest))

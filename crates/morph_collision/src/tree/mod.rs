@@ -1,9 +1,18 @@
-//! The immutable tree: which triangles are together, and what blends into a box for each node.
+//! The immutable tree: which triangles each node holds, and the numbers that a pose blends into the node's box.
 //!
-//! `build` runs the stages, and `builder` in steps; `pace` decides where a step ends. `sah` splits a node's triangles by the surface-area heuristic. `topology` records the
-//! result in preorder. `extents` measures the base and each target over every node. `tables` turns extents into what a pose
-//! blends. For skinned meshes `clusters` splits the vertices of each node by joints, `blocks` puts them side by side, and `skin_tables` stores how
-//! these move. `joint_boxes` bounds what each joint moves. `leaf_lanes` stores the corners of the leaves' triangles for the exact tests.
+//! - `build` runs all stages; `builder` runs them in steps, and `pace` decides where a step ends.
+//! - `sah` splits a node's triangles by the surface-area heuristic.
+//! - `topology` records the nodes in preorder.
+//! - `extents` measures the base and each target over every node.
+//! - `tables` turns extents into the numbers that a pose blends.
+//! - `leaf_lanes` stores the corners of the leaves' triangles for the exact tests.
+//!
+//! For skinned meshes:
+//!
+//! - `clusters` splits the vertices of each node by their joints.
+//! - `blocks` arranges clusters side by side.
+//! - `skin_tables` stores how joints move them.
+//! - `joint_boxes` bounds the vertices that each joint moves.
 
 mod blocks;
 mod build;

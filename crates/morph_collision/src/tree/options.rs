@@ -9,7 +9,7 @@ pub struct BuildOptions {
 }
 
 impl BuildOptions {
-    /// A node with at most this many triangles becomes a leaf.
+    /// The maximum number of triangles in a leaf. Nodes with at most this many triangles become leaves.
     #[must_use]
     pub fn leaf_size(&self) -> usize {
         self.leaf_size
@@ -29,7 +29,7 @@ impl BuildOptions {
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        // A leaf then fills one patch of eight lanes. Leaves of 4 take 1.2 to 1.9 times as long (docs/tried.md and
+        // Fills one patch of eight lanes. With leaves of 4, queries take 1.2 to 1.9 times as long (docs/tried.md and
         // docs/performance.md).
         Self { leaf_size: 8 }
     }

@@ -1,14 +1,14 @@
-//! Building in steps: what is long pauses after every piece of work that it can be cut into.
+//! Building in steps: long work is cut into pieces, and the build can pause before each piece.
 //!
-//! The compiler makes the state between two pieces: what builds is `async`, and awaits [`Pace::spend`] before each piece. A build that must not
-//! pause has an endless pace, and its future is ready at the first poll.
+//! Building code is `async` and awaits [`Pace::spend`] before each piece, so the compiler generates the state that is kept between pieces. A
+//! build that must not pause gets an endless pace; its future is ready at the first poll.
 
 use std::future::{Future, poll_fn};
 use std::pin::{Pin, pin};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::task::{Context, Poll, Waker};
 
-/// The work that is left in a step. The unit is about that of taking one triangle of one shape into a box.
+/// The work left in the current step. One unit is roughly the work of adding one triangle of one shape to a box.
 #[derive(Debug)]
 pub(super) struct Pace {
     left: AtomicUsize,
@@ -21,7 +21,7 @@ impl Pace {
         }
     }
 
-    /// Begins a step.
+    /// Begins a step with this much work.
     pub(super) fn begin(&self, work: usize) {
         self.left.store(work, Relaxed);
     }
@@ -31,7 +31,7 @@ impl Pace {
         self.left.load(Relaxed)
     }
 
-    /// Pauses before a piece that does not fit into what is left of the step. A piece that is larger than a step has one of its own.
+    /// Pauses if a piece does not fit into the rest of the step. A piece larger than a step gets a step of its own.
     #[inline]
     pub(super) async fn spend(&self, work: usize) {
         if work > self.left.load(Relaxed) {
@@ -42,17 +42,17 @@ impl Pace {
             })
             .await;
         }
-        // Nobody else writes it while a step runs.
+        // Nothing else writes it while a step runs.
         self.left.store(self.left.load(Relaxed).saturating_sub(work), Relaxed);
     }
 }
 
-/// Goes on with a build up to its next pause.
+/// Runs a build up to its next pause.
 pub(super) fn go_on<T>(build: Pin<&mut (impl Future<Output = T> + ?Sized)>) -> Poll<T> {
     build.poll(&mut Context::from_waker(Waker::noop()))
 }
 
-/// Builds without a pause.
+/// Runs a build to its end.
 pub(super) fn at_once<T>(build: impl Future<Output = T>) -> T {
     let mut build = pin!(build);
     loop {

@@ -1,8 +1,8 @@
 //! The surface-area heuristic, summed over several shapes.
 //!
-//! Planes are placed on the base; the cost of a split is summed over all shapes. A node gets up to eight children by splitting
-//! its costliest child again, unless that child can be a leaf. The cost of triangles is that of the leaves they fill, rounded
-//! up, since a leaf is tested as a whole. So leaves come out nearly full.
+//! Planes are placed on the base, and the cost of a split is summed over all shapes. A node is split in two, then its costliest
+//! child is split again, until it has eight children or all of them can be leaves. Triangles count as the number of leaves they
+//! fill, rounded up, because a leaf is tested as a whole. This makes leaves nearly full.
 
 use std::ops::Range;
 
@@ -14,12 +14,12 @@ use crate::model::{MorphModel, Weights};
 
 /// Bins per axis. Not measured; a common choice.
 const BINS: usize = 16;
-/// Up to this many leaves' triangles every plane is tried instead of the planes between bins, at a cost of `O(n log n)`. The
-/// number is not measured; without it queries cost up to 2 % more (docs/tried.md).
+/// If a node's triangles fill at most this many leaves, every plane is tried instead of only those between bins, at a cost of
+/// `O(n log n)`. The number is not measured; without this, queries cost up to 2 % more (docs/tried.md).
 const SWEPT_LEAVES: usize = 8;
 
-/// The most targets that a split considers beside the base. Build time grows with it. The number is not measured; splitting
-/// on the base alone takes 0.91 to 1.08 times as long (docs/tried.md), so more targets can gain little.
+/// The maximum number of targets that a split considers besides the base. Build time grows with it. The number is not measured;
+/// with splits on the base only, queries take 0.91 to 1.08 times as long (docs/tried.md), so more targets can gain little.
 const MAX_TARGETS: usize = 16;
 
 /// The midpoints and boxes of all triangles of one shape.
@@ -48,8 +48,8 @@ impl Shape {
     }
 }
 
-/// Splits nodes by the surface-area heuristic, summed over the base and the targets with the largest displacements, so that
-/// one tree is good for all shapes.
+/// Splits nodes by the surface-area heuristic, summed over the base and the targets with the largest displacements, so that one
+/// tree suits all shapes.
 pub(super) struct Partition {
     pub(super) leaf_size: usize,
     /// The base comes first.
@@ -63,7 +63,7 @@ struct Part {
     is_divisible: bool,
 }
 
-/// Triangles, each after its bin.
+/// Bins and their triangles, in pairs.
 type Binned = Vec<(usize, u32)>;
 
 fn hull(shape: &Shape, triangles: &[u32]) -> Aabb {
@@ -95,8 +95,8 @@ impl Partition {
         Self { leaf_size, shapes }
     }
 
-    /// Reorders the triangles child by child and returns the number of triangles of each child: 1 to 8 children, none empty. There is
-    /// one child only if no plane separates the midpoints.
+    /// Reorders the triangles child by child and returns the number of triangles of each child. There are 1 to 8 children, none
+    /// empty. There is just one child if no plane separates the midpoints, or if the triangles fit a leaf.
     pub(super) async fn by_area(&self, triangles: &mut [u32], pace: &Pace) -> Vec<usize> {
         let mut parts = vec![self.part(triangles, 0..triangles.len(), pace).await];
         while parts.len() < LANES {
@@ -136,12 +136,12 @@ impl Partition {
         }
     }
 
-    /// The number of leaves that some triangles fill, rounded up.
+    /// The number of leaves that this many triangles fill, rounded up.
     fn leaves(&self, triangles: usize) -> f64 {
         triangles.div_ceil(self.leaf_size) as f64
     }
 
-    /// Moves the triangles to the two sides of the best plane. Returns the number on the first side, `None` if no plane
+    /// Reorders the triangles by their side of the best plane. Returns the number on the first side, or `None` if no plane
     /// separates them.
     async fn halve(&self, triangles: &mut [u32], pace: &Pace) -> Option<usize> {
         let mut best: Option<(f64, usize, Binned)> = None;
@@ -157,9 +157,9 @@ impl Partition {
                     .iter()
                     .for_each(|shape| self.add_shape(shape, &binned, &mut costs));
             }
-            // Among equal costs, as of triangles without area, the middle.
+            // Breaks ties in favour of the middle, for example if no triangle has any area.
             let imbalance = |plane: usize| (2 * plane).abs_diff(bins);
-            // The plane before bin `i`. Neither side is empty because the first and the last bin are not.
+            // Plane `i` is before bin `i`. Neither side is empty, because the first and the last bin are not.
             let planes = costs.into_iter().enumerate().skip(1);
             let cheapest = planes.min_by(|(i, a), (j, b)| a.total_cmp(b).then(imbalance(*i).cmp(&imbalance(*j))));
             if let Some((plane, cost)) = cheapest
@@ -176,13 +176,13 @@ impl Partition {
         Some(first.len())
     }
 
-    /// All shapes, in pieces of so many that a piece is not much work over some triangles.
+    /// All shapes, in chunks that are small enough for a piece of work over these triangles.
     fn pieces(&self, triangles: &[u32]) -> std::slice::Chunks<'_, Shape> {
         const PIECE: usize = 1 << 14;
         self.shapes.chunks((PIECE / triangles.len().max(1)).max(1))
     }
 
-    /// For the plane before each bin adds to its cost what it costs on one shape.
+    /// Adds to the cost of the plane before each bin its cost on one shape.
     fn add_shape(&self, shape: &Shape, binned: &[(usize, u32)], costs: &mut [f64]) {
         let mut boxes = vec![(Aabb::EMPTY, 0); costs.len()];
         for &(bin, triangle) in binned {
@@ -193,8 +193,8 @@ impl Partition {
         self.add_costs(boxes.into_iter(), costs);
     }
 
-    /// A number of bins along an axis, and each triangle with its bin; `None` if one bin holds all midpoints. Few triangles are
-    /// sorted and get a bin each, which tries every plane; ties stay in order.
+    /// The number of bins along an axis, and each triangle with its bin; `None` if one bin would hold all midpoints. A few
+    /// triangles are sorted and get a bin each, so that every plane is tried. The sort is stable.
     fn binned(&self, triangles: &[u32], axis: usize) -> Option<(usize, Binned)> {
         let midpoint = |t: &u32| self.shapes[0].midpoints[*t as usize][axis];
         if triangles.len() <= SWEPT_LEAVES * self.leaf_size {
@@ -210,7 +210,8 @@ impl Partition {
         (end > start).then(|| (BINS, binned()))
     }
 
-    /// For the plane before each box adds to its cost area times leaves of both sides. Each box comes with a number of triangles.
+    /// Adds to the cost of the plane before each box: area times number of leaves, for both sides. Each box comes with its number of
+    /// triangles.
     fn add_costs(&self, boxes: impl DoubleEndedIterator<Item = (Aabb, usize)> + Clone, costs: &mut [f64]) {
         let sides = |(hull, count): &mut (Aabb, usize), (bounds, more): (Aabb, usize)| {
             (*hull, *count) = (hull.union(&bounds), *count + more);

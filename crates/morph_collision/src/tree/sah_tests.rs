@@ -1,4 +1,4 @@
-//! Splits by the surface-area heuristic: no child is empty, and leaves come out nearly full.
+//! Tests of splits by the surface-area heuristic: no child is empty, and leaves are nearly full.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ fn shape(triangles: &[[Vec3; 3]]) -> Shape {
     }
 }
 
-/// Checks that a split keeps every triangle once and makes no empty child.
+/// Checks that a split keeps every triangle exactly once and makes no empty child.
 fn judge(shapes: Vec<Shape>, about: &str) {
     let count = shapes[0].midpoints.len();
     let mut partition = Partition { leaf_size: 1, shapes };
@@ -110,7 +110,7 @@ fn identical_triangles_make_nearly_full_leaves_and_a_shallow_tree() {
 
 #[test]
 fn triangles_at_one_point_make_a_shallow_tree() {
-    // No plane costs anything, so leaves need not be full.
+    // All planes cost 0, so leaves need not be full.
     let mesh = degenerate::all_equal(5000);
     let model = Arc::new(MorphModel::from_displacements(&mesh.positions, &mesh.triangles, &mesh.targets).unwrap());
     let bvh = MorphBvh::build(model, &BuildOptions::default());

@@ -1,7 +1,7 @@
-//! What takes the blended boxes of clusters to the boxes of a group's children under joints (docs/skinning.md).
+//! Tables that turn the blended boxes of clusters into the boxes of a group's children under joints (docs/skinning.md).
 //!
-//! The children of a group have their boxes in one *frame*: the space of the joint that moves most of them. What a joint does there is
-//! its *map*: frame from world times world from mesh. The clusters of the children stand side by side in *blocks*.
+//! The boxes of a group's children are in one *frame*: the space of the joint that moves most of the group. How a joint moves points in
+//! that frame is its *map*: frame from world times world from mesh. The clusters of the children are stored side by side in *blocks*.
 
 use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
@@ -14,24 +14,24 @@ use super::tables::{GroupTables, Tables};
 use crate::bounds::{LANES, Lanes};
 use crate::model::MorphModel;
 
-/// The frame that all groups can be seen in: the space of the joint that moves most of the mesh.
+/// The frame of the whole body, to which the boxes of all groups can be taken: the space of the joint that moves most of the mesh.
 pub(crate) const BODY_FRAME: usize = 0;
 
-/// A joint as a frame sees it.
+/// Identifies a map: a joint, as seen in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct MapKey {
     pub(crate) frame: u16,
     pub(crate) joint: u16,
 }
 
-/// The clusters of a group that are mapped by the same joint.
+/// The clusters of a block with the same strongest joint, which maps them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pivot {
     pub(crate) map: u32,
     pub(crate) lanes: u8,
 }
 
-/// How much a joint moves each cluster of a block.
+/// The weight interval of a joint for each cluster of a block.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row {
     pub(crate) map: u32,
@@ -53,16 +53,17 @@ struct BlockHeader {
 /// Up to eight clusters of the children of a group, side by side.
 pub(crate) struct Block<'a> {
     pub(crate) tables: GroupTables<'a>,
-    /// The lanes with a cluster, and whose it is.
+    /// One set bit per lane that has a cluster.
     pub(crate) lanes: u8,
+    /// The child of each lane.
     pub(crate) children: &'a [u8; LANES],
     /// The strongest joint of each cluster.
     pub(crate) pivots: &'a [Pivot],
     /// All other joints.
     pub(crate) rows: &'a [Row],
-    /// The largest sum of the absolute weights in the rows of a cluster.
+    /// The largest sum of absolute weights of a cluster in the rows.
     pub(crate) weight: f32,
-    /// How far sums of weights are from 1, if that is not among the rows.
+    /// The largest difference between a sum of weights and 1 that is not in the rows.
     pub(crate) missing: f32,
 }
 
@@ -82,11 +83,11 @@ pub(crate) struct SkinTables {
     rows: Vec<Row>,
     /// By block.
     boxes: Tables,
-    /// The joints whose spaces are frames; `None` where no joint moves a group.
+    /// The joint of each frame; `None` for the frame of groups that no joint moves.
     pub(crate) frames: Vec<Option<u16>>,
     /// All maps that any group needs.
     pub(crate) maps: Vec<MapKey>,
-    /// The maps of each group.
+    /// Indices into `maps`, group by group.
     maps_of_groups: Vec<u32>,
     pub(crate) joints: JointBoxes,
 }
@@ -97,12 +98,12 @@ impl SkinTables {
         usize::from(self.groups[group].frame)
     }
 
-    /// Whether sums of weights are not quite 1 somewhere in a group, and what is missing is not among its rows.
+    /// Whether some sums of weights in a group differ from 1, and the difference is not in its rows.
     pub(crate) fn misses_weight(&self, group: usize) -> bool {
         self.blocks(group).any(|block| self.blocks[block].missing > 0.0)
     }
 
-    /// The maps that a group's boxes depend on.
+    /// The indices of the maps that a group's boxes depend on.
     #[inline(always)]
     pub(crate) fn maps_of(&self, group: usize) -> &[u32] {
         let maps = &self.groups[group].maps;
@@ -182,8 +183,8 @@ impl SkinBuilder {
         self.tables.groups.push(GroupHeader::default());
     }
 
-    /// Fills a group's tables from the clusters of its children. Its boxes are in the body's frame, or in that of the joint that moves most of
-    /// the group.
+    /// Fills a group's tables from the clusters of its children. Its boxes are in the body's frame if `in_body_frame`, otherwise in the
+    /// frame of the joint that moves most of the group.
     pub(super) fn fill(&mut self, group: usize, children: &[Vec<Cluster>], in_body_frame: bool) {
         let frame = if in_body_frame {
             BODY_FRAME as u16
@@ -242,7 +243,7 @@ impl SkinBuilder {
         }
         header.pivots.end = self.tables.pivots.len() as u32;
         header.rows.end = self.tables.rows.len() as u32;
-        // In place of a cluster that is not there: a point near those that are, so that all numbers stay small.
+        // Lanes without a cluster get a point near the others, so that all numbers stay small.
         let first = lanes.iter().find_map(|(_, cluster)| *cluster);
         let extents = |(_, cluster): &Lane<'_>| match (cluster, first) {
             (Some(cluster), _) => Some(cluster.extents.clone()),
@@ -268,6 +269,6 @@ fn weight_of_others(cluster: &Cluster) -> f32 {
         .others()
         .map(|weight| weight.low.abs().max(weight.high.abs()))
         .sum();
-    // For the roundings of the sum, of at most a few dozen terms.
+    // The factor covers the roundings of a sum of at most a few dozen terms.
     sum * 1.001
 }

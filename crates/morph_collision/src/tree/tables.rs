@@ -1,4 +1,4 @@
-//! What a pose blends: for each group of children the base boxes and, per local target, how they move.
+//! What a pose blends: for each group, the base boxes of its children and how each target moves them.
 //!
 //! Let `s` be an end of a child's base box and `w_k` the weights. The posed end is bounded by
 //!
@@ -6,10 +6,13 @@
 //! s + sum_k a_k X_k + sum_k r_k I_k,   a_k + r_k = w_k,   a >= 0,   sum a_k <= 1
 //! ```
 //!
-//! The last condition is the *budget*. `X_k` moves the end to that of the target's reference box, which is the paper's
-//! blending (Eq. 3). `I_k` moves it by the extreme displacement: interval arithmetic, which costs no budget and holds for any
-//! weights. Every slope is rounded outward. Spending the budget is a fractional knapsack, so the targets of a group are sorted
-//! by how much tighter a reference is than the interval.
+//! The last condition is the *budget*.
+//!
+//! - `X_k` moves the end to that of the target's reference box, which is the paper's blending (Eq. 3).
+//! - `I_k` moves the end by the extreme displacement. This is interval arithmetic, which costs no budget and holds for any weights.
+//!
+//! Every slope is rounded outward. Spending the budget is a fractional knapsack problem, so the targets of a group are sorted by how
+//! much tighter the reference is than the interval.
 
 use std::ops::Range;
 
@@ -18,7 +21,7 @@ use glam::Vec3;
 use super::extents::NodeExtents;
 use crate::bounds::{Aabb, BoxLanes, LANES, push_slopes, slopes_len};
 
-/// A target that moves some child of a group.
+/// A target that moves at least one child of a group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LocalTarget {
     pub(crate) target: u16,
@@ -32,11 +35,11 @@ struct Header {
     base: BoxLanes,
     base_reach: f32,
     targets: Range<usize>,
-    /// How many targets have references, the first ones.
+    /// How many targets have references. They come first.
     references: usize,
     /// The number of lanes in a row of slopes.
     width: usize,
-    /// Where its slopes start: the intervals of all targets, then the references.
+    /// Where the group's slopes start: the intervals of all targets, then the references.
     slopes: usize,
 }
 
@@ -57,24 +60,24 @@ pub(crate) struct GroupTables<'a> {
     pub(crate) base_reach: f32,
     /// Sorted by descending gain of the reference over the interval.
     pub(crate) targets: &'a [LocalTarget],
-    /// The places of `targets` in ascending order of target.
+    /// The indices of `targets`, in ascending order of target.
     pub(crate) order: &'a [u16],
-    /// The number of lanes in a row of slopes: that of the children.
+    /// The number of lanes in a row of slopes: the number of children.
     pub(crate) width: usize,
     /// `I_k`, one per target, to be read by [`Slopes`](crate::bounds::Slopes).
     pub(crate) intervals: &'a [f32],
-    /// `X_k` of the first targets, those that gain by it.
+    /// `X_k` of the first targets: those for which the reference is tighter.
     pub(crate) references: &'a [f32],
-    /// How many these are.
+    /// The number of targets with references.
     pub(crate) reference_count: usize,
 }
 
 impl GroupTables<'_> {
-    /// The place in the tables of a target, if it moves the group.
+    /// The index of a target in the tables, if it moves the group.
     #[inline(always)]
     pub(crate) fn place(&self, target: u32) -> Option<u16> {
         let target_at = |place: u16| u32::from(self.targets[usize::from(place)].target);
-        // Where every target moves the group, the order is indexed by target.
+        // If every target moves the group, the order is indexed by target.
         let found = match self.order.get(target as usize) {
             Some(&place) if target_at(place) == target => return Some(place),
             _ => self.order.partition_point(|&place| target_at(place) < target),
@@ -111,7 +114,7 @@ impl Tables {
             + size_of_val(&*self.slopes)
     }
 
-    /// Ends the tables after the last group.
+    /// Finishes the tables after the last group.
     pub(super) fn finish(&mut self) {
         // Rows are read eight lanes wide.
         self.slopes.extend([0.0; LANES]);
@@ -125,7 +128,7 @@ impl Tables {
         self.headers.push(Header::default());
     }
 
-    /// Fills a group's tables from what its children span, each and together.
+    /// Fills a group's tables from the extents of each child and of all children together.
     pub(super) fn fill(&mut self, group: usize, children: &[NodeExtents], whole: &NodeExtents) {
         let bases: Vec<Aabb> = children.iter().map(|child| child.base.outward()).collect();
         let mut columns: Vec<Column> = whole
@@ -156,7 +159,7 @@ impl Tables {
         for (lane, base) in bases.iter().enumerate() {
             header.base.set(lane, base);
         }
-        // Both reaches are exact: they are coordinates of the mesh.
+        // The conversion is exact, here and above: reaches are coordinates of the mesh.
         header.base_reach = whole.base.reach() as f32;
         header.targets = targets..self.targets.len();
         (header.references, header.slopes, header.width) = (references, slopes, children.len());
@@ -168,7 +171,7 @@ struct Column {
     local: LocalTarget,
     interval: Vec<Aabb>,
     reference: Vec<Aabb>,
-    /// How much tighter a unit of weight makes the boxes at the reference than at the interval.
+    /// How much tighter the boxes are, per unit of weight, with the reference than with the interval.
     gain: f64,
 }
 
@@ -192,7 +195,7 @@ impl Column {
     }
 }
 
-/// How much a unit of a slope loosens a box, summed over the axes.
+/// How much one unit of a slope enlarges a box, summed over the axes.
 fn looseness(slope: &Aabb) -> f64 {
     (slope.max.as_dvec3() - slope.min.as_dvec3()).element_sum()
 }

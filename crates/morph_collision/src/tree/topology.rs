@@ -2,7 +2,7 @@ use std::ops::Range;
 
 use crate::bounds::LANES;
 
-/// A node as an entry of its parent's group: a group of its own children, or a leaf.
+/// A node, as an entry in its parent's group: the group of its own children, or a leaf.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Child(u32);
 
@@ -44,7 +44,7 @@ impl Child {
     }
 }
 
-/// The children of an inner node, at most eight, which are blended and tested together.
+/// The children of an inner node. There are at most eight, and they are blended and tested together.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Group {
     children: [Child; LANES],
@@ -62,7 +62,7 @@ impl Group {
         &self.children[..usize::from(self.len)]
     }
 
-    /// All lanes; those without a child hold the default.
+    /// All lanes. Those without a child hold the default.
     #[inline]
     pub(crate) fn lanes(&self) -> &[Child; LANES] {
         &self.children
@@ -80,14 +80,14 @@ impl Group {
     }
 }
 
-/// Which triangles are together. Groups and leaves are in preorder, so a subtree is a contiguous range of each.
+/// The nodes and their triangles. Groups and leaves are in preorder, so a subtree is a contiguous range of each.
 #[derive(Clone, Default)]
 pub(crate) struct Topology {
     /// Group 0 has one child: the root.
     pub(super) groups: Vec<Group>,
     /// `leaf_starts[i]..leaf_starts[i + 1]` are the entries of leaf `i` in `triangles` and `corners`.
     leaf_starts: Vec<u32>,
-    /// `patch_starts[i]..patch_starts[i + 1]` are the patches of leaf `i`: of eight triangles each, but for the last one.
+    /// `patch_starts[i]..patch_starts[i + 1]` are the patches of leaf `i`. Each has eight triangles, except that the last may have fewer.
     patch_starts: Vec<u32>,
     /// The model's triangle numbers in leaf order.
     pub(super) triangles: Vec<u32>,
@@ -100,7 +100,7 @@ pub(crate) struct Topology {
     pub(super) depth: usize,
 }
 
-/// The triangles of a leaf over its distinct vertices.
+/// The triangles of a leaf, indexing its distinct vertices.
 #[derive(Clone, Copy)]
 pub(crate) struct LeafMesh<'a> {
     pub(crate) vertices: &'a [u32],
@@ -109,7 +109,7 @@ pub(crate) struct LeafMesh<'a> {
 }
 
 impl Topology {
-    /// Without any nodes.
+    /// A topology without nodes.
     pub(super) fn new() -> Self {
         Self {
             leaf_starts: vec![0],
@@ -167,13 +167,13 @@ impl Topology {
         &self.vertices[self.vertex_starts[leaf.0] as usize..self.vertex_starts[leaf.0 + 1] as usize]
     }
 
-    /// The model's number of a triangle in leaf order.
+    /// The model's number of the triangle at a place in leaf order.
     #[inline(always)]
     pub(crate) fn triangle(&self, place: usize) -> u32 {
         self.triangles[place]
     }
 
-    /// A leaf's triangles in leaf order.
+    /// The places of a leaf's triangles in leaf order.
     #[inline]
     pub(crate) fn leaf_range(&self, leaf: Leaf) -> Range<usize> {
         self.leaf_starts[leaf.0] as usize..self.leaf_starts[leaf.0 + 1] as usize
@@ -201,7 +201,7 @@ impl Topology {
         let mut vertices: Vec<u32> = corners.iter().flatten().copied().collect();
         vertices.sort_unstable();
         vertices.dedup();
-        // Fits: at most 255 triangles have at most 765 vertices.
+        // Fits in `u16`: at most 255 triangles have at most 765 vertices.
         let place = |vertex: u32| vertices.partition_point(|&other| other < vertex) as u16;
         self.corners.extend(corners.iter().map(|triangle| triangle.map(place)));
         self.vertices.extend_from_slice(&vertices);

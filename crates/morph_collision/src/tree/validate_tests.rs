@@ -1,10 +1,10 @@
-//! The invariants that the tree's own code relies on.
+//! Checks the invariants that the code of the tree relies on.
 
 use super::{ChildKind, MorphBvh};
 use crate::bounds::LANES;
 
-/// Checks that groups and leaves are in preorder, that every triangle is in exactly one leaf of at most the leaf size, and that
-/// the tables hold finite numbers.
+/// Checks that groups and leaves are in preorder, that every triangle is in exactly one leaf, that no leaf exceeds the leaf size,
+/// and that all numbers in the tables are finite.
 ///
 /// # Panics
 /// If the tree is broken; the message says where.

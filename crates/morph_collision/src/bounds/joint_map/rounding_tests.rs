@@ -1,5 +1,5 @@
-//! How near the errors of a joint's map come to their bounds, in exact arithmetic: of the map itself, made anew or kept from joints that stood
-//! a little differently, and of the images of boxes under it.
+//! Measures in exact arithmetic how close the errors of a joint's map come to their bounds: of the map itself, new or kept from slightly
+//! different joints, and of the images of boxes under it.
 
 use fearless_simd::Level;
 use glam::{DVec3, Vec3};
@@ -10,7 +10,7 @@ use rand::RngExt;
 use super::{JointMap, MapFrame};
 use crate::bounds::{Aabb, BoxLanes, ExactPoint, WorldFromModel, adjugate, exact_image, levels, with_simd};
 
-/// The numbers of a matrix.
+/// How many numbers a matrix has.
 const MATRIX: usize = 12;
 
 fn columns(numbers: &[f32]) -> [DVec3; 4] {
@@ -34,8 +34,10 @@ fn image_under(map: &JointMap, p: &ExactPoint) -> ExactPoint {
     })
 }
 
-/// How far the map takes a point from where its joint takes it, as a share of its drift. `numbers` are the matrices of a frame and a joint, those they
-/// had before if the map `is_kept` from then, and a point as far out as any.
+/// The distance between where the map and where the joint takes a point, as a fraction of the map's drift.
+///
+/// `numbers` are a point, which defines the reach, then the matrices of a frame and a joint, and then their earlier matrices. The map
+/// is kept from the earlier ones if `is_kept`.
 fn drift_used(numbers: &[f32], is_kept: bool) -> Option<f64> {
     let (point, matrices) = (Vec3::from_slice(&numbers[..3]), &numbers[3..]);
     let reach = f64::from(point.abs().max_element());
@@ -67,7 +69,7 @@ fn drift_used(numbers: &[f32], is_kept: bool) -> Option<f64> {
     Some(used)
 }
 
-/// A frame and a joint, well away from singular and near to each other, so that the frame's joint is nearly the joint.
+/// The matrices of a frame and a joint, far from singular.
 fn matrices(rng: &mut rand_pcg::Pcg64Mcg) -> Vec<f32> {
     let distance = 2_f32.powi(rng.random_range(-4..8));
     let mut numbers: Vec<f32> = (0..2 * MATRIX).map(|_| rng.random_range(-1.0..1.0)).collect();
@@ -117,7 +119,7 @@ fn a_kept_map_is_off_by_its_drift_at_most() {
     search_drift(true, 0.991);
 }
 
-/// How far the image of a box may end from that of exact arithmetic, as a share of ten roundings of what the map reaches; with every instruction set.
+/// The largest error of the ends of a box's image, as a fraction of ten roundings of the map's reach, over all instruction sets.
 fn image_error(numbers: &[f32]) -> Option<f64> {
     let (ends, matrices) = numbers.split_at(6);
     let [a, b] = [0, 3].map(|at| Vec3::from_slice(&ends[at..]));
@@ -163,7 +165,7 @@ fn image_error(numbers: &[f32]) -> Option<f64> {
     Some(worst)
 }
 
-/// The ends of a box's image, as the kernel for boxes under joints computes them.
+/// The ends of a box's image, computed like the kernel for boxes under joints does.
 fn image_with<S: fearless_simd::Simd>(simd: S, map: &JointMap, bounds: &Aabb) -> [Vec3; 2] {
     let center = (bounds.min + bounds.max) * 0.5;
     let half = (bounds.max - bounds.min) * 0.5;
@@ -188,7 +190,7 @@ fn images_of_boxes_are_off_by_much_of_what_is_allowed_and_never_by_more() {
             let mut numbers: Vec<f32> = (0..6).map(|_| rng.random_range(-1.0..1.0)).collect();
             numbers.extend(matrices(rng));
             if i.is_multiple_of(2) {
-                // A box without extent whose products are rounded one way: each is just above half a unit in the last place of the sum.
+                // A box without extent. Its products all round the same way: each is just above half a unit in the last place of the sum.
                 numbers[..6].fill(1.0);
                 let joint = 6 + MATRIX;
                 numbers[6..].fill(0.0);

@@ -1,4 +1,4 @@
-//! How close the error of a determinant comes to its bound; in exact arithmetic.
+//! Measures in exact arithmetic how close the error of a determinant comes to its bound.
 
 use glam::DVec3;
 use morph_collision_testkit::oracle::Dyadic;
@@ -7,7 +7,7 @@ use rand::RngExt;
 
 use super::{RELATIVE, determinant, largest};
 
-/// Four points. Each coordinate is the sum of two `f32`, so that it fills an `f64`.
+/// Four points. Each coordinate is the sum of two `f32`s, so that it uses all bits of an `f64`.
 fn points(numbers: &[f32]) -> [DVec3; 4] {
     let coordinate = |i: usize| f64::from(numbers[2 * i]) + f64::from(numbers[2 * i + 1]) * 2_f64.powi(-27);
     std::array::from_fn(|p| DVec3::from_array(std::array::from_fn(|axis| coordinate(3 * p + axis))))
@@ -23,7 +23,7 @@ fn exact_determinant([o, p, q, r]: [DVec3; 4]) -> Dyadic {
     (0..3).map(|i| cross(i) * w[i].clone()).sum()
 }
 
-/// Error over bound; `None` outside of ordinary sizes, where the filter is always undecided.
+/// The error divided by its bound; `None` for bounds outside of 1e-30 to 1e30.
 fn share(numbers: &[f32]) -> Option<f64> {
     let [o, p, q, r] = points(numbers);
     let (u, v, w) = (p - o, q - o, r - o);

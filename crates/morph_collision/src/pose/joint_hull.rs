@@ -108,7 +108,7 @@ fn images<S: Simd>(simd: S, moved: &[u16], boxes: &BoxLanes, joints: &JointMatri
     }
 }
 
-/// The center and half size of a box's image.
+/// The centre and half size of a box's image.
 #[inline(always)]
 fn image<S: Simd>(simd: S, of: &Aabb, [x, y, z, translation]: &Columns) -> (f64x4<S>, f64x4<S>) {
     let (min, max) = (of.min.as_dvec3(), of.max.as_dvec3());

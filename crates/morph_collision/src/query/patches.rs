@@ -33,7 +33,7 @@ pub(super) struct Side<'q, 'p> {
 }
 
 impl Patches {
-    /// Starts a query: forgets all patches.
+    /// Starts a query: clears all patches.
     pub(super) fn begin(&mut self, neighbourhood: &Neighbourhood, world_from_model: &WorldFromModel) {
         self.placed.next_epoch();
         self.placement = neighbourhood.placement(world_from_model);

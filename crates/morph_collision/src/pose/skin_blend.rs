@@ -103,7 +103,7 @@ fn moved<'m, S: Simd>(
     }
     let widening = widening(block, farthest, drift, origin);
     let is_bounded = widening + farthest * (1.0 + 2.0 * block.weight) <= MAX_REACH;
-    // NaN is not bounded.
+    // `is_bounded` is false for NaN.
     if !is_bounded {
         let all = |value| [f32x8::splat(simd, value); 3];
         return ([all(f32::NEG_INFINITY), all(f32::INFINITY)], f32::INFINITY);

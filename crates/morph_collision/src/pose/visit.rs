@@ -2,7 +2,7 @@ use super::Pose;
 use crate::bounds::{Aabb, WorldFromModel};
 use crate::tree::ChildKind;
 
-/// A node of a posed tree. From [`Pose::visit_nodes`].
+/// A node of a posed tree, as [`Pose::visit_nodes`] passes it to the visitor.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct PosedNode<'a> {

@@ -48,7 +48,7 @@ impl ConvexRegion {
     /// Normals point inward and may have any nonzero length. A camera's frustum has six half-spaces.
     ///
     /// # Errors
-    /// [`InputError`] if a normal is zero or not finite, or an offset is not finite or larger than 1e50 times its normal.
+    /// [`InputError`] if a normal is zero or not finite, or if an offset is not finite or larger than 1e50 times the length of its normal.
     pub fn from_half_spaces(half_spaces: &[(DVec3, f64)]) -> Result<Self, InputError> {
         let plane = |(i, &(normal, offset)): (usize, &(DVec3, f64))| {
             let of_this = |error: InputError| error.of(&format!("half-space {i}"));

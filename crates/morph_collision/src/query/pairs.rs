@@ -11,7 +11,7 @@ use crate::pose::{NodeId, Posed};
 use crate::traverse::{Order, OverlapWalk};
 use crate::tree::Leaf;
 
-/// Two intersecting triangles, each by its index in its own mesh.
+/// A pair of intersecting triangles, each as an index into its own mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TrianglePair {
     /// The triangle of the first body.

@@ -10,8 +10,8 @@ use crate::query::{Body, PairQuery, TrianglePair};
 
 /// Finds where and how two bodies touch. Keep the query and use it again: it reuses its memory.
 ///
-/// It finds the intersecting triangles exactly, like [`PairQuery`], and describes the contacts in `f64`. Bodies are surfaces: a body
-/// wholly inside another one that does not touch its surface has no contact. Normals assume closed surfaces whose triangles are
+/// It finds the intersecting triangles exactly, like [`PairQuery`], and describes the contacts in `f64`. Bodies are surfaces: if one
+/// is wholly inside another without touching its surface, there is no contact. Normals assume closed surfaces whose triangles are
 /// counter-clockwise seen from outside; the winding of mirrored bodies is flipped back.
 ///
 /// Swapping the bodies gives the same points and depths, bit for bit, and opposite normals.

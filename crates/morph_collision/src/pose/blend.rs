@@ -1,5 +1,5 @@
-//! Blending the boxes of a group of children: the paper's Eq. 3 while the budget lasts, interval arithmetic after that, and an
-//! outward widening that covers every rounding.
+//! Blends the boxes of a group of children: with the paper's Eq. 3 while the budget lasts, with interval arithmetic after that. Then
+//! widens them to cover every rounding.
 
 use fearless_simd::Simd;
 
@@ -10,22 +10,23 @@ use crate::tree::{CornerLanes, GroupTables, PatchColumns};
 /// Half a unit in the last place of 1.
 const U: f32 = f32::EPSILON / 2.0;
 
-/// With more active targets than this, blending goes over all targets of a group. Not measured; flip-books have two.
+/// If more targets than this are active, blending goes over all targets of a group. Not measured; flip-books have two.
 pub(super) const FEW: usize = 8;
 
-/// Sets `boxes` to boxes that hold every vertex of each child, both its exact position and the one rounded to `f32`.
+/// Sets `boxes` to boxes that contain every vertex of each child, both its exact position and the one rounded to `f32`. Returns a
+/// bound on their absolute coordinates.
 ///
-/// Returns a bound on their coordinates. Cost: one pass over the group's local targets, or over the active ones if these are few. Each target with a nonzero weight takes
-/// one multiply-add of eight lanes per row, or two for the target that uses up the budget.
+/// Cost: one pass over the group's local targets, or over the active ones if they are few. Each target with a nonzero weight costs
+/// one multiply-add of eight lanes per row; the target that uses up the budget costs two.
 #[inline(always)]
 pub(super) fn blend_group<S: Simd>(simd: S, tables: GroupTables<'_>, weights: &Weights, boxes: &mut BoxLanes) -> f32 {
     let (widening, reach) = evaluate(simd, tables, weights, boxes);
     boxes.widen(simd, widening);
-    // The factor covers the widening and what rounds outward.
+    // The factor covers the widening and the outward rounding.
     reach * (1.0 + 1.5e-2)
 }
 
-/// Computes the boxes before widening, and returns how much they must be widened and how far they reach.
+/// Computes the boxes without widening. Returns by how much to widen them, and a bound on their absolute coordinates.
 #[inline(always)]
 pub(super) fn evaluate<S: Simd>(
     simd: S,
@@ -55,7 +56,7 @@ fn evaluate_lanes<S: Simd, const W: usize>(
     *boxes = *tables.base;
     let mut sums = Sums {
         reach: tables.base_reach,
-        // Each subtraction from the budget rounds by at most `U`; starting lower keeps the exact sum of the amounts at most 1.
+        // Each subtraction from the budget rounds by at most `U`. Starting lower keeps the exact sum of the amounts at or below 1.
         budget: (1.0 - tables.reference_count as f32 * (4.0 * U)).max(0.0),
         active: 0,
         products: 0,
@@ -73,7 +74,7 @@ fn evaluate_lanes<S: Simd, const W: usize>(
     (widening(sums.reach, sums.active, sums.products), sums.reach)
 }
 
-/// What adds up while the boxes are computed.
+/// Running totals while the boxes are computed.
 struct Sums {
     reach: f32,
     budget: f32,
@@ -82,7 +83,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Adds the target at a place in the tables to the boxes.
+    /// Adds the target at index `place` of the tables to the boxes.
     #[inline(always)]
     fn add<S: Simd, const W: usize>(
         &mut self,
@@ -114,10 +115,10 @@ impl Sums {
     }
 }
 
-/// Sets `boxes` to boxes that hold how far every vertex of each child moves from one vector of weights to another, both exactly and as the positions
-/// are rounded to `f32`.
+/// Sets `boxes` to boxes that contain the displacement of every vertex of each child from one weight vector to another, both exactly
+/// and with positions rounded to `f32`.
 ///
-/// Cost: one pass over the group's local targets, with a multiply-add of eight lanes per row for each whose weights differ.
+/// Cost: one pass over the group's local targets. Each target whose weight differs costs one multiply-add of eight lanes per row.
 #[inline(always)]
 pub(super) fn blend_change<S: Simd>(simd: S, tables: GroupTables<'_>, weights: [&[f32]; 2], boxes: &mut BoxLanes) {
     match tables.width {
@@ -153,15 +154,15 @@ fn change_lanes<S: Simd, const W: usize>(
             boxes.add_interval(simd, by, Slopes::<W>::at(tables.intervals, place));
         }
     }
-    // With the same weights, both are rounded alike.
+    // With equal weights, both positions are rounded the same way.
     if products > 0 {
-        // Two vertices round, each once per target and once more. Of each interval its weight, the product and the sum round, for which twice the
-        // products are more than enough: a difference of weights is at most twice the larger one.
+        // Two vertices round, each once per active target and once more. For each interval, the weight difference, the product and the
+        // sum round. Twice the products is more than enough for that: a difference of weights is at most twice the larger one.
         boxes.widen(simd, widening(reach, 2 * active, 2 * products));
     }
 }
 
-/// The places in a group's tables of the active targets, ascending, if looking them up beats going over all.
+/// The indices of the active targets in a group's tables, ascending. `None` if it is faster to go over all targets.
 #[inline(always)]
 pub(super) fn few_places<'f>(tables: GroupTables<'_>, weights: &Weights, few: &'f mut [u16; FEW]) -> Option<&'f [u16]> {
     if weights.active().len() > FEW || !weights.are_few_of(tables.targets.len()) {
@@ -179,7 +180,7 @@ pub(super) fn few_places<'f>(tables: GroupTables<'_>, weights: &Weights, few: &'
 
 /// Blends the corners of a patch, in the order that
 /// [`MorphModel::blend_vertex`](crate::model::MorphModel::blend_vertex) defines: `f32`, ascending targets, zero weights left out,
-/// multiply then add. Where a target moves only some vertices of the patch, the others add a zero, which changes no value.
+/// multiply then add. If a target moves only some vertices of the patch, the others add a zero, which changes no value.
 #[inline(always)]
 pub(super) fn blend_patch<S: Simd>(simd: S, patch: PatchColumns<'_>, weights: &Weights, corners: &mut CornerLanes) {
     *corners = *patch.base;
@@ -195,7 +196,7 @@ pub(super) fn blend_patch<S: Simd>(simd: S, patch: PatchColumns<'_>, weights: &W
     }
 }
 
-/// About the most that any group of a tree is widened.
+/// Approximately the largest widening of any group of a tree.
 #[cold]
 pub(super) fn max_widening(model: &MorphModel, weights: &Weights) -> f32 {
     let mut reach = model.base_reach();
@@ -208,10 +209,14 @@ pub(super) fn max_widening(model: &MorphModel, weights: &Weights) -> f32 {
 
 /// An error bound per coordinate for boxes and vertices together; derived in docs/numerics.md, "Blended boxes".
 ///
-/// Let `reach = B + sum |w_k| D_k` and `m` be the number of active targets. A vertex rounds `m + 1` times. A row rounds once
-/// per product, once per sum and once when it is widened. The rest of a weight, for its interval, rounds once. `reach` itself
-/// has a relative error of `m + 1` roundings. Each rounding is at most `U * reach`. A product that underflows adds half the
-/// smallest subnormal.
+/// Let `reach = B + sum |w_k| D_k` and `m` be the number of active targets.
+///
+/// - A vertex rounds `m + 1` times.
+/// - A row rounds once per product, once per sum, and once when it is widened.
+/// - The rest of a weight, which multiplies the interval, rounds once.
+/// - `reach` itself has a relative error of `m + 1` roundings.
+///
+/// Each rounding is at most `U * reach`. A product that underflows adds half the smallest subnormal.
 #[inline(always)]
 fn widening(reach: f32, active: u32, products: u32) -> f32 {
     let roundings = (active + 2 * products + 8) as f32;

@@ -1,16 +1,17 @@
-//! A cache of values by index that forgets everything at once, when the weights change (the paper's Sect. 5) or a query starts.
+//! A cache of values by index that can be cleared in constant time: when the weights change (the paper's Sect. 5), or when a query
+//! starts.
 
-/// Values by index, each valid in the epoch in which it was stored.
+/// Values by index. Each is valid only in the epoch in which it was stored.
 ///
-/// Values are stored densely in slots, so memory grows with what is visited; the stamps take 8 bytes per index. Forgotten values stay
-/// in their slots until those are used again, so large values are overwritten in place.
+/// Values are stored densely in slots, so memory grows with what is visited; the stamps take 8 bytes per index. Outdated values stay
+/// in their slots until the slots are reused, so large values are overwritten in place.
 #[derive(Clone, Debug)]
 pub(crate) struct EpochCache<T> {
     epoch: u32,
-    /// For each index the epoch and the slot of its last value.
+    /// For each index, the epoch and the slot of its last value.
     stamps: Vec<(u32, u32)>,
     slots: Vec<T>,
-    /// How many slots have values of this epoch.
+    /// The number of slots with values of this epoch.
     used: usize,
 }
 
@@ -21,7 +22,7 @@ impl<T: Default> Default for EpochCache<T> {
 }
 
 impl<T: Default> EpochCache<T> {
-    /// With room for this many indices; it grows as needed.
+    /// A cache with room for this many indices; it grows as needed.
     pub(crate) fn new(indices: usize) -> Self {
         Self {
             epoch: 1,
@@ -31,7 +32,7 @@ impl<T: Default> EpochCache<T> {
         }
     }
 
-    /// Forgets every value and keeps the memory.
+    /// Discards every value and keeps the memory.
     pub(crate) fn next_epoch(&mut self) {
         self.used = 0;
         self.epoch = self.epoch.wrapping_add(1);
@@ -56,7 +57,7 @@ impl<T: Default> EpochCache<T> {
         slot
     }
 
-    /// Gives an index a slot, whose old value the caller overwrites.
+    /// Assigns a slot to an index. The caller must overwrite the old value in it.
     #[inline]
     pub(crate) fn claim(&mut self, index: usize) -> usize {
         let slot = self.used;
@@ -103,7 +104,7 @@ mod tests {
             (values.find(0), values.find(1).map(|slot| *values.get(slot))),
             (None, Some('b'))
         );
-        // The next epoch has the number of the one in which 'a' was stored.
+        // The epoch wraps around to the number under which 'a' was stored.
         values.next_epoch();
         assert_eq!((values.find(0), values.find(1)), (None, None));
         values.insert(1, 'c');

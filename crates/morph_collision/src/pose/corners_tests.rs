@@ -1,4 +1,4 @@
-//! Corners blended side by side are the posed vertices by definition, bit for bit except for the sign of a zero.
+//! Corners blended side by side equal the posed vertices by definition, bit for bit except for the sign of a zero.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use crate::bounds::{LANES, Lanes, levels};
 use crate::model::MorphModel;
 use crate::tree::{BuildOptions, Leaf, MorphBvh};
 
-/// Coordinates of many sizes, some of them zero of either sign.
+/// Coordinates of many magnitudes, some of them zeros of either sign.
 fn vector(rng: &mut Pcg64Mcg) -> Vec3 {
     let mut coordinate = || match rng.random_range(0..8) {
         0 => 0.0,
@@ -22,7 +22,7 @@ fn vector(rng: &mut Pcg64Mcg) -> Vec3 {
     Vec3::new(coordinate(), coordinate(), coordinate())
 }
 
-/// Random triangles over random vertices. Each target moves the share `moved` of them.
+/// Random triangles over random vertices. Each target moves a fraction `moved` of the vertices.
 fn model(rng: &mut Pcg64Mcg, triangles: usize, targets: usize, moved: f64) -> Arc<MorphModel> {
     let vertices = rng.random_range(3..=triangles + 2);
     let base: Vec<Vec3> = (0..vertices).map(|_| vector(rng)).collect();
@@ -43,7 +43,7 @@ fn model(rng: &mut Pcg64Mcg, triangles: usize, targets: usize, moved: f64) -> Ar
     Arc::new(MorphModel::from_displacements(&base, &triangles, &targets).unwrap())
 }
 
-/// Zero of either sign, one, within and beyond these, negative, tiny and huge.
+/// Random weights: zeros of either sign, one, ordinary, negative, tiny and huge ones.
 fn weights(rng: &mut Pcg64Mcg, targets: usize) -> Vec<f32> {
     let mut weight = || match rng.random_range(0..8) {
         0 | 1 => 0.0,
@@ -78,7 +78,7 @@ fn judge_posed(posed: &mut Posed<'_>, way: Way) {
     for &level in levels() {
         posed.level = level;
         for leaf in 0..topology.leaf_count() {
-            // The list is extended, not replaced.
+            // `leaf_corners` appends.
             let mut patches = vec![[[Lanes::default(); 3]; 3]];
             posed.leaf_corners(Leaf(leaf), &mut patches);
             assert_eq!(patches.remove(0), [[Lanes::default(); 3]; 3]);
@@ -86,13 +86,13 @@ fn judge_posed(posed: &mut Posed<'_>, way: Way) {
             assert_eq!(patches.len(), triangles.len().div_ceil(LANES));
             for (patch, triangles) in patches.iter().zip(triangles.chunks(LANES)) {
                 for lane in 0..LANES {
-                    // Lanes beyond the last triangle repeat it.
+                    // Unused lanes repeat the last triangle.
                     let triangle = triangles[lane.min(triangles.len() - 1)];
                     let vertices = posed.model.corners(triangle);
                     for ([x, y, z], vertex) in patch.iter().zip(vertices) {
                         let corner = Vec3::new(x.0[lane], y.0[lane], z.0[lane]);
                         let expected = Vec3::from(posed.model.blend_vertex(vertex, posed.weights));
-                        // Equal numbers that are not zero are the same bits.
+                        // Equal nonzero numbers have the same bits.
                         assert_eq!(corner, expected, "leaf {leaf}, lane {lane}, vertex {vertex}");
                     }
                 }

@@ -1,8 +1,13 @@
-//! How far vertices may be from where they were: a bound from the boxes that trees and joints have, before any vertex is blended.
+//! A bound on how far vertices have moved, computed from the boxes of trees and joints without blending any vertex.
 //!
-//! A vertex `p` becomes `q` by new weights, and is taken to the world by a map `A` before and `B` now. It moves by `(B - A) p + B (q - p)`.
-//! The first part is farthest in a corner of a box around `p`; for the second there is a box around `q - p`, from the intervals of the targets
-//! whose weights differ, and a bound on how much `B` stretches. A vertex under joints moves by the weighted sum of what its joints do.
+//! New weights move a vertex from `p` to `q`. The map to the world was `A` and is now `B`. So the vertex moves by
+//! `(B - A) p + B (q - p)` in the world.
+//!
+//! - The first term is largest at a corner of a box around `p`.
+//! - For the second term there is a box around `q - p`, from the intervals of the targets whose weights differ, and a bound on how
+//!   much `B` stretches a vector.
+//!
+//! A vertex under joints moves by the weighted sum of these displacements over its joints.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -16,15 +21,15 @@ use super::posed::Posed;
 use crate::bounds::{Aabb, Box64, BoxLanes, WorldFromModel, with_simd};
 use crate::tree::{ChildKind, GroupTables};
 
-/// How many levels below the root's children are looked at. Not measured: more make the bound smaller, and cost more.
+/// The number of levels visited below the root's children. Not measured: more levels make the bound smaller, but cost more.
 const LEVELS: usize = 2;
 
 impl Pose {
-    /// A bound on the distance between any vertex and the same vertex in another pose of the mesh, roundings included. Infinite for poses of
-    /// different trees.
+    /// Returns a bound on the distance between any vertex and the same vertex in another pose of the mesh, rounding included.
+    /// Infinite for poses of different trees.
     ///
-    /// Distances are in model space, those of a skinned mesh in world space. [`Body::displacement_from`](crate::Body::displacement_from) is about
-    /// placed bodies, and says what it costs.
+    /// Distances are in model space; for a skinned mesh, in world space. See
+    /// [`Body::displacement_from`](crate::Body::displacement_from) for placed bodies and for the cost.
     #[must_use]
     pub fn displacement_from_pose(&self, before: &mut Self) -> f64 {
         let place = WorldFromModel::IDENTITY;
@@ -32,8 +37,10 @@ impl Pose {
     }
 }
 
-/// A bound on the distance between any vertex of a body and the same vertex of the body as it was before. What is at most the start of `wanted` counts as
-/// that, and what is more than its end may be any larger number: both save work.
+/// A bound on the distance between any vertex of a body and the same vertex of the body as it was before.
+///
+/// `wanted` saves work outside the range that matters: if the bound is at most its start, the start is returned, and if the bound is
+/// more than its end, any larger number may be returned.
 pub(crate) fn displacement(
     (before, from): (&mut Pose, &WorldFromModel),
     (now, to): (&Pose, &WorldFromModel),
@@ -144,7 +151,7 @@ fn under_joints(before: &mut Pose, now: &Pose, wanted: Range<f64>) -> Option<f64
             }
         }
     }
-    // Not by way of `farthest`, which is rounded: whether that is enough must not depend on it.
+    // Return the start itself: computed back from `farthest`, it would be rounded and could exceed the start.
     Some(if farthest <= enough {
         wanted.start
     } else {
@@ -152,11 +159,11 @@ fn under_joints(before: &mut Pose, now: &Pose, wanted: Range<f64>) -> Option<f64
     })
 }
 
-/// Other weights, and what follows them.
+/// A change of weights, and the map to the world that follows it.
 struct Change<'a> {
     /// Before and now.
     weights: [&'a [f32]; 2],
-    /// A bound on how much longer the map to the world makes a vector.
+    /// A bound on the factor by which the map to the world lengthens a vector.
     stretch: f64,
     level: Level,
 }
@@ -174,7 +181,7 @@ impl Change<'_> {
         self.stretch * moved.magnitude().as_dvec3().length() * (1.0 + 1e-9)
     }
 
-    /// A bound for the vertices of a group, which the place moves by at most `by_place`.
+    /// A bound for the vertices of a group, given that the change of the map moves them by at most `by_place`.
     fn refine(&self, posed: &Posed<'_>, group: usize, levels: usize, by_place: f64, wanted: Range<f64>) -> f64 {
         let mut farthest = wanted.start;
         let moved = self.of_group(posed.tables.group(group));
@@ -197,14 +204,15 @@ impl Change<'_> {
     }
 }
 
-/// The difference of two maps: what it gives for a point is how far the point moves.
+/// The difference of two maps: it takes a point to the vector by which the point moves.
 struct Motion {
     linear: DMat3,
     translation: DVec3,
 }
 
 impl Motion {
-    /// A bound on how far points of a box move: that of the farthest corner, or a simpler one if that is at most `enough`.
+    /// A bound on how far points of a box move: a simple one if it is at most `enough`, otherwise the distance that the corners move
+    /// at most.
     fn of_box(&self, bounds: &Aabb, enough: f64) -> f64 {
         let reach = self.linear.abs() * bounds.magnitude().as_dvec3() + self.translation.abs();
         let rounding = 32.0 * f64::EPSILON * reach.element_sum();
@@ -227,7 +235,7 @@ impl Motion {
                     .max((middle - corner).length_squared())
             })
             .fold(0.0, f64::max);
-        // What is not a number is lost in a maximum, but not in `simple`.
+        // `max` drops NaN; `simple` keeps it.
         if simple.is_finite() {
             farthest.sqrt() * (1.0 + 1e-9) + rounding
         } else {
@@ -236,8 +244,8 @@ impl Motion {
     }
 }
 
-/// A bound on how much longer a map makes a vector: on the square root of the largest eigenvalue of `m^T m`, from the sums of its rows. It is
-/// reached where the axes stay at right angles.
+/// A bound on the factor by which a map lengthens a vector: the square root of the largest eigenvalue of `m^T m`, bounded by its
+/// row sums. The bound is exact if the axes stay orthogonal.
 fn stretch(m: &DMat3) -> f64 {
     let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis];
     let [xy, xz, yz] = [x.dot(y).abs(), x.dot(z).abs(), y.dot(z).abs()];
@@ -249,7 +257,7 @@ fn stretch(m: &DMat3) -> f64 {
     sums.into_iter().fold(0.0, f64::max).sqrt() * (1.0 + 1e-9)
 }
 
-/// The bound, or infinity where overflow has left none.
+/// The bound, or infinity if an overflow made it NaN.
 fn known(bound: f64) -> f64 {
     if bound.is_nan() { f64::INFINITY } else { bound }
 }

@@ -8,7 +8,7 @@ use crate::{Body, BuildOptions, Influences, JointMatrices, MorphBvh, MorphModel,
 
 const JOINTS: u16 = 3;
 
-/// Loose triangles; weights of joints that sum to 1 unless `sums` differ from that.
+/// Loose triangles with joint weights that sum to `sums`.
 fn skinned(rng: &mut Pcg64Mcg, sums: f32) -> Arc<MorphBvh> {
     let point = |rng: &mut Pcg64Mcg| Vec3::from_array([(); 3].map(|()| rng.random_range(-1.0..1.0)));
     let base: Vec<Vec3> = (0..90).map(|_| point(rng)).collect();
@@ -90,7 +90,7 @@ fn random_vector(rng: &mut Pcg64Mcg) -> Vec3 {
     Vec3::from_array([(); 3].map(|()| rng.random_range(-1.0..1.0)))
 }
 
-/// A mesh of a few hundred loose triangles near each other, with targets that move parts of it, all of it or nothing.
+/// A mesh of up to a few hundred loose triangles near each other, with targets that move part of it, all of it, or nothing.
 fn morphing(rng: &mut Pcg64Mcg) -> Arc<MorphBvh> {
     let triangles = rng.random_range(1..300);
     let base: Vec<Vec3> = (0..triangles)
@@ -117,7 +117,7 @@ fn morphing(rng: &mut Pcg64Mcg) -> Arc<MorphBvh> {
     Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()))
 }
 
-/// Turned, scaled, sheared, mirrored, flattened, far away.
+/// A random transform: rotated and possibly scaled, sheared, mirrored, flattened, or far away.
 fn any_place(rng: &mut Pcg64Mcg) -> Affine3A {
     let [a, b, c] = [(); 3].map(|()| rng.random_range(-4.0..4.0));
     let turn = Quat::from_euler(EulerRot::XYZ, a, b, c);
@@ -132,7 +132,7 @@ fn any_place(rng: &mut Pcg64Mcg) -> Affine3A {
     Affine3A::from_scale_rotation_translation(scale, turn, random_vector(rng) * far) * shear
 }
 
-/// A place that differs a little from another one.
+/// A transform that differs a little from another one.
 fn nearby(rng: &mut Pcg64Mcg, place: Affine3A, by: f32) -> Affine3A {
     let [a, b, c] = [(); 3].map(|()| rng.random_range(-by..by));
     let moved = Affine3A::from_rotation_translation(Quat::from_euler(EulerRot::XYZ, a, b, c), random_vector(rng) * by);

@@ -16,10 +16,10 @@ use crate::tree::MorphBvh;
 
 /// One instance of a morphing mesh: its weights, and a cache of the boxes and vertices blended for them.
 ///
-/// New weights cost a comparison and a copy. Boxes are blended when a query first looks at their node. Setting equal weights
-/// keeps the cache. A pose is in the mesh's model space; each query takes the transform to world space.
+/// Setting new weights costs a comparison and a copy; boxes are blended when a query first looks at their node. Setting the same
+/// weights again keeps the cache. A pose is in the mesh's model space; each query takes the transform to world space.
 ///
-/// Memory: 8 bytes per inner node and per vertex, plus what was visited.
+/// Memory: 8 bytes per inner node and per vertex, plus the boxes and vertices that were visited.
 #[derive(Clone)]
 pub struct Pose {
     pub(super) bvh: Arc<MorphBvh>,
@@ -28,7 +28,7 @@ pub struct Pose {
     is_refitted: bool,
     boxes: EpochCache<BoxLanes>,
     vertices: EpochCache<Vec3A>,
-    /// For a skinned mesh, with where the space of its boxes stands.
+    /// For a skinned mesh: the map from the space of its boxes to world space, and the state of its joints.
     pub(super) skinning: Option<(WorldFromModel, Skinning)>,
     standing: Standing,
     blended: Blended,
@@ -36,7 +36,7 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// An instance at rest: all weights are zero.
+    /// Creates an instance at rest: all weights are zero.
     #[must_use]
     pub fn new(bvh: Arc<MorphBvh>) -> Self {
         let skinning = bvh.model().joint_count().zip(bvh.skin.as_ref()).map(|(joints, skin)| {
@@ -48,7 +48,7 @@ impl Pose {
             weights: Weights::new(&vec![0.0; bvh.model().target_count()]),
             is_refitted: false,
             boxes: EpochCache::new(bvh.topology.group_count()),
-            // Those of a skinned mesh are kept where joints have placed them.
+            // `Skinning` caches the vertices of a skinned mesh.
             vertices: EpochCache::new(if skinning.is_some() {
                 0
             } else {
@@ -64,15 +64,16 @@ impl Pose {
         pose
     }
 
-    /// Sets the joint matrices of a skinned mesh, one per joint; they are shared, not copied. Returns whether they differ from the previous ones.
+    /// Sets the joint matrices of a skinned mesh, one per joint. Returns whether they differ from the previous ones. The matrices are
+    /// shared, not copied.
     ///
-    /// Joints place the mesh in the world by themselves: queries then ignore the `world_from_model` of a [`Body`](crate::Body), as glTF wants
-    /// it. Until the first call, all joints leave the mesh as it is.
+    /// Joint matrices lead to world space: queries ignore the `world_from_model` of a skinned [`Body`](crate::Body), as glTF
+    /// requires. Until the first call, all joint matrices are the identity.
     ///
-    /// Cost: one pass over the joints. Boxes of parts that move rigidly stay as they are.
+    /// Cost: one pass over the joints. The cached boxes of parts that move rigidly stay valid.
     ///
     /// # Errors
-    /// [`InputError`] for a wrong number of joints, or for any joints if the mesh has none. The pose then keeps its joints.
+    /// [`InputError`] if the number of joints is wrong, or if the mesh has no joints. The pose then keeps its joints.
     pub fn set_joints(&mut self, joints: &JointMatrices) -> Result<bool, InputError> {
         let expected = self.bvh.model().joint_count();
         let given = joints.len();
@@ -88,13 +89,13 @@ impl Pose {
         Ok(changed)
     }
 
-    /// The joint matrices of a skinned mesh.
+    /// Returns the joint matrices; `None` if the mesh is not skinned.
     #[must_use]
     pub fn joints(&self) -> Option<&JointMatrices> {
         self.skinning.as_ref().map(|(_, skinning)| &skinning.joints)
     }
 
-    /// Forgets what was made with other joints or weights.
+    /// Discards everything computed for other joints or weights.
     fn forget(&mut self, weights_changed: bool) {
         self.boxes.next_epoch();
         if weights_changed {
@@ -113,12 +114,12 @@ impl Pose {
         }
     }
 
-    /// Sets the weights, one per target, of any sign and sum. Returns whether they differ from the previous ones.
+    /// Sets the weights, one per target. They may have any sign and sum. Returns whether they differ from the previous ones.
     ///
     /// Cost: one pass over the weights.
     ///
     /// # Errors
-    /// [`WeightsError`] for a wrong number of weights, a weight that is not finite, or weights that could move a vertex out of
+    /// [`WeightsError`] if the number of weights is wrong, if a weight is not finite, or if the weights could move a vertex out of
     /// the range of `f32`. The pose then keeps its weights.
     pub fn set_weights(&mut self, weights: &[f32]) -> Result<bool, WeightsError> {
         weights::check(self.bvh.model(), weights)?;
@@ -130,33 +131,34 @@ impl Pose {
         Ok(changed)
     }
 
-    /// Fits all boxes tightly to the posed vertices now. They last until the weights or joints change.
+    /// Fits all boxes tightly to the posed vertices now. They stay valid until the weights or joints change.
     ///
-    /// This pays for weights that rest, and where a query looks at most of the tree, such as all pairs of two bodies that
-    /// overlap deeply. Otherwise let queries blend what they look at; `docs/performance.md` compares both. Cost: `O(n)`, every
-    /// vertex is blended and every box fitted.
+    /// This is worth it if the weights stay the same for a while, or if a query visits most of the tree, such as listing all pairs of
+    /// two bodies that overlap deeply. Otherwise let queries blend what they need; `docs/performance.md` compares both.
+    ///
+    /// Cost: `O(n)`. Every vertex is blended and every box fitted.
     pub fn refit(&mut self) {
         self.is_refitted = true;
         self.standing.forget();
         self.posed().refit();
     }
 
-    /// The weights, one per target.
+    /// Returns the weights, one per target.
     #[must_use]
     pub fn weights(&self) -> &[f32] {
         self.weights.all()
     }
 
-    /// The tree of the mesh.
+    /// Returns the mesh's tree.
     #[must_use]
     pub fn bvh(&self) -> &Arc<MorphBvh> {
         &self.bvh
     }
 
-    /// A box around the posed mesh in model space: conservative, not always the smallest.
+    /// Returns a box around the posed mesh in model space. It is conservative, not always the smallest.
     ///
-    /// The model space of a skinned mesh is world space here and in what follows, since joints lead there.
-    /// Cost: the boxes of the root's children are blended from the active targets unless they are cached.
+    /// For a skinned mesh the box is in world space, because joint matrices lead there; the same holds for the other methods that
+    /// mention model space. Cost: the boxes of the root's children are blended from the active targets unless they are cached.
     pub fn bounds(&mut self) -> Aabb {
         if self.skinning.is_some() {
             return self.world_bounds(&WorldFromModel::IDENTITY);
@@ -164,11 +166,11 @@ impl Pose {
         self.posed().bounds()
     }
 
-    /// A conservative box in world space around the posed mesh.
+    /// Returns a conservative box in world space around the posed mesh.
     ///
-    /// It holds every posed vertex as [`WorldFromModel::transform_point`] places it. It is infinite where world coordinates
-    /// exceed the range of `f32`. For a skinned mesh it is what the boxes of the root's children, which have the axes of a joint, and
-    /// [`Pose::broad_phase_bounds`] have in common. Cost: that of [`Pose::bounds`].
+    /// It contains every posed vertex as [`WorldFromModel::transform_point`] places it. It is infinite if world coordinates
+    /// exceed the range of `f32`. For a skinned mesh it is the intersection of [`Pose::broad_phase_bounds`] with the box around the
+    /// root's children, whose boxes have the axes of a joint. Cost: the same as [`Pose::bounds`].
     pub fn world_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
         let mut posed = self.posed_at(world_from_model);
         let of_nodes = posed.world_bounds();
@@ -178,11 +180,14 @@ impl Pose {
         })
     }
 
-    /// A conservative box in world space that costs as little as possible, to find out which bodies may meet at all.
+    /// Returns a conservative box in world space that is as cheap as possible, for a broad phase.
     ///
-    /// For a skinned mesh it is the hull of one box per joint, around the vertices that the joint moves. That is looser than [`Pose::world_bounds`]
-    /// (on characters 1.0 to 2.1 times the area, on average), but no node is blended for it. For other meshes both are the same. Cost: linear in the number of joints; after
-    /// new weights, also in the number of targets that move each joint's vertices.
+    /// For a skinned mesh it is the hull of one box per joint, around the vertices that the joint moves. It is looser than
+    /// [`Pose::world_bounds`] (on characters 1.0 to 2.1 times the area, on average), but needs no node to be blended. For other
+    /// meshes both are the same.
+    ///
+    /// Cost for a skinned mesh: linear in the number of joints. After new weights, also in the number of targets that move each
+    /// joint's vertices.
     pub fn broad_phase_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
         let mut posed = self.posed_at(world_from_model);
         match posed.hull_of_joints() {
@@ -191,36 +196,37 @@ impl Pose {
         }
     }
 
-    /// The posed position of a source vertex in model space, or `None` if there is no such vertex.
+    /// Returns the posed position of a source vertex in model space, or `None` if there is no such vertex.
     pub fn source_vertex(&mut self, source: u32) -> Option<Vec3> {
         let welded = *self.bvh.model().welded_from_source().get(source as usize)?;
         self.vertex(welded)
     }
 
-    /// The posed position of a welded vertex in model space, or `None` if there is no such vertex.
+    /// Returns the posed position of a welded vertex in model space, or `None` if there is no such vertex.
     ///
-    /// [`MorphModel::triangle`](crate::MorphModel::triangle) gives the welded vertices of a triangle.
+    /// [`MorphModel::triangle`](crate::MorphModel::triangle) returns the welded vertices of a triangle.
     pub fn vertex(&mut self, vertex: u32) -> Option<Vec3> {
         let exists = (vertex as usize) < self.bvh.model().vertex_count();
         exists.then(|| self.posed().model_vertex(vertex))
     }
 
-    /// The posed corners of a triangle in model space, or `None` if there is no such triangle.
+    /// Returns the posed corners of a triangle in model space, or `None` if there is no such triangle.
     pub fn triangle(&mut self, triangle: u32) -> Option<[Vec3; 3]> {
         let exists = (triangle as usize) < self.bvh.model().triangle_count();
         let corners = |pose: &mut Self| pose.bvh.model().corners(triangle).map(|v| pose.posed().model_vertex(v));
         exists.then(|| corners(self))
     }
 
-    /// Brings a copy of a pose, if there is one, to that pose's state. Keeps what the copy has blended if the state is the same.
+    /// Brings `copy` to the state of `pose`, and creates it if there is none. If the state is the same already, the copy keeps its
+    /// cache.
     pub(crate) fn copied<'c>(copy: &'c mut Option<Self>, pose: &Self) -> &'c mut Self {
         let copy = copy.get_or_insert_with(|| pose.clone());
         let is_current = Arc::ptr_eq(&copy.bvh, &pose.bvh)
             && copy.is_refitted == pose.is_refitted
-            // How large the boxes of a skinned mesh are depends on its joints before, too, and so does the order of pairs.
+            // The boxes of a skinned mesh, and so the order of pairs, also depend on its earlier joints.
             && copy.joint_changes() == pose.joint_changes()
             && copy.joints() == pose.joints()
-            // Refitted boxes are those of one vector of weights. Weights that a pose has accepted are never refused.
+            // Refitted boxes are valid for one weight vector only. Weights that one pose has accepted are never refused.
             && (copy.weights() == pose.weights()
                 || !copy.is_refitted && copy.skinning.is_none() && copy.set_weights(pose.weights()).is_ok());
         if !is_current {
@@ -233,7 +239,7 @@ impl Pose {
         self.skinning.as_ref().map(|(_, skinning)| skinning.version())
     }
 
-    /// Bytes on the heap, without the shared tree.
+    /// Returns the heap memory in bytes, without the shared tree.
     #[must_use]
     pub fn bytes(&self) -> usize {
         let skinning = self.skinning.as_ref().map_or(0, |(_, skinning)| skinning.bytes());

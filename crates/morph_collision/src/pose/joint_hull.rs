@@ -1,4 +1,4 @@
-//! A box in world space around a skinned body, from one box per joint: what a broad phase needs, before any node is blended.
+//! A box in world space around a skinned body, from one box per joint. A broad phase needs it before any node is blended.
 
 use std::ops::RangeInclusive;
 
@@ -13,18 +13,18 @@ use crate::joints::{Columns, JointMatrices};
 use crate::model::Weights;
 use crate::tree::JointBoxes;
 
-/// The boxes of joints at a pose's weights, before joints move them.
+/// One box per joint around the vertices that it moves, blended for a pose's weights, before joints move them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct JointHull {
     boxes: Vec<BoxLanes>,
-    /// A bound on their coordinates.
+    /// A bound on the boxes' absolute coordinates.
     reach: f32,
-    /// Whether they are those of the weights.
+    /// Whether the boxes are valid for the current weights.
     is_current: bool,
 }
 
 impl JointHull {
-    /// The weights have changed.
+    /// Discards the boxes, because the weights have changed.
     pub(super) fn forget(&mut self) {
         self.is_current = false;
     }
@@ -33,10 +33,10 @@ impl JointHull {
         size_of_val(&*self.boxes)
     }
 
-    /// A box that holds every vertex, exact or rounded.
+    /// A box that contains every vertex, exact or rounded.
     ///
-    /// A vertex is the sum of its weights, which is in `sums`, times a point in the hull of its joints' images. `error` bounds how far
-    /// vertices are from where they would be without rounding, and is more than the roundings here.
+    /// A vertex is the sum of its weights, which is in `sums`, times a point in the hull of its joints' images. `error` bounds the
+    /// rounding error of vertices; it is larger than the rounding errors here.
     pub(super) fn around(
         &mut self,
         level: Level,
@@ -55,7 +55,7 @@ impl JointHull {
         }
         let (least, most) = sums.into_inner();
         if least <= 0.0 {
-            // There may be vertices that no joint moves.
+            // There may be vertices without influences; they are at the origin.
             hull = hull.union(Extent::point(DVec3::ZERO));
         }
         let pad = DVec3::splat(2.0 * error);
@@ -66,12 +66,12 @@ impl JointHull {
         scaled.outward()
     }
 
-    /// The boxes; `None` where coordinates are too large to compute with.
+    /// The boxes; `None` if coordinates are too large to compute with.
     pub(super) fn boxes(&mut self, level: Level, tables: &JointBoxes, weights: &Weights) -> Option<&[BoxLanes]> {
         self.is_bounded(level, tables, weights).then_some(&self.boxes)
     }
 
-    /// Blends the boxes unless they are those of the weights; returns whether they can be computed with.
+    /// Blends the boxes unless they are valid for the weights. Returns whether their coordinates are small enough to compute with.
     fn is_bounded(&mut self, level: Level, tables: &JointBoxes, weights: &Weights) -> bool {
         if !self.is_current {
             self.boxes.clear();
@@ -84,7 +84,7 @@ impl JointHull {
             }
             self.is_current = true;
         }
-        // NaN is not.
+        // False for NaN.
         self.reach <= MAX_REACH
     }
 }
@@ -108,7 +108,7 @@ fn images<S: Simd>(simd: S, moved: &[u16], boxes: &BoxLanes, joints: &JointMatri
     }
 }
 
-/// The centre and the half size of the image of a box.
+/// The centre and half size of a box's image.
 #[inline(always)]
 fn image<S: Simd>(simd: S, of: &Aabb, [x, y, z, translation]: &Columns) -> (f64x4<S>, f64x4<S>) {
     let (min, max) = (of.min.as_dvec3(), of.max.as_dvec3());
@@ -131,7 +131,7 @@ mod tests {
 
     use crate::{Body, BuildOptions, Influences, JointMatrices, MorphBvh, MorphModel, Pose, WorldFromModel};
 
-    /// The bounds of one triangle that a joint far away moves with these weights, and its corners.
+    /// The bounds and corners of one triangle, moved by one joint with these weights to a place far away.
     fn bounds(weights: [f32; 3], at: Vec3) -> (crate::Aabb, Vec<Vec3>) {
         let weights = weights.map(|weight| [weight, 0.0, 0.0, 0.0]);
         let influences = Influences {

@@ -1,4 +1,4 @@
-//! How near vertices under joints come to the ends of the boxes around them, in exact arithmetic.
+//! Measures, in exact arithmetic, how close vertices under joints come to the ends of the boxes around them.
 
 use std::sync::Arc;
 
@@ -18,36 +18,36 @@ use crate::tree::{BuildOptions, MorphBvh};
 const TINY: f32 = f32::EPSILON * 0.505;
 const JOINTS: usize = 3;
 const VERTICES: usize = 4;
-/// The numbers of a joint: the columns of its matrix.
+/// Number of values per joint: the columns of its matrix.
 const MATRIX: usize = 12;
-/// The numbers of a vertex: its base position, its displacement, and the weights of the joints.
+/// Number of values per vertex: its base position, its displacement, and the weights of the joints.
 const VERTEX: usize = 6 + JOINTS;
 
-/// What the weights of joints are, and what boxes are around.
+/// The kind of joint weights, and what the boxes contain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form {
-    /// One joint for each vertex.
+    /// One joint per vertex.
     Rigid,
-    /// Sums of exactly 1.
+    /// Weights that sum to exactly 1.
     Smooth,
-    /// Sums that miss 1 by rounding.
+    /// Weights whose sum differs from 1 by rounding.
     Rounded,
-    /// Any weights: what is missing counts as a joint.
+    /// Any weights. The difference of their sum to 1 counts as a joint.
     Free,
-    /// Boxes that were made with slightly different joints.
+    /// Boxes computed with slightly different joints.
     Kept,
-    /// Boxes around two vertices each, which differ in their weights of two joints.
+    /// Boxes around two vertices each, which differ in their weights for two joints.
     Spans,
 }
 
-/// A pose, and the joints it had before.
+/// A pose, and its joints before and now.
 struct Case {
     form: Form,
     pose: Pose,
     joints: [JointMatrices; 2],
 }
 
-/// `numbers` are the weight of the only target, the matrices of the joints, those that they had before, and vertices.
+/// `numbers` are the weight of the only target, the joints' matrices now, their matrices before, and the vertices.
 fn case(form: Form, numbers: &[f32]) -> Option<Case> {
     let (weight, rest) = numbers.split_first()?;
     let (joints, rest) = rest.split_at(JOINTS * MATRIX);
@@ -74,7 +74,7 @@ fn case(form: Form, numbers: &[f32]) -> Option<Case> {
         let whole = x + y + z;
         let [x, y, z] = match form {
             Form::Rigid | Form::Kept => std::array::from_fn(|joint| f32::from(u8::from(joint == i % JOINTS))),
-            // All in the same cluster.
+            // All vertices are in the same cluster.
             Form::Spans => {
                 let x = 0.55 + 0.35 * x / (x + y);
                 [few_bits(x), 1.0 - few_bits(x), 0.0]
@@ -105,16 +105,16 @@ fn case(form: Form, numbers: &[f32]) -> Option<Case> {
     Some(Case { form, pose, joints })
 }
 
-/// The frame of a box, which must be the space of a joint.
+/// The columns of a box's frame, which must be the space of a joint.
 fn frame_columns(place: &WorldFromModel) -> [DVec3; 4] {
     let linear = place.linear();
     [linear.x_axis, linear.y_axis, linear.z_axis, place.translation()]
 }
 
 impl Case {
-    /// The share of its slack that some box needs to hold its vertices, the rounded ones and the exact ones.
+    /// The largest share of its slack that a box needs to contain its vertices, both rounded and exact.
     ///
-    /// Without roundings, boxes would end where these end: all that they are larger is slack.
+    /// Without rounding, a box would fit its vertices tightly. Its slack is by how much it is larger than that.
     fn share(mut self) -> Option<f64> {
         let mut share = f64::NEG_INFINITY;
         for (bounds, place, triangle) in self.boxes()? {
@@ -122,7 +122,7 @@ impl Case {
                 return None;
             }
             let columns = frame_columns(&place);
-            // Everything is compared times the determinant.
+            // All values are multiplied by the determinant.
             let (rows, determinant) = adjugate(&columns);
             let corners = self.pose.posed().model.corners(triangle);
             let points: Vec<ExactPoint> = corners.iter().flat_map(|&corner| self.world_points(corner)).collect();
@@ -141,7 +141,7 @@ impl Case {
         Some(share)
     }
 
-    /// The leaves with their boxes and the frames of these.
+    /// For each leaf, its box, the box's frame, and its triangle.
     fn boxes(&mut self) -> Option<Vec<(Aabb, WorldFromModel, u32)>> {
         self.pose.set_joints(&self.joints[0]).ok()?;
         self.pose.visit_nodes(|_| true);
@@ -160,7 +160,7 @@ impl Case {
         (is_a_joints && boxes.len() > 1 && (was_kept || self.form != Form::Kept)).then_some(boxes)
     }
 
-    /// The exact images of a vertex as it is rounded after morphing, and as it would be without.
+    /// The exact images of a vertex: one with its morphed position rounded, one without rounding.
     fn world_points(&mut self, vertex: u32) -> [ExactPoint; 2] {
         let posed = self.pose.posed();
         let rounded = posed
@@ -200,7 +200,7 @@ fn start(i: usize, rng: &mut Pcg64Mcg) -> Vec<f32> {
     }
     let one_way = i.is_multiple_of(3);
     if one_way {
-        // The frame is the mesh's space, and what is added to a product is just above half a unit in its last place.
+        // The frame is the mesh's space, and the values added to a product are just above half a unit in its last place.
         for (joint, matrix) in joints.chunks_exact_mut(MATRIX).enumerate() {
             matrix.fill(if joint == 0 { 0.0 } else { TINY });
             (0..3).for_each(|row| matrix[if joint == 0 { 4 * row } else { row }] = 1.0 + 0.01 * joint as f32);
@@ -217,7 +217,7 @@ fn start(i: usize, rng: &mut Pcg64Mcg) -> Vec<f32> {
         }
     });
     for vertex in 0..VERTICES {
-        // Alike in every other start, so that no vertex makes the slack of another.
+        // In every other start the vertices are nearly equal, so that none of them adds to another's slack.
         let spread = if i.is_multiple_of(2) { 1.0 } else { 1e-3 };
         numbers.extend(at.map(|x| x + x * spread * vertex as f32));
         numbers.extend((0..3).map(|_| rng.random_range(-0.1..0.1) * scale));

@@ -1,7 +1,9 @@
-//! One instance: its weights, and what has been blended for them so far.
+//! One instance of a mesh: its weights, and a cache of what has been blended for them.
 //!
-//! Every box comes from [`Posed::open`]: blended from the tree's tables (`blend`) on first use and cached until the weights change
-//! (`cache`). Those of skinned meshes are kept in the spaces of joints (`skinning`, `skin_blend`). [`Pose::refit`] instead fits all boxes to the posed vertices at once.
+//! - Every box comes from [`Posed::open`], which blends it from the tree's tables on first use (`blend`). It stays cached until the
+//!   weights change (`cache`).
+//! - The boxes of skinned meshes are kept in the spaces of joints (`skinning`, `skin_blend`).
+//! - [`Pose::refit`] fits all boxes to the posed vertices at once instead.
 
 mod blend;
 mod cache;

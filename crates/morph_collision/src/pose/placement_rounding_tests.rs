@@ -1,4 +1,4 @@
-//! How near the roundings of placed vertices come to their bound, in exact arithmetic.
+//! Measures, in exact arithmetic, how close the rounding errors of placed vertices come to their bound.
 
 use std::sync::Arc;
 
@@ -13,10 +13,11 @@ use crate::joints::JointMatrices;
 use crate::model::{Influences, MorphModel};
 use crate::tree::{BuildOptions, MorphBvh};
 
-/// The numbers of a matrix.
+/// Number of values per matrix.
 const MATRIX: usize = 12;
 
-/// The error of a placed vertex, as a share of `12 v W (|J| r + |t|)`. `numbers` are its position, and the weights and matrices of its joints.
+/// The error of a placed vertex, as a share of the bound `12 v W (|J| r + |t|)`. `numbers` are its position, and the weights and
+/// matrices of its joints.
 fn placement_share(numbers: &[f32]) -> Option<f64> {
     const SLOTS: usize = 8;
     let (p, rest) = numbers.split_at(3);
@@ -73,7 +74,7 @@ fn placed_vertices_are_off_by_nearly_their_bound_and_never_by_more() {
         |i, rng| {
             let mut numbers: Vec<f32> = (0..11 + 8 * MATRIX).map(|_| rng.random_range(-1.0..1.0)).collect();
             if i.is_multiple_of(2) {
-                // One product near 1, and what is added to it just above half a unit in its last place, over and over.
+                // One product is near 1. All values added to it are just above half a unit in its last place.
                 let tiny = 2_f32.powi(-53) * 1.01;
                 numbers[..4].fill(1.0);
                 numbers[4..11].fill(tiny);

@@ -10,14 +10,14 @@ use crate::exact::Triangle;
 use crate::model::{MorphModel, Weights};
 use crate::tree::{Child, ChildKind, CornerLanes, Leaf, LeafLanes, SkinTables, Tables, Topology, gather};
 
-/// The numbers of boxes and vertices that a pose has blended since it was made.
+/// The numbers of boxes and vertices that a pose has blended since it was created.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Blended {
     pub(crate) volumes: u64,
     pub(crate) vertices: u64,
 }
 
-/// A node as a child of a group. It names the same node in every pose of the tree.
+/// A node, named by its group and lane. It names the same node in every pose of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct NodeId {
     pub(crate) group: u32,
@@ -28,7 +28,7 @@ impl NodeId {
     pub(crate) const ROOT: Self = Self { group: 0, lane: 0 };
 }
 
-/// A node as a traversal holds it: its place, its child entry, and the slot of its box in the pose's cache.
+/// A node as used by traversals: its id, its child entry, and the slot of its box in the pose's cache.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NodeRef {
     pub(crate) child: Child,
@@ -36,10 +36,10 @@ pub(crate) struct NodeRef {
     pub(crate) id: NodeId,
 }
 
-/// A pose borrowed for a query: what traversals walk over.
+/// A pose borrowed for a query. Traversals walk over it.
 ///
-/// Boxes are in one space, model space, which `place` takes to the world. That of a skinned mesh is a frame of its own choice, and its
-/// vertices are placed by its joints.
+/// Boxes are in model space, which `place` takes to the world. The boxes of a skinned mesh are in the body's frame, which the
+/// pose chooses, and joints place its vertices.
 pub(crate) struct Posed<'a> {
     /// Takes the space of the boxes to world space.
     pub(crate) place: &'a WorldFromModel,
@@ -59,7 +59,7 @@ pub(crate) struct Posed<'a> {
     pub(crate) level: Level,
 }
 
-/// Buffers that blending reuses.
+/// Scratch buffers for blending.
 #[derive(Clone, Default)]
 pub(super) struct Scratch {
     corners: Vec<CornerLanes>,
@@ -73,7 +73,7 @@ impl Posed<'_> {
         self.node(slot, 0, 0)
     }
 
-    /// Blends a group's boxes unless they are cached, and returns their slot.
+    /// Returns the slot of a group's boxes; blends them unless they are cached.
     #[inline(always)]
     pub(crate) fn open(&mut self, group: usize) -> usize {
         match self.boxes.find(group) {
@@ -112,7 +112,7 @@ impl Posed<'_> {
         self.boxes.get(node.slot as usize).get(usize::from(node.id.lane))
     }
 
-    /// The group of the root's children; that of the root itself if it is a leaf.
+    /// The group of the root's children, or the root's own group if the root is a leaf.
     pub(super) fn top_group(&self) -> usize {
         match self.topology.group(0).child(0).kind() {
             ChildKind::Group(group) => group,
@@ -120,7 +120,7 @@ impl Posed<'_> {
         }
     }
 
-    /// Whether the boxes that make the body's bounds are cached.
+    /// Whether the boxes that the body's bounds are computed from are cached.
     pub(super) fn is_top_open(&self) -> bool {
         self.is_open(self.top_group())
     }
@@ -131,13 +131,13 @@ impl Posed<'_> {
         (self.open(group), self.topology.group(group).children().len())
     }
 
-    /// A box around the posed mesh in model space: that of the root's children, which is tighter than the root's.
+    /// A box around the posed mesh in model space: the hull of the root's children, which is tighter than the root's box.
     pub(crate) fn bounds(&mut self) -> Aabb {
         let (slot, children) = self.top();
         with_simd!(self.level, simd => self.boxes(slot).hull(simd, children))
     }
 
-    /// A box in world space; infinite where coordinates exceed the range of `f32`.
+    /// A box in world space; infinite if coordinates exceed the range of `f32`.
     pub(super) fn world_bounds(&mut self) -> Aabb {
         let Some(map) = world_map(&self.stand().placed) else {
             return Aabb::UNBOUNDED;
@@ -162,7 +162,7 @@ impl Posed<'_> {
         }
     }
 
-    /// The position of a welded vertex before joints and placement; blended unless it is cached.
+    /// The position of a welded vertex before joints and placement. Blends it unless it is cached.
     #[inline(always)]
     pub(crate) fn vertex(&mut self, vertex: u32) -> Vec3A {
         match self.vertices.find(vertex as usize) {
@@ -179,7 +179,7 @@ impl Posed<'_> {
         position
     }
 
-    /// The position of a welded vertex in model space; that of a skinned mesh is world space, rounded to `f32`.
+    /// The position of a welded vertex in model space; for a skinned mesh, in world space, rounded to `f32`.
     pub(crate) fn model_vertex(&mut self, vertex: u32) -> Vec3 {
         if self.is_skinned() {
             return self.skinned_vertex(vertex).as_vec3();
@@ -214,7 +214,7 @@ impl Posed<'_> {
         }
     }
 
-    /// The corners of a leaf's patch before joints and placement. Lanes beyond its triangles repeat the last one.
+    /// The corners of a leaf's patch before joints and placement. Unused lanes repeat the last triangle.
     #[inline(always)]
     pub(crate) fn patch_corners<S: Simd>(&mut self, simd: S, leaf: Leaf, patch: usize, corners: &mut CornerLanes) {
         if let Some(lanes) = self.leaf_lanes {
@@ -241,15 +241,15 @@ impl Posed<'_> {
         self.scratch.points = points;
     }
 
-    /// How much boxes may be widened for rounding, if the posed mesh is much smaller than the base; otherwise 0.
+    /// By how much boxes may be widened for rounding if the posed mesh is much smaller than the base; otherwise 0.
     ///
-    /// `size` is that of the posed mesh. docs/numerics.md, "Collapsed bodies", says why 0 is right for the others.
+    /// `size` is the size of the posed mesh. docs/numerics.md, "Collapsed bodies", says why 0 is right for larger meshes.
     #[inline]
     pub(crate) fn rounding(&self, size: f32) -> f32 {
         if self.is_skinned() {
             return self.top_widening();
         }
-        // Not measured; it only spares ordinary bodies the pass over the targets.
+        // Not measured; it only saves ordinary bodies the pass over the targets.
         const MUCH: f32 = 512.0;
         if size * MUCH > self.model.base_reach() {
             return 0.0;
@@ -257,11 +257,11 @@ impl Posed<'_> {
         max_widening(self.model, self.weights)
     }
 
-    /// Replaces all cached boxes by tight ones, fitted from the leaves up. Cost: `O(n)`.
+    /// Replaces all cached boxes with tight ones, fitted from the leaves up. Cost: `O(n)`.
     pub(super) fn refit(&mut self) {
         let topology = self.topology;
         self.boxes.next_epoch();
-        // In this order the slot of each group is its number.
+        // Inserting in this order makes each group's slot equal to its index.
         for group in 0..topology.group_count() {
             self.boxes.insert(group, BoxLanes::default());
             self.blended.volumes += topology.group(group).children().len() as u64;

@@ -1,4 +1,4 @@
-//! A pose of a skinned mesh as traversals see it: boxes that are kept in the spaces of joints, and vertices that joints place.
+//! Traversals' access to a skinned mesh's pose: its boxes are kept in the spaces of joints, and joints place its vertices.
 
 use fearless_simd::Simd;
 use glam::DVec3;
@@ -8,10 +8,10 @@ use super::skinning::SkinTree;
 use crate::bounds::{Aabb, BoxLanes, Extent, Frame, WorldFromModel, with_simd};
 use crate::tree::{BODY_FRAME, ChildKind, Leaf};
 
-/// Boxes that are kept in the space of a joint.
+/// Boxes in the space of a joint.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BoneBoxes {
-    /// The number of that space.
+    /// The index of that space.
     pub(crate) frame: usize,
     slot: usize,
 }
@@ -23,7 +23,7 @@ impl<'a> Posed<'a> {
         self.skin.is_some()
     }
 
-    /// Blends a group's boxes and takes them to the body's space. Returns their slot there.
+    /// Blends a group's boxes and maps them to the body's frame. Returns their slot in `boxes`.
     pub(super) fn open_skinned(&mut self, group: usize) -> usize {
         let mut boxes = BoxLanes::default();
         if group == 0 {
@@ -48,13 +48,13 @@ impl<'a> Posed<'a> {
         }
     }
 
-    /// About how much the boxes that make the body's bounds were widened for rounding.
+    /// Approximately by how much the boxes that the body's bounds are computed from were widened for rounding.
     pub(super) fn top_widening(&self) -> f32 {
         let group = self.top_group();
         self.skin.as_ref().map_or(0.0, |(_, skinning)| skinning.widening(group))
     }
 
-    /// Blends a group's boxes in the space of a joint, if that is where they are kept.
+    /// Blends a group's boxes in the space of a joint; `None` if they are not kept in such a space.
     #[inline(always)]
     pub(crate) fn open_in_bone(&mut self, group: usize) -> Option<BoneBoxes> {
         if self.skin.is_none() || self.is_refitted || group == 0 {
@@ -80,14 +80,14 @@ impl<'a> Posed<'a> {
         Some(skinning.boxes(boxes.slot))
     }
 
-    /// A box in world space around a skinned mesh, from what its joints move.
+    /// A box in world space around a skinned mesh, from one box per joint.
     pub(super) fn hull_of_joints(&mut self) -> Option<Aabb> {
         let tree = self.skin_tree()?;
         let (_, skinning) = self.skin.as_mut()?;
         Some(skinning.world_bounds(tree))
     }
 
-    /// The map from the space of a joint to the body's; `None` where there is none.
+    /// The map from the space of a joint to the body's frame; `None` if it could not be computed.
     pub(crate) fn body_from_bone(&mut self, frame: usize) -> Option<Frame> {
         let (_, skinning) = self.skin.as_mut()?;
         skinning.body_from_frame(frame)
@@ -103,7 +103,7 @@ impl<'a> Posed<'a> {
         })
     }
 
-    /// A node's box where it is kept, and where that stands in the world. The node's group must be open.
+    /// A node's box in the space in which it is kept, and the transform from that space to the world. The node's group must be open.
     pub(super) fn box_in_frame(&mut self, node: NodeId) -> Option<(Aabb, WorldFromModel)> {
         let (group, lane) = (node.group as usize, usize::from(node.lane));
         let slot = self.boxes.find(group)?;
@@ -124,7 +124,7 @@ impl<'a> Posed<'a> {
         DVec3::new(x, y, z)
     }
 
-    /// The positions of a leaf's vertices in world space, in the first three numbers of each.
+    /// The positions of a leaf's vertices in world space. The fourth number of each is padding.
     pub(crate) fn world_vertices(&mut self, leaf: Leaf) -> &[[f64; 4]] {
         with_simd!(self.level, simd => self.place_vertices(simd, leaf));
         &self.scratch.world
@@ -154,7 +154,7 @@ impl<'a> Posed<'a> {
         placed
     }
 
-    /// A tight box around a leaf's vertices in the body's space.
+    /// A tight box around a leaf's vertices in the body's frame.
     pub(super) fn skinned_leaf_box(&mut self, leaf: Leaf) -> Aabb {
         let mut extent = Extent::EMPTY;
         let place = self.place;

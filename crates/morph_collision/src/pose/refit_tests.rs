@@ -1,4 +1,4 @@
-//! After a refit every box is the smallest one around the posed vertices below it.
+//! After a refit, every box is the smallest one around the posed vertices below it.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ fn vector(rng: &mut Pcg64Mcg) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)))
 }
 
-/// Random triangles of a size, weights of any sign, leaves of any kind, before or after boxes were blended.
+/// A refitted pose of random triangles with random size, leaf size and weights. Boxes may have been blended before.
 fn refitted(rng: &mut Pcg64Mcg) -> Pose {
     let size = 10_f32.powf(rng.random_range(-30.0..25.0));
     let offset = if rng.random_bool(0.3) {
@@ -54,7 +54,7 @@ fn refitted(rng: &mut Pcg64Mcg) -> Pose {
     pose
 }
 
-/// Visits every box of a subtree with the posed vertices below it, which it returns.
+/// Visits every box of a subtree together with the posed vertices below it. Returns the vertices of the whole subtree.
 fn each_box(posed: &mut Posed<'_>, group: usize, visit: &mut impl FnMut(&Aabb, &[Vec3], bool)) -> Vec<Vec3> {
     let slot = posed.open(group);
     let topology = posed.topology;
@@ -90,7 +90,7 @@ fn refitted_boxes_are_the_boxes_of_the_posed_vertices() {
     assert!(leaves > 1000, "{leaves}");
 }
 
-/// Checks that every box holds the posed vertices below it.
+/// Checks that every box contains the posed vertices below it.
 fn assert_holds(pose: &mut Pose) {
     each_box(&mut pose.posed(), 0, &mut |bounds, points, _| {
         assert!(points.iter().all(|point| bounds.contains(*point)), "{bounds:?}");
@@ -163,7 +163,7 @@ fn boxes_hold_every_vertex_after_refits_and_new_weights_in_any_order() {
     }
 }
 
-/// The bound that physics moves surfaces by.
+/// Physics relies on this bound when it moves surfaces.
 #[test]
 fn no_vertex_moves_farther_between_weights_than_the_bound() {
     let mut rng = Pcg64Mcg::seed_from_u64(5);

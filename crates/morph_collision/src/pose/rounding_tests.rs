@@ -1,4 +1,4 @@
-//! How near the errors of blended boxes and of the vertices in them come to the widening, in exact arithmetic.
+//! Measures, in exact arithmetic, how close the errors of blended boxes and of their vertices come to the widening.
 
 use std::sync::Arc;
 
@@ -16,22 +16,22 @@ use crate::model::MorphModel;
 use crate::tree::{BuildOptions, MorphBvh};
 
 const VERTICES: usize = 2;
-/// The numbers of one target.
+/// Number of values per target.
 const TARGET: usize = 1 + 3 * VERTICES;
 
-/// A way to make a box.
+/// How a box is computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Form {
-    /// From intervals alone: no weight is positive.
+    /// Only from intervals: no weight is positive.
     Intervals,
     References,
-    /// The first weight takes the whole budget, so that the others are left to intervals.
+    /// The first weight uses up the budget, so that the others use intervals.
     Rests,
 }
 
-/// The share of the root's widening that its vertices need: the rounded ones and the exact ones.
+/// The share of the root's widening that its vertices need, both rounded and exact.
 ///
-/// `numbers` are the vertices' base coordinates, then for each target its weight and the displacements.
+/// `numbers` are the vertices' base coordinates, then the weight and displacements of each target.
 fn ratio(form: Form, numbers: &[f32]) -> Option<f64> {
     let (base, targets) = numbers.split_at(3 * VERTICES);
     let vectors = |numbers: &[f32]| numbers.chunks_exact(3).map(Vec3::from_slice).collect::<Vec<_>>();
@@ -53,7 +53,7 @@ fn ratio(form: Form, numbers: &[f32]) -> Option<f64> {
     share
 }
 
-/// `None` where a vertex is outside.
+/// Returns `None` if a vertex is outside.
 fn share(posed: &Posed<'_>) -> Option<f64> {
     with_simd!(posed.level, simd => share_with(simd, posed))
 }
@@ -91,7 +91,7 @@ fn exact_vertex(posed: &Posed<'_>, vertex: u32) -> ExactPoint {
     })
 }
 
-/// Searches for the largest share of each form; beside it what is known to be found.
+/// Searches for the largest share of each form, and compares it with the known result next to the form.
 fn search(all: [(Form, f64); 3]) {
     for (form, known) in all {
         let mut highest = f64::NEG_INFINITY;
@@ -147,7 +147,7 @@ fn boxes_need_much_of_their_widening_and_never_more() {
     ]);
 }
 
-/// The bound for all groups, which collapsed bodies go by and ordinary ones leave out.
+/// Collapsed bodies use the bound for all groups; ordinary bodies skip it.
 #[test]
 fn no_group_is_widened_by_more_than_the_bound_for_all() {
     let mesh = random_blob(3, 2, 12, 0.5);

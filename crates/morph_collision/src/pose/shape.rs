@@ -1,4 +1,4 @@
-//! The posed shape as a whole: every vertex is blended.
+//! Methods that look at the whole posed shape and blend every vertex.
 
 use glam::{DVec3, Vec3};
 
@@ -6,10 +6,10 @@ use super::Pose;
 use crate::bounds::{Aabb, Extent, WorldFromModel};
 
 impl Pose {
-    /// The smallest `f32` box in world space around the posed triangles as [`WorldFromModel::transform_point`] places them.
+    /// Returns the smallest `f32` box in world space around the posed triangles as [`WorldFromModel::transform_point`] places them.
     ///
-    /// It is infinite where a coordinate exceeds the range of `f32`. Cost: every vertex is blended unless it is cached;
-    /// [`Pose::world_bounds`] costs far less.
+    /// It is infinite if a coordinate exceeds the range of `f32`. Cost: every vertex is blended unless it is cached;
+    /// [`Pose::world_bounds`] is far cheaper.
     pub fn tight_world_bounds(&mut self, world_from_model: &WorldFromModel) -> Aabb {
         let mut extent = Extent::EMPTY;
         let mut posed = self.posed_at(world_from_model);
@@ -19,9 +19,9 @@ impl Pose {
         extent.outward()
     }
 
-    /// Replaces the contents of `positions` by the posed positions of all source vertices, in model space.
+    /// Replaces the contents of `positions` with the posed positions of all source vertices, in model space.
     ///
-    /// [`WorldFromModel::transform_point`] takes them to world space. Cost: that of [`Pose::tight_world_bounds`].
+    /// [`WorldFromModel::transform_point`] takes them to world space. Cost: the same as [`Pose::tight_world_bounds`].
     pub fn source_positions(&mut self, positions: &mut Vec<Vec3>) {
         let bvh = self.bvh().clone();
         let mut posed = self.posed();
@@ -30,11 +30,12 @@ impl Pose {
         positions.extend(sources.map(|&welded| posed.model_vertex(welded)));
     }
 
-    /// Replaces the contents of `normals` by the unit normals of all source vertices, in model space.
+    /// Replaces the contents of `normals` with the unit normals of all source vertices, in model space.
     ///
-    /// A normal is the mean of the normals of the vertex's triangles, weighted by area. Welded vertices share theirs, so
-    /// there are no seams. It is zero where the areas cancel or there are none. [`WorldFromModel::transform_normal`] takes it
-    /// to world space. Cost: every vertex is blended, and one pass over the triangles.
+    /// A normal is the mean of the normals of the vertex's triangles, weighted by area. It is zero if the weighted normals cancel, or
+    /// if none of the triangles has an area. Welded vertices share their normal, so there are no seams.
+    /// [`WorldFromModel::transform_normal`] takes a normal to world space. Cost: every vertex is blended, plus one pass over the
+    /// triangles.
     pub fn source_normals(&mut self, normals: &mut Vec<Vec3>) {
         let bvh = self.bvh().clone();
         let model = bvh.model();
@@ -42,7 +43,7 @@ impl Pose {
         let mut posed = self.posed();
         for triangle in 0..model.triangle_count() as u32 {
             let [a, b, c] = posed.world_triangle(triangle);
-            // Twice the area along the normal.
+            // The normal with twice the area as its length.
             let normal = (b - a).cross(c - a);
             for vertex in model.corners(triangle) {
                 sums[vertex as usize] += normal;

@@ -1,5 +1,5 @@
-//! The boxes of a group's children under joints: each cluster is blended before joints move it, taken to the group's frame by its strongest
-//! joint, and corrected by what other joints may do (docs/skinning.md).
+//! The boxes of a group's children under joints (docs/skinning.md). Each cluster is blended as it is before joints move it. Its
+//! strongest joint then takes the box to the group's frame, and a correction covers what the other joints may do.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};
@@ -11,12 +11,13 @@ use crate::tree::{Block, SkinTables};
 
 /// Half a unit in the last place of 1.
 const U: f32 = f32::EPSILON / 2.0;
-/// Larger coordinates could overflow in sums; such boxes are infinite.
+/// Sums of larger coordinates could overflow, so their boxes are infinite.
 pub(super) const MAX_REACH: f32 = 1e37;
 
-/// Sets `boxes` to boxes of a group's children in its frame that hold every vertex. Returns how much they were widened.
+/// Sets `boxes` to boxes of a group's children, in the group's frame, that contain every vertex. Returns by how much they were
+/// widened.
 ///
-/// `map` gives a map by its number. `origin` is a bound on the coordinates of the world's origin in the frame.
+/// `map` returns a map by its index. `origin` is a bound on the coordinates of the world's origin in the frame.
 #[inline(always)]
 pub(super) fn blend_skinned<'m, S: Simd>(
     simd: S,
@@ -52,10 +53,10 @@ pub(super) fn blend_skinned<'m, S: Simd>(
     widest
 }
 
-/// The lanes of a block in which every child has its own.
+/// The children of a block in which lane `i` is child `i`.
 const EACH: [u8; LANES] = [0, 1, 2, 3, 4, 5, 6, 7];
 
-/// The boxes of a block's clusters under their joints, and how much they were widened.
+/// The boxes of a block's clusters under their joints, and by how much they were widened.
 #[inline(always)]
 fn moved<'m, S: Simd>(
     simd: S,
@@ -102,7 +103,7 @@ fn moved<'m, S: Simd>(
     }
     let widening = widening(block, farthest, drift, origin);
     let is_bounded = widening + farthest * (1.0 + 2.0 * block.weight) <= MAX_REACH;
-    // NaN is not bounded.
+    // `is_bounded` is false for NaN.
     if !is_bounded {
         let all = |value| [f32x8::splat(simd, value); 3];
         return ([all(f32::NEG_INFINITY), all(f32::INFINITY)], f32::INFINITY);
@@ -116,7 +117,7 @@ fn moved<'m, S: Simd>(
     (ends, widening)
 }
 
-/// A bound on all roundings of [`moved`]; derived in docs/numerics.md, "Boxes under joints".
+/// A bound on all rounding errors of [`moved`]; derived in docs/numerics.md, "Boxes under joints".
 #[inline(always)]
 fn widening(block: &Block<'_>, farthest: f32, drift: f32, origin: f32) -> f32 {
     let (others, rows) = (block.weight, block.rows.len() as f32);

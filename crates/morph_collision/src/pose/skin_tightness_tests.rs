@@ -1,4 +1,4 @@
-//! Boxes under joints are as small as their roundings allow: around single points nothing else makes them larger.
+//! Boxes under joints are as small as rounding allows. Around single points, only rounding gives them a size.
 
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ fn vector(rng: &mut Pcg64Mcg, reach: f32) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|_| rng.random_range(-reach..reach)))
 }
 
-/// Triangles that are points, each a leaf, moved by two targets and by some of three joints with weights that sum to 1.
+/// Triangles that are points. Each is a leaf, moved by two targets and by some of three joints with weights that sum to 1.
 fn points(rng: &mut Pcg64Mcg, weights: [f32; 4]) -> Pose {
     let base: Vec<Vec3> = (0..COUNT).map(|_| vector(rng, 1.0)).collect();
     let targets = [(); 2].map(|()| (0..COUNT).map(|_| vector(rng, 0.3)).collect::<Vec<_>>());
@@ -32,7 +32,7 @@ fn points(rng: &mut Pcg64Mcg, weights: [f32; 4]) -> Pose {
     Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &options)))
 }
 
-/// Turned by any angles, and moved up to `far`.
+/// A random rotation, and a translation of up to `far`.
 fn joints(rng: &mut Pcg64Mcg, far: f32) -> JointMatrices {
     let joint = [(); 3].map(|()| {
         let [x, y, z] = vector(rng, 3.0).to_array();
@@ -41,7 +41,7 @@ fn joints(rng: &mut Pcg64Mcg, far: f32) -> JointMatrices {
     JointMatrices::new(&joint).unwrap()
 }
 
-/// The largest side of any leaf's box, where it is kept.
+/// The largest side of any leaf's box, in the frame in which it is kept.
 fn largest_leaf(pose: &mut Pose) -> f32 {
     let mut largest = 0.0_f32;
     pose.visit_nodes(|node| {
@@ -64,7 +64,7 @@ fn boxes_around_points_are_as_small_as_roundings() {
                 pose.set_joints(&joints(&mut rng, far)).unwrap();
                 pose.set_weights(&[rng.random_range(-1.0..2.0), rng.random_range(0.0..1.0)])
                     .unwrap();
-                // Points, and how far joints stand from each other.
+                // The size of coordinates, plus the distance between joints.
                 let reach = 2.0 + 2.0 * far;
                 worst = worst.max(largest_leaf(&mut pose) / (U * reach));
             }

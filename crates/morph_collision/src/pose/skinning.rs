@@ -1,4 +1,4 @@
-//! What a pose of a skinned mesh keeps: its joints, the maps to the frames of its boxes, and what was made with them.
+//! The state of a skinned mesh's pose: its joints, the maps to the frames of its boxes, and the boxes computed with them.
 
 use fearless_simd::{Level, Simd};
 use glam::DVec3;
@@ -15,48 +15,49 @@ use crate::tree::{BODY_FRAME, SkinTables};
 #[derive(Clone, Debug)]
 pub(super) struct Skinning {
     pub(super) joints: JointMatrices,
-    /// Of joints and weights together: it counts their changes.
+    /// Counts the changes of joints and weights.
     version: u32,
     frames: Vec<BoneFrame>,
     maps: Vec<KeptMap>,
-    /// By group, in the group's frame. They outlast joints that move without changing a group's maps.
+    /// Indexed by group, in the group's frame. They stay valid while the joints move without changing the group's maps.
     boxes: EpochCache<BoxLanes>,
-    /// By group.
+    /// Indexed by group.
     made: Vec<Made>,
     hull: JointHull,
-    /// World positions, by welded vertex, in the first three numbers.
+    /// World positions, indexed by welded vertex. The fourth number is padding.
     pub(super) placed: EpochCache<[f64; 4]>,
-    /// The largest absolute coordinate of vertices before joints move them.
+    /// A bound on the absolute coordinates of vertices before joints move them.
     reach: f64,
-    /// How far world positions may be from those without rounding.
+    /// A bound on the rounding error of world positions.
     error: f64,
-    /// The largest absolute world coordinate of a vertex relative to the body's frame.
+    /// A bound on the absolute world coordinates of vertices relative to the origin of the body's frame.
     radius: f64,
 }
 
+/// How a group's boxes were computed.
 #[derive(Clone, Copy, Debug, Default)]
 struct Made {
-    /// The version in which the boxes were last found to be right.
+    /// The last version for which the boxes were known to be valid.
     version: u32,
-    /// How much they were widened.
+    /// By how much they were widened.
     widening: f32,
-    /// How far the world's origin may be along an axis.
+    /// The boxes are valid while the world's origin has no coordinate larger than this in the frame.
     origin: f32,
 }
 
 /// A space in which boxes are kept.
 #[derive(Clone, Debug, Default)]
 struct BoneFrame {
-    /// The version it is of.
+    /// Version for which the frame was computed.
     version: u32,
     /// Whether boxes are kept in it; otherwise they are in the body's frame.
     is_used: bool,
     place: WorldFromModel,
-    /// What maps to it are made of.
+    /// Common input for the maps to this frame.
     maps: MapFrame,
-    /// How far the world's origin is along an axis.
+    /// The largest absolute coordinate of the world's origin in this frame.
     origin: f32,
-    /// The version that the maps to the body's frame are of.
+    /// Version for which `to_body` and `boxes_to_body` were computed.
     placed_in: u32,
     to_body: Option<Frame>,
     boxes_to_body: Option<BoxMap>,
@@ -65,13 +66,13 @@ struct BoneFrame {
 #[derive(Clone, Copy, Debug, Default)]
 struct KeptMap {
     map: JointMap,
-    /// The version in which it was last found to be right.
+    /// The last version for which the map was known to be valid.
     version: u32,
-    /// That in which it last changed.
+    /// The version in which it last changed.
     changed: u32,
 }
 
-/// What the functions below need of the tree.
+/// The parts of the tree and the pose that the functions below need.
 #[derive(Clone, Copy)]
 pub(super) struct SkinTree<'a> {
     pub(super) model: &'a MorphModel,
@@ -97,7 +98,7 @@ impl Skinning {
         }
     }
 
-    /// Follows a change of the joints or the weights; returns where the body's frame stands.
+    /// Updates the state after a change of the joints or the weights. Returns the transform of the body's frame to the world.
     pub(super) fn change(&mut self, tree: SkinTree<'_>, weights_changed: bool) -> WorldFromModel {
         if self.version == u32::MAX {
             let joints = self.joints.clone();
@@ -113,10 +114,10 @@ impl Skinning {
             tree.weights.active().iter().map(|&(target, weight)| {
                 f64::from(weight.abs()) * f64::from(tree.model.target_reach()[target as usize])
             });
-        // The factor covers the roundings of blends.
+        // The factor covers the rounding of blends.
         self.reach = (f64::from(tree.model.base_reach()) + of_targets.sum::<f64>()) * (1.0 + 1.5e-2);
         let sum = tree.model.skin().map_or(1.0, Skin::max_sum);
-        // Up to eight products and sums of matrices, three of each for the position.
+        // Up to eight products and sums for the matrix, and three of each for the position.
         self.error = 32.0 * f64::EPSILON * sum * self.joints.world_reach(self.reach);
         self.frame_is_used(tree.skin, BODY_FRAME);
         let place = self.frames[BODY_FRAME].place;
@@ -137,12 +138,12 @@ impl Skinning {
         self.error
     }
 
-    /// How much a group's boxes were widened.
+    /// By how much a group's boxes were widened.
     pub(super) fn widening(&self, group: usize) -> f32 {
         self.made[group].widening
     }
 
-    /// Whether boxes are kept in a frame. Places it first.
+    /// Brings a frame up to date and returns whether boxes are kept in it.
     fn frame_is_used(&mut self, skin: &SkinTables, frame: usize) -> bool {
         let of = &mut self.frames[frame];
         if of.version != self.version {
@@ -160,7 +161,7 @@ impl Skinning {
         of.is_used
     }
 
-    /// The frame that a group's boxes are in.
+    /// The frame of a group's boxes.
     pub(super) fn frame_of(&mut self, skin: &SkinTables, group: usize) -> usize {
         let frame = skin.frame(group);
         if self.frame_is_used(skin, frame) {
@@ -170,7 +171,7 @@ impl Skinning {
         }
     }
 
-    /// Brings a group's maps up to date; returns the version in which the last of them changed.
+    /// Brings a group's maps up to date. Returns the latest version in which one of them changed.
     #[inline(always)]
     fn follow<S: Simd>(&mut self, simd: S, skin: &SkinTables, group: usize, frame: usize) -> u32 {
         let (own, of) = (skin.frames[frame], &self.frames[frame].maps);
@@ -216,7 +217,8 @@ impl Skinning {
         found: Option<usize>,
     ) -> (usize, bool) {
         let changed = self.follow(simd, tree.skin, group, frame);
-        // Where weights do not quite sum to 1, vertices are pulled towards the world's origin, however still joints are to each other.
+        // If weights do not quite sum to 1, vertices are pulled towards the world's origin, even if joints do not move relative to
+        // each other.
         let origin = self.frames[frame].origin;
         let made = &mut self.made[group];
         let is_right = changed <= made.version && (origin <= made.origin || !tree.skin.misses_weight(group));
@@ -227,7 +229,8 @@ impl Skinning {
             return (slot, false);
         }
         let slot = found.unwrap_or_else(|| self.boxes.claim(group));
-        // What is missing is tiny, so boxes stay tight, and right for a while, with more than twice the distance.
+        // Allow for more than twice the distance, so that the boxes stay valid for a while. The missing weight is tiny, so they are
+        // still tight.
         made.origin = 2.0 * origin + self.reach as f32;
         let (maps, boxes) = (&self.maps, self.boxes.get_mut(slot));
         let map = |map: u32| &maps[map as usize].map;
@@ -242,12 +245,12 @@ impl Skinning {
         self.hull.around(tree.level, joints, tree.weights, &self.joints, slack)
     }
 
-    /// What each joint moves, before it does; `None` where coordinates are too large to compute with.
+    /// Boxes around the vertices of each joint, before it moves them; `None` if coordinates are too large to compute with.
     pub(super) fn joint_boxes(&mut self, tree: SkinTree<'_>) -> Option<&[BoxLanes]> {
         self.hull.boxes(tree.level, &tree.skin.joints, tree.weights)
     }
 
-    /// Where a frame stands.
+    /// The transform from a frame to the world.
     pub(super) fn place_of(&self, frame: usize) -> WorldFromModel {
         self.frames[frame].place
     }
@@ -270,13 +273,13 @@ impl Skinning {
         self.boxes.get(slot)
     }
 
-    /// The map from a frame to the body's; `None` where there is none.
+    /// The map from a frame to the body's; `None` if it could not be computed.
     pub(super) fn body_from_frame(&mut self, frame: usize) -> Option<Frame> {
         self.place(frame);
         self.frames[frame].to_body
     }
 
-    /// Makes the maps from a frame to the body's.
+    /// Computes the maps from a frame to the body's.
     fn place(&mut self, frame: usize) {
         let body = PlacedBounds::with_error(&self.frames[BODY_FRAME].place, DVec3::ZERO, self.error);
         let of = &mut self.frames[frame];

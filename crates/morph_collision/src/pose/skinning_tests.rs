@@ -15,10 +15,10 @@ const JOINTS: usize = 7;
 const RINGS: usize = 40;
 const SIDES: usize = 6;
 
-/// How the weights of vertices come out.
+/// The kind of joint weights of the vertices.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Weights {
-    /// Two joints per vertex, with sums of 1.
+    /// Two joints per vertex, with weights that sum to 1.
     Smooth,
     /// One joint per vertex.
     Rigid,
@@ -84,7 +84,7 @@ fn tube(kind: Weights, rng: &mut Pcg64Mcg) -> Arc<MorphBvh> {
     Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()))
 }
 
-/// A chain of joints, each turned against the one before.
+/// A chain of joints, each rotated relative to the previous one.
 fn bent(rng: &mut Pcg64Mcg, angle: f32, scale: [f32; 2], at: Vec3) -> JointMatrices {
     let mut parent = Affine3A::from_translation(at);
     let mut all = Vec::new();
@@ -111,7 +111,7 @@ fn bent(rng: &mut Pcg64Mcg, angle: f32, scale: [f32; 2], at: Vec3) -> JointMatri
     JointMatrices::new(&all).unwrap()
 }
 
-/// Fails if a vertex is outside the box of any node above it, or outside those of the whole body.
+/// Fails if a vertex is outside the box of any node above it, or outside the bounds of the whole body.
 fn check_boxes(pose: &mut Pose) {
     let place = WorldFromModel::IDENTITY;
     for bounds in [pose.world_bounds(&place), pose.broad_phase_bounds(&place)] {
@@ -200,7 +200,7 @@ fn boxes_of_what_moves_rigidly_are_kept() {
     let mut pose = Pose::new(tube(Weights::Smooth, &mut rng));
     let joints = |turned: Quat, at: Vec3| -> JointMatrices {
         let body = Affine3A::from_rotation_translation(turned, at);
-        // All joints but the last move as one.
+        // All joints except the last move rigidly together.
         let last = body
             * Affine3A::from_translation(Vec3::X * 6.0)
             * Affine3A::from_rotation_y(0.3 * at.y)
@@ -252,7 +252,7 @@ fn a_skinned_vertex_is_as_defined() {
     assert_eq!(body.vertex(3), None);
 }
 
-/// Where weights do not quite sum to 1, the world's origin pulls.
+/// If weights do not quite sum to 1, vertices are pulled towards the world's origin.
 #[test]
 fn boxes_are_right_wherever_a_body_goes() {
     let mut rng = Pcg64Mcg::seed_from_u64(3);

@@ -1,4 +1,4 @@
-//! A pose at one moment, to look back at.
+//! The state of a pose at one moment, to look up later.
 
 use std::fmt;
 use std::sync::{Arc, Weak};
@@ -12,9 +12,10 @@ use crate::joints::JointMatrices;
 use crate::model::Weights;
 use crate::tree::MorphBvh;
 
-/// The weights and joints of a pose at one moment, without anything that the pose has blended.
+/// The weights and joints of a pose at one moment, without its cache.
 ///
-/// It gives single triangles as they were then, for velocities of points on the surface. It keeps neither the mesh nor its tree in memory.
+/// It returns single triangles as they were at that moment, for example to compute the velocity of a point on the surface. It does
+/// not keep the mesh or its tree alive.
 #[derive(Clone, Default)]
 pub struct PoseSnapshot {
     bvh: Weak<MorphBvh>,
@@ -23,7 +24,7 @@ pub struct PoseSnapshot {
 }
 
 impl PoseSnapshot {
-    /// Takes over the state of a pose. Cost: a copy of the weights; joints are shared.
+    /// Stores the state of a pose. Cost: a copy of the weights; joints are shared.
     pub fn take(&mut self, pose: &Pose) {
         if !self.is_of(pose) {
             self.bvh = Arc::downgrade(&pose.bvh);
@@ -34,16 +35,17 @@ impl PoseSnapshot {
         self.joints = pose.joints().cloned();
     }
 
-    /// Whether it is one of a pose of the same tree.
+    /// Returns whether the snapshot was taken from a pose of the same tree.
     #[must_use]
     pub fn is_of(&self, pose: &Pose) -> bool {
         std::ptr::eq(self.bvh.as_ptr(), Arc::as_ptr(&pose.bvh))
     }
 
-    /// The corners of a triangle in world space as they were; `None` if there is no such triangle, or the tree is gone.
+    /// Returns the corners of a triangle in world space as they were. `None` if there is no such triangle, or if the tree has been
+    /// dropped.
     ///
-    /// The place of a skinned mesh is not used, as with [`Body::triangle`](crate::Body::triangle), whose corners these are, bit for bit. Cost: three
-    /// vertices are blended, each time.
+    /// The corners are bit for bit those that [`Body::triangle`](crate::Body::triangle) returned. As there, a skinned mesh ignores
+    /// `world_from_model`. Cost: every call blends three vertices.
     #[must_use]
     pub fn triangle(&self, triangle: u32, world_from_model: &WorldFromModel) -> Option<Triangle> {
         let bvh = self.bvh.upgrade()?;
@@ -121,7 +123,7 @@ mod tests {
             assert!(snapshot.is_of(&pose));
             assert_eq!(snapshot.triangle(0, &place), Some(then), "skinned: {skinned}");
             assert_eq!(snapshot.triangle(1, &place), None);
-            // Weights and joints are taken over again.
+            // A second call replaces weights and joints.
             snapshot.take(&pose);
             assert_eq!(snapshot.triangle(0, &place), Body::new(&mut pose, &place).triangle(0));
             // It keeps nothing alive.

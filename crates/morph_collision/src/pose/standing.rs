@@ -2,24 +2,24 @@ use super::Posed;
 use crate::bounds::{Aabb, PlacedBounds, WorldFromModel};
 use crate::tree::Child;
 
-/// A posed body in the world, as queries about two bodies need it.
+/// What queries about two bodies need to know of each posed body in the world.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Standing {
-    /// Whether it is that of the pose's weights.
+    /// Whether it is valid for the pose's current weights and boxes.
     is_current: bool,
     pub(crate) root: Child,
     pub(crate) is_skinned: bool,
     /// In model space.
     pub(crate) bounds: Aabb,
     pub(crate) placed: PlacedBounds,
-    /// The body's longest side in the world, roughly.
+    /// Roughly the body's longest side in the world.
     pub(crate) size: f64,
-    /// How far rounding may move its points and widen its boxes, in the world.
+    /// A bound, in the world, on how far rounding moves its points and widens its boxes.
     pub(crate) slack: f64,
 }
 
 impl Standing {
-    /// Forgets everything: the weights or the boxes have changed.
+    /// Discards everything, because the weights or the boxes have changed.
     pub(super) fn forget(&mut self) {
         self.is_current = false;
     }
@@ -30,7 +30,7 @@ impl Standing {
 }
 
 impl Posed<'_> {
-    /// Places the body, unless it stands there already: several queries of one frame ask for the same.
+    /// Places the body, or returns the cached result if it has not moved: several queries per frame ask for the same.
     pub(crate) fn stand(&mut self) -> &Standing {
         if !self.standing.is_at(self.place) {
             let world_from_model = self.place;

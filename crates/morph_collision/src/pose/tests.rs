@@ -100,8 +100,8 @@ fn a_copy_follows_its_pose_and_keeps_what_it_has_blended() {
     }
 }
 
-/// Far from the origin a small change of weights moves a vertex by a whole unit in its last place, once per target
-/// with a weight.
+/// Far from the origin, even a small change of weights moves a vertex by a whole unit in its last place, once per target whose
+/// weight is not zero.
 #[test]
 fn the_displacement_between_weights_covers_roundings() {
     let base = [Vec3::splat(1e6), Vec3::splat(1e6) + Vec3::X, Vec3::splat(1e6) + Vec3::Y];
@@ -147,7 +147,7 @@ fn memory_grows_with_what_was_visited() {
     assert!(pose.bytes() > before);
 }
 
-/// Two references that differ wildly, as the paper's figures have them.
+/// Two references that differ greatly, as in the paper's figures.
 fn two_references() -> Pose {
     let references = [
         vec![Vec3::ZERO, Vec3::X, Vec3::Y],

@@ -2,33 +2,34 @@ use super::Pose;
 use crate::bounds::{Aabb, WorldFromModel};
 use crate::tree::ChildKind;
 
-/// A node of a posed tree. From [`Pose::visit_nodes`].
+/// A node of a posed tree, as [`Pose::visit_nodes`] passes it to the visitor.
 #[derive(Clone, Copy, Debug)]
 #[non_exhaustive]
 pub struct PosedNode<'a> {
-    /// The box around the node's triangles, in model space, or in the space of `world_from_bounds`.
+    /// The box around the node's triangles: in model space, or in the space of `world_from_bounds` if that is set.
     pub bounds: Aabb,
-    /// For a skinned mesh, where `bounds` stands: the boxes of its nodes are in the spaces of joints.
+    /// For a skinned mesh, the map from the space of `bounds` to world space: its nodes' boxes are in the spaces of joints.
     pub world_from_bounds: Option<WorldFromModel>,
-    /// Whether the box was cached before the visit. The root counts as cached if its children are: bodies' bounds come from these.
+    /// Whether the box was cached before the visit. The root also counts as cached if its children are, because a body's bounds come
+    /// from them.
     pub was_fresh: bool,
-    /// Edges from the root to the node.
+    /// The number of edges from the root to the node.
     pub depth: usize,
     /// Whether the node has no children.
     pub is_leaf: bool,
-    /// The triangles below the node, as [`MorphModel::triangle`](crate::MorphModel::triangle) numbers them.
+    /// The triangles below the node, as indices for [`MorphModel::triangle`](crate::MorphModel::triangle).
     pub triangles: &'a [u32],
 }
 
 impl Pose {
-    /// Visits the tree's nodes from the root down, for tools that draw or check it. The children of a node are visited if
-    /// `visitor` returns true.
+    /// Visits the tree's nodes from the root down, for tools that draw or check it. If `visitor` returns true, the node's children
+    /// are visited too.
     ///
-    /// Boxes that are not cached are blended and then stay cached; this changes no answer.
+    /// Boxes that are not cached are blended and stay cached. This changes no answer.
     pub fn visit_nodes(&mut self, mut visitor: impl FnMut(&PosedNode<'_>) -> bool) {
         let mut posed = self.posed();
         let topology = posed.topology;
-        // Queries look at the root's children only.
+        // Queries may have opened only the root's children.
         let was_fresh = posed.is_open(0) || posed.is_top_open();
         let mut rest = vec![(posed.root(), was_fresh, 0)];
         while let Some((node, was_fresh, depth)) = rest.pop() {
@@ -84,7 +85,7 @@ mod tests {
                 nodes
             };
             let nodes = nodes_at(&mut pose);
-            // Only the boxes of the level above have been made.
+            // Only the boxes of the level above have been blended.
             assert!(depth > 2 || nodes.iter().all(|(_, was_fresh, _)| !was_fresh));
             assert!(nodes_at(&mut pose).iter().all(|(_, was_fresh, _)| *was_fresh));
             counts.push(nodes.len());

@@ -2,11 +2,11 @@ use thiserror::Error;
 
 use crate::model::{LARGEST, MorphModel};
 
-/// Why a pose refuses weights. It keeps the weights that it has.
+/// Why a pose refuses weights. The pose keeps its previous weights.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum WeightsError {
-    /// There must be one weight per target.
+    /// The number of weights differs from the number of targets.
     #[error("{given} weights were given, the mesh has {expected} targets")]
     WrongCount {
         /// The number of weights.
@@ -17,7 +17,7 @@ pub enum WeightsError {
     /// A weight is NaN or infinite.
     #[error("weight {index} is {value}, not a finite number")]
     NotFinite {
-        /// The target.
+        /// The target's index.
         index: usize,
         /// Its weight.
         value: f32,
@@ -25,14 +25,14 @@ pub enum WeightsError {
     /// The weights could move a vertex out of the range of `f32`.
     #[error("weight {index} is {value}: posed vertices could be beyond 1e37")]
     TooLarge {
-        /// The target at which the sum of the possible displacements went out of range.
+        /// The index of the target at which the sum of possible displacements went out of range.
         index: usize,
         /// Its weight.
         value: f32,
     },
 }
 
-/// Checks weights before a pose takes them.
+/// Checks weights before a pose accepts them.
 pub(super) fn check(model: &MorphModel, weights: &[f32]) -> Result<(), WeightsError> {
     if weights.len() != model.target_count() {
         return Err(WeightsError::WrongCount {

@@ -27,21 +27,21 @@ pub struct SurfaceAnchor {
     pub barycentrics: [f64; 3],
 }
 
-/// The position of a [`SurfaceAnchor`] and the orientation of the surface there: three orthogonal unit vectors in world space.
+/// The position of a [`SurfaceAnchor`] and the orientation of the surface there, as three orthogonal unit vectors in world space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SurfaceFrame {
     /// The anchor's position.
     pub point: DVec3,
-    /// Along the edge from the triangle's first corner to its second.
+    /// The direction of the edge from the triangle's first corner to its second.
     pub tangent: DVec3,
     /// `normal x tangent`.
     pub bitangent: DVec3,
-    /// The triangle's normal by its winding in world space.
+    /// The triangle's normal, from its winding in world space.
     pub normal: DVec3,
 }
 
 impl SurfaceAnchor {
-    /// The anchor's position in world space; `None` if the mesh has no such triangle.
+    /// Returns the anchor's position in world space; `None` if the mesh has no such triangle.
     ///
     /// Cost: blends the triangle's corners if they are not cached for the current weights.
     #[must_use]
@@ -49,14 +49,14 @@ impl SurfaceAnchor {
         Some(self.point_on(&self.corners(body)?))
     }
 
-    /// The anchor's position and orientation; `None` if the mesh has no such triangle or it has no area.
+    /// Returns the anchor's position and orientation; `None` if the mesh has no such triangle, or if the triangle has no area.
     #[must_use]
     pub fn frame(&self, body: Body<'_>) -> Option<SurfaceFrame> {
         let triangle = self.corners(body)?;
         let [a, b, c] = triangle;
         let tangent = (b - a).try_normalize()?;
         let normal = (b - a).cross(c - a).try_normalize()?;
-        // Orthogonalised again, for slivers.
+        // Orthogonalise again, for slivers.
         let normal = (normal - tangent * tangent.dot(normal)).try_normalize()?;
         Some(SurfaceFrame {
             point: self.point_on(&triangle),
@@ -70,7 +70,7 @@ impl SurfaceAnchor {
         body.triangle(self.triangle)
     }
 
-    /// Computed relative to the first corner: the sum of the barycentrics is rounded, which would matter far from the origin.
+    /// Computes the point relative to the first corner: the sum of the barycentrics is rounded, which would matter far from the origin.
     fn point_on(&self, &[a, b, c]: &Triangle) -> DVec3 {
         let [_, v, w] = self.barycentrics;
         a + ((b - a) * v + (c - a) * w)

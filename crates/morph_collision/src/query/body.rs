@@ -11,46 +11,48 @@ use crate::pose::{Pose, Posed, displacement};
 pub struct Body<'a> {
     /// The shape. Queries blend the bounds and vertices they need into its cache.
     pub pose: &'a mut Pose,
-    /// The placement. That of a skinned mesh is not used: its joints place it.
+    /// The placement. It is ignored for a skinned mesh, whose joints place it.
     pub world_from_model: &'a WorldFromModel,
 }
 
 impl<'a> Body<'a> {
-    /// Pairs a pose with its placement.
+    /// Creates a body from a pose and its placement.
     #[must_use]
     pub fn new(pose: &'a mut Pose, world_from_model: &'a WorldFromModel) -> Self {
         Self { pose, world_from_model }
     }
 
-    /// Borrows the same body again, for one query of several.
+    /// Borrows the body again, to use it in several queries.
     #[must_use]
     pub fn reborrow(&mut self) -> Body<'_> {
         Body::new(self.pose, self.world_from_model)
     }
 
-    /// The position of a welded vertex in world space, or `None` if there is no such vertex.
+    /// Returns the position of a welded vertex in world space, or `None` if there is no such vertex.
     pub fn vertex(&mut self, vertex: u32) -> Option<DVec3> {
         let exists = (vertex as usize) < self.pose.bvh().model().vertex_count();
         exists.then(|| self.posed().world_vertex(vertex))
     }
 
-    /// The corners of a triangle in world space, or `None` if there is no such triangle.
+    /// Returns the corners of a triangle in world space, or `None` if there is no such triangle.
     pub fn triangle(&mut self, triangle: u32) -> Option<Triangle> {
         let exists = (triangle as usize) < self.pose.bvh().model().triangle_count();
         exists.then(|| self.posed().world_triangle(triangle))
     }
 
-    /// A bound on how far any vertex is, in world space, from where the same vertex is in `before`; roundings included. Infinite for poses of
-    /// different trees.
+    /// Returns a bound on how far any vertex has moved in world space since `before`, rounding included. Infinite for poses of different
+    /// trees.
     ///
-    /// The bound is about the vertices of triangles, and so about every point of the surface. No vertex is blended for it. It costs a pass over the targets
-    /// and one over the joints; if only targets move vertices, up to two levels of the tree below the root's children are looked at, where that makes the bound smaller.
+    /// It holds for the vertices of triangles, and so for every point of the surface.
+    ///
+    /// Cost: one pass over the targets and one over the joints. No vertex is blended. For a mesh without joints, up to two levels of the
+    /// tree below the root's children are visited if that makes the bound smaller.
     #[must_use]
     pub fn displacement_from(&self, before: Body<'_>) -> f64 {
         self.displacement(before, 0.0..f64::INFINITY)
     }
 
-    /// Whether [`Body::displacement_from`] is at most `distance`, which costs less to find out.
+    /// Returns whether [`Body::displacement_from`] is at most `distance`. Cheaper than computing the bound.
     #[must_use]
     pub fn moved_at_most(&self, distance: f64, before: Body<'_>) -> bool {
         self.displacement(before, distance..distance) <= distance

@@ -1,6 +1,6 @@
 use std::ops::ControlFlow;
 
-/// A list with a limit. Remembers whether an item was left out.
+/// A list with a limit. It records whether an item was left out.
 #[derive(Debug)]
 pub(super) struct Capped<'a, T> {
     items: &'a mut Vec<T>,
@@ -9,7 +9,7 @@ pub(super) struct Capped<'a, T> {
 }
 
 impl<'a, T> Capped<'a, T> {
-    /// Appends to `items`, at most `limit` of them.
+    /// A list that appends at most `limit` items to `items`.
     pub(super) fn new(items: &'a mut Vec<T>, limit: usize) -> Self {
         Self {
             items,

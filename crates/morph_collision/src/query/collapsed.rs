@@ -1,8 +1,8 @@
-//! Pairs of bodies that are tiny compared with their distance from the origin, or with their own rest shape.
+//! Queries for pairs of bodies that are tiny compared with their distance from the origin, or with their own rest shape.
 //!
 //! Rounding errors are then as large as the bodies. No bounds can tell their parts apart, and a walk over their trees would test every
-//! pair of triangles. But few of their triangles are different. So this places all triangles in the world, merges those with
-//! equal corners, and walks trees of exact `f64` boxes over the rest.
+//! pair of triangles. But many of their triangles are equal. So this module places all triangles in the world, merges those with equal
+//! corners, and walks trees of exact `f64` boxes over the rest.
 
 use std::cmp::Ordering;
 use std::ops::{ControlFlow, Range};
@@ -28,7 +28,7 @@ impl Collapsed {
         self.b.fill(b);
     }
 
-    /// Calls `visitor` for every pair of intersecting triangles until it breaks. Tests triangles with equal corners once.
+    /// Calls `visitor` for every pair of intersecting triangles until it breaks. Tests triangles with equal corners only once.
     pub(super) fn intersecting(
         &mut self,
         stats: &mut QueryStats,
@@ -49,8 +49,9 @@ impl Collapsed {
         flow
     }
 
-    /// Calls `visitor` for pairs of triangles whose boxes are at most `limit` apart, nearest boxes first, until it breaks. It
-    /// returns the new limit. Limits are squared distances. Of triangles with equal corners it visits the one with the lowest index.
+    /// Calls `visitor` for pairs of triangles whose boxes are at most `limit` apart, nearest boxes first, until it breaks. `visitor`
+    /// returns the new limit. Limits are squared distances. Of triangles with equal corners, only the one with the lowest index is
+    /// visited.
     pub(super) fn nearest(
         &mut self,
         limit: f64,
@@ -63,7 +64,7 @@ impl Collapsed {
         })
     }
 
-    /// Calls `at_pair` for pairs of leaves, given the equal triangles of each. It returns the new limit.
+    /// Calls `at_pair` for pairs of leaves, with the equal triangles of each leaf. `at_pair` returns the new limit.
     fn walk(
         &mut self,
         mut limit: f64,
@@ -97,10 +98,10 @@ impl Collapsed {
     }
 }
 
-/// A body's triangles in world space, merged where corners are equal, and a binary tree over them.
+/// A body's triangles in world space, with equal ones merged, and a binary tree over them.
 #[derive(Debug, Default)]
 struct DistinctTriangles {
-    /// Sorted corners and indices, in ascending order, so that equal triangles are side by side.
+    /// The triangles' sorted corners and indices, in ascending order, so that equal triangles are adjacent.
     placed: Vec<(Triangle, u32)>,
     /// Ranges of equal triangles in `placed`. Each is a leaf of the tree.
     leaves: Vec<Range<usize>>,
@@ -157,7 +158,7 @@ impl DistinctTriangles {
         }
     }
 
-    /// The children of a node, which has at least two leaves.
+    /// The children of a node, which must have at least two leaves.
     fn children(&self, node: usize) -> [usize; 2] {
         let middle = self.nodes[node].leaves.len() / 2;
         [node + 1, node + 2 * middle]

@@ -21,26 +21,29 @@ use crate::traverse::{NearestStack, walk_nearest};
 /// The closest points of two bodies' surfaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClosestPair {
-    /// A triangle of the first body.
+    /// The triangle of the first body.
     pub triangle_a: u32,
-    /// A triangle of the second body.
+    /// The triangle of the second body.
     pub triangle_b: u32,
     /// The point on the first body's triangle, in world space.
     pub point_a: DVec3,
     /// The point on the second body's triangle, in world space.
     pub point_b: DVec3,
-    /// The distance, in world units. It is 0 exactly if the triangles share a point; otherwise its error is a few `f64` roundings of the
-    /// triangles' sizes and the distance.
+    /// The distance, in world units. It is 0 if and only if the triangles share a point. Otherwise its error is a few `f64` roundings of
+    /// the triangles' sizes and the distance.
     pub distance: f64,
 }
 
-/// Finds the closest points of two bodies. Keep the query: it reuses its memory.
+/// Finds the closest points of two bodies. Keep the query and use it again: it reuses its memory.
 ///
-/// The distance is that of the surfaces: a body inside another one is not at distance 0. It does not depend on the trees, nor do
-/// the triangles and points if it is above 0; if triangles intersect, any intersecting pair is returned. There are two
-/// exceptions, in which the returned triangles may depend on the trees and the distance may be too long by a factor of 1e-9: bodies smaller than a
-/// millionth of their distance, and bodies with more than 16,384 triangle pairs at the same distance up to rounding, such as two
-/// bodies flattened to parallel lines.
+/// The distance is measured between surfaces: a body inside another one is not at distance 0. It does not depend on the trees, and
+/// neither do the triangles and points if it is above 0. If triangles intersect, any intersecting pair may be returned.
+///
+/// There are two exceptions, in which the returned triangles may depend on the trees and the distance may be too long by a relative
+/// 1e-9:
+///
+/// - bodies smaller than a millionth of their distance;
+/// - bodies with more than 16,384 triangle pairs at the same distance up to rounding, such as two bodies flattened to parallel lines.
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -68,9 +71,9 @@ pub struct DistanceQuery {
 query_basics!(DistanceQuery, |query| query.stats);
 
 impl DistanceQuery {
-    /// The closest points of two bodies; `None` if they are farther apart than `max_distance`, which may be infinite.
+    /// Returns the closest points of two bodies; `None` if they are farther apart than `max_distance`, which may be infinite.
     ///
-    /// The smaller `max_distance`, the less work.
+    /// A smaller `max_distance` means less work.
     ///
     /// # Errors
     /// [`InputError`] if `max_distance` is negative or NaN.
@@ -92,7 +95,8 @@ impl DistanceQuery {
         let mut frames = GapFrame::list(placed_a, placed_b);
         let are_far = are_far(&frames, &placements);
         if are_far {
-            // An `f32` rotation is not quite orthogonal: lengths in the bodies' own spaces are off by more than the bodies' sizes.
+            // An `f32` rotation is not quite orthogonal: at this distance, the error of lengths in the bodies' own spaces is larger
+            // than the bodies.
             frames.push(GapFrame::world(placed_a, placed_b));
         }
         let mut best = Best::within(max_distance, !are_far && !are_collapsed);
@@ -119,7 +123,7 @@ impl DistanceQuery {
                 for &(triangle_a, ref corners_a) in leaves_a.triangles(block_a) {
                     let extent_a = Extent::of_triangle(corners_a);
                     for &(triangle_b, ref corners_b) in leaves_b.triangles(block_b.clone()) {
-                        // The margin of the limit covers the rounding.
+                        // The limit has a margin for rounding.
                         let is_farther = extent_a.squared_distance(&Extent::of_triangle(corners_b)) > best.limit;
                         if is_farther || best.is_tied_enough(corners_a, corners_b) {
                             continue;

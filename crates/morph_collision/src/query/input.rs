@@ -1,4 +1,4 @@
-//! Rays and convex regions of world space, validated once.
+//! Rays and convex regions in world space, validated once.
 
 use crate::InputError;
 use crate::bounds::Aabb;
@@ -8,19 +8,20 @@ use glam::DVec3;
 
 /// A ray in world space: the points `origin + t * direction` for all real `t` from 0 to `max_t`, without rounding.
 ///
-/// The direction may have any length but 0; `t` is in units of its length.
+/// The direction may have any nonzero length; `t` is in units of that length.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
     pub(super) line: Line,
-    /// The direction divided by that of `line`: a power of two.
+    /// The given direction is this times the direction of `line`. A power of two.
     pub(super) scale: f64,
 }
 
 impl Ray {
-    /// Validates a ray; `max_t` may be infinite.
+    /// Creates a ray; `max_t` may be infinite.
     ///
     /// # Errors
-    /// [`InputError`] if the origin is not finite or beyond 1e50, the direction zero or not finite, or `max_t` negative or NaN.
+    /// [`InputError`] if the origin is not finite or beyond 1e50, if the direction is zero or not finite, or if `max_t` is negative or
+    /// NaN.
     pub fn new(origin: DVec3, direction: DVec3, max_t: f64) -> Result<Self, InputError> {
         check_point("origin", origin)?;
         check_direction("direction", direction)?;
@@ -42,12 +43,12 @@ pub struct ConvexRegion {
 }
 
 impl ConvexRegion {
-    /// The points `x` with `normal . x + offset >= 0` for every `(normal, offset)`; all of space if there is none.
+    /// Creates the region of points `x` with `normal . x + offset >= 0` for every `(normal, offset)`. An empty list gives all of space.
     ///
-    /// Normals point inward and may have any length but 0. A camera's frustum has six.
+    /// Normals point inward and may have any nonzero length. A camera's frustum has six half-spaces.
     ///
     /// # Errors
-    /// [`InputError`] if a normal is zero or not finite, or an offset is not finite or larger than 1e50 times its normal.
+    /// [`InputError`] if a normal is zero or not finite, or if an offset is not finite or larger than 1e50 times the length of its normal.
     pub fn from_half_spaces(half_spaces: &[(DVec3, f64)]) -> Result<Self, InputError> {
         let plane = |(i, &(normal, offset)): (usize, &(DVec3, f64))| {
             let of_this = |error: InputError| error.of(&format!("half-space {i}"));
@@ -62,7 +63,7 @@ impl ConvexRegion {
         Ok(Self { planes })
     }
 
-    /// The points of a box, exactly; no points if an upper end is below the lower one.
+    /// Creates a region that is exactly a box. It is empty if an upper end is below the lower one.
     ///
     /// # Errors
     /// [`InputError`] if a coordinate is not finite.

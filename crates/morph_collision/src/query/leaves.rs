@@ -1,4 +1,5 @@
-//! The triangles of leaves in world space, cached for the duration of a query: a leaf meets several leaves of the other body.
+//! The triangles of leaves in world space, cached for the duration of a query, because a leaf is compared with several leaves of the
+//! other body.
 
 use std::ops::Range;
 
@@ -9,10 +10,10 @@ use crate::exact::Triangle;
 use crate::pose::{EpochCache, Posed};
 use crate::tree::{CornerLanes, Leaf};
 
-/// The triangles of the leaves of one body that a query has read, in world space. The next query reuses the memory.
+/// The triangles, in world space, of the leaves of one body that a query has read. The next query reuses the memory.
 #[derive(Debug, Default)]
 pub(super) struct Leaves {
-    /// By leaf: its range of `placed`.
+    /// For each leaf, its range of `placed`.
     blocks: EpochCache<Range<usize>>,
     placed: Vec<(u32, Triangle)>,
     /// Scratch memory of `read`.
@@ -20,7 +21,7 @@ pub(super) struct Leaves {
 }
 
 impl Leaves {
-    /// Starts a query: forgets all leaves.
+    /// Starts a query: clears all leaves.
     pub(super) fn begin(&mut self) {
         self.blocks.next_epoch();
         self.placed.clear();
@@ -36,13 +37,13 @@ impl Leaves {
         self.blocks.get(slot).clone()
     }
 
-    /// The triangles of a block, each with its number.
+    /// The triangles of a block, each with its index.
     pub(super) fn triangles(&self, block: Range<usize>) -> &[(u32, Triangle)] {
         &self.placed[block]
     }
 }
 
-/// Appends a leaf's triangles to `placed`, each with its number and its corners in world space. `posed` is scratch memory.
+/// Appends a leaf's triangles to `placed`, each with its index and its corners in world space. `posed` is scratch memory.
 pub(super) fn place_leaf(
     tree: &mut Posed<'_>,
     leaf: Leaf,
@@ -74,7 +75,7 @@ pub(super) fn place_leaf(
     }
 }
 
-/// The corners of a triangle of a patch in world space.
+/// The world-space corners of the triangle in a patch's lane.
 #[inline(always)]
 pub(super) fn placed_triangle(posed: &CornerLanes, lane: usize, world_from_model: &WorldFromModel) -> Triangle {
     let lane = lane % LANES;

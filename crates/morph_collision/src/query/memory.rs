@@ -3,11 +3,11 @@ use std::sync::Arc;
 use super::body::Body;
 use crate::tree::{Leaf, MorphBvh};
 
-/// The memory of one pair of bodies between frames: the two leaves that intersected when
+/// What a query remembers about a pair of bodies from frame to frame: the two leaves that intersected when
 /// [`PairQuery::first_with`](crate::PairQuery::first_with) last found a pair. The next call tries them first.
 ///
-/// Keep one per pair of bodies and pass the bodies in the same order. If a body's tree changes, the memory is dropped. Weights and
-/// placements may change freely.
+/// Keep one memory per pair of bodies, and always pass the bodies in the same order. If a body's tree changes, the memory is cleared.
+/// Weights and placements may change freely.
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -33,13 +33,13 @@ pub struct PairMemory {
 }
 
 impl PairMemory {
-    /// An empty memory.
+    /// Creates an empty memory.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// The leaves to try first. Forgets them if a tree has changed.
+    /// The leaves to try first. Clears them if a tree has changed.
     pub(super) fn witness_of(&mut self, a: &Body<'_>, b: &Body<'_>) -> Option<(Leaf, Leaf)> {
         let trees = [a.pose.bvh(), b.pose.bvh()];
         let is_known =

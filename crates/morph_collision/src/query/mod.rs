@@ -1,16 +1,16 @@
-//! The queries. Each is a walk over trees plus what happens at the leaves.
+//! The queries. Each is a walk over trees plus a test at the leaves.
 
 /// The two methods that queries have in common.
 macro_rules! query_basics {
     ($query:ty, |$self:ident| $stats:expr) => {
         impl $query {
-            /// An empty query; allocates on first use.
+            /// Creates an empty query. It allocates on first use.
             #[must_use]
             pub fn new() -> Self {
                 Self::default()
             }
 
-            /// The work of the last call.
+            /// Returns the work done by the last call.
             #[must_use]
             pub fn stats(&self) -> crate::QueryStats {
                 let $self = self;

@@ -55,7 +55,7 @@ pub(super) struct Placement {
 }
 
 impl Placement {
-    /// Takes points from world space to the neighbourhood; the first three numbers of each count.
+    /// Takes points from world space to the neighbourhood. The fourth number of each point is padding.
     #[inline(always)]
     pub(super) fn place_points<S: Simd>(&self, simd: S, points: &[[f64; 4]], placed: &mut Vec<[f32; 4]>) {
         let [x, y, z] = self.origin;
@@ -63,7 +63,7 @@ impl Placement {
         let scale = f64x4::splat(simd, self.scale);
         placed.clear();
         for point in points {
-            // The scale is a power of two, which changes no rounding.
+            // The scale is a power of two, so it changes no rounding.
             let local = f64x4::from_slice(simd, point) * scale - origin;
             let mut numbers = [0.0; 4];
             local.narrow(local).split().0.store_slice(&mut numbers);
@@ -73,8 +73,8 @@ impl Placement {
 
     /// Maps the corners of eight triangles, in place.
     ///
-    /// Places them exactly like [`WorldFromModel::transform_point`], only in the neighbourhood's unit: its scale is a power of two,
-    /// which changes no rounding. Subtracts the origin in `f64` and rounds once to `f32`. Monotonic in every coordinate.
+    /// Places them exactly like [`WorldFromModel::transform_point`], except in the neighbourhood's unit. Its scale is a power of two, so
+    /// it changes no rounding. Then subtracts the origin in `f64` and rounds once to `f32`. Monotonic in every coordinate.
     #[inline(always)]
     pub(super) fn place<S: Simd>(&self, simd: S, corners: &mut CornerLanes) {
         let [m_x, m_y, m_z] = self.linear;

@@ -19,10 +19,11 @@ pub(super) struct OneBody {
 }
 
 impl OneBody {
-    /// Visits leaves in ascending order of their lower bounds and calls `at_triangle` with the number and the world-space corners of each
-    /// triangle. Ends when the lowest bound left exceeds the limit, or at a break, which it passes on.
+    /// Visits leaves in ascending order of their lower bounds and calls `at_triangle` with the index and the world-space corners of each
+    /// triangle.
     ///
-    /// `at_triangle` returns the new limit.
+    /// `at_triangle` returns the new limit. The walk ends when the lowest remaining bound exceeds the limit, or when `at_triangle`
+    /// breaks; a break is passed on to the caller.
     pub(super) fn walk(
         &mut self,
         body: Body<'_>,
@@ -44,7 +45,7 @@ impl OneBody {
         flow
     }
 
-    /// The same by leaves.
+    /// Like [`OneBody::walk`], but calls `at_leaf` once per leaf.
     pub(super) fn walk_leaves(
         &mut self,
         mut body: Body<'_>,

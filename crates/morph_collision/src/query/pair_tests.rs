@@ -1,4 +1,4 @@
-//! What queries for intersecting pairs list, where they end, what they remember, and how they count.
+//! Pair queries: their lists, limits, memory and statistics.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::model::MorphModel;
 use crate::pose::Pose;
 use crate::tree::{BuildOptions, MorphBvh};
 
-/// A triangle at each of these places along x, each a leaf.
+/// One triangle at each of these places along x. Each is a leaf.
 fn row(places: &[f32], corners: [[f32; 3]; 3]) -> Pose {
     let corners = corners.map(Vec3::from);
     let positions: Vec<_> = places
@@ -32,7 +32,7 @@ fn fins(places: &[f32]) -> Pose {
     row(places, [[0.0, -1.0, -1.0], [0.0, 1.0, -1.0], [0.0, 0.0, 1.0]])
 }
 
-/// Triangles along the x axis. Each intersects the fin in the same place.
+/// Triangles along the x axis. Each intersects the fin at the same place.
 fn needles(places: &[f32]) -> Pose {
     row(places, [[-0.5, 0.0, 0.0], [0.5, 0.1, 0.0], [0.5, -0.1, 0.0]])
 }
@@ -41,7 +41,7 @@ fn pair(triangle_a: u32, triangle_b: u32) -> TrianglePair {
     TrianglePair { triangle_a, triangle_b }
 }
 
-/// Bodies for queries: fins where they are made, and needles in a place.
+/// Two bodies for queries: fins that stay in place, and needles that can be moved.
 struct Bodies {
     fins: Pose,
     needles: Pose,
@@ -112,7 +112,7 @@ fn the_work_of_the_last_call_is_counted() {
     let [a, b] = bodies.both();
     query.all(a, b, &mut Vec::new());
     let stats = query.stats();
-    // The roots, the children of one with the other root, and all children with each other.
+    // The roots, then the children of one root with the other root, then all children with each other.
     assert_eq!(stats.node_tests, 1 + 3 + 3 * 2);
     assert_eq!(stats.triangle_tests, 2);
     assert!(stats.vertices_blended > 0 && stats.nodes_blended > 0);
@@ -140,7 +140,7 @@ fn a_remembered_pair_is_found_without_a_walk_and_forgotten_when_it_parts() {
         let (found, stats) = ask(&mut memory, along_x);
         assert_eq!(found, Some(expected));
         assert_eq!(stats.node_tests, plain.node_tests);
-        // What parted is tried once more.
+        // The remembered pair, which no longer intersects, is tried first.
         assert_eq!(stats.triangle_tests, plain.triangle_tests + u64::from(along_x != 0.0));
         let (again, stats) = ask(&mut memory, along_x);
         assert_eq!((again, stats.node_tests, stats.triangle_tests), (found, 0, 1));

@@ -11,19 +11,19 @@ use crate::pose::{NodeId, Posed};
 use crate::traverse::{Order, OverlapWalk};
 use crate::tree::Leaf;
 
-/// Two intersecting triangles, each by its index in its own mesh.
+/// A pair of intersecting triangles, each as an index into its own mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct TrianglePair {
-    /// A triangle of the first body.
+    /// The triangle of the first body.
     pub triangle_a: u32,
-    /// A triangle of the second body.
+    /// The triangle of the second body.
     pub triangle_b: u32,
 }
 
-/// Finds the intersecting triangles of two bodies. Keep the query: it reuses its memory.
+/// Finds the intersecting triangles of two bodies. Keep the query and use it again: it reuses its memory.
 ///
-/// The answer is exact over the posed vertices in world space (see the crate's introduction); touching counts. It does not
-/// depend on the tree, and swapping the bodies finds the same triangles.
+/// The answer is exact for the posed vertices in world space (see the crate's introduction); touching counts. It does not depend
+/// on the tree. If you swap the bodies, you get the same pairs of triangles.
 #[derive(Debug, Default)]
 pub struct PairQuery {
     walk: OverlapWalk,
@@ -37,7 +37,7 @@ query_basics!(PairQuery, |query| query.stats);
 impl PairQuery {
     /// Appends every pair of intersecting triangles, in the order of the walk.
     ///
-    /// If bodies collapse to a point, all pairs of their triangles intersect; [`PairQuery::up_to`] limits the list.
+    /// If both bodies collapse to the same point, all pairs of their triangles intersect; use [`PairQuery::up_to`] to limit the list.
     pub fn all(&mut self, a: Body<'_>, b: Body<'_>, pairs: &mut Vec<TrianglePair>) {
         self.up_to(a, b, usize::MAX, pairs);
     }
@@ -52,12 +52,12 @@ impl PairQuery {
         listed.is_truncated
     }
 
-    /// An intersecting pair, if there is one. The walk starts where nodes overlap deepest and ends at the first pair.
+    /// Returns an intersecting pair, if there is one. The walk visits the nodes that overlap deepest first and ends at the first pair.
     pub fn first(&mut self, a: Body<'_>, b: Body<'_>) -> Option<TrianglePair> {
         self.first_from(a, b, Start::Deepest).0
     }
 
-    /// Whether any triangles intersect.
+    /// Returns whether any triangles intersect.
     pub fn any(&mut self, a: Body<'_>, b: Body<'_>) -> bool {
         self.first(a, b).is_some()
     }
@@ -67,9 +67,9 @@ impl PairQuery {
         self.run(a, b, Start::Front(&[], false), &mut visitor);
     }
 
-    /// Like [`PairQuery::first`], but tries the leaves that intersected last time before anything else.
+    /// Like [`PairQuery::first`], but first tries the leaves that intersected last time.
     ///
-    /// Whether there is a pair does not depend on the memory; which pair is returned may.
+    /// The memory never changes whether a pair is found, but it can change which one.
     pub fn first_with(&mut self, memory: &mut PairMemory, mut a: Body<'_>, mut b: Body<'_>) -> Option<TrianglePair> {
         let mut stats = QueryStats::default();
         if let Some(leaves) = memory.witness_of(&a, &b) {
@@ -99,15 +99,15 @@ impl PairQuery {
         (first, witness)
     }
 
-    /// Whether the bodies are too small for culling. Queries then do not walk their trees.
+    /// Whether the bodies are too small for culling. Queries then do not walk the trees.
     pub(super) fn are_collapsed(&self, mut a: Body<'_>, mut b: Body<'_>) -> bool {
         let (posed_a, posed_b) = (&mut a.posed(), &mut b.posed());
         let (a, b) = (posed_a.stand(), posed_b.stand());
         Placements { a, b }.are_collapsed()
     }
 
-    /// Expands the roots, level by level, into at least `least` node pairs if there are that many, in the order of the walk.
-    /// Each can be walked by itself.
+    /// Expands the roots, level by level, into at least `least` node pairs (fewer if there are not that many), in the order of
+    /// the walk. Each can be walked on its own.
     pub(super) fn front(&mut self, a: Body<'_>, b: Body<'_>, least: usize) -> Vec<(NodeId, NodeId)> {
         let mut front = Vec::new();
         let mut ignore = |_| ControlFlow::Continue(());
@@ -115,8 +115,8 @@ impl PairQuery {
         front
     }
 
-    /// Calls `visitor` for intersecting pairs until it breaks. Returns the leaves at which it did if it was given leaves one by one: if it
-    /// started deepest first, or at two leaves.
+    /// Calls `visitor` for intersecting pairs until it breaks. Returns the leaves at which it broke, for the two starts that handle
+    /// leaf pairs one at a time: [`Start::Deepest`] and [`Start::Leaves`].
     pub(super) fn run(
         &mut self,
         mut a: Body<'_>,
@@ -179,10 +179,10 @@ impl PairQuery {
 
 /// Where a query starts.
 pub(super) enum Start<'a> {
-    /// The roots, descending first where nodes overlap deepest.
+    /// The roots; nodes that overlap deepest come first.
     Deepest,
-    /// Node pairs of an earlier walk; the roots if there are none. True if the query before was about the same bodies in the same state:
-    /// what it saw of them is kept.
+    /// Node pairs of an earlier walk, or the roots if the list is empty. The flag says that the previous query was for the same bodies
+    /// in the same state, so that its cached boxes and patches stay valid.
     Front(&'a [(NodeId, NodeId)], bool),
     /// Two leaves, without a walk.
     Leaves((Leaf, Leaf)),

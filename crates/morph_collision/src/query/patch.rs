@@ -1,9 +1,14 @@
 //! Up to eight triangles side by side in `f32`, tested against those of another patch with error bounds.
 //!
 //! A pair is rejected if the triangles are apart along some axis by more than the error bound. Any axis is valid; a well-chosen one
-//! only saves time. Tested are the coordinate axes, both normals, and the two cross products of edges of which one separates
-//! disjoint triangles that cross each other's planes (Guigue and Devillers 2003). Where all signs involved are certain, they say
-//! whether the triangles intersect. What is neither rejected nor certain is decided elsewhere.
+//! only saves time. The axes are:
+//!
+//! - the coordinate axes;
+//! - both normals;
+//! - two cross products of edges. If the triangles cross each other's planes but are disjoint, one of the two separates them
+//!   (Guigue and Devillers 2003).
+//!
+//! If all signs involved are certain, they say whether the triangles intersect. The caller decides the pairs that are still open.
 
 use std::ops::ControlFlow;
 
@@ -23,43 +28,43 @@ mod verdict;
 pub(super) struct Patch {
     boxes: BoxLanes,
     hull: Aabb,
-    /// By corner and coordinate.
+    /// Indexed by corner and coordinate.
     pub(super) corners: CornerLanes,
-    /// Perpendicular to each triangle, with a largest coordinate of about 1; zero for degenerate ones.
+    /// A normal of each triangle, scaled so that its largest coordinate is about 1; zero for degenerate triangles.
     normals: [Lanes; 3],
     /// Each triangle's interval along its own normal.
     low: Lanes,
     high: Lanes,
-    /// The longest side of each triangle's box; the same divided by the largest coordinate that the normal had before
-    /// scaling.
+    /// The longest side of each triangle's box.
     span: Lanes,
+    /// `span`, divided by the largest coordinate of the normal before it was scaled.
     tilt: Lanes,
-    /// The largest absolute coordinate, infinite if products would leave the range of `f32`.
+    /// The largest absolute coordinate; infinite if products could overflow `f32`.
     reach: f32,
-    /// A bit per triangle.
+    /// One bit per triangle.
     lanes: u8,
     pub(super) triangles: u8,
-    /// The first of its triangles, in the order of the tree's leaves.
+    /// The first triangle's position in the order of the tree's leaves.
     pub(super) first: u32,
 }
 
-/// A triangle of one patch against those of another one, as bit masks.
+/// The result for one triangle of a patch against the triangles of another patch, as bit masks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Row {
     pub(super) lane: usize,
     /// Triangles that might intersect it.
     pub(super) near: u8,
-    /// Those of them that certainly do.
+    /// Those of `near` that certainly intersect it.
     pub(super) meet: u8,
 }
 
 impl Patch {
-    /// Computes boxes, hull, normals and intervals from the corners in the neighbourhood. Unused lanes must repeat one of the triangles.
+    /// Computes boxes, hull, normals and intervals from the placed corners. Unused lanes must repeat one of the triangles.
     #[inline(always)]
     pub(super) fn measure<S: Simd>(&mut self, simd: S, triangles: usize) {
         self.triangles = triangles.min(LANES) as u8;
         self.lanes = u8::MAX >> (LANES - triangles.clamp(1, LANES));
-        // Products of four larger coordinates could overflow.
+        // Products of four coordinates above this could overflow.
         const LARGEST: f32 = 1e6;
         let [a, b, c] = self.load(simd);
         let (mut least, mut most) = (a, a);
@@ -90,7 +95,7 @@ impl Patch {
         (span * inverse).store_slice(&mut self.tilt.0);
     }
 
-    /// The triangles of this patch whose boxes overlap the other's hull, and the reverse, as bit masks; both 0 if either is.
+    /// Bit masks of the triangles of this patch whose boxes overlap the other's hull, and the reverse. If one mask is 0, both are.
     #[inline(always)]
     pub(super) fn overlaps<S: Simd>(&self, simd: S, other: &Self) -> [u8; 2] {
         if !self.hull.overlaps(&other.hull) {
@@ -104,10 +109,11 @@ impl Patch {
         if others == 0 { [0; 2] } else { [own, others] }
     }
 
-    /// Filters pairs of triangles, given those to look at; calls `found` for every triangle of this patch that might intersect some of
+    /// Filters the triangle pairs in the two masks. Calls `found` for every triangle of this patch that might intersect a triangle of
     /// the other.
     ///
-    /// `select` is given a triangle of this patch and a mask of triangles of the other with overlapping boxes; it returns those to test.
+    /// `select` takes a triangle of this patch and a mask of the other patch's triangles whose boxes overlap it. It returns the mask
+    /// of those to test.
     #[inline(always)]
     pub(super) fn compare<S: Simd>(
         &self,

@@ -1,5 +1,5 @@
-//! The filter of patches against the oracle: it rejects no pair that intersects, reports no pair as intersecting that does not, and
-//! leaves few others open.
+//! Compares the filter of patches with the oracle: it rejects no intersecting pair, accepts no pair that is apart, and leaves few
+//! pairs undecided.
 
 use std::ops::ControlFlow;
 
@@ -16,7 +16,7 @@ use crate::bounds::{LANES, WorldFromModel, levels, with_simd};
 use crate::exact::Triangle;
 use crate::tree::{in_lanes, put};
 
-/// Triangles in model space, one to eight of them, and where they stand.
+/// One to eight triangles in model space, and their transform.
 struct Placed {
     posed: Vec<[Vec3; 3]>,
     place: WorldFromModel,
@@ -37,7 +37,7 @@ impl Placed {
         patch
     }
 
-    /// Corners in world space as `docs/numerics.md` defines them, three to a triangle.
+    /// The corners in world space as `docs/numerics.md` defines them, three per triangle.
     fn world(&self) -> Vec<DVec3> {
         let (m, t) = (self.place.linear(), self.place.translation());
         let placed = |p: DVec3| {
@@ -49,25 +49,25 @@ impl Placed {
     }
 }
 
-/// The pairs of triangles of two patches: a row per triangle of one, a bit per triangle of the other.
+/// The triangle pairs of two patches: one row per triangle of the first, one bit per triangle of the second.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 struct Pairs {
     near: [u8; LANES],
     meet: [u8; LANES],
 }
 
-/// The pairs of two patches by what they are and what the filter says.
+/// Counts pairs by whether they intersect and by what the filter says.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tally {
     intersecting: usize,
     apart: usize,
     turned_away: usize,
-    /// Intersecting ones of which the filter is certain.
+    /// Intersecting pairs that the filter accepts.
     met: usize,
 }
 
 impl Tally {
-    /// Compares every pair of triangles; all kernels have to say the same, and nothing that is not so.
+    /// Compares every pair of triangles. All kernels must agree, and must say nothing wrong.
     fn judge(&mut self, a: &Placed, b: &Placed, neighbourhood: &Neighbourhood, about: &str) {
         let mut first = None;
         for &level in levels() {
@@ -112,7 +112,7 @@ impl Tally {
     }
 }
 
-/// The corners of some triangles, by their place in [`Placed::world`].
+/// The corners of each triangle as indices into [`Placed::world`].
 fn numbered(placed: &Placed) -> Vec<[u32; 3]> {
     (0..placed.posed.len() as u32)
         .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
@@ -123,12 +123,12 @@ fn vector(rng: &mut Pcg64Mcg) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)))
 }
 
-/// A power of two, up to so many times 1 doubled or halved.
+/// A power of two with an exponent from `-most` to `most`.
 fn power(rng: &mut Pcg64Mcg, most: i32) -> f32 {
     2_f32.powi(rng.random_range(-most..=most))
 }
 
-/// A linear map: nothing special, mirrored, sheared far, flattened, or moving nothing at all.
+/// A random linear map: ordinary, mirrored, strongly sheared, flattened, or the identity.
 fn linear(rng: &mut Pcg64Mcg) -> Mat3A {
     let columns = || -> [Vec3; 3] { [Vec3::X, Vec3::Y, Vec3::Z] };
     let [x, y, z] = match rng.random_range(0..9) {
@@ -153,7 +153,7 @@ fn world_from(linear: Mat3A, translation: DVec3) -> WorldFromModel {
     WorldFromModel::new(place).unwrap().translated(translation)
 }
 
-/// Bodies of about a size in world space, with the wrong neighbourhood as often as the right one.
+/// A neighbourhood for bodies of about a size in world space; its size and origin are wrong about half the time.
 fn neighbourhood(rng: &mut Pcg64Mcg, near: DVec3, size: f64) -> Neighbourhood {
     let size = size
         * match rng.random_range(0..6) {
@@ -170,7 +170,7 @@ fn neighbourhood(rng: &mut Pcg64Mcg, near: DVec3, size: f64) -> Neighbourhood {
     Neighbourhood::new(origin, size)
 }
 
-/// The same triangles, turned and scaled in model space without rounding, and turned back by the place.
+/// The same triangles, rotated and scaled in model space without rounding; the transform undoes it.
 fn turned(rng: &mut Pcg64Mcg, posed: &[[Vec3; 3]], linear: Mat3A, translation: DVec3) -> Placed {
     let scale = power(rng, 6);
     let first = rng.random_range(0..3_usize);
@@ -184,7 +184,7 @@ fn turned(rng: &mut Pcg64Mcg, posed: &[[Vec3; 3]], linear: Mat3A, translation: D
     }
 }
 
-/// Up to eight pairs of a family as two patches near each other, of a size, far from their models' origin or not.
+/// Up to eight pairs of a family, as two nearby patches of a given size. Some are far from their model's origin.
 fn situation(rng: &mut Pcg64Mcg, family: Family, size: f32) -> ([Placed; 2], Neighbourhood) {
     let linear = linear(rng);
     let shift = if rng.random_bool(0.3) {
@@ -197,7 +197,7 @@ fn situation(rng: &mut Pcg64Mcg, family: Family, size: f32) -> ([Placed; 2], Nei
         let corners = |pair: &[Triangle; 2]| pair[side].map(|p| p.as_vec3() + shift);
         pairs.iter().map(corners).collect()
     });
-    // Within what a pose may be, also when turned.
+    // Within the limits of a pose, also after `turned`.
     let reach = posed
         .iter()
         .flatten()
@@ -309,7 +309,7 @@ fn places_at_the_ends_of_f32_turn_nothing_away_that_intersects() {
 
 #[test]
 fn beyond_the_range_of_f32_products_only_boxes_turn_away() {
-    // Planes far apart for their size, in boxes that overlap.
+    // Boxes overlap, but the planes are far apart for their size.
     let low = [Vec3::ZERO, Vec3::X, Vec3::new(0.0, 1.0, 1.0)];
     let high = low.map(|p| p + Vec3::new(0.0, -0.25, 0.25));
     let [a, b] = [low, high].map(|triangle| Placed {
@@ -358,7 +358,7 @@ fn every_number_of_triangles_has_rows_and_bits_of_its_own() {
     }
 }
 
-/// Eight at a time, in the neighbourhood that a query would choose.
+/// Judges eight triangles at a time, in the neighbourhood that a query would choose.
 fn judge_all(a: &[[Vec3; 3]], b: &[[Vec3; 3]]) -> Tally {
     let mut tally = Tally::default();
     let neighbourhood = Neighbourhood::new(DVec3::ZERO, 2.0);
@@ -384,7 +384,7 @@ fn nearly_all_random_triangles_are_decided() {
 
 #[test]
 fn nearly_all_pairs_of_two_surfaces_that_are_apart_are_turned_away() {
-    // Two waves through each other, of which the boxes of neighbours overlap.
+    // Two interpenetrating waves; the boxes of nearby triangles overlap.
     let sheet = |phase: f32, lift: f32| -> Vec<[Vec3; 3]> {
         const CELLS: usize = 10;
         let point = |i: usize, j: usize| {
@@ -402,7 +402,7 @@ fn nearly_all_pairs_of_two_surfaces_that_are_apart_are_turned_away() {
     let mut near = Tally::default();
     for lift in [0.0, 0.001, 0.01] {
         let (a, b) = (sheet(0.0, 0.0), sheet(0.3, lift));
-        // Only what is not turned away by boxes counts.
+        // Count only pairs whose boxes overlap.
         for a in &a {
             let hull = |t: &[Vec3; 3]| crate::bounds::Aabb::from_points(*t);
             let b: Vec<_> = b.iter().copied().filter(|b| hull(a).overlaps(&hull(b))).collect();

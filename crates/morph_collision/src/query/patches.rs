@@ -1,4 +1,5 @@
-//! Leaves as patches of eight triangles: placed once per query, compared eight at a time, decided exactly where the filter cannot.
+//! Leaves as patches of eight triangles: placed once per query, compared eight at a time, decided exactly if the filter cannot
+//! decide.
 
 use std::cell::Cell;
 use std::ops::{ControlFlow, Range};
@@ -15,13 +16,13 @@ use crate::model::MorphModel;
 use crate::pose::{EpochCache, Posed};
 use crate::tree::{Leaf, Topology, gather};
 
-/// The patches of one body that a query has read. The next query reuses the memory.
+/// The patches of one body that a query has used. The next query reuses the memory.
 #[derive(Debug, Default)]
 pub(super) struct Patches {
-    /// By the number of the patch.
+    /// Indexed by patch.
     placed: EpochCache<Patch>,
     placement: Placement,
-    /// Scratch memory: the vertices of a leaf of a skinned mesh in the neighbourhood, in the first three numbers of each.
+    /// Scratch memory: the vertices of a skinned mesh's leaf, relative to the neighbourhood. The fourth number is padding.
     points: Vec<[f32; 4]>,
 }
 
@@ -32,7 +33,7 @@ pub(super) struct Side<'q, 'p> {
 }
 
 impl Patches {
-    /// Starts a query: forgets all patches.
+    /// Starts a query: clears all patches.
     pub(super) fn begin(&mut self, neighbourhood: &Neighbourhood, world_from_model: &WorldFromModel) {
         self.placed.next_epoch();
         self.placement = neighbourhood.placement(world_from_model);
@@ -86,7 +87,7 @@ impl<'q, 'p> Side<'q, 'p> {
     }
 }
 
-/// Calls `visitor` for every pair of intersecting triangles of pairs of leaves until it breaks.
+/// Calls `visitor` for every pair of intersecting triangles in the given pairs of leaves, until it breaks.
 pub(super) fn intersecting_pairs(
     a: &mut Side<'_, '_>,
     b: &mut Side<'_, '_>,
@@ -117,7 +118,7 @@ fn intersecting<S: Simd>(
                 if masks == [0; 2] {
                     continue;
                 }
-                // Fewer rows with more triangles each.
+                // Use the side with fewer rows, so that each has more triangles.
                 let is_swapped = masks[1].count_ones() < masks[0].count_ones();
                 let (patches, masks) = if is_swapped {
                     ([patch_b, patch_a], [masks[1], masks[0]])
@@ -151,8 +152,8 @@ fn intersecting<S: Simd>(
     ControlFlow::Continue(())
 }
 
-/// Calls `visitor` for every pair of intersecting triangles of two leaves of one body, or of a leaf and itself, until it
-/// breaks. Leaves out triangles that share a vertex.
+/// Calls `visitor` for every pair of intersecting triangles in two leaves of one body (or within one leaf, if both are the same),
+/// until it breaks. Skips triangles that share a vertex.
 pub(super) fn intersecting_pairs_within(
     body: &mut Side<'_, '_>,
     [leaf_a, leaf_b]: [Leaf; 2],
@@ -208,13 +209,13 @@ fn neighbours(model: &MorphModel, topology: &Topology, [a, b]: [&Patch; 2], lane
         .fold(0, |mask, other| mask | 1 << other)
 }
 
-/// The number of the triangle in a patch's lane.
+/// The index of the triangle in a patch's lane.
 #[inline(always)]
 fn number(topology: &Topology, patch: &Patch, lane: usize) -> u32 {
     topology.triangle(patch.first as usize + lane)
 }
 
-/// Passes the intersecting pairs of a row to `at_pair`; `exactly` decides what the filter left open.
+/// Passes the intersecting pairs of a row to `at_pair`. `exactly` decides the pairs that the filter could not.
 #[inline(always)]
 fn report(
     [topology_a, topology_b]: [&Topology; 2],

@@ -1,4 +1,4 @@
-//! The set-up that queries about two bodies share.
+//! The setup that queries about two bodies share.
 
 use super::neighbourhood::Neighbourhood;
 use crate::bounds::visit_frames;
@@ -19,30 +19,30 @@ impl Placements<'_> {
         let mut roots_overlap = true;
         walk.begin([self.a, self.b], self.a_from_b_scale());
         visit_frames(&self.a.placed, &self.b.placed, |frames| {
-            // A frame that separates the bodies is enough.
+            // One frame that separates the bodies is enough.
             roots_overlap = walk.push_frame(frames, &self.a.bounds, &self.b.bounds);
             roots_overlap
         });
         roots_overlap
     }
 
-    /// Whether both bodies are so small, compared with their distance from the origin or with their rest shapes, that the slack
-    /// for rounding is not small beside them. Culling is then useless.
+    /// Whether both bodies are so small, compared with their distance from the origin or with their rest shapes, that the slack for
+    /// rounding is not small compared with their size. Culling is then useless.
     #[inline]
     pub(super) fn are_collapsed(&self) -> bool {
-        /// Bodies this many times larger than the slack are culled well. Not measured; it decides only the speed.
+        /// Bodies this many times larger than the slack are culled well. Not measured; it affects only the speed.
         const RESOLVED: f64 = 16.0;
         self.a.size.max(self.b.size) <= RESOLVED * (self.a.slack + self.b.slack)
     }
 
-    /// Close to both bodies if they touch.
+    /// A neighbourhood that is close to both bodies if they touch.
     pub(super) fn neighbourhood(&self) -> Neighbourhood {
         let place = self.a.placed.world_from_model();
         let size = place.scale() * f64::from(self.a.bounds.size().max_element());
         Neighbourhood::new(place.translation(), size)
     }
 
-    /// The length in A's units of a length of 1 in B's, roughly.
+    /// Roughly the factor that converts lengths in B's units to A's.
     pub(super) fn a_from_b_scale(&self) -> f32 {
         let [a, b] = [self.a, self.b].map(|standing| standing.placed.world_from_model().scale());
         (b / a) as f32

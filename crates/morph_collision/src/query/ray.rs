@@ -11,7 +11,7 @@ use crate::bounds::{LANES, RayCull, lanes_of, with_simd};
 use crate::exact::{Crossing, Triangle, VALUE_ERROR, closest_on_triangle, ray_meets_triangle};
 use crate::input_error::InputError;
 
-/// The side of a triangle that a ray hits. The front is where its corners appear counter-clockwise in world space.
+/// The side of a triangle that a ray hits. From the front, the corners appear counter-clockwise in world space.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Facing {
     /// The ray goes against the normal.
@@ -35,17 +35,17 @@ pub struct RayHit {
     pub distance: f64,
     /// The point on the triangle, in world space.
     pub point: DVec3,
-    /// The triangle's unit normal in world space, by its winding there; zero for a triangle without area.
+    /// The triangle's unit normal, from its winding in world space; zero for a triangle without area.
     pub normal: DVec3,
     /// The side that was hit.
     pub facing: Facing,
 }
 
-/// Casts rays at a body. Keep the query: it reuses its memory.
+/// Casts rays at a body. Keep the query and use it again: it reuses its memory.
 ///
-/// A ray hits every triangle it shares a point with. That includes touching an edge or a corner, lying in the triangle's plane,
-/// and triangles degenerated to segments or points. Whether a triangle is hit, and from which side, is exact over the posed vertices in
-/// world space, also at the ray's ends; no ray slips through a shared edge. No answer depends on the tree.
+/// A ray hits every triangle it shares a point with. That includes rays that touch an edge or a corner or lie in the triangle's plane,
+/// and triangles degenerated to segments or points. Whether a triangle is hit, and from which side, is exact for the posed vertices in
+/// world space, also at the ray's ends. No ray slips through a shared edge. No answer depends on the tree.
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -71,14 +71,14 @@ pub struct RayQuery {
 query_basics!(RayQuery, |query| query.one.stats);
 
 impl RayQuery {
-    /// The hit with the smallest `t`; among equals, the one with the lowest triangle index.
+    /// Returns the hit with the smallest `t`; among equals, the one with the lowest triangle index.
     pub fn closest(&mut self, body: Body<'_>, ray: &Ray) -> Option<RayHit> {
         self.closest_where(body, ray, |_| true)
     }
 
-    /// Like [`RayQuery::closest`], but ignores hits that `accept` rejects, such as back faces or chosen triangles.
+    /// Like [`RayQuery::closest`], but ignores hits that `accept` rejects, for example back faces or certain triangles.
     ///
-    /// Also calls `accept` with some hits that turn out not to be the closest.
+    /// `accept` is also called with some hits that turn out not to be the closest.
     pub fn closest_where(
         &mut self,
         body: Body<'_>,
@@ -101,7 +101,7 @@ impl RayQuery {
         closest.map(|(_, hit)| hit)
     }
 
-    /// Whether the ray hits anything.
+    /// Returns whether the ray hits anything.
     pub fn any(&mut self, body: Body<'_>, ray: &Ray) -> bool {
         self.cast(body, ray, |_, _, _| ControlFlow::Break(())).is_break()
     }
@@ -116,15 +116,16 @@ impl RayQuery {
         hits[start..].sort_by(|a, b| a.t.total_cmp(&b.t).then(a.triangle.cmp(&b.triangle)));
     }
 
-    /// Whether a point is on the surface or inside a mesh that is closed, however its triangles are turned outwards or inwards.
+    /// Returns whether a point is inside a closed mesh or on its surface. The triangles may all face outwards or all inwards.
     ///
-    /// Counts along a ray from the point how often it passes through fronts and backs; they balance outside. Along rays that meet an edge that
-    /// cannot be told, so another one is cast. A mesh with holes has no inside: near them either answer is possible.
+    /// Casts a ray from the point and counts how often it passes through front and back faces; outside, the counts are equal. If the ray
+    /// meets an edge, the count is uncertain, so another ray is cast. A mesh with holes has no inside: near a hole, either answer is
+    /// possible.
     ///
     /// # Errors
     /// [`InputError`] if the point is not finite or beyond 1e50.
     pub fn encloses(&mut self, mut body: Body<'_>, point: DVec3) -> Result<bool, InputError> {
-        /// Directions without relation to those that models like.
+        /// Directions that are unlikely to be aligned with a model's edges or faces.
         const DIRECTIONS: [DVec3; 5] = [
             DVec3::new(0.7391, 0.4127, 0.5323),
             DVec3::new(-0.3271, 0.8117, 0.4831),
@@ -132,7 +133,7 @@ impl RayQuery {
             DVec3::new(-0.6029, -0.4783, -0.6389),
             DVec3::new(0.2087, 0.3313, -0.9203),
         ];
-        /// Hits as near to each other, relative to `t`, may be one passage through an edge.
+        /// Hits that are closer together than this, relative to `t`, may be a single passage through an edge.
         const TOGETHER: f64 = 1e-9;
         let (mut inside, mut outside) = (0, 0);
         for direction in DIRECTIONS {
@@ -160,7 +161,7 @@ impl RayQuery {
         Ok(inside > outside)
     }
 
-    /// Calls `at_hit` for hits until it breaks. It returns the parameter of the line beyond which hits no longer matter.
+    /// Calls `at_hit` for hits until it breaks. `at_hit` returns the line's parameter beyond which hits no longer matter.
     fn cast(
         &mut self,
         mut body: Body<'_>,

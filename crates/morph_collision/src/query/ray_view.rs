@@ -1,4 +1,4 @@
-//! Triangles as a ray sees them: projected along it, eight side by side in `f32`.
+//! Triangles projected along a ray, eight side by side in `f32`.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f64x4};
@@ -9,21 +9,22 @@ use crate::exact::{Line, power_of_two, power_of_two_below};
 use crate::pose::Posed;
 use crate::tree::{CornerLanes, Leaf, gather};
 
-/// A sheared projection along a ray to a coordinate plane, with the ray's line as the origin there.
+/// A sheared projection along a ray to a coordinate plane, in which the ray's line is the origin.
 ///
-/// With the ray fastest along axis `k`, a point `p` has the coordinates `q_i - d_i / d_k q_k` for the two other axes, where `q = p - origin`. The line passes
-/// through a triangle if its projection is around the origin.
+/// Let `d` be the ray's direction, `k` its largest axis, and `q = p - origin` for a point `p`. The projection of `p` has the coordinates
+/// `q_i - d_i / d_k q_k` for the two other axes `i`. The line passes through a triangle if the triangle's projection contains the
+/// origin.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RayView {
-    /// `axes[2]` is the one along which the ray is fastest.
+    /// `axes[2]` is the largest axis of the ray's direction.
     axes: [usize; 3],
     shear: [f64; 2],
     origin: DVec3,
-    /// The map from model space to both coordinates: factors of x, y and z, and what is added.
+    /// The map from model space to both coordinates: factors for x, y and z, and an offset.
     from_model: [[f64; 4]; 2],
     /// A power of two that brings coordinates to a size around 1 or below.
     scale: f64,
-    /// How far `f64` roundings move a point.
+    /// A bound on how far `f64` rounding moves a point.
     error: f32,
 }
 
@@ -37,7 +38,7 @@ impl RayView {
         let axes = [(k + 1) % 3, (k + 2) % 3, k];
         let shear = [direction[axes[0]] / direction[k], direction[axes[1]] / direction[k]];
         let reach = body.world_reach().element_sum() + origin.abs().element_sum();
-        // Clamped so that neither the scale nor what it multiplies leaves the range of numbers.
+        // Clamped so that neither the scale nor its products overflow or underflow.
         let unit = power_of_two_below(reach).clamp(power_of_two(-400), power_of_two(400));
         let scale = unit.recip();
         let place = body.world_from_model();
@@ -54,7 +55,7 @@ impl RayView {
             origin,
             from_model: [0, 1].map(|axis| columns.map(|column| along(axis, column))),
             scale,
-            // 128 roundings; a corner has fewer than 40, those of where it is placed among them.
+            // 128 roundings. A corner has fewer than 40, including those of its placement.
             error: (64.0 * f64::EPSILON * reach * scale) as f32 + f32::MIN_POSITIVE,
         }
     }
@@ -87,7 +88,7 @@ impl RayView {
         used & !self.misses(simd, &corners)
     }
 
-    /// The coordinates of a point of world space in the first two numbers.
+    /// Projects a point of world space; the result is in the first two numbers.
     #[inline(always)]
     fn project(&self, point: DVec3) -> [f32; 4] {
         let from_origin = point - self.origin;
@@ -98,7 +99,7 @@ impl RayView {
         [x as f32, y as f32, 0.0, 0.0]
     }
 
-    /// Replaces the first two coordinates of corners in model space.
+    /// Projects corners in model space, in place: replaces their first two coordinates.
     #[inline(always)]
     fn project_lanes<S: Simd>(&self, simd: S, corners: &mut CornerLanes) {
         for rows in corners {
@@ -115,10 +116,10 @@ impl RayView {
         }
     }
 
-    /// The triangles that two edges certainly turn around the origin in different ways, as a bit mask.
+    /// A bit mask of the triangles that the line certainly misses: the origin is certainly left of one edge and right of another.
     ///
-    /// With `E` for the error of a coordinate before it is rounded to `f32`, and `R` for the largest one of a triangle, a turn `x_1 y_2 - y_1 x_2` is off by at most
-    /// `4 R E + 8 U R^2` and what underflows. Where `R^2` overflows nothing is certain.
+    /// Let `E` be the error of a coordinate before it is rounded to `f32`, and `R` the largest coordinate of a triangle. The error of a
+    /// turn `x_1 y_2 - y_1 x_2` is at most `4 R E + 8 U R^2` plus underflow. If `R^2` overflows, nothing is certain.
     #[inline(always)]
     fn misses<S: Simd>(&self, simd: S, corners: &CornerLanes) -> u8 {
         let [a, b, c] = corners;
@@ -156,7 +157,7 @@ mod tests {
     use crate::query::Body;
     use crate::tree::{BuildOptions, MorphBvh};
 
-    /// Random triangles in a cube of this size, and a target that moves them a little.
+    /// Random triangles in a cube of a given size, with a target that moves them a little.
     fn soup(rng: &mut Pcg64Mcg, size: f32, is_skinned: bool) -> Pose {
         let mut points = |reach: f32| -> Vec<Vec3> {
             let point = |_| Vec3::from_array(std::array::from_fn(|_| rng.random_range(-reach..reach)));
@@ -199,7 +200,7 @@ mod tests {
                 let mut share = |reach: f64| rng.random_range(-reach..reach);
                 let origin = middle + f64::from(size) * DVec3::new(share(3.0), share(3.0), share(3.0));
                 let [a, b, c] = tree.world_triangle(ray);
-                // At a corner, an edge, within the triangle, and beside it.
+                // Aim at a corner, at an edge, into the triangle, or beside it.
                 let target = match ray % 4 {
                     0 => a,
                     1 => a.lerp(b, 0.3),
@@ -235,7 +236,7 @@ mod tests {
                                 let is_candidate = candidates >> lane & 1 == 1;
                                 assert!(is_candidate || !is_met, "case {case}, ray {ray}, triangle {number}");
                                 met += u32::from(is_met);
-                                // Very far away, triangles are no larger than the roundings of their places.
+                                // Very far away, triangles are no larger than the rounding errors of their positions.
                                 let is_sharp = case % 3 != 2;
                                 left_out += u32::from(is_sharp && !is_candidate);
                                 kept += u32::from(is_sharp && is_candidate && !is_met);
@@ -245,7 +246,7 @@ mod tests {
                 }
             }
         }
-        // Kept are those behind the origin, and neighbours of the corners and edges that rays go through.
+        // The kept triangles are behind the origin, or next to a corner or edge that a ray passes through.
         assert!(met > 50_000 && left_out > 10 * kept, "{met} {left_out} {kept}");
     }
 }

@@ -7,11 +7,13 @@ use super::{QueryStats, TrianglePair};
 use crate::pose::Pose;
 use crate::traverse::{SelfStack, walk_within};
 
-/// Finds the triangles of one posed mesh that intersect each other. Keep the query: it reuses its memory.
+/// Finds the triangles of one posed mesh that intersect each other. Keep the query and use it again: it reuses its memory.
 ///
-/// Two triangles count if they share a point but no vertex. Triangles with a common edge or vertex always touch; they are left
-/// out even if they also cross elsewhere. Vertices are compared after welding, so seams do not matter. The answer is exact over the
-/// posed `f32` vertices in model space, and so does not depend on the body's placement.
+/// Two triangles intersect if they share a point but no vertex. Triangles with a common edge or vertex always touch, so they are
+/// skipped, even if they also cross elsewhere. Vertices are compared after welding, so seams do not matter.
+///
+/// The answer is exact for the posed vertices in model space, so it does not depend on the body's placement. (The vertices of a skinned
+/// mesh are in world space, where its joints place them.)
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -45,14 +47,14 @@ impl SelfQuery {
 
     /// Appends the first `limit` pairs of [`SelfQuery::all`]; returns whether there are more.
     ///
-    /// If weights collapse a mesh to a point, all its triangles intersect: use a limit.
+    /// Use it if weights may collapse the mesh to a point: all its triangles then intersect.
     pub fn up_to(&mut self, pose: &mut Pose, limit: usize, pairs: &mut Vec<TrianglePair>) -> bool {
         let mut listed = Capped::new(pairs, limit);
         self.visit(pose, |pair| listed.push(pair));
         listed.is_truncated
     }
 
-    /// Whether any triangles intersect.
+    /// Returns whether any triangles intersect.
     pub fn any(&mut self, pose: &mut Pose) -> bool {
         self.up_to(pose, 0, &mut Vec::new())
     }

@@ -5,22 +5,22 @@ use crate::pose::Blended;
 /// The work that a query did.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct QueryStats {
-    /// Node bounds tested, against another node's or against the question's.
+    /// Node bounds tested against another node's bounds, or against the query's shape.
     pub node_tests: u64,
     /// Triangles, or pairs of triangles, tested.
     pub triangle_tests: u64,
-    /// Triangle pairs with overlapping boxes that the `f64` filter could not decide and that exact arithmetic decided.
+    /// Triangle pairs with overlapping boxes that the `f64` filter could not decide, so that exact arithmetic was needed.
     pub undecided_by_filter: u64,
     /// Nodes whose bounds were blended. Bounds that are cached for the current weights are not blended again.
     pub nodes_blended: u64,
-    /// Vertices blended. A leaf blends all its vertices each time a query reads it, and pairs that the `f32` filter leaves open blend
-    /// theirs once more; in trees whose leaves are blended vertex by
-    /// vertex (many targets), vertices that are cached for the current weights are not blended again.
+    /// Vertices blended. A leaf blends all its vertices each time a query reads it. Pairs that the `f32` filter cannot decide blend
+    /// theirs once more. In trees whose leaves are blended vertex by vertex (many targets), vertices that are cached for the current
+    /// weights are not blended again.
     pub vertices_blended: u64,
 }
 
 impl QueryStats {
-    /// The bounds and vertices blended between two readings of each body's counters.
+    /// The numbers of bounds and vertices blended between two readings of each body's counters.
     pub(super) fn blending<const N: usize>(before: [Blended; N], after: [Blended; N]) -> Self {
         let readings = before.into_iter().zip(after);
         readings.fold(Self::default(), |sum, (before, after)| Self {

@@ -1,5 +1,5 @@
-//! Culling: the sweep over many boxes, and the walks over one tree, over two trees, and over a tree and itself. Callers decide what
-//! happens at the leaves.
+//! Culling: the sweep over many boxes, and the walks over one tree, over two trees, and over a tree against itself. The caller decides
+//! what happens at the leaves.
 
 mod nearest;
 mod one;

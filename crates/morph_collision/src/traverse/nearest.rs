@@ -7,15 +7,15 @@ use crate::bounds::Aabb;
 use crate::pose::{NodeRef, Posed};
 use crate::tree::{ChildKind, Leaf};
 
-/// The node pairs still to visit, with their lower bounds. Walks reuse the memory.
+/// The node pairs still to visit, with their lower bounds. Later walks reuse the memory.
 pub(crate) type NearestStack = Vec<(f64, NodeRef, NodeRef)>;
 
-/// Calls `at_leaves` for pairs of leaves with a lower bound that is not above the limit until it breaks; returns the number of
-/// node pairs tested.
+/// Calls `at_leaves` for pairs of leaves whose lower bound is at most the limit, until it breaks. Returns the number of node
+/// pairs tested.
 ///
-/// `bound` maps the model-space boxes of a node of each body to a lower bound for their triangles (of their distance, say).
-/// `at_leaves` returns the new limit. Opens the larger node, and visits its children in ascending order of their bounds.
-/// `a_from_b_scale` is the length in A's units of a length of 1 in B's, to compare sizes.
+/// `bound` takes the model-space boxes of one node of each body and returns a lower bound for their triangles (for example of
+/// their distance). `at_leaves` returns the new limit. The walk opens the larger node and visits its children in ascending
+/// order of their bounds. `a_from_b_scale` converts lengths in B's units to A's, to compare sizes.
 pub(crate) fn walk_nearest<'p>(
     (a, b): (&mut Posed<'p>, &mut Posed<'p>),
     a_from_b_scale: f32,
@@ -61,7 +61,7 @@ pub(crate) fn walk_nearest<'p>(
             }
             (ChildKind::Group(_), ChildKind::Leaf(_)) => {}
         }
-        // The nearest pair is popped first, and among equals the first lane.
+        // The nearest pair is popped first; among equals, the first lane.
         stack[first..].sort_by(|x, y| y.0.partial_cmp(&x.0).unwrap_or(Ordering::Equal));
     }
     tests

@@ -8,7 +8,7 @@ use crate::bounds::{LANES, LowerBounds, with_simd};
 use crate::pose::{NodeRef, Posed};
 use crate::tree::{ChildKind, Leaf};
 
-/// The nodes still to visit, lowest bound first. Walks reuse the memory.
+/// The nodes still to visit, lowest bound first. Later walks reuse the memory.
 pub(crate) type Queue = BinaryHeap<Entry>;
 
 /// A node and its lower bound.
@@ -39,10 +39,11 @@ impl PartialEq for Entry {
 
 impl Eq for Entry {}
 
-/// Walks a posed tree best first: calls `at_leaf` for leaves in ascending order of their bounds until the bounds exceed the limit or
-/// it breaks, which it passes on. Blends no bounds below nodes that cannot hold an answer. Adds the number of boxes that were bounded to `node_tests`.
+/// Walks a posed tree best first: calls `at_leaf` for leaves in ascending order of their bounds, until a bound exceeds the limit
+/// or `at_leaf` breaks.
 ///
-/// `at_leaf` returns the new limit.
+/// `at_leaf` returns the new limit. A break is passed on to the caller. Nodes that cannot contain an answer are not opened, so
+/// nothing below them is blended. Adds the number of boxes tested to `node_tests`.
 pub(crate) fn walk_one<'p>(
     tree: &mut Posed<'p>,
     queue: &mut Queue,
@@ -58,7 +59,7 @@ pub(crate) fn walk_one<'p>(
         with_simd!(tree.level, simd => bounds.lower_bounds(simd, tree.boxes(slot), count, &mut lowest));
         *node_tests += count as u64;
         for (lane, &bound) in lowest.iter().enumerate().take(count) {
-            // Not so for NaN.
+            // False for NaN.
             if bound <= limit {
                 queue.push(Entry {
                     bound,

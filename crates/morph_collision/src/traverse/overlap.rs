@@ -9,10 +9,12 @@ use crate::bounds::{Aabb, Frame, LANES, lanes_of, with_simd};
 use crate::pose::{NodeId, Posed, Standing};
 use crate::tree::{ChildKind, Leaf};
 
-/// Nodes whose sizes differ by less than this factor are opened together. Chosen by instructions on the bench scenes (docs/tried.md).
+/// Nodes whose sizes differ by less than this factor are opened together. Chosen by instruction counts on the bench scenes
+/// (docs/tried.md).
 const MAX_SIZE_RATIO: f32 = 3.0;
 
-/// Leaf pairs are passed on when there are this many. Not measured; the list stays small and a call is shared by many.
+/// Leaf pairs are passed on in batches of about this many. Not measured; the list stays short, and the cost of a call is spread
+/// over many pairs.
 const LEAF_PAIRS: usize = 256;
 
 /// The order in which node pairs are visited.
@@ -20,19 +22,20 @@ const LEAF_PAIRS: usize = 256;
 pub(crate) enum Order {
     /// Any fixed order. Leaf pairs are passed on many at a time.
     Any,
-    /// Children that overlap deepest first, and leaf pairs one at a time. Pays if the walk ends at the first intersection.
+    /// The children that overlap deepest come first, and leaf pairs are passed on one at a time. Worth it if the walk ends at the
+    /// first intersection.
     DeepestFirst,
-    /// That of [`Order::Any`], but leaf pairs stay on the stack.
+    /// Like [`Order::Any`], but leaf pairs stay on the stack.
     Expand,
 }
 
-/// What happens at pairs of leaves.
+/// The callback for pairs of leaves.
 pub(crate) type AtLeaves<'v, 'p> = dyn FnMut(&mut Posed<'p>, &mut Posed<'p>, &[(Leaf, Leaf)]) -> ControlFlow<()> + 'v;
 
 /// A depth-first walk over the node pairs of two bodies whose boxes overlap in every frame. The next walk reuses the memory.
 ///
 /// Opens the larger node and tests its children against the other node, eight at once (the paper's Sect. 3: descend the larger).
-/// Opens both nodes if they are of similar size.
+/// Opens both nodes if their sizes are similar.
 #[derive(Debug, Default)]
 pub(crate) struct OverlapWalk {
     a: Views,
@@ -46,21 +49,21 @@ pub(crate) struct OverlapWalk {
 }
 
 impl OverlapWalk {
-    /// Starts a query, without frames. `a_from_b_scale` is the length in A's units of a length of 1 in B's, to compare sizes.
+    /// Starts a query, without frames. `a_from_b_scale` converts lengths in B's units to A's, to compare sizes.
     pub(crate) fn begin(&mut self, [a, b]: [&Standing; 2], a_from_b_scale: f32) {
         self.a.begin(a.root, 1.0, a.is_skinned);
         self.b.begin(b.root, a_from_b_scale, b.is_skinned);
     }
 
-    /// Adds a frame, in place of the last one if there are enough already; returns whether the bodies' bounds overlap in it.
+    /// Adds a frame and returns whether the bodies' bounds overlap in it. If all frames are in use, replaces the last one.
     pub(crate) fn push_frame(&mut self, [of_a, of_b]: [Option<&Frame>; 2], a: &Aabb, b: &Aabb) -> bool {
         let (a, b) = (self.a.push_frame(of_a, a), self.b.push_frame(of_b, b));
         a.overlaps(&b)
     }
 
-    /// Calls `at_leaves` for all pairs of leaves whose boxes overlap until it breaks.
+    /// Calls `at_leaves` for all pairs of leaves whose boxes overlap, until it breaks.
     ///
-    /// Starts at the roots, which the caller has tested, if `front` is empty, otherwise at its node pairs.
+    /// Starts at the node pairs in `front`. If it is empty, starts at the roots, which the caller has tested already.
     pub(crate) fn run<'p>(
         &mut self,
         (a, b): (&mut Posed<'p>, &mut Posed<'p>),
@@ -71,7 +74,8 @@ impl OverlapWalk {
         with_simd!(a.level, simd => self.walk(simd, (a, b), front, order, at_leaves))
     }
 
-    /// Expands the roots, level by level, into at least `least` node pairs if there are that many, in the order of the walk.
+    /// Expands the roots, level by level, into at least `least` node pairs (fewer if there are not that many), in the order of
+    /// the walk.
     pub(crate) fn front(&mut self, a: &mut Posed<'_>, b: &mut Posed<'_>, least: usize) -> Vec<(NodeId, NodeId)> {
         let mut front = vec![(NodeId::ROOT, NodeId::ROOT)];
         let mut done = false;
@@ -87,7 +91,7 @@ impl OverlapWalk {
                 done = false;
                 self.stack.clear();
                 with_simd!(a.level, simd => self.descend(simd, (a, b), pair, Order::Expand));
-                // As the walk does: leaves in the order in which they were pushed, then all else in the reverse order.
+                // The order of the walk: first leaf pairs in the order they were pushed, then all other pairs in reverse.
                 let (leaves, nodes): (Vec<_>, Vec<_>) = self
                     .stack
                     .drain(..)
@@ -147,7 +151,7 @@ impl OverlapWalk {
         (node_a, node_b): (Node, Node),
         order: Order,
     ) {
-        // Whether a node is so much larger than the other one that it is opened alone.
+        // Whether a node is so much larger than the other that only it is opened.
         let dominates = |own: f32, other: f32| own >= MAX_SIZE_RATIO * other;
         let first = self.stack.len();
         self.by_depth.keys.clear();
@@ -234,11 +238,11 @@ struct DepthSort {
 }
 
 impl DepthSort {
-    /// Takes the depths of the next pairs, those in the lanes of a mask.
+    /// Adds the depths of the next pairs: one for each lane in the mask.
     fn add(&mut self, mask: u8, depths: &[f32; LANES]) {
         for lane in lanes_of(mask) {
-            // Numbers that are not negative are in the order of their bits; adding 0 makes a negative zero positive. Below them, the
-            // place of a pair.
+            // Non-negative floats sort like their bits; adding 0 turns a negative zero into a positive one. The low half of the
+            // key is the pair's index.
             let bits = (depths[lane % LANES].max(0.0) + 0.0).to_bits();
             self.keys.push(u64::from(bits) << 32 | self.keys.len() as u64);
         }

@@ -1,4 +1,4 @@
-//! Bodies for the tests of the walks, and their leaves.
+//! Bodies for the tests of the walks, and access to their leaves.
 
 use std::sync::Arc;
 
@@ -16,7 +16,7 @@ fn rigid(positions: &[Vec3], triangles: &[[u32; 3]]) -> Pose {
     Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &one_a_leaf)))
 }
 
-/// Triangles that fill cubes of the given size, with the lowest corners at these places. Each is a leaf.
+/// One triangle per cube, whose bounds are the cube. `places` are the cubes' lowest corners. Each triangle is a leaf.
 pub(super) fn cubes(places: &[Vec3], size: f32) -> Pose {
     let across = [Vec3::ZERO, Vec3::X, Vec3::ONE].map(|corner| corner * size);
     let positions: Vec<_> = places.iter().flat_map(|place| across.map(|p| *place + p)).collect();
@@ -32,14 +32,14 @@ pub(super) fn row(places: &[f32]) -> Pose {
     cubes(&places, 1.0)
 }
 
-/// A closed surface of 320 triangles around a place. Each is a leaf.
+/// A closed surface of 320 triangles around a point. Each triangle is a leaf.
 pub(super) fn blob(place: Vec3, radius: f32) -> Pose {
     let mesh = random_blob(1, 2, 0, 0.0);
     let positions: Vec<_> = mesh.positions.iter().map(|p| place + radius * *p).collect();
     rigid(&positions, &mesh.triangles)
 }
 
-/// The triangle of a leaf that has one.
+/// The only triangle of a leaf.
 pub(super) fn triangle(posed: &Posed<'_>, leaf: Leaf) -> u32 {
     posed.topology.leaf_triangles(leaf)[0]
 }

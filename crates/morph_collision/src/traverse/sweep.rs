@@ -1,8 +1,9 @@
 use crate::bounds::Aabb;
 
-/// The broad phase: appends the index pairs `(i, j)`, `i < j`, of overlapping boxes, sorted. Skips `None`.
+/// A broad phase: appends the index pairs `(i, j)`, `i < j`, of overlapping boxes, in ascending order. Entries that are `None` overlap
+/// nothing.
 ///
-/// Sorts and sweeps along the x axis: `O(n log n)` plus the number of overlaps along x.
+/// Sorts and sweeps along the x axis. Cost: `O(n log n)`, plus the number of overlaps along x.
 pub fn overlapping_pairs(bounds: &[Option<Aabb>], pairs: &mut Vec<(u32, u32)>) {
     let start = pairs.len();
     let mut order: Vec<(Aabb, u32)> = bounds

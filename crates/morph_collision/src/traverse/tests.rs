@@ -1,4 +1,5 @@
-//! The walks over one tree, over a tree and itself, and to the nearest nodes of two trees, against the boxes of all leaves.
+//! Compares the walks over one tree, over a tree against itself, and to the nearest nodes of two trees with brute force over the
+//! boxes of all leaves.
 
 use std::ops::ControlFlow;
 
@@ -9,7 +10,7 @@ use super::{NearestStack, Queue, SelfStack, walk_nearest, walk_one, walk_within}
 use crate::bounds::{Aabb, Box64, ByBox};
 use crate::pose::Pose;
 
-/// The pairs of a body's leaves that are visited, and how many boxes were tested.
+/// The visited pairs of a body's leaves, and the number of boxes tested.
 fn within(pose: &mut Pose, flow: ControlFlow<()>) -> (Vec<(u32, u32)>, u64) {
     let (mut pairs, mut stack) = (Vec::new(), SelfStack::new());
     let tests = walk_within(&mut pose.posed(), &mut stack, |posed, a, b| {
@@ -53,14 +54,14 @@ fn a_walk_over_a_tree_and_itself_ends_where_it_is_told_to() {
     assert_eq!(pairs, [(0, 0)]);
 }
 
-/// Where a walk over one tree ends, and what it does before.
+/// What a walk over one tree did and how it ended.
 struct OneByOne {
     visited: Vec<u32>,
     node_tests: u64,
     is_broken: bool,
 }
 
-/// Visits leaves by where they begin along x. `next` is what follows each.
+/// Visits leaves in the order of their lower ends along x. `next` is what the callback returns at each leaf.
 fn one_by_one(pose: &mut Pose, limit: f64, next: ControlFlow<(), f64>) -> OneByOne {
     let mut visited = Vec::new();
     let mut node_tests = 0;
@@ -115,12 +116,12 @@ fn a_walk_over_one_tree_heeds_a_new_limit_and_a_break() {
     assert_eq!((first.visited, first.is_broken), (vec![1], true));
 }
 
-/// How far two boxes are apart along one axis at least.
+/// The largest gap between two boxes along a coordinate axis; 0 if they overlap.
 fn gap(a: &Aabb, b: &Aabb) -> f64 {
     (a.min - b.max).max(b.min - a.max).max(Vec3::ZERO).max_element().into()
 }
 
-/// The leaf pairs that are visited within a limit, and how many pairs of nodes were tested. `next` is what follows each.
+/// The leaf pairs visited within a limit, and the number of node pairs tested. `next` is what the callback returns at each pair.
 fn nearest(a: &mut Pose, b: &mut Pose, limit: f64, next: ControlFlow<(), f64>) -> (Vec<(u32, u32)>, u64) {
     let (mut pairs, mut stack) = (Vec::new(), NearestStack::new());
     let bodies = (&mut a.posed(), &mut b.posed());
@@ -183,7 +184,8 @@ fn a_walk_to_the_nearest_heeds_a_new_limit_and_a_break() {
     assert_eq!(pairs, [(1, 0)]);
 }
 
-/// A body in a gap of one that is ten times as large in the world, and seems smaller in its own space.
+/// A body in the gap of another one that is larger in the world but looks smaller in its own space, whose unit is ten times as
+/// long.
 #[test]
 fn the_larger_of_two_nodes_is_opened_on_the_way_to_the_nearest() {
     const SCALE: f32 = 10.0;

@@ -1,4 +1,4 @@
-//! The boxes of a body as a pair query compares them.
+//! The boxes of a body, mapped to the frames in which a pair query compares them.
 
 use fearless_simd::Simd;
 
@@ -9,7 +9,7 @@ use crate::tree::Child;
 /// Node pairs are compared in this many frames.
 const FRAMES: usize = 2;
 
-/// How a frame sees a body's boxes.
+/// How a body's boxes are mapped to a frame.
 #[derive(Clone, Debug, Default)]
 struct View {
     kind: Kind,
@@ -23,7 +23,7 @@ enum Kind {
     Own,
     /// The frame is another space.
     Mapped,
-    /// The frame is beyond the range of `f32`: nothing is culled.
+    /// The map exceeds the range of `f32`: nothing is culled.
     Unbounded,
 }
 
@@ -56,13 +56,13 @@ impl View {
     }
 }
 
-/// How frames see the boxes of a skinned body that are in the spaces of its joints.
+/// How a skinned body's boxes, which are in the spaces of its joints, are mapped to the frames.
 #[derive(Debug, Default)]
 struct BoneViews {
     is_skinned: bool,
-    /// The map from the body's space to each frame, unless it is the same.
+    /// The map from the body's space to each frame; `None` if they are the same space.
     frames: [Option<Frame>; FRAMES],
-    /// By the number of the joint's space.
+    /// Indexed by joint space.
     views: EpochCache<[View; FRAMES]>,
 }
 
@@ -143,7 +143,7 @@ impl Opened {
     }
 }
 
-/// A node of one body: its child entry, and where its box is in the body's [`Views`].
+/// A node of one body: its child entry, and the location of its box in the body's [`Views`].
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Node {
     pub(super) child: Child,
@@ -168,16 +168,16 @@ impl Node {
 pub(super) struct Views {
     views: [View; FRAMES],
     bones: BoneViews,
-    /// How many frames were added.
+    /// Number of frames added.
     used: usize,
-    /// The length of a length of 1 in the first body's units.
+    /// Converts lengths to the first body's units.
     scale: f32,
-    /// By group.
+    /// Indexed by group.
     opened: EpochCache<Opened>,
 }
 
 impl Views {
-    /// Starts a query, without frames, and knows only the root.
+    /// Starts a query without frames, in which only the root is known.
     pub(super) fn begin(&mut self, root: Child, scale: f32, is_skinned: bool) {
         self.used = 0;
         self.bones.begin(is_skinned);
@@ -192,7 +192,7 @@ impl Views {
         }
     }
 
-    /// Adds a frame, in place of the last one if there are enough already. Returns the root's box in it.
+    /// Adds a frame and returns the root's box in it. If all frames are in use, replaces the last one.
     pub(super) fn push_frame(&mut self, frame: Option<&Frame>, bounds: &Aabb) -> Aabb {
         let place = self.used.min(FRAMES - 1);
         self.used += 1;
@@ -241,7 +241,7 @@ impl Views {
         self.opened.get(slot)
     }
 
-    /// The children that a node is one of.
+    /// The node and its siblings.
     #[inline(always)]
     pub(super) fn siblings(&self, node: Node) -> &Opened {
         self.opened.get(node.slot())

@@ -1,4 +1,4 @@
-//! The walk over a tree and itself.
+//! The walk over a tree against itself.
 
 use std::ops::ControlFlow;
 
@@ -6,13 +6,13 @@ use crate::bounds::{LANES, with_simd};
 use crate::pose::{NodeRef, Posed};
 use crate::tree::{ChildKind, Leaf};
 
-/// The node pairs of one tree still to visit. Walks reuse the memory.
+/// The node pairs of one tree still to visit. Later walks reuse the memory.
 pub(crate) type SelfStack = Vec<(NodeRef, NodeRef)>;
 
-/// Calls `at_leaves` for every pair of leaves of a posed tree with overlapping boxes, and for each leaf with itself, until it
-/// breaks; returns the number of box tests.
+/// Calls `at_leaves` for every pair of leaves of a posed tree whose boxes overlap, and for each leaf with itself, until it
+/// breaks. Returns the number of box tests.
 ///
-/// Compares boxes in model space, so no frame is involved.
+/// Boxes are compared in model space, so no frames are needed.
 pub(crate) fn walk_within<'p>(
     posed: &mut Posed<'p>,
     stack: &mut SelfStack,
@@ -42,7 +42,7 @@ pub(crate) fn walk_within<'p>(
     tests
 }
 
-/// Pushes every child of a group with itself, and with every later child whose box overlaps.
+/// Pushes every child of a group with itself, and with every later child whose box overlaps its own.
 fn push_pairs_among(posed: &mut Posed<'_>, group: usize, stack: &mut SelfStack) -> u64 {
     let slot = posed.open(group);
     let children = posed.topology.group(group).children().len();
@@ -62,7 +62,7 @@ fn lanes_reversed(mask: u8) -> impl Iterator<Item = usize> {
     (0..LANES).rev().filter(move |lane| mask >> lane & 1 == 1)
 }
 
-/// Pushes another node with every child of a group whose box overlaps.
+/// Pushes `other` with every child of a group whose box overlaps it.
 fn push_pairs_with(posed: &mut Posed<'_>, group: usize, other: NodeRef, stack: &mut SelfStack) -> u64 {
     let bounds = posed.node_box(other);
     let slot = posed.open(group);

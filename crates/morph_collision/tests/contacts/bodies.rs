@@ -1,4 +1,4 @@
-//! Bodies to ask about, with their world-space triangles by the oracle.
+//! Bodies for the tests, with their world-space triangles computed by the oracle.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::{degenerate, dolphin, random};
 use morph_collision_testkit::oracle;
 
-/// A posed mesh at a place.
+/// A posed mesh with a transform.
 pub(crate) struct Placed {
     pub(crate) name: String,
     pub(crate) pose: Pose,
@@ -39,7 +39,7 @@ impl Placed {
         Body::new(&mut self.pose, &self.place)
     }
 
-    /// The largest coordinate.
+    /// The largest absolute coordinate.
     pub(crate) fn reach(&self) -> f64 {
         let corners = self.triangles.iter().flatten();
         corners.fold(0.0, |reach, corner| reach.max(corner.abs().max_element()))
@@ -50,7 +50,7 @@ pub(crate) fn at(x: f32, y: f32, z: f32) -> Affine3A {
     Affine3A::from_translation(Vec3::new(x, y, z))
 }
 
-/// Turned, sheared, mirrored, flattened.
+/// Unusual transforms: rotated, sheared, mirrored and flattened.
 pub(crate) fn odd_places() -> Vec<(&'static str, Affine3A)> {
     let offset = Vec3::new(0.5, 0.2, -0.1);
     let turned = Mat3::from_quat(Quat::from_rotation_x(0.8) * Quat::from_rotation_z(1.9));
@@ -69,7 +69,7 @@ pub(crate) fn odd_places() -> Vec<(&'static str, Affine3A)> {
     .to_vec()
 }
 
-/// Blobs, soups, dolphins and degenerate meshes in odd places, in trees with leaves of several sizes.
+/// Blobs, soups, dolphins and degenerate meshes with unusual transforms, in trees with several leaf sizes.
 pub(crate) fn assorted() -> Vec<Placed> {
     let mut all = Vec::new();
     let mut leaf_sizes = [8, 1, 3, 20].into_iter().cycle();

@@ -1,4 +1,4 @@
-//! Contacts of bodies with each other and with primitive shapes, against slow and independent twins.
+//! Contacts of bodies with each other and with primitive shapes, compared with slow, independent implementations ("twins").
 
 mod bodies;
 mod manifold;

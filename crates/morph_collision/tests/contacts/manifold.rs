@@ -12,7 +12,7 @@ fn manifold(a: &mut Placed, b: &mut Placed) -> Option<Manifold> {
     ContactQuery::new().manifold(a.body(), b.body())
 }
 
-/// A bar that stands in a big box by 0.25, from the left.
+/// A bar whose end reaches 0.25 into a big box, from the left.
 fn bar_in_wall(mirrored: bool) -> (Placed, Placed) {
     let bar = rigid::box_mesh(Vec3::new(1.0, 0.5, 0.5));
     let wall = rigid::box_mesh(Vec3::splat(4.0));
@@ -42,7 +42,7 @@ fn a_bar_leaves_a_wall_the_way_it_came_by_its_depth() {
 
 #[test]
 fn two_crossed_edges_are_parted_by_what_they_overlap() {
-    // Square bars turned onto an edge, one along x with an edge down, one along z with an edge up.
+    // Two square bars, rotated onto an edge: one along x with an edge down, one along z with an edge up.
     let above = Affine3A::from_translation(Vec3::Y * 1.3) * Affine3A::from_rotation_x(std::f32::consts::FRAC_PI_4);
     let mut a = Placed::rigid(&rigid::box_mesh(Vec3::new(2.0, 0.5, 0.5)), above);
     let below = Affine3A::from_rotation_z(std::f32::consts::FRAC_PI_4);
@@ -70,7 +70,7 @@ fn separate_bodies_have_no_manifold() {
     assert!(manifold(&mut a, &mut b).is_none());
 }
 
-/// Two finely tessellated bodies, deep in each other.
+/// Pairs of finely tessellated bodies that overlap deeply.
 fn deep_pairs() -> Vec<(Placed, Placed)> {
     let options = BuildOptions::default();
     let blob = random::random_blob(5, 3, 2, 0.3);
@@ -177,7 +177,7 @@ fn every_intersecting_pair_has_its_contact() {
 
 #[test]
 fn a_tip_is_pushed_back_out_of_the_face_it_pierces() {
-    // A ball that dips into a plate, whichever way the plate's triangles are cut.
+    // A ball that dips into a plate. The bounds below hold however the plate's faces are split into triangles.
     let ball = random::random_blob(9, 3, 0, 0.0);
     let plate = rigid::box_mesh(Vec3::new(3.0, 0.5, 3.0));
     let mut plate = Placed::rigid(&plate, at(0.0, -0.5, 0.0));
@@ -191,7 +191,7 @@ fn a_tip_is_pushed_back_out_of_the_face_it_pierces() {
     assert!(lowest < 0.0);
     let found = manifold(&mut ball, &mut plate).unwrap();
     assert!(found.normal.y > 0.9, "{}", found.normal);
-    // The deepest pair of triangles cannot be deeper than the ball, and is 0.1405 deep.
+    // The deepest pair of triangles cannot be deeper than the ball; it is 0.1405 deep.
     assert!(
         found.depth * found.normal.y > 0.14 && found.depth * found.normal.y <= -lowest + 1e-9,
         "{found:?}"

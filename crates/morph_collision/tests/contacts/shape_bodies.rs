@@ -1,4 +1,4 @@
-//! Shapes against bodies: the same as asking triangle by triangle.
+//! Queries for shapes and bodies give the same answers as tests of every triangle.
 
 use std::ops::ControlFlow;
 
@@ -35,7 +35,7 @@ fn one_by_one(placed: &Placed, shape: &PlacedShape) -> Vec<u32> {
         .collect()
 }
 
-/// Every contact of a body with a shape, by triangle.
+/// Every contact of a body with a shape, sorted by triangle.
 fn all_contacts(query: &mut ShapeQuery, placed: &mut Placed, shape: &PlacedShape, within: f64) -> Vec<ShapeContact> {
     let mut contacts = Vec::new();
     query.contacts(placed.body(), shape, within, &mut contacts).unwrap();
@@ -90,7 +90,7 @@ fn signed_distances_agree_with_a_search_and_contacts_hold_together() {
                 let unit = contact.normal.length();
                 assert!((unit - 1.0).abs() < 1e-12 || unit == 0.0, "{name}: {contact:?}");
             }
-            // Some by an independent search, which is slow.
+            // Check some of them with an independent search, which is slow.
             for contact in contacts.iter().step_by(7) {
                 let searched = twin.of_triangle(&placed.triangles[contact.triangle as usize]);
                 assert!(
@@ -99,7 +99,7 @@ fn signed_distances_agree_with_a_search_and_contacts_hold_together() {
                 );
             }
             let closest = query.closest(placed.body(), &twin.placed, f64::INFINITY).unwrap();
-            // Not by the total order, in which -0 comes before 0.
+            // Not `total_cmp`, in which -0 comes before 0.
             let best = contacts
                 .iter()
                 .min_by(|s, t| s.distance.partial_cmp(&t.distance).unwrap());
@@ -108,7 +108,7 @@ fn signed_distances_agree_with_a_search_and_contacts_hold_together() {
     }
 }
 
-/// How far a point is from a triangle, by searching.
+/// The distance of a point from a triangle, computed independently.
 fn on_triangle(point: DVec3, triangle: &[DVec3; 3]) -> f64 {
     crate::triangles::distance(point, triangle)
 }
@@ -187,7 +187,7 @@ fn half_spaces_touched_by_one_corner_are_told_apart() {
 fn capsules_without_radius_agree_with_the_oracle_on_bodies() {
     let mut query = ShapeQuery::new();
     for mut placed in assorted() {
-        // Through a corner of the mesh, so that some triangles are only touched.
+        // The segment passes through a corner of the mesh, so that it only touches some triangles.
         let middle = placed.triangles[0][0].as_vec3();
         let half_length = (middle - placed.triangles[placed.triangles.len() / 2][1].as_vec3()).length();
         let shape = Shape::Capsule {

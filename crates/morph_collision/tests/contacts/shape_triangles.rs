@@ -1,4 +1,4 @@
-//! Shapes against single triangles.
+//! Tests of shapes against single triangles.
 
 use std::sync::Arc;
 
@@ -42,7 +42,7 @@ fn a_cuboid_is_touched_to_the_last_bit() {
         ]
     };
     assert!(unit_cube().intersects(&edge_to_edge(1.0)));
-    // Points that are on no face, but a bit inside or outside.
+    // Points that are on no face, but just inside or just outside.
     let point = |x: f64| [DVec3::new(x, 0.25, 0.5); 3];
     assert!(unit_cube().intersects(&point(1.0_f64.next_down())));
     assert!(!unit_cube().intersects(&point(1.0_f64.next_up())));
@@ -108,7 +108,7 @@ proptest! {
         ).unwrap();
         let (half, center) = (half.as_dvec3(), center.as_dvec3());
         let inside = triangle.iter().any(|p| (p - center).abs().cmple(half).all());
-        // Each face as the two rectangles' halves, cut along the other diagonal.
+        // Each face as two triangles, split along the other diagonal.
         let mut truth = inside;
         for axis in 0..3 {
             let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
@@ -156,12 +156,12 @@ proptest! {
         let rotation = Quat::from_scaled_axis(Vec3::from_array(turn));
         let half_length = f32::from(half) * 0.5;
         let placed = PlacedShape::new(Shape::Capsule { half_length, radius: 0.0 }, rotation, center).unwrap();
-        // The same ends, to the last bit.
+        // The same ends, bit for bit.
         let [x, y, z, w] = rotation.to_array().map(f64::from);
         let rotation = glam::DMat3::from_quat(glam::DQuat::from_xyzw(x, y, z, w).normalize());
         let [p, q] = [-1.0, 1.0].map(|side| rotation * (DVec3::Y * (side * f64::from(half_length))) + center.as_dvec3());
         let mut triangle = triangle;
-        // Often a corner is an end of the segment.
+        // In many cases a corner is an end of the segment.
         if through < 2 {
             triangle[0] = [p, q][through];
         }
@@ -192,7 +192,7 @@ fn a_ball_centred_on_a_triangle_leaves_it_along_its_normal() {
         (seed >> 8) as f32 / (1 << 24) as f32
     };
     for _ in 0..2000 {
-        // Around the centre, at angles of about a third of a turn.
+        // Corners around the centre, about a third of a turn apart.
         let center = [random() - 0.5, random() - 0.5];
         let mut triangle = [DVec3::ZERO; 3];
         for (i, p) in triangle.iter_mut().enumerate() {

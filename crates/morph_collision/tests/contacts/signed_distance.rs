@@ -1,9 +1,9 @@
-//! Signed distances written out a second time, and a triangle's smallest by searching for it.
+//! An independent implementation of signed distances. For a triangle, it searches for the smallest.
 
 use glam::{DMat3, DQuat, DVec2, DVec3, Quat, Vec3};
 use morph_collision::{PlacedShape, Shape};
 
-/// A shape and the same numbers for the twin.
+/// A shape, with the same numbers for the independent implementation.
 pub(crate) struct Twin {
     pub(crate) shape: Shape,
     pub(crate) placed: PlacedShape,
@@ -22,7 +22,7 @@ impl Twin {
         }
     }
 
-    /// In the shape's own space, by the usual formulas.
+    /// The signed distance of a point: the usual formulas in the shape's own space.
     pub(crate) fn of_point(&self, point: DVec3) -> f64 {
         let p = self.rotation.transpose() * (point - self.translation);
         match self.shape {
@@ -39,7 +39,7 @@ impl Twin {
         }
     }
 
-    /// The smallest over a triangle: it is convex, so nested golden-section searches find it.
+    /// The smallest signed distance over a triangle. The function is convex, so nested golden-section searches find its minimum.
     pub(crate) fn of_triangle(&self, [a, b, c]: &[DVec3; 3]) -> f64 {
         smallest(|s| {
             let (p, q) = (a.lerp(*b, s), a.lerp(*c, s));
@@ -70,7 +70,7 @@ fn smallest(f: impl Fn(f64) -> f64) -> f64 {
     best
 }
 
-/// Every kind of shape around a middle: small and large, round and flat, with everything inside, and collapsed to a point.
+/// Every kind of shape around `middle`: small and large, round and flat, around everything, and collapsed to a point.
 pub(crate) fn around(middle: Vec3, radius: f32) -> Vec<Twin> {
     let turns = [
         Quat::IDENTITY,
@@ -124,7 +124,7 @@ pub(crate) fn around(middle: Vec3, radius: f32) -> Vec<Twin> {
     all
 }
 
-/// A 2D helper for tests that need a place in a triangle.
+/// A point in a triangle, from 2D coordinates.
 pub(crate) fn in_triangle([a, b, c]: &[DVec3; 3], at: DVec2) -> DVec3 {
     a + (b - a) * at.x + (c - a) * at.y
 }

@@ -1,12 +1,12 @@
-//! Where two triangles meet.
+//! Contacts of two triangles.
 
 use glam::DVec3;
 use morph_collision::{Triangle, triangle_contact, triangles_intersect};
 use morph_collision_testkit::oracle::Dyadic;
 use proptest::prelude::*;
 
-/// How far a point is from a triangle: to its plane where it is above it, else to the nearest edge. What is above what, and
-/// how far, is told in exact arithmetic, so that it is right for slivers too.
+/// The distance of a point from a triangle: from its plane if the point is above the triangle, otherwise from the nearest edge. The
+/// decision and the distance from the plane use exact arithmetic, so they are also right for slivers.
 pub(crate) fn distance(point: DVec3, triangle: &Triangle) -> f64 {
     let [a, b, c] = *triangle;
     let to_edge = |p: DVec3, q: DVec3| {
@@ -57,7 +57,7 @@ fn size(a: &Triangle, b: &Triangle) -> f64 {
     all().flat_map(|p| all().map(|q| p.distance(*q))).fold(0.0, f64::max)
 }
 
-/// The length of what two triangles with area have in common: one clipped by the other's plane and sides.
+/// The length of the intersection of two triangles with area: one triangle is clipped by the other's plane and sides.
 fn clipped_length(a: &Triangle, b: &Triangle) -> Option<f64> {
     let normal = (b[1] - b[0]).cross(b[2] - b[0]).normalize();
     let mut polygon = a.to_vec();
@@ -92,7 +92,7 @@ fn grid_triangle() -> impl Strategy<Value = Triangle> {
     prop::array::uniform3(prop::array::uniform3(-2_i8..3).prop_map(|c| DVec3::from_array(c.map(f64::from))))
 }
 
-/// A triangle, and one that nearly lies in its plane: tilted by as little as `f64` can hold.
+/// Two nearly coplanar triangles; some are tilted by as little as `f64` can represent.
 fn nearly_coplanar() -> impl Strategy<Value = (Triangle, Triangle)> {
     let triangle = || prop::array::uniform3(prop::array::uniform3(-1.0..1.0_f64).prop_map(DVec3::from_array));
     (triangle(), triangle(), prop::array::uniform3(-1.0..1.0_f64), 1..60_i32).prop_map(|(a, b, heights, bits)| {

@@ -1,4 +1,4 @@
-//! Anchors stay where they were put as shape and place change.
+//! Anchors stay at their point of the surface as the shape and the transform change.
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
 use morph_collision::{Body, Ray, RayQuery, ShapeQuery, SurfaceAnchor, WorldFromModel};

@@ -1,4 +1,4 @@
-//! Bodies to ask about: generated, degenerate and real ones, in ordinary and odd places.
+//! Bodies for the tests: generated, degenerate and real ones, with ordinary and unusual transforms.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use morph_collision_testkit::oracle;
 
 use crate::reference::Corners;
 
-/// A mesh in one shape at one place.
+/// A mesh with weights and a transform.
 #[derive(Clone)]
 pub(crate) struct Case {
     pub(crate) name: String,
@@ -32,7 +32,7 @@ impl Case {
         }
     }
 
-    /// Its triangles in world space, by the oracle's own definition of a vertex.
+    /// The triangles in world space, by the oracle's own definition of a vertex.
     pub(crate) fn world_triangles(&self) -> Vec<Corners> {
         let posed = oracle::posed_vertices(&self.mesh.positions, &self.mesh.targets, &self.weights);
         let world = oracle::world_vertices(&posed, &self.place);
@@ -44,7 +44,7 @@ impl Case {
         WorldFromModel::new(self.place).unwrap()
     }
 
-    /// Instances over several trees.
+    /// Poses of the mesh in several different trees.
     pub(crate) fn poses(&self) -> Vec<Pose> {
         let model = Arc::new(self.mesh.to_model().unwrap());
         let all = [
@@ -61,7 +61,7 @@ impl Case {
     }
 }
 
-/// The corner of the triangles' box with the smallest coordinates, and the opposite one.
+/// The lowest and the highest corner of the box around the triangles.
 pub(crate) fn box_around(triangles: &[Corners]) -> (DVec3, DVec3) {
     let corners = triangles.iter().flatten();
     corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(min, max), p| {
@@ -69,7 +69,7 @@ pub(crate) fn box_around(triangles: &[Corners]) -> (DVec3, DVec3) {
     })
 }
 
-/// Sheared, mirrored, stretched and flattened places.
+/// Unusual transforms: sheared, mirrored, stretched and flattened.
 pub(crate) fn odd_places() -> Vec<(&'static str, Affine3A)> {
     let offset = Vec3::new(0.5, 0.25, -0.125);
     let turned = Mat3::from_quat(Quat::from_rotation_x(0.8) * Quat::from_rotation_z(1.9));
@@ -85,7 +85,7 @@ pub(crate) fn odd_places() -> Vec<(&'static str, Affine3A)> {
         ("a line", Mat3::from_diagonal(Vec3::X)),
         ("a sheet", Mat3::from_diagonal(Vec3::new(1.0, -1.0, 0.0))),
         ("a point", Mat3::ZERO),
-        // An axis is much shorter than what it has in common with another one.
+        // The part of an axis along another one is much longer than the rest of it.
         (
             "strongly sheared",
             turned * Mat3::from_cols(Vec3::X, Vec3::new(10.0, 3.0, 0.0), Vec3::Z),
@@ -95,7 +95,7 @@ pub(crate) fn odd_places() -> Vec<(&'static str, Affine3A)> {
     .to_vec()
 }
 
-/// Generated and degenerate bodies in every kind of place, with weights of any sign and sum.
+/// Generated and degenerate bodies with every kind of transform, and with weights of any sign and sum.
 pub(crate) fn generated() -> Vec<Case> {
     let mut all = Vec::new();
     for (name, place) in odd_places() {
@@ -123,7 +123,7 @@ pub(crate) fn generated() -> Vec<Case> {
     all
 }
 
-/// Real models with weights of any sign and sum: the head in `assets/`, and others where they are.
+/// Real models with weights of any sign and sum: the head in `assets/`, and others if they are present.
 pub(crate) fn real() -> Vec<Case> {
     const HEAD: &str = "mh_head_eyes_teeth_arkit52.glb";
     let names = [
@@ -145,7 +145,7 @@ pub(crate) fn real() -> Vec<Case> {
     all
 }
 
-/// The same numbers always (splitmix64).
+/// A generator that always gives the same numbers (splitmix64).
 pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
@@ -161,17 +161,17 @@ impl Random {
         (self.next() % count as u64) as usize
     }
 
-    /// From 0 to 1.
+    /// A random number from 0 to 1.
     pub(crate) fn unit(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// In the cube from -1 to 1.
+    /// A random point in the cube from -1 to 1.
     pub(crate) fn point(&mut self) -> DVec3 {
         DVec3::from_array(std::array::from_fn(|_| 2.0 * self.unit() - 1.0))
     }
 
-    /// Somewhere in a box grown by its own size.
+    /// A random point in a box that is enlarged by its own size.
     pub(crate) fn around(&mut self, (min, max): (DVec3, DVec3)) -> DVec3 {
         let size = (max - min).max(DVec3::splat(0.5));
         0.5 * (min + max) + self.point() * size

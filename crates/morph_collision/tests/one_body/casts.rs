@@ -1,4 +1,4 @@
-//! Shapes that move, judged by distances from triangles measured along their way.
+//! Shape casts, checked against distances from triangles that are measured along the path.
 
 use glam::{DVec3, EulerRot, Quat, Vec3};
 use morph_collision::{Body, PlacedShape, Shape, ShapeQuery};
@@ -8,7 +8,7 @@ use crate::reference::{Corners, point_triangle, touch};
 
 const WAYS: usize = 4;
 
-/// A shape, and the parts that make it: points with a radius, and triangles.
+/// A shape for casts, whose distance from a triangle is computed from sampled points and face triangles.
 struct Moving {
     shape: Shape,
     rotation: Quat,
@@ -44,8 +44,8 @@ impl Moving {
         PlacedShape::new(self.shape, self.rotation, at.as_vec3()).unwrap()
     }
 
-    /// An upper bound of the distance of the shape's points, when it is at `at`, from a triangle, and by how much it is too large at most:
-    /// the distance of many of its points.
+    /// The distance of a triangle from the shape at `at`, from many sampled points: an upper bound, and by how much it is too large at
+    /// most.
     fn distance(&self, at: DVec3, triangle: &Corners) -> (f64, f64) {
         let turned = |point: Vec3| at + self.rotation.as_dquat().normalize() * point.as_dvec3();
         match self.shape {
@@ -137,7 +137,7 @@ fn check(case: &Case, random: &mut Random) -> [usize; 3] {
             let free = hit.map_or(within, |hit| hit.impact.distance);
             for step in 0..12 {
                 let distance = free * f64::from(step) / 12.0;
-                // Whatever is sampled is in the shape: none of it may touch before.
+                // All sampled points are in the shape, so none of them may touch earlier.
                 assert!(
                     free == 0.0 || nearest(distance).0 > -1e-9 * coordinates,
                     "{name}: {distance}"

@@ -1,4 +1,4 @@
-//! Every vertex lies in every box above it, rounded or exact, at weights of any sign and sum.
+//! Every vertex is inside every box above it, rounded or exact, for weights of any sign and sum.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::verify::check_containment;
 use proptest::prelude::*;
 
-/// Random triangles over random vertices, with targets that leave about half of the vertices alone.
+/// Random triangles over random vertices, with targets that do not move about half of the vertices.
 fn meshes() -> impl Strategy<Value = MorphMesh> {
     (3_usize..20, 0_usize..7, -6_i32..7).prop_flat_map(|(vertices, targets, scale)| {
         let scale = 10_f32.powi(scale);
@@ -26,7 +26,7 @@ fn meshes() -> impl Strategy<Value = MorphMesh> {
     })
 }
 
-/// Convex, one-hot, zero, negative, above one, sums of twelve and far beyond.
+/// Weights that are convex, one-hot, zero, negative or above one, and some that are very large.
 fn weights() -> impl Strategy<Value = [f32; 6]> {
     let weight = prop_oneof![
         3 => 0_f32..1.0,

@@ -1,4 +1,4 @@
-//! Distances of two bodies against every pair of triangles.
+//! Distances of two bodies, checked against every pair of triangles.
 
 use glam::{Affine3A, Quat, Vec3};
 use morph_collision::{Body, ClosestPair, DistanceQuery};
@@ -7,7 +7,7 @@ use morph_collision_testkit::models::{degenerate, random};
 use crate::bodies::{self, Case};
 use crate::reference::{Corners, point_triangle, touch, triangles as triangle_distance};
 
-/// The least distance by brute force, and whether any triangles share a point.
+/// The smallest distance by brute force, and whether any triangles share a point.
 fn truth(a: &[Corners], b: &[Corners]) -> (f64, bool) {
     let mut least = f64::INFINITY;
     for s in a {
@@ -29,7 +29,7 @@ fn agrees(a: &Case, b: &Case) -> bool {
     let slack = 1e-10 * (1.0 + least);
     let mut query = DistanceQuery::new();
     let mut first: Option<ClosestPair> = None;
-    // Trees of the same kind and of different ones.
+    // Trees with equal and with different options.
     let poses_b = b.poses().into_iter().rev().chain(b.poses());
     for (mut pose_a, mut pose_b) in a.poses().into_iter().cycle().zip(poses_b) {
         let mut closest = |limit| {

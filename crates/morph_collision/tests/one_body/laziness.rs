@@ -1,4 +1,4 @@
-//! The work of queries about one body, counted. Walks that cull nothing would pass every other test.
+//! Counts the work of queries about one body. Walks that cull nothing would pass every other test.
 
 use glam::{Affine3A, DVec3, Quat, Vec3};
 use morph_collision::{Aabb, Body, ConvexRegion, DistanceQuery, Pose, QueryStats, Ray, RayQuery, ShapeQuery};
@@ -84,8 +84,8 @@ fn a_distance_looks_at_a_small_part_of_both_trees() {
     assert!(stats.node_tests < 10 && stats.triangle_tests == 0, "{stats:?}");
 }
 
-/// Every kind of query finds the boxes that earlier ones blended; in the end each was blended exactly once. Vertices are those of the
-/// leaves that a query reads.
+/// Every kind of query reuses the boxes that earlier queries blended, so that in the end each box was blended exactly once. Vertices
+/// are blended only for the leaves that a query reads.
 #[test]
 fn the_boxes_that_one_query_blends_the_next_one_finds() {
     type Ask<'a> = Box<dyn Fn(Body<'_>) -> QueryStats + 'a>;
@@ -136,7 +136,7 @@ fn the_boxes_that_one_query_blends_the_next_one_finds() {
             of_root += u64::from(node.depth == 1);
             node.depth == 0
         });
-        // Queries look at the body's bounds, which are those of the root's children, before they count.
+        // Queries blend the body's bounds, which come from the root's children, before they start to count.
         pose.bounds();
         let mut total = QueryStats {
             nodes_blended: of_root,

@@ -1,4 +1,4 @@
-//! Queries over one posed body, and distances between two, judged by brute force written a second time.
+//! Queries about one posed body, and distances between two, checked against an independent brute-force implementation.
 
 mod anchors;
 mod bodies;

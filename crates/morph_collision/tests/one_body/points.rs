@@ -1,4 +1,4 @@
-//! Projections onto the surface against every triangle.
+//! Closest points on the surface, checked against every triangle.
 
 use glam::DVec3;
 use morph_collision::{Body, ClosestPoint, PlacedShape, ShapeQuery};
@@ -6,7 +6,7 @@ use morph_collision::{Body, ClosestPoint, PlacedShape, ShapeQuery};
 use crate::bodies::{self, Case, Random, box_around};
 use crate::reference::{Corners, at, point_triangle};
 
-/// Points around, far away, and on the surface.
+/// Points around the body, far away, and on its surface.
 fn points(triangles: &[Corners], count: usize) -> Vec<DVec3> {
     let mut random = Random(17);
     let bounds = box_around(triangles);
@@ -33,7 +33,7 @@ fn agrees(case: &Case, count: usize) {
     for point in points(&triangles, count) {
         let distances: Vec<f64> = triangles.iter().map(|t| point_triangle(point, t)).collect();
         let least = distances.iter().copied().fold(f64::INFINITY, f64::min);
-        // The reference itself loses this much on slivers.
+        // The reference itself has errors this large on slivers.
         let share = if case.name == "slivers" { 1e-9 } else { 1e-11 };
         let slack = share * (least + (max - min).length());
         let mut first: Option<ClosestPoint> = None;
@@ -51,7 +51,7 @@ fn agrees(case: &Case, count: usize) {
             assert!(closest.barycentrics.iter().all(|share| *share >= 0.0));
             assert_eq!(*first.get_or_insert(closest), closest, "{}: another tree", case.name);
 
-            // A ball that just holds it finds it, one that does not finds nothing.
+            // A ball that just contains the closest point finds it; a slightly smaller one finds nothing.
             let mut within = |radius: f64| {
                 let ball = PlacedShape::ball(point, radius).unwrap();
                 let found = query.closest_point(Body::new(pose, &place), point, radius).unwrap();

@@ -1,4 +1,4 @@
-//! Rays against every triangle by the exact oracle, to which a ray is a triangle with two corners that are the same.
+//! Rays, checked against every triangle by the exact oracle. A ray is passed to it as a triangle with two equal corners.
 
 use glam::DVec3;
 use morph_collision::{Body, Facing, Ray, RayHit, RayQuery};
@@ -6,7 +6,7 @@ use morph_collision::{Body, Facing, Ray, RayHit, RayQuery};
 use crate::bodies::{self, Case, Random, box_around, snap};
 use crate::reference::{Corners, at, point_triangle, touch};
 
-/// A ray from `origin` to `origin + 2 direction`, which is exact: for coordinates up to 2^11.
+/// A ray from `origin` to `origin + 2 direction`, which is computed exactly for coordinates up to 2^11.
 #[derive(Clone, Copy, Debug)]
 struct Shot {
     origin: DVec3,
@@ -22,14 +22,14 @@ impl Shot {
         Self { origin, direction }
     }
 
-    /// Whether the ray up to a share of its length meets a triangle.
+    /// Whether the first part of the ray, a given share of its length, meets a triangle.
     fn meets(&self, triangle: &Corners, share: f64) -> bool {
         let end = self.origin + self.direction * (MAX_T * share);
         touch(&[self.origin, end, end], triangle)
     }
 }
 
-/// Rays at corners, edges, into the middle, and past; some from points of the surface.
+/// Rays at corners, at edges, into triangles, and past the body. Some start on the surface.
 fn shots(triangles: &[Corners], count: usize, seed: u64) -> Vec<Shot> {
     let mut random = Random(seed);
     let bounds = box_around(triangles);
@@ -41,7 +41,7 @@ fn shots(triangles: &[Corners], count: usize, seed: u64) -> Vec<Shot> {
             1 => 0.5 * (triangle[0] + triangle[1]),
             2 => at([0.25, 0.5, 0.25], &triangle),
             3 => random.around(bounds),
-            // Along an edge, within the triangle's plane.
+            // In the direction of an edge, so in the triangle's plane.
             _ => triangle[1] * 2.0 - triangle[0],
         };
         let origin = match kind % 7 {
@@ -57,7 +57,7 @@ fn shots(triangles: &[Corners], count: usize, seed: u64) -> Vec<Shot> {
     shots
 }
 
-/// Checks one hit by itself: that it is on the ray and the triangle, and where the ray first meets it.
+/// Checks a single hit: it is on the ray and on the triangle, where the ray first meets the triangle.
 fn check_hit(hit: &RayHit, shot: &Shot, triangle: &Corners, name: &str) {
     let size = (triangle[0] - shot.origin)
         .length()
@@ -115,7 +115,7 @@ fn agrees(case: &Case, count: usize) -> usize {
             assert_eq!(any, !truth.is_empty());
             let closest = query.closest(Body::new(pose, &place), &ray);
             assert_eq!(closest, hits.first().copied(), "{}: {shot:?}", case.name);
-            // Bit for bit, whatever the tree.
+            // Equal bit for bit in all trees.
             assert_eq!(first.get_or_insert_with(|| hits.clone()), &hits, "{}", case.name);
         }
         for hit in first.iter().flatten() {
@@ -130,7 +130,7 @@ fn hits_agree_with_the_oracle_on_generated_bodies() {
     let mut found = 0;
     for case in bodies::generated() {
         let here = agrees(&case, 40);
-        // Rays with few digits cannot be aimed at a line that has none in common with them.
+        // Rays whose coordinates have few digits cannot hit a line whose points have none with so few.
         let can_hit = case.name != "blob a slanted line";
         assert!(here > 10 || !can_hit, "{}: {here} hits try nothing", case.name);
         found += here;
@@ -145,7 +145,7 @@ fn hits_agree_with_the_oracle_on_real_models() {
     }
 }
 
-/// A closed surface has no holes: from inside, a ray at any corner or edge gets out through something.
+/// A closed surface has no holes: from inside, a ray aimed at any corner or edge hits a triangle.
 #[test]
 fn no_ray_leaves_a_closed_surface_unseen() {
     let blob = morph_collision_testkit::models::random::random_blob(3, 2, 2, 0.0);
@@ -267,7 +267,7 @@ fn a_point_is_in_a_closed_mesh_if_triangles_surround_it() {
     let mut random = Random(17);
     let (mut inside, mut outside) = (0, 0);
     for case in bodies::generated() {
-        // The others have no inside: open ones, and places that flatten.
+        // The other bodies have no inside: they are open, or their transform flattens them.
         let is_solid = [
             "blob at",
             "blob turned",
@@ -290,7 +290,7 @@ fn a_point_is_in_a_closed_mesh_if_triangles_surround_it() {
                 } else {
                     corner.lerp(middle, random.unit())
                 };
-                // The solid angles under which triangles are seen add up to 4 pi for each time that they surround it.
+                // The solid angles of the triangles add up to 4 pi for each time that they surround the point.
                 let solid_angle = |[a, b, c]: &Corners| {
                     let [a, b, c] = [*a - point, *b - point, *c - point];
                     let [x, y, z] = [a.length(), b.length(), c.length()];

@@ -1,4 +1,4 @@
-//! What answers about one body are compared with.
+//! Reference implementations for queries about one body.
 
 use glam::DVec3;
 use morph_collision_testkit::oracle;
@@ -11,7 +11,7 @@ pub(crate) fn at(barycentrics: [f64; 3], [a, b, c]: &Corners) -> DVec3 {
     *a * barycentrics[0] + *b * barycentrics[1] + *c * barycentrics[2]
 }
 
-/// Whether two triangles share a point, by the oracle, which is not troubled with pairs whose boxes are apart.
+/// Whether two triangles share a point, by the oracle. Pairs whose boxes are apart are skipped.
 pub(crate) fn touch(a: &Corners, b: &Corners) -> bool {
     let span = |t: &Corners| (t[0].min(t[1]).min(t[2]), t[0].max(t[1]).max(t[2]));
     let ((min_a, max_a), (min_b, max_b)) = (span(a), span(b));

@@ -1,4 +1,4 @@
-//! Boxes and frusta against every triangle, by the exact oracle.
+//! Boxes and frusta, checked against every triangle by the exact oracle.
 
 use glam::{DVec3, Vec3};
 use morph_collision::{Aabb, Body, ConvexRegion, Pose, ShapeQuery};
@@ -24,7 +24,7 @@ fn numbers(triangles: &[Corners], test: impl Fn(&Corners) -> bool) -> Vec<u32> {
         .collect()
 }
 
-/// A triangle meets a convex polyhedron if it meets its boundary, or lies inside.
+/// A triangle meets a convex polyhedron if it meets the polyhedron's boundary or is inside.
 fn meets_polyhedron(triangle: &Corners, faces: &[Corners], holds: impl Fn(DVec3) -> bool) -> bool {
     holds(triangle[0]) || faces.iter().any(|face| touch(triangle, face))
 }
@@ -58,7 +58,7 @@ fn boxes_meet_the_triangles_that_the_oracle_says() {
         let mut random = Random(23);
         for i in 0..10 {
             let triangle = triangles[random.below(triangles.len())];
-            // Touching a corner from outside, flat, a point, and any.
+            // Boxes with a corner at `center`, a flat one, a point, and an ordinary one.
             let center = if i % 2 == 0 {
                 triangle[random.below(3)]
             } else {
@@ -94,7 +94,7 @@ fn boxes_meet_the_triangles_that_the_oracle_says() {
     assert!(found > 500, "{found}");
 }
 
-/// Four corners with few digits, so that the planes through them are exact in `f64`.
+/// A tetrahedron whose corners have few digits, so that the planes through them are exact in `f64`.
 fn tetrahedron(random: &mut Random, bounds: (DVec3, DVec3)) -> Option<([DVec3; 4], ConvexRegion)> {
     let corners: [DVec3; 4] = std::array::from_fn(|_| snap(random.around(bounds), 1.0 / 64.0));
     let mut sides = Vec::new();
@@ -126,7 +126,7 @@ fn frusta_meet_the_triangles_that_the_oracle_says() {
                 continue;
             };
             let faces: Vec<Corners> = (0..4).map(|i| [1, 2, 3].map(|j| corners[(i + j) % 4])).collect();
-            // A corner far from every face is inside if a ray of barycentrics says so; near ones meet a face.
+            // Barycentric coordinates decide whether a corner far from every face is inside; a corner near one meets a face.
             let holds = |p: DVec3| {
                 let det = |a: DVec3, b: DVec3, c: DVec3, d: DVec3| (b - a).cross(c - a).dot(d - a);
                 let [a, b, c, d] = corners;

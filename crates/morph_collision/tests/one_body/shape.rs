@@ -1,4 +1,4 @@
-//! The posed shape as a whole.
+//! Methods about the whole posed shape: bounds, positions and normals.
 
 use glam::{DVec3, Vec3};
 use morph_collision::{Aabb, WorldFromModel};
@@ -51,11 +51,11 @@ fn positions_are_the_oracles() {
 fn normals_are_means_by_area_in_model_and_world_space() {
     for case in bodies::generated() {
         if case.name.contains("zero_area") || case.name.contains("all_equal") || case.name.contains("slivers") {
-            continue; // without normals, or with ones that rounding decides
+            continue; // no normals, or normals decided by rounding
         }
         let place = case.world_from_model();
         let world = case.world_triangles();
-        // None of these meshes has two vertices in one place, so welding joins nothing.
+        // None of these meshes has two vertices at the same position, so nothing is welded.
         let mut sums = vec![DVec3::ZERO; case.mesh.positions.len()];
         for (corners, [a, b, c]) in case.mesh.triangles.iter().zip(&world) {
             for v in corners {

@@ -1,7 +1,7 @@
-//! Every query sees a skinned body as it sees the rigid body of the same shape.
+//! Every query gives the same answer for a skinned body as for a rigid body of the same shape.
 //!
-//! Positions, weights and joints are multiples of small powers of two, so that the vertices of a skinned mesh are numbers that the mesh of a
-//! rigid body can have: all answers must be equal to the last bit.
+//! Positions, weights and joints are multiples of small powers of two, so a rigid mesh can represent the vertices of the skinned mesh
+//! exactly. All answers must be equal bit for bit.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ const JOINTS: usize = 6;
 const VERTICES: usize = 240;
 const WORLD: WorldFromModel = WorldFromModel::IDENTITY;
 
-/// A number of 64ths between -4 and 4.
+/// A random multiple of 1/64 between -4 and 4.
 fn coarse(rng: &mut Pcg64Mcg) -> f32 {
     rng.random_range(-256..256) as f32 / 64.0
 }
@@ -27,7 +27,7 @@ fn point(rng: &mut Pcg64Mcg) -> Vec3 {
     Vec3::from_array([(); 3].map(|()| coarse(rng)))
 }
 
-/// Small triangles here and there, with a target; one or two joints move each vertex.
+/// Small triangles at random positions, with a target. One or two joints move each vertex.
 fn skinned(rng: &mut Pcg64Mcg) -> Pose {
     let mut base = Vec::new();
     for _ in 0..VERTICES / 3 {
@@ -60,7 +60,7 @@ fn skinned(rng: &mut Pcg64Mcg) -> Pose {
     Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &options)))
 }
 
-/// Turns by right angles, scales and shears, and mirrors if asked to.
+/// Joints that rotate by right angles, scale and shear, and some of which mirror if `mirrored` is set.
 fn joints(rng: &mut Pcg64Mcg, mirrored: bool) -> JointMatrices {
     let mut one = || {
         let axes = [Vec3A::X, Vec3A::Y, Vec3A::Z];
@@ -82,7 +82,7 @@ fn joints(rng: &mut Pcg64Mcg, mirrored: bool) -> JointMatrices {
     JointMatrices::new(&[(); JOINTS].map(|()| one())).unwrap()
 }
 
-/// The rigid body with the shape of a pose.
+/// A rigid body with the shape of a pose.
 fn frozen(pose: &mut Pose) -> Pose {
     let model = pose.bvh().model().clone();
     let mut body = Body::new(pose, &WORLD);
@@ -100,7 +100,7 @@ fn frozen(pose: &mut Pose) -> Pose {
     Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())))
 }
 
-/// Two skinned bodies and what they are when frozen. Some joints of odd seeds are mirrored.
+/// Two skinned bodies, and rigid bodies of the same shapes. With odd seeds, some joints are mirrored.
 fn pairs_of_bodies(seed: u64) -> ([Pose; 2], [Pose; 2]) {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let mut poses = [(); 2].map(|()| skinned(&mut rng));
@@ -120,7 +120,7 @@ fn bodies([a, b]: &mut [Pose; 2]) -> [Body<'_>; 2] {
     [Body::new(a, &WORLD), Body::new(b, &WORLD)]
 }
 
-/// Asks about skinned and rigid bodies, and fails if the answers differ. Returns how many are not the default.
+/// Runs a query for skinned and for rigid bodies, and fails if the answers differ. Returns the number of answers that are not the default.
 fn same<T: PartialEq + std::fmt::Debug + Default>(
     seeds: impl IntoIterator<Item = u64>,
     mut ask: impl FnMut(&mut [Pose; 2], &mut Pcg64Mcg) -> T,
@@ -174,7 +174,7 @@ fn self_intersections() {
 
 #[test]
 fn contacts_and_distances() {
-    // Which side is out would depend on what a mirrored joint moves.
+    // With mirrored joints, the outer side would differ from triangle to triangle.
     let contacts = same((0..40).step_by(2), |poses, _| {
         let [a, b] = bodies(poses);
         let manifold = ContactQuery::new().manifold(a, b);
@@ -183,7 +183,7 @@ fn contacts_and_distances() {
     let distances = same(0..20, |poses, rng| {
         let apart = Affine3A::from_translation(Vec3::X * (20.0 + coarse(rng)));
         let apart = WorldFromModel::new(apart).unwrap();
-        // The second body is rigid on both sides.
+        // The second body is rigid in both queries.
         let mut other = frozen(&mut poses[1]);
         let [a, _] = bodies(poses);
         let closest = DistanceQuery::new().closest(a, Body::new(&mut other, &apart), f64::INFINITY);
@@ -280,7 +280,7 @@ fn at_rest_a_skinned_mesh_is_the_mesh_without_joints() {
         .collect();
     let target: Vec<Vec3> = base.iter().map(|p| Vec3::new(p.y, p.z, p.x) * 0.3).collect();
     let triangles: Vec<[u32; 3]> = (0..20).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-    // Weights with a sum of exactly 1.
+    // Weights that sum to exactly 1.
     let weights: Vec<[f32; 4]> = (0..60)
         .map(|i| [1.0 - i as f32 / 64.0, i as f32 / 128.0, i as f32 / 128.0, 0.0])
         .collect();

@@ -1,4 +1,4 @@
-//! Batches on any number of threads against one query at a time.
+//! Batches on any number of threads, compared with one query at a time.
 
 use crate::scenes::{self, Scene};
 use morph_collision::{
@@ -12,13 +12,13 @@ struct Bodies {
 }
 
 impl Bodies {
-    /// Caches are fresh: nothing is blended yet.
+    /// Bodies with empty caches: nothing is blended yet.
     fn new(scene: &Scene) -> Self {
         let (poses, places) = scenes::poses(scene, &BuildOptions::default());
         Self { poses, places }
     }
 
-    /// Caches are full: every volume and every vertex is blended.
+    /// Bodies with full caches: every box and every vertex is blended.
     fn full(scene: &Scene) -> Self {
         let mut bodies = Self::new(scene);
         for pose in &mut bodies.poses {
@@ -28,7 +28,7 @@ impl Bodies {
         bodies
     }
 
-    /// Goes on to the same bodies in another moment.
+    /// Moves the bodies to their state in another scene.
     fn follow(&mut self, scene: &Scene) {
         for ((_, weights, place), (pose, placed)) in
             scene.bodies.iter().zip(self.poses.iter_mut().zip(&mut self.places))
@@ -100,7 +100,7 @@ fn rayon() -> Option<&'static dyn Workers> {
     None
 }
 
-/// Calls that come one after the other, as the trait allows.
+/// Makes the calls one after the other, as the trait allows.
 struct OneAfterTheOther;
 
 impl Workers for OneAfterTheOther {
@@ -116,7 +116,7 @@ impl Workers for OneAfterTheOther {
 #[test]
 fn any_number_of_threads_finds_what_one_query_at_a_time_finds_in_the_same_order() {
     let mut touching = 0;
-    // Many bodies; and two large ones, whose pair is cut into parts.
+    // Many bodies, and two large bodies whose pair is cut into parts.
     for scene in [
         scenes::dolphins(200),
         scenes::pass_through(200),
@@ -152,7 +152,7 @@ fn any_number_of_threads_finds_what_one_query_at_a_time_finds_in_the_same_order(
 
 #[test]
 fn caches_that_are_full_are_read_and_not_filled_again() {
-    // So many tasks that no pair is cut into parts, which have caches of their own.
+    // So many tasks that no pair is cut into parts; parts would have caches of their own.
     for scene in [scenes::dolphins(200), scenes::dolphins(230)] {
         for wanted in [Wanted::All, Wanted::First] {
             for workers in [1, 2, 3] {
@@ -173,14 +173,14 @@ fn caches_that_are_full_are_read_and_not_filled_again() {
     }
 }
 
-/// Parts of a large pair are done in caches of the workers', which keep what they blended as long as tree and weights stay the same.
+/// Parts of a large pair use caches of the workers, which stay valid as long as the tree and the weights stay the same.
 #[test]
 fn parts_of_a_large_pair_keep_what_is_blended_and_follow_new_weights() {
     let scene = scenes::pass_through(200);
     let mut bodies = Bodies::new(&scene);
     let mut tasks = bodies.tasks(Wanted::All);
     let mut query = BatchQuery::new();
-    // The first worker does everything, so the counts are always the same.
+    // The first worker does all the work, so the counts are always the same.
     let mut run = |bodies: &mut Bodies| bodies.batch_counted(&mut query, &mut tasks, &OneAfterTheOther);
     let (found, first) = run(&mut bodies);
     let (same, again) = run(&mut bodies);
@@ -208,7 +208,7 @@ fn parts_of_a_large_pair_keep_what_is_blended_and_follow_new_weights() {
         assert_eq!(found, bodies.one_by_one(&bodies.tasks(Wanted::All)), "step {step}");
         before = found;
     }
-    // Copies of refitted poses, of others after that, and of lazy ones again.
+    // The copies first follow refitted poses, then other refitted poses, then lazy poses again.
     for (step, is_refitted) in [(200, true), (210, true), (200, false), (200, true), (45, false)] {
         bodies.follow(&scenes::pass_through(step));
         if is_refitted {
@@ -240,7 +240,7 @@ fn tight_volumes_change_no_answer() {
     let (tight, found) = work(&mut bodies, &mut tasks);
     assert_eq!(sorted(found), expected);
     assert!(tight < loose, "{tight} node tests, {loose} before");
-    // Other weights, and the same again: what was tight is forgotten.
+    // Set other weights and then the same ones again: this discards the tight boxes.
     for pose in &mut bodies.poses {
         let weights = pose.weights().to_vec();
         pose.set_weights(&vec![0.0; weights.len()]).unwrap();

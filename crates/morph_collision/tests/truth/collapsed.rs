@@ -1,4 +1,4 @@
-//! Bodies whose vertices fall together: scaled to nothing or nearly so, or morphed into a point.
+//! Collapsed bodies: scaled to nothing or nearly so, or morphed into a point.
 
 use std::sync::Arc;
 
@@ -15,14 +15,14 @@ const SCALES: [f32; 14] = [
     0.0, 1e-40, 1e-30, 1e-20, 1e-17, 1e-16, 3e-16, 1e-15, 1e-14, 1e-13, 1e-12, 1e-10, 1e-8, 1e-6,
 ];
 
-/// Apart, but with boxes that overlap.
+/// Offsets at which the two bodies are apart, but their boxes overlap.
 const NEXT_TO_DOLPHIN: Vec3 = Vec3::new(0.6, 0.45, 0.3);
 const NEXT_TO_BLOB: Vec3 = Vec3::new(1.4, 1.1, 0.9);
 
-/// Of the 5,089,536 pairs of two dolphins' triangles.
+/// A small part of the 5,089,536 triangle pairs of two dolphins.
 const FEW_TESTS: u64 = 50_000;
 
-/// A mesh and a copy of it aside.
+/// A mesh and a copy of it, moved aside.
 fn neighbours(mesh: &MorphMesh, aside: Vec3) -> [MorphMesh; 2] {
     let mut other = mesh.clone();
     for position in &mut other.positions {
@@ -36,7 +36,7 @@ fn pose(mesh: &MorphMesh, leaf_size: usize) -> Pose {
     Pose::new(Arc::new(MorphBvh::build(Arc::new(mesh.to_model().unwrap()), &options)))
 }
 
-/// A place where axes are scaled, all or some of them.
+/// A transform that scales each axis.
 fn place(scale: Vec3, is_turned: bool, far: f32) -> Affine3A {
     let turn = if is_turned {
         Mat3::from_quat(Quat::from_euler(EulerRot::XYZ, 0.6, 0.4, 0.9))
@@ -58,7 +58,7 @@ fn truth(meshes: [&MorphMesh; 2], weights: &[f32], places: [Affine3A; 2]) -> Vec
         .collect()
 }
 
-/// Every query agrees with brute force about two bodies; says how many pairs there are.
+/// Checks that every query about two bodies agrees with brute force.
 fn agrees(name: &str, poses: [&mut Pose; 2], places: [Affine3A; 2], expected: &[TrianglePair]) {
     let [a, b] = poses;
     let [place_a, place_b] = places.map(|place| WorldFromModel::new(place).unwrap());
@@ -234,7 +234,7 @@ fn the_distance_of_bodies_on_parallel_lines_is_measured_without_products_of_tria
     }
 }
 
-/// A dolphin with a target that moves every vertex to one point, but for rounding.
+/// A dolphin with a target that moves every vertex to the same point, up to rounding.
 fn shrinking() -> MorphMesh {
     let mut mesh = dolphin(1);
     let point = Vec3::new(0.3, 0.2, 0.1);
@@ -260,7 +260,7 @@ fn weights_that_collapse_a_mesh_are_decided_without_products_of_triangles() {
         few(&format!("{aside} aside"), &stats);
         let bodies = (Body::new(&mut a, &place_a), Body::new(&mut b, &place_b));
         let any = query.up_to(bodies.0, bodies.1, 1, &mut Vec::new());
-        // Both are the same points, moved.
+        // Both bodies have the same points, moved by `aside`.
         assert!(aside > 0.0 || first.is_some() && any, "{aside}");
         assert!(aside < 1e-6 || first.is_none(), "{aside}");
     }
@@ -307,7 +307,7 @@ fn a_list_is_cut_at_the_same_pair_by_any_number_of_workers() {
     let mesh = dolphin(1);
     let mut poses = [(); 2].map(|()| pose(&mesh, 8));
     let mut cut_in_parts = 0;
-    // Deep in each other, and collapsed.
+    // Bodies that overlap deeply, and collapsed bodies.
     for at in [place(Vec3::ONE, true, 0.0), place(Vec3::ZERO, true, 1.0)] {
         let places = [at, Affine3A::from_translation(Vec3::splat(0.02)) * at];
         let places = if at.matrix3.determinant() == 0.0 {
@@ -383,7 +383,7 @@ fn a_manifold_tells_that_it_was_made_from_some_of_the_pairs() {
     let part = manifold(10).expect("they touch");
     assert_eq!((part.is_truncated, part.pair_count), (true, 10));
     assert_eq!(manifold(0), None);
-    // A point, 318,096 pairs.
+    // Both bodies are a point: 318,096 pairs.
     let point = WorldFromModel::new(Affine3A::from_scale(Vec3::ZERO)).unwrap();
     let collapsed = query.manifold_up_to(Body::new(&mut a, &point), Body::new(&mut b, &point), 100);
     let stats = query.stats();

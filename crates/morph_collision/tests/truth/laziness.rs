@@ -1,4 +1,4 @@
-//! The work of pair queries, counted. A tree that answers correctly but visits everything would pass every other test.
+//! Counts the work of pair queries. A tree that answers correctly but visits everything would pass every other test.
 
 use crate::scenes::{self, dolphins, pass_through};
 use morph_collision::{Body, BuildOptions, ConvexRegion, PairQuery, QueryStats, ShapeQuery};
@@ -38,7 +38,7 @@ fn a_few_percent_of_the_nodes_are_blended_when_bodies_barely_touch() {
     );
 }
 
-/// What pair queries blend and what is still missing afterwards add up to every tree, each node counted once.
+/// The nodes that pair queries blend, plus those that are still missing afterwards, are all nodes of every tree, each counted once.
 #[test]
 fn a_node_is_blended_once_however_many_bodies_meet_it() {
     let everywhere = ConvexRegion::from_half_spaces(&[]).unwrap();

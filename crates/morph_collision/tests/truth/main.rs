@@ -1,4 +1,4 @@
-//! Answers judged by brute force, over every way to build a tree, and the work they took.
+//! Answers, checked against brute force for every way to build a tree, and the work they took.
 
 mod batch;
 mod collapsed;

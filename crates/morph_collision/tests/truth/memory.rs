@@ -8,10 +8,10 @@ use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::{dolphin, random};
 use morph_collision_testkit::scenes::dolphins;
 
-/// Frames of two bodies of a mesh: weights and place of each.
+/// Frames of two bodies of one mesh: each body's weights and transform.
 type Frames = Vec<[(Vec<f32>, Affine3A); 2]>;
 
-/// Two dolphins swimming side by side, the second put a little aside.
+/// Two dolphins swimming side by side, the second moved aside by `aside`.
 fn swimming(aside: f32) -> (MorphMesh, Frames) {
     let frames = (0..200)
         .map(|frame| {
@@ -25,7 +25,7 @@ fn swimming(aside: f32) -> (MorphMesh, Frames) {
     (dolphin(0), frames)
 }
 
-/// Blobs that turn, jump and change their weights wildly.
+/// Blobs that rotate, jump, and change their weights a lot from frame to frame.
 fn jumping() -> (MorphMesh, Frames) {
     let frames = (0..200)
         .map(|frame| {
@@ -45,7 +45,7 @@ fn jumping() -> (MorphMesh, Frames) {
     (random::random_blob(3, 1, 4, 0.3), frames)
 }
 
-/// What is asked of the bodies in every frame.
+/// The query that runs in every frame.
 enum Ask<'a> {
     All,
     First,
@@ -110,7 +110,7 @@ fn a_pair_that_goes_on_touching_is_found_where_it_touched() {
 fn a_memory_of_one_tree_says_nothing_about_another() {
     let touching_at = |x: f32| [0.0, x].map(|x| (vec![], Affine3A::from_translation(Vec3::X * x)));
     let mut memory = PairMemory::new();
-    // The last triangles of a long row touch, which a small tree has no leaves for.
+    // The last triangles of a long row touch. A smaller tree has no such leaves.
     let row = |cubes: usize| {
         let mut mesh = random::random_blob(3, 1, 0, 0.0);
         let one = mesh.clone();

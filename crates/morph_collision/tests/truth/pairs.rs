@@ -1,9 +1,10 @@
-//! Intersecting triangle pairs against brute force in exact arithmetic, for every way to build a tree.
+//! Intersecting triangle pairs, checked against brute force in exact arithmetic for every way to build a tree.
 
 use crate::scenes::{self, Scene};
 use morph_collision::BuildOptions;
 
-/// Leaves of every sort: single triangles, too few for patches, full and half-empty patches, several, all in one.
+/// Leaves of every kind: single triangles, too few triangles for patches, full and half-empty patches, several patches, and one leaf for
+/// everything.
 fn matrix() -> Vec<BuildOptions> {
     let leaf_size = |size| BuildOptions::default().with_leaf_size(size).unwrap();
     [1, 2, 3, 5, 8, 9, 16, 255].map(leaf_size).to_vec()

@@ -1,4 +1,4 @@
-//! Scenes to judge answers on: those of the test kit, answered by this crate.
+//! The test kit's scenes, answered by this crate.
 
 use std::sync::Arc;
 
@@ -7,14 +7,14 @@ use morph_collision_testkit::moments;
 pub(crate) use morph_collision_testkit::moments::{Moment as Scene, dolphins, generated, pass_through};
 use morph_collision_testkit::rivals::{MethodKind, Wanted};
 
-/// All intersecting triangle pairs through trees, and what it took.
+/// All intersecting triangle pairs, found with trees, and the work that took.
 pub(crate) fn answer(scene: &Scene, options: &BuildOptions) -> (Vec<[u32; 4]>, QueryStats) {
     scene
         .answer(MethodKind::Morph, &(*options).into(), Wanted::All)
         .unwrap()
 }
 
-/// A scene's bodies, posed and placed; bodies of one mesh share its tree.
+/// A scene's bodies, posed and placed. Bodies of one mesh share its tree.
 pub(crate) fn poses(scene: &Scene, options: &BuildOptions) -> (Vec<Pose>, Vec<WorldFromModel>) {
     let trees: Vec<_> = scene
         .meshes
@@ -36,7 +36,7 @@ pub(crate) fn poses(scene: &Scene, options: &BuildOptions) -> (Vec<Pose>, Vec<Wo
     )
 }
 
-/// Two copies of a mesh from a file, slightly turned and apart, with given weights each.
+/// Two copies of a mesh from a file, slightly rotated and moved apart. `weights` gives the weights of each.
 pub(crate) fn from_file(name: &str, weights: impl Fn(usize, usize) -> f32) -> Option<Scene> {
     moments::from_real_model(name, weights).unwrap()
 }

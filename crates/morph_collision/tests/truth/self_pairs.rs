@@ -9,11 +9,11 @@ use morph_collision_testkit::oracle;
 
 use morph_collision_testkit::moments::real_model;
 
-/// By brute force: the oracle's pairs of the mesh with itself, without those that share a welded vertex.
+/// Brute force: the oracle's pairs of the mesh with itself, without those that share a welded vertex.
 fn truth(mesh: &MorphMesh, weights: &[f32]) -> Vec<(u32, u32)> {
     let posed = oracle::posed_vertices(&mesh.positions, &mesh.targets, weights);
     let world = oracle::world_vertices(&posed, &Affine3A::IDENTITY);
-    // Vertices are one when they agree in position and every displacement.
+    // Vertices are welded if they agree in position and in every displacement.
     let same = |v: u32, w: u32| {
         let (v, w) = (v as usize, w as usize);
         mesh.positions[v] == mesh.positions[w] && mesh.targets.iter().all(|target| target[v] == target[w])
@@ -50,7 +50,7 @@ fn agrees(mesh: &MorphMesh, weights: &[f32]) -> usize {
 
 #[test]
 fn self_intersections_agree_with_the_oracle() {
-    // The dolphin's fins stick in its body: it intersects itself in every pose.
+    // The dolphin's fins reach into its body, so it intersects itself in every pose.
     assert!(agrees(&dolphin(0), &[0.3, 0.4]) > 0);
     let blob = random::random_blob(4, 2, 5, 0.6);
     assert_eq!(agrees(&blob, &[0.0; 5]), 0);
@@ -65,8 +65,7 @@ fn self_intersections_agree_with_the_oracle() {
     }
 }
 
-/// With one triangle to a leaf and tight boxes, the exact test is asked about the pairs whose own boxes overlap, each once, and about no
-/// other.
+/// With one triangle per leaf and tight boxes, the exact test runs only for pairs whose own boxes overlap, and once for each.
 #[test]
 fn only_pairs_whose_boxes_overlap_are_tested_each_of_them_once() {
     for (mesh, weights) in [

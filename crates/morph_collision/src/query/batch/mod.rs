@@ -1,12 +1,14 @@
-//! Many pairs of bodies at once, on as many threads as the caller has.
+//! Queries for many pairs of bodies at once, on the caller's threads.
 //!
 //! ```text
 //! tasks --plan--> units (a pair, or a part of a large pair) --schedule, on workers--> found --gather--> answers by task
 //! ```
 //!
-//! Whole pairs with a common body never run at once, and parts of a cut pair work on copies: a worker keeps its copies, and what its query
-//! has seen of them, from part to part. So at most a lock around copying weights is waited for, and no answer depends on the number of
-//! threads.
+//! - Whole pairs that share a body never run at the same time.
+//! - Parts of a cut pair work on copies of the poses. A worker keeps its copies, and the boxes and patches that its query has cached for
+//!   them, from part to part.
+//!
+//! So a worker that has a unit waits at most for a lock around copying weights, and no answer depends on the number of threads.
 
 mod plan;
 mod query;

@@ -5,21 +5,21 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use crate::pose::NodeId;
 use crate::query::{Body, PairMemory, PairQuery, QueryStats};
 
-/// How many intersecting triangle pairs of two bodies to find.
+/// How many of two bodies' intersecting triangle pairs to find.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Wanted {
     /// All of them.
     #[default]
     All,
-    /// At most this many, those of [`PairQuery::up_to`]. [`BatchAnswers::is_truncated`](super::BatchAnswers::is_truncated) says
-    /// whether there are more.
+    /// At most this many: the pairs that [`PairQuery::up_to`] finds. [`BatchAnswers::is_truncated`](super::BatchAnswers::is_truncated)
+    /// says whether there are more.
     UpTo(usize),
-    /// The one of [`PairQuery::first`].
+    /// One: the pair that [`PairQuery::first`] finds.
     First,
 }
 
 impl Wanted {
-    /// The longest list allowed.
+    /// The maximum length of the list.
     pub(super) fn limit(self) -> usize {
         match self {
             Self::All => usize::MAX,
@@ -34,16 +34,16 @@ impl Wanted {
 pub struct PairTask<'m> {
     /// The first body.
     pub a: usize,
-    /// The second body. A task whose indices are equal or out of range finds nothing.
+    /// The second body. A task finds nothing if its indices are equal or out of range.
     pub b: usize,
     /// What to find.
     pub wanted: Wanted,
-    /// The pair's memory for [`Wanted::First`], see [`PairQuery::first_with`].
+    /// The pair's memory for [`Wanted::First`]; see [`PairQuery::first_with`].
     pub memory: Option<&'m mut PairMemory>,
 }
 
 impl PairTask<'_> {
-    /// A task without memory.
+    /// Creates a task without memory.
     #[must_use]
     pub fn new(a: usize, b: usize, wanted: Wanted) -> Self {
         Self {
@@ -55,16 +55,16 @@ impl PairTask<'_> {
     }
 }
 
-/// Pairs with fewer triangles in both bodies together are not cut. Not measured; small pairs are done before another thread is awake.
+/// Pairs with fewer triangles in both bodies together are not cut. Not measured; small pairs are finished before another thread wakes up.
 const MIN_TRIANGLES_TO_CUT: usize = 4000;
-/// Parts per worker, so that parts of different cost balance. Not measured.
+/// Parts per worker; several, to balance parts of different cost. Not measured.
 const PARTS_PER_WORKER: usize = 8;
 
-/// A piece of work: a task on the bodies' own poses, or a part of a cut pair on poses of the worker's own.
+/// A piece of work: a whole task on the bodies' own poses, or a part of a cut pair on the worker's copies of the poses.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unit {
     pub(super) task: usize,
-    /// The index in [`Plan::larges`] and the number of the part.
+    /// The index in [`Plan::larges`] and the index of the part; `None` for a whole task.
     pub(super) part: Option<(usize, usize)>,
 }
 
@@ -76,7 +76,7 @@ pub(super) struct Large {
     front: Vec<(NodeId, NodeId)>,
     /// The task's limit.
     pub(super) limit: usize,
-    /// How many pairs each finished part has found; one more than the limit if there are more.
+    /// The number of pairs that each finished part has found; one more than the limit if there are more.
     pub(super) found: Vec<AtomicUsize>,
 }
 
@@ -94,7 +94,7 @@ impl Large {
     }
 }
 
-/// The units of a batch. Units of one task are adjacent and in the order of the walk.
+/// The units of a batch. The units of one task are adjacent and in the order of the walk.
 #[derive(Debug, Default)]
 pub(super) struct Plan {
     pub(super) units: Vec<Unit>,
@@ -103,7 +103,7 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    /// Cuts large pairs into parts if there are too few tasks to keep the workers busy.
+    /// Plans a batch. Cuts large pairs into parts if there are too few tasks to keep the workers busy.
     pub(super) fn new(bodies: &mut [Body<'_>], tasks: &[PairTask<'_>], workers: usize, query: &mut PairQuery) -> Self {
         let mut plan = Self::default();
         for (task, &PairTask { a, b, wanted, .. }) in tasks.iter().enumerate() {

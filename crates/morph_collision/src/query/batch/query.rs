@@ -6,10 +6,10 @@ use super::work::{Batch, Worker, locked, unlocked};
 use super::workers::Workers;
 use crate::query::{Body, QueryStats, TrianglePair};
 
-/// Finds the intersecting triangles of many pairs of bodies on several threads. Keep the query: it reuses its memory.
+/// Finds the intersecting triangles of many pairs of bodies on several threads. Keep the query and use it again: it reuses its memory.
 ///
-/// It finds what [`PairQuery`](crate::PairQuery) finds, in the same order, on any number of threads. Pairs without a common body run
-/// in parallel; if there are few pairs, large ones are cut into parts.
+/// On any number of threads, it finds the same pairs as [`PairQuery`](crate::PairQuery), in the same order. Pairs without a common body
+/// run in parallel. If there are few pairs, large ones are cut into parts.
 ///
 /// ```
 /// # use std::sync::Arc;
@@ -30,19 +30,19 @@ use crate::query::{Body, QueryStats, TrianglePair};
 /// ```
 #[derive(Debug, Default)]
 pub struct BatchQuery {
-    /// By worker: each reuses its memory.
+    /// One entry per worker. Each reuses its memory.
     workers: Vec<Mutex<Worker>>,
     found: Vec<TrianglePair>,
     answers: Vec<Answer>,
 }
 
-/// The answer of a task: a range of what all tasks found, and whether there is more.
+/// The answer to a task: its range in the list of all found pairs, and whether there are more.
 type Answer = (Range<usize>, bool);
 
-/// Smaller batches run on the calling thread: waking a thread takes as long as a dozen pairs that do not touch (docs/tried.md).
+/// Smaller batches run on the calling thread: waking a thread takes as long as testing a dozen pairs that do not touch (docs/tried.md).
 const MIN_UNITS_FOR_THREADS: usize = 16;
 
-/// The answers of a [`BatchQuery`], by task.
+/// The answers of a [`BatchQuery`], indexed by task.
 #[derive(Clone, Copy, Debug)]
 pub struct BatchAnswers<'a> {
     found: &'a [TrianglePair],
@@ -51,26 +51,26 @@ pub struct BatchAnswers<'a> {
 }
 
 impl<'a> BatchAnswers<'a> {
-    /// The work of all threads together. Parts of a cut pair count the nodes and vertices that each of them blends.
+    /// Returns the work of all threads together. For a cut pair, the nodes and vertices that each part blends are counted.
     #[must_use]
     pub fn stats(&self) -> QueryStats {
         self.stats
     }
 
-    /// The pairs that a task found; empty if there is no such task.
+    /// Returns the pairs that a task found; empty if there is no such task.
     #[must_use]
     pub fn get(&self, task: usize) -> &'a [TrianglePair] {
         let answer = self.answers.get(task);
         answer.map_or(&[], |(range, _)| &self.found[range.clone()])
     }
 
-    /// Whether a task with [`Wanted::UpTo`](super::Wanted::UpTo) has more pairs than its limit.
+    /// Returns whether a task with [`Wanted::UpTo`](super::Wanted::UpTo) has more pairs than its limit.
     #[must_use]
     pub fn is_truncated(&self, task: usize) -> bool {
         self.answers.get(task).is_some_and(|(_, is_truncated)| *is_truncated)
     }
 
-    /// The pairs of every task, in order.
+    /// Iterates over the pairs of every task, in the order of the tasks.
     pub fn iter(&self) -> impl Iterator<Item = &'a [TrianglePair]> {
         let answers = *self;
         (0..self.answers.len()).map(move |task| answers.get(task))
@@ -78,7 +78,7 @@ impl<'a> BatchAnswers<'a> {
 }
 
 impl BatchQuery {
-    /// An empty query; allocates on first use.
+    /// Creates an empty query. It allocates on first use.
     #[must_use]
     pub fn new() -> Self {
         Self::default()
@@ -102,7 +102,7 @@ impl BatchQuery {
         let batch = Batch::new(bodies, tasks, &plan, count);
         let own = &self.workers;
         let work = |worker: usize| {
-            // Without a worker of that index there is nothing to do: the others do it all.
+            // An index out of range has nothing to do: the other workers do all the work.
             if let Some(worker) = own.get(worker) {
                 batch.work(&mut locked(worker));
             }

@@ -4,10 +4,10 @@ use std::sync::{Condvar, Mutex, PoisonError};
 
 use super::work::locked;
 
-/// The units left to do. Never gives out two units with a common body at once.
+/// The remaining units. Two units that lock the same body are never given out at the same time to different workers.
 #[derive(Debug)]
 pub(super) struct Schedule {
-    /// By unit: the bodies that it locks, if any.
+    /// For each unit, the bodies that it locks, if any.
     bodies: Vec<Option<[usize; 2]>>,
     state: Mutex<State>,
     freed: Condvar,
@@ -17,7 +17,7 @@ pub(super) struct Schedule {
 struct State {
     /// A stack: the last unit comes first.
     left: Vec<usize>,
-    /// By body: whether a unit in progress needs it.
+    /// For each body, whether a unit in progress needs it.
     busy: Vec<bool>,
 }
 
@@ -33,8 +33,8 @@ impl Schedule {
         }
     }
 
-    /// Takes the next unit with free bodies, and up to `most` units after it with the same first body, whose cache is warm. Waits
-    /// while no unit is free; returns false if none is left.
+    /// Takes the next unit whose bodies are free, and the units after it with the same first body, whose cache is warm: at most `most`
+    /// units. Waits while no unit is free. Returns false if none is left.
     pub(super) fn take(&self, most: usize, units: &mut Vec<usize>) -> bool {
         let mut guard = locked(&self.state);
         loop {

@@ -1,4 +1,4 @@
-//! What a worker does: takes units of a batch until none is left.
+//! Workers, which take units of a batch until none is left.
 
 use std::ops::Range;
 use std::sync::atomic::Ordering;
@@ -11,16 +11,16 @@ use crate::query::capped::Capped;
 use crate::query::pairs::Start;
 use crate::query::{Body, PairQuery, QueryStats, TrianglePair};
 
-/// The most pairs a worker takes from the schedule at once. Not measured; taking units costs a lock.
+/// The maximum number of units that a worker takes from the schedule at once. Not measured; taking units costs a lock.
 const MAX_UNITS_AT_ONCE: usize = 8;
 
-/// What a worker owns.
+/// A worker's own data.
 #[derive(Debug, Default)]
 pub(super) struct Worker {
     pub(super) query: PairQuery,
-    /// Copies of the poses of the last large pair that the worker took a part of.
+    /// Copies of the poses of the last large pair of which the worker took a part.
     poses: [Option<Pose>; 2],
-    /// That pair, as long as `query` has what it saw of it.
+    /// That pair, while `query` still has its boxes and patches cached.
     large: Option<usize>,
     pub(super) done: Vec<Done>,
     pub(super) found: Vec<TrianglePair>,
@@ -47,10 +47,10 @@ pub(super) fn unlocked(worker: &mut Mutex<Worker>) -> &mut Worker {
 
 /// A batch in progress.
 pub(super) struct Batch<'a, 'b, 'm> {
-    /// The schedule never gives out two whole tasks with a common body at once, so they never wait. Parts lock their bodies only to
-    /// copy the state of their poses.
+    /// The schedule never gives out two whole tasks with a common body at the same time, so whole tasks never wait for each other. Parts
+    /// lock their bodies only to copy the state of their poses.
     bodies: Vec<Mutex<&'a mut Body<'b>>>,
-    /// Locks never wait: each whole task is done once.
+    /// These locks never wait: each whole task is done once.
     tasks: Vec<Mutex<&'a mut PairTask<'m>>>,
     plan: &'a Plan,
     schedule: Schedule,

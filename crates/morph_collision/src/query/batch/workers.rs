@@ -8,18 +8,19 @@ pub trait Workers {
     fn count(&self) -> usize;
 
     /// Calls `work` once with each index below [`Workers::count`], in parallel if possible, and waits for all calls to return.
-    /// Calls may also run one after the other: each does whatever is left to do.
+    /// The calls may also run one after the other: each does whatever work is left.
     fn run(&self, work: &(dyn Fn(usize) + Sync));
 }
 
-/// The calling thread and new ones, started for each batch at a cost of some tens of microseconds. Prefer the threads of your engine.
+/// Runs a batch on the calling thread and on new threads. Starting them costs some tens of microseconds per batch, so prefer your
+/// engine's thread pool.
 #[derive(Clone, Copy, Debug)]
 pub struct ThreadWorkers {
     threads: usize,
 }
 
 impl ThreadWorkers {
-    /// Workers on this many threads, the calling one included; at least 1. One thread starts no others.
+    /// Creates workers for this many threads, including the calling thread; at least 1. With 1, no threads are started.
     #[must_use]
     pub fn new(threads: usize) -> Self {
         Self {
@@ -43,7 +44,7 @@ impl Workers for ThreadWorkers {
     }
 }
 
-/// The current `rayon` pool, the global one outside of a pool (feature `rayon`).
+/// Runs a batch on the current `rayon` pool, or on the global pool if there is none (feature `rayon`).
 #[cfg(feature = "rayon")]
 #[derive(Clone, Copy, Debug, Default)]
 pub struct RayonWorkers;

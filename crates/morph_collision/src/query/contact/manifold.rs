@@ -17,16 +17,16 @@ pub struct ContactPoint {
 /// A summary of the contacts of two bodies: a normal, a depth and up to four points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Manifold {
-    /// The unit direction in which the first body leaves the second: the sum of the triangle pairs' normals, each weighted by the
-    /// length of the pair's segment (equally if all segments are points).
+    /// The unit direction in which the first body leaves the second: the normalised sum of the triangle pairs' normals, each weighted by
+    /// the length of the pair's segment. If all segments are points, the weights are equal.
     ///
-    /// If the sum cancels out, the normal of the pair with the longest segment; zero if that pair has none.
+    /// If the sum cancels out, this is the normal of the pair with the longest segment; zero if that pair has no normal.
     pub normal: DVec3,
     /// How far the first body must move along the normal to separate every pair of triangles that intersects now, in world units.
     ///
-    /// A lower bound for separating the bodies: they may meet with other triangles on the way.
+    /// This is a lower bound for separating the bodies: other triangles may meet on the way.
     pub depth: f64,
-    /// How many pairs of triangles it summarises.
+    /// The number of triangle pairs that the manifold summarises.
     pub pair_count: usize,
     /// Whether more pairs intersect than the limit of
     /// [`ContactQuery::manifold_up_to`](crate::ContactQuery::manifold_up_to) allowed.
@@ -36,8 +36,8 @@ pub struct Manifold {
 }
 
 impl Manifold {
-    /// At most four distinct points: the deepest, the one farthest from it, the one farthest from the line through both, and the
-    /// one that adds the most area to the triangle of the first three.
+    /// Returns up to four distinct points: the deepest, the one farthest from it, the one farthest from the line through both, and
+    /// the one that adds the most area to the triangle of the first three.
     #[must_use]
     pub fn points(&self) -> &[ContactPoint] {
         &self.points[..self.len]
@@ -63,9 +63,9 @@ impl Manifold {
         Some(manifold)
     }
 
-    /// Adds up to three points to the first; returns early if the others add nothing.
+    /// Adds up to three points to the first. Returns early if the remaining points add nothing.
     fn spread(&mut self, points: &[ContactPoint]) -> Option<()> {
-        /// Points closer than this share of their coordinates, or of the extent so far, count as equal.
+        /// Points closer together than this share of their coordinates, or of the extent so far, count as equal.
         const SAME: f64 = 1e-12;
         let p = self.points[0].point;
         let second = best(points, |c| c.point.distance_squared(p))?;
@@ -96,7 +96,7 @@ impl Manifold {
     }
 }
 
-/// The first with the largest value.
+/// The first point with the largest value.
 fn best(points: &[ContactPoint], value: impl Fn(&ContactPoint) -> f64) -> Option<&ContactPoint> {
     points.iter().rev().max_by(|p, q| value(p).total_cmp(&value(q)))
 }

@@ -1,4 +1,4 @@
-//! Where two bodies touch: a contact per pair of intersecting triangles, and a manifold that summarises them.
+//! Contacts of two bodies: one per pair of intersecting triangles, and a manifold that summarises them.
 
 mod manifold;
 mod parting;

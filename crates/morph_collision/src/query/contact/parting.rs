@@ -7,8 +7,8 @@ const TOLERANCE: f64 = 1e-12;
 
 /// How far `a` can move along the unit vector `direction` before it leaves `b`, for triangles that intersect.
 ///
-/// Projected along the direction, the height of `b` above `a` is linear over their common area. So its maximum is at a corner of
-/// one inside the other, or where edges cross. Swapping the triangles and negating the direction gives the same bits.
+/// Projected along the direction, the height of `b` above `a` is linear over their common area. So its maximum is at a corner of one
+/// triangle inside the other, or where edges cross. Swapping the triangles and negating the direction gives the same result bit for bit.
 pub(super) fn parting_distance(a: &Triangle, b: &Triangle, direction: DVec3) -> f64 {
     let key = |t: &Triangle| t.map(|corner| corner.to_array());
     if key(b) < key(a) {
@@ -54,7 +54,8 @@ struct Projected {
     height: f64,
 }
 
-/// The height of a triangle over a projected point; `None` outside of it, or if it is edge-on (then its edges count).
+/// The height of a triangle over a projected point. `None` outside the triangle, or if the triangle is edge-on; its edges are tested
+/// separately.
 fn height_of_triangle(triangle: &[Projected; 3], at: DVec2) -> Option<f64> {
     let [a, b, c] = triangle.map(|corner| corner.at - at);
     let weights = [b.perp_dot(c), c.perp_dot(a), a.perp_dot(b)];

@@ -8,11 +8,11 @@ use crate::exact::{Triangle, TriangleContact, triangle_contact};
 use crate::pose::Posed;
 use crate::query::{Body, PairQuery, TrianglePair};
 
-/// Finds where and how two bodies touch. Keep the query: it reuses its memory.
+/// Finds where and how two bodies touch. Keep the query and use it again: it reuses its memory.
 ///
-/// It finds the intersecting triangles exactly, like [`PairQuery`], and describes them in `f64`. Bodies are surfaces: a body
-/// wholly inside another without touching its surface has no contact. Normals assume closed surfaces whose triangles are
-/// counter-clockwise seen from outside; windings of mirrored bodies are flipped back.
+/// It finds the intersecting triangles exactly, like [`PairQuery`], and describes the contacts in `f64`. Bodies are surfaces: if one
+/// is wholly inside another without touching its surface, there is no contact. Normals assume closed surfaces whose triangles are
+/// counter-clockwise seen from outside; the winding of mirrored bodies is flipped back.
 ///
 /// Swapping the bodies gives the same points and depths, bit for bit, and opposite normals.
 ///
@@ -56,14 +56,14 @@ struct Touching {
 query_basics!(ContactQuery, |query| query.pairs.stats());
 
 impl ContactQuery {
-    /// The summary of all contacts; `None` if no triangles intersect.
+    /// Returns a summary of all contacts; `None` if no triangles intersect.
     ///
     /// Cost: a pair query, plus time proportional to the number of intersecting pairs.
     pub fn manifold(&mut self, a: Body<'_>, b: Body<'_>) -> Option<Manifold> {
         self.manifold_up_to(a, b, usize::MAX)
     }
 
-    /// The summary of the pairs of [`PairQuery::up_to`]; `None` if there are none.
+    /// Returns a summary of the pairs that [`PairQuery::up_to`] finds; `None` if there are none.
     ///
     /// If there are more pairs than `limit`, [`Manifold::is_truncated`] is set, and swapping the bodies may give another manifold.
     pub fn manifold_up_to(&mut self, a: Body<'_>, b: Body<'_>, limit: usize) -> Option<Manifold> {
@@ -78,7 +78,7 @@ impl ContactQuery {
         Manifold::reduce(normal, self.touching.len(), is_truncated, &self.points)
     }
 
-    /// Fills `touching` with at most `limit` pairs, in an order that does not depend on which body is named first; returns whether
+    /// Fills `touching` with at most `limit` pairs, in an order that does not depend on which body is named first. Returns whether
     /// there are more.
     fn find(&mut self, mut a: Body<'_>, mut b: Body<'_>, limit: usize) -> bool {
         self.found.clear();
@@ -96,7 +96,7 @@ impl ContactQuery {
         let key = |touching: &Touching| {
             let TriangleContact { segment, normal } = touching.contact;
             let TrianglePair { triangle_a, triangle_b } = touching.pair;
-            // Two equal shapes at the same place have each pair twice, in both orders.
+            // Two equal shapes at the same place list each pair twice, in both orders.
             let numbers = [triangle_a.min(triangle_b), triangle_a.max(triangle_b), triangle_a];
             ([segment[0], segment[1], normal.abs()].map(|v| v.to_array()), numbers)
         };

@@ -6,16 +6,16 @@ use super::ClosestPair;
 use crate::exact::{ClosestPoints, Triangle, closest_of_triangles};
 use crate::query::pairs::TrianglePair;
 
-/// Computed squared distances have rounding errors. What may be closer by up to this factor is measured, so that the answer does not
-/// depend on the tree.
+/// Margin for rounding errors of squared distances. Pairs whose lower bound exceeds the best squared distance by up to this factor are
+/// still measured, so that the answer does not depend on the tree.
 pub(in crate::query) const MARGIN: f64 = 1.0 + 1e-9;
 
-/// How many pairs at the closest distance are measured before the query skips others that cannot be closer. Measuring a pair takes about 0.4
+/// After this many pairs at the closest distance, the query skips others that cannot be closer. Measuring a pair takes about 0.4
 /// microseconds, so this bounds the time for bodies flattened to parallel lines.
 const TIES: u32 = 16_384;
 
-/// A pair whose lower bound exceeds this share of the distance counts as equally close. The closest points have errors of about 1e-16 of the
-/// bodies' size, so the direction between them is accurate enough for bodies more than a thousandth of their size apart.
+/// A pair whose lower bound exceeds this share of the distance counts as equally close. The closest points have errors of about 1e-16
+/// of the bodies' size, so the direction between them is accurate enough if the bodies are more than a thousandth of their size apart.
 const NO_CLOSER: f64 = 1.0 - 1e-9;
 
 /// The closest pair so far.
@@ -25,7 +25,7 @@ pub(super) struct Best {
     max_distance: f64,
     /// Whether to measure near ties.
     with_ties: bool,
-    /// How many measured pairs were about equally close.
+    /// The number of measured pairs that were about equally close.
     ties: u32,
     /// A squared distance. Pairs with a greater lower bound are skipped.
     pub(super) limit: f64,
@@ -83,8 +83,8 @@ impl Best {
         ControlFlow::Continue(self.limit)
     }
 
-    /// Whether to skip two triangles: there were many ties already, and these are at least as far apart as the closest pair,
-    /// measured along the line between its points, up to rounding.
+    /// Whether to skip two triangles, because there were many ties already and these are at least as far apart as the closest pair.
+    /// That is measured along the line between the closest points, up to rounding.
     #[inline]
     pub(super) fn is_tied_enough(&self, corners_a: &Triangle, corners_b: &Triangle) -> bool {
         self.ties > TIES

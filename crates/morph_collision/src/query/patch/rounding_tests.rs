@@ -1,4 +1,4 @@
-//! How near the errors of intervals along the filter's axes come to the doubt, in exact arithmetic.
+//! Measures, in exact arithmetic, how close the actual errors along the filter's axes come to their bounds.
 
 use fearless_simd::Level;
 use glam::{Affine3A, DVec3, Vec3};
@@ -13,26 +13,27 @@ use crate::bounds::{WorldFromModel, levels, with_simd};
 use crate::query::neighbourhood::Neighbourhood;
 use crate::tree::put;
 
-/// An axis of the filter, as far as `f32` got with it: along it one triangle looks to be beyond the other by `gap`.
+/// An axis of the filter, as computed in `f32`. Along it, one triangle appears to be beyond the other by `gap`.
 struct Along {
     axis: [f32; 3],
-    /// Whether it is the first triangle that is beyond.
+    /// Whether the first triangle is the one beyond.
     a_beyond: bool,
-    /// The triangles are turned away where this is above `doubt`.
+    /// The pair is rejected if this exceeds `doubt`.
     gap: Dyadic,
+    /// The error bound.
     doubt: f32,
 }
 
 type ExactCorners = [[Dyadic; 3]; 3];
 
-/// Two triangles in one place, near an origin.
+/// Two triangles with the same transform, near an origin.
 struct Pair {
     patches: [Patch; 2],
     exact: [ExactCorners; 2],
 }
 
 impl Pair {
-    /// `numbers` are the corners, the place, and the neighbourhood's origin.
+    /// `numbers` are the corners, the transform, and the neighbourhood's origin.
     fn new(level: Level, numbers: &[f32]) -> Option<Self> {
         let mut columns = [0.0; 12];
         columns.copy_from_slice(&numbers[18..30]);
@@ -67,7 +68,7 @@ impl Pair {
         })
     }
 
-    /// By how much the triangles are apart along an axis, exactly, in that order; below 0 where they overlap.
+    /// The exact gap between the triangles along an axis, for the given order; negative if they overlap.
     fn exact_gap(&self, axis: [f32; 3], a_beyond: bool) -> Dyadic {
         let heights = |corners: &ExactCorners| {
             corners.clone().map(|corner| {
@@ -81,7 +82,7 @@ impl Pair {
         least.unwrap_or_else(Dyadic::zero) - most.unwrap_or_else(Dyadic::zero)
     }
 
-    /// The largest share of its doubt that the filter needs along one of its axes.
+    /// The largest ratio of actual error to error bound over the filter's axes.
     fn share(&self, level: Level) -> Option<f64> {
         let [a, b] = &self.patches;
         let reach = a.reach.max(b.reach);
@@ -98,7 +99,7 @@ impl Pair {
     }
 }
 
-/// The axes that the filter looks along, and what it sees there.
+/// Collects the filter's axes and what it computes along them.
 #[inline(always)]
 fn look_along<S: Simd>(simd: S, a: &Patch, b: &Patch, all: &mut Vec<Along>) {
     let errors = ErrorBounds::new(simd, a.reach.max(b.reach));
@@ -112,7 +113,7 @@ fn look_along<S: Simd>(simd: S, a: &Patch, b: &Patch, all: &mut Vec<Along>) {
         let heights = sides.heights;
         let [least, most] = least_and_most(heights);
         let bound = errors.of_normals;
-        // Compared with `high + doubt` and `low - doubt`, rounded.
+        // The filter compares with the rounded `high + doubt` and `low - doubt`.
         let limits = [high + bound, low - bound];
         let doubt = Dyadic::from(first(bound));
         let above = Dyadic::from(first(least)) - Dyadic::from(first(limits[0])) + doubt.clone();
@@ -147,7 +148,7 @@ fn look_along<S: Simd>(simd: S, a: &Patch, b: &Patch, all: &mut Vec<Along>) {
     }
 }
 
-/// The largest share of what they allow for that the heights and products need by which triangles are said to meet.
+/// The largest ratio of actual error to error bound of the heights and products that certify an intersection.
 #[inline(always)]
 fn certainty<S: Simd>(simd: S, pair: &Pair) -> f64 {
     let [a, b] = &pair.patches;
@@ -228,7 +229,7 @@ fn intervals_need_much_of_the_doubt_and_never_more() {
     let (share, _) = climb.highest(
         |i, rng| {
             let mut numbers: Vec<f32> = (0..33).map(|_| rng.random_range(-1.0..1.0)).collect();
-            // Slight turns and an origin close by, so that the coordinates have bits to lose.
+            // Slight rotations and an origin close by, so that the coordinates have bits to lose.
             for (column, axis) in [18, 22, 26].into_iter().enumerate() {
                 numbers[18 + 3 * column..21 + 3 * column]
                     .iter_mut()
@@ -273,7 +274,7 @@ fn what_says_that_triangles_meet_needs_less_than_it_allows_for() {
     };
     let (share, _) = climb.highest(
         |i, rng| {
-            // Triangles of some size about a point, in their own space or a little turned.
+            // Triangles of various sizes around a point, with the identity or a slight rotation.
             let size = [1.0, 0.1, 1e-2, 1e-4][i % 4];
             let mut numbers: Vec<f32> = (0..18).map(|_| rng.random_range(-1.0..1.0) * size).collect();
             let center: [f32; 3] = std::array::from_fn(|_| rng.random_range(-1.0..1.0));
@@ -294,7 +295,7 @@ fn what_says_that_triangles_meet_needs_less_than_it_allows_for() {
             let pair = Pair::new(level, numbers)?;
             let [a, b] = &pair.patches;
             let reach = a.reach.max(b.reach);
-            // Edges that rounding does not drown, as with every triangle whose sides are clear.
+            // Edges larger than their rounding errors, as in every triangle that passes `Sides::clear`.
             let least = 21.0 * f32::EPSILON / 2.0 * reach;
             let edges = a.span.0[0].min(b.span.0[0]) > least && a.tilt.0[0].min(b.tilt.0[0]) > 0.0;
             if !edges || !a.hull.overlaps(&b.hull) || !reach.is_finite() {

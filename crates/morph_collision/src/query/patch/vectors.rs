@@ -27,7 +27,7 @@ pub(super) fn one<S: Simd>(simd: S, row: &Lanes, lane: usize) -> f32x8<S> {
     f32x8::splat(simd, row.0[lane % LANES])
 }
 
-/// The vector of one lane in every lane.
+/// Copies the vector in one lane to every lane.
 #[inline(always)]
 pub(super) fn splat<S: Simd>(simd: S, [x, y, z]: &[Lanes; 3], lane: usize) -> Vector<S> {
     [one(simd, x, lane), one(simd, y, lane), one(simd, z, lane)]

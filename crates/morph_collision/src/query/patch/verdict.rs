@@ -1,4 +1,4 @@
-//! One triangle against eight: which are certainly separate from it, and which certainly intersect it.
+//! Tests one triangle against eight: which are certainly apart from it, and which certainly intersect it.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8};
@@ -45,7 +45,8 @@ impl Patch {
             };
         }
 
-        // The edges from the corner that is alone on its side of the other plane. Which pairs of edges matter depends on the sides.
+        // The edges from the corner that is alone on its side of the other triangle's plane. The sides decide which pairs of edges
+        // to use.
         let [s0, s1, s2] = own_sides.above();
         let [t0, t1, t2] = their_sides.above();
         let [p, q, r] = lone_first(own, [s0, s1, s2]);
@@ -58,8 +59,8 @@ impl Patch {
         let axes = [cross(sub(q, p), sub(v, u)), cross(sub(r, p), sub(w, u))];
         let (first, second) = (dot(axes[0], step), dot(axes[1], step));
 
-        // Triangles that cross each other's planes intersect if both products have the right signs, and are apart if one has the wrong
-        // one.
+        // Triangles that cross each other's planes intersect if both products have the right sign. If one has the wrong sign, they are
+        // apart.
         let (own_span, their_span) = (self.span.load(simd), one(simd, &other.span, lane));
         let spans = own_span + their_span;
         let error = errors.of_products * (spans * spans) + errors.floor;
@@ -79,7 +80,7 @@ impl Patch {
             return Verdict { apart: by_signs, meet };
         }
 
-        // Where a sign is not certain, what the triangles span along the same axes may still be apart.
+        // If a sign is uncertain, the triangles' intervals along the same axes may still be apart.
         let (first, second) = (
             Along::new(axes[0], [p, q, r], [u, v, w], errors),
             Along::new(axes[1], [p, q, r], [u, v, w], errors),
@@ -97,12 +98,18 @@ impl Patch {
 /// Let `R` be the reach and `u = 2^-24`.
 ///
 /// To reject a pair, any axis is valid, so only heights matter. A coordinate is rounded once when it is taken to the
-/// neighbourhood, and a height three more times, each by at most `u R` times the sum of the axis's coordinates. Two heights make
-/// 8 such roundings; their comparison and the bound itself add 3. Products that underflow add less than `FLOOR`.
+/// neighbourhood, and a height three more times, each by at most `u R` times the sum of the axis's coordinates. That makes 8
+/// roundings for two heights; their comparison and the bound itself add 3. Products that underflow add less than `FLOOR`.
 ///
-/// To accept a pair, or to reject it by the sign of a product of three edges, the axes themselves must be accurate. With spans `A` and `B`, the error of an edge is at most `4.1 u R`, that of
-/// the product of two edges of one triangle `29 u R A` per coordinate, and of one edge of each `14 u R (A + B)`. Corners of triangles
-/// with overlapping boxes are at most `A + B` apart, so a product of three edges is off by less than `67 u R (A + B)^2`.
+/// To accept a pair, or to reject it by the sign of a product of three edges, the axes themselves must be accurate. Let `A` and `B`
+/// be the spans. The errors are at most:
+///
+/// - `4.1 u R` for an edge;
+/// - `29 u R A` per coordinate for the product of two edges of one triangle;
+/// - `14 u R (A + B)` per coordinate for the product of one edge of each.
+///
+/// Corners of triangles with overlapping boxes are at most `A + B` apart, so the error of a product of three edges is less than
+/// `67 u R (A + B)^2`.
 pub(super) struct ErrorBounds<S: Simd> {
     pub(super) per_length: f32x8<S>,
     pub(super) floor: f32x8<S>,
@@ -125,7 +132,7 @@ impl<S: Simd> ErrorBounds<S> {
             per_length: f32x8::splat(simd, per_length),
             floor: f32x8::splat(simd, FLOOR),
             of_normals: f32x8::splat(simd, of_normals),
-            // Doubled, because the heights there are.
+            // Doubled, because `clearance` doubles the heights.
             of_sides: f32x8::splat(simd, 2.0 * 3.0 * of_normals),
             of_tilts: f32x8::splat(simd, 2.0 * 8.0 * per_length),
             of_products: f32x8::splat(simd, 6.0 * per_length),
@@ -133,7 +140,7 @@ impl<S: Simd> ErrorBounds<S> {
     }
 }
 
-/// The heights of corners over planes: of eight triangles over one plane, or of one triangle over eight.
+/// The heights of corners over planes: eight triangles over one plane, or one triangle over eight planes.
 pub(super) struct Sides<S: Simd> {
     pub(super) heights: Vector<S>,
     /// The intervals of the planes' own triangles along their normals.
@@ -182,7 +189,7 @@ impl<S: Simd> Sides<S> {
         off - (self.high - self.low)
     }
 
-    /// The lanes in which every height is certainly on its side.
+    /// The lanes in which it is certain for every height on which side of the plane it is.
     #[inline(always)]
     fn clear(&self, errors: f32x8<S>) -> mask32x8<S> {
         self.clearance().simd_gt(errors)

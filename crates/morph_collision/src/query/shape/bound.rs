@@ -6,26 +6,26 @@ use crate::exact::closest_on_segment;
 
 /// Lower bounds for the signed distances of everything in a model-space box.
 ///
-/// Any direction gives a bound: the gap along it between the shape and the box taken to world space. Tests the normals of the
-/// box's faces, which are the same for every node, and the direction from the shape to the box's centre.
+/// Any direction gives a bound: the gap along it between the shape and the box taken to world space. The directions tried are the
+/// normals of the box's faces, which are the same for every node, and the direction from the shape to the box's centre.
 pub(super) struct NodeBound<'a> {
     shape: &'a PlacedShape,
     body: PlacedBounds,
-    /// The unit normals of a box's faces, with the shape's supports along and against each; 0 where a body is flattened.
+    /// The unit normals of a box's faces, with the shape's supports along and against each. A normal is zero if the body is flattened.
     faces: [(DVec3, [f64; 2]); 3],
     /// Covers the rounding errors of a bound, of the vertices in world space, and of the distances computed in leaves.
     slack: f64,
 }
 
-/// The slack relative to all magnitudes together: 64 roundings, more than the longest chain of operations here has.
+/// The slack relative to the sum of all magnitudes: 64 roundings, more than the longest chain of operations here.
 const ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 impl<'a> NodeBound<'a> {
-    /// For nodes inside `root`, the body's bounds in model space.
+    /// Creates the bounds for nodes inside the bounds of `body`.
     pub(super) fn new(shape: &'a PlacedShape, body: PlacedBounds) -> Self {
         let m = body.world_from_model().linear();
         let faces = [(m.y_axis, m.z_axis), (m.z_axis, m.x_axis), (m.x_axis, m.y_axis)].map(|(u, v)| {
-            // Normalised first to avoid overflow.
+            // Normalise first, to avoid overflow.
             let direction = u.normalize_or_zero().cross(v.normalize_or_zero()).normalize_or_zero();
             (direction, [shape.support(direction), shape.support(-direction)])
         });
@@ -48,7 +48,7 @@ impl<'a> NodeBound<'a> {
         };
         let outward = self.shape.outward(center);
         let mut bound = outward.dot(center) - radius_along(outward) - self.shape.support(outward);
-        // A zero direction bounds nothing.
+        // A zero direction gives no bound.
         for (direction, supports) in self.faces.iter().filter(|(direction, _)| *direction != DVec3::ZERO) {
             let (along, radius) = (direction.dot(center), radius_along(*direction));
             bound = bound
@@ -56,7 +56,7 @@ impl<'a> NodeBound<'a> {
                 .max(-along - radius - supports[1]);
         }
         let bound = bound - self.slack;
-        // Overflow culls nothing.
+        // After an overflow, cull nothing.
         if bound.is_nan() { f64::NEG_INFINITY } else { bound }
     }
 }
@@ -72,7 +72,7 @@ impl PlacedShape {
         }
     }
 
-    /// The gradient of the signed distance at a point: a unit vector, an arbitrary one where the gradient does not exist.
+    /// The gradient of the signed distance at a point, a unit vector. Arbitrary if the gradient does not exist.
     pub(super) fn outward(&self, point: DVec3) -> DVec3 {
         match &self.solid {
             Solid::Round { axis, .. } => (point - closest_on_segment(point, *axis)).normalize_or(DVec3::X),
@@ -81,7 +81,7 @@ impl PlacedShape {
         }
     }
 
-    /// An upper bound for the coordinates that take part in a distance to the shape.
+    /// An upper bound for the coordinates involved in a distance to the shape.
     pub(super) fn reach(&self) -> f64 {
         match &self.solid {
             Solid::Round { axis: [p, q], radius } => p.abs().max(q.abs()).max_element() + radius,

@@ -1,4 +1,4 @@
-//! A shape that moves along a line until it touches something.
+//! Casts of a shape along a line until it touches something.
 
 use std::ops::ControlFlow;
 
@@ -15,9 +15,9 @@ use crate::query::Body;
 pub struct ShapeImpact {
     /// How far the shape has moved, in world units; 0 if the two intersect at the start.
     pub distance: f64,
-    /// Where they touch, on what was hit, in world space. Of two that intersect at the start: the point that is deepest in the shape.
+    /// Where they touch, on the target, in world space. If they intersect at the start: the target's point that is deepest in the shape.
     pub point: DVec3,
-    /// The unit vector from what was hit towards the shape. Zero only if they intersect at the start where there is no such direction.
+    /// The unit vector from the target towards the shape. Zero only if they intersect at the start and there is no such direction.
     pub normal: DVec3,
 }
 
@@ -26,20 +26,20 @@ pub struct ShapeImpact {
 pub struct ShapeCastHit {
     /// The triangle's index in its mesh.
     pub triangle: u32,
-    /// When the shape touches it, and where.
+    /// How far the shape moves until it touches the triangle, and where it touches.
     pub impact: ShapeImpact,
 }
 
 impl ShapeQuery {
-    /// The first triangle that a shape touches while it moves along `direction`, whose length does not matter, for at most `max_distance`,
-    /// which may be infinite.
+    /// Returns the first triangle that a shape touches while it moves along `direction` for at most `max_distance`, which may be infinite.
+    /// The length of `direction` does not matter.
     ///
-    /// The shape is solid. The distance is never longer than the true one by more than a few `f64` roundings of the coordinates that take part,
-    /// nor shorter by more than a millionth of a millionth of them. A path that misses a triangle by as little may count as a hit. Among
-    /// equal distances the lowest triangle index wins.
+    /// The shape is solid. The distance is too long by at most a few `f64` roundings of the coordinates involved, and too short by at
+    /// most 1e-12 times them. A path that misses a triangle by that little may count as a hit. Among equal distances, the lowest triangle
+    /// index wins.
     ///
     /// # Errors
-    /// [`InputError`] if the direction is zero or not finite, or `max_distance` is negative or NaN.
+    /// [`InputError`] if the direction is zero or not finite, or if `max_distance` is negative or NaN.
     ///
     /// ```
     /// # use std::sync::Arc;
@@ -91,27 +91,28 @@ impl ShapeQuery {
     }
 }
 
-/// A direction of length 1.
+/// Normalises a direction.
 pub(super) fn unit_direction(direction: DVec3) -> Result<DVec3, InputError> {
     check_direction("direction", direction)?;
     Ok((direction / direction.abs().max_element()).normalize())
 }
 
-/// How far a shape must move along a unit vector to touch a convex target; `None` if it is farther than `limit`, or never.
+/// How far a shape must move along a unit vector to touch a convex target; `None` if that is farther than `limit`, or if it never touches.
 ///
-/// `closest` tells the distance of the shape, when it is there, from the target, and the normal of a plane that separates them.
+/// `closest` takes the moved shape and returns its distance from the target, with the normal of a plane that separates them.
 ///
-/// The plane bounds the distance that is free: as far as the shape may move before it crosses the gap along the normal, the two stay apart. From
-/// there the next plane is asked for. This is Newton's method for a convex function, so it ends after few steps, from the near side.
+/// Until the shape has crossed the gap along that normal, the two stay apart. So each step moves the shape that far and asks for the next
+/// plane. This is Newton's method for a convex function: it needs few steps and approaches the contact from the near side.
 pub(super) fn first_impact(
     shape: &PlacedShape,
     direction: DVec3,
     limit: f64,
     closest: impl Fn(&PlacedShape) -> Closest,
 ) -> Option<ShapeImpact> {
-    /// Where a path grazes the target, each step halves what is left: these are more than the bits of a number.
+    /// If a path grazes the target, each step halves the remaining distance. This is more steps than an `f64` has bits.
     const MAX_STEPS: usize = 64;
-    /// Relative to the coordinates that take part: what is nearer touches. The direction across so narrow a gap would be rounding's.
+    /// Smaller distances, relative to the coordinates involved, count as touching: the direction across so narrow a gap would be only
+    /// rounding error.
     const TOUCHING: f64 = 1e-13;
     let mut distance = 0.0;
     let mut touching = closest(shape);
@@ -146,7 +147,7 @@ pub(super) fn first_impact(
 }
 
 impl PlacedShape {
-    /// The same shape elsewhere.
+    /// The shape, moved by an offset.
     pub(super) fn moved_by(&self, offset: DVec3) -> Self {
         use super::placed::Solid;
         let solid = match self.solid {
@@ -164,15 +165,15 @@ impl PlacedShape {
     }
 }
 
-/// Lower bounds of how far a shape must move to touch what is in a node's box.
+/// Lower bounds on how far a shape must move to touch anything in a node's box.
 struct Sweep {
     body: PlacedBounds,
-    /// Unit vectors, the shape's extent along each, and how fast it moves along them.
+    /// Unit vectors, the shape's extent along each, and its speed along each.
     slabs: [(DVec3, [f64; 2], f64); 6],
     slack: f64,
 }
 
-/// Relative to all magnitudes together: 64 roundings, more than the longest chain of operations here has.
+/// Relative to the sum of all magnitudes: 64 roundings, more than the longest chain of operations here.
 const ROUNDING: f64 = 32.0 * f64::EPSILON;
 
 impl Sweep {
@@ -184,9 +185,9 @@ impl Sweep {
         Self { body, slabs, slack }
     }
 
-    /// `None` if the shape certainly passes by.
+    /// The earliest distance at which the shape may touch the box; `None` if it certainly misses the box.
     ///
-    /// Speeds are rounded by less than what the slack leaves for the distances at which boxes are met.
+    /// The slack also covers the rounding of speeds, for the distances at which the shape meets boxes.
     fn earliest(&self, node: &Box64) -> Option<f64> {
         let place = self.body.world_from_model();
         let m = place.linear();
@@ -197,7 +198,7 @@ impl Sweep {
             let middle = w.dot(center);
             let radius = axes.iter().map(|axis| w.dot(*axis).abs()).sum::<f64>() + self.slack;
             let (low, high) = (middle - radius - shape_high, middle + radius - shape_low);
-            // Overflow bounds nothing.
+            // After an overflow, there is no bound.
             if low.is_nan() || high.is_nan() {
                 continue;
             }

@@ -15,7 +15,8 @@ pub(super) struct Cuboid {
     center: DVec3,
 }
 
-/// The corners of each face in order. Its diagonal from the first corner, which cuts it into two triangles, is part of the definition.
+/// The corners of each face, in order. The diagonal from the first corner splits the face into two triangles; it is part of the
+/// definition.
 const FACES: [[usize; 4]; 6] = [
     [0, 4, 6, 2],
     [1, 3, 7, 5],
@@ -25,7 +26,7 @@ const FACES: [[usize; 4]; 6] = [
     [4, 5, 7, 6],
 ];
 
-/// Bounds the error of a local coordinate, relative to the largest coordinate that takes part: 128 roundings, more than the operations here.
+/// Bounds the error of a local coordinate, relative to the largest coordinate involved: 128 roundings, more than the operations here.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
 impl Cuboid {
@@ -54,7 +55,7 @@ impl Cuboid {
         std::array::from_fn(|i| self.rotation * self.local_corner(i) + self.center)
     }
 
-    /// How far its corners are from where they were, and with them any point, but for roundings of the lengths.
+    /// The largest distance that a corner has moved. It bounds how far any point has moved, up to rounding of the lengths.
     pub(super) fn displacement_from(&self, before: &Self) -> f64 {
         let corners = self.corners().into_iter().zip(before.corners());
         corners.map(|(now, before)| now.distance(before)).fold(0.0, f64::max)
@@ -102,7 +103,7 @@ impl Cuboid {
         halves.map(move |half| half.map(|corner| corners[corner]))
     }
 
-    /// Exact over the corners, the centre and the triangle. Rounded local coordinates decide clear cases.
+    /// Exact for the corners, the centre and the triangle. Rounded local coordinates decide clear cases.
     pub(super) fn intersects(&self, triangle: &Triangle) -> bool {
         let local = triangle.map(|corner| self.local(corner));
         let sizes = triangle.map(|corner| corner.abs().max_element()).into_iter();
@@ -121,7 +122,7 @@ impl Cuboid {
 
     /// Whether a point is in one of the twelve tetrahedra between the centre and the faces' triangles. Exact.
     ///
-    /// Skips tetrahedra without volume: their points belong to a face, or the box is flat.
+    /// Skips tetrahedra without volume: their points are on a face, or the box is flat.
     fn holds(&self, point: DVec3) -> bool {
         self.faces().any(|[a, b, c]| {
             let apex = self.center;
@@ -161,7 +162,7 @@ impl Cuboid {
         closest(deepest, self.nearest_face(deepest), distance)
     }
 
-    /// The closest points of the box and a triangle outside, in local coordinates. They lie on a corner of one, or on an edge of each.
+    /// The closest points of the box and a triangle outside, in local coordinates. One of them is a corner, or both are on edges.
     fn closest_outside(&self, triangle: &Triangle) -> ClosestPoints {
         let mut nearest = ClosestPoints::NONE;
         for &corner in triangle {
@@ -198,7 +199,7 @@ impl Cuboid {
         };
         offer(1.0, 0.0);
         offer(0.0, 1.0);
-        // Face function i over the barycentric coordinates of b and c: its value at a, and its slopes.
+        // Face function `i` over the barycentric coordinates of `b` and `c`: its value at `a`, and its slopes.
         let face = |i: usize| {
             let sign = if i < 3 { 1.0 } else { -1.0 };
             let along = |p: DVec3| sign * p[i % 3];

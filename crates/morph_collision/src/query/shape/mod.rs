@@ -1,8 +1,8 @@
-//! Bodies against points, convex regions, balls, capsules, cuboids and half-spaces.
+//! Queries for a body against points, convex regions, balls, capsules, cuboids and half-spaces.
 //!
-//! Shapes are convex and share one notion: the *signed distance* of a point, which is positive outside, zero on the surface and
-//! negative inside. It is a convex function, the maximum of `w . x - support(w)` over all unit vectors `w`; so any direction
-//! gives a lower bound for a node (`bound`). A triangle's signed distance is the minimum over its points.
+//! All shapes are convex and are defined by the *signed distance* of a point: positive outside, zero on the surface and negative
+//! inside. It is a convex function, the maximum of `w . x - support(w)` over all unit vectors `w`, so any direction gives a lower bound
+//! for a node (`bound`). A triangle's signed distance is the minimum over its points.
 
 mod bound;
 mod cast;

@@ -1,4 +1,4 @@
-//! Two primitive shapes, and a shape and a point.
+//! Queries for two primitive shapes, and for a shape and a point.
 
 use glam::DVec3;
 
@@ -7,21 +7,21 @@ use super::placed::{Closest, PlacedShape, Solid};
 use crate::exact::Triangle;
 use crate::input_error::{InputError, check_length};
 
-/// The closest points of two shapes, or the deepest ones if they intersect.
+/// The closest points of two shapes, or the deepest points if they intersect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeGap {
-    /// The distance, in world units. Not positive if they intersect; then it is the negative of a depth.
+    /// The distance, in world units. If they intersect it is at most 0, and its absolute value is a depth.
     pub distance: f64,
-    /// On the first shape, in world space.
+    /// The point on the first shape, in world space.
     pub point_a: DVec3,
-    /// On the second shape.
+    /// The point on the second shape, in world space.
     pub point_b: DVec3,
     /// The unit vector from the first shape towards the second.
     pub normal: DVec3,
 }
 
 impl PlacedShape {
-    /// The point of the shape that is closest to `point`, which is `point` itself inside the shape.
+    /// Returns the point of the shape that is closest to `point`: `point` itself if it is inside the shape.
     #[must_use]
     pub fn closest_point(&self, point: DVec3) -> DVec3 {
         let distance = self.signed_distance(point);
@@ -32,15 +32,16 @@ impl PlacedShape {
         }
     }
 
-    /// Whether two solid shapes share a point, computed in `f64`.
+    /// Returns whether two solid shapes share a point, computed in `f64`.
     #[must_use]
     pub fn meets(&self, other: &Self) -> bool {
         self.gap(other).distance <= 0.0
     }
 
-    /// The closest points of two solid shapes, computed in `f64`.
+    /// Returns the closest points of two solid shapes, computed in `f64`.
     ///
-    /// Where they intersect, the distance is that of some point of one inside the other, a lower bound of the depth.
+    /// If they intersect, the distance is the signed distance of some point of one shape inside the other. Its absolute value is a lower
+    /// bound of the depth.
     #[must_use]
     pub fn gap(&self, other: &Self) -> ShapeGap {
         let closest = self.closest_of_shape(other);
@@ -52,11 +53,13 @@ impl PlacedShape {
         }
     }
 
-    /// How far the shape moves along `direction`, whose length does not matter, until it touches another one; `None` if that is farther than
-    /// `max_distance`, which may be infinite, or never. As accurate as [`ShapeQuery::cast`](crate::ShapeQuery::cast).
+    /// Returns how far the shape moves along `direction` until it touches another one. `None` if that is farther than `max_distance`, which
+    /// may be infinite, or if they never touch. The length of `direction` does not matter.
+    ///
+    /// As accurate as [`ShapeQuery::cast`](crate::ShapeQuery::cast).
     ///
     /// # Errors
-    /// [`InputError`] if the direction is zero or not finite, or `max_distance` is negative or NaN.
+    /// [`InputError`] if the direction is zero or not finite, or if `max_distance` is negative or NaN.
     ///
     /// ```
     /// use glam::{DVec3, Quat, Vec3};
@@ -80,7 +83,7 @@ impl PlacedShape {
     /// The point of another shape with the smallest signed distance.
     fn closest_of_shape(&self, other: &Self) -> Closest {
         match (&self.solid, &other.solid) {
-            // All points within a radius of a segment.
+            // A round shape is all points within a radius of a segment.
             (_, Solid::Round { axis: [p, q], radius }) => {
                 let closest = self.closest(&[*p, *q, *q]);
                 Closest {
@@ -93,7 +96,7 @@ impl PlacedShape {
             (Solid::Round { .. } | Solid::Cuboid(_), Solid::Cuboid(cuboid)) => {
                 let closest = self.closest_of_faces(cuboid.faces());
                 let inside = self.center();
-                // All of this shape may be inside the other.
+                // This shape may be wholly inside the other.
                 let depth = cuboid.signed_distance(inside);
                 if closest.distance > 0.0 && depth <= 0.0 {
                     return Closest {
@@ -110,7 +113,7 @@ impl PlacedShape {
                 distance: if *normal == -*other {
                     self.signed_distance(*point)
                 } else {
-                    // Unless they face each other, they have points in common however far away.
+                    // Unless they face each other, they always overlap, without limit.
                     f64::NEG_INFINITY
                 },
             },
@@ -128,7 +131,7 @@ impl PlacedShape {
     fn closest_of_faces(&self, faces: impl Iterator<Item = Triangle>) -> Closest {
         let closest = faces.map(|face| self.closest(&face));
         let nearest = closest.min_by(|x, y| x.distance.total_cmp(&y.distance));
-        // A cuboid has twelve.
+        // Never `None`: a cuboid has twelve face triangles.
         nearest.unwrap_or(Closest {
             point: DVec3::ZERO,
             normal: DVec3::ZERO,
@@ -157,7 +160,7 @@ mod tests {
         PlacedShape::new(shape, rotation, Vec3::from_array(at)).unwrap()
     }
 
-    /// Shapes of every kind, turned.
+    /// Rotated shapes of every kind.
     fn shapes(at: [f32; 3], turn: f32) -> Vec<PlacedShape> {
         let rotation = Quat::from_euler(glam::EulerRot::XYZ, turn, 1.3 * turn, 0.7 * turn);
         let half_extents = Vec3::new(0.5, 1.0, 0.25);
@@ -180,7 +183,7 @@ mod tests {
         .to_vec()
     }
 
-    /// The smallest signed distance from `a` of points of `b`, by descent from many starts: an upper bound that is nearly sharp.
+    /// The smallest signed distance from `a` of points of `b`, by descent from many starts: a nearly sharp upper bound.
     fn sampled(a: &PlacedShape, b: &PlacedShape) -> f64 {
         let mut best = f64::INFINITY;
         for i in 0..5 {
@@ -191,7 +194,7 @@ mod tests {
                     let mut point = b.closest_point(start);
                     let mut size = 0.5;
                     for _ in 0..400 {
-                        // Along the way out of `a`, back into `b`.
+                        // Step towards `a`, then back into `b`.
                         let next = b.closest_point(point - a.outward(point) * size);
                         if a.signed_distance(next) < a.signed_distance(point) {
                             point = next;

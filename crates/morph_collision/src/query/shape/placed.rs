@@ -7,7 +7,7 @@ use crate::exact::{
 };
 use crate::input_error::{InputError, check_direction, check_number, check_point, check_vector};
 
-/// The largest number in a [`Shape`] or its placement.
+/// The largest value allowed in a [`Shape`] or its placement.
 const LARGEST: f64 = 1e37;
 
 /// A primitive shape in its own space. All shapes are closed: they include their surfaces.
@@ -15,24 +15,24 @@ const LARGEST: f64 = 1e37;
 pub enum Shape {
     /// A solid ball around the origin.
     Ball {
-        /// The radius; 0 makes a point.
+        /// The radius; 0 gives a point.
         radius: f32,
     },
     /// All points within a radius of a segment along the y axis.
     Capsule {
         /// Half the length of the segment, without the round ends.
         half_length: f32,
-        /// The radius; 0 makes a segment.
+        /// The radius; 0 gives a segment.
         radius: f32,
     },
     /// A solid box around the origin.
     Cuboid {
-        /// Half the edge lengths; a 0 makes it flat.
+        /// Half the edge lengths; a 0 gives a flat box.
         half_extents: Vec3,
     },
     /// A plane through the origin and everything below it.
     HalfSpace {
-        /// The direction out of the half-space; any length but 0.
+        /// The direction out of the half-space. It may have any nonzero length.
         normal: Vec3,
     },
 }
@@ -78,11 +78,15 @@ pub(super) struct Closest {
 }
 
 impl PlacedShape {
-    /// Rotates a shape, then moves it, into world space. There is no scale, so sizes are in world units.
+    /// Rotates a shape and then moves it into world space. There is no scale, so sizes are in world units.
     ///
     /// # Errors
-    /// [`InputError`] if a number is not finite or beyond 1e37, a size is negative, a half-space has no direction, or the rotation's length
-    /// differs from 1 by more than 1e-3. (The rotation is normalised in `f64`.)
+    /// [`InputError`] if
+    ///
+    /// - a number is not finite or beyond 1e37;
+    /// - a size is negative;
+    /// - a half-space's normal is zero;
+    /// - the rotation's length differs from 1 by more than 1e-3. (It is then normalised in `f64`.)
     pub fn new(shape: Shape, rotation: Quat, translation: Vec3) -> Result<Self, InputError> {
         let [x, y, z, w] = rotation.to_array().map(f64::from);
         let rotation = DQuat::from_xyzw(x, y, z, w);
@@ -120,10 +124,10 @@ impl PlacedShape {
         Ok(Self { solid })
     }
 
-    /// A ball around a point of world space, in `f64`.
+    /// Creates a ball around a point of world space, in `f64`.
     ///
     /// # Errors
-    /// [`InputError`] if the centre is not finite or beyond 1e50, or the radius is not between 0 and 1e50.
+    /// [`InputError`] if the centre is not finite or beyond 1e50, or if the radius is not between 0 and 1e50.
     pub fn ball(center: DVec3, radius: f64) -> Result<Self, InputError> {
         check_point("center", center)?;
         check_number("radius", radius, (0.0..=1e50).contains(&radius), "from 0 to 1e50")?;
@@ -133,9 +137,9 @@ impl PlacedShape {
         })
     }
 
-    /// The signed distance of a point, in world units; negative inside.
+    /// Returns the signed distance of a point, in world units; negative inside.
     ///
-    /// Inside a cuboid it is the distance to the nearest face.
+    /// Inside a cuboid, its absolute value is the distance to the nearest face.
     #[must_use]
     pub fn signed_distance(&self, point: DVec3) -> f64 {
         match &self.solid {
@@ -145,8 +149,8 @@ impl PlacedShape {
         }
     }
 
-    /// A bound on how far any point of the shape is from where it was in `before`, in world units; roundings included. Infinite for another kind of
-    /// shape, and for half-spaces that have turned.
+    /// Returns a bound on how far any point of the shape has moved since `before`, in world units, rounding included. Infinite for another
+    /// kind of shape, and for half-spaces that have rotated.
     #[must_use]
     pub fn displacement_from(&self, before: &Self) -> f64 {
         let moved = match (&before.solid, &self.solid) {
@@ -173,11 +177,11 @@ impl PlacedShape {
         moved * (1.0 + 1e-9)
     }
 
-    /// Whether a closed triangle in world space shares a point with the shape.
+    /// Returns whether a closed triangle in world space shares a point with the shape.
     ///
-    /// Exact for a cuboid, the solid spanned by its eight `f64` corners and its `f64` centre, with each face split into two
-    /// triangles; and for balls and capsules without radius, a point or the segment between its `f64` ends. For other shapes: whether the
-    /// triangle's signed distance, computed in `f64`, is at most 0.
+    /// - Cuboids: exact for the solid spanned by the eight `f64` corners and the `f64` centre, with each face split into two triangles.
+    /// - Balls and capsules with radius 0: exact for the point, or for the segment between the `f64` ends.
+    /// - Other shapes: whether the triangle's signed distance, computed in `f64`, is at most 0.
     #[must_use]
     pub fn intersects(&self, triangle: &Triangle) -> bool {
         match &self.solid {
@@ -186,7 +190,7 @@ impl PlacedShape {
         }
     }
 
-    /// The point of a triangle with the smallest signed distance, which is at most 0 exactly if they intersect.
+    /// The point of a triangle with the smallest signed distance. That is at most 0 if and only if they intersect.
     pub(super) fn closest(&self, triangle: &Triangle) -> Closest {
         match &self.solid {
             Solid::Round { axis, radius } => {
@@ -225,7 +229,7 @@ fn size(what: &'static str, value: f32) -> Result<f64, InputError> {
     Ok(value)
 }
 
-/// The closest point to a ball's centre or a capsule's segment. The distance is 0 exactly if they share a point.
+/// The closest point to a ball's centre or a capsule's segment. The distance is 0 if and only if they share a point.
 fn closest_to_axis([p, q]: Segment, triangle: &Triangle) -> Closest {
     let apart = |on_axis: DVec3, point: DVec3, distance: f64| Closest {
         point,
@@ -238,7 +242,7 @@ fn closest_to_axis([p, q]: Segment, triangle: &Triangle) -> Closest {
     }
     if let Some([s, t]) = common_segment(triangle, &[p, q, q]) {
         let point = s + (t - s) * 0.5;
-        // Points away from the end of the segment that reaches farther through the triangle.
+        // The normal points away from the end of the segment that reaches farther through the triangle.
         let normal = unit_normal(triangle);
         let faces_middle = normal.dot(p - point + (q - point)) > 0.0;
         return Closest {

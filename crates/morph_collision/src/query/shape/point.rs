@@ -1,4 +1,4 @@
-//! The closest point of a body's surface.
+//! The closest point on a body's surface.
 
 use std::ops::ControlFlow;
 
@@ -11,7 +11,7 @@ use crate::input_error::{InputError, check_length, check_point};
 use crate::query::Body;
 use crate::query::distance::MARGIN;
 
-/// The point of a body's surface closest to a given point.
+/// The point on a body's surface that is closest to a given point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClosestPoint {
     /// The triangle's index in its mesh.
@@ -20,19 +20,20 @@ pub struct ClosestPoint {
     pub barycentrics: [f64; 3],
     /// The closest point, in world space.
     pub point: DVec3,
-    /// The distance, in world units. It is 0 exactly if the point is on the triangle; otherwise its error is a few `f64` roundings of
+    /// The distance, in world units. It is 0 if and only if the point is on the triangle. Otherwise its error is a few `f64` roundings of
     /// the triangle's size and the distance.
     pub distance: f64,
 }
 
 impl ShapeQuery {
-    /// The point of the surface closest to `point`; `None` if it is farther away than `max_distance`, which may be infinite.
+    /// Returns the point on the surface that is closest to `point`; `None` if it is farther away than `max_distance`, which may be
+    /// infinite.
     ///
     /// The surface is the union of the closed triangles, degenerate ones included. The mesh need not be closed; a point inside it
-    /// has a positive distance. Among equally close triangles the one with the lowest index wins.
+    /// has a positive distance. Among equally close triangles, the one with the lowest index wins.
     ///
     /// # Errors
-    /// [`InputError`] if the point is not finite or beyond 1e50, or `max_distance` is negative or NaN.
+    /// [`InputError`] if the point is not finite or beyond 1e50, or if `max_distance` is negative or NaN.
     ///
     /// ```
     /// # use std::sync::Arc;

@@ -11,13 +11,13 @@ use crate::query::Body;
 use crate::query::capped::Capped;
 use crate::query::one::OneBody;
 
-/// The contact of a triangle with a shape: the closest points if they are apart, the deepest ones if they intersect.
+/// The contact of a triangle with a shape: the closest points if they are apart, or the deepest points if they intersect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeContact {
     /// The triangle's index in the body's mesh.
     pub triangle: u32,
-    /// The triangle's smallest signed distance from the shape, in world units. At most 0 exactly if they intersect; then it is a
-    /// negative depth.
+    /// The triangle's smallest signed distance from the shape, in world units. It is at most 0 if and only if they intersect; its
+    /// absolute value is then the depth.
     pub distance: f64,
     /// The point of the triangle with that distance, in world space.
     pub point_on_triangle: DVec3,
@@ -25,15 +25,15 @@ pub struct ShapeContact {
     pub point_on_shape: DVec3,
     /// The unit vector out of the shape towards the body: the gradient of the distance.
     ///
-    /// Where the gradient does not exist, because the triangle meets a ball's centre or a capsule's axis, it is the triangle's
-    /// normal, towards the side with less of the axis; zero if the triangle has no normal.
+    /// If the triangle meets a ball's centre or a capsule's axis, there is no gradient. The normal is then the triangle's, pointing to
+    /// the side with less of the axis; zero if the triangle has no normal.
     pub normal: DVec3,
 }
 
-/// Finds where a body meets a primitive shape, a convex region or a point. Keep the query: it reuses its memory.
+/// Tests a body against a primitive shape, a convex region or a point. Keep the query and use it again: it reuses its memory.
 ///
-/// Shapes are solid: a triangle wholly inside intersects. [`PlacedShape::intersects`] says what is exact. No answer depends on the
-/// tree. Distances are `f64`, with an error of a few roundings of the largest coordinate that takes part.
+/// Shapes are solid: a triangle that is wholly inside intersects. [`PlacedShape::intersects`] says what is exact. No answer depends on
+/// the tree. Distances are `f64`, with an error of a few roundings of the largest coordinate involved.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -62,7 +62,7 @@ pub struct ShapeQuery {
 query_basics!(ShapeQuery, |query| query.one.stats);
 
 impl ShapeQuery {
-    /// Whether any triangle intersects the shape.
+    /// Returns whether any triangle intersects the shape.
     pub fn any(&mut self, body: Body<'_>, shape: &PlacedShape) -> bool {
         self.up_to(body, shape, 0, &mut Vec::new())
     }
@@ -79,7 +79,8 @@ impl ShapeQuery {
         listed.is_truncated
     }
 
-    /// Calls `visitor` for every triangle that intersects the shape until it breaks. Leaves that reach deepest come first.
+    /// Calls `visitor` for every triangle that intersects the shape, until it breaks. Leaves that may reach deepest into the shape come
+    /// first.
     pub fn visit(&mut self, body: Body<'_>, shape: &PlacedShape, mut visitor: impl FnMut(u32) -> ControlFlow<()>) {
         self.walk(body, shape, 0.0, |triangle, corners| {
             if shape.intersects(corners) {
@@ -89,9 +90,9 @@ impl ShapeQuery {
         });
     }
 
-    /// Appends the contact of every triangle with a signed distance of at most `within`, leaves with lower bounds first.
+    /// Appends the contact of every triangle with a signed distance of at most `within`. Leaves with lower bounds come first.
     ///
-    /// With 0 these are the intersecting triangles; with a negative number, only deeper ones.
+    /// With 0 you get the intersecting triangles; with a negative number, only triangles at least that deep.
     ///
     /// # Errors
     /// [`InputError`] if `within` is NaN.
@@ -130,9 +131,9 @@ impl ShapeQuery {
         Ok(listed.is_truncated)
     }
 
-    /// The contact of the triangle with the smallest signed distance: the closest one, or the deepest if they intersect.
+    /// Returns the contact of the triangle with the smallest signed distance: the closest triangle, or the deepest if any intersect.
     ///
-    /// `None` if the distance is above `within`. Among equal distances the lowest triangle index wins.
+    /// `None` if that distance is above `within`. Among equal distances, the lowest triangle index wins.
     ///
     /// # Errors
     /// [`InputError`] if `within` is NaN.

@@ -1,4 +1,4 @@
-//! Convex regions: which triangles they intersect.
+//! Triangles that intersect a convex region.
 
 use std::ops::ControlFlow;
 
@@ -10,10 +10,10 @@ use crate::query::capped::Capped;
 use crate::query::input::ConvexRegion;
 
 impl ShapeQuery {
-    /// Whether any triangle shares a point with a convex region, such as a box or a camera's frustum.
+    /// Returns whether any triangle shares a point with a convex region, such as a box or a camera's frustum.
     ///
-    /// Exact over the posed vertices in world space; touching counts. Only the surface counts: a region wholly inside a
-    /// closed mesh intersects no triangle.
+    /// Exact for the posed vertices in world space; touching counts. The body is a surface: a region wholly inside a closed mesh
+    /// intersects no triangle.
     ///
     /// ```
     /// # use std::sync::Arc;
@@ -33,7 +33,7 @@ impl ShapeQuery {
         self.in_region_up_to(body, region, 0, &mut Vec::new())
     }
 
-    /// Appends the triangles that share a point with a convex region, ascending; as exact as [`ShapeQuery::any_in_region`].
+    /// Appends the triangles that share a point with a convex region, in ascending order. As exact as [`ShapeQuery::any_in_region`].
     pub fn all_in_region(&mut self, body: Body<'_>, region: &ConvexRegion, triangles: &mut Vec<u32>) {
         let start = triangles.len();
         self.in_region_up_to(body, region, usize::MAX, triangles);

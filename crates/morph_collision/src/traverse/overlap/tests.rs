@@ -1,4 +1,4 @@
-//! The walk over two trees against the boxes of all leaves.
+//! Compares the walk over two trees with brute force over the boxes of all leaves.
 
 use std::ops::ControlFlow;
 
@@ -9,7 +9,7 @@ use crate::bounds::{Aabb, BoxMap, Frame, WorldFromModel, visit_frames};
 use crate::pose::{NodeId, Pose, Posed};
 use crate::traverse::probe::{blob, cubes, leaves, row, triangle};
 
-/// Two bodies on a walk, and the leaf pairs that it passed on, by their triangles.
+/// A walk over two bodies, and the leaf pairs that it passed on, named by their triangles.
 struct Walk<'p> {
     walk: OverlapWalk,
     a: Posed<'p>,
@@ -17,13 +17,13 @@ struct Walk<'p> {
     lists: Vec<Vec<(u32, u32)>>,
 }
 
-/// Maps from the bodies' own spaces, as [`OverlapWalk::push_frame`] takes them.
+/// Maps from each body's own space, as [`OverlapWalk::push_frame`] takes them.
 type Frames = [Option<Frame>; 2];
 
 const OWN: Frames = [None, None];
 
 impl<'p> Walk<'p> {
-    /// Without frames: nothing is culled.
+    /// A walk without frames: nothing is culled.
     fn unculled(a: &'p mut Pose, b: &'p mut Pose) -> Self {
         let (mut a, mut b) = (a.posed(), b.posed());
         let mut walk = OverlapWalk::default();
@@ -58,7 +58,7 @@ impl<'p> Walk<'p> {
         })
     }
 
-    /// The leaf pairs in their order.
+    /// The leaf pairs in the order of the walk.
     fn pairs(&mut self, order: Order) -> Vec<(u32, u32)> {
         self.pairs_from(&[], order)
     }
@@ -91,7 +91,7 @@ impl<'p> Walk<'p> {
     }
 }
 
-/// A map of B's, which reaches this far.
+/// A map for B, which reaches up to 16 units.
 fn frame(linear: DMat3, translation: DVec3) -> Frames {
     let magnitude = DVec3::splat(16.0);
     let error = DVec3::ZERO;
@@ -186,13 +186,14 @@ fn every_comparison_of_a_node_is_counted() {
         walk.pairs(Order::Any);
         walk.walk.node_tests
     };
-    // The roots, the children of the larger with the other root, and the children of that with each of them.
+    // The roots, then the children of the larger root with the other root, then the children of the other root with each of
+    // them.
     assert_eq!(tests(&[0.0, 2.0, 4.0], &[0.5, 4.5]), 1 + 3 + 3 * 2);
     assert_eq!(tests(&[0.0, 2.0, 4.0], &[2.0]), 1 + 3);
     assert_eq!(tests(&[2.0], &[0.0, 2.0, 4.0]), 1 + 3);
 }
 
-/// A small body in the gap between two children of a large one. Of the large one two levels are opened, of the small one none.
+/// A small body in the gap between two children of a large one. Two levels of the large body are opened, none of the small one.
 #[test]
 fn the_larger_of_two_nodes_is_opened() {
     let two = |x: f32| [Vec3::X * x, Vec3::X * (x + 0.08)];
@@ -211,7 +212,7 @@ fn the_larger_of_two_nodes_is_opened() {
     assert_eq!([false, true].map(&mut tests), [1 + 8 + 2; 2]);
 }
 
-/// The second body is the larger one only in the units of the first.
+/// The second body is larger only in the units of the first.
 #[test]
 fn sizes_are_compared_in_the_units_of_the_first_body() {
     let (mut a, mut b) = (row(&[20.0, 25.0]), row(&[0.0, 4.0]));
@@ -222,7 +223,7 @@ fn sizes_are_compared_in_the_units_of_the_first_body() {
     assert_eq!(walk.walk.node_tests, 1 + 2);
 }
 
-/// Unit cubes apart along x, which reach down into a slab, or into cubes, by their depths.
+/// Unit cubes, spaced along x, that reach down into a slab or into other cubes by the given depths.
 #[test]
 fn the_deepest_pair_comes_first_and_among_equals_the_last() {
     let depths = [

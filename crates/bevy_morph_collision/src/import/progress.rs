@@ -63,7 +63,7 @@ impl MorphTrees {
         Some(entry.error.as_ref().map_or(Ok(()), Err))
     }
 
-    /// The trees that are new, or have failed, since it was called last.
+    /// The trees that are new, or have failed, since the last call.
     pub(crate) fn take_news(&mut self) -> HashSet<TreeKey> {
         let taken = |(key, entry): (&TreeKey, &mut MeshTree)| std::mem::take(&mut entry.is_news).then_some(*key);
         self.of_mesh.iter_mut().filter_map(taken).collect()

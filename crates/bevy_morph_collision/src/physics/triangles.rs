@@ -126,8 +126,8 @@ impl PointQuery for Triangles {
 /// this limit, bodies that slide over a surface are caught by interior edges.
 ///
 /// Neighbours are given by their third corners, across the edges from a corner to the next. For the surface of a solid body,
-/// `outward` says whether the normal, by the triangles' winding, points outward (1) or inward (-1). Contacts then only push
-/// outward.
+/// `outward` says whether the normal, by the triangles' winding, points outward (1) or inward (-1). Contacts then ignore what is
+/// inside.
 pub(crate) fn pseudo_normals(
     corners: [Vector; 3],
     across: [Option<Vector>; 3],

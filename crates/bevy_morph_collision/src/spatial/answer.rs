@@ -16,7 +16,7 @@ pub struct MorphRayHit {
     /// The unit normal of the triangle, by its winding in world space; zero if the triangle has no area. On a
     /// [`MorphShape`](crate::MorphShape), it points out of the shape; zero if the ray starts inside.
     pub normal: Vec3,
-    /// Which side of the triangle the ray sees; [`Facing::Front`] on a shape. Not reflected: it is [`Facing::EdgeOn`] in a value made by reflection.
+    /// Which side of the triangle the ray sees; [`Facing::Front`] on a shape. Not reflected: it is [`Facing::EdgeOn`] in a value created by reflection.
     #[reflect(ignore, default = "edge_on")]
     pub facing: Facing,
     /// The triangle's number in its mesh; see [`MorphContact::triangles`](crate::MorphContact::triangles). On a shape it is
@@ -102,7 +102,6 @@ pub struct MorphManifold {
     /// How many pairs of triangles (or triangles and a shape) intersect, among those looked at.
     pub pair_count: usize,
     /// Whether more pairs intersect than were looked at; see
-    /// [`MorphCollisionSettings::max_triangle_pairs`](crate::MorphCollisionSettings).
     /// [`MorphCollisionSettings::max_triangle_pairs`](crate::MorphCollisionSettings).
     pub is_truncated: bool,
     /// At most four contact points, deepest first.

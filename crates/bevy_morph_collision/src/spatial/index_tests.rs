@@ -169,7 +169,7 @@ fn colliders_that_come_after_the_first_question_are_in_the_tree() {
     let boxes = |index: &ColliderIndex| (0..200).map(|i| near(index, all[i * 10].1.min, 1.0).1).sum::<usize>() / 200;
     let grown = boxes(&index);
     assert!(grown < 150, "{grown} boxes");
-    // From far apart to a heap.
+    // Move them from far apart into a heap.
     let mut fresh = ColliderIndex::default();
     for (i, (_, bounds)) in (0..).zip(&mut all) {
         let min = Vec3::new(noise(i, 11), noise(i, 12), noise(i, 13)) * 20.0;

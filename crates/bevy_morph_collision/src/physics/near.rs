@@ -177,7 +177,8 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
         let near = self.near.entry(visitor.collider);
         let near = near.or_insert_with(|| Near::new(visitor.body));
         near.seen = self.step;
-        // Large enough for vertices that end the step near the collider, plus a margin that saves searches in the next steps.
+        // Covers the end positions of all vertices that come near during the step, plus a margin that saves searches in the next
+        // steps.
         let room = 3.0 * following.displacement as f32 + 0.1 * visitor.bounds.extents().max_element();
         let region = visitor.bounds.loosened(pace.prediction + room);
         let travelled = (following.travelled - near.travelled) as f32;

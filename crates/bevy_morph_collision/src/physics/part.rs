@@ -187,7 +187,7 @@ impl<P: Default> Part<P> {
         } = scratch;
         let start = if moves { before } else { now };
         if start.is_empty() || !start.iter().all(|vertex| vertex.as_vec3().is_finite()) {
-            // Not representable. The last valid state stays.
+            // Not finite in `f32`. The last valid state stays.
             return false;
         }
         let origin = (start.iter().sum::<DVec3>() / start.len() as f64).as_vec3();

@@ -37,7 +37,7 @@ pub struct MorphCharacterCarry {
     /// Whether surfaces carry the controller. If not, the surface slides away below its feet, but still lifts it.
     pub enabled: bool,
     /// Whether the controller keeps the velocity of the surface when it leaves the ground, until it lands. A jump off a moving
-    /// surface then goes along with the surface. Obstacles stop it. Has no effect unless the controller is carried.
+    /// surface then goes along with the surface. Obstacles stop it. Has no effect unless `enabled` is set.
     pub keep_velocity: bool,
 }
 

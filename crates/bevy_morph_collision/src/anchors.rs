@@ -1,4 +1,4 @@
-//! Entities that stick to a posed surface.
+//! Entities that stick to a deforming surface.
 
 use bevy::ecs::system::SystemParam;
 use bevy::math::Affine3A;
@@ -17,32 +17,37 @@ use crate::skeletons::{BindPoses, Skeletons};
 use crate::spatial::MorphRayHit;
 use crate::weights::take_weights;
 
-/// Keeps this entity on a place of a collider's surface as the shape morphs and moves: for decals, hats, particles.
+/// Attaches this entity to a point of a collider's surface, so that it follows as the mesh morphs and moves. Use it for decals,
+/// hats or particles.
 ///
-/// The entity follows what is drawn: it is placed in [`PostUpdate`], at the weights, joints and [`GlobalTransform`] that the mesh is
-/// drawn with in this frame. That is so whatever schedule collisions are detected in, while they are
-/// [paused](crate::MorphCollisionSettings::paused), and with [`MorphColliderDisabled`](crate::MorphColliderDisabled) on the
-/// collider. If weights or joints cannot be used, the ones that the collider used last are in force.
+/// The entity follows the drawn surface. It is placed in [`PostUpdate`], with the weights, joints and [`GlobalTransform`] with
+/// which the mesh is drawn in this frame. This does not depend on the schedule of collision detection, and also works while that
+/// is [paused](crate::MorphCollisionSettings::paused) and while the collider has
+/// [`MorphColliderDisabled`](crate::MorphColliderDisabled). If weights or joints cannot be used, the anchor uses the last valid
+/// ones of the collider.
 ///
-/// The entity's [`Transform`] is written, relative to its parent if it has one, and the [`GlobalTransform`]s of the
-/// entity and of all entities below it, so that they are right in the same frame. Its scale stays. Nothing is written if there is
-/// no such triangle, if the entity named is no collider, is disabled or has a [`MorphShape`], or until its mesh's tree is built.
+/// The plugin writes the entity's [`Transform`], relative to its parent if it has one, and the [`GlobalTransform`]s of the entity
+/// and all its descendants, so they are correct in the same frame. The scale is kept. Nothing is written if
 ///
-/// The default names [`Entity::PLACEHOLDER`], which is nobody, and the middle of triangle 0.
+/// - the triangle does not exist;
+/// - `collider` is not a collider, has a [`MorphShape`], or is disabled by Bevy's `Disabled`;
+/// - the mesh's tree is not built yet.
+///
+/// The default names [`Entity::PLACEHOLDER`], which does not exist, and the middle of triangle 0.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(Transform)]
 pub struct MorphSurfaceAnchor {
-    /// The collider to whose mesh it sticks.
+    /// The collider whose mesh the entity follows.
     #[entities]
     pub collider: Entity,
     /// The triangle's number in the mesh.
     pub triangle: u32,
-    /// The weights of the triangle's corners.
+    /// The barycentric coordinates of the point in the triangle.
     pub barycentrics: Vec3,
-    /// How far out of the surface, along its normal, in world units.
+    /// The distance from the surface along its normal, in world units.
     pub offset: f32,
-    /// Whether the entity turns with the surface: its +Y along the normal, its +X along the triangle's first edge.
+    /// Whether the entity turns with the surface: +Y points along the normal and +X along the triangle's first edge.
     pub align: bool,
 }
 
@@ -53,7 +58,7 @@ impl Default for MorphSurfaceAnchor {
 }
 
 impl MorphSurfaceAnchor {
-    /// On the surface, turning with it.
+    /// Creates an anchor on the surface that turns with it.
     #[must_use]
     pub fn new(collider: Entity, triangle: u32, barycentrics: Vec3) -> Self {
         Self {
@@ -65,13 +70,13 @@ impl MorphSurfaceAnchor {
         }
     }
 
-    /// Where a ray hit.
+    /// Creates an anchor at the hit point of a ray.
     #[must_use]
     pub fn at(hit: &MorphRayHit) -> Self {
         Self::new(hit.entity, hit.triangle, hit.barycentrics)
     }
 
-    /// The same, out of the surface.
+    /// Sets the distance from the surface.
     #[must_use]
     pub fn with_offset(mut self, offset: f32) -> Self {
         self.offset = offset;
@@ -79,10 +84,10 @@ impl MorphSurfaceAnchor {
     }
 }
 
-/// The surfaces of colliders as they are drawn in this frame.
+/// The surfaces of colliders as drawn in this frame.
 ///
-/// Colliders keep the weights and places of the last collision run, on which spatial queries and the next run rely. So anchors
-/// have poses of their own.
+/// Colliders keep the weights and transforms of the last collision run because spatial queries and the next run need them, so
+/// anchors have their own poses.
 #[derive(SystemParam)]
 pub(crate) struct DrawnSurfaces<'w, 's> {
     colliders: Query<
@@ -106,7 +111,7 @@ pub(crate) struct DrawnSurfaces<'w, 's> {
 }
 
 impl DrawnSurfaces<'_, '_> {
-    /// The pose that a collider's mesh is drawn in, with the joints where they are now.
+    /// The pose with which a collider's mesh is drawn, with the current transforms of its joints.
     fn pose(&mut self, collider: Entity, global_of: impl Fn(Entity) -> Option<Affine3A>) -> Option<&mut Pose> {
         let (mesh, settings, skin, weights, state) = self.colliders.get(collider).ok()?;
         let key = TreeKey::of(mesh, settings, skin);
@@ -129,7 +134,7 @@ impl DrawnSurfaces<'_, '_> {
     }
 }
 
-/// Brings every anchored entity to its place, those above others in the hierarchy first.
+/// Moves every anchored entity to its place, ancestors before descendants.
 pub(crate) fn follow_surfaces(
     anchors: Query<(Entity, &MorphSurfaceAnchor, Option<&ChildOf>)>,
     mut surfaces: DrawnSurfaces,
@@ -161,7 +166,7 @@ pub(crate) fn follow_surfaces(
         let mut next = *local;
         next.translation = parent_from_world.transform_point3(world.point);
         if let Some([tangent, normal]) = world.axes {
-            // The parent may be stretched or mirrored: what it makes of +Y is along the normal.
+            // The parent may be scaled or mirrored. It maps the entity's +Y to the normal.
             let [x, y] = [tangent, normal].map(|axis| parent_from_world.transform_vector3(axis));
             let y = y.normalize_or_zero();
             let x = (x - y * y.dot(x)).normalize_or_zero();
@@ -172,7 +177,7 @@ pub(crate) fn follow_surfaces(
             *global = world_from_parent * next;
             let below = *global;
             spread(entity, below, &children, &mut transforms);
-            // It may have taken joints along.
+            // Joints below this entity may have moved too.
             if children.contains(entity) {
                 surfaces.skeletons.outdate();
             }
@@ -181,7 +186,7 @@ pub(crate) fn follow_surfaces(
     preparation.0 += start.elapsed();
 }
 
-/// Where an anchor is, and the surface's tangent and normal if it turns with them.
+/// The position of an anchor, and the surface's tangent and normal if the anchor turns with them.
 struct Anchored {
     point: Vec3,
     axes: Option<[Vec3; 2]>,
@@ -198,7 +203,7 @@ fn place(anchor: &MorphSurfaceAnchor, pose: &mut Pose, world_from_collider: &Glo
         barycentrics: anchor.barycentrics.as_dvec3().to_array(),
     };
     let Some(frame) = on_surface.frame(Body::new(pose, &world_from_model)) else {
-        // A triangle without area has a place still.
+        // A triangle without area has a position but no normal.
         let point = on_surface.point(Body::new(pose, &world_from_model))?.as_vec3();
         return Some(Anchored { point, axes: None });
     };
@@ -208,7 +213,7 @@ fn place(anchor: &MorphSurfaceAnchor, pose: &mut Pose, world_from_collider: &Glo
     })
 }
 
-/// Global transforms below an entity that moved after transforms were propagated.
+/// Updates global transforms below an entity that moved after transform propagation.
 fn spread(
     entity: Entity,
     world: GlobalTransform,

@@ -1,4 +1,4 @@
-//! Which colliders are parts of which body.
+//! Bodies: entities that group several colliders.
 
 use bevy::prelude::*;
 
@@ -8,10 +8,11 @@ use bevy::prelude::*;
 /// [`MorphBodyCollisionEnd`](crate::MorphBodyCollisionEnd) report bodies instead of their colliders. A collider without this
 /// component is a body of its own.
 ///
-/// This is a relationship of Bevy's: the body lists its colliders in [`MorphColliders`]. When the body is despawned or loses that
-/// component, its colliders become bodies of their own. A collider cannot name itself. The body of a body does not matter.
+/// This is a Bevy relationship: the body lists its colliders in [`MorphColliders`]. When the body is despawned or loses that
+/// component, its colliders become bodies of their own. A collider cannot name itself. Bodies do not nest: if a body is itself
+/// part of another body, that has no effect on its colliders.
 ///
-/// The reflected default names [`Entity::PLACEHOLDER`], which is nobody: Bevy logs a warning and removes the component.
+/// The reflected default names [`Entity::PLACEHOLDER`], which does not exist: Bevy logs a warning and removes the component.
 #[derive(Component, FromTemplate, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Debug, FromWorld, Default, Clone, PartialEq)]
 #[relationship(relationship_target = MorphColliders)]
@@ -29,10 +30,10 @@ impl Default for MorphColliderOf {
     }
 }
 
-/// On a body: its colliders, in the order in which they joined it.
+/// The colliders of a body, in the order in which they joined.
 ///
-/// Bevy adds, updates and removes this component with [`MorphColliderOf`] of the colliders. Despawning the body does not despawn
-/// them.
+/// Bevy adds, updates and removes this component when [`MorphColliderOf`] changes on the colliders. Despawning the body does not
+/// despawn its colliders.
 #[derive(Component, Reflect, Clone, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[relationship_target(relationship = MorphColliderOf)]
@@ -49,8 +50,8 @@ impl std::ops::Deref for MorphColliders {
 /// Makes an entity the body of the colliders below it that come from
 /// [`every_deforming_mesh`](crate::MorphCollisionSettings::every_deforming_mesh).
 ///
-/// Put it on the characters of a level that is one glTF file, or that is built by hand. It has no effect on colliders that you or
-/// a [`MorphColliderScene`](crate::MorphColliderScene) made: their body is what [`MorphColliderOf`] says.
+/// Put it on the characters of a level that is a single glTF file or built by hand. It has no effect on colliders created by you
+/// or by a [`MorphColliderScene`](crate::MorphColliderScene): their [`MorphColliderOf`] names their body.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 pub struct MorphBodyRoot;
@@ -60,7 +61,7 @@ pub(crate) fn body_of(collider: Entity, of: Option<&MorphColliderOf>) -> Entity 
     of.map_or(collider, |of| of.body)
 }
 
-/// Makes a collider part of a body, or a body of its own if it is that body itself.
+/// Makes a collider part of a body. If the body is the collider itself, it becomes a body of its own.
 pub(crate) fn give_body(collider: &mut EntityCommands, body: Entity) {
     if body == collider.id() {
         collider.try_remove::<MorphColliderOf>();

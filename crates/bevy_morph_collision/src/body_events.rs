@@ -1,4 +1,4 @@
-//! Which bodies started and stopped touching.
+//! Events of bodies: touches that started or ended.
 
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
@@ -7,11 +7,11 @@ use tracing::debug_span;
 use crate::contacts::MorphCollisions;
 use crate::diagnostics::MorphCollisionDiagnostics;
 
-/// Two bodies started touching: one of their colliders touches one of the other's, and none did in the run before.
+/// Two bodies started touching: a collider of one touches a collider of the other, and none did in the previous run.
 ///
-/// As a [`Message`] it is sent once per pair, `body1 < body2`. As an [`EntityEvent`] it is triggered for each of the two, which is then
-/// `body1`. An observer of the body, which for a [`MorphColliderScene`](crate::MorphColliderScene) is the scene's root, needs
-/// nothing else:
+/// As a [`Message`] it is sent once per pair, with `body1 < body2`. As an [`EntityEvent`] it is triggered for each of the two, as
+/// `body1`. You only need an observer on the body, which for a [`MorphColliderScene`](crate::MorphColliderScene) is the scene's
+/// root:
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -23,42 +23,43 @@ use crate::diagnostics::MorphCollisionDiagnostics;
 /// # }
 /// ```
 ///
-/// While bodies touch, other colliders of theirs may start and stop; [`MorphCollisionStart`](crate::MorphCollisionStart) tells of
-/// those. A collider that changes its [`MorphColliderOf`](crate::MorphColliderOf) while it touches something ends the touch of
-/// one body and starts that of another, unless other colliders of these bodies touch.
+/// While two bodies touch, other pairs of their colliders may start and stop touching;
+/// [`MorphCollisionStart`](crate::MorphCollisionStart) reports those. If a collider changes its
+/// [`MorphColliderOf`](crate::MorphColliderOf) while it touches something, the touch of its old body ends and that of its new
+/// body starts, unless other colliders of these bodies touch.
 #[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Event, Message, Debug, Clone, PartialEq)]
 pub struct MorphBodyCollisionStart {
     /// A body; the target of the entity event. See [`MorphColliderOf`](crate::MorphColliderOf).
     #[event_target]
     pub body1: Entity,
-    /// The other one.
+    /// The other body.
     pub body2: Entity,
-    /// The collider of `body1` that touches. If several started in the same run, the first pair in ascending order.
+    /// The collider of `body1` that touches. If several pairs started in the same run, this is the first in ascending order.
     pub collider1: Entity,
     /// The collider of `body2`.
     pub collider2: Entity,
     /// Where they touch, in world space; see [`MorphContact::point`](crate::MorphContact::point).
     pub point: Vec3,
-    /// The direction in which `body1` leaves `body2` there; see [`MorphContact::normal`](crate::MorphContact::normal).
+    /// The unit vector along which `body1` moves out of `body2`; see [`MorphContact::normal`](crate::MorphContact::normal).
     pub normal: Vec3,
 }
 
-/// Two bodies stopped touching: their colliders no longer touch.
+/// Two bodies stopped touching: none of their colliders touch any more.
 ///
-/// It is sent as [`MorphBodyCollisionStart`] is, also when colliders were despawned or disabled or left the body. The bodies may no
-/// longer exist; the entity event is triggered only for those that do.
+/// It is sent in the same way as [`MorphBodyCollisionStart`]. It is also sent when colliders were despawned, were disabled or
+/// left the body. The bodies may no longer exist; the entity event is triggered only for bodies that do.
 #[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Event, Message, Debug, Clone, PartialEq)]
 pub struct MorphBodyCollisionEnd {
     /// A body; the target of the entity event.
     #[event_target]
     pub body1: Entity,
-    /// The other one.
+    /// The other body.
     pub body2: Entity,
 }
 
-/// Reports this run's changes: first what ended, then what started, both in ascending order.
+/// Reports the changes of this run: first the ended touches, then the started ones, each in ascending order.
 pub(crate) fn report_body_changes(
     collisions: Res<MorphCollisions>,
     mut starts: MessageWriter<MorphBodyCollisionStart>,
@@ -107,7 +108,7 @@ pub(crate) fn report_body_changes(
     ends.write_batch(ended.iter().step_by(2).copied());
     starts.write_batch(started.iter().step_by(2).copied());
     if !ended.is_empty() || !started.is_empty() {
-        // One command: where nobody observes, that is all it costs.
+        // One command: without observers, this is the only cost.
         commands.queue(move |world: &mut World| {
             tell(world, ended);
             tell(world, started);

@@ -1,4 +1,4 @@
-//! Which bodies touch: the contacts of colliders, by pairs of bodies.
+//! Groups the contacts of colliders by pairs of bodies.
 
 use bevy::prelude::*;
 
@@ -7,18 +7,18 @@ use crate::contacts::{MorphCollisions, MorphContact};
 /// Two entities in ascending order.
 pub(crate) type Pair = (Entity, Entity);
 
-/// The contacts of the last run and of the one before, by their bodies.
+/// The contacts of the last run and of the run before, grouped by bodies.
 #[derive(Debug, Default)]
 pub(crate) struct BodyPairs {
     /// The two bodies and the two colliders of each contact, ascending.
     now: Vec<(Pair, Pair)>,
     before: Vec<(Pair, Pair)>,
-    /// Whether anything was compared in the last run. If not, `before` is that of an earlier one.
+    /// Whether anything was compared in the last run. If not, `before` belongs to an earlier run.
     compared: bool,
 }
 
 impl BodyPairs {
-    /// Takes over the contacts of a run in which colliders were compared.
+    /// Replaces the contacts after a run in which colliders were compared.
     fn replace<'a>(&mut self, contacts: impl Iterator<Item = &'a MorphContact>) {
         std::mem::swap(&mut self.now, &mut self.before);
         self.now.clear();
@@ -26,7 +26,7 @@ impl BodyPairs {
             let colliders = (contact.collider1, contact.collider2);
             (ascending(contact.body1, contact.body2), colliders)
         }));
-        // Already sorted where every collider is a body of its own.
+        // Already sorted if every collider is a body of its own.
         self.now.sort_unstable();
     }
 
@@ -38,20 +38,20 @@ impl BodyPairs {
         &self.now[start..end]
     }
 
-    /// Bodies that touch now and did not in the run before, with the first contact of each.
+    /// Pairs of bodies that started touching, with the first contact of each.
     pub(crate) fn started(&self) -> impl Iterator<Item = (Pair, Pair)> {
         let now = if self.compared { &self.now[..] } else { &[] };
         news(now, &self.before)
     }
 
-    /// Bodies that touched in the run before and do not now.
+    /// Pairs of bodies that stopped touching.
     pub(crate) fn ended(&self) -> impl Iterator<Item = Pair> {
         let before = if self.compared { &self.before[..] } else { &[] };
         news(before, &self.now).map(|(bodies, _)| bodies)
     }
 }
 
-/// The first contact of each pair of bodies in one sorted list that has none in the other; one pass over both.
+/// Returns the first contact of each pair of bodies that is in one sorted list but not in the other, in one pass over both.
 fn news(list: &[(Pair, Pair)], other: &[(Pair, Pair)]) -> impl Iterator<Item = (Pair, Pair)> {
     let mut other = other.iter().map(|&(bodies, _)| bodies).peekable();
     list.chunk_by(|a, b| a.0 == b.0).filter_map(move |contacts| {
@@ -65,9 +65,9 @@ fn ascending(a: Entity, b: Entity) -> Pair {
     (a.min(b), a.max(b))
 }
 
-/// Groups the contacts by their bodies, unless they are those of the run before.
+/// Groups the contacts by bodies if they have changed since the previous run.
 pub(crate) fn pair_bodies(mut collisions: ResMut<MorphCollisions>) {
-    // This is a part of what the narrow phase writes.
+    // Part of what the narrow phase writes, so it is no change of its own.
     let collisions = collisions.bypass_change_detection();
     collisions.bodies.compared = collisions.compared;
     if collisions.compared {
@@ -75,35 +75,35 @@ pub(crate) fn pair_bodies(mut collisions: ResMut<MorphCollisions>) {
     }
 }
 
-/// Bodies: what [`MorphColliderOf`](crate::MorphColliderOf) makes of several colliders, and every other collider by itself.
+/// Bodies are the entities that [`MorphColliderOf`](crate::MorphColliderOf) names, and all colliders without that component.
 impl MorphCollisions {
-    /// Whether two bodies touch, with any of their colliders; their order does not matter.
+    /// Whether any colliders of two bodies touch. The order of the bodies does not matter.
     #[must_use]
     pub fn contains_bodies(&self, a: Entity, b: Entity) -> bool {
         !self.bodies.between(a, b).is_empty()
     }
 
-    /// The contacts between the colliders of two bodies, in ascending order of their colliders. The order of the bodies does not
-    /// matter; each contact has its own.
+    /// The contacts between the colliders of two bodies, in ascending order of the colliders. The order of the bodies does not
+    /// matter; each contact keeps its own order.
     pub fn collisions_between_bodies(&self, a: Entity, b: Entity) -> impl Iterator<Item = &MorphContact> {
         let colliders = self.bodies.between(a, b).iter().map(|(_, colliders)| colliders);
         colliders.filter_map(|colliders| self.current.get(colliders))
     }
 
-    /// The contacts of all colliders of a body, in ascending order. Looks through all contacts.
+    /// The contacts of all colliders of a body, in ascending order. Iterates over all contacts.
     pub fn collisions_with_body(&self, body: Entity) -> impl Iterator<Item = &MorphContact> {
         self.iter()
             .filter(move |contact| contact.body1 == body || contact.body2 == body)
     }
 
-    /// The bodies that touch a body, each once, in ascending order. Looks through all contacts.
+    /// The bodies that touch a body, each once, in ascending order. Iterates over all contacts.
     pub fn bodies_colliding_with(&self, body: Entity) -> impl Iterator<Item = Entity> {
         let pairs = self
             .bodies
             .now
             .chunk_by(|a, b| a.0 == b.0)
             .map(|contacts| contacts[0].0);
-        // Those before the body come first, then those after it.
+        // Lower entities come first because the list is sorted by both bodies.
         pairs.filter_map(move |(a, b)| match body {
             _ if body == a => Some(b),
             _ if body == b => Some(a),

@@ -1,4 +1,4 @@
-//! The body of a mesh that nobody assigned to one.
+//! Finds the body of a mesh that has not been assigned to one.
 
 use std::cell::LazyCell;
 
@@ -13,8 +13,8 @@ use bevy::prelude::*;
 use crate::body::MorphBodyRoot;
 use crate::scene::MorphColliderScene;
 
-/// A component that makes an entity a body. Bevy puts nothing else on the root of a scene that it spawned: the name and extras that
-/// the glTF loader leaves are on an entity below it, if the file has them.
+/// Components that make an entity a body. Bevy puts no other component on the root of a scene that it spawned: the name and
+/// extras from the glTF loader are on an entity below it, if the file has them.
 #[cfg(feature = "gltf")]
 type IsRoot = (With<MorphBodyRoot>, With<MorphColliderScene>, With<WorldAssetRoot>);
 #[cfg(not(feature = "gltf"))]
@@ -51,7 +51,7 @@ pub(crate) struct BodyRoots<'w, 's> {
 }
 
 impl BodyRoots<'_, '_> {
-    /// Entities whose body may be another one than in the last frame.
+    /// Entities whose body may have changed since the last frame.
     pub(crate) fn unsettled(&mut self) -> EntityHashSet {
         let removed = self.removed_markers.read().chain(self.removed_scenes.read());
         let mut unsettled = EntityHashSet::default();
@@ -62,8 +62,8 @@ impl BodyRoots<'_, '_> {
         unsettled
     }
 
-    /// A function from a mesh to its body: the nearest root at or above it, otherwise the root of its skeleton, otherwise the
-    /// entity with its morph weights.
+    /// Returns a function from a mesh to its body: the nearest root at or above it, otherwise the root of its skeleton, otherwise
+    /// the entity with its morph weights.
     pub(crate) fn finder(&self) -> impl Fn(Entity) -> Entity {
         let joints = LazyCell::new(|| {
             let joints = self.skins.iter().flat_map(|skin| &skin.joints);
@@ -83,14 +83,15 @@ impl BodyRoots<'_, '_> {
         std::iter::once(entity).chain(self.parents.iter_ancestors(entity))
     }
 
-    /// The topmost joint above the first one of a mesh. The other meshes of the skeleton have the same, whichever joints they list.
+    /// The topmost joint above the first joint of a mesh. It is the same for all meshes of the skeleton, whichever joints they
+    /// list.
     fn skeleton_root(&self, mesh: Entity, joints: &EntityHashSet) -> Option<Entity> {
         let skin = self.skins.get(mesh).ok()?;
         let first = skin.joints.iter().find(|&&joint| self.entities.contains(joint))?;
         self.path(*first).take_while(|joint| joints.contains(joint)).last()
     }
 
-    /// The entity that a mesh has its weights from; with glTF the node, above one mesh for each primitive.
+    /// The entity that has the mesh's weights. In glTF this is the node, above one mesh per primitive.
     fn node(&self, mesh: Entity) -> Option<Entity> {
         match *self.weights.get(mesh).ok()? {
             MeshMorphWeights::Reference(node) => Some(node).filter(|&node| self.entities.contains(node)),

@@ -1,4 +1,4 @@
-//! Culling: the [`Aabb`] of meshes that deform.
+//! Culling: the [`Aabb`] of deforming meshes.
 
 mod drawn;
 mod local;
@@ -15,30 +15,33 @@ use bevy::prelude::*;
 use crate::import::{MorphTrees, TreeKey};
 use crate::plugin::TreesPlugin;
 
-/// Keeps the [`Aabb`] of meshes that morph or are moved by joints around what is drawn, every frame. Bevy itself keeps the box of the
-/// rest pose, or for skinned meshes one around what joints alone do, so that meshes vanish at the edge of the screen.
+/// Updates the [`Aabb`] of morphing and skinned meshes every frame so that it contains what is drawn. Bevy's own box is that of
+/// the rest pose, or for skinned meshes one that only accounts for joints, so meshes can vanish at the edge of the screen.
 ///
 /// Works with or without [`MorphCollisionPlugin`](crate::MorphCollisionPlugin), for every mesh with [`MeshMorphWeights`] or
-/// [`SkinnedMesh`], whether it collides or not. A box is conservative, from the topmost boxes of the mesh's tree, and it is written only where it
-/// differs. Until the tree of a mesh is built, the mesh keeps the box that Bevy gave it. A mesh that cannot be used keeps it for
-/// good, and the log says why.
+/// [`SkinnedMesh`], whether it collides or not. The box is conservative: it comes from the topmost boxes of the mesh's tree. It
+/// is only written when it changes. Until the tree of a mesh is built, the mesh keeps the box that Bevy gave it. A mesh that
+/// cannot be used keeps Bevy's box permanently, and the log says why.
 ///
-/// Cost per mesh: `O(active targets)`; for a skinned mesh also `O(joints)`, and nothing beyond a look at each joint where none has moved.
+/// Cost per mesh: `O(active targets)`; for a skinned mesh also `O(joints)`. If no joint has moved, each joint is only checked for
+/// changes.
 ///
-/// Bevy moves the box of a skinned mesh by the mesh's [`GlobalTransform`], although it draws the mesh without it. So the box is made in
-/// that space, and is looser where the mesh is turned against the world's axes. Where the transform cannot be inverted (scale 0), the box is infinite,
-/// and the mesh is never culled. While the transform of a joint is NaN or infinite, the box stays.
+/// Bevy transforms the box of a skinned mesh by the mesh's [`GlobalTransform`], although it draws the mesh without it. The plugin
+/// therefore computes the box in that space, where it is looser if the mesh is rotated relative to the world's axes. If the
+/// transform cannot be inverted (scale 0), the box is infinite, and the mesh is never culled. While the transform of a joint is
+/// NaN or infinite, the box stays the same.
 ///
-/// Bevy's opt-outs are heeded: [`NoAutoAabb`] and [`NoFrustumCulling`]. Opting in again, or enabling an entity again, works at any time.
-/// [`DynamicSkinnedMeshBounds`](bevy::camera::visibility::DynamicSkinnedMeshBounds), with which Bevy keeps boxes around what joints do, is
-/// removed from meshes whose box this plugin keeps, and comes back when it no longer does.
+/// The plugin respects Bevy's opt-outs, [`NoAutoAabb`] and [`NoFrustumCulling`]. You can opt in again, or enable an entity again,
+/// at any time. Meshes whose box this plugin updates lose
+/// [`DynamicSkinnedMeshBounds`](bevy::camera::visibility::DynamicSkinnedMeshBounds), Bevy's own update of boxes by joints. They
+/// get it back when the plugin stops updating them.
 ///
-/// It also repairs a bug of Bevy 0.20: a morphing mesh that comes into view for the first time since it was loaded is drawn in its
-/// rest pose until something else about it changes.
+/// The plugin also works around a bug of Bevy 0.20: a morphing mesh that becomes visible for the first time since it was loaded
+/// is drawn in its rest pose until something else about it changes.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MorphBoundsPlugin;
 
-/// Where [`MorphBoundsPlugin`] works, in [`PostUpdate`].
+/// The system sets of [`MorphBoundsPlugin`], in [`PostUpdate`].
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MorphBoundsSystems {
     /// After Bevy has calculated bounds, before it checks visibility.
@@ -85,14 +88,14 @@ impl Plugin for MorphBoundsPlugin {
     }
 }
 
-/// Meshes whose bounds are ours.
+/// Meshes whose bounds this plugin updates.
 type Culled = (
     Or<(With<MeshMorphWeights>, With<SkinnedMesh>)>,
     Without<NoAutoAabb>,
     Without<NoFrustumCulling>,
 );
 
-/// Looks at all meshes in every frame: an entity may have been disabled or opted out until now, and its tree may have been dropped.
+/// Checks all meshes every frame: an entity may have been disabled or opted out until now, or its tree may have been dropped.
 fn request_trees_to_cull(
     culled: Query<(Entity, &Mesh3d, Option<&SkinnedMesh>), Culled>,
     mut trees: ResMut<MorphTrees>,
@@ -105,7 +108,7 @@ fn request_trees_to_cull(
     }
 }
 
-/// Without weights or joints a mesh is drawn in another shape: Bevy calculates its box again.
+/// Without weights or joints the mesh has another shape, so Bevy has to compute its box again.
 fn forget_bounds<C: Component>(
     removed: On<Remove<C>>,
     culled: Query<(), (With<Mesh3d>, Without<NoAutoAabb>, Without<NoFrustumCulling>)>,
@@ -116,7 +119,7 @@ fn forget_bounds<C: Component>(
     }
 }
 
-/// Flags morphing meshes that came into view for two more frames, so that Bevy takes over their weights.
+/// Marks morphing meshes that became visible as changed for two more frames, so that Bevy uploads their weights.
 fn draw_again(
     mut meshes: Query<(Entity, &ViewVisibility, &mut Aabb), With<MeshMorphWeights>>,
     came: Query<Entity, (With<MeshMorphWeights>, Changed<ViewVisibility>)>,

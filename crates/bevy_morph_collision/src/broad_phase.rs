@@ -1,4 +1,4 @@
-//! Where colliders are in the world, and which of them are close enough to look at.
+//! Places colliders in the world and finds pairs that are close enough to compare.
 
 use bevy::platform::time::Instant;
 
@@ -15,23 +15,23 @@ use crate::diagnostics::MorphCollisionDiagnostics;
 use crate::layers::MorphCollisionLayers;
 use crate::shape::MorphShape;
 
-/// Pairs for the narrow phase, each in ascending order of entities, and sorted.
+/// Pairs for the narrow phase. Each pair is in ascending order of entities, and the list is sorted.
 #[derive(Resource, Default)]
 pub(crate) struct Candidates {
     pub(crate) pairs: Vec<(Entity, Entity)>,
-    /// Whether any collider changed, came or went since the run before.
+    /// Whether any collider changed, was added or was removed since the previous run.
     pub(crate) changed: bool,
     run: u32,
-    /// Grows in every run in which a collider moved, came or went.
+    /// Increases in every run in which a collider moved, was added or was removed.
     pub(crate) version: u64,
-    // Kept for their memory, and for runs in which nothing changes.
+    // Kept to reuse memory, and for runs without changes.
     colliders: Vec<(Entity, Placement)>,
     bounds: Vec<Option<Aabb>>,
     overlaps: Vec<(u32, u32)>,
     counts: Counts,
 }
 
-/// What became of overlapping boxes.
+/// What happened to overlapping pairs.
 #[derive(Clone, Copy, Default)]
 struct Counts {
     overlaps: u64,
@@ -42,7 +42,7 @@ struct Counts {
     nodes: u64,
 }
 
-/// What decides if and where a collider takes part.
+/// The components that decide whether and where a collider takes part.
 #[derive(QueryData)]
 #[query_data(mutable)]
 pub(crate) struct Participant {
@@ -56,10 +56,10 @@ pub(crate) struct Participant {
     is_disabled: Has<MorphColliderDisabled>,
 }
 
-/// Places every collider and pairs those of different bodies whose world bounds overlap.
+/// Places all colliders and pairs those of different bodies whose world-space bounds overlap.
 ///
-/// Only the root box of each tree is refitted for this, and only where something changed. A transform that is not finite is
-/// logged once, until it is finite again, and leaves its collider out; that of a skinned mesh does not matter.
+/// This refits only the root box of each tree, and only if something changed. A collider with a transform that is not finite is
+/// left out and logged once, until the transform is finite again. Transforms of skinned meshes do not matter.
 pub(crate) fn find_candidates(
     mut colliders: Query<Participant>,
     names: Query<NameOrEntity>,
@@ -131,7 +131,7 @@ pub(crate) fn find_candidates(
 }
 
 impl ParticipantItem<'_, '_> {
-    /// Whether a collider stands where it stood in the last run, with the same settings, and has nothing else to catch up with.
+    /// Whether nothing about a collider has changed since the last run: its place, its settings, and anything else it depends on.
     fn rests(&self) -> bool {
         let Some(placed) = &self.state.placed else { return false };
         let is_same_form = match (&placed.form, &self.shape) {
@@ -151,7 +151,7 @@ impl ParticipantItem<'_, '_> {
             && body_of(self.entity, self.body) == placed.body
     }
 
-    /// Where a collider is now; `None` if it takes no part.
+    /// The collider's current placement; `None` if it takes no part.
     fn place(&mut self, stale: bool) -> Result<Option<Placement>, BadPlace> {
         if self.is_disabled {
             return Ok(None);
@@ -165,7 +165,7 @@ impl ParticipantItem<'_, '_> {
             Some(Form::Shape(_)) => self.shape.is_some(),
             None => false,
         };
-        // A shape wins over a mesh.
+        // A shape takes precedence over a mesh.
         let (form, bounds) = match (before, &self.shape, state.pose.as_mut().map(LockedPose::get_mut)) {
             (Some(Placement { form, bounds, .. }), ..) if kept => (form, bounds),
             (_, Some(shape), _) => {
@@ -194,13 +194,13 @@ impl ParticipantItem<'_, '_> {
         if !(0.0..1e30).contains(&tolerance) {
             return Err(BadPlace::Tolerance(tolerance));
         }
-        // A pose keeps its root box as long as its weights and joints stay.
+        // A pose keeps its root box as long as its weights and joints stay the same.
         state.reposed = false;
         Ok(Some(Placement {
             form,
             body: body_of(self.entity, self.body),
             mode: self.collider.mode,
-            // Who removes the layers gets the default ones.
+            // If the user removes the layers, the defaults apply.
             layers: self.layers.copied().unwrap_or_default(),
             margin,
             bounds,
@@ -208,7 +208,7 @@ impl ParticipantItem<'_, '_> {
     }
 }
 
-/// Why a collider is nowhere.
+/// Why a collider has no placement.
 #[derive(Debug, thiserror::Error)]
 enum BadPlace {
     #[error(transparent)]
@@ -227,7 +227,7 @@ impl Candidates {
         self.run
     }
 
-    /// The colliders that took part in the last run, ascending, as collisions see them.
+    /// The colliders that took part in the last run, ascending, in the state that collisions see.
     pub(crate) fn colliders(&self) -> &[(Entity, Placement)] {
         &self.colliders
     }

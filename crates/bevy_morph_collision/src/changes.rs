@@ -1,4 +1,4 @@
-//! What started and ended: in the last run, or in all runs of a frame.
+//! Contacts that started or ended in the last run, or in all runs of a frame.
 
 use bevy::app::{FixedFirst, FixedLast, FixedPostUpdate, FixedPreUpdate, FixedUpdate};
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
@@ -8,13 +8,13 @@ use crate::contacts::{MorphCollisions, MorphContact};
 
 /// Pairs that started and contacts that ended, in the order of runs.
 ///
-/// In a fixed schedule there may be any number of runs in a frame. Systems of the fixed schedules then see the changes of the last
-/// run, and all others those of all runs of the frame: each sees each change once.
+/// In a fixed schedule there may be any number of runs per frame. Systems in fixed schedules then see the changes of the last
+/// run. All other systems see those of all runs of the frame. Each of them sees every change once.
 #[derive(Debug, Default)]
 pub(crate) struct Changes {
     pub(crate) started: Vec<(Entity, Entity)>,
     pub(crate) ended: Vec<MorphContact>,
-    /// Where the changes of the last run begin.
+    /// Where the changes of the last run start.
     run: (usize, usize),
     /// Whether the plugin runs in a fixed schedule.
     is_fixed: bool,
@@ -32,7 +32,7 @@ enum Shown {
 }
 
 impl Changes {
-    /// Begins a run: nothing has started or ended in it yet.
+    /// Begins a run, in which nothing has started or ended yet.
     pub(crate) fn begin_run(&mut self) {
         if !(self.is_fixed && self.has_run) {
             self.started.clear();
@@ -45,7 +45,7 @@ impl Changes {
         }
     }
 
-    /// Brings the changes of this run into the order of their colliders.
+    /// Sorts the changes of this run by their colliders.
     pub(crate) fn sort_run(&mut self) {
         self.started[self.run.0..].sort_unstable();
         self.ended[self.run.1..].sort_unstable_by_key(|contact| (contact.collider1, contact.collider2));
@@ -61,7 +61,7 @@ impl Changes {
         &self.ended[self.run.1..]
     }
 
-    /// The pairs that started, for whoever asks now.
+    /// The pairs that started, as the current caller should see them.
     pub(crate) fn started(&self) -> &[(Entity, Entity)] {
         match self.shown {
             Shown::Run => self.started_in_run(),
@@ -70,7 +70,7 @@ impl Changes {
         }
     }
 
-    /// The contacts that ended, for whoever asks now.
+    /// The contacts that ended, as the current caller should see them.
     pub(crate) fn ended(&self) -> &[MorphContact] {
         match self.shown {
             Shown::Run => self.ended_in_run(),
@@ -80,7 +80,7 @@ impl Changes {
     }
 }
 
-/// Whether a schedule is one of those that run once for each step of fixed time.
+/// Whether a schedule runs once per fixed time step.
 pub(crate) fn is_fixed(schedule: InternedScheduleLabel) -> bool {
     let fixed = [
         FixedFirst.intern(),
@@ -92,7 +92,7 @@ pub(crate) fn is_fixed(schedule: InternedScheduleLabel) -> bool {
     fixed.contains(&schedule)
 }
 
-/// Shows the changes to the systems around a schedule, too, if it is one of the fixed ones.
+/// If the schedule is a fixed one, shows the changes to the systems around it, too.
 pub(crate) fn follow_frames(app: &mut App, schedule: InternedScheduleLabel) {
     if !is_fixed(schedule) {
         return;
@@ -111,14 +111,14 @@ pub(crate) fn follow_frames(app: &mut App, schedule: InternedScheduleLabel) {
     );
 }
 
-/// The fixed schedules go on from the last run, which may have been some frames ago.
+/// Systems in fixed schedules continue to see the last run, which may have been several frames ago.
 fn show_run(mut collisions: ResMut<MorphCollisions>) {
     let changes = &mut collisions.bypass_change_detection().changes;
     changes.has_run = false;
     changes.shown = Shown::Run;
 }
 
-/// The rest of the frame sees what changed in it.
+/// Systems in the rest of the frame see the changes of the whole frame.
 fn show_frame(mut collisions: ResMut<MorphCollisions>) {
     let changes = &mut collisions.bypass_change_detection().changes;
     changes.shown = if changes.has_run { Shown::Frame } else { Shown::Nothing };

@@ -1,4 +1,4 @@
-//! What users put on entities that collide, and the plugin's own state beside it.
+//! The components of colliders, and the plugin's private state of each collider.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -12,41 +12,47 @@ use crate::tolerance::Held;
 use crate::velocities::Before;
 use crate::weights::BadWeights;
 
-/// Makes the [`Mesh3d`] of this entity collide as it is drawn: at its current morph weights and joints, at its current [`GlobalTransform`].
+/// Makes the [`Mesh3d`] of this entity collide as it is drawn, with its current morph weights, joints and [`GlobalTransform`].
 ///
 /// If the entity has a [`MorphShape`](crate::MorphShape), the shape collides and the mesh does not.
 ///
-/// Any affine transform will do for a mesh: mirrored, sheared, scaled by zero. A mesh with neither morph targets nor joints is rigid.
+/// A mesh can have any affine transform: mirrored, sheared, or scaled by zero. A mesh with neither morph targets nor joints is
+/// rigid.
 ///
-/// A mesh with joint indices and weights on an entity with [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh) is where its joints' [`GlobalTransform`]s place it; its own is
-/// ignored, as it is when Bevy draws it. A joint without an inverse bind pose, or whose entity never existed, leaves vertices as they are; a joint that
-/// is despawned stays where it was. While the transform of a joint is NaN or infinite, the whole mesh stays where it was, and the log
-/// says so once. Without `SkinnedMesh`, the mesh is where its own transform says.
+/// A mesh with joint indices and weights on an entity with [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh) is placed by the
+/// [`GlobalTransform`]s of its joints. Its own transform is ignored, as when Bevy draws it. Without `SkinnedMesh`, the mesh's own
+/// transform places it.
 ///
-/// The collider takes part as soon as its mesh is loaded and the mesh's tree is built; while a swapped mesh is being prepared,
-/// it is left out. [`MorphColliderDisabled`] takes it out for a while.
+/// - A joint without an inverse bind pose, or whose entity never existed, leaves its vertices where they are in the mesh.
+/// - A joint that is despawned stays where it was.
+/// - While the transform of a joint is NaN or infinite, the whole mesh stays where it was, and the log says so once.
+///
+/// The collider takes part as soon as its mesh is loaded and the mesh's tree is built. While a newly assigned mesh is being
+/// prepared, the collider is left out. [`MorphColliderDisabled`] takes it out temporarily.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(Transform, MorphCollisionLayers, ColliderState)]
 pub struct MorphCollider {
-    /// How much a contact of this collider should tell.
+    /// How much detail contacts of this collider report.
     pub mode: MorphCollisionMode,
-    /// Colliders count as touching up to this distance, in world units; the margins of both are added up. Not negative.
+    /// Colliders count as touching up to this distance, in world units. The margins of both colliders are added. Not negative.
     pub margin: f32,
-    /// How far its points may move, in world units, before its pairs are compared again; not negative. 0, the default, compares them
-    /// whenever anything has moved.
+    /// How far the collider's points may move, in world units, before its pairs are compared again. Not negative. With 0, the
+    /// default, pairs are compared after every movement.
     ///
-    /// Collisions see the collider as it was at an earlier moment until the plugin can no longer be sure that weights, joints and places together have
-    /// moved every point by at most this; then they see it as it is. Each collider lags by its own tolerance at most, so contacts are exact for the two shapes displaced by at
-    /// most their tolerances, and do not drift. Choose a few times less than you could notice. It helps bodies that move little for their size, such as faces.
+    /// Until the plugin can no longer be sure that every point has moved by at most this distance, through weights, joints and
+    /// transforms together, collisions see the collider in an earlier state; then they see its current state. A collider never
+    /// lags by more than its own tolerance. Contacts are therefore exact for the two shapes displaced by at most their
+    /// tolerances, and the error does not build up. Choose a value several times smaller than you could notice. A tolerance helps
+    /// most with bodies that move little for their size, such as faces.
     ///
-    /// It concerns nothing but collisions: spatial queries, anchors, bounds for culling and physics follow the collider as it is. All other changes, such as
-    /// those of its mesh, layers, mode or body, count at once.
+    /// Only collisions use the tolerance: spatial queries, anchors, bounds for culling and physics always see the current state.
+    /// All other changes, such as of the mesh, layers, mode or body, take effect immediately.
     pub tolerance: f32,
 }
 
 impl MorphCollider {
-    /// A collider without a margin and without a tolerance.
+    /// Creates a collider without margin and tolerance.
     #[must_use]
     pub fn new(mode: MorphCollisionMode) -> Self {
         Self {
@@ -56,80 +62,81 @@ impl MorphCollider {
         }
     }
 
-    /// The same with a margin.
+    /// Sets the margin.
     #[must_use]
     pub fn with_margin(mut self, margin: f32) -> Self {
         self.margin = margin;
         self
     }
 
-    /// The same with a tolerance.
+    /// Sets the tolerance.
     #[must_use]
     pub fn with_tolerance(mut self, tolerance: f32) -> Self {
         self.tolerance = tolerance;
         self
     }
 
-    /// Whether all is equal, bit by bit: a margin that is not a number is equal to itself.
+    /// Whether all fields are equal, bit by bit, so that a NaN margin equals itself.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         let bits = |collider: &Self| [collider.margin, collider.tolerance].map(f32::to_bits);
         self.mode == other.mode && bits(self) == bits(other)
     }
 }
 
-/// How much a contact tells. Of the two colliders of a pair the one that asks for more decides.
+/// How much detail a contact reports. If two colliders have different modes, the more detailed one applies.
 #[derive(Reflect, Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[reflect(Debug, Default, Clone, PartialEq, Hash)]
 pub enum MorphCollisionMode {
-    /// Nothing is asked on this collider's own account: two passive colliders are never compared. For scenery, and for what
-    /// only spatial queries look at.
+    /// Reports only what the other collider asks for. Two passive colliders are never compared. Use it for scenery, and for
+    /// colliders that only serve spatial queries.
     Passive,
-    /// Only whether they touch. As cheap as [`MorphCollisionMode::First`].
+    /// Only whether they touch. Costs the same as [`MorphCollisionMode::First`].
     Any,
-    /// One pair of intersecting triangles, the first that is found.
+    /// One pair of intersecting triangles: the first one found.
     First,
     /// Every pair of intersecting triangles.
     #[default]
     All,
-    /// Every pair of intersecting triangles, and up to four points of contact with their depths, the deepest first.
+    /// Every pair of intersecting triangles, and up to four contact points with depths, deepest first.
     Contacts,
 }
 
-/// Takes a [`MorphCollider`] out of collisions and spatial queries until it is removed; its contacts end.
+/// Takes a [`MorphCollider`] out of collisions and spatial queries while it is present. Its contacts end.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 pub struct MorphColliderDisabled;
 
-/// The plugin's state of one collider.
+/// The plugin's state for one collider.
 #[derive(Component, Default)]
 pub(crate) struct ColliderState {
-    /// Which tree it has, or waits for.
+    /// The tree that the collider has or waits for.
     pub(crate) tree: Option<TreeKey>,
-    /// The instance of that tree; none while there is none.
+    /// The collider's instance of that tree; `None` until there is a tree.
     pub(crate) pose: Option<LockedPose>,
-    /// Whether the pose is skinned and has joint matrices. A skinned pose without any takes no part.
+    /// Whether the pose is skinned and has joint matrices. A skinned pose without joint matrices takes no part.
     pub(crate) has_joints: bool,
-    /// How it took part in the last run; none if it did not.
+    /// How the collider took part in the last run; `None` if it did not.
     pub(crate) placed: Option<Placement>,
-    /// How collisions see it, if that may be another state than the one it is in.
+    /// The state that collisions see if the collider has a tolerance. It can be older than the current one.
     pub(crate) held: Option<Box<Held>>,
-    /// Its state one run earlier.
+    /// The collider's state one run earlier.
     pub(crate) before: Before,
-    /// Whether the pose has other weights or joints, or is another one, than when its bounds were last asked for.
+    /// Whether the pose was replaced, or got other weights or joints, since its bounds were last requested.
     pub(crate) reposed: bool,
-    /// Whether anything an answer depends on differs from the last run. With a tolerance: whether collisions see it in another state.
+    /// Whether anything that affects an answer differs from the last run. With a tolerance: whether the state that collisions see
+    /// has changed.
     pub(crate) changed: bool,
-    /// The run in which it was looked at last: while its entity is disabled nobody looks.
+    /// The last run in which the collider was read. Disabled entities are not read.
     pub(crate) seen: u32,
-    /// What has been said about its weights, so that it is not logged every frame.
+    /// Which problem with its weights has been logged, so that it is not logged every frame.
     pub(crate) bad_weights: BadWeights,
-    /// Likewise about where and how large it is.
+    /// The same for its position and size.
     pub(crate) bad_place: bool,
-    /// Which of the events that it is ready, or never will be, it has had.
+    /// Which readiness event the collider got last.
     pub(crate) told: Told,
 }
 
-/// A pose that queries refit though they only read: the lock is for those of other systems that ask at the same time.
+/// A pose that queries refit even though they only have read access. The lock serves systems that query at the same time.
 pub(crate) struct LockedPose(Mutex<Pose>);
 
 impl LockedPose {
@@ -137,12 +144,12 @@ impl LockedPose {
         Self(Mutex::new(pose))
     }
 
-    /// Without a lock.
+    /// Accesses the pose without locking.
     pub(crate) fn get_mut(&mut self) -> &mut Pose {
         self.0.get_mut().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Do not ask for another pose while this one is locked, but in ascending order of entities.
+    /// Locks the pose. While it is locked, lock other poses only in ascending order of entities.
     pub(crate) fn lock(&self) -> MutexGuard<'_, Pose> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -154,7 +161,7 @@ impl ColliderState {
     }
 }
 
-/// What the broad and narrow phases go by besides the pose.
+/// Everything besides the pose that the broad and narrow phases depend on.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Placement {
     pub(crate) form: Form,
@@ -162,14 +169,14 @@ pub(crate) struct Placement {
     pub(crate) mode: MorphCollisionMode,
     pub(crate) layers: MorphCollisionLayers,
     pub(crate) margin: f32,
-    /// In world space, the margin not included.
+    /// In world space, without the margin.
     pub(crate) bounds: Aabb,
 }
 
-/// What is where.
+/// The collider's geometry, placed in the world.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Form {
-    /// For a skinned mesh the identity: its joints place it.
+    /// The identity for a skinned mesh: its joints place it.
     Mesh(WorldFromModel),
     Shape(PlacedShape),
 }
@@ -180,7 +187,7 @@ impl Placement {
         if self.margin == 0.0 {
             return self.bounds;
         }
-        // Outward by what subtraction rounds.
+        // Round outward to cover the rounding of the subtraction and addition.
         Aabb {
             min: (min - self.margin).map(f32::next_down),
             max: (max + self.margin).map(f32::next_up),
@@ -188,8 +195,8 @@ impl Placement {
     }
 }
 
-/// Takes over a new value for a component that the plugin gave, and returns whether to write it: it differs, and the
-/// user has not changed or removed what was given. `new` if it is given for the first time.
+/// Updates the value that the plugin gave to a component. Returns whether to write it: it differs from the current value, and the
+/// user has neither changed nor removed the component. `new` says that it is given for the first time.
 pub(crate) fn follows<C: Copy>(
     new: bool,
     given: &mut C,

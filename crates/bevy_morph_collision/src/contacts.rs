@@ -1,4 +1,4 @@
-//! Who touches whom.
+//! The contacts of the last run.
 
 use std::collections::BTreeMap;
 
@@ -11,29 +11,30 @@ use crate::collider::MorphCollisionMode;
 
 /// The colliders that touch, as of the last run of [`NarrowPhase`](crate::MorphCollisionSystems::NarrowPhase).
 ///
-/// As a system parameter: `Res<MorphCollisions>`. It can be asked about colliders ([`contains`](Self::contains), [`get`](Self::get),
-/// [`of`](Self::of)) and about bodies ([`contains_bodies`](Self::contains_bodies),
+/// Use it as a system parameter: `Res<MorphCollisions>`. It answers questions about colliders ([`contains`](Self::contains),
+/// [`get`](Self::get), [`of`](Self::of)) and about bodies ([`contains_bodies`](Self::contains_bodies),
 /// [`collisions_between_bodies`](Self::collisions_between_bodies), [`bodies_colliding_with`](Self::bodies_colliding_with)).
 ///
 /// # What started and ended
 ///
-/// [`MorphCollisions::started`] and [`MorphCollisions::ended`] show a system that runs once per frame or tick every change exactly
-/// once. While the plugin is paused they are empty. Which changes they show depends on the plugin's schedule:
+/// A system that runs once per frame or tick sees every change exactly once in [`MorphCollisions::started`] and
+/// [`MorphCollisions::ended`]. They are empty while the plugin is paused. Which changes they show depends on the plugin's
+/// schedule:
 ///
-/// - [`PostUpdate`] (the default), or any other that runs once per frame: those of the last run. A system before it sees
-///   the run of the frame before.
-/// - A fixed schedule ([`FixedPostUpdate`], for example): systems of the fixed schedules see those of the last run. All other systems
-///   see those of all runs of this frame together, and none in a frame without a tick.
-/// - A schedule of your own: those of its last run, until it runs again.
+/// - [`PostUpdate`] (the default), or any other schedule that runs once per frame: the changes of the last run. Systems that run
+///   earlier in the frame see those of the previous frame.
+/// - A fixed schedule, for example [`FixedPostUpdate`]: systems in fixed schedules see the changes of the last run. All other
+///   systems see the changes of all runs of this frame together, and none in a frame without a tick.
+/// - A schedule of your own: the changes of its last run, until it runs again.
 ///
-/// The messages [`MorphCollisionStart`](crate::MorphCollisionStart) and [`MorphCollisionEnd`](crate::MorphCollisionEnd) miss nothing
-/// either and need no such rule.
+/// The messages [`MorphCollisionStart`](crate::MorphCollisionStart) and [`MorphCollisionEnd`](crate::MorphCollisionEnd) do not
+/// depend on the schedule: they report every change.
 #[derive(Resource, Reflect, Debug, Default)]
 #[reflect(Resource, Debug, Default)]
 pub struct MorphCollisions {
     #[reflect(ignore)]
     pub(crate) current: BTreeMap<(Entity, Entity), MorphContact>,
-    /// The same contacts by their bodies.
+    /// The same contacts, grouped by bodies.
     #[reflect(ignore)]
     pub(crate) bodies: BodyPairs,
     #[reflect(ignore)]
@@ -43,7 +44,7 @@ pub struct MorphCollisions {
     pub(crate) compared: bool,
 }
 
-/// Two colliders that touch, `collider1 < collider2`.
+/// A contact of two colliders, with `collider1 < collider2`.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct MorphContact {
@@ -51,33 +52,33 @@ pub struct MorphContact {
     pub collider1: Entity,
     /// The second collider.
     pub collider2: Entity,
-    /// The body of the first: that of its [`MorphColliderOf`](crate::MorphColliderOf), or itself.
+    /// The body of `collider1`, named by its [`MorphColliderOf`](crate::MorphColliderOf), or `collider1` itself.
     pub body1: Entity,
-    /// The body of the second.
+    /// The body of `collider2`.
     pub body2: Entity,
-    /// What was asked for.
+    /// The mode that applied to this pair.
     pub mode: MorphCollisionMode,
-    /// A point at which they touch, in world space; between the closest points where only their margins do. In mode
-    /// [`Contacts`](MorphCollisionMode::Contacts) the deepest, otherwise that of the first pair of triangles found.
+    /// A point at which they touch, in world space. In mode [`Contacts`](MorphCollisionMode::Contacts) it is the deepest point,
+    /// otherwise a point of the first pair of triangles found. If only the margins touch, it lies between the closest points.
     pub point: Vec3,
-    /// The direction in which the first collider leaves the second there, a unit vector; zero if there is none.
+    /// The unit vector along which `collider1` moves out of `collider2` at `point`; zero if there is none.
     pub normal: Vec3,
-    /// 0 if they touch, otherwise how far they are apart within their margins, in world units.
+    /// 0 if the colliders touch; if only their margins do, the distance between the colliders, in world units.
     pub distance: f32,
-    /// Intersecting triangles, `triangle_a` of `collider1` and `triangle_b` of `collider2`, sorted; of a
-    /// [`MorphShape`](crate::MorphShape) it is [`MorphContact::NO_TRIANGLE`].
+    /// Intersecting triangles: `triangle_a` of `collider1` and `triangle_b` of `collider2`, sorted. For a
+    /// [`MorphShape`](crate::MorphShape) the number is [`MorphContact::NO_TRIANGLE`].
     ///
-    /// How many are listed is up to the [`MorphCollisionMode`]. A triangle's number is its place in the mesh's index buffer,
-    /// divided by 3; in a triangle strip, its place among the triangles that name three different vertices.
+    /// The [`MorphCollisionMode`] decides how many are listed. A triangle's number is its position in the mesh's index buffer
+    /// divided by 3; in a triangle strip, it is its position among the triangles that have three different vertices.
     ///
-    /// Not reflected: the list is empty in a value made by reflection.
+    /// Not reflected: the list is empty in a value created by reflection.
     #[reflect(ignore)]
     pub triangles: Vec<TrianglePair>,
-    /// Whether more triangles intersect than were looked at, which is at most
-    /// [`MorphCollisionSettings::max_triangle_pairs`](crate::MorphCollisionSettings): `triangles` are some of them, and `points` and
-    /// `normal` are made from some of them. Which ones depends on the tree. Always `false` in modes that ask for one pair.
+    /// Whether more triangle pairs intersect than the limit,
+    /// [`MorphCollisionSettings::max_triangle_pairs`](crate::MorphCollisionSettings). If so, `triangles`, `points` and `normal`
+    /// are based on some of the pairs; which ones depends on the tree. Always `false` in modes that report one pair.
     pub is_truncated: bool,
-    /// In mode [`Contacts`](MorphCollisionMode::Contacts): up to four points of contact, the deepest first.
+    /// Up to four contact points, deepest first. Only in mode [`Contacts`](MorphCollisionMode::Contacts).
     pub points: Vec<MorphContactPoint>,
 }
 
@@ -87,14 +88,14 @@ pub struct MorphContact {
 pub struct MorphContactPoint {
     /// In world space.
     pub point: Vec3,
-    /// How far the triangles that meet there have to be moved along [`MorphContact::normal`] until they part, in world units.
+    /// How far the triangles at this point must move along [`MorphContact::normal`] to separate, in world units.
     pub depth: f32,
-    /// The two triangles. Not reflected: both are [`MorphContact::NO_TRIANGLE`] in a value made by reflection.
+    /// The two triangles. Not reflected: both are [`MorphContact::NO_TRIANGLE`] in a value created by reflection.
     #[reflect(ignore, default = "no_triangles")]
     pub triangles: TrianglePair,
 }
 
-/// The triangles of a value made by reflection, which cannot see types of [`morph_collision`].
+/// The triangles of a value created by reflection. Types of [`morph_collision`] are not reflected.
 pub(crate) fn no_triangles() -> TrianglePair {
     TrianglePair {
         triangle_a: MorphContact::NO_TRIANGLE,
@@ -102,7 +103,7 @@ pub(crate) fn no_triangles() -> TrianglePair {
     }
 }
 
-/// A triangle of a mesh that meets a shape.
+/// Pairs a triangle of a mesh with the shape that it intersects.
 pub(crate) fn pair_with_shape(triangle: u32, shape_first: bool) -> TrianglePair {
     let mut triangles = [triangle, MorphContact::NO_TRIANGLE];
     if shape_first {
@@ -115,7 +116,7 @@ pub(crate) fn pair_with_shape(triangle: u32, shape_first: bool) -> TrianglePair 
 }
 
 impl MorphContactPoint {
-    /// The deepest four points of triangles that meet a shape, which come out deepest first.
+    /// Keeps the four deepest triangles that intersect a shape, deepest first.
     pub(crate) fn with_shape(met: &mut [ShapeContact], shape_first: bool) -> Vec<Self> {
         met.sort_by(|x, y| x.distance.total_cmp(&y.distance).then(x.triangle.cmp(&y.triangle)));
         let point = |met: &ShapeContact| Self {
@@ -128,10 +129,10 @@ impl MorphContactPoint {
 }
 
 impl MorphContact {
-    /// The triangle of a collider that has none.
+    /// The triangle number used for colliders without triangles.
     pub const NO_TRIANGLE: u32 = u32::MAX;
 
-    /// The other collider of the pair, if `collider` is one.
+    /// The other collider of the pair; `None` if `collider` is not part of it.
     #[must_use]
     pub fn other(&self, collider: Entity) -> Option<Entity> {
         match collider {
@@ -143,23 +144,23 @@ impl MorphContact {
 }
 
 impl MorphCollisions {
-    /// The contacts, in ascending order of their colliders.
+    /// All contacts, in ascending order of their colliders.
     pub fn iter(&self) -> impl Iterator<Item = &MorphContact> {
         self.current.values()
     }
 
-    /// The contacts of one collider, in ascending order. Looks through all contacts.
+    /// The contacts of one collider, in ascending order. Iterates over all contacts.
     pub fn of(&self, collider: Entity) -> impl Iterator<Item = &MorphContact> {
         self.iter().filter(move |contact| contact.other(collider).is_some())
     }
 
-    /// Whether two colliders touch; their order does not matter.
+    /// Whether two colliders touch, in either order.
     #[must_use]
     pub fn contains(&self, a: Entity, b: Entity) -> bool {
         self.get(a, b).is_some()
     }
 
-    /// The contact of two colliders; their order does not matter, the contact has its own.
+    /// The contact of two colliders, in either order. The contact itself has them in ascending order.
     #[must_use]
     pub fn get(&self, a: Entity, b: Entity) -> Option<&MorphContact> {
         self.current.get(&(a.min(b), a.max(b)))
@@ -171,15 +172,15 @@ impl MorphCollisions {
         self.current.len()
     }
 
-    /// Whether nothing touches.
+    /// Whether there are no contacts.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.current.is_empty()
     }
 
-    /// Contacts that started; [which ones](MorphCollisions#what-started-and-ended) depends on where you ask.
+    /// Contacts that started. [Which ones](MorphCollisions#what-started-and-ended) depends on where you call this.
     ///
-    /// A contact that started and ended within one frame is as it was when it ended.
+    /// A contact that started and ended within one frame is in the state in which it ended.
     pub fn started(&self) -> impl Iterator<Item = &MorphContact> {
         let ended = |pair: &(Entity, Entity)| {
             let is_one = |contact: &&MorphContact| (contact.collider1, contact.collider2) == *pair;
@@ -189,7 +190,8 @@ impl MorphCollisions {
         started.filter_map(move |pair| self.current.get(pair).or_else(|| ended(pair)))
     }
 
-    /// Contacts that ended, as they last were; [which ones](MorphCollisions#what-started-and-ended) depends on where you ask.
+    /// Contacts that ended, in their last state. [Which ones](MorphCollisions#what-started-and-ended) depends on where you call
+    /// this.
     pub fn ended(&self) -> impl Iterator<Item = &MorphContact> {
         self.changes.ended().iter()
     }

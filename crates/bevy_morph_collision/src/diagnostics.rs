@@ -1,47 +1,48 @@
-//! What a run cost, and on what.
+//! Counts and times of a run.
 
 use std::time::Duration;
 
 use bevy::prelude::*;
 use morph_collision::QueryStats;
 
-/// What the plugin did in its last run. Counts are of that run alone.
+/// What the plugin did in its last run. All counts are for that run only.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, Debug, Default, Clone, PartialEq)]
 pub struct MorphCollisionDiagnostics {
     /// Colliders that took part.
     pub colliders: u64,
-    /// Colliders that collisions saw as they were in an earlier run, because they have moved by no more than their
+    /// Colliders that collisions saw in an earlier state because they have moved by at most their
     /// [tolerance](crate::MorphCollider::tolerance) since then.
     pub held_colliders: u64,
-    /// Pairs of colliders whose world bounds overlapped; the others are apart and not counted.
+    /// Pairs of colliders whose world-space bounds overlap. Other pairs are apart and not counted.
     pub overlapping_pairs: u64,
     /// Overlapping pairs that are parts of one body.
     pub skipped_same_body: u64,
-    /// Overlapping pairs that [`MorphCollisionLayers`](crate::MorphCollisionLayers) keep apart.
+    /// Overlapping pairs excluded by [`MorphCollisionLayers`](crate::MorphCollisionLayers).
     pub skipped_layers: u64,
     /// Overlapping pairs of [passive](crate::MorphCollisionMode::Passive) colliders.
     pub skipped_passive: u64,
     /// Overlapping pairs of two [shapes](crate::MorphShape).
     pub skipped_rigid: u64,
-    /// Overlapping pairs that were left: different bodies that care about each other.
+    /// Overlapping pairs that remain: different bodies that may collide.
     pub candidate_pairs: u64,
-    /// Candidate pairs of which neither collider changed, or not by more than its tolerance, so that the answer is that of the run before.
+    /// Candidate pairs that keep their last answer because neither collider changed, or only within its tolerance.
     pub skipped_unchanged: u64,
     /// Pairs of colliders that touched.
     pub touching_pairs: u64,
     /// Triangle pairs listed in [`MorphCollisions`](crate::MorphCollisions).
     pub triangle_pairs: u64,
-    /// Tree nodes of all colliders that took part: what `stats.nodes_blended` is a share of.
+    /// Tree nodes of all colliders that took part. Compare `stats.nodes_blended` with this.
     pub nodes_total: u64,
-    /// What broad and narrow phase had to do. Nothing is blended again while weights stay as they are.
+    /// Work done by the broad and narrow phases. Nothing is blended again while weights stay the same.
     #[reflect(ignore)]
     pub stats: QueryStats,
-    /// Time spent in the plugin's systems, but for building trees.
+    /// Time spent in the plugin's systems, without building trees.
     pub duration: Duration,
 }
 
-/// Time spent on colliders, scenes and anchors since the last run began. They are updated in every frame, with or without a run.
+/// Time spent on updating colliders, scenes and anchors since the last run began. They are updated in every frame, even without a
+/// run.
 #[derive(Resource, Default)]
 pub(crate) struct Preparation(pub(crate) Duration);
 
@@ -55,7 +56,7 @@ pub(crate) fn begin_run(mut diagnostics: ResMut<MorphCollisionDiagnostics>, mut 
 #[cfg(feature = "diagnostics")]
 pub use store::MorphCollisionDiagnosticsPlugin;
 
-/// The same numbers among Bevy's own.
+/// Publishes the same numbers in Bevy's diagnostics.
 #[cfg(feature = "diagnostics")]
 mod store {
     use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
@@ -63,7 +64,7 @@ mod store {
 
     use super::MorphCollisionDiagnostics;
 
-    /// Puts [`MorphCollisionDiagnostics`] into Bevy's `DiagnosticsStore`, frame by frame.
+    /// Writes [`MorphCollisionDiagnostics`] to Bevy's `DiagnosticsStore` every frame.
     #[derive(Clone, Copy, Debug, Default)]
     pub struct MorphCollisionDiagnosticsPlugin;
 

@@ -1,4 +1,4 @@
-//! What started and what ended.
+//! Events of colliders: contacts that started or ended.
 
 use bevy::platform::time::Instant;
 
@@ -14,39 +14,42 @@ use crate::diagnostics::MorphCollisionDiagnostics;
 
 /// Two colliders started touching.
 ///
-/// As a [`Message`] it is sent once per pair, `collider1 < collider2`. As an [`EntityEvent`] it is triggered for each of the
-/// two that has [`MorphCollisionEventsEnabled`], which is then `collider1`.
+/// As a [`Message`] it is sent once per pair, with `collider1 < collider2`. As an [`EntityEvent`] it is triggered for each of the
+/// two colliders that has [`MorphCollisionEventsEnabled`]; that collider is then `collider1`.
 #[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Event, Message, Debug, Clone, PartialEq)]
 pub struct MorphCollisionStart {
     /// A collider; the target of the entity event.
     #[event_target]
     pub collider1: Entity,
-    /// The other one.
+    /// The other collider.
     pub collider2: Entity,
-    /// The body of `collider1`: that of its [`MorphColliderOf`](crate::MorphColliderOf), or itself.
+    /// The body of `collider1`, named by its [`MorphColliderOf`](crate::MorphColliderOf), or `collider1` itself.
     pub body1: Entity,
     /// The body of `collider2`.
     pub body2: Entity,
     /// Where they touch, in world space; see [`MorphContact::point`].
     pub point: Vec3,
-    /// The direction in which `collider1` leaves `collider2` there; see [`MorphContact::normal`].
+    /// The unit vector along which `collider1` moves out of `collider2`; see [`MorphContact::normal`].
     pub normal: Vec3,
 }
 
 /// Two colliders stopped touching.
 ///
-/// It is sent as [`MorphCollisionStart`] is. It is also sent when a collider was despawned, so the entities may no longer exist;
-/// when it was left out because its mesh or transform became unusable; and when it got
-/// [`MorphColliderDisabled`](crate::MorphColliderDisabled) or Bevy's [`Disabled`]. A disabled entity hears its own end:
-/// observers run for it as for any entity. But `Query` parameters of those observers skip it without `Allow<Disabled>`.
+/// It is sent in the same way as [`MorphCollisionStart`]. It is also sent when a collider
+///
+/// - was despawned, so the entities may no longer exist;
+/// - was left out because its mesh or transform became unusable;
+/// - got [`MorphColliderDisabled`](crate::MorphColliderDisabled) or Bevy's [`Disabled`].
+///
+/// Observers run for a disabled entity as for any other, but their `Query` parameters skip it without `Allow<Disabled>`.
 #[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Event, Message, Debug, Clone, PartialEq)]
 pub struct MorphCollisionEnd {
     /// A collider; the target of the entity event.
     #[event_target]
     pub collider1: Entity,
-    /// The other one.
+    /// The other collider.
     pub collider2: Entity,
     /// The body of `collider1` while they touched.
     pub body1: Entity,
@@ -54,15 +57,15 @@ pub struct MorphCollisionEnd {
     pub body2: Entity,
 }
 
-/// On a collider: trigger [`MorphCollisionStart`] and [`MorphCollisionEnd`] as entity events for it, too.
+/// Also triggers [`MorphCollisionStart`] and [`MorphCollisionEnd`] as entity events on this collider.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 pub struct MorphCollisionEventsEnabled;
 
-/// Lists what an entity touches, in ascending order; the plugin updates it in every run.
+/// Lists what an entity touches, in ascending order. The plugin updates it in every run.
 ///
-/// - On a body, an entity with [`MorphColliders`](crate::MorphColliders), such as the root of a
-///   [`MorphColliderScene`](crate::MorphColliderScene): the bodies that it touches with any of its colliders.
+/// - On a body with [`MorphColliders`](crate::MorphColliders), such as the root of a
+///   [`MorphColliderScene`](crate::MorphColliderScene): the bodies that any of its colliders touch.
 /// - On any other collider: the colliders that it touches.
 ///
 /// The list of a disabled collider is empty.
@@ -71,7 +74,7 @@ pub struct MorphCollisionEventsEnabled;
 pub struct MorphCollidingEntities(Vec<Entity>);
 
 impl MorphCollidingEntities {
-    /// Whether an entity is among them.
+    /// Whether an entity is in the list.
     #[must_use]
     pub fn contains(&self, entity: Entity) -> bool {
         self.0.binary_search(&entity).is_ok()
@@ -86,7 +89,7 @@ impl std::ops::Deref for MorphCollidingEntities {
     }
 }
 
-/// Reports this run's changes: first what ended, then what started, both in ascending order.
+/// Reports the changes of this run: first the ended contacts, then the started ones, each in ascending order.
 pub(crate) fn report_changes(
     collisions: Res<MorphCollisions>,
     enabled: Query<(), (With<MorphCollisionEventsEnabled>, Allow<Disabled>)>,
@@ -131,7 +134,7 @@ pub(crate) fn report_changes(
     diagnostics.duration += start.elapsed();
 }
 
-/// Colliders, bodies and the normal as seen from either side.
+/// The colliders, bodies and normal from the view of either collider.
 fn both_ways(contact: &MorphContact) -> [([Entity; 4], Vec3); 2] {
     let &MorphContact {
         collider1,
@@ -147,8 +150,8 @@ fn both_ways(contact: &MorphContact) -> [([Entity; 4], Vec3); 2] {
     ]
 }
 
-/// Brings [`MorphCollidingEntities`] up to date where anything was compared, the component is new, or an entity became a body or
-/// is no longer one.
+/// Updates [`MorphCollidingEntities`] if anything was compared, if the component is new, or if an entity became a body or stopped
+/// being one.
 pub(crate) fn list_colliding_entities(
     collisions: Res<MorphCollisions>,
     mut lists: Query<(Entity, &mut MorphCollidingEntities, Option<Ref<MorphColliders>>), Allow<Disabled>>,

@@ -1,4 +1,4 @@
-//! Every mesh that deforms as a collider: [`MorphCollisionSettings::every_deforming_mesh`].
+//! Makes every deforming mesh a collider: [`MorphCollisionSettings::every_deforming_mesh`].
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
@@ -13,19 +13,20 @@ use crate::layers::MorphCollisionLayers;
 use crate::scene::ScenePart;
 use crate::settings::MorphCollisionSettings;
 
-/// On every deforming mesh that the setting was applied to: what it gave, nothing if the mesh was a collider already.
+/// Marks a deforming mesh that the setting was applied to, and records what the setting gave it: nothing if the mesh already was
+/// a collider.
 ///
 /// It stays when the user removes the collider, so that the collider does not come back.
 #[derive(Component, Clone, Copy, Default)]
 pub(crate) struct Automatic {
     collider: Option<MorphCollider>,
     layers: bool,
-    /// The body that it named, or the mesh itself.
+    /// The body that the setting assigned, or the mesh itself.
     body: Option<Entity>,
 }
 
 impl Automatic {
-    /// Whether a collider is the one that it gave.
+    /// Whether a collider is the one that the setting gave.
     pub(crate) fn gave_collider(&self, now: Option<&MorphCollider>) -> bool {
         self.collider.zip(now).is_some_and(|(given, now)| given.is_same(now))
     }
@@ -35,13 +36,13 @@ impl Automatic {
         self.layers && now == Some(&MorphCollisionLayers::default())
     }
 
-    /// Whether a collider's body is the one that it gave.
+    /// Whether a collider's body is the one that the setting gave.
     pub(crate) fn gave_body(&self, now: Entity) -> bool {
         self.body == Some(now)
     }
 }
 
-/// Deforming meshes that the setting has not been applied to. Parts of scenes are the scenes' business.
+/// Deforming meshes that the setting has not been applied to. Scenes handle their own parts.
 type New = (
     With<Mesh3d>,
     Or<(With<MeshMorphWeights>, With<SkinnedMesh>)>,
@@ -50,16 +51,16 @@ type New = (
     Allow<Disabled>,
 );
 
-/// What a mesh has: a collider, layers, a body.
+/// The collider, layers and body of a mesh.
 type Has3 = (
     Option<&'static MorphCollider>,
     Option<&'static MorphCollisionLayers>,
     Option<&'static MorphColliderOf>,
 );
 
-/// Applies the setting to new meshes, and to all when it changes.
+/// Applies the setting to new meshes, and to all meshes when the setting changes.
 ///
-/// The bodies of meshes follow the hierarchy, and the components that make an entity a body.
+/// The bodies of meshes follow the hierarchy and the components that make an entity a body.
 pub(crate) fn update_every_deforming_mesh(
     mut commands: Commands,
     settings: Res<MorphCollisionSettings>,
@@ -124,7 +125,7 @@ pub(crate) fn update_every_deforming_mesh(
 }
 
 impl Automatic {
-    /// Removes what was given: the collider even if the user changed it, the rest if it is unchanged.
+    /// Removes what was given: the collider even if the user changed it, the rest only if it is unchanged.
     fn take_back(
         &self,
         mut entity: EntityCommands,
@@ -135,7 +136,7 @@ impl Automatic {
         ),
     ) {
         if collider.is_none() {
-            // The user removed it: it does not come back with the setting either.
+            // The user removed it, so it must not come back with the setting.
             entity.try_insert(Self::default());
         } else {
             entity.try_remove::<Self>();

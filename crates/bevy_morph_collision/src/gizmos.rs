@@ -1,4 +1,4 @@
-//! Debug drawing: what the collision code believes, drawn over what is rendered.
+//! Debug drawing of the collision state on top of the rendered scene.
 
 use bevy::gizmos::config::{GizmoConfigGroup, GizmoConfigStore};
 use bevy::gizmos::gizmos::Gizmos;
@@ -12,14 +12,15 @@ use crate::contacts::MorphCollisions;
 use crate::plugin::MorphCollisionSystems;
 use crate::plugins::missing;
 
-/// Draws boxes of trees, contacts and touching triangles, as [`MorphGizmos`] says.
+/// Draws tree boxes, contacts and touching triangles, as configured in [`MorphGizmos`].
 ///
-/// It needs [`MorphCollisionPlugin`](crate::MorphCollisionPlugin) and Bevy's `GizmoPlugin` (one of `DefaultPlugins`); an error in the log
-/// says which one is missing, unless this plugin came with [`MorphPlugins`](crate::MorphPlugins). The lines are Bevy's gizmos: to see them you need a renderer with `bevy_gizmos_render`.
+/// It needs [`MorphCollisionPlugin`](crate::MorphCollisionPlugin) and Bevy's `GizmoPlugin` (part of `DefaultPlugins`). If one is
+/// missing, an error is logged, unless this plugin came with [`MorphPlugins`](crate::MorphPlugins). The lines are Bevy gizmos, so
+/// they are visible only with a renderer with `bevy_gizmos_render`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MorphGizmosPlugin;
 
-/// What [`MorphGizmosPlugin`] draws: a gizmo group of Bevy's, to be changed in its `GizmoConfigStore`.
+/// What [`MorphGizmosPlugin`] draws. This is a Bevy gizmo config group; change it in `GizmoConfigStore`.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -33,18 +34,18 @@ pub struct MorphGizmosPlugin;
 #[derive(GizmoConfigGroup, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Default)]
 pub struct MorphGizmos {
-    /// Boxes around each collider's nodes this deep below the root (leaves above it included), which are refitted for it; none if
-    /// `None`.
+    /// Draws the boxes of each collider's nodes at this depth below the root, and of leaves above it. The boxes are refitted for
+    /// drawing. `None` draws no boxes.
     pub depth: Option<usize>,
-    /// The colour of a node that some query refitted for the weights in force, before the drawing did.
+    /// The colour of nodes that a query had already refitted for the current weights.
     pub refitted: Color,
-    /// The colour of a node that only the drawing refitted.
+    /// The colour of nodes refitted only for drawing.
     pub resting: Color,
-    /// The outline of touching triangles.
+    /// The colour of touching triangles' outlines; `None` draws none.
     pub triangles: Option<Color>,
-    /// Points of contact, and normals from them.
+    /// The colour of contact points and normals; `None` draws none.
     pub contacts: Option<Color>,
-    /// How long normals are drawn, in world units.
+    /// The length of drawn normals, in world units.
     pub normal_length: f32,
 }
 
@@ -84,13 +85,13 @@ impl Plugin for MorphGizmosPlugin {
                 app,
                 "MorphGizmosPlugin draws nothing without Bevy's GizmoPlugin: add it to the app",
             );
-            // Bevy's systems for the group of gizmos panic without it.
+            // Without it, Bevy's systems for this gizmo group panic.
             app.init_resource::<Assets<GizmoAsset>>();
         }
     }
 }
 
-/// Draws what is asked for.
+/// Draws everything that the settings ask for.
 fn draw(
     mut gizmos: Gizmos<MorphGizmos>,
     store: Res<GizmoConfigStore>,
@@ -147,7 +148,7 @@ fn draw(
     }
 }
 
-/// Where the box of a skinned mesh's node stands.
+/// The transform for the box of a skinned mesh's node.
 fn in_world(place: &WorldFromModel) -> GlobalTransform {
     let origin = place.transform_point(Vec3::ZERO);
     let [x, y, z] = Vec3::AXES.map(|axis| (place.transform_point(axis) - origin).as_vec3a());
@@ -156,7 +157,7 @@ fn in_world(place: &WorldFromModel) -> GlobalTransform {
     GlobalTransform::from(Affine3A { matrix3, translation })
 }
 
-/// The corners of a triangle of a mesh; shapes have none.
+/// The corners of a triangle of a mesh; `None` for shapes.
 fn corners(state: &mut ColliderState, triangle: u32) -> Option<[Vec3; 3]> {
     let ColliderState { pose, placed, .. } = state;
     let Form::Mesh(place) = &placed.as_ref()?.form else {

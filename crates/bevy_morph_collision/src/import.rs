@@ -1,4 +1,4 @@
-//! From Bevy's [`Mesh`] to a shared tree: copied on the main thread, built in the background, handed out.
+//! Turns Bevy's [`Mesh`] into a shared tree: copies it on the main thread, builds in the background, hands out the result.
 
 mod complaints;
 mod decode;

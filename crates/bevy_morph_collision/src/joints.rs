@@ -1,4 +1,4 @@
-//! From the transforms of joints to the poses of skinned meshes.
+//! Copies the transforms of joints to the poses of skinned meshes.
 
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::time::Instant;
@@ -9,10 +9,10 @@ use crate::collider::{ColliderState, MorphCollider};
 use crate::diagnostics::MorphCollisionDiagnostics;
 use crate::skeletons::{BindPoses, Skeletons};
 
-/// Every skinned pose takes the joint matrices its mesh is drawn with.
+/// Gives every skinned pose the joint matrices with which its mesh is drawn.
 ///
-/// Matrices are compared by value: a character at rest keeps its answers. Matrices that cannot be used are logged once per skeleton,
-/// until they can be used again, and the last good ones stay in force.
+/// Matrices are compared by value, so a character at rest keeps its answers. Invalid matrices are logged once per skeleton, until
+/// they are valid again; the last valid ones stay in use.
 pub(crate) fn read_joints(
     mut colliders: Query<(Entity, &mut ColliderState, &SkinnedMesh), With<MorphCollider>>,
     globals: Query<&GlobalTransform>,

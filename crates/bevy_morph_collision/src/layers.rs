@@ -1,27 +1,27 @@
-//! Which colliders care about which.
+//! Collision layers.
 
 use bevy::prelude::*;
 
-/// Which layers a collider is on, and which ones it collides with, a bit each.
+/// The layers that a collider is on and the layers that it collides with, one bit per layer.
 ///
-/// Two colliders are compared if each is on a layer that the other one collides with: the rule of `bevy_rapier`'s
-/// `CollisionGroups` and Avian's `CollisionLayers`. By default everything collides with everything.
+/// Two colliders are compared if each is on a layer that the other one collides with, as with `bevy_rapier`'s `CollisionGroups`
+/// and Avian's `CollisionLayers`. By default everything collides with everything.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[reflect(Component, Debug, Default, Clone, PartialEq, Hash)]
 pub struct MorphCollisionLayers {
-    /// The layers it is on.
+    /// The layers that the collider is on.
     pub memberships: u32,
-    /// The layers it collides with.
+    /// The layers that the collider collides with.
     pub filters: u32,
 }
 
 impl MorphCollisionLayers {
-    /// On every layer, and colliding with all.
+    /// On every layer, and collides with every layer.
     pub const ALL: Self = Self::new(u32::MAX, u32::MAX);
-    /// On no layer: it collides with nothing.
+    /// On no layer, and collides with nothing.
     pub const NONE: Self = Self::new(0, 0);
 
-    /// Memberships and filters.
+    /// Creates layers from memberships and filters.
     #[must_use]
     pub const fn new(memberships: u32, filters: u32) -> Self {
         Self { memberships, filters }

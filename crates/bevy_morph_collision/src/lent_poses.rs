@@ -7,17 +7,17 @@ use morph_collision::{MorphBvh, Pose};
 
 use crate::import::TreeKey;
 
-/// One pose per tree, lent to every entity that shows the mesh in turn.
+/// One pose per tree, lent in turn to every entity that shows the mesh.
 #[derive(Default)]
 pub(crate) struct LentPoses(HashMap<TreeKey, (Pose, bool)>);
 
 impl LentPoses {
-    /// Drops the poses that were not lent since this was called last.
+    /// Drops the poses that were not lent since the last call.
     pub(crate) fn drop_unused(&mut self) {
         self.0.retain(|_, (_, used)| std::mem::take(used));
     }
 
-    /// A pose of a tree, at any weights and joints.
+    /// A pose of a tree, with arbitrary weights and joints.
     pub(crate) fn lend(&mut self, key: TreeKey, tree: &Arc<MorphBvh>) -> &mut Pose {
         let (pose, used) = self.0.entry(key).or_insert_with(|| (Pose::new(tree.clone()), true));
         *used = true;

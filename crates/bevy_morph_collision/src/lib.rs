@@ -1,8 +1,8 @@
 //! Bevy plugin: exact collision detection for meshes deformed by morph targets (blend shapes) and by joints (skinned meshes).
 //!
-//! A collision tree is built once per mesh *asset*, in the background, and shared by every entity that shows the mesh.
-//! Each frame the tree is refitted to an entity's morph weights and joints, where and only where a query looks at it. Answers are
-//! those of [`morph_collision`]: exact, over the vertices that the mesh really has at these weights, where these joints put them.
+//! The plugin builds one collision tree per mesh *asset*, in the background. All entities that show the mesh share it. Each
+//! frame, queries refit the tree to an entity's morph weights and joints, but only the nodes that they visit. Answers are those
+//! of [`morph_collision`]: exact, over the vertices that the mesh really has at these weights and with these joints.
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -29,51 +29,59 @@
 //!
 //! # The pipeline
 //!
-//! Trees are kept in [`PostUpdate`](bevy::prelude::PostUpdate), and so by default is the rest, after animation and transform propagation; it can run
-//! in another schedule ([`MorphCollisionPlugin::new`]). In the order of [`MorphCollisionSystems`]:
+//! Trees are always built in [`PostUpdate`](bevy::prelude::PostUpdate). By default everything else also runs there, after
+//! animation and transform propagation; [`MorphCollisionPlugin::new`] picks another schedule. The stages, in the order of
+//! [`MorphCollisionSystems`]:
 //!
-//! 1. **Import** (`scene`, `every_mesh`, `body_roots`, `import`): parts of a [`MorphColliderScene`] become colliders of a body; meshes become trees. Before that,
-//!    while Bevy loads a glTF file, meshes without normals are repaired (feature `gltf`, on by default).
-//! 2. **Weights** (`velocities`, `weights`, `joints`, `skeletons`): what a collider was like in the last run is remembered, then its pose takes the weights in force,
-//!    and the matrices of its joints.
-//! 3. **Broad phase** (`broad_phase`): boxes around whole colliders in world space; pairs whose boxes overlap, and which
-//!    [`MorphCollisionLayers`] and [`MorphCollisionMode`]s let through, go on.
-//! 4. **Narrow phase** (`narrow_phase`, `contacts`, `body_pairs`): exact triangle pairs and contacts, into [`MorphCollisions`], by
-//!    colliders and by bodies.
-//! 5. **Events** (`events`, `body_events`, `changes`): what started and ended since the last run, of colliders and of bodies;
-//!    [`MorphCollidingEntities`].
-//! 6. **Anchors** (`anchors`): entities with a [`MorphSurfaceAnchor`] go where their triangle is drawn; always in
+//! 1. **Import** (`scene`, `every_mesh`, `body_roots`, `import`): turns the parts of a [`MorphColliderScene`] into colliders of a
+//!    body, and meshes into trees. Earlier, while Bevy loads a glTF file, meshes without normals are repaired (feature `gltf`, on
+//!    by default).
+//! 2. **Weights** (`velocities`, `weights`, `joints`, `skeletons`): remembers each collider's previous state, then sets its pose
+//!    to the current weights and joint matrices.
+//! 3. **Broad phase** (`broad_phase`): finds pairs of colliders whose world-space boxes overlap and that [`MorphCollisionLayers`]
+//!    and [`MorphCollisionMode`]s allow.
+//! 4. **Narrow phase** (`narrow_phase`, `contacts`, `body_pairs`): finds exact triangle pairs and contacts and stores them in
+//!    [`MorphCollisions`], by collider and by body.
+//! 5. **Events** (`events`, `body_events`, `changes`): reports which contacts of colliders and bodies started or ended since the
+//!    last run, and updates [`MorphCollidingEntities`].
+//! 6. **Anchors** (`anchors`): moves entities with a [`MorphSurfaceAnchor`] to where their triangle is drawn; always in
 //!    [`PostUpdate`](bevy::prelude::PostUpdate).
 //!
-//! Each stage adds to [`MorphCollisionDiagnostics`]. Where nothing changed nothing is done: weights, joints and places are compared by
-//! value, a pair of which neither collider changed keeps its answer, and a frame in which none did costs a look at each. With a
-//! [`tolerance`](MorphCollider::tolerance), small movements are no change (`tolerance`).
+//! Each stage adds to [`MorphCollisionDiagnostics`]. Unchanged colliders cost almost nothing: weights, joints and transforms are
+//! compared by value, and a pair keeps its answer if neither of its colliders changed. In a frame without changes, each collider
+//! is only checked once. With a [`tolerance`](MorphCollider::tolerance), small movements do not count as changes (`tolerance`).
 //!
-//! Beside the pipeline, each by itself:
+//! Independent of the pipeline:
 //!
-//! - [`MorphSpatialQuery`] (`spatial`): rays, shape casts, intersections, closest points, contacts, posed vertices, for any number of systems at a time.
-//! - [`MorphColliderReady`], [`MorphColliderFailed`], [`MorphColliderSceneReady`] (`readiness`), and [`MorphTrees::progress`] for loading screens.
-//! - [`MorphBoundsPlugin`] (`bounds`): the `Aabb` that Bevy culls morphing and skinned meshes by.
-//! - `MorphPickingPlugin` (`picking`, feature `picking`): pointers hit what is drawn.
-//! - `MorphGizmosPlugin` (`gizmos`, feature `gizmos`): boxes of trees, contacts, touching triangles, drawn.
-//! - `MorphRapierPlugin` (`rapier`, feature `rapier`): rigid bodies and character controllers of `bevy_rapier3d` feel the surface.
-//! - `MorphAvianPlugin` (`avian`, feature `avian`): rigid bodies of `avian3d` feel the surface.
-//! - `MorphCollisionDiagnosticsPlugin` (feature `diagnostics`): the counts in Bevy's `DiagnosticsStore`.
+//! - [`MorphSpatialQuery`] (`spatial`): ray casts, shape casts, intersections, closest points, contacts and posed vertices. Any
+//!   number of systems can use it at the same time.
+//! - [`MorphColliderReady`], [`MorphColliderFailed`], [`MorphColliderSceneReady`] (`readiness`), and [`MorphTrees::progress`]:
+//!   for loading screens.
+//! - [`MorphBoundsPlugin`] (`bounds`): the `Aabb` by which Bevy culls morphing and skinned meshes.
+//! - `MorphPickingPlugin` (`picking`, feature `picking`): pointers pick meshes as they are drawn.
+//! - `MorphGizmosPlugin` (`gizmos`, feature `gizmos`): draws tree boxes, contacts and touching triangles.
+//! - `MorphRapierPlugin` (`rapier`, feature `rapier`): rigid bodies and character controllers of `bevy_rapier3d` collide with the
+//!   surface.
+//! - `MorphAvianPlugin` (`avian`, feature `avian`): rigid bodies of `avian3d` collide with the surface.
+//! - `MorphCollisionDiagnosticsPlugin` (feature `diagnostics`): publishes the counts in Bevy's `DiagnosticsStore`.
 //!
 //! [`MorphPlugins`] (`plugins`) adds all of these at once.
 //!
 //! # Bodies
 //!
-//! A *body* is a collider, or an entity with several colliders (`body`): each of them names it with [`MorphColliderOf`], and it lists them in
-//! [`MorphColliders`]. Parts of a [`MorphColliderScene`] are colliders of its root. Colliders of one body never collide with each other.
-//! [`MorphBodyCollisionStart`] and [`MorphBodyCollisionEnd`] report each touch of two bodies once, however many of their colliders
-//! touch, as messages and to observers of the bodies. [`MorphCollisionStart`] and [`MorphCollisionEnd`] report every pair of colliders.
+//! A *body* is a collider, or an entity with several colliders (`body`). Each of these colliders names its body with
+//! [`MorphColliderOf`], and the body lists them in [`MorphColliders`]. The parts of a [`MorphColliderScene`] are colliders of its
+//! root. Colliders of the same body never collide with each other. [`MorphBodyCollisionStart`] and [`MorphBodyCollisionEnd`]
+//! report each touch of two bodies once, however many of their colliders touch, both as messages and to observers of the bodies.
+//! [`MorphCollisionStart`] and [`MorphCollisionEnd`] report every pair of colliders.
 //!
-//! # What it needs
+//! # Requirements
 //!
-//! `AssetPlugin`, `MeshPlugin` and `TransformPlugin`, which are all among `DefaultPlugins`. Meshes must stay in main memory
-//! (`RenderAssetUsages::default()`, not `RENDER_WORLD` alone). They may be compressed (`GltfPlugin::mesh_compression`). Data that cannot be used is
-//! logged once as an error with the mesh's and the entity's name, and only that entity is left out.
+//! - `AssetPlugin`, `MeshPlugin` and `TransformPlugin`. `DefaultPlugins` contains all three.
+//! - Meshes must stay in main memory: use `RenderAssetUsages::default()`, not `RENDER_WORLD` alone. They may be compressed
+//!   (`GltfPlugin::mesh_compression`).
+//!
+//! Data that cannot be used is logged once as an error with the names of the mesh and the entity. Only that entity is left out.
 //!
 //! # What works with which mesh
 //!
@@ -86,13 +94,13 @@
 //! | physics (`MorphRapierCollider`, `MorphAvianCollider`) | yes | yes | yes | yes |
 //!
 //! A mesh has joints if it has `Mesh::ATTRIBUTE_JOINT_INDEX` and `Mesh::ATTRIBUTE_JOINT_WEIGHT` and its entity has
-//! [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh). It is where its joints' `GlobalTransform`s, after propagation, and the inverse bind poses put it; see
-//! [`MorphCollider`] for joints that are missing or bad. All joints are followed. On targets without storage buffers (WebGL 2), Bevy draws only the
-//! first 256 of a skeleton right.
+//! [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh). The propagated `GlobalTransform`s of its joints and the inverse bind poses
+//! place it; see [`MorphCollider`] for missing or bad joints. All joints count, while on targets without storage buffers (WebGL
+//! 2) Bevy draws only the first 256 joints of a skeleton correctly.
 #![forbid(unsafe_code)]
-// docs.rs says which feature has what.
+// docs.rs shows which feature enables which item.
 #![cfg_attr(docsrs, feature(doc_cfg))]
-// Systems say in their parameters what they ask for.
+// Systems declare their needs as parameters.
 #![allow(clippy::type_complexity, clippy::too_many_arguments)]
 
 mod anchors;
@@ -117,7 +125,7 @@ mod joints;
 mod layers;
 mod lent_poses;
 mod narrow_phase;
-// Each engine uses its own part of it.
+// Each engine uses only part of it.
 #[cfg(any(feature = "rapier", feature = "avian"))]
 #[cfg_attr(not(all(feature = "rapier", feature = "avian")), allow(dead_code))]
 mod physics;
@@ -176,7 +184,7 @@ pub use spatial::{
 };
 pub use workers::TaskPoolWorkers;
 
-/// What a program that uses the plugin needs by name.
+/// Everything that an app using the plugin usually names.
 pub mod prelude {
     #[cfg(feature = "diagnostics")]
     pub use crate::MorphCollisionDiagnosticsPlugin;
@@ -205,7 +213,7 @@ pub mod prelude {
     pub use crate::{MorphPick, MorphPickingPlugin, MorphPickingSettings};
 }
 
-/// The README's snippets, compiled; two of them are about physics engines.
+/// Compiles the README's snippets; two of them need the physics engines.
 #[cfg(all(doctest, feature = "rapier", feature = "avian"))]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,4 +1,4 @@
-//! Picking: what is drawn is what is hit.
+//! Picking of meshes as they are drawn.
 
 use crate::contacts::MorphCollisions;
 use crate::plugins::missing;
@@ -12,18 +12,17 @@ use bevy::picking::backend::{HitData, PointerHits};
 use bevy::picking::prelude::Pickable;
 use bevy::prelude::*;
 
-/// A picking backend for Bevy: pointers hit the meshes of [`MorphCollider`](crate::MorphCollider)s as they are morphed and
-/// moved by joints.
+/// A Bevy picking backend: pointers hit the meshes of [`MorphCollider`](crate::MorphCollider)s with their current morph weights
+/// and joints.
 ///
-/// It heeds [`Pickable`], [`RenderLayers`] and visibility. Each hit carries a [`MorphPick`]; read it with `HitData::extra_as`.
-/// An entity with a [`MorphShape`](crate::MorphShape) is not hit, even if it has a mesh.
+/// It respects [`Pickable`], [`RenderLayers`] and visibility. Each hit carries a [`MorphPick`]; read it with `HitData::extra_as`.
+/// Entities with a [`MorphShape`](crate::MorphShape) are not hit, even if they have a mesh.
 ///
-/// It needs [`MorphCollisionPlugin`](crate::MorphCollisionPlugin) and Bevy's picking plugins (`DefaultPickingPlugins`, among
-/// `DefaultPlugins`); an error in the log says which one is missing, unless this plugin came with
-/// [`MorphPlugins`](crate::MorphPlugins).
+/// It needs [`MorphCollisionPlugin`](crate::MorphCollisionPlugin) and Bevy's picking plugins (`DefaultPickingPlugins`, part of
+/// `DefaultPlugins`). If one is missing, an error is logged, unless this plugin came with [`MorphPlugins`](crate::MorphPlugins).
 ///
 /// Bevy's own `MeshPickingPlugin` picks morphing and skinned meshes in their rest pose. Leave it out, or set
-/// `MeshPickingSettings::require_markers` and mark only what does not deform.
+/// `MeshPickingSettings::require_markers` and mark only meshes that do not deform.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -43,23 +42,23 @@ pub struct MorphPickingPlugin;
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, Debug, Default, Clone, PartialEq)]
 pub struct MorphPickingSettings {
-    /// Whether only colliders with a [`Pickable`] component are hit.
+    /// Only hits colliders with a [`Pickable`] component.
     pub require_pickable: bool,
-    /// Whether triangles are hit from behind, too: for materials that are drawn from both sides.
+    /// Also hits triangles from behind. Use it for double-sided materials.
     pub back_faces: bool,
 }
 
-/// What a hit of [`MorphPickingPlugin`] tells beyond Bevy's [`HitData`].
+/// What a hit of [`MorphPickingPlugin`] adds to Bevy's [`HitData`].
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct MorphPick {
     /// The triangle's number in its mesh.
     pub triangle: u32,
-    /// The weights of the triangle's corners at the point.
+    /// The barycentric coordinates of the point in the triangle.
     pub barycentrics: Vec3,
-    /// The texture coordinates there, if the mesh has any.
+    /// The texture coordinates at the point, if the mesh has any.
     pub uv: Option<Vec2>,
-    /// On a skinned mesh the joint that moves this point most; see [`MorphRayHit::joint`].
+    /// The joint that moves the point most, on a skinned mesh; see [`MorphRayHit::joint`].
     pub joint: Option<Entity>,
 }
 
@@ -105,9 +104,9 @@ impl Plugin for MorphPickingPlugin {
     }
 }
 
-/// What decides if a collider can be picked.
+/// What decides whether a collider can be picked.
 ///
-/// A shape is not drawn.
+/// Shapes are not drawn, so they cannot be picked.
 type PickedBy = (
     Option<&'static Pickable>,
     Option<&'static RenderLayers>,
@@ -134,7 +133,7 @@ fn hit_colliders(
         let camera_layers = camera_layers.unwrap_or(&everything);
         let mut passed: Vec<Entity> = Vec::new();
         let mut picks = Vec::new();
-        // Each collider's first hit, nearest first, up to one that lets nothing through.
+        // Each collider's first hit, nearest first, up to a collider that blocks everything behind it.
         loop {
             let can_pick = |entity: Entity| {
                 let Ok((pickable, layers, visible)) = colliders.get(entity) else {

@@ -1,4 +1,4 @@
-//! What runs when.
+//! The plugin and the order of its systems.
 
 use bevy::app::AnimationSystems;
 use bevy::asset::AssetEventSystems;
@@ -30,19 +30,19 @@ use crate::{
 
 /// Detects collisions between [`MorphCollider`]s: by default every frame, in [`PostUpdate`].
 ///
-/// Insert [`DefaultMorphTreeSettings`] before the plugin to build trees in another way than the default one.
+/// To change how trees are built, insert [`DefaultMorphTreeSettings`] before you add the plugin.
 #[derive(Clone, Copy, Debug)]
 pub struct MorphCollisionPlugin {
     schedule: InternedScheduleLabel,
 }
 
 impl MorphCollisionPlugin {
-    /// The plugin in a schedule of one's choice, usually [`FixedPostUpdate`].
+    /// Runs collision detection in a schedule of your choice, usually [`FixedPostUpdate`].
     ///
-    /// In another schedule than [`PostUpdate`], transforms are propagated there first, so that what moved in [`FixedUpdate`] is where it was
-    /// moved to. Morph weights are those that the last frame's animation left. [Surface anchors](MorphSurfaceAnchor) still follow in
-    /// [`PostUpdate`]. What [`MorphCollisions::started`] and [`MorphCollisions::ended`] show then is described
-    /// [there](MorphCollisions#what-started-and-ended).
+    /// In any schedule other than [`PostUpdate`], the plugin first propagates transforms there, so that entities moved in
+    /// [`FixedUpdate`] are at their new place. Morph weights are those of the last frame's animation. [Surface
+    /// anchors](MorphSurfaceAnchor) still update in [`PostUpdate`]. For what [`MorphCollisions::started`] and
+    /// [`MorphCollisions::ended`] return then, see [`MorphCollisions`](MorphCollisions#what-started-and-ended).
     ///
     /// ```
     /// # use bevy::prelude::*;
@@ -64,12 +64,12 @@ impl Default for MorphCollisionPlugin {
     }
 }
 
-/// The stages of the plugin, in this order.
+/// The stages of the plugin, in order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MorphCollisionSystems {
-    /// Finds new colliders and builds the trees of their meshes; always in [`PostUpdate`].
+    /// Finds new colliders and builds the trees of their meshes. Always in [`PostUpdate`].
     Import,
-    /// Reads the morph weights and joint matrices in force.
+    /// Reads the current morph weights and joint matrices.
     Weights,
     /// Places colliders in the world and finds the pairs whose boxes overlap.
     BroadPhase,
@@ -77,16 +77,16 @@ pub enum MorphCollisionSystems {
     NarrowPhase,
     /// Reports what started and ended.
     Events,
-    /// Brings anchored entities to their places on the surfaces as they are drawn; always in [`PostUpdate`], also while paused.
+    /// Moves anchored entities to their place on the drawn surface. Always in [`PostUpdate`], even while paused.
     Anchors,
 }
 
-/// Builds the trees that others ask for.
+/// Builds the requested trees.
 pub(crate) struct TreesPlugin;
 
 impl Plugin for TreesPlugin {
     fn build(&self, app: &mut App) {
-        // Now, before anything is loaded; or later, if the glTF plugin comes after this one.
+        // Right away, before anything is loaded; or later, if the glTF plugin is added after this one.
         #[cfg(feature = "gltf")]
         import::repair_split_meshes(app);
         app.init_resource::<DefaultMorphTreeSettings>()

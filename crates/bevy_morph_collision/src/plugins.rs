@@ -8,8 +8,15 @@ use tracing::{debug, error};
 use crate::bounds::MorphBoundsPlugin;
 use crate::plugin::MorphCollisionPlugin;
 
-/// [`MorphCollisionPlugin`], [`MorphBoundsPlugin`] and, with the crate's features of these names, `MorphPickingPlugin` (`picking`),
-/// `MorphGizmosPlugin` (`gizmos`), `MorphCollisionDiagnosticsPlugin` (`diagnostics`), `MorphRapierPlugin` (`rapier`) and `MorphAvianPlugin` (`avian`).
+/// Adds all plugins of this crate: [`MorphCollisionPlugin`], [`MorphBoundsPlugin`] and one plugin for each enabled feature.
+///
+/// | feature | plugin |
+/// |---|---|
+/// | `picking` | `MorphPickingPlugin` |
+/// | `gizmos` | `MorphGizmosPlugin` |
+/// | `diagnostics` | `MorphCollisionDiagnosticsPlugin` |
+/// | `rapier` | `MorphRapierPlugin` |
+/// | `avian` | `MorphAvianPlugin` |
 ///
 /// ```no_run
 /// # use bevy::prelude::*;
@@ -18,20 +25,20 @@ use crate::plugin::MorphCollisionPlugin;
 /// app.add_plugins((MinimalPlugins, TransformPlugin, AssetPlugin::default(), bevy::mesh::MeshPlugin, MorphPlugins::default()));
 /// ```
 ///
-/// Works in any app, with a renderer or without: a plugin of the group whose counterpart is missing (Bevy's picking or gizmos,
-/// `RapierPhysicsPlugin`, Avian's `PhysicsPlugins`) does nothing, and logs no error. One condition remains: the physics engine's plugins must be
-/// added before this group.
+/// Works in any app, with or without a renderer. If the counterpart of a plugin is missing (Bevy's picking or gizmos,
+/// `RapierPhysicsPlugin`, Avian's `PhysicsPlugins`), that plugin does nothing and logs no error. Add the physics engine's plugins
+/// before this group.
 ///
-/// Leave plugins out or replace them as in any [`PluginGroup`]. `MorphRapierPlugin` is for physics in [`PostUpdate`], Rapier's default, and
-/// `MorphAvianPlugin` in [`FixedPostUpdate`], Avian's. If your physics runs in another schedule, name it:
-/// `MorphPlugins::new(FixedPostUpdate).set(MorphRapierPlugin::new(FixedUpdate))`.
+/// You can leave plugins out or replace them, as in any [`PluginGroup`]. `MorphRapierPlugin` expects physics in [`PostUpdate`],
+/// Rapier's default; `MorphAvianPlugin` expects it in [`FixedPostUpdate`], Avian's default. If your physics runs in another
+/// schedule, name it: `MorphPlugins::new(FixedPostUpdate).set(MorphRapierPlugin::new(FixedUpdate))`.
 #[derive(Clone, Copy, Debug)]
 pub struct MorphPlugins {
     schedule: InternedScheduleLabel,
 }
 
 impl MorphPlugins {
-    /// The plugins with collision detection in a schedule of your choice; see [`MorphCollisionPlugin::new`].
+    /// Runs collision detection in a schedule of your choice; see [`MorphCollisionPlugin::new`].
     #[must_use]
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self {
@@ -66,14 +73,14 @@ impl PluginGroup for MorphPlugins {
     }
 }
 
-/// Marks an app to which the whole group was added: nobody asked for each plugin by name.
+/// Marks an app that added the whole group, so no plugin was requested by name.
 struct InGroup;
 
 impl Plugin for InGroup {
     fn build(&self, _: &mut App) {}
 }
 
-/// Logs that a plugin does nothing because another one is missing: an error, unless it came with the group.
+/// Logs that a plugin does nothing because another one is missing. This is an error unless the plugin came with the group.
 #[cfg_attr(
     not(any(feature = "picking", feature = "gizmos", feature = "rapier", feature = "avian")),
     allow(dead_code)

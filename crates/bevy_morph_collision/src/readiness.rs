@@ -1,4 +1,4 @@
-//! Tells when colliders and scenes are ready.
+//! Events that report when colliders and scenes are ready.
 
 use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::entity_disabling::Disabled;
@@ -12,11 +12,12 @@ use crate::import::{ImportError, MorphTreeSettings, MorphTrees, Shows, TreeKey, 
 use crate::scene::ScenePart;
 use crate::shape::MorphShape;
 
-/// A collider has its tree, and takes part from the next run on.
+/// The collider's tree is built. It takes part from the next run on.
 ///
-/// It is triggered on the collider for its first tree, and again for each new one: when it shows another mesh, its mesh was modified, or it
-/// has other [`MorphTreeSettings`]. It is not triggered when weights or joints change. A [`MorphShape`] is ready at once. Triggered in
-/// [`PostUpdate`], whatever schedule collisions are detected in, also while they are
+/// Triggered on the collider for its first tree and for each new one: when it shows another mesh, when its mesh was modified, or
+/// when it got other [`MorphTreeSettings`]. Not triggered by changes of weights or joints. A [`MorphShape`] is ready immediately.
+///
+/// Always triggered in [`PostUpdate`], whatever schedule collision detection runs in, and even while it is
 /// [paused](crate::MorphCollisionSettings::paused).
 #[derive(EntityEvent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Event, Debug, Clone, PartialEq)]
@@ -25,10 +26,10 @@ pub struct MorphColliderReady {
     pub entity: Entity,
 }
 
-/// A collider's mesh cannot be used as it is. The log says so too.
+/// The collider's mesh cannot be used. This is also logged.
 ///
-/// The collider is left out until it shows another mesh, or the mesh is modified. If an earlier state of the mesh has a tree, that stays in
-/// force instead.
+/// The collider is left out until it shows another mesh or the mesh is modified. If a tree of an earlier state of the mesh
+/// exists, the collider keeps using that tree instead.
 #[derive(EntityEvent, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Event, Debug, Clone, PartialEq)]
 pub struct MorphColliderFailed {
@@ -40,28 +41,28 @@ pub struct MorphColliderFailed {
 
 /// Every part of a [`MorphColliderScene`](crate::MorphColliderScene) is ready or has failed.
 ///
-/// It is triggered on the scene's root, after the events of its parts. A glTF scene's parts come all at once, when it is spawned, so this comes once
-/// for the whole scene. When parts come or go later, or get another mesh, the scene is ready again as soon as they are. A scene none of whose
-/// meshes is a part is never ready.
+/// Triggered on the scene's root, after the events of its parts. The parts of a glTF scene appear together when it is spawned, so
+/// this event comes once for the whole scene. When parts are added, removed or get another mesh later, it is triggered again as
+/// soon as all parts are ready. It is never triggered for a scene without parts.
 #[derive(EntityEvent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Event, Debug, Clone, PartialEq)]
 pub struct MorphColliderSceneReady {
     /// The root of the scene.
     pub entity: Entity,
-    /// How many of its meshes are colliders.
+    /// How many meshes of the scene are colliders.
     pub parts: u32,
-    /// How many of these cannot be used; each had a [`MorphColliderFailed`].
+    /// How many of them cannot be used; each of these had a [`MorphColliderFailed`].
     pub failed: u32,
 }
 
-/// What a collider has been told last.
+/// The last event that a collider got.
 #[derive(Clone, Copy, Default, PartialEq)]
 pub(crate) enum Told {
     #[default]
     Nothing,
-    /// That it is ready, with this tree; `None` for a shape.
+    /// It is ready, with this tree; `None` for a shape.
     Ready(Option<TreeKey>),
-    /// That this mesh cannot be used.
+    /// This mesh cannot be used.
     Failed(TreeKey),
 }
 
@@ -70,13 +71,13 @@ pub(crate) enum Told {
 pub(crate) struct Parts {
     count: u32,
     failed: u32,
-    /// Whether one is not ready yet.
+    /// Whether any part is not ready yet.
     is_waiting: bool,
-    /// Whether the root has to be told.
+    /// Whether the root needs an event.
     is_news: bool,
 }
 
-/// Changes after which a collider may be ready, or no longer.
+/// Changes after which a collider may become ready or stop being ready.
 type ColliderNews = (
     Or<(
         Added<MorphCollider>,
@@ -90,7 +91,7 @@ type ColliderNews = (
     Allow<Disabled>,
 );
 
-/// Removals that do the same.
+/// Removals with the same effect.
 #[derive(SystemParam)]
 pub(crate) struct Removals<'w, 's> {
     colliders: RemovedComponents<'w, 's, MorphCollider>,
@@ -108,7 +109,7 @@ impl Removals<'_, '_> {
     }
 }
 
-/// Tells colliders and roots of scenes what they have not been told yet. It looks only when a tree or a collider changed.
+/// Triggers the events that colliders and scene roots have not had yet. Runs only when a tree or a collider changed.
 pub(crate) fn report_readiness(
     mut commands: Commands,
     mut colliders: Query<
@@ -146,7 +147,7 @@ pub(crate) fn report_readiness(
             let reason = outcome.and_then(|(_, outcome)| outcome.err());
             settled.push((entity, reason.filter(|_| !has_shape).cloned()));
         }
-        // What is disabled gets no tree.
+        // Disabled colliders get no tree.
         if let Some(part) = part.filter(|_| told != Told::Nothing || !is_disabled) {
             let parts = now.entry(part.root).or_default();
             parts.count += 1;

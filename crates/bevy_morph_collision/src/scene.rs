@@ -1,4 +1,4 @@
-//! Scenes whose meshes become colliders by themselves.
+//! Scenes whose meshes become colliders automatically.
 
 use bevy::platform::time::Instant;
 
@@ -17,24 +17,27 @@ use crate::events::MorphCollisionEventsEnabled;
 use crate::every_mesh::Automatic;
 use crate::layers::MorphCollisionLayers;
 
-/// Put this on the root of a scene: every mesh below it becomes a [`MorphCollider`], and all of them are parts of one body.
+/// Turns every mesh below this entity into a [`MorphCollider`]. Put it on the root of a scene; all its colliders become parts of
+/// one body.
 ///
-/// The body is the entity with this component: observe [`MorphBodyCollisionStart`](crate::MorphBodyCollisionStart) and
-/// [`MorphBodyCollisionEnd`](crate::MorphBodyCollisionEnd) on it, or put [`MorphCollidingEntities`](crate::MorphCollidingEntities) there.
+/// The body is the entity with this component. Observe [`MorphBodyCollisionStart`](crate::MorphBodyCollisionStart) and
+/// [`MorphBodyCollisionEnd`](crate::MorphBodyCollisionEnd) on it, or add
+/// [`MorphCollidingEntities`](crate::MorphCollidingEntities) to it.
 ///
-/// It works with scenes spawned from an asset (`WorldAssetRoot`) and with entities spawned by hand, whether the component or the
-/// meshes come first. Meshes that appear later are found too. Parts of one body never collide with each other.
+/// It works with scenes spawned from an asset (`WorldAssetRoot`) and with entities spawned by hand. Either the component or the
+/// meshes can come first, and meshes that appear later are found too. Parts of one body never collide with each other.
 ///
-/// Edit or re-insert the component at any time: the parts follow. A mesh that no longer matches stops being a part, and one that
-/// matches now becomes a part. Removing the component makes all parts ordinary meshes again.
+/// You can edit or re-insert the component at any time. Meshes that no longer match stop being parts, and meshes that now match
+/// become parts. Removing the component turns all parts back into ordinary meshes.
 ///
 /// Components that you put on a part stay yours:
 ///
-/// - A mesh that already has a [`MorphCollider`] joins the body with it, whatever its name, and keeps its collider, layers and
-///   events. [`MorphCollisionLayers`], [`MorphColliderOf`] and [`MorphCollisionEventsEnabled`] that were there first stay as well.
-/// - A component that the scene added and that you then change or remove is left alone when the scene is edited.
-/// - When a part leaves the scene, what the scene added is removed: the collider even if you changed it since, layers and body only
-///   if you did not.
+/// - A mesh that already has a [`MorphCollider`] joins the body, whatever its name, and keeps its collider, layers and events.
+///   The scene also keeps [`MorphCollisionLayers`], [`MorphColliderOf`] and [`MorphCollisionEventsEnabled`] that were there
+///   first.
+/// - If you change or remove a component that the scene added, later edits of the scene do not touch it.
+/// - When a part leaves the scene, what the scene added is removed: the collider even if you changed it since, but layers and
+///   body only if you did not.
 #[derive(Component, Reflect, Clone, Debug, PartialEq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(Transform)]
@@ -43,10 +46,10 @@ pub struct MorphColliderScene {
     pub collider: MorphCollider,
     /// The layers of each part.
     pub layers: MorphCollisionLayers,
-    /// Whether to leave out rigid meshes: those with neither [`MeshMorphWeights`] nor [`SkinnedMesh`].
+    /// Leaves out rigid meshes, which have neither [`MeshMorphWeights`] nor [`SkinnedMesh`].
     pub only_deforming: bool,
-    /// If not empty: only meshes whose [`Name`] is one of these, or which are below an entity of the scene whose name is. A
-    /// glTF node's name stands on the entity above its meshes.
+    /// If not empty, only meshes with one of these [`Name`]s, or below an entity of the scene with one of these names, become
+    /// parts. In a glTF scene, a node's name is on the entity above its meshes.
     pub only_named: Vec<String>,
     /// Whether the parts get [`MorphCollisionEventsEnabled`].
     pub events: bool,
@@ -64,18 +67,18 @@ impl Default for MorphColliderScene {
     }
 }
 
-/// What a scene gave to one of its parts; `None` where the part had its own.
+/// What a scene gave to one of its parts. A field is `None` if the part had its own.
 #[derive(Component, Clone, Copy, PartialEq)]
 pub(crate) struct ScenePart {
     pub(crate) root: Entity,
     collider: Option<MorphCollider>,
     layers: Option<MorphCollisionLayers>,
-    /// The body that it named; the part itself if it is the root.
+    /// The body that the scene assigned; the part itself if it is the root.
     body: Option<Entity>,
     events: bool,
 }
 
-/// A mesh, or a part that was one.
+/// A mesh, or a part that used to be one.
 #[derive(QueryData)]
 pub(crate) struct PartNow {
     entity: Entity,
@@ -89,10 +92,10 @@ pub(crate) struct PartNow {
     automatic: Option<&'static Automatic>,
 }
 
-/// Meshes and parts, those of disabled entities included: they are up to date when they are enabled again.
+/// Meshes and parts, including those of disabled entities, so that they are up to date when they are enabled again.
 type PartQuery<'w, 's> = Query<'w, 's, PartNow, (Or<(With<Mesh3d>, With<ScenePart>)>, Allow<Disabled>)>;
 
-/// Changes that may make a mesh a part, or lead to one.
+/// Changes that may turn a mesh, or a mesh below, into a part.
 type PartNews = (
     Or<(
         Added<Mesh3d>,
@@ -106,7 +109,7 @@ type PartNews = (
     Allow<Disabled>,
 );
 
-/// Removals that do the same.
+/// Removals with the same effect.
 #[derive(SystemParam)]
 pub(crate) struct PartRemovals<'w, 's> {
     meshes: RemovedComponents<'w, 's, Mesh3d>,
@@ -125,7 +128,7 @@ impl PartRemovals<'_, '_> {
     }
 }
 
-/// Scenes and what hangs below them.
+/// Scenes and the hierarchy below them.
 #[derive(SystemParam)]
 pub(crate) struct Hierarchy<'w, 's> {
     scenes: Query<'w, 's, &'static MorphColliderScene, Allow<Disabled>>,
@@ -145,7 +148,7 @@ impl Hierarchy<'_, '_> {
         self.path(part).find(|&entity| self.scenes.contains(entity))
     }
 
-    /// Whether an entity, or one above it up to the scene's root, has one of some names. With no names, every entity does.
+    /// Whether an entity, or an ancestor up to the scene's root, has one of the names. Always true without names.
     fn is_named(&self, part: Entity, root: Entity, wanted: &[String]) -> bool {
         let is_one = |entity: Entity| {
             let name = self.names.get(entity);
@@ -156,10 +159,10 @@ impl Hierarchy<'_, '_> {
     }
 }
 
-/// Keeps the parts of every [`MorphColliderScene`] as the component says.
+/// Updates the parts of every [`MorphColliderScene`].
 ///
-/// It goes by changes in the hierarchy rather than by a scene's "ready" event. This needs no scene feature of Bevy, and
-/// finds meshes however they got there.
+/// It reacts to changes in the hierarchy instead of a scene's "ready" event. This needs no scene feature of Bevy and finds meshes
+/// however they were spawned.
 pub(crate) fn update_scene_parts(
     mut commands: Commands,
     hierarchy: Hierarchy,
@@ -198,7 +201,7 @@ pub(crate) fn update_scene_parts(
 }
 
 impl PartNowItem<'_, '_> {
-    /// Makes a mesh a part of a scene as the scene is now, or a mesh again.
+    /// Makes a mesh a part, updates the part, or turns it back into a mesh, as the scene now requires.
     fn update(&self, root: Entity, scene: &MorphColliderScene, is_named: bool, commands: &mut Commands) {
         let before = self.part;
         let gives = before.map_or(!self.has_own_collider(), |before| before.collider.is_some());
@@ -211,7 +214,7 @@ impl PartNowItem<'_, '_> {
         let mut entity = commands.entity(self.entity);
         let new = before.is_none();
         if new && gives {
-            // A scene decides before the setting for all meshes does.
+            // Scenes take precedence over the setting for all meshes.
             entity.try_remove::<Automatic>();
         }
         let mut part = before.copied().unwrap_or_else(|| self.first(root, scene, gives));
@@ -257,7 +260,7 @@ impl PartNowItem<'_, '_> {
         }
     }
 
-    /// The body it is part of now.
+    /// The part's current body.
     fn body(&self) -> Entity {
         body_of(self.entity, self.body)
     }
@@ -270,7 +273,7 @@ impl PartNowItem<'_, '_> {
         self.automatic.copied().unwrap_or_default()
     }
 
-    /// Makes a part an ordinary mesh.
+    /// Turns a part back into an ordinary mesh.
     fn take_back(&self, commands: &mut Commands) {
         let Some(part) = self.part else { return };
         let mut entity = commands.entity(self.entity);

@@ -8,41 +8,45 @@ use crate::collider::MorphCollider;
 
 /// A rigid primitive shape that collides with morphing and rigid meshes. The default is a ball of radius 0.5.
 ///
-/// Bevy's primitives can be turned into one: `MorphShape::from(Capsule3d::new(0.3, 1.2))`.
+/// Convert from Bevy's primitives with `From`: `MorphShape::from(Capsule3d::new(0.3, 1.2))`.
 ///
-/// On an entity that also has a [`Mesh3d`], the shape wins: the mesh does not collide, and no tree is built for it. Add or remove
-/// the shape at any time. When it is removed, the mesh collides as soon as its tree is ready.
+/// On an entity that also has a [`Mesh3d`], the shape wins: the mesh does not collide, and no tree is built for it. You can add
+/// or remove the shape at any time. After you remove it, the mesh collides as soon as its tree is ready.
 ///
-/// Spatial queries find shapes. Picking, [`MorphSurfaceAnchor`](crate::MorphSurfaceAnchor)s and `MorphRapierCollider` look at meshes that
-/// collide, so they do not see an entity with a shape. To pick its mesh, use Bevy's `MeshPickingPlugin`.
+/// Spatial queries find shapes. Picking, [`MorphSurfaceAnchor`](crate::MorphSurfaceAnchor) and `MorphRapierCollider` need a mesh
+/// that collides, so they ignore an entity with a shape. To pick its mesh, use Bevy's `MeshPickingPlugin`.
 ///
-/// Shapes are solid, and stand where the [`GlobalTransform`] says. A box takes its scale axis by axis, a capsule's length that
-/// along y; radii take the largest scale of the axes they are round about. What is sheared keeps its right angles. Two shapes never
-/// collide with each other: that is a physics engine's work.
+/// Shapes are solid. The [`GlobalTransform`] places them:
+///
+/// - A box is scaled along each axis. A capsule's length is scaled along y. A radius takes the largest scale of the axes around
+///   which it is round.
+/// - Shear is ignored: a sheared shape keeps its right angles.
+///
+/// Two shapes never collide with each other; leave that to a physics engine.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(MorphCollider)]
 pub enum MorphShape {
     /// A ball around the origin.
     Ball {
-        /// Its radius.
+        /// The radius.
         radius: f32,
     },
     /// All points within a radius of a segment along the y axis.
     Capsule {
-        /// Half the length of the segment, the round ends not included.
+        /// Half the length of the segment, without the round ends.
         half_length: f32,
         /// The radius.
         radius: f32,
     },
     /// A box around the origin.
     Cuboid {
-        /// Half its edges.
+        /// Half the edge lengths.
         half_extents: Vec3,
     },
     /// Everything below the plane through the origin.
     HalfSpace {
-        /// The direction that is up; any length but 0.
+        /// The up direction; any length except 0.
         normal: Vec3,
     },
 }
@@ -97,7 +101,7 @@ impl MorphShape {
             Self::HalfSpace { normal } => (Shape::HalfSpace { normal }, Vec3::INFINITY),
         };
         let shape = PlacedShape::new(shape, rotation, translation)?;
-        // What all of this rounds is far less than a millionth.
+        // The rounding errors of all this are far below a millionth.
         let slack = 1e-6 * (half + translation.abs()) + f32::MIN_POSITIVE;
         let bounds = Aabb {
             min: translation - half - slack,
@@ -107,8 +111,8 @@ impl MorphShape {
     }
 }
 
-/// The lengths of the axes, and the rotation that takes them nearest to where they are in turn: the first one exactly, the second
-/// as far as it is across the first. A mirrored third axis is as good for shapes that are symmetric.
+/// The lengths of the axes, and a nearby rotation: it maps x exactly to the first axis, and y to the part of the second axis that
+/// is perpendicular to the first. Mirroring the third axis does not matter because the shapes are symmetric.
 fn scale_and_rotation(linear: Mat3A) -> (Vec3, Quat) {
     let [x, y, z] = [linear.x_axis, linear.y_axis, linear.z_axis].map(Vec3::from);
     let scale = Vec3::new(x.length(), y.length(), z.length());
@@ -149,7 +153,7 @@ mod tests {
             let (placed, bounds) = shape.place(&place).unwrap();
             let center = bounds.center();
             for axis in [Vec3::X, Vec3::Y, Vec3::Z] {
-                // Points in the box's faces: some are near the shape, none beyond them are in it.
+                // Points just outside the box's faces: some are near the shape, but none is inside it.
                 let half = 0.5 * bounds.size().dot(axis);
                 let beyond = center + axis * (half + 1e-3);
                 let mut nearest = f64::INFINITY;

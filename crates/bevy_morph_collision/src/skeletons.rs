@@ -10,10 +10,10 @@ use morph_collision::{InputError, JointMatrices};
 /// Inverse bind poses of all skeletons.
 pub(crate) type BindPoses = Assets<SkinnedMeshInverseBindposes>;
 
-/// The skeletons in use. Two meshes with the same joints and the same inverse bind poses have the same one.
+/// The skeletons in use. Meshes with the same joints and the same inverse bind poses share a skeleton.
 #[derive(Default)]
 pub(crate) struct Skeletons {
-    /// By bind poses and first joint, which nearly always is enough to tell them apart.
+    /// Keyed by bind poses and first joint, which nearly always identifies a skeleton.
     by_start: HashMap<(AssetId<SkinnedMeshInverseBindposes>, Option<Entity>), Vec<Skeleton>>,
     moment: u32,
     scratch: Vec<Affine3A>,
@@ -23,38 +23,38 @@ pub(crate) struct Skeletons {
 #[derive(Default)]
 pub(crate) struct Skeleton {
     joints: Vec<Entity>,
-    /// As they were last computed, good or bad.
+    /// The last computed matrices, valid or not.
     world_from_mesh: Vec<Affine3A>,
-    /// The last good ones.
+    /// The last valid matrices.
     matrices: Option<JointMatrices>,
-    /// Why the present ones are bad, with the number of the joint.
+    /// Why the current matrices are invalid, with the index of the joint.
     problem: Option<(usize, InputError)>,
-    /// Whether that has been reported.
+    /// Whether the problem has been reported.
     pub(crate) is_reported: bool,
-    /// When it was last brought up to date.
+    /// When the skeleton was last updated.
     moment: Option<u32>,
     is_used: bool,
 }
 
 impl Skeleton {
-    /// The matrices of the joints; the last good ones while some are bad, and none if they were never good.
+    /// The matrices of the joints. While some are invalid, the last valid ones; `None` if they were never valid.
     pub(crate) fn matrices(&self) -> Option<&JointMatrices> {
         self.matrices.as_ref()
     }
 
-    /// The matrices as they are now; `None` while some are bad.
+    /// The current matrices; `None` while some are invalid.
     #[cfg(any(feature = "rapier", feature = "avian"))]
     pub(crate) fn world_from_mesh(&self) -> Option<&[Affine3A]> {
         self.problem.is_none().then_some(&self.world_from_mesh)
     }
 
-    /// A joint whose matrix cannot be used now, and why.
+    /// A joint whose current matrix is invalid, and why.
     pub(crate) fn problem(&self) -> Option<(Entity, &InputError)> {
         let (joint, error) = self.problem.as_ref()?;
         Some((*self.joints.get(*joint)?, error))
     }
 
-    /// Takes over where the joints are now.
+    /// Updates the matrices from the current transforms of the joints.
     fn update(
         &mut self,
         bind_poses: Option<&SkinnedMeshInverseBindposes>,
@@ -65,7 +65,7 @@ impl Skeleton {
         for (i, &joint) in self.joints.iter().enumerate() {
             let bind_pose = bind_poses.and_then(|poses| poses.get(i));
             let matrix = bind_pose.zip(global_of(joint)).map(|(bind_pose, global)| {
-                // The last row of a bind pose has no influence on where vertices are drawn.
+                // The last row of a bind pose does not affect where vertices are drawn.
                 let columns = (global * *bind_pose).to_cols_array_2d();
                 let [x, y, z, t] = columns.map(|[x, y, z, _]| Vec3A::new(x, y, z));
                 Affine3A {
@@ -73,7 +73,7 @@ impl Skeleton {
                     translation: t,
                 }
             });
-            // What is gone keeps its matrix in Bevy's buffers.
+            // In Bevy's buffers, a despawned joint keeps its matrix.
             let before = self.world_from_mesh.get(i).copied();
             scratch.push(matrix.or(before).unwrap_or(Affine3A::IDENTITY));
         }
@@ -98,8 +98,8 @@ impl Skeleton {
 }
 
 impl Skeletons {
-    /// Begins a new moment, in which every skeleton that is asked for is brought up to date. Forgets the skeletons that were not
-    /// asked for since this was called last.
+    /// Begins a new moment, in which every requested skeleton is updated. Drops the skeletons that were not requested since the
+    /// last call.
     pub(crate) fn begin(&mut self) {
         self.by_start.retain(|_, skeletons| {
             skeletons.retain_mut(|skeleton| std::mem::take(&mut skeleton.is_used));
@@ -108,12 +108,12 @@ impl Skeletons {
         self.outdate();
     }
 
-    /// Joints may have moved: skeletons are brought up to date again.
+    /// Updates skeletons again on their next request, because joints may have moved.
     pub(crate) fn outdate(&mut self) {
         self.moment = self.moment.wrapping_add(1);
     }
 
-    /// The skeleton of a mesh. `global_of` gives the global transform of an entity that is there.
+    /// The skeleton of a mesh. `global_of` returns the global transform of an entity that exists.
     ///
     /// Computes one matrix per joint for the first mesh of a skeleton in each moment.
     pub(crate) fn of(

@@ -1,8 +1,8 @@
-//! Colliders that collisions may see as they were a moment ago.
+//! Colliders with a tolerance, which collisions may see in an earlier state.
 //!
-//! A collider with a [tolerance](crate::MorphCollider::tolerance) has a second pose, in the state in which it was last taken over. Broad and narrow phase go by that state
-//! alone, so that all pairs of the collider agree about it, new ones included, and it stays blended while other colliders move. It is taken over
-//! again when the bound on how far any point has moved since exceeds the tolerance.
+//! A collider with a [tolerance](crate::MorphCollider::tolerance) has a second pose that holds an earlier state. Broad and narrow
+//! phase use only that state, so all pairs of the collider agree on it, including new pairs, and it stays blended while other
+//! colliders move. The second pose is updated when the bound on how far any point has moved since then exceeds the tolerance.
 
 use std::sync::Arc;
 
@@ -10,14 +10,14 @@ use morph_collision::{Body, Pose};
 
 use crate::collider::{ColliderState, Form, LockedPose, Placement};
 
-/// A collider as collisions see it.
+/// The state in which collisions see a collider.
 pub(crate) struct Held {
-    /// That of a mesh; a shape has none.
+    /// The pose of a mesh; `None` for a shape.
     pub(crate) pose: Option<LockedPose>,
     pub(crate) placed: Placement,
-    /// The tolerance it was last compared by.
+    /// The tolerance at the last comparison.
     tolerance: f32,
-    /// Whether the collider has changed since it was taken over.
+    /// Whether the collider has changed since this state was taken.
     is_behind: bool,
 }
 
@@ -28,11 +28,11 @@ impl ColliderState {
         held.or(self.placed.as_ref())
     }
 
-    /// Takes the collider over for collisions unless it has moved by no more than its tolerance since that was done last. Returns whether collisions
-    /// see it as it was in an earlier run.
+    /// Updates the state that collisions see, unless the collider has moved by at most its tolerance since the last update.
+    /// Returns whether collisions see an earlier state.
     pub(crate) fn follow(&mut self, stale: bool, tolerance: f32) -> bool {
         let Some(placed) = self.placed.filter(|_| tolerance > 0.0) else {
-            // The last answers may be about an earlier state.
+            // The last answers may be for an earlier state.
             self.changed |= self.held.take().is_some_and(|held| held.is_behind);
             return false;
         };
@@ -74,7 +74,7 @@ impl ColliderState {
 }
 
 impl Held {
-    /// Whether only poses and places differ, and no point has moved by more than the tolerance.
+    /// Whether only poses and transforms differ, and no point has moved by more than the tolerance.
     fn is_within(&mut self, pose: Option<&mut Pose>, placed: &Placement, tolerance: f32) -> bool {
         let Placement { form, bounds, .. } = self.placed;
         let rest = Placement {
@@ -95,7 +95,7 @@ impl Held {
         }
     }
 
-    /// Brings the pose to the state of another one, and keeps of what it has blended whatever is still right.
+    /// Copies the state of another pose. Keeps all blended values that are still valid.
     fn take_pose(&mut self, pose: Option<&Pose>) {
         let fits = match (self.pose.as_mut().map(LockedPose::get_mut), pose) {
             (Some(own), Some(pose)) => {

@@ -1,4 +1,4 @@
-//! What meshes were like in the run before the last one, and how long ago that was.
+//! Remembers the previous state of meshes, and the time between the last two runs.
 
 use std::time::Duration;
 
@@ -10,25 +10,25 @@ use crate::broad_phase::Candidates;
 use crate::collider::{ColliderState, Form, LockedPose};
 use crate::diagnostics::MorphCollisionDiagnostics;
 
-/// A collider's mesh as a run left it.
+/// The state of a collider's mesh after a run.
 #[derive(Default)]
 pub(crate) struct Before {
     pub(crate) shape: PoseSnapshot,
-    /// None if it took no part.
+    /// `None` if it took no part.
     pub(crate) place: Option<WorldFromModel>,
 }
 
-/// When the last runs were.
+/// The times of the last runs.
 #[derive(Resource, Default)]
 pub(crate) struct RunTimes {
     last: Option<Duration>,
-    /// The time between the last two.
+    /// The time between the last two runs.
     pub(crate) between: Option<Duration>,
 }
 
-/// Begins a run: what every mesh is like now is what it was like before.
+/// Begins a run: saves the current state of every mesh as its previous state.
 ///
-/// Costs a copy of its weights for each collider.
+/// Costs one copy of the weights per collider.
 pub(crate) fn remember(
     mut colliders: Query<&mut ColliderState>,
     candidates: Res<Candidates>,
@@ -42,7 +42,7 @@ pub(crate) fn remember(
     times.last = now;
     for mut state in &mut colliders {
         let state = &mut *state;
-        // While its entity was disabled, nobody looked at it.
+        // While its entity was disabled, its state was not updated.
         let placed = state.placed.filter(|_| state.seen == candidates.run());
         state.before.place = match placed.map(|placed| placed.form) {
             Some(Form::Mesh(place)) => Some(place),

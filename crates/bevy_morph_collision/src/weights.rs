@@ -1,4 +1,4 @@
-//! From Bevy's morph weights to a pose's.
+//! Copies Bevy's morph weights to poses.
 
 use bevy::platform::time::Instant;
 
@@ -12,14 +12,14 @@ use crate::collider::{ColliderState, LockedPose, MorphCollider};
 use crate::diagnostics::MorphCollisionDiagnostics;
 use crate::import::MorphTrees;
 
-/// How many runs in a row there may be another number of weights than of targets before that is called an error: a game that changes
-/// both need not do so in one frame.
+/// For how many consecutive runs the number of weights may differ from the number of targets before it is reported as an error. A
+/// game that changes both need not do so in the same frame.
 const PATIENCE: u8 = 10;
 
-/// What has been seen of weights that cannot be used, since the last ones that can.
+/// Records weights that cannot be used since the last valid ones.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct BadWeights {
-    /// How many runs in a row they did not fit the targets.
+    /// For how many consecutive runs they did not fit the targets.
     runs: u8,
     /// Whether they have been reported.
     logged: bool,
@@ -35,18 +35,18 @@ pub(crate) enum WeightsProblem {
 }
 
 impl WeightsProblem {
-    /// Whether weights and targets are of different numbers, as they may be while both are changed.
+    /// Whether the numbers of weights and targets differ, which may happen while both are changed.
     pub(crate) fn is_count(&self) -> bool {
         matches!(self, Self::Refused(WeightsError::WrongCount { .. }))
     }
 }
 
-/// Every pose takes the weights its mesh is drawn with.
+/// Gives every pose the weights with which its mesh is drawn.
 ///
-/// Weights are compared by value: change detection fires every frame while an animation player exists. Without
-/// [`MeshMorphWeights`] a mesh is drawn, and collides, in its rest pose. Weights that cannot be used are logged once, until they
-/// can be used again, and the last good ones stay in force. A wrong number of them is logged when it has lasted for a few runs, and
-/// not while another tree of the mesh is being built.
+/// Weights are compared by value, because change detection fires every frame while an animation player exists. Without
+/// [`MeshMorphWeights`], a mesh is drawn, and collides, in its rest pose. Invalid weights are logged once until they are valid
+/// again; the last valid ones stay in use. A wrong number of weights is only logged after several runs, and not while another
+/// tree of the mesh is being built.
 pub(crate) fn read_weights(
     mut colliders: Query<(Entity, &mut ColliderState, Option<&MeshMorphWeights>), With<MorphCollider>>,
     names: Query<NameOrEntity>,
@@ -93,7 +93,7 @@ pub(crate) fn read_weights(
     diagnostics.duration += start.elapsed();
 }
 
-/// Gives a pose the weights that its mesh is drawn with; says whether they are others than before, or what is wrong with them.
+/// Gives a pose the weights with which its mesh is drawn. Returns whether they changed, or what is wrong with them.
 pub(crate) fn take_weights(
     pose: &mut Pose,
     weights: Option<&MeshMorphWeights>,
@@ -104,7 +104,7 @@ pub(crate) fn take_weights(
     Ok(pose.set_weights(drawn)?)
 }
 
-/// The weights that a mesh with so many targets is drawn with; they may be bad.
+/// The weights with which a mesh with `count` targets is drawn. They may be invalid.
 pub(crate) fn drawn_weights<'a>(
     count: usize,
     weights: Option<&'a MeshMorphWeights>,

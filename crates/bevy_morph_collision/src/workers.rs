@@ -1,11 +1,11 @@
-//! Bevy's threads, for batches of queries.
+//! Runs batches of queries on Bevy's threads.
 
 use bevy::tasks::ComputeTaskPool;
 use morph_collision::Workers;
 
-/// The threads of the [`ComputeTaskPool`], or the caller's own where there is no such pool.
+/// The threads of the [`ComputeTaskPool`], or the calling thread if that pool does not exist.
 ///
-/// The plugin uses it; so can other systems that ask with a [`BatchQuery`](morph_collision::BatchQuery) of their own.
+/// The plugin uses them. You can use them too, for your own [`BatchQuery`](morph_collision::BatchQuery).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TaskPoolWorkers;
 

@@ -1,4 +1,4 @@
-//! Where a mesh will be at the end of a step, as Avian moves it.
+//! Predicts where a mesh will be at the end of a step, as Avian moves it.
 
 use avian3d::prelude::{AngularVelocity, ComputedCenterOfMass, LinearVelocity, Position, RigidBody, Rotation};
 use bevy::math::Affine3A;
@@ -10,10 +10,10 @@ use crate::physics::follow::{Ahead, is_rigid, rigid_place};
 use crate::physics::inside::is_mirrored;
 use crate::physics::placed::joints_in;
 
-/// How the body moves that a mesh is on.
+/// The motion of the body on which a mesh is.
 pub(super) struct Motion<'a> {
     pub(super) kind: RigidBody,
-    /// Then it stays, whatever its velocity.
+    /// A sleeping body stays, whatever its velocity.
     pub(super) asleep: bool,
     pub(super) position: &'a Position,
     pub(super) rotation: &'a Rotation,
@@ -27,7 +27,7 @@ impl Motion<'_> {
         Place::from_parts(self.position.0, self.rotation.0)
     }
 
-    /// Where it will be in `dt` seconds, if nothing pushes it.
+    /// Where the body will be in `dt` seconds if nothing pushes it.
     fn next(&self, dt: f32) -> Place {
         let rotation = (Quat::from_scaled_axis(self.angular.0 * dt) * self.rotation.0).normalize();
         let center = self.position.0 + self.rotation.0 * self.center_of_mass.0 + self.linear.0 * dt;
@@ -38,12 +38,12 @@ impl Motion<'_> {
 /// The joints of a skinned mesh.
 pub(super) enum Joints<'a> {
     InWorld(&'a [Affine3A]),
-    /// As the collider sees them.
+    /// In the collider's space.
     InCollider(&'a [Affine3A]),
 }
 
-/// `own` is the collider's place, or what Avian says of it; `body` its body and its place there. `joints` are those of a skinned mesh as they
-/// are drawn, if they are known.
+/// `own` is the collider's place, as Avian has it, if any; `body` is its body and its place in it. `joints` are those of a
+/// skinned mesh as drawn, if they are known.
 pub(super) fn ahead(
     entity: &GlobalTransform,
     own: Option<Place>,
@@ -52,7 +52,7 @@ pub(super) fn ahead(
     dt: f32,
 ) -> Result<Ahead, InputError> {
     let affine_of = |place: &Place| Affine3A::from_rotation_translation(place.rotation, place.translation);
-    // Avian's collider has a place and a rotation; what is left is scale and shear, which joints do without.
+    // Avian's collider has a position and a rotation. What remains is scale and shear, which does not apply to joints.
     let place = body.as_ref().map(|(body, in_body)| body.place() * *in_body).or(own);
     let place = place.filter(is_rigid).unwrap_or_else(|| rigid_place(entity));
     let rigid = affine_of(&place);
@@ -72,9 +72,9 @@ pub(super) fn ahead(
     });
     let joints = joints.transpose()?;
     let world_from_model = match body {
-        // As the entity stands, to the last bit: that is where it is drawn.
+        // Exactly the entity's transform, because that is where it is drawn.
         None => affine,
-        // Avian moves it, and nothing else asks.
+        // Avian moves it, and nothing else needs the value.
         Some((body, _)) if body.kind == RigidBody::Dynamic => Affine3A::IDENTITY,
         Some((body, in_body)) => {
             let next = match body.kind {

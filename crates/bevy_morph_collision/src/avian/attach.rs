@@ -1,4 +1,4 @@
-//! How a mesh gets its surface in physics, and loses it.
+//! Gives meshes their surface in physics, and removes it.
 
 use std::sync::Arc;
 
@@ -21,7 +21,7 @@ use crate::physics::layout::MeshLayouts;
 use crate::shape::MorphShape;
 use crate::weights::take_weights;
 
-/// What the plugin knows of one surface.
+/// The plugin's state of one surface.
 #[derive(Component)]
 pub(crate) struct AvianSurface {
     pub(super) following: Following,
@@ -29,15 +29,15 @@ pub(crate) struct AvianSurface {
     bvh: Arc<MorphBvh>,
     /// What its parts touch: colliders, with their bodies.
     pub(super) touching: HashMap<Entity, Option<Entity>>,
-    /// Whether contacts are made with the whole of it, as its collider knows.
+    /// Whether contacts are made with the whole surface. Its collider stores the same.
     pub(super) meets: bool,
-    /// Why its place or size keeps it out of physics, so that it is logged once.
+    /// Why its position or size keeps it out of physics, so that this is logged once.
     pub(super) bad_place: Option<String>,
-    /// Whether the log says that it is not closed, and should be.
+    /// Whether the log already says that it should be closed but is not.
     pub(super) told_open: bool,
 }
 
-/// What decides whether an entity has a surface, and which.
+/// The components that decide whether an entity has a surface, and which.
 type Shows<'w> = (
     Option<&'w Mesh3d>,
     Option<&'w MorphTreeSettings>,
@@ -49,9 +49,9 @@ type Shows<'w> = (
     Has<Disabled>,
 );
 
-/// Makes colliders whose mesh has a tree surfaces. Takes that away where the collider, the mesh or its tree is gone.
+/// Adds a surface to colliders whose mesh has a tree. Removes it when the collider, the mesh or its tree is gone.
 ///
-/// The first step gives them their shape. It asks [`MorphTrees`] itself, so physics goes on while collision detection is paused.
+/// The first step gives it a shape. This reads [`MorphTrees`] directly, so physics continues while collision detection is paused.
 pub(super) fn attach_surfaces(
     mut commands: Commands,
     colliders: Query<
@@ -65,7 +65,7 @@ pub(super) fn attach_surfaces(
 ) {
     let Some(trees) = trees else { return };
     for (entity, shows, surface, collider) in &colliders {
-        // A collider of the game's own wins.
+        // The game's own collider takes precedence.
         let is_foreign = collider.is_some_and(|collider| !is_surface(collider));
         let (mesh, settings, skin, weights, has_shape, collides, wanted, disabled) = shows;
         // A shape collides in place of the mesh.
@@ -74,7 +74,7 @@ pub(super) fn attach_surfaces(
         match (surface, tree.filter(|_| !is_foreign)) {
             (None, Some(bvh)) if !disabled => {
                 let mut pose = Pose::new(bvh.clone());
-                // Bad weights are logged when the surface goes on to its first step.
+                // Bad weights are logged in the surface's first step.
                 let _logged_later = take_weights(&mut pose, weights, &shared, &mut rest);
                 let Some(layout) = layouts.of(bvh) else { continue };
                 let surface = AvianSurface {
@@ -92,7 +92,7 @@ pub(super) fn attach_surfaces(
             (Some(_), None) => remove_surface(commands.entity(entity), collider),
             (Some(surface), Some(bvh)) => {
                 if !disabled && !Arc::ptr_eq(&surface.bvh, bvh) {
-                    // With its parts; the new one comes next time.
+                    // Also removes its parts; the new surface is added next time.
                     remove_surface(commands.entity(entity), collider);
                 }
             }
@@ -100,12 +100,12 @@ pub(super) fn attach_surfaces(
     }
 }
 
-/// Whether a collider is the surface of a mesh, rather than the game's own.
+/// Whether a collider is a mesh's surface and not the game's own.
 pub(super) fn is_surface(collider: &Collider) -> bool {
     collider.shape().as_shape::<WholeSurface>().is_some()
 }
 
-/// Removes a surface; a collider of the game's own stays.
+/// Removes a surface. A collider of the game's own stays.
 fn remove_surface(mut entity: EntityCommands, collider: Option<&Collider>) {
     entity.try_remove::<AvianSurface>();
     if collider.is_some_and(is_surface) {
@@ -113,7 +113,7 @@ fn remove_surface(mut entity: EntityCommands, collider: Option<&Collider>) {
     }
 }
 
-/// Removes a surface from physics at once when [`MorphAvianCollider`] is removed.
+/// Removes a surface from physics immediately when [`MorphAvianCollider`] is removed.
 pub(super) fn detach_surface(
     removed: On<Remove<MorphAvianCollider>>,
     surfaces: Query<Option<&Collider>, (With<AvianSurface>, Allow<Disabled>)>,

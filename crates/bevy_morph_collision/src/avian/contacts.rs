@@ -1,4 +1,4 @@
-//! Contacts with parts are contacts of their surface: computed anew where it changed, and told of in its name.
+//! Turns contacts with parts into contacts of their surface: recomputes them where it changed, and reports them in its name.
 
 use std::sync::atomic::Ordering;
 
@@ -15,7 +15,8 @@ use bevy::prelude::*;
 use super::attach::AvianSurface;
 use super::step::Stepping;
 
-/// Before contacts are updated: those of what changed are not taken from the last step, and those of parts make no events.
+/// Before contacts are updated: prevents Avian from reusing contacts of colliders that changed, and from sending events for
+/// parts.
 pub(super) fn refresh_contacts(
     mut graph: ResMut<ContactGraph>,
     mut stepping: ResMut<Stepping>,
@@ -28,9 +29,9 @@ pub(super) fn refresh_contacts(
         contacts.extend(graph.contact_edges_with(collider).map(|contact| contact.id));
         for &contact in &*contacts {
             if let Some((_, pair)) = graph.get_mut_by_id(contact) {
-                // Avian keeps contacts while the places of bodies are almost the same, whatever became of their shapes.
+                // Avian reuses contacts while bodies have hardly moved, even if their shapes changed.
                 pair.recycling_cache = None;
-                // What it will reach during the step, too.
+                // Includes what the collider will reach during the step.
                 pair.speculative_distance = pair.speculative_distance.max(reach);
             }
         }
@@ -42,7 +43,7 @@ pub(super) fn refresh_contacts(
     }
 }
 
-/// Who is told of contacts, and how.
+/// Who receives contacts, and how.
 #[derive(SystemParam)]
 pub(super) struct Told<'w, 's> {
     wants_events: Query<'w, 's, (), (With<CollisionEventsEnabled>, Allow<Disabled>)>,
@@ -113,7 +114,7 @@ pub(super) fn name_surfaces(
                 } else {
                     (contact.collider1, contact.body1)
                 };
-                // Parts meet also what the surface itself never does: walls and parts of other surfaces.
+                // Parts also touch things that the surface itself never does: walls and parts of other surfaces.
                 if surface.pushing.is_near(other) {
                     touching.insert(other, body);
                 }
@@ -135,7 +136,7 @@ pub(super) fn name_surfaces(
     }
 }
 
-/// Takes a surface that is being removed out of the world, with its parts.
+/// Removes the parts of a surface that is being removed.
 pub(super) fn take_parts_along(
     removed: On<Remove<AvianSurface>>,
     mut surfaces: Query<&mut AvianSurface, Allow<Disabled>>,
@@ -150,7 +151,7 @@ pub(super) fn take_parts_along(
     }
 }
 
-/// Takes the parts of disabled entities out of the world.
+/// Removes the parts of disabled entities.
 pub(super) fn stop_disabled(mut surfaces: Query<&mut AvianSurface, With<Disabled>>, mut commands: Commands) {
     for mut surface in &mut surfaces {
         surface.following.restart();

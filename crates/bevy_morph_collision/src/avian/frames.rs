@@ -1,4 +1,4 @@
-//! Remembers what surfaces are drawn with, frame by frame, for steps at other times.
+//! Remembers the poses with which surfaces are drawn, frame by frame, for steps at other times.
 
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
@@ -10,7 +10,7 @@ use crate::physics::drawn::Shows;
 use crate::skeletons::{BindPoses, Skeletons};
 use crate::weights::drawn_weights;
 
-/// At the end of a frame.
+/// Records a frame at its end.
 pub(super) fn record_frame(
     mut surfaces: Query<(&MorphAvianCollider, &mut AvianSurface, Shows)>,
     shared: Query<&MorphWeights>,
@@ -20,7 +20,7 @@ pub(super) fn record_frame(
     fixed: Res<Time<Fixed>>,
     mut stepping: ResMut<Stepping>,
 ) {
-    // What the clock of steps will show when it comes to this frame.
+    // The time that the step clock will show at this frame.
     let now = fixed.elapsed_secs_f64() + fixed.overstep().as_secs_f64();
     stepping.lag.frame(now);
     skeletons.begin();
@@ -34,7 +34,7 @@ pub(super) fn record_frame(
     }
 }
 
-/// After the steps of a frame: what has changed since then, steps change.
+/// Runs after the steps of a frame. If weights changed after the last step saw them, a fixed schedule animates them.
 pub(super) fn after_steps(
     mut surfaces: Query<(&mut AvianSurface, Option<&MeshMorphWeights>)>,
     shared: Query<&MorphWeights>,

@@ -1,15 +1,16 @@
-//! Physics: rigid bodies of `avian3d` rest on morphing and skinned meshes, are pushed and carried by them, and its queries see them.
+//! Physics with `avian3d`: rigid bodies rest on morphing and skinned meshes, are pushed and carried by them, and Avian's queries
+//! see the meshes.
 //!
-//! - `shape`: what Avian knows the whole surface as.
-//! - `scene`, `attach`: which meshes have a surface.
+//! - `shape`: the shape that stands for the whole surface in Avian.
+//! - `scene`, `attach`: decide which meshes have a surface.
 //! - `ahead`: where a mesh will be at the end of a step.
-//! - `movers`: the colliders that may meet it.
-//! - `push`, `part`: how it pushes: what is near moving bodies is a kinematic body for one step.
-//! - `frames`: what surfaces are drawn with, frame by frame.
+//! - `movers`: the colliders that may touch it.
+//! - `push`, `part`: how a surface pushes: triangles near moving bodies become a kinematic body for one step.
+//! - `frames`: remembers the poses with which surfaces are drawn.
 //! - `step`: the systems around Avian's step.
-//! - `contacts`: that contacts with parts are those of the surface.
+//! - `contacts`: turns contacts with parts into contacts with the surface.
 //!
-//! What a surface is, where it moves and what of it is near bodies is in [`crate::physics`].
+//! [`crate::physics`] decides what a surface is, where it moves and which of its triangles are near bodies.
 
 mod ahead;
 mod attach;
@@ -39,47 +40,51 @@ use crate::physics::scene::give_to_parts;
 use crate::plugin::MorphCollisionSystems;
 use crate::plugins::missing;
 
-/// Makes the mesh of a [`MorphCollider`] a collider of Avian's: bodies collide with it as it morphs.
+/// Makes the mesh of a [`MorphCollider`] an Avian collider: bodies collide with it as it morphs.
 ///
-/// What Avian's other components say about a collider holds: `Friction`, `Restitution`, `CollisionMargin`, `Sensor`, `CollisionLayers`,
-/// `CollisionEventsEnabled`, `CollidingEntities`, `ActiveCollisionHooks`, `ColliderDisabled`. The plugin adds the `Collider` itself when the mesh's
-/// tree is ready. Scale and shear of the entity are part of it.
+/// Avian's other collider components apply as usual: `Friction`, `Restitution`, `CollisionMargin`, `Sensor`, `CollisionLayers`,
+/// `CollisionEventsEnabled`, `CollidingEntities`, `ActiveCollisionHooks`, `ColliderDisabled`. The plugin adds the `Collider`
+/// itself when the mesh's tree is ready. The surface includes scale and shear of the entity.
 ///
-/// - Without a `RigidBody`, or on a static or kinematic one (of this entity or one above), the surface pushes and carries bodies at
-///   its own velocity: that of the animation, and that of the body.
-/// - On a dynamic body it is the body's shape. It collides as it is at each step, and its morphing moves others only by pushing them
-///   out of itself.
-/// - With a `Sensor` it tells what it touches, and pushes nothing.
+/// - Without a `RigidBody`, or on a static or kinematic one (of this entity or an ancestor), the surface pushes and carries
+///   bodies at its own velocity, which combines the animation's with that of its body.
+/// - On a dynamic body it is the body's shape. In each step it collides with its shape at that time, and its morphing moves
+///   others only by pushing them out of itself.
+/// - With a `Sensor` it reports what it touches, and pushes nothing.
 ///
-/// Like `Collider::trimesh` it is a surface without an inside, unless it is [`solid`](Self::solid).
+/// Like `Collider::trimesh`, it is a surface without an inside, unless it is [`solid`](Self::solid).
 ///
-/// A mesh that joints move (with [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh), joint indices and weights) is where its joints are before the step, with the
-/// velocity that they give it. On a body, joints are taken to move with that body: put mesh and joints below it, as a glTF scene's root has them.
+/// The joints of a skinned mesh (with [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh), joint indices and weights) place it as
+/// they are before the step, and give it their velocity. On a body, joints are assumed to move with that body: put mesh and
+/// joints below it, as the root of a glTF scene does.
 ///
-/// The surface is there while the entity has this component, a [`MorphCollider`] and a mesh whose tree is ready, and nothing disables it:
-/// [`MorphColliderDisabled`](crate::MorphColliderDisabled), `ColliderDisabled` or Bevy's `Disabled`. Pausing collision detection does not
-/// pause it. While its transform is not finite, or it is larger than 1e8 units or as far from the origin, it is left out, which is logged once.
+/// The surface exists while the entity has this component, a [`MorphCollider`] and a mesh whose tree is ready, and while nothing
+/// disables it: [`MorphColliderDisabled`](crate::MorphColliderDisabled), `ColliderDisabled` or Bevy's `Disabled`. Pausing
+/// collision detection does not pause it. While its transform is not finite, or it is larger than 1e8 units or as far from the
+/// origin, it is left out. This is logged once.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(MorphCollider = MorphCollider::new(MorphCollisionMode::Passive))]
 pub struct MorphAvianCollider {
-    /// By how much a velocity of the surface may change in a second, in world units per second squared. A surface that is elsewhere
-    /// from one step to the next has not moved but jumped: what changes faster than this is believed to be a motion when the
-    /// step after confirms it, and until then does not throw anything. The default is 100, ten times a fall's.
+    /// The highest plausible acceleration of the surface, in world units per second squared. If the surface's velocity changes
+    /// faster, it may have jumped (teleported) instead of moved. Such a change counts as motion only when the next step confirms
+    /// it; until then it does not throw anything. The default is 100, ten times the acceleration of a fall.
     pub max_acceleration: f32,
-    /// Whether a closed mesh has an inside. Default: no.
+    /// Whether a closed mesh has an inside. The default is `false`.
     ///
-    /// - Contacts push outward alone. Unless the surface is on a dynamic body, what is inside all the same is driven out, at most at the speed at which Avian pushes
-    ///   bodies apart (`SolverConfig::max_overlap_solve_speed`, 4 units per second, and never more than 10 length units), and leaves at a third of that.
-    ///   It wakes if it sleeps. Between two solid surfaces that overlap, it may be driven from one into the other.
-    /// - What asks `SpatialQuery` for points, or for rays that are `solid`, finds the inside. Sensors and shape intersections do not: Avian computes them with the
-    ///   triangles alone.
+    /// - Contacts only push outward. Unless the surface is on a dynamic body, a body that is inside anyway is driven out, at no
+    ///   more than the speed at which Avian separates bodies (`SolverConfig::max_overlap_solve_speed`, 4 units per second, and
+    ///   never more than 10 length units), and leaves at a third of that. A sleeping body wakes up. Between two solid surfaces
+    ///   that overlap, a body may be driven from one into the other.
+    /// - Point queries and `solid` rays of `SpatialQuery` find the inside. Sensors and shape intersections do not, because Avian
+    ///   computes them from the triangles only.
     ///
-    /// Costs a ray and a closest point for each body near the surface, whenever the two have moved by as much as was between them.
+    /// Costs a ray and a closest point for each body near the surface, repeated whenever body and surface have moved by as much
+    /// as the distance between them.
     ///
-    /// A mesh is closed if along each of its edges as many triangles run one way as the other. Vertices that are at the same place in every pose, as at a seam of
-    /// texture coordinates, count as one. Otherwise this has no effect, and a warning in the log names the
-    /// entity. You can change it at any time; it takes effect in the next step.
+    /// A mesh is closed if along each of its edges, the same number of triangles run in either direction. Vertices at the same
+    /// place in every pose, as at a seam of texture coordinates, count as one. If the mesh is not closed, this setting has no
+    /// effect, and a warning in the log names the entity. You can change it at any time; it takes effect in the next step.
     pub solid: bool,
 }
 
@@ -94,7 +99,7 @@ impl Default for MorphAvianCollider {
 
 /// Lets rigid bodies of `avian3d` collide with every [`MorphAvianCollider`].
 ///
-/// Add it after `PhysicsPlugins` and beside [`MorphCollisionPlugin`](crate::MorphCollisionPlugin).
+/// Add it after `PhysicsPlugins`, together with [`MorphCollisionPlugin`](crate::MorphCollisionPlugin).
 ///
 /// ```no_run
 /// # use bevy::prelude::*;
@@ -114,7 +119,7 @@ pub struct MorphAvianPlugin {
 }
 
 impl MorphAvianPlugin {
-    /// The plugin for `PhysicsPlugins` in another schedule than [`FixedPostUpdate`].
+    /// Use this if `PhysicsPlugins` runs in another schedule than [`FixedPostUpdate`].
     #[must_use]
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self {
@@ -129,16 +134,16 @@ impl Default for MorphAvianPlugin {
     }
 }
 
-/// The plugin's systems around Avian's step.
+/// The system sets of the plugin, around Avian's step.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MorphAvianSystems {
-    /// Gives colliders their surfaces; before Avian prepares its step, in the schedule that physics runs in.
+    /// Gives colliders their surfaces, before Avian prepares its step. In the schedule of physics.
     Attach,
-    /// Reads morph weights and readies what bodies may touch; in Avian's `PhysicsSchedule`, before its `First`.
+    /// Reads morph weights and prepares the parts that bodies may touch. In Avian's `PhysicsSchedule`, before its `First`.
     BeforeStep,
-    /// Sees to it that contacts are computed anew where the surface changed; in Avian's narrow phase, before contacts are updated.
+    /// Makes Avian recompute contacts where the surface changed. In Avian's narrow phase, before contacts are updated.
     BeforeContacts,
-    /// Says what touches surfaces, in their name; in Avian's narrow phase, after contacts are updated.
+    /// Reports what touches surfaces, in the surfaces' names. In Avian's narrow phase, after contacts are updated.
     AfterContacts,
 }
 
@@ -171,18 +176,18 @@ fn check(app: &mut App) {
     layout::add_to_trees(app);
 }
 
-/// Whether Avian is.
+/// Whether Avian is in the app.
 fn is_there(app: &App) -> bool {
     app.get_schedule(PhysicsSchedule).is_some()
 }
 
 fn build(app: &mut App, schedule: InternedScheduleLabel) {
     if !is_there(app) {
-        // Logged at the end, when it is known whether it comes later.
+        // Logged in `finish`, when it is certain that the other plugin is missing.
         return;
     }
     let is_fixed = is_fixed(schedule);
-    // Now, or later if the other plugin comes after this one.
+    // Now, or later if the other plugin is added after this one.
     app.init_resource::<layout::MeshLayouts>();
     layout::add_to_trees(app);
     app.register_type::<MorphAvianCollider>()
@@ -214,7 +219,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                 .chain()
                 .in_set(MorphAvianSystems::Attach),
         )
-        // Avian refuses schedules with systems in no order. A game's own may be anywhere.
+        // Avian rejects schedules whose systems have an ambiguous order. A game's own systems may be anywhere.
         .add_systems(
             PhysicsSchedule,
             (

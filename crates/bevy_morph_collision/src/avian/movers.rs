@@ -1,4 +1,4 @@
-//! The colliders that may meet a surface during a step.
+//! The colliders that may touch a surface during a step.
 
 use avian3d::prelude::{
     AngularVelocity, Collider, ColliderDisabled, ColliderOf, ColliderTransform, CollidingEntities,
@@ -20,21 +20,22 @@ use crate::physics::near::Visitor;
 use crate::physics::range::{MAX_COORDINATE, box_in_range, in_range};
 use crate::physics::sorted_boxes::SortedBoxes;
 
-/// A collider that may meet a surface.
+/// A collider that may touch a surface.
 pub(super) struct Mover {
-    /// A collider without a body counts as its own.
+    /// A collider without a body counts as its own body.
     pub(super) visitor: Visitor<Entity, Entity>,
     pub(super) layers: CollisionLayers,
-    /// Whether surfaces push it. Otherwise it is a sensor, or of a body that nothing pushes, and matters to those who listen.
+    /// Whether surfaces push it. If not, it is a sensor or on a body that nothing pushes, and matters only if something listens
+    /// for its contacts.
     pub(super) pushed: bool,
-    /// Whether it wants to know what it touches.
+    /// Whether it needs to know what it touches.
     pub(super) listens: bool,
     pub(super) velocity: Vec3,
-    /// If surfaces push it and one of them is solid: as that one sees it.
+    /// Set if surfaces push it and one of them is solid: the collider as a solid surface sees it.
     pub(super) guest: Option<Guest>,
 }
 
-/// All colliders that may meet a surface.
+/// All colliders that may touch a surface.
 #[derive(Default)]
 pub(super) struct Movers {
     all: Vec<Mover>,
@@ -46,16 +47,17 @@ impl Movers {
         self.all.is_empty()
     }
 
-    /// Those that may be in a box during the step. `places` is memory to use.
+    /// Returns the movers that may be in a box during the step. `places` is scratch memory.
     pub(super) fn meeting<'a>(&'a self, bounds: &Aabb, places: &'a mut Vec<u32>) -> impl Iterator<Item = &'a Mover> {
         self.boxes.meeting(bounds, places);
         places.iter().map(|&place| &self.all[place as usize])
     }
 }
 
-/// Finds the colliders that surfaces may push, or whose contacts with surfaces somebody wants to know, and where they may be during the step.
+/// Collects the colliders that surfaces may push or whose contacts with surfaces something listens for, and where they may be
+/// during the step.
 ///
-/// Those that are too large for Parry, or too fast, are left out, which is logged once.
+/// Skips colliders that are too large for Parry, or too fast, and logs this once.
 pub(super) fn find_movers(
     colliders: Query<
         (
@@ -107,7 +109,7 @@ pub(super) fn find_movers(
         let disabled = body.is_some_and(|(_, state)| state.8);
         let pushed = is_dynamic && !sensor && !disabled;
         let moves = body.is_some_and(|(_, state)| *state.0 != RigidBody::Static);
-        // Nothing else is ever told of, or pushed: walls, ground, and surfaces that meet bodies with their parts.
+        // Nothing else is pushed or needs contacts: walls, ground, and surfaces whose parts touch bodies.
         if !pushed && ((!sensor && !moves) || (surface && !is_dynamic)) {
             continue;
         }
@@ -135,7 +137,7 @@ pub(super) fn find_movers(
                     };
                     way = (linear.0 + falls) * dt;
                     let turned = Quat::from_scaled_axis(angular.0 * dt) * rotation.0;
-                    // It turns about its centre of mass.
+                    // It rotates about its centre of mass.
                     let aside = rotation.0 * center_of_mass.0 - turned * center_of_mass.0;
                     let next = Place::from_parts(position.0 + way + aside, turned);
                     now.merged(&shape.compute_aabb(&(next * in_body)))
@@ -143,7 +145,7 @@ pub(super) fn find_movers(
             }
         };
         if !box_in_range(&bounds) {
-            // Of those that are only far away, or nowhere, nobody is told: no surface is there.
+            // Movers that are merely far away, or not at a finite position, are not reported: no surface is there.
             let is_near = in_range(bounds.center() - 0.5 * way) || !in_range(way);
             if pushed && is_near && shape.as_shape::<HalfSpace>().is_none() {
                 if !too_large.contains(&entity) {

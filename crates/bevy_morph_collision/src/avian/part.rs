@@ -1,4 +1,4 @@
-//! Parts of surfaces as kinematic bodies of Avian's.
+//! Parts of surfaces as kinematic Avian bodies.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -15,25 +15,25 @@ use crate::physics::triangles::{Patch, Triangles};
 
 /// A part of a [`MorphAvianCollider`](crate::MorphAvianCollider)'s surface, near a body that may move.
 ///
-/// Parts are kinematic bodies that the plugin spawns, moves and despawns. Events name their surface, and queries do not see them. They are in
-/// Avian's `ContactGraph` and `Collisions`, and in what is given to `CollisionHooks`.
+/// Parts are kinematic bodies that the plugin spawns, moves and despawns. Events name their surface instead, and queries do not
+/// see them. You can see them in Avian's `ContactGraph` and `Collisions`, and `CollisionHooks` receive them.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Component, Debug, Clone, PartialEq)]
 #[component(immutable)]
 pub struct MorphAvianPart {
-    /// The entity of the surface that it is a part of.
+    /// The entity of the surface to which the part belongs.
     pub surface: Entity,
 }
 
-/// What Avian knows a part by.
+/// What represents a part in Avian.
 #[derive(Default)]
 pub(super) struct PartBody {
     pub(super) entity: Option<Entity>,
-    /// Its triangles, to move them without building a tree again.
+    /// Its triangles, so that moving them does not rebuild a tree.
     triangles: Option<Triangles>,
 }
 
-/// What the parts of a surface have from the collider that they are parts of.
+/// Properties that the parts of a surface take from the surface's collider.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Manners {
     pub(super) friction: Option<Friction>,
@@ -64,7 +64,7 @@ impl Manners {
     }
 }
 
-/// Where parts are in the world.
+/// The places of parts in the world.
 pub(super) type Parts<'w, 's> = Query<
     'w,
     's,
@@ -79,14 +79,14 @@ pub(super) type Parts<'w, 's> = Query<
     With<MorphAvianPart>,
 >;
 
-/// The world, and what the parts of one surface are like in it.
+/// The world, and the properties of one surface's parts in it.
 pub(super) struct PartBodies<'a, 'w1, 's1, 'w2, 's2> {
     pub(super) surface: Entity,
     pub(super) manners: Manners,
     pub(super) stepping: &'a Arc<AtomicBool>,
     pub(super) commands: &'a mut Commands<'w1, 's1>,
     pub(super) parts: &'a mut Parts<'w2, 's2>,
-    /// Colliders that are not as they were, and how far they reach in the step.
+    /// Colliders that changed, and how far they reach in the step.
     pub(super) changed: &'a mut Vec<(Entity, f32)>,
 }
 
@@ -109,7 +109,7 @@ impl Bodies<PartBody> for PartBodies<'_, '_, '_, '_, '_> {
             }
         };
         part.triangles = Some(triangles.clone());
-        // Avian keeps a shape twice, so it cannot be changed in place.
+        // Avian stores a shape twice, so it cannot be changed in place.
         let new = Collider::from(SharedShape::new(Patch {
             triangles,
             stepping: self.stepping.clone(),
@@ -126,7 +126,7 @@ impl Bodies<PartBody> for PartBodies<'_, '_, '_, '_, '_> {
                 linear.0 = placed.linear;
                 angular.0 = placed.angular;
                 *collider = new;
-                // Kinematic bodies fall asleep, too, and then have no velocity for others.
+                // Kinematic bodies fall asleep too, and then have no velocity for others.
                 let (timer, asleep) = sleep;
                 if asleep {
                     self.commands.queue_silenced(WakeBody(entity));
@@ -159,7 +159,7 @@ impl Bodies<PartBody> for PartBodies<'_, '_, '_, '_, '_> {
     }
 }
 
-/// Takes a part out of the world.
+/// Removes a part from the world.
 pub(super) fn remove(part: PartBody, commands: &mut Commands) {
     if let Some(entity) = part.entity {
         commands.entity(entity).try_despawn();

@@ -1,4 +1,4 @@
-//! What a surface pushes with: its parts near colliders that may move.
+//! How a surface pushes: with parts near colliders that may move.
 
 use std::sync::Arc;
 
@@ -18,34 +18,34 @@ use crate::physics::layout::MeshLayout;
 use crate::physics::near::Nearby;
 use crate::physics::part::Pace;
 
-/// What a surface pushes with.
+/// The parts with which a surface pushes.
 pub(super) struct Pushing {
     near: Nearby<Entity, Entity, PartBody>,
     expelling: Expelling<Entity>,
     manners: Option<Manners>,
-    // Memory to use again.
+    // Scratch memory.
     meeting: Vec<u32>,
 }
 
-/// Which bodies sleep, or are about to.
+/// Which bodies are asleep, or about to fall asleep.
 #[derive(SystemParam)]
 pub(super) struct Sleep<'w, 's> {
     asleep: Query<'w, 's, (), With<Sleeping>>,
     timers: Query<'w, 's, &'static mut SleepTimer, Without<MorphAvianPart>>,
 }
 
-/// What is around a surface that pushes.
+/// The surroundings of a surface that pushes.
 pub(super) struct Around<'a, 'w, 's> {
     pub(super) movers: &'a Movers,
-    /// The body that the surface is on.
+    /// The body on which the surface is.
     pub(super) body: Option<Entity>,
-    /// Whether somebody wants to know what the surface touches.
+    /// Whether something needs to know what the surface touches.
     pub(super) listens: bool,
     pub(super) joints: &'a JointGraph,
     pub(super) sleep: &'a mut Sleep<'w, 's>,
-    /// How fast bodies are driven out of what is solid.
+    /// The speed at which bodies are driven out of solid surfaces.
     pub(super) leaving: f32,
-    /// By how much the velocities of bodies change that are.
+    /// The velocity changes of the bodies that are driven out.
     pub(super) driven: &'a mut EntityHashMap<Vec3>,
 }
 
@@ -63,26 +63,26 @@ impl Pushing {
         self.near.is_idle()
     }
 
-    /// Whether it has parts for a collider.
+    /// Whether the surface has parts for a collider.
     pub(super) fn is_near(&self, collider: Entity) -> bool {
         self.near.knows(collider)
     }
 
-    /// The entities of its parts.
+    /// The entities of the surface's parts.
     pub(super) fn parts(&self) -> impl Iterator<Item = Entity> {
         self.near.parts().filter_map(|part| part.entity)
     }
 
-    /// Takes all parts out of the world. Avian wakes what slept on them.
+    /// Removes all parts from the world. Avian wakes up what slept on them.
     pub(super) fn stop(&mut self, commands: &mut Commands) {
         self.expelling.stop();
         self.near.stop(|part| remove(part, commands));
         self.manners = None;
     }
 
-    /// Sees to it that during the step to come whatever may meet the surface meets parts that move as it does.
+    /// Prepares the coming step: everything that may touch the surface will touch parts that move like it.
     ///
-    /// Says how many parts had to be blended.
+    /// Returns how many parts had to be blended.
     pub(super) fn prepare(
         &mut self,
         following: &mut Following,
@@ -120,7 +120,7 @@ impl Pushing {
             self.near.look_near(visitor, following, pace);
             self.drive_out(mover, following, pace, around);
             blended += self.near.push(visitor, following, pace, bodies);
-            // What is carried slowly is not at rest.
+            // A slowly carried body is not at rest.
             if self.near.moves_near(visitor.collider)
                 && !visitor.asleep
                 && let Ok(mut timer) = around.sleep.timers.get_mut(visitor.body)
@@ -138,7 +138,7 @@ impl Pushing {
         blended
     }
 
-    /// Has a body leave the surface, if it is inside and that is solid.
+    /// Drives a body out of the surface if the surface is solid and the body is inside.
     fn drive_out(&mut self, mover: &Mover, following: &mut Following, pace: &Pace, around: &mut Around) {
         let outward = {
             let posed = following.surface.lock();
@@ -158,7 +158,7 @@ impl Pushing {
                 .exit(mover.visitor.collider, guest, at, travelled, f64::from(outward), drive)
         });
         let Some(exit) = exit else { return };
-        // Its other colliders, and other surfaces, may drive it, too.
+        // The body's other colliders and other surfaces may drive it too.
         let driven = around.driven.entry(mover.visitor.body).or_default();
         *driven += exit.change_of(mover.velocity + *driven, following, pace);
     }
@@ -175,7 +175,7 @@ impl Pushing {
 }
 
 impl Around<'_, '_, '_> {
-    /// Whether the surface does not meet a body: it is on it, or a joint between them says so.
+    /// Whether the surface ignores a body: because it is on that body, or because a joint between them disables contacts.
     fn spares(&self, body: Entity) -> bool {
         let Some(own) = self.body else { return false };
         own == body

@@ -1,4 +1,4 @@
-//! Scenes whose meshes come into physics by themselves.
+//! Scenes whose meshes take part in physics automatically.
 
 use bevy::prelude::*;
 
@@ -6,10 +6,11 @@ use super::MorphAvianCollider;
 use crate::physics::scene::{PhysicsScene, passive};
 use crate::scene::MorphColliderScene;
 
-/// Put this on the root of a scene: every part of its [`MorphColliderScene`] is in physics, with a [`MorphAvianCollider`].
+/// Gives every part of a [`MorphColliderScene`] a [`MorphAvianCollider`]. Put it on the root of the scene.
 ///
-/// Which meshes those are, that component says: all that deform, or those with certain names. Without one of your own there is one whose parts are
-/// [`Passive`](crate::MorphCollisionMode::Passive): physics alone looks at them. Meshes that come later are found too.
+/// The [`MorphColliderScene`] decides which meshes are parts: all that deform, or those with certain names. If you do not add one
+/// yourself, a default one is added whose parts are [`Passive`](crate::MorphCollisionMode::Passive), so that only physics uses
+/// them. Meshes that appear later are found too.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -21,10 +22,10 @@ use crate::scene::MorphColliderScene;
 /// # App::new().add_systems(Startup, spawn);
 /// ```
 ///
-/// With a `RigidBody` on the root as well, all parts are colliders of that body.
+/// If the root also has a `RigidBody`, all parts are colliders of that body.
 ///
-/// Edit it at any time: parts whose collider you did not change follow. A [`MorphAvianCollider`] that was on a part before stays yours. Removing
-/// the component, or whatever makes a mesh no part any more, takes the others out of physics.
+/// You can edit it at any time; parts whose collider you did not change follow. If a part already had a [`MorphAvianCollider`],
+/// it stays yours. The other colliders are removed when you remove this component or when a mesh stops being a part.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(MorphColliderScene = passive())]

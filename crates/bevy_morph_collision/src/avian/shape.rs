@@ -14,12 +14,12 @@ use crate::physics::triangles::{Triangles, nowhere};
 
 /// A surface in one pose.
 ///
-/// Rays and closest points are answered by the mesh's own tree. For what is asked about it and another shape Avian has Parry's own
-/// dispatcher, which wants all triangles: they are gathered when that is asked for first.
+/// The mesh's own tree answers rays and closest points. For queries against another shape, Avian uses Parry's own dispatcher,
+/// which needs all triangles. They are gathered on the first such query.
 #[derive(Clone)]
 pub(super) struct WholeSurface {
     surface: MorphSurface,
-    /// Whether contacts are made with it, rather than with its parts.
+    /// Whether contacts are made with the whole surface instead of its parts.
     meets: bool,
     /// Set while contacts are computed.
     stepping: Arc<AtomicBool>,
@@ -27,7 +27,7 @@ pub(super) struct WholeSurface {
 }
 
 impl WholeSurface {
-    /// As the surface is now. What changes afterwards is another.
+    /// Takes the surface in its current state. Later changes need a new value.
     pub(super) fn new(surface: MorphSurface, meets: bool, stepping: Arc<AtomicBool>) -> Self {
         Self {
             surface,
@@ -37,7 +37,8 @@ impl WholeSurface {
         }
     }
 
-    /// Whether it answers: while contacts are computed, its parts do, unless contacts are made with it.
+    /// Whether the shape answers queries. While contacts are computed, the parts answer instead, unless contacts are made with
+    /// the whole surface.
     fn is_asked(&self) -> bool {
         self.meets || !self.stepping.load(Ordering::Acquire)
     }
@@ -60,7 +61,7 @@ impl PointQuery for WholeSurface {
         if self.is_asked() {
             self.surface.project_local_point(point, solid)
         } else {
-            // So Parry finds contacts with balls.
+            // Parry's contacts with balls use this method.
             nowhere(point)
         }
     }
@@ -83,7 +84,7 @@ impl Shape for WholeSurface {
         Box::new(self.clone())
     }
 
-    /// The scale of the entity is in the surface already.
+    /// The surface already includes the entity's scale.
     fn scale_dyn(&self, _scale: Vector, _num_subdivisions: u32) -> Option<Box<dyn Shape>> {
         Some(self.clone_dyn())
     }

@@ -1,4 +1,4 @@
-//! Moves surfaces to their pose at the end of Avian's step, and puts something to stand on before bodies near them.
+//! Moves surfaces to their pose at the end of Avian's step, and creates parts near bodies.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -36,37 +36,37 @@ use crate::physics::part::Pace;
 use crate::physics::range::{MAX_COORDINATE, box_in_range, in_range};
 use crate::skeletons::{BindPoses, Skeletons};
 
-/// What the last step of physics needed of [`MorphAvianCollider`]s.
+/// Counts of [`MorphAvianCollider`]s in the last physics step.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, Debug, Default, Clone, PartialEq)]
 pub struct MorphAvianDiagnostics {
-    /// Surfaces in physics, without those that are switched off, too large, or at a place that is not finite.
+    /// Surfaces in physics, except those that are switched off, too large, or not at a finite position.
     pub surfaces: u32,
-    /// Of these, those that moved or morphed.
+    /// Surfaces that moved or morphed.
     pub moving: u32,
-    /// Parts of surfaces near bodies: what is in the physics world as kinematic bodies.
+    /// Parts of surfaces near bodies. Each part is a kinematic body in the physics world.
     pub parts: u32,
-    /// Of these, those whose vertices were blended for the step.
+    /// Parts whose vertices were blended for the step.
     pub blended: u32,
-    /// Time taken before the step.
+    /// Time spent before the step.
     pub duration: Duration,
 }
 
-/// What is true of all surfaces.
+/// State shared by all surfaces.
 #[derive(Resource, Default)]
 pub(crate) struct Stepping {
-    /// Whether contacts are computed now.
+    /// Whether contacts are being computed.
     pub(super) now: Arc<AtomicBool>,
     pub(super) movers: Movers,
-    /// Colliders that were too large in the last step: these are in the log.
+    /// Colliders that were too large in the last step. They have been logged.
     pub(super) too_large: HashSet<Entity>,
-    /// Colliders that are not as they were in the last step, and how far they reach in this one.
+    /// Colliders that changed since the last step, and how far they reach in this one.
     pub(super) changed: Vec<(Entity, f32)>,
-    /// Bodies that are inside of what is solid, and by how much their velocities change to leave it.
+    /// Bodies inside solid surfaces, with the velocity changes that drive them out.
     driven: EntityHashMap<Vec3>,
     /// Whether physics runs in a fixed schedule.
     is_fixed: bool,
-    /// How far it is then behind what is drawn.
+    /// In that case, how far physics is behind what is drawn.
     pub(super) lag: Lag,
 }
 
@@ -76,7 +76,7 @@ impl Stepping {
     }
 }
 
-/// What Avian knows of a surface's collider.
+/// Avian's components on a surface's collider.
 type Knows<'w> = (
     &'w GlobalTransform,
     Option<&'w Position>,
@@ -85,7 +85,7 @@ type Knows<'w> = (
     Option<&'w ColliderTransform>,
 );
 
-/// What a collider is like for those who touch it.
+/// The properties of a collider that matter for contacts.
 type Mannered<'w> = (
     Option<&'w Friction>,
     Option<&'w Restitution>,
@@ -112,7 +112,7 @@ type Bodies<'w, 's> = Query<
     Without<MorphAvianPart>,
 >;
 
-/// Surfaces go where they will be at the end of the step, and bodies near them get something to stand on.
+/// Moves surfaces to where they will be at the end of the step, and creates parts for nearby bodies.
 pub(super) fn before_step(
     mut commands: Commands,
     mut surfaces: Query<
@@ -179,14 +179,14 @@ pub(super) fn before_step(
         if !morph_disabled {
             let (weights, skin) = shows;
             let is_skinned = following.is_skinned();
-            // Bad joints are the collider's to report. The last good ones stay in force.
+            // The collider reports bad joints. The last good ones are used.
             let skin = skin.filter(|_| is_skinned);
             let mut between_frames = None;
             if let Some(span) = span {
                 let drawn = &mut following.drawn;
                 let live = drawn.live(global, skin, &mut skeletons, bind_poses.as_deref(), &globals);
                 drawn.at_step(&live);
-                // Where the entity is, Avian says.
+                // Avian determines where the entity is.
                 drawn.stands_alone = false;
                 between_frames = drawn.joints.at(span.end);
             }
@@ -215,7 +215,7 @@ pub(super) fn before_step(
                 let in_body = in_body.map_or(Place::IDENTITY, |it| Place::from_parts(it.translation, it.rotation));
                 (motion, in_body)
             });
-            // A collider that it is yet to have stands where the entity does.
+            // An entity whose collider is still to come is at its own transform.
             let own = own.filter(|_| collider.is_some());
             let problem = match ahead(global, own, motion, (is_skinned, joints), dt) {
                 Ok(ahead) => {
@@ -241,7 +241,7 @@ pub(super) fn before_step(
             *bad_place = problem;
         }
         if off {
-            // What happens to the surface meanwhile is not a motion.
+            // Movement of the surface while it is off does not count as motion.
             following.restart();
             if collider.is_some() {
                 commands.entity(entity).try_remove::<Collider>();
@@ -267,7 +267,7 @@ pub(super) fn before_step(
             Collider::from(SharedShape::new(whole))
         };
         match collider {
-            // The first step, or the first after it was switched off.
+            // The first step, or the first one after it was switched off.
             None => {
                 commands.entity(entity).try_insert(shape());
             }
@@ -317,7 +317,7 @@ pub(super) fn before_step(
             listens: events || colliding,
             joints: &joint_graph,
             sleep: &mut sleep,
-            // As fast as Avian pushes apart what overlaps.
+            // The speed at which Avian separates overlapping bodies.
             leaving: solver.max_overlap_solve_speed.min(10.0) * length_unit.0,
             driven,
         };
@@ -335,7 +335,7 @@ pub(super) fn before_step(
     diagnostics.duration = start.elapsed();
 }
 
-/// What is inside of solid surfaces is driven out of them.
+/// Drives bodies out of solid surfaces.
 pub(super) fn drive_out(
     mut stepping: ResMut<Stepping>,
     mut bodies: Query<(&mut LinearVelocity, Option<&LockedAxes>)>,
@@ -356,7 +356,7 @@ pub(super) fn drive_out(
     }
 }
 
-/// Whole surfaces answer for themselves again.
+/// Whole surfaces answer queries again.
 pub(super) fn after_step(stepping: Res<Stepping>) {
     stepping.now.store(false, Ordering::Release);
 }

@@ -1,4 +1,4 @@
-//! Boxes around what is drawn.
+//! Boxes around drawn meshes.
 
 use std::sync::Arc;
 
@@ -18,11 +18,12 @@ use crate::lent_poses::LentPoses;
 use crate::skeletons::{BindPoses, Skeletons};
 use crate::weights::take_weights;
 
-/// On meshes that had [`DynamicSkinnedMeshBounds`] before their box was ours: otherwise Bevy would write it, too.
+/// Marks meshes that had [`DynamicSkinnedMeshBounds`] before the plugin took over their box. Bevy would otherwise write the box
+/// too.
 #[derive(Component)]
 pub(super) struct HadDynamicBounds;
 
-/// A mesh and what decides how it is drawn.
+/// A mesh and the components that determine how it is drawn.
 type Shows = (
     Entity,
     &'static Mesh3d,
@@ -33,7 +34,7 @@ type Shows = (
     (Has<DynamicSkinnedMeshBounds>, Has<HadDynamicBounds>),
 );
 
-/// Poses of meshes as they are drawn now.
+/// Poses of meshes as drawn now.
 #[derive(SystemParam)]
 pub(super) struct Drawn<'w, 's> {
     shared: Query<'w, 's, &'static MorphWeights>,
@@ -43,11 +44,11 @@ pub(super) struct Drawn<'w, 's> {
     poses: Local<'s, LentPoses>,
     skeletons: Local<'s, Skeletons>,
     rest: Local<'s, Vec<f32>>,
-    /// Of skinned meshes, what their boxes were made for: one pose is lent to all of a mesh's entities, so it forgets.
+    /// For skinned meshes, the input of their last box: all entities of a mesh share one pose, so the pose does not keep it.
     made_for: Local<'s, EntityHashMap<MadeFor>>,
 }
 
-/// What the box of a skinned mesh was made for.
+/// The input from which the box of a skinned mesh was computed.
 pub(super) struct MadeFor {
     joints: JointMatrices,
     weights: Vec<f32>,
@@ -64,7 +65,7 @@ impl Drawn<'_, '_> {
             .retain(|_, made_for| std::mem::take(&mut made_for.is_used));
     }
 
-    /// A box around a mesh, and whether it is in world space rather than in the mesh's; `None` if nobody knows what is drawn.
+    /// A box around a mesh, and whether it is in world space instead of mesh space. `None` if it is not known what is drawn.
     fn bounds(
         &mut self,
         entity: Entity,
@@ -116,7 +117,7 @@ impl MadeFor {
     }
 }
 
-/// Gives meshes that deform a box around what they are drawn as.
+/// Updates the boxes of deforming meshes so that they contain what is drawn.
 pub(super) fn update_bounds(mut meshes: Query<Shows, Culled>, mut drawn: Drawn, mut commands: Commands) {
     drawn.begin();
     for (entity, mesh, weights, skin, place, mut aabb, (has_dynamic, had_dynamic)) in &mut meshes {
@@ -130,7 +131,7 @@ pub(super) fn update_bounds(mut meshes: Query<Shows, Culled>, mut drawn: Drawn, 
         let wanted = match drawn.bounds(entity, key, weights, skin) {
             Some((bounds, false)) => around(&bounds),
             Some((bounds, true)) => around_in(&bounds, place),
-            // The box stays.
+            // The box stays the same.
             None => continue,
         };
         if *aabb != wanted {
@@ -144,13 +145,13 @@ pub(super) fn update_bounds(mut meshes: Query<Shows, Culled>, mut drawn: Drawn, 
     }
 }
 
-/// Meshes whose box was ours, and is not any more.
+/// Meshes whose box the plugin no longer updates.
 type Left = (
     With<HadDynamicBounds>,
     Or<(With<NoAutoAabb>, With<NoFrustumCulling>, Without<SkinnedMesh>)>,
 );
 
-/// Lets Bevy keep the boxes of skinned meshes again that are not ours any more.
+/// Lets Bevy update the boxes of these skinned meshes again.
 pub(super) fn give_back(left: Query<Entity, Left>, mut commands: Commands) {
     for entity in &left {
         give_back_to_bevy(&mut commands, entity);

@@ -1,19 +1,20 @@
-//! From boxes of poses to Bevy's, which are in the space of their entity.
+//! Converts boxes of poses to Bevy's boxes, which are in the space of their entity.
 
 use bevy::camera::primitives::Aabb;
 use bevy::math::{DMat3, DVec3, Vec3A};
 use bevy::prelude::*;
 
-/// Far more than what Bevy's middle and half size round, in parts of the largest coordinate.
+/// Relative to the largest coordinate; far more than the rounding error of Bevy's centre and half size.
 const SLACK: f32 = 1e-6;
 
-/// Bevy's form of a box in the space of its entity.
+/// A box in the space of its entity, in Bevy's form.
 pub(super) fn around(bounds: &morph_collision::Aabb) -> Aabb {
     let slack = SLACK * bounds.min.abs().max(bounds.max.abs());
     Aabb::from_min_max(bounds.min - slack, bounds.max + slack)
 }
 
-/// The box of an entity that holds a box in world space, as Bevy moves it with the entity. It is infinite if there is no finite one.
+/// The box in the entity's space that, when Bevy transforms it with the entity, contains a box in world space. Infinite if no
+/// finite one exists.
 pub(super) fn around_in(world: &morph_collision::Aabb, place: &GlobalTransform) -> Aabb {
     let affine = place.affine();
     let entity_from_world = Mat3::from(affine.matrix3).as_dmat3().inverse();
@@ -27,7 +28,8 @@ pub(super) fn around_in(world: &morph_collision::Aabb, place: &GlobalTransform) 
     let (world_center, world_half) = ((min + max) / 2.0, (max - min) / 2.0);
     let center = entity_from_world * (world_center - translation);
     let half = abs * world_half;
-    // Bevy takes the box back to the world in `f32`: that rounds coordinates there, which may be far larger than those here.
+    // Bevy transforms the box back to world space in `f32`. That rounds world coordinates, which may be far larger than local
+    // ones.
     let world_reach: DVec3 = world_center.abs() + world_half + translation.abs();
     let half = half + f64::from(SLACK) * (center.abs() + half + abs * world_reach);
     let (center, half): (Vec3A, Vec3A) = (center.as_vec3a(), half.as_vec3a());
@@ -67,7 +69,7 @@ mod tests {
             let affine = Affine3A::from_scale_rotation_translation(scale, turned, translation);
             let place = GlobalTransform::from(affine);
             let aabb = around_in(&world(), &place);
-            // As Bevy's culling does it.
+            // As in Bevy's culling.
             let center = affine.transform_point3a(aabb.center);
             for axis in [Vec3A::X, Vec3A::Y, Vec3A::Z] {
                 let radius = aabb.relative_radius(&axis, &affine.matrix3);

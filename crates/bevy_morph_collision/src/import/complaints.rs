@@ -1,4 +1,4 @@
-//! What the log says about meshes, and what it calls them and their entities.
+//! Log messages about meshes, and the names that they use for meshes and entities.
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
@@ -10,7 +10,7 @@ use super::mesh_data::ImportError;
 use crate::collider::MorphCollider;
 use crate::shape::MorphShape;
 
-/// Colliders that show a mesh, also while they are disabled.
+/// Colliders that show a mesh, including disabled ones.
 type ShowsMesh = (With<MorphCollider>, Without<MorphShape>, Allow<Disabled>);
 
 /// Names for messages.
@@ -22,7 +22,7 @@ pub(crate) struct Complaints<'w, 's> {
 }
 
 impl Complaints<'_, '_> {
-    /// Logs why a mesh cannot be used, with the entity that asked for its tree, and what happens instead.
+    /// Logs why a mesh cannot be used, which entity requested its tree, and what happens instead.
     pub(super) fn unusable_mesh(
         &self,
         id: AssetId<Mesh>,
@@ -30,7 +30,7 @@ impl Complaints<'_, '_> {
         has_last_good_tree: bool,
         error: &ImportError,
     ) {
-        // Whoever asked may only want to be culled.
+        // The requesting entity may only need culling.
         let is_collider = |entity: Entity| self.colliders.get(entity).is_ok_and(|(_, mesh)| mesh.id() == id);
         let any_collider = || Some(self.colliders.iter().find(|(_, mesh)| mesh.id() == id)?.0);
         let collider = Some(asked_by)
@@ -48,13 +48,13 @@ impl Complaints<'_, '_> {
         error!("mesh `{mesh}` of entity `{entity}` cannot {fails}: {error}; {outcome}");
     }
 
-    /// The mesh's file and label, or its number.
+    /// The mesh's file and label, or its asset ID.
     pub(super) fn mesh(&self, id: AssetId<Mesh>) -> String {
         let path = self.assets.as_ref().and_then(|assets| assets.get_path(id));
         path.map_or_else(|| id.to_string(), |path| path.to_string())
     }
 
-    /// The entity's name, or its number.
+    /// The entity's name, or its ID.
     pub(super) fn entity(&self, entity: Entity) -> String {
         match self.names.get(entity) {
             Ok(name) => name.to_string(),

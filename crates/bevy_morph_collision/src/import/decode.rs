@@ -1,4 +1,4 @@
-//! Compressed vertex attributes, decoded as Bevy's shaders decode them.
+//! Decodes compressed vertex attributes in the same way as Bevy's shaders.
 //!
 //! `MeshCompressionArgs` stores positions relative to `Mesh::final_aabb`, and texture coordinates relative to their range. The shader computes
 //! `center + half_size * value` and `min + size * value` in `f32`; here the product is rounded before it is added, as in WGSL without
@@ -10,7 +10,7 @@ use bevy::shape::BoundingVolume;
 
 use super::mesh_data::{ImportError, copy};
 
-/// The positions of a mesh, in whatever format they are stored.
+/// The positions of a mesh, in any supported format.
 pub(super) enum Positions<'a> {
     Plain(&'a [[f32; 3]]),
     /// Relative to a box; the fourth number is unused.
@@ -62,7 +62,7 @@ pub(crate) fn uv_of(mesh: &Mesh, vertex: usize) -> Option<Vec2> {
         VertexAttributeValues::Snorm8x2(values) => values.get(vertex)?.map(snorm8),
         VertexAttributeValues::Unorm16x2(values) => {
             let value = Vec2::from_array(values.get(vertex)?.map(unorm16));
-            // Without a range the values are quantized only, and mean what they say.
+            // Without a range, the values are only quantized and used directly.
             return Some(match mesh.final_uv_ranges[0] {
                 Some(range) => range.min + (range.max - range.min) * value,
                 None => value,
@@ -73,7 +73,7 @@ pub(crate) fn uv_of(mesh: &Mesh, vertex: usize) -> Option<Vec2> {
     Some(Vec2::from_array(uv))
 }
 
-// As GPUs decode them.
+// GPUs decode them like this.
 pub(super) fn unorm16(value: u16) -> f32 {
     f32::from(value) / 65535.0
 }

@@ -1,9 +1,9 @@
 //! Repairs meshes without normals while Bevy loads them from glTF.
 //!
-//! The loader shades such a mesh flat: it gives every triangle three vertices of its own (`Mesh::duplicate_vertices`). Bevy 0.20
-//! leaves the morph displacements behind, one per vertex of the file. The mesh would be drawn wrong, and no tree could be built
-//! of it. A handler notes each primitive's indices as the loader reads them, and copies the displacements to the new vertices
-//! before the mesh leaves the loader.
+//! The loader makes such meshes flat-shaded: it gives every triangle its own three vertices (`Mesh::duplicate_vertices`). Bevy
+//! 0.20 does not do the same with the morph displacements, of which there is still one per vertex of the file. The mesh would be
+//! drawn wrong, and no tree could be built from it. This handler records each primitive's indices as the loader reads them, and
+//! copies the displacements to the new vertices before the mesh leaves the loader.
 
 use std::future::ready;
 
@@ -18,7 +18,7 @@ use bevy::prelude::*;
 use bevy::tasks::{ConditionalSendFuture, block_on};
 use tracing::debug;
 
-/// Whether the handler is among the loader's.
+/// Whether the handler has been added to the loader.
 #[derive(Resource)]
 struct Registered;
 
@@ -38,8 +38,8 @@ pub(crate) fn repair_split_meshes(app: &mut App) {
     world.insert_resource(Registered);
 }
 
-/// The primitives of the mesh that is being loaded. The loader starts every file with a clone of the registered one, which is
-/// empty.
+/// The primitives of the mesh that is being loaded. For every file, the loader starts with a clone of the registered handler,
+/// which is empty.
 #[derive(Clone, Default)]
 struct SplitMeshes(Vec<Shared>);
 
@@ -85,7 +85,7 @@ impl GltfExtensionHandler for SplitMeshes {
             let mesh = context.get_labeled(&label).and_then(|asset| asset.get::<Mesh>());
             let repaired = mesh.and_then(|mesh| {
                 let displacements = shared.spread(mesh)?;
-                // The loader lends its meshes only to look at.
+                // The loader only lends its meshes for reading.
                 Some(mesh.clone().with_morph_targets(displacements))
             });
             if let Some(repaired) = repaired {
@@ -97,7 +97,7 @@ impl GltfExtensionHandler for SplitMeshes {
 }
 
 impl Shared {
-    /// As the file has it; `None` if the loader will not split its vertices.
+    /// From the file. `None` if the loader will not split its vertices.
     fn of_file(primitive: &Primitive, buffers: &[Vec<u8>]) -> Option<Self> {
         if primitive.mode() != Mode::Triangles || primitive.morph_targets().len() == 0 {
             return None;
@@ -110,7 +110,7 @@ impl Shared {
         })
     }
 
-    /// As another handler decoded it.
+    /// From the mesh that another handler decoded.
     fn of_decoded(primitive: usize, mesh: &Mesh) -> Option<Self> {
         mesh.try_morph_targets().ok()?;
         Some(Self {
@@ -120,8 +120,8 @@ impl Shared {
         })
     }
 
-    /// The displacements of a mesh, target by target, one per vertex after the split; `None` if its vertices were not split
-    /// like this.
+    /// The displacements of a mesh, target by target, one per vertex after the split. `None` if its vertices were not split in
+    /// this way.
     fn spread(&self, mesh: &Mesh) -> Option<Vec<MorphAttributes>> {
         let displacements = mesh.try_morph_targets().ok()?;
         let was_split = mesh.primitive_topology() == PrimitiveTopology::TriangleList
@@ -141,7 +141,8 @@ impl Shared {
         Some(spread)
     }
 
-    /// Whether vertices that were one in the file are at one place in the mesh: another handler may have changed the mesh.
+    /// Whether vertices that were one vertex in the file have the same position in the mesh. Another handler may have changed the
+    /// mesh.
     fn agrees_with(&self, mesh: &Mesh) -> Option<bool> {
         let positions = mesh.try_attribute(Mesh::ATTRIBUTE_POSITION).ok()?.get_bytes();
         let places = positions.chunks_exact(positions.len() / self.indices.len());
@@ -158,7 +159,7 @@ mod tests {
 
     use super::*;
 
-    /// Two triangles with one edge in common, and two targets.
+    /// Two triangles with a common edge, and two targets.
     fn square() -> Mesh {
         let positions = vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y];
         let displacement = |i: u8| MorphAttributes::new(Vec3::splat(i.into()), Vec3::X, Vec3::Y);

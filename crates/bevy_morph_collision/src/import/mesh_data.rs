@@ -1,4 +1,4 @@
-//! What the collision tree needs of a [`Mesh`], checked for what only Bevy's meshes can get wrong.
+//! The data of a [`Mesh`] that a tree needs, with checks for mistakes that only Bevy's meshes can have.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, MeshAccessError, PrimitiveTopology};
@@ -15,7 +15,7 @@ use super::skin_data::SkinData;
 #[reflect(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum ImportError {
-    /// The mesh data is for the renderer only, which takes it away.
+    /// The mesh data is only for the renderer, which takes it away.
     #[error(
         "its data does not stay in main memory: give it `RenderAssetUsages::default()` instead of `RENDER_WORLD` (for glTF \
          files `GltfLoaderSettings::load_meshes`)"
@@ -27,16 +27,16 @@ pub enum ImportError {
     /// There is no position attribute.
     #[error("it has no vertex positions")]
     NoPositions,
-    /// Positions are of an unusual format.
+    /// Positions have an unsupported format.
     #[error("its positions are {0}, only Float32x3 and Snorm16x4 (see `Mesh::compress_positions`) can be read")]
     PositionFormat(&'static str),
-    /// Positions are compressed, and the box that they are relative to is missing.
+    /// Positions are compressed, but the box to decode them is missing.
     #[error("its positions are compressed (Snorm16x4), but there is no `Mesh::final_aabb` to decode them with")]
     NoPositionBounds,
-    /// Joint indices are of an unusual format.
+    /// Joint indices have an unsupported format.
     #[error("its joint indices are {0}, only Uint16x4 and Uint8x4 can be read")]
     JointFormat(&'static str),
-    /// Joint weights are of an unusual format.
+    /// Joint weights have an unsupported format.
     #[error(
         "its joint weights are {0}, only Float32x4, Float16x4, Unorm16x4, Unorm8x4, Snorm16x4 and Snorm8x4 can be read"
     )]
@@ -47,26 +47,26 @@ pub enum ImportError {
     /// The morph displacements do not fit the vertices.
     #[error("it has {displacements} morph displacements, which is not {targets} for each of its {vertices} vertices")]
     TargetLength {
-        /// How many displacements there are, of all targets together.
+        /// The number of displacements of all targets together.
         displacements: usize,
-        /// How many vertices there are.
+        /// The number of vertices.
         vertices: usize,
-        /// How many targets, as text because it may be unknown.
+        /// The number of targets, as text because it may be unknown.
         targets: String,
     },
-    /// The vertices were split for flat shading, the morph displacements were not.
+    /// The vertices were split for flat shading, but the morph displacements were not.
     #[error(
         "it has {displacements} morph displacements for {vertices} vertices: it seems to have no normals, so that its vertices \
          were split for flat shading, but not its displacements. Export it with normals, or let `MorphCollisionPlugin` repair it \
          while Bevy loads it from glTF (feature `gltf`, on by default)"
     )]
     SplitVertices {
-        /// How many displacements there are, of all targets together.
+        /// The number of displacements of all targets together.
         displacements: usize,
-        /// How many vertices there are after the split.
+        /// The number of vertices after the split.
         vertices: usize,
     },
-    /// The shape cannot be used.
+    /// The model data is invalid.
     #[error(transparent)]
     Model(#[from] ModelError),
     /// A setting of [`MorphTreeSettings`](crate::MorphTreeSettings) is out of range.
@@ -83,28 +83,28 @@ impl From<MeshAccessError> for ImportError {
     }
 }
 
-/// A mesh's shape, copied out piece by piece; the rest of the work is done on another thread.
+/// A copy of a mesh's shape, made piece by piece. Another thread does the rest of the work.
 ///
-/// Bevy shares no mesh data between threads, so what a tree is built of must be copied while the mesh is at hand.
+/// Bevy shares no mesh data between threads, so everything that a tree needs must be copied while the mesh is accessible.
 pub(super) struct MeshData {
     positions: Vec<Vec3>,
-    /// Without any, the vertices one after the other.
+    /// `None` means that the vertices are used in order.
     indices: Option<Vec<u32>>,
-    /// The index that ends a strip, if it is one that can be ended.
+    /// The index that restarts a strip, for indexed strips.
     restart: Option<u32>,
     is_strip: bool,
     /// Target by target.
     displacements: Vec<Vec3>,
     named_targets: Option<usize>,
-    /// Of a mesh that is shown with a skeleton.
+    /// Set if the mesh is shown with a skeleton.
     skin: Option<SkinData>,
 }
 
 impl MeshData {
-    /// An empty copy of a mesh that can be read, shown with a skeleton of this many joints, or with none.
+    /// Starts an empty copy of a readable mesh, which is shown with a skeleton of `joints` joints, or with none.
     pub(super) fn of(mesh: &Mesh, joints: Option<usize>) -> Result<Self, ImportError> {
-        // The renderer takes such a mesh away as soon as it is drawn. Sometimes a collider comes in time, but it should not
-        // depend on that. Reading the mesh as soon as it is loaded would cost memory for every mesh that never collides.
+        // The renderer takes such a mesh away as soon as it is drawn. Sometimes a collider reads it in time, but it should not
+        // depend on that. Reading every mesh as soon as it is loaded would cost memory for meshes that never collide.
         if mesh.asset_usage == RenderAssetUsages::RENDER_WORLD {
             return Err(ImportError::Extracted);
         }
@@ -132,9 +132,10 @@ impl MeshData {
         })
     }
 
-    /// Copies the next part: at most `left` positions, displacements, indices, joints and weights. Returns whether the copy is complete.
+    /// Copies the next part: at most `left` positions, displacements, indices, joints and weights. Returns whether the copy is
+    /// complete.
     ///
-    /// The mesh must be as it was when the copy was begun.
+    /// The mesh must not have changed since the copy was started.
     pub(super) fn copy(&mut self, mesh: &Mesh, left: &mut usize) -> Result<bool, ImportError> {
         let mut is_complete = Positions::of(mesh)?.copy(&mut self.positions, left);
         if let Some(copied) = &mut self.indices {
@@ -155,8 +156,8 @@ impl MeshData {
         Ok(is_complete)
     }
 
-    /// Makes a model from the whole copy, for a task in the background. Returns it with the vertices of each triangle, as the mesh
-    /// numbers them.
+    /// Builds a model from the complete copy, in a background task. Returns it with the vertices of each triangle, as numbered in
+    /// the mesh.
     pub(super) fn into_model(self) -> Result<(MorphModel, Vec<[u32; 3]>), ImportError> {
         let targets = self.targets()?;
         let vertices = self.positions.len();
@@ -184,14 +185,14 @@ impl MeshData {
         Ok((model, corners))
     }
 
-    /// How many targets there are.
+    /// The number of targets.
     fn targets(&self) -> Result<usize, ImportError> {
         let (displacements, vertices) = (self.displacements.len(), self.positions.len());
         if displacements == 0 {
             return Ok(0);
         }
-        // `Mesh::duplicate_vertices` drops the indices and forgets the displacements. There the names tell; elsewhere they are a
-        // file's free text, and any whole number of targets is believed.
+        // `Mesh::duplicate_vertices` drops the indices and ignores the displacements. In that case the number of target names
+        // decides. Elsewhere names are free text from a file, and any whole number of targets is accepted.
         let is_split = self.indices.is_none() && !self.is_strip;
         let names = self.named_targets.filter(|_| self.indices.is_none());
         let fits = match names {
@@ -201,7 +202,7 @@ impl MeshData {
         if fits {
             return Ok(displacements / vertices);
         }
-        // One displacement per vertex of the file, and of these at most as many as there are now.
+        // One displacement per vertex of the file, which has no more vertices than the mesh has now.
         let of_fewer = match names {
             Some(targets) => targets > 0 && displacements.is_multiple_of(targets) && displacements < targets * vertices,
             None => true,
@@ -221,7 +222,7 @@ impl MeshData {
     }
 }
 
-/// Continues a copy; returns whether it is complete.
+/// Continues a copy. Returns whether it is complete.
 pub(super) fn copy<T, U>(into: &mut Vec<U>, from: &[T], left: &mut usize, convert: impl Fn(&T) -> U) -> bool {
     let missing = from.get(into.len()..).unwrap_or_default();
     let now = &missing[..missing.len().min(*left)];
@@ -239,10 +240,10 @@ fn list_triangles(indices: &[u32]) -> Result<Vec<[u32; 3]>, ImportError> {
     Ok(triangles.to_vec())
 }
 
-/// Triangles of one or more strips, all turning the same way, numbered in the order of the strip.
+/// The triangles of one or more strips with consistent winding, numbered in the order of the strip.
 ///
-/// The largest index restarts the strip, as on the GPU. Triangles that name a vertex twice only stitch strips together and
-/// are never drawn; they are left out and not numbered.
+/// The largest index restarts the strip, as on the GPU. Triangles that use a vertex twice only connect strips and are never
+/// drawn; they are left out and not numbered.
 fn strip_triangles(indices: &[u32], restart: Option<u32>) -> Vec<[u32; 3]> {
     let mut triangles = Vec::new();
     for strip in indices.split(|&index| Some(index) == restart) {

@@ -1,4 +1,4 @@
-//! One mesh's tree, and the work that leads to it: the mesh is copied in parts, then the tree is built in the background.
+//! The tree of one mesh, and the work to build it: the mesh is copied in parts, then the tree is built in the background.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use super::turns::Turns;
 /// Called in the background with each new tree, before it is handed out.
 pub(super) type OnBuilt = Arc<dyn Fn(&Arc<MorphBvh>) + Send + Sync>;
 
-/// What tasks in the background need.
+/// What background tasks need.
 #[derive(Clone, Default)]
 pub(super) struct Background {
     pub(super) turns: Turns,
@@ -25,19 +25,19 @@ pub(super) struct Background {
 /// The tree of one mesh, and its state.
 pub(super) struct MeshTree {
     pub(super) tree: Option<Arc<MorphBvh>>,
-    /// Whether the tree is one of the same mesh with other settings, in force until the first one of its own is built.
+    /// Whether the tree is one of the same mesh with other settings, in use until its own first tree is built.
     pub(super) is_lent: bool,
-    /// Whether there is a new tree or a new error that colliders have not been told of.
+    /// Whether colliders have not seen the latest tree or error yet.
     pub(super) is_news: bool,
-    /// The vertices of the tree's triangles, as the mesh numbers them.
+    /// The vertices of the tree's triangles, as numbered in the mesh.
     pub(super) corners: Arc<[[u32; 3]]>,
     pub(super) work: Work,
-    /// Whether what is being built is the mesh of the present tree, only with other settings.
+    /// Whether the tree in progress is of the same mesh as the current one, but with other settings.
     is_same_mesh: bool,
-    /// Whether the mesh was modified after what is being built was read.
+    /// Whether the mesh was modified after the data in progress was read.
     pub(super) outdated: bool,
     pub(super) error: Option<ImportError>,
-    /// The collider that asked first, for messages.
+    /// The collider that first requested it, for messages.
     pub(super) asked_by: Entity,
 }
 
@@ -48,10 +48,10 @@ pub(super) enum Work {
     Building(Task<Result<Finished, ImportError>>),
 }
 
-/// What a tree is built from.
+/// The source of a tree.
 pub(super) enum Source {
     Copy(MeshData),
-    /// The mesh has been read for another tree.
+    /// The mesh has already been read for another tree.
     Model(Arc<MorphModel>, Arc<[[u32; 3]]>),
 }
 
@@ -59,7 +59,7 @@ pub(super) enum Source {
 pub(super) type Finished = (Arc<MorphBvh>, Arc<[[u32; 3]]>);
 
 impl MeshTree {
-    /// Whether a new tree is on its way.
+    /// Whether a new tree is in progress.
     pub(super) fn is_coming(&self) -> bool {
         !matches!(self.work, Work::None)
     }
@@ -79,7 +79,7 @@ impl MeshTree {
         }
     }
 
-    /// Whether the tree, if there is one, is of the mesh as it is now.
+    /// Whether the tree, if there is one, belongs to the current state of the mesh.
     pub(super) fn is_up_to_date(&self) -> bool {
         let is_same = match self.work {
             Work::None => true,
@@ -89,7 +89,7 @@ impl MeshTree {
         is_same && !self.outdated && self.error.is_none()
     }
 
-    /// Begins to read the mesh, from its first vertex.
+    /// Starts to read the mesh, from its first vertex.
     pub(super) fn start(&mut self, key: &TreeKey, mesh: &Mesh, complaints: &Complaints) {
         self.work = Work::None;
         match MeshData::of(mesh, key.joints) {
@@ -98,7 +98,7 @@ impl MeshTree {
         }
     }
 
-    /// Reads on in a mesh that is being read, and begins a tree once all of it is there.
+    /// Continues to read a mesh, and starts building the tree once reading is complete.
     pub(super) fn read_on(
         &mut self,
         key: &TreeKey,
@@ -150,7 +150,8 @@ impl MeshTree {
         }));
     }
 
-    /// Builds the tree again if the app's settings have changed since. The last good tree of a mesh that is bad now stays as it is.
+    /// Rebuilds the tree if the app's settings have changed since. If the mesh is invalid now, its last valid tree stays as it
+    /// is.
     pub(super) fn follow_settings(&mut self, key: &TreeKey, options: &BuildOptions, background: &Background) {
         if key.settings.is_none()
             && !self.is_coming()

@@ -1,4 +1,4 @@
-//! Which joints move the vertices of a [`Mesh`].
+//! The joints that move the vertices of a [`Mesh`].
 
 use bevy::mesh::{MeshVertexAttribute, VertexAttributeValues};
 use bevy::prelude::*;
@@ -7,7 +7,7 @@ use morph_collision::Influences;
 use super::decode::{snorm8, snorm16, unorm8, unorm16};
 use super::mesh_data::{ImportError, copy};
 
-/// A copy of a mesh's joint indices and weights, in whatever format they are stored.
+/// A copy of a mesh's joint indices and weights, in any supported format.
 pub(super) struct SkinData {
     joint_count: usize,
     joints: Vec<[u16; 4]>,
@@ -15,10 +15,10 @@ pub(super) struct SkinData {
 }
 
 impl SkinData {
-    /// An empty copy for a skeleton with this many joints; `None` for a mesh that no joint moves.
+    /// Starts an empty copy for a skeleton with this many joints. `None` for a mesh that no joint moves.
     pub(super) fn of(mesh: &Mesh, joint_count: usize) -> Result<Option<Self>, ImportError> {
         let has = |attribute: MeshVertexAttribute| mesh.try_contains_attribute(attribute);
-        // With one of them alone, Bevy draws the mesh where its transform says.
+        // With only one of them, Bevy draws the mesh by its own transform.
         let is_skinned = has(Mesh::ATTRIBUTE_JOINT_INDEX)? && has(Mesh::ATTRIBUTE_JOINT_WEIGHT)?;
         Ok(is_skinned.then(|| Self {
             joint_count,
@@ -27,7 +27,7 @@ impl SkinData {
         }))
     }
 
-    /// Copies the next part: at most `left` vertices' joints and weights. Returns whether the copy is complete.
+    /// Copies the next part: the joints and weights of at most `left` vertices. Returns whether the copy is complete.
     pub(super) fn copy(&mut self, mesh: &Mesh, left: &mut usize) -> Result<bool, ImportError> {
         let attribute = |attribute: MeshVertexAttribute| mesh.try_attribute(attribute.id);
         let joints = &mut self.joints;
@@ -61,7 +61,7 @@ impl SkinData {
     }
 }
 
-/// The joints of a vertex with their weights; `None` if the mesh has none that can be read.
+/// The joints of a vertex with their weights. `None` if the mesh has none that can be read.
 pub(crate) fn influences_of(mesh: &Mesh, vertex: usize) -> Option<impl Iterator<Item = (u16, f32)>> {
     let joints = match mesh.try_attribute(Mesh::ATTRIBUTE_JOINT_INDEX.id).ok()? {
         VertexAttributeValues::Uint16x4(values) => *values.get(vertex)?,

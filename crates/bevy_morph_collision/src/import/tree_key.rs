@@ -1,4 +1,4 @@
-//! What decides which tree an entity has.
+//! The key that determines which tree an entity uses.
 
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
@@ -9,9 +9,9 @@ use super::tree_settings::MorphTreeSettings;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct TreeKey {
     pub(crate) mesh: AssetId<Mesh>,
-    /// Settings of its own, if it has any.
+    /// The entity's own settings, if it has any.
     pub(crate) settings: Option<MorphTreeSettings>,
-    /// The number of joints of the skeleton it is shown with, if it is.
+    /// The number of joints of the skeleton with which the mesh is shown, if any.
     pub(crate) joints: Option<usize>,
 }
 

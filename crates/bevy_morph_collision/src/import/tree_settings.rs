@@ -1,9 +1,10 @@
-//! How trees are built: for all meshes, or for what one entity shows.
+//! How trees are built, for all meshes or for one entity.
 
 use bevy::prelude::*;
 use morph_collision::{BuildOptions, InputError};
 
-/// How trees are built, for all meshes. No answer depends on it. When you change it, trees are built again; the earlier ones stay in force meanwhile.
+/// How trees are built, for all meshes. It never affects answers. When you change it, trees are rebuilt; until then, the old ones
+/// stay in use.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -17,9 +18,9 @@ use morph_collision::{BuildOptions, InputError};
 #[reflect(Resource, Clone, Debug, Default)]
 pub struct DefaultMorphTreeSettings(#[reflect(ignore)] pub BuildOptions);
 
-/// On a collider: how the tree of its mesh is built, instead of as [`DefaultMorphTreeSettings`] says. Colliders with equal settings
-/// share a tree. No answer depends on it: when you change it, the tree that the mesh has stays in force until the new one is built. With a bad
-/// leaf size the collider is left out.
+/// Overrides [`DefaultMorphTreeSettings`] for the mesh of one collider. Colliders with equal settings share a tree. It never
+/// affects answers: when you change it, the old tree stays in use until the new one is built. With an invalid leaf size, the
+/// collider is left out.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[reflect(Component, Debug, Default, Clone, PartialEq, Hash)]
 pub struct MorphTreeSettings {
@@ -36,7 +37,7 @@ impl Default for MorphTreeSettings {
 }
 
 impl MorphTreeSettings {
-    /// The app's options with these settings in place of its own, or an error that names the bad one.
+    /// The app's options, overridden by these settings, or an error that names the invalid one.
     pub(crate) fn over(&self, options: BuildOptions) -> Result<BuildOptions, InputError> {
         options.with_leaf_size(self.leaf_size.into())
     }

@@ -1,4 +1,4 @@
-//! One tree per mesh asset, shared by all its instances.
+//! One tree per mesh asset, shared by all instances.
 
 use std::sync::Arc;
 
@@ -14,61 +14,64 @@ use super::mesh_tree::{Background, MeshTree, Source, Work};
 use super::tree_key::TreeKey;
 use super::tree_settings::{DefaultMorphTreeSettings, MorphTreeSettings};
 
-/// The collision trees of all meshes that a collider has asked for.
+/// The collision trees of all meshes that a collider has requested.
 ///
-/// A tree is built when the first collider with a loaded mesh asks for it, and again when the mesh is modified. If a modified mesh
-/// cannot be used, the tree of its last good state stays in force. A mesh has one tree per distinct [`MorphTreeSettings`] in use, and
-/// per number of joints of the [`SkinnedMesh`] it is shown with. A tree that nothing uses any more is dropped as soon as something uses
-/// another tree of the same mesh. The last ones are kept for what is spawned next, until the mesh asset goes.
+/// A tree is built when the first collider with a loaded mesh requests it, and again when the mesh is modified. If a modified
+/// mesh cannot be used, the tree of its last valid state stays in use. A mesh has one tree per distinct [`MorphTreeSettings`] in
+/// use, and per number of joints of the [`SkinnedMesh`] with which it is shown. An unused tree is dropped as soon as something
+/// uses another tree of the same mesh. The last trees of a mesh are kept for later spawns until the mesh asset is removed.
 ///
-/// Bevy lends meshes to systems only, so they are copied on the main thread: at most 131,072 positions, indices, displacements and
-/// influences of joints in a frame, which takes about 0.7 ms on an AMD EPYC core. A face with 30,000 vertices and 52 targets takes 12
-/// frames. A mesh that is modified while it is being copied is copied again in one go. Everything else happens in the background. Where
-/// tasks share the thread of the frames, as on the web, all of them together take 4 ms of a frame, and at most a step more: about a millisecond, but
-/// as a mesh is checked and welded in one step, tens of milliseconds for the largest faces.
+/// Only systems can access Bevy's meshes, so meshes are copied on the main thread: at most 131,072 positions, indices,
+/// displacements and joint influences per frame, which takes about 0.7 ms on an AMD EPYC core. A face with 30,000 vertices and 52
+/// targets takes 12 frames. A mesh that is modified while it is being copied is copied again in one go. Everything else happens
+/// in the background.
+///
+/// If tasks share the main thread, as on the web, all of them together take 4 ms per frame plus at most one step. A step takes
+/// about a millisecond, but a mesh is checked and welded in a single step, which takes tens of milliseconds for the largest
+/// faces.
 #[derive(Resource, Reflect, Default)]
 #[reflect(Resource, Debug, Default)]
 pub struct MorphTrees {
     #[reflect(ignore)]
     pub(super) of_mesh: HashMap<TreeKey, MeshTree>,
-    /// Asked for, and not begun yet, because the mesh is not loaded.
+    /// Requested, but not started because the mesh is not loaded yet.
     #[reflect(ignore)]
     pub(super) waiting: Vec<(TreeKey, Entity)>,
-    /// Another number whenever a tree came or went.
+    /// Changes whenever a tree is added or removed.
     #[reflect(ignore)]
     pub(super) version: u64,
-    /// Whether what colliders show has to be looked through anew.
+    /// Whether the meshes of all colliders have to be checked again.
     #[reflect(ignore)]
     pub(super) stale: bool,
-    /// How much of meshes may still be copied in this frame.
+    /// How much mesh data may still be copied in this frame.
     #[reflect(ignore)]
     left: usize,
-    /// What tasks are given.
+    /// What background tasks need.
     #[reflect(ignore)]
     background: Background,
 }
 
-/// Positions, indices, displacements and influences that are copied in a frame.
+/// The number of positions, indices, displacements and influences copied per frame.
 const COPIED_PER_FRAME: usize = 1 << 17;
 
 impl MorphTrees {
-    /// The tree of a mesh as entities without [`MorphTreeSettings`] and without [`SkinnedMesh`] show it, if it is ready.
+    /// The tree of a mesh for entities without [`MorphTreeSettings`] and without [`SkinnedMesh`], if it is ready.
     #[must_use]
     pub fn get(&self, mesh: AssetId<Mesh>) -> Option<&Arc<MorphBvh>> {
         self.with_settings(mesh, None)
     }
 
-    /// The tree of a mesh as entities with these settings and without [`SkinnedMesh`] show it, if it is ready. While it is being built for the first time,
-    /// one of the same mesh with other settings, if there is one.
+    /// The tree of a mesh for entities with these settings and without [`SkinnedMesh`], if it is ready. While it is being built
+    /// for the first time, a tree of the same mesh with other settings, if there is one.
     #[must_use]
     pub fn with_settings(&self, mesh: AssetId<Mesh>, settings: Option<MorphTreeSettings>) -> Option<&Arc<MorphBvh>> {
         let joints = None;
         self.tree(TreeKey { mesh, settings, joints })
     }
 
-    /// The tree of a mesh as entities with these components show it, if it is ready.
+    /// The tree of a mesh for entities with these components, if it is ready.
     ///
-    /// It is skinned if `skin` is there and the mesh has joint indices and weights; it has one joint for each of the skin's then.
+    /// It is skinned if `skin` is given and the mesh has joint indices and weights. It then has as many joints as `skin`.
     #[must_use]
     pub fn shown_with(
         &self,
@@ -84,61 +87,62 @@ impl MorphTrees {
         self.of_mesh.get(&key)?.tree.as_ref()
     }
 
-    /// Why the mesh in its current state could not be used; the error is in the log, too.
+    /// Why the current state of the mesh cannot be used. The error is also logged.
     #[must_use]
     pub fn error(&self, mesh: AssetId<Mesh>) -> Option<&ImportError> {
         let mut entries = self.of_mesh.iter().filter(|(key, _)| key.mesh == mesh);
         entries.find_map(|(_, entry)| entry.error.as_ref())
     }
 
-    /// The trees that are ready, in no particular order; a mesh may have several, with different settings, with and without joints.
+    /// The trees that are ready, in no particular order. A mesh may have several: with different settings, with and without
+    /// joints.
     pub fn iter(&self) -> impl Iterator<Item = (AssetId<Mesh>, &Arc<MorphBvh>)> {
         let own = self.of_mesh.iter().filter(|(_, entry)| !entry.is_lent);
         own.filter_map(|(key, entry)| Some((key.mesh, entry.tree.as_ref()?)))
     }
 
-    /// How many trees are being built right now: their meshes are being copied, or they are built in the background.
+    /// The number of trees in progress: their meshes are being copied, or they are being built in the background.
     #[must_use]
     pub fn building(&self) -> usize {
         self.of_mesh.values().filter(|entry| entry.is_coming()).count()
     }
 
-    /// Whether a tree will be there, or replaced, as soon as it is built.
+    /// Whether a tree is being built or rebuilt.
     pub(crate) fn is_coming(&self, key: TreeKey) -> bool {
         self.of_mesh.get(&key).is_some_and(MeshTree::is_coming)
     }
 
-    /// The vertices of a triangle, as the mesh numbers them, if the tree is the mesh's present one. Constant time.
+    /// The vertices of a triangle, as numbered in the mesh, if the tree is the mesh's current one. Constant time.
     pub(crate) fn corners(&self, key: TreeKey, tree: &Arc<MorphBvh>, triangle: u32) -> Option<[u32; 3]> {
         let entry = self.of_mesh.get(&key)?;
         let is_present = entry.tree.as_ref().is_some_and(|present| Arc::ptr_eq(present, tree));
         entry.corners.get(triangle as usize).copied().filter(|_| is_present)
     }
 
-    /// The number that changes whenever a tree comes or goes.
+    /// A number that changes whenever a tree is added or removed.
     pub(crate) fn version(&self) -> u64 {
         self.version
     }
 
-    /// Has something done with every tree to come, in the background and before anyone has the tree.
+    /// Calls `work` with every new tree, in the background and before anyone gets the tree.
     #[cfg(any(feature = "rapier", feature = "avian"))]
     pub(crate) fn on_built(&mut self, work: impl Fn(&Arc<MorphBvh>) + Send + Sync + 'static) {
         self.background.on_built.push(Arc::new(work));
     }
 
-    /// Sees to it that a tree will be there once its mesh is loaded.
+    /// Requests a tree, which is built once its mesh is loaded.
     pub(crate) fn request(&mut self, key: TreeKey, asked_by: Entity) {
         if !self.is_known(key) {
             self.waiting.push((key, asked_by));
         }
     }
 
-    /// Whether a tree was asked for, and is there, being built, or waiting for its mesh.
+    /// Whether a tree was requested and exists, is being built, or waits for its mesh.
     pub(crate) fn is_known(&self, key: TreeKey) -> bool {
         self.of_mesh.contains_key(&key) || self.waiting.iter().any(|(waiting, _)| *waiting == key)
     }
 
-    /// The tree of a mesh as it is now, if there is one: none while a modified mesh is being built, or could not be.
+    /// The tree of the current mesh. `None` while a modified mesh is being built, or if it could not be.
     pub(crate) fn up_to_date(&self, key: TreeKey) -> Option<&Arc<MorphBvh>> {
         let entry = self.of_mesh.get(&key)?;
         entry.tree.as_ref().filter(|_| entry.is_up_to_date())
@@ -155,7 +159,7 @@ impl std::fmt::Debug for MorphTrees {
     }
 }
 
-/// Rebuilds the trees of modified meshes; drops those of removed ones.
+/// Rebuilds the trees of modified meshes, and drops those of removed ones.
 pub(crate) fn follow_asset_events(
     mut events: MessageReader<AssetEvent<Mesh>>,
     mut trees: ResMut<MorphTrees>,
@@ -197,7 +201,7 @@ pub(crate) fn follow_asset_events(
                 trees.of_mesh.retain(|key, _| key.mesh != id);
                 trees.version += (before - trees.of_mesh.len()) as u64;
                 trees.waiting.retain(|(key, _)| key.mesh != id);
-                // Whoever still shows it may get it back under the same name.
+                // Entities that still show it may get it back under the same name.
                 trees.stale = true;
             }
             AssetEvent::Added { .. } => trees.stale = true,
@@ -206,7 +210,7 @@ pub(crate) fn follow_asset_events(
     }
 }
 
-/// Meshes that were asked for are read, as soon as they are loaded, and their trees begun.
+/// Reads requested meshes as soon as they are loaded, and starts building their trees.
 pub(crate) fn start_trees(
     mut trees: ResMut<MorphTrees>,
     options: Res<DefaultMorphTreeSettings>,
@@ -232,7 +236,7 @@ pub(crate) fn start_trees(
         });
         let mut entry = MeshTree::new(asked_by);
         if let Some((tree, corners)) = sibling {
-            // Its answers are the same.
+            // Settings do not affect answers.
             (entry.tree, entry.corners, entry.is_lent) = (Some(tree.clone()), corners.clone(), true);
             *version += 1;
             let source = Source::Model(tree.model().clone(), corners.clone());
@@ -251,7 +255,7 @@ pub(crate) fn start_trees(
     }
 }
 
-/// Trees that are done replace the ones before.
+/// Replaces old trees by finished ones.
 pub(crate) fn finish_trees(
     mut trees: ResMut<MorphTrees>,
     options: Res<DefaultMorphTreeSettings>,

@@ -1,7 +1,8 @@
-//! When a background task may go on: at any time on a thread of its own, and for a few milliseconds in each frame on the thread of the frames.
+//! Decides when a background task may continue: at any time on a thread of its own, and for a few milliseconds per frame on the
+//! main thread.
 //!
-//! On the web, and natively without Bevy's feature `multi_threaded`, tasks run on the thread that draws. To yield to the executor is not enough
-//! there: it comes back before the next frame does. So a task waits for the frame.
+//! On the web, and natively without Bevy's feature `multi_threaded`, tasks run on the thread that draws. Yielding to the executor
+//! is not enough there, because it resumes the task before the next frame. So tasks wait for the next frame.
 
 use std::future::poll_fn;
 use std::ops::ControlFlow;
@@ -14,7 +15,7 @@ use bevy::platform::time::Instant;
 use bevy::tasks::futures_lite::future::yield_now;
 use morph_collision::{BuildOptions, MorphBvh, MorphBvhBuilder, MorphModel};
 
-/// How long all tasks together may hold up a frame. They stop after the step that exceeds it.
+/// How long all tasks together may delay a frame. They stop after the step that exceeds it.
 const PER_FRAME: Duration = Duration::from_millis(4);
 
 /// Shared by all tasks.
@@ -30,13 +31,13 @@ struct Shared {
 #[derive(Default)]
 struct State {
     frame: u64,
-    /// How long tasks have held up this frame.
+    /// How long tasks have delayed this frame.
     spent: Duration,
     waiting: Vec<Waker>,
 }
 
 impl Default for Turns {
-    /// For an app that is being set up on this thread.
+    /// For an app that is set up on this thread.
     fn default() -> Self {
         Self::with(PER_FRAME)
     }
@@ -55,7 +56,7 @@ impl Turns {
         self.0.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Wakes all tasks that wait for a frame.
+    /// Wakes up all tasks that wait for a frame.
     pub(super) fn begin_frame(&self) {
         let woken = {
             let mut state = self.state();
@@ -88,7 +89,7 @@ impl Turns {
         .await;
     }
 
-    /// Builds a tree, and yields after each step.
+    /// Builds a tree and yields after each step.
     pub(super) async fn build(&self, model: Arc<MorphModel>, options: &BuildOptions) -> MorphBvh {
         let mut builder = MorphBvhBuilder::new(model, options);
         loop {
@@ -112,7 +113,7 @@ mod tests {
 
     use super::*;
 
-    /// How often a task was woken.
+    /// Counts how often a task was woken up.
     #[derive(Default)]
     struct Woken(AtomicUsize);
 
@@ -122,7 +123,7 @@ mod tests {
         }
     }
 
-    /// A bumpy square of so many triangles a side, twice.
+    /// A bumpy square with this many triangles per side, twice.
     fn model(side: u32) -> Arc<MorphModel> {
         let vertex = |i: u32| Vec3::new((i % side) as f32, (i / side) as f32, (i as f32 * 0.7).sin());
         let positions: Vec<Vec3> = (0..side * side).map(vertex).collect();
@@ -147,7 +148,7 @@ mod tests {
             if let Poll::Ready(tree) = task.as_mut().poll(&mut context) {
                 break tree;
             }
-            // It does nothing more in this frame, and nobody is told to try.
+            // It does nothing more in this frame, and is not woken up to try.
             assert!(task.as_mut().poll(&mut context).is_pending());
             assert_eq!(woken.0.swap(0, Ordering::Relaxed), 0);
             turns.begin_frame();

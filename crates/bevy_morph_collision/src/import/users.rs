@@ -1,4 +1,4 @@
-//! Who uses which tree: colliders ask for trees and get them; trees that nobody uses are dropped.
+//! Who uses which tree: colliders request trees and receive them, and unused trees are dropped.
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
@@ -18,7 +18,7 @@ use crate::collider::{ColliderState, LockedPose, MorphCollider};
 use crate::diagnostics::{MorphCollisionDiagnostics, Preparation};
 use crate::shape::MorphShape;
 
-/// What decides which tree a collider has.
+/// The components that determine a collider's tree.
 pub(crate) type Shows = (
     Option<&'static Mesh3d>,
     Option<&'static MorphTreeSettings>,
@@ -26,7 +26,7 @@ pub(crate) type Shows = (
     Has<MorphShape>,
 );
 
-/// The tree that a collider has; none if it shows no mesh, or has a shape.
+/// The key of a collider's tree; `None` if it shows no mesh or has a shape.
 pub(crate) fn key_of(
     (mesh, settings, skin, has_shape): (Option<&Mesh3d>, Option<&MorphTreeSettings>, Option<&SkinnedMesh>, bool),
 ) -> Option<TreeKey> {
@@ -35,7 +35,7 @@ pub(crate) fn key_of(
         .map(|mesh| TreeKey::of(mesh, settings, skin))
 }
 
-/// Trees that a collider has not had yet are asked for.
+/// Requests the trees that colliders do not have yet.
 pub(crate) fn request_trees(
     colliders: Query<(Entity, Shows, &ColliderState), With<MorphCollider>>,
     mut enabled: RemovedComponents<Disabled>,
@@ -43,7 +43,7 @@ pub(crate) fn request_trees(
     mut preparation: ResMut<Preparation>,
 ) {
     let start = Instant::now();
-    // What was disabled did not see its tree go.
+    // Disabled entities did not notice when their trees were dropped.
     let anew = trees.stale || enabled.read().count() > 0;
     for (entity, shows, state) in &colliders {
         let key = key_of(shows);
@@ -67,7 +67,7 @@ type ShowsAnother = (
     Allow<Disabled>,
 );
 
-/// Drops unused trees of a mesh while another tree of that mesh is in use. It looks when a use may have ended, and when a tree is new.
+/// Drops unused trees of a mesh while another tree of that mesh is in use. Runs only when a use may have ended or a tree is new.
 pub(crate) fn drop_unused_trees(
     colliders: Query<Shows, (With<MorphCollider>, Allow<Disabled>)>,
     changed: Query<(), ShowsAnother>,
@@ -108,13 +108,14 @@ pub(crate) fn drop_unused_trees(
     *version += (before - of_mesh.len()) as u64;
 }
 
-/// Whether the bounds of deforming meshes are kept: then these use trees, too.
+/// Marks that the bounds of deforming meshes are updated, which uses trees too.
 #[derive(Resource)]
 pub(crate) struct Culls;
 
-/// Colliders whose mesh or tree is another one than before get a new pose, or none while there is no tree.
+/// Gives colliders whose mesh or tree changed a new pose, or none while there is no tree.
 ///
-/// Mesh and settings are compared by value: this may run less often than changes are remembered, and not while an entity is disabled.
+/// Compares mesh and settings by value, because this system may run less often than Bevy keeps change ticks, and does not see
+/// disabled entities.
 pub(crate) fn hand_out_trees(
     mut colliders: Query<(Entity, Shows, &mut ColliderState), With<MorphCollider>>,
     candidates: Res<Candidates>,
@@ -156,10 +157,11 @@ impl ColliderState {
         let before = before.as_mut().map(LockedPose::get_mut);
         let mut pose = tree.map(|tree| Pose::new(tree.clone()));
         if let (Some(pose), Some(before)) = (&mut pose, &before) {
-            // The last good weights stay in force if the ones to come are bad; another number of targets starts at rest.
+            // The last valid weights stay in use if the next ones are invalid. If the number of targets changed, the pose starts
+            // at rest.
             let _fits = pose.set_weights(before.weights());
         }
-        // Likewise joints.
+        // The same for joints.
         let joints = before
             .as_ref()
             .and_then(|pose| pose.joints())

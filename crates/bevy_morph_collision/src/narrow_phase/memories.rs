@@ -1,4 +1,4 @@
-//! Where pairs touched in the last run.
+//! Remembers where pairs touched in the last run.
 
 use std::collections::BTreeMap;
 
@@ -11,13 +11,13 @@ use crate::contacts::MorphContact;
 /// Memories, sorted by pair.
 pub(super) type Memories = Vec<(Pair, PairMemory)>;
 
-/// Replaces `memories` by those of the asked pairs that have one: known ones stay, the others are new. `asked` is sorted.
+/// Updates `memories` for the pairs in `asked`, which is sorted: known memories stay, others are created or dropped.
 ///
-/// A pair has a memory if one pair of triangles is wanted and its triangles intersected in the last run, of which `contacts` is
-/// the outcome.
+/// A pair has a memory if only one pair of triangles is wanted and its triangles intersected in the last run. `contacts` is the
+/// result of that run.
 ///
-/// PERF: a memory for every candidate costs 12 % of the instructions in a sparse crowd. One for those that touched costs at most
-/// 0.5 %, and saves 3 to 21 % where colliders touch.
+/// PERF: a memory for every candidate costs 12 % of the instructions in a sparse crowd. A memory only for pairs that touched
+/// costs at most 0.5 %, and saves 3 to 21 % where colliders touch.
 pub(super) fn keep_memories(
     asked: &[Asked],
     contacts: &BTreeMap<Pair, MorphContact>,

@@ -1,7 +1,7 @@
-//! Which triangles intersect, and where colliders touch.
+//! Finds intersecting triangles and contacts.
 //!
-//! The system asks about all pairs of meshes at once (`mod`), starting where they touched in the last run (`memories`), and makes
-//! contacts of what was found (`touch`).
+//! The system queries all pairs of meshes at once (`mod`), starting where they touched in the last run (`memories`), and turns
+//! the results into contacts (`touch`).
 
 mod memories;
 mod touch;
@@ -25,24 +25,24 @@ use crate::workers::TaskPoolWorkers;
 
 type Pair = (Entity, Entity);
 
-/// What the narrow phase keeps for its memory.
+/// Memory that the narrow phase reuses.
 #[derive(Default)]
 pub(crate) struct Scratch {
     touch: Touch,
     batch: BatchQuery,
-    /// The most triangle pairs that a contact lists.
+    /// The maximum number of triangle pairs in a contact.
     limit: usize,
-    /// Whether that is another number than in the last run.
+    /// Whether the limit has changed since the last run.
     compare_all: bool,
-    /// Pairs of meshes that are asked about.
+    /// The pairs of meshes to query.
     asked: Vec<Asked>,
-    /// Where pairs touched in the last run; `next_memories` is room for making the next ones.
+    /// Where pairs touched in the last run. `next_memories` is scratch memory for the next ones.
     memories: Memories,
     next_memories: Memories,
     answers: Vec<(Pair, Option<MorphContact>)>,
 }
 
-/// Two colliders, by their places among those that take part.
+/// Two colliders, by their index among those that take part.
 #[derive(Clone, Copy)]
 struct Asked {
     pair: Pair,
@@ -50,9 +50,9 @@ struct Asked {
     mode: MorphCollisionMode,
 }
 
-/// Asks for every candidate pair whether, and where, it touches: all pairs of meshes at once, on Bevy's threads.
+/// Finds out for every candidate pair whether and where it touches. Queries all pairs of meshes at once, on Bevy's threads.
 ///
-/// A pair of which neither collider changed has the answer it had.
+/// A pair keeps its answer if neither collider changed.
 pub(crate) fn find_contacts(
     mut candidates: ResMut<Candidates>,
     mut colliders: Query<(Entity, &mut ColliderState)>,
@@ -75,7 +75,7 @@ pub(crate) fn find_contacts(
         diagnostics.skipped_unchanged = unchanged;
         collisions.replace(&candidates.pairs, &mut scratch.answers);
         for (_, mut state) in &mut colliders {
-            // What took part is looked at from now on as it is; what did not will be new when it comes back.
+            // Colliders that took part are now up to date. Those that did not count as changed when they come back.
             state.changed = state.placed.is_none();
         }
     } else {
@@ -91,7 +91,7 @@ pub(crate) fn find_contacts(
 }
 
 impl MorphCollisions {
-    /// Takes over what was found, in whatever order, and drops what is no candidate any more.
+    /// Takes over the answers, in any order, and removes contacts of pairs that are no longer candidates.
     fn replace(&mut self, candidates: &[Pair], answers: &mut Vec<(Pair, Option<MorphContact>)>) {
         let Self { current, changes, .. } = self;
         for contact in current.extract_if(.., |pair, _| candidates.binary_search(pair).is_err()) {
@@ -115,7 +115,8 @@ impl MorphCollisions {
 }
 
 impl Scratch {
-    /// Asks about pairs with a collider that changed; returns how many pairs have none. `contacts` is the outcome of the last run.
+    /// Queries the pairs with a collider that changed. Returns how many pairs have none. `contacts` is the result of the last
+    /// run.
     fn ask(
         &mut self,
         candidates: &[Pair],
@@ -196,7 +197,7 @@ impl Scratch {
                 task
             })
             .collect();
-        // Shapes have a place, but are in no task.
+        // Shapes are in the list, but in no task.
         let mut bodies: Vec<Body<'_>> = Vec::new();
         let mut place_of = vec![usize::MAX; placed.len()];
         for (place, collider) in placed.iter_mut().enumerate() {
@@ -245,7 +246,7 @@ impl<'a> Placed<'a> {
         })
     }
 
-    /// The mesh, for one query.
+    /// The mesh as a body, for one query.
     fn body(&mut self) -> Option<Body<'_>> {
         match (&self.placement.form, &mut self.pose) {
             (Form::Mesh(world_from_model), Some(pose)) => Some(Body::new(pose, world_from_model)),

@@ -1,4 +1,4 @@
-//! What a contact tells of two colliders that touch.
+//! Builds contacts from colliders that touch.
 
 use bevy::prelude::*;
 use morph_collision::{
@@ -10,7 +10,7 @@ use crate::collider::MorphCollisionMode;
 use crate::contacts::{MorphContact, MorphContactPoint, pair_with_shape};
 use crate::diagnostics::MorphCollisionDiagnostics;
 
-/// The queries that look at what touches.
+/// The queries that build contacts.
 #[derive(Default)]
 pub(super) struct Touch {
     contact: ContactQuery,
@@ -25,13 +25,13 @@ pub(super) struct Listed {
     pub(super) is_truncated: bool,
 }
 
-/// Whether every pair of triangles is asked for, up to a limit.
+/// Whether a mode asks for every pair of triangles, up to a limit.
 pub(super) fn wants_all(mode: MorphCollisionMode) -> bool {
     matches!(mode, MorphCollisionMode::All | MorphCollisionMode::Contacts)
 }
 
 impl Touch {
-    /// The contact of two meshes of which these triangles intersect.
+    /// The contact of two meshes, of which these triangles intersect.
     pub(super) fn with_mesh(
         &mut self,
         placed: &mut [Placed<'_>],
@@ -109,7 +109,7 @@ impl Touch {
         let mut contact = MorphContact::of(asked, a, b);
         let mesh = if shape_first { b } else { a };
         let pair = |triangle| pair_with_shape(triangle, shape_first);
-        // Out of the shape towards the mesh is how the mesh leaves it.
+        // The direction out of the shape is the one in which the mesh separates.
         let turn = if shape_first { -1.0 } else { 1.0 };
         let closest = self.shape.closest(mesh.body()?, shape, margin).ok()?;
         diagnostics.stats += self.shape.stats();

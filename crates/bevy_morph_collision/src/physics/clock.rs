@@ -1,13 +1,13 @@
-//! Which moment of what is drawn a step of physics sees.
+//! Which moment of the drawn animation a physics step uses.
 
 use std::collections::VecDeque;
 
-/// How many frames are remembered.
+/// The number of remembered frames.
 const FRAMES: usize = 64;
-/// The share of a step by which the lag changes at most.
+/// The maximum change of the lag, as a fraction of a step.
 const MAX_DRIFT: f64 = 0.01;
 
-/// What a step sees: how what is drawn moves between two moments, in seconds.
+/// The part of the drawn animation that a step uses: the motion between two moments, in seconds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Span {
     pub(crate) begin: f64,
@@ -15,7 +15,7 @@ pub(crate) struct Span {
 }
 
 impl Span {
-    /// Whether this is where another one ended, but for rounding.
+    /// Whether this span starts where another one ended, up to rounding.
     pub(crate) fn follows(&self, end: f64) -> bool {
         (self.begin - end).abs() <= 1e-3 * (self.end - self.begin)
     }
@@ -23,8 +23,9 @@ impl Span {
 
 /// How far physics in a fixed schedule is behind what is drawn, in seconds.
 ///
-/// A step's time is up to a frame later than the last frame that was drawn, so steps look at what was drawn a little more than the longest usual frame
-/// before. The lag changes slowly, lest surfaces change their speed; a single long frame is waited for and caught up with at once.
+/// A step's time is up to one frame later than the last drawn frame. Steps therefore use what was drawn slightly more than the
+/// longest usual frame ago. The lag changes slowly, so that surfaces do not change their speed. After a single long frame,
+/// physics waits and catches up at once.
 #[derive(Default)]
 pub(crate) struct Lag {
     frames: VecDeque<f64>,
@@ -36,7 +37,7 @@ pub(crate) struct Lag {
 }
 
 impl Lag {
-    /// A frame is drawn at this time.
+    /// Records that a frame is drawn at this time.
     pub(crate) fn frame(&mut self, time: f64) {
         if let Some(last) = self.last_frame.replace(time) {
             if time < last {
@@ -53,24 +54,24 @@ impl Lag {
         }
     }
 
-    /// What a step sees that ends at `time` and is `dt` long; `None` before the first frame.
+    /// The span that a step of length `dt` uses which ends at `time`. `None` before the first frame.
     pub(crate) fn span(&mut self, time: f64, dt: f64) -> Option<Span> {
         let drawn = self.last_frame?;
         let wanted = self.wanted();
         let settles = self.known < FRAMES / 4 || (self.lag - wanted).abs() > 2.0 * dt;
         let drift = if settles { f64::INFINITY } else { MAX_DRIFT * dt };
         self.lag += (wanted - self.lag).clamp(-drift, drift);
-        // Nothing is known of what is still to be drawn.
+        // Frames that are still to be drawn are unknown.
         self.lag = self.lag.max(time - drawn);
         let end = time - self.lag;
-        // After a long frame what was not seen is left out, rather than seen at once.
+        // After a long frame, the unseen part is left out instead of squeezed into one step.
         let goes_on = |last: &f64| (0.0..=1.5 * dt).contains(&(end - last));
         let begin = self.last.filter(goes_on).unwrap_or(end - dt);
         self.last = Some(end);
         Some(Span { begin, end })
     }
 
-    /// A tenth more than the second longest frame of the last ones: the longest may have been an accident.
+    /// A tenth more than the second longest of the last frames. The longest may have been an exception.
     fn wanted(&self) -> f64 {
         let (mut longest, mut second) = (0.0_f64, 0.0_f64);
         for &frame in &self.frames {
@@ -88,7 +89,8 @@ impl Lag {
 mod tests {
     use super::*;
 
-    /// Runs frames of these lengths against steps of 1/64 s; returns by how much each step goes on in what is drawn, relative to its length.
+    /// Runs frames of these lengths against steps of 1/64 s. Returns how far each step advances in the drawn animation, relative
+    /// to its length.
     fn rates(frames: impl IntoIterator<Item = f64>) -> Vec<f64> {
         let dt = 1.0 / 64.0;
         let (mut lag, mut drawn, mut time, mut last) = (Lag::default(), 0.0, 0.0, None);

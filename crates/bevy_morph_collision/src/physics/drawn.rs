@@ -1,4 +1,4 @@
-//! What a surface is drawn with: now, and at the last few frames.
+//! What a surface is drawn with: now, and in the last few frames.
 
 use bevy::math::{Affine3A, Vec3};
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
@@ -12,28 +12,28 @@ use super::timeline::{DrawnJoints, Timeline};
 use crate::skeletons::{BindPoses, Skeletons};
 use crate::weights::drawn_weights;
 
-/// The components that say what a surface is drawn with.
+/// The components that determine what a surface is drawn with.
 pub(crate) type Shows = (
     &'static GlobalTransform,
     Option<&'static MeshMorphWeights>,
     Option<&'static SkinnedMesh>,
 );
 
-/// Where a surface's entity and its joints are.
+/// The current transform of a surface's entity, and its joints.
 pub(crate) struct Live {
     pub(crate) place: Affine3A,
-    /// None of a mesh without joints, or whose joints are bad: the collider reports that, and the last good ones stay in force.
+    /// `None` for a mesh without joints, or with invalid joints: the collider reports those, and the last valid ones stay in use.
     pub(crate) joints: Option<DrawnJoints>,
 }
 
-/// What a surface was drawn with at the last few frames.
+/// What a surface was drawn with in the last few frames.
 pub(crate) struct Drawn {
     pub(crate) weights: Timeline<Vec<f32>>,
     pub(crate) joints: Timeline<DrawnJoints>,
     pub(crate) place: Timeline<Affine3A>,
     /// Whether no body carries it.
     pub(crate) stands_alone: bool,
-    /// The middle of the mesh as it was bound.
+    /// The middle of the mesh in its bind pose.
     middle: Vec3,
 }
 
@@ -52,7 +52,7 @@ impl Drawn {
         *self = Self::new(self.middle);
     }
 
-    /// Where an entity and its joints are.
+    /// Reads the current transform of an entity and its joints.
     pub(crate) fn live(
         &self,
         place: &GlobalTransform,
@@ -75,7 +75,7 @@ impl Drawn {
         }
     }
 
-    /// Remembers what a frame is drawn with. Weights that cannot be used are not.
+    /// Records what a frame is drawn with. Weights that cannot be used are skipped.
     pub(crate) fn record(
         &mut self,
         time: f64,
@@ -98,14 +98,14 @@ impl Drawn {
         }
     }
 
-    /// Nothing but frames changes it.
+    /// Declares that only frames change it, not steps.
     pub(crate) fn follow_frames(&mut self) {
         self.weights.follow_frames();
         self.joints.follow_frames();
         self.place.follow_frames();
     }
 
-    /// What a step finds.
+    /// Updates it with what a step finds.
     pub(crate) fn at_step(&mut self, live: &Live) {
         self.place.step(&live.place);
         if let Some(joints) = &live.joints {
@@ -117,7 +117,7 @@ impl Drawn {
         self.weights.step(&weights.to_vec());
     }
 
-    /// What is drawn at some time, where frames change it.
+    /// What is drawn at some time, for values that frames change.
     pub(crate) fn at(&self, time: f64, live: Live) -> Live {
         Live {
             place: self.place.at(time).unwrap_or(live.place),
@@ -132,7 +132,7 @@ impl Drawn {
             || self.stands_alone && self.place.follows_frames()
     }
 
-    /// The times of the frames around a step, and of one before them.
+    /// The times of the frames around a step, and of one frame before them.
     pub(crate) fn frames_around(&self, span: Span) -> Vec<f64> {
         let mut times: Vec<f64> = Vec::new();
         if self.weights.follows_frames() {

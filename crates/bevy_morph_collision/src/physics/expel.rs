@@ -1,7 +1,8 @@
-//! What has got inside a solid surface, and where it is to leave.
+//! Finds what is inside a solid surface, and where it should leave.
 //!
-//! Contacts push out what reaches into a surface by less than half of itself. They leave alone what is in deeper: its middle is
-//! behind every triangle. It is driven out by its velocity instead, as fast as the engine pushes bodies apart.
+//! Contacts push out bodies that reach into a surface by less than half their size. They ignore deeper bodies, because the middle
+//! of such a body is behind every triangle. Those are driven out by their velocity instead, at the speed at which the engine
+//! separates bodies.
 
 use std::hash::Hash;
 
@@ -17,16 +18,17 @@ use super::part::Pace;
 use super::placed::into_query;
 use super::point::SurfacePoint;
 
-/// How deep a point on the outside of something may be inside, relative to half the smallest extent of that, while it counts as lying on the surface.
+/// How deep a point on the outside of a shape may be inside, relative to half the shape's smallest extent, while it still counts
+/// as on the surface.
 const SLACK: f64 = 0.5;
 
-/// How fast something leaves, as a share of how fast it may be driven while it is deep inside.
+/// The speed at which something leaves, as a fraction of the maximum speed deep inside.
 const AT_THE_DOOR: f64 = 0.3;
 
-/// Who is inside a solid surface. `C` is what a physics engine knows colliders by.
+/// The colliders inside a solid surface. `C` identifies a collider in the physics engine.
 pub(crate) struct Expelling<C> {
     known: HashMap<C, Known>,
-    /// How the mesh is placed in the space that all of this is in, if that is its collider's and not the world.
+    /// The transform from mesh to collider, if all values are in the collider's space and not in world space.
     in_collider: Option<WorldFromModel>,
     step: u32,
     shapes: ShapeQuery,
@@ -35,18 +37,18 @@ pub(crate) struct Expelling<C> {
 
 /// A collider near a surface.
 pub(crate) struct Guest {
-    /// The middle of it, or at least a point of it, at the begin of the step.
+    /// Its middle, or at least one of its points, at the start of the step.
     pub(crate) center: DVec3,
-    /// How deep that may be inside before it counts.
+    /// How deep the point may be inside before it counts.
     pub(crate) slack: f64,
     /// Half its smallest extent.
     pub(crate) size: f64,
-    /// How far it can be from there in this step, all of it.
+    /// The maximum distance of any part of it from the point during this step.
     pub(crate) reach: f64,
 }
 
 impl Guest {
-    /// A shape at a place; nothing if it has no points.
+    /// Creates a guest from a shape and its place. `None` if the shape has no points.
     pub(crate) fn of(shape: &dyn Shape, place: &Place, reach: f32) -> Option<Self> {
         let probe = Probe::of(shape)?;
         let size = 0.5 * f64::from(shape.compute_local_aabb().extents().min_element());
@@ -59,30 +61,30 @@ impl Guest {
     }
 }
 
-/// What is known of a collider near a surface.
+/// What is remembered about a collider near a surface.
 #[derive(Default)]
 struct Known {
     /// The last step in which it was near, and where it was.
     step: u32,
     center: DVec3,
     reach: f64,
-    /// Where it was when it was compared with the surface, and how far that had travelled.
+    /// Where it was when it was last compared with the surface, and how far the surface had travelled by then.
     looked_at: DVec3,
     travelled: f64,
-    /// The distance between them then; 0 inside.
+    /// The distance between the two at that time; 0 inside.
     room: f64,
-    /// What was closest to it when it was outside: there it leaves.
+    /// The closest point of the surface when the collider was outside. It leaves there.
     door: Option<SurfacePoint>,
-    /// How fast it was driven in the last step.
+    /// The speed at which it was driven in the last step.
     driven: f64,
 }
 
-/// How something that is inside leaves.
+/// How a collider that is inside leaves.
 pub(crate) struct Exit {
     /// Where on the surface.
     point: SurfacePoint,
     pub(crate) direction: DVec3,
-    /// How fast it is to move there, as the surface sees it, and was in the last step; 0 if it was outside.
+    /// Its target speed in that direction, relative to the surface, and that of the last step; 0 if it was outside.
     speed: f64,
     driven: f64,
 }
@@ -90,7 +92,7 @@ pub(crate) struct Exit {
 /// How bodies are driven out.
 #[derive(Clone, Copy)]
 pub(crate) struct Drive {
-    /// How fast at most.
+    /// The maximum speed.
     pub(crate) limit: f32,
     /// The length of the step.
     pub(crate) dt: f32,
@@ -109,14 +111,15 @@ impl<C> Default for Expelling<C> {
 }
 
 impl<C: Copy + Eq + Hash> Expelling<C> {
-    /// Begins a step. All will be in world space, or in that of the surface's collider, if the place of the mesh in there is given.
+    /// Begins a step. All values are in world space, or in the space of the surface's collider if the transform from mesh to
+    /// collider is given.
     pub(crate) fn begin(&mut self, in_collider: Option<&WorldFromModel>) {
         self.step += 1;
         if self.in_collider.as_ref() == in_collider {
             return;
         }
         if self.in_collider.is_some() == in_collider.is_some() {
-            // Another scale: everything may be nearer than it was.
+            // The scale changed, so everything may be nearer than before.
             self.known.values_mut().for_each(|known| known.room = 0.0);
         } else {
             self.known.clear();
@@ -124,28 +127,29 @@ impl<C: Copy + Eq + Hash> Expelling<C> {
         self.in_collider = in_collider.copied();
     }
 
-    /// Remembers a collider that rests, as does the surface.
+    /// Keeps a collider that is at rest, as is the surface.
     pub(crate) fn keep(&mut self, collider: C) {
         if let Some(known) = self.known.get_mut(&collider) {
             known.step = self.step;
         }
     }
 
-    /// Ends it: lets go of colliders that went away.
+    /// Ends the step: forgets colliders that went away.
     pub(crate) fn forget(&mut self) {
         let step = self.step;
         self.known.retain(|_, known| known.step == step);
     }
 
-    /// Lets go of everything.
+    /// Forgets everything.
     pub(crate) fn stop(&mut self) {
         self.known.clear();
     }
 
     /// Where a collider leaves, if its middle is inside.
     ///
-    /// All is in the space that `place` leads to, where the surface has `travelled` so far. `outward` says whether normals point outward, 1 or -1.
-    /// Costs next to nothing for what is farther away from the surface than both have moved since it was last looked at.
+    /// All values are in the space to which `place` maps, in which the surface has `travelled` so far. `outward` says whether
+    /// normals point outward (1) or inward (-1). Costs almost nothing if the collider is farther from the surface than both have
+    /// moved since they were last compared.
     pub(crate) fn exit(
         &mut self,
         collider: C,
@@ -163,7 +167,7 @@ impl<C: Copy + Eq + Hash> Expelling<C> {
             reach,
         } = guest;
         if known.center.distance(center) > known.reach {
-            // It has not come here from there: somebody has put it here.
+            // It cannot have moved here from there, so somebody placed it here.
             known.door = None;
         }
         (known.step, known.center, known.reach) = (self.step, center, reach);
@@ -186,7 +190,7 @@ impl<C: Copy + Eq + Hash> Expelling<C> {
             return None;
         };
         let closest = closest?;
-        // By the way that it came, if that is not much longer: what is pushed into a wall does not leave on the other side.
+        // It leaves the way it came, unless that way is much longer: what is pushed into a wall must not leave on the other side.
         let mut door = known.door.and_then(|door| Some((door, door.place(pose, place)?)));
         if door.is_none_or(|(_, (at, _))| at.distance(center) > 4.0 * nearest + reach) {
             let nearest = SurfacePoint::from(closest);
@@ -210,17 +214,17 @@ impl<C: Copy + Eq + Hash> Expelling<C> {
 }
 
 impl Exit {
-    /// By how much the speed at which something leaves, as the surface sees it, has to change.
+    /// How much the speed in the exit direction, relative to the surface, has to change.
     pub(crate) fn change(&self, speed: f64) -> f64 {
         if speed < self.speed {
             self.speed - speed
         } else {
-            // It slows down, by no more than it was driven faster before.
+            // It slows down, but at most by as much as it was driven before.
             -(speed.min(self.driven) - self.speed).max(0.0)
         }
     }
 
-    /// By how much a velocity has to change for it to leave a surface that pushes with parts.
+    /// How much a velocity has to change for the body to leave a surface that pushes with parts.
     pub(crate) fn change_of(&self, velocity: Vec3, following: &mut Following, pace: &Pace) -> Vec3 {
         let surface = following
             .velocity_at(self.point, pace.max_acceleration)
@@ -231,10 +235,10 @@ impl Exit {
 }
 
 impl Drive {
-    /// How fast something moves whose middle is so deep inside.
+    /// The speed of something whose middle is this deep inside.
     ///
-    /// More slowly where that may be outside after the step: from there on contacts push it, which take no velocity away. In the step they may move it as far as
-    /// it is driven.
+    /// It is slower if the middle may be outside after the step: from then on contacts push, and they do not reduce the velocity.
+    /// In that step they may move it as far as it is driven.
     fn speed(&self, depth: f64, size: f64) -> f64 {
         let step = 2.0 * f64::from(self.limit * self.dt);
         let share = ((depth - step) / size).clamp(AT_THE_DOOR, 1.0);

@@ -1,4 +1,4 @@
-//! Where a surface is and was: the end of the step to come, of the last one, and of the one before.
+//! Where a surface is and was: at the end of the coming step, of the last one, and of the one before.
 
 use std::sync::Arc;
 
@@ -36,7 +36,7 @@ pub(crate) struct Moment {
 }
 
 impl Moment {
-    /// Goes to what was drawn at some time, where frames change that.
+    /// Sets the moment to what was drawn at some time, for values that frames change.
     fn see(&mut self, drawn: &Drawn, time: f64) {
         if let Some(weights) = drawn.weights.at(time) {
             let _fits = self.pose.set_weights(&weights);
@@ -52,7 +52,7 @@ impl Moment {
         }
     }
 
-    /// Vertices in world space.
+    /// The positions of vertices in world space.
     pub(crate) fn vertices(&mut self, vertices: &[u32], into: &mut Vec<DVec3>) {
         posed_vertices(&mut self.pose, &self.world_from_model, vertices, into);
     }
@@ -64,31 +64,32 @@ fn posed_vertices(pose: &mut Pose, place: &WorldFromModel, vertices: &[u32], int
     into.extend(vertices.map(|vertex| place.transform_point(vertex)));
 }
 
-/// A surface's last moments. What is now is in the [`MorphSurface`] that Rapier has.
+/// The last moments of a surface. Its current state is in the [`MorphSurface`] that Rapier has.
 pub(crate) struct Following {
     pub(crate) surface: MorphSurface,
-    /// Where it is at the end of the step to come.
+    /// Its place at the end of the coming step.
     pub(crate) world_from_model: WorldFromModel,
-    /// Where it was one step earlier, if it moves; otherwise anything.
+    /// Its state one step earlier. Valid only if it moves.
     pub(crate) before: Moment,
-    /// Where it was two steps earlier, if it moved then, too; otherwise anything.
+    /// Its state two steps earlier. Valid only if it also moved then.
     pub(crate) past: Moment,
-    /// Whether it moves during the step to come.
+    /// Whether it moves during the coming step.
     pub(crate) moves: bool,
-    /// Whether it is another shape than before, as its collider sees it.
+    /// Whether its shape has changed, in its collider's space.
     pub(crate) reshaped: bool,
-    /// The length of the last step if it moved during it.
+    /// The length of the last step if it moved during that step.
     pub(crate) moved_for: Option<f32>,
-    /// How far any vertex may be, at the end of the step to come, from where it was at its begin; in world units.
+    /// The maximum distance that any vertex moves during the coming step, in world units.
     pub(crate) displacement: f64,
-    /// All of these so far.
+    /// The sum of all displacements so far.
     pub(crate) travelled: f64,
     last_step: f32,
-    /// Whether a dynamic body carries it. Then its place is that of the body at the begin of the step, at all moments: only its shape moves it.
+    /// Whether a dynamic body carries it. All moments then use the place of the body at the start of the step, so only changes of
+    /// shape move it.
     carried: bool,
     /// What it is drawn with.
     pub(crate) drawn: Drawn,
-    /// What the step to come sees of that, if it looks between frames.
+    /// The span of drawn frames that the coming step uses, if it looks between frames.
     span: Option<Span>,
     /// Whether it is skinned and has had no joints yet.
     lacks_joints: bool,
@@ -97,11 +98,11 @@ pub(crate) struct Following {
 }
 
 impl Following {
-    /// At rest for now; where it is, the first step will tell.
+    /// Starts at rest. The first step determines where it is.
     pub(crate) fn new(entity: Entity, bvh: &Arc<MorphBvh>, weights: &[f32], layout: &Arc<MeshLayout>) -> Self {
         let moment = || {
             let mut pose = Pose::new(bvh.clone());
-            // They are those of a pose of the same tree.
+            // They come from a pose of the same tree.
             let _fits = pose.set_weights(weights);
             pose
         };
@@ -129,7 +130,7 @@ impl Following {
         }
     }
 
-    /// The length of the step to come, or of the last one; 0 before the first.
+    /// The length of the coming step, or of the last one; 0 before the first.
     pub(crate) fn last_step(&self) -> f32 {
         self.last_step
     }
@@ -139,24 +140,25 @@ impl Following {
         self.before.pose.joints().is_some()
     }
 
-    /// Whether it is nowhere, because its joints are.
+    /// Whether it has no place yet, because its joints have none.
     pub(crate) fn lacks_joints(&self) -> bool {
         self.lacks_joints
     }
 
-    /// Makes the next step the first: whatever changes until then is not a motion. What is known of its surroundings has to be forgotten with it.
+    /// Makes the next step the first one: changes until then do not count as motion. The caller must also forget everything about
+    /// its surroundings.
     pub(crate) fn restart(&mut self) {
         self.last_step = 0.0;
-        // After one frame somewhere near infinity, nothing could be added to it.
+        // Otherwise, a frame near infinity would make `travelled` infinite, or too large to add to.
         self.travelled = 0.0;
         self.moves = false;
         self.drawn.forget();
     }
 
-    /// Goes on to the end of a step of `dt` seconds. Returns what is wrong with weights that cannot be used, once; the last good ones
-    /// stay in force.
+    /// Advances to the end of a step of `dt` seconds. If weights cannot be used, returns what is wrong, once; the last valid ones
+    /// stay in use.
     ///
-    /// With a `span`, what frames change is seen as it is drawn at its end, and as it was at its begin.
+    /// With a `span`, values that frames change are as drawn at its end, and before the step as drawn at its start.
     pub(crate) fn advance(
         &mut self,
         weights: Option<&MeshMorphWeights>,
@@ -172,7 +174,7 @@ impl Following {
             mirrored,
             carried,
         } = ahead;
-        // A body that has just become dynamic, or has just ceased to be, has not moved the surface.
+        // If a body has just become dynamic, or stopped being dynamic, that has not moved the surface.
         let same_carrier = std::mem::replace(&mut self.carried, carried) == carried;
         let last_end = std::mem::replace(&mut self.span, span).map(|span| span.end);
         let first = self.last_step == 0.0 || (self.lacks_joints && joints.is_some());
@@ -183,7 +185,7 @@ impl Following {
         self.reshaped = first;
         self.displacement = 0.0;
         let mut posed = self.surface.lock();
-        // The oldest pose is used again for the newest.
+        // Reuse the oldest pose for the newest.
         let taken = take_weights(&mut self.past.pose, weights, shared, &mut self.rest);
         match (&taken, span) {
             (Ok(_), Some(_)) => self.drawn.weights_at_step(self.past.pose.weights()),
@@ -192,10 +194,10 @@ impl Following {
                 let _fits = self.past.pose.set_weights(posed.pose.weights());
             }
         }
-        // A wrong number of weights is the collider's to report, once it is clear that it will stay.
+        // The collider reports a wrong number of weights once it is clear that it will stay.
         let complaint = taken.err().filter(|problem| !problem.is_count());
         let complaint = complaint.map(|problem| problem.to_string());
-        // Likewise joints, which the collider reports if they are bad.
+        // The collider also reports invalid joints.
         let joints = joints.filter(|joints| self.past.pose.set_joints(joints).is_ok());
         let mirrored = if joints.is_none() && self.past.pose.joints().is_some() {
             posed.mirrored
@@ -210,13 +212,13 @@ impl Following {
         }
         let mut same_shape = self.past.pose.weights() == posed.pose.weights();
         if same_shape && self.past.pose.joints() != posed.pose.joints() {
-            // Rounding left by removing the collider's place is not a change.
+            // Rounding errors from removing the collider's place are not a change.
             let size = coordinates(&mut posed.pose, &world_from_model);
             same_shape =
                 !first && size.is_finite() && self.past.pose.displacement_from_pose(&mut posed.pose) <= 1e-6 * size;
         }
         if first && self.past.pose.joints().is_some() {
-            // It has been seen in the pose that it was bound in.
+            // Until now it was in its bind pose.
             posed.forget_mass();
         }
         if carried {
@@ -227,7 +229,7 @@ impl Following {
             self.moves = !first && same_carrier;
             self.reshaped |= !same_shape;
             std::mem::swap(&mut self.past, &mut self.before);
-            // `before` is the new moment now, and the last one changes places with it.
+            // `before` now holds the new pose. Swap it with the pose of the surface, which becomes the previous one.
             std::mem::swap(&mut self.before.pose, &mut posed.pose);
             self.before.world_from_model = self.world_from_model;
             self.world_from_model = world_from_model;
@@ -236,7 +238,7 @@ impl Following {
                 if let Some(span) = span.filter(|_| self.drawn.follows_frames()) {
                     self.moved_for = None;
                     if last_end.is_none_or(|end| !span.follows(end)) {
-                        // What it went through since the last step is no motion.
+                        // Changes since the last step, before this span, are not motion.
                         self.before.see(&self.drawn, span.begin);
                         let seen = displacement(&mut self.before, &posed.pose, &world_from_model);
                         self.displacement = self.displacement.max(seen);
@@ -257,13 +259,14 @@ impl Following {
         self.complaint.clone().map_or(Ok(()), Err)
     }
 
-    /// Whether vertices go on, in the frames that a step looks between, as they went in the frame before each.
+    /// Whether vertices move continuously, through the frames that a step covers, from the frame before.
     ///
-    /// A frame that brings a greater change of velocity than `max_acceleration` is no motion but a jump, however many steps it is seen in.
+    /// A frame that changes a velocity by more than `max_acceleration` allows is a jump and not motion, however many steps it
+    /// covers.
     pub(crate) fn goes_on(&mut self, vertices: &[u32], max_acceleration: f32) -> bool {
         let Some(span) = self.span else { return true };
         let (mut earlier, mut before): (Option<Vec<DVec3>>, Option<(f64, Vec<DVec3>)>) = (None, None);
-        // Where a body carries it, only what it is drawn with counts.
+        // If a body carries it, only what it is drawn with counts.
         self.past.world_from_model = self.world_from_model;
         let posed = self.surface.lock();
         let _fits = self.past.pose.set_weights(posed.pose.weights());
@@ -290,12 +293,12 @@ impl Following {
         true
     }
 
-    /// Whether the step to come sees something between frames.
+    /// Whether the coming step uses values between frames.
     pub(crate) fn looks_between_frames(&self) -> bool {
         self.span.is_some() && self.drawn.follows_frames()
     }
 
-    /// The surface at the begin of the step to come, and its place: that of the world, or for a skinned mesh that of its collider.
+    /// The surface at the start of the coming step, and its place: in world space, or for a skinned mesh that of its collider.
     pub(crate) fn at_begin<T>(&mut self, ask: impl FnOnce(&mut Pose, &WorldFromModel) -> T) -> T {
         if self.moves {
             let Moment { pose, world_from_model } = &mut self.before;
@@ -305,12 +308,12 @@ impl Following {
         }
     }
 
-    /// How far any vertex has travelled at most until the begin of the step to come.
+    /// The maximum distance that any vertex has travelled before the coming step.
     pub(crate) fn travelled_before(&self) -> f64 {
         self.travelled - if self.moves { self.displacement } else { 0.0 }
     }
 
-    /// A box around the surface during the step to come.
+    /// A box around the surface during the coming step.
     pub(crate) fn bounds(&mut self) -> Aabb {
         let now = world_bounds(&mut self.surface.lock().pose, &self.world_from_model);
         if !self.moves {
@@ -320,7 +323,7 @@ impl Following {
         now.union(&world_bounds(pose, world_from_model))
     }
 
-    /// Appends the triangles that meet a box in world space at the end of the step to come.
+    /// Appends the triangles that intersect a world-space box at the end of the coming step.
     pub(crate) fn triangles_in(&mut self, bounds: &ParryAabb, query: &mut ShapeQuery, into: &mut Vec<u32>) {
         let mut posed = self.surface.lock();
         if let Ok(region) = region(bounds, &posed.pose, &self.world_from_model) {
@@ -329,19 +332,19 @@ impl Following {
         }
     }
 
-    /// Vertices in world space at the end of the step to come.
+    /// The positions of vertices in world space at the end of the coming step.
     pub(crate) fn vertices(&mut self, vertices: &[u32], into: &mut Vec<DVec3>) {
         posed_vertices(&mut self.surface.lock().pose, &self.world_from_model, vertices, into);
     }
 }
 
-/// How far any vertex may be from where it was, in world units.
+/// The maximum distance of any vertex from its earlier position, in world units.
 fn displacement(before: &mut Moment, pose: &Pose, world_from_model: &WorldFromModel) -> f64 {
     let reshaped = stretch(world_from_model) * pose.displacement_from_pose(&mut before.pose);
     if before.world_from_model == *world_from_model {
         return reshaped;
     }
-    // In a box, what an affine map moves farthest is a corner.
+    // In a box, a corner moves farthest under an affine map.
     let bounds = before.pose.broad_phase_bounds(&WorldFromModel::IDENTITY);
     let ways = corners(&bounds).map(|corner| {
         let from = before.world_from_model.transform_point(corner);
@@ -350,14 +353,14 @@ fn displacement(before: &mut Moment, pose: &Pose, world_from_model: &WorldFromMo
     reshaped + ways.into_iter().fold(0.0, f64::max)
 }
 
-/// How many times longer a way may become.
+/// The maximum factor by which a transform lengthens a distance.
 fn stretch(place: &WorldFromModel) -> f64 {
     let zero = place.transform_point(Vec3::ZERO);
     let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| place.transform_point(axis) - zero);
     axes.iter().map(|axis| axis.length_squared()).sum::<f64>().sqrt()
 }
 
-/// The largest coordinate that takes part in where a skinned mesh is.
+/// The largest coordinate involved in placing a skinned mesh.
 fn coordinates(pose: &mut Pose, place: &WorldFromModel) -> f64 {
     let bounds = pose.broad_phase_bounds(&WorldFromModel::IDENTITY);
     let own = bounds.min.abs().max(bounds.max.abs()).max_element();
@@ -377,26 +380,26 @@ pub(crate) fn rigid_place(entity: &GlobalTransform) -> Place {
 
 /// Whether a place is finite and rotates without scaling.
 pub(crate) fn is_rigid(place: &Place) -> bool {
-    // Of a rotation that is not finite, this is false, too.
+    // Also false for a rotation that is not finite.
     place.translation.is_finite() && (place.rotation.length_squared() - 1.0).abs() < 1e-3
 }
 
 /// Where a mesh will be at the end of a step.
 pub(crate) struct Ahead {
-    /// From the space of its pose, which for a skinned mesh is the collider's.
+    /// From the space of its pose, which is the collider's space for a skinned mesh.
     pub(crate) world_from_model: WorldFromModel,
     pub(crate) collider_from_model: WorldFromModel,
-    /// As the collider sees them.
+    /// In the collider's space.
     pub(crate) joints: Option<JointMatrices>,
-    /// Whether its place, or its joints, mirror it.
+    /// Whether its transform or its joints mirror it.
     pub(crate) mirrored: bool,
-    /// Whether a dynamic body carries it, whose place this is at the begin of the step.
+    /// Whether a dynamic body carries it. `world_from_model` is then its place at the start of the step.
     pub(crate) carried: bool,
 }
 
 #[cfg(feature = "rapier")]
 impl Ahead {
-    /// `live` is what the surface is to be drawn with.
+    /// `live` is what the surface will be drawn with.
     pub(crate) fn of(
         collider: &RapierCollider,
         bodies: &RigidBodySet,
@@ -405,7 +408,8 @@ impl Ahead {
         dt: f32,
     ) -> Result<Self, InputError> {
         let entity = &GlobalTransform::from(live.place);
-        // Rapier's collider has the entity's place and rotation; what is left is scale and shear, which joints do without.
+        // Rapier's collider has the entity's position and rotation. What remains is scale and shear, which does not apply to
+        // joints.
         let place = rigid_place(entity);
         let rigid = Affine3A::from_rotation_translation(place.rotation, place.translation);
         let affine = if is_skinned { rigid } else { entity.affine() };
@@ -432,13 +436,13 @@ impl Ahead {
         let in_body = collider.position_wrt_parent().copied();
         let body = collider.parent().and_then(|body| bodies.get(body)).zip(in_body);
         let Some((body, in_body)) = body else {
-            // As the entity stands, to the last bit: that is where it is drawn.
+            // Exactly the entity's transform, because that is where it is drawn.
             return ahead(WorldFromModel::new(affine)?, false);
         };
         let place: Place = match body.body_type() {
             RigidBodyType::KinematicPositionBased => *body.next_position(),
             RigidBodyType::KinematicVelocityBased => body.predict_position_using_velocity(dt),
-            // Where Rapier moves a dynamic one is not known yet.
+            // Where Rapier moves a dynamic body is not known yet.
             _ => *body.position(),
         } * in_body;
         let world_from_collider = Affine3A::from_rotation_translation(place.rotation, place.translation);

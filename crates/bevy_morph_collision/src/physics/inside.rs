@@ -1,4 +1,4 @@
-//! The inside of closed surfaces: which side of their triangles is out, and what is in there.
+//! The inside of closed surfaces: which side of their triangles is outside, and what is inside.
 
 use bevy::math::Affine3A;
 use morph_collision::Body;
@@ -15,18 +15,19 @@ impl Posed {
         self.layout.closed
     }
 
-    /// Whether what is inside counts as touching.
+    /// Whether the inside counts as touching.
     pub(crate) fn is_solid(&self) -> bool {
         self.solid
     }
 
-    /// Whether normals, as triangles are wound, point outward (1) or inward (-1), if contacts push one way.
+    /// Whether normals, by the triangles' winding, point outward (1) or inward (-1). `None` if contacts push both ways.
     pub(crate) fn outward(&self) -> Option<Real> {
         self.outward
     }
 
-    /// Says whether the inside of the surface is solid, or whether at least contacts push outward alone; returns whether that is new. A mesh
-    /// that is not closed has no inside. `reshaped` says whether the pose may be another than at the last call.
+    /// Sets whether the inside of the surface is solid and whether at least contacts push outward only. Returns whether either
+    /// has changed. A mesh that is not closed has no inside. `reshaped` says whether the pose may have changed since the last
+    /// call.
     pub(crate) fn set_sides(&mut self, solid: bool, outward_alone: bool, reshaped: bool) -> bool {
         let closed = self.is_closed();
         self.is_flat &= !reshaped;
@@ -42,15 +43,15 @@ impl Posed {
         if self.winding.is_none() && !self.is_flat {
             let volume = self.posed_volume();
             let is_mirrored = self.mirrored && self.pose.joints().is_some();
-            // What encloses nothing in this pose may do so in another.
+            // A mesh that encloses no volume in this pose may do so in another.
             self.winding = volume.map(|volume| if (volume < 0.0) == is_mirrored { 1.0 } else { -1.0 });
             self.is_flat = self.winding.is_none();
         }
         self.winding.map_or(1.0, |winding| winding * mirror)
     }
 
-    /// Six times the volume that the pose encloses, negative if normals point inward; none if it is no more than rounding. Joints mirror it; the place
-    /// does not.
+    /// Six times the volume that the pose encloses, negative if normals point inward. `None` if it does not exceed rounding
+    /// errors. Joints can mirror this volume, the transform does not.
     fn posed_volume(&mut self) -> Option<f64> {
         let origin = self.pose.vertex(0).unwrap_or_default().as_dvec3();
         let triangles = 0..self.pose.bvh().model().triangle_count() as u32;
@@ -61,11 +62,11 @@ impl Posed {
                 a.dot(b.cross(c))
             });
         let (volume, parts) = volumes.fold((0.0, 0.0), |(sum, parts), volume| (sum + volume, parts + volume.abs()));
-        // False of what is not finite.
+        // Also false for values that are not finite.
         (volume.abs() > ROUNDING * parts).then_some(volume)
     }
 
-    /// Whether a point in the collider's space is inside what is solid.
+    /// Whether a point in the collider's space is inside a solid surface.
     pub(crate) fn encloses(&mut self, point: Vector) -> bool {
         if !self.solid || !self.bounds().contains_local_point(point) {
             return false;
@@ -75,10 +76,10 @@ impl Posed {
     }
 }
 
-/// How much of a volume may be rounding of vertices, relative to the volumes between a vertex and each triangle.
+/// The part of a volume that may be rounding of vertices, relative to the volumes between a vertex and each triangle.
 const ROUNDING: f64 = 1e-6;
 
-/// What the log says of an entity's surface that is to be solid, and cannot.
+/// The log message for an entity whose surface should be solid but cannot be.
 pub(crate) fn not_closed(name: &str) -> String {
     format!(
         "the surface of entity `{name}` is not solid, because its mesh is not closed: along some edge there are not as many triangles that run one \
@@ -86,25 +87,25 @@ pub(crate) fn not_closed(name: &str) -> String {
     )
 }
 
-/// Whether one of two shapes is a solid surface around the other, if their boundaries do not cross.
+/// Whether one of two shapes is a solid surface that encloses the other, assuming that their boundaries do not cross.
 #[cfg(feature = "rapier")]
 pub(crate) fn one_is_in_the_other(pos12: &Place, g1: &dyn Shape, g2: &dyn Shape) -> bool {
     let is_in = |surface: &dyn Shape, place: &Place, other: &dyn Shape| {
         let Some(surface) = surface.as_shape::<MorphSurface>().filter(|it| it.lock().is_solid()) else {
             return false;
         };
-        // Before the surface is locked again: the other one may be the same.
+        // Before the surface is locked again, because the other shape may be the same surface.
         let point = Probe::of(other).map(|probe| place.transform_point(probe.point));
         point.is_some_and(|point| surface.lock().encloses(point))
     };
     is_in(g1, pos12, g2) || is_in(g2, &pos12.inverse(), g1)
 }
 
-/// A point of a shape, by which it is told whether the shape is inside something.
+/// A point of a shape that is tested to decide whether the shape is inside something.
 pub(crate) struct Probe {
-    /// In the shape's own space: the middle of what is convex, otherwise that of a part.
+    /// In the shape's own space: the middle of a convex shape, otherwise of one of its parts.
     pub(crate) point: Vector,
-    /// Whether it is on the outside of the shape: then it may be somewhat inside what the shape lies on.
+    /// Whether the point is on the outside of the shape. It may then be slightly inside something that the shape lies on.
     pub(crate) is_outside: bool,
 }
 
@@ -136,7 +137,7 @@ impl Probe {
     }
 }
 
-/// Whether a mesh that is placed so, or moved by such joints, is a mirror image of itself. Of many joints, most count.
+/// Whether a mesh is mirrored by its transform, or by the majority of its joints.
 pub(crate) fn is_mirrored<'a>(places: impl Iterator<Item = &'a Affine3A>) -> bool {
     let sum: i32 = places
         .map(|place| if place.matrix3.determinant() < 0.0 { -1 } else { 1 })

@@ -1,4 +1,4 @@
-//! What is known of a mesh whatever its pose.
+//! Properties of a mesh that do not depend on its pose.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 
@@ -11,14 +11,14 @@ use crate::import::MorphTrees;
 /// No vertex.
 pub(crate) const NONE: u32 = u32::MAX;
 
-/// How the triangles of a mesh lie; shared by all that show it.
+/// How the triangles of a mesh are connected. Shared by all instances of the mesh.
 pub(crate) struct MeshLayout {
-    /// Where each triangle stands in the order of its tree, in which neighbours are near each other.
+    /// The position of each triangle in the order of its tree, which keeps neighbours close together.
     pub(crate) order: Vec<u32>,
-    /// For each edge of a triangle, from a corner to the next, the third corner of the triangle on its other side; [`NONE`] if
-    /// there is no such triangle, or several.
+    /// For each edge of a triangle, from a corner to the next, the third corner of the triangle on its other side. [`NONE`] if
+    /// there is no such triangle, or more than one.
     pub(crate) across: Vec<[u32; 3]>,
-    /// Whether along every edge as many triangles run one way as the other: the surface has an inside.
+    /// Whether along every edge, the same number of triangles run in either direction, so that the surface has an inside.
     pub(crate) closed: bool,
 }
 
@@ -34,7 +34,7 @@ impl MeshLayout {
     }
 }
 
-/// What is on the other sides of edges, and whether the surface is closed.
+/// Finds the neighbours across edges, and whether the surface is closed.
 fn across(model: &MorphModel) -> (Vec<[u32; 3]>, bool) {
     let triangles: Vec<[u32; 3]> = (0..).map_while(|triangle| model.triangle(triangle)).collect();
     let mut across = vec![[NONE; 3]; triangles.len()];
@@ -50,7 +50,7 @@ fn across(model: &MorphModel) -> (Vec<[u32; 3]>, bool) {
     for same in edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
         let (low, high) = (same[0].0, same[0].1);
         let up = same.iter().filter(|edge| triangles[edge.2][edge.3] == low).count();
-        // From a vertex to itself there is no edge.
+        // An edge from a vertex to itself does not count.
         closed &= low == high || 2 * up == same.len();
         let &[(_, _, one, one_edge), (_, _, other, other_edge)] = same else {
             continue;
@@ -62,14 +62,14 @@ fn across(model: &MorphModel) -> (Vec<[u32; 3]>, bool) {
     (across, closed)
 }
 
-/// The layout of every tree; dropped with its tree. Clones share them.
+/// The layouts of all trees. A layout is dropped with its tree. Clones share the layouts.
 ///
 /// A layout is computed with its tree, in the background: sorting the edges of a large mesh takes longer than a frame.
 #[derive(Resource, Clone, Default)]
 pub(crate) struct MeshLayouts(Arc<Mutex<Vec<(Weak<MorphBvh>, Arc<MeshLayout>)>>>);
 
 impl MeshLayouts {
-    /// Computes the layout of a new tree, and keeps it as long as there is the tree.
+    /// Computes the layout of a new tree and keeps it as long as the tree exists.
     pub(crate) fn add(&self, bvh: &Arc<MorphBvh>) {
         let layout = Arc::new(MeshLayout::of(bvh));
         let mut layouts = self.lock();
@@ -93,7 +93,7 @@ impl MeshLayouts {
 #[derive(Resource)]
 struct Added;
 
-/// Has a layout computed with every tree, from now on. Does nothing the second time, or while nothing builds trees.
+/// From now on, computes a layout with every tree. Does nothing if called again, or if nothing builds trees.
 pub(crate) fn add_to_trees(app: &mut App) {
     let world = app.world_mut();
     let Some(layouts) = world.get_resource::<MeshLayouts>().cloned() else {
@@ -114,7 +114,7 @@ mod tests {
 
     use super::*;
 
-    /// The surface of a tetrahedron, as far as its first triangles go.
+    /// The surface of a tetrahedron, limited to its first triangles.
     fn tree(triangles: usize) -> Arc<MorphBvh> {
         let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
         let all = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
@@ -132,13 +132,13 @@ mod tests {
         let one = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
         assert!(closed(&positions, &one));
         assert!(!closed(&positions, &one[1..]));
-        // One triangle turned around.
+        // One triangle has the opposite winding.
         assert!(!closed(&positions, &[[0, 1, 2], one[1], one[2], one[3]]));
-        // Another tetrahedron along the edge from 0 to 1: four triangles are around it.
+        // Another tetrahedron shares the edge from 0 to 1, which four triangles then use.
         let other = [[0, 6, 1], [0, 1, 5], [1, 6, 5], [0, 5, 6]];
         assert!(closed(&positions, &[one, other].concat()));
         assert!(!closed(&positions, &[&one[..], &other[1..]].concat()));
-        // A triangle without an area runs along an edge both ways.
+        // A triangle without area uses an edge in both directions.
         assert!(closed(&positions, &[&one[..], &[[0, 1, 1]]].concat()));
     }
 

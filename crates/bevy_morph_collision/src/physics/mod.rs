@@ -1,14 +1,14 @@
-//! Surfaces that move, whatever the physics engine: what `rapier` and `avian` have in common.
+//! Moving surfaces for any physics engine: the code that `rapier` and `avian` share.
 //!
-//! - `surface`, `triangles`: a mesh, and some of its triangles, as shapes of Parry's, which both engines compute with.
-//! - `range`: the sizes at which Parry can.
-//! - `layout`: what is known of a mesh whatever its pose.
-//! - `drawn`, `timeline`, `clock`: what it is drawn with, and which moment of that a step sees.
+//! - `surface`, `triangles`: a mesh, and some of its triangles, as Parry shapes, which both engines use.
+//! - `range`: the sizes with which Parry can compute.
+//! - `layout`: properties of a mesh that do not depend on its pose.
+//! - `drawn`, `timeline`, `clock`: what a surface is drawn with, and which moment of that a step uses.
 //! - `follow`, `placed`: where a surface is and was.
-//! - `inside`, `expel`: what is inside a closed one, and how it gets out.
-//! - `point`: points of it, and how fast they are.
-//! - `sorted_boxes`: which moving bodies are where a surface is.
-//! - `near`, `part`, `motion`: what of it is near them, as kinematic bodies for one step.
+//! - `inside`, `expel`: what is inside a closed surface, and how it gets out.
+//! - `point`: points of a surface and their velocities.
+//! - `sorted_boxes`: finds the moving bodies near a surface.
+//! - `near`, `part`, `motion`: triangles near those bodies, as kinematic bodies for one step.
 //! - `scene`: all parts of a scene at once.
 
 pub(crate) mod clock;
@@ -25,7 +25,7 @@ pub(crate) mod point;
 pub(crate) mod range;
 pub(crate) mod scene;
 pub(crate) mod sorted_boxes;
-// Its name is public with Rapier, which a game can ask for the shape of a collider.
+// Public with Rapier, because a game can ask for the shape of a collider.
 #[cfg_attr(not(feature = "rapier"), allow(unreachable_pub))]
 pub(crate) mod surface;
 pub(crate) mod timeline;

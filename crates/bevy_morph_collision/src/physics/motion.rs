@@ -1,4 +1,4 @@
-//! How a part of a surface moves during a step.
+//! The motion of a part of a surface during a step.
 
 use bevy::math::{DMat3, DVec3};
 
@@ -10,10 +10,10 @@ pub(crate) struct RigidMotion {
 }
 
 impl RigidMotion {
-    /// The one closest to the motion of some points, in the sense of weighted least squares. Points are relative to the body's
+    /// The rigid motion closest to the motion of some points, by weighted least squares. Points are relative to the body's
     /// origin.
     ///
-    /// About axes that the points do not tell anything about, such as the line that all are on, nothing turns.
+    /// There is no rotation about axes that the points do not determine, such as a line that contains all points.
     pub(crate) fn fitted(points: &[DVec3], velocities: &[DVec3], weights: &[f64]) -> Self {
         let all = || points.iter().zip(velocities).zip(weights);
         let total: f64 = weights.iter().sum();
@@ -31,7 +31,7 @@ impl RigidMotion {
             momentum += weight * arm.cross(velocity - linear);
         }
         let size = inertia.x_axis.x + inertia.y_axis.y + inertia.z_axis.z;
-        // A little more inertia than there is: nothing at all for a part with some width, and no division by zero.
+        // Slightly more inertia than there is. This changes nothing for a part with some width, and avoids a division by zero.
         let regular = inertia + DMat3::from_diagonal(DVec3::splat(1e-9 * size));
         let angular = regular.inverse() * momentum;
         let angular = if angular.is_finite() { angular } else { DVec3::ZERO };
@@ -46,7 +46,7 @@ impl RigidMotion {
         self.linear + self.angular.cross(point)
     }
 
-    /// How far off the motion is, weighted; in units of velocity.
+    /// The weighted error of the motion, in units of velocity.
     pub(crate) fn error(&self, points: &[DVec3], velocities: &[DVec3], weights: &[f64]) -> f64 {
         let all = points.iter().zip(velocities).zip(weights);
         all.map(|((&point, &velocity), &weight)| weight * velocity.distance(self.at(point)))
@@ -54,10 +54,10 @@ impl RigidMotion {
     }
 }
 
-/// Whether velocities can be told from a jump: they are small, or they go on from the step before.
+/// Whether velocities are a motion and not a jump: they are small, or they continue those of the previous step.
 ///
-/// `limit` is the change of velocity that one step may bring. Something that moves faster than that at once is believed
-/// when the next step confirms it.
+/// `limit` is the maximum change of velocity in one step. A point that suddenly moves faster counts as moving when the next step
+/// confirms it.
 pub(crate) fn continuous(velocities: &[DVec3], before: Option<&[DVec3]>, limit: f64) -> bool {
     let speed = fastest(velocities);
     if speed <= limit {
@@ -68,13 +68,13 @@ pub(crate) fn continuous(velocities: &[DVec3], before: Option<&[DVec3]>, limit: 
     changes.fold(0.0, f64::max) <= limit.max(0.5 * speed)
 }
 
-/// The velocities of points that go from one place to another in some time.
+/// The velocities of points that move from one position to another in some time.
 pub(crate) fn between(from: &[DVec3], to: &[DVec3], time: f64, into: &mut Vec<DVec3>) {
     into.clear();
     into.extend(from.iter().zip(to).map(|(from, to)| (to - from) / time));
 }
 
-/// The greatest speed among velocities.
+/// The highest speed among velocities.
 pub(crate) fn fastest(velocities: &[DVec3]) -> f64 {
     velocities.iter().map(|v| v.length_squared()).fold(0.0, f64::max).sqrt()
 }
@@ -113,7 +113,7 @@ mod tests {
             "{motion:?}"
         );
         assert!(motion.error(&points, &velocities, &[1.0; 4]) > 0.4);
-        // What counts most is right.
+        // The point with the largest weight is exact.
         let motion = RigidMotion::fitted(&points, &velocities, &[1.0, 1e-6, 1e-6, 1e-6]);
         let at_first = motion.linear + motion.angular.cross(points[0]);
         assert!(at_first.distance(velocities[0]) < 1e-5, "{motion:?}");
@@ -124,7 +124,7 @@ mod tests {
         let on_a_line = [DVec3::X, DVec3::ZERO, -DVec3::X];
         let turning = on_a_line.map(|p| DVec3::new(5.0, 0.0, 2.0).cross(p));
         let motion = RigidMotion::fitted(&on_a_line, &turning, &[1.0; 3]);
-        // Turning about the line itself cannot be seen.
+        // A rotation about the line itself is not visible.
         assert!(motion.angular.distance(DVec3::new(0.0, 0.0, 2.0)) < 1e-6, "{motion:?}");
         let one = RigidMotion::fitted(&[DVec3::X], &[DVec3::Y], &[1.0]);
         assert_eq!((one.linear, one.angular), (DVec3::Y, DVec3::ZERO));

@@ -1,4 +1,4 @@
-//! The parts of a surface that are near colliders that may move.
+//! The parts of a surface near colliders that may move.
 
 use std::hash::Hash;
 use std::sync::Arc;
@@ -12,43 +12,43 @@ use super::follow::Following;
 use super::layout::MeshLayout;
 use super::part::{Bodies, Pace, Part, PartScratch, Purpose};
 
-/// A collider that may move, and touch a surface.
+/// A collider that may move and may touch a surface.
 ///
-/// `C` is what a physics engine knows colliders by, `B` bodies.
+/// `C` identifies a collider in the physics engine, `B` a body.
 #[derive(Clone, Copy)]
 pub(crate) struct Visitor<C, B> {
     pub(crate) collider: C,
     pub(crate) body: B,
-    /// Where it may be during the step.
+    /// The box in which it stays during the step.
     pub(crate) bounds: Aabb,
     pub(crate) asleep: bool,
 }
 
-/// For each collider near a surface a part of the surface, or several where it moves too differently for one. A triangle is in one
-/// of them at most.
+/// The parts of a surface near colliders: one part per collider, or several if the surface moves too differently for one. Each
+/// triangle is in at most one part.
 ///
-/// `P` is what a physics engine knows a part by.
+/// `P` represents a part in the physics engine.
 pub(crate) struct Nearby<C, B, P> {
     layout: Arc<MeshLayout>,
     near: HashMap<C, Near<B, P>>,
     step: u32,
-    /// To which side contacts pushed in the last step, and whether that has just changed.
+    /// The side to which contacts pushed in the last step, and whether that has just changed.
     outward: Option<Real>,
     turned: bool,
     scratch: Scratch,
     to_wake: Vec<B>,
 }
 
-/// What is near a collider that may move.
+/// The triangles near a collider that may move.
 struct Near<B, P> {
     body: B,
-    /// All triangles in here are known, for the surface as it was when it was looked at.
+    /// All triangles in this box are known, for the surface at the time of the search.
     region: Aabb,
     triangles: Vec<u32>,
     /// How far the surface had travelled by then.
     travelled: f64,
     parts: Vec<Part<P>>,
-    /// Into how many parts triangles are cut.
+    /// Into how many parts the triangles are divided.
     cut: usize,
     /// The last step in which the collider was near.
     seen: u32,
@@ -67,7 +67,7 @@ impl<B, P: Default> Near<B, P> {
         }
     }
 
-    /// Finds the triangles in a box; returns whether there are any.
+    /// Finds the triangles in a box. Returns whether there are any.
     fn look(&mut self, region: Aabb, following: &mut Following, query: &mut ShapeQuery) -> bool {
         self.region = region;
         self.travelled = following.travelled;
@@ -81,13 +81,13 @@ impl<B, P: Default> Near<B, P> {
     }
 }
 
-/// Parts for one collider at most.
+/// The maximum number of parts per collider.
 const MAX_CUT: usize = 8;
 
 #[derive(Default)]
 struct Scratch {
     shapes: ShapeQuery,
-    /// For each triangle of the mesh the last step in which a part had it.
+    /// For each triangle of the mesh, the last step in which a part contained it.
     taken: Vec<u32>,
     free: Vec<u32>,
     part: PartScratch,
@@ -116,12 +116,12 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
         self.near.contains_key(&collider)
     }
 
-    /// What the physics engine knows its parts by.
+    /// The parts, as the physics engine represents them.
     pub(crate) fn parts(&self) -> impl Iterator<Item = &P> {
         self.near.values().flat_map(|near| &near.parts).map(|part| &part.body)
     }
 
-    /// Lets go of everything.
+    /// Removes all parts.
     pub(crate) fn stop(&mut self, mut remove: impl FnMut(P)) {
         for (_, near) in self.near.drain() {
             near.parts.into_iter().for_each(|part| remove(part.body));
@@ -141,7 +141,8 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
         }
     }
 
-    /// Begins to give triangles to parts. What bodies sleep on while nothing moves is not given to others.
+    /// Begins to assign triangles to parts. While nothing moves, triangles under sleeping bodies are not given to other
+    /// colliders.
     pub(crate) fn give_out(&mut self, following: &Following, is_asleep: impl Fn(B) -> bool) {
         self.scratch.taken.resize(self.layout.order.len(), 0);
         if following.moves {
@@ -156,7 +157,7 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
         }
     }
 
-    /// Whether a collider sleeps on what does not move, and needs nothing.
+    /// Whether a collider sleeps on a part that does not move, so that it needs no update.
     pub(crate) fn sleeps_on(&mut self, visitor: &Visitor<C, B>, following: &Following) -> bool {
         if !visitor.asleep || following.moves || self.turned {
             return false;
@@ -171,26 +172,27 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
         settled
     }
 
-    /// Finds the triangles that a collider may touch; says whether there are any.
+    /// Finds the triangles that a collider may touch. Returns whether there are any.
     pub(crate) fn look_near(&mut self, visitor: &Visitor<C, B>, following: &mut Following, pace: &Pace) -> bool {
         let near = self.near.entry(visitor.collider);
         let near = near.or_insert_with(|| Near::new(visitor.body));
         near.seen = self.step;
-        // Wherever a vertex is during the step, it ends this near; and somewhat more, not to look again in the next steps.
+        // Covers the end positions of all vertices that come near during the step, plus a margin that saves searches in the next
+        // steps.
         let room = 3.0 * following.displacement as f32 + 0.1 * visitor.bounds.extents().max_element();
         let region = visitor.bounds.loosened(pace.prediction + room);
         let travelled = (following.travelled - near.travelled) as f32;
         let known = near
             .region
             .contains(&visitor.bounds.loosened(pace.prediction + travelled));
-        // After a jump it is far larger than need be, and what others stand on is in it.
+        // After a jump, the old region is far too large and contains triangles under other bodies.
         if known && near.region.extents().cmple(2.0 * region.extents()).all() {
             return !near.triangles.is_empty();
         }
         near.look(region, following, &mut self.scratch.shapes)
     }
 
-    /// The same for the step to come alone, on a surface whose own body moves as well: what is within `reach`.
+    /// The same for the coming step only, on a surface whose own body also moves: finds the triangles within `reach`.
     #[cfg(feature = "rapier")]
     pub(crate) fn look_anew(&mut self, visitor: &Visitor<C, B>, following: &mut Following, reach: Real) -> bool {
         let near = self.near.entry(visitor.collider);
@@ -200,7 +202,7 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
         near.look(region, following, &mut self.scratch.shapes)
     }
 
-    /// Puts what a collider may touch before it; says how many parts were blended.
+    /// Creates or updates the parts that a collider may touch. Returns how many parts were blended.
     pub(crate) fn push(
         &mut self,
         visitor: &Visitor<C, B>,
@@ -258,13 +260,13 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
         blended
     }
 
-    /// Whether what is near a collider moves.
+    /// Whether the parts near a collider move.
     #[cfg(feature = "avian")]
     pub(crate) fn moves_near(&self, collider: C) -> bool {
         self.near.get(&collider).is_some_and(|near| !near.is_settled())
     }
 
-    /// Lets go of colliders that went away.
+    /// Forgets colliders that went away.
     pub(crate) fn forget(&mut self, mut remove: impl FnMut(P)) {
         let step = self.step;
         self.near.retain(|_, near| {
@@ -276,7 +278,7 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
         });
     }
 
-    /// The bodies that slept and whose ground moves.
+    /// Sleeping bodies whose ground moves.
     pub(crate) fn take_to_wake(&mut self) -> impl Iterator<Item = B> {
         self.to_wake.drain(..)
     }

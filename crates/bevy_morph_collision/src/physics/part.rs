@@ -1,4 +1,4 @@
-//! A part of a surface as a kinematic body that moves as the surface does there.
+//! A part of a surface as a kinematic body that moves like the surface.
 
 use bevy::math::{DVec3, Vec3};
 use morph_collision::MorphModel;
@@ -9,31 +9,31 @@ use super::layout::{MeshLayout, NONE};
 use super::motion::{RigidMotion, between, continuous, fastest};
 use super::triangles::pseudo_normals;
 
-/// How a step goes.
+/// The parameters of a step.
 #[derive(Clone, Copy)]
 pub(crate) struct Pace {
     /// In seconds.
     pub(crate) dt: f32,
-    /// How far away a contact is prepared.
+    /// The distance at which contacts are prepared.
     pub(crate) prediction: f32,
-    /// By how much a velocity may change in a second.
+    /// The maximum change of a velocity per second.
     pub(crate) max_acceleration: f32,
 }
 
-/// Where a part is at the begin of a step, and how it moves during it.
+/// Where a part is at the start of a step, and how it moves during the step.
 pub(crate) struct Placed {
     pub(crate) origin: Vec3,
     pub(crate) linear: Vec3,
     pub(crate) angular: Vec3,
-    /// How far any of it moves.
+    /// The maximum distance that any of its points moves.
     pub(crate) reach: f32,
-    /// Whether it consists of other triangles than before.
+    /// Whether its set of triangles has changed.
     pub(crate) reshaped: bool,
 }
 
-/// The kinematic bodies of a physics engine that parts are. `P` is what it knows one by; the default is none.
+/// The kinematic bodies that represent parts in a physics engine. `P` identifies one; the default means that there is none yet.
 pub(crate) trait Bodies<P> {
-    /// Brings a part to its place, or into the world. Triangles are around its origin, with the normals that contacts may have.
+    /// Adds a part to the world, or moves it. Triangles are relative to its origin, with the normals that contacts may have.
     fn put(
         &mut self,
         part: &mut P,
@@ -41,44 +41,44 @@ pub(crate) trait Bodies<P> {
         triangles: impl ExactSizeIterator<Item = (Triangle, Option<TrianglePseudoNormals>)>,
     );
 
-    /// A part stands as it did in the last step, so the contacts computed then hold.
+    /// The part has not moved since the last step, so contacts computed then are still valid.
     fn rest(&mut self, _part: &mut P) {}
 
-    /// Takes a part out.
+    /// Removes a part.
     fn remove(&mut self, part: P);
 }
 
 /// Some triangles of a surface in the physics world.
 pub(crate) struct Part<P> {
     pub(crate) body: P,
-    /// As the mesh numbers them.
+    /// Triangle numbers of the mesh.
     triangles: Vec<u32>,
     vertices: Vec<u32>,
-    /// Places among the vertices.
+    /// Indices into `vertices`.
     corners: Vec<[u32; 3]>,
-    /// Likewise of neighbours' third corners, or [`NONE`].
+    /// The third corners of neighbours, as indices into `vertices`, or [`NONE`].
     across: Vec<[u32; 3]>,
-    /// Whether it consists of other triangles than its shape.
+    /// Whether its triangles have changed since its shape was made.
     reshaped: bool,
-    /// Whether it stands where the surface is now, and does not move.
+    /// Whether it is where the surface is now and does not move.
     settled: bool,
-    /// Whether it did so in the last step.
+    /// Whether that was already so in the last step.
     rests: bool,
-    /// How it moved in the last step, about a point, if that was no jump.
+    /// Its motion in the last step, relative to a point, if that was not a jump.
     moved: Option<(RigidMotion, DVec3)>,
 }
 
-/// What a part is for.
+/// The collider for which a part exists.
 pub(crate) struct Purpose {
-    /// The middle of what it is to meet, and how large that is.
+    /// The middle and size of the collider.
     pub(crate) center: DVec3,
     pub(crate) size: f64,
 }
 
-/// Memory that parts use in turn.
+/// Scratch memory that parts share.
 #[derive(Default)]
 pub(crate) struct PartScratch {
-    /// For each vertex of the mesh, where it stands among a part's: with the number of the part for which that is so.
+    /// For each vertex of the mesh, its index among a part's vertices, and the number of the part for which that is valid.
     places: Vec<(u32, u32)>,
     part: u32,
     now: Vec<DVec3>,
@@ -108,7 +108,7 @@ impl<P: Default> Part<P> {
         self.settled
     }
 
-    /// Is put where it is again.
+    /// Makes the next update place it again.
     pub(crate) fn unsettle(&mut self) {
         self.settled = false;
     }
@@ -117,7 +117,7 @@ impl<P: Default> Part<P> {
         &self.triangles
     }
 
-    /// Consists of these triangles from now on.
+    /// Sets the triangles of the part.
     pub(crate) fn take(
         &mut self,
         triangles: &[u32],
@@ -157,16 +157,16 @@ impl<P: Default> Part<P> {
         }
     }
 
-    /// Stays where it is for another step.
+    /// Keeps the part where it is for another step.
     pub(crate) fn rest(&mut self, bodies: &mut impl Bodies<P>) {
         if !std::mem::replace(&mut self.rests, true) {
             bodies.rest(&mut self.body);
         }
     }
 
-    /// Puts the part where the surface is at the begin of the step, moving as the surface does until its end.
+    /// Places the part where the surface is at the start of the step, with the motion of the surface until the end of the step.
     ///
-    /// Says whether it moves too differently in different places for one body.
+    /// Returns whether different places move too differently for one body.
     pub(crate) fn update(
         &mut self,
         following: &mut Following,
@@ -187,7 +187,7 @@ impl<P: Default> Part<P> {
         } = scratch;
         let start = if moves { before } else { now };
         if start.is_empty() || !start.iter().all(|vertex| vertex.as_vec3().is_finite()) {
-            // Where no number can say. What was good before stays.
+            // Not finite in `f32`. The last valid state stays.
             return false;
         }
         let origin = (start.iter().sum::<DVec3>() / start.len() as f64).as_vec3();
@@ -222,7 +222,7 @@ impl<P: Default> Part<P> {
         differs
     }
 
-    /// Finds what velocity each vertex has, and whether that is a motion rather than a jump.
+    /// Computes the velocity of each vertex. Returns whether that is a motion and not a jump.
     fn velocities(&self, following: &mut Following, pace: &Pace, scratch: &mut PartScratch) -> bool {
         let PartScratch {
             now,
@@ -236,7 +236,7 @@ impl<P: Default> Part<P> {
         between(before, now, f64::from(pace.dt), velocities);
         let limit = f64::from(pace.max_acceleration * pace.dt);
         if following.looks_between_frames() {
-            // A step may see little of a jump. What moves as it did has not jumped.
+            // A step may cover only a small piece of a jump. A part that moves as before has not jumped.
             let slight = 0.1 * limit;
             return fastest(velocities) <= slight
                 || self.moved.is_some_and(|(motion, origin)| {
@@ -258,7 +258,7 @@ impl<P: Default> Part<P> {
     }
 }
 
-/// What is closest to a body counts most: 1 for the closest vertex, less for those farther away.
+/// Weights vertices by their distance to a body: 1 for the closest vertex, less for farther ones.
 fn weigh(vertices: &[DVec3], purpose: &Purpose, weights: &mut Vec<f64>) {
     weights.clear();
     weights.extend(vertices.iter().map(|vertex| vertex.distance_squared(purpose.center)));

@@ -1,7 +1,7 @@
-//! A pose whose space stands somewhere in the world.
+//! A pose whose space has a place in the world.
 //!
-//! A skinned pose is in the space of its collider, since its joints are given as the collider sees them. So, like any other, it is placed by an affine
-//! map, which queries of the core do not use for it.
+//! A skinned pose is in the space of its collider, because its joints are given in that space. Like any other pose, it is then
+//! placed by an affine map. The core's queries do not use such a map for skinned poses, so this module does.
 
 use bevy::math::{Affine3A, DAffine3, DMat3, DVec3};
 use bevy::prelude::*;
@@ -9,7 +9,7 @@ use morph_collision::{Aabb, ConvexRegion, InputError, Pose, WorldFromModel};
 use parry3d::bounding_volume::Aabb as ParryAabb;
 use parry3d::math::Pose as Place;
 
-/// A box in world space around a pose. No node of a skinned mesh is blended for it.
+/// A world-space box around a pose. Blends no node of a skinned mesh.
 pub(crate) fn world_bounds(pose: &mut Pose, place: &WorldFromModel) -> Aabb {
     if pose.joints().is_none() {
         return pose.world_bounds(place);
@@ -38,7 +38,7 @@ pub(crate) fn corners(bounds: &Aabb) -> [Vec3; 8] {
     })
 }
 
-/// A box of world space, as queries about a pose want it.
+/// Converts a world-space box to a region for queries about a pose.
 pub(crate) fn region(bounds: &ParryAabb, pose: &Pose, place: &WorldFromModel) -> Result<ConvexRegion, InputError> {
     if pose.joints().is_none() {
         return ConvexRegion::from_aabb(&Aabb {
@@ -56,19 +56,19 @@ pub(crate) fn region(bounds: &ParryAabb, pose: &Pose, place: &WorldFromModel) ->
     ConvexRegion::from_half_spaces([0, 1, 2].map(slab).as_flattened())
 }
 
-/// A point of the space that `place` leads to, as queries about a pose want it.
+/// Converts a point from the space to which `place` maps, for queries about a pose.
 pub(crate) fn into_query(point: DVec3, pose: &Pose, place: &WorldFromModel) -> DVec3 {
     if pose.joints().is_none() {
         return point;
     }
     let origin = place.transform_point(Vec3::ZERO);
     let [x, y, z] = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| place.transform_point(axis) - origin);
-    // A collider's place turns and moves; it does not scale.
+    // A collider's place rotates and translates, but does not scale.
     let away = point - origin;
     DVec3::new(x.dot(away), y.dot(away), z.dot(away))
 }
 
-/// Joints as a collider sees them that stands at `place`.
+/// Converts joints to the space of a collider at `place`.
 pub(crate) fn joints_in(place: &Place, world_from_mesh: &[Affine3A]) -> Vec<Affine3A> {
     let precise = |affine: &Affine3A| {
         let [x, y, z] = [0, 1, 2].map(|axis| Vec3::from(affine.matrix3.col(axis)).as_dvec3());

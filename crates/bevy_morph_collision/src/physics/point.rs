@@ -1,4 +1,4 @@
-//! Points of a surface: where they are, and how fast.
+//! Points of a surface: their positions and velocities.
 
 use bevy::math::DVec3;
 #[cfg(feature = "rapier")]
@@ -29,7 +29,7 @@ impl From<ClosestPoint> for SurfacePoint {
 }
 
 impl SurfacePoint {
-    /// Where it is, and the normal of its triangle as that is wound, if it has one.
+    /// Its position, and the normal of its triangle by its winding, if there is one.
     pub(crate) fn place(&self, pose: &mut Pose, place: &WorldFromModel) -> Option<(DVec3, Option<DVec3>)> {
         let corners = pose.triangle(self.triangle)?;
         let [a, b, c] = corners.map(|corner| place.transform_point(corner));
@@ -39,8 +39,8 @@ impl SurfacePoint {
 }
 
 impl Following {
-    /// The velocity of a point during the step to come or the last one, in world units per second. Zero while a jump is not confirmed as a motion, as
-    /// for bodies. `None` if there is no such triangle.
+    /// The velocity of a point during the coming step or the last one, in world units per second. Zero while a jump is not
+    /// confirmed as a motion, as for bodies. `None` if the triangle does not exist.
     pub(crate) fn velocity_at(&mut self, point: SurfacePoint, max_acceleration: f32) -> Option<DVec3> {
         let corners = self.before.pose.bvh().model().triangle(point.triangle)?;
         let dt = f64::from(self.last_step());

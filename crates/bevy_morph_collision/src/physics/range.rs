@@ -1,4 +1,4 @@
-//! The sizes and places at which Parry can compute.
+//! The sizes and positions with which Parry can compute.
 
 use parry3d::bounding_volume::Aabb;
 use parry3d::math::{Pose, Real, Vector};
@@ -7,11 +7,12 @@ use parry3d::shape::{HalfSpace, Shape};
 use super::surface::MorphSurface;
 use super::triangles::Patch;
 
-/// The largest coordinate that Parry is asked to work with, in world units; for velocities, units per second.
+/// The largest coordinate that is passed to Parry, in world units; for velocities, in units per second.
 ///
-/// Parry multiplies up to four lengths with each other. In `f32` that overflows at lengths of 4.3e9: measured answers are right up to
-/// 2^30 = 1.1e9 and are wrong, infinite or NaN from 2^32 on. From 6e18 on squares overflow, and EPA panics (`docs/rapier.md`). Differences
-/// of two shapes' corners are up to 4 sqrt(3) = 7 times as long as a coordinate, so 1e8 leaves room below 1.1e9.
+/// Parry multiplies up to four lengths. In `f32` that overflows at lengths of 4.3e9. In measurements, answers are right up to
+/// 2^30 = 1.1e9, and wrong, infinite or NaN from 2^32 on. From 6e18 on, squares overflow and EPA panics (`docs/rapier.md`).
+/// Differences between corners of two shapes are up to 4 sqrt(3) = 7 times as large as a coordinate, so with 1e8 they stay below
+/// 1.1e9.
 pub(crate) const MAX_COORDINATE: Real = 1e8;
 
 /// Whether every component is within [`MAX_COORDINATE`]; NaN is not.
@@ -24,24 +25,24 @@ pub(crate) fn box_in_range(bounds: &Aabb) -> bool {
     in_range(bounds.mins) && in_range(bounds.maxs)
 }
 
-/// What a pair of shapes is to the dispatcher.
+/// How the dispatcher treats a pair of shapes.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Range {
-    /// Neither is a surface: Parry is asked as it would be without the dispatcher.
+    /// Neither shape is a surface: Parry answers as without the dispatcher.
     Foreign,
     /// Parry can answer.
     Inside,
-    /// Parry cannot compute with shapes so large, so far apart, or at a place that is not finite.
+    /// Parry cannot compute: the shapes are too large, too far apart, or not at a finite position.
     Outside,
 }
 
-/// Checks a pair of shapes. Cost: their boxes.
+/// Checks a pair of shapes. Costs computing their boxes.
 pub(crate) fn check(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> Range {
     let is_ours = |shape: &dyn Shape| shape.as_shape::<MorphSurface>().is_some() || shape.as_shape::<Patch>().is_some();
     if !is_ours(g1) && !is_ours(g2) {
         return Range::Foreign;
     }
-    // A half-space is as large as can be, and Parry computes with its normal alone.
+    // A half-space is infinite, but Parry only uses its normal.
     let fits = |shape: &dyn Shape, bounds: fn(&dyn Shape, &Pose) -> Aabb, pose: &Pose| {
         shape.as_shape::<HalfSpace>().is_some() || box_in_range(&bounds(shape, pose))
     };

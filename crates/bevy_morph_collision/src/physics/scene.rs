@@ -1,4 +1,4 @@
-//! Scenes whose parts come into physics by themselves: one component on the root, whichever the engine.
+//! Scenes whose parts take part in physics automatically: one component on the root, for any engine.
 
 use bevy::ecs::component::Mutable;
 use bevy::ecs::entity_disabling::Disabled;
@@ -8,16 +8,16 @@ use bevy::prelude::*;
 use crate::collider::{MorphCollider, MorphCollisionMode};
 use crate::scene::{MorphColliderScene, ScenePart};
 
-/// A component on the root of a scene that puts each of its parts into the physics of one engine.
+/// A component on the root of a scene that adds each part to the physics of one engine.
 pub(crate) trait PhysicsScene: Component {
-    /// What puts a mesh into physics.
+    /// The component that adds a mesh to physics.
     type Collider: Component<Mutability = Mutable> + Copy + PartialEq;
 
     /// The collider of each part.
     fn collider(&self) -> Self::Collider;
 }
 
-/// A scene at whose parts physics alone looks.
+/// A scene whose parts only physics uses.
 pub(crate) fn passive() -> MorphColliderScene {
     MorphColliderScene {
         collider: MorphCollider::new(MorphCollisionMode::Passive),
@@ -29,7 +29,7 @@ pub(crate) fn passive() -> MorphColliderScene {
 #[derive(Component)]
 pub(crate) struct Given<C: Component>(C);
 
-/// Gives the parts of scenes the collider that their scene names, and takes it away from what is no part any more.
+/// Gives the parts of scenes the collider of their scene, and removes it from entities that are no longer parts.
 pub(crate) fn give_to_parts<S: PhysicsScene>(
     mut commands: Commands,
     mut parts: Query<

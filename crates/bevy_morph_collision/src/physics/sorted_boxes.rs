@@ -1,26 +1,26 @@
-//! Which boxes meet another, without a look at each.
+//! Finds the boxes that intersect another box without looking at each one.
 
 use parry3d::bounding_volume::{Aabb, BoundingVolume};
 use parry3d::math::Vector;
 
-/// Boxes in the order in which they begin along the axis on which they lie farthest apart.
+/// Boxes sorted by their start along the axis with the largest spread.
 ///
-/// Sorting pays where there are many to look for: see [`SEARCHES`]. For few, every box is looked at.
+/// Sorting pays off for at least [`SEARCHES`] searches. With fewer, every box is checked.
 #[derive(Default)]
 pub(crate) struct SortedBoxes {
     axis: usize,
-    /// Where each box begins on the axis, and its place among all.
+    /// The start of each box on the axis, and its index among all.
     begins: Vec<(f32, u32)>,
-    /// How far any box reaches on the axis, up to each place in that order.
+    /// The maximum end of all boxes on the axis, up to each place in that order.
     reach: Vec<f32>,
     boxes: Vec<Aabb>,
 }
 
-/// From how many searches on sorting is cheaper than looking at every box each time.
+/// The number of searches from which sorting is cheaper than checking every box each time.
 const SEARCHES: usize = 16;
 
 impl SortedBoxes {
-    /// Takes over boxes, to be searched so many times.
+    /// Takes over boxes for this number of searches.
     pub(crate) fn take(&mut self, boxes: impl Iterator<Item = Aabb>, searches: usize) {
         self.boxes.clear();
         self.begins.clear();
@@ -47,7 +47,7 @@ impl SortedBoxes {
         }
     }
 
-    /// The places of the boxes that meet another, in ascending order.
+    /// The indices of the boxes that intersect another, in ascending order.
     pub(crate) fn meeting(&self, bounds: &Aabb, into: &mut Vec<u32>) {
         into.clear();
         if self.begins.is_empty() {

@@ -1,4 +1,4 @@
-//! A morphing or skinned mesh as a shape of Parry's.
+//! A morphing or skinned mesh as a Parry shape.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -17,40 +17,40 @@ use super::layout::MeshLayout;
 use super::range::{MAX_COORDINATE, box_in_range};
 use super::triangles::{Triangles, nowhere, pseudo_normals};
 
-/// The surface of a morphing or skinned mesh, for Rapier: the shape of the [`Collider`](bevy_rapier3d::prelude::Collider) of a
-/// [`MorphRapierCollider`](crate::MorphRapierCollider).
+/// The surface of a morphing or skinned mesh as a Rapier shape. It is the shape of the
+/// [`Collider`](bevy_rapier3d::prelude::Collider) of a [`MorphRapierCollider`](crate::MorphRapierCollider).
 ///
-/// Rays and closest points are answered by the mesh's own tree, refitted where they look. Everything else is answered by
-/// [`MorphQueryDispatcher`](crate::MorphQueryDispatcher), which gathers the triangles near the other shape. Like a `TriMesh`
-/// it has no inside, unless it is [`solid`](crate::MorphRapierCollider::solid). Clones show the same mesh in the same pose.
+/// The mesh's own tree answers rays and closest points and refits only the nodes that they visit. For everything else,
+/// [`MorphQueryDispatcher`](crate::MorphQueryDispatcher) gathers the triangles near the other shape. Like a `TriMesh`, the
+/// surface has no inside, unless it is [`solid`](crate::MorphRapierCollider::solid). Clones show the same mesh in the same pose.
 #[derive(Clone)]
 pub struct MorphSurface {
     entity: Entity,
     posed: Arc<Mutex<Posed>>,
     quiet: Arc<AtomicBool>,
-    /// Whether a pair that Parry cannot compute with was logged.
+    /// Whether a pair with which Parry cannot compute was logged.
     refused: Arc<AtomicBool>,
 }
 
-/// What a surface is made of at the moment.
+/// The current state of a surface.
 pub(crate) struct Posed {
     pub(super) layout: Arc<MeshLayout>,
-    /// That of a skinned mesh is in the collider's space.
+    /// For a skinned mesh, the pose is in the collider's space.
     pub(crate) pose: Pose,
-    /// From the mesh to the collider, which has a place and a rotation of its own: scale and shear.
+    /// Maps the mesh to the collider, which has its own position and rotation. This leaves scale and shear.
     pub(crate) collider_from_model: WorldFromModel,
     pub(super) queries: Queries,
-    /// Whether the game wants it to have an inside, and it has.
+    /// Whether the game wants it to have an inside, and it has one.
     pub(super) solid: bool,
-    /// If contacts push one way: whether normals, as triangles are wound, point outward, 1 or -1.
+    /// If contacts push one way only: whether normals, by the triangles' winding, point outward (1) or inward (-1).
     pub(super) outward: Option<Real>,
-    /// The same of the mesh where nothing mirrors it, once it is known.
+    /// The same for the mesh without mirroring, once it is known.
     pub(super) winding: Option<Real>,
-    /// Whether it is unknown because the pose encloses nothing.
+    /// Whether `winding` is unknown because the pose encloses no volume.
     pub(super) is_flat: bool,
-    /// Whether its place or its joints mirror it.
+    /// Whether its transform or its joints mirror it.
     pub(super) mirrored: bool,
-    /// For a density of 1. Asked for whenever a shape changes, and does not change with it.
+    /// For a density of 1. Cached, because Parry requests it whenever a shape changes. It does not change with the pose.
     mass: Option<MassProperties>,
 }
 
@@ -88,7 +88,7 @@ impl MorphSurface {
         }
     }
 
-    /// Logs, once per surface, that a question about it and another shape is not answered.
+    /// Logs, once per surface, that a query about it and another shape is not answered.
     pub(crate) fn refuse(&self) {
         if !self.refused.swap(true, Ordering::Relaxed) {
             error!(
@@ -99,7 +99,7 @@ impl MorphSurface {
         }
     }
 
-    /// Whether its contacts are of no interest, because it pushes with parts of it and nobody listens.
+    /// Whether its contacts do not matter, because it pushes with its parts and nothing listens for contacts.
     pub(crate) fn is_quiet(&self) -> bool {
         self.quiet.load(Ordering::Acquire)
     }
@@ -109,7 +109,7 @@ impl MorphSurface {
     }
 
     pub(crate) fn lock(&self) -> MutexGuard<'_, Posed> {
-        // A query that panicked has at worst left its own scratch unfinished.
+        // A query that panicked can only have left its own scratch memory unfinished.
         self.posed.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -121,30 +121,30 @@ impl std::fmt::Debug for MorphSurface {
 }
 
 impl Posed {
-    /// Says how the mesh stands in the collider, and whether that is new.
+    /// Sets the transform from mesh to collider. Returns whether it has changed.
     pub(crate) fn place(&mut self, collider_from_model: WorldFromModel, mirrored: bool) -> bool {
         let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
         let [old, new] =
             [&self.collider_from_model, &collider_from_model].map(|place| corners.map(|p| place.transform_point(p)));
         let size = new.iter().map(|p| p.length()).fold(0.0, f64::max);
-        // What a rotation that is taken out again leaves behind is no change.
+        // Rounding errors from removing a rotation are not a change.
         let changed = old.iter().zip(&new).any(|(old, new)| old.distance(*new) > 1e-5 * size);
         if changed {
             self.collider_from_model = collider_from_model;
-            // It may be larger.
+            // It may be larger now.
             self.forget_mass();
         }
         self.mirrored = mirrored;
         changed
     }
 
-    /// What is enclosed is asked for anew.
+    /// Recomputes the enclosed volume on the next request.
     pub(crate) fn forget_mass(&mut self) {
         self.mass = None;
     }
 
-    /// The triangles that meet a box in the collider's space; what contacts with them want to know of their neighbours, too, if
-    /// asked for.
+    /// The triangles that intersect a box in the collider's space. With `for_contacts`, also the neighbours' data that contacts
+    /// need.
     pub(crate) fn triangles_in(&mut self, region: &Aabb, for_contacts: bool) -> Triangles {
         let Self {
             pose,
@@ -164,7 +164,7 @@ impl Posed {
         self.gather(for_contacts)
     }
 
-    /// All of them.
+    /// All triangles.
     pub(crate) fn all_triangles(&mut self, for_contacts: bool) -> Triangles {
         self.queries.found.clear();
         self.queries
@@ -201,7 +201,7 @@ impl Posed {
             .map(|i| [3 * i, 3 * i + 1, 3 * i + 2])
             .collect();
         let mass = MassProperties::from_trimesh(1.0, &vertices, &triangles);
-        // Of what encloses nothing, or more than numbers can say.
+        // Not finite if the pose encloses nothing, or if the numbers overflow.
         let is_finite = mass.mass().is_finite() && mass.local_com.is_finite() && mass.inv_principal_inertia.is_finite();
         if is_finite { mass } else { MassProperties::default() }
     }
@@ -236,14 +236,14 @@ impl Posed {
 
     pub(crate) fn bounds(&mut self) -> Aabb {
         let bounds = self.pose.broad_phase_bounds(&self.collider_from_model);
-        // A box that is not finite would be quarantined, collider and all.
+        // Rapier would quarantine a box that is not finite, together with its collider.
         let finite = |v: Vec3| v.clamp(Vec3::splat(-1e18), Vec3::splat(1e18));
         Aabb::new(finite(bounds.min), finite(bounds.max))
     }
 
     fn ray(&mut self, ray: &Ray, max_time_of_impact: Real, solid: bool) -> Result<Option<RayIntersection>, InputError> {
         if solid && self.encloses(ray.origin) {
-            // As of Parry's own solid shapes.
+            // Like Parry's own solid shapes.
             return Ok(Some(RayIntersection::new(0.0, Vector::ZERO, FeatureId::Unknown)));
         }
         let (origin, direction) = (ray.origin.as_dvec3(), ray.dir.as_dvec3());
@@ -251,7 +251,7 @@ impl Posed {
         let body = Body::new(&mut self.pose, &self.collider_from_model);
         let hit = self.queries.ray.closest(body, &asked);
         Ok(hit.map(|hit| {
-            // As a triangle of Parry's answers: the normal of the side that was hit, and which side it was.
+            // Like Parry's triangles: the normal of the side that was hit, and which side it was.
             let (side, feature) = match hit.facing {
                 Facing::Back => (-1.0, FeatureId::Face(1)),
                 _ => (1.0, FeatureId::Face(0)),
@@ -308,13 +308,13 @@ impl Shape for MorphSurface {
         Box::new(self.clone())
     }
 
-    /// The scale of the entity is in the surface already.
+    /// The surface already includes the entity's scale.
     fn scale_dyn(&self, _scale: Vector, _num_subdivisions: u32) -> Option<Box<dyn Shape>> {
         Some(self.clone_dyn())
     }
 
-    /// Of the volume that the surface encloses, in the pose in which it was asked for first. Cost: then linear in the size of the
-    /// mesh.
+    /// The mass of the volume that the surface encloses in the pose of the first call. That call costs time linear in the size of
+    /// the mesh.
     fn mass_properties(&self, density: Real) -> MassProperties {
         if density == 0.0 {
             return MassProperties::default();

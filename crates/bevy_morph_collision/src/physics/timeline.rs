@@ -1,4 +1,4 @@
-//! What a surface was drawn with at the last few frames, and between them.
+//! What a surface was drawn with in the last few frames, and between them.
 
 use std::collections::VecDeque;
 
@@ -6,15 +6,15 @@ use bevy::math::{Affine3A, DVec3, Vec3};
 
 use super::motion::continuous;
 
-/// A value that a surface is made of: weights, joints, its place.
+/// A value that determines a surface: weights, joints or place.
 pub(crate) trait Drawn: Clone {
-    /// Whether they are the same, but for rounding.
+    /// Whether two values are the same up to rounding.
     fn is(&self, other: &Self) -> bool;
 
-    /// The value on the straight way to another one.
+    /// Interpolates linearly to another value.
     fn towards(&self, other: &Self, share: f32) -> Self;
 
-    /// Points that are far away from where they were when the surface is somewhere else altogether; none if it never is.
+    /// Points that move far if the surface teleports. Empty if the value cannot teleport.
     fn points(&self) -> Vec<DVec3>;
 }
 
@@ -48,7 +48,7 @@ impl Drawn for Affine3A {
     }
 }
 
-/// Joints as a collider sees them, and a point of the mesh, the middle of its bounds.
+/// Joints in the collider's space, and a point of the mesh, the middle of its bounds.
 #[derive(Clone)]
 pub(crate) struct DrawnJoints {
     pub(crate) matrices: Vec<Affine3A>,
@@ -65,7 +65,7 @@ impl Drawn for DrawnJoints {
                 .zip(b)
                 .all(|(a, b)| (a - b).abs() <= 1e-6 * (1.0 + b.abs()))
         };
-        // Removing the collider's place leaves rounding behind.
+        // Removing the collider's place leaves rounding errors.
         a.len() == b.len()
             && a.iter().zip(&b).all(|(a, b)| a.distance(*b) <= 1e-6 * size)
             && self
@@ -91,28 +91,28 @@ impl Drawn for DrawnJoints {
 
 /// One value over time.
 ///
-/// What changes once a frame is drawn on the straight ways between frames: a step of physics sees it there, whenever it is. What changes once a step
-/// (because a system in a fixed schedule animates it) is seen as it is.
+/// A value that changes once per frame is interpolated linearly between frames, and a physics step uses the interpolated value of
+/// its own time. A value that changes once per step (because a system in a fixed schedule animates it) is used directly.
 pub(crate) struct Timeline<T> {
     frames: VecDeque<Frame<T>>,
-    /// Whether steps change it.
+    /// Whether steps change the value.
     follows_steps: bool,
-    /// As the last step saw it.
+    /// The value in the last step.
     seen: Option<T>,
 }
 
 struct Frame<T> {
     time: f64,
     value: T,
-    /// Whether it came here all at once.
+    /// Whether the value teleported in this frame.
     jumped: bool,
 }
 
-/// Frames are kept for so many seconds: longer than two steps and what physics is behind, where there are more frames than steps.
+/// How long frames are kept, in seconds: longer than two steps plus the lag of physics, if there are more frames than steps.
 const MAX_AGE: f64 = 0.1;
-/// So many are kept, however old: those around a step, and two before.
+/// The number of frames that are kept however old they are: those around a step, and two before.
 const MIN_FRAMES: usize = 6;
-/// And no more than these, however short they are.
+/// The maximum number of frames that are kept, however short they are.
 const MAX_FRAMES: usize = 64;
 
 impl<T> Default for Timeline<T> {
@@ -126,10 +126,10 @@ impl<T> Default for Timeline<T> {
 }
 
 impl<T: Drawn> Timeline<T> {
-    /// What a frame is drawn with. `max_acceleration` tells a motion from a jump.
+    /// Records what a frame is drawn with. `max_acceleration` separates motion from jumps.
     pub(crate) fn record(&mut self, time: f64, value: &T, max_acceleration: f32) {
         while self.frames.back().is_some_and(|last| last.time >= time) {
-            // Time stood still, or was set back.
+            // Time stood still or was set back.
             self.frames.pop_back();
         }
         let mut last = self.frames.iter_mut().rev();
@@ -137,7 +137,7 @@ impl<T: Drawn> Timeline<T> {
             && value.is(&last.value)
             && last.value.is(&before.value)
         {
-            // It rests.
+            // The value is at rest.
             last.time = time;
             return;
         }
@@ -169,7 +169,7 @@ impl<T: Drawn> Timeline<T> {
         !continuous(&now, earlier.as_deref(), limit)
     }
 
-    /// What a step finds: decides who changes the value.
+    /// Compares with what a step finds, to decide whether frames or steps change the value.
     pub(crate) fn step(&mut self, live: &T) {
         if let Some(drawn) = self.frames.back() {
             if !live.is(&drawn.value) {
@@ -181,7 +181,7 @@ impl<T: Drawn> Timeline<T> {
         self.seen = Some(live.clone());
     }
 
-    /// What there is after the steps of a frame: a system may have changed it after the last of them.
+    /// Compares with the value after the steps of a frame: a system may have changed it after the last step.
     pub(crate) fn after_steps(&mut self, live: &T) {
         if let Some(seen) = &mut self.seen
             && !live.is(seen)
@@ -191,12 +191,12 @@ impl<T: Drawn> Timeline<T> {
         }
     }
 
-    /// Whether the value is drawn on ways between frames.
+    /// Whether the value is interpolated between frames.
     pub(crate) fn follows_frames(&self) -> bool {
         !self.follows_steps && !self.frames.is_empty()
     }
 
-    /// The value at some time; `None` if it is to be taken as it is.
+    /// The value at some time; `None` if the live value should be used.
     pub(crate) fn at(&self, time: f64) -> Option<T> {
         if !self.follows_frames() {
             return None;
@@ -213,7 +213,7 @@ impl<T: Drawn> Timeline<T> {
         })
     }
 
-    /// The times of the frames around a span of time, and of one frame before it.
+    /// The times of the frames around a time span, and of one frame before it.
     pub(crate) fn frames_around(&self, begin: f64, end: f64) -> impl Iterator<Item = f64> {
         let first = self
             .frames
@@ -224,7 +224,7 @@ impl<T: Drawn> Timeline<T> {
         frames.map(|frame| frame.time)
     }
 
-    /// Nothing but frames changes the value.
+    /// Declares that only frames change the value.
     pub(crate) fn follow_frames(&mut self) {
         self.follows_steps = false;
     }

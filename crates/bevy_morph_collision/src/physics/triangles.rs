@@ -1,4 +1,4 @@
-//! A few triangles of a mesh as a shape that Parry's own algorithms can work with.
+//! A few triangles of a mesh as a shape for Parry's own algorithms.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,18 +13,18 @@ use parry3d::shape::{
     CompositeShape, FeatureId, Shape, ShapeType, SubShapeId, Triangle, TrianglePseudoNormals, TypedShape,
 };
 
-/// Triangles of a mesh, gathered anew whenever something asks what is near it: there are never many. Their sub-shapes are
-/// numbered from 0, since Parry's trees have room for every number up to the largest.
+/// Some triangles of a mesh, gathered for each query about what is near it. There are never many. Their sub-shapes are numbered
+/// from 0, because Parry's trees allocate space for every number up to the largest.
 #[derive(Clone)]
 pub(crate) struct Triangles {
-    /// As the mesh numbers them; none if nobody asks.
+    /// Triangle numbers of the mesh. Empty if they are not needed.
     numbers: Vec<u32>,
     corners: Vec<Triangle>,
-    /// Which normals contacts with a triangle may have, next to its neighbours; none for triangles with no area, and none at
-    /// all if nobody asks.
+    /// The normals that contacts with a triangle may have, limited by its neighbours. `None` for triangles without area. Empty if
+    /// they are not needed.
     normals: Vec<Option<TrianglePseudoNormals>>,
     bvh: Bvh,
-    /// Whether they are as they were when contacts with them were last computed. Shared by copies.
+    /// Whether they have not changed since contacts with them were last computed. Shared by copies.
     still: Arc<AtomicBool>,
 }
 
@@ -41,12 +41,12 @@ impl Triangles {
         }
     }
 
-    /// Says that contacts with them have been computed as they are: Parry may use those again.
+    /// Marks that contacts have been computed for the current triangles, so that Parry may reuse them.
     pub(crate) fn stand_still(&self) {
         self.still.store(true, Ordering::Release);
     }
 
-    /// The same triangles elsewhere.
+    /// Moves the same triangles.
     pub(crate) fn move_to(&mut self, triangles: impl Iterator<Item = (Triangle, Option<TrianglePseudoNormals>)>) {
         self.still.store(false, Ordering::Release);
         self.corners.clear();
@@ -69,7 +69,7 @@ impl Triangles {
         self.corners.is_empty()
     }
 
-    /// The mesh's number of a sub-shape.
+    /// Converts a sub-shape to the mesh's triangle number.
     pub(crate) fn number(&self, subshape: SubShapeId) -> SubShapeId {
         self.numbers.get(subshape as usize).copied().unwrap_or(0)
     }
@@ -122,11 +122,12 @@ impl PointQuery for Triangles {
     }
 }
 
-/// Which normals contacts with a triangle may have: those between its own and its neighbours', on either side. Without that what
-/// slides over a surface is caught by edges inside it.
+/// The normals that contacts with a triangle may have: those between its own normal and its neighbours', on either side. Without
+/// this limit, bodies that slide over a surface are caught by interior edges.
 ///
-/// Neighbours are given by their third corners, across the edges from a corner to the next. Of a solid body's surface `outward`
-/// says whether the normal as triangles are wound points outward, 1 or -1; then what is inside is left alone.
+/// Neighbours are given by their third corners, across the edges from a corner to the next. For the surface of a solid body,
+/// `outward` says whether the normal, by the triangles' winding, points outward (1) or inward (-1). Contacts then ignore what is
+/// inside.
 pub(crate) fn pseudo_normals(
     corners: [Vector; 3],
     across: [Option<Vector>; 3],
@@ -135,7 +136,7 @@ pub(crate) fn pseudo_normals(
     let [a, b, c] = corners;
     let face = (b - a).cross(c - a).try_normalize()?;
     let edge = |from: Vector, to: Vector, across: Option<Vector>| {
-        // Wound as it would be if it went around as this one does.
+        // The neighbour's normal for consistent winding.
         let neighbour = across.and_then(|third| (from - to).cross(third - to).try_normalize());
         neighbour
             .and_then(|neighbour| (face + neighbour).try_normalize())
@@ -149,9 +150,9 @@ pub(crate) fn pseudo_normals(
     })
 }
 
-/// The projection on a shape that has no points.
+/// The projection on a shape without points.
 pub(crate) fn nowhere(point: Vector) -> PointProjection {
-    // As far away as can be said: `distance_to_point` and filters by distance leave it out.
+    // As far away as possible, so that `distance_to_point` and distance filters exclude it.
     PointProjection::new(false, point + Vector::MAX)
 }
 
@@ -198,13 +199,13 @@ impl Shape for Triangles {
     }
 }
 
-/// The part of a surface that pushes bodies during a step, and is not there for anyone else.
+/// The part of a surface that pushes bodies during a step, and is invisible to everything else.
 #[derive(Clone)]
 pub(crate) struct Patch {
     pub(crate) triangles: Triangles,
-    /// Whether a step is going on, in which it exists.
+    /// Set while a step is in progress. The part exists only then.
     pub(crate) stepping: Arc<AtomicBool>,
-    /// By how much more than its triangles its box has room for.
+    /// How much larger its box is than its triangles.
     pub(crate) reach: Real,
     /// Its linear and angular velocity in the step, per second, about its origin.
     pub(crate) velocity: [Vector; 2],
@@ -256,7 +257,7 @@ impl Shape for Patch {
         Box::new(self.clone())
     }
 
-    /// It is as large as it is.
+    /// Parts are not scaled.
     fn scale_dyn(&self, _scale: Vector, _num_subdivisions: u32) -> Option<Box<dyn Shape>> {
         Some(self.clone_dyn())
     }

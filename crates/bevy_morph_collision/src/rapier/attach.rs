@@ -1,4 +1,4 @@
-//! How a mesh gets its surface in physics, and loses it.
+//! Gives meshes their surface in physics, and removes it.
 
 use std::sync::Arc;
 
@@ -24,24 +24,25 @@ use crate::physics::surface::MorphSurface;
 use crate::shape::MorphShape;
 use crate::weights::take_weights;
 
-/// What the plugin knows of one surface.
+/// The plugin's state of one surface.
 #[derive(Component)]
 pub(crate) struct RapierSurface {
     pub(super) following: Following,
     pub(super) pushing: Pushing,
     bvh: Arc<MorphBvh>,
-    /// The physics world it is in.
+    /// The physics world that contains the surface.
     pub(super) context: Option<Entity>,
-    /// Whether the plugin has switched its collider off. Also true of a new surface, whose collider may have been another's.
+    /// Whether the plugin has switched its collider off. Also true for a new surface, whose collider may have belonged to
+    /// another.
     off: bool,
-    /// Why its place or size keeps it out of physics, so that it is logged once.
+    /// Why its position or size keeps it out of physics, so that this is logged once.
     pub(super) bad_place: Option<String>,
-    /// Whether the log says that it is not closed, and should be.
+    /// Whether the log already says that it should be closed but is not.
     pub(super) told_open: bool,
 }
 
 impl RapierSurface {
-    /// Switches the collider on or off. `ColliderDisabled` wins: what it disables stays off.
+    /// Switches the collider on or off. `ColliderDisabled` takes precedence.
     pub(super) fn switch(
         &mut self,
         off: bool,
@@ -50,10 +51,10 @@ impl RapierSurface {
         handle: ColliderHandle,
     ) {
         if off {
-            // What happens to the surface meanwhile is not a motion.
+            // Movement of the surface while it is off does not count as motion.
             self.following.restart();
         }
-        // Removing `ColliderDisabled` enables the collider, whatever else keeps it off.
+        // Removing `ColliderDisabled` enables the collider even if something else keeps it off.
         let slipped = off && colliders.get(handle).is_some_and(RapierCollider::is_enabled);
         if (slipped || off != self.off)
             && let Some(collider) = colliders.get_mut(handle)
@@ -64,7 +65,7 @@ impl RapierSurface {
     }
 }
 
-/// What decides whether an entity has a surface, and which.
+/// The components that decide whether an entity has a surface, and which.
 type Shows<'w> = (
     Option<&'w Mesh3d>,
     Option<&'w MorphTreeSettings>,
@@ -76,9 +77,9 @@ type Shows<'w> = (
     Has<Disabled>,
 );
 
-/// Gives colliders whose mesh has a tree a surface. Takes it away where the collider, the mesh or its tree is gone.
+/// Adds a surface to colliders whose mesh has a tree. Removes it when the collider, the mesh or its tree is gone.
 ///
-/// It asks [`MorphTrees`] itself, so physics goes on while collision detection is paused.
+/// It reads [`MorphTrees`] directly, so physics continues while collision detection is paused.
 pub(super) fn attach_surfaces(
     mut commands: Commands,
     colliders: Query<
@@ -98,7 +99,7 @@ pub(super) fn attach_surfaces(
 ) {
     let Some(trees) = trees else { return };
     for (entity, shows, surface, collider, context) in &colliders {
-        // A collider of the game's own wins.
+        // The game's own collider takes precedence.
         let is_foreign = collider.is_some_and(|collider| !is_surface(collider));
         let (mesh, settings, skin, weights, has_shape, collides, wanted, disabled) = shows;
         // A shape collides in place of the mesh.
@@ -107,7 +108,7 @@ pub(super) fn attach_surfaces(
         match (surface, tree.filter(|_| !is_foreign)) {
             (None, Some(bvh)) if !disabled => {
                 let mut pose = Pose::new(bvh.clone());
-                // Bad weights are logged when the surface goes on to its first step.
+                // Bad weights are logged in the surface's first step.
                 let _logged_later = take_weights(&mut pose, weights, &shared, &mut rest);
                 let Some(layout) = layouts.of(bvh) else { continue };
                 let following = Following::new(entity, bvh, pose.weights(), &layout);
@@ -128,7 +129,7 @@ pub(super) fn attach_surfaces(
             (Some(surface), Some(bvh)) => {
                 let elsewhere = surface.context.is_some() && surface.context != context.map(|link| link.0);
                 if !disabled && (elsewhere || collider.is_none() || !Arc::ptr_eq(&surface.bvh, bvh)) {
-                    // With its parts; the new one comes next time.
+                    // Also removes its parts; the new surface is added next time.
                     commands.entity(entity).try_remove::<RapierSurface>();
                 }
             }
@@ -136,15 +137,15 @@ pub(super) fn attach_surfaces(
     }
 }
 
-/// Whether a collider is the surface of a mesh, rather than the game's own.
+/// Whether a collider is a mesh's surface and not the game's own.
 fn is_surface(collider: &Collider) -> bool {
     collider.raw.as_shape::<MorphSurface>().is_some()
 }
 
-/// Removes a surface for good; a collider of the game's own stays.
+/// Removes a surface permanently. A collider of the game's own stays.
 ///
-/// Its handle goes too: Rapier would keep its own collider, which a surface may have switched off or taken out of the solver, and
-/// give it the next shape.
+/// Its handle is removed too. Otherwise Rapier would keep its internal collider, which a surface may have switched off or taken
+/// out of the solver, and use it for the next shape.
 fn remove_surface(mut entity: EntityCommands, collider: Option<&Collider>) {
     entity.try_remove::<(RapierSurface, RapierColliderHandle)>();
     if collider.is_some_and(is_surface) {
@@ -152,7 +153,7 @@ fn remove_surface(mut entity: EntityCommands, collider: Option<&Collider>) {
     }
 }
 
-/// Removes a surface from physics at once when [`MorphRapierCollider`] is removed.
+/// Removes a surface from physics immediately when [`MorphRapierCollider`] is removed.
 pub(super) fn detach_surface(
     removed: On<Remove<MorphRapierCollider>>,
     surfaces: Query<Option<&Collider>, (With<RapierSurface>, Allow<Disabled>)>,
@@ -181,7 +182,7 @@ pub(super) fn take_parts_along(
     }
 }
 
-/// Takes surfaces out of physics if their entity is disabled or Rapier has no collider for them any more.
+/// Takes surfaces out of physics if their entity is disabled or Rapier no longer has a collider for them.
 pub(super) fn stop_absent(
     mut surfaces: Query<
         (

@@ -1,4 +1,4 @@
-//! Carries character controllers with the surface that they stand on.
+//! Carries character controllers along with the surface on which they stand.
 
 use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
@@ -24,19 +24,20 @@ use super::step::time_ahead;
 
 /// How surfaces with a [`MorphRapierCollider`] carry a `KinematicCharacterController`.
 ///
-/// Every controller has this component, with its defaults. It is carried while it stands on a surface: while a surface is the first thing
-/// below its feet, within the distance at which Rapier calls it grounded, and not steeper than its `max_slope_climb_angle`. What it merely
-/// brushes does not move it. Walls stop what carries it. It is turned by nothing, as controllers never are.
+/// Every controller has this component, with its defaults. A controller is carried while it stands on a surface. The surface must
+/// be the first thing below its feet, within the distance at which Rapier calls it grounded, and not steeper than its
+/// `max_slope_climb_angle`. Surfaces that it merely touches do not move it. Walls stop it while it is carried. It is never
+/// rotated, like all controllers.
 ///
-/// The controller's own output does not include the motion of the ground. [`MorphCharacterGround`] tells what it is.
+/// The controller's own output does not include the motion of the ground; [`MorphCharacterGround`] reports it.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(MorphCharacterGround)]
 pub struct MorphCharacterCarry {
-    /// Whether the surface carries it. If not, the surface slides away below its feet; it still lifts it.
+    /// Whether surfaces carry the controller. If not, the surface slides away below its feet, but still lifts it.
     pub enabled: bool,
-    /// Whether it keeps the velocity of the surface when it leaves the ground, until it lands: a jump off a moving surface goes where the
-    /// surface goes. What it hits meanwhile stops it. Only where it is carried.
+    /// Whether the controller keeps the velocity of the surface when it leaves the ground, until it lands. A jump off a moving
+    /// surface then goes along with the surface. Obstacles stop it. Has no effect unless `enabled` is set.
     pub keep_velocity: bool,
 }
 
@@ -49,17 +50,19 @@ impl Default for MorphCharacterCarry {
     }
 }
 
-/// The surface that a character controller stands on, of a [`MorphRapierCollider`]. Written when Rapier's controllers have run.
+/// The surface with a [`MorphRapierCollider`] on which a character controller stands. Updated after Rapier's controllers have
+/// run.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 pub struct MorphCharacterGround {
-    /// The surface's entity. `None` in the air, and on anything else.
+    /// The surface's entity. `None` in the air and on any other ground.
     pub surface: Option<Entity>,
-    /// The velocity of the surface below its feet during the last step, in world units per second. In the air, the velocity that it keeps; otherwise zero.
+    /// The velocity of the surface below the controller's feet during the last step, in world units per second. In the air, the
+    /// velocity that it keeps; otherwise zero.
     pub velocity: Vec3,
 }
 
-/// Moves controllers as their ground moves, after they have moved by themselves.
+/// Moves controllers along with their ground, after they have moved by themselves.
 pub(super) fn carry(
     contexts: Query<(
         &RapierContextSimulation,
@@ -117,7 +120,7 @@ pub(super) fn carry(
         walker.place.translation += output.map_or(Vec3::ZERO, |output| output.effective_translation);
         let from = walker.place.translation;
 
-        // One that did not run this time stands where it stood.
+        // A controller that did not run this time is still where it was.
         let grounded = output.is_none_or(|output| output.grounded);
         let reach = walker.reach();
         let near = walker.shape.compute_aabb(&walker.place).loosened(reach);
@@ -134,7 +137,7 @@ pub(super) fn carry(
                     let velocity =
                         point.and_then(|point| following.velocity_at(point, rapier_collider.max_acceleration));
                     new.surface = Some(surface);
-                    // Rapier moves a dynamic body, and does not carry controllers with it.
+                    // Rapier moves dynamic bodies and does not carry controllers along with them.
                     let velocity = velocity.filter(|_| !walker.is_on_dynamic(handle));
                     new.velocity = velocity.unwrap_or_default().as_vec3();
                     let rise = new.velocity.dot(hit.normal1) / up.dot(hit.normal1);
@@ -156,7 +159,7 @@ pub(super) fn carry(
         if moved != Vec3::ZERO && moved.is_finite() {
             let body = character.body.and_then(|body| walker.bodies.rigid_body_entity(body));
             if let Ok(mut transform) = transforms.get_mut(body.unwrap_or(entity)) {
-                // Like Rapier's controller, which takes parents for unrotated.
+                // Like Rapier's controller, this assumes that parents are not rotated.
                 transform.translation += moved;
             }
         }
@@ -164,7 +167,7 @@ pub(super) fn carry(
     }
 }
 
-/// A controller that is moved by something else than itself.
+/// A controller that something else moves.
 struct Walker<'a> {
     simulation: &'a RapierContextSimulation,
     colliders: &'a RapierContextColliders,
@@ -174,7 +177,7 @@ struct Walker<'a> {
     place: Place,
     up: Vec3,
     offset: f32,
-    /// The cosine of the steepest slope that it can stand on.
+    /// The cosine of the steepest slope on which it can stand.
     steepest: f32,
 }
 
@@ -203,13 +206,13 @@ impl Walker<'_> {
         })
     }
 
-    /// How far below it it can stand on something.
+    /// How far below the controller it can find ground.
     fn reach(&self) -> f32 {
-        // On a slope, the gap below is larger than the one to the slope.
+        // On a slope, the vertical gap is larger than the distance to the slope.
         (self.offset + GROUND_PREDICTION) / self.steepest.max(0.5)
     }
 
-    /// The first thing below it that it can stand on.
+    /// The first thing below the controller on which it can stand.
     fn support(&self, reach: f32) -> Option<(ColliderHandle, ShapeCastHit)> {
         let mut walls = Vec::new();
         while walls.len() < 4 {
@@ -228,8 +231,8 @@ impl Walker<'_> {
             .is_some_and(RigidBody::is_dynamic)
     }
 
-    /// How far it has to go up to be as far from its ground as it keeps from everything. A controller that moves does not push itself out of what
-    /// has come closer.
+    /// How far up the controller has to move to keep its usual distance from the ground. A moving controller does not push itself
+    /// out of things that came closer.
     fn lift(&self, ground: ColliderHandle, height: f32) -> Vec3 {
         let collider = &self.colliders.colliders.get(ground);
         let Some(collider) = collider else { return Vec3::ZERO };
@@ -245,7 +248,7 @@ impl Walker<'_> {
         self.up * (missing / slope).min(0.25 * height)
     }
 
-    /// Moves it, along what it meets. Returns what is left of the motion when what it was stopped by is taken out.
+    /// Moves the controller, sliding along obstacles. Returns the motion minus the components that obstacles stopped.
     fn slide(&mut self, motion: Vec3, except: &[ColliderHandle]) -> Vec3 {
         let (mut left, mut kept) = (motion, motion);
         for _ in 0..4 {

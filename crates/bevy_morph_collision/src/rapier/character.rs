@@ -1,4 +1,4 @@
-//! A `KinematicCharacterController` as Rapier's world sees it: its shape, where it is, and what it collides with.
+//! A `KinematicCharacterController` as Rapier's world sees it: its shape, its place, and what it collides with.
 
 use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::query::QueryData;
@@ -12,7 +12,7 @@ use bevy_rapier3d::rapier::dynamics::{RigidBodyHandle, RigidBodySet};
 use bevy_rapier3d::rapier::geometry::{Collider, ColliderHandle, ColliderSet, InteractionGroups};
 use bevy_rapier3d::rapier::pipeline::{QueryFilter, QueryFilterFlags};
 
-/// The components that a controller's place in Rapier's world follows from.
+/// The components that determine a controller's place in Rapier's world.
 #[derive(QueryData)]
 pub(super) struct Placed {
     pub(super) link: &'static RapierContextEntityLink,
@@ -21,7 +21,7 @@ pub(super) struct Placed {
     global: Option<&'static GlobalTransform>,
 }
 
-/// A controller's shape, and where it is.
+/// A controller's shape and place.
 pub(super) struct Character {
     pub(super) shape: SharedShape,
     pub(super) place: Place,
@@ -30,7 +30,7 @@ pub(super) struct Character {
 }
 
 impl Character {
-    /// The same as Rapier's controller takes. `None` if it has no shape yet.
+    /// Computes the same shape and place as Rapier's controller. `None` if it has no shape yet.
     pub(super) fn of(
         controller: &KinematicCharacterController,
         placed: &PlacedItem,
@@ -70,7 +70,7 @@ pub(super) fn height(shape: &SharedShape, up: Vec3) -> f32 {
     shape.compute_local_aabb().extents().dot(up.abs())
 }
 
-/// How long a controller's length is for a shape of this height.
+/// Converts a controller's length for a shape of this height.
 pub(super) fn length(length: CharacterLength, height: f32) -> f32 {
     match length {
         CharacterLength::Relative(part) => part * height,
@@ -78,10 +78,10 @@ pub(super) fn length(length: CharacterLength, height: f32) -> f32 {
     }
 }
 
-/// Up to this distance, more than its offset, Rapier takes a controller for grounded.
+/// Rapier calls a controller grounded up to this distance, in addition to its offset.
 pub(super) const GROUND_PREDICTION: f32 = 0.05;
 
-/// What a controller collides with: what its filters leave, and not itself.
+/// Decides what a controller collides with: what its filters admit, but not itself.
 pub(super) struct Sight<'a> {
     flags: QueryFilterFlags,
     groups: Option<InteractionGroups>,
@@ -115,7 +115,7 @@ impl<'a> Sight<'a> {
         }
     }
 
-    /// Whether it collides with a collider.
+    /// Whether the controller collides with a collider.
     pub(super) fn sees(&self, handle: ColliderHandle, colliders: &ColliderSet, bodies: &RigidBodySet) -> bool {
         let predicate = |handle, collider: &Collider| self.admits(handle, collider);
         let filter = QueryFilter {
@@ -129,7 +129,7 @@ impl<'a> Sight<'a> {
             .is_some_and(|collider| filter.test(bodies, handle, collider))
     }
 
-    /// Runs something that asks Rapier about what it collides with, other than some colliders.
+    /// Runs a Rapier query on everything that the controller collides with, except some colliders.
     pub(super) fn filtered<T>(&self, except: &[ColliderHandle], ask: impl FnOnce(QueryFilter) -> T) -> T {
         let predicate = |handle, collider: &Collider| !except.contains(&handle) && self.admits(handle, collider);
         ask(QueryFilter {

@@ -1,4 +1,4 @@
-//! What Rapier asks about two shapes, when one of them is a morphing surface.
+//! Answers Rapier's queries about two shapes, one of which is a morphing surface.
 
 use bevy_rapier3d::parry::math::{Pose, Real, Vector};
 use bevy_rapier3d::parry::query::details::{NormalConstraints, ShapeCastOptions};
@@ -15,30 +15,30 @@ use crate::physics::range::{Range, check, in_range};
 use crate::physics::surface::MorphSurface;
 use crate::physics::triangles::Patch;
 
-/// Answers what Rapier asks about a [`MorphSurface`](crate::MorphSurface) and another shape, or two of them: contacts, intersections, distances,
-/// shape casts. About other shapes it answers as Parry's default dispatcher.
+/// Answers Rapier's queries about a [`MorphSurface`](crate::MorphSurface) and another shape, or about two surfaces: contacts,
+/// intersections, distances and shape casts. For all other shapes it answers like Parry's default dispatcher.
 ///
-/// For each question the triangles of the surface near the other shape are gathered, by its tree, at its current weights,
-/// and Parry's own algorithms work on them: their number counts, not the size of the mesh.
+/// For each query, the surface's tree finds the triangles near the other shape at the current weights, and Parry's own algorithms
+/// work on those. The cost depends on their number and not on the size of the mesh.
 ///
-/// Where coordinates, sizes or speeds are beyond 1e8 units, or not finite, Parry's algorithms overflow; its EPA then panics. Such pairs
-/// are far from each other for this dispatcher: no contact, no hit. That is logged once for each surface.
+/// If coordinates, sizes or speeds are beyond 1e8 units or not finite, Parry's algorithms overflow, and its EPA panics. This
+/// dispatcher treats such pairs as far apart: no contact, no hit. That is logged once per surface.
 ///
-/// [`MorphRapierPlugin`](crate::MorphRapierPlugin) gives it to every context. A game with a dispatcher of its own puts this one
-/// in front: `context.set_query_dispatcher(MorphQueryDispatcher.chain(mine))`; it says
-/// [`Unsupported`] about what `mine` may know better only if Parry's says so.
+/// [`MorphRapierPlugin`](crate::MorphRapierPlugin) sets it in every context. If your game has its own dispatcher, put this one in
+/// front: `context.set_query_dispatcher(MorphQueryDispatcher.chain(mine))`. It returns [`Unsupported`] only if Parry's dispatcher
+/// does, so that `mine` can answer.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct MorphQueryDispatcher;
 
-/// Whether a question about a surface and another shape has numbers in it that Parry cannot compute with. Logs it once per surface.
+/// Whether a query about a surface and another shape contains numbers with which Parry cannot compute. Logs it once per surface.
 fn refuses(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape) -> bool {
     refuses_moving(pos12, &[], g1, g2)
 }
 
-/// The same for shapes that move, with these velocities.
+/// The same for shapes that move with these velocities.
 fn refuses_moving(pos12: &Pose, velocities: &[Vector], g1: &dyn Shape, g2: &dyn Shape) -> bool {
     if is_ground(g1) || is_ground(g2) {
-        // It stands for a surface that answers itself.
+        // It stands for a surface, which answers itself.
         return true;
     }
     let range = check(pos12, g1, g2);
@@ -68,7 +68,7 @@ impl QueryDispatcher for MorphQueryDispatcher {
             subshape1: 0,
             subshape2: 0,
         };
-        // Sensors meet the surface itself.
+        // Sensors detect the surface itself.
         if g1.as_shape::<Patch>().is_some() || g2.as_shape::<Patch>().is_some() {
             return Ok(apart);
         }
@@ -253,7 +253,7 @@ where
             if workspace.is_none() && manifolds.is_empty() {
                 return Ok(());
             }
-            // What was there before is let go of by Parry, whose workspace must go with its manifolds.
+            // Parry drops the previous state. Its workspace must be removed together with its manifolds.
             Some(Gathered::none(g1, g2))
         } else if refuses(pos12, g1, g2) {
             Some(Gathered::none(g1, g2))

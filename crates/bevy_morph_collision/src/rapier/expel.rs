@@ -1,4 +1,4 @@
-//! Drives out what is inside a solid surface.
+//! Drives bodies out of solid surfaces.
 
 use bevy::math::Vec3;
 use bevy_rapier3d::parry::bounding_volume::Aabb;
@@ -11,7 +11,7 @@ use super::world::{Manners, Mover, Step, World};
 use crate::physics::expel::{Drive, Exit, Expelling, Guest};
 use crate::physics::follow::Following;
 
-/// What is near a solid surface, and inside.
+/// The colliders near or inside a solid surface.
 #[derive(Default)]
 pub(super) struct Expulsion {
     expelling: Expelling<ColliderHandle>,
@@ -35,7 +35,7 @@ impl Expulsion {
         self.expelling.stop();
     }
 
-    /// Drives a collider out of a surface that pushes with parts, if it is inside; says whether it is.
+    /// If a collider is inside a surface that pushes with parts, drives it out. Returns whether it is inside.
     pub(super) fn drive_out(
         &mut self,
         mover: &Mover,
@@ -73,7 +73,7 @@ impl Expulsion {
         true
     }
 
-    /// Drives whatever is inside a surface on a dynamic body out of it. The body is driven the other way.
+    /// Drives everything out of a surface on a dynamic body. That body is driven the other way.
     pub(super) fn drive_apart(
         &mut self,
         collider: ColliderHandle,
@@ -105,7 +105,7 @@ impl Expulsion {
                 self.keep(mover);
                 continue;
             }
-            // Before the surface is locked: the other one may be the same.
+            // Before the surface is locked, because the other shape may be the same surface.
             let Some(mut guest) = guest(mover, manners, world) else {
                 continue;
             };
@@ -113,7 +113,7 @@ impl Expulsion {
                 let turns = own.angvel().length() * own.center_of_mass().distance(guest.center.as_vec3());
                 guest.reach += f64::from((own.linvel().length() + turns) * step.pace.dt) + 0.1 * guest.size;
             }
-            // All of this is in the collider's space, which goes where the body goes.
+            // All of this is in the collider's space, which moves with the body.
             guest.center = place.inverse_transform_point(guest.center.as_vec3()).as_dvec3();
             let exit = self.expelling.exit(
                 visitor.collider,
@@ -132,7 +132,7 @@ impl Expulsion {
     }
 }
 
-/// A collider as a surface sees it that may drive it out; none if its groups forbid that.
+/// A collider as seen by a surface that may drive it out. `None` if its groups forbid that.
 fn guest(mover: &Mover, manners: &Manners, world: &World) -> Option<Guest> {
     let collider = world.colliders.get(mover.visitor.collider)?;
     if !collider.solver_groups().test(manners.solver_groups) {
@@ -142,7 +142,7 @@ fn guest(mover: &Mover, manners: &Manners, world: &World) -> Option<Guest> {
     Guest::of(collider.shape(), &place, mover.visitor.bounds.extents().length())
 }
 
-/// Where a collider is. Of a body that the game moved, colliders follow in the step.
+/// The place of a collider. If the game moved its body, its colliders follow only in the step.
 fn place_of(collider: ColliderHandle, world: &World) -> Option<Place> {
     let collider = world.colliders.get(collider)?;
     let Some(body) = collider.parent().and_then(|body| world.bodies.get(body)) else {
@@ -158,13 +158,13 @@ fn drive(step: &Step) -> Drive {
     }
 }
 
-/// Has one body move away from another, along a direction; the impulse is taken from the other.
+/// Moves one body away from another along a direction. The other body gets the opposite impulse.
 fn separate(world: &mut World, bodies: [RigidBodyHandle; 2], direction: Vec3, exit: &Exit) {
     let [Some(first), Some(second)] = bodies.map(|body| world.bodies.get(body)) else {
         return;
     };
     if first.mass() == 0.0 || second.mass() == 0.0 {
-        // Rapier is yet to weigh it.
+        // Rapier has not computed its mass yet.
         return;
     }
     let at = first.center_of_mass();

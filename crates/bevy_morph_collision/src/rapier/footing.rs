@@ -1,4 +1,4 @@
-//! Gives Rapier's character controllers, while they run, ground that they know as such.
+//! Provides ground to Rapier's character controllers while they run.
 
 use bevy::ecs::entity::EntityHashSet;
 use bevy::prelude::*;
@@ -17,7 +17,7 @@ use super::character::{Character, GROUND_PREDICTION, Placed, Sight, height, leng
 use super::ground::Ground;
 use crate::physics::range::box_in_range;
 
-/// A surface that controllers may meet.
+/// A surface that controllers may touch.
 struct Seen {
     entity: Entity,
     context: Entity,
@@ -26,7 +26,7 @@ struct Seen {
     bounds: Aabb,
 }
 
-/// What is there while controllers run.
+/// What exists while controllers run.
 #[derive(Resource, Default)]
 pub(super) struct Footing {
     surfaces: Vec<Seen>,
@@ -34,7 +34,7 @@ pub(super) struct Footing {
     grounds: Vec<(Entity, ColliderHandle)>,
     /// The controllers that run.
     pub(super) runs: EntityHashSet,
-    /// Controllers from which surfaces were hidden, and these.
+    /// Pairs of a controller and a surface that was hidden from it.
     hidden: Vec<(Entity, Entity)>,
 }
 
@@ -46,9 +46,10 @@ impl Footing {
     }
 }
 
-/// Puts the triangles near each controller before it, in the pose of the last step, as Rapier's own casts see them.
+/// Adds the triangles near each controller, in the pose of the last step, as ground that Rapier's own casts can hit.
 ///
-/// They are colliders without a body, whatever the surface is on: Rapier would tow a controller with a kinematic body that it brushes.
+/// They are colliders without a body, even if the surface has one: Rapier would drag a controller along with a kinematic body
+/// that it brushes.
 pub(super) fn before_controllers(
     mut contexts: Query<(
         &mut RapierContextSimulation,
@@ -96,7 +97,7 @@ pub(super) fn before_controllers(
             continue;
         };
         footing.runs.insert(entity);
-        // It goes no farther than this, whatever it slides along, and looks for ground from there.
+        // The farthest that the controller can move, whatever it slides along, plus its search for ground from there.
         let height = height(&character.shape, controller.up);
         let mut reach = translation.length() + length(controller.offset, height) + GROUND_PREDICTION;
         reach += controller.snap_to_ground.map_or(0.0, |snap| length(snap, height));
@@ -122,7 +123,7 @@ pub(super) fn before_controllers(
                 continue;
             }
             if !sight.sees(seen.collider, &colliders.colliders, &bodies.bodies) {
-                // Others may see it, and what stands for it has not the body that this one is blind to.
+                // Other controllers may see the surface, and its ground does not have the body that this controller ignores.
                 unseen.push(seen.entity);
                 continue;
             }
@@ -149,7 +150,7 @@ pub(super) fn before_controllers(
     }
 }
 
-/// Takes all of it away again.
+/// Removes all of it again.
 pub(super) fn after_controllers(
     mut contexts: Query<(
         &mut RapierContextSimulation,

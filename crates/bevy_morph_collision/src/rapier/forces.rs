@@ -1,4 +1,4 @@
-//! Contact forces of a surface as a whole, in place of those of its parts.
+//! Contact forces of a whole surface, in place of those of its parts.
 
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
@@ -19,15 +19,15 @@ pub(super) struct Stepped<'a> {
     pub(super) dt: f32,
 }
 
-/// Which colliders pressed on a surface by more than their threshold in the last step.
+/// The colliders that pressed on a surface by more than their threshold in the last step.
 #[derive(Default)]
 pub(super) struct Forces {
     above: HashSet<ColliderHandle>,
 }
 
 impl Forces {
-    /// Tells, for each collider that asks for it, what it and the surface press each other with: what Rapier tells of two colliders, summed
-    /// over the surface's parts. Of several substeps, the last one counts.
+    /// Reports the contact force between the surface and each collider that asks for it: Rapier's force for a pair of colliders,
+    /// summed over the surface's parts. With several substeps, the last one counts.
     pub(super) fn tell(
         &mut self,
         surface: Entity,
@@ -49,7 +49,7 @@ impl Forces {
                 let threshold = threshold(part_collider).min(threshold(collider));
                 let body = collider.parent().and_then(|body| stepped.bodies.get(body));
                 let total = pair.total_impulse_magnitude() / stepped.dt;
-                // What sleeps keeps the contacts that it fell asleep with.
+                // Sleeping bodies keep the contacts with which they fell asleep.
                 if threshold == f32::MAX || total == 0.0 || body.is_some_and(RigidBody::is_sleeping) {
                     continue;
                 }
@@ -57,7 +57,7 @@ impl Forces {
                     continue;
                 };
                 let force = PairForce::from_contact_pair(stepped.dt, pair, total);
-                // Pairs are in no order; the surface comes first.
+                // The colliders of a pair are in arbitrary order. In the event, the surface comes first.
                 let sign = if is_first { 1.0 } else { -1.0 };
                 let (sum, _) = sums
                     .entry(other)
@@ -92,7 +92,7 @@ fn nothing(surface: Entity, other: Entity) -> ContactForceEvent {
     }
 }
 
-/// The force beyond which a collider asks for events.
+/// The force above which a collider wants events.
 fn threshold(collider: &Collider) -> f32 {
     let asks = collider.active_events().contains(ActiveEvents::CONTACT_FORCE_EVENTS);
     if asks {
@@ -102,7 +102,7 @@ fn threshold(collider: &Collider) -> f32 {
     }
 }
 
-/// The length of a substep, when the step's is known.
+/// The length of a substep, given that of the step.
 pub(super) fn substep(mode: &TimestepMode, dt: f32) -> f32 {
     let (substeps, scale) = match *mode {
         TimestepMode::Fixed { substeps, .. } | TimestepMode::Variable { substeps, .. } => (substeps, 1.0),
@@ -113,7 +113,7 @@ pub(super) fn substep(mode: &TimestepMode, dt: f32) -> f32 {
     dt * scale / substeps.max(1) as f32
 }
 
-/// Whether Rapier does one step without substeps in `dt` seconds.
+/// Whether Rapier does a single step without substeps in `dt` seconds.
 pub(super) fn is_one_step(mode: &TimestepMode, dt: f32) -> bool {
     let (one, substeps) = match *mode {
         TimestepMode::Fixed { substeps, .. } | TimestepMode::Variable { substeps, .. } => (dt, substeps),

@@ -1,4 +1,4 @@
-//! Remembers what surfaces are drawn with, frame by frame, for steps at other times.
+//! Remembers the poses with which surfaces are drawn, frame by frame, for steps at other times.
 
 use bevy::mesh::morph::MorphWeights;
 use bevy::prelude::*;
@@ -11,7 +11,7 @@ use crate::physics::drawn::Shows;
 use crate::skeletons::{BindPoses, Skeletons};
 use crate::weights::drawn_weights;
 
-/// At the end of a frame, or before its steps if physics runs once a frame.
+/// Records a frame at its end, or before its steps if physics runs once per frame.
 pub(super) fn record_frame(
     mut surfaces: Query<(&MorphRapierCollider, &mut RapierSurface, Shows)>,
     shared: Query<&MorphWeights>,
@@ -24,7 +24,7 @@ pub(super) fn record_frame(
     mut stepping: ResMut<Stepping>,
 ) {
     let now = if stepping.is_fixed {
-        // What the clock of steps will show when it comes to this frame.
+        // The time that the step clock will show at this frame.
         let Some(fixed) = fixed else { return };
         let now = fixed.elapsed_secs_f64() + fixed.overstep().as_secs_f64();
         stepping.lag.frame(now);
@@ -48,7 +48,7 @@ pub(super) fn record_frame(
     }
 }
 
-/// After the steps of a frame: what has changed since then, steps change.
+/// Runs after the steps of a frame. If weights changed after the last step saw them, a fixed schedule animates them.
 pub(super) fn after_steps(
     mut surfaces: Query<(&mut RapierSurface, Option<&bevy::mesh::morph::MeshMorphWeights>)>,
     shared: Query<&MorphWeights>,

@@ -1,4 +1,4 @@
-//! The triangles of surfaces that matter for a question about two shapes.
+//! Gathers the triangles of surfaces that matter for a query about two shapes.
 
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use bevy_rapier3d::parry::math::{Pose, Real, Vector};
@@ -9,19 +9,20 @@ use super::ground::Ground;
 use crate::physics::surface::MorphSurface;
 use crate::physics::triangles::{Patch, Triangles};
 
-/// What the triangles of surfaces near each other are; shapes that are no surfaces stay what they are.
+/// The triangles of two surfaces near each other. Shapes that are not surfaces stay as they are.
 pub(super) struct Gathered {
     first: Option<Triangles>,
     second: Option<Triangles>,
 }
 
 impl Gathered {
-    /// For two shapes of which at least one is a surface: what is within `reach` of the other. None for two other shapes.
+    /// For two shapes of which at least one is a surface: gathers its triangles within `reach` of the other shape. `None` for two
+    /// other shapes.
     pub(super) fn near(pos12: &Pose, g1: &dyn Shape, g2: &dyn Shape, reach: Real) -> Option<Self> {
         Self::along(pos12, Vector::ZERO, g1, g2, reach, false)
     }
 
-    /// The same while the second shape moves by `motion` as seen by the first.
+    /// The same while the second shape moves by `motion`, in the space of the first.
     pub(super) fn along(
         pos12: &Pose,
         motion: Vector,
@@ -38,13 +39,13 @@ impl Gathered {
             let end = Pose::from_parts(pos12.translation + motion, pos12.rotation);
             shape.compute_swept_aabb(pos12, &end).loosened(reach)
         };
-        // Boxes first: the other shape may be a surface, even the same one, that is locked to tell its own.
+        // Boxes first: the other shape may be a surface, even the same one, and its own box needs its lock.
         let first = surface1.map(|surface| {
             let region = in_first(g2);
             surface.lock().triangles_in(&region, for_contacts)
         });
         let second = surface2.map(|surface| {
-            // The first one seen by the second moves the other way.
+            // From the second shape, the first moves the opposite way.
             let pos21 = pos12.inverse();
             let end = Pose::from_parts(pos21.translation - pos21.rotation * motion, pos21.rotation);
             let g1: &dyn Shape = first.as_ref().map_or(g1, |triangles| triangles);
@@ -57,7 +58,7 @@ impl Gathered {
         Some(Self { first, second })
     }
 
-    /// For one surface that stands still while another shape moves and turns: what is on its way.
+    /// For one surface that stands still while another shape moves and rotates: gathers the triangles on its way.
     pub(super) fn in_motion(
         motion1: &NonlinearRigidMotion,
         g1: &dyn Shape,
@@ -72,7 +73,7 @@ impl Gathered {
             if !stands || is_surface(other) {
                 return None;
             }
-            // However it turns about its centre, it stays in a ball around it.
+            // However the shape rotates about its centre, it stays in a ball around it.
             let ball = other.compute_local_bounding_sphere();
             let radius = ball.center().distance(motion.local_center) + ball.radius();
             let center = |time: Real| {
@@ -87,7 +88,7 @@ impl Gathered {
         (first.is_some() || second.is_some()).then_some(Self { first, second })
     }
 
-    /// Nothing of either, or of a part.
+    /// No triangles of either shape. Also works for parts.
     pub(super) fn none(g1: &dyn Shape, g2: &dyn Shape) -> Self {
         let is_ours = |shape: &dyn Shape| is_surface(shape) || is_ground(shape) || shape.as_shape::<Patch>().is_some();
         let none = |shape: &dyn Shape| is_ours(shape).then(|| Triangles::new(Vec::new(), Vec::new(), Vec::new()));
@@ -97,7 +98,7 @@ impl Gathered {
         }
     }
 
-    /// The whole of both.
+    /// All triangles of both shapes.
     pub(super) fn whole(g1: &dyn Shape, g2: &dyn Shape) -> Option<Self> {
         let whole = |shape: &dyn Shape| {
             shape
@@ -113,7 +114,7 @@ impl Gathered {
         empty(&self.first) || empty(&self.second)
     }
 
-    /// The sub-shapes of an answer as meshes number their triangles.
+    /// Replaces the sub-shapes of an answer by the triangle numbers of the meshes.
     pub(super) fn name(&self, subshape1: &mut SubShapeId, subshape2: &mut SubShapeId) {
         for (triangles, subshape) in [(&self.first, subshape1), (&self.second, subshape2)] {
             if let Some(triangles) = triangles {
@@ -130,7 +131,7 @@ impl Gathered {
     }
 }
 
-/// Whether a shape is what controllers stand on.
+/// Whether a shape is the ground of controllers.
 pub(super) fn is_ground(shape: &dyn Shape) -> bool {
     shape.as_shape::<Ground>().is_some()
 }
@@ -139,12 +140,12 @@ fn is_surface(shape: &dyn Shape) -> bool {
     shape.as_shape::<MorphSurface>().is_some()
 }
 
-/// Whether a shape is a surface whose contacts nobody wants.
+/// Whether a shape is a surface whose contacts nobody needs.
 pub(super) fn is_quiet(shape: &dyn Shape) -> bool {
     shape.as_shape::<MorphSurface>().is_some_and(MorphSurface::is_quiet)
 }
 
-/// Asks about what is within a reach that grows until the answer is certain, or everything was looked at.
+/// Repeats a query within a growing reach until the answer is certain or everything has been looked at.
 pub(super) fn widening<T>(
     pos12: &Pose,
     g1: &dyn Shape,
@@ -160,7 +161,7 @@ pub(super) fn widening<T>(
         if !near.nothing() {
             let (near1, near2) = near.shapes(g1, g2);
             match ask(&near, near1, near2) {
-                // Whatever was left out is farther away than this.
+                // Everything left out is farther away than this.
                 Ok(answer) if distance(&answer) <= reach => return Some(Ok(answer)),
                 Ok(_) => {}
                 unsupported => return Some(unsupported),
@@ -173,7 +174,7 @@ pub(super) fn widening<T>(
     Some(ask(&whole, whole1, whole2))
 }
 
-/// How far the second shape moves within a time, but no farther than until it has certainly passed the first.
+/// The motion of the second shape within a time, cut off once the shape has certainly passed the first.
 pub(super) fn until_past(pos12: &Pose, velocity: Vector, g1: &dyn Shape, g2: &dyn Shape, time: Real) -> Vector {
     let (b1, b2) = (g1.compute_local_bounding_sphere(), g2.compute_bounding_sphere(pos12));
     let far = b1.center().distance(b2.center()) + b1.radius() + b2.radius();

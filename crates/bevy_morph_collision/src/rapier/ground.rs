@@ -1,4 +1,4 @@
-//! What a character controller stands on: a few triangles of a surface, while controllers run.
+//! The ground of character controllers: a few triangles of a surface, which exist while controllers run.
 
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingSphere};
 use bevy_rapier3d::parry::mass_properties::MassProperties;
@@ -8,9 +8,9 @@ use bevy_rapier3d::parry::shape::{CompositeShape, FeatureId, Shape, ShapeType, T
 
 use crate::physics::triangles::{Triangles, nowhere};
 
-/// Triangles of a surface that only Parry's default dispatcher sees, which Rapier's controllers use to find the ground whatever the
-/// dispatcher of the context. For [`MorphQueryDispatcher`](crate::MorphQueryDispatcher), and for rays and points, it is not
-/// there: they meet the surface itself, and must not meet it twice.
+/// Triangles of a surface that only Parry's default dispatcher sees. Rapier's controllers use that dispatcher to find the ground,
+/// whatever the context's dispatcher is. [`MorphQueryDispatcher`](crate::MorphQueryDispatcher), rays and points ignore this
+/// shape: they hit the surface itself and must not hit it twice.
 #[derive(Clone)]
 pub(super) struct Ground(pub(super) Triangles);
 

@@ -1,7 +1,8 @@
 //! Parts of surfaces on dynamic bodies: for one step they are links of their body.
 //!
-//! A link hangs on its body by a kinematic multibody joint, whose velocity Rapier's solver does not change. So a contact with the link meets the mass and the
-//! inertia of the body, and the velocity of the body and of the surface together. A link has no mass of its own.
+//! A link is attached to its body by a kinematic multibody joint, whose velocity Rapier's solver does not change. A contact with
+//! the link therefore involves the mass and the inertia of the body, and the combined velocity of body and surface. A link has no
+//! mass of its own.
 
 use bevy::math::{Mat3, Quat, Vec3};
 use bevy_rapier3d::parry::math::Pose as Place;
@@ -14,19 +15,19 @@ use bevy_rapier3d::rapier::geometry::{ActiveCollisionTypes, Collider};
 use super::world::{Mover, World};
 use crate::physics::part::Placed;
 
-/// Slower than this, per second, a part does not move along an axis, or turn.
+/// Below this speed, per second, a part counts as not moving along an axis or rotating.
 const STILL: f32 = 1e-6;
 
-/// The inertia of a body along an axis that is locked. Rapier's own value there is zero, and a matrix with zeros cannot be inverted.
+/// The inertia of a body along a locked axis. Rapier's own value there is zero, and a matrix with zeros cannot be inverted.
 const LOCKED: f32 = 1e12;
 
-/// A part that is to be a link.
+/// A part that will become a link.
 pub(super) struct Link {
     body: RigidBodyHandle,
     pub(super) part: RigidBodyHandle,
-    /// Where it is in the body.
+    /// Its place in the space of the body.
     place: Place,
-    /// How it moves there.
+    /// Its motion in that space.
     linear: Vec3,
     angular: Vec3,
 }
@@ -45,7 +46,7 @@ impl Link {
 
     /// The joint, and the velocities of its free axes.
     ///
-    /// `X` is the axis of rotation, `Y` across it. So three free axes are enough, of which one is angular.
+    /// `X` is the axis of rotation, and `Y` is perpendicular to it. Three free axes are then enough, of which one is angular.
     fn joint(&self) -> (GenericJoint, impl Iterator<Item = f32> + use<>) {
         let turns = self.angular.length();
         let x = if turns > STILL { self.angular } else { self.linear };
@@ -53,7 +54,7 @@ impl Link {
         let along = self.linear.dot(x);
         let across = self.linear - along * x;
         let sideways = across.length();
-        // Across both to a few digits, and so to the last.
+        // The first step is perpendicular to `x` up to a few digits, the second one makes it exact.
         let y = (across / sideways.max(f32::MIN_POSITIVE)).reject_from_normalized(x);
         let y = if sideways > STILL { y.try_normalize() } else { None };
         let y = y.unwrap_or_else(|| x.any_orthonormal_vector());
@@ -87,15 +88,15 @@ pub(super) struct Carrier {
     pub(super) center: Vec3,
     pub(super) velocity: RigidBodyVelocity<f32>,
     pub(super) soft_ccd_prediction: f32,
-    /// Between which types of bodies parts have contacts.
+    /// The pairs of body types between which parts have contacts.
     pub(super) types: ActiveCollisionTypes,
-    /// How far the body takes any of the surface in the step.
+    /// How far the body moves any point of the surface in the step.
     pub(super) way: f32,
     pub(super) links: Vec<Link>,
 }
 
 impl Carrier {
-    /// The body of a surface. None if its parts cannot be links of it.
+    /// The body of a surface. `None` if its parts cannot be links of that body.
     pub(super) fn of(body: RigidBodyHandle, surface: &Collider, world: &World, dt: f32) -> Option<Self> {
         let carrier = world.bodies.get(body)?;
         let is_free = world.multibody_joints.rigid_body_link(body).is_none();
@@ -130,7 +131,7 @@ impl Carrier {
     }
 }
 
-/// Whether a body can be moved along all axes that are not locked, and about them.
+/// Whether a body can move along and about all axes that are not locked.
 fn has_inertia(body: &RigidBody) -> bool {
     let mass = body.mass_properties();
     let (linear, angular) = (mass.effective_inv_mass, mass.effective_world_inv_inertia);
@@ -144,14 +145,15 @@ fn has_inertia(body: &RigidBody) -> bool {
         .all(|(axis, yields)| locked >> axis & 1 != 0 || (yields.is_finite() && yields > 0.0))
 }
 
-/// A body that has links.
+/// A body with links.
 struct Linked {
     body: RigidBodyHandle,
-    /// Where the body and its center of mass were at the begin of the step, if Rapier moves the one as if it were the other.
+    /// The positions of the body and of its centre of mass at the start of the step, if Rapier moves the one as if it were the
+    /// other.
     moved_from: Option<(Vec3, Vec3)>,
 }
 
-/// What is linked during a step.
+/// The links of a step.
 #[derive(Default)]
 pub(super) struct Links {
     /// The length of the step.
@@ -193,7 +195,7 @@ impl Links {
         }
     }
 
-    /// Takes all joints away after the step. Bodies keep the velocities that they had as roots.
+    /// Removes all joints after the step. Bodies keep the velocities that they had as roots.
     pub(super) fn part(&mut self, bodies: &mut RigidBodySet, joints: &mut MultibodyJointSet) {
         for linked in self.bodies.drain(..) {
             let multibody = joints.rigid_body_link(linked.body).map(|link| link.multibody);
@@ -202,7 +204,7 @@ impl Links {
                 end(multibody, body, linked.moved_from, self.dt);
             }
         }
-        // Once one is gone, nothing of a multibody can be read.
+        // After the first removal, nothing can be read from a multibody any more.
         for joint in self.joints.drain(..) {
             if joints.get(joint).is_some() {
                 joints.remove(joint, false);
@@ -211,12 +213,12 @@ impl Links {
     }
 }
 
-/// Makes the root of a new multibody move as its body does.
+/// Makes the root of a new multibody move like its body.
 fn begin(multibody: &mut Multibody, body: &RigidBody, once: bool) {
-    // Parts lie beside each other.
+    // Parts lie next to each other.
     multibody.set_self_contacts_enabled(false);
     if once {
-        // About its center of mass. That is where the body stands now: not so in a later substep.
+        // Rotate about the centre of mass. That is where the body is now, but not in a later substep.
         let center = body.local_center_of_mass();
         let root = &mut multibody.root_mut().joint.data;
         root.local_frame1 = Place::from_translation(*body.rotation() * center);
@@ -234,7 +236,7 @@ fn begin(multibody: &mut Multibody, body: &RigidBody, once: bool) {
     }
 }
 
-/// Gives a body the velocity of the root that it was, damped as Rapier damps bodies.
+/// Gives a body its velocity as a root, damped as Rapier damps bodies.
 fn end(multibody: &Multibody, body: &mut RigidBody, moved_from: Option<(Vec3, Vec3)>, dt: f32) {
     let speeds = multibody.generalized_velocity();
     let mut speeds = speeds.iter().copied();
@@ -251,7 +253,7 @@ fn end(multibody: &Multibody, body: &mut RigidBody, moved_from: Option<(Vec3, Ve
         body.set_angvel(damped(angular, body.angular_damping()), false);
     }
     if let Some((from, center)) = moved_from {
-        // Rapier has turned it about its origin, which went the way of its center of mass.
+        // Rapier has rotated the body about its origin, which moved like its centre of mass.
         let center = center + (body.translation() - from);
         let place = *body.position();
         let translation = center - place.rotation * body.local_center_of_mass();

@@ -1,19 +1,19 @@
-//! Physics: rigid bodies of `bevy_rapier3d` rest on morphing and skinned meshes, are pushed and carried by them, and its queries see them. Its character
-//! controllers walk on them.
+//! Physics with `bevy_rapier3d`: rigid bodies rest on morphing and skinned meshes, are pushed and carried by them, and Rapier's
+//! queries see the meshes. Rapier's character controllers walk on them.
 //!
-//! - `dispatcher`, `gathered`, `sweep`: what it asks about two shapes of which one is a surface, or a part of one.
-//! - `scene`, `attach`: which meshes have a surface.
-//! - `frames`: remembers what they are drawn with.
-//! - `push`, `part`: how it pushes: what is near moving bodies is a kinematic body for one step.
-//! - `link`, `obstacles`: on a dynamic body, parts are links of it for one step, and there are parts for everything near.
-//! - `expel`: how what is inside a solid one gets out.
-//! - `world`: what they see of Rapier's world, and change.
+//! - `dispatcher`, `gathered`, `sweep`: answer Rapier's questions about two shapes, one of which is a surface or part of one.
+//! - `scene`, `attach`: decide which meshes have a surface.
+//! - `frames`: remembers the poses with which they are drawn.
+//! - `push`, `part`: how a surface pushes: triangles near moving bodies become a kinematic body for one step.
+//! - `link`, `obstacles`: on a dynamic body, parts are links of it for one step, and there are parts for everything nearby.
+//! - `expel`: drives bodies out of solid surfaces.
+//! - `world`: the parts of Rapier's world that surfaces read and change.
 //! - `step`: the systems around Rapier's step.
-//! - `forces`, `touches`: what is told of its contacts. `spared`: what joints keep it from pushing.
-//! - `footing`, `ground`, `carry`, `character`: what character controllers stand on, and how it carries them.
-//! - `velocity`: how fast surfaces move, for anyone who asks.
+//! - `forces`, `touches`: reports of contacts. `spared`: bodies that joints keep a surface from pushing.
+//! - `footing`, `ground`, `carry`, `character`: the ground for character controllers, and how surfaces carry them.
+//! - `velocity`: velocities of surfaces, as a public system parameter.
 //!
-//! What a surface is, where it moves and what of it is near bodies is in [`crate::physics`].
+//! [`crate::physics`] decides what a surface is, where it moves and which of its triangles are near bodies.
 
 mod attach;
 mod carry;
@@ -60,49 +60,54 @@ use crate::physics::scene::give_to_parts;
 use crate::plugin::MorphCollisionSystems;
 use crate::plugins::missing;
 
-/// Makes the mesh of a [`MorphCollider`] a collider of Rapier's: bodies collide with it as it morphs.
+/// Makes the mesh of a [`MorphCollider`] a Rapier collider: bodies collide with it as it morphs.
 ///
-/// What Rapier's other components say about a collider holds: `Friction`, `Restitution`, `Sensor`, `CollisionGroups`,
-/// `SolverGroups`, `ContactSkin`, `ActiveEvents`, `ActiveHooks`, `ColliderDisabled`. The plugin adds the `Collider`
-/// itself when the mesh's tree is ready. Scale and shear of the entity are right without `ColliderScale`.
+/// Rapier's other collider components apply as usual: `Friction`, `Restitution`, `Sensor`, `CollisionGroups`, `SolverGroups`,
+/// `ContactSkin`, `ActiveEvents`, `ActiveHooks`, `ColliderDisabled`. The plugin adds the `Collider` itself when the mesh's tree
+/// is ready. Scale and shear of the entity work without `ColliderScale`.
 ///
-/// - Without a `RigidBody`, or on a fixed or kinematic one (of this entity or one above), the surface pushes and carries bodies at
-///   its own velocity: that of the animation, and that of the body.
+/// - Without a `RigidBody`, or on a fixed or kinematic one (of this entity or an ancestor), the surface pushes and carries bodies
+///   at its own velocity, which combines the animation's with that of its body.
 /// - A `KinematicCharacterController` stands on it and is carried by it; see [`MorphCharacterCarry`].
-/// - On a dynamic body it is the body's shape. While it morphs it throws and carries others at its own velocity, and the body is pushed the other way. A body in a
-///   `MultibodyJoint` of the game's only pushes others out of its surface.
+/// - On a dynamic body it is the body's shape. While it morphs, it throws and carries others at its own velocity, and its body is
+///   pushed the other way. A body in a `MultibodyJoint` that the game created only pushes others out of its surface.
 ///
-/// Like a `TriMesh` it is a surface without an inside, unless it is [`solid`](Self::solid).
+/// Like a `TriMesh`, it is a surface without an inside, unless it is [`solid`](Self::solid).
 ///
-/// A mesh that joints move (with [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh), joint indices and weights) is where its joints are before the step, with the
-/// velocity that they give it: a character carries what stands on its hand, and its punch throws crates. On a body, joints are taken to move
-/// with that body: put mesh and joints below it, as a glTF scene's root has them. Joints that are bodies themselves (a ragdoll) are followed one step late.
-/// The entity's own transform must be finite all the same.
+/// The joints of a skinned mesh (with [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh), joint indices and weights) place it as
+/// they are before the step, and give it their velocity: a character carries what stands on its hand, and its punch throws
+/// crates. On a body, joints are assumed to move with that body: put mesh and joints below it, as the root of a glTF scene does.
+/// If joints are bodies themselves (a ragdoll), the surface follows them one step late. The entity's own transform must be finite
+/// even for a skinned mesh.
 ///
-/// The surface is there while the entity has this component, a [`MorphCollider`] and a mesh whose tree is ready, and nothing disables it:
-/// [`MorphColliderDisabled`](crate::MorphColliderDisabled), `ColliderDisabled` or Bevy's `Disabled`. Pausing collision detection does not
-/// pause it. While its transform is not finite, or it is larger than 1e8 units or as far from the origin, it is left out, which is logged once.
+/// The surface exists while the entity has this component, a [`MorphCollider`] and a mesh whose tree is ready, and while nothing
+/// disables it: [`MorphColliderDisabled`](crate::MorphColliderDisabled), `ColliderDisabled` or Bevy's `Disabled`. Pausing
+/// collision detection does not pause it. While its transform is not finite, or it is larger than 1e8 units or as far from the
+/// origin, it is left out. This is logged once.
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(MorphCollider = MorphCollider::new(MorphCollisionMode::Passive))]
 pub struct MorphRapierCollider {
-    /// By how much a velocity of the surface may change in a second, in world units per second squared. A surface that is elsewhere
-    /// from one step to the next has not moved but jumped: what changes faster than this is believed to be a motion when the
-    /// step after confirms it, and until then does not throw anything. The default is 100, ten times a fall's.
+    /// The highest plausible acceleration of the surface, in world units per second squared. If the surface's velocity changes
+    /// faster, it may have jumped (teleported) instead of moved. Such a change counts as motion only when the next step confirms
+    /// it; until then it does not throw anything. The default is 100, ten times the acceleration of a fall.
     pub max_acceleration: f32,
-    /// Whether a closed mesh has an inside. Default: no.
+    /// Whether a closed mesh has an inside. The default is `false`.
     ///
-    /// - Contacts push outward alone. What is inside all the same (it was spawned there, or the surface jumped over it) is driven out, at most at the speed at
-    ///   which Rapier pushes bodies apart (`IntegrationParameters::max_corrective_velocity`, 3 units per second, and never more than 10 length units), and leaves at a third
-    ///   of that. It wakes if it sleeps. Character controllers are not driven. Between two solid surfaces that overlap, a body may be driven from one into the other.
-    /// - What is wholly inside touches, for sensors and for Rapier's queries: intersections, distances, points, and rays that ask for `solid`. Shape casts and contacts see
-    ///   triangles alone.
+    /// - Contacts only push outward. A body that is inside anyway (it was spawned there, or the surface jumped over it) is driven
+    ///   out, at no more than the speed at which Rapier separates bodies (`IntegrationParameters::max_corrective_velocity`, 3
+    ///   units per second, and never more than 10 length units), and leaves at a third of that. A sleeping body wakes up.
+    ///   Character controllers are not driven out. Between two solid surfaces that overlap, a body may be driven from one into
+    ///   the other.
+    /// - Bodies entirely inside count as touching for sensors and for some of Rapier's queries: intersections, distances, points,
+    ///   and rays with `solid`. Shape casts and contacts only see triangles.
     ///
-    /// Costs a ray and a closest point for each body near the surface, whenever the two have moved by as much as was between them.
+    /// Costs a ray and a closest point for each body near the surface, repeated whenever body and surface have moved by as much
+    /// as the distance between them.
     ///
-    /// A mesh is closed if along each of its edges as many triangles run one way as the other. Vertices that are at the same place in every pose, as at a seam of
-    /// texture coordinates, count as one. Otherwise this has no effect, and a warning in the log names the
-    /// entity. You can change it at any time; it takes effect in the next step.
+    /// A mesh is closed if along each of its edges, the same number of triangles run in either direction. Vertices at the same
+    /// place in every pose, as at a seam of texture coordinates, count as one. If the mesh is not closed, this setting has no
+    /// effect, and a warning in the log names the entity. You can change it at any time; it takes effect in the next step.
     pub solid: bool,
 }
 
@@ -117,8 +122,8 @@ impl Default for MorphRapierCollider {
 
 /// Lets rigid bodies of `bevy_rapier3d` collide with every [`MorphRapierCollider`].
 ///
-/// Add it after `RapierPhysicsPlugin` and beside [`MorphCollisionPlugin`](crate::MorphCollisionPlugin). It gives every
-/// physics context a [`MorphQueryDispatcher`] as soon as it is there.
+/// Add it after `RapierPhysicsPlugin`, together with [`MorphCollisionPlugin`](crate::MorphCollisionPlugin). It gives every new
+/// physics context a [`MorphQueryDispatcher`].
 ///
 /// ```no_run
 /// # use bevy::prelude::*;
@@ -138,7 +143,7 @@ pub struct MorphRapierPlugin {
 }
 
 impl MorphRapierPlugin {
-    /// The plugin for a `RapierPhysicsPlugin` in another schedule than [`PostUpdate`], usually [`FixedUpdate`].
+    /// Use this if `RapierPhysicsPlugin` runs in another schedule than [`PostUpdate`], usually in [`FixedUpdate`].
     #[must_use]
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self {
@@ -153,14 +158,14 @@ impl Default for MorphRapierPlugin {
     }
 }
 
-/// The plugin's systems around Rapier's step.
+/// The system sets of the plugin, around Rapier's step.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum MorphRapierSystems {
-    /// Gives colliders their surfaces; before Rapier reads its components.
+    /// Gives colliders their surfaces, before Rapier reads its components.
     Attach,
-    /// Reads morph weights and readies what bodies may touch; just before Rapier's step.
+    /// Reads morph weights and prepares the parts that bodies may touch. Just before Rapier's step.
     BeforeStep,
-    /// Just after it.
+    /// Cleans up just after Rapier's step.
     AfterStep,
 }
 
@@ -195,11 +200,11 @@ fn check(app: &mut App) {
 
 fn build(app: &mut App, schedule: InternedScheduleLabel) {
     if !app.world().contains_resource::<RapierContextInitialization>() {
-        // Logged at the end, when it is known whether it comes later.
+        // Logged in `finish`, when it is certain that the other plugin is missing.
         return;
     }
     let is_fixed = is_fixed(schedule);
-    // Now, or later if the other plugin comes after this one.
+    // Now, or later if the other plugin is added after this one.
     app.init_resource::<layout::MeshLayouts>();
     layout::add_to_trees(app);
     app.register_type::<MorphRapierCollider>()
@@ -219,7 +224,7 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                 MorphRapierSystems::Attach
                     .after(AnimationSystems)
                     .before(PhysicsSet::SyncBackend)
-                    // Trees that are done in this frame are attached in the next one.
+                    // Trees that are finished in this frame are attached in the next one.
                     .before(MorphCollisionSystems::Import)
                     .before(mark_3d_meshes_as_changed_if_their_assets_changed),
                 MorphRapierSystems::BeforeStep
@@ -264,6 +269,6 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
             before_steps.after(attach::stop_absent).before(step::before_step),
         );
     }
-    // Without effect if there are controllers already: these are carried if they are given the component.
+    // Has no effect if controllers already exist; those are carried if you add the component to them.
     let _too_late = app.try_register_required_components::<KinematicCharacterController, MorphCharacterCarry>();
 }

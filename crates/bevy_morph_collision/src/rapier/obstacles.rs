@@ -1,4 +1,4 @@
-//! What surfaces on dynamic bodies meet besides dynamic bodies: what is fixed or kinematic.
+//! What surfaces on dynamic bodies touch besides dynamic bodies: fixed and kinematic colliders.
 
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use bevy_rapier3d::parry::math::Pose as Place;
@@ -11,14 +11,14 @@ use super::world::{Mover, World, is_part};
 use crate::physics::near::Visitor;
 use crate::physics::sorted_boxes::SortedBoxes;
 
-/// All colliders that are on no dynamic body, and may have contacts.
+/// All colliders that are not on a dynamic body and may have contacts.
 pub(super) struct Obstacles {
     colliders: Vec<ColliderHandle>,
     boxes: SortedBoxes,
 }
 
 impl Obstacles {
-    /// Finds them, for so many searches in a step of `dt` seconds.
+    /// Collects them, for this number of searches in a step of `dt` seconds.
     pub(super) fn find(world: &World, dt: f32, searches: usize) -> Self {
         let found = |(handle, collider): (ColliderHandle, &Collider)| {
             let [begin, end] = whereabouts(collider, dt, world)?.map(|place| collider.shape().compute_aabb(&place));
@@ -30,7 +30,7 @@ impl Obstacles {
         Self { colliders, boxes }
     }
 
-    /// Those in a box during a step of `dt` seconds, as far as they are in it.
+    /// Those in a box during a step of `dt` seconds, with their bounds cut to it.
     pub(super) fn within(&self, bounds: &Aabb, dt: f32, world: &World) -> Vec<Mover> {
         let mut places = Vec::new();
         self.boxes.meeting(bounds, &mut places);
@@ -65,7 +65,7 @@ impl Obstacles {
     }
 }
 
-/// Where a collider is at the begin and at the end of a step, if it is an obstacle.
+/// The places of a collider at the start and end of a step, if it is an obstacle.
 fn whereabouts(collider: &Collider, dt: f32, world: &World) -> Option<[Place; 2]> {
     if collider.is_sensor() || !collider.is_enabled() || is_part(collider) || is_ground(collider.shape()) {
         return None;
@@ -85,7 +85,7 @@ fn whereabouts(collider: &Collider, dt: f32, world: &World) -> Option<[Place; 2]
     Some([*body.position() * in_body, end * in_body])
 }
 
-/// A box around what of a shape is in a box.
+/// A box around the part of a shape that is in a box.
 fn within(bounds: &Aabb, shape: &dyn Shape, place: &Place) -> Option<Aabb> {
     if !place.translation.is_finite() || !place.rotation.is_finite() {
         return None;
@@ -94,7 +94,7 @@ fn within(bounds: &Aabb, shape: &dyn Shape, place: &Place) -> Option<Aabb> {
         return below(bounds, plane, place);
     }
     let whole = shape.compute_aabb(place).intersection(bounds)?;
-    // Of ground that is everywhere, only what is near counts.
+    // Of a large ground, only the part nearby counts.
     let local = whole.transform_by(&place.inverse());
     let mut near: Option<Aabb> = None;
     let mut add = |part: Aabb| near = Some(near.map_or(part, |near| near.merged(&part)));
@@ -111,7 +111,7 @@ fn within(bounds: &Aabb, shape: &dyn Shape, place: &Place) -> Option<Aabb> {
     near?.transform_by(place).intersection(&whole)
 }
 
-/// A box around what of a box is below a plane, as far as that is known from axes.
+/// A box around the part of a box below a plane, as far as the axes allow.
 fn below(bounds: &Aabb, plane: &HalfSpace, place: &Place) -> Option<Aabb> {
     let normal = place.rotation * plane.normal;
     let height = normal.dot(place.translation);
@@ -122,7 +122,7 @@ fn below(bounds: &Aabb, plane: &HalfSpace, place: &Place) -> Option<Aabb> {
     let mut below = *bounds;
     let axis = normal.abs().max_position();
     if normal[axis].abs() > 0.999 {
-        // The highest that it comes to anywhere in the box.
+        // The plane's highest point in the box.
         let others = corners.map(|corner| (height - normal.dot(corner)) / normal[axis] + corner[axis]);
         if normal[axis] > 0.0 {
             below.maxs[axis] = others.into_iter().fold(f32::MIN, f32::max).min(bounds.maxs[axis]);

@@ -1,4 +1,4 @@
-//! Parts of surfaces as bodies of Rapier's: kinematic ones, or on a dynamic body links of it.
+//! Parts of surfaces as Rapier bodies: kinematic bodies, or links if the surface is on a dynamic body.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -14,7 +14,7 @@ use super::world::{Manners, World};
 use crate::physics::part::{Bodies, Placed};
 use crate::physics::triangles::{Patch, Triangles};
 
-/// What Rapier knows a part by.
+/// The handles of a part in Rapier.
 pub(super) struct PartHandles {
     pub(super) body: RigidBodyHandle,
     pub(super) collider: ColliderHandle,
@@ -29,12 +29,12 @@ impl Default for PartHandles {
     }
 }
 
-/// A physics world, and what the parts of one surface are like in it.
+/// A physics world, and the properties of one surface's parts in it.
 pub(super) struct PartBodies<'a, 'w> {
     pub(super) entity: Entity,
     pub(super) manners: Manners,
     pub(super) stepping: &'a Arc<AtomicBool>,
-    /// The dynamic body that the surface is on, if it is on one.
+    /// The dynamic body on which the surface is, if any.
     pub(super) carrier: Option<&'a mut Carrier>,
     pub(super) world: &'a mut World<'w>,
 }
@@ -49,7 +49,7 @@ impl Bodies<PartHandles> for PartBodies<'_, '_> {
         let Placed {
             linear,
             angular,
-            // Contacts with what it will reach during the step, too.
+            // Includes contacts with what the part will reach during the step.
             reach,
             ..
         } = *placed;
@@ -62,7 +62,7 @@ impl Bodies<PartHandles> for PartBodies<'_, '_> {
         let (mut linear, mut angular, mut reach) = (linear, angular, reach);
         if let Some(carrier) = &self.carrier {
             (body_type, types) = (RigidBodyType::Dynamic, carrier.types);
-            // What decides how far away contacts are prepared.
+            // Decides how far away contacts are prepared.
             linear += carrier.velocity.linvel + carrier.velocity.angvel.cross(placed.origin - carrier.center);
             angular += carrier.velocity.angvel;
             reach = reach.max(carrier.soft_ccd_prediction);

@@ -1,4 +1,4 @@
-//! What a surface pushes with: its parts near moving bodies, as kinematic bodies of Rapier's.
+//! How a surface pushes: with parts near moving bodies, as kinematic Rapier bodies.
 
 use std::sync::Arc;
 
@@ -20,23 +20,23 @@ use crate::physics::layout::MeshLayout;
 use crate::physics::near::Nearby;
 use crate::physics::surface::MorphSurface;
 
-/// What a surface pushes with.
+/// The parts with which a surface pushes.
 pub(super) struct Pushing {
     entity: Entity,
     near: Nearby<ColliderHandle, RigidBodyHandle, PartHandles>,
     /// Whether its parts are links of a dynamic body.
     linked: bool,
     manners: Option<Manners>,
-    /// Whether parts go without a name, so that Rapier tells nobody of their contacts.
+    /// Whether parts have no name, so that Rapier does not report their contacts.
     nameless: bool,
-    /// Whether Rapier tells of contacts of parts as well as of the whole surface's.
+    /// Whether Rapier reports contacts of parts in addition to those of the whole surface.
     pub(super) repeats: bool,
     forces: Forces,
     spared: Spared,
     expulsion: Expulsion,
-    /// Bodies that are bullets for this step alone, or are none for it, and what they are otherwise.
+    /// Bodies whose CCD is switched on or off for this step only, with their usual setting.
     bullets: Vec<(RigidBodyHandle, bool)>,
-    // Memory to use again.
+    // Scratch memory.
     meeting: Vec<u32>,
 }
 
@@ -61,18 +61,18 @@ impl Pushing {
         self.near.is_idle()
     }
 
-    /// How many parts are in the physics world.
+    /// The number of parts in the physics world.
     pub(super) fn parts(&self) -> u32 {
         self.near.parts().count() as u32
     }
 
-    /// Takes all parts out of the world, and forgets what was near.
+    /// Removes all parts from the world and forgets what was near.
     pub(super) fn stop(&mut self, world: &mut World) {
         self.expulsion.stop();
         self.stop_parts(world);
     }
 
-    /// Takes all parts out of the world.
+    /// Removes all parts from the world.
     pub(super) fn stop_parts(&mut self, world: &mut World) {
         if !self.is_idle() {
             self.near.stop(|part| world.remove(part.body));
@@ -80,11 +80,12 @@ impl Pushing {
         }
     }
 
-    /// Sees to it that during the step to come whatever may meet the surface meets parts that move as it does.
+    /// Prepares the coming step: everything that may touch the surface will touch parts that move like it.
     ///
-    /// With a `carrier`, whatever the surface may meet is met by parts, fixed or not, and the parts have to be joined to the carrier before the step.
+    /// With a `carrier`, there are parts for everything that the surface may touch, fixed or not. The caller must join these
+    /// parts to the carrier before the step.
     ///
-    /// Says how many parts had to be blended.
+    /// Returns how many parts had to be blended.
     pub(super) fn prepare(
         &mut self,
         following: &mut Following,
@@ -139,8 +140,8 @@ impl Pushing {
                 self.near.look_near(visitor, following, &step.pace)
             };
             let is_inside = is_solid && self.expulsion.drive_out(mover, following, &manners, step, world);
-            // Rapier sweeps what is fast against what is fixed, and only bullets against what is kinematic, as parts are. What is on its way
-            // out would be stopped by the surface.
+            // Rapier sweeps fast bodies against fixed ones, but against kinematic ones, such as parts, only if they are bullets.
+            // A body on its way out must not be a bullet, because the surface would stop it.
             if touches
                 && (mover.fast || is_inside)
                 && let Some(body) = world.bodies.get_mut(visitor.body)
@@ -170,8 +171,8 @@ impl Pushing {
         let listening = step.audience.listens || events.contains(ActiveEvents::COLLISION_EVENTS);
         following.surface.set_quiet(!listening);
         if busy && (listening || events.contains(ActiveEvents::CONTACT_FORCE_EVENTS)) {
-            // The surface tells of what it touches as a whole: of parts without a name nothing is told. Hooks are given names, and
-            // cannot do without.
+            // The surface reports its contacts as a whole, and parts without a name report nothing. Hooks receive the names of
+            // colliders, so they need named parts.
             let hooked = step
                 .audience
                 .hooks_near(&bounds.loosened(following.displacement as f32));
@@ -185,7 +186,7 @@ impl Pushing {
         blended
     }
 
-    /// Parts that are not joined to their carrier in this step would be obstacles of their own.
+    /// Disables parts that are not joined to their carrier in this step. They would act as separate obstacles.
     fn leave_out_unlinked(&self, carrier: &Carrier, colliders: &mut ColliderSet) {
         for part in self.near.parts() {
             let is_linked = carrier.links.iter().any(|link| link.part == part.body);
@@ -197,12 +198,12 @@ impl Pushing {
         }
     }
 
-    /// Stops driving out what is inside.
+    /// Stops driving out bodies that are inside.
     pub(super) fn stop_driving(&mut self) {
         self.expulsion.stop();
     }
 
-    /// Drives what is inside the surface, which is on a dynamic body, out of it.
+    /// Drives bodies out of a surface on a dynamic body.
     pub(super) fn drive_apart(
         &mut self,
         collider: ColliderHandle,
@@ -216,7 +217,7 @@ impl Pushing {
         expulsion.drive_apart(collider, following, manners, spared, step, world);
     }
 
-    /// Tells what forces the surface had with others in the step, where Rapier told nothing of its parts.
+    /// Reports the contact forces of the surface in the step, if Rapier did not report those of its parts.
     pub(super) fn tell_forces(&mut self, stepped: &Stepped, tell: &mut impl FnMut(ContactForceEvent)) {
         if self.nameless {
             let parts = self.near.parts().map(|part| part.collider);
@@ -224,7 +225,7 @@ impl Pushing {
         }
     }
 
-    /// Parts are known as their surface again.
+    /// Gives parts the name of their surface again.
     pub(super) fn finish(&mut self, surface: &MorphSurface, bodies: &mut RigidBodySet, colliders: &mut ColliderSet) {
         surface.set_quiet(false);
         self.repeats = false;

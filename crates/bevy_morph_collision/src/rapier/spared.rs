@@ -1,20 +1,20 @@
-//! Joints whose bodies do not touch each other hold for the parts of a surface, too.
+//! Applies joints that disable contacts between their bodies to the parts of a surface.
 
 use bevy::platform::collections::HashMap;
 use bevy_rapier3d::rapier::dynamics::{GenericJoint, ImpulseJointHandle, MultibodyLink, RigidBodyHandle};
 
 use super::world::World;
 
-/// What a surface does not push, because a joint between its body and that one has contacts disabled.
+/// The bodies that a surface does not push, because a joint with disabled contacts connects them to its body.
 #[derive(Default)]
 pub(super) struct Spared {
     bodies: Vec<RigidBodyHandle>,
-    /// For a part's body and a spared one: a joint that holds nothing and disables their contacts.
+    /// Joints between parts' bodies and spared bodies that constrain nothing and only disable contacts.
     guards: HashMap<(RigidBodyHandle, RigidBodyHandle), ImpulseJointHandle>,
 }
 
 impl Spared {
-    /// Finds what is joined to the body of a surface without contacts, by the rules of Rapier's narrow phase.
+    /// Finds the bodies joined without contacts to the body of a surface, by the rules of Rapier's narrow phase.
     pub(super) fn find(&mut self, body: Option<RigidBodyHandle>, world: &World) {
         self.bodies.clear();
         let Some(body) = body else { return };
@@ -43,14 +43,14 @@ impl Spared {
         self.bodies.contains(&body)
     }
 
-    /// Keeps parts, which are there for others, from touching what is spared.
+    /// Keeps parts, which exist for other bodies, from touching spared bodies.
     pub(super) fn guard(&mut self, parts: impl Iterator<Item = RigidBodyHandle>, world: &mut World) {
         if self.bodies.is_empty() && self.guards.is_empty() {
             return;
         }
         let bodies = &self.bodies;
         self.guards.retain(|(_, body), guard| {
-            // With a body, its joints go.
+            // Removing a body removes its joints.
             let stays = world.impulse_joints.get(*guard).is_some() && bodies.contains(body);
             if !stays {
                 world.impulse_joints.remove(*guard, false);

@@ -1,4 +1,4 @@
-//! Moves surfaces to their pose at the end of Rapier's step, and releases them to queries afterwards.
+//! Moves surfaces to their pose at the end of Rapier's step, and makes them visible to queries again afterwards.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -36,35 +36,36 @@ use crate::physics::part::Pace;
 use crate::physics::range::{MAX_COORDINATE, box_in_range, in_range};
 use crate::skeletons::{BindPoses, Skeletons};
 
-/// What the last step of physics needed of [`MorphRapierCollider`]s.
+/// Counts of [`MorphRapierCollider`]s in the last physics step.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Resource, Debug, Default, Clone, PartialEq)]
 pub struct MorphRapierDiagnostics {
-    /// Surfaces in physics, without those that are switched off, too large, or at a place that is not finite.
+    /// Surfaces in physics, except those that are switched off, too large, or not at a finite position.
     pub surfaces: u32,
-    /// Of these, those that moved or morphed.
+    /// Surfaces that moved or morphed.
     pub moving: u32,
-    /// Parts of surfaces near dynamic bodies, or of surfaces on dynamic bodies near anything: bodies of their own in the physics world.
+    /// Parts of surfaces near dynamic bodies, or of surfaces on dynamic bodies near anything. Each part is a body in the physics
+    /// world.
     pub parts: u32,
-    /// Of these, those whose vertices were blended for the step.
+    /// Parts whose vertices were blended for the step.
     pub blended: u32,
-    /// Time taken before and after the step.
+    /// Time spent before and after the step.
     pub duration: Duration,
 }
 
-/// What is true of all surfaces.
+/// State shared by all surfaces.
 #[derive(Resource, Default)]
 pub(crate) struct Stepping {
-    /// Whether a step is going on.
+    /// Whether a step is in progress.
     now: Arc<AtomicBool>,
     movers: Movers,
     /// What is linked during a step, for each physics world.
     links: HashMap<Entity, Links>,
-    /// The colliders of bodies that were too large in the last step: these are in the log.
+    /// The colliders of bodies that were too large in the last step. They have been logged.
     too_large: HashSet<u128>,
     /// Whether physics runs in a fixed schedule.
     pub(super) is_fixed: bool,
-    /// How far it is then behind what is drawn.
+    /// In that case, how far physics is behind what is drawn.
     pub(super) lag: Lag,
 }
 
@@ -104,7 +105,7 @@ pub(super) fn world<'a>(
     }
 }
 
-/// Surfaces go where they will be at the end of the step, and bodies near them get something to stand on.
+/// Moves surfaces to where they will be at the end of the step, and creates parts for nearby bodies.
 pub(super) fn before_step(
     mut contexts: Contexts,
     mut surfaces: Query<(
@@ -160,7 +161,7 @@ pub(super) fn before_step(
         }
         now.store(true, Ordering::Release);
         if !has_stepped {
-            // Not in frames without a step, or skeletons would be forgotten in a pause.
+            // Not in frames without a step: a pause would drop the skeletons.
             skeletons.begin();
         }
         has_stepped = true;
@@ -182,7 +183,7 @@ pub(super) fn before_step(
                 continue;
             };
             if surface.context.is_some_and(|home| home != context) {
-                // It came from another world in this frame; its parts are still there.
+                // It came from another world in this frame, and its parts are still there.
                 continue;
             }
             surface.context = Some(context);
@@ -224,7 +225,7 @@ pub(super) fn before_step(
                 let drawn_at = rigid_place(&live.place.into());
                 if !off
                     && collider.parent().is_none()
-                    // A scale of zero leaves no valid rotation, and Rapier would disable the collider for good.
+                    // A scale of zero leaves no valid rotation, and Rapier would disable the collider permanently.
                     && (!is_rigid(collider.position()) || (span.is_some() && *collider.position() != drawn_at))
                     && let Some(collider) = world.colliders.get_mut(handle.0)
                 {
@@ -279,7 +280,7 @@ pub(super) fn before_step(
             {
                 collider.set_solver_groups(own_groups);
                 if changed {
-                    // The same shape, changed: contacts and boxes are computed anew.
+                    // The shape is the same object but has changed; setting it again makes Rapier recompute contacts and boxes.
                     let shape = collider.shared_shape().clone();
                     collider.set_shape(shape);
                 }
@@ -290,7 +291,7 @@ pub(super) fn before_step(
                     prediction: parameters.prediction_distance() + manners.contact_skin,
                     max_acceleration: settings.max_acceleration,
                 },
-                // As fast as Rapier pushes apart what overlaps.
+                // The speed at which Rapier separates overlapping bodies.
                 leaving: parameters.max_corrective_velocity().min(10.0 * parameters.length_unit),
                 movers,
                 obstacles: obstacles.as_ref(),
@@ -318,7 +319,7 @@ pub(super) fn before_step(
                 pushing.stop_driving();
             }
         }
-        // All at once: a surface looks for what is joined to its body.
+        // All at once, because a surface looks for everything joined to its body.
         let links = links.entry(context).or_default();
         links.join(to_link.into_iter(), dt, once, &mut world);
     }
@@ -328,7 +329,7 @@ pub(super) fn before_step(
     diagnostics.duration = start.elapsed();
 }
 
-/// Parts are there for steps alone.
+/// Parts exist only during steps.
 pub(super) fn after_step(
     mut contexts: Query<(
         &RapierContextSimulation,
@@ -379,7 +380,8 @@ pub(super) fn after_step(
     diagnostics.duration += start.elapsed();
 }
 
-/// How much time Rapier will go on by; if it draws bodies between steps, also what the steps see of what is drawn.
+/// How much time Rapier will simulate. If Rapier interpolates bodies between steps, also the time span of the drawn poses that
+/// the steps use.
 pub(super) fn time_ahead(mode: &TimestepMode, time: &Time, behind: f32) -> (f32, Option<Span>) {
     let dt = match *mode {
         TimestepMode::Fixed { dt, substeps } if substeps > 0 => dt,
@@ -398,7 +400,7 @@ pub(super) fn time_ahead(mode: &TimestepMode, time: &Time, behind: f32) -> (f32,
                 left -= dt;
                 steps += 1.0;
             }
-            // Physics is ahead by up to a step, and so looks at what was drawn a step before.
+            // Physics is ahead by up to one step, so it uses what was drawn one step earlier.
             let end = time.elapsed_secs_f64() - f64::from(left) - f64::from(dt);
             let begin = end - f64::from(steps) * f64::from(dt);
             return (steps * dt * time_scale, Some(Span { begin, end }));
@@ -408,7 +410,8 @@ pub(super) fn time_ahead(mode: &TimestepMode, time: &Time, behind: f32) -> (f32,
     (dt, None)
 }
 
-/// Every context gets to know surfaces as it comes into the world, before it has contacts, and before a game gives it something else.
+/// Gives every new context the dispatcher for surfaces, before the context has contacts and before a game can set another
+/// dispatcher.
 pub(super) fn teach_context(
     added: On<Add<RapierContextSimulation>>,
     mut contexts: Query<&mut RapierContextSimulation>,

@@ -1,4 +1,4 @@
-//! What Rapier asks about fast bodies and parts of surfaces.
+//! Sweeps of fast bodies against parts of surfaces (continuous collision detection).
 
 use bevy_rapier3d::parry::math::{Pose, Real, Rotation, Vector};
 use bevy_rapier3d::parry::query::{DefaultQueryDispatcher, NonlinearRigidMotion, QueryDispatcher, ShapeCastHit};
@@ -6,19 +6,21 @@ use bevy_rapier3d::parry::shape::{Ball, Shape};
 
 use crate::physics::triangles::Patch;
 
-/// The radius of the core of a swept shape, relative to the thickness that Parry gives it: the radius of a ball, half the smallest extent of a cuboid.
+/// The radius of a swept shape's core, relative to Parry's CCD thickness. That is the radius of a ball, or half the smallest
+/// extent of a cuboid.
 const CORE: Real = 0.25;
 
-/// One of the two shapes: the part, which Rapier has at rest where it ends, or what is swept against it.
+/// One of the two shapes: the part, which Rapier keeps at rest at the end of its motion, or the shape swept against it.
 struct Swept<'a> {
     motion: NonlinearRigidMotion,
     shape: &'a dyn Shape,
 }
 
-/// Sweeps a shape against a part of a surface; `None` if neither is one, or both are.
+/// Sweeps a shape against a part of a surface. `None` if neither shape is a part, or both are.
 ///
-/// Rapier sweeps a body against the part as it will be at the end of the step. A body that is lifted or pushed away by the part would be stopped by a neighboring triangle in each step. It
-/// would stay behind, and fall through in the end. Here a body is stopped only by what it meets while both move.
+/// Rapier sweeps a body against the part's place at the end of the step. A body that the part lifts or pushes away would then be
+/// stopped by a neighboring triangle in each step, stay behind, and finally fall through. Here only contact while both move stops
+/// a body.
 pub(super) fn sweep_part(
     motion1: &NonlinearRigidMotion,
     g1: &dyn Shape,
@@ -59,7 +61,7 @@ fn first_touch(
     let touches = DefaultQueryDispatcher
         .intersection_test(&begin, patch, other.shape)
         .ok()?;
-    // What touches already is a matter of contacts. Only its core, a ball around its middle, must not get through.
+    // Contacts handle what already touches. Only the shape's core, a ball around its middle, must not pass through.
     let core = Ball::new(CORE * other.shape.ccd_thickness());
     let other = &if touches.intersecting {
         let middle = other.shape.mass_properties(1.0).local_com;
@@ -73,12 +75,13 @@ fn first_touch(
     let Some(meets) = cast(&along, other)? else {
         return Some(None);
     };
-    // Stop it before the place where the part ends, if it can be: after they meet, the part comes closer in the rest of the step.
+    // Stop it before the place where the part ends, if possible: after they meet, the part comes closer during the rest of the
+    // step.
     let before_its_end = cast(&part.motion, other)?.filter(|hit| hit.time_of_impact > 0.0);
     Some(before_its_end.or(Some(meets)))
 }
 
-/// How a part moves that Rapier has at rest at its end.
+/// The motion of a part that Rapier keeps at rest at the end of its motion.
 fn motion_until(end: &NonlinearRigidMotion, patch: &Patch, dt: Real) -> NonlinearRigidMotion {
     let [linear, angular] = patch.velocity;
     if end.linvel != Vector::ZERO || end.angvel != Vector::ZERO {

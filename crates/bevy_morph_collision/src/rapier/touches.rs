@@ -1,4 +1,4 @@
-//! Collision events of surfaces whose parts must have names.
+//! Collision events of surfaces whose parts need names.
 
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
@@ -6,10 +6,11 @@ use bevy_rapier3d::plugin::context::RapierContextColliders;
 use bevy_rapier3d::prelude::CollisionEvent;
 use bevy_rapier3d::rapier::geometry::{CollisionEventFlags, ContactPair, NarrowPhase};
 
-/// Makes the events of a step say what is true of a whole surface after it.
+/// Makes the events of a step correct for whole surfaces.
 ///
-/// Where hooks are near, Rapier tells of parts as well: that one of them is not touched any more while another is, and nothing of those that are
-/// taken out. Surfaces are given with their contexts. Their events may come several times, but the last one is always right.
+/// If hooks are nearby, Rapier also sends events for parts. It may report that one part is no longer touched while another still
+/// is, and it reports nothing for parts that are removed. `surfaces` maps surfaces to their contexts. Events of a surface may be
+/// sent several times, but the last one is always right.
 pub(super) fn tell_whole<'a>(
     surfaces: &HashMap<Entity, Entity>,
     events: &mut MessageMutator<CollisionEvent>,

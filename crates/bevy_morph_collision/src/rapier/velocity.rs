@@ -1,4 +1,4 @@
-//! How fast surfaces in physics move.
+//! Velocities of surfaces in physics.
 
 use bevy::ecs::system::SystemParam;
 use bevy::prelude::*;
@@ -12,15 +12,17 @@ use super::attach::RapierSurface;
 use crate::physics::follow::Following;
 use crate::physics::point::SurfacePoint;
 
-/// How fast surfaces with a [`MorphRapierCollider`] move: what bodies on them are carried with.
+/// Reads how fast surfaces with a [`MorphRapierCollider`] move, which is the velocity at which they carry bodies.
 ///
-/// For controllers of your own: cast a ray or a shape down with Rapier, which names the entity and (as sub-shape) the triangle that was hit, then
-/// ask here. Velocities are those of Rapier's last step, in world units per second: morphing, joints and the motion of the entity and its
-/// kinematic body together. Ask before [`PhysicsSet::SyncBackend`](bevy_rapier3d::plugin::PhysicsSet::SyncBackend) or after
-/// [`PhysicsSet::Writeback`](bevy_rapier3d::plugin::PhysicsSet::Writeback). For velocities between rendered frames, of any
-/// [`MorphCollider`](crate::MorphCollider), there is [`MorphSpatialQuery::surface_velocity`](crate::MorphSpatialQuery::surface_velocity).
+/// Use it in your own character controllers: cast a ray or a shape down with Rapier, which returns the entity and, as sub-shape,
+/// the triangle that was hit. Then ask this parameter. Velocities are those of Rapier's last step, in world units per second.
+/// They combine morphing, joints and the motion of the entity and its kinematic body. Call it before
+/// [`PhysicsSet::SyncBackend`](bevy_rapier3d::plugin::PhysicsSet::SyncBackend) or after
+/// [`PhysicsSet::Writeback`](bevy_rapier3d::plugin::PhysicsSet::Writeback). For velocities between rendered frames of any
+/// [`MorphCollider`](crate::MorphCollider), use
+/// [`MorphSpatialQuery::surface_velocity`](crate::MorphSpatialQuery::surface_velocity).
 ///
-/// Systems with this parameter do not run at the same time as each other.
+/// Systems with this parameter do not run in parallel with each other.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -61,10 +63,11 @@ impl std::fmt::Debug for MorphRapierVelocity<'_, '_> {
 }
 
 impl MorphRapierVelocity<'_, '_> {
-    /// The velocity of a point of a surface: of a triangle, as the mesh numbers them, at these barycentric coordinates.
+    /// The velocity of a point of a surface, given by a triangle, as numbered in the mesh, and barycentric coordinates.
     ///
-    /// `None` if the entity has no surface, if that is on a dynamic body (ask the body), or if there is no such triangle. Zero while the surface
-    /// is switched off, and in the first step of a jump (see [`MorphRapierCollider::max_acceleration`]). Costs nine vertices.
+    /// `None` if the entity has no surface, if the surface is on a dynamic body (ask the body instead), or if the triangle does
+    /// not exist. Zero while the surface is switched off, and in the first step of a jump (see
+    /// [`MorphRapierCollider::max_acceleration`]). Costs nine vertices.
     #[must_use]
     pub fn velocity_at(&mut self, surface: Entity, triangle: u32, barycentrics: Vec3) -> Option<Vec3> {
         let point = SurfacePoint {
@@ -75,7 +78,7 @@ impl MorphRapierVelocity<'_, '_> {
         Some(following.velocity_at(point, max_acceleration)?.as_vec3())
     }
 
-    /// The velocity of a surface at its point closest to `point`, which is in world space. `None` as for
+    /// The velocity of a surface at its point closest to `point`, which is in world space. `None` in the cases of
     /// [`velocity_at`](Self::velocity_at), and if the point is not finite.
     #[must_use]
     pub fn surface_velocity(&mut self, surface: Entity, point: Vec3) -> Option<Vec3> {

@@ -1,4 +1,4 @@
-//! What surfaces see of a physics world, and what they change in it.
+//! The parts of a physics world that surfaces read and change.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -21,7 +21,7 @@ use crate::physics::range::{box_in_range, in_range};
 use crate::physics::sorted_boxes::SortedBoxes;
 use crate::physics::triangles::Patch;
 
-/// The parts of a physics world that bodies come into and go from.
+/// The sets to which bodies are added and from which they are removed.
 pub(super) struct World<'a> {
     pub(super) bodies: &'a mut RigidBodySet,
     pub(super) colliders: &'a mut ColliderSet,
@@ -32,7 +32,7 @@ pub(super) struct World<'a> {
 }
 
 impl World<'_> {
-    /// Takes a body out, colliders and all.
+    /// Removes a body with its colliders.
     pub(super) fn remove(&mut self, body: RigidBodyHandle) {
         self.bodies.remove(
             body,
@@ -46,34 +46,35 @@ impl World<'_> {
     }
 }
 
-/// What a step is about.
+/// What surfaces need to know about a step.
 pub(super) struct Step<'a> {
     pub(super) pace: Pace,
-    /// How fast bodies are driven out of what is solid.
+    /// The speed at which bodies are driven out of solid surfaces.
     pub(super) leaving: f32,
     pub(super) movers: &'a Movers,
-    /// What else there is, for surfaces on dynamic bodies that move.
+    /// Other obstacles, for surfaces on moving dynamic bodies.
     pub(super) obstacles: Option<&'a Obstacles>,
-    /// What others than movers want.
+    /// Everything besides movers that needs contacts of surfaces.
     pub(super) audience: &'a Audience,
-    /// The body that the surface is on.
+    /// The body on which the surface is.
     pub(super) body: Option<RigidBodyHandle>,
-    /// Set while a step is going on.
+    /// Set while a step is in progress.
     pub(super) stepping: &'a Arc<AtomicBool>,
 }
 
-/// What there is in a world that contacts of surfaces matter to, whatever is near.
+/// Everything that needs contacts of surfaces even without movers nearby.
 pub(super) struct Audience {
-    /// Where colliders with hooks, which are given entities, may be when Rapier looks for pairs.
+    /// Where colliders with hooks, which receive entities, may be when Rapier looks for pairs.
     hooked: Vec<Aabb>,
-    /// Whether it looks once.
+    /// Whether Rapier looks for pairs only once.
     once: bool,
-    /// Colliders that are on no dynamic body and want events, or soft bodies, which meet the surface as a whole.
+    /// Whether there are colliders on no dynamic body that want events, or soft bodies, which collide with the surface as a
+    /// whole.
     pub(super) listens: bool,
 }
 
 impl Audience {
-    /// `once` says whether Rapier does one step, without substeps.
+    /// `once` says whether Rapier does a single step without substeps.
     pub(super) fn of(world: &World, margin: f32, once: bool) -> Self {
         let body = |collider: &Collider| collider.parent().and_then(|body| world.bodies.get(body));
         let listens = |collider: &Collider| {
@@ -88,7 +89,7 @@ impl Audience {
             let Some(body) = body(collider) else {
                 return collider.compute_aabb();
             };
-            // Colliders of a body that the game moved follow in the step.
+            // If the game moved the body, its colliders follow only in the step.
             let in_body = collider.position_wrt_parent().copied().unwrap_or_default();
             let at = |place| collider.shape().compute_aabb(&(place * in_body));
             at(*body.position())
@@ -106,10 +107,10 @@ impl Audience {
         }
     }
 
-    /// Whether a hook may be given what is in a box.
+    /// Whether a hook may be called for something in a box.
     pub(super) fn hooks_near(&self, bounds: &Aabb) -> bool {
         let mut hooked = self.hooked.iter();
-        // In later steps, anything may be anywhere.
+        // In later substeps, anything may be anywhere.
         hooked.any(|hooked| !self.once || hooked.intersects(bounds))
     }
 }
@@ -123,9 +124,9 @@ pub(super) fn is_part(collider: &Collider) -> bool {
 #[derive(Clone, Copy)]
 pub(super) struct Mover {
     pub(super) visitor: Visitor<ColliderHandle, RigidBodyHandle>,
-    /// Whether it moves, in a step, by more than a quarter of its smallest extent, and is no bullet yet.
+    /// Whether it moves by more than a quarter of its smallest extent in a step and is not a bullet yet.
     pub(super) fast: bool,
-    /// Whether the game wants it to be one.
+    /// Whether the game made it a bullet.
     pub(super) bullet: bool,
     pub(super) groups: InteractionGroups,
     pub(super) events: ActiveEvents,
@@ -143,15 +144,15 @@ impl Movers {
         self.all.is_empty()
     }
 
-    /// Those that may be in a box during the step, in the order of their bodies. `places` is memory to use.
+    /// Returns the movers that may be in a box during the step, in the order of their bodies. `places` is scratch memory.
     pub(super) fn meeting<'a>(&'a self, bounds: &Aabb, places: &'a mut Vec<u32>) -> impl Iterator<Item = &'a Mover> {
         self.boxes.meeting(bounds, places);
         places.iter().map(|&place| &self.all[place as usize])
     }
 
-    /// Finds them anew, and where they may be during a step. `surfaces` is the number of searches that follow.
+    /// Collects all movers and where they may be during a step. `surfaces` is the number of searches that follow.
     ///
-    /// Those that are too large for Parry, or too fast, are left out and given to `refuse` by their user data.
+    /// Skips movers that are too large for Parry, or too fast, and reports them to `refuse` by their user data.
     pub(super) fn find(
         &mut self,
         bodies: &RigidBodySet,
@@ -186,7 +187,7 @@ fn find_movers(
                 continue;
             }
             let in_body = shape.position_wrt_parent().copied().unwrap_or_default();
-            // Of a body that the game moved, colliders follow in the step.
+            // If the game moved the body, its colliders follow only in the step.
             let mut bounds = shape.shape().compute_aabb(&(*body.position() * in_body));
             let way = next.translation.distance(body.translation());
             let fast = !asleep && !body.is_ccd_enabled() && way > 0.25 * bounds.extents().min_element();
@@ -194,7 +195,7 @@ fn find_movers(
                 bounds = bounds.merged(&shape.shape().compute_aabb(&(next * in_body)));
             }
             if !box_in_range(&bounds) {
-                // Of those that are only far away, or nowhere, nobody is told: no surface is there.
+                // Movers that are merely far away, or not at a finite position, are not reported: no surface is there.
                 if in_range(body.translation()) && shape.shape().as_shape::<HalfSpace>().is_none() {
                     refuse(shape.user_data);
                 }
@@ -216,7 +217,7 @@ fn find_movers(
     }
 }
 
-/// What the parts of a surface have from the collider that they are parts of.
+/// Properties that the parts of a surface take from the surface's collider.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) struct Manners {
     friction: f32,
@@ -261,7 +262,7 @@ impl Manners {
     }
 }
 
-/// No groups at all: a collider with these meets what it meets, and pushes nothing.
+/// Empty groups: a collider with these still detects contacts, but pushes nothing.
 pub(super) fn no_push(groups: InteractionGroups) -> InteractionGroups {
     InteractionGroups::new(Group::NONE, Group::NONE, groups.test_mode)
 }

@@ -3,7 +3,7 @@ use morph_collision::{Facing, Manifold, TrianglePair};
 
 use crate::contacts::{MorphContactPoint, no_triangles};
 
-/// Where a ray meets a collider.
+/// The point where a ray hits a collider.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct MorphRayHit {
@@ -13,22 +13,22 @@ pub struct MorphRayHit {
     pub distance: f32,
     /// The point on the surface, in world space.
     pub point: Vec3,
-    /// The triangle's unit normal by its winding in world space; zero where it has no area. On a [`MorphShape`](crate::MorphShape) the
-    /// direction out of it; zero if the ray starts inside.
+    /// The unit normal of the triangle, by its winding in world space; zero if the triangle has no area. On a
+    /// [`MorphShape`](crate::MorphShape), it points out of the shape; zero if the ray starts inside.
     pub normal: Vec3,
-    /// Which side of the triangle the ray sees; [`Facing::Front`] on a shape. Not reflected: it is [`Facing::EdgeOn`] in a value made by reflection.
+    /// Which side of the triangle the ray sees; [`Facing::Front`] on a shape. Not reflected: it is [`Facing::EdgeOn`] in a value created by reflection.
     #[reflect(ignore, default = "edge_on")]
     pub facing: Facing,
-    /// The triangle's number in its mesh; see [`MorphContact::triangles`](crate::MorphContact::triangles). On a shape
+    /// The triangle's number in its mesh; see [`MorphContact::triangles`](crate::MorphContact::triangles). On a shape it is
     /// [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE).
     pub triangle: u32,
-    /// The weights of the triangle's corners at the point; zero on a shape.
+    /// The barycentric coordinates of the point in the triangle; zero on a shape.
     pub barycentrics: Vec3,
-    /// The texture coordinates there, if the mesh has `Mesh::ATTRIBUTE_UV_0`.
+    /// The texture coordinates at the point, if the mesh has `Mesh::ATTRIBUTE_UV_0`.
     pub uv: Option<Vec2>,
-    /// On a skinned mesh the joint that moves this point most: one of the entities in
-    /// [`SkinnedMesh::joints`](bevy::mesh::skinning::SkinnedMesh), the first of several with the same weight. For headshots. `None` on
-    /// other meshes, and where no joint moves the surface.
+    /// The joint that moves the point most, on a skinned mesh. Use it for headshots. It is one of the entities in
+    /// [`SkinnedMesh::joints`](bevy::mesh::skinning::SkinnedMesh): the first one if several have the same weight. `None` on other
+    /// meshes, and where no joint moves the surface.
     pub joint: Option<Entity>,
 }
 
@@ -40,7 +40,8 @@ pub struct MorphShapeHit {
     pub entity: Entity,
     /// How far the shape has moved, in world units; 0 if they touch at the start.
     pub distance: f32,
-    /// Where they touch, on the collider, in world space. If they touch at the start: a point of the collider that is in the shape.
+    /// The point where they touch, on the collider, in world space. If they touch at the start, it is a point of the collider
+    /// inside the shape.
     pub point: Vec3,
     /// The unit vector from the collider towards the shape. It may be zero if they touch at the start.
     pub normal: Vec3,
@@ -49,7 +50,7 @@ pub struct MorphShapeHit {
     pub triangle: u32,
 }
 
-/// The point of a collider's surface, or of a solid [`MorphShape`](crate::MorphShape), that is closest to some point.
+/// The point of a collider that is closest to a query point. Meshes are surfaces, a [`MorphShape`](crate::MorphShape) is solid.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct MorphProjection {
@@ -59,55 +60,55 @@ pub struct MorphProjection {
     pub distance: f32,
     /// The point on the surface, or in the shape, in world space.
     pub point: Vec3,
-    /// The triangle's unit normal by its winding in world space; zero where it has no area. Of a shape the direction towards the point that was
-    /// asked about; zero if that is inside.
+    /// The unit normal of the triangle, by its winding in world space; zero if the triangle has no area. For a shape, it points
+    /// towards the query point; zero if that is inside the shape.
     pub normal: Vec3,
-    /// The triangle's number in its mesh; of a shape [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE).
+    /// The triangle's number in its mesh. For a shape it is [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE).
     pub triangle: u32,
-    /// The weights of the triangle's corners at the point; zero in a shape.
+    /// The barycentric coordinates of the point in the triangle; zero in a shape.
     pub barycentrics: Vec3,
-    /// The texture coordinates there, if the mesh has `Mesh::ATTRIBUTE_UV_0`.
+    /// The texture coordinates at the point, if the mesh has `Mesh::ATTRIBUTE_UV_0`.
     pub uv: Option<Vec2>,
-    /// On a skinned mesh the joint that moves this point most: one of the entities in
-    /// [`SkinnedMesh::joints`](bevy::mesh::skinning::SkinnedMesh), the first of several with the same weight. For headshots. `None` on
-    /// other meshes, and where no joint moves the surface.
+    /// The joint that moves the point most, on a skinned mesh. Use it for headshots. It is one of the entities in
+    /// [`SkinnedMesh::joints`](bevy::mesh::skinning::SkinnedMesh): the first one if several have the same weight. `None` on other
+    /// meshes, and where no joint moves the surface.
     pub joint: Option<Entity>,
 }
 
-/// Closest points of two colliders' surfaces.
+/// The closest points of two colliders.
 #[derive(Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct MorphClosestPoints {
-    /// On the first collider, in world space.
+    /// The point on the first collider, in world space.
     pub point1: Vec3,
-    /// On the second one.
+    /// The point on the second collider, in world space.
     pub point2: Vec3,
-    /// The distance, in world units: 0 if and only if they touch.
+    /// The distance, in world units; 0 if and only if the colliders touch.
     pub distance: f32,
-    /// The triangles that the points are on, [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE) for a shape. Not reflected: both are
-    /// [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE) in a value made by reflection.
+    /// The triangles on which the points are; [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE) for a shape. Not
+    /// reflected: both are [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE) in a value created by reflection.
     #[reflect(ignore, default = "no_triangles")]
     pub triangles: TrianglePair,
 }
 
-/// Where two colliders meet.
+/// Contact points, normal and depth of two colliders that touch.
 #[derive(Reflect, Clone, Debug, PartialEq)]
 #[reflect(Debug, Clone, PartialEq)]
 pub struct MorphManifold {
-    /// The direction in which the first collider leaves the second; see [`Manifold::normal`].
+    /// The unit vector along which the first collider moves out of the second; see [`Manifold::normal`].
     pub normal: Vec3,
-    /// A lower bound of the way that parts them; see [`Manifold::depth`].
+    /// A lower bound of the distance that separates the colliders; see [`Manifold::depth`].
     pub depth: f32,
-    /// How many pairs of triangles, or triangles and a shape, intersect, or how many of them were looked at.
+    /// How many pairs of triangles (or triangles and a shape) intersect, among those looked at.
     pub pair_count: usize,
     /// Whether more pairs intersect than were looked at; see
     /// [`MorphCollisionSettings::max_triangle_pairs`](crate::MorphCollisionSettings).
     pub is_truncated: bool,
-    /// At most four, the deepest first.
+    /// At most four contact points, deepest first.
     pub points: Vec<MorphContactPoint>,
 }
 
-/// The side of a hit made by reflection.
+/// The side of a hit created by reflection.
 fn edge_on() -> Facing {
     Facing::EdgeOn
 }

@@ -1,7 +1,7 @@
-//! A tree over the boxes of all colliders, so that a query looks at few of them.
+//! A tree over the boxes of all colliders, so that a query visits only a few of them.
 //!
-//! The tree is brought up to date by the first query after a run in which anything changed. While colliders move, its boxes are fitted again; it
-//! is rebuilt when that has made them loose, or when many colliders came or went.
+//! The first query after a run with changes updates the tree. While colliders move, its boxes are refitted. The tree is rebuilt
+//! when refitting has made the boxes loose, or when many colliders were added or removed.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -10,31 +10,31 @@ use bevy::math::FloatOrd;
 use bevy::prelude::*;
 use morph_collision::Aabb;
 
-/// The most boxes in a leaf.
+/// The maximum number of boxes in a leaf.
 const LEAF_SIZE: usize = 4;
-/// The tree is rebuilt when its looseness has grown by this factor. Not measured.
+/// The tree is rebuilt when its looseness has grown by this factor. Not tuned by measurement.
 const MAX_GROWTH: f32 = 2.0;
 
-/// The colliders' boxes, by their places in a sorted list of colliders.
+/// A tree over colliders, which it identifies by their place in a sorted list of colliders.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ColliderIndex {
-    /// The run of the list that it was brought up to date with.
+    /// The run of the list from which it was last updated.
     pub(super) version: u64,
-    /// A node comes before what is below it, its first child right after it.
+    /// In preorder: a node precedes its descendants, and its first child comes right after it.
     nodes: Vec<Node>,
     items: Vec<Item>,
-    /// The colliders among the items, ascending, and where.
+    /// The colliders among the items, ascending, with their item numbers.
     members: Vec<(Entity, u32)>,
-    /// Places of colliders outside the tree: those that came since it was built, and those with boxes that are not finite.
+    /// Places of colliders outside the tree: those added since it was built, and those whose boxes are not finite.
     loose: Vec<(u32, Aabb)>,
-    /// When the tree was built.
+    /// The looseness when the tree was built.
     built_looseness: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
 struct Node {
     bounds: Aabb,
-    /// The items of a leaf. Of an inner node: 0 and the second child.
+    /// The number of items in a leaf; 0 for an inner node, whose `start` is then the second child.
     count: u32,
     start: u32,
 }
@@ -42,16 +42,16 @@ struct Node {
 #[derive(Clone, Copy, Debug)]
 struct Item {
     bounds: Aabb,
-    /// The place in the list of colliders; [`GONE`] if it is no longer there.
+    /// The place in the list of colliders; [`GONE`] if the collider was removed.
     place: u32,
 }
 
 const GONE: u32 = u32::MAX;
 
 impl ColliderIndex {
-    /// Takes over the colliders' boxes as they are now. The list is sorted by entity.
+    /// Takes over the current boxes of the colliders. The list is sorted by entity.
     ///
-    /// Costs a look at every collider, and `n log n` when the tree is rebuilt.
+    /// Costs `O(n)`, and `O(n log n)` when the tree is rebuilt.
     pub(super) fn update(&mut self, colliders: impl ExactSizeIterator<Item = (Entity, Aabb)> + Clone) {
         let all = colliders.len();
         self.loose.clear();
@@ -99,7 +99,8 @@ impl ColliderIndex {
         self.built_looseness = self.looseness();
     }
 
-    /// Adds a node for some colliders, and all below it: halves by the middles of the boxes, along the axis on which these lie farthest apart.
+    /// Adds a node for some colliders and everything below it. Splits them in half by the centres of their boxes, along the axis
+    /// with the largest spread.
     fn split(&mut self, inside: &mut [(Entity, Item)]) {
         let node = self.nodes.len();
         self.nodes.push(Node {
@@ -128,7 +129,7 @@ impl ColliderIndex {
         self.split(high);
     }
 
-    /// Fits all nodes to the items, from the last one to the root.
+    /// Refits all nodes, from the last one to the root.
     fn fit(&mut self) {
         for node in (0..self.nodes.len()).rev() {
             let Node { count, start, .. } = self.nodes[node];
@@ -143,7 +144,7 @@ impl ColliderIndex {
         }
     }
 
-    /// The sum of the sizes of all nodes, relative to that of the root; 0 if there is none.
+    /// The sum of the sizes of all nodes, relative to that of the root; 0 without nodes.
     fn looseness(&self) -> f32 {
         let sizes = self
             .nodes
@@ -152,17 +153,18 @@ impl ColliderIndex {
             .filter(|bounds| !is_empty(bounds));
         let mut sizes = sizes.map(|bounds| bounds.size().element_sum());
         match sizes.next() {
-            // What is no longer bounded has to leave the tree.
+            // Boxes that are no longer finite have to leave the tree.
             Some(f32::INFINITY) => f32::INFINITY,
             Some(root) if root > 0.0 => 1.0 + sizes.sum::<f32>() / root,
             _ => 0.0,
         }
     }
 
-    /// Calls `at` with the places of colliders in ascending order of their bounds, until what is left is above the limit that it returns.
+    /// Calls `at` with the places of colliders in ascending order of their bounds, until all remaining bounds are above the limit
+    /// that `at` returns.
     ///
-    /// `bound` tells for a box a lower bound for all that is in it, `None` if it holds nothing of interest; of a smaller box it
-    /// never tells less.
+    /// `bound` computes a lower bound for everything in a box, or `None` if the box contains nothing of interest. It must be
+    /// monotonic: never lower for a smaller box.
     pub(super) fn walk(
         &self,
         queue: &mut Queue,
@@ -218,7 +220,7 @@ fn is_empty(bounds: &Aabb) -> bool {
     bounds.min.x > bounds.max.x
 }
 
-/// What is still to be looked at, the lowest bound first, before all others a bound that is not a number. Walks reuse the memory.
+/// The nodes and items still to visit, lowest bound first. A NaN bound comes before all others. Walks reuse the memory.
 pub(super) type Queue = BinaryHeap<Reverse<(FloatOrd, Found)>>;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

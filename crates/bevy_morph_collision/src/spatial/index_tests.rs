@@ -12,7 +12,7 @@ fn noise(i: u32, k: u32) -> f32 {
     (bits >> 8) as f32 / (1 << 24) as f32
 }
 
-/// Boxes of size 1, as many in every volume however many there are.
+/// Boxes of size 1 at constant density, however many there are.
 fn scattered(count: u32, shift: f32) -> Colliders {
     let side = (count as f32).cbrt() * 4.0;
     let at = |i: u32| Vec3::new(noise(i, 1), noise(i, 2), noise(i, 3)) * side;
@@ -24,7 +24,7 @@ fn scattered(count: u32, shift: f32) -> Colliders {
     (0..count).map(one).collect()
 }
 
-/// What a walk finds near a point, and how many boxes it looked at.
+/// What a walk finds near a point, and how many boxes it visited.
 fn near(index: &ColliderIndex, point: Vec3, within: f32) -> (Vec<usize>, usize) {
     let (mut found, mut boxes) = (Vec::new(), 0);
     let away = |bounds: &Aabb| (bounds.min - point).max(point - bounds.max).max(Vec3::ZERO).length();
@@ -58,7 +58,7 @@ fn finds_what_a_look_at_all_boxes_finds_while_colliders_move_come_and_go() {
     let mut index = ColliderIndex::default();
     for frame in 0..60_u32 {
         let mut colliders = scattered(300, frame as f32 * 0.4);
-        // Some are missing, others may be without end.
+        // Some are missing, others may be infinite.
         colliders
             .retain(|(entity, _)| !(entity.index_u32() + frame).is_multiple_of(7) && entity.index_u32() > 3 * frame);
         if frame % 3 == 1 {
@@ -169,7 +169,7 @@ fn colliders_that_come_after_the_first_question_are_in_the_tree() {
     let boxes = |index: &ColliderIndex| (0..200).map(|i| near(index, all[i * 10].1.min, 1.0).1).sum::<usize>() / 200;
     let grown = boxes(&index);
     assert!(grown < 150, "{grown} boxes");
-    // From far apart to a heap.
+    // Move them from far apart into a heap.
     let mut fresh = ColliderIndex::default();
     for (i, (_, bounds)) in (0..).zip(&mut all) {
         let min = Vec3::new(noise(i, 11), noise(i, 12), noise(i, 13)) * 20.0;

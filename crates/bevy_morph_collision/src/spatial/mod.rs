@@ -1,4 +1,4 @@
-//! Questions about colliders, asked by systems: world space in, world space out.
+//! Spatial queries: systems ask about colliders, in world space.
 
 mod answer;
 mod filter;

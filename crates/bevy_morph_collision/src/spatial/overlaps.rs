@@ -1,4 +1,4 @@
-//! What lies in a region.
+//! Queries for everything in a region.
 
 use bevy::camera::primitives::Frustum;
 use bevy::prelude::*;
@@ -9,16 +9,16 @@ use super::query::Target;
 use super::{MorphQueryFilter, MorphSpatialQuery};
 
 impl MorphSpatialQuery<'_, '_> {
-    /// The colliders whose boxes meet a box along the axes, ascending: a cheap first look. The boxes are those of the broad phase, around all
-    /// that a collider may reach, without its margin.
+    /// The colliders whose boxes intersect an axis-aligned box, ascending: a cheap first filter. These are the broad-phase boxes,
+    /// which contain everything a collider may reach, without its margin.
     ///
-    /// For the surfaces in a box, ask [`MorphSpatialQuery::shape_intersections`] about a cuboid.
+    /// To test surfaces against a box, use [`MorphSpatialQuery::shape_intersections`] with a cuboid.
     #[must_use]
     pub fn aabb_intersections_with_aabb(&self, aabb: Aabb3d, filter: &MorphQueryFilter) -> Vec<Entity> {
         self.aabb_intersections_with_aabb_predicate(aabb, filter, |_| true)
     }
 
-    /// [`MorphSpatialQuery::aabb_intersections_with_aabb`], only for colliders that a predicate accepts.
+    /// [`MorphSpatialQuery::aabb_intersections_with_aabb`] for colliders that a predicate accepts.
     #[must_use]
     pub fn aabb_intersections_with_aabb_predicate(
         &self,
@@ -43,16 +43,16 @@ impl MorphSpatialQuery<'_, '_> {
         met
     }
 
-    /// The colliders that a camera with this frustum could see, ascending: meshes whose surface is inside or meets it, and all shapes whose
-    /// boxes do.
+    /// The colliders that a camera with this frustum could see, ascending: meshes whose surface is inside or intersects it, and
+    /// shapes whose boxes do.
     ///
-    /// Sides that are not finite, as that of an infinite far plane, are left out.
+    /// Planes that are not finite, such as that of an infinite far plane, are ignored.
     #[must_use]
     pub fn frustum_intersections(&self, frustum: &Frustum, filter: &MorphQueryFilter) -> Vec<Entity> {
         self.frustum_intersections_predicate(frustum, filter, |_| true)
     }
 
-    /// [`MorphSpatialQuery::frustum_intersections`], only for colliders that a predicate accepts.
+    /// [`MorphSpatialQuery::frustum_intersections`] for colliders that a predicate accepts.
     #[must_use]
     pub fn frustum_intersections_predicate(
         &self,
@@ -69,7 +69,7 @@ impl MorphSpatialQuery<'_, '_> {
         let Some(region) = self.valid("frustum_intersections", ConvexRegion::from_half_spaces(&half_spaces)) else {
             return met;
         };
-        // The corner of a box that is farthest inwards decides.
+        // The box's innermost corner decides.
         let reaches = |bounds: &Aabb| {
             let inside = half_spaces.iter().all(|(normal, offset)| {
                 let corner = Vec3::select(normal.cmpgt(bevy::math::DVec3::ZERO), bounds.max, bounds.min).as_dvec3();
@@ -92,7 +92,7 @@ impl MorphSpatialQuery<'_, '_> {
     }
 }
 
-/// Infinite boxes are fine.
+/// Infinite boxes are allowed.
 fn check(aabb: &Aabb) -> Result<(), InputError> {
     let finite = |v: Vec3| v.map(|x| x.clamp(f32::MIN, f32::MAX));
     ConvexRegion::from_aabb(&Aabb {

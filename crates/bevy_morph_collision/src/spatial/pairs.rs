@@ -1,4 +1,4 @@
-//! Two colliders: how far apart they are, and where they meet.
+//! Queries about two colliders: closest points and contacts.
 
 use bevy::prelude::*;
 use morph_collision::TrianglePair;
@@ -8,14 +8,15 @@ use super::query::{Target, with_target};
 use super::{MorphClosestPoints, MorphManifold, MorphSpatialQuery};
 use crate::contacts::{MorphContact, MorphContactPoint};
 
-/// In place of a triangle of a shape.
+/// Stands for the triangle of a shape.
 const NONE: u32 = MorphContact::NO_TRIANGLE;
 
 impl MorphSpatialQuery<'_, '_> {
-    /// The closest points of two colliders, if they are at most `max_distance` apart; `None` also where one of them is not
-    /// there.
+    /// The closest points of two colliders that are at most `max_distance` apart. `None` if they are farther apart or if one of
+    /// them does not exist.
     ///
-    /// Meshes are surfaces, shapes are solid. Where two colliders touch, the distance is 0, and the points are anywhere where they do.
+    /// Meshes are surfaces, shapes are solid. If the colliders touch, the distance is 0 and both points are somewhere where they
+    /// do.
     #[must_use]
     pub fn closest_points(&self, a: Entity, b: Entity, max_distance: f32) -> Option<MorphClosestPoints> {
         let within = self.valid("closest_points", checked_distance(Vec3::ZERO, max_distance))?;
@@ -46,7 +47,7 @@ impl MorphSpatialQuery<'_, '_> {
             })
         });
         let (point1, point2, distance, (triangle_a, triangle_b)) = closest?;
-        // Where they touch, both points are one.
+        // Where the colliders touch, both points are the same.
         let point2 = if distance > 0.0 { point2 } else { point1 };
         Some(MorphClosestPoints {
             point1: point1.as_vec3(),
@@ -56,9 +57,9 @@ impl MorphSpatialQuery<'_, '_> {
         })
     }
 
-    /// Where two colliders meet; `None` where they do not, one of them is not there, or both are shapes.
+    /// The contact points of two colliders. `None` if they do not touch, if one of them does not exist, or if both are shapes.
     ///
-    /// It looks at [`MorphCollisionSettings::max_triangle_pairs`](crate::MorphCollisionSettings) pairs of triangles at most.
+    /// Looks at no more than [`MorphCollisionSettings::max_triangle_pairs`](crate::MorphCollisionSettings) pairs of triangles.
     #[must_use]
     pub fn contacts(&self, a: Entity, b: Entity) -> Option<MorphManifold> {
         let limit = self.list_limit();
@@ -78,7 +79,7 @@ impl MorphSpatialQuery<'_, '_> {
             let is_truncated = queries.shape.contacts_up_to(mesh, shape, 0.0, limit, &mut met).ok()?;
             let points = MorphContactPoint::with_shape(&mut met, shape_first);
             let deepest = met.first()?;
-            // Out of the shape towards the mesh is how the mesh leaves it.
+            // The direction out of the shape is the one in which the mesh separates.
             let turn = if shape_first { -1.0 } else { 1.0 };
             Some(MorphManifold {
                 normal: (deepest.normal * turn).as_vec3(),
@@ -90,10 +91,10 @@ impl MorphSpatialQuery<'_, '_> {
         })
     }
 
-    /// Does something with two colliders; `None` if one of them is not there, or both are the same.
+    /// Calls `ask` with two colliders; `None` if one of them does not exist or both are the same.
     fn with_both<T>(&self, a: Entity, b: Entity, ask: impl FnOnce(Target<'_>, Target<'_>) -> Option<T>) -> Option<T> {
         let (state_a, state_b) = (self.state(a)?, self.state(b)?);
-        // Always in the same order, lest two systems wait for each other's second one.
+        // Always lock in the same order, so that two systems never wait for each other's second lock.
         match a.cmp(&b) {
             std::cmp::Ordering::Less => with_target(state_a, |a| with_target(state_b, |b| ask(a, b)))??,
             std::cmp::Ordering::Greater => with_target(state_b, |b| with_target(state_a, |a| ask(a, b)))??,

@@ -1,4 +1,4 @@
-//! Points: the closest ones, and what they are in.
+//! Queries about points: the closest surface, and the colliders that contain a point.
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
@@ -10,13 +10,13 @@ use super::{MorphProjection, MorphQueryFilter, MorphSpatialQuery};
 use crate::contacts::MorphContact;
 
 impl MorphSpatialQuery<'_, '_> {
-    /// The point closest to some point on any mesh or in any shape, at most `max_distance` away, which may be infinite.
+    /// The closest point on any mesh or in any shape, at most `max_distance` away, which may be infinite.
     #[must_use]
     pub fn project_point(&self, point: Vec3, max_distance: f32, filter: &MorphQueryFilter) -> Option<MorphProjection> {
         self.project_point_predicate(point, max_distance, filter, |_| true)
     }
 
-    /// [`MorphSpatialQuery::project_point`], only for colliders that a predicate accepts.
+    /// [`MorphSpatialQuery::project_point`] for colliders that a predicate accepts.
     #[must_use]
     pub fn project_point_predicate(
         &self,
@@ -73,16 +73,16 @@ impl MorphSpatialQuery<'_, '_> {
         })
     }
 
-    /// The colliders that a point is in, ascending: shapes, and meshes that are closed around it or have it on their surface.
+    /// The colliders that contain a point, ascending: shapes, and meshes that enclose it or have it on their surface.
     ///
-    /// Whether a mesh is closed around a point is counted along a ray from it: how often the ray leaves through the front of a triangle, and how often it
-    /// enters. A mesh with holes has no inside; near its holes either answer is possible.
+    /// To decide whether a mesh encloses a point, the query casts a ray from it and counts how often the ray leaves through the
+    /// front of a triangle and how often it enters. A mesh with holes has no inside; near its holes either answer is possible.
     #[must_use]
     pub fn point_intersections(&self, point: Vec3, filter: &MorphQueryFilter) -> Vec<Entity> {
         self.point_intersections_predicate(point, filter, |_| true)
     }
 
-    /// [`MorphSpatialQuery::point_intersections`], only for colliders that a predicate accepts.
+    /// [`MorphSpatialQuery::point_intersections`] for colliders that a predicate accepts.
     #[must_use]
     pub fn point_intersections_predicate(
         &self,
@@ -135,19 +135,19 @@ fn normal_of([a, b, c]: morph_collision::Triangle) -> Vec3 {
     (b - a).cross(c - a).normalize_or_zero().as_vec3()
 }
 
-/// A lower bound of the distance of a point from a box.
+/// A lower bound of the distance between a point and a box.
 fn away(bounds: &Aabb, point: Vec3) -> f32 {
     let outside = (bounds.min - point).max(point - bounds.max).max(Vec3::ZERO);
     outside.length() * (1.0 - 1e-6)
 }
 
-/// The unit vector from one point towards another, zero if there is none.
+/// The unit vector from one point towards another; zero if they coincide.
 fn towards(from: DVec3, to: DVec3) -> Vec3 {
     (to - from).normalize_or_zero().as_vec3()
 }
 
 pub(super) fn checked_distance(point: Vec3, max_distance: f32) -> Result<f64, InputError> {
-    // A ray of that length says what is wrong with a number.
+    // The ray constructor reports which number is invalid.
     match checked_ray(point, Dir3::X, max_distance) {
         Ok(_) => Ok(f64::from(max_distance)),
         Err(error) => Err(renamed(error, "origin", "point")),

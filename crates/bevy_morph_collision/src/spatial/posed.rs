@@ -1,4 +1,4 @@
-//! Colliders as they are posed.
+//! Queries for the current shape of a collider.
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
@@ -7,13 +7,13 @@ use morph_collision::{Aabb, Body};
 use super::MorphSpatialQuery;
 
 impl MorphSpatialQuery<'_, '_> {
-    /// A box in world space around a collider as it is posed: conservative, from its tree's root alone.
+    /// A conservative world-space box around a collider in its current pose, computed from the root of its tree only.
     #[must_use]
     pub fn bounds(&self, collider: Entity) -> Option<Aabb> {
         Some(self.state(collider)?.placed?.bounds)
     }
 
-    /// A vertex of a collider's mesh as it is posed, in world space.
+    /// A vertex of a collider's mesh in its current pose, in world space.
     #[must_use]
     pub fn posed_vertex(&self, collider: Entity, vertex: u32) -> Option<Vec3> {
         self.with_mesh(collider, |Body { pose, world_from_model }| {
@@ -21,7 +21,7 @@ impl MorphSpatialQuery<'_, '_> {
         })
     }
 
-    /// All vertices of a collider's mesh as they are posed, in world space, in the mesh's order. Blends the whole mesh.
+    /// All vertices of a collider's mesh in its current pose, in world space and in the mesh's order. Blends the whole mesh.
     #[must_use]
     pub fn posed_vertices(&self, collider: Entity) -> Option<Vec<Vec3>> {
         self.with_mesh(collider, |Body { pose, world_from_model }| {
@@ -30,7 +30,7 @@ impl MorphSpatialQuery<'_, '_> {
         })
     }
 
-    /// The corners of a triangle of a collider's mesh as it is posed, in world space.
+    /// The corners of a triangle of a collider's mesh in its current pose, in world space.
     #[must_use]
     pub fn posed_triangle(&self, collider: Entity, triangle: u32) -> Option<[Vec3; 3]> {
         self.with_mesh(collider, |mut body| Some(body.triangle(triangle)?.map(DVec3::as_vec3)))

@@ -12,27 +12,26 @@ use crate::collider::{ColliderState, Form};
 use crate::settings::MorphCollisionSettings;
 use crate::velocities::RunTimes;
 
-/// Asks about [`MorphCollider`](crate::MorphCollider)s as they are posed: rays, shape casts, intersections, closest points, contacts.
+/// Spatial queries for [`MorphCollider`](crate::MorphCollider)s in their current pose: ray casts, shape casts, intersections,
+/// closest points and contacts.
 ///
-/// It only reads, and its methods take `&self`: any number of systems can ask at the same time, and one system from many threads. Among what it reads are
-/// `Assets<Mesh>`, for the UV and the joint of a hit: a system that also changes meshes needs a `ParamSet` of both.
+/// The parameter only reads, and its methods take `&self`, so any number of systems and threads can query at the same time. It
+/// reads `Assets<Mesh>` for the UV coordinates and the joint of a hit; a system that also changes meshes needs a `ParamSet`.
 ///
-/// Everything is in world space and `f32`; the work behind it is exact, as [`morph_collision`] describes it. Colliders are as the
-/// plugin's last run left them: weights and places that change later in a frame count from the next run on. What a
-/// query looks at is refitted for it, and stays so for whatever comes after. Order a system that asks in the plugin's own schedule before
-/// [`MorphCollisionSystems::Weights`](crate::MorphCollisionSystems::Weights) or after
-/// [`MorphCollisionSystems::Events`](crate::MorphCollisionSystems::Events): between them, weights are new and places old. Colliders that are
-/// [disabled](crate::MorphColliderDisabled), or whose mesh is not loaded yet, are not there.
+/// All values are in world space and `f32`; internally the queries are exact, as described in [`morph_collision`].
 ///
-/// Meshes are surfaces, [`MorphShape`](crate::MorphShape)s are solid: a ray that starts inside a shape hits it at once.
-///
-/// A tree over all colliders' boxes finds those that a question is about. The first question after a run in which anything changed brings it up to
-/// date, at the cost of a look at every collider.
-///
-/// Each method with a filter has a twin that also asks a predicate about every collider it would look at, in no particular order. The predicate
-/// may ask further questions.
-///
-/// What cannot be asked, such as a direction that is not a number, finds nothing. The first time for each method, the log warns of it.
+/// - **State.** Queries see colliders in the state of the plugin's last run. Later changes of weights and transforms in a frame
+///   count from the next run on. Nodes that a query refits stay refitted for later queries.
+/// - **Order.** In the plugin's own schedule, order your system before
+///   [`MorphCollisionSystems::Weights`](crate::MorphCollisionSystems::Weights) or after
+///   [`MorphCollisionSystems::Events`](crate::MorphCollisionSystems::Events). In between, weights are new but transforms are old.
+/// - **What is found.** Colliders that are [disabled](crate::MorphColliderDisabled) or whose mesh is not loaded yet are not
+///   found. Meshes are surfaces, [`MorphShape`](crate::MorphShape)s are solid: a ray that starts inside a shape hits it at once.
+/// - **Cost.** A tree over the boxes of all colliders finds the relevant ones. The first query after a run with changes updates
+///   this tree, which visits every collider.
+/// - **Predicates.** Each method with a filter has a variant that also calls a predicate for every collider that it would look
+///   at, in no particular order. The predicate may run further queries.
+/// - **Bad input.** A query with invalid input, such as a NaN direction, finds nothing. The log warns once per method.
 ///
 /// ```
 /// # use bevy::prelude::*;
@@ -50,7 +49,7 @@ use crate::velocities::RunTimes;
 #[derive(SystemParam)]
 pub struct MorphSpatialQuery<'w, 's> {
     colliders: Query<'w, 's, &'static ColliderState>,
-    /// Those of disabled entities, too.
+    /// Includes disabled entities.
     states: Query<'w, 's, &'static ColliderState, Allow<Disabled>>,
     surfaces: Surfaces<'w, 's>,
     candidates: Option<Res<'w, Candidates>>,
@@ -65,20 +64,20 @@ impl std::fmt::Debug for MorphSpatialQuery<'_, '_> {
     }
 }
 
-/// A collider, for one query.
+/// A collider, as a query sees it.
 pub(super) enum Target<'a> {
     Mesh(Body<'a>),
     Shape(&'a PlacedShape),
 }
 
 impl MorphSpatialQuery<'_, '_> {
-    /// The most triangle pairs that an answer looks at.
+    /// The maximum number of triangle pairs that an answer looks at.
     pub(super) fn list_limit(&self) -> usize {
         let settings = self.settings.as_deref().copied();
         settings.unwrap_or_default().list_limit()
     }
 
-    /// What a question came to, or what is wrong with it.
+    /// Unwraps a query's result, or logs what is wrong with its input.
     pub(super) fn valid<T>(&self, method: &'static str, asked: Result<T, InputError>) -> Option<T> {
         asked
             .inspect_err(|error| {
@@ -94,10 +93,10 @@ impl MorphSpatialQuery<'_, '_> {
         Some(self.state.as_ref()?.scratch())
     }
 
-    /// Calls `at` for colliders that pass a filter and a predicate, in ascending order of the lower bounds that `bound` tells for their boxes,
-    /// until what is left is above the limit that it returns.
+    /// Calls `at` for colliders that pass a filter and a predicate, in ascending order of the lower bounds that `bound` computes
+    /// for their boxes, until all remaining bounds are above the limit that `at` returns.
     ///
-    /// The pose of a mesh is locked while `at` runs, so `at` must not ask about other colliders.
+    /// The pose of a mesh is locked while `at` runs, so `at` must not query other colliders.
     pub(super) fn walk(
         &self,
         filter: &MorphQueryFilter,
@@ -128,15 +127,15 @@ impl MorphSpatialQuery<'_, '_> {
         queries.queue = queue;
     }
 
-    /// A collider as the last run left it; `None` if it took no part. While an entity is disabled nobody looks at it, so what it was like before does
-    /// not count when it is enabled again.
+    /// A collider's state after the last run; `None` if it took no part. Disabled entities are not updated, so their old state
+    /// does not count when they are enabled again.
     pub(super) fn state(&self, collider: Entity) -> Option<&ColliderState> {
         let run = self.candidates.as_ref()?.run();
         let state = self.colliders.get(collider).ok()?;
         (state.seen == run).then_some(state)
     }
 
-    /// Does something with a collider's mesh; `None` if there is no such collider, or it has a shape.
+    /// Calls `ask` with a collider's mesh; `None` if the collider does not exist or has a shape.
     pub(super) fn with_mesh<T>(&self, collider: Entity, ask: impl FnOnce(Body<'_>) -> Option<T>) -> Option<T> {
         with_target(self.state(collider)?, |target| match target {
             Target::Mesh(body) => ask(body),
@@ -155,7 +154,7 @@ impl MorphSpatialQuery<'_, '_> {
     }
 }
 
-/// Does something with a collider as it stands.
+/// Calls `ask` with a collider in its current state.
 pub(super) fn with_target<T>(state: &ColliderState, ask: impl FnOnce(Target<'_>) -> T) -> Option<T> {
     Some(match &state.placed.as_ref()?.form {
         Form::Mesh(world_from_model) => {

@@ -1,4 +1,4 @@
-//! Rays.
+//! Ray casts.
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
@@ -8,7 +8,7 @@ use super::query::Target;
 use super::{MorphQueryFilter, MorphRayHit, MorphSpatialQuery};
 use crate::contacts::MorphContact;
 
-/// What a ray meets: a triangle of a mesh, or a shape.
+/// What a ray hits: a triangle of a mesh, or a shape.
 enum Met {
     Triangle(RayHit),
     Shape(ShapeImpact),
@@ -36,7 +36,7 @@ impl MorphSpatialQuery<'_, '_> {
         self.cast_ray_predicate(origin, direction, max_distance, filter, |_| true)
     }
 
-    /// [`MorphSpatialQuery::cast_ray`], only for colliders that a predicate accepts.
+    /// [`MorphSpatialQuery::cast_ray`] for colliders that a predicate accepts.
     #[must_use]
     pub fn cast_ray_predicate(
         &self,
@@ -68,7 +68,7 @@ impl MorphSpatialQuery<'_, '_> {
                     None => true,
                 };
                 if let Some(met) = met.filter(is_first) {
-                    // What is hit at the same distance may be a rounding away.
+                    // Hits at the same distance may differ by rounding.
                     within = ((met.distance() * (1.0 + 1e-6)) as f32).next_up().min(max_distance);
                     if let Ok((shorter, _)) = checked_ray(origin, direction, within) {
                         ray = shorter;
@@ -81,7 +81,7 @@ impl MorphSpatialQuery<'_, '_> {
         best.map(|(entity, met)| self.ray_hit(entity, &met))
     }
 
-    /// Everything that a ray hits: every triangle of meshes, and shapes where it enters them. Nearest first; among equals by entity and
+    /// All hits of a ray: every triangle of meshes, and shapes where the ray enters them. Sorted by distance, then by entity and
     /// triangle.
     #[must_use]
     pub fn ray_hits(
@@ -94,7 +94,7 @@ impl MorphSpatialQuery<'_, '_> {
         self.ray_hits_predicate(origin, direction, max_distance, filter, |_| true)
     }
 
-    /// [`MorphSpatialQuery::ray_hits`], only for colliders that a predicate accepts.
+    /// [`MorphSpatialQuery::ray_hits`] for colliders that a predicate accepts.
     #[must_use]
     pub fn ray_hits_predicate(
         &self,
@@ -169,14 +169,14 @@ impl MorphSpatialQuery<'_, '_> {
     }
 }
 
-/// A ray, and the point that moves along it.
+/// A ray, and a point to cast along it.
 pub(super) fn checked_ray(origin: Vec3, direction: Dir3, max_distance: f32) -> Result<(Ray, PlacedShape), InputError> {
     let ray = Ray::new(origin.as_dvec3(), direction.as_dvec3(), f64::from(max_distance));
     let ray = ray.map_err(|error| renamed(error, "max_t", "max_distance"))?;
     Ok((ray, PlacedShape::ball(origin.as_dvec3(), 0.0)?))
 }
 
-/// An error that names a number as the method does that it was passed to.
+/// Renames the number in an error to what the called method calls it.
 pub(super) fn renamed(mut error: InputError, from: &str, to: &str) -> InputError {
     if let InputError::BadCoordinate { what, .. } | InputError::BadNumber { what, .. } = &mut error
         && what == from
@@ -186,7 +186,7 @@ pub(super) fn renamed(mut error: InputError, from: &str, to: &str) -> InputError
     error
 }
 
-/// Where a point enters a solid shape. From inside it hits at once, with no normal.
+/// Where a point enters a solid shape. From inside, it hits at once and has no normal.
 fn meets_shape(point: &PlacedShape, direction: Dir3, max_distance: f32, shape: &PlacedShape) -> Option<Met> {
     let impact = point
         .cast(direction.as_dvec3(), f64::from(max_distance), shape)
@@ -220,7 +220,7 @@ pub(super) fn enters(bounds: &Aabb, origin: Vec3, direction: Vec3, max_distance:
         first = first.max(near.min(far));
         last = last.min(near.max(far));
     }
-    // Below what is rounded.
+    // Slack for rounding.
     (first <= last + slack).then_some(((first - slack) * (1.0 - 1e-6)) as f32)
 }
 

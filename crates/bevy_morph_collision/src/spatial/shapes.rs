@@ -1,4 +1,4 @@
-//! Solid shapes: where they are, and on their way.
+//! Queries with solid shapes: intersections and casts.
 
 use bevy::prelude::*;
 use morph_collision::{Aabb, InputError, PlacedShape, ShapeImpact};
@@ -10,9 +10,9 @@ use crate::contacts::MorphContact;
 use crate::shape::MorphShape;
 
 impl MorphSpatialQuery<'_, '_> {
-    /// The colliders that a solid shape meets, ascending.
+    /// The colliders that a solid shape intersects, ascending.
     ///
-    /// A mesh that is wholly inside the shape meets it; one that is closed around it does not.
+    /// A mesh entirely inside the shape intersects it. A mesh that encloses the shape without touching it does not.
     #[must_use]
     pub fn shape_intersections(
         &self,
@@ -24,7 +24,7 @@ impl MorphSpatialQuery<'_, '_> {
         self.shape_intersections_predicate(shape, origin, rotation, filter, |_| true)
     }
 
-    /// [`MorphSpatialQuery::shape_intersections`], only for colliders that a predicate accepts.
+    /// [`MorphSpatialQuery::shape_intersections`] for colliders that a predicate accepts.
     #[must_use]
     pub fn shape_intersections_predicate(
         &self,
@@ -51,9 +51,10 @@ impl MorphSpatialQuery<'_, '_> {
         met
     }
 
-    /// The first collider that a solid shape touches while it moves at most `max_distance`, which may be infinite, without turning.
+    /// The first collider that a solid shape touches while it moves without rotating, at most by `max_distance`, which may be
+    /// infinite.
     ///
-    /// Shapes that touch at the start are at distance 0.
+    /// Colliders that the shape touches at the start are at distance 0.
     ///
     /// ```
     /// # use bevy::prelude::*;
@@ -81,7 +82,7 @@ impl MorphSpatialQuery<'_, '_> {
         self.cast_shape_predicate(shape, origin, rotation, direction, max_distance, filter, |_| true)
     }
 
-    /// [`MorphSpatialQuery::cast_shape`], only for colliders that a predicate accepts.
+    /// [`MorphSpatialQuery::cast_shape`] for colliders that a predicate accepts.
     #[must_use]
     pub fn cast_shape_predicate(
         &self,
@@ -152,7 +153,7 @@ impl MorphShapeHit {
 
 /// A shape in world space, and a box around it.
 fn place(shape: &MorphShape, origin: Vec3, rotation: Quat) -> Result<(PlacedShape, Aabb), InputError> {
-    // Says which number is bad, before anything is made of it.
+    // Reports which number is invalid before using any.
     PlacedShape::ball(origin.as_dvec3(), 0.0)?;
     PlacedShape::new(morph_collision::Shape::Ball { radius: 0.0 }, rotation, Vec3::ZERO)?;
     shape.place(

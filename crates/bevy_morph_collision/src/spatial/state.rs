@@ -1,4 +1,4 @@
-//! What all queries share: the index of colliders, scratch memory, and what has been warned of.
+//! State that all queries share: the index of colliders, scratch memory, and warnings already logged.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -12,7 +12,7 @@ use super::index::{ColliderIndex, Queue};
 use crate::broad_phase::Candidates;
 use crate::collider::ColliderState;
 
-/// What the spatial queries of all systems share. Locks are held for moments, never while a query runs.
+/// State that the spatial queries of all systems share. Locks are held briefly, never while a query runs.
 #[derive(Resource, Default)]
 pub(crate) struct SpatialState {
     index: Mutex<Arc<ColliderIndex>>,
@@ -21,7 +21,7 @@ pub(crate) struct SpatialState {
     warned: Mutex<Vec<&'static str>>,
 }
 
-/// What a query reuses.
+/// Memory that a query reuses.
 #[derive(Default)]
 pub(super) struct Queries {
     pub(super) ray: RayQuery,
@@ -32,11 +32,12 @@ pub(super) struct Queries {
     pub(super) queue: Queue,
 }
 
-/// More than ask at the same time.
+/// More than the number of queries that run at the same time.
 const MAX_IDLE: usize = 64;
 
 impl SpatialState {
-    /// The index, up to date with the last run. Colliders with a tolerance are where they are, not where collisions see them.
+    /// The index, updated to the last run. It contains the current state of colliders with a tolerance, not the state that
+    /// collisions see.
     pub(super) fn index(
         &self,
         candidates: &Candidates,
@@ -55,7 +56,7 @@ impl SpatialState {
         index.clone()
     }
 
-    /// Scratch memory for one query. A query may be asked from within another one.
+    /// Scratch memory for one query. Queries can be nested.
     pub(super) fn scratch(&self) -> Scratch<'_> {
         let idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
         Scratch {
@@ -64,7 +65,7 @@ impl SpatialState {
         }
     }
 
-    /// Logs the first bad question of each kind.
+    /// Logs the first invalid query of each method.
     pub(super) fn warn(&self, method: &'static str, error: &InputError) {
         let mut warned = self.warned.lock().unwrap_or_else(PoisonError::into_inner);
         if !warned.contains(&method) {
@@ -76,7 +77,7 @@ impl SpatialState {
 
 pub(super) struct Scratch<'a> {
     state: &'a SpatialState,
-    /// Until it is dropped.
+    /// `None` only after it was dropped.
     queries: Option<Box<Queries>>,
 }
 

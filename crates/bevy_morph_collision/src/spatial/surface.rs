@@ -1,4 +1,4 @@
-//! What a mesh says about a point of its surface.
+//! Attributes of a mesh at a point of its surface.
 
 use bevy::ecs::system::SystemParam;
 use bevy::mesh::skinning::SkinnedMesh;
@@ -16,7 +16,7 @@ pub(crate) struct Surfaces<'w, 's> {
 }
 
 impl Surfaces<'_, '_> {
-    /// A collider's mesh, its skeleton, and the vertices of one of its triangles, as the mesh numbers them.
+    /// A collider's mesh, its skeleton, and the vertices of one of its triangles, as numbered in the mesh.
     fn triangle(
         &self,
         entity: Entity,
@@ -48,7 +48,7 @@ impl Surfaces<'_, '_> {
         triangle: u32,
         barycentrics: Vec3,
     ) -> Option<Entity> {
-        // Unless the collider's mesh is skinned, its attributes do nothing.
+        // Without a skinned pose, the mesh's joint attributes have no effect.
         state.pose.as_ref()?.lock().joints()?;
         let (mesh, skin, corners) = self.triangle(entity, state, triangle)?;
         let mut shares: Vec<(u16, f32)> = Vec::new();

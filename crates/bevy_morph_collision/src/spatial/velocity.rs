@@ -1,4 +1,4 @@
-//! How fast surfaces move.
+//! Velocities of surfaces.
 
 use bevy::math::DVec3;
 use bevy::prelude::*;
@@ -6,14 +6,16 @@ use bevy::prelude::*;
 use super::{MorphProjection, MorphRayHit, MorphSpatialQuery};
 
 impl MorphSpatialQuery<'_, '_> {
-    /// The velocity of a point of a collider's surface, in world units per second: what morph targets, joints and the entity's own motion add up
-    /// to.
+    /// The velocity of a point of a collider's surface, in world units per second, from morph targets, joints and the entity's
+    /// own motion together.
     ///
-    /// The distance that the point moved between the plugin's last two runs, divided by the time between them
-    /// ([`Time`] of the schedule that the plugin runs in). Teleporting counts as motion. While collisions are paused, it stays that of the last run. `None` if there is no such
-    /// collider or triangle, if it took no part in the run before or had another mesh then, or if no time has passed.
+    /// It is the distance that the point moved between the plugin's last two runs, divided by the time between them ([`Time`] of
+    /// the plugin's schedule). Teleporting counts as motion. While collision detection is paused, the velocity stays that of the
+    /// last run. `None` if the collider or triangle does not exist, if the collider took no part in the run before or had another
+    /// mesh then, or if no time has passed.
     ///
-    /// Costs six vertices, three of them blended again with each call. Where nobody asks, it costs a copy of each collider's weights per run.
+    /// Costs six vertices, three of them blended again with each call. Without any calls, it costs one copy of each collider's
+    /// weights per run.
     #[must_use]
     pub fn surface_velocity(&self, collider: Entity, triangle: u32, barycentrics: Vec3) -> Option<Vec3> {
         let seconds = self.times.as_ref()?.between?.as_secs_f64();
@@ -30,7 +32,7 @@ impl MorphSpatialQuery<'_, '_> {
 }
 
 impl MorphRayHit {
-    /// The velocity of the surface where the ray hit it, in world units per second; see [`MorphSpatialQuery::surface_velocity`].
+    /// The velocity of the surface at the hit point, in world units per second; see [`MorphSpatialQuery::surface_velocity`].
     ///
     /// ```
     /// # use bevy::prelude::*;

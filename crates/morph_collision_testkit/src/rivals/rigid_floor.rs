@@ -141,8 +141,10 @@ impl Method for RigidFloor {
         };
         let (body_a, body_b) = (Body::new(&mut a.pose, &a.place), Body::new(&mut b.pose, &b.place));
         let start = pairs.len();
-        let push = |pair| wanted.push(pairs, start, pair);
-        self.query.visit(body_a, body_b, push);
+        match wanted {
+            Wanted::All | Wanted::UpTo(_) => self.query.visit(body_a, body_b, |pair| wanted.push(pairs, start, pair)),
+            Wanted::First => pairs.extend(self.query.first(body_a, body_b)),
+        }
         self.work += self.query.stats();
     }
 

@@ -1,5 +1,5 @@
-//! A Markdown page with sections for tables and plots, marked by comments: `<!-- table: NAME -->` to `<!-- end
-//! -->`.
+//! A Markdown page with sections for tables and plots, marked by comments: `<!-- table: NAME -->` to
+//! `<!-- end -->`.
 
 use std::io;
 use std::ops::Range;

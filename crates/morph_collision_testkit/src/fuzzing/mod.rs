@@ -5,8 +5,8 @@
 //! | [`pairs()`] | two small meshes, tree options, weights and placements | the oracle's pairs; no vertex outside its box |
 //! | [`skins()`] | two small meshes moved by joints, tree options, weights and matrices | the oracle's pairs, rays and distances; no vertex outside its box |
 //! | [`triangles()`] | two triangles, mostly near-degenerate | the oracle's answer, in any order of corners |
-//! | [`layout()`] | a serialised tree | an error, or a tree that answers right |
-//! | [`scene()`] | a JSON scene | an error, or a scene that is written as it was read |
+//! | [`layout()`] | a serialised tree | an error, or a tree with correct answers |
+//! | [`scene()`] | a JSON scene | an error, or a scene that survives writing and reading |
 //! | [`gltf()`] | a glTF file | an error, or meshes |
 //!
 //! A function panics if its condition does not hold. Any bytes are a valid case; missing bytes count as zeros.

@@ -1,7 +1,7 @@
 //! Do two closed triangles share a point? Decided in integers, from the definition of a convex hull.
 //!
-//! The hulls of `a_0 a_1 a_2` and `b_0 b_1 b_2` share a point iff the origin lies in the hull of the nine differences `a_i
-//! - b_j` (their Minkowski difference). By Caratheodory's theorem, this holds iff it lies in the hull of an affinely
+//! The hulls of `a_0 a_1 a_2` and `b_0 b_1 b_2` share a point iff the origin lies in the hull of the nine differences
+//! `a_i - b_j` (their Minkowski difference). By Caratheodory's theorem, this holds iff it lies in the hull of an affinely
 //! independent subset of one to four of them: a point, a segment, a triangle or a tetrahedron. Degenerate triangles and
 //! coplanar pairs are not special cases.
 //!

@@ -1,5 +1,5 @@
-//! Rewrites every table and plot of `docs/performance.md` in place: `cargo run --release -p morph_collision_testkit --features
-//! report --bin report -- docs/performance.md`.
+//! Rewrites every table and plot of `docs/performance.md` in place:
+//! `cargo run --release -p morph_collision_testkit --features report --bin report -- docs/performance.md`.
 //!
 //! ```text
 //! a section: experiments --testkit's bench--> rows --render, plot--> Markdown, SVG, CSV --bench's Page--> the page, docs/plots/

@@ -4,28 +4,28 @@
 //! `sum of w_i p_i`, where `w_0` is 1 minus the sum of the others. It is convex if no `w_k` is negative and their sum is at
 //! most 1. Other weights are split in two, `w_k = a_k + r_k`:
 //!
-//! - `a_k` is 0 for negative weights. Positive ones are scaled down to the sum 1 if their sum is greater. With `a_0 = 1 - sum
-//!   of a_k` this part is convex, and Eq. 3 and 7 apply.
+//! - `a_k` is 0 for negative weights. Positive ones are scaled down to the sum 1 if their sum is greater. With
+//!   `a_0 = 1 - sum of a_k` this part is convex, and Eq. 3 and 7 apply.
 //! - `r_k d_k` remains to be added, a sum over displacements of any sign: interval arithmetic over the volumes around them.
 //!
 //! With convex weights all `r_k` are 0, and if rounding takes a sum just past 1 the rest is tiny.
 //!
 //! # In-betweens
 //!
-//! Half way between references `i` and `i + 1` lies another shape, with volumes of its own (Sect. 5). Let `m = min(a_i,
-//! a_(i+1))`. Then `m` of each of the two references equals `2 m` of that shape; the blend stays convex. The paper has two
+//! Half way between references `i` and `i + 1` lies another shape, with volumes of its own (Sect. 5). Let
+//! `m = min(a_i, a_(i+1))`. Then `m` of each of the two references equals `2 m` of that shape; the blend stays convex. The paper has two
 //! active references. If there are more, the two with the largest `m` are used.
 //!
 //! # Rounding
 //!
 //! Let `u = 2^-24` and `v = 2^-53`. Let `B` and `D_k` be the largest magnitudes of coordinates of `b` and `d_k`, `m` the number
 //! of nonzero weights, `K` the number of all weights, and `R = B + sum of |w_k| D_k`. A posed vertex is rounded to `f32` in
-//! each of `m` products and sums; a coordinate is off by at most `(m + 1) u / (1 - (m + 1) u) R + m 2^-150 <= 1.004 (m + 1) u R
-//! + m 2^-150`, since `m < 2^16`.
+//! each of `m` products and sums; a coordinate is off by at most
+//! `(m + 1) u / (1 - (m + 1) u) R + m 2^-150 <= 1.004 (m + 1) u R + m 2^-150`, since `m < 2^16`.
 //!
 //! Volumes are computed from coordinates in `f64`. A reference's coordinates are off by at most `4 v (B + D_k)`, weights by a
-//! few `v` each, and a blend of at most `2 K + 2` terms by `(2 K + 12) v R` in all, less than `u R`. So `1.01 (m + 3) u R + m
-//! 2^-149` covers both.
+//! few `v` each, and a blend of at most `2 K + 2` terms by `(2 K + 12) v R` in all, less than `u R`. So
+//! `1.01 (m + 3) u R + m 2^-149` covers both.
 
 use super::references::References;
 

@@ -51,7 +51,7 @@ fn what_nothing_can_touch_is_not_blended() {
     assert!((place(&app, ball).y - 0.4).abs() < 1e-2, "{}", place(&app, ball));
 }
 
-/// A ball on a sheet that rises at 0.5/s by the clock, in an app with the given physics time step.
+/// A ball on a sheet that rises at 0.5/s by the clock, in an app that already sets when physics steps.
 fn rising(mut app: App, frame: f32, frames: usize) -> (f32, f32, f32) {
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(frame)));
     let surface = spawn(&mut app, &sheet(16), ());

@@ -112,7 +112,7 @@ fn show(args: &QueryArgs, report: &impl QueryReport) -> Result<(), CliError> {
     }
 }
 
-/// The mesh asked about, with its weights.
+/// The mesh in the requested pose.
 fn pose(args: &QueryArgs) -> Result<Pose, CliError> {
     let (file, mut mesh) = args.files.open_mesh(&args.model, args.mesh, "--mesh")?;
     count_memory(&file, args.mesh, mesh.tree_bytes(), || "its tree".into())?;

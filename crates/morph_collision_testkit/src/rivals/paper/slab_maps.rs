@@ -8,7 +8,7 @@ use crate::rivals::relative::{ROUNDINGS_F64, Relative};
 #[derive(Clone, Debug)]
 pub(super) struct SlabMap<const H: usize> {
     terms: [[Term; 3]; H],
-    /// What is added to the lower and upper ends.
+    /// Added to the lower and upper ends.
     offsets: [(f64, f64); H],
 }
 

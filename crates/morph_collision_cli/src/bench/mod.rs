@@ -31,8 +31,8 @@ const SPLIT_ROUNDS: usize = 1;
 ///
 /// Methods take turns for N rounds. In each round they run every frame of a scene on one thread pinned to a core; a warm-up round
 /// is discarded. Times are microseconds per frame: the median over the rounds. Ratios to morph are the median of the ratios
-/// within a round. All methods have to find the same pairs (mode `first`: the same touching bodies); otherwise the exit code is
-/// 1.
+/// within a round. All methods have to find the same pairs (mode `first`: the same touching bodies); otherwise the exit
+/// code is 1.
 ///
 /// A frame's time covers setting weights and placements, the broad phase and the queries. `blend`, `refit` and `query` are
 /// measured in separate passes and scaled so that they add up to the undisturbed total. If a method blends vertices and refits

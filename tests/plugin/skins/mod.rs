@@ -36,8 +36,8 @@ fn boned(mesh: &MorphMesh, joint_of: impl Fn(Vec3) -> u16) -> Mesh {
         .with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights)
 }
 
-/// A cube with sides of 1 around the origin. The side at -X follows joint 0, the side at +X joint
-/// 1.
+/// A cube with sides of 1 around the origin. The side at -X follows joint 0, the side at +X
+/// joint 1.
 fn limb() -> Mesh {
     boned(&cube(), |p| u16::from(p.x > 0.0))
 }

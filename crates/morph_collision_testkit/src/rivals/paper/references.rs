@@ -1,5 +1,5 @@
-//! The reference models (Sect. 3.1): reference 0 is the base, reference `k + 1` is the base with target `k` at weight
-//! 1.
+//! The reference models (Sect. 3.1): reference 0 is the base, reference `k + 1` is the base with target `k` at
+//! weight 1.
 
 use glam::{DVec3, Vec3};
 

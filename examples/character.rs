@@ -1,6 +1,7 @@
-//! A skinned and morphed character walks, talks, crouches and waves: rays stick to its skin, it kicks crates, and its hand on its face is red.
+//! A skinned and morphed character walks, talks, crouches and waves. Rays stick to its skin, it kicks crates, and its hand turns
+//! red where it touches the face.
 //!
-//! With the feature `render` it is drawn, unless `--headless` asks for numbers; `--help` lists the options.
+//! With the feature `render` it is drawn, unless `--headless` asks for numbers. `--help` lists the options.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -24,35 +25,35 @@ use serde::Serialize;
 /// A character that walks, talks, crouches and waves, is hit by rays and kicks crates.
 #[derive(Parser)]
 struct Options {
-    /// Frames of a sixtieth of a second.
+    /// Frames of 1/60 s each.
     #[arg(long, default_value_t = 960, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     frames: u32,
-    /// Do not draw, print numbers. Without the feature `render` nothing else can be done.
+    /// Print numbers instead of drawing. Always on without the feature `render`.
     #[arg(long)]
     headless: bool,
     #[command(flatten)]
     view: ViewOptions,
-    /// Print nothing but the result, as one JSON object.
+    /// Print only the result, as one JSON object.
     #[arg(long)]
     json: bool,
 }
 
-/// What came of it.
+/// The result of a run.
 #[derive(Serialize, Default)]
 struct Report {
     frames: u32,
     rays: u32,
     hits: u32,
-    /// How far a dart was ever off its triangle.
+    /// The largest distance of a dart from its triangle.
     darts_off_by: f32,
     kicks: u32,
     /// Frames in which a hand touched the face.
     frames_hand_on_face: u32,
-    /// The most pairs of triangles of the two.
+    /// The most pairs of triangles between hand and face in a frame.
     most_pairs: usize,
-    /// The most parts of the skin near crates.
+    /// The largest number of parts of the skin near crates.
     most_parts: u32,
-    /// Whole frames, in microseconds.
+    /// Time of whole frames, in microseconds.
     frame_us: Times,
 }
 
@@ -88,7 +89,7 @@ fn draw(_: &Options) -> Result<(), ExampleError> {
 fn count(options: &Options) -> Result<(), ExampleError> {
     let report = run(options.frames)?;
     let text = match options.json {
-        // Numbers and plain names always have a JSON form.
+        // Numbers and plain names can always be written as JSON.
         true => serde_json::to_string(&report).unwrap_or_default(),
         false => report.to_string(),
     };
@@ -131,7 +132,7 @@ fn run(frames: u32) -> Result<Report, ExampleError> {
 }
 
 impl Report {
-    /// What a frame adds.
+    /// Adds a frame to the report.
     fn look(&mut self, app: &mut App) {
         let tally = app.world().resource::<Tally>().clone();
         (self.rays, self.hits, self.kicks) = (tally.rays, tally.hits, tally.kicks);

@@ -1,8 +1,8 @@
-//! A thousand morphing bodies with collision on: what a frame costs while nothing moves, while all move apart from each
-//! other, and in a dense crowd.
+//! A thousand morphing bodies with collision on. Measures a frame while nothing moves, while all move apart from each other, and
+//! in a dense crowd.
 //!
-//! Through everything that a game would use: the asset server, the glTF loader, Bevy's animation and the collision plugin. With the
-//! feature `render` the crowd is drawn, unless `--headless` asks for numbers; `--help` lists the options.
+//! It uses what a game would use: the asset server, the glTF loader, Bevy's animation and the collision plugin. With the feature
+//! `render` the crowd is drawn, unless `--headless` asks for numbers. `--help` lists the options.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -25,32 +25,32 @@ use morph_collision_workspace::{
 use morph_collision_workspace::{shows, view};
 use serde::Serialize;
 
-/// A crowd of morphing bodies, idle, apart and dense, and what each costs.
+/// Time a crowd of morphing bodies: idle, apart and dense.
 #[derive(Parser)]
 struct Options {
-    /// Bodies in the crowd.
+    /// Number of bodies in the crowd.
     #[arg(long, default_value_t = 1000, value_parser = clap::value_parser!(u32).range(2..=20_000))]
     instances: u32,
-    /// Frames that each of the three is timed for.
+    /// Number of frames to time for each of the three.
     #[arg(long, default_value_t = 60, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     frames: u32,
-    /// Any glTF or glb file with morph targets, in place of the dolphins.
+    /// Any glTF or glb file with morph targets, used instead of the dolphins.
     #[arg(long)]
     model: Option<PathBuf>,
     /// How far bodies may move before their pairs are compared again, in percent of a body's length.
     #[arg(long, default_value_t = 0.0, value_parser = percentage)]
     tolerance: f32,
-    /// Do not draw, print numbers. Without the feature `render` nothing else can be done.
+    /// Print numbers instead of drawing. Always on without the feature `render`.
     #[arg(long)]
     headless: bool,
     #[command(flatten)]
     view: ViewOptions,
-    /// Print nothing but the result, as one JSON object.
+    /// Print only the result, as one JSON object.
     #[arg(long)]
     json: bool,
 }
 
-/// Medians of what frames cost.
+/// Median costs of frames.
 #[derive(Serialize)]
 struct Report {
     instances: usize,
@@ -65,7 +65,7 @@ struct Report {
 struct Cost {
     /// The whole of `App::update`, in microseconds.
     frame_us: f64,
-    /// The plugin's systems alone.
+    /// Only the plugin's systems, in microseconds.
     plugin_us: f64,
     /// Bodies that touch.
     pairs: u64,
@@ -102,7 +102,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     app::ready(&mut app);
     let instances = Instances::spawn(&mut app, &file, count, false)?;
     let tolerance = options.tolerance / 100.0 * instances.length();
-    // Touching or not is what is asked.
+    // We only ask whether bodies touch.
     let mut parts = app.world_mut().query::<&mut MorphCollider>();
     for mut collider in parts.iter_mut(app.world_mut()) {
         *collider = MorphCollider::new(MorphCollisionMode::Any).with_tolerance(tolerance);
@@ -117,7 +117,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     };
     let apart = crowd.time(Some(2.0));
     let dense = crowd.time(Some(0.5));
-    // In the same crowd, standing still.
+    // The same crowd, standing still.
     crowd.pause_animation();
     let idle = crowd.time(None);
     crowd.progress.finish_and_clear();
@@ -130,7 +130,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
         dense,
     };
     let text = match options.json {
-        // Numbers and plain names always have a JSON form.
+        // Numbers and plain names can always be written as JSON.
         true => serde_json::to_string(&report).unwrap_or_default(),
         false => report.to_string(),
     };
@@ -148,8 +148,8 @@ struct Crowd {
 }
 
 impl Crowd {
-    /// Medians over some frames, after a few that are not counted. `spacing` is that of the bodies in body lengths; `None` leaves
-    /// them where they are.
+    /// Medians over some frames, after a few warm-up frames. `spacing` is the distance between bodies in body lengths; `None`
+    /// leaves them where they are.
     fn time(&mut self, spacing: Option<f32>) -> Cost {
         let [mut frames, mut plugin, mut pairs, mut held] = [const { Vec::new() }; 4];
         for frame in 0..5 + self.frames {
@@ -177,7 +177,7 @@ impl Crowd {
         }
     }
 
-    /// Bodies on a cubic grid, turning and bobbing each in its own time.
+    /// Places bodies on a cubic grid. Each turns and bobs at its own pace.
     fn place(&mut self, frame: u32, spacing: f32) {
         let roots = &self.instances.roots;
         let step = spacing * self.instances.length();
@@ -196,7 +196,7 @@ impl Crowd {
     }
 }
 
-/// A number of percent that is finite and not negative.
+/// A percentage that is finite and not negative.
 fn percentage(text: &str) -> Result<f32, String> {
     let percent: f32 = text.parse().map_err(|error| format!("{error}"))?;
     let is_good = (0.0..1e6).contains(&percent);
@@ -237,7 +237,7 @@ impl fmt::Display for Report {
     }
 }
 
-/// A line on the terminal, if there is one.
+/// A progress bar, if stderr is a terminal.
 fn progress_bar(frames: u64) -> ProgressBar {
     let style = ProgressStyle::with_template("frame {pos}/{len} {wide_bar} {per_sec}");
     ProgressBar::new(frames).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))

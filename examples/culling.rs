@@ -1,4 +1,4 @@
-//! What Bevy culls morphing meshes by, next to what this project makes of it.
+//! The boxes that Bevy uses to cull morphing meshes, next to those of this project.
 //!
 //! `--help` lists the options.
 
@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use morph_collision_workspace::{options::ViewOptions, shows, view};
 
-/// What Bevy culls morphing meshes by, next to what this project makes of it.
+/// The boxes that Bevy uses to cull morphing meshes, next to those of this project.
 #[derive(Parser)]
 struct Options {
     #[command(flatten)]

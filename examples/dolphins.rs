@@ -1,8 +1,8 @@
-//! Twelve dolphins that swim closely together as a group, roll, and touch now and then.
+//! Twelve dolphins swim closely together as a group, roll, and touch now and then.
 //!
-//! The second experiment of the paper this project starts from, through everything that a game would use: the asset
-//! server, the glTF loader, Bevy's animation and the collision plugin. With the feature `render` they are drawn, unless `--headless` asks
-//! for numbers; `--help` lists the options.
+//! This is the second experiment of the paper on which this project is based. It uses what a game would use: the asset server,
+//! the glTF loader, Bevy's animation and the collision plugin. With the feature `render` the dolphins are drawn, unless
+//! `--headless` asks for numbers. `--help` lists the options.
 
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -32,19 +32,19 @@ struct Options {
     /// Frames to run, at 60 per second.
     #[arg(long, default_value_t = 400, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     frames: u32,
-    /// Triangles of a dolphin.
+    /// Triangles per dolphin.
     #[arg(long, default_value = "564", value_parser = PossibleValuesParser::new(["564", "2256", "9024", "36096"]))]
     triangles: String,
-    /// Any glTF or glb file with morph targets, to swim in place of the dolphins.
+    /// Any glTF or glb file with morph targets, used instead of the dolphins.
     #[arg(long, conflicts_with = "triangles")]
     model: Option<PathBuf>,
-    /// How many swim.
+    /// Number of swimmers.
     #[arg(long, default_value_t = 12, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     count: u32,
-    /// Do not draw, print numbers. Without the feature `render` nothing else can be done.
+    /// Print numbers instead of drawing. Always on without the feature `render`.
     #[arg(long)]
     headless: bool,
-    /// Print nothing but the summary, as one JSON object.
+    /// Print only the summary, as one JSON object.
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -76,7 +76,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     let kind = if options.model.is_some() { "body" } else { "dolphin" };
 
     let mut app = app::headless(file.parent().unwrap_or(&file));
-    // What cannot be loaded is reported below, with the file's name.
+    // Files that cannot be loaded are reported below, by name.
     app.add_plugins(LogPlugin {
         filter: "error,bevy_asset=off".into(),
         ..LogPlugin::default()
@@ -107,7 +107,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
 
     report.finish();
     if options.json {
-        // Numbers and plain names always have a JSON form.
+        // Numbers and plain names can always be written as JSON.
         print(&format!("{}\n", serde_json::to_string(&report).unwrap_or_default()));
     } else {
         print(&format!("{report}\n"));
@@ -115,13 +115,13 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     Ok(())
 }
 
-/// A line on the terminal, if there is one.
+/// A progress bar, if stderr is a terminal.
 fn progress_bar(frames: usize) -> ProgressBar {
     let style = ProgressStyle::with_template("frame {pos}/{len} {wide_bar} {per_sec}, {msg}");
     ProgressBar::new(frames as u64).with_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
-/// One line per pair that started or ceased to touch.
+/// One line per pair that started or stopped touching.
 fn describe(frame: usize, changes: &Changes, kind: &str, roots: &[Entity]) -> String {
     let number = |body: Entity| roots.iter().position(|&root| root == body).unwrap_or(roots.len());
     let line = |&(a, b): &(Entity, Entity), what: &str| {
@@ -133,7 +133,7 @@ fn describe(frame: usize, changes: &Changes, kind: &str, roots: &[Entity]) -> St
     started.chain(ended).collect()
 }
 
-/// Prints, and ends the program quietly when nobody listens any more.
+/// Prints, and ends the program quietly if nobody reads the output any more.
 fn print(text: &str) {
     if io::stdout().lock().write_all(text.as_bytes()).is_err() {
         std::process::exit(0);

@@ -1,4 +1,4 @@
-//! A face speaks; where jaw, lips, teeth and tongue run into each other is red. Click to stick pins to the skin.
+//! A face speaks. Places where jaw, lips, teeth and tongue intersect are red. Click to stick pins to the skin.
 //!
 //! `--help` lists the options.
 
@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use morph_collision_workspace::{options::ViewOptions, shows, view};
 
-/// A face speaks; where jaw, lips, teeth and tongue run into each other is red. Click to stick pins to the skin.
+/// A face speaks. Places where jaw, lips, teeth and tongue intersect are red. Click to stick pins to the skin.
 #[derive(Parser)]
 struct Options {
     #[command(flatten)]

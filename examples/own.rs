@@ -1,5 +1,5 @@
-//! Your own model, twice: the copies run into each other, and what that costs stands beside a refit of the whole mesh. Drop other files on
-//! the window.
+//! Your own model, twice: the copies run into each other, and the panel compares the cost with a refit of the whole mesh. Drop
+//! other files on the window.
 //!
 //! `--help` lists the options.
 
@@ -12,7 +12,7 @@ use morph_collision_workspace::{options::ViewOptions, shows, view};
 /// Two copies of a model run into each other; touching triangles are red.
 #[derive(Parser)]
 struct Options {
-    /// A .glb file, or a .gltf file with everything in it, that has morph targets.
+    /// A .glb file, or a self-contained .gltf file, that has morph targets.
     #[arg(default_value = concat!(env!("CARGO_MANIFEST_DIR"), "/assets/mh_head_eyes_teeth_arkit52.glb"))]
     model: PathBuf,
     #[command(flatten)]

@@ -1,5 +1,5 @@
-//! Two morphing bodies pass right through each other, and where they meet is red: the first experiment of the paper this project
-//! starts from.
+//! Two morphing bodies pass right through each other, and where they touch is red. This is the first experiment of the paper on
+//! which this project is based.
 //!
 //! `--help` lists the options.
 
@@ -8,7 +8,8 @@ use std::process::ExitCode;
 use clap::Parser;
 use morph_collision_workspace::{options::ViewOptions, shows, view};
 
-/// Two morphing bodies pass right through each other, and where they meet is red: the first experiment of the paper this project starts from.
+/// Two morphing bodies pass right through each other, and where they touch is red: the first experiment of the paper on which
+/// this project is based.
 #[derive(Parser)]
 struct Options {
     #[command(flatten)]

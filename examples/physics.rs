@@ -1,6 +1,8 @@
-//! A player walks on a hill that heaves, and balls and boxes rain on both. The hill is a glTF file that plays its clip; it pushes and carries what is on it.
+//! A player walks on a heaving hill while balls and boxes rain down. The hill is a glTF file that plays its clip; it pushes and
+//! carries what is on it.
 //!
-//! With the feature `render` it is drawn, and played with the keyboard, unless `--headless` asks for numbers; `--help` lists the options.
+//! With the feature `render` it is drawn and played with the keyboard, unless `--headless` asks for numbers. `--help` lists the
+//! options.
 
 use std::fmt;
 use std::io::{self, Write};
@@ -20,35 +22,35 @@ use morph_collision_workspace::options::ViewOptions;
 use morph_collision_workspace::{shows, view};
 use serde::Serialize;
 
-/// A player walks on a hill that heaves, in the rain of balls and boxes.
+/// A player walks on a heaving hill while balls and boxes rain down.
 #[derive(Parser)]
 struct Options {
-    /// Balls and boxes.
+    /// Number of balls and boxes.
     #[arg(long, default_value_t = 120, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     bodies: u32,
-    /// Frames of a sixtieth of a second; physics steps 64 times a second.
+    /// Frames of 1/60 s each; physics steps 64 times a second.
     #[arg(long, default_value_t = 900, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     frames: u32,
-    /// A glTF or glb file with morph targets or joints, in place of the hill.
+    /// A glTF or glb file with morph targets or joints, used instead of the hill.
     #[arg(long)]
     model: Option<PathBuf>,
-    /// Continuous collision detection for what falls.
+    /// Use continuous collision detection for falling bodies.
     #[arg(long)]
     ccd: bool,
-    /// Where and how bodies fall.
+    /// Random seed for where and how bodies fall.
     #[arg(long, default_value_t = 1)]
     seed: u64,
-    /// Do not draw, print numbers. Without the feature `render` nothing else can be done.
+    /// Print numbers instead of drawing. Always on without the feature `render`.
     #[arg(long)]
     headless: bool,
     #[command(flatten)]
     view: ViewOptions,
-    /// Print nothing but the result, as one JSON object.
+    /// Print only the result, as one JSON object.
     #[arg(long)]
     json: bool,
 }
 
-/// What came of it.
+/// The result of a run.
 #[derive(Serialize)]
 struct Report {
     bodies: usize,
@@ -59,13 +61,13 @@ struct Report {
     resting: usize,
     /// Steps since the player first stood on something.
     player_steps: u32,
-    /// The share of them after which it was on the ground, as Rapier's controller says.
+    /// The share of these steps after which it was on the ground, according to Rapier's controller.
     player_grounded: f64,
-    /// The share of them after which the hill was below its feet.
+    /// The share of these steps after which the hill was below its feet.
     player_on_hill: f64,
-    /// How far it walked, as seen from above.
+    /// How far it walked, seen from above.
     player_walked: f64,
-    /// Whole frames, in microseconds.
+    /// Time of whole frames, in microseconds.
     frame_us: Times,
 }
 
@@ -112,7 +114,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     progress.finish_and_clear();
     let report = report(&mut app, times);
     let text = match options.json {
-        // Numbers and plain names always have a JSON form.
+        // Numbers and plain names can always be written as JSON.
         true => serde_json::to_string(&report).unwrap_or_default(),
         false => report.to_string(),
     };
@@ -122,7 +124,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     Ok(())
 }
 
-/// The game without a window, when the hill is there, the player and the rain above it.
+/// The game without a window. Waits until the hill is loaded, then adds the player and the rain above it.
 fn begin(game: Game) -> Result<App, ExampleError> {
     let file = game.model.clone();
     let mut app = headless(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/assets")));

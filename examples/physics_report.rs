@@ -1,5 +1,5 @@
-//! Makes the tables of docs/rapier.md again, in place: how bodies behave on a morphing surface, how many fall through, and what a
-//! step costs, here and with what a game can do by itself.
+//! Rewrites the tables of docs/rapier.md in place: how bodies behave on a morphing surface, how many fall through, and what a
+//! step costs, with this plugin and with what a game can do without it.
 //!
 //! `--help` lists the options; `just physics-report` runs it.
 
@@ -20,18 +20,18 @@ use morph_collision_workspace::tables::{Section, TableOptions, progress, rewrite
 /// Tables about rigid bodies on morphing surfaces.
 #[derive(Parser)]
 struct Options {
-    /// The page to change.
+    /// The page to rewrite.
     #[arg(default_value = "docs/rapier.md")]
     page: PathBuf,
     #[command(flatten)]
     tables: TableOptions,
-    /// Print the times of this row of the last table, of one way alone, and change nothing: to profile it.
+    /// For profiling: print only the times of this row of the last table, for one method, and change nothing.
     #[arg(long)]
     row: Option<usize>,
-    /// Which: 0 is this plugin, then come the rivals.
+    /// The method: 0 is this plugin, followed by the rivals.
     #[arg(long, default_value_t = 0)]
     way: usize,
-    /// Print which bodies of one hundred drops fall through, here, and change nothing.
+    /// Print which bodies of one hundred drops fall through with this plugin, and change nothing.
     #[arg(long)]
     batch: Option<u64>,
 }
@@ -101,7 +101,7 @@ fn at_rest<'a>(method: Method, mesh: &'a MorphMesh, collider: Collider) -> (App,
     (app, surface, body)
 }
 
-/// What a surface does to what lies on it.
+/// The effect of a surface on a body that rests on it.
 fn behaviour() -> String {
     let mesh = sheet(32);
     let ball = || Collider::ball(0.5);
@@ -159,7 +159,7 @@ fn behaviour() -> String {
     table
 }
 
-/// Bodies that fall into the bowl, each alone: how many fall through.
+/// Drops bodies that do not collide with each other into the bowl, and counts how many fall through.
 fn drops(quick: bool) -> String {
     let mesh = bowl();
     let batches = if quick { 4 } else { 100 };
@@ -197,7 +197,7 @@ fn fall(method: Method, mesh: &MorphMesh, ccd: bool, drops: &[Drop]) -> (u64, u6
             Kind::Capsule => Collider::capsule_y(size, 0.5 * size),
         };
         let body = body(&mut app, collider, drop.at);
-        // They meet the surface alone.
+        // They collide only with the surface.
         let groups = CollisionGroups::new(Group::GROUP_1, Group::ALL ^ Group::GROUP_1);
         let mut entity = app.world_mut().entity_mut(body);
         let velocity = Velocity {
@@ -217,14 +217,14 @@ fn fall(method: Method, mesh: &MorphMesh, ccd: bool, drops: &[Drop]) -> (u64, u6
     fates(bodies.iter().map(|&body| state(&app, body).0))
 }
 
-/// What a frame costs.
+/// The cost of a frame.
 fn times(quick: bool) -> String {
     let mesh = sheet(101);
     let names: Vec<&str> = Method::ALL[1..].iter().map(|method| method.name()).collect();
     table(quick, &names, |scene| worlds(scene, &mesh, &Method::ALL))
 }
 
-/// A scene in as many ways.
+/// A scene, once per method.
 fn worlds<'a>(scene: &Scene, mesh: &'a MorphMesh, methods: &[Method]) -> Vec<Timed<'a>> {
     let world = |&method: &Method| -> Timed<'a> {
         let mut app = here();

@@ -1,4 +1,4 @@
-//! Morphing models under the pointer: what is drawn is what is hit.
+//! Morphing models under the pointer: picking hits exactly what is drawn.
 //!
 //! `--help` lists the options.
 
@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use morph_collision_workspace::{options::ViewOptions, shows, view};
 
-/// Morphing models under the pointer: what is drawn is what is hit.
+/// Morphing models under the pointer: picking hits exactly what is drawn.
 #[derive(Parser)]
 struct Options {
     #[command(flatten)]

@@ -1,5 +1,5 @@
-//! Makes the tables of docs/avian.md again, in place: how bodies of Avian behave on a morphing surface, how many fall through, and what a
-//! step costs, here and with what a game can do by itself.
+//! Rewrites the tables of docs/avian.md in place: how Avian's bodies behave on a morphing surface, how many fall through, and
+//! what a step costs, with this plugin and with what a game can do without it.
 //!
 //! `--help` lists the options; `just avian-report` runs it.
 
@@ -21,10 +21,10 @@ use stage::{Method, Surface, app, body, drop_body, floor, glide, half, small, st
 /// Tables about Avian's rigid bodies on morphing surfaces.
 #[derive(Parser)]
 struct Options {
-    /// The page to change.
+    /// The page to rewrite.
     #[arg(default_value = "docs/avian.md")]
     page: PathBuf,
-    /// How many hundreds of bodies to drop.
+    /// Number of bodies to drop, in hundreds.
     #[arg(long, default_value_t = 100)]
     batches: u64,
     #[command(flatten)]
@@ -60,7 +60,7 @@ fn at_rest(method: Method, mesh: &MorphMesh, kind: Kind) -> (App, Surface<'_>, E
     (app, surface, body)
 }
 
-/// Five things that a surface does to what lies on it; as in docs/rapier.md.
+/// Five ways in which a surface acts on a body that rests on it; the same as in docs/rapier.md.
 fn behaviour() -> String {
     let mesh = sheet(32);
     let mut table = String::from(
@@ -113,7 +113,7 @@ fn behaviour() -> String {
     table
 }
 
-/// Bodies that fall into the bowl, each alone: how many fall through.
+/// Drops bodies that do not collide with each other into the bowl, and counts how many fall through.
 fn drops(batches: u64) -> String {
     let mesh = bowl();
     let per_batch = 100;
@@ -146,7 +146,7 @@ fn fall(method: Method, mesh: &MorphMesh, drops: &[Drop]) -> (u64, u64) {
     fates(bodies.iter().map(|&body| state(&app, body).0))
 }
 
-/// What a frame costs.
+/// The cost of a frame.
 fn times(quick: bool) -> String {
     let mesh = sheet(101);
     table(quick, &[Method::NewMesh.name()], |scene| {

@@ -1,4 +1,4 @@
-//! Rigid bodies of Avian on morphing surfaces: with this plugin, and with what a game can do by itself.
+//! Avian's rigid bodies on morphing surfaces: with this plugin, and with what a game can do without it.
 
 use std::path::Path;
 use std::time::Duration;
@@ -12,7 +12,7 @@ use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_workspace::physics::drops::{Drop, Kind};
 use morph_collision_workspace::physics::{DT, bevy_mesh, blend};
 
-/// An app with Avian in steps of [`DT`], one for each frame, ready for its first.
+/// An app with Avian in steps of [`DT`], one per frame, ready for its first frame.
 pub(crate) fn app(assets: &Path) -> App {
     let mut app = morph_collision_workspace::app::headless(assets);
     let step = Duration::from_secs_f32(DT);
@@ -28,15 +28,15 @@ pub(crate) fn app(assets: &Path) -> App {
 pub(crate) enum Method {
     /// [`MorphAvianCollider`].
     Ours,
-    /// Every vertex blended, a new `Collider::trimesh` each time, on a static body.
+    /// A static body that gets a new `Collider::trimesh` each time from all blended vertices.
     NewMesh,
 }
 
 impl Method {
-    /// All of them, ours first.
+    /// All methods, ours first.
     pub(crate) const ALL: [Self; 2] = [Self::Ours, Self::NewMesh];
 
-    /// How tables call it.
+    /// The name used in tables.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Ours => "`MorphAvianCollider`",
@@ -45,7 +45,7 @@ impl Method {
     }
 }
 
-/// A morphing mesh in physics.
+/// A morphing mesh that takes part in physics.
 #[derive(Debug)]
 pub(crate) struct Surface<'a> {
     method: Method,
@@ -55,7 +55,7 @@ pub(crate) struct Surface<'a> {
 }
 
 impl<'a> Surface<'a> {
-    /// A mesh at rest somewhere. Of this plugin's, several may share what is shared in a game: the mesh asset.
+    /// Spawns a mesh at rest. With this plugin, surfaces may share what a game would share: the mesh asset.
     pub(crate) fn spawn(
         app: &mut App,
         method: Method,
@@ -87,7 +87,7 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// Gives it other weights.
+    /// Sets new weights.
     pub(crate) fn pose(&mut self, app: &mut App, weights: &[f32]) {
         let mut surface = app.world_mut().entity_mut(self.entity);
         match self.method {
@@ -103,17 +103,17 @@ impl<'a> Surface<'a> {
     }
 }
 
-/// A dynamic body that falls as told.
+/// Spawns a dynamic body that falls as `drop` says.
 pub(crate) fn drop_body(app: &mut App, drop: &Drop) -> Entity {
     let size = drop.size;
     let collider = match drop.kind {
         Kind::Ball => Collider::sphere(size),
         Kind::Cuboid => Collider::cuboid(2.0 * size, 1.4 * size, size),
-        // Avian's is as long as its segment.
+        // Avian's length of a capsule is that of its segment.
         Kind::Capsule => Collider::capsule(0.5 * size, 2.0 * size),
     };
     let body = body(app, collider, drop.at);
-    // They meet the surface alone.
+    // They collide only with the surface.
     let layers = CollisionLayers::new(LayerMask(0b10), LayerMask::ALL ^ LayerMask(0b10));
     let velocity = (LinearVelocity(drop.linear), AngularVelocity(drop.angular));
     app.world_mut().entity_mut(body).insert((velocity, layers));
@@ -126,7 +126,7 @@ pub(crate) fn body(app: &mut App, collider: Collider, at: Vec3) -> Entity {
     app.world_mut().spawn(body).id()
 }
 
-/// A cuboid that slides at 3/s and that nothing slows down.
+/// Makes a cuboid slide at 3/s without friction or damping.
 pub(crate) fn glide(app: &mut App, body: Entity) {
     let slippery = Friction::new(0.0).with_combine_rule(CoefficientCombine::Min);
     let pushed = (slippery, LinearVelocity(Vec3::X * 3.0));
@@ -149,19 +149,19 @@ pub(crate) fn small(kind: Kind) -> Collider {
     }
 }
 
-/// A floor of 6 by 8 and a height of 1.
+/// A floor of 6 by 8 with a height of 1.
 pub(crate) fn floor(app: &mut App, at: Vec3) {
     let shape = Collider::cuboid(6.0, 1.0, 8.0);
     app.world_mut()
         .spawn((RigidBody::Static, shape, Transform::from_translation(at)));
 }
 
-/// A body that never sleeps.
+/// Keeps a body from sleeping.
 pub(crate) fn stay_awake(app: &mut App, body: Entity) {
     app.world_mut().entity_mut(body).insert(SleepingDisabled);
 }
 
-/// Where a body is, and how fast.
+/// A body's position and velocity.
 pub(crate) fn state(app: &App, body: Entity) -> (Vec3, Vec3) {
     let body = app.world().entity(body);
     (

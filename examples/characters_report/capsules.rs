@@ -1,4 +1,4 @@
-//! What games do about characters today: a capsule for each joint, in Rapier.
+//! What games do about characters today: one capsule per joint, in Rapier.
 
 use std::collections::BTreeSet;
 
@@ -12,12 +12,12 @@ use morph_collision_testkit::mesh::MorphMesh;
 
 use super::stage::Stage;
 
-/// How a capsule lies about the vertices of its joint.
+/// How a capsule is fitted to the vertices of its joint.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Fit {
-    /// It holds all of them.
+    /// It contains all of them.
     Around,
-    /// They are as far from its axis on average as its surface is.
+    /// Its surface is at their average distance from its axis.
     Through,
 }
 
@@ -29,8 +29,8 @@ pub(crate) struct Capsule {
     radius: f32,
 }
 
-/// A capsule for each joint that moves some vertices more than any other joint does, along the longest direction of these vertices in the
-/// pose the mesh was bound in.
+/// A capsule for each joint that is the strongest joint of some vertices, along the longest direction of these vertices in the
+/// bind pose.
 pub(crate) fn fitted(mesh: &MorphMesh, fit: Fit) -> Vec<Capsule> {
     let Some(skin) = &mesh.skin else { return Vec::new() };
     let mut points = vec![Vec::new(); skin.joint_count()];
@@ -57,7 +57,7 @@ fn capsule(joint: usize, points: &[DVec3], fit: Fit) -> Capsule {
         let off = point - center;
         spread += DMat3::from_cols(off * off.x, off * off.y, off * off.z);
     }
-    // The direction of the largest spread, by repeated multiplication.
+    // The direction of the largest spread, by power iteration.
     let mut axis = DVec3::new(0.6, 0.5, 0.4);
     for _ in 0..200 {
         axis = (spread * axis).normalize_or(DVec3::Y);
@@ -72,7 +72,7 @@ fn capsule(joint: usize, points: &[DVec3], fit: Fit) -> Capsule {
         Fit::Through => off_axis.iter().sum::<f64>() / count,
     };
     let radius = radius.max(1e-3);
-    // A cap reaches less far beside the axis.
+    // A cap reaches less far away from the axis.
     let reach = |off_axis: f64| (radius * radius - off_axis * off_axis).max(0.0).sqrt();
     let ends = match fit {
         Fit::Around => {
@@ -101,7 +101,7 @@ fn capsule(joint: usize, points: &[DVec3], fit: Fit) -> Capsule {
     }
 }
 
-/// Physics that sees joints where this frame's animation puts them.
+/// Adds physics that sees joints where this frame's animation puts them.
 pub(crate) fn add_physics(app: &mut App) {
     app.add_plugins(RapierPhysicsPlugin::<NoUserData>::default())
         .insert_resource(TimestepMode::Fixed {
@@ -111,7 +111,7 @@ pub(crate) fn add_physics(app: &mut App) {
         .configure_sets(PostUpdate, PhysicsSet::SyncBackend.after(AnimationSystems));
 }
 
-/// Hangs capsules on the joints of every character: sensors of one kinematic body per character.
+/// Attaches capsules to the joints of every character, as sensors of one kinematic body per character.
 pub(crate) fn dress(stage: &mut Stage, capsules: &[Capsule]) {
     for &root in &stage.roots {
         let body = (RigidBody::KinematicPositionBased, Sleeping::disabled());
@@ -143,7 +143,7 @@ pub(crate) fn dress(stage: &mut Stage, capsules: &[Capsule]) {
     }
 }
 
-/// The pairs of characters of which some capsules intersect, as Rapier says.
+/// The pairs of characters whose capsules intersect, according to Rapier.
 pub(crate) fn touching(stage: &mut Stage) -> BTreeSet<(usize, usize)> {
     let world = stage.app.world_mut();
     let mut contexts = world.query::<(&RapierContextSimulation, &RapierContextColliders)>();
@@ -160,7 +160,8 @@ pub(crate) fn touching(stage: &mut Stage) -> BTreeSet<(usize, usize)> {
         .collect()
 }
 
-/// The same by the definition of a capsule, to see that Rapier was asked right; capsules nearer than `slack` count as intersecting.
+/// The same by the definition of a capsule, to check that Rapier is used correctly. Capsules nearer than `slack` count as
+/// intersecting.
 pub(crate) fn touching_by_distance(stage: &Stage, capsules: &[Capsule], slack: f64) -> BTreeSet<(usize, usize)> {
     let world = stage.app.world();
     let mut all: Vec<(usize, [DVec3; 2], f64)> = Vec::new();
@@ -191,7 +192,7 @@ pub(crate) fn touching_by_distance(stage: &Stage, capsules: &[Capsule], slack: f
     pairs
 }
 
-/// The distance of two segments: at ends, or within both.
+/// The distance of two segments, at their ends or within both.
 fn segment_distance([a, b]: [DVec3; 2], [c, d]: [DVec3; 2]) -> f64 {
     let to_segment = |p: DVec3, [a, b]: [DVec3; 2]| {
         let along = b - a;

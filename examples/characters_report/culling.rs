@@ -1,4 +1,4 @@
-//! Boxes for culling: how large they are, what they leave out, and what they cost.
+//! Boxes for culling: how large they are, what they miss, and what they cost.
 
 use std::fmt::Write as _;
 
@@ -13,7 +13,7 @@ use morph_collision_workspace::tables::progress;
 
 use super::stage::{Model, Stage, grid};
 
-/// What is compared on its own, or together with all other clips of its model.
+/// The clips that are compared on their own; all other clips of a model are compared together.
 const MODELS: [(&str, &[&str]); 4] = [
     (
         "mh_character.glb",
@@ -27,15 +27,15 @@ const MODELS: [(&str, &[&str]); 4] = [
     ("Fox.glb", &["Survey", "Walk", "Run"]),
 ];
 
-/// Frames are this many sixtieths of a second apart.
+/// Use every Nth frame of 60 frames per second.
 const EVERY: usize = 2;
 
-/// What was seen of one way to keep boxes, over the frames of clips.
+/// Measurements of one way to keep boxes, over the frames of clips.
 #[derive(Default)]
 struct Seen {
-    /// Areas, as ratios to those of the smallest boxes with the same axes.
+    /// Areas, divided by those of the smallest boxes with the same axes.
     ratios: Vec<f64>,
-    /// Boxes that some vertex is outside of, by more than a millionth of the size.
+    /// Boxes that some vertex leaves by more than a millionth of the size.
     burst: usize,
 }
 
@@ -59,7 +59,7 @@ impl Seen {
             .map(|&v| to_entity.transform_point3(vertices[v as usize]))
             .collect();
         let (min, max) = extent(&drawn);
-        // Bevy moves the box with the entity: its sides are scaled.
+        // Bevy moves the box with the entity, so its sides are scaled.
         let scale = DVec3::new(
             place.matrix3.x_axis.length(),
             place.matrix3.y_axis.length(),
@@ -80,7 +80,7 @@ impl Seen {
     }
 }
 
-/// How large boxes are.
+/// The size of boxes.
 pub(crate) fn sizes(quick: bool) -> Result<String, String> {
     let mut table = String::from(
         "| model | clip | boxes | ours: median | worst | boxes that some vertex is outside of | Bevy's: median | worst | boxes that some vertex is outside of |\n|---|---|--:|--:|--:|--:|--:|--:|--:|\n",
@@ -133,18 +133,18 @@ pub(crate) fn sizes(quick: bool) -> Result<String, String> {
     Ok(table)
 }
 
-/// Characters in the crowd that is timed: about 22,000 joints.
+/// Characters in the timed crowd: about 22,000 joints.
 const CHARACTERS: usize = 415;
 const JOINTS: usize = 53;
 
-/// When the bounds of a frame were begun, and how long they took.
+/// When the computation of a frame's bounds started, and how long it took.
 #[derive(Resource, Default)]
 struct Clock {
     start: Option<Stopwatch>,
     taken: Option<f64>,
 }
 
-/// Times all that happens between the propagation of transforms and the check of what is visible.
+/// Times everything between the propagation of transforms and the visibility check.
 fn add_clock(app: &mut App) {
     app.init_resource::<Clock>().add_systems(
         PostUpdate,
@@ -161,7 +161,7 @@ fn add_clock(app: &mut App) {
     );
 }
 
-/// What boxes cost per joint.
+/// The cost of boxes per joint.
 pub(crate) fn times(quick: bool) -> Result<String, String> {
     let model = Model::find("mh_character.glb")?;
     let frames = if quick { 10 } else { 120 };

@@ -1,5 +1,5 @@
-//! Makes the tables of docs/characters.md again, in place: what a crowd of skinned characters costs and what is right about it, here, with
-//! Bevy's own bounds and picking, and with capsules in Rapier.
+//! Rewrites the tables of docs/characters.md in place: what a crowd of skinned characters costs and how accurate it is, with this
+//! plugin, with Bevy's own bounds and picking, and with capsules in Rapier.
 //!
 //! `--help` lists the options; `just characters-report` runs it.
 
@@ -19,7 +19,7 @@ use morph_collision_workspace::tables::{Section, TableOptions, rewrite};
 /// Tables about crowds of skinned characters.
 #[derive(Parser)]
 struct Options {
-    /// The page to change.
+    /// The page to rewrite.
     #[arg(default_value = "docs/characters.md")]
     page: PathBuf,
     #[command(flatten)]

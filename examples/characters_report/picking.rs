@@ -1,4 +1,4 @@
-//! Rays from a camera into a crowd: what they cost, and who answers right.
+//! Rays from a camera into a crowd: what they cost, and which answers are right.
 
 use std::fmt::Write as _;
 
@@ -16,16 +16,16 @@ use super::stage::{Model, Stage, grid};
 const CHARACTERS: usize = 100;
 const CLIP: &str = "walk_and_talk";
 
-/// Rays in a frame of the picture: columns and rows.
+/// Rays per frame of the picture: columns and rows.
 const PICTURE: (usize, usize) = (32, 18);
 
-/// How far from the true point a hit is wrong, in decimetres: a centimetre.
+/// A hit farther than this from the true point is wrong, in decimetres: a centimetre.
 const TOLERANCE: f64 = 0.1;
 
-/// What a ray hits first: a character, and how far away.
+/// The first thing a ray hits: a character, and the distance.
 type Hit = Option<(Entity, f32)>;
 
-/// Casts rays and says what they hit and how long that took.
+/// Casts rays and returns the hits and the time.
 type Caster = SystemId<In<Vec<Ray3d>>, (Vec<Hit>, f64)>;
 
 fn by_plugin(In(rays): In<Vec<Ray3d>>, spatial: MorphSpatialQuery) -> (Vec<Hit>, f64) {
@@ -53,7 +53,7 @@ fn by_bevy(In(rays): In<Vec<Ray3d>>, mut mesh_rays: MeshRayCast) -> (Vec<Hit>, f
     (hits, watch.elapsed().as_secs_f64() * 1e6)
 }
 
-/// A crowd that both can be asked about, with Bevy's own boxes around what joints do.
+/// A crowd that both can query, with Bevy's own boxes around joints.
 fn crowd(model: &Model) -> Result<(Stage, [Caster; 2]), String> {
     let scene = MorphColliderScene {
         collider: MorphCollider::new(MorphCollisionMode::Passive),
@@ -75,7 +75,8 @@ fn cast(stage: &mut Stage, caster: Caster, rays: &[Ray3d]) -> Result<(Vec<Hit>, 
     answer.map_err(|error| error.to_string())
 }
 
-/// The rays of a picture from in front of the crowd, at twice a character's height, all within a pixel moved about from frame to frame.
+/// The rays of a picture taken from in front of the crowd, at twice a character's height. All shift within a pixel from frame to
+/// frame.
 fn picture((columns, rows): (usize, usize), frame: usize) -> Vec<Ray3d> {
     let camera = Transform::from_xyz(40.0, 22.0, -45.0).looking_at(Vec3::new(40.5, -2.0, 25.0), Vec3::Y);
     let shift = Vec2::new((0.618_034 * frame as f32).fract(), (0.754_878 * frame as f32).fract());
@@ -94,7 +95,7 @@ fn picture((columns, rows): (usize, usize), frame: usize) -> Vec<Ray3d> {
     rays
 }
 
-/// What a ray costs, here and in Bevy, in turns.
+/// The cost of a ray with this plugin and with Bevy, timed in turns.
 pub(crate) fn times(quick: bool) -> Result<String, String> {
     let model = Model::find("mh_character.glb")?;
     let (mut stage, casters) = crowd(&model)?;
@@ -150,7 +151,8 @@ pub(crate) fn answers(quick: bool) -> Result<String, String> {
     let model = Model::find("mh_character.glb")?;
     let (mut stage, casters) = crowd(&model)?;
     let moments = if quick { 2 } else { 15 };
-    // Rays, rays that hit; then for each: the wrong character or none or one where there is none, a point elsewhere on the right one.
+    // Counts rays and hits. Then, for each method: rays with the wrong character, no hit, or a hit where there is none; and rays
+    // with a different point on the right character.
     let (mut rays, mut hits, mut wrong) = (0, 0, [[0; 2]; 2]);
     let bar = progress(moments as u64);
     for moment in 0..moments {
@@ -187,7 +189,7 @@ pub(crate) fn answers(quick: bool) -> Result<String, String> {
     Ok(table)
 }
 
-/// Where everybody's vertices are.
+/// The vertices of all characters.
 struct Truth {
     all: Vec<(Vec<DVec3>, DVec3, DVec3)>,
 }
@@ -204,7 +206,7 @@ impl Truth {
         }
     }
 
-    /// The first triangle that a ray meets from its front.
+    /// The first triangle that a ray hits from its front.
     fn first(&self, model: &Model, stage: &Stage, ray: &Ray3d) -> Option<(Entity, f64)> {
         let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let mut first: Option<(Entity, f64)> = None;

@@ -1,4 +1,4 @@
-//! Characters that play a clip, each from another moment on, in an app of one thread; and how apps are timed.
+//! Characters that play a clip, each from a different time, in a single-threaded app; and how apps are timed.
 
 use std::path::{Path, PathBuf};
 
@@ -15,14 +15,14 @@ use morph_collision_workspace::app::{ready, update_until, without_collisions};
 use morph_collision_workspace::crowd::{self, edit_players, root_of};
 use morph_collision_workspace::drawn::{self, Part};
 
-/// A model and its meshes, as the file has them.
+/// A model and its meshes as stored in the file.
 pub(crate) struct Model {
     pub(crate) file: PathBuf,
     pub(crate) meshes: Vec<MorphMesh>,
 }
 
 impl Model {
-    /// A model of `assets/`, or of the folder of models beside the repository.
+    /// Finds a model in `assets/`, or in the folder of models beside the repository.
     pub(crate) fn find(name: &str) -> Result<Self, String> {
         let file = find_real_model(name).map_err(|missing| missing.to_string())?;
         let file = file.canonicalize().map_err(|error| format!("{name}: {error}"))?;
@@ -35,14 +35,15 @@ impl Model {
 pub(crate) struct Stage {
     pub(crate) app: App,
     pub(crate) roots: Vec<Entity>,
-    /// The primitives of all characters that are skinned, in the order of their roots.
+    /// The skinned primitives of all characters, in the order of their roots.
     pub(crate) parts: Vec<Part>,
     clips: Vec<crowd::NamedClip>,
     file: PathBuf,
 }
 
 impl Stage {
-    /// Characters at some places, in an app of one thread that `add` adds plugins to. Bevy keeps boxes around what joints do only if it is told to.
+    /// Places characters in a single-threaded app; `add` adds plugins to it. Bevy keeps boxes around joints only if it is told
+    /// to.
     pub(crate) fn new(
         model: &Model,
         places: &[Transform],
@@ -73,7 +74,7 @@ impl Stage {
         Ok(stage)
     }
 
-    /// Runs frames until every tree is there.
+    /// Runs frames until every tree is built.
     fn settle(&mut self) -> Result<(), String> {
         self.app.update();
         let is_ready = |world: &mut World| {
@@ -91,7 +92,7 @@ impl Stage {
         self.clips.iter().map(|(name, _)| name.clone()).collect()
     }
 
-    /// Everybody plays a clip in a loop, each from another moment on. Returns how long it takes in seconds.
+    /// Makes every character play a clip in a loop, each from a different time. Returns the clip's length in seconds.
     pub(crate) fn play(&mut self, clip: &str) -> Result<f32, String> {
         let found = self.clips.iter().find(|(name, _)| name == clip);
         let (_, clip) = found.ok_or_else(|| format!("{}: there is no clip {clip:?}", self.file.display()))?;
@@ -102,14 +103,14 @@ impl Stage {
                 playing.repeat();
             }
         });
-        // The graph is a new asset, which takes players a few frames to notice.
+        // The graph is a new asset, and players take a few frames to notice it.
         for _ in 0..4 {
             self.app.update();
         }
         Ok(length)
     }
 
-    /// Lets Bevy keep boxes around what joints do, or not.
+    /// Turns Bevy's boxes around joints on or off.
     pub(crate) fn set_dynamic_bounds(&mut self, on: bool) {
         for part in &self.parts {
             let mut entity = self.app.world_mut().entity_mut(part.entity);
@@ -126,13 +127,13 @@ impl Stage {
         drawn::vertices(self.app.world(), &model.meshes[part.mesh], part.entity)
     }
 
-    /// The character that a part or something else below a root belongs to.
+    /// The character that a part, or any other descendant of a root, belongs to.
     pub(crate) fn character(&self, entity: Entity) -> Option<usize> {
         root_of(self.app.world(), entity, &self.roots)
     }
 }
 
-/// On a square grid, so far apart, each turned a little.
+/// Places on a square grid, `apart` from each other, each turned a little.
 pub(crate) fn grid(count: usize, apart: Vec2) -> Vec<Transform> {
     let side = (count as f32).sqrt().ceil() as usize;
     let place = |index: usize| {
@@ -143,10 +144,10 @@ pub(crate) fn grid(count: usize, apart: Vec2) -> Vec<Transform> {
     (0..count).map(place).collect()
 }
 
-/// Frames of one app in a row: as in a game that has its caches to itself.
+/// Consecutive frames of one app, so that its caches are as warm as in a game of its own.
 const TURN: usize = 10;
 
-/// Medians of whole frames of some apps, in microseconds of processor time, the apps in turns.
+/// Medians of whole frames of several apps, in microseconds of processor time. The apps take turns.
 pub(crate) fn frame_times(stages: &mut [Stage], frames: usize) -> Vec<f64> {
     let mut times = vec![Vec::new(); stages.len()];
     for turn in 0..=frames.div_ceil(TURN) {
@@ -154,7 +155,7 @@ pub(crate) fn frame_times(stages: &mut [Stage], frames: usize) -> Vec<f64> {
             for frame in 0..TURN {
                 let watch = Stopwatch::start();
                 stage.app.update();
-                // The first turn, and the first frames of each, fill caches.
+                // The first turn, and the first frames of each turn, fill caches.
                 if turn > 0 && frame >= TURN / 4 {
                     times.push(watch.elapsed().as_secs_f64() * 1e6);
                 }

@@ -1,4 +1,4 @@
-//! Which characters touch: what it costs per frame, and who answers right.
+//! Which characters touch: what finding out costs per frame, and which answers are right.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -17,16 +17,17 @@ use super::stage::{Model, Stage, frame_times, grid};
 const CHARACTERS: usize = 100;
 const CLIP: &str = "walk_and_talk";
 
-/// How far characters stand apart, in decimetres: nobody touches anybody; nearly everybody touches somebody.
+/// Distances between characters, in decimetres: in the first crowd nobody touches, in the second nearly
+/// everybody touches somebody.
 const CROWDS: [(&str, Vec2); 2] = [("apart", Vec2::new(12.0, 9.0)), ("dense", Vec2::new(4.6, 3.2))];
 
-/// A way to tell which characters touch.
+/// A way to find out which characters touch.
 #[derive(Clone, Copy, PartialEq)]
 enum Way {
-    /// Characters that nobody asks about: what other ways cost more than this is theirs.
+    /// Characters without any contact queries: the baseline that is subtracted from the other ways.
     Nothing,
     Ours(MorphCollisionMode),
-    /// Boxes around what joints do, as Bevy keeps them for culling.
+    /// Boxes around joints, as Bevy keeps them for culling.
     JointBoxes,
     Capsules(Fit),
 }
@@ -52,7 +53,7 @@ impl Way {
         }
     }
 
-    /// A crowd that is asked about this way.
+    /// A crowd set up for this way.
     fn stage(self, model: &Model, apart: Vec2) -> Result<Stage, String> {
         let places = grid(CHARACTERS, apart);
         let mut stage = match self {
@@ -77,7 +78,7 @@ impl Way {
         Ok(stage)
     }
 
-    /// The pairs of characters that touch, as this way has it.
+    /// The pairs of characters that touch, according to this way.
     fn touching(self, stage: &mut Stage) -> Pairs {
         match self {
             Self::Nothing => Pairs::new(),
@@ -99,7 +100,7 @@ impl Way {
 
 type Pairs = BTreeSet<(usize, usize)>;
 
-/// The box in the world around the box that Bevy culls an entity by.
+/// The world-space box around the box that Bevy uses to cull an entity.
 fn culling_box(stage: &Stage, entity: Entity) -> (DVec3, DVec3) {
     let world = stage.app.world();
     let aabb = world.get::<Aabb>(entity).copied().unwrap_or_default();
@@ -123,7 +124,7 @@ fn overlapping(boxes: &[(DVec3, DVec3)]) -> Pairs {
     pairs
 }
 
-/// The pairs of characters of which triangles intersect, exactly, by brute force.
+/// The pairs of characters whose triangles intersect, exactly, by brute force.
 fn truth(model: &Model, stage: &Stage) -> Pairs {
     let all: Vec<Vec<DVec3>> = stage.parts.iter().map(|part| stage.vertices(model, part)).collect();
     let extents: Vec<_> = all.iter().map(extent).collect();
@@ -137,7 +138,7 @@ fn truth(model: &Model, stage: &Stage) -> Pairs {
     overlapping(&extents).into_iter().filter(touch).collect()
 }
 
-/// What a frame costs, beyond a frame of the same characters that nobody asks about.
+/// The cost of a frame beyond that of the same characters without queries.
 pub(crate) fn times(quick: bool) -> Result<String, String> {
     let model = Model::find("mh_character.glb")?;
     let frames = if quick { 20 } else { 180 };
@@ -165,7 +166,7 @@ pub(crate) fn times(quick: bool) -> Result<String, String> {
     Ok(table)
 }
 
-/// What each way says of pairs of characters, against the truth.
+/// Each way's answers about pairs of characters, compared with the truth.
 pub(crate) fn answers(quick: bool) -> Result<String, String> {
     let model = Model::find("mh_character.glb")?;
     let moments: u32 = if quick { 2 } else { 15 };
@@ -215,7 +216,7 @@ pub(crate) fn answers(quick: bool) -> Result<String, String> {
     Ok(table)
 }
 
-/// Whether Rapier's pairs are those of the capsules: it would be no rival if it were asked wrongly.
+/// Checks that Rapier's pairs are those of the capsules. Otherwise the comparison would be unfair.
 fn asked_right(model: &Model, stage: &Stage, fit: Fit, found: &Pairs) -> Result<(), String> {
     let capsules: Vec<_> = model.meshes.iter().flat_map(|mesh| fitted(mesh, fit)).collect();
     let [surely, perhaps] = [-1e-3, 1e-3].map(|slack| capsules::touching_by_distance(stage, &capsules, slack));

@@ -1,4 +1,4 @@
-//! A Bevy app without window and renderer, at a fixed time step, and the loading of one glTF model in it.
+//! A headless Bevy app at a fixed time step, and loading a glTF model in it.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -21,16 +21,16 @@ pub const STEP: Duration = Duration::from_nanos(16_666_667);
 /// How long to wait for a model before giving up.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-/// An app that loads assets, plays animations and detects collisions, and shows nothing.
+/// An app that loads assets, plays animations and detects collisions, without a window.
 ///
-/// `assets` is the folder that asset paths are relative to. More plugins may be added before [`ready`] is called.
+/// Asset paths are relative to the folder `assets`. You can add more plugins before you call [`ready`].
 pub fn headless(assets: &Path) -> App {
     let mut app = without_collisions(assets);
     app.add_plugins(MorphCollisionPlugin::default());
     app
 }
 
-/// The same without the collision plugin.
+/// The same app without the collision plugin.
 pub fn without_collisions(assets: &Path) -> App {
     let mut app = App::new();
     app.add_plugins((
@@ -39,7 +39,7 @@ pub fn without_collisions(assets: &Path) -> App {
         AssetPlugin {
             file_path: assets.to_string_lossy().into_owned(),
             meta_check: AssetMetaCheck::Never,
-            // A user's own model may lie anywhere.
+            // A user's own model may be anywhere.
             unapproved_path_mode: UnapprovedPathMode::Allow,
             ..AssetPlugin::default()
         },
@@ -53,16 +53,16 @@ pub fn without_collisions(assets: &Path) -> App {
     app
 }
 
-/// Does what a runner would do before the first frame; from here on call [`App::update`].
+/// Does what a runner does before the first frame. From here on, call [`App::update`].
 pub fn ready(app: &mut App) {
     app.finish();
     app.cleanup();
 }
 
-/// The full path of a model that exists.
+/// The full path of an existing model.
 ///
 /// # Errors
-/// The file is missing, a directory, or has a name that is no asset path.
+/// The file is missing or a directory, or its name is not a valid asset path.
 pub fn locate(model: &Path) -> Result<PathBuf, ExampleError> {
     let path = model.canonicalize().map_err(|source| ExampleError::Open {
         path: model.into(),
@@ -75,10 +75,10 @@ pub fn locate(model: &Path) -> Result<PathBuf, ExampleError> {
     }
 }
 
-/// Loads a glTF file that lies in the app's asset folder, with everything it refers to.
+/// Loads a glTF file in the app's asset folder, with everything it refers to.
 ///
 /// # Errors
-/// What the asset server says: the file, or one that it refers to, cannot be read or makes no sense.
+/// The asset server's error if the file, or one that it refers to, cannot be read or is invalid.
 pub fn load_gltf(app: &mut App, file: &Path) -> Result<Handle<Gltf>, ExampleError> {
     let handle: Handle<Gltf> = app
         .world()
@@ -90,10 +90,10 @@ pub fn load_gltf(app: &mut App, file: &Path) -> Result<Handle<Gltf>, ExampleErro
     Ok(handle)
 }
 
-/// Whether an asset that comes from `file` is there, with everything it refers to.
+/// Whether the asset `asset` from `file` is loaded, with everything it refers to.
 ///
 /// # Errors
-/// It will never be: what the asset server says.
+/// The asset server's error if loading failed.
 pub fn is_loaded(assets: &AssetServer, asset: UntypedAssetId, file: &Path) -> Result<bool, ExampleError> {
     match assets.recursive_dependency_load_state(asset) {
         RecursiveDependencyLoadState::Loaded => Ok(true),
@@ -105,7 +105,7 @@ pub fn is_loaded(assets: &AssetServer, asset: UntypedAssetId, file: &Path) -> Re
     }
 }
 
-/// What an error says; the lines that follow are a backtrace.
+/// The error's message without the backtrace that follows its first line.
 pub(crate) fn first_line(error: &impl ToString) -> String {
     error.to_string().lines().next().unwrap_or_default().to_owned()
 }
@@ -113,7 +113,7 @@ pub(crate) fn first_line(error: &impl ToString) -> String {
 /// Runs frames until a condition holds.
 ///
 /// # Errors
-/// Those of the condition, and [`ExampleError::Stuck`] after five minutes.
+/// Errors of the condition, and [`ExampleError::Stuck`] after five minutes.
 pub fn update_until(
     app: &mut App,
     file: &Path,

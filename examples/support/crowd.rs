@@ -1,4 +1,4 @@
-//! Several of a model at places of their own, each in its own moment of a clip.
+//! Several instances of a model at different places, each at a different time of a clip.
 
 use std::path::Path;
 
@@ -9,10 +9,10 @@ use bevy::world_serialization::WorldInstanceReady;
 use crate::app::{load_gltf, update_until};
 use crate::error::ExampleError;
 
-/// A clip of a model, and its name, which is empty where the file has none.
+/// A clip of a model and its name, which is empty if the file has none.
 pub type NamedClip = (String, Handle<AnimationClip>);
 
-/// Loads a model that lies in the app's asset folder and spawns its first scene at each of some places, with `more` on its root.
+/// Loads a model in the app's asset folder and spawns its first scene at each of some places, with `more` on its root.
 ///
 /// Returns the roots and the model's clips. The app must be [ready](crate::app::ready).
 ///
@@ -57,7 +57,7 @@ pub fn spawn(
     Ok((roots, clips))
 }
 
-/// The root that an entity is below, or is, by its index among `roots`.
+/// The index in `roots` of the root that `entity` is, or is below.
 #[must_use]
 pub fn root_of(world: &World, mut entity: Entity, roots: &[Entity]) -> Option<usize> {
     loop {
@@ -68,7 +68,7 @@ pub fn root_of(world: &World, mut entity: Entity, roots: &[Entity]) -> Option<us
     }
 }
 
-/// Plays a clip once, and no other: by the players below each root, from a time of its own on, in seconds. Returns how long the clip takes in seconds.
+/// Plays only this clip, on the players below each root, each from its own time in seconds. Returns the clip's length in seconds.
 pub fn play(app: &mut App, clip: &Handle<AnimationClip>, roots: &[Entity], from: impl Fn(usize, f32) -> f32) -> f32 {
     let world = app.world_mut();
     let clips = world.resource::<Assets<AnimationClip>>();
@@ -89,7 +89,7 @@ pub fn play(app: &mut App, clip: &Handle<AnimationClip>, roots: &[Entity], from:
     duration
 }
 
-/// Changes how every player plays what it plays.
+/// Changes how every player plays its clips.
 pub fn edit_players(app: &mut App, edit: impl Fn(&mut AnimationPlayer)) {
     let world = app.world_mut();
     let mut players = world.query::<&mut AnimationPlayer>();

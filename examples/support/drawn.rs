@@ -1,5 +1,5 @@
-//! Where the meshes of a glTF file are drawn, by brute force: every vertex is morphed and skinned here, from what the file says and where
-//! the app's joints and weights are. Uses nothing of the plugin.
+//! Where the meshes of a glTF file are drawn, by brute force: morphs and skins every vertex from the file's data and the app's
+//! current joints and weights. Uses nothing of the plugin.
 
 use std::ops::Range;
 
@@ -18,21 +18,22 @@ pub struct Part {
     pub entity: Entity,
     /// Its mesh in the file.
     pub mesh: usize,
-    /// Its triangles there.
+    /// The range of its triangles in that mesh.
     pub triangles: Range<usize>,
 }
 
 impl Part {
-    /// The corners of its triangles, as the mesh numbers vertices.
+    /// The corners of its triangles, as vertex indices of the mesh.
     #[must_use]
     pub fn triangles<'a>(&self, meshes: &'a [MorphMesh]) -> &'a [[u32; 3]] {
         &meshes[self.mesh].triangles[self.triangles.clone()]
     }
 }
 
-/// The primitives of a file that entities show, in the order of a query; told apart by the labels of the mesh assets, such as `Mesh2/Primitive0`.
+/// The primitives of a file that entities show, in query order. They are identified by the labels of the mesh assets, such as
+/// `Mesh2/Primitive0`.
 ///
-/// Entities with other meshes are left out.
+/// Entities with other meshes are skipped.
 pub fn parts<F: QueryFilter>(world: &mut World, meshes: &[MorphMesh]) -> Vec<Part> {
     let mut shown = world.query_filtered::<(Entity, &Mesh3d), F>();
     let assets = world.resource::<AssetServer>();
@@ -51,7 +52,7 @@ pub fn parts<F: QueryFilter>(world: &mut World, meshes: &[MorphMesh]) -> Vec<Par
     shown.iter(world).filter_map(part).collect()
 }
 
-/// The weights that an entity's mesh is drawn with; none for a mesh without targets.
+/// The weights that an entity's mesh is drawn with; empty for a mesh without targets.
 #[must_use]
 pub fn weights(world: &World, entity: Entity) -> Vec<f32> {
     match world.get::<MeshMorphWeights>(entity) {
@@ -63,10 +64,11 @@ pub fn weights(world: &World, entity: Entity) -> Vec<f32> {
     }
 }
 
-/// Where the vertices of a mesh are in the world as an entity shows it.
+/// The world positions of a mesh's vertices as an entity shows it.
 ///
 /// # Panics
-/// If the entity has no [`GlobalTransform`], not the mesh's weights, or the mesh has a skin and a joint of the entity is not there.
+/// The entity has no [`GlobalTransform`], or weights that do not fit the mesh; or the mesh has a skin and a joint of the entity
+/// is missing.
 #[must_use]
 pub fn vertices(world: &World, mesh: &MorphMesh, entity: Entity) -> Vec<DVec3> {
     let global = |entity: Entity| -> Affine3A {
@@ -94,7 +96,7 @@ pub fn extent<'a>(points: impl IntoIterator<Item = &'a DVec3>) -> (DVec3, DVec3)
         .fold(start, |(min, max), &p| (min.min(p), max.max(p)))
 }
 
-/// The triangles whose boxes overlap a box: their numbers and corners.
+/// The triangles whose boxes overlap a box: their indices and corners.
 #[must_use]
 pub fn near(triangles: &[[u32; 3]], vertices: &[DVec3], (min, max): (DVec3, DVec3)) -> (Vec<u32>, Vec<[u32; 3]>) {
     let overlaps = |corners: &[u32; 3]| {
@@ -105,7 +107,8 @@ pub fn near(triangles: &[[u32; 3]], vertices: &[DVec3], (min, max): (DVec3, DVec
     all.filter(|(_, corners)| overlaps(corners)).unzip()
 }
 
-/// How far from its origin a ray meets a triangle, after Moeller and Trumbore; negative distances are misses.
+/// The distance from its origin at which a ray hits a triangle, after Moeller and Trumbore. Hits at negative distances count as
+/// misses.
 #[must_use]
 pub fn meets(origin: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f64> {
     let (ab, ac) = (b - a, c - a);

@@ -1,4 +1,4 @@
-//! Several instances of one model: spawned from its scene, placed on the lanes of the dolphins, animated.
+//! Several instances of one model: spawned from its scene, placed on the lanes of the dolphins, and animated.
 
 use std::f32::consts::TAU;
 use std::path::Path;
@@ -16,33 +16,33 @@ use morph_collision_testkit::scenes::dolphins;
 use crate::app::{load_gltf, update_until};
 use crate::error::ExampleError;
 
-/// The lanes are made for bodies as thick as this; others get lanes farther apart, or nearer.
+/// The body thickness that the lanes are made for. For other bodies, distances between lanes are scaled.
 pub(crate) const THICKNESS_ON_LANES: f32 = 0.5;
 
-/// The instances, each with the root of its scene as its body.
+/// The instances. The root of each one's scene is its body.
 #[derive(Debug)]
 pub struct Instances {
     /// The bodies, in the order of their lanes.
     pub roots: Vec<Entity>,
     /// Triangles of one body, all its parts together.
     pub triangles: usize,
-    /// Morph targets; of several parts, the most that one has.
+    /// Morph targets; the maximum over the body's parts.
     pub targets: usize,
-    /// The longest side of a body's box, at rest.
+    /// The longest side of a body's box at rest.
     length: f32,
     /// The centre of a body, and the size of the lanes relative to the dolphins'.
     fit: (Vec3, f32),
     animated: bool,
 }
 
-/// A root whose scene has been spawned.
+/// Marks a root whose scene has been spawned.
 #[derive(Component)]
 struct Spawned;
 
 impl Instances {
-    /// Loads a model that lies in the app's asset folder and spawns it `count` times, ready for frame 0.
+    /// Loads a model in the app's asset folder and spawns it `count` times, ready for frame 0.
     ///
-    /// A `refit` to the lanes is for models that are not as thick as a dolphin.
+    /// `refit` scales the lanes, for models that are not as thick as a dolphin.
     ///
     /// # Errors
     /// The file cannot be loaded, or has no scene or no usable mesh with morph targets.
@@ -68,7 +68,7 @@ impl Instances {
                     .id()
             })
             .collect();
-        // Only one collides while the tree is built: all still stand in the same place.
+        // Only one of them collides while the tree is built, because all are still in the same place.
         if let Some(&first) = roots.first() {
             world.entity_mut(first).insert(MorphColliderScene::default());
         }
@@ -93,7 +93,7 @@ impl Instances {
         Ok(instances)
     }
 
-    /// Counts what the first body is made of, and how large it is; it stands at the origin.
+    /// Measures the first body, which is at the origin: its triangles, targets and size.
     fn measure(world: &mut World, file: &Path, roots: Vec<Entity>) -> Result<Self, ExampleError> {
         let (mut triangles, mut targets, mut hull, mut reason) = (0, 0, Aabb::EMPTY, String::new());
         let mut parts =
@@ -122,7 +122,7 @@ impl Instances {
         }
         let size = hull.size();
         let thickness = 0.5 * (size.y + size.z);
-        // A flat or degenerate model still needs lanes that are apart.
+        // A flat or degenerate model still needs separate lanes.
         let thickness = if thickness > 0.0 {
             thickness
         } else {
@@ -138,13 +138,13 @@ impl Instances {
         })
     }
 
-    /// The longest side of a body's box, at rest, in world units.
+    /// The longest side of a body's box at rest, in world units.
     #[must_use]
     pub fn length(&self) -> f32 {
         self.length
     }
 
-    /// Every instance plays the clip in a loop, each from another moment on.
+    /// Makes every instance play the clip in a loop, each from a different time.
     fn play(&mut self, world: &mut World, clip: &Handle<AnimationClip>) {
         let duration = world
             .resource::<Assets<AnimationClip>>()
@@ -164,7 +164,7 @@ impl Instances {
         }
     }
 
-    /// Moves every instance to where it is in a frame; without a clip, also moves its weights, in waves from 0 to 1.
+    /// Moves every instance to its place in a frame. Without a clip, also moves its weights in waves from 0 to 1.
     pub fn advance(&self, world: &mut World, frame: usize, frames: usize) {
         let (center, scale) = self.fit;
         for (index, &root) in self.roots.iter().enumerate() {
@@ -192,7 +192,7 @@ impl Instances {
     }
 }
 
-/// The weight of a target of instance `index` that plays no clip: waves from 0 to 1.
+/// The weight of a target of instance `index`, if it plays no clip: waves from 0 to 1.
 #[must_use]
 pub fn wave(target: usize, index: usize, seconds: f32) -> f32 {
     let cycles = seconds * (0.3 + 0.05 * (target % 7) as f32);
@@ -200,7 +200,7 @@ pub fn wave(target: usize, index: usize, seconds: f32) -> f32 {
     0.5 - 0.5 * (TAU * (cycles + offset)).cos()
 }
 
-/// Where one of a crowd is after some seconds: on a cubic grid, turning and bobbing in its own time.
+/// The place of a member of a crowd after some seconds: on a cubic grid, turning and bobbing at its own pace.
 #[must_use]
 pub fn in_crowd(index: usize, count: usize, seconds: f32, spacing: f32) -> Transform {
     let side = ((count as f32).cbrt().ceil() as usize).max(1);

@@ -1,6 +1,6 @@
-//! What the examples and the whole-plugin tests share: a Bevy app without a window, models in it, and reports; and, with the
-//! feature `render`, what draws them.
-// Systems say in their parameters what they ask for.
+//! Shared by the examples and the whole-plugin tests: a headless Bevy app, models in it, and reports. The feature `render`
+//! adds the code that draws.
+// Systems need many parameters.
 #![allow(clippy::type_complexity, clippy::too_many_arguments)]
 
 pub mod app;

@@ -1,4 +1,4 @@
-//! How an example is to be seen: in a window, as pictures, or as numbers.
+//! How to show an example: in a window, as pictures, or as numbers.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,8 @@ use crate::error::ExampleError;
 /// The options that all drawn examples share.
 #[derive(Args, Clone, Debug)]
 pub struct ViewOptions {
-    /// Draw off-screen, without window or GPU if need be, and write pictures into this folder.
+    /// Draw off-screen and write pictures into this folder. Works without a window, and without a
+    /// GPU.
     #[arg(long, value_name = "DIR")]
     pub screenshots: Option<PathBuf>,
     /// The frames to take pictures of, at 60 per second [default: the example's own].
@@ -18,22 +19,22 @@ pub struct ViewOptions {
     /// Width and height of pictures, or of the window.
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]
     pub size: (u32, u32),
-    /// Besides, write an animated picture of these frames: first, last, and how many to go on by.
+    /// Also write an animated picture of these frames: first, last, and step.
     #[arg(long, value_name = "FIRST..LAST:STEP", requires = "screenshots", value_parser = parse_animation)]
     pub animate: Option<Animation>,
-    /// Draw bounding volumes, those this deep below the root.
+    /// Draw the bounding volumes at this depth below the root.
     #[arg(long, value_name = "LEVEL")]
     pub volumes: Option<usize>,
-    /// Leave out the panel.
+    /// Hide the panel.
     #[arg(long, requires = "screenshots")]
     pub bare: bool,
 }
 
 impl ViewOptions {
-    /// Whether `example` is to be drawn: where that is built, unless numbers are asked for.
+    /// Whether to draw `example`: yes if drawing is built in, unless only numbers are requested.
     ///
     /// # Errors
-    /// Pictures are asked for, and what draws them is not built.
+    /// Pictures are requested, but drawing is not built in.
     pub fn is_drawn(&self, example: &'static str, numbers: bool) -> Result<bool, ExampleError> {
         match (cfg!(feature = "render"), self.screenshots.is_some()) {
             (false, true) => Err(ExampleError::NotDrawn(example)),
@@ -43,14 +44,14 @@ impl ViewOptions {
     }
 }
 
-/// Which frames an animated picture has.
+/// The frames of an animated picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Animation {
     /// The first.
     pub first: u32,
-    /// None after this one.
+    /// No frame comes after this one.
     pub last: u32,
-    /// From one to the next.
+    /// The distance from one frame to the next.
     pub step: u32,
 }
 

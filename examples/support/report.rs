@@ -1,4 +1,4 @@
-//! What a run adds up to.
+//! Totals of a run.
 
 use std::fmt;
 use std::time::Duration;
@@ -12,21 +12,21 @@ use crate::touching::Changes;
 /// Totals over all frames of a run.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Report {
-    /// Frames counted.
+    /// Number of frames.
     pub frames: usize,
     /// Instances of the model.
     pub bodies: usize,
-    /// Triangles of one of them.
+    /// Triangles of each.
     pub triangles_per_body: usize,
     /// Morph targets.
     pub targets: usize,
-    /// How often two bodies started to touch.
+    /// How often two bodies started touching.
     pub events_started: u64,
-    /// How often two bodies ceased to touch.
+    /// How often two bodies stopped touching.
     pub events_ended: u64,
-    /// Intersecting triangles.
+    /// Intersecting pairs of triangles.
     pub triangle_pairs: u64,
-    /// Touching bodies.
+    /// Touching pairs of bodies.
     pub body_pairs: u64,
     /// Nodes of all bodies' trees.
     pub nodes_total: u64,
@@ -34,7 +34,7 @@ pub struct Report {
     pub nodes_blended: u64,
     /// Exact tests of two triangles.
     pub triangle_tests: u64,
-    /// What the plugin took.
+    /// Time taken by the plugin.
     pub us_per_frame: Times,
     #[serde(skip)]
     durations: Vec<Duration>,
@@ -52,7 +52,7 @@ pub struct Times {
 }
 
 impl Report {
-    /// No frame counted yet.
+    /// A report without any frames yet.
     #[must_use]
     pub fn of(instances: &Instances) -> Self {
         Self {
@@ -76,7 +76,7 @@ impl Report {
         self.durations.push(diagnostics.duration);
     }
 
-    /// Works out the times of the frames counted.
+    /// Computes the times from the counted frames.
     pub fn finish(&mut self) {
         let mut times: Vec<f64> = self.durations.iter().map(|d| d.as_secs_f64() * 1e6).collect();
         times.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! What the reports share: pages whose tables are made again, in place.
+//! Shared by the reports: rewrites the tables of a page in place.
 
 use std::path::Path;
 
@@ -9,21 +9,21 @@ use morph_collision_testkit::bench::Page;
 /// The options that all reports share.
 #[derive(Args, Clone, Debug)]
 pub struct TableOptions {
-    /// Few frames: rough numbers.
+    /// Run few frames, for rough numbers.
     #[arg(long)]
     pub quick: bool,
-    /// Only the place of this name.
+    /// Rewrite only the table of this name.
     #[arg(long)]
     pub only: Option<String>,
 }
 
-/// A place of a page, by its name, and what fills it.
+/// A named section of a page, and the function that generates its content.
 pub type Section<'a> = (&'a str, Box<dyn Fn() -> Result<String, String> + 'a>);
 
-/// Fills the places of a page again, one after the other, and writes the page after each.
+/// Rewrites the sections of a page, one after the other, and saves the page after each.
 ///
 /// # Errors
-/// The page cannot be read or written, it has no such place, or what fills a place says why it cannot.
+/// The page cannot be read or written, it has no such section, or a section's function fails.
 pub fn rewrite(path: &Path, options: &TableOptions, sections: &[Section<'_>]) -> Result<(), String> {
     let is_wanted = |name: &str| options.only.as_ref().is_none_or(|only| only == name);
     if !sections.iter().any(|(name, _)| is_wanted(name)) {
@@ -41,7 +41,7 @@ pub fn rewrite(path: &Path, options: &TableOptions, sections: &[Section<'_>]) ->
     Ok(())
 }
 
-/// A bar for so many steps.
+/// A progress bar of this length.
 #[must_use]
 pub fn progress(length: u64) -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:40} {pos}/{len} {eta}").unwrap_or(ProgressStyle::default_bar());

@@ -12,17 +12,17 @@ pub struct TouchingBodies {
     touching: usize,
 }
 
-/// What changed in a frame: pairs of bodies in ascending order.
+/// The changes in a frame: pairs of bodies in ascending order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Changes {
-    /// Bodies that touch now and did not before.
+    /// Bodies that started touching.
     pub started: Vec<(Entity, Entity)>,
-    /// Bodies that touched before and do not now.
+    /// Bodies that stopped touching.
     pub ended: Vec<(Entity, Entity)>,
 }
 
 impl TouchingBodies {
-    /// Reads the messages of the frame that has just been run.
+    /// Reads the messages of the latest frame.
     pub fn follow(&mut self, world: &World) -> Changes {
         let mut changes = Changes::default();
         if let Some(ends) = world.get_resource() {
@@ -36,7 +36,7 @@ impl TouchingBodies {
         changes
     }
 
-    /// How many pairs of bodies touch.
+    /// Number of pairs of bodies that touch.
     #[must_use]
     pub fn len(&self) -> usize {
         self.touching

@@ -1,4 +1,5 @@
-//! Where collisions see a collider with a tolerance, worked out beside the plugin by the documented rule, and how far its vertices really are from there.
+//! Computes the state in which collisions see a collider with a tolerance, independently of the plugin by the documented rule,
+//! and how far its vertices really are from that state.
 
 use bevy::math::DVec3;
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
@@ -14,7 +15,7 @@ pub(crate) struct Follower {
     vertices: Vec<DVec3>,
 }
 
-/// A collider as it is.
+/// A collider's current state.
 pub(crate) struct Now {
     pose: Pose,
     place: WorldFromModel,
@@ -59,7 +60,8 @@ impl Follower {
         }
     }
 
-    /// Follows a collider with a tolerance in world units. Returns how far the vertex is that is farthest from where it is seen, and the bound on that.
+    /// Follows a collider with a tolerance in world units. Returns the largest distance of a vertex from where collisions see it,
+    /// and the bound on that distance.
     pub(crate) fn follow(&mut self, now: &mut Now, tolerance: f64) -> (f64, f64) {
         let (pose, place) = &mut self.seen;
         let bound = Body::new(&mut now.pose, &now.place).displacement_from(Body::new(pose, place));

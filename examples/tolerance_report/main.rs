@@ -1,4 +1,4 @@
-//! Makes the table and the plot of docs/tolerance.md again, in place: what a tolerance saves, and how far off answers are for it.
+//! Rewrites the table and the plot of docs/tolerance.md in place: how much time a tolerance saves, and how large the error is.
 //!
 //! `--help` lists the options; `just tolerance-report` runs it.
 
@@ -16,7 +16,7 @@ use morph_collision_workspace::tables::{Section, TableOptions, rewrite};
 /// Time against error for colliders with a tolerance.
 #[derive(Parser)]
 struct Options {
-    /// The page to change. Plots go to the folder `plots` beside it.
+    /// The page to rewrite. Plots go to the folder `plots` beside it.
     #[arg(default_value = "docs/tolerance.md")]
     page: PathBuf,
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! One app with a crowd whose colliders have a tolerance, at consecutive frames of 60 Hz.
+//! An app with a crowd whose colliders have a tolerance, at consecutive frames of 60 Hz.
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -14,18 +14,18 @@ use morph_collision_workspace::drawn::{self, Part};
 use morph_collision_workspace::instances::{Instances, in_crowd};
 use morph_collision_workspace::{app, error::ExampleError};
 
-/// What is looked at.
+/// A crowd to measure.
 pub(crate) struct Scene {
     pub(crate) name: &'static str,
     pub(crate) model: &'static str,
     pub(crate) count: usize,
-    /// How far neighbours are apart, in sizes of a body.
+    /// Distance between neighbours, in sizes of a body.
     pub(crate) spacing: f32,
-    /// Whether bodies turn and bob besides playing their clip.
+    /// Whether bodies turn and bob while they play their clip.
     pub(crate) wanders: bool,
 }
 
-/// The scenes, all of which have many contacts and near misses.
+/// The scenes. All have many contacts and near misses.
 pub(crate) const SCENES: [Scene; 4] = [
     Scene {
         name: "dolphins that turn and bob",
@@ -57,7 +57,7 @@ pub(crate) const SCENES: [Scene; 4] = [
     },
 ];
 
-/// An app, and where its crowd is in time.
+/// An app, and the current time of its crowd.
 pub(crate) struct Stage {
     pub(crate) app: App,
     pub(crate) parts: Vec<Part>,
@@ -69,7 +69,7 @@ pub(crate) struct Stage {
 }
 
 impl Stage {
-    /// A crowd, each with a tolerance in sizes of its body, in an app whose systems run on one thread.
+    /// A crowd in an app whose systems run on one thread. `tolerance` is in sizes of a body.
     pub(crate) fn new(scene: &Scene, tolerance: f32) -> Result<Self, String> {
         let file = find_real_model(scene.model).map_err(|missing| missing.to_string())?;
         let file = file
@@ -108,7 +108,7 @@ impl Stage {
         Ok(stage)
     }
 
-    /// Goes on by one frame; returns the microseconds that the plugin took.
+    /// Advances by one frame; returns the microseconds that the plugin took.
     pub(crate) fn update(&mut self, scene: &Scene) -> f64 {
         self.frame += 1;
         if scene.wanders {

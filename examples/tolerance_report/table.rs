@@ -11,27 +11,28 @@ use morph_collision_workspace::tables::progress;
 use crate::follower::{Follower, Now};
 use crate::stage::{SCENES, Scene, Stage};
 
-/// Tolerances, in sizes of a body. The first is what the others are compared with.
+/// Tolerances, in sizes of a body. The others are compared with the first.
 const TOLERANCES: [f32; 5] = [0.0, 0.001, 0.0025, 0.005, 0.01];
 
-/// What was measured of a scene at a tolerance.
+/// Measurements of a scene at one tolerance.
 #[derive(Default)]
 struct Row {
-    /// Times of the plugin, relative to those without a tolerance in the same frame.
+    /// Times of the plugin, divided by those without a tolerance in the same frame.
     ratios: Vec<f64>,
     times: Vec<f64>,
-    /// Colliders that were seen as they had been in an earlier frame, and all.
+    /// Colliders that collisions saw in the state of an earlier frame, and the count of all colliders.
     held: usize,
     colliders: usize,
     /// Pairs that were compared.
     compared: u64,
-    /// Pairs that touch without a tolerance, those that are missing, and those that should not be there; over all frames.
+    /// Sums over all frames: pairs that touch without a tolerance, pairs that were missed, and pairs that were reported
+    /// wrongly.
     touching: usize,
     missed: usize,
     false_alarms: usize,
     /// The largest distance of a vertex from where collisions see it, in sizes of a body.
     found: f64,
-    /// The mean, over held colliders and frames, of the bound over the true largest distance.
+    /// The mean of the bound divided by the true largest distance, over held colliders and frames.
     looseness: Vec<f64>,
 }
 
@@ -95,7 +96,7 @@ fn measure(scene: &Scene, frames: usize) -> Result<Vec<Row>, String> {
     let mut rows: Vec<Row> = TOLERANCES.iter().map(|_| Row::default()).collect();
     for frame in 0..frames {
         let mut times = vec![0.0; stages.len()];
-        // In turns, and every stage is the first of its frame now and then.
+        // Stages take turns, and each is sometimes the first of its frame.
         for turn in 0..stages.len() {
             let stage = (turn + frame) % stages.len();
             times[stage] = stages[stage].update(scene);
@@ -132,7 +133,7 @@ fn measure(scene: &Scene, frames: usize) -> Result<Vec<Row>, String> {
     Ok(rows)
 }
 
-/// Makes collisions see every collider as it is, so that a follower knows where it begins.
+/// Makes collisions see every collider in its current state, so that a follower knows where to start.
 fn jump(stage: &mut Stage, scene: &Scene) -> Result<(), String> {
     use bevy_morph_collision::prelude::*;
     let edit = |stage: &mut Stage, tolerance: Option<f32>| -> Vec<f32> {
@@ -148,13 +149,13 @@ fn jump(stage: &mut Stage, scene: &Scene) -> Result<(), String> {
     let first = before.first().copied().ok_or("there are no colliders")?;
     stage.update(scene);
     edit(stage, Some(first));
-    // The first frame with a tolerance takes every collider over.
+    // The first frame with a tolerance updates every collider.
     stage.update(scene);
     Ok(())
 }
 
 impl Row {
-    /// Compares where vertices are with where collisions see them.
+    /// Compares the positions of vertices with where collisions see them.
     fn look(&mut self, stage: &Stage, followers: &mut Vec<Follower>, tolerance: f64) -> Result<(), String> {
         let size = f64::from(stage.size);
         let is_first = followers.is_empty();
@@ -176,7 +177,7 @@ impl Row {
         self.held += held;
         self.colliders += stage.parts.len();
         let reported = stage.diagnostics().held_colliders as usize;
-        // Matrices of joints may round in another way here.
+        // Joint matrices may be rounded differently here.
         if held.abs_diff(reported) > 1 + stage.parts.len() / 50 {
             return Err(format!(
                 "{reported} colliders were held, by the rule it should be {held}"

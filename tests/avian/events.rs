@@ -1,4 +1,4 @@
-//! Avian's events, and who touches whom.
+//! Avian's collision events, and the lists of touching entities.
 
 use avian3d::prelude::*;
 use bevy::ecs::message::MessageCursor;
@@ -8,7 +8,7 @@ use morph_collision_workspace::physics::{settle, sheet};
 
 use crate::support::{BALL, DT, app, ball_on_sheet, body, place, put, run, set_weights, spawn};
 
-/// What was told, in order of entities.
+/// Avian's events, in order of entities.
 #[derive(Default)]
 struct Log {
     starts: MessageCursor<CollisionStart>,
@@ -85,7 +85,7 @@ fn a_contact_starts_and_ends_once_however_far_it_slides() {
     }
 }
 
-/// What an observer was told.
+/// The events that an observer received.
 #[derive(Resource, Default)]
 struct Observed(Vec<(Entity, Entity, Option<Entity>, Option<Entity>)>);
 
@@ -212,7 +212,7 @@ fn a_floor_and_other_surfaces_are_told_of_no_parts() {
     );
     let floor = app.world_mut().spawn(floor).id();
     let surface = spawn(&mut app, &sheet(16), told());
-    // Across the first, below the same ball.
+    // Crosses the first surface, below the same ball.
     let steep = Transform::from_rotation(Quat::from_rotation_z(0.3));
     let other = spawn(&mut app, &sheet(16), (steep, told()));
     settle(&mut app);

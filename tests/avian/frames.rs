@@ -1,4 +1,4 @@
-//! Surfaces that are animated once a frame, whenever frames and steps come.
+//! Surfaces that are animated once a frame, with any frame and step lengths.
 
 use std::time::Duration;
 

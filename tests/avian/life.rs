@@ -1,4 +1,4 @@
-//! What surfaces cost, and how they get on with the rest of an app.
+//! The cost of surfaces, and how they work together with the rest of an app.
 
 use std::path::Path;
 
@@ -23,7 +23,7 @@ fn parts_come_with_bodies_and_go_with_them() {
 #[test]
 fn what_nothing_can_touch_is_not_blended() {
     let (mut app, surface, ball) = ball_on_sheet();
-    // A second one far away.
+    // A second surface far away.
     let far = spawn(&mut app, &sheet(16), Transform::from_xyz(100.0, 0.0, 0.0));
     settle(&mut app);
     run(&mut app, 3);
@@ -38,7 +38,7 @@ fn what_nothing_can_touch_is_not_blended() {
         let moving = diagnostics(&app);
         assert_eq!((moving.moving, moving.parts, moving.blended), (2, 1, 1));
     }
-    // A sleeping body on a surface that rests needs nothing.
+    // A sleeping body on a resting surface needs no work.
     run(&mut app, 120);
     assert!(is_asleep(&app, ball));
     assert_eq!((diagnostics(&app).parts, diagnostics(&app).blended), (1, 0));
@@ -100,7 +100,7 @@ fn without_avian_it_says_so_and_does_nothing() {
 #[test]
 fn a_systems_order_of_the_games_own_is_not_refused() {
     let mut app = crate::support::unfinished();
-    // Avian makes an error of systems that are in no order.
+    // Avian treats unordered systems as an error.
     app.add_systems(
         PhysicsSchedule,
         (|mut bodies: Query<&mut LinearVelocity>| bodies.iter_mut().for_each(|mut body| body.x += 0.0))

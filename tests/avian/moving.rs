@@ -14,11 +14,11 @@ use crate::support::{
     DT, app, body, is_asleep, on_the_sheet, place, population, run, set_weights, spawn, unfinished, velocity,
 };
 
-/// What a body was like after each step: height above the surface, and upward velocity.
+/// The state of a body after each step: height above the surface, and upward velocity.
 #[derive(Resource, Default)]
 struct Steps(Vec<(f32, f32)>);
 
-/// The least and the greatest.
+/// The smallest and the largest number.
 fn range(numbers: impl Iterator<Item = f32>) -> (f32, f32) {
     numbers.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), x| {
         (low.min(x), high.max(x))
@@ -27,7 +27,7 @@ fn range(numbers: impl Iterator<Item = f32>) -> (f32, f32) {
 
 #[test]
 fn a_ball_on_a_rising_surface_has_its_velocity_in_every_step() {
-    // Steps of 1/64 s, one to a frame, three to two frames, and one to three frames.
+    // Steps of 1/64 s: one per frame, three per two frames, and one per three frames.
     for frame in [1.0 / 64.0, 1.0 / 43.0, 1.0 / 192.0] {
         let mut app = unfinished();
         app.insert_resource(Time::<Fixed>::from_hz(64.0))
@@ -96,7 +96,7 @@ fn a_box_on_a_sliding_surface_is_carried() {
 #[test]
 fn a_slap_throws_a_ball() {
     let (mut app, sheet, ball) = on_the_sheet(Collider::sphere(0.5));
-    // Up by 0.5 within a tenth of a second.
+    // Rises by 0.5 within a tenth of a second.
     for i in 1..=6 {
         set_weights(&mut app, sheet, &[i as f32 / 12.0, 0.0]);
         run(&mut app, 1);
@@ -131,7 +131,7 @@ fn a_jump_does_not_throw() {
 
 #[test]
 fn a_change_that_comes_too_fast_to_be_a_motion_is_the_surfaces_own_to_define() {
-    // The same jump, taken for a motion.
+    // The same jump, treated as a motion.
     let (mut app, sheet, ball) = on_the_sheet(Collider::sphere(0.5));
     let trusting = MorphAvianCollider {
         max_acceleration: f32::INFINITY,
@@ -162,7 +162,7 @@ fn a_sleeping_body_wakes_when_the_surface_comes_or_goes() {
 
 #[test]
 fn a_body_that_is_carried_slowly_is_not_put_to_sleep() {
-    // Slower than Avian's threshold of sleep.
+    // Slower than Avian's sleep threshold.
     let (mut app, sheet, ball) = on_the_sheet(Collider::sphere(0.5));
     for i in 1..=240 {
         set_weights(&mut app, sheet, &[0.05 * DT * i as f32, 0.0]);
@@ -176,7 +176,8 @@ fn a_body_that_is_carried_slowly_is_not_put_to_sleep() {
 
 #[test]
 fn contacts_are_not_those_of_the_shape_before() {
-    // A dent as wide as the ball comes where it lies: the ball's place, and the place of what it lies on, stay almost the same in each step.
+    // A dent as wide as the ball forms under it. The places of the ball and of the surface under it stay almost the same in each
+    // step.
     let mut mesh = sheet(32);
     let dent = |p: &Vec3| Vec3::Y * -(1.0 - p.length() / 2.0).max(0.0);
     mesh.targets = vec![mesh.positions.iter().map(dent).collect()];
@@ -194,7 +195,7 @@ fn contacts_are_not_those_of_the_shape_before() {
             set_weights(&mut app, surface, &[depth]);
             run(&mut app, 1);
             if i > 10 {
-                // The sides of the dent go down by a half of their width.
+                // The sides of the dent have a slope of depth / 2.
                 let gap = place(&app, ball).y - 0.3 * (1.0 + depth * depth / 4.0).sqrt() + depth;
                 assert!(gap.abs() < 5e-3, "gap {gap} at {depth}");
             }
@@ -204,7 +205,7 @@ fn contacts_are_not_those_of_the_shape_before() {
 
 #[test]
 fn what_lies_on_a_growing_surface_moves_as_its_own_place_does() {
-    // Stretched by 1 per second along x: at x = 3 it slides at 3/s, at x = -1 at -1/s.
+    // Stretches by 1 per second along x: at x = 3 the surface slides at 3/s, at x = -1 at -1/s.
     let mut mesh = sheet(32);
     mesh.targets = vec![mesh.positions.iter().map(|p| Vec3::X * p.x).collect()];
     let mut app = app();
@@ -245,13 +246,13 @@ fn a_surface_on_a_kinematic_body_carries_at_the_velocity_of_the_body() {
         .entity_mut(root)
         .insert(LinearVelocity(Vec3::new(1.0, 1.0, 0.0)));
     for i in 1..=60 {
-        // Scaled to twice that.
+        // The scale doubles it.
         set_weights(&mut app, surface, &[0.1 * DT * i as f32, 0.0]);
         run(&mut app, 1);
     }
     let speed = velocity(&app, cuboid);
     assert!(speed.distance(Vec3::new(1.0, 1.2, 0.0)) < 0.03, "{speed}");
-    // Avian wakes the body in the first of these steps, and moves it from the second on.
+    // Avian wakes the body in the first of these steps and moves it from the second on.
     let surface = place(&app, root).y + 0.2 + 0.2;
     assert!(
         surface > 1.3 && (place(&app, cuboid).y - 0.5 - surface).abs() < 5e-3,
@@ -289,7 +290,7 @@ fn a_surface_throws_a_ball_that_it_would_pass_in_one_step() {
     app.world_mut()
         .entity_mut(ball)
         .insert((GravityScale(0.0), SleepingDisabled));
-    // A third of a second to 12 per second: then it goes on by 0.2 in a step, twice the ball's diameter.
+    // Speeds up to 12 per second in a third of a second. Then it moves by 0.2 per step, twice the ball's diameter.
     let (mut height, mut speed) = (0.0, 0.0_f32);
     for _ in 0..40 {
         speed = (speed + 0.6).min(12.0);

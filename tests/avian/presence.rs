@@ -1,4 +1,5 @@
-//! When a surface is in physics and when it is not: no ghost stays behind, and what comes back carries.
+//! When a surface is in physics and when it is not: nothing stays behind, and a surface that comes back carries
+//! bodies again.
 
 use avian3d::prelude::*;
 use bevy::ecs::entity_disabling::Disabled;
@@ -14,14 +15,14 @@ fn add_sheet(app: &mut App, height: f32) -> Mesh3d {
     Mesh3d(app.world_mut().resource_mut::<Assets<Mesh>>().add(bevy_mesh(&mesh)))
 }
 
-/// A way to take a surface out of physics, and to bring it back.
+/// A way to take a surface out of physics and to bring it back.
 struct Way {
     name: &'static str,
     take_out: fn(&mut App, Entity),
     bring_back: fn(&mut App, Entity, Mesh3d),
 }
 
-/// Inserts a component, and removes it.
+/// Inserts a component and removes it again.
 fn with<C: Component + Default>(name: &'static str) -> Way {
     Way {
         name,
@@ -34,7 +35,7 @@ fn with<C: Component + Default>(name: &'static str) -> Way {
     }
 }
 
-/// Removes a component, and inserts it again.
+/// Removes a component and inserts it again.
 fn without<C: Component + Default>(name: &'static str) -> Way {
     Way {
         name,
@@ -86,7 +87,7 @@ fn what_is_taken_out_leaves_nothing_and_what_comes_back_carries() {
         {
             let (mut app, surface, ball) = ball_on_sheet();
             let mesh = app.world().get::<Mesh3d>(surface).unwrap().clone();
-            // Something else keeps its tree ready.
+            // Another collider keeps its tree ready.
             app.world_mut()
                 .spawn((mesh.clone(), MorphCollider::default(), MorphColliderDisabled));
             if asleep {
@@ -101,7 +102,7 @@ fn what_is_taken_out_leaves_nothing_and_what_comes_back_carries() {
             assert_eq!(diagnostics(&app).parts, 0, "{name}");
 
             bring_back(&mut app, surface, mesh);
-            // What it did meanwhile throws nothing, also if it is so little that it would be a motion in one step.
+            // Its motion in between throws nothing, even if it is small enough to be a motion in one step.
             set_weights(&mut app, surface, &[0.02, 0.0]);
             put(&mut app, ball, Vec3::new(0.1, 0.301, 0.05));
             let mut fastest: f32 = 0.0;

@@ -1,4 +1,4 @@
-//! Avian's own queries see a surface as it is, once.
+//! Avian's own queries see a surface in its current shape, exactly once.
 
 use avian3d::prelude::*;
 use bevy::prelude::*;
@@ -14,7 +14,7 @@ fn a_ray_sees_the_surface_once_where_it_is() {
         let height = 0.01 * i as f32;
         set_weights(&mut app, surface, &[height, 0.0]);
         run(&mut app, 1);
-        // Through the ball, under which the parts are, and far from it.
+        // Through the ball, under which the parts are, and far away from it.
         let hits = below(&mut app, 0.1, 0.05);
         let entities: Vec<_> = hits.iter().map(|hit| hit.0).collect();
         assert_eq!(entities, [ball, surface], "{hits:?}");
@@ -32,7 +32,7 @@ fn a_ray_sees_the_surface_once_where_it_is() {
 fn shapes_and_points_find_the_surface_once_where_it_is() {
     let (mut app, surface, _) = ball_on_sheet();
     set_weights(&mut app, surface, &[0.2, 0.0]);
-    // The ball is pushed out by then.
+    // By then the ball has been pushed out.
     run(&mut app, 60);
     for x in [0.1, 2.0] {
         let (cast, touching, closest) = ask(&mut app, move |query| {
@@ -97,7 +97,7 @@ fn layers_keep_rays_and_bodies_away() {
         })
     };
     assert_eq!((seen(&mut app, 1), seen(&mut app, 2)), (None, Some(surface)));
-    // Parts that are there already are told, too.
+    // Existing parts are updated too.
     app.world_mut()
         .entity_mut(surface)
         .insert(CollisionLayers::new(LayerMask(0b100), LayerMask(0b100)));
@@ -150,7 +150,7 @@ fn a_mesh_on_a_dynamic_body_is_its_shape() {
     run(&mut app, 150);
     assert!((place(&app, jelly).y - 0.5).abs() < 1e-2, "{}", place(&app, jelly));
     assert!(is_asleep(&app, jelly));
-    // It grows: it is pushed out of the ground.
+    // It grows and is pushed out of the ground.
     for i in 1..=60 {
         set_weights(&mut app, jelly, &[i as f32 / 60.0]);
         run(&mut app, 1);

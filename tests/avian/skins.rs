@@ -1,4 +1,4 @@
-//! Meshes that joints move carry and throw what lies on them.
+//! Meshes that joints move carry and throw the bodies on them.
 
 use avian3d::prelude::*;
 use bevy::mesh::VertexAttributeValues;
@@ -10,8 +10,8 @@ use morph_collision_workspace::physics::{bevy_mesh, settle, sheet};
 
 use crate::support::{DT, app, below, body, is_asleep, place, population, run, set_weights, velocity};
 
-/// A sheet of which joint 0 moves what is at -x, joint 1 what is at +x, and both what is near the origin. The place of its own entity does not
-/// matter.
+/// A sheet of which joint 0 moves the side at -x, joint 1 the side at +x, and both the part near the origin. The place of its own
+/// entity does not matter.
 fn flap(app: &mut App) -> (Entity, [Entity; 2]) {
     let mesh = sheet(32);
     let share = |p: &Vec3| (p.x + 0.5).clamp(0.0, 1.0);
@@ -40,7 +40,7 @@ fn flap(app: &mut App) -> (Entity, [Entity; 2]) {
     (surface, joints)
 }
 
-/// With a box on it that has come to rest.
+/// The flap with a box on it that has come to rest.
 fn box_on_flap() -> (App, Entity, [Entity; 2], Entity) {
     let mut app = app();
     let (surface, joints) = flap(&mut app);
@@ -62,7 +62,7 @@ fn a_box_on_a_joint_that_rises_and_slides_is_carried() {
         for joint in joints {
             pose(&mut app, joint, Transform::from_xyz(time, 0.3 * time, 0.0));
         }
-        // Its targets move it, too.
+        // Its targets move it too.
         set_weights(&mut app, surface, &[0.2 * time, 0.0]);
         run(&mut app, 1);
         if i > 40 {

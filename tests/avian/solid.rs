@@ -13,7 +13,7 @@ const SOLID: MorphAvianCollider = MorphAvianCollider {
     solid: true,
 };
 
-/// A box of 4 by 1 by 4, with a target that makes it rise.
+/// A box of 4 by 1 by 4, with a target that lifts it.
 fn with_slab(solid: bool) -> (App, Entity) {
     let mut app = app();
     let mut slab = box_mesh(Vec3::new(2.0, 0.5, 2.0));
@@ -63,7 +63,7 @@ fn what_is_inside_is_driven_out_of_what_is_solid() {
 
 #[test]
 fn a_body_of_several_colliders_leaves_no_faster() {
-    // Around one of them there is a second surface.
+    // A second surface encloses one of them.
     let (mut app, _) = with_slab(true);
     let mut twin = box_mesh(Vec3::new(2.0, 0.5, 2.0));
     twin.targets = vec![vec![Vec3::Y; twin.positions.len()]];

@@ -1,4 +1,4 @@
-//! An app with Avian, and meshes in it that morph.
+//! An app with Avian, and morphing meshes in it.
 
 use std::path::Path;
 use std::time::Duration;
@@ -15,19 +15,19 @@ use morph_collision_workspace::physics::{bevy_mesh, settle, sheet};
 
 use crate::log::start;
 
-/// The length of a step, in seconds, and of a frame unless a test says otherwise.
+/// The length of a step in seconds, and of a frame unless a test sets another one.
 pub(crate) const DT: f32 = 1.0 / 60.0;
 
 const STEP: Duration = Duration::from_nanos(16_666_667);
 
-/// One step a frame.
+/// An app with one step per frame.
 pub(crate) fn app() -> App {
     let mut app = unfinished();
     start(&mut app);
     app
 }
 
-/// The same, for more plugins.
+/// The same app, to which more plugins can be added.
 pub(crate) fn unfinished() -> App {
     let mut app = headless(Path::new("."));
     app.add_plugins((PhysicsPlugins::default(), MorphAvianPlugin::default()))
@@ -80,7 +80,7 @@ pub(crate) fn diagnostics(app: &App) -> MorphAvianDiagnostics {
     *app.world().resource::<MorphAvianDiagnostics>()
 }
 
-/// All colliders, and parts among them.
+/// The number of all colliders, and of the parts among them.
 pub(crate) fn population(app: &mut App) -> (usize, usize) {
     let world = app.world_mut();
     let colliders = world.query::<&Collider>().iter(world).count();
@@ -88,7 +88,7 @@ pub(crate) fn population(app: &mut App) -> (usize, usize) {
     (colliders, parts)
 }
 
-/// Runs a system that asks Avian, once.
+/// Runs a system once that queries Avian.
 pub(crate) fn ask<T: Send + 'static>(app: &mut App, ask: impl Fn(&SpatialQuery) -> T + Send + Sync + 'static) -> T {
     let system = move |query: SpatialQuery| ask(&query);
     app.world_mut()
@@ -96,7 +96,7 @@ pub(crate) fn ask<T: Send + 'static>(app: &mut App, ask: impl Fn(&SpatialQuery) 
         .expect("its parameters are there")
 }
 
-/// All that a ray straight down from a height of 5 hits, with the heights where.
+/// All hits of a ray straight down from a height of 5, with their heights.
 pub(crate) fn below(app: &mut App, x: f32, z: f32) -> Vec<(Entity, f32)> {
     let mut hits = ask(app, move |query| {
         query.ray_hits(
@@ -126,7 +126,7 @@ pub(crate) fn ball_on_sheet() -> (App, Entity, Entity) {
     (app, surface, ball)
 }
 
-/// A sheet, and a body of height 1 on it that has come to rest.
+/// A sheet, and a body that has come to rest on it at height 1.
 pub(crate) fn on_the_sheet(collider: Collider) -> (App, Entity, Entity) {
     let mut app = app();
     let sheet = spawn(&mut app, &sheet(32), ());
@@ -138,7 +138,7 @@ pub(crate) fn on_the_sheet(collider: Collider) -> (App, Entity, Entity) {
     (app, sheet, body)
 }
 
-/// Puts a body elsewhere, at rest.
+/// Moves a body elsewhere, at rest.
 pub(crate) fn put(app: &mut App, body: Entity, at: Vec3) {
     let velocity = (LinearVelocity::ZERO, AngularVelocity::ZERO);
     app.world_mut().entity_mut(body).insert((Position(at), velocity));

@@ -6,7 +6,7 @@ use bevy_morph_collision::prelude::*;
 
 use crate::support::{add_mesh, app, cube, fixed_app, move_to, set_weight, settle, spawn, stretching_cube, touches};
 
-/// A stretching cube, and its triangle that faces +X.
+/// A stretching cube, and the index of its triangle that faces +X.
 fn cube_and_side() -> (App, Entity, u32) {
     cube_and_side_in(app())
 }
@@ -44,7 +44,7 @@ fn a_hat_goes_with_the_morph_and_with_the_body_in_the_same_frame() {
             "{:?}",
             place_of(&app, hat)
         );
-        // +Y of the hat is out of the surface: +X.
+        // +Y of the hat points out of the surface: +X.
         assert!(
             (place_of(&app, feather).x - (surface + 0.75)).abs() < 1e-5,
             "{:?}",
@@ -155,7 +155,7 @@ fn on_a_stretched_or_mirrored_body_up_is_still_along_the_normal() {
 fn an_anchor_below_an_anchor_is_right_in_the_same_frame() {
     let (mut app, cube, side) = cube_and_side();
     let at = |barycentrics| MorphSurfaceAnchor::new(cube, side, barycentrics);
-    // The one below comes into the world first.
+    // The lower one is spawned first.
     let below = app.world_mut().spawn(at(Vec3::X)).id();
     let above = app.world_mut().spawn(at(Vec3::Y)).id();
     app.world_mut().entity_mut(below).insert(ChildOf(above));
@@ -169,13 +169,13 @@ fn an_anchor_below_an_anchor_is_right_in_the_same_frame() {
     }
 }
 
-/// An anchor in the middle of the side that faces +X; the side is at `x + 0.5 + weight`.
+/// An anchor in the middle of the side that faces +X, which is at `x + 0.5 + weight`.
 fn spawn_hat(app: &mut App, cube: Entity, side: u32) -> Entity {
     let anchor = MorphSurfaceAnchor::new(cube, side, Vec3::splat(1.0 / 3.0));
     app.world_mut().spawn(anchor).id()
 }
 
-/// Moves and morphs the cube, a little further with each frame, and looks whether the hat keeps up.
+/// Moves and morphs the cube a little further with each frame, and checks that the hat keeps up.
 fn keeps_up(app: &mut App, cube: Entity, hat: Entity) {
     for frame in 0..20 {
         let (weight, x) = (0.05 * frame as f32, -0.125 * frame as f32);
@@ -243,10 +243,11 @@ fn following_between_ticks_takes_nothing_from_collisions() {
             app.update();
             assert!((place_of(&app, hat).x - (0.5 + weight)).abs() < 1e-5);
             if ticks(&app) == tick {
-                // Contacts and queries agree with each other: both are of the last run.
+                // Contacts and queries agree, because both are from the last run.
                 between += 1;
             } else {
-                // Animation comes after the tick of its frame, but a test sets weights before it.
+                // In a game, animation comes after the tick of its frame; the test sets weights
+                // before it.
                 found = weight;
                 tick = ticks(&app);
             }

@@ -84,7 +84,7 @@ fn a_mesh_that_comes_into_the_scene_later_becomes_a_part() {
     assert_eq!(body_of(&app, part), Some(root));
 }
 
-/// The body that a collider names.
+/// The body that a collider belongs to.
 fn body_of(app: &App, collider: Entity) -> Option<Entity> {
     app.world().get::<MorphColliderOf>(collider).map(|of| of.body)
 }

@@ -1,4 +1,4 @@
-//! Starts and ends of bodies with several colliders.
+//! Start and end events of bodies with several colliders.
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::message::MessageCursor;
@@ -12,7 +12,7 @@ use morph_collision_workspace::app::{headless, load_gltf};
 use crate::log::start;
 use crate::support::{Messages, add_mesh, app, cube, move_to, settle, spawn, stretching_cube};
 
-/// What was heard on one body.
+/// The events heard on one body.
 #[derive(Resource, Default, Debug)]
 struct Heard {
     starts: Vec<MorphBodyCollisionStart>,
@@ -35,7 +35,7 @@ fn observe(app: &mut App, body: Entity) {
         .observe(|end: On<MorphBodyCollisionEnd>, mut heard: ResMut<Heard>| heard.ends.push(*end.event()));
 }
 
-/// The messages about bodies since it was last asked.
+/// The messages about bodies since the last call.
 #[derive(Default)]
 struct BodyMessages {
     starts: MessageCursor<MorphBodyCollisionStart>,
@@ -112,7 +112,7 @@ fn a_head_of_five_parts_and_a_ball_have_one_start_and_one_end() {
     let (mut of_colliders, mut of_bodies) = (Messages::default(), BodyMessages::default());
     let (mut starts, mut ends) = (0, 0);
     let (mut body_starts, mut body_ends) = (Vec::new(), Vec::new());
-    // Along the top of the cubes: between two of them the ball touches both.
+    // Along the top of the cubes. Between two of them the ball touches both.
     let is_there = |x: f32| x > -0.8 && x < 5.6;
     for step in 0..90 {
         let x = -2.05 + 0.1 * step as f32;
@@ -202,7 +202,7 @@ fn which_parts_touch_is_no_event() {
     let (mut app, body, parts, other) = body_and_cube();
     let mut messages = Messages::default();
     messages.read(&app);
-    // From the first part to both, to the second one, and from one to the other within a run.
+    // From the first part to both, to the second one, and from one to the other within one run.
     for x in [0.75, 1.6, -0.8, 2.3] {
         move_to(&mut app, other, x);
         app.update();
@@ -210,7 +210,7 @@ fn which_parts_touch_is_no_event() {
     let (starts, ends) = messages.read(&app);
     assert!(starts.len() >= 2 && ends.len() >= 2);
     assert_eq!((Heard::counts(&app), listed(&app, body)), ((1, 0), vec![other]));
-    // Nor is it one if the part that touches goes.
+    // There is no event either if the touching part is despawned.
     move_to(&mut app, other, 0.75);
     app.update();
     app.world_mut().despawn(parts[0]);
@@ -258,7 +258,7 @@ fn colliders_of_a_body_that_is_despawned_are_bodies_of_their_own() {
     let (mut app, body, [first, second], other) = body_and_cube();
     let mut messages = BodyMessages::default();
     messages.read(&app);
-    // An event for a body that is gone is not triggered.
+    // No event is triggered for a body that no longer exists.
     app.add_observer(|end: On<MorphBodyCollisionEnd>, entities: Query<()>| assert!(entities.contains(end.body1)));
     app.world_mut().despawn(body);
     app.update();
@@ -322,7 +322,7 @@ fn the_list_on_an_entity_follows_whether_it_is_a_body() {
         [first],
         "no body of others: its list is of colliders"
     );
-    // Neither is anything compared for it.
+    // Nothing is compared for it either.
     let part = app.world_mut().spawn(MorphColliderOf { body: other }).id();
     app.update();
     assert_eq!(listed(&app, other), [body], "a body of others: its list is of bodies");

@@ -1,4 +1,4 @@
-//! The `Aabb` that Bevy culls by.
+//! The `Aabb` that Bevy uses for culling.
 
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{NoAutoAabb, NoCpuCulling, NoFrustumCulling, VisibilityPlugin};
@@ -183,7 +183,7 @@ fn who_comes_back_later_has_a_box_that_follows() {
 
 #[test]
 fn a_mesh_that_cannot_be_bounded_is_logged_as_such() {
-    // With the collision plugin or without it; the last one is a collider, too.
+    // With and without the collision plugin. The last one is also a collider.
     for (mut app, collides) in [(bounds_alone(), false), (app(), false), (app(), true)] {
         Errors::collect(|errors| {
             let cube = spawn(&mut app, Name::new("jelly"));

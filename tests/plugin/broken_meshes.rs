@@ -1,4 +1,4 @@
-//! What cannot be used is named in the log once, left out, and does no harm to the rest.
+//! Unusable meshes are logged once by name and left out, and do no harm to other meshes.
 
 use bevy::asset::RenderAssetUsages;
 use bevy::mesh::{Indices, PrimitiveTopology, VertexAttributeValues, VertexFormat, morph::MorphAttributes};
@@ -25,7 +25,7 @@ fn extracted() -> Mesh {
     mesh
 }
 
-/// Positions are compressed, and nothing says relative to what.
+/// A mesh with compressed positions but without the bounds to decode them.
 fn compressed_without_bounds() -> Mesh {
     let mut mesh = bevy_mesh(&cube());
     mesh.compress_positions().expect("a cube can be compressed");
@@ -40,7 +40,7 @@ fn with_whole_numbers() -> Mesh {
         .with_inserted_attribute(attribute, VertexAttributeValues::Sint32x3(vec![[0, 1, 2]; 3]))
 }
 
-/// As the glTF loader makes them of meshes without normals: vertices split, displacements not.
+/// Like the glTF loader's result for meshes without normals: split vertices, but unsplit displacements.
 fn split_with_names() -> Mesh {
     let mut mesh = bevy_mesh(&stretching_cube());
     mesh.set_morph_target_names(vec!["stretch".into()]);
@@ -48,7 +48,7 @@ fn split_with_names() -> Mesh {
     mesh
 }
 
-/// Adds the mesh between two cubes that touch, and returns the reason why it is left out.
+/// Adds the mesh between two cubes that touch, and returns the reason why it is refused.
 fn refusal(mesh: Mesh) -> ImportError {
     let mut found = None;
     Errors::collect(|errors| {
@@ -154,14 +154,15 @@ fn a_mesh_split_for_flat_shading_is_refused_with_what_to_do() {
     ] {
         assert!(text.contains(part), "{text} does not say {part}");
     }
-    // What has indices has not been split, whatever its names say.
+    // A mesh with indices has not been split, whatever its target names say.
     let mut mesh = bevy_mesh(&stretching_cube());
     mesh.set_morph_target_names(vec!["one".into(), "two".into()]);
     mesh.set_morph_targets(vec![MorphAttributes::default(); 12]);
     assert!(matches!(refusal(mesh), ImportError::TargetLength { .. }));
 }
 
-/// What a collider hears of a mesh for the renderer only, which takes its data away at the end of the first frame.
+/// The events for a collider whose mesh is only for the renderer, which takes the data away at the end of the
+/// first frame.
 fn heard_of_renderer_only(mesh_first: bool) -> (Option<ImportError>, Vec<String>, u64) {
     let mut heard = None;
     Errors::collect(|errors| {
@@ -211,7 +212,7 @@ fn indices_of_any_kind_give_the_same_contact() {
         .clone()
         .with_inserted_indices(Indices::U16(wide.unwrap_or_default()));
     let bare = list.clone().with_duplicated_vertices();
-    // One strip around the cube and over its ends, numbering other triangles, but touching the same.
+    // One strip around the cube and over its ends. Its triangles have other numbers, but touch the same.
     let strip = empty(PrimitiveTopology::TriangleStrip)
         .with_inserted_attribute(Mesh::ATTRIBUTE_POSITION, cube().positions)
         .with_inserted_indices(Indices::U16(vec![2, 3, 6, 7, 5, 3, 1, 2, 0, 6, 4, 5, 0, 1]));

@@ -1,4 +1,4 @@
-//! What `MorphCollisions` says has started and ended, to whoever asks when.
+//! The starts and ends that `MorphCollisions` reports, read from different schedules.
 
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::platform::collections::HashMap;
@@ -9,7 +9,7 @@ use crate::support::{Messages, cube, fixed_app, move_to, settle, spawn, two_cube
 
 type Pair = (Entity, Entity);
 
-/// What systems saw, by their schedule: the pairs that started, and those that ended.
+/// What the systems of each schedule saw: the pairs that started, and those that ended.
 #[derive(Resource, Default)]
 struct Seen(HashMap<InternedScheduleLabel, [Vec<Pair>; 2]>);
 
@@ -71,7 +71,7 @@ fn nothing_starts_or_ends_while_paused() {
         for schedule in schedules {
             assert_eq!(Seen::by(&mut app, schedule), [vec![], vec![]], "{schedule:?}");
         }
-        // What is paused in this very frame shows nothing of the frame before.
+        // If collisions are paused in this frame, nothing of the frame before is reported.
         app.world_mut().resource_mut::<MorphCollisionSettings>().paused = false;
         move_to(&mut app, b, 3.8 - x);
         app.update();
@@ -83,8 +83,8 @@ fn nothing_starts_or_ends_while_paused() {
     }
 }
 
-/// Runs an app whose collisions are found in the fixed schedule, `frames_per_tick` or `ticks_per_frame` of them, while a cube comes
-/// and goes from tick to tick; compares what is seen with the messages.
+/// Runs an app whose collisions run in the fixed schedule, with `frames_per_tick` or `ticks_per_frame`, while a cube comes and
+/// goes from tick to tick. Compares what the systems see with the messages.
 fn come_and_go(frames_per_tick: u32, ticks_per_frame: u32, schedules: &[InternedScheduleLabel]) {
     let mut app = fixed_app(frames_per_tick, ticks_per_frame);
     let mesh = crate::support::add_mesh(&mut app, &cube());
@@ -98,7 +98,7 @@ fn come_and_go(frames_per_tick: u32, ticks_per_frame: u32, schedules: &[Interned
     }
     #[derive(Resource)]
     struct Places(Vec<f32>);
-    // Near or far, tick by tick; one contact starts and ends twice in three ticks.
+    // Near or far, tick by tick. One contact starts and ends twice in three ticks.
     let places = [0.8, 3.0, 0.8, 3.0, 3.0, 0.8, 0.8, 0.8, 3.0, 0.8, 3.0];
     app.insert_resource(Places(places.into_iter().rev().collect()));
     app.add_systems(

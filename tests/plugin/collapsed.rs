@@ -1,4 +1,4 @@
-//! Bodies scaled to a point, or nearly so.
+//! Bodies that are scaled to a point, or almost.
 
 use bevy::ecs::system::RunSystemOnce;
 use bevy::math::DVec3;
@@ -19,7 +19,7 @@ const MODES: [MorphCollisionMode; 4] = [
     MorphCollisionMode::Contacts,
 ];
 
-/// Far below the 5 million pairs of two dolphins' triangles, and above what placing them takes.
+/// Far below the 5 million pairs of two dolphins' triangles, and above the number of tests needed to place them.
 const FEW_TESTS: u64 = 100_000;
 
 fn dolphin() -> MorphMesh {
@@ -27,7 +27,7 @@ fn dolphin() -> MorphMesh {
     meshes.swap_remove(0)
 }
 
-/// Two bodies side by side under one parent of some size, after a first frame.
+/// Two bodies side by side under a parent with some scale, after a first frame.
 fn under_one_parent(mode: MorphCollisionMode, limit: usize) -> (App, Entity, [Entity; 2]) {
     let mut app = app();
     app.world_mut()
@@ -55,7 +55,8 @@ fn grow(app: &mut App, parent: Entity, scale: f32) {
     app.update();
 }
 
-/// Whether two bodies of a mesh touch, by the definition; only for bodies that hardly touch anywhere, or everywhere.
+/// Whether two bodies of a mesh touch, by the definition. Only for bodies that touch in very few places or
+/// everywhere.
 fn truly_touch(app: &App, mesh: &MorphMesh, bodies: [Entity; 2]) -> bool {
     let posed = posed_vertices(&mesh.positions, &mesh.targets, &vec![0.0; mesh.targets.len()]);
     let [a, b] = bodies.map(|body| {
@@ -166,12 +167,12 @@ fn a_contact_within_the_limit_is_complete() {
         .cloned()
         .expect("they touch");
     assert!(!whole.is_truncated);
-    // As many as there are is not too many; one less is.
+    // A limit equal to the number of pairs truncates nothing; one less does.
     for (limit, is_truncated) in [(whole.triangles.len(), false), (whole.triangles.len() - 1, true)] {
         app.world_mut()
             .resource_mut::<MorphCollisionSettings>()
             .max_triangle_pairs = limit;
-        // Away and back, so that the pair is compared again.
+        // Moves away and back, so that the pair is compared again.
         for y in [0.9, 0.2] {
             app.world_mut().entity_mut(b).insert(Transform::from_xyz(0.0, y, 0.0));
             app.update();

@@ -1,4 +1,4 @@
-//! Compressed meshes collide where their decoded vertices are.
+//! Compressed meshes collide at the places of their decoded vertices.
 
 use std::path::Path;
 
@@ -20,13 +20,13 @@ use morph_collision_workspace::{crowd, drawn};
 use crate::log::start;
 use crate::support::{app, assets, bevy_mesh, cube, settle, spawn};
 
-/// A model at two places that overlap, loaded with compressed meshes.
+/// A model at two overlapping places, loaded with compressed meshes.
 fn load_compressed(file: &Path, places: &[Transform]) -> App {
     let mut app = headless(&assets());
     start(&mut app);
     let compress = |settings: &mut GltfLoaderSettings| {
         settings.mesh_compression = Some(MeshCompressionArgs {
-            // Joint weights that are not quantized are still those of the file.
+            // Joint weights are not quantized, so they are those of the file.
             quantize_attributes: (&[]).into(),
             ..MeshCompressionArgs::regular()
         });
@@ -39,14 +39,15 @@ fn load_compressed(file: &Path, places: &[Transform]) -> App {
     app
 }
 
-/// Puts the vertices of a file where compressed meshes have them, which a primitive shows.
+/// Moves the vertices of a file that a primitive shows to their places in the compressed mesh.
 ///
-/// Returns how far the farthest one is from where it is in the file, in parts of what compression may round.
+/// Returns the largest distance of a vertex from its place in the file, relative to the rounding that compression may
+/// cause.
 fn decode(drawn: &Mesh, file: &mut MorphMesh, corners: &[u32]) -> f32 {
     let Some(VertexAttributeValues::Snorm16x4(values)) = drawn.attribute(Mesh::ATTRIBUTE_POSITION) else {
         panic!("positions are compressed")
     };
-    // Without normals, each triangle has vertices of its own.
+    // Without normals, each triangle has its own vertices.
     let vertices: Vec<usize> = match drawn.indices() {
         Some(indices) => indices.iter().collect(),
         None => (0..corners.len()).collect(),
@@ -67,7 +68,7 @@ fn decode(drawn: &Mesh, file: &mut MorphMesh, corners: &[u32]) -> f32 {
     farthest
 }
 
-/// Compares all contacts between two copies of a model with brute force; returns how many pairs of triangles there are.
+/// Compares all contacts between two copies of a model with brute force; returns the number of pairs of triangles.
 fn collides_as_decoded(name: &str, apart: Vec3) -> usize {
     let file = assets().join(name);
     let places = [Transform::default(), Transform::from_translation(apart)];
@@ -94,7 +95,7 @@ fn collides_as_decoded(name: &str, apart: Vec3) -> usize {
         let skin = app.world().get::<SkinnedMesh>(part.entity);
         let tree = app.world().resource::<MorphTrees>().shown_with(shown, None, skin);
         let mut pose = Pose::new(tree.expect("the mesh has a tree").clone());
-        // Of the skinned one, contacts tell below.
+        // For the skinned model, contacts are checked below.
         let triangles = part.triangles(&original).iter().filter(|_| skin.is_none());
         for (number, corners) in (0..).zip(triangles) {
             let expected = corners.map(|corner| decoded.positions[corner as usize]);
@@ -138,7 +139,7 @@ fn compressed_files_collide_exactly_where_their_decoded_vertices_are() {
     assert!(head > 100 && character > 100, "{head}, {character}");
 }
 
-/// The texture coordinates where a ray along -z meets a cube at (0.1, -0.2).
+/// The texture coordinates where a ray along -z hits a cube at (0.1, -0.2).
 fn uv_of_hit(mesh: Mesh) -> Option<Vec2> {
     let mut app = app();
     let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
@@ -154,7 +155,7 @@ fn uv_of_hit(mesh: Mesh) -> Option<Vec2> {
 
 #[test]
 fn texture_coordinates_are_decoded_too() {
-    // Beyond 0 to 1, as those of tiles are.
+    // Outside of 0 to 1, as for tiled textures.
     let tiled = |p: &Vec3| [p.x * 8.0 - 3.0, 2.0 + p.y * 3.0];
     let once = |p: &Vec3| [p.x + 0.5, p.y + 0.5];
     let with = |uv: &dyn Fn(&Vec3) -> [f32; 2]| {

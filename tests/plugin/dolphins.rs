@@ -1,4 +1,4 @@
-//! The dolphins, through asset server, glTF loader and animation, against brute force.
+//! Compares the dolphins with brute force, using asset server, glTF loader and animation.
 
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
@@ -11,7 +11,7 @@ use morph_collision_workspace::instances::Instances;
 
 use crate::support::{app, assets};
 
-/// What the plugin found, as the oracle tells it: bodies by number, `body_a < body_b`.
+/// The plugin's contacts in the oracle's form: bodies by index, `body_a < body_b`.
 fn found(app: &App, instances: &Instances) -> Vec<BodyPairs> {
     let number = |body: Entity| instances.roots.iter().position(|&root| root == body);
     let mut found: Vec<BodyPairs> = app
@@ -39,7 +39,7 @@ fn found(app: &App, instances: &Instances) -> Vec<BodyPairs> {
     found
 }
 
-/// Weights and place of every body, by number.
+/// Weights and placement of every body, by index.
 fn poses(app: &mut App, instances: &Instances) -> Vec<(Vec<f32>, GlobalTransform)> {
     let parts = app
         .world_mut()

@@ -1,4 +1,4 @@
-//! Debug drawing: what reaches Bevy's gizmos.
+//! Debug drawing: the lines that reach Bevy's gizmos.
 
 use std::any::TypeId;
 
@@ -12,7 +12,7 @@ use morph_collision_workspace::app::headless;
 use crate::log::start;
 use crate::support::{add_mesh, assets, diagnostics, set_weight, settle, spawn, stretching_cube};
 
-/// Where the second cube is.
+/// The place of the second cube.
 const APART: f32 = 0.8;
 
 /// Two stretching cubes that touch, with contacts; nothing is drawn yet.
@@ -44,7 +44,7 @@ pub(crate) fn draw(app: &mut App, change: impl FnOnce(&mut MorphGizmos)) {
     app.update();
 }
 
-/// What was drawn in the last frame: lines, and strips of lines; and the colours of both, without repetitions.
+/// The gizmos of the last frame: lines, strips of lines, and the distinct colours of both.
 #[derive(Default, Debug)]
 pub(crate) struct Drawn {
     pub(crate) lines: Vec<[Vec3; 2]>,
@@ -60,7 +60,7 @@ pub(crate) fn drawn(app: &App) -> Drawn {
     let asset = app.world().resource::<Assets<GizmoAsset>>().get(handle);
     let buffer = asset.expect("what is drawn is an asset").buffer().buffer();
     let lines = buffer.list_positions.chunks_exact(2).map(|line| [line[0], line[1]]);
-    // Strips end with a point that is not a number.
+    // Strips end with a NaN point.
     let strips = buffer.strip_positions.split(|point| point.is_nan());
     let strips = strips.filter(|strip| !strip.is_empty());
     let mut colors: Vec<LinearRgba> = Vec::new();
@@ -102,7 +102,7 @@ fn touching_triangles_are_outlined_where_they_are() {
     let (mut app, cubes) = two_drawn_cubes();
     let red = Color::srgb(0.9, 0.0, 0.0);
     draw(&mut app, |gizmos| gizmos.triangles = Some(red));
-    // Once more at other weights: the outlines go with the morph.
+    // Once more at other weights: the outlines follow the morph.
     for weight in [0.0, 0.25] {
         set_weight(&mut app, cubes[0], weight);
         app.update();
@@ -144,7 +144,7 @@ fn points_of_contact_have_arrows_along_the_normal() {
     assert!(points.len() > 1 && points[0] == contact.point && contact.normal != Vec3::ZERO);
     let Drawn { lines, strips, colors } = drawn(&app);
     assert!(strips.is_empty());
-    // Bevy's arrow is a line and four lines of its tip.
+    // Bevy's arrow is one line and four lines for its tip.
     assert_eq!(lines.len(), 5 * points.len());
     for (arrow, point) in lines.chunks_exact(5).zip(points) {
         let tip = point + 0.5 * contact.normal;
@@ -163,7 +163,7 @@ fn the_nodes_of_a_depth_are_boxes_in_the_colour_of_their_state() {
     let [refitted, resting] = [Color::srgb(1.0, 0.0, 0.0), Color::srgb(0.0, 0.0, 1.0)];
     let mesh = app.world().get::<Mesh3d>(cubes[0]).unwrap().id();
     let tree = app.world().resource::<MorphTrees>().get(mesh).unwrap().clone();
-    // Far from the other one nothing but its root and the root's children is refitted.
+    // Far from the other cube, only the root and the root's children are refitted.
     crate::support::move_to(&mut app, cubes[1], 50.0);
     for (depth, weight) in [(0, 0.0), (0, 1.5), (1, 0.5), (9, 0.75)] {
         set_weight(&mut app, cubes[0], weight);
@@ -194,7 +194,7 @@ fn the_nodes_of_a_depth_are_boxes_in_the_colour_of_their_state() {
             let found = boxes.iter().any(|drawn| near(drawn[0], min) && near(drawn[1], max));
             assert!(found, "{min}..{max} is not among {boxes:?} at depth {depth}");
         }
-        // Roots and their children are refitted by the broad phase, the nodes below by the drawing alone.
+        // The broad phase refits roots and their children. Only the drawing refits the nodes below.
         let expected = if depth <= 1 { refitted } else { resting };
         assert!(colors.contains(&expected.into()), "{colors:?} at depth {depth}");
         assert!(depth > 1 || colors.len() == 1, "{colors:?} at depth {depth}");

@@ -1,4 +1,4 @@
-//! Starts and ends, as messages and as entity events.
+//! Starts and ends as messages and as entity events.
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
@@ -229,7 +229,7 @@ fn colliding_entities_are_listed_where_that_is_asked_for() {
     assert_eq!(listed(&app, b), Some(vec![a.min(c), a.max(c)]));
     assert_eq!(listed(&app, a), None);
 
-    // Late, it is filled with what touches already.
+    // If it is inserted late, it is filled with existing contacts.
     app.world_mut().entity_mut(a).insert(MorphCollidingEntities::default());
     app.update();
     assert_eq!(listed(&app, a), Some(vec![b]));

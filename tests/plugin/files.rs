@@ -1,4 +1,4 @@
-//! Files are loaded as the README shows, and collide and are drawn as what is in them.
+//! Files are loaded as the README shows, and are drawn and collide according to their content.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -49,7 +49,7 @@ fn show(app: &mut App, file: &Path, colliders: MorphColliderScene) {
     settle(app);
 }
 
-/// The numbers of mesh and primitive that an asset was loaded from.
+/// The indices of the mesh and the primitive that an asset was loaded from.
 fn source(app: &App, mesh: AssetId<Mesh>) -> (usize, usize) {
     let path = app.world().resource::<AssetServer>().get_path(mesh).unwrap();
     let label = path.label().unwrap();
@@ -57,7 +57,8 @@ fn source(app: &App, mesh: AssetId<Mesh>) -> (usize, usize) {
     (mesh.parse().unwrap(), primitive.parse().unwrap())
 }
 
-/// A mesh asset has the triangles and displacements of a primitive in the file, and its tree poses them as the file says.
+/// Checks that a mesh asset has the triangles and displacements of a primitive in the file, and that its tree poses them
+/// accordingly.
 fn compare(app: &App, shown: Entity, file: &MorphMesh, primitive: usize, name: &str) {
     let mesh = app.world().get::<Mesh3d>(shown).unwrap();
     let id = mesh.id();
@@ -119,7 +120,8 @@ fn compare(app: &App, shown: Entity, file: &MorphMesh, primitive: usize, name: &
     }
 }
 
-/// Loads a file and compares what deforms in it, or all of it if nothing does; returns how many meshes deform.
+/// Loads a file and compares its deforming meshes, or all of them if nothing deforms; returns the number of deforming
+/// meshes.
 fn loads_as_it_is(path: &Path) -> usize {
     let file = read_meshes(path).unwrap();
     let deforming = file
@@ -149,7 +151,7 @@ fn loads_as_it_is(path: &Path) -> usize {
     deforming
 }
 
-/// Compares all mesh assets that collide; returns how many there are.
+/// Compares all mesh assets that collide; returns their number.
 fn compare_all(mut app: App, path: &Path, file: &[MorphMesh]) -> usize {
     let mut colliders = app
         .world_mut()
@@ -237,7 +239,7 @@ fn without_normals(glb: &[u8]) -> Vec<u8> {
     bare
 }
 
-/// A folder with the stretching cube in a file without normals: two primitives with vertices in common.
+/// A folder with the stretching cube in a file without normals: two primitives with shared vertices.
 fn bare_cube() -> (tempfile::TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("bare.glb");
@@ -256,7 +258,7 @@ fn bare_cube() -> (tempfile::TempDir, PathBuf) {
 fn a_mesh_without_normals_is_drawn_and_collides_as_it_is() {
     let (_folder, file) = bare_cube();
     assert_eq!(loads_as_it_is(&file), 2);
-    // The names say how many targets there are. Without them that cannot be told from a split mesh.
+    // The names give the number of targets. Without them the mesh cannot be distinguished from a split one.
     let mut bytes = std::fs::read(&file).unwrap();
     let at = bytes.windows(11).position(|text| text == b"targetNames").unwrap();
     bytes[at] = b'T';

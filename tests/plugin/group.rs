@@ -1,4 +1,4 @@
-//! All plugins at once, with and without what they work with.
+//! All plugins together, with and without the plugins that they work with.
 
 use bevy::diagnostic::DiagnosticsStore;
 use bevy::gizmos::GizmoPlugin;
@@ -10,7 +10,7 @@ use bevy_rapier3d::prelude::{NoUserData, RapierPhysicsPlugin};
 use crate::log::{Errors, start};
 use crate::support::{add_mesh, cube, plain_app, settle, spawn, touches};
 
-/// Runs a test with what an app with some plugins logs: errors and warnings.
+/// Runs a test with an app and the errors and warnings that it logs.
 fn with_app(plugins: impl FnOnce(&mut App), test: impl FnOnce(&mut App, Vec<String>)) {
     Errors::collect(|errors| {
         let mut app = plain_app();

@@ -1,4 +1,4 @@
-//! A real head as several meshes: skin, eyes, teeth. It is one body, by brute force over all of its triangles.
+//! A real head as several meshes: skin, eyes, teeth. It is one body; checked by brute force over all of its triangles.
 
 use std::collections::HashMap;
 
@@ -16,13 +16,13 @@ use morph_collision_workspace::app::{headless, load_gltf};
 use crate::log::start;
 use crate::support::{Messages, assets, settle};
 
-/// The head that comes with the repository, one primitive for each of its four largest connected parts and one for the rest.
+/// The head in the repository, with one primitive for each of its four largest connected parts and one for the rest.
 fn head_of_five_parts() -> MorphMesh {
     let file = assets().join("mh_head_eyes_teeth_arkit52.glb");
     let mut head = read_meshes(&file)
         .expect("the head comes with the repository")
         .remove(0);
-    // The smallest vertex that each one is connected with, by triangles and by place.
+    // For each vertex, the smallest vertex that it is connected with by triangles or by position.
     let mut first_at = HashMap::new();
     let mut part: Vec<u32> = (0..)
         .zip(&head.positions)
@@ -104,7 +104,7 @@ fn a_real_head_of_five_parts_is_one_body() {
     let parts = app.world().get::<MorphColliders>(root);
     assert!(parts.is_some_and(|parts| parts.len() == 5), "{parts:?}");
 
-    // A ball comes to the open mouth from the front, until it meets teeth, and goes away again.
+    // A ball approaches the open mouth from the front until it touches teeth, and goes away again.
     let open = head
         .target_names
         .iter()

@@ -1,4 +1,4 @@
-//! Which meshes are one body where every deforming mesh collides, in levels with several characters.
+//! Which meshes form one body if every deforming mesh collides, in levels with several characters.
 
 use bevy::gltf::Gltf;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
@@ -62,7 +62,7 @@ fn two_gltf_scenes_under_one_root_are_two_bodies() {
     assert!(app.world().get::<MorphColliders>(level).is_none());
 }
 
-/// A character without a root of its own: joints and two meshes side by side in the level; each mesh lists other joints.
+/// A character without its own root: joints and two meshes side by side in the level. Each mesh lists different joints.
 fn spawn_character(app: &mut App, level: Entity) -> (Entity, [Entity; 2]) {
     let mesh = add_mesh(app, &stretching_cube());
     let world = app.world_mut();
@@ -117,7 +117,7 @@ fn meshes_that_share_weights_are_one_body_and_others_are_bodies_of_their_own() {
 #[test]
 fn a_marker_makes_a_body_whenever_it_comes_and_goes() {
     let mut app = app();
-    // A level that is one glTF scene.
+    // A level that is a single glTF scene.
     let level = app.world_mut().spawn(WorldAssetRoot::default()).id();
     let knights = [0, 1].map(|_| app.world_mut().spawn((Transform::default(), ChildOf(level))).id());
     let parts = [(0, 0.0), (0, 0.5), (1, 0.7)].map(|(knight, x)| mesh_below(&mut app, knights[knight], x));
@@ -130,7 +130,7 @@ fn a_marker_makes_a_body_whenever_it_comes_and_goes() {
     app.update();
     assert_eq!(bodies(&app), [knights[0], knights[0], knights[1]]);
     assert!(touches(&app, parts[1], parts[2]) && !touches(&app, parts[0], parts[1]));
-    // A sword goes to the other knight; a body that the user gave stays.
+    // A sword moves to the other knight. A body that the user set stays.
     app.world_mut().entity_mut(parts[1]).insert(ChildOf(knights[1]));
     app.update();
     assert_eq!(bodies(&app), [knights[0], knights[1], knights[1]]);
@@ -168,7 +168,7 @@ fn a_root_that_is_a_mesh_itself_has_no_relationship_to_itself() {
     assert!(app.world().get::<MorphColliderOf>(root).is_none());
     assert_eq!(body_of(&app, part), root);
     assert!(app.world().get::<MorphCollider>(root).is_some() && !touches(&app, root, part));
-    // A part becomes a root: it leaves the other body.
+    // A part becomes a root and leaves the other body.
     app.world_mut().entity_mut(part).insert(MorphColliderScene::default());
     app.update();
     assert!(app.world().get::<MorphColliderOf>(part).is_none() && touches(&app, root, part));

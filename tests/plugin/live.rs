@@ -1,4 +1,4 @@
-//! Whatever is edited, inserted again or removed takes effect in the very next run.
+//! All edits, insertions and removals take effect in the very next run.
 
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::prelude::*;
@@ -9,7 +9,8 @@ use crate::support::{add_mesh, app, cube, settle, spawn, stretching_cube, touche
 type Change = fn(&mut World, [Entity; 2]);
 type Effect = fn(&App, [Entity; 2]) -> bool;
 
-/// A change to two cubes that overlap, and what is to be seen after the next run and not before.
+/// A change to two overlapping cubes, and an effect that must be visible after the next run and not
+/// before.
 struct Row(&'static str, Change, Effect);
 
 fn insert(world: &mut World, entity: Entity, bundle: impl Bundle) {
@@ -32,7 +33,7 @@ fn apart(app: &App, cubes: [Entity; 2]) -> bool {
     contact(app, cubes).is_none()
 }
 
-/// One change after the other; each finds the cubes as the one before left them.
+/// Changes in sequence. Each finds the cubes as the previous one left them.
 const ROWS: &[Row] = &[
     Row(
         "lists get a limit",
@@ -176,7 +177,7 @@ const ROWS: &[Row] = &[
     ),
 ];
 
-/// A small cube whose tree is there.
+/// A small cube whose tree is already built.
 #[derive(Resource)]
 struct OtherMesh(Handle<Mesh>);
 
@@ -248,7 +249,7 @@ fn leaf_size(app: &App, cube: Entity) -> Option<usize> {
     tree.map(|tree| tree.options().leaf_size())
 }
 
-/// Updates until a cube has a tree with leaves of a size. The cubes touch in every frame until then.
+/// Updates until a cube has a tree with this leaf size. The cubes touch in every frame until then.
 fn touching_until(app: &mut App, [a, b]: [Entity; 2], size: usize) {
     let mut frames = 0;
     while leaf_size(app, a) != Some(size) {
@@ -270,20 +271,20 @@ fn colliders_collide_on_while_a_tree_with_other_settings_is_built() {
     touching_until(&mut app, [a, b], 4);
     app.world_mut().entity_mut(a).remove::<MorphTreeSettings>();
     touching_until(&mut app, [a, b], BuildOptions::default().leaf_size());
-    // Those for all meshes, which the other cube follows too.
+    // The default for all meshes, which the other cube follows too.
     let default = |size| DefaultMorphTreeSettings(BuildOptions::default().with_leaf_size(size).unwrap());
     for size in [5, 6] {
         app.insert_resource(default(size));
         touching_until(&mut app, [a, b], size);
         assert_eq!(leaf_size(&app, b), Some(size));
     }
-    // Own settings win.
+    // A collider's own settings take precedence.
     insert(app.world_mut(), a, MorphTreeSettings { leaf_size: 9 });
     touching_until(&mut app, [a, b], 9);
     app.insert_resource(default(7));
     touching_until(&mut app, [b, a], 7);
     assert_eq!(leaf_size(&app, a), Some(9));
-    // A mesh that cannot be built so is left out.
+    // A mesh that cannot be built with these settings is left out.
     crate::log::Errors::collect(|errors| {
         insert(app.world_mut(), a, MorphTreeSettings { leaf_size: 0 });
         settle(&mut app);
@@ -295,7 +296,8 @@ fn colliders_collide_on_while_a_tree_with_other_settings_is_built() {
     assert!(touches(&app, a, b));
 }
 
-/// Sets the collider for all deforming meshes and runs a frame; returns which of some meshes have one.
+/// Sets the collider for all deforming meshes and runs a frame; returns which of these meshes have
+/// one.
 fn every<const N: usize>(app: &mut App, collider: Option<MorphCollider>, meshes: [Entity; N]) -> [bool; N] {
     let mut settings = app.world_mut().resource_mut::<MorphCollisionSettings>();
     settings.every_deforming_mesh = collider;
@@ -326,7 +328,7 @@ fn what_the_user_removed_never_comes_back_however_often_the_setting_does() {
         assert_eq!(every(&mut app, None, meshes), [false; 3], "round {round}");
         assert_eq!(every(&mut app, on, meshes), [false, false, true], "round {round}");
     }
-    // Who puts one there again has one of their own.
+    // A collider that the user inserts again is the user's own.
     app.world_mut().entity_mut(own).insert(MorphCollider::default());
     assert_eq!(every(&mut app, None, meshes), [true, false, false]);
 }

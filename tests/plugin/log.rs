@@ -1,4 +1,4 @@
-//! What the plugin wrote to the log while a test ran: errors, and warnings apart from them.
+//! Collects the plugin's errors and warnings while a test runs.
 
 use std::fmt::{Debug, Write};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,23 +9,23 @@ use morph_collision_workspace::app::ready;
 use tracing::field::{Field, Visit};
 use tracing::{Event, Level, Metadata, Subscriber, span};
 
-/// The plugin's errors and warnings, in order, of apps that this test [`start`]ed. Tests do not see each other's.
+/// The plugin's errors and warnings, in order, from apps that this test [`start`]ed. Tests do not see each other's.
 #[derive(Clone, Default)]
 pub(crate) struct Errors(Arc<Mutex<Vec<(Level, String)>>>);
 
 impl Errors {
-    /// Runs a test's body and collects what it logs; the body may look at what there is so far.
+    /// Runs a test's body and collects its log. The body can read what has been logged so far.
     pub(crate) fn collect(body: impl FnOnce(&Self)) {
         let errors = Self::default();
         tracing::subscriber::with_default(errors.clone(), || body(&errors));
     }
 
-    /// The errors since it was last asked.
+    /// The errors since the last call.
     pub(crate) fn take(&self) -> Vec<String> {
         self.take_level(Level::ERROR)
     }
 
-    /// The warnings since it was last asked.
+    /// The warnings since the last call.
     pub(crate) fn take_warnings(&self) -> Vec<String> {
         self.take_level(Level::WARN)
     }
@@ -38,16 +38,16 @@ impl Errors {
     }
 }
 
-/// Makes the app ready for its first frame, with its systems on this thread, where what they log is collected.
+/// Makes the app ready for its first frame and runs its systems on this thread, where their log is collected.
 ///
-/// Every app of these tests should start so: a system that is left to Bevy's threads may be run by the thread of another test, while that
-/// waits for tasks of its own, and then the other test hears what it logs.
+/// Every app of these tests should start this way. Otherwise another test's thread may run one of its systems while waiting for
+/// its own tasks, and then that test gets the log.
 pub(crate) fn start(app: &mut App) {
     ready(app);
     run_here(app);
 }
 
-/// What [`start`] does for an app that is ready already.
+/// The part of [`start`] for an app that is ready already.
 pub(crate) fn run_here(app: &mut App) {
     for (_, schedule) in app.world_mut().resource_mut::<Schedules>().iter_mut() {
         schedule.set_executor(SingleThreadedExecutor::new());

@@ -1,4 +1,4 @@
-//! How the plugin behaves among others: schedules, order, reflection.
+//! How the plugin behaves together with other code: schedules, order, reflection.
 
 use std::any::TypeId;
 
@@ -21,7 +21,7 @@ use morph_collision_workspace::app::headless;
 use crate::log::{Errors, start};
 use crate::support::{app, assets, cube, move_to, plain_app, settle, spawn, touches};
 
-/// How many pairs of systems conflict without being ordered, in all schedules together.
+/// The number of pairs of systems that conflict without an order, over all schedules.
 fn ambiguities(app: &mut App) -> usize {
     start(app);
     app.update();
@@ -51,7 +51,7 @@ fn the_plugins_add_no_ambiguous_order_of_systems() {
     fixed.add_plugins((MorphCollisionPlugin::new(FixedPostUpdate), MorphBoundsPlugin));
     assert_eq!(ambiguities(&mut fixed), before);
 
-    // It would be noticed.
+    // A conflict would be noticed.
     let mut careless = bevy();
     careless.add_plugins(MorphCollisionPlugin::default()).add_systems(
         PostUpdate,
@@ -77,7 +77,7 @@ fn the_plugin_runs_in_the_fixed_schedule_too() {
         app.update();
     }
     assert!(!touches(&app, a, b));
-    // What moves in the fixed schedule is found where it is in the same step.
+    // Motion in the fixed schedule is seen in the same step.
     #[derive(Resource, Default)]
     struct Late(Vec<bool>);
     app.init_resource::<Late>();
@@ -149,7 +149,7 @@ fn a_mesh_that_is_swapped_and_one_that_goes_are_followed() {
     assert!(!touches(&app, a, b));
 }
 
-/// Writes a value as a scene file does and reads it again.
+/// Writes a value like a scene file, and reads it again.
 fn there_and_back<T: FromReflect + PartialEq + std::fmt::Debug>(registry: &TypeRegistry, value: &T) -> T {
     let text = serde_json::to_string(&ReflectSerializer::new(value, registry)).unwrap();
     let mut reader = serde_json::Deserializer::from_str(&text);
@@ -163,7 +163,7 @@ fn questions_and_answers_are_reflected() {
     app.add_plugins(MorphPickingPlugin);
     let registry = app.world().resource::<AppTypeRegistry>().read();
     let entity = Entity::PLACEHOLDER;
-    // What reflection cannot see is what it makes of it.
+    // Fields that reflection cannot see have the values that reflection gives them.
     let triangles = TrianglePair {
         triangle_a: MorphContact::NO_TRIANGLE,
         triangle_b: MorphContact::NO_TRIANGLE,

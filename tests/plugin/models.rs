@@ -1,4 +1,4 @@
-//! Models as they are loaded, culled and colliding, with their clips.
+//! Loaded models with culling, collision and clips.
 
 use std::path::{Path, PathBuf};
 
@@ -24,7 +24,7 @@ pub(crate) fn shared(name: &str) -> Option<PathBuf> {
     path.canonicalize().ok()
 }
 
-/// An app with a model at each of some places, culled and colliding; the roots of their scenes, and the model's clips.
+/// An app with a model at several places, with culling and collision; the roots of its scenes, and the model's clips.
 pub(crate) fn with_models(file: &Path, places: &[Transform]) -> (App, Vec<Entity>, Vec<NamedClip>) {
     let mut app = headless(file.parent().unwrap());
     app.add_plugins((VisibilityPlugin, MorphBoundsPlugin));

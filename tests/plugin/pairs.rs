@@ -1,4 +1,4 @@
-//! Which pairs are looked at: layers, modes, margins, pauses; and what a run in which nothing changes costs.
+//! Which pairs are compared: layers, modes, margins, pauses; and the cost of a run in which nothing changes.
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::mesh::morph::MeshMorphWeights;
@@ -216,7 +216,7 @@ fn a_run_in_which_nothing_changes_compares_nothing() {
     );
     assert_eq!(run.stats, default());
 
-    // The one far away concerns nobody.
+    // The distant one does not matter.
     move_to(&mut app, cubes[3], 8.0);
     app.update();
     let run = diagnostics(&app);
@@ -343,7 +343,7 @@ fn a_collider_that_was_made_disabled_takes_part_once_it_is_enabled() {
     app.update();
     assert!(touches(&app, a, pooled));
 
-    // What is shown is swapped while nobody looks.
+    // The mesh is swapped while the entity is disabled.
     let mut small = cube();
     small.positions.iter_mut().for_each(|p| *p *= 0.1);
     let small = add_mesh(&mut app, &small);

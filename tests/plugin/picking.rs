@@ -50,7 +50,7 @@ impl Picked {
         self.hits.read(self.app.world().resource()).cloned().collect()
     }
 
-    /// What the pointer is over in the next frame, nearest first.
+    /// The entities under the pointer in the next frame, nearest first.
     fn over(&mut self) -> Vec<(Entity, f32)> {
         self.app.update();
         let hits = self.read();
@@ -66,7 +66,7 @@ fn the_morphed_surface_is_hit() {
     let [_, b] = picked.cubes;
     assert_eq!(picked.over(), [(b, 4.5)]);
     set_weight(&mut picked.app, b, 2.0);
-    // Picking comes first in a frame: it sees what the last frame drew.
+    // Picking runs first in a frame, so it sees what the last frame drew.
     picked.app.update();
     picked.read();
     picked.app.update();

@@ -1,4 +1,4 @@
-//! Colliders and scenes tell when they are ready.
+//! Colliders and scenes report when they are ready.
 
 use std::path::PathBuf;
 
@@ -41,7 +41,7 @@ fn listen(app: &mut App) {
         .add_observer(|ready: On<MorphColliderSceneReady>, mut log: ResMut<Log>| log.0.push(Heard::Scene(*ready)));
 }
 
-/// What was heard since it was last asked.
+/// The events since the last call.
 fn heard(app: &mut App) -> Vec<Heard> {
     std::mem::take(&mut app.world_mut().resource_mut::<Log>().0)
 }
@@ -50,7 +50,7 @@ fn scene_ready(entity: Entity, parts: u32, failed: u32) -> Heard {
     Heard::Scene(MorphColliderSceneReady { entity, parts, failed })
 }
 
-/// A mesh that is refused as soon as it is looked at.
+/// A mesh that is refused at once.
 fn broken() -> Mesh {
     bevy_mesh(&cube()).with_removed_attribute(Mesh::ATTRIBUTE_POSITION)
 }
@@ -119,7 +119,7 @@ fn a_head_of_five_parts_is_ready_once_after_its_last_tree() {
     assert_eq!(all, parts);
     assert_eq!(app.world().resource::<TreesThen>().0, 5);
 
-    // Weights are no reason to say it again; another mesh of a part is.
+    // New weights do not repeat the event; a new mesh of a part does.
     let mut weights = app.world_mut().query::<&mut MorphWeights>();
     for mut weights in weights.iter_mut(app.world_mut()) {
         weights.weights_mut()[0] = 0.5;

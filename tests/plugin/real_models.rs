@@ -1,4 +1,4 @@
-//! Models as they are loaded: what opens, what slaps, what is picked, and boxes around all of it.
+//! Loaded models: a mouth opens, a tail slaps, a smile is picked, and boxes enclose all vertices.
 
 use std::path::{Path, PathBuf};
 
@@ -11,18 +11,18 @@ use bevy_morph_collision::prelude::*;
 use crate::models::{play, shared, with_models};
 use crate::support::{Messages, assets, settle, touches};
 
-/// The head that comes with the repository: a real face without a clip.
+/// The head in the repository: a real face without a clip.
 fn head() -> PathBuf {
     assets().join("mh_head_eyes_teeth_arkit52.glb")
 }
 
-/// An app with a model in it, culled and colliding; and the model's clips.
+/// An app with one model, with culling and collision, and the model's clips.
 fn with_model(file: &Path) -> (App, Vec<Handle<AnimationClip>>) {
     let (app, _, clips) = with_models(file, &[Transform::default()]);
     (app, clips.into_iter().map(|(_, clip)| clip).collect())
 }
 
-/// Every morphing mesh with what it shows.
+/// Every entity that shows a morphing mesh.
 fn morphing(app: &mut App) -> Vec<Entity> {
     let mut meshes = app
         .world_mut()
@@ -37,7 +37,7 @@ fn weights_of(app: &App, mesh: Entity) -> Vec<f32> {
     }
 }
 
-/// Sets a weight, by name, of every mesh that has such a target.
+/// Sets a weight, by name, on every mesh that has such a target.
 fn set_target(app: &mut App, name: &str, weight: f32) {
     let mut set = 0;
     for mesh in morphing(app) {
@@ -59,7 +59,7 @@ fn set_target(app: &mut App, name: &str, weight: f32) {
     assert!(set > 0, "no mesh has a target {name}");
 }
 
-/// Posed vertices of a mesh in its own space, blended one by one from what Bevy draws.
+/// Posed vertices of a mesh in its own space, blended one by one from the data that Bevy draws.
 fn posed(app: &App, mesh: Entity) -> Vec<Vec3> {
     let weights = weights_of(app, mesh);
     let handle = app.world().get::<Mesh3d>(mesh).unwrap();
@@ -98,7 +98,7 @@ fn the_box_holds_every_posed_vertex_of_a_face_that_makes_faces() {
     for frame in 0..24_usize {
         for &mesh in &meshes {
             let mut weights = weights_of(&app, mesh);
-            // Some 10 of 52 targets at a time; sums of 4 and more, and a few negative weights.
+            // About 10 of 52 targets at a time; sums of 4 and more, and a few negative weights.
             for (target, weight) in weights.iter_mut().enumerate() {
                 *weight = match (7 * frame + 11 * target) % 5 {
                     0 => 0.25 + 0.125 * ((frame + target) % 7) as f32,
@@ -161,7 +161,7 @@ fn the_box_holds_every_posed_vertex_on_every_frame_of_every_clip() {
 fn a_tail_slaps_a_ball() {
     let (mut app, _) = with_model(&assets().join("dolphin_564.glb"));
     let dolphin = morphing(&mut app)[0];
-    // Where the vertex is that the morph moves most, and where it would be.
+    // The vertex that the morph moves most: where it is, and where it would be.
     let targets = weights_of(&app, dolphin).len();
     let set = |app: &mut App, target: usize, weight: f32| {
         let Some(&MeshMorphWeights::Reference(source)) = app.world().get::<MeshMorphWeights>(dolphin) else {
@@ -228,7 +228,7 @@ fn a_mouth_opens_onto_a_ball() {
     let open = in_world(&app);
     set_target(&mut app, "jawOpen", 0.0);
     app.update();
-    // Where the jaw comes to that is farthest from everything while the mouth is closed.
+    // The place reached by the jaw that is farthest from everything while the mouth is closed.
     let way = |i: usize| closed[i].distance(open[i]);
     let mut moved: Vec<usize> = (0..closed.len()).collect();
     moved.sort_by(|&i, &j| way(j).total_cmp(&way(i)));
@@ -267,7 +267,8 @@ fn a_smile_is_picked_where_it_is_drawn() {
     for (mesh, rest) in morphing(&mut app).into_iter().zip(rest) {
         let place = *app.world().get::<GlobalTransform>(mesh).unwrap();
         let smile = posed(&app, mesh);
-        // Of the vertices that the smile moves most: a ray aimed at one hits it where it is, or what is before it.
+        // Aims rays at the vertices that the smile moves most. Each must hit its vertex where it is, or something
+        // in front of it.
         let mut moved: Vec<usize> = (0..smile.len()).collect();
         moved.sort_by(|&i, &j| smile[j].distance(rest[j]).total_cmp(&smile[i].distance(rest[i])));
         for &vertex in moved.iter().take(2000).step_by(40) {

@@ -1,4 +1,4 @@
-//! How little of the trees is refitted.
+//! How few nodes of the trees are refitted.
 
 use bevy::prelude::*;
 use morph_collision_workspace::instances::Instances;
@@ -73,7 +73,7 @@ fn a_contact_at_rest_is_not_looked_at_again() {
 fn a_paused_animation_costs_nothing() {
     let mut app = app();
     let instances = dolphins(&mut app, "dolphin_564.glb", 3);
-    // In one place, so that all are compared, and playing from different moments.
+    // All are in one place, so that all are compared, and play from different times.
     app.update();
     app.update();
     assert!(diagnostics(&app).stats.nodes_blended > 0 && diagnostics(&app).touching_pairs > 0);

@@ -1,4 +1,5 @@
-//! What inspectors, remote protocols, scene files and scenes written in Rust do with the plugin's types.
+//! How inspectors, remote protocols, scene files and scenes written in Rust work with the plugin's
+//! types.
 
 use bevy::ecs::reflect::{AppTypeRegistry, ReflectComponent, ReflectEvent, ReflectMessage, ReflectResource};
 use bevy::gizmos::GizmoPlugin;
@@ -15,12 +16,12 @@ use serde::de::DeserializeSeed;
 use crate::log::start;
 use crate::support::{app, assets, plain_app, settle};
 
-/// A component that anybody may insert: with a value that is not the default one.
+/// A component that users may insert, with a value that is not the default.
 trait Sample: Component + Reflect + FromReflect + TypePath + PartialEq + std::fmt::Debug + Clone {}
 
 impl<C: Component + Reflect + FromReflect + TypePath + PartialEq + std::fmt::Debug + Clone> Sample for C {}
 
-/// Calls something for each component; relationships name the entity.
+/// Calls `each` for each component; relationships name the entity.
 fn for_each_component(entity: Entity, mut each: impl EachComponent) {
     each.of(MorphCollider::new(MorphCollisionMode::First).with_margin(0.5));
     each.of(MorphColliderDisabled);
@@ -63,7 +64,7 @@ fn app_and_other() -> (App, Entity) {
     (app, other)
 }
 
-/// Inserts a value by its reflection as an inspector does: a dynamic value, and one read from JSON.
+/// Inserts a value by reflection, as an inspector does: a dynamic value, and one read from JSON.
 struct Insert<'a>(&'a mut App);
 
 impl EachComponent for Insert<'_> {
@@ -82,7 +83,7 @@ impl EachComponent for Insert<'_> {
             self.0.world_mut().flush();
             assert_eq!(self.0.world().get::<C>(entity), Some(&value), "{text}");
         }
-        // What is not said is as in the default, which every component has.
+        // Missing fields take their values from the default, which every component has.
         let default = registration.data::<ReflectDefault>().expect(path);
         assert!(default.default().is::<C>());
         assert!(registration.data::<ReflectFromReflect>().is_some(), "{path}");
@@ -128,7 +129,7 @@ impl EachComponent for Spawn<'_> {
     }
 }
 
-/// Compares the component of the entity of that name.
+/// Compares the component on the entity with that name.
 struct Compare<'a>(&'a mut World);
 
 impl EachComponent for Compare<'_> {
@@ -189,13 +190,14 @@ fn every_component_survives_a_scene_file() {
         }
     }
     let other = other.expect("the scene is spawned");
-    // The anchor and the relationship, both ways, name the entity that the file's one became.
+    // The anchor and the relationship, in both directions, name the entity that was spawned for the one
+    // in the file.
     for_each_component(other, Compare(app.world_mut()));
     let colliders = app.world().get::<MorphColliders>(other);
     assert!(colliders.is_some_and(|colliders| colliders.len() == 1), "{colliders:?}");
 }
 
-/// What a type of the plugin is registered as.
+/// Checks what a type of the plugin is registered as.
 fn check_registered<T: TypePath>(registry: &TypeRegistry, has: &[fn(&bevy::reflect::TypeRegistration) -> bool]) {
     let path = T::type_path();
     let registration = registry.get_with_type_path(path).expect(path);
@@ -222,7 +224,7 @@ impl EachComponent for Registered<'_> {
 #[test]
 fn components_resources_and_events_are_registered() {
     let mut app = plain_app();
-    // Without what Bevy registers by itself where its feature for that is on.
+    // Without Bevy's automatic registration, which a feature enables.
     app.insert_resource(AppTypeRegistry::default());
     app.add_plugins((
         GizmoPlugin,
@@ -259,7 +261,7 @@ fn components_resources_and_events_are_registered() {
     check_registered::<MorphCollisionEnd>(&registry, &event);
     check_registered::<MorphBodyCollisionStart>(&registry, &event);
     check_registered::<MorphBodyCollisionEnd>(&registry, &event);
-    // These are no messages.
+    // These are not messages.
     let entity_event = [event[0], event[2]];
     check_registered::<MorphColliderReady>(&registry, &entity_event);
     check_registered::<MorphColliderFailed>(&registry, &entity_event);

@@ -1,4 +1,4 @@
-//! Scenes that are edited while they are there, and the setting for every morphing mesh.
+//! Scenes that are edited after spawning, and the setting for every morphing mesh.
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::mesh::morph::MeshMorphWeights;
@@ -13,7 +13,7 @@ const FIRST: MorphCollider = MorphCollider {
     tolerance: 0.125,
 };
 
-/// A scene with a morphing part, a rigid one, and a named one that morphs; the name is on the entity above its mesh.
+/// A scene with a morphing part, a rigid one, and a named morphing one whose name is on the entity above its mesh.
 struct Scene {
     app: App,
     root: Entity,
@@ -53,7 +53,7 @@ impl Scene {
         self.app.world_mut().entity_mut(part).insert(bundle);
     }
 
-    /// The one component of a part.
+    /// A component of a part.
     fn has<C: Component + Clone>(&self, part: Entity) -> Option<C> {
         self.app.world().get::<C>(part).cloned()
     }
@@ -76,7 +76,7 @@ fn editing_a_scene_edits_its_parts() {
     }
     scene.edit(|scene| scene.events = false);
     assert!(scene.has::<MorphCollisionEventsEnabled>(scene.jaw).is_none());
-    // A bad margin can be put right again.
+    // A bad margin can be corrected.
     scene.edit(|scene| scene.collider.margin = f32::NAN);
     scene.edit(|scene| scene.collider.margin = 0.5);
     assert_eq!(scene.collider(scene.jaw).map(|jaw| jaw.margin), Some(0.5));
@@ -116,7 +116,7 @@ fn parts_that_match_no_longer_are_meshes_again_and_others_become_parts() {
         assert!(scene.has::<MorphColliderOf>(part).is_none() && scene.has::<MorphCollisionLayers>(part).is_none());
         assert!(scene.has::<MorphCollisionEventsEnabled>(part).is_none());
     }
-    // What it is called, and whether it morphs, may change, too.
+    // The name of a part, and whether it morphs, may change too.
     scene.insert(scene.rigid, Name::new("jaw"));
     scene.app.update();
     assert_eq!(is_part(&scene), [false, true, true]);
@@ -224,7 +224,7 @@ fn a_part_that_is_disabled_while_the_scene_is_edited_is_right_when_it_comes_back
     scene.app.world_mut().entity_mut(scene.jaw).remove::<Disabled>();
     scene.app.update();
     assert_eq!(scene.collider(scene.jaw), Some(FIRST));
-    // A root that is disabled by itself gives nothing back.
+    // A root that is disabled on its own does not reset its parts.
     scene.insert(scene.root, Disabled);
     scene.insert(scene.jaw, Name::new("chin"));
     scene.app.update();
@@ -350,7 +350,7 @@ fn every_mesh_that_was_disabled_collides_when_it_comes_back() {
     let other = spawn(&mut app, &mesh, 20.5);
     set_all(&mut app, Some(FIRST));
     app.world_mut().entity_mut(pooled).remove::<Disabled>();
-    // Bevy propagates no transforms of disabled entities.
+    // Bevy does not propagate transforms of disabled entities.
     move_to(&mut app, pooled, 20.0);
     settle(&mut app);
     assert!(touches(&app, pooled, other));

@@ -31,7 +31,7 @@ fn a_morph_reaches_a_ball_and_lets_go_of_it() {
         .get(cube, ball)
         .cloned()
         .unwrap();
-    // The face at x = 1.5, the ball from 1.25 on.
+    // The face is at x = 1.5; the ball starts at 1.25.
     assert!(
         contact.normal.x.abs() > 0.99 && contact.point.yz().length() < 0.6,
         "{contact:?}"
@@ -68,7 +68,7 @@ fn every_shape_stands_where_its_transform_says() {
                 half_length: 1.0,
                 radius: 0.25,
             },
-            // Lying, and standing.
+            // Once lying and once standing.
             Transform::from_xyz(0.0, 0.7, 0.0).with_rotation(Quat::from_rotation_z(1.57)),
             Transform::from_xyz(0.0, 1.8, 0.0),
         ),
@@ -168,8 +168,8 @@ fn a_bad_shape_is_logged_with_its_name() {
     });
 }
 
-/// A crumb inside of a cube at 0 that meets none of its triangles but is in a ball there, and one that is on the cube's
-/// corner but not in the ball.
+/// A crumb inside a cube at 0 that touches none of its triangles but is inside a ball there, and one that is on the
+/// cube's corner but not in the ball.
 fn crumbs(app: &mut App) -> [Entity; 2] {
     let crumb = add_mesh(app, &rigid::box_mesh(Vec3::splat(0.05)));
     let inside = spawn(app, &crumb, 0.1);
@@ -200,7 +200,7 @@ fn a_shape_beside_a_mesh_wins_from_the_first_frame_on() {
         let trees = app.world().resource::<MorphTrees>();
         assert!(trees.get(mesh.id()).is_none() && trees.building() == 0);
     }
-    // It wins, too, where the mesh's tree is there for somebody else.
+    // It also wins if the mesh's tree exists because of another entity.
     spawn(&mut app, &mesh, 100.0);
     settle(&mut app);
     assert!(app.world().resource::<MorphTrees>().get(mesh.id()).is_some());

@@ -1,4 +1,4 @@
-//! An app, meshes made in code, and what happened in it.
+//! An app, meshes made in code, and the messages of the app.
 
 use std::path::{Path, PathBuf};
 
@@ -12,7 +12,7 @@ pub(crate) use morph_collision_workspace::physics::bevy_mesh;
 
 use crate::log::start;
 
-/// The folder of the models that come with the repository.
+/// The folder of the models in the repository.
 pub(crate) fn assets() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
 }
@@ -24,7 +24,7 @@ pub(crate) fn app() -> App {
     app
 }
 
-/// An app with those of Bevy's plugins that the collision plugin needs, and none of ours; not ready yet.
+/// An app with the Bevy plugins that the collision plugin needs, and none of ours; not ready yet.
 pub(crate) fn plain_app() -> App {
     let mut app = App::new();
     app.add_plugins((
@@ -36,7 +36,7 @@ pub(crate) fn plain_app() -> App {
     app
 }
 
-/// An app with the collision plugin in [`FixedPostUpdate`], so many frames to a tick, or so many ticks to a frame.
+/// An app with the collision plugin in [`FixedPostUpdate`], with this many frames per tick or ticks per frame.
 pub(crate) fn fixed_app(frames_per_tick: u32, ticks_per_frame: u32) -> App {
     let mut app = plain_app();
     app.add_plugins(MorphCollisionPlugin::new(FixedPostUpdate));
@@ -93,7 +93,7 @@ pub(crate) fn set_weight(app: &mut App, entity: Entity, weight: f32) {
     app.world_mut().entity_mut(entity).insert(weights);
 }
 
-/// Runs frames until no tree is being built and all that are have been handed out.
+/// Runs frames until no tree is being built and all trees are in use.
 pub(crate) fn settle(app: &mut App) {
     app.update();
     while app.world().resource::<MorphTrees>().building() > 0 {
@@ -110,7 +110,7 @@ pub(crate) fn diagnostics(app: &App) -> MorphCollisionDiagnostics {
     *app.world().resource::<MorphCollisionDiagnostics>()
 }
 
-/// The messages since it was last asked, or since the beginning.
+/// The messages since the last call, or since the beginning.
 #[derive(Default)]
 pub(crate) struct Messages {
     starts: MessageCursor<MorphCollisionStart>,

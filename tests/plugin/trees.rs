@@ -1,4 +1,4 @@
-//! One tree per mesh asset, as long as the mesh is what it was.
+//! One tree per mesh asset, for as long as the mesh stays the same.
 
 use std::sync::Arc;
 
@@ -171,7 +171,7 @@ fn trees_with_settings_that_nobody_uses_any_more_are_dropped() {
     let (mut app, [a, b]) = two_cubes(0.8);
     for leaf_size in 1..=20 {
         app.world_mut().entity_mut(a).insert(leaves_of(leaf_size));
-        // Whether or not the tree is done by the next change.
+        // Changes the settings again both before and after the tree is done.
         match leaf_size % 2 {
             0 => settle(&mut app),
             _ => app.update(),
@@ -181,7 +181,7 @@ fn trees_with_settings_that_nobody_uses_any_more_are_dropped() {
         assert!(trees.get(mesh_of(&app, a)).is_some(), "the other cube uses it");
     }
     assert!(touches(&app, a, b));
-    // Those of colliders that are disabled, or left out, are used.
+    // Settings of disabled or excluded colliders are used too.
     app.world_mut()
         .entity_mut(b)
         .insert((leaves_of(30), MorphColliderDisabled));
@@ -246,7 +246,7 @@ fn bounds_keep_the_tree_that_they_use() {
 fn trees_with_other_settings_share_the_mesh() {
     let (mut app, [a, b]) = two_cubes(0.8);
     let mesh = mesh_of(&app, a);
-    // What is in the asset is of no importance any more.
+    // The asset's content no longer matters.
     let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
     let taken = meshes.get_mut_untracked(mesh).unwrap().take_gpu_data();
     taken.expect("the data is still there");
@@ -259,7 +259,7 @@ fn trees_with_other_settings_share_the_mesh() {
     assert!(Arc::ptr_eq(default.model(), other.model()));
 }
 
-/// A strip of triangles with enough targets that it takes several frames to copy.
+/// A strip of triangles with so many targets that copying takes several frames.
 fn large() -> MorphMesh {
     let vertices = 20_000_u32;
     let positions = (0..vertices).map(|i| Vec3::new((i / 2) as f32 * 0.01, (i % 2) as f32, 0.0));
@@ -280,8 +280,8 @@ fn a_large_mesh_is_copied_a_part_in_each_frame() {
     let mesh = add_mesh(&mut app, &large());
     spawn(&mut app, &mesh, 0.0);
     app.update();
-    // A million displacements, of which a frame copies an eighth. What is changed behind Bevy's back shows what has
-    // been copied.
+    // There are a million displacements, of which a frame copies an eighth. Changing the asset without Bevy
+    // noticing shows how much has been copied.
     let mark = |app: &mut App, z: f32| {
         let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
         let mesh = meshes.get_mut_untracked(&mesh).unwrap();

@@ -1,4 +1,4 @@
-//! How fast surfaces are where rays hit them.
+//! The velocity of surfaces where rays hit them.
 
 use std::time::Duration;
 
@@ -12,7 +12,7 @@ use crate::support::{add_mesh, app, cube, fixed_app, move_to, set_weight, settle
 
 const PER_FRAME: f32 = 1.0 / 60.0;
 
-/// The velocity where a ray straight down at some place hits, and that of the closest point, which are the same.
+/// The velocity at the hit of a ray straight down, and at the closest point. Both are the same.
 fn below(app: &mut App, x: f32) -> Option<Vec3> {
     let system = move |spatial: MorphSpatialQuery| {
         let (from, filter) = (Vec3::new(x, 4.0, 0.1), MorphQueryFilter::default());
@@ -45,7 +45,7 @@ fn it_is_the_motion_of_the_entity_and_the_morph_together() {
     move_to(&mut app, cube, 2.0 * PER_FRAME);
     app.update();
     assert_near(below(&mut app, 0.1), Vec3::X * 2.0);
-    // Its end at +X moves by 6 per second, what is half-way there half as fast.
+    // Its end at +X moves by 6 per second, the half-way point half as fast.
     set_weight(&mut app, cube, 6.0 * PER_FRAME);
     app.update();
     let middle = 2.0 * PER_FRAME + 3.0 * PER_FRAME;
@@ -54,7 +54,7 @@ fn it_is_the_motion_of_the_entity_and_the_morph_together() {
     move_to(&mut app, cube, 0.0);
     app.update();
     assert_near(below(&mut app, 0.0), Vec3::X * -5.0);
-    // At rest again, and asked a second time.
+    // At rest again, queried a second time.
     app.update();
     assert_near(below(&mut app, 0.0), Vec3::ZERO);
     assert_near(below(&mut app, 0.3), Vec3::ZERO);
@@ -75,14 +75,14 @@ fn it_is_none_where_there_is_nothing_to_compare_with() {
     assert_eq!(below(&mut app, 0.1), None, "this is its first run");
     app.update();
     assert_near(below(&mut app, 0.1), Vec3::ZERO);
-    // Out for a run, and back elsewhere.
+    // Disabled for a run, then back at another place.
     app.world_mut().entity_mut(cube).insert(MorphColliderDisabled);
     app.update();
     app.world_mut().entity_mut(cube).remove::<MorphColliderDisabled>();
     move_to(&mut app, cube, 0.2);
     app.update();
     assert_eq!(below(&mut app, 0.1), None, "it was not there in the run before");
-    // So it is with an entity that was disabled, and not looked at.
+    // The same holds for an entity that was disabled without being queried.
     app.update();
     app.world_mut()
         .entity_mut(cube)

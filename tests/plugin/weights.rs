@@ -1,4 +1,4 @@
-//! Morph weights, and what becomes of bad ones.
+//! Morph weights, and how bad ones are handled.
 
 use bevy::ecs::system::RunSystemOnce;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
@@ -72,7 +72,7 @@ fn bad_weights_are_logged_once_and_the_last_good_ones_stay() {
         ];
         for (weights, reason) in bad {
             app.world_mut().entity_mut(a).insert(weights);
-            // A wrong number of weights may be on its way to be right.
+            // A wrong number of weights may be corrected soon.
             for _ in 0..30 {
                 app.update();
             }

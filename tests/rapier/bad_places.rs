@@ -1,4 +1,4 @@
-//! Surfaces and bodies at places, of sizes and with weights that nothing can be computed with.
+//! Surfaces and bodies with places, sizes and weights that cannot be computed with.
 
 use bevy::ecs::message::MessageCursor;
 use bevy::math::Affine3A;
@@ -11,7 +11,7 @@ use crate::support::{
     BALL, app, ball_on_sheet, below, collect_errors, diagnostics, place, put, run, set_weights, slab, spawn, velocity,
 };
 
-/// Where a second sheet with a ball on it is, that has no part in the trouble.
+/// The place of a second sheet with a ball on it, which must not be affected.
 const ASIDE: Vec3 = Vec3::new(20.0, 0.0, 0.0);
 
 /// Adds that sheet and that ball.
@@ -32,7 +32,7 @@ fn assert_rests_aside(app: &mut App, (surface, ball): (Entity, Entity), case: &s
     assert!(hit == surface && height.abs() < 1e-4, "{case}: {hit} at {height}");
 }
 
-/// Places at which no surface can be, with their names.
+/// Places that no surface can have, with their names.
 fn bad_places() -> Vec<(&'static str, Transform)> {
     vec![
         ("NaN place", Transform::from_xyz(0.0, f32::NAN, 0.0)),
@@ -56,7 +56,7 @@ fn bad_places() -> Vec<(&'static str, Transform)> {
 #[test]
 fn at_a_bad_place_a_surface_is_left_out_which_is_logged_once_and_at_a_good_one_it_is_back() {
     for (case, bad) in bad_places() {
-        // A listener makes Rapier compare the surface itself, not just its parts.
+        // A listener makes Rapier compare the surface itself, not only its parts.
         for listening in [false, true] {
             collect_errors(|errors| {
                 let (mut app, surface, ball) = ball_on_sheet();
@@ -95,7 +95,7 @@ fn at_a_bad_place_a_surface_is_left_out_which_is_logged_once_and_at_a_good_one_i
                 let (hit, _) = below(&mut app, 3.0, 3.1).expect(case);
                 assert_eq!(hit, surface, "{case}");
                 assert_rests_aside(&mut app, bystander, case);
-                // Rapier had nothing to disable for good.
+                // Rapier had no reason to disable anything for good.
                 assert_eq!(quarantined.read(app.world().resource()).count(), 0, "{case}");
                 assert!(!app.world().entity(surface).contains::<ColliderDisabled>(), "{case}");
                 assert_eq!(diagnostics(&app).surfaces, 2, "{case}");
@@ -225,7 +225,7 @@ fn what_was_somewhere_near_infinity_pushes_as_before() {
         let (carried, pushed) = (place(&app, ball).y, place(&app, floats).y);
         assert!((carried - 1.3).abs() < 2e-2, "{carried}");
         assert!(pushed > ASIDE.y + 1.69, "{pushed}");
-        // In one step, over all of it.
+        // Jumps over all of it in one step.
         put(&mut app, floats, ASIDE + Vec3::new(0.1, 1.9, 0.05));
         run(&mut app, 2);
         set_weights(&mut app, slab, &[1.0, 1.0, 0.0, 0.0]);
@@ -250,7 +250,8 @@ fn a_body_too_large_falls_through_which_is_logged_once_and_others_stay_where_the
                     .entity_mut(surface)
                     .insert(ActiveEvents::COLLISION_EVENTS);
                 let large = body(&mut app, shape, Vec3::new(2.0, 1.0, 2.0));
-                // It meets surfaces alone: what Parry makes of it and other bodies is not ours.
+                // It collides only with surfaces. How Parry handles it with other bodies is not
+                // tested here.
                 app.world_mut().entity_mut(large).insert((
                     CollisionGroups::new(Group::GROUP_2, Group::GROUP_3),
                     ColliderMassProperties::Mass(1.0),
@@ -283,7 +284,7 @@ fn a_body_too_large_falls_through_which_is_logged_once_and_others_stay_where_the
 
 #[test]
 fn the_plugin_s_own_contacts_go_on_while_physics_leaves_a_surface_out() {
-    // What is too large for Parry is not for exact collision detection.
+    // What is too large for Parry is not too large for exact collision detection.
     let (mut app, surface, _) = ball_on_sheet();
     let other = spawn(
         &mut app,

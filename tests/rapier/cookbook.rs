@@ -1,4 +1,5 @@
-//! The plugin's example with a character in the rain of balls, played without a window; judged by the vertices that the file has at each step.
+//! The plugin's example with a character in the rain of balls, run without a window and checked against the vertices of the file
+//! at each step.
 
 #[allow(dead_code, reason = "its `main` opens a window, and is not called")]
 #[path = "../../crates/bevy_morph_collision/examples/rapier_character.rs"]
@@ -27,7 +28,7 @@ use crate::log::start;
 use crate::support::global;
 use rapier_character::{Ball, RADIUS, game};
 
-/// The character as it stands in the world.
+/// The character's current shape in the world.
 fn truth(app: &mut App, mesh: &MorphMesh) -> TriMesh {
     let skin = mesh.skin.as_ref().expect("a character has joints");
     let mut nodes = app.world_mut().query::<&MorphWeights>();
@@ -86,7 +87,7 @@ fn balls_bounce_off_a_walking_character_and_none_falls_through() {
                 );
             }
             let velocity = before.get(&ball).map_or(Vec3::ZERO, |&last| (at - last) / DT);
-            // They fall straight down, until something makes them go sideways; high above the floor only the character does.
+            // Balls fall straight down until something pushes them sideways. High above the floor, only the character does.
             if at.y > 0.7 && velocity.xz().length() > 0.2 && touched.contains(&ball) {
                 bounced.insert(ball);
             }

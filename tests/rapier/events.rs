@@ -210,7 +210,7 @@ fn a_listener_that_comes_and_goes_hears_of_its_own_contact_alone_and_disturbs_no
         };
         app.world_mut().entity_mut(listener).insert(events);
     });
-    // It was listening when it came to rest, and lies there ever since.
+    // It was listening when it came to rest, and has been lying there since.
     assert!(!log.started.is_empty(), "nothing was heard");
     let own = |pairs: &[(Entity, Entity)]| pairs.iter().all(|&heard| heard == pair(surface, listener));
     assert!(
@@ -242,7 +242,7 @@ fn a_listener_that_comes_and_goes_hears_of_its_own_contact_alone_and_disturbs_no
     assert_eq!(log.stopped, [pair(surface, listener)]);
 }
 
-/// Whatever is marked falls through surfaces.
+/// Lets marked entities fall through surfaces.
 #[derive(bevy::ecs::system::SystemParam)]
 struct Falls<'w, 's> {
     marked: Query<'w, 's, Entity, With<Name>>,

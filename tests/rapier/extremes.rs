@@ -1,4 +1,4 @@
-//! Sizes and places from 1e-30 to 1e30, infinite and NaN, at random: nothing panics, and what has no part in it does not notice.
+//! Random sizes and places from 1e-30 to 1e30, infinite and NaN: nothing panics, and other bodies are not affected.
 
 use bevy::prelude::*;
 use bevy_morph_collision::MorphQueryDispatcher;
@@ -15,7 +15,7 @@ use rand_pcg::Pcg64;
 
 use crate::support::{BALL, app, ball_on_sheet, place, run, set_weights, spawn};
 
-/// A number of any size; of either sign.
+/// A number of any size and sign.
 fn any_size(random: &mut Pcg64) -> f32 {
     let size = 10f32.powf(random.random_range(-30.0..30.0));
     if random.random_bool(0.5) { size } else { -size }
@@ -72,7 +72,7 @@ fn any_shape(random: &mut Pcg64, size: f32) -> Box<dyn Shape> {
 
 const CALM: [Vec3; 3] = [BALL, Vec3::new(-2.0, 0.4, 1.0), Vec3::new(2.0, 0.5, -1.5)];
 
-/// Sheets and balls that have no part in any trouble, in an app to which more is added.
+/// Sheets and balls that must not be affected, in an app to which more is added.
 fn calm() -> (App, [Entity; 3], Entity) {
     let mut app = app();
     let calm = CollisionGroups::new(Group::GROUP_1, Group::GROUP_1);
@@ -105,7 +105,7 @@ fn no_step_panics_and_calm_bodies_elsewhere_move_as_if_they_were_alone() {
     for seed in 0..12 {
         let mut random = Pcg64::seed_from_u64(seed);
         let (mut app, balls, surface) = calm();
-        // Bodies meet surfaces alone: what Parry makes of large bodies among each other is not ours.
+        // Bodies collide only with surfaces. How Parry handles large bodies with each other is not tested here.
         let of_surfaces = CollisionGroups::new(Group::GROUP_2, Group::GROUP_3);
         let of_bodies = CollisionGroups::new(Group::GROUP_3, Group::GROUP_2);
         let kinds = [
@@ -149,13 +149,13 @@ fn no_step_panics_and_calm_bodies_elsewhere_move_as_if_they_were_alone() {
             for _ in 0..2 {
                 let which = random.random_range(0..troubled.len());
                 let mut entity = app.world_mut().entity_mut(troubled[which]);
-                // What Rapier has disabled may try again.
+                // Bodies that Rapier has disabled get another try.
                 entity.remove::<(RigidBodyDisabled, ColliderDisabled)>();
                 match random.random_range(0..4) {
                     0 => {
                         let mut place = extreme_place(&mut random);
                         if which >= surfaces {
-                            // Parry refuses to mirror some shapes of its own.
+                            // Parry refuses to mirror some of its own shapes.
                             place.scale = Vec3::ONE;
                         }
                         entity.insert(place);
@@ -235,7 +235,7 @@ fn no_question_about_a_surface_panics_and_what_is_out_of_range_is_out_of_reach()
         } else if in_range(translation) && (1e-2..1e7).contains(&size) {
             inside += 1;
             let (distance, intersects) = (distance.unwrap().distance, intersection.unwrap().intersecting);
-            // A sheet at height 0, 8 wide: what is tall enough and near it meets it.
+            // The sheet is at height 0 and 8 wide: shapes that are tall enough and near it intersect it.
             let bounds = shape.compute_aabb(&if swapped { pose.inverse() } else { pose });
             if bounds.mins.y > 1e-3 * size + 1e-3 || bounds.maxs.y < -1e-3 * size - 1e-3 {
                 assert!(!intersects && !touches(distance), "{case}: {distance}");

@@ -1,4 +1,5 @@
-//! The example's game, played without a window: a player on a hill that a glTF clip heaves, physics in fixed steps.
+//! The example's game, run without a window: a player on a hill that a glTF clip moves, with physics in fixed
+//! steps.
 
 use std::path::Path;
 
@@ -22,7 +23,7 @@ fn assets() -> std::path::PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("assets")
 }
 
-/// When the player is above the hill.
+/// The game at the moment when the player is above the hill.
 fn game(bodies: u32) -> (App, Entity) {
     let mut app = headless(&assets());
     app.insert_resource(Game { bodies, ..default() })
@@ -60,7 +61,7 @@ fn hill(app: &mut App) -> TriMesh {
     truth(&mesh, &weights, &global(app, surface))
 }
 
-/// How far the capsule's skin is from the hill's: 0 where it touches, negative where it is in it.
+/// The distance of the capsule from the hill: 0 if they touch, negative if they overlap.
 fn gap(app: &mut App, player: Entity) -> f32 {
     let (hill, at) = (hill(app), at(app, player));
     let feet = at - HALF_SEGMENT * Vec3::Y;
@@ -84,7 +85,7 @@ fn a_player_walks_in_circles_on_a_heaving_hill_in_the_rain() {
         rises.push(ground(&app, player).velocity.y);
         if frame % 20 == 0 {
             let gap = gap(&mut app, player);
-            // What is drawn is up to a step and a frame ahead of physics.
+            // The drawn hill is up to a step and a frame ahead of physics.
             assert!(gap.abs() < 0.06, "frame {frame}: {gap} above the hill");
         }
     }
@@ -130,7 +131,7 @@ fn a_player_goes_where_it_is_told_to_and_jumps() {
         left |= ground(&app, player).surface.is_none();
     }
     let height = JUMP * JUMP / (2.0 * 9.81);
-    // The hill gives its own velocity.
+    // The jump includes the hill's velocity.
     assert!(
         (highest - from - height).abs() < 0.4,
         "{} high, {height} without the hill",
@@ -159,7 +160,7 @@ fn what_goes_through_the_hill_is_counted() {
     run(&mut app, 10);
     let mut bodies = app.world_mut().query_filtered::<Entity, With<Falling>>();
     let body = bodies.single(app.world()).expect("there is one");
-    // A sensor is stopped by nothing.
+    // Nothing stops a sensor.
     app.world_mut().entity_mut(body).insert(Sensor);
     run(&mut app, 90);
     assert!(app.world().get::<Falling>(body).unwrap().through);

@@ -1,4 +1,4 @@
-//! Bodies on surfaces over time: what is blended, sleeps, waits and jumps.
+//! Bodies on surfaces over time: blending, sleeping, waiting and jumps.
 
 use std::path::Path;
 use std::time::Duration;
@@ -28,7 +28,7 @@ fn parts_come_with_bodies_and_go_with_them() {
 #[test]
 fn what_nothing_can_touch_is_not_blended() {
     let (mut app, surface, ball) = ball_on_sheet();
-    // A second one far away.
+    // A second surface far away.
     let far = spawn(&mut app, &sheet(16), Transform::from_xyz(100.0, 0.0, 0.0));
     settle(&mut app);
     run(&mut app, 3);
@@ -43,7 +43,7 @@ fn what_nothing_can_touch_is_not_blended() {
         let moving = diagnostics(&app);
         assert_eq!((moving.moving, moving.parts, moving.blended), (2, 1, 1));
     }
-    // A sleeping body on a surface that rests needs nothing.
+    // A sleeping body on a resting surface needs no work.
     app.world_mut().entity_mut(ball).insert(Sleeping::default());
     run(&mut app, 300);
     assert!(app.world().get::<Sleeping>(ball).unwrap().sleeping);
@@ -51,7 +51,7 @@ fn what_nothing_can_touch_is_not_blended() {
     assert!((place(&app, ball).y - 0.4).abs() < 1e-2, "{}", place(&app, ball));
 }
 
-/// A ball on a sheet that rises at 0.5/s by the clock, in an app whose physics runs as told.
+/// A ball on a sheet that rises at 0.5/s by the clock, in an app that already sets when physics steps.
 fn rising(mut app: App, frame: f32, frames: usize) -> (f32, f32, f32) {
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_secs_f32(frame)));
     let surface = spawn(&mut app, &sheet(16), ());
@@ -129,7 +129,7 @@ fn a_rigid_mesh_is_a_surface_like_any_other() {
     assert!(app.world().get::<Collider>(surface).is_some());
 }
 
-/// How many pairs of systems conflict without being ordered, in all schedules together.
+/// The number of pairs of systems that conflict without an order, over all schedules.
 fn ambiguities(app: &mut App) -> usize {
     start(app);
     app.update();
@@ -235,7 +235,7 @@ fn a_scaled_surface_at_rest_is_as_large_as_it_looks() {
     assert_eq!(hit.map(|(entity, _)| entity), Some(fixed));
     let mass = app.world().get::<ReadColliderMassProperties>(falling).unwrap().mass;
     assert!((mass - 6.0).abs() < 1e-3, "{mass}");
-    // Scaled again.
+    // Scales it again.
     app.world_mut().get_mut::<Transform>(falling).unwrap().scale = Vec3::splat(2.0);
     run(&mut app, 3);
     let mass = app.world().get::<ReadColliderMassProperties>(falling).unwrap().mass;
@@ -244,7 +244,7 @@ fn a_scaled_surface_at_rest_is_as_large_as_it_looks() {
 
 #[test]
 fn bodies_that_were_there_first_and_bodies_that_are_put_elsewhere_each_have_their_ground() {
-    // Stretches along x: every place has a velocity of its own.
+    // Stretches along x, so every point has a different velocity.
     let mut mesh = sheet(32);
     mesh.targets = vec![mesh.positions.iter().map(|p| Vec3::X * p.x).collect()];
     let mut app = app();

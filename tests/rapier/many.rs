@@ -11,7 +11,8 @@ fn every_body_is_pushed_by_the_surface_below_it() {
     let mut app = app();
     let mesh = sheet(4);
     let at = |i: u8| 10.0 * f32::from(i);
-    // One row, so that all that tells bodies apart is where they are along it; the last surface comes first.
+    // All bodies are in one row, so only their place along it distinguishes them; the last surface comes
+    // first.
     let surfaces: Vec<Entity> = (0..24)
         .rev()
         .map(|i| spawn(&mut app, &mesh, Transform::from_xyz(at(i), 0.0, 0.0)))

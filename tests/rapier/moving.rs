@@ -60,7 +60,7 @@ fn what_is_swept_rises_with_the_surface_below_it() {
         run(&mut app, 60);
         let mut height = 0.0;
         for i in 1..=120_u8 {
-            // Faster and faster, and so fast in the end that it is swept in each step.
+            // It gets faster and faster, until it is swept in each step.
             let speed = (0.2 * f32::from(i)).min(8.0);
             height += speed * DT;
             set_weights(&mut app, sheet, &[height, 0.0]);
@@ -91,7 +91,7 @@ fn a_box_on_a_sliding_surface_is_carried() {
 #[test]
 fn a_slap_throws_a_ball() {
     let (mut app, sheet, ball) = on_the_sheet(Collider::ball(0.5), 0.52);
-    // Up by 0.5 within a tenth of a second.
+    // Rises by 0.5 within a tenth of a second.
     for i in 1..=6 {
         set_weights(&mut app, sheet, &[i as f32 / 12.0, 0.0]);
         run(&mut app, 1);
@@ -140,7 +140,7 @@ fn contacts_of_what_rested_follow_a_surface_that_tilts_in_place() {
         .entity_mut(cuboid)
         .insert((LockedAxes::ROTATION_LOCKED, Sleeping::disabled()));
     run(&mut app, 60);
-    // At once, about its middle: the part's body stays where it is.
+    // At once and about its middle, so the part's body stays where it is.
     set_weights(&mut app, surface, &[1.0]);
     run(&mut app, 60);
     let height = place(&app, cuboid).y;
@@ -208,7 +208,7 @@ fn a_ball_stays_on_a_surface_that_morphs_slowly() {
 
 #[test]
 fn what_lies_on_a_growing_surface_moves_as_its_own_place_does() {
-    // Stretched by 1 per second along x: at x = 3 it slides at 3/s, at x = -1 at -1/s.
+    // Stretches by 1 per second along x: at x = 3 the surface slides at 3/s, at x = -1 at -1/s.
     let mut mesh = sheet(32);
     mesh.targets = vec![mesh.positions.iter().map(|p| Vec3::X * p.x).collect()];
     let mut app = app();

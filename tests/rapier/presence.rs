@@ -1,4 +1,5 @@
-//! When a surface is in physics and when it is not: no ghost stays behind, and what comes back carries.
+//! When a surface is in physics and when it is not: nothing stays behind, and a surface that comes back
+//! carries bodies again.
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
@@ -10,7 +11,7 @@ use crate::support::{
     BALL, Log, app, ball_on_sheet, below, diagnostics, pair, place, population, put, run, set_weights, spawn,
 };
 
-/// What a game does to a surface.
+/// A change that a game makes to a surface.
 type Change = fn(&mut App, Entity);
 
 fn pause_detection(app: &mut App, paused: bool) {
@@ -69,7 +70,7 @@ fn a_swapped_mesh_is_another_surface() {
 fn a_mesh_swapped_for_one_that_is_ready_does_not_drop_its_bodies() {
     let (mut app, surface, ball) = ball_on_sheet();
     let lower = add_sheet(&mut app, -0.01);
-    // Anything that collides with the mesh keeps its tree ready.
+    // Any collider with this mesh keeps its tree ready.
     app.world_mut()
         .spawn((lower.clone(), MorphCollider::default(), MorphColliderDisabled));
     settle(&mut app);
@@ -78,14 +79,14 @@ fn a_mesh_swapped_for_one_that_is_ready_does_not_drop_its_bodies() {
     assert!((place(&app, ball).y - 0.29).abs() < 1e-2, "{}", place(&app, ball));
 }
 
-/// A way to take a surface out of physics, and to bring it back.
+/// A way to take a surface out of physics and to bring it back.
 struct Way {
     name: &'static str,
     take_out: Change,
     bring_back: fn(&mut App, Entity, Mesh3d),
 }
 
-/// Inserts a component, and removes it.
+/// Inserts a component and removes it again.
 fn with<C: Component + Default>(name: &'static str) -> Way {
     Way {
         name,
@@ -98,7 +99,7 @@ fn with<C: Component + Default>(name: &'static str) -> Way {
     }
 }
 
-/// Removes a component, and inserts it again.
+/// Removes a component and inserts it again.
 fn without<C: Component + Default>(name: &'static str) -> Way {
     Way {
         name,
@@ -159,7 +160,7 @@ fn whatever_takes_a_surface_out_takes_all_of_it_and_what_brings_it_back_brings_a
                 app.world_mut().entity_mut(ball).insert(Sleeping::disabled());
             }
             if listening {
-                // Rapier tells of contacts that begin while somebody listens.
+                // Rapier reports contacts that begin while somebody listens.
                 app.world_mut().entity_mut(ball).insert(ActiveEvents::COLLISION_EVENTS);
                 put(&mut app, ball, BALL + 0.2 * Vec3::Y);
                 log.run(&mut app, 60, |_, _| {});
@@ -250,7 +251,7 @@ fn what_a_surface_does_while_it_is_disabled_is_no_motion() {
     app.world_mut().entity_mut(surface).insert(MorphColliderDisabled);
     run(&mut app, 1);
     put(&mut app, ball, BALL);
-    // Slow enough to be believed, had it happened in one step.
+    // Slow enough to count as motion, had it happened in one step.
     set_weights(&mut app, surface, &[0.02, 0.0]);
     app.world_mut().entity_mut(surface).remove::<MorphColliderDisabled>();
     let mut fastest: f32 = 0.0;
@@ -310,7 +311,7 @@ fn a_collider_of_the_game_s_own_stays_and_works_when_the_surface_goes() {
         assert_eq!(diagnostics(&app).surfaces, 0, "{name}");
     }
 
-    // And one that was there before the surface could be.
+    // The same for a collider that was there before the surface.
     let mut app = app();
     let surface = spawn(&mut app, &sheet(16), cuboid());
     settle(&mut app);

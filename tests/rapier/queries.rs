@@ -1,4 +1,4 @@
-//! What Rapier's own queries say about surfaces, against Parry's own mesh of the same vertices.
+//! Compares Rapier's own queries about surfaces with Parry's mesh of the same vertices.
 
 use bevy::prelude::*;
 use bevy_rapier3d::parry::math::Pose;
@@ -14,7 +14,7 @@ use crate::support::{app, ask, global, run, set_weights, spawn, truth};
 
 const WEIGHTS: [f32; 3] = [0.8, -0.5, 1.3];
 
-/// A blob, stretched, mirrored and turned, in a pose; and what it is in truth.
+/// A posed blob, stretched, mirrored and rotated; and its true shape.
 fn blob() -> (App, Entity, TriMesh, MorphMesh) {
     let blob = random::random_blob(7, 3, 3, 0.2);
     let place = Transform::from_xyz(0.3, -0.2, 0.1)
@@ -29,7 +29,7 @@ fn blob() -> (App, Entity, TriMesh, MorphMesh) {
     (app, entity, mesh, blob)
 }
 
-/// Points all around, and directions towards the middle, more or less.
+/// Points all around, and directions roughly towards the middle.
 fn around() -> impl Iterator<Item = (Vec3, Vec3)> {
     (0..200).map(|i| {
         let i = i as f32;

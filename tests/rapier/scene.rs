@@ -21,7 +21,7 @@ fn part(app: &mut App, parent: Entity, name: &'static str, mesh: &MorphMesh, at:
         .id()
 }
 
-/// Whether a ball that falls there is held.
+/// Whether a ball that falls there is stopped.
 fn holds(app: &mut App, at: Vec3) -> bool {
     let ball = body(app, Collider::ball(0.3), at + Vec3::Y * 0.5);
     run(app, 60);
@@ -41,7 +41,7 @@ fn one_component_brings_a_whole_scene_into_physics_and_takes_it_out() {
     let [left, right] = [Vec3::X * -10.0, Vec3::X * 10.0];
     part(&mut app, root, "left", &sheet(8), left);
     settle(&mut app);
-    // One that comes later, below an entity that moves.
+    // A later part, below a moving entity.
     let arm = app
         .world_mut()
         .spawn((Transform::from_translation(right), Visibility::default(), ChildOf(root)))
@@ -51,11 +51,11 @@ fn one_component_brings_a_whole_scene_into_physics_and_takes_it_out() {
     run(&mut app, 3);
     assert_eq!(diagnostics(&app).surfaces, 2);
     assert!(holds(&mut app, left) && holds(&mut app, right));
-    // Nothing but physics looks at them.
+    // Only physics looks at them.
     let mode = app.world().get::<MorphCollider>(late).unwrap().mode;
     assert_eq!(mode, MorphCollisionMode::Passive);
 
-    // Edited: what was not changed by hand follows.
+    // Editing the scene updates everything that was not changed by hand.
     app.world_mut()
         .get_mut::<MorphRapierCollider>(late)
         .unwrap()

@@ -1,4 +1,4 @@
-//! What may lie on a surface, and what surfaces may belong to.
+//! Bodies that can lie on a surface, and bodies that can have surfaces.
 
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
@@ -75,7 +75,7 @@ fn a_morphing_body_falls_on_a_morphing_surface() {
     run(&mut app, 90);
     let rests = place(&app, jelly);
     assert!((rests.y - 0.5).abs() < 1e-2, "it rests at {rests}");
-    // It grows to twice its height, slowly, and stands on the surface all the time.
+    // It slowly grows to twice its height and stands on the surface all the time.
     for i in 1..=120 {
         set_weights(&mut app, jelly, &[i as f32 / 120.0]);
         run(&mut app, 1);
@@ -104,7 +104,7 @@ fn a_surface_on_a_kinematic_body_carries() {
         settle(&mut app);
         let cuboid = body(&mut app, Collider::cuboid(0.3, 0.3, 0.3), Vec3::new(0.1, 0.31, 0.05));
         run(&mut app, 60);
-        // It slides at 1/s as a body, and rises at 0.5/s as a shape.
+        // It slides at 1/s as a body and rises at 0.5/s by morphing.
         for i in 1..=60 {
             if kind == RigidBody::KinematicVelocityBased {
                 app.world_mut().get_mut::<Velocity>(platform).unwrap().linear = Vec3::X;
@@ -135,7 +135,7 @@ fn a_surface_below_other_entities_stands_where_they_put_it() {
     let ball = body(&mut app, Collider::ball(0.3), Vec3::new(0.1, 1.5, 0.05));
     run(&mut app, 90);
     assert!((place(&app, ball).y - 1.3).abs() < 1e-2, "{}", place(&app, ball));
-    // The target's unit is three of the world's.
+    // The target's unit is three world units.
     for i in 1..=30 {
         set_weights(&mut app, surface, &[0.2 * DT * i as f32, 0.0]);
         run(&mut app, 1);
@@ -184,7 +184,7 @@ fn a_collider_that_is_not_asked_into_physics_any_more_has_nothing_there() {
     assert_eq!(population(&mut app), (0, 1));
     assert_eq!(below(&mut app, 0.1, 0.2).map(|(entity, _)| entity), Some(mesh));
     app.world_mut().entity_mut(mesh).remove::<MorphRapierCollider>();
-    // At once, and for good, though it still is a collider of the collision plugin's.
+    // At once and for good, although it is still a collider of the collision plugin.
     assert!(!app.world().entity(mesh).contains::<Collider>());
     run(&mut app, 3);
     let entity = app.world().entity(mesh);

@@ -1,4 +1,4 @@
-//! An app with physics, meshes in it that morph, and what they are in truth.
+//! An app with physics, morphing meshes in it, and their true shapes.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -60,7 +60,7 @@ pub(crate) fn diagnostics(app: &App) -> MorphRapierDiagnostics {
     *app.world().resource::<MorphRapierDiagnostics>()
 }
 
-/// Bodies and colliders that Rapier has.
+/// The numbers of bodies and colliders in Rapier.
 pub(crate) fn population(app: &mut App) -> (usize, usize) {
     let mut contexts = app
         .world_mut()
@@ -69,7 +69,7 @@ pub(crate) fn population(app: &mut App) -> (usize, usize) {
     (bodies.bodies.len(), colliders.colliders.len())
 }
 
-/// Runs a system that asks Rapier, once.
+/// Runs a system once that queries Rapier.
 pub(crate) fn ask<T: Send + 'static>(app: &mut App, ask: impl Fn(&RapierContext) -> T + Send + Sync + 'static) -> T {
     let system = move |context: ReadRapierContext| ask(&context.single().expect("there is one context"));
     app.world_mut()
@@ -77,7 +77,7 @@ pub(crate) fn ask<T: Send + 'static>(app: &mut App, ask: impl Fn(&RapierContext)
         .expect("its parameters are there")
 }
 
-/// A mesh as it stands in the world, as Parry's own shape.
+/// A mesh at its place in the world, as Parry's own mesh.
 pub(crate) fn truth(mesh: &MorphMesh, weights: &[f32], place: &GlobalTransform) -> TriMesh {
     let posed = posed_vertices(&mesh.positions, &mesh.targets, weights);
     let world = world_vertices(&posed, &place.affine());
@@ -89,7 +89,7 @@ pub(crate) fn global(app: &App, entity: Entity) -> GlobalTransform {
     *app.world().entity(entity).get::<GlobalTransform>().unwrap()
 }
 
-/// Runs frames and collects what happened.
+/// Runs frames and collects the events.
 #[derive(Default)]
 pub(crate) struct Log {
     cursor: MessageCursor<CollisionEvent>,
@@ -98,7 +98,7 @@ pub(crate) struct Log {
 }
 
 impl Log {
-    /// One that has not heard what happened before.
+    /// A log that skips earlier events.
     pub(crate) fn from_now(app: &App) -> Self {
         let mut log = Self::default();
         log.cursor.clear(app.world().resource());
@@ -137,14 +137,14 @@ pub(crate) fn ball_on_sheet() -> (App, Entity, Entity) {
 /// Where [`ball_on_sheet`] puts the ball.
 pub(crate) const BALL: Vec3 = Vec3::new(0.1, 0.31, 0.05);
 
-/// Puts a body elsewhere, at rest.
+/// Moves a body elsewhere, at rest.
 pub(crate) fn put(app: &mut App, body: Entity, at: Vec3) {
     app.world_mut()
         .entity_mut(body)
         .insert((Transform::from_translation(at), Velocity::zero()));
 }
 
-/// The entity that a ray straight down from a height of 5 hits, and the height where.
+/// The first hit of a ray straight down from a height of 5: the entity and the height.
 pub(crate) fn below(app: &mut App, x: f32, z: f32) -> Option<(Entity, f32)> {
     let hit = ask(app, move |context| {
         context.cast_ray(Vec3::new(x, 5.0, z), -Vec3::Y, 100.0, true, QueryFilter::default())
@@ -152,13 +152,13 @@ pub(crate) fn below(app: &mut App, x: f32, z: f32) -> Option<(Entity, f32)> {
     hit.map(|(entity, distance)| (entity, 5.0 - distance))
 }
 
-/// A closed box around the origin, each side cut into many triangles. Its targets: all of it rises by 1, its upper side alone does, its upper
-/// side slides by 1 along `+X`, and its upper side moves down by 1.
+/// A closed box around the origin, each side split into many triangles. Its targets: all of it rises by 1, only its upper side
+/// rises, its upper side slides by 1 along `+X`, and its upper side moves down by 1.
 pub(crate) fn slab(half: Vec3) -> MorphMesh {
     slab_cut(half, 4)
 }
 
-/// The same with each side cut into four, this many times.
+/// The same, with each side split into four this many times.
 pub(crate) fn slab_cut(half: Vec3, times: usize) -> MorphMesh {
     let mut mesh = box_mesh(half);
     for _ in 0..times {
@@ -188,8 +188,8 @@ pub(crate) fn slab_cut(half: Vec3, times: usize) -> MorphMesh {
 
 /// Runs a test's body and collects the errors that it logs.
 ///
-/// While there is one collector, `tracing` asks the thread that comes first to a message whether anybody wants it, and that may be another
-/// test's. Two collectors make it ask for each thread.
+/// While there is only one collector, `tracing` asks the first thread that reaches a message whether anybody wants it, and that
+/// may be another test's thread. With two collectors it asks for each thread.
 pub(crate) fn collect_errors(body: impl FnOnce(&Errors)) {
     Errors::collect(|_| Errors::collect(body));
 }

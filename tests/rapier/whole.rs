@@ -1,4 +1,5 @@
-//! What Rapier tells of a surface, and which joints it respects: as of one collider, whatever parts it pushes with.
+//! Rapier's reports about a surface, and the joints that it respects, are those of one collider, whatever parts push in its
+//! place.
 
 use std::path::Path;
 
@@ -13,7 +14,7 @@ use morph_collision_workspace::physics::{DT, body, settle, sheet};
 use crate::log::start;
 use crate::support::{Log, app, ask, diagnostics, pair, place, put, run, set_weights, spawn};
 
-/// A sheet whose last target is a wave: no rigid motion fits it, so it is cut into parts.
+/// A sheet whose last target is a wave. No rigid motion fits it, so it is split into parts.
 fn waving() -> MorphMesh {
     let mut mesh = sheet(32);
     let wave = mesh
@@ -25,7 +26,7 @@ fn waving() -> MorphMesh {
     mesh
 }
 
-/// Waves, and comes to rest flat.
+/// Makes waves, and comes to rest flat.
 fn wave(app: &mut App, surface: Entity, frames: usize) {
     for frame in 1..=frames {
         let height = (12.0 * DT * frame as f32).sin() * (1.0 - frame as f32 / frames as f32);
@@ -69,7 +70,7 @@ fn contact_forces_are_those_of_the_whole_surface() {
                 );
                 assert!(force.max_force_magnitude < 19.0 && !force.started, "{force:?}");
             }
-            // It weighs less than the threshold.
+            // The box weighs less than the threshold.
             app.world_mut()
                 .entity_mut(asks)
                 .insert(ContactForceEventThreshold(25.0));
@@ -87,7 +88,7 @@ fn contact_forces_are_those_of_the_whole_surface() {
     }
 }
 
-/// Whatever is marked falls through surfaces.
+/// Lets marked entities fall through surfaces.
 #[derive(bevy::ecs::system::SystemParam)]
 struct Falls<'w, 's> {
     marked: Query<'w, 's, Entity, With<Name>>,
@@ -111,8 +112,8 @@ fn hooked_app(substeps: usize) -> App {
     app
 }
 
-/// Lets a box slide over a sheet that moves, lifts it off, and says what was heard of it. `hooked` is given to the box, and to a ball
-/// on a floor far away.
+/// Lets a box slide over a moving sheet, lifts it off, and returns the events about it. `hooked` is given to the box, and to a
+/// ball on a floor far away.
 fn heard(
     substeps: usize,
     hooked: [bool; 2],
@@ -173,7 +174,7 @@ fn heard(
 fn hooks_of_others_do_not_disturb_events() {
     let (log, pair) = heard(1, [false, true], 0.0, |_, _| {});
     assert_eq!((log.started, log.stopped), (vec![pair], vec![pair]));
-    // Between substeps, anything may come near: events may repeat.
+    // Anything may come near between substeps, so events may repeat.
     let (log, pair) = heard(2, [false, true], 0.0, |_, _| {});
     assert!(log.started.contains(&pair) && log.stopped.contains(&pair));
 }
@@ -200,12 +201,12 @@ fn hooks_know_the_surface_in_every_substep() {
     let mut app = hooked_app(2);
     let surface = spawn(&mut app, &sheet(16), ());
     settle(&mut app);
-    // Somebody listens, so that parts would rather have no names.
+    // With a listener, parts would prefer not to have names.
     let listens = body(&mut app, Collider::cuboid(0.3, 0.3, 0.3), Vec3::new(2.0, 0.31, 0.05));
     let events = (ActiveEvents::COLLISION_EVENTS, Sleeping::disabled());
     app.world_mut().entity_mut(listens).insert(events);
     run(&mut app, 5);
-    // Far away in the first substep, there in the second.
+    // Far away in the first substep, at the surface in the second.
     let comes = body(&mut app, Collider::ball(0.3), Vec3::new(0.0, 2.0, 0.05));
     let hooks = (
         ActiveHooks::FILTER_CONTACT_PAIRS,
@@ -218,7 +219,7 @@ fn hooks_know_the_surface_in_every_substep() {
     assert!(place(&app, comes).y < 0.0, "{}", place(&app, comes));
 }
 
-/// A joint that holds nothing; of a multibody it starts here.
+/// A joint that constrains nothing; for a multibody it starts at this place.
 fn free(contacts: bool, at: Vec3) -> GenericJoint {
     let mut joint = GenericJoint::new(JointAxesMask::empty());
     joint.set_contacts_enabled(contacts).set_local_anchor1(at);
@@ -231,7 +232,8 @@ fn joints_without_contacts_keep_a_surface_from_pushing() {
         let mut app = app();
         let surface = spawn(&mut app, &sheet(16), RigidBody::KinematicPositionBased);
         settle(&mut app);
-        // Near each other, so that both touch the same triangles; the one that is held, at the height at which it is pushed up.
+        // The two are near each other, so that both touch the same triangles. The joined one is at a height at which it would be
+        // pushed up.
         let free_ball = body(&mut app, Collider::ball(0.3), Vec3::new(0.0, 0.3, 0.05));
         run(&mut app, 5);
         let at = Vec3::new(0.45, 0.21, 0.05);
@@ -250,7 +252,7 @@ fn joints_without_contacts_keep_a_surface_from_pushing() {
         assert!((stays.y - 0.3 - 0.2 * DT * 40.0).abs() < 1e-2, "{multibody}: {stays}");
         assert!(falls.y < -0.5, "{multibody}: {falls}");
 
-        // With contacts, or without a joint, it is pushed as others are.
+        // With contacts enabled, or without a joint, it is pushed like other bodies.
         if multibody {
             app.world_mut().entity_mut(held).remove::<MultibodyJoint>();
         } else {

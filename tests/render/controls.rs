@@ -1,4 +1,4 @@
-//! What a user does to a show: time, weights, and files that are no good.
+//! What a user can do to a show: time, weights, and invalid files.
 
 use std::path::Path;
 
@@ -41,7 +41,7 @@ fn set_key(show: &mut Offscreen, key_code: KeyCode, state: ButtonState) {
     });
 }
 
-/// How many frames pass in four.
+/// How far the show's time moves in four frames.
 fn passed(show: &mut Offscreen) -> f64 {
     let before = frame(show);
     show.advance(4);
@@ -80,7 +80,7 @@ fn keys_walk_as_seen_from_the_camera_jump_and_pause() {
         let (place, player) = world.query::<(&Transform, &Player)>().single(world).unwrap();
         (place.translation, *player)
     };
-    // It lands, and waits.
+    // It lands and waits.
     show.advance(70);
     // The camera looks from behind the hill.
     let world = show.app_mut().world_mut();
@@ -100,7 +100,7 @@ fn keys_walk_as_seen_from_the_camera_jump_and_pause() {
         let (to, _) = player(&mut show);
         set_key(&mut show, key, ButtonState::Released);
         show.advance(2);
-        // Half a second: less up a slope, and the hill carries it aside.
+        // Half a second: slower up a slope, and the hill carries it sideways.
         let way = (to - from).xz();
         let (ahead, aside) = (way.dot(towards), way.perp_dot(towards).abs());
         assert!(ahead > 0.25 * SPEED && aside < 0.5, "{key:?}: {way}");
@@ -169,7 +169,7 @@ fn a_file_that_is_no_good_ends_the_show_with_its_name() {
         shows::physics(game),
     ] {
         let error = Offscreen::new(show, SIZE, true).unwrap_err().to_string();
-        // It says what is wrong, rather than that nothing comes.
+        // The message says what is wrong, not only that nothing was loaded.
         assert!(error.contains("broken.glb") && !error.contains('\n'), "{error}");
     }
 }

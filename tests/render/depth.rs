@@ -1,4 +1,5 @@
-//! The overlay lies on the surface that the GPU blends: moved towards the camera by a little it is all seen, moved away by as little it is gone.
+//! The overlay lies on the surface that the GPU blends: moved slightly towards the camera all of it is visible, moved slightly
+//! away none is.
 
 use bevy::math::Affine3A;
 use bevy::mesh::skinning::SkinnedMeshInverseBindposes;
@@ -12,7 +13,7 @@ use crate::support::{alone, character, count, drawn, is_red, offscreen, scene, s
 
 const EYE: Vec3 = Vec3::new(0.4, 0.6, 4.0);
 
-/// How far it is moved, in world units. The bodies are 2 across, a pixel is about 0.01.
+/// How far it is moved, in world units. The bodies are 2 across, and a pixel is about 0.01.
 const LITTLE: f32 = 0.0005;
 
 #[test]
@@ -74,7 +75,7 @@ fn lies_on_the_surface(show: Show) {
     let (on_it, nearer, farther) = (red(0.0), red(LITTLE), red(-LITTLE));
     assert!(on_it > 200, "{on_it} pixels of overlay");
     println!("{on_it} pixels of overlay on the surface, {nearer} before it, {farther} behind");
-    // Where the bodies meet at a small angle, a little makes a difference to what the other body covers.
+    // Where the bodies intersect at a small angle, a small offset changes what the other body covers.
     assert!(
         on_it.abs_diff(nearer) * 20 < nearer,
         "{on_it} on the surface, {nearer} before it"

@@ -1,4 +1,4 @@
-//! Pictures need no desktop.
+//! Pictures can be drawn without a desktop.
 
 use std::path::Path;
 use std::process::Command;
@@ -9,10 +9,11 @@ use morph_collision_workspace::view::run;
 
 use crate::support::{alone, scene};
 
-/// Names the folder for the pictures of the program that the test starts.
+/// Names the picture folder of the program that the test starts.
 const FOLDER: &str = "MORPH_COLLISION_PICTURES";
 
-/// Starts itself in a bare environment, as a service or a container has it. The program goes as far as a drawn example goes.
+/// The test starts itself in a bare environment, like that of a service or a container. The child does what a drawn example
+/// does.
 #[test]
 fn pictures_are_drawn_without_a_runtime_directory_or_display_and_without_complaint() {
     if let Some(folder) = std::env::var_os(FOLDER) {
@@ -41,12 +42,12 @@ fn pictures_are_drawn_without_a_runtime_directory_or_display_and_without_complai
     assert!(!stderr.contains("error"), "{stderr}");
     let picture = image::open(folder.join("test_001.png")).unwrap().to_rgb8();
     assert_eq!(picture.dimensions(), (64, 48));
-    // It was the program that drew, not the harness that found no such test.
+    // Checks that the program drew, and not that the test harness found no such test.
     assert!(stdout.contains("test_001.png: 0 triangles are red"), "{stdout}");
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// What a drawn example does with `--screenshots FOLDER --at 1 --size 64x48 --bare`.
+/// Does what a drawn example does with `--screenshots FOLDER --at 1 --size 64x48 --bare`.
 fn draw(folder: &Path) {
     let options = ViewOptions {
         screenshots: Some(folder.to_owned()),

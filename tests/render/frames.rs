@@ -1,4 +1,4 @@
-//! Each example draws what it says it does.
+//! Each example draws what its description says.
 
 use std::path::Path;
 
@@ -19,10 +19,10 @@ use crate::support::{alone, count, frame, is_drawn, is_red, offscreen};
 
 const SIZE: (u32, u32) = (320, 180);
 
-/// A picture of a frame, and one a little later; both have something on them, and something moves.
+/// A picture of a frame, and one a little later. Both must show something, and something must move.
 fn watch(show: Show, at: u32) -> (Offscreen, RgbImage) {
     let mut show = offscreen(show, SIZE);
-    // Time for clicks, and for bodies to fall.
+    // Leaves time for clicks, and for bodies to fall.
     show.advance(at.min(20));
     show.jump(at - 1);
     show.advance(1);
@@ -62,7 +62,7 @@ fn a_face_runs_into_itself_and_wears_pins() {
     let world = show.app_mut().world_mut();
     let pairs = world.query::<&SelfTouching>().single(world).unwrap().0.len();
     assert!(pairs > 0, "a speaking mouth touches itself");
-    // Each is on its triangle, wherever that went.
+    // Each pin is on its triangle, wherever that has moved.
     let off = |pins: Query<(&MorphSurfaceAnchor, &GlobalTransform)>, spatial: MorphSpatialQuery| -> Vec<f32> {
         let off = |(anchor, place): (&MorphSurfaceAnchor, &GlobalTransform)| {
             let corners = spatial.posed_triangle(anchor.collider, anchor.triangle).unwrap();
@@ -84,12 +84,12 @@ fn a_face_runs_into_itself_and_wears_pins() {
 fn a_character_touches_its_face_wears_darts_and_kicks_crates() {
     let _alone = alone();
     let (mut show, picture) = watch(shows::character(), 66);
-    // The face is small in so small a picture.
+    // The face is small in such a small picture.
     assert!(count(&picture, is_red) > 0, "nothing is red");
     let world = show.app_mut().world_mut();
     let pairs = world.query::<&HandOnFace>().single(world).unwrap().0.len();
     assert!(pairs > 0, "the hand is on the face");
-    // It walks, and crates are in its way.
+    // It walks into the crates.
     show.advance(130);
     let world = show.app_mut().world_mut();
     assert_eq!(world.query::<&HandOnFace>().single(world).unwrap().0.len(), 0);
@@ -137,7 +137,7 @@ fn a_skinned_model_is_pointed_at_where_its_joints_put_it() {
 fn pointed_at_is_what_is_drawn() {
     let _alone = alone();
     let (mut show, _) = watch(shows::picking(), 60);
-    // The arrow is where the pointer is, on the model as it is morphed now.
+    // The arrow is under the pointer, on the model's current shape.
     let offset = |arrow: Single<&GlobalTransform, With<shows::Arrow>>,
                   camera: Single<(&Camera, &GlobalTransform), With<StageCamera>>,
                   script: Res<Script>| {
@@ -216,7 +216,8 @@ fn a_crowd_is_drawn() {
 fn bounding_volumes_are_drawn_level_by_level() {
     let _alone = alone();
     let mut show = offscreen(shows::dolphins(Path::new("dolphin_564.glb"), 3, false), SIZE);
-    // What is neither water nor dolphin: lines in the colours of nodes that were refitted, or only drawn.
+    // Everything that is neither water nor dolphin: lines in the colours of nodes that were refitted, or
+    // only drawn.
     let mut lines = |level| {
         show_volumes(show.app_mut(), level);
         show.advance(1);

@@ -1,5 +1,5 @@
-//! What is drawn: the examples' pictures, and whether the GPU and the core mean the same shape. Needs a graphics driver; one without a GPU
-//! will do (Debian: `apt install mesa-vulkan-drivers libvulkan1`).
+//! Checks drawing: the examples' pictures, and whether the GPU and the core library agree on shapes. Needs a graphics driver,
+//! which may be a software renderer (Debian: `apt install mesa-vulkan-drivers libvulkan1`).
 
 mod controls;
 mod depth;

@@ -1,4 +1,5 @@
-//! One's own model: what is good is shown twice, what is not is refused, and the model before it stays.
+//! Users' own models: a valid one is shown twice. An invalid one is refused, and the previous model
+//! stays.
 
 use std::path::Path;
 
@@ -17,7 +18,7 @@ use crate::support::{alone, offscreen};
 
 const SIZE: (u32, u32) = (160, 90);
 
-/// The show, with the first file brought, and the ways to it.
+/// The show with its first file, and access to its inbox and verdict.
 struct Own {
     show: Offscreen,
     inbox: Inbox,
@@ -32,7 +33,7 @@ impl Own {
         Self { show, inbox, verdict }
     }
 
-    /// Brings a file and waits for what is said about it: the reason, if it is refused.
+    /// Puts a file into the inbox and waits for the verdict; returns the reason if it is refused.
     fn bring(&mut self, name: &str, bytes: Vec<u8>) -> Result<(), String> {
         let number = self.verdict.now().number + 1;
         self.inbox.put(name.into(), bytes);
@@ -66,7 +67,7 @@ impl Own {
         panic!("the copies never touch");
     }
 
-    /// How the left knees of a character are bent.
+    /// The rotations of a character's left knees.
     fn knees(&mut self) -> Vec<Quat> {
         let knees = |joints: Query<(&Name, &Transform)>| -> Vec<Quat> {
             let knees = joints.iter().filter(|(name, _)| name.as_str() == "calf_l");
@@ -122,7 +123,7 @@ fn a_skinned_model_plays_its_clip_and_runs_into_its_copy() {
     own.until_they_touch();
     assert_eq!(own.diagnostics().colliders, 2);
     assert!(own.show.app_mut().world().resource::<Overlay>().triangles > 0);
-    // Its joints move it, each copy by its own skeleton.
+    // Its joints move it; each copy has its own skeleton.
     let first = own.knees();
     let mut most = [0.0_f32; 2];
     for _ in 0..4 {
@@ -158,7 +159,7 @@ fn a_bad_file_is_refused_and_the_model_before_it_stays() {
     own.until_they_touch();
     assert_eq!(own.diagnostics().colliders, 2);
 
-    // Another good one takes its place, and nothing is left of the first.
+    // Another valid model replaces it, and nothing is left of the first.
     own.bring("other.glb", asset("pass_through_20480.glb")).unwrap();
     own.until_they_touch();
     assert_eq!(own.diagnostics().colliders, 2);
@@ -169,7 +170,7 @@ fn a_bad_file_is_refused_and_the_model_before_it_stays() {
 fn what_bevy_cannot_load_is_refused_under_its_own_name() {
     let _alone = alone();
     let mut own = Own::new("dolphin.glb", asset("dolphin_564.glb"));
-    // The mesh is good, and its texture is not there: the reader of meshes does not look at it.
+    // The mesh is valid but its texture is missing; the reader of meshes does not look at it.
     let glb = asset("dolphin_564.glb");
     let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
     let mut json: serde_json::Value = serde_json::from_slice(&glb[20..20 + length]).unwrap();

@@ -1,4 +1,4 @@
-//! What a web page gets to know of a show, and what a finger does to it.
+//! The state that a web page gets from a show, and touch input.
 
 use std::collections::BTreeMap;
 
@@ -35,7 +35,7 @@ fn a_page_is_told_what_the_show_is_at() {
     assert_eq!(state.trouble, None);
 }
 
-/// The colours of all models that can be clicked.
+/// The materials of all models that can be clicked.
 fn materials(show: &mut Offscreen) -> BTreeMap<Entity, AssetId<StandardMaterial>> {
     let all = |drawn: Query<(Entity, &MeshMaterial3d<StandardMaterial>), With<MorphCollider>>| -> BTreeMap<_, _> {
         drawn
@@ -46,7 +46,7 @@ fn materials(show: &mut Offscreen) -> BTreeMap<Entity, AssetId<StandardMaterial>
     show.app_mut().world_mut().run_system_once(all).unwrap()
 }
 
-/// Presses a pointer here, moves it there, and lets go.
+/// Presses a pointer at one place, moves it to another, and releases it.
 fn stroke(show: &mut Offscreen, from: Vec2, to: Vec2) {
     let pointer = PointerId::Custom(bevy::asset::uuid::Uuid::from_u128(7));
     let world = show.app_mut().world_mut();

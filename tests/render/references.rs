@@ -1,4 +1,5 @@
-//! Pictures like those that were looked at: `just references` writes them anew, to be looked at again.
+//! Compares pictures with references that people have checked. `just references` rewrites them; check
+//! them again after that.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +12,7 @@ use crate::support::{alone, count, is_red, offscreen};
 
 const SIZE: (u32, u32) = (320, 180);
 
-/// A difference in a colour, of 255, that an eye may notice.
+/// A difference in a colour value, out of 255, that is visible.
 const NOTICED: u8 = 24;
 
 /// Compares a frame of a show with the stored picture, or stores it if the environment says so.
@@ -43,12 +44,12 @@ fn compare(name: &str, show: Show, frame: u32) {
     }
 }
 
-/// Whether an eye would say that they show the same.
+/// Whether the two pictures look the same.
 fn is_alike(reference: &RgbImage, picture: &RgbImage) -> bool {
     noticed(picture, reference) <= 0.01 && off_in_red(reference, picture) <= 0.3
 }
 
-/// By which share of what is red in the reference more or less is red.
+/// The relative difference in the number of red pixels.
 fn off_in_red(reference: &RgbImage, picture: &RgbImage) -> f64 {
     let red = |picture: &RgbImage| count(picture, is_red) as f64;
     (red(picture) - red(reference)).abs() / red(reference)
@@ -58,7 +59,7 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/render/references")
 }
 
-/// The share of pixels that differ to an eye.
+/// The share of pixels that look different.
 fn noticed(a: &RgbImage, b: &RgbImage) -> f64 {
     let differ =
         |(a, b): &(&image::Rgb<u8>, &image::Rgb<u8>)| a.0.iter().zip(b.0).any(|(&a, b)| a.abs_diff(b) > NOTICED);

@@ -1,4 +1,4 @@
-//! The shape on the screen is the shape that the core means.
+//! The shape on the screen is the shape that the core library computes.
 
 use bevy::ecs::system::RunSystemOnce;
 use bevy::math::Affine3A;
@@ -13,12 +13,13 @@ use crate::support::{alone, character, drawn, is_covered, is_drawn, offscreen, s
 
 const SIZE: (u32, u32) = (480, 360);
 
-/// Draws a mesh at weights that it has from the start, and compares what is drawn with what the core says, both ways.
+/// Draws a mesh at weights that it has from the start, and compares the picture with the core library, in both
+/// directions.
 fn compare(mesh: MorphMesh, weights: &[f32], eye: Vec3, place: Transform) {
     compare_once_seen(mesh, weights, &[], eye, place, Visibility::Visible);
 }
 
-/// The same with a mesh that is hidden for its first frames if `first` says so.
+/// The same with a mesh that is hidden for its first frames, depending on `first`.
 ///
 /// A mesh with a skin follows joints with these matrices.
 fn compare_once_seen(
@@ -139,7 +140,7 @@ fn weights_below_zero_and_above_one() {
     );
 }
 
-/// Bevy 0.20 draws such a mesh at rest; `MorphBoundsPlugin` mends it.
+/// Bevy 0.20 draws such a mesh at rest; `MorphBoundsPlugin` fixes that.
 #[test]
 fn what_comes_into_view_later_is_drawn_as_it_is_morphed() {
     let eye = Vec3::new(0.0, 1.0, 4.0);
@@ -154,7 +155,7 @@ fn what_comes_into_view_later_is_drawn_as_it_is_morphed() {
     );
 }
 
-/// The place of the mesh's own entity does not matter: its joints are drawn.
+/// The place of the mesh's own entity does not matter, because it is drawn where its joints are.
 #[test]
 fn a_character_that_crouches_and_talks() {
     for (seconds, turn) in [(0.0, 0.0), (1.1, 0.6), (1.5, -1.9)] {

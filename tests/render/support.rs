@@ -1,4 +1,4 @@
-//! Pictures, and what is on them.
+//! Pictures, and tests of their pixels.
 
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -16,10 +16,10 @@ use morph_collision_workspace::view::offscreen::Offscreen;
 use morph_collision_workspace::view::stage::BACKGROUND;
 use morph_collision_workspace::view::{Show, clock};
 
-/// The colour of what is [`drawn`].
+/// The colour of meshes made by [`drawn`].
 const PLAIN: Color = Color::srgb(0.1, 0.3, 0.5);
 
-/// One renderer at a time: each takes all processors.
+/// Allows one renderer at a time, because each uses all processors.
 pub(crate) fn alone() -> MutexGuard<'static, ()> {
     static RENDERER: Mutex<()> = Mutex::new(());
     RENDERER.lock().unwrap_or_else(PoisonError::into_inner)
@@ -56,7 +56,7 @@ pub(crate) fn skeleton(
     }
 }
 
-/// A character as it crouches and waves, talking: its mesh, weights, and the matrices of its joints, 1.7 high around the origin.
+/// A character that crouches, waves and talks: its mesh, weights and joint matrices, 1.7 high around the origin.
 pub(crate) fn character(seconds: f32) -> (MorphMesh, Vec<f32>, Vec<Affine3A>) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/mh_character_low.glb");
     let mesh = read_meshes(&path).unwrap().swap_remove(0);
@@ -70,7 +70,7 @@ pub(crate) fn character(seconds: f32) -> (MorphMesh, Vec<f32>, Vec<Affine3A>) {
     (mesh, weights, joints)
 }
 
-/// What a mesh at these weights is spawned with, from `Startup` on.
+/// The components to spawn a mesh at these weights, from `Startup` on.
 pub(crate) fn drawn(
     mesh: &MorphMesh,
     weights: Vec<f32>,
@@ -97,27 +97,27 @@ pub(crate) fn drawn(
     )
 }
 
-/// Whether something other than the background is there.
+/// Whether the pixel shows something other than the background.
 pub(crate) fn is_drawn(picture: &RgbImage, x: u32, y: u32) -> bool {
     let [r, g, b] = BACKGROUND.to_srgba().to_u8_array_no_alpha();
     let pixel = picture.get_pixel(x, y).0;
     pixel.iter().zip([r, g, b]).any(|(&a, b)| a.abs_diff(b) > 8)
 }
 
-/// Whether what [`drawn`] gives covers the whole pixel.
+/// Whether a mesh made by [`drawn`] covers the whole pixel.
 pub(crate) fn is_covered(picture: &RgbImage, x: u32, y: u32) -> bool {
     let [r, g, b] = PLAIN.to_srgba().to_u8_array_no_alpha();
     let pixel = picture.get_pixel(x, y).0;
     pixel.iter().zip([r, g, b]).all(|(&a, b)| a.abs_diff(b) <= 8)
 }
 
-/// Whether the overlay is there.
+/// Whether the pixel shows the overlay.
 pub(crate) fn is_red(picture: &RgbImage, x: u32, y: u32) -> bool {
     let [r, g, b] = picture.get_pixel(x, y).0;
     r > 170 && g < 70 && b < 70
 }
 
-/// How many pixels are so.
+/// The number of pixels for which `is` holds.
 pub(crate) fn count(picture: &RgbImage, is: impl Fn(&RgbImage, u32, u32) -> bool) -> usize {
     picture
         .enumerate_pixels()
@@ -125,7 +125,7 @@ pub(crate) fn count(picture: &RgbImage, is: impl Fn(&RgbImage, u32, u32) -> bool
         .count()
 }
 
-/// Where the show is.
+/// The show's current frame.
 pub(crate) fn frame(offscreen: &mut Offscreen) -> f64 {
     offscreen.app_mut().world().resource::<clock::Clock>().frame
 }

@@ -1,4 +1,4 @@
-//! Everything that can go wrong, worded for the one who typed the command.
+//! Everything that can go wrong, worded for the person who typed the command.
 
 use std::io;
 use std::path::PathBuf;
@@ -13,10 +13,10 @@ use morph_collision_testkit::rivals::{PoseError, SetUpError};
 use morph_collision_testkit::scenes::SceneError;
 use thiserror::Error;
 
-/// Why a command failed; names the file and, where there is one, the mesh, frame, body and index.
+/// Why a command failed. Names the file and, if there is one, the mesh, frame, body and index.
 #[derive(Debug, Error)]
 pub(crate) enum CliError {
-    /// Boxed, being by far the largest.
+    /// Boxed because it is by far the largest.
     #[error("{}{}", .0, Remedy::hint(.0.remedy()))]
     Read(Box<ReadError>),
     #[error("{}{}", .0, Remedy::hint(over_limit(matches!(.0, SceneError::OverBudget { .. }))))]
@@ -40,7 +40,7 @@ pub(crate) enum CliError {
     },
     #[error(transparent)]
     SetUp(SetUpError),
-    /// A scene of `bench` that has a name, and whose model is missing or broken.
+    /// A named scene of `bench` whose model is missing or broken.
     #[error(transparent)]
     NoExperiment(#[from] NoExperiment),
     #[error("{}: frame {frame}, body {body}: {reason}", scene.display())]
@@ -81,7 +81,8 @@ pub(crate) enum CliError {
         body: usize,
         reason: String,
     },
-    /// A situation drawn for `verify` that the mesh does not bear: its coordinates are too large.
+    /// A situation drawn for `verify` that the mesh does not allow because its coordinates are too
+    /// large.
     #[error("{}: mesh {mesh} \"{name}\": {reason}", file.display())]
     Situation {
         file: PathBuf,
@@ -89,7 +90,7 @@ pub(crate) enum CliError {
         name: String,
         reason: PoseError,
     },
-    /// A scene of `bench`: a model's file or a name.
+    /// A scene of `bench`: a model's file or a scene's name.
     #[error("{scene}: {reason}")]
     Bench { scene: String, reason: AnswerError },
     #[error("{flag}: {reason}")]

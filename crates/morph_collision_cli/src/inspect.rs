@@ -23,7 +23,8 @@ pub(crate) struct InspectArgs {
     json: bool,
 }
 
-/// Reports every mesh of the file; an unusable mesh is shown with its error, and only if all are so is that an error.
+/// Reports every mesh of the file. An unusable mesh is shown with its error; it is an error only if all meshes are
+/// unusable.
 pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
     let file = args.files.open(&args.model)?;
     let report = FileReport::read(&file);

@@ -1,9 +1,14 @@
 //! `morph-collide`: try collision detection on morphing glTF models without writing a program.
 //!
-//! `inspect` shows what a model is made of and what tree it gets; `run` replays a scene of scripted bodies and reports
-//! which triangles meet; `query` asks about one mesh in one shape; `verify` compares a model's answers with brute force, and
-//! `stress` those for generated trouble; `bench` measures it against other methods. Results go to stdout, errors and progress to stderr; the exit code is 2 after an
-//! error, and 1 where `verify`, `stress` or `bench` found something wrong.
+//! - `inspect` shows what a model is made of and what tree it gets.
+//! - `run` replays a scene of scripted bodies and reports which triangles intersect.
+//! - `query` asks about one mesh in one shape.
+//! - `verify` compares a model's answers with brute force.
+//! - `stress` does the same with generated, difficult meshes.
+//! - `bench` measures the library against other methods.
+//!
+//! Results go to stdout, errors and progress to stderr. The exit code is 2 after an error, and 1 if `verify`, `stress` or `bench`
+//! found something wrong.
 #![forbid(unsafe_code)]
 
 mod bench;
@@ -45,12 +50,12 @@ enum Command {
     Bench(bench::BenchArgs),
 }
 
-/// What a command that ran to its end came to.
+/// The outcome of a command that ran to its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Verdict {
     /// Nothing is wrong.
     Clean,
-    /// An answer is not what it should be.
+    /// An answer is wrong.
     FoundWrong,
 }
 
@@ -61,7 +66,7 @@ fn main() -> ExitCode {
             output::complain_at_length(error.render());
             return ExitCode::from(2);
         }
-        // `--help` and `--version` come this way; a reader that has gone away needs no answer.
+        // `--help` and `--version` end up here. If the reader is gone, nobody needs the output.
         Err(help) => {
             let _ = help.print();
             return ExitCode::SUCCESS;

@@ -1,4 +1,4 @@
-//! Model files, as commands open them: how much memory they may take, where they may lead, and one mesh of them as flags name it.
+//! How commands open model files: how much memory they may take, which paths they may refer to, and which mesh the flags name.
 
 use std::path::Path;
 
@@ -14,10 +14,11 @@ use crate::error::CliError;
 /// How far commands trust the files they read.
 #[derive(Debug, Args)]
 pub(crate) struct FileArgs {
-    /// The most memory that a file may take, or all models of a scene together, with the trees made of them: a number and B, KiB, MiB, GiB or TiB.
+    /// Most memory that a file, or all models of a scene together, may take, including the trees built from them: a number and B,
+    /// KiB, MiB, GiB or TiB.
     ///
-    /// Files can claim far more than they store. It is counted, on the high side, before it is taken.
-    /// 1GiB by default.
+    /// Files can claim far more memory than they store, so it is counted, on the high side, before it is allocated. 1GiB by
+    /// default.
     #[arg(long, value_name = "SIZE", value_parser = size)]
     memory_limit: Option<u64>,
     /// Allow devices and pipes, and buffers anywhere: absolute paths, `..`, `file:` URIs, symbolic links.
@@ -32,7 +33,7 @@ impl FileArgs {
         self.memory_limit.unwrap_or(memory::DEFAULT_LIMIT)
     }
 
-    /// Refuses options about files where no file is named.
+    /// Refuses file options when no file is named.
     pub(crate) fn refuse_without_files(&self) -> Result<(), CliError> {
         for (flag, given) in [
             ("--memory-limit", self.memory_limit.is_some()),
@@ -60,7 +61,7 @@ impl FileArgs {
         Ok(GltfFile::open_within(model, &options, budget.clone())?)
     }
 
-    /// Opens a model file and reads the mesh `mesh` of it, which `flag` gave.
+    /// Opens a model file and reads its mesh `mesh`, an index given by `flag`.
     pub(crate) fn open_mesh(
         &self,
         model: &Path,
@@ -80,7 +81,7 @@ impl FileArgs {
     }
 }
 
-/// Reads a mesh that is to collide, with its skin, and without the clips of its weights.
+/// Reads a mesh that takes part in collisions, with its skin but without the clips of its weights.
 pub(crate) fn read_mesh(file: &GltfFile, index: usize) -> Result<MorphMesh, CliError> {
     let found = file.mesh(index)?;
     found
@@ -102,7 +103,7 @@ pub(crate) fn count_memory(
     taken.map_err(|over| mesh_error(file, index, over.into()))
 }
 
-/// Adds the clips of a mesh, every one of which has to be sound.
+/// Adds the clips of a mesh. All of them have to be valid.
 pub(crate) fn read_clips(file: &GltfFile, index: usize, mesh: &mut MorphMesh) -> Result<(), CliError> {
     let clips = file.clips(index, mesh.targets.len());
     if let Some(broken) = clips.broken.into_iter().next() {
@@ -112,7 +113,8 @@ pub(crate) fn read_clips(file: &GltfFile, index: usize, mesh: &mut MorphMesh) ->
     Ok(())
 }
 
-/// The clips of a mesh's weights and of its joints that have a name, as their places in [`MorphMesh::animations`] and in the skeleton.
+/// Finds the clips of a given name that move the mesh's weights and its joints: indices into [`MorphMesh::animations`] and into
+/// the skeleton's clips.
 pub(crate) fn find_clip(mesh: &MorphMesh, name: &str) -> Result<[Option<usize>; 2], String> {
     let of_joints = mesh.skin.as_ref().map_or(&[][..], |skin| &skin.skeleton.clips);
     let found = [

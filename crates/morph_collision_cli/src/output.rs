@@ -1,6 +1,6 @@
-//! Writing to stdout and stderr without ever panicking: either may be a pipe whose reader has left.
+//! Writes to stdout and stderr without ever panicking: either may be a pipe whose reader has left.
 //!
-//! Names from files are escaped on the way: nothing that a terminal obeys gets through.
+//! Names from files are escaped on the way, so no terminal control characters get through.
 
 use std::fmt::{Display, Write as _};
 use std::io::{self, Write};
@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::error::CliError;
 
-/// Writes one report to stdout. Its lines are the caller's; whatever else is not printable is escaped.
+/// Writes one report to stdout. Line breaks are kept; all other unprintable characters are escaped.
 pub(crate) fn print(text: &str) -> Result<(), CliError> {
     write(&printable_lines(text))
 }
@@ -29,13 +29,14 @@ fn write(text: &str) -> Result<(), CliError> {
         .map_err(CliError::Stdout)
 }
 
-/// Writes a message of one line to stderr under the program's name; if that fails there is nobody left to tell.
+/// Writes a one-line message to stderr after the program's name. Failures are ignored because there is nobody
+/// left to tell.
 pub(crate) fn complain(message: impl Display) {
     let text = message.to_string();
     let _ = writeln!(io::stderr().lock(), "morph-collide: {}", Printable(text.trim_end()));
 }
 
-/// As [`complain`] with a message of several lines.
+/// Like [`complain`], for a message of several lines.
 pub(crate) fn complain_at_length(message: impl Display) {
     let text = message.to_string();
     let _ = write!(
@@ -45,7 +46,7 @@ pub(crate) fn complain_at_length(message: impl Display) {
     );
 }
 
-/// Every line escaped and ended.
+/// Escapes every line and ends it with a line break.
 fn printable_lines(text: &str) -> String {
     let mut lines = String::with_capacity(text.len());
     for line in text.lines() {

@@ -1,4 +1,4 @@
-//! Files that commands write: never one of their inputs, and either complete or not at all.
+//! Output files of commands. An output never replaces an input, and is either complete or not written at all.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Write};
@@ -8,10 +8,11 @@ use tempfile::NamedTempFile;
 
 use crate::error::CliError;
 
-/// A file to be written at the end of a command, checked at its beginning.
+/// A file to be written at the end of a command and checked at its beginning.
 ///
 /// Nothing is written before [`OutputFile::write`]. A regular file is written under a temporary name in its directory and then
-/// renamed, so a command that fails leaves the earlier file as it was. A symbolic link is followed. Devices and pipes are written in place.
+/// renamed, so a command that fails leaves the earlier file as it was. Symbolic links are followed. Devices and pipes are written
+/// in place.
 #[derive(Debug)]
 pub(crate) struct OutputFile {
     /// As the user named it, for messages.
@@ -21,15 +22,15 @@ pub(crate) struct OutputFile {
 
 #[derive(Debug)]
 enum Destination {
-    /// The path behind all symbolic links.
+    /// The path after following all symbolic links.
     Rename(PathBuf),
     InPlace(File),
 }
 
 impl OutputFile {
-    /// Checks that `path`, which the option `flag` named, can be written and is none of `inputs`.
+    /// Checks that `path`, given by the option `flag`, can be written and is not one of `inputs`.
     ///
-    /// Two paths to one file are recognised through symbolic and hard links.
+    /// Two paths to the same file are recognised through symbolic and hard links.
     ///
     /// # Errors
     /// The file is an input, is a directory or read-only, or its directory cannot be written.
@@ -49,7 +50,7 @@ impl OutputFile {
         })
     }
 
-    /// Whether both would replace the same file, under whatever names.
+    /// Whether both would replace the same file, whatever their names.
     pub(crate) fn replaces_the_same_as(&self, other: &Self) -> bool {
         match (&self.destination, &other.destination) {
             (Destination::Rename(one), Destination::Rename(another)) => one == another,
@@ -57,10 +58,10 @@ impl OutputFile {
         }
     }
 
-    /// Writes what `content` writes.
+    /// Writes the output of `content`.
     ///
     /// # Errors
-    /// Where `content` fails, or the file cannot be written; then an earlier file is left as it was.
+    /// `content` fails, or the file cannot be written. An earlier file is then left as it was.
     pub(crate) fn write(self, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), CliError> {
         let written = match self.destination {
             Destination::Rename(target) => replace(&target, content),
@@ -83,7 +84,7 @@ impl Destination {
             Err(error) => return Err(error),
             Ok(found) if found.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
             Ok(found) if !found.is_file() => return Ok(Self::InPlace(OpenOptions::new().write(true).open(path)?)),
-            // What looks like a file there is a name for something that is open.
+            // What looks like a file there is a name for something that is already open.
             Ok(_) if path.starts_with("/dev") || path.starts_with("/proc") => {
                 return Ok(Self::InPlace(OpenOptions::new().append(true).open(path)?));
             }
@@ -91,13 +92,13 @@ impl Destination {
             Ok(found) if found.permissions().readonly() => return Err(io::ErrorKind::PermissionDenied.into()),
             Ok(_) => fs::canonicalize(path)?,
         };
-        // Tried now, so that a path that cannot be written costs no work.
+        // Tried now, so that a path that cannot be written fails before any work is done.
         temporary_beside(&target)?.close()?;
         Ok(Self::Rename(target))
     }
 }
 
-/// This process's stdout or stderr, if `path` is a name of one: to be written where it stands, after what was written before.
+/// This process's stdout or stderr, if `path` names one of them. It is appended to.
 #[cfg(unix)]
 fn standard_stream(path: &Path) -> io::Result<Option<File>> {
     use std::os::fd::AsFd;
@@ -114,10 +115,10 @@ fn standard_stream(_: &Path) -> io::Result<Option<File>> {
     Ok(None)
 }
 
-/// The real path of a file that does not exist yet, behind symbolic links that lead to nothing.
+/// The real path of a file that does not exist yet, following symbolic links whose target is missing.
 fn behind_links(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
-    // As many as Linux follows.
+    // Linux follows as many.
     for _ in 0..40 {
         let directory = match path.parent() {
             Some(parent) if parent != Path::new("") => parent.canonicalize()?,
@@ -161,7 +162,7 @@ fn temporary_beside(target: &Path) -> io::Result<NamedTempFile> {
     };
     let mut builder = tempfile::Builder::new();
     builder.prefix(".morph-collide-");
-    // As any new file gets them, less what the user's mask takes away.
+    // The permissions of any new file; the user's umask applies.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(directory)
@@ -209,7 +210,7 @@ mod tests {
         assert!(failed.is_err_and(|error| error.to_string().contains("half way")));
         assert_eq!(fs::read_to_string(&path)?, "earlier");
         assert_eq!(names(directory.path())?, ["pairs.csv"]);
-        // One that is given up before it is written leaves no trace either.
+        // An output that is dropped before it is written leaves nothing behind either.
         drop(output(&directory.path().join("other.csv"), &[])?);
         assert_eq!(names(directory.path())?, ["pairs.csv"]);
         Ok(())

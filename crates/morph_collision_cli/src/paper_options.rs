@@ -1,21 +1,21 @@
-//! How the paper's method bounds nodes, as far as commands let one choose.
+//! The options for the paper's bounding volumes.
 
 use clap::Args;
 use morph_collision_testkit::rivals::{PaperOptions, PaperVolume};
 
-/// What only the method `paper` can be told.
+/// Options of the method `paper` only.
 #[derive(Debug, Args)]
 pub(crate) struct PaperArgs {
-    /// Bounding volumes of the method paper: aabb (where left out), kdop14, kdop18, kdop26 or sphere.
+    /// Bounding volumes of the method paper: aabb (the default), kdop14, kdop18, kdop26 or sphere.
     #[arg(long, value_name = "KIND")]
     volume: Option<PaperVolume>,
-    /// Give the method paper volumes half way between consecutive references, too.
+    /// Also give the method paper volumes half way between consecutive references.
     #[arg(long)]
     in_betweens: bool,
 }
 
 impl PaperArgs {
-    /// The flags, and which were given.
+    /// The flags, and whether each was given.
     pub(crate) fn given(&self) -> [(&'static str, bool); 2] {
         [("--volume", self.volume.is_some()), ("--in-betweens", self.in_betweens)]
     }

@@ -1,4 +1,4 @@
-//! How far a long command is, on stderr: a live bar on a terminal, a line now and then elsewhere.
+//! Progress of a long command on stderr: a live bar on a terminal, an occasional line elsewhere.
 
 use std::cell::RefCell;
 use std::io::{self, IsTerminal};
@@ -9,7 +9,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::output;
 
-/// The option of commands that may take long.
+/// The progress option of commands that may take long.
 #[derive(Debug, Args)]
 pub(crate) struct ProgressArgs {
     /// Seconds between progress lines on stderr when it is not a terminal; 0 writes one per step.
@@ -34,7 +34,7 @@ pub(crate) struct Lines {
 }
 
 impl ProgressArgs {
-    /// Starts to count `what` up to `length`.
+    /// Starts counting `what` up to `length`.
     pub(crate) fn start(&self, what: &'static str, length: u64) -> Progress {
         let every = Duration::from_secs(self.progress.into());
         if !io::stderr().is_terminal() {
@@ -51,7 +51,7 @@ impl ProgressArgs {
 }
 
 impl Progress {
-    /// One step is done.
+    /// Counts one step.
     pub(crate) fn step(&self) {
         match self {
             Self::Bar(bar) => bar.inc(1),
@@ -65,7 +65,7 @@ impl Progress {
         }
     }
 
-    /// All is done: a bar disappears.
+    /// Ends the progress display; a bar disappears.
     pub(crate) fn finish(&self) {
         if let Self::Bar(bar) = self {
             bar.finish_and_clear();

@@ -1,9 +1,9 @@
-//! The options of trees that commands share.
+//! The tree options that commands share.
 
 use clap::Args;
 use morph_collision::BuildOptions;
 
-/// How trees are built; by default as the library builds them.
+/// How trees are built. Defaults are the library's.
 #[derive(Debug, Args)]
 pub(crate) struct TreeArgs {
     /// Most triangles in a leaf of a tree, 1 to 255.

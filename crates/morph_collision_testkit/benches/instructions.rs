@@ -1,6 +1,7 @@
-//! How many instructions the queries take, which other work of the machine does not change: `just bench-instructions`.
+//! Counts the instructions of the queries, which do not depend on other load on the machine: `just bench-instructions`.
 //!
-//! Needs valgrind and gungraun-runner of the version of the crate `gungraun` (CONTRIBUTING.md). Everything has to be blended in each of them.
+//! Needs valgrind, and gungraun-runner in the version of the crate `gungraun` (CONTRIBUTING.md). Every query starts with nothing
+//! blended.
 #![allow(missing_docs, unused_qualifications, reason = "what gungraun's macros make")]
 
 mod two;

@@ -1,6 +1,8 @@
-//! Times of the queries: `just bench`, or `cargo bench -p morph_collision_testkit --bench queries -- NAME` for some.
+//! Times the queries: `just bench`, or `cargo bench -p morph_collision_testkit --bench queries -- NAME` for some of
+//! them.
 //!
-//! Queries of one name end in `anew` where everything has to be blended and in `again` where nothing has.
+//! Names that end in `anew` measure queries for which everything has to be blended, names that end in `again` those
+//! for which nothing has.
 #![allow(missing_docs, reason = "what criterion's macros make")]
 
 mod two;
@@ -21,7 +23,7 @@ const TOUCHING: [(&str, Scene); 5] = [
     ("heads-cheek", Scene::HeadsCheek),
 ];
 
-/// Benchmarks a question of two bodies, with everything to be blended and with nothing.
+/// Benchmarks a query about two bodies, with everything to be blended and with nothing.
 fn ask<T>(criterion: &mut Criterion, name: &str, scene: Scene, mut question: impl FnMut(&mut Two) -> T) {
     let mut two = Two::new(scene);
     criterion.bench_function(&format!("{name}/anew"), |bencher| {
@@ -78,7 +80,7 @@ fn ray(criterion: &mut Criterion) {
 
 fn pose(criterion: &mut Criterion) {
     let mut two = Two::new(Scene::PassThroughDeep);
-    // Twice on each of two bodies.
+    // Twice for each of the two bodies.
     criterion.bench_function("pose/set_weights, four times", |bencher| bencher.iter(|| two.forget()));
     criterion.bench_function("pose/world_bounds/anew", |bencher| {
         bencher.iter(|| {

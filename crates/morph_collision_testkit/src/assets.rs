@@ -1,4 +1,4 @@
-//! What lies in `assets/` at the root of the repository, so that a test can make it again and compare.
+//! Generates the contents of `assets/` at the root of the repository, so that a test can compare them.
 
 use crate::{
     gltf_write::Appearance,
@@ -23,7 +23,7 @@ const BODY: Appearance = Appearance {
     roughness: 0.7,
 };
 
-/// The models: file name, mesh, looks; the small ones first.
+/// The models: file name, mesh and appearance; the small ones first.
 pub fn models() -> impl Iterator<Item = (String, MorphMesh, Appearance)> {
     let mut dolphins = (0..4).map(|level| (models::dolphin(level), DOLPHIN));
     let small: Vec<_> = dolphins.by_ref().take(2).collect();

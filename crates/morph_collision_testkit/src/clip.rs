@@ -1,8 +1,8 @@
-//! Clips: weights that change in time.
+//! Clips: weights that change over time.
 
-/// A clip: keys of one weight vector each, linear or cubic in between, looping.
+/// A looping clip. Each key holds one weight vector; interpolation between keys is linear or cubic.
 ///
-/// Two keys at the same time are a jump; that is how stepped animation is kept.
+/// Two keys at the same time are a jump. Stepped animation is stored this way.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WeightAnimation {
     /// The clip's name.
@@ -11,7 +11,8 @@ pub struct WeightAnimation {
     pub times: Vec<f32>,
     /// One weight vector per key.
     pub weights: Vec<Vec<f32>>,
-    /// The in-tangent and the out-tangent of every key, in weight per second, of a cubic Hermite spline; empty for a linear clip.
+    /// For a cubic Hermite spline, the in-tangent and the out-tangent of every key, in weight per second. Empty for a linear
+    /// clip.
     pub tangents: Vec<[Vec<f32>; 2]>,
 }
 
@@ -25,7 +26,7 @@ struct Cubic {
 }
 
 impl Cubic {
-    /// Through two values with these slopes, which are per unit of `t`.
+    /// Goes through two values with these slopes, which are per unit of `t`.
     fn hermite([from, to]: [f64; 2], [out_slope, in_slope]: [f64; 2]) -> Self {
         Self {
             a: 2.0 * (from - to) + out_slope + in_slope,
@@ -57,9 +58,9 @@ impl Cubic {
         }
     }
 
-    /// Where it may be smallest or largest: the ends, and where its slope is 0 in between.
+    /// The places where it may be smallest or largest: the ends, and the places in between where its slope is 0.
     fn extremes(self) -> impl Iterator<Item = f64> {
-        // 3 a t^2 + 2 b t + c = 0, solved without a difference of nearly equal numbers.
+        // Solves 3 a t^2 + 2 b t + c = 0 without cancellation.
         let root = (self.b * self.b - 3.0 * self.a * self.c).sqrt();
         let q = -(self.b + root.copysign(self.b));
         let inside = [q / (3.0 * self.a), self.c / q]
@@ -75,9 +76,9 @@ impl WeightAnimation {
         self.times.last().copied().unwrap_or(0.0)
     }
 
-    /// The weights at `time` seconds, looping; before the first key the first key holds.
+    /// The weights at `time` seconds, looping. Before the first key they are those of the first key.
     ///
-    /// At the very end of a loop its beginning is returned. A clip without keys gives no weights.
+    /// At the very end of a loop it returns the beginning. A clip without keys gives no weights.
     pub fn sample(&self, time: f32) -> Vec<f32> {
         let duration = self.duration();
         let wrapped = if duration > 0.0 { time.rem_euclid(duration) } else { 0.0 };
@@ -100,7 +101,7 @@ impl WeightAnimation {
         (0..before.len().min(after.len())).map(of_target).collect()
     }
 
-    /// The smallest and the largest weight of a target, overshoots between keys included; `None` for a clip without keys.
+    /// The smallest and the largest weight of a target, including overshoots between keys; `None` for a clip without keys.
     #[must_use]
     pub fn range(&self, target: usize) -> Option<(f64, f64)> {
         self.extremes(
@@ -130,7 +131,7 @@ impl WeightAnimation {
             .reduce(|range, weight| (range.0.min(weight.0), range.1.max(weight.1)))
     }
 
-    /// From a key to the next one; 0 where the clip has no such key or target.
+    /// The curve from a key to the next one; 0 if the clip has no such key or target.
     fn segment(&self, key: usize, target: usize) -> Cubic {
         let value = |key: usize| self.weights.get(key).and_then(|key| key.get(target));
         let values = [key, key + 1].map(|key| value(key).map_or(0.0, |&weight| f64::from(weight)));
@@ -193,7 +194,7 @@ mod tests {
     fn a_cubic_clip_follows_its_tangents_scaled_by_the_time_between_keys() {
         let mut cubic = clip(&[1.0, 3.0], &[0.0, 1.0]);
         cubic.tangents = vec![[vec![9.0], vec![2.0]], [vec![-1.0], vec![9.0]]];
-        // glTF's formula, written out: the tangents count for 2 s.
+        // glTF's formula, written out. The tangents are scaled by 2 s.
         let expected = |t: f64| {
             let (t2, t3) = (t * t, t * t * t);
             2.0 * (t3 - 2.0 * t2 + t) * 2.0 + (-2.0 * t3 + 3.0 * t2) - 2.0 * (t3 - t2)

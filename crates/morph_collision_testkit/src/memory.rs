@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::fmt;
 use std::rc::Rc;
 
-/// One gibibyte: the limit where none is given.
+/// The default limit: one gibibyte.
 pub const DEFAULT_LIMIT: u64 = 1 << 30;
 
 /// How much memory one file, or several files together, may still take. Clones share the limit and the count.
@@ -20,7 +20,7 @@ pub struct MemoryBudget {
 #[derive(Debug, Default)]
 struct Counts {
     used: Cell<u64>,
-    /// Part of `used`: what stays in memory although it was taken while a budget was lent.
+    /// Part of `used`: memory that stays in use although it was taken while a budget was lent.
     kept: Cell<u64>,
 }
 
@@ -28,11 +28,11 @@ struct Counts {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{what} would take {}, which with the {} taken before is over the limit of {}", Bytes(*bytes), Bytes(*used), Bytes(*limit))]
 pub struct OverBudget {
-    /// What would have been allocated.
+    /// The data that was to be allocated.
     pub what: String,
-    /// How many bytes that takes.
+    /// Its size in bytes.
     pub bytes: u64,
-    /// How many bytes were taken before.
+    /// Bytes taken before.
     pub used: u64,
     /// The limit in bytes.
     pub limit: u64,
@@ -45,7 +45,7 @@ impl Default for MemoryBudget {
 }
 
 impl MemoryBudget {
-    /// A budget of `limit` bytes, none of which is used.
+    /// An unused budget of `limit` bytes.
     #[must_use]
     pub fn new(limit: u64) -> Self {
         Self {
@@ -66,10 +66,10 @@ impl MemoryBudget {
         self.limit - self.counts.used.get()
     }
 
-    /// Takes memory for `count` things of `size` bytes each; `what` is only called for an error.
+    /// Takes memory for `count` things of `size` bytes each. `what` is called only for an error.
     ///
     /// # Errors
-    /// If that is more than is left; then nothing is taken.
+    /// If more is requested than is left; then nothing is taken.
     pub fn take(&self, count: u64, size: u64, what: impl FnOnce() -> String) -> Result<(), OverBudget> {
         let bytes = count.saturating_mul(size);
         let used = self.counts.used.get();
@@ -85,10 +85,11 @@ impl MemoryBudget {
         Ok(())
     }
 
-    /// As [`MemoryBudget::take`], for what stays in memory until the file is dropped: [`MemoryBudget::lend`] does not give it back.
+    /// Like [`MemoryBudget::take`], for memory that stays in use until the file is dropped: [`MemoryBudget::lend`] does not give
+    /// it back.
     ///
     /// # Errors
-    /// As [`MemoryBudget::take`].
+    /// See [`MemoryBudget::take`].
     pub fn keep(&self, count: u64, size: u64, what: impl FnOnce() -> String) -> Result<(), OverBudget> {
         self.take(count, size, what)?;
         let kept = self.counts.kept.get();
@@ -96,7 +97,8 @@ impl MemoryBudget {
         Ok(())
     }
 
-    /// Runs `work` and gives back what it took, but not what it kept: for what is dropped before the next thing is made.
+    /// Runs `work` and gives back the memory that it took, except what it kept. Use it for data that is dropped before the next
+    /// step.
     pub fn lend<T>(&self, work: impl FnOnce() -> T) -> T {
         let Counts { used, kept } = &*self.counts;
         let before = (used.get(), kept.get());
@@ -106,7 +108,7 @@ impl MemoryBudget {
     }
 }
 
-/// A number of bytes in the unit that suits it.
+/// A number of bytes, displayed in a suitable unit.
 struct Bytes(u64);
 
 impl fmt::Display for Bytes {

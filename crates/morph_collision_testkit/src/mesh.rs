@@ -1,4 +1,4 @@
-//! A triangle mesh with morph targets, weight animations and a skin, as a file holds it: nothing welded, nothing validated.
+//! A triangle mesh with morph targets, weight animations and a skin, as stored in a file: not welded and not validated.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ pub use crate::skin::{InfluenceSet, MeshSkin};
 /// Nothing here is checked: [`MorphMesh::to_model`] validates it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MorphMesh {
-    /// The mesh's name; a reader makes one up where the file has none.
+    /// The mesh's name; a reader makes up a name if the file has none.
     pub name: String,
     /// Base positions, one per vertex.
     pub positions: Vec<Vec3>,
@@ -21,13 +21,13 @@ pub struct MorphMesh {
     pub triangles: Vec<[u32; 3]>,
     /// One name per target.
     pub target_names: Vec<String>,
-    /// One list of displacements per target, each as long as `positions`, or empty where the target moves nothing.
+    /// One list of displacements per target, each as long as `positions`, or empty if the target moves nothing.
     pub targets: Vec<Vec<Vec3>>,
-    /// The parts (a material each, usually) as ranges of triangle indices, in order.
+    /// The parts as ranges of triangle indices, in order. Usually each has its own material.
     pub primitives: Vec<Range<u32>>,
-    /// Clips that drive the weights.
+    /// Clips that animate the weights.
     pub animations: Vec<WeightAnimation>,
-    /// The joints that move its vertices after its targets, if any do.
+    /// The joints that move its vertices after its targets, if there are any.
     pub skin: Option<MeshSkin>,
 }
 
@@ -44,10 +44,10 @@ impl MorphMesh {
         }
     }
 
-    /// A mesh of one primitive from the positions of every reference; reference 0 is the base, and the others become
-    /// targets named by `target_names`.
+    /// A mesh of one primitive from the positions of every reference. Reference 0 is the base; the others become targets named by
+    /// `target_names`.
     ///
-    /// References and names beyond the shorter of the two lists are dropped.
+    /// Extra references or names are dropped if one list is longer than the other.
     pub fn from_references(
         name: impl Into<String>,
         references: &[Vec<Vec3>],
@@ -71,7 +71,7 @@ impl MorphMesh {
         mesh
     }
 
-    /// The positions where target `target` alone has weight 1; the base for a target that does not exist.
+    /// The positions when only target `target` has a weight, of 1; the base if the target does not exist.
     pub fn reference(&self, target: usize) -> Vec<Vec3> {
         match self.targets.get(target) {
             Some(displacements) if !displacements.is_empty() => {
@@ -94,9 +94,9 @@ impl MorphMesh {
         posed
     }
 
-    /// About the most that a tree of the mesh takes in memory while it is built, with its model, in bytes.
+    /// Estimate of the peak memory for building a tree of the mesh, including its model, in bytes.
     ///
-    /// Looks at every displacement. Measured on meshes of random points, all of which every target moves, and rounded up.
+    /// Looks at every displacement. Measured on meshes of random points moved by all targets, and rounded up.
     pub fn tree_bytes(&self) -> u64 {
         let moving = |displacements: &Vec<Vec3>| displacements.iter().filter(|d| **d != Vec3::ZERO).count() as u64;
         let displacements: u64 = self.targets.iter().map(moving).sum();
@@ -105,7 +105,8 @@ impl MorphMesh {
         vertices * 64 + triangles * 160 + displacements * 80 + self.targets.len() as u64 * 64 + influences * 128
     }
 
-    /// About the most that a body of the mesh takes beside its tree, in bytes: a pose, or, for methods that have one, a tree over blended vertices.
+    /// Estimate of a body's own memory beside its tree, in bytes: a pose, and for methods that need it a tree over blended
+    /// vertices.
     pub fn body_bytes(&self, has_tree: bool) -> u64 {
         let (vertices, triangles) = (self.positions.len() as u64, self.triangles.len() as u64);
         if has_tree {
@@ -115,10 +116,11 @@ impl MorphMesh {
         }
     }
 
-    /// The immutable model the collision tree is built from: a skinned one for a mesh with a skin.
+    /// The immutable model from which the collision tree is built; a skinned one if the mesh has a skin.
     ///
     /// # Errors
-    /// As [`MorphModel::from_displacements`] and [`MorphModel::skinned`]: the first bad vertex, triangle, target or influence by index.
+    /// Those of [`MorphModel::from_displacements`] and [`MorphModel::skinned`]: the index of the first bad vertex, triangle,
+    /// target or influence.
     pub fn to_model(&self) -> Result<MorphModel, ModelError> {
         let any_empty = self.targets.iter().any(Vec::is_empty);
         let zeros = vec![Vec3::ZERO; if any_empty { self.positions.len() } else { 0 }];

@@ -1,4 +1,5 @@
-//! Pairs of triangles that a rounded determinant would get wrong: touching, coplanar, degenerate, or a few last places off.
+//! Pairs of triangles that a rounded determinant would get wrong: touching, coplanar, degenerate, or off by a few units in
+//! the last place.
 
 use glam::DVec3;
 use rand::RngExt;
@@ -7,7 +8,7 @@ use rand_pcg::Pcg64Mcg;
 /// Three corners.
 pub type Triangle = [DVec3; 3];
 
-/// What is nearly, or exactly, special about a pair of triangles.
+/// The way in which a pair of triangles is special, exactly or almost.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
     /// Corners on a grid of five points along each axis.
@@ -18,18 +19,18 @@ pub enum Family {
     EdgeThroughEdge,
     /// Corners or edges in common.
     Shared,
-    /// All corners in one plane that is no coordinate plane.
+    /// All corners in one plane that is not a coordinate plane.
     Coplanar,
-    /// A billionth to a millionth of a billionth as wide as long, close to each other.
+    /// Width between a billionth and a millionth of a billionth of the length, close to each other.
     Slivers,
     /// One is a segment or a point, on or beside the other.
     Collapsed,
-    /// Small ones far from the origin, where coordinates are coarse.
+    /// Small triangles far from the origin, where coordinates are coarse.
     FarOut,
 }
 
 impl Family {
-    /// All of them.
+    /// All families.
     pub const ALL: [Self; 8] = [
         Self::Grid,
         Self::CornerOnFace,
@@ -55,7 +56,7 @@ impl Family {
         }
     }
 
-    /// A pair of the family; half of them are moved on by a few units in the last place, in one coordinate of one corner.
+    /// A pair of the family. Half of the pairs are moved by a few units in the last place, in one coordinate of one corner.
     pub fn pair(self, rng: &mut Pcg64Mcg) -> [Triangle; 2] {
         let [mut a, mut b] = match self {
             Self::Grid => [grid_triangle(rng), grid_triangle(rng)],
@@ -83,7 +84,7 @@ impl Family {
     }
 }
 
-/// A finite number that many representable numbers farther on.
+/// A finite number moved by this many representable numbers.
 pub fn nudged(value: f64, ulps: i64) -> f64 {
     let step = |value: f64| if ulps > 0 { value.next_up() } else { value.next_down() };
     (0..ulps.unsigned_abs()).fold(value, |value, _| step(value))
@@ -127,7 +128,7 @@ fn edge_through_edge(rng: &mut Pcg64Mcg) -> [Triangle; 2] {
     let at = a[0].lerp(a[1], rng.random_range(-0.1..1.1));
     let start = point(rng);
     let end = start + (at - start) * rng.random_range(1.0..3.0);
-    // The third corner beyond both, so that mostly nothing else meets.
+    // The third corner is beyond both, so that mostly nothing else intersects.
     let beyond = at + (at - a[2]) * rng.random_range(0.5..2.0) + point(rng) * 0.3;
     [a, [start, end, beyond]]
 }
@@ -140,13 +141,13 @@ fn shared(rng: &mut Pcg64Mcg) -> [Triangle; 2] {
 }
 
 fn coplanar(rng: &mut Pcg64Mcg) -> [Triangle; 2] {
-    // Whole numbers along two whole vectors: in one plane without rounding.
+    // Whole multiples of two whole vectors: in one plane without rounding.
     let whole =
         |rng: &mut Pcg64Mcg| DVec3::from_array(std::array::from_fn(|_| f64::from(rng.random_range(-1000..1000))));
     let (u, v) = (whole(rng), whole(rng));
     let mut corner = || u * f64::from(rng.random_range(-9..10)) + v * f64::from(rng.random_range(-9..10));
     let [a, b]: [Triangle; 2] = [0; 2].map(|_| [corner(), corner(), corner()]);
-    // Sixteenths keep it exact, tenths do not quite.
+    // Sixteenths keep it exact; tenths do not quite.
     let unit = if rng.random_bool(0.5) { 1.0 / 16.0 } else { 0.1 };
     [a, b].map(|triangle| triangle.map(|p| p * unit))
 }
@@ -178,7 +179,7 @@ fn collapsed(rng: &mut Pcg64Mcg) -> [Triangle; 2] {
     let b = match rng.random_range(0..3) {
         0 => [on; 3],
         1 => [on, on, on + point(rng)],
-        // On one line: the middle is exact for whole numbers only.
+        // On one line. The middle is exact only for whole numbers.
         _ => {
             let step = point(rng);
             [on - step, on, on + step]

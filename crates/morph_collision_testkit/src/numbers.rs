@@ -1,10 +1,11 @@
-//! Numbers in JSON. JSON has none that are not finite, and what serde writes for them is `null`.
+//! Numbers in JSON. JSON cannot hold numbers that are not finite; serde writes `null` for them.
 
 use serde::ser::{SerializeSeq, Serializer};
 
-/// A number, or the text `inf`, `-inf` or `NaN`; one that is an `f32` is written with as few digits as an `f32` needs.
+/// A number, or the text `inf`, `-inf` or `NaN`. A number that is exactly an `f32` is written with only the digits
+/// that an `f32` needs.
 ///
-/// For `#[serde(serialize_with = "..")]`.
+/// Use it with `#[serde(serialize_with = "..")]`.
 ///
 /// # Errors
 /// The serializer's.

@@ -1,4 +1,4 @@
-//! Figures as SVG, and their numbers as CSV beside them.
+//! Figures as SVG, and their numbers as CSV files beside them.
 
 use std::error::Error;
 use std::fmt::Write;
@@ -9,32 +9,32 @@ use plotters::coord::Shift;
 use plotters::coord::ranged1d::{AsRangedCoord, Ranged, ValueFormatter};
 use plotters::prelude::*;
 
-/// Panels, two in a row.
+/// A figure of panels, two in a row.
 #[derive(Clone, Debug)]
 pub struct Figure {
-    /// The files' name, without extension.
+    /// The base name of its files.
     pub name: String,
-    /// From left to right, then down.
+    /// The panels, from left to right, then down.
     pub panels: Vec<Panel>,
 }
 
 /// A chart.
 #[derive(Clone, Debug)]
 pub struct Panel {
-    /// Above it.
+    /// The title above it.
     pub title: String,
-    /// To the right.
+    /// The horizontal axis.
     pub x: Axis,
-    /// Upwards.
+    /// The vertical axis.
     pub y: Axis,
     /// The lines.
     pub series: Vec<Series>,
 }
 
-/// What is along an axis, with its unit.
+/// An axis.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis {
-    /// What it says there.
+    /// The label: quantity and unit.
     pub label: &'static str,
     /// Whether it is logarithmic.
     pub log: bool,
@@ -43,15 +43,15 @@ pub struct Axis {
 /// A line through points.
 #[derive(Clone, Debug)]
 pub struct Series {
-    /// In the legend.
+    /// Its name in the legend.
     pub name: String,
-    /// In the order of the line.
+    /// The points, in the order of the line.
     pub points: Vec<(f64, f64)>,
     /// Whether points are marked.
     pub marked: bool,
 }
 
-/// Distinguishable for all eyes (Okabe and Ito).
+/// Colours that are distinguishable with any colour vision (Okabe and Ito).
 const COLORS: [RGBColor; 7] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
@@ -63,7 +63,7 @@ const COLORS: [RGBColor; 7] = [
 ];
 
 const PANEL: (u32, u32) = (520, 420);
-/// Where the plotting area starts, for the labels at its left.
+/// Where the plotting area starts; to the left are the labels.
 const LEFT: i32 = 70;
 const LEGEND_TOP: i32 = 38;
 const LEGEND_ROW: i32 = 18;
@@ -72,7 +72,8 @@ const LEGEND_COLUMNS: usize = 2;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 impl Figure {
-    /// Writes `NAME.svg` and `NAME.csv` into a folder, and returns the Markdown that shows them on a page beside it.
+    /// Writes `NAME.svg` and `NAME.csv` into a folder, and returns the Markdown that shows them on a page next to
+    /// that folder.
     ///
     /// # Errors
     /// A file cannot be written.
@@ -139,7 +140,7 @@ impl Panel {
         Ok(())
     }
 
-    /// What an axis has to span; from 0 where it is linear.
+    /// The range of an axis; a linear one starts at 0.
     fn range(&self, of: fn(&(f64, f64)) -> f64, log: bool) -> Range<f64> {
         let values = || self.series.iter().flat_map(|series| series.points.iter().map(of));
         let (least, most) = (values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max));
@@ -192,7 +193,7 @@ fn text(size: i32) -> TextStyle<'static> {
     ("sans-serif", size).into_font().color(&BLACK)
 }
 
-/// The nearest of 1, 2 and 5 times a power of ten at or beyond a value, downwards or upwards.
+/// The nearest of 1, 2 and 5 times a power of ten at or beyond a value, upwards or downwards.
 fn round_beyond(value: f64, up: bool) -> f64 {
     let power = 10_f64.powf(value.log10().floor());
     let steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * power);
@@ -203,12 +204,12 @@ fn round_beyond(value: f64, up: bool) -> f64 {
     }
 }
 
-/// To five digits: more are noise.
+/// Rounded to five digits; the rest is noise.
 fn short(value: f64) -> f64 {
     format!("{value:.4e}").parse().unwrap_or(value)
 }
 
-/// A tick's number, short.
+/// A tick's number as a short text.
 fn number(value: f64) -> String {
     match value.abs() {
         0.0 => "0".to_owned(),

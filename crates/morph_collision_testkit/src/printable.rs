@@ -1,9 +1,9 @@
-//! Text from files, made safe for a terminal and for a log of one line per message.
+//! Text from files, made safe for a terminal and for a log with one line per message.
 
 use std::fmt::{self, Display, Formatter, Write};
 
-/// Shows text with everything escaped that a terminal would obey rather than print: control characters, escape sequences, line
-/// ends, marks that reorder the text around them, and other invisible characters.
+/// Shows text with everything escaped that a terminal would interpret rather than print: control characters, escape sequences,
+/// line ends, marks that reorder the text around them, and other invisible characters.
 ///
 /// Letters, marks and signs of every script stay as they are, and so do quotes and backslashes.
 ///
@@ -37,7 +37,7 @@ impl Display for Printable<'_> {
 #[must_use]
 pub fn is_printable(c: char) -> bool {
     matches!(c, '"' | '\'' | '\\') || {
-        // A mark that combines with the character before it is escaped only where there is none.
+        // Combining marks are escaped only if no character comes before them.
         let text = ['x', c].iter().collect::<String>();
         text.escape_debug().count() == 2
     }

@@ -1,23 +1,23 @@
-//! Hill climbing with restarts over lists of numbers: the search for the worst case of a rounding error.
+//! Hill climbing with restarts over lists of numbers, to find the worst case of a rounding error.
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-/// How long to look, and from which seed.
+/// The length of a search, and its seed.
 #[derive(Clone, Copy, Debug)]
 pub struct Climb {
-    /// The same seed finds the same.
+    /// Random seed; the same seed gives the same result.
     pub seed: u64,
-    /// How many starts.
+    /// Number of starts.
     pub starts: usize,
-    /// How many changes are tried from each.
+    /// Number of changes tried from each start.
     pub steps: usize,
 }
 
 impl Climb {
-    /// The highest value found, and where.
+    /// The highest value found, and the list that gives it.
     ///
-    /// `start` makes up the `i`-th list to begin with; `value` judges a list, `None` for one that is not allowed.
+    /// `start` makes the `i`-th initial list. `value` rates a list and returns `None` for one that is not allowed.
     pub fn highest(
         &self,
         mut start: impl FnMut(usize, &mut Pcg64Mcg) -> Vec<f32>,
@@ -45,15 +45,15 @@ impl Climb {
     }
 }
 
-/// Whether the share of an error bound that a search found is the one it is known to find, to within a sixth.
+/// Whether a search found the known share of an error bound, to within a sixth.
 ///
-/// A smaller share means a looser bound or a weaker search, a larger one a bound that was made tighter without a new derivation. Climbs
-/// from the same seed find the same share.
+/// A smaller share means a looser bound or a weaker search. A larger one means that a bound was tightened without a new
+/// derivation. Climbs from the same seed find the same share.
 pub fn is_as_known(found: f64, known: f64) -> bool {
     (known / 1.17..=known * 1.17).contains(&found)
 }
 
-/// One number becomes another: by its last bits mostly, or by its sign or size, or altogether.
+/// Changes one number: usually its last bits, sometimes its sign or size, or all of it.
 fn change(numbers: &mut [f32], rng: &mut Pcg64Mcg) {
     let (i, j) = (rng.random_range(0..numbers.len()), rng.random_range(0..numbers.len()));
     let x = numbers[i];
@@ -68,7 +68,7 @@ fn change(numbers: &mut [f32], rng: &mut Pcg64Mcg) {
     };
 }
 
-/// A number some units in the last place farther from zero, or nearer; zero stays.
+/// A number moved some units in the last place away from zero or towards it; zero stays.
 fn nudged(x: f32, by: i32) -> f32 {
     if x == 0.0 {
         return x;

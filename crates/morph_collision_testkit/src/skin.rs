@@ -1,4 +1,4 @@
-//! What a mesh needs to be moved by joints.
+//! The skin of a mesh: the data that lets joints move it.
 
 use morph_collision::Influences;
 
@@ -9,7 +9,7 @@ pub use crate::skeleton::Skeleton;
 pub struct MeshSkin {
     /// Sets of up to four influences per vertex, as glTF numbers them.
     pub sets: Vec<InfluenceSet>,
-    /// The joints, where they rest, and their clips.
+    /// The joints, their rest transforms and their clips.
     pub skeleton: Skeleton,
 }
 
@@ -29,7 +29,7 @@ impl MeshSkin {
         self.skeleton.joints.len()
     }
 
-    /// The same skin for other vertices, each of which has the influences of one of these.
+    /// The same skin for other vertices. Each takes the influences of one of the old vertices.
     pub(crate) fn renumbered<'a>(&self, vertices: impl Iterator<Item = &'a u32> + Clone) -> Self {
         let of = |set: &InfluenceSet| InfluenceSet {
             joints: vertices.clone().map(|&v| set.joints[v as usize]).collect(),
@@ -41,7 +41,7 @@ impl MeshSkin {
         }
     }
 
-    /// The sets, as a model takes them.
+    /// The sets in the form that a model takes.
     pub(crate) fn influences(&self) -> Vec<Influences<'_>> {
         let sets = self.sets.iter();
         sets.map(|InfluenceSet { joints, weights }| Influences { joints, weights })

@@ -1,4 +1,4 @@
-//! The files in `assets/` are what the generators make.
+//! The files in `assets/` equal the generators' output.
 
 use std::{
     error::Error,

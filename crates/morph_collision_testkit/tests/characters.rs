@@ -1,4 +1,4 @@
-//! The scenes of models by other people are what they are there for.
+//! The scenes with models by other people show what they were made for.
 
 use morph_collision::{Aabb, QueryStats};
 use morph_collision_testkit::bench::{Entrant, Experiment, NoExperiment};
@@ -6,7 +6,7 @@ use morph_collision_testkit::rivals::{BroadPhase, CastHit, MethodOptions, Wanted
 
 type TestResult = Result<(), Box<dyn std::error::Error>>;
 
-/// What one frame comes to.
+/// The counts of one frame.
 #[derive(Clone, Copy, Debug, Default)]
 struct Counts {
     /// Pairs of bodies whose boxes overlap.
@@ -19,7 +19,7 @@ struct Counts {
     tests: u64,
 }
 
-/// A scene, or `None` with a printed reason where its model is not at hand.
+/// A scene. If its model is missing, prints the reason and returns `None`.
 fn scene(name: &str, every: usize) -> Result<Option<Experiment>, NoExperiment> {
     match Experiment::named(name, every) {
         Err(NoExperiment::Missing { scene, missing }) => {
@@ -51,7 +51,7 @@ fn count(experiment: &Experiment) -> Result<Vec<Counts>, Box<dyn std::error::Err
     Ok(all)
 }
 
-/// Counts of every frame, and a line about them.
+/// Counts of every frame; also prints a summary line.
 fn told(experiment: &Experiment) -> Result<Vec<Counts>, Box<dyn std::error::Error>> {
     let all = count(experiment)?;
     let mean = |of: &dyn Fn(&Counts) -> f64| all.iter().map(of).sum::<f64>() / all.len() as f64;
@@ -76,7 +76,7 @@ fn told(experiment: &Experiment) -> Result<Vec<Counts>, Box<dyn std::error::Erro
     Ok(all)
 }
 
-/// Whether frames and pairs are in ranges, from and to.
+/// Checks that numbers of frames and pairs are within ranges.
 fn within(name: &str, frames: [usize; 2], touching: [usize; 2], active: [f64; 2]) -> TestResult {
     let Some(experiment) = scene(name, 10)? else {
         return Ok(());
@@ -123,7 +123,7 @@ fn walkers_touch_now_and_then_or_always() -> TestResult {
     within("walkers-crowd", [30, 40], [3, 16], [37.0, 43.0])
 }
 
-/// Heads' contacts are between cheek and temple, in front of the ears, on the left of each.
+/// The heads' contacts are between cheek and temple, in front of the ears, on the left of each.
 #[test]
 fn heads_touch_at_the_cheek() -> TestResult {
     let Some(experiment) = scene("heads-cheek", 100)? else {
@@ -165,7 +165,7 @@ fn weights_are_those_of_faces_and_of_flip_books() -> TestResult {
                     "{name}: {active:?}"
                 );
                 let sum: f32 = weights.iter().sum();
-                // Between the base and the first target the rest is the base's.
+                // Between the base and the first target, the remaining weight is the base's.
                 assert!(
                     sum <= 1.000_001 && (sum >= 0.999_999 || active.iter().all(|target| *target == 0)),
                     "{name}: {sum}"
@@ -228,10 +228,10 @@ fn all_entrants_find_the_same_pairs() -> TestResult {
     Ok(())
 }
 
-/// What each ray hits, and the work that it took.
+/// The hit of each ray, and the work that it took.
 type Hits = (Vec<Option<CastHit>>, QueryStats);
 
-/// What every ray of every frame hits.
+/// The hit of every ray in every frame.
 fn all_hits(experiment: &Experiment, entrant: &Entrant) -> Result<Hits, Box<dyn std::error::Error>> {
     let mut method = entrant.set_up(experiment, &MethodOptions::default())?.method;
     let mut hits = Vec::new();

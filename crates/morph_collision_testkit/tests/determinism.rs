@@ -1,8 +1,9 @@
-//! The same bits for trees of several leaf sizes, on any number of threads, with all instructions that this machine has.
+//! Trees of several leaf sizes give the same bits, on any number of threads and with all instruction sets of this
+//! machine.
 
 use morph_collision_testkit::determinism::{answer_all, differences, write};
 
-/// Set to anything to write the expected hashes again.
+/// Set this to anything to rewrite the expected hashes.
 const WRITE: &str = "WRITE_EXPECTED";
 
 #[test]

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use morph_collision_testkit::fuzzing::TARGETS;
 
-/// How many files there were.
+/// Replays all files of a folder; returns their number.
 fn replay(folder: &str, name: &str, target: fn(&[u8])) -> usize {
     let directory = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz"))
         .join(folder)

@@ -1,4 +1,4 @@
-//! The generated models are what they promise to be.
+//! The generated models have their documented properties.
 
 use glam::Vec3;
 use morph_collision_testkit::{
@@ -12,7 +12,7 @@ fn references(mesh: &MorphMesh) -> Vec<Vec<Vec3>> {
     std::iter::once(mesh.positions.clone()).chain(targets).collect()
 }
 
-/// Closed pieces, each facing outward in every reference.
+/// Checks for closed pieces, each facing outward in every reference.
 #[track_caller]
 fn assert_solid(mesh: &MorphMesh, pieces: usize) {
     assert_eq!(topology::open_edge(&mesh.triangles), None, "{} is closed", mesh.name);
@@ -62,7 +62,7 @@ fn the_heaving_body_is_solid_at_every_moment_and_its_rim_rests() {
             assert!(p.distance(*rest) < 1e-4, "{rest} goes to {p}");
         }
         highest.push(posed.iter().fold(f32::MIN, |highest, p| highest.max(p.y)));
-        // The top faces up, not steeper than what a character climbs.
+        // The top faces up and is no steeper than a character can climb.
         for &[a, b, c] in &body.triangles {
             let [a, b, c] = [a, b, c].map(|v| posed[v as usize]);
             let middle = (a + b + c) / 3.0;

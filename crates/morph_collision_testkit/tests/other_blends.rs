@@ -1,4 +1,4 @@
-//! How far a GPU's blend may be from ours: fused, or in another order, it stays within what docs/numerics.md says.
+//! A GPU's blend, fused or in another order, stays within the distance from ours that docs/numerics.md gives.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use morph_collision_testkit::models::random::random_blob;
 use morph_collision_testkit::moments::real_model;
 use morph_collision_testkit::oracle::posed_vertices;
 
-/// Targets in a given order, multiply and add fused.
+/// Blends targets in a given order, with fused multiply-add.
 fn fused<'a>(base: &[Vec3], terms: impl Iterator<Item = (f32, &'a Vec<Vec3>)>) -> Vec<Vec3> {
     let mut posed = base.to_vec();
     for (weight, target) in terms {

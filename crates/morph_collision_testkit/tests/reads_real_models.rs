@@ -1,4 +1,4 @@
-//! Real models by other people: the head in `assets/`, and more where they are at hand.
+//! Reads real models by other people: the head in `assets/`, and more if they are available.
 
 use std::{
     error::Error,
@@ -99,7 +99,8 @@ fn the_known_counts_of_some_models_are_found() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Needs a capture that only the folder beside the repository has; `gltf/reading.rs` reads generated animations everywhere.
+/// Needs a capture that is only in the folder beside the repository. `gltf/reading.rs` reads generated animations
+/// everywhere.
 #[test]
 fn a_face_capture_has_weights_that_sum_to_more_than_one() -> Result<(), Box<dyn Error>> {
     let Some(path) = real_model("mh_head_eyes_teeth_arkit52_dao.glb") else {

@@ -1,4 +1,4 @@
-//! The scripted motions make the contacts they are there for.
+//! The scripted motions make the contacts that they are meant to make.
 
 use std::{error::Error, sync::Arc};
 

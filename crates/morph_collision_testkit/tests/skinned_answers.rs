@@ -1,4 +1,5 @@
-//! Answers about skinned bodies against brute force, and boxes against vertices: rigs of every kind, and characters where they are at hand.
+//! Compares answers about skinned bodies with brute force, and boxes with vertices: rigs of every kind, and characters if
+//! available.
 
 use std::error::Error;
 
@@ -10,7 +11,7 @@ use morph_collision_testkit::models::rigs;
 use morph_collision_testkit::moments::real_model;
 use morph_collision_testkit::verify::{Counts, LEAF_SIZES, Meshes, Reproduction, Situation, Trees, verify};
 
-/// What is wrong and where, without the joints that are at rest.
+/// The error and its place, without the joints that are at rest.
 fn told(reproduction: &Reproduction) -> String {
     let Situation {
         weights,
@@ -25,7 +26,7 @@ fn told(reproduction: &Reproduction) -> String {
     format!("{:?} at {weights:?}, {places:?}, {moved:?}", reproduction.trouble)
 }
 
-/// Compares trees of all leaf sizes; returns what they came to together.
+/// Compares trees of all leaf sizes; returns their total counts.
 #[track_caller]
 fn assert_right(meshes: Meshes<'_>, frames: u64, seed: u64) -> Result<Counts, Box<dyn Error>> {
     let mut sources = Vec::new();

@@ -1,4 +1,4 @@
-//! Real skinned models, where they are at hand.
+//! Real skinned models, if they are available.
 
 use std::error::Error;
 
@@ -41,7 +41,7 @@ fn the_known_counts_are_found() -> Result<(), Box<dyn Error>> {
         let (mesh, skin) = &found[0];
         assert_eq!((skin.joint_count(), skin.sets.len()), (joints, 1), "{file}");
         let names: Vec<_> = skin.skeleton.clips.iter().map(|clip| &*clip.name).collect();
-        // A clip of the face alone moves no joint.
+        // A clip of only the face moves no joint.
         let expected: Vec<_> = clips
             .iter()
             .copied()
@@ -69,7 +69,7 @@ fn a_robot_s_hands_are_skinned_and_its_other_meshes_are_not() -> Result<(), Box<
     Ok(())
 }
 
-/// How far the rest pose is from the shape that the mesh was bound in.
+/// How far the rest pose is from the bind pose's shape.
 fn rest_error(mesh: &MorphMesh, skin: &MeshSkin) -> f64 {
     let rest = skinned_vertices(&mesh.positions, &skin.sets, &skin.skeleton.at_rest());
     let apart = mesh
@@ -88,7 +88,7 @@ fn a_character_at_rest_is_the_shape_it_was_bound_in() -> Result<(), Box<dyn Erro
             println!("{file}: {error:e} dm");
             // The model's README says 4.3e-7 dm for f64 matrices; ours are f32, and the character is 17 dm tall.
             assert!(error < 1e-5, "{error}");
-            // No joint is useless: a moved one moves vertices.
+            // No joint is useless: moving it moves vertices.
             for joint in 0..skin.joint_count() {
                 let used = skin.sets.iter().any(|set| {
                     let mut both = set.joints.iter().flatten().zip(set.weights.iter().flatten());

@@ -1,4 +1,4 @@
-//! What the character does when: it crouches and waves on the spot, then walks once around, over and over.
+//! The character's schedule: it crouches and waves on the spot, then walks once around, and repeats.
 
 use std::f32::consts::{FRAC_PI_2, TAU};
 
@@ -7,22 +7,22 @@ use bevy::prelude::*;
 
 use super::{Cast, Character, Moment};
 
-/// How long it stands: one `wave_and_crouch`.
+/// How long it stands, in seconds: one `wave_and_crouch`.
 const STAND: f32 = 2.0;
-/// How long it walks: two `walk_and_talk`.
+/// How long it walks, in seconds: two `walk_and_talk`.
 const WALK: f32 = 6.0;
-/// After this many seconds it begins anew.
+/// The schedule repeats after this many seconds.
 pub const PERIOD: f32 = STAND + WALK;
-/// From one clip to the next.
+/// Seconds to blend from one clip to the next.
 const FADE: f32 = 0.3;
-/// The radius of its round, as wide as its steps are long.
+/// The radius of its circle, chosen so that its speed matches the length of its steps.
 pub(super) const ROUND: f32 = 1.35;
-/// The height of its root, which is in its middle, above the ground.
+/// The height of its root above the ground; the root is in its middle.
 const ROOT: f32 = 0.84;
 /// The model is in decimetres.
 const SCALE: f32 = 0.1;
 
-/// Where joints turn for the left hand to come to the face, and for the right one to be out of its way; the clip moves the others on.
+/// Joint rotations that bring the left hand to the face, and the right one out of its way. The clip moves the other joints.
 const TO_FACE: [(&str, Quat); 5] = [
     ("head", Quat::from_xyzw(-0.3912, -0.2879, -0.012, 0.874)),
     ("upperarm_l", Quat::from_xyzw(0.7115, -0.6238, -0.3028, 0.1136)),
@@ -34,7 +34,7 @@ const TO_FACE: [(&str, Quat); 5] = [
 /// The clips, in the order of their nodes in the graph.
 const CLIPS: [&str; 3] = ["wave_and_crouch", "walk_and_talk", "talk"];
 
-/// Where in its round it is, in seconds, and how much it walks, from 0 to 1.
+/// The time in the schedule, in seconds, and how much it walks, from 0 to 1.
 fn phase(seconds: f32) -> (f32, f32) {
     let now = seconds.rem_euclid(PERIOD);
     let stands = smooth(now / FADE) * smooth((STAND - now) / FADE);
@@ -46,7 +46,7 @@ fn smooth(x: f32) -> f32 {
     x * x * (3.0 - 2.0 * x)
 }
 
-/// Where it stands, and what it faces: the way that it walks, or the camera.
+/// Where it stands, and which way it faces: the walking direction, or the camera.
 pub(super) fn standing(seconds: f32) -> Transform {
     let (now, walks) = phase(seconds);
     let around = TAU * ((now - STAND) / WALK).max(0.0);
@@ -56,12 +56,12 @@ pub(super) fn standing(seconds: f32) -> Transform {
         .with_scale(Vec3::splat(SCALE))
 }
 
-/// A place on its round, by the angle from where it stands.
+/// A point on its circle, at an angle from where it stands.
 pub(super) fn on_round(angle: f32) -> Vec3 {
     Vec3::new(ROUND * angle.sin(), 0.0, ROUND * angle.cos())
 }
 
-/// The clips of a player of the scene.
+/// A player's nodes of the three clips.
 #[derive(Component)]
 pub(super) struct Part([AnimationNodeIndex; 3]);
 
@@ -82,7 +82,7 @@ pub(super) fn rehearse(
         let [stand, walk, talk] = nodes[..] else { continue };
         let nodes = [stand, walk, talk];
         for node in nodes {
-            // The time is set in every frame.
+            // Paused because we set the time ourselves in every frame.
             player.play(node).pause();
         }
         let graph = AnimationGraphHandle(graphs.add(graph));
@@ -112,7 +112,7 @@ pub(super) fn play(
     }
 }
 
-/// While it crouches, the left hand goes to the face.
+/// Moves the left hand to the face while it crouches.
 pub(super) fn raise_hand(moment: Res<Moment>, mut joints: Query<(&Name, &mut Transform)>) {
     let now = moment.seconds.rem_euclid(PERIOD);
     let share = smooth((now - 0.3) / 0.4) * smooth((STAND - 0.2 - now) / 0.4);

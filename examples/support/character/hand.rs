@@ -1,4 +1,4 @@
-//! Where the hand touches the face.
+//! Detects where the hand touches the face.
 
 use std::sync::Arc;
 
@@ -12,11 +12,11 @@ use bevy_morph_collision::MorphTrees;
 use bevy_morph_collision::morph_collision::{JointMatrices, Pose, SelfQuery};
 use bevy_morph_collision::prelude::*;
 
-/// The pairs of triangles in which a hand meets the face.
+/// The intersecting pairs of triangles of a hand and the face.
 #[derive(Component, Clone, Debug, Default)]
 pub struct HandOnFace(pub Vec<TrianglePair>);
 
-/// What a triangle is part of.
+/// The part of the body that a triangle belongs to.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Place {
     Hand,
@@ -24,13 +24,14 @@ enum Place {
     Elsewhere,
 }
 
-/// A pose of the character's tree, and what its triangles are part of.
+/// A pose of the character's tree, and the part that each triangle belongs to.
 pub(super) struct Kept {
     pose: Pose,
     places: Vec<Place>,
 }
 
-/// The plugin compares bodies with each other; a body with itself is asked of the core, with a pose of the same tree.
+/// The plugin compares bodies with each other. To compare a body with itself, this asks the core library, with a pose
+/// of the same tree.
 pub(super) fn feel(
     mut skins: Query<(
         Entity,
@@ -80,7 +81,7 @@ pub(super) fn feel(
             Some(MeshMorphWeights::Reference(source)) => shared.get(*source).map_or(&[][..], MorphWeights::weights),
             None => &[],
         };
-        // What does not fit yet leaves the pose as it was.
+        // If something does not fit yet, the pose stays as it was.
         let _posed = (
             pose.set_weights(weights),
             JointMatrices::new(&matrices).map(|matrices| pose.set_joints(&matrices)),
@@ -95,7 +96,7 @@ pub(super) fn feel(
     }
 }
 
-/// What triangles are part of: that of the strongest joint of the first corner.
+/// The part of each triangle: that of the strongest joint of its first corner.
 fn places<'n>(mesh: &Mesh, name_of: impl Fn(u16) -> Option<&'n str>) -> Vec<Place> {
     let joints: Vec<[u16; 4]> = match mesh.attribute(Mesh::ATTRIBUTE_JOINT_INDEX) {
         Some(VertexAttributeValues::Uint16x4(joints)) => joints.clone(),

@@ -1,10 +1,10 @@
-//! A character that walks, talks, crouches and waves: rays stick to its skin, it kicks crates, and a hand goes to its face.
+//! A character that walks, talks, crouches and waves. Rays stick to its skin, it kicks crates, and a hand goes to its face.
 //!
-//! The window and the numbers of the example share this. Nothing here draws.
+//! The window and the headless run of the example share this. Nothing here draws.
 //!
-//! - `act`: what it does when.
+//! - `act`: its schedule.
 //! - `props`: the crates in its way, and the rays that are cast at it.
-//! - `hand`: where its hand touches its face.
+//! - `hand`: detects where its hand touches its face.
 
 mod act;
 mod hand;
@@ -26,10 +26,10 @@ use crate::physics::DT;
 /// The file, among the assets.
 pub const MODEL: &str = "mh_character_low.glb";
 
-/// When it is: the show's clock, or the frames that numbers are taken of.
+/// The current time: the show's clock, or the frames of a headless run.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct Moment {
-    /// Since the beginning.
+    /// Seconds since the beginning.
     pub seconds: f32,
     /// Whether everything is loaded.
     pub started: bool,
@@ -42,9 +42,9 @@ pub struct Tally {
     pub rays: u32,
     /// Rays that hit, each of which left a dart.
     pub hits: u32,
-    /// The joint that the last hit was on, and the velocity of the skin there, in units per second.
+    /// The joint that was hit last, and the velocity of the skin there, in units per second.
     pub last_hit: Option<(String, Vec3)>,
-    /// Crates that it has kicked.
+    /// Number of crates that it has kicked.
     pub kicks: u32,
 }
 
@@ -56,11 +56,11 @@ pub struct Character;
 #[derive(Component, Clone, Copy, Debug)]
 pub struct Skin;
 
-/// The file while clips are looked for in it.
+/// The file, while its clips are not found yet.
 #[derive(Resource)]
 struct Cast(Handle<Gltf>);
 
-/// All of it, but for physics and collisions themselves, and for what starts [`Moment`].
+/// The whole game, except for physics and collisions themselves, and whatever starts [`Moment`].
 pub fn plugin(app: &mut App) {
     app.init_resource::<Moment>()
         .init_resource::<Tally>()
@@ -102,7 +102,7 @@ fn cast(mut commands: Commands, assets: Res<AssetServer>) {
     ));
 }
 
-/// The mesh collides, and bodies feel it.
+/// Makes the mesh collide, in physics too.
 fn dress(skinned: Query<Entity, (With<SkinnedMesh>, Without<Skin>)>, mut commands: Commands) {
     for mesh in &skinned {
         commands

@@ -11,22 +11,22 @@ use rand_pcg::Pcg64Mcg;
 use super::act::{PERIOD, ROUND, on_round};
 use super::{Moment, Skin, Tally};
 
-/// A crate, and whether it has been kicked since it was put in the way.
+/// A crate, and whether it has been kicked since it was last put in the way.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct Crate {
     kicked: bool,
 }
 
-/// Where a ray hit; it stays on the skin.
+/// Marks a ray hit; it stays on the skin.
 #[derive(Component, Clone, Copy, Debug)]
 pub struct Dart;
 
-/// Half of the ground's edges.
+/// Half extents of the ground.
 pub const GROUND: Vec3 = Vec3::new(4.0, 0.1, 4.0);
-/// Half of a crate's edges.
+/// Half extent of a crate.
 pub const HALF: f32 = 0.1;
 const CRATES: usize = 12;
-/// A ray every so many seconds.
+/// Seconds between rays.
 const EVERY: f32 = 0.25;
 const DARTS: usize = 48;
 
@@ -46,7 +46,8 @@ pub(super) fn spawn(mut commands: Commands) {
     }
 }
 
-/// On the round, but not where the character stands at first; now on the left, now on the right.
+/// A place on the circle, but not where the character stands at first; alternately on the left and
+/// on the right.
 fn in_the_way(index: usize) -> Transform {
     let angle = TAU * (index as f32 + 1.5) / (CRATES as f32 + 2.0);
     let aside = if index.is_multiple_of(2) {
@@ -67,7 +68,7 @@ pub(super) fn watch(mut crates: Query<(&mut Crate, &Velocity)>, mut tally: ResMu
     }
 }
 
-/// With every round all crates are in the way again.
+/// Puts all crates in the way again at the start of each round.
 pub(super) fn bring_back(
     moment: Res<Moment>,
     mut round: Local<i32>,
@@ -84,7 +85,7 @@ pub(super) fn bring_back(
     }
 }
 
-/// Where rays come from, and when the next one is cast.
+/// The random source of rays, and when the next one is cast.
 #[derive(Resource)]
 pub(crate) struct Aim {
     rng: Pcg64Mcg,
@@ -100,7 +101,7 @@ impl Default for Aim {
     }
 }
 
-/// A ray from somewhere around at somewhere on the character.
+/// Casts a ray from a random point around the character at a random point on it.
 pub(super) fn shoot(
     moment: Res<Moment>,
     mut aim: ResMut<Aim>,
@@ -112,7 +113,7 @@ pub(super) fn shoot(
     mut commands: Commands,
 ) {
     let Ok(skin) = skin.single() else { return };
-    // After a jump of the clock the rays that were left out are not made up for.
+    // After the clock has jumped, skipped rays are not made up for.
     if moment.seconds < aim.next || darts.iter().count() >= DARTS {
         return;
     }

@@ -15,21 +15,21 @@ use crate::physics::wobbling;
 /// The file, among the assets.
 pub const MODEL: &str = "heaving_body_5120.glb";
 
-/// How wide and how high it may be.
+/// Its largest width and height.
 const SIZE: Vec2 = Vec2::new(10.5, 4.0);
-/// How deep it lies in the ground, so that a flat underside is out of sight.
+/// How deep it is sunk into the ground, so that a flat underside is hidden.
 const SUNK: f32 = 0.13;
 
-/// The root of its scene.
+/// The root of the hill's scene.
 #[derive(Component, Clone, Debug)]
 pub struct Hill {
     /// The file.
     pub gltf: Handle<Gltf>,
-    /// How far it reaches from the origin, and how high, at rest. Zero until it lies there.
+    /// Its extent from the origin and its height, at rest. Zero until it is placed.
     pub reach: Vec2,
 }
 
-/// Its scene is spawned.
+/// Marks a hill whose scene is spawned.
 #[derive(Component)]
 pub(super) struct Spawned;
 
@@ -41,14 +41,14 @@ pub(super) fn load(mut commands: Commands, assets: Res<AssetServer>, game: Res<G
             reach: Vec2::ZERO,
         },
         WorldAssetRoot(assets.load(file.with_label("Scene0"))),
-        // Every mesh below it that deforms is in physics.
+        // Adds physics to every deforming mesh below it.
         MorphRapierScene::default(),
         Visibility::default(),
         Transform::default(),
     ));
 }
 
-/// When the scene is spawned: its animation player is somewhere below its root.
+/// Runs when the scene is spawned. Its animation player is somewhere below its root.
 pub(super) fn play(
     ready: On<WorldInstanceReady>,
     hills: Query<&Hill>,
@@ -72,7 +72,7 @@ pub(super) fn play(
     }
 }
 
-/// Puts it on the ground, as large as it may be.
+/// Puts it on the ground, scaled to its largest allowed size.
 pub(super) fn fit(
     mut hills: Query<(Entity, &mut Hill, &mut Transform), With<Spawned>>,
     parts: Query<(&Mesh3d, &GlobalTransform)>,
@@ -106,7 +106,7 @@ pub(super) fn fit(
     }
 }
 
-/// Whether it has come to lie there, ready to be walked on, since the last time.
+/// Whether it has become ready to be walked on since the last call.
 pub(super) fn is_new(
     hills: Query<&Hill>,
     parts: Query<(&Mesh3d, Option<&SkinnedMesh>), With<MorphCollider>>,
@@ -121,14 +121,14 @@ pub(super) fn is_new(
     is && !std::mem::replace(&mut *was, is)
 }
 
-/// The clip begins when all is there: the game is the same however long that took.
+/// Starts the clip when everything is loaded, so that the game does not depend on the loading time.
 pub(super) fn rewind(mut players: Query<&mut AnimationPlayer>) {
     for mut player in &mut players {
         player.rewind_all();
     }
 }
 
-/// A file without a clip wobbles.
+/// Moves the weights of a file without a clip.
 pub(super) fn wave(
     hills: Query<&Hill>,
     gltfs: Res<Assets<Gltf>>,

@@ -1,14 +1,15 @@
-//! A hill that heaves, a player who walks on it, and balls and boxes that rain on both: a small game, as a game would set it up.
+//! A small game, set up as a game would do it: a heaving hill, a player who walks on it, and balls and boxes that rain on both.
 //!
-//! The hill is a glTF file, its weights are played by Bevy's animation player from the file's own clip, once a frame. Physics runs in
-//! `FixedUpdate`, 64 times a second, whatever the frames. One `MorphRapierScene` on the scene's root is all that joins the two.
+//! The hill is a glTF file. Bevy's animation player plays its weights from the file's own clip, once a frame. Physics runs in
+//! `FixedUpdate`, 64 times a second, independently of the frame rate. One `MorphRapierScene` on the scene's root connects the
+//! two.
 //!
-//! The window, the web page and the numbers of the example share this. Nothing here draws.
+//! The window, the web page and the headless run of the example share this. Nothing here draws.
 //!
-//! - `hill`: the file, its place and its clip.
+//! - `hill`: the file, its placement and its clip.
 //! - `player`: a capsule with Rapier's character controller.
-//! - `rain`: what falls.
-//! - `tally`: what is counted.
+//! - `rain`: the falling bodies.
+//! - `tally`: the statistics.
 
 mod hill;
 mod player;
@@ -26,23 +27,23 @@ pub use player::{HALF_SEGMENT, IDLE, JUMP, Player, RADIUS, SPEED, Wish};
 pub use rain::{Falling, Form};
 pub use tally::Tally;
 
-/// Steps a second: Bevy's default.
+/// Physics steps per second: Bevy's default.
 pub const RATE: f64 = 64.0;
 
-/// Half the ground's size; its top is at height 0.
+/// Half extents of the ground; its top is at height 0.
 pub const GROUND: Vec3 = Vec3::new(10.0, 0.5, 10.0);
 
-/// What falls lower than this has left the ground.
+/// Bodies below this height have left the ground.
 const ABYSS: f32 = -6.0;
 
 /// The game's options.
 #[derive(Resource, Clone, Debug)]
 pub struct Game {
-    /// How many balls and boxes.
+    /// Number of balls and boxes.
     pub bodies: u32,
-    /// Where and how they fall.
+    /// Random seed for where and how they fall.
     pub seed: u64,
-    /// Whether they are detected continuously.
+    /// Whether they use continuous collision detection.
     pub ccd: bool,
     /// The hill: an asset's name or a file's path.
     pub model: PathBuf,
@@ -59,7 +60,7 @@ impl Default for Game {
     }
 }
 
-/// All of it, but for the collision plugin.
+/// The whole game, except for the collision plugin.
 pub fn plugin(app: &mut App) {
     app.add_plugins((
         RapierPhysicsPlugin::<NoUserData>::default().in_fixed_schedule(),

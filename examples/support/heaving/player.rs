@@ -1,4 +1,4 @@
-//! The player: a capsule that walks where it is told to, and in a circle while nobody tells it anything.
+//! The player: a capsule that follows the user's input, and walks in a circle while there is none.
 
 use std::f32::consts::{PI, TAU};
 
@@ -15,44 +15,44 @@ pub const HALF_SEGMENT: f32 = 0.36;
 pub const RADIUS: f32 = 0.27;
 /// How fast it walks, in units per second.
 pub const SPEED: f32 = 2.2;
-/// How fast it jumps off the ground.
+/// Its upward speed at the start of a jump.
 pub const JUMP: f32 = 5.0;
-/// After so many seconds without a wish it goes for a walk.
+/// After this many seconds without input it goes for a walk.
 pub const IDLE: f32 = 2.0;
 
 const GRAVITY: f32 = 9.81;
-/// How fast it is pressed to the ground while it stands, so that it keeps to ground that falls away.
+/// The speed that presses it to the ground while it stands, so that it follows ground that sinks.
 const PRESS: f32 = 1.0;
-/// It may still jump that long after its feet have left the ground.
+/// It may still jump for this many seconds after its feet have left the ground.
 const GRACE: f32 = 0.1;
-/// The circle that it walks, as a part of the hill's reach.
+/// The radius of its circle, as a fraction of the hill's reach.
 const CIRCLE: f32 = 0.42;
-/// How fast it turns towards where it goes, per second.
+/// How fast it turns towards its walking direction, per second.
 const TURN: f32 = 12.0;
 
-/// What the user wants.
+/// The user's input.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct Wish {
-    /// Where to walk, in world space; at most 1 long.
+    /// Walking direction in world space; its length is at most 1.
     pub walk: Vec2,
-    /// To jump, with the next step.
+    /// Whether to jump in the next step.
     pub jump: bool,
 }
 
-/// The one that walks.
+/// The walking player.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct Player {
-    /// Its own vertical velocity: what gravity and jumps have given it.
+    /// Its own vertical velocity from gravity and jumps.
     pub rising: f32,
-    /// Where it looks, as an angle about `+Y`; at 0 along `+Z`.
+    /// The direction it looks in, as an angle about `+Y`; 0 is `+Z`.
     pub facing: f32,
-    /// Seconds since the last wish.
+    /// Seconds since the last input.
     pub idle: f32,
     /// Seconds since its feet were on the ground.
     pub airborne: f32,
 }
 
-/// Above the point of its circle from where it starts.
+/// Where it starts: above a point of its circle.
 fn start(hill: &Hill) -> Vec3 {
     let at = CIRCLE * hill.reach.x * Vec2::new(-0.8, 0.6);
     Vec3::new(at.x, hill.reach.y + 0.3, at.y)
@@ -62,15 +62,15 @@ pub(super) fn spawn(mut commands: Commands, hill: Single<&Hill>) {
     commands.spawn((
         Name::new("player"),
         Player::default(),
-        // Others are pushed by it as by any kinematic body.
+        // It pushes other bodies like any kinematic body.
         RigidBody::KinematicPositionBased,
         Collider::capsule_y(HALF_SEGMENT, RADIUS),
         KinematicCharacterController {
-            // It wades through what lies around, rather than stop at it.
+            // It wades through dynamic bodies rather than stopping at them.
             filter_flags: QueryFilterFlags::EXCLUDE_DYNAMIC | QueryFilterFlags::EXCLUDE_SENSORS,
             ..default()
         },
-        // A jump goes where the ground went.
+        // A jump keeps the velocity of the ground.
         MorphCharacterCarry {
             keep_velocity: true,
             ..default()
@@ -80,7 +80,7 @@ pub(super) fn spawn(mut commands: Commands, hill: Single<&Hill>) {
     ));
 }
 
-/// Back up for one that has left the ground.
+/// Brings a player who has left the ground back up.
 pub(super) fn bring_back(mut players: Query<(&mut Transform, &mut Player)>, hill: Single<&Hill>) {
     for (mut place, mut player) in &mut players {
         if place.translation.y < ABYSS {
@@ -113,7 +113,7 @@ pub(super) fn walk(
 
         let grounded = output.is_some_and(|output| output.grounded);
         player.airborne = if grounded { 0.0 } else { player.airborne + dt };
-        // What is above its head ends a jump.
+        // An obstacle above its head ends a jump.
         let bumped = output.is_some_and(|output| output.effective_translation.y < 0.5 * output.desired_translation.y);
         player.rising = match player.rising > 0.0 {
             true if bumped => 0.0,
@@ -122,21 +122,21 @@ pub(super) fn walk(
         };
         if jump && player.airborne < GRACE {
             player.rising = JUMP;
-            // Not twice.
+            // Prevents a second jump in the air.
             player.airborne = GRACE;
         }
 
         let step = SPEED * walk;
         controller.translation = Some(dt * Vec3::new(step.x, player.rising, step.y));
         if walk.length() > 0.1 {
-            // The shorter way around.
+            // Turns the shorter way around.
             let turn = (walk.x.atan2(walk.y) - player.facing + PI).rem_euclid(TAU) - PI;
             player.facing += turn * (TURN * dt).min(1.0);
         }
     }
 }
 
-/// The way along a circle around the middle, from anywhere.
+/// The direction along a circle around the middle, from any point.
 fn around(at: Vec2, radius: f32) -> Vec2 {
     let out = at.normalize_or(Vec2::X);
     let back = (1.5 * (1.0 - at.length() / radius)).clamp(-1.0, 1.0);

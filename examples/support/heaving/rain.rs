@@ -8,22 +8,23 @@ use rand_pcg::Pcg64Mcg;
 use super::hill::Hill;
 use super::{ABYSS, Game};
 
-/// What falls.
+/// A falling body.
 #[derive(Component, Clone, Copy, Debug)]
 pub struct Falling {
-    /// Its number.
+    /// Its index.
     pub number: u32,
-    /// What it is.
+    /// Its shape.
     pub form: Form,
-    /// Where it was after the last step; `None` before its first, and where it was put elsewhere.
+    /// Its position after the last step; `None` before the first step and after it was moved
+    /// elsewhere.
     pub(super) before: Option<Vec3>,
     /// Whether its centre went through the hill.
     pub through: bool,
-    /// From where it fell.
+    /// Where it started to fall.
     from: Vec3,
 }
 
-/// What a body is.
+/// A body's shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Form {
     /// A ball of this radius.
@@ -32,7 +33,7 @@ pub enum Form {
     Cuboid(Vec3),
 }
 
-/// All bodies are in the air when the game begins.
+/// Spawns all bodies in the air when the game begins.
 pub(super) fn spawn(mut commands: Commands, game: Res<Game>, hill: Single<&Hill>) {
     let mut rng = Pcg64Mcg::seed_from_u64(game.seed);
     let Vec2 { x: reach, y: top } = hill.reach;
@@ -63,7 +64,7 @@ pub(super) fn spawn(mut commands: Commands, game: Res<Game>, hill: Single<&Hill>
             RigidBody::Dynamic,
             collider,
             Velocity::default(),
-            // Grass: what rolls comes to rest.
+            // Damping as on grass, so that rolling bodies come to rest.
             Damping {
                 angular_damping: 1.0,
                 ..default()
@@ -75,7 +76,7 @@ pub(super) fn spawn(mut commands: Commands, game: Res<Game>, hill: Single<&Hill>
     }
 }
 
-/// What has left the ground rains again.
+/// Puts bodies that have left the ground back into the air.
 pub(super) fn bring_back(mut bodies: Query<(&mut Falling, &mut Transform, &mut Velocity)>) {
     for (mut falling, mut place, mut velocity) in &mut bodies {
         if place.translation.y < ABYSS {

@@ -1,4 +1,4 @@
-//! What is counted, after every step.
+//! Statistics, counted after every step.
 
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
@@ -9,23 +9,23 @@ use super::ABYSS;
 use super::player::Player;
 use super::rain::Falling;
 
-/// What the player has done so far.
+/// The player's statistics.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct Tally {
     /// Steps since it first stood on something.
     pub steps: u32,
-    /// Those after which it was on the ground, as Rapier's controller says.
+    /// Steps after which it was on the ground, according to Rapier's controller.
     pub grounded: u32,
-    /// Those after which the hill was below its feet.
+    /// Steps after which the hill was below its feet.
     pub on_hill: u32,
-    /// How far it has walked, as seen from above.
+    /// How far it has walked, seen from above.
     pub walked: f32,
-    /// Where it was.
+    /// Its position after the step before.
     before: Option<Vec3>,
 }
 
 impl Tally {
-    /// A part of the steps, in 0..=1.
+    /// The share `of` of the steps, in 0..=1.
     #[must_use]
     pub fn share(&self, of: u32) -> f32 {
         of as f32 / self.steps.max(1) as f32
@@ -48,7 +48,7 @@ pub(super) fn follow_the_player(
     }
 }
 
-/// Looks for bodies whose centres went through the hill, as physics sees it, or that it has risen above.
+/// Finds bodies whose centres went through the hill's physics surface, or that the hill has risen above.
 pub(super) fn follow_the_rain(
     mut bodies: Query<(&Transform, &mut Falling)>,
     surfaces: Query<(), With<MorphRapierCollider>>,

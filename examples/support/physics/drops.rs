@@ -7,7 +7,7 @@ use rand_pcg::Pcg64Mcg;
 
 use super::sheet;
 
-/// What a body is.
+/// The kind of a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// A ball.
@@ -25,15 +25,15 @@ pub struct Drop {
     pub kind: Kind,
     /// Radius of a ball, half the longest edge of a cuboid, half the segment of a capsule.
     pub size: f32,
-    /// Where it is.
+    /// Its position.
     pub at: Vec3,
-    /// How fast.
+    /// Its velocity.
     pub linear: Vec3,
-    /// How it spins.
+    /// Its angular velocity.
     pub angular: Vec3,
 }
 
-/// A bowl of 24 by 24 that waves.
+/// A waving bowl of 24 by 24.
 #[must_use]
 pub fn bowl() -> MorphMesh {
     let mut mesh = sheet(48);
@@ -49,13 +49,13 @@ pub fn bowl() -> MorphMesh {
     mesh
 }
 
-/// Its weights at a time.
+/// The bowl's weights at a time.
 #[must_use]
 pub fn waves(time: f32) -> [f32; 2] {
     [(3.0 * time).sin(), (2.3 * time).cos()]
 }
 
-/// What falls; the same for the same batch.
+/// The bodies of a batch; the same batch number gives the same bodies.
 #[must_use]
 pub fn batch_of_drops(batch: u64, count: u64) -> Vec<Drop> {
     let mut rng = Pcg64Mcg::seed_from_u64(batch);
@@ -64,7 +64,7 @@ pub fn batch_of_drops(batch: u64, count: u64) -> Vec<Drop> {
         let mut within = |reach: f32| rng.random_range(-reach..=reach);
         Drop {
             at: Vec3::new(within(6.0), 5.0 + within(2.0), within(6.0)),
-            // As after a fall of some metres.
+            // The speed after a fall of some metres.
             linear: Vec3::new(within(3.0), -6.0 + within(4.0), within(3.0)),
             angular: Vec3::new(within(5.0), within(5.0), within(5.0)),
             size: 0.25 + within(0.15),
@@ -74,7 +74,7 @@ pub fn batch_of_drops(batch: u64, count: u64) -> Vec<Drop> {
     kinds.into_iter().cycle().take(count as usize).map(drop).collect()
 }
 
-/// Of bodies that fell, how many fell through, and how many left over the rim.
+/// How many of the fallen bodies fell through, and how many left over the rim.
 pub fn fates(places: impl Iterator<Item = Vec3>) -> (u64, u64) {
     places.fold((0, 0), |(through, left), at| {
         if at.x.abs().max(at.z.abs()) > 11.5 {

@@ -1,4 +1,4 @@
-//! Rigid bodies on morphing surfaces: scenes that the examples and tests share, and the ways to make a surface collide.
+//! Rigid bodies on morphing surfaces: scenes shared by examples and tests, and the methods that make a surface collide.
 
 pub mod drops;
 mod rivals;
@@ -20,12 +20,12 @@ pub use rivals::{Method, Surface, blend};
 /// The length of a step.
 pub const DT: f32 = 1.0 / 60.0;
 
-/// An app with physics in steps of [`DT`], one for each frame, ready for its first.
+/// An app with physics in steps of [`DT`], one per frame, ready for its first frame.
 pub fn app(assets: &Path) -> App {
     app_with(assets, |_: &mut App| {})
 }
 
-/// The same with another plugin.
+/// The same app with another plugin.
 pub fn app_with(assets: &Path, plugin: impl Plugin) -> App {
     let mut app = crate::app::headless(assets);
     app.add_plugins((
@@ -38,7 +38,7 @@ pub fn app_with(assets: &Path, plugin: impl Plugin) -> App {
     app
 }
 
-/// A level sheet of 8 by 8 around the origin, with a target that lifts it by 1 and one that moves it by 1 along `+X`.
+/// A level sheet of 8 by 8 around the origin. One target lifts it by 1, another moves it by 1 along `+X`.
 #[must_use]
 pub fn sheet(cells: u32) -> MorphMesh {
     let mut mesh = rigid::grid(8.0, cells);
@@ -47,7 +47,7 @@ pub fn sheet(cells: u32) -> MorphMesh {
     mesh
 }
 
-/// Bevy's form of a mesh.
+/// A mesh as a Bevy [`Mesh`].
 #[must_use]
 pub fn bevy_mesh(mesh: &MorphMesh) -> Mesh {
     let indices = mesh.triangles.as_flattened().to_vec();
@@ -61,7 +61,7 @@ pub fn bevy_mesh(mesh: &MorphMesh) -> Mesh {
     bevy
 }
 
-/// Runs frames until every tree is there and in physics.
+/// Runs frames until every tree is built and in physics.
 pub fn settle(app: &mut App) {
     app.update();
     while app.world().resource::<MorphTrees>().building() > 0 {
@@ -78,7 +78,7 @@ pub fn body(app: &mut App, collider: Collider, at: Vec3) -> Entity {
     app.world_mut().spawn(body).id()
 }
 
-/// Weights that come and go, each in its own time, at `time` seconds.
+/// Weights that oscillate, each at its own rate, at `time` seconds.
 #[must_use]
 pub fn wobbling(time: f32, targets: usize) -> Vec<f32> {
     let weight = |target: usize| {
@@ -88,7 +88,7 @@ pub fn wobbling(time: f32, targets: usize) -> Vec<f32> {
     (0..targets).map(weight).collect()
 }
 
-/// Where a body is, and how fast.
+/// A body's position and velocity.
 #[must_use]
 pub fn state(app: &App, body: Entity) -> (Vec3, Vec3) {
     let body = app.world().entity(body);

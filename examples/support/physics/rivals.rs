@@ -1,4 +1,4 @@
-//! This plugin, and what a game can do by itself to make a morphing mesh collide in Rapier.
+//! This plugin, and what a game can do without it to make a morphing mesh collide in Rapier.
 
 use std::borrow::Cow;
 
@@ -16,22 +16,23 @@ use super::bevy_mesh;
 pub enum Method {
     /// [`MorphRapierCollider`].
     Ours,
-    /// Every vertex blended, `set_vertices` on Rapier's own copy of a `TriMesh`: in place. Parry may go on with contacts from before.
+    /// Blends every vertex and calls `set_vertices` on Rapier's own copy of a `TriMesh`, in place. Parry may reuse old contacts.
     InPlace,
-    /// The same with [`TriMeshFlags::DEFORMABLE`]: contacts are computed anew.
+    /// The same with [`TriMeshFlags::DEFORMABLE`]: contacts are recomputed.
     Deformable,
-    /// The same with [`TriMeshFlags::FIX_INTERNAL_EDGES_TWO_SIDED`] as well: edges inside the surface do not catch, as they do not here.
+    /// The same with [`TriMeshFlags::FIX_INTERNAL_EDGES_TWO_SIDED`] as well: bodies do not catch on edges inside the surface, as
+    /// with this plugin.
     Smooth,
-    /// Every vertex blended, `set_vertices` on the `Collider` component, which copies the mesh.
+    /// Blends every vertex and calls `set_vertices` on the `Collider` component, which copies the mesh.
     Component,
-    /// Every vertex blended, a new `TriMesh` each time.
+    /// Blends every vertex and makes a new `TriMesh` each time.
     NewMesh,
-    /// A soft body of which all particles are pinned, moved to every vertex blended.
+    /// A soft body with all particles pinned and moved to the blended vertices.
     SoftBody,
 }
 
 impl Method {
-    /// All of them, ours first.
+    /// All methods, ours first.
     pub const ALL: [Self; 7] = [
         Self::Ours,
         Self::InPlace,
@@ -42,7 +43,7 @@ impl Method {
         Self::SoftBody,
     ];
 
-    /// How tables call it.
+    /// The name used in tables.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -57,10 +58,10 @@ impl Method {
     }
 }
 
-/// The skin that a soft body has in place of a surface of its own.
+/// The particle radius of a soft body.
 const SKIN: f32 = 0.01;
 
-/// A morphing mesh in physics.
+/// A morphing mesh that takes part in physics.
 #[derive(Debug)]
 pub struct Surface<'a> {
     method: Method,
@@ -71,7 +72,7 @@ pub struct Surface<'a> {
 }
 
 impl<'a> Surface<'a> {
-    /// A mesh at rest somewhere. For [`Method::Ours`] several may share what is shared in a game: the mesh asset.
+    /// Spawns a mesh at rest. With [`Method::Ours`], several surfaces may share what a game would share: the mesh asset.
     pub fn spawn(
         app: &mut App,
         method: Method,
@@ -99,7 +100,7 @@ impl<'a> Surface<'a> {
             Method::SoftBody => {
                 let all = (0..mesh.positions.len() as u32).collect();
                 let body = SoftBody::trimesh(mesh.positions.clone(), mesh.triangles.clone());
-                // Of a mesh with triangles there is always one.
+                // A mesh with triangles always has one.
                 let body = body.map(|body| body.map(|builder| builder.oriented(false).particle_radius(SKIN)));
                 let mut entity = world.spawn((place, SoftBodyPinnedParticles(all)));
                 if let Some(body) = body {
@@ -132,7 +133,7 @@ impl<'a> Surface<'a> {
         }
     }
 
-    /// Gives it other weights.
+    /// Sets new weights.
     pub fn pose(&mut self, app: &mut App, weights: &[f32]) {
         if self.method != Method::Ours {
             blend(&self.mesh, weights, &mut self.blended);
@@ -179,7 +180,8 @@ impl<'a> Surface<'a> {
     }
 }
 
-/// A mesh with its vertices in the order in which triangles name them: that in which Parry keeps those of a mesh whose edges it mends.
+/// A mesh with its vertices in the order in which triangles name them. Parry keeps this order for meshes whose internal edges it
+/// fixes.
 fn in_order_of_triangles(mesh: &MorphMesh) -> MorphMesh {
     let mut places = vec![u32::MAX; mesh.positions.len()];
     let mut order = Vec::new();
@@ -205,7 +207,7 @@ fn in_order_of_triangles(mesh: &MorphMesh) -> MorphMesh {
     }
 }
 
-/// Blends every vertex, one target after the other, as fast as plain loops do.
+/// Blends every vertex, one target after the other, as fast as plain loops can.
 pub fn blend(mesh: &MorphMesh, weights: &[f32], into: &mut Vec<Vec3>) {
     into.clone_from(&mesh.positions);
     for (target, &weight) in mesh.targets.iter().zip(weights) {

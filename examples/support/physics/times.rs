@@ -1,4 +1,4 @@
-//! What frames cost with bodies near morphing surfaces: the scenes, and how ways to make surfaces collide take turns in them.
+//! Times frames with bodies near morphing surfaces: the scenes, and a timer that runs the methods in turns.
 
 use std::fmt::Write as _;
 use std::time::Instant;
@@ -11,21 +11,21 @@ use super::DT;
 /// Sheets in a row, and bodies.
 #[derive(Clone, Copy, Debug)]
 pub struct Scene {
-    /// What is special about it.
+    /// Its description.
     pub what: &'static str,
-    /// How many sheets there are.
+    /// Number of sheets.
     pub shapes: usize,
-    /// How many of them, the first, have bodies on them.
+    /// Number of sheets with bodies on them; these are the first ones.
     pub on: usize,
-    /// On each of those.
+    /// Bodies on each of these sheets.
     pub bodies: usize,
-    /// On a level floor of its own beside each sheet.
+    /// Bodies beside each sheet, on a level floor of their own.
     pub beside: usize,
-    /// Whether the sheets change in each frame.
+    /// Whether the sheets change in every frame.
     pub morphs: bool,
 }
 
-/// What all ways are timed in.
+/// The scenes in which all methods are timed.
 #[must_use]
 pub fn scenes() -> Vec<Scene> {
     let few = |shapes, on| Scene {
@@ -83,18 +83,18 @@ pub fn scenes() -> Vec<Scene> {
 }
 
 impl Scene {
-    /// Where each sheet is.
+    /// The position of each sheet.
     pub fn sheets(&self) -> impl Iterator<Item = Vec3> + use<> {
         (0..self.shapes).map(sheet_at)
     }
 
-    /// Where each floor is, of 6 by 8 and a height of 1 around that.
+    /// The position of each floor, which is 6 by 8 with a height of 1 and centred there.
     pub fn floors(&self) -> impl Iterator<Item = Vec3> + use<> {
         let floors = if self.beside > 0 { self.shapes } else { 0 };
         (0..floors).map(|i| sheet_at(i) + Vec3::new(10.0, -0.5, 0.0))
     }
 
-    /// Where bodies of radius or half-extent 0.3 are, balls and cuboids in turns: first those on sheets.
+    /// The positions of bodies with radius or half-extent 0.3, alternating balls and cuboids. Those on sheets come first.
     pub fn places(&self) -> impl Iterator<Item = Vec3> + use<> {
         let Self {
             shapes,
@@ -110,7 +110,7 @@ impl Scene {
         on.chain(beside)
     }
 
-    /// How many bodies there are.
+    /// Number of bodies.
     #[must_use]
     pub fn count(&self) -> usize {
         self.on * self.bodies + self.shapes * self.beside
@@ -121,16 +121,16 @@ fn sheet_at(i: usize) -> Vec3 {
     Vec3::X * 20.0 * i as f32
 }
 
-/// A world in which one way is timed: gives its sheets weights.
+/// A world in which one method is timed, and a function that gives its sheets weights.
 pub type Timed<'a> = (App, Box<dyn FnMut(&mut App, &[f32]) + 'a>);
 
-/// Frames of one way in a row.
+/// Number of consecutive frames of one method.
 const TURN: usize = 20;
 
-/// Medians of whole frames in microseconds, the ways in turns.
+/// Medians of whole frames in microseconds; the methods take turns.
 #[must_use]
 pub fn time(scene: &Scene, frames: usize, mut worlds: Vec<Timed<'_>>) -> Vec<f64> {
-    // In turns of some frames, as in a game that has its caches to itself.
+    // Each turn has several frames, so that caches are as warm as in a game of its own.
     let mut times = vec![Vec::new(); worlds.len()];
     for turn in 0..=frames.div_ceil(TURN) {
         for ((app, pose), times) in worlds.iter_mut().zip(&mut times) {
@@ -141,7 +141,7 @@ pub fn time(scene: &Scene, frames: usize, mut worlds: Vec<Timed<'_>>) -> Vec<f64
                     pose(app, &[0.05 * (6.0 * time).sin(), 0.05 * (5.0 * time).cos()]);
                 }
                 app.update();
-                // The first turn is for bodies to come to rest, the first frames of one for caches to fill.
+                // In the first turn bodies come to rest. In the first frames of each turn caches fill.
                 if turn > 0 && frame >= TURN / 4 {
                     times.push(start.elapsed().as_secs_f64() * 1e6);
                 }
@@ -151,7 +151,7 @@ pub fn time(scene: &Scene, frames: usize, mut worlds: Vec<Timed<'_>>) -> Vec<f64
     times.into_iter().map(|times| median(times.into_iter())).collect()
 }
 
-/// The table of them: of ours in microseconds, of the rivals relative to that.
+/// A table of the times: ours in microseconds, those of the rivals relative to ours.
 #[must_use]
 pub fn table<'a>(quick: bool, rivals: &[&str], worlds: impl Fn(&Scene) -> Vec<Timed<'a>>) -> String {
     let mut table = String::from("| surfaces | bodies | ours, µs |");

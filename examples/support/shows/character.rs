@@ -1,4 +1,5 @@
-//! A character that kicks crates and is hit by rays; where its hand touches its face is red.
+//! A character that kicks crates and is hit by rays. Places where its hand touches its face are
+//! red.
 
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
@@ -43,7 +44,7 @@ pub fn character() -> Show {
     }
 }
 
-/// The show begins when the character has its clips, and its tree.
+/// Waits until the character has its clips and its tree.
 fn wait(
     roots: Query<(Entity, Has<Pending>), With<Character>>,
     skins: Query<(&Mesh3d, &SkinnedMesh), With<Skin>>,
@@ -97,7 +98,7 @@ fn color(
     }
 }
 
-/// What crates and darts look like.
+/// Draws crates and darts.
 fn draw(
     crates: Query<Entity, Added<Crate>>,
     darts: Query<Entity, Added<Dart>>,
@@ -117,7 +118,7 @@ fn draw(
     }
     for entity in &darts {
         const LENGTH: f32 = 0.12;
-        // +Y is the way out of the skin.
+        // +Y points out of the skin.
         let shaft = Mesh3d(meshes.add(Cylinder::new(0.006, LENGTH)));
         let end = Mesh3d(meshes.add(Sphere::new(0.02)));
         commands.entity(entity).with_children(|dart| {

@@ -1,4 +1,4 @@
-//! A dense crowd of morphing dolphins, or of another model, all of them with collision on.
+//! A dense crowd of morphing dolphins or another model. All of them collide.
 
 use std::path::Path;
 
@@ -9,10 +9,11 @@ use crate::instances::in_crowd;
 use crate::view::Show;
 use crate::view::clock::{Clock, started};
 
-/// From one to the next, in world units; a dolphin is 2 long.
+/// Distance between neighbours, in world units; a dolphin is 2 long.
 const SPACING: f32 = 1.0;
 
-/// `count` instances of the glTF file `model`: an asset's name, or any path. A `foreign` one is not a dolphin.
+/// `count` instances of the glTF file `model`: an asset's name, or any path. A `foreign` model is not a
+/// dolphin.
 #[must_use]
 pub fn crowd(model: &Path, count: usize, foreign: bool) -> Show {
     let group = Group::new(model, count, foreign);

@@ -1,4 +1,5 @@
-//! What Bevy culls morphing and skinned meshes by, and what it should: on the left its own box, that of the rest pose, on the right the repaired one.
+//! The boxes that Bevy uses to cull morphing and skinned meshes. On the left, Bevy's own box for the rest pose; on the right, the
+//! repaired one.
 
 use std::f32::consts::PI;
 
@@ -21,7 +22,7 @@ use crate::view::clock::{Clock, started};
 use crate::view::models::with_normals;
 use crate::view::stage::{Notes, StageCamera};
 
-/// How many arms reach into the picture.
+/// Number of arms that reach into the picture.
 const ARMS: usize = 4;
 
 /// Left and right.
@@ -37,11 +38,11 @@ impl Half {
     }
 }
 
-/// Number of an arm. Morph targets pull out the even ones, joints the odd ones.
+/// Index of an arm. Morph targets extend the even ones, joints the odd ones.
 #[derive(Component)]
 struct Arm(usize);
 
-/// What pulls out an arm, by the arm's number.
+/// The entity that extends an arm, with the arm's index.
 #[derive(Component)]
 struct Hand(usize);
 
@@ -85,7 +86,7 @@ pub fn culling() -> Show {
     }
 }
 
-/// A ball with a target that pulls an arm out of it along `-X`.
+/// A ball with a target that extends an arm out of it along `-X`.
 fn arm() -> MorphMesh {
     let mut mesh = pass_through_body_at(4);
     let directions: Vec<Vec3> = mesh.positions.iter().map(|p| p.normalize_or_zero()).collect();
@@ -100,7 +101,7 @@ fn arm() -> MorphMesh {
     mesh
 }
 
-/// The same arm, pulled out by its second joint.
+/// The same arm, extended by its second joint.
 fn boned_arm(arm: &MorphMesh) -> Mesh {
     let mut rigid = arm.clone();
     rigid.targets.clear();
@@ -152,7 +153,7 @@ fn spawn(
                 arm.insert((Mesh3d(boned.clone()), skin));
             }
             if half == Half::Bevys {
-                // As Bevy computes it, once, and out of the plugin's hands.
+                // As Bevy computes it, once, without the plugin.
                 arm.insert((NoAutoAabb, rest));
             }
         }
@@ -161,7 +162,7 @@ fn spawn(
     gizmos.config_mut::<RightBoxes>().0.render_layers = Half::Repaired.layer();
 }
 
-/// The second camera appears with the first, and sees what it sees, in the other half of the picture.
+/// The second camera appears with the first, and sees the same in the other half of the picture.
 fn split(
     mut first: Single<(&mut Camera, &Transform, &RenderTarget, &Projection), (With<StageCamera>, Without<RightCamera>)>,
     mut second: Query<(&mut Camera, &mut Transform), (With<RightCamera>, Without<StageCamera>)>,
@@ -223,7 +224,7 @@ fn reach(mut arms: Query<(&Arm, &mut MeshMorphWeights)>, mut hands: Query<(&Hand
     }
 }
 
-/// All arms move aside until the balls they grow out of are out of sight, and come back.
+/// Moves all arms aside until the balls they grow out of are out of sight, and back.
 fn sway(mut arms: Query<(&Arm, &mut Transform), Without<Hand>>, clock: Res<Clock>) {
     for (&Arm(index), mut place) in &mut arms {
         let phase = PI * clock.frame as f32 / 90.0 + 0.1 * index as f32;

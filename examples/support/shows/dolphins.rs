@@ -1,5 +1,5 @@
-//! Twelve dolphins that swim closely together as a group, roll, and touch now and then: the paper's Fig. 7. Or any other model in their
-//! place.
+//! Twelve dolphins that swim closely together as a group, roll, and touch now and then: the paper's Fig. 7. Any other model can
+//! take their place.
 
 use std::path::Path;
 
@@ -10,10 +10,10 @@ use super::group::{Group, Member};
 use crate::view::Show;
 use crate::view::clock::{Clock, FRACTIONS, started};
 
-/// Closer together than where times are taken, for something to be seen.
+/// Closer together than in the timed scene, so that more contacts can be seen.
 const CLOSER: Vec3 = Vec3::new(1.0, 0.8, 0.8);
 
-/// `count` instances of the glTF file `model`: an asset's name, or any path. A `foreign` one is not a dolphin.
+/// `count` instances of the glTF file `model`: an asset's name, or any path. A `foreign` model is not a dolphin.
 #[must_use]
 pub fn dolphins(model: &Path, count: usize, foreign: bool) -> Show {
     let group = Group::new(model, count, foreign);

@@ -1,4 +1,4 @@
-//! A face that speaks: where jaw, lips, teeth and tongue run into each other is red, and pins stick to the skin.
+//! A face that speaks. Places where jaw, lips, teeth and tongue intersect are red, and pins stick to the skin.
 
 use std::f32::consts::TAU;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use crate::view::overlay::{OverlaySystems, SelfTouching};
 use crate::view::pointer::{Clicks, Cue, Script};
 use crate::view::stage::Notes;
 
-/// What the mouth does, over and over: a target's name, cycles per second, where in its cycle it begins, and its highest weight.
+/// The motion of the mouth, repeated: a target's name, cycles per second, phase at the start, and highest weight.
 const SPEECH: [(&str, f32, f32, f32); 8] = [
     ("jawOpen", 0.5, 0.0, 0.9),
     ("tongueOut", 0.25, 0.55, 1.0),
@@ -28,14 +28,14 @@ const SPEECH: [(&str, f32, f32, f32); 8] = [
     ("eyeBlinkRight", 0.4, 0.3, 1.0),
 ];
 
-/// Skin, tongue, and what is left: eyes and teeth.
+/// Colours of the skin, the tongue, and the rest: eyes and teeth.
 const PIECES: [Color; 3] = [
     Color::srgb(0.87, 0.7, 0.61),
     Color::srgb(0.72, 0.42, 0.45),
     Color::srgb(0.96, 0.94, 0.9),
 ];
 
-/// How high the head is.
+/// The height of the head.
 const SIZE: f32 = 2.0;
 
 /// The CC0 head.
@@ -122,7 +122,8 @@ fn speak(
     }
 }
 
-/// The plugin compares bodies with each other; a body with itself is asked of the core, with a pose of the same tree.
+/// The plugin compares bodies with each other. To compare a body with itself, this asks the core library, with a pose of the
+/// same tree.
 fn find_self_intersections(
     mut faces: Query<(&Mesh3d, &MeshMorphWeights, &mut SelfTouching)>,
     trees: Res<MorphTrees>,
@@ -172,7 +173,7 @@ fn stick_pin(
     const LENGTH: f32 = 0.16;
     let anchor = MorphSurfaceAnchor::new(click.entity, pick.triangle, pick.barycentrics);
     let blue = materials.add(Color::srgb(0.15, 0.35, 0.85));
-    // +Y is the way out of the surface.
+    // +Y points out of the surface.
     commands
         .spawn((Pin, anchor, Visibility::default()))
         .with_children(|pin| {

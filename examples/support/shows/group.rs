@@ -1,4 +1,4 @@
-//! Instances of one glTF file: loaded, measured, and in motion.
+//! Instances of one glTF file: loaded, measured and moved.
 
 use std::path::{Path, PathBuf};
 
@@ -17,17 +17,17 @@ use crate::instances::{self, THICKNESS_ON_LANES};
 use crate::view::clock::{Clock, Pending, Trouble, started};
 use crate::view::models::{Plays, scene};
 
-/// What there are instances of.
+/// The model and how to place its instances.
 #[derive(Resource, Clone, Debug)]
 pub(super) struct Group {
     model: PathBuf,
-    /// How many.
+    /// Number of instances.
     pub(super) count: usize,
-    /// Whether the model is not a dolphin: it may be thicker, lie elsewhere, or have no clip.
+    /// Whether the model is not a dolphin: it may be thicker, have another centre, or have no clip.
     foreign: bool,
-    /// The centre of a body, at rest.
+    /// The centre of a body at rest.
     center: Vec3,
-    /// How many times as thick as a dolphin it is.
+    /// Its thickness, relative to a dolphin's.
     size: f32,
 }
 
@@ -50,7 +50,7 @@ impl Group {
             .add_systems(Update, (spawn, (measure, wave).chain().run_if(started)));
     }
 
-    /// Puts a body, as thick as a dolphin, where a dolphin would be.
+    /// Puts a body, scaled to a dolphin's thickness, where a dolphin would be.
     pub(super) fn place(&self, dolphin: Transform) -> Transform {
         let scale = 1.0 / self.size;
         Transform {
@@ -61,11 +61,11 @@ impl Group {
     }
 }
 
-/// Number in the group.
+/// Index in the group.
 #[derive(Component, Clone, Copy, Debug)]
 pub(super) struct Member(pub(super) usize);
 
-/// The file while it is loaded.
+/// The file while it is loading.
 #[derive(Component)]
 struct Loading(Handle<Gltf>);
 
@@ -74,7 +74,7 @@ fn load(group: Res<Group>, assets: Res<AssetServer>, mut commands: Commands) {
     commands.spawn((Loading(gltf), Pending));
 }
 
-/// Once the file is there.
+/// Spawns the instances once the file is loaded.
 fn spawn(world: &mut World) {
     let Ok((entity, Loading(gltf))) = world.query::<(Entity, &Loading)>().single(world) else {
         return;
@@ -99,13 +99,13 @@ fn spawn(world: &mut World) {
             scene(&assets, &model),
             Plays::from(&assets, &model, phase(index)),
             MorphColliderScene::default(),
-            // Until the show begins they keep apart.
+            // They keep apart until the show begins.
             Transform::from_xyz(1000.0 * index as f32, 0.0, 0.0),
         ));
     }
 }
 
-/// How far members reach.
+/// Measures the extent of members.
 #[derive(SystemParam, Debug)]
 pub(super) struct Extent<'w, 's> {
     members: Query<'w, 's, (&'static Member, &'static GlobalTransform)>,
@@ -114,7 +114,8 @@ pub(super) struct Extent<'w, 's> {
 }
 
 impl Extent<'_, '_> {
-    /// A box around all parts of the first, in the space of its root; of nothing, from infinity to minus infinity.
+    /// A box around all parts of the first member, in the space of its root. If there are none, it goes from
+    /// infinity to minus infinity.
     pub(super) fn of_first(&self) -> (Vec3, Vec3) {
         let (mut min, mut max) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for (part, bounds, place) in &self.parts {
@@ -138,7 +139,7 @@ impl Extent<'_, '_> {
     }
 }
 
-/// A model that is no dolphin becomes as thick as one.
+/// Scales a model that is not a dolphin to a dolphin's thickness.
 fn measure(
     mut group: ResMut<Group>,
     extent: Extent,
@@ -162,7 +163,7 @@ fn measure(
     }
 }
 
-/// Models of members that play no clip: somebody has to move their weights.
+/// Models of members that play no clip, so their weights have to be moved here.
 #[derive(SystemParam, Debug)]
 pub(super) struct Idle<'w, 's> {
     models: Query<'w, 's, (Entity, &'static mut MorphWeights)>,
@@ -172,7 +173,7 @@ pub(super) struct Idle<'w, 's> {
 }
 
 impl Idle<'_, '_> {
-    /// The member's number, and its weights.
+    /// Calls `change` with each member's index and weights.
     pub(super) fn for_each(&mut self, mut change: impl FnMut(usize, &mut [f32])) {
         for (entity, mut weights) in &mut self.models {
             let above: Vec<Entity> = std::iter::once(entity)
@@ -187,7 +188,7 @@ impl Idle<'_, '_> {
     }
 }
 
-/// From 0 to 1 in waves.
+/// Moves weights in waves from 0 to 1.
 fn wave(mut idle: Idle, clock: Res<Clock>) {
     let seconds = clock.frame as f32 / 60.0;
     idle.for_each(|index, weights| {

@@ -1,7 +1,7 @@
-//! Any model that a user brings: looked into, played, and run into a copy of itself.
+//! Any model that a user provides: inspected, played, and run into a copy of itself.
 //!
-//! What is brought is judged before anything on the stage changes: a file that is no good leaves the model before it where it is. Only if
-//! it is the first, brought before the show begins, there is nothing to show.
+//! A new file is checked before anything on the stage changes. If it is invalid, the previous model stays where it is. There is
+//! nothing to show only if the very first file is invalid.
 
 mod inbox;
 mod race;
@@ -45,7 +45,7 @@ pub fn own(inbox: Inbox, verdict: Verdict) -> Show {
                 .init_resource::<Race>()
                 .add_systems(Update, (receive, examine, measure, meet, morph).chain())
                 .add_systems(PostUpdate, race::run.after(OverlaySystems));
-            // On a page, the page takes what is dropped.
+            // On a web page, the page handles dropped files.
             #[cfg(not(target_arch = "wasm32"))]
             app.add_systems(Update, drop_on_window.before(receive));
         }),
@@ -64,18 +64,18 @@ fn drop_on_window(mut drops: MessageReader<FileDragAndDrop>, inbox: Res<Inbox>, 
     }
 }
 
-/// What has been read well, and is being loaded.
+/// A file that was read successfully and is being loaded.
 #[derive(Component)]
 struct Candidate {
-    /// How many were brought, with this one.
+    /// How many files were provided, including this one.
     number: u32,
     name: String,
-    /// What it is called among the [`Files`].
+    /// Its name among the [`Files`].
     file: String,
     gltf: Handle<Gltf>,
 }
 
-/// How the model on the stage is made as large as all others.
+/// How the model on the stage is scaled to the common size.
 #[derive(Resource, Default)]
 struct Fit(Option<Fitted>);
 
@@ -86,7 +86,7 @@ struct Fitted {
     scale: f32,
 }
 
-/// How long the longest side becomes.
+/// The scaled length of the longest side.
 const LENGTH: f32 = 2.0;
 
 fn receive(
@@ -118,7 +118,7 @@ fn receive(
         }
         return;
     }
-    // Whoever brings another file does not wait for this one.
+    // A newer file replaces one that is still loading.
     for (other, candidate) in &others {
         files.remove(Path::new(&candidate.file));
         commands.entity(other).despawn();
@@ -135,7 +135,7 @@ fn receive(
     commands.spawn((candidate, Pending));
 }
 
-/// Reads a file as the command-line tool does. Something in it has to morph, or to follow joints.
+/// Reads a file like the command-line tool. Something in it has to morph or follow joints.
 fn look_into(name: &str, bytes: &[u8]) -> Result<FileReport, String> {
     let path = Path::new(name);
     let file = GltfFile::parse(bytes, path, &ReadOptions::default()).map_err(|error| error.to_string())?;
@@ -150,7 +150,7 @@ fn look_into(name: &str, bytes: &[u8]) -> Result<FileReport, String> {
     Ok(report)
 }
 
-/// What is loaded takes the stage.
+/// Puts a loaded file on the stage.
 fn examine(world: &mut World) {
     let Ok((entity, candidate)) = world.query::<(Entity, &Candidate)>().single(world) else {
         return;
@@ -161,7 +161,7 @@ fn examine(world: &mut World) {
     let put = match loaded {
         Ok(false) => return,
         Ok(true) => put_on_stage(world, entity, &gltf),
-        // Nobody knows the name that it has here.
+        // Users do not know the file's internal name.
         Err(error) => Err(error.to_string().replace(&Files::asset_path(&file), &name)),
     };
     if let Err(error) = &put
@@ -170,7 +170,7 @@ fn examine(world: &mut World) {
         world.insert_resource(Trouble(error.clone()));
     }
     world.resource::<Verdict>().change(|judged| match put {
-        // A later one has been judged already.
+        // A later file has been judged already.
         _ if judged.number != number => {}
         Ok(()) => judged.shown = true,
         Err(error) => judged.error = Some(error),
@@ -203,7 +203,7 @@ fn put_on_stage(world: &mut World, candidate: Entity, gltf: &Handle<Gltf>) -> Re
             MorphColliderScene::default(),
             Pending,
             Visibility::default(),
-            // Until it is known how large they are, they keep apart.
+            // They keep apart until their size is known.
             Transform::from_xyz(1e6 * index as f32, 0.0, 0.0),
         ));
     }
@@ -244,13 +244,13 @@ fn meet(mut members: Query<(&Member, &mut Transform)>, fit: Res<Fit>, clock: Res
     }
 }
 
-/// What plays no clip shows its targets one after the other.
+/// Without a clip, shows the targets one after the other.
 fn morph(mut idle: Idle, clock: Res<Clock>) {
     let seconds = clock.frame as f32 / 60.0;
     idle.for_each(|index, weights| weights.copy_from_slice(&wobbling(seconds + 1.3 * index as f32, weights.len())));
 }
 
-/// Notes about the model, and about what it costs.
+/// Notes about the model and its costs.
 fn notes(race: &Race, verdict: &Verdict) -> Notes {
     let mut notes = race.notes();
     if let Some(error) = verdict.now().error {

@@ -23,7 +23,7 @@ pub fn pass_through() -> Show {
         keys: &[],
         eye: Vec3::new(0.6, 1.1, 4.1),
         target: Vec3::ZERO,
-        // Those of the figure.
+        // The same as in the figure.
         pictures: &[60, 120, 180, 220, 260, 320],
         scene: Box::new(|app| {
             app.add_systems(Startup, spawn)
@@ -58,7 +58,7 @@ fn pass(mut bodies: Query<(&Side, &mut Transform)>, mut weights: Query<&mut Morp
     }
 }
 
-/// A colour for each.
+/// Gives each body its colour.
 fn paint(
     mut drawn: Query<(Entity, &mut MeshMaterial3d<StandardMaterial>)>,
     sides: Query<&Side>,

@@ -1,4 +1,4 @@
-//! A player walks on a hill that heaves, in the rain of balls and boxes.
+//! A player walks on a heaving hill while balls and boxes rain down.
 
 use bevy::light::CascadeShadowConfigBuilder;
 use bevy::prelude::*;
@@ -22,7 +22,7 @@ pub fn physics(game: Game) -> Show {
             ("W A S D, arrows", "walk; alone, it walks by itself"),
             ("Space", "jump"),
         ],
-        // A little to the left, where the panel is.
+        // Shifted a little to the left, because of the panel.
         eye: Vec3::new(-0.9, 4.3, 8.4),
         target: Vec3::new(-0.9, 0.8, 0.0),
         pictures: &[60, 180, 360, 540],
@@ -30,7 +30,7 @@ pub fn physics(game: Game) -> Show {
             app.insert_resource(game)
                 .insert_resource(PauseKey(KeyCode::KeyP, "P"))
                 .add_plugins((heaving::plugin, smooth::plugin))
-                // Physics remembers what is drawn.
+                // Physics reads the weights that are drawn.
                 .configure_sets(PostUpdate, SliderSystems.before(TransformSystems::Propagate))
                 .add_systems(PostStartup, (wait, cast_shadows, light_the_ground))
                 .add_systems(
@@ -42,7 +42,7 @@ pub fn physics(game: Game) -> Show {
     }
 }
 
-/// Until the game has begun.
+/// Marks a show whose game has not begun.
 #[derive(Component)]
 struct Loading;
 
@@ -59,7 +59,7 @@ fn begin(mut commands: Commands, players: Query<(), With<Player>>, loading: Quer
     }
 }
 
-/// A low sun: its shadows tell who stands on what, and how the hill moves.
+/// A low sun, because its shadows show what stands on what, and how the hill moves.
 fn cast_shadows(mut commands: Commands, mut lights: Query<(Entity, &mut DirectionalLight)>) {
     let brightest = lights
         .iter_mut()
@@ -93,7 +93,7 @@ fn light_the_ground(
     ));
 }
 
-/// Keys, as seen from the camera.
+/// Turns keys into walking directions as seen from the camera.
 fn listen(
     keys: Res<ButtonInput<KeyCode>>,
     camera: Single<&GlobalTransform, With<StageCamera>>,
@@ -107,7 +107,7 @@ fn listen(
     );
     let ahead = axis([KeyCode::KeyW, KeyCode::ArrowUp], [KeyCode::KeyS, KeyCode::ArrowDown]);
     let camera_right = camera.right().xz().normalize_or_zero();
-    // Also right for a camera that looks straight down.
+    // Also correct for a camera that looks straight down.
     let camera_ahead = -camera_right.perp();
     wish.walk = (right * camera_right + ahead * camera_ahead).clamp_length_max(1.0);
     wish.jump |= keys.just_pressed(KeyCode::Space);
@@ -117,7 +117,7 @@ fn listen(
 #[derive(Component)]
 struct Figure;
 
-/// What player and rain look like.
+/// Draws the player and the rain.
 fn dress(
     players: Query<Entity, Added<Player>>,
     bodies: Query<(Entity, &Falling), Added<Falling>>,
@@ -166,7 +166,7 @@ fn dress(
             Form::Ball(radius) => (ball.clone(), Vec3::splat(radius)),
             Form::Cuboid(half) => (cuboid.clone(), half),
         };
-        // What is drawn is scaled, what collides has its size.
+        // The drawn mesh is scaled to the collider's size.
         let place = Transform::from_scale(size);
         let color = colors[falling.number as usize / 2 % colors.len()].clone();
         commands

@@ -1,4 +1,4 @@
-//! Morphing and skinned models under the pointer: what is drawn is what is hit.
+//! Morphing and skinned models under the pointer: picking hits exactly what is drawn.
 
 use std::path::Path;
 
@@ -44,7 +44,7 @@ pub fn picking() -> Show {
     }
 }
 
-/// Stands on the place that is pointed at.
+/// Marks the arrow at the place under the pointer.
 #[derive(Component, Clone, Copy, Debug)]
 pub struct Arrow;
 
@@ -72,7 +72,7 @@ fn spawn(
             collider: MorphCollider::new(MorphCollisionMode::Passive),
             ..default()
         },
-        // It is in decimetres.
+        // The model is in decimetres.
         Transform::from_xyz(4.1, 0.0, 0.0)
             .with_rotation(Quat::from_rotation_y(-0.5))
             .with_scale(Vec3::splat(0.11)),
@@ -132,7 +132,7 @@ fn wobble(mut models: Query<&mut MeshMorphWeights, With<ModelPart>>, clock: Res<
     }
 }
 
-/// A click gives the model another colour.
+/// A click changes the model's colour.
 fn clicked(
     click: On<PointerClick>,
     clicks: Clicks,
@@ -148,7 +148,7 @@ fn clicked(
     }
 }
 
-/// The pointer may stand still while the model moves, so it is asked again every frame.
+/// Queries the pointer every frame, because the model may move while the pointer stands still.
 fn point(
     hover: Res<HoverMap>,
     names: Query<&Name>,

@@ -1,4 +1,5 @@
-//! A show's time: it begins when everything is loaded, can be paused, stepped, and run at another speed.
+//! A show's time: it begins when everything is loaded, can be paused and stepped, and can run at another
+//! speed.
 
 use bevy::prelude::*;
 use bevy::time::TimeSystems;
@@ -7,7 +8,7 @@ use bevy_morph_collision::MorphTrees;
 
 use crate::app::STEP;
 
-/// On an entity that is not there yet as it will be; the show waits until there is none.
+/// Marks an entity that is not ready yet. The show waits until there are none.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct Pending;
 
@@ -15,20 +16,20 @@ pub struct Pending;
 #[derive(Resource, Clone, Debug)]
 pub struct Trouble(pub String);
 
-/// A show's time, in frames of a sixtieth of a second.
+/// A show's time, in frames of 1/60 s.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub struct Clock {
-    /// Frames since the show began; a fraction where it does not run at full speed.
+    /// Frames since the show began; fractional if the show does not run at full speed.
     pub frame: f64,
     /// Whether everything is loaded.
     pub started: bool,
-    /// To go on by one frame while paused.
+    /// Whether to advance by one frame while paused.
     pub step: bool,
     /// Frames run since everything was loaded.
     settled: u32,
 }
 
-/// The key that pauses, and its name; shows that need `Space` for something else take another.
+/// The key that pauses, and its name. Shows that need `Space` for something else use another key.
 #[derive(Resource, Clone, Copy, Debug)]
 pub struct PauseKey(pub KeyCode, pub &'static str);
 
@@ -38,21 +39,21 @@ impl Default for PauseKey {
     }
 }
 
-/// A frame has so many moments, for shows that do not run at full speed.
+/// Subdivisions of a frame, for shows that do not run at full speed.
 pub const FRACTIONS: usize = 256;
 
 impl Clock {
-    /// Moments since the show began, [`FRACTIONS`] in a frame.
+    /// Time since the show began, in units of 1/[`FRACTIONS`] frame.
     #[must_use]
     pub fn fractions(&self) -> usize {
         (self.frame * FRACTIONS as f64).round() as usize
     }
 }
 
-/// Frames for trees, bounds and transforms to come to rest.
+/// Frames until trees, bounds and transforms have settled.
 const SETTLING: u32 = 4;
 
-/// A condition to run by: everything is loaded.
+/// A run condition: everything is loaded.
 pub fn started(clock: Res<Clock>) -> bool {
     clock.started
 }
@@ -62,7 +63,7 @@ pub(super) fn plugin(app: &mut App) {
         .init_resource::<PauseKey>()
         .add_systems(Startup, |mut time: ResMut<Time<Virtual>>| {
             time.pause();
-            // Where frames take longer the show runs slower, rather than in leaps.
+            // If frames take longer, the show slows down instead of leaping.
             time.set_max_delta(2 * STEP);
         })
         .add_systems(First, (start, tick).chain().after(TimeSystems))
@@ -120,12 +121,12 @@ fn keys(
     }
 }
 
-/// Whether keys are meant for a field of the panel.
+/// Whether the panel wants the keyboard input.
 pub fn is_typing(panel: Option<Res<EguiWantsInput>>) -> bool {
     panel.is_some_and(|panel| panel.wants_keyboard_input())
 }
 
-/// Pauses, or goes on.
+/// Pauses or resumes.
 pub(super) fn pause(time: &mut Time<Virtual>) {
     if time.is_paused() {
         time.unpause();

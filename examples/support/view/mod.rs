@@ -1,7 +1,7 @@
-//! Drawn examples: a model is blended by the GPU, and what the collision code believes is drawn on top.
+//! Drawn examples: the GPU blends a model, and the overlay shows what the collision code computed.
 //!
-//! A [`Show`] is a scene and what to say about it. It is put on a [`stage`] (camera, light, panel) and its [`clock`] runs: in a window or
-//! off-screen into pictures (`run`), or on a web [`page`].
+//! A [`Show`] is a scene and its description. It is put on a [`stage`] (camera, light, panel), and its [`clock`] runs: in a
+//! window, off-screen into pictures (`run`), or on a web [`page`].
 
 pub mod clock;
 pub mod files;
@@ -30,19 +30,19 @@ pub use run::{main, run};
 
 /// A drawn example.
 pub struct Show {
-    /// What its pictures are called.
+    /// The base name of its pictures.
     pub name: &'static str,
-    /// One sentence about what is to be seen.
+    /// One sentence that describes it.
     pub about: &'static str,
-    /// What it listens to beside what all do: a key or button, and what that does.
+    /// Its own controls, beside those that all shows share: a key or button, and its effect.
     pub keys: &'static [(&'static str, &'static str)],
-    /// Where the camera stands.
+    /// The camera's position.
     pub eye: Vec3,
-    /// What it looks at.
+    /// The point that the camera looks at.
     pub target: Vec3,
-    /// The frames of which there are pictures.
+    /// The frames to take pictures of.
     pub pictures: &'static [u32],
-    /// Adds the scene. What takes time to load is marked [`clock::Pending`].
+    /// Adds the scene. Entities that take time to load are marked [`clock::Pending`].
     pub scene: Box<dyn FnOnce(&mut App) + Send>,
 }
 

@@ -1,4 +1,4 @@
-//! Models in a show: scenes as Bevy loads them, and meshes with normals worked out where a file has none.
+//! Models in a show: scenes as Bevy loads them, and meshes with computed normals if a file has none.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -44,7 +44,7 @@ impl AssetLoader for ModelLoader {
         Ok(Model { meshes })
     }
 
-    /// None: Bevy's loader has them. This one is found by the type of what it loads.
+    /// Empty, because Bevy's own loader has these extensions. This loader is found by its asset type.
     fn extensions(&self) -> &[&str] {
         &[]
     }
@@ -64,22 +64,22 @@ pub fn scene(assets: &AssetServer, file: &Path) -> impl Bundle {
     (scene, Visibility::default(), Pending)
 }
 
-/// On the root of a [`scene`]: it plays the file's first clip in a loop.
+/// On the root of a [`scene`]: plays the file's first clip in a loop.
 #[derive(Component, Clone, Debug)]
 pub struct Plays {
     gltf: Handle<Gltf>,
-    /// Where in the clip it begins, in 0..1.
+    /// Where in the clip to start, in 0..1.
     phase: f32,
 }
 
 impl Plays {
-    /// The first clip of a file, from `phase` in 0..1 on.
+    /// Plays the first clip of a file, starting at `phase` in 0..1.
     #[must_use]
     pub fn new(gltf: Handle<Gltf>, phase: f32) -> Self {
         Self { gltf, phase }
     }
 
-    /// The first clip of the file, from `phase` in 0..1 on.
+    /// Plays the first clip of the file, starting at `phase` in 0..1.
     #[must_use]
     pub fn from(assets: &AssetServer, file: &Path, phase: f32) -> Self {
         Self::new(assets.load(AssetPath::from_path_buf(file.to_path_buf())), phase)
@@ -122,18 +122,19 @@ pub fn weights_of<'a>(weights: &'a MeshMorphWeights, shared: &'a Query<&MorphWei
     }
 }
 
-/// The meshes of a [`Model`] become children of this entity, one each, with normals; then what is in `dress` is done to them.
+/// The meshes of a [`Model`], with normals, become children of this entity, one each. Then `dress` is applied to each.
 #[derive(Component, Debug)]
 pub struct ModelRoot {
     /// The file's meshes.
     pub model: Handle<Model>,
-    /// The size of the longest side, at rest; the middle comes to the origin.
+    /// The size of the longest side at rest. The middle is moved to the origin.
     pub size: f32,
-    /// What they are drawn with.
+    /// Their material.
     pub material: StandardMaterial,
-    /// Colours on top of that for connected pieces, from the largest piece to the smallest; the last is for all that are left.
+    /// Colours of connected pieces, from the largest piece to the smallest, on top of the material. The last colour is for all
+    /// remaining pieces.
     pub pieces: &'static [Color],
-    /// Adds to each what the show wants.
+    /// Adds the show's own components to each child.
     pub dress: fn(&mut EntityCommands),
 }
 
@@ -178,9 +179,9 @@ fn place_models(
     }
 }
 
-/// Bevy's form of a mesh, with smooth normals at rest and at full weight of every target.
+/// A Bevy mesh with smooth normals at rest and at full weight of every target.
 ///
-/// Between them the GPU blends normals as it does positions. A mesh that no tree can be built of has none.
+/// In between, the GPU blends normals as it does positions. A mesh for which no tree can be built gets no normals.
 #[must_use]
 pub fn with_normals(mesh: &MorphMesh) -> Mesh {
     let bevy = bevy_mesh(mesh);
@@ -201,7 +202,7 @@ pub fn with_normals(mesh: &MorphMesh) -> Mesh {
     bevy
 }
 
-/// With normals, and each connected piece in its colour.
+/// The mesh with normals, and each connected piece in its colour.
 fn painted(mesh: &MorphMesh, colors: &[Color]) -> Mesh {
     let bevy = with_normals(mesh);
     let Some(last) = colors.last() else {
@@ -221,7 +222,7 @@ fn painted(mesh: &MorphMesh, colors: &[Color]) -> Mesh {
     bevy.with_inserted_attribute(Mesh::ATTRIBUTE_COLOR, painted)
 }
 
-/// At rest, and at full weight of each target.
+/// Normals at rest, and at full weight of each target.
 fn normals(mesh: &MorphMesh) -> Option<(Vec<Vec3>, Vec<Vec<Vec3>>)> {
     let model = Arc::new(mesh.to_model().ok()?);
     let mut pose = Pose::new(Arc::new(MorphBvh::build(model, &BuildOptions::default())));
@@ -233,7 +234,7 @@ fn normals(mesh: &MorphMesh) -> Option<(Vec<Vec3>, Vec<Vec<Vec3>>)> {
         pose.set_weights(&weights).ok()?;
         let mut normals = Vec::new();
         pose.source_normals(&mut normals);
-        // What has no area is drawn as if it faced up.
+        // Vertices without area are drawn as if they faced up.
         let drawn = |normal: Vec3| if normal == Vec3::ZERO { Vec3::Y } else { normal };
         Some(normals.into_iter().map(drawn).collect::<Vec<_>>())
     };
@@ -244,7 +245,7 @@ fn normals(mesh: &MorphMesh) -> Option<(Vec<Vec3>, Vec<Vec<Vec3>>)> {
     Some((base, targets))
 }
 
-/// A file that cannot be loaded ends the show.
+/// Ends the show if a file cannot be loaded.
 fn look_for_trouble(
     roots: Query<(Option<&ModelRoot>, Option<&WorldAssetRoot>), With<Pending>>,
     assets: Res<AssetServer>,

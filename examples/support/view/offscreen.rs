@@ -1,4 +1,4 @@
-//! A show without a window: frames one by one, and pictures of them.
+//! A show without a window: runs frame by frame and takes pictures.
 
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
@@ -25,7 +25,7 @@ use crate::error::ExampleError;
 /// How long to wait for models and trees, or for a picture.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-/// What comes into view anew is drawn as it should be after so many frames.
+/// Frames until something that newly comes into view is drawn correctly.
 const DRAWN: u32 = 4;
 
 /// A show that is drawn into an image.
@@ -41,15 +41,15 @@ impl std::fmt::Debug for Offscreen {
 }
 
 impl Offscreen {
-    /// A show at its first frame, frame 0. `bare` leaves out the panel.
+    /// A show at frame 0. `bare` hides the panel.
     ///
     /// # Errors
-    /// There is no driver to draw with, or a model cannot be loaded.
+    /// There is no graphics driver, or a model cannot be loaded.
     pub fn new(show: Show, size: (u32, u32), bare: bool) -> Result<Self, ExampleError> {
         if !stage::has_driver(wgpu::Backends::PRIMARY) {
             return Err(ExampleError::NoDriver);
         }
-        // One frame is drawn before the next is worked out. Logs and signals are the caller's.
+        // Each frame is drawn before the next one is computed. Logs and signals are left to the caller.
         let plugins = stage::plugins(None)
             .disable::<WinitPlugin>()
             .disable::<LogPlugin>()
@@ -79,7 +79,7 @@ impl Offscreen {
         Ok(offscreen)
     }
 
-    /// Runs this many frames of a sixtieth of a second.
+    /// Runs this many frames of 1/60 s.
     ///
     /// Only the last of them are drawn, unless a pointer needs to see what it points at.
     pub fn advance(&mut self, frames: u32) {
@@ -99,18 +99,18 @@ impl Offscreen {
         }
     }
 
-    /// Goes on with another frame, leaving out those before it: what moves by the [`Clock`] is where it would be then; what has
-    /// moved step by step, as physics, is where it was.
+    /// Jumps to another frame and skips those before it. Everything that moves by the [`Clock`] jumps too; whatever moves step
+    /// by step, such as physics, stays where it was.
     pub fn jump(&mut self, frame: u32) {
         self.app.world_mut().resource_mut::<Clock>().frame = f64::from(frame);
     }
 
-    /// What is drawn now.
+    /// The current picture.
     ///
     /// # Errors
-    /// The renderer does not deliver.
+    /// The renderer fails.
     pub fn picture(&mut self) -> Result<RgbImage, ExampleError> {
-        // Letters that the panel needs for the first time are there a frame later.
+        // Glyphs that the panel needs for the first time appear a frame later.
         self.app.update();
         let (sender, receiver) = mpsc::sync_channel(1);
         self.app
@@ -118,7 +118,7 @@ impl Offscreen {
             .spawn(Screenshot::image(self.target.clone()))
             .observe(move |captured: On<ScreenshotCaptured>| {
                 let picture = captured.image.clone().try_into_dynamic().map(|image| image.to_rgb8());
-                // Whoever asked waits for one only.
+                // The receiver waits for only one picture.
                 let _full = sender.try_send(picture.map_err(|error| error.to_string()));
             });
         let mut picture = None;
@@ -142,7 +142,7 @@ impl Offscreen {
             .insert_resource(TimeUpdateStrategy::ManualDuration(step));
     }
 
-    /// Frames in which no time passes.
+    /// Runs frames in which no time passes.
     fn update_until(&mut self, mut done: impl FnMut(&World) -> bool) -> Result<(), ExampleError> {
         let start = Instant::now();
         while !done(self.app.world()) {

@@ -1,6 +1,6 @@
-//! Touching triangles, drawn over the models from their sparsely blended vertices: what the collision code believes.
+//! Touching triangles, drawn over the models from the vertices that the collision code blended.
 //!
-//! The rest of a mesh is never blended on the CPU. Where both blend alike, the overlay lies on what the GPU draws.
+//! The rest of a mesh is never blended on the CPU. If both blend alike, the overlay lies on what the GPU draws.
 
 use std::collections::BTreeSet;
 
@@ -18,11 +18,11 @@ use super::clock;
 /// How the overlay is drawn.
 #[derive(Resource, Clone, Copy, Debug)]
 pub struct Overlay {
-    /// Whether it is.
+    /// Whether it is drawn.
     pub shown: bool,
-    /// Moved by this much in world space. Zero, but for tests.
+    /// World-space offset. Zero except in tests.
     pub offset: Vec3,
-    /// How many triangles it has.
+    /// Number of its triangles.
     pub triangles: usize,
 }
 
@@ -36,19 +36,20 @@ impl Default for Overlay {
     }
 }
 
-/// The triangles of a collider that meet others of its own; beside those that [`MorphCollisions`] knows of, they are drawn.
+/// The triangles of a collider that intersect others of the same collider. They are drawn along with those in
+/// [`MorphCollisions`].
 #[derive(Component, Clone, Debug, Default)]
 pub struct SelfTouching(pub Vec<TrianglePair>);
 
-/// The entity that is the overlay.
+/// Marks the overlay's entity.
 #[derive(Component, Clone, Copy, Debug)]
 pub struct OverlayMesh;
 
-/// When the overlay has been made, in [`PostUpdate`].
+/// The systems that make the overlay, in [`PostUpdate`].
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct OverlaySystems;
 
-/// Of two surfaces in the same place the overlay is seen: it comes nearer by this many steps of the depth buffer.
+/// Moves the overlay nearer by this many steps of the depth buffer, so that it wins over the surface in the same place.
 const DEPTH_BIAS: f32 = 256.0;
 
 pub(super) fn plugin(app: &mut App) {
@@ -143,12 +144,12 @@ fn draw(
     {
         *asset = triangles(corners);
         mesh.set_changed();
-        // Bevy has looked already what changed in this frame, and would draw the overlay one frame late.
+        // Bevy has already checked for changes in this frame, and would draw the overlay one frame late.
         events.write(AssetEvent::Modified { id: mesh.id() });
     }
 }
 
-/// Three corners each. An empty mesh has one triangle without area.
+/// A mesh of triangles with three corners each. If there are none, it has one triangle without area.
 fn triangles(mut corners: Vec<Vec3>) -> Mesh {
     if corners.is_empty() {
         corners = vec![Vec3::ZERO; 3];

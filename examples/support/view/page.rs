@@ -1,4 +1,4 @@
-//! A show on a web page: what the page gives it, and what it tells the page.
+//! A show on a web page: what the page passes in, and what it reports back.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -11,43 +11,43 @@ use super::overlay::Overlay;
 use super::sliders::Sliders;
 use super::stage::{Notes, Playbill};
 
-/// What a show is at, for a page to tell and for tests to look at.
+/// The state of a show, for the page to display and for tests to check.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct State {
     /// Its name.
     pub show: &'static str,
     /// Whether everything is loaded.
     pub started: bool,
-    /// Where it is, in sixtieths of a second.
+    /// Its time, in 1/60 s.
     pub frame: f64,
     /// Frames drawn since it was put on the page.
     pub drawn: u64,
-    /// Colliders in it.
+    /// Number of colliders.
     pub colliders: u64,
     /// Pairs of colliders that touch.
     pub touching: u64,
-    /// Pairs of triangles that do.
+    /// Pairs of triangles that touch.
     pub triangle_pairs: u64,
-    /// Triangles that are red.
+    /// Number of red triangles.
     pub red: usize,
-    /// How often two colliders have begun to touch.
+    /// How often two colliders started touching.
     pub events: u64,
-    /// What the plugin took in this frame, in milliseconds.
+    /// Time that the plugin took in this frame, in milliseconds.
     pub collision_ms: f64,
-    /// The weights of the model that has most.
+    /// The weights of the model with the most weights.
     pub weights: Vec<f32>,
-    /// What the show itself counts.
+    /// Values that the show itself reports.
     pub notes: Vec<(&'static str, String)>,
-    /// Why it does not begin.
+    /// Why it cannot begin.
     pub trouble: Option<String>,
 }
 
-/// The state of the last frame. Clones are of the same one.
+/// The state of the last frame. Clones share the same state.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Told(Arc<Mutex<State>>);
 
 impl Told {
-    /// A copy of it.
+    /// A copy of the state.
     #[must_use]
     pub fn now(&self) -> State {
         self.lock().clone()
@@ -58,7 +58,7 @@ impl Told {
     }
 }
 
-/// Tells the state after every frame.
+/// Updates the state after every frame.
 pub fn plugin(app: &mut App) {
     app.init_resource::<Told>().add_systems(Last, tell);
 }

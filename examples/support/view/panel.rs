@@ -1,4 +1,4 @@
-//! The panel: what is to be seen, time, what to draw, weights by hand, counts of what was skipped, and keys.
+//! The panel: description, time, what to draw, weights by hand, counts of skipped work, and keys.
 
 use bevy::gizmos::config::GizmoConfigStore;
 use bevy::prelude::*;
@@ -10,7 +10,7 @@ use super::overlay::Overlay;
 use super::sliders::Sliders;
 use super::stage::{Notes, Playbill};
 
-/// Keys that every show listens to.
+/// Keys that all shows share.
 const KEYS: [(&str, &str); 8] = [
     ("right drag", "orbit"),
     ("middle drag", "pan"),
@@ -22,10 +22,10 @@ const KEYS: [(&str, &str); 8] = [
     ("V, Shift V", "volumes one level deeper, higher"),
 ];
 
-/// How wide a value may be, in points.
+/// The largest width of a value, in points.
 const LONGEST: f32 = 200.0;
 
-/// The deepest level of volumes that can be asked for.
+/// The deepest selectable level of volumes.
 const DEEPEST: usize = 12;
 
 pub(super) fn plugin(app: &mut App) {
@@ -59,7 +59,7 @@ fn panel(
     mut store: ResMut<GizmoConfigStore>,
     (real, pause): (Res<Time<Real>>, Res<PauseKey>),
 ) -> Result {
-    // A page covers the canvas until then, and does not know before how wide it will be.
+    // A page covers the canvas until then, and does not know its width before.
     if cfg!(target_arch = "wasm32") && !clock.started {
         return Ok(());
     }
@@ -67,9 +67,9 @@ fn panel(
     context.set_visuals(egui::Visuals::light());
     // On a phone it would hide the show.
     let wide = context.content_rect().width() > 640.0;
-    // A page says beside the show how to look around.
+    // A page explains beside the show how to look around.
     let keys_open = bill.live && wide && !cfg!(target_arch = "wasm32");
-    // What its title and frame leave of the window's height.
+    // The window's height without title and frame.
     let room = context.content_rect().height() - 64.0;
     egui::Window::new(bill.name)
         .anchor(egui::Align2::LEFT_TOP, [8.0, 8.0])
@@ -161,7 +161,7 @@ fn weights(ui: &mut egui::Ui, sliders: &mut Sliders) {
     });
 }
 
-/// What was done, and what was skipped, in this frame. In pictures, nothing that depends on the machine.
+/// Work done and skipped in this frame. In pictures, nothing that depends on the machine.
 fn counts(diagnostics: &MorphCollisionDiagnostics, bill: &Playbill, real: &Time<Real>) -> Vec<(&'static str, String)> {
     let stats = &diagnostics.stats;
     let share = 100.0 * stats.nodes_blended as f64 / diagnostics.nodes_total.max(1) as f64;
@@ -197,7 +197,7 @@ fn counts(diagnostics: &MorphCollisionDiagnostics, bill: &Playbill, real: &Time<
 }
 
 fn rows(ui: &mut egui::Ui, name: &str, rows: impl IntoIterator<Item = (&'static str, String)>) {
-    // What is long goes on in the next line, rather than hide the show.
+    // Long values wrap instead of hiding the show.
     let grid = egui::Grid::new(name).num_columns(2).max_col_width(LONGEST);
     grid.show(ui, |ui| {
         for (name, value) in rows {

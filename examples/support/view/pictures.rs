@@ -1,4 +1,4 @@
-//! A show's pictures, written into a folder.
+//! Writes a show's pictures into a folder.
 
 use std::fs::File;
 use std::io::BufWriter;
@@ -17,7 +17,7 @@ use crate::app::STEP;
 use crate::error::ExampleError;
 use crate::options::{Animation, ViewOptions};
 
-/// Writes the pictures asked for, `NAME_FRAME.png` and `NAME.gif`, and prints their paths.
+/// Writes the requested pictures, `NAME_FRAME.png` and `NAME.gif`, and prints their paths.
 pub(super) fn write(show: Show, options: &ViewOptions, folder: &Path) -> Result<(), ExampleError> {
     let cannot =
         |path: &Path, error: &dyn std::fmt::Display| ExampleError::Picture(format!("{}: {error}", path.display()));
@@ -33,7 +33,7 @@ pub(super) fn write(show: Show, options: &ViewOptions, folder: &Path) -> Result<
     let mut wanted: Vec<u32> = stills.iter().chain(&moving).copied().collect();
     wanted.sort_unstable();
     wanted.dedup();
-    // There is one log in a program, and an off-screen show leaves it alone.
+    // A program has only one log, and an off-screen show does not set it up.
     App::new().add_plugins(stage::log());
     let mut offscreen = Offscreen::new(show, options.size, options.bare)?;
     let mut film = match options.animate {
@@ -72,14 +72,14 @@ fn frames_of(animation: Animation) -> Vec<u32> {
         .collect()
 }
 
-/// An animated picture that repeats for ever.
+/// An animated picture that loops forever.
 struct Film {
     path: std::path::PathBuf,
     encoder: GifEncoder<BufWriter<File>>,
 }
 
 impl Film {
-    /// From 1, best and slowest, to 30.
+    /// GIF encoding speed from 1, best and slowest, to 30.
     const SPEED: i32 = 8;
 
     fn create(path: &Path) -> Result<Self, ExampleError> {

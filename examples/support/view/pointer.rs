@@ -1,4 +1,4 @@
-//! What a pointer does: whether it clicks; and one that a show moves itself, for pictures: off-screen there is no mouse.
+//! Distinguishes clicks from drags, and moves a scripted pointer for pictures, because there is no mouse off-screen.
 
 use bevy::camera::{NormalizedRenderTarget, RenderTarget};
 use bevy::ecs::system::SystemParam;
@@ -10,16 +10,16 @@ use bevy::prelude::*;
 use super::clock::{self, Clock};
 use super::stage::StageCamera;
 
-/// What the pointer does, in ascending order of frames, two or more apart.
+/// The pointer's actions, in ascending order of frames, at least two frames apart.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Script(pub Vec<Cue>);
 
-/// One thing that the pointer does.
+/// One action of the pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cue {
-    /// When.
+    /// The frame in which it happens.
     pub frame: u32,
-    /// Above this place, in world space.
+    /// The place to point at, in world space.
     pub at: Vec3,
     /// Whether the left button is pressed and released.
     pub click: bool,
@@ -46,7 +46,7 @@ fn play(
     mut done: Local<usize>,
     mut held: Local<Option<Location>>,
 ) {
-    // While a picture is waited for, no time passes.
+    // No time passes while a picture is being taken.
     if !clock.started || time.delta().is_zero() {
         return;
     }
@@ -73,7 +73,7 @@ fn play(
         target: NormalizedRenderTarget::Image(image.clone()),
         position,
     };
-    // Listeners hear nothing of a pointer that does not move.
+    // Listeners get no events from a pointer that does not move.
     write(location.clone(), PointerAction::Move { delta: Vec2::ONE });
     if cue.click {
         write(location.clone(), PointerAction::Press(PointerButton::Primary));
@@ -81,7 +81,7 @@ fn play(
     }
 }
 
-/// Where each pointer was pressed last.
+/// Where each pointer was last pressed.
 #[derive(Resource, Debug, Default)]
 struct Presses(HashMap<PointerId, Vec2>);
 
@@ -93,17 +93,17 @@ pub(super) fn clicks(app: &mut App) {
         });
 }
 
-/// Tells clicks from drags: a finger that orbits also ends on what it began on.
+/// Distinguishes clicks from drags: a finger that orbits can also end on the object it started on.
 #[derive(SystemParam, Debug)]
 pub struct Clicks<'w> {
     presses: Res<'w, Presses>,
 }
 
 impl Clicks<'_> {
-    /// In pixels: no hand is quite still.
+    /// Tolerance in pixels, because no hand is quite still.
     const STILL: f32 = 8.0;
 
-    /// Whether it is one with the left button, or a finger, in one place.
+    /// Whether the click is one of the left button or a finger that stayed in one place.
     #[must_use]
     pub fn is_plain(&self, click: &PointerClick) -> bool {
         let pressed = self.presses.0.get(&click.pointer.id);

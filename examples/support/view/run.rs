@@ -1,4 +1,4 @@
-//! A show as a program: in a window, or into pictures.
+//! Runs a show as a program: in a window, or into pictures.
 
 use std::process::ExitCode;
 
@@ -6,7 +6,7 @@ use super::{Show, pictures, window};
 use crate::error::ExampleError;
 use crate::options::ViewOptions;
 
-/// What an example does that is nothing but a show.
+/// The main function of an example that is only a show.
 #[must_use]
 pub fn main(show: Show, options: &ViewOptions) -> ExitCode {
     match run(show, options) {
@@ -18,10 +18,10 @@ pub fn main(show: Show, options: &ViewOptions) -> ExitCode {
     }
 }
 
-/// Shows it as asked for.
+/// Shows it according to the options.
 ///
 /// # Errors
-/// There is no display for a window, no driver to draw with, a model cannot be loaded, or a picture cannot be written.
+/// There is no display for a window, there is no graphics driver, a model cannot be loaded, or a picture cannot be written.
 pub fn run(show: Show, options: &ViewOptions) -> Result<(), ExampleError> {
     match &options.screenshots {
         Some(folder) => {
@@ -34,8 +34,8 @@ pub fn run(show: Show, options: &ViewOptions) -> Result<(), ExampleError> {
 
 /// Keeps Mesa's device selection from asking a Wayland desktop which GPU it uses.
 ///
-/// There may be no desktop: where `XDG_RUNTIME_DIR` is not set, libwayland would complain on stderr. The layer looks at the environment when
-/// the Vulkan loader finds it, and a running program cannot change its environment safely, so the program starts again in its own place.
+/// There may be no desktop: without `XDG_RUNTIME_DIR`, libwayland would complain on stderr. The layer reads the environment when
+/// the Vulkan loader finds it, and a running program cannot safely change its environment. So the program re-executes itself.
 #[cfg(target_os = "linux")]
 fn leave_the_desktop() {
     use std::os::unix::process::CommandExt;
@@ -50,7 +50,7 @@ fn leave_the_desktop() {
         if let Some(name) = arguments.next() {
             again.arg0(name);
         }
-        // Comes back only if it fails; then the complaint is all that is lost.
+        // Returns only on failure. Then the complaint on stderr stays, which is harmless.
         let _failed = again.args(arguments).env(DISABLE_LAYER, "1").exec();
     }
 }

@@ -1,4 +1,4 @@
-//! Morph weights by hand: every model takes those of the sliders instead of its own.
+//! Morph weights by hand: every model takes the sliders' weights instead of its own.
 
 use bevy::app::AnimationSystems;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
@@ -11,13 +11,13 @@ use super::models::weights_of;
 /// The sliders.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Sliders {
-    /// Whether models follow them.
+    /// Whether models follow the sliders.
     pub in_hand: bool,
-    /// One for each target: a name and a weight.
+    /// The name and weight of each target.
     pub weights: Vec<(String, f32)>,
 }
 
-/// When models have taken their weights, in [`PostUpdate`].
+/// The systems that set the models' weights, in [`PostUpdate`].
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct SliderSystems;
 
@@ -38,8 +38,8 @@ pub(super) fn plugin(app: &mut App) {
         );
 }
 
-/// One slider per target of the model that has most. Until a hand takes them they show what that model plays, so that they are found
-/// where it is.
+/// Shows one slider per target of the model with the most targets. Until the user moves one, the sliders show the weights that
+/// the model plays.
 fn show(
     clock: Res<Clock>,
     mut sliders: ResMut<Sliders>,

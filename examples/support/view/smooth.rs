@@ -1,4 +1,4 @@
-//! What moves in fixed steps, drawn smoothly in frames: between where it was after the last two steps.
+//! Draws things that move in fixed steps smoothly, by interpolating between their last two steps.
 
 use bevy::prelude::*;
 
@@ -7,23 +7,23 @@ use super::clock::started;
 /// On a child that is drawn for its parent. The parent moves in fixed steps, is not scaled, and has no parent itself.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct Smooth {
-    /// Its own place, in the space of its parent.
+    /// Its own transform, in the space of its parent.
     pub own: Transform,
     steps: Option<[Transform; 2]>,
 }
 
 impl Smooth {
-    /// For something at this place in the space of its parent.
+    /// A child with this transform in the space of its parent.
     #[must_use]
     pub fn at(own: Transform) -> Self {
         Self { own, steps: None }
     }
 }
 
-/// A parent that goes farther in a step has been put elsewhere.
+/// A parent that moves farther than this in a step has been teleported.
 const LEAP: f32 = 1.0;
 
-/// Draws what is [`Smooth`].
+/// Draws entities with [`Smooth`].
 pub fn plugin(app: &mut App) {
     app.add_systems(FixedLast, remember)
         .add_systems(PostUpdate, draw.before(TransformSystems::Propagate).run_if(started));

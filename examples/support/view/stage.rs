@@ -1,4 +1,5 @@
-//! What every show stands on: Bevy with a renderer, the plugins of this project, a camera, light, and a background.
+//! The common base of all shows: Bevy with a renderer, the plugins of this project, a camera, light, and a
+//! background.
 
 use bevy::app::{PluginGroup, PluginGroupBuilder};
 use bevy::asset::AssetMetaCheck;
@@ -21,13 +22,13 @@ use super::{Show, clock, models, overlay, panel, pointer, sliders};
 /// The colour behind everything.
 pub const BACKGROUND: Color = Color::srgb(0.93, 0.95, 0.97);
 
-/// What a show says about itself, for the panel.
+/// A show's description, for the panel.
 #[derive(Resource, Clone, Debug)]
 pub(super) struct Playbill {
     pub(super) name: &'static str,
     pub(super) about: &'static str,
     pub(super) keys: &'static [(&'static str, &'static str)],
-    /// Whether a user looks on, rather than a camera that takes pictures.
+    /// Whether a user watches, rather than a camera that takes pictures.
     pub(super) live: bool,
 }
 
@@ -50,7 +51,7 @@ pub(super) enum Place {
     },
 }
 
-/// Only what a user can do something about; what cannot be loaded is told in another way.
+/// Logs only what a user can act on. Files that cannot be loaded are reported in another way.
 pub(super) fn log() -> LogPlugin {
     LogPlugin {
         filter: "error,bevy_asset=off,bevy_morph_collision=warn".into(),
@@ -58,13 +59,13 @@ pub(super) fn log() -> LogPlugin {
     }
 }
 
-/// Bevy as a game has it, with a window or without.
+/// Bevy's default plugins, with a window or without.
 pub(super) fn plugins(window: Option<Window>) -> PluginGroupBuilder {
     let live = window.is_some();
     let assets = AssetPlugin {
         file_path: concat!(env!("CARGO_MANIFEST_DIR"), "/assets").into(),
         meta_check: AssetMetaCheck::Never,
-        // A user's own model may lie anywhere.
+        // A user's own model may be anywhere.
         unapproved_path_mode: bevy::asset::UnapprovedPathMode::Allow,
         ..AssetPlugin::default()
     };
@@ -74,12 +75,12 @@ pub(super) fn plugins(window: Option<Window>) -> PluginGroupBuilder {
         } else {
             ExitCondition::DontExit
         },
-        // Bevy's picking wants to know of one, even where nothing opens it.
+        // Bevy's picking needs a primary window, even if it is never opened.
         primary_window: window.or_else(|| Some(Window::default())),
         ..WindowPlugin::default()
     };
     let drivers = WgpuSettings {
-        // Without a window nothing else is looked for; what is looked for complains.
+        // Without a window, no other backend is searched, because the search prints complaints.
         backends: if live {
             WgpuSettings::default().backends
         } else {
@@ -89,14 +90,14 @@ pub(super) fn plugins(window: Option<Window>) -> PluginGroupBuilder {
     };
     let renderer = RenderPlugin {
         render_creation: drivers.into(),
-        // Off-screen, the first picture is complete.
+        // Makes the first off-screen picture complete.
         synchronous_pipeline_compilation: !live,
         ..RenderPlugin::default()
     };
     DefaultPlugins.set(assets).set(windows).set(renderer).set(log())
 }
 
-/// An app of these plugins and those of this project.
+/// An app with these plugins and those of this project.
 pub(super) fn app(plugins: PluginGroupBuilder, files: &Files) -> App {
     let mut app = App::new();
     files.serve(&mut app);
@@ -109,7 +110,7 @@ pub(super) fn app(plugins: PluginGroupBuilder, files: &Files) -> App {
     app
 }
 
-/// Puts a show on it.
+/// Puts a show on the stage.
 pub(super) fn set(app: &mut App, show: Show, place: Place) {
     let live = matches!(place, Place::Window);
     app.insert_resource(ClearColor(BACKGROUND))
@@ -138,7 +139,7 @@ pub(super) fn set(app: &mut App, show: Show, place: Place) {
     if live {
         app.add_plugins(PanOrbitCameraPlugin);
     }
-    // The overlay shows what touches.
+    // The overlay shows the touching triangles instead.
     let gizmos = &mut app.world_mut().resource_mut::<GizmoConfigStore>();
     let (_, gizmos) = gizmos.config_mut::<MorphGizmos>();
     (gizmos.triangles, gizmos.contacts) = (None, None);
@@ -151,7 +152,7 @@ pub(super) fn set(app: &mut App, show: Show, place: Place) {
     (show.scene)(app);
 }
 
-/// A page's renderer knows one directional light: there, what the second would add comes from all around.
+/// The renderer on a web page supports one directional light. There, ambient light replaces the second one.
 #[cfg(target_arch = "wasm32")]
 const AMBIENT: f32 = 620.0;
 #[cfg(target_arch = "wasm32")]
@@ -161,7 +162,7 @@ const AMBIENT: f32 = 430.0;
 #[cfg(not(target_arch = "wasm32"))]
 const LIGHTS: [(f32, Vec3); 2] = [KEY_LIGHT, (900.0, Vec3::new(3.0, 1.0, -2.0))];
 
-/// How bright, and where from.
+/// Illuminance, and where the light comes from.
 const KEY_LIGHT: (f32, Vec3) = (2500.0, Vec3::new(-2.0, 4.0, 3.0));
 
 fn light(commands: &mut Commands) {
@@ -184,7 +185,7 @@ fn camera(commands: &mut Commands, eye: Vec3, target: Vec3, place: &Place) {
             clear_color: ClearColorConfig::Default,
             ..default()
         },
-        // The background stays as bright as it is.
+        // Keeps the background's brightness.
         Tonemapping::None,
         Transform::from_translation(eye).looking_at(target, Vec3::Y),
     ));
@@ -210,7 +211,7 @@ fn camera(commands: &mut Commands, eye: Vec3, target: Vec3, place: &Place) {
     }
 }
 
-/// Where the picture is higher than wide, it shows as much from left to right as a square one.
+/// If the picture is higher than wide, it shows as much from left to right as a square one.
 fn widen(mut camera: Single<(&Camera, &mut Projection), With<StageCamera>>) {
     let (camera, projection) = &mut *camera;
     let Some(size) = camera.physical_target_size().map(UVec2::as_vec2) else {
@@ -225,7 +226,7 @@ fn widen(mut camera: Single<(&Camera, &mut Projection), With<StageCamera>>) {
     }
 }
 
-/// Draws the bounding volumes this deep below the root; none for `None`.
+/// Draws the bounding volumes at depth `level` below the root; `None` draws none.
 pub fn show_volumes(app: &mut App, level: Option<usize>) {
     app.world_mut()
         .resource_mut::<GizmoConfigStore>()
@@ -234,7 +235,7 @@ pub fn show_volumes(app: &mut App, level: Option<usize>) {
         .depth = level;
 }
 
-/// Whether there is anything to draw with, if only a program that does what a GPU would.
+/// Whether there is any graphics driver, including software renderers.
 #[cfg(not(target_arch = "wasm32"))]
 pub(super) fn has_driver(backends: Backends) -> bool {
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor {

@@ -27,7 +27,7 @@ pub(super) fn run(show: Show, options: &ViewOptions) -> Result<(), ExampleError>
     let mut app = stage::app(stage::plugins(Some(window)), &Files::default());
     stage::set(&mut app, show, Place::Window);
     stage::show_volumes(&mut app, options.volumes);
-    // The app is gone when it has run; this stays.
+    // The app is gone after it has run; this remains.
     let trouble = Arc::new(OnceLock::new());
     let told = Arc::clone(&trouble);
     app.add_systems(
@@ -47,7 +47,8 @@ pub(super) fn run(show: Show, options: &ViewOptions) -> Result<(), ExampleError>
     }
 }
 
-/// Whether a window can be opened: on Linux, by way of X11, which Wayland has as well. Elsewhere there always is a display.
+/// Whether a window can be opened. On Linux this needs X11, which Wayland desktops provide as well. Other systems always
+/// have a display.
 fn has_display() -> bool {
     !cfg!(target_os = "linux") || std::env::var_os("DISPLAY").is_some_and(|display| !display.is_empty())
 }

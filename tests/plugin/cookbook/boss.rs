@@ -10,7 +10,8 @@ use bevy_morph_collision::prelude::*;
 use super::program;
 use super::programs::boss_armour::{Boss, DENT, Part, Volley, game};
 
-/// A part as a player sees it: hits that it still takes, how deep it is dented, and whether it is gone from sight and from collisions.
+/// A part as a player sees it: the hits that it can still take, the depth of its dent, and whether it is hidden and takes no part
+/// in collisions.
 #[derive(Clone, Debug, PartialEq)]
 struct Seen {
     health: u32,
@@ -72,7 +73,7 @@ fn plates_are_dented_and_break_and_the_boss_cries_once_a_volley() {
         if states.last() != Some(&state) {
             states.push(state);
         }
-        // What sticks to a plate is in its middle, which the target moves back by the weight.
+        // Entities that stick to a plate are in its middle, which the target moves back by the weight.
         for (place, anchor) in stuck.iter(app.world()) {
             if let Some(MeshMorphWeights::Value { weights }) = app.world().get(anchor.collider) {
                 let (z, dent) = (place.translation().z, DENT * weights[0]);
@@ -100,7 +101,8 @@ fn plates_are_dented_and_break_and_the_boss_cries_once_a_volley() {
         let is_bare = state[1..].iter().any(|plate| plate.health == 0);
         assert!(is_bare || state[0].health == 5, "armour protects: {state:?}");
     }
-    // Two, three and four hits break a plate; a volley that breaks one is gone. So the flesh is hit by all of the fifth one, and by the sixth.
+    // Two, three and four hits break a plate, and the volley that breaks one disappears with it. So the flesh is hit by the whole
+    // fifth volley and by the sixth.
     assert_eq!(volleys.len(), 6);
     let once: HashSet<Entity> = heard.iter().copied().collect();
     assert_eq!(heard.len(), once.len(), "one sound for a volley");

@@ -1,4 +1,4 @@
-//! The face whose zones have names: every shot judged by brute force over the file's triangles.
+//! The face whose zones have names. Every shot is checked by brute force over the file's triangles.
 
 use std::collections::{BTreeMap, HashSet};
 
@@ -11,7 +11,7 @@ use morph_collision_testkit::oracle::posed_vertices;
 use super::programs::face_zones::{Shot, game};
 use super::{head, play_until, program, weights};
 
-/// For each triangle, the smallest vertex that it is connected with.
+/// For each triangle, the smallest vertex in its connected piece.
 fn pieces(head: &MorphMesh) -> Vec<u32> {
     let mut piece: Vec<u32> = (0..head.positions.len() as u32).collect();
     loop {
@@ -34,7 +34,7 @@ fn pieces(head: &MorphMesh) -> Vec<u32> {
     }
 }
 
-/// How far a target moves a triangle's corners, together.
+/// How far a target moves a triangle's corners, summed.
 fn reach(head: &MorphMesh, target: usize, triangle: usize) -> f32 {
     let Some(moves) = head.targets.get(target).filter(|moves| !moves.is_empty()) else {
         return 0.0;
@@ -45,7 +45,8 @@ fn reach(head: &MorphMesh, target: usize, triangle: usize) -> f32 {
         .sum()
 }
 
-/// What each triangle is called: pieces by what moves them as a whole, skin by what moves it most.
+/// The name of each triangle. Pieces are named by what moves them as a whole, skin by what moves it
+/// most.
 fn names(head: &MorphMesh) -> Vec<String> {
     let pieces = pieces(head);
     let mut triangles: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
@@ -98,7 +99,7 @@ fn names(head: &MorphMesh) -> Vec<String> {
     pieces.iter().enumerate().map(name).collect()
 }
 
-/// The names of the triangles that a line along -Z may hit first: several where it meets an edge.
+/// The names of the triangles that a line along -Z may hit first: several if it hits an edge.
 fn seen<'a>(x: f64, y: f64, vertices: &[Vec3], head: &MorphMesh, names: &'a [String]) -> HashSet<&'a str> {
     let mut hits: Vec<(f64, &str)> = Vec::new();
     for (triangle, name) in head.triangles.iter().zip(names) {
@@ -133,7 +134,7 @@ fn every_place_of_a_talking_face_has_its_name() {
     for frame in 0..140 {
         // A query sees the face of the frame before.
         let vertices = posed_vertices(&head.positions, &head.targets, &weights(&mut app));
-        // Teeth are seen only while the jaw is down, so every other frame looks there.
+        // Teeth are visible only while the jaw is down, so every other frame aims there.
         let x = if frame % 2 == 0 {
             0.049
         } else {
@@ -145,7 +146,7 @@ fn every_place_of_a_talking_face_has_its_name() {
         let shots: Vec<Shot> = rows.iter().map(shot).collect();
         app.world_mut().write_message_batch(shots);
         app.update();
-        // Each pin at its place on the face, then.
+        // The place on the face of each pin at that time.
         let mut found: Vec<(Entity, Vec3, String)> = pins
             .iter(app.world())
             .map(|(pin, anchor, name)| {

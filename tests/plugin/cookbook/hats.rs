@@ -1,4 +1,5 @@
-//! The hat in a fixed-step game: on the head in each frame that is drawn, with steps or without.
+//! The hat in a fixed-step game. It is on the head in every drawn frame, whether or not a step was
+//! run.
 
 use bevy::math::{Affine3A, DVec3};
 use bevy::prelude::*;

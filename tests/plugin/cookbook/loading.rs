@@ -8,7 +8,7 @@ use super::programs::loading_screen::{Bar, Model, Playing, game};
 use super::{play_until, program};
 use crate::support::{add_mesh, cube};
 
-/// What there was at the moment when the game started, each time that it did.
+/// The state at every start of the game.
 #[derive(Resource, Default)]
 struct Starts(Vec<(MorphTreeProgress, usize)>);
 
@@ -81,7 +81,7 @@ fn a_mesh_that_cannot_be_used_does_not_hold_the_game_up() {
     let mut app = watched();
     let mesh = morph_collision_workspace::physics::bevy_mesh(&cube()).with_removed_attribute(Mesh::ATTRIBUTE_POSITION);
     let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
-    // As if each file had a mesh of this kind in it.
+    // As if each file contained a mesh of this kind.
     app.world_mut()
         .add_observer(move |file: On<WorldInstanceReady>, mut commands: Commands| {
             commands.spawn((Mesh3d(mesh.clone()), MorphCollider::default(), ChildOf(file.entity)));

@@ -1,4 +1,5 @@
-//! The programs of the plugin's `examples/`, played without a window: what a player would see.
+//! Runs the programs in the plugin's `examples/` without a window, and checks what a player would
+//! see.
 
 mod boss;
 mod faces;
@@ -21,7 +22,7 @@ use morph_collision_workspace::app::{update_until, without_collisions};
 use crate::log::start;
 use crate::support::assets;
 
-/// A program without window and renderer, before its first frame, at 60 frames a second.
+/// A headless program before its first frame, at 60 frames a second.
 fn program(plugins: MorphPlugins, game: fn(&mut App)) -> App {
     let mut app = without_collisions(&assets());
     app.add_plugins((InputPlugin, plugins, game))
@@ -39,7 +40,7 @@ fn head_file() -> PathBuf {
     assets().join("mh_head_eyes_teeth_arkit52.glb")
 }
 
-/// The head that most of them show, from its file.
+/// The head that most of the programs show, from its file.
 fn head() -> MorphMesh {
     read_meshes(&head_file())
         .expect("the head comes with the repository")

@@ -1,4 +1,5 @@
-//! The mouth that eats: what is eaten and what bounces, by the distances to teeth, tongue and skin in the file.
+//! The mouth that eats. Checks what is eaten and what bounces by the distances to teeth, tongue and skin in the
+//! file.
 
 use std::collections::HashMap;
 
@@ -50,7 +51,7 @@ fn what_gets_in_is_eaten_and_what_hits_the_skin_bounces() {
             if !eaten && !bounced {
                 continue;
             }
-            // It was where it flew to in this frame.
+            // This is where it flew to in this frame.
             let at = now
                 .get(entity)
                 .map_or(at - Vec3::Z * 3.0 / 60.0, |now| now.1)
@@ -95,7 +96,7 @@ fn what_gets_in_is_eaten_and_what_hits_the_skin_bounces() {
         "through an open mouth: {eaten_at:?}"
     );
     assert!(bounced_while_open > 0, "a cheek is no mouth");
-    // Nothing got through the head.
+    // Nothing passed through the head.
     let behind = |(_, _, place): (Entity, &Food, &Transform)| place.translation.z < -0.5;
     assert!(!food.iter(app.world()).any(behind));
 }

@@ -1,4 +1,4 @@
-//! The programs as they are; their `main` opens a window, and is not called.
+//! The unchanged programs. Their `main` opens a window and is not called.
 #![allow(dead_code, reason = "`main` is not called here")]
 
 #[path = "../../../crates/bevy_morph_collision/examples/boss_armour.rs"]

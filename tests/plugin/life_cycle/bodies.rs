@@ -1,4 +1,4 @@
-//! What is reported of bodies, frame by frame: it follows from the contacts of their colliders, and all ways to hear of it agree.
+//! Reports about bodies, frame by frame. They follow from the contacts of their colliders, and all ways to read them agree.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +9,7 @@ use bevy_morph_collision::prelude::*;
 
 type Pair = (Entity, Entity);
 
-/// Entity events since the last frame: the body that was told, and the other one.
+/// Entity events since the last frame: the body that received it, and the other body.
 #[derive(Resource, Default)]
 struct Heard {
     starts: Vec<Pair>,
@@ -42,7 +42,7 @@ impl BodyStory {
         }
     }
 
-    /// Reads what a frame reported and compares it with the contacts before and now.
+    /// Reads the reports of a frame and compares them with the contacts before and now.
     pub(super) fn read(&mut self, app: &mut App, context: &str) {
         let world = app.world_mut();
         let starts: Vec<_> = self.starts.read(world.resource()).copied().collect();
@@ -100,7 +100,7 @@ impl BodyStory {
         self.starts_of_many += started.iter().filter(has_many).count();
     }
 
-    /// What bodies with several colliders touch, by the list on them and by the resource.
+    /// Checks the touching bodies of bodies with several colliders, by the list on them and by the resource.
     fn check_lists(&self, world: &mut World, context: &str) {
         let is_paused = world.resource::<MorphCollisionSettings>().paused;
         let mut bodies = world
@@ -127,7 +127,7 @@ impl BodyStory {
     }
 }
 
-/// A start names the first contact of its bodies, seen from the first one.
+/// Checks that a start names the first contact of its bodies, seen from the first body.
 fn check_start(collisions: &MorphCollisions, start: &MorphBodyCollisionStart, context: &str) {
     let first = collisions
         .iter()
@@ -150,7 +150,7 @@ fn check_start(collisions: &MorphCollisions, start: &MorphBodyCollisionStart, co
     );
 }
 
-/// Who should hear of some pairs: those bodies that still exist.
+/// The expected receivers of events about some pairs: the bodies that still exist.
 fn told(world: &World, pairs: &[Pair]) -> Vec<Pair> {
     let both_ways = pairs.iter().flat_map(|&(a, b)| [(a, b), (b, a)]);
     sorted(both_ways.filter(|&(told, _)| world.get_entity(told).is_ok()).collect())

@@ -1,10 +1,10 @@
-//! Random lives of colliders: whatever happens to them, the pairs that are reported are those of the oracle.
+//! Random lives of colliders: whatever happens to them, the reported pairs are those of the oracle.
 //!
 //! - `zoo`: an app with a few small meshes and the entities in it.
-//! - `operations`: what can happen to it.
-//! - `truth`: what should be reported, from components and brute force alone.
-//! - `story`: what is reported: messages, entity events, lists.
-//! - `bodies`: what is reported of bodies.
+//! - `operations`: changes to the zoo.
+//! - `truth`: the expected reports, from components and brute force alone.
+//! - `story`: the actual reports: messages, entity events, lists.
+//! - `bodies`: the reports about bodies.
 
 mod bodies;
 mod operations;
@@ -23,7 +23,7 @@ use self::zoo::Zoo;
 const SEEDS: u64 = 20;
 const OPERATIONS: u32 = 200;
 
-/// What happened in one life, to see that the test tries something.
+/// Counts of events in one life, to check that the test covers enough.
 #[derive(Default, Debug)]
 struct Counts {
     frames: u32,
@@ -68,7 +68,7 @@ fn live(seed: u64) -> Counts {
         }
         let context = format!("seed {seed}, operation {step}: {}", done.join(", "));
         if rebuilds || zoo.has_trees_of_its_own() {
-            // Trees are built in the background: when each one is done is not known.
+            // Trees are built in the background, so it is not known when each one is done.
             zoo.settle(|app| {
                 story.read(app, &context);
                 bodies.read(app, &context);

@@ -1,4 +1,4 @@
-//! What can happen to colliders, and what they hang on.
+//! Changes to colliders, and to the entities they depend on.
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
@@ -9,16 +9,16 @@ use rand::RngExt;
 use super::zoo::Zoo;
 use crate::support::bevy_mesh;
 
-/// What was done.
+/// The operation that was run.
 pub(super) struct Done {
     pub(super) name: &'static str,
-    /// Whether trees have to be built for it.
+    /// Whether it causes trees to be built.
     pub(super) rebuilds: bool,
 }
 
 type Operation = fn(&mut Zoo);
 
-/// Every operation, with how often it comes, and whether trees have to be built for it.
+/// Every operation, with its relative frequency, and whether it causes trees to be built.
 const OPERATIONS: &[(u32, &str, Operation, bool)] = &[
     (14, "spawn", spawn, false),
     (2, "despawn", despawn, false),
@@ -58,7 +58,7 @@ const OPERATIONS: &[(u32, &str, Operation, bool)] = &[
     (1, "every morphing mesh", toggle_every, true),
 ];
 
-/// Does something at random.
+/// Runs a random operation.
 pub(super) fn operate(zoo: &mut Zoo) -> Done {
     let total: u32 = OPERATIONS.iter().map(|(often, ..)| often).sum();
     let mut ticket = zoo.rng.random_range(0..total);
@@ -86,13 +86,13 @@ fn place(zoo: &mut Zoo) -> Transform {
     Transform::from_translation(at).with_rotation(turn)
 }
 
-/// Weights of every kind that real files have.
+/// Weights of every kind found in real files.
 fn some_weights(zoo: &mut Zoo, targets: usize) -> Vec<f32> {
     let most = zoo.one_of(&[0.0, 1.0, 1.0, 6.0]);
     (0..targets).map(|_| zoo.rng.random_range(-0.2 * most..=most)).collect()
 }
 
-/// Gives an animal weights that fit its mesh. What happens to bad ones when their mesh or collider goes is not this test's.
+/// Gives an animal weights that fit its mesh. This test does not cover bad weights whose mesh or collider is removed.
 fn weigh_well(zoo: &mut Zoo, animal: Entity) {
     let mesh = zoo.app.world().get::<Mesh3d>(animal).map(|mesh| mesh.id());
     let targets = mesh
@@ -138,7 +138,7 @@ pub(super) fn spawn(zoo: &mut Zoo) {
         entity.insert(MorphCollidingEntities::default());
     }
     zoo.animals.push(animal);
-    // Not so many that brute force takes long.
+    // Limits their number, so that brute force stays fast.
     if zoo.animals.len() > 14 {
         despawn(zoo);
     }

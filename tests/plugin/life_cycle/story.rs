@@ -1,4 +1,4 @@
-//! What is reported, frame by frame: every start ends once, and all ways to hear of it agree.
+//! Reports, frame by frame: every start ends once, and all ways to read them agree.
 
 use std::collections::BTreeSet;
 
@@ -10,7 +10,7 @@ use crate::support::Messages;
 
 type Pair = (Entity, Entity);
 
-/// Entity events since the last frame: the entity that was told, and the other one.
+/// Entity events since the last frame: the entity that received it, and the other entity.
 #[derive(Resource, Default)]
 struct Heard {
     starts: Vec<Pair>,
@@ -19,7 +19,7 @@ struct Heard {
 
 pub(super) struct Story {
     messages: Messages,
-    /// Pairs that started and did not end.
+    /// Pairs that have started and not ended.
     open: BTreeSet<Pair>,
     pub(super) starts: usize,
     pub(super) ends: usize,
@@ -46,7 +46,7 @@ impl Story {
         self.open.len()
     }
 
-    /// Reads what a frame reported and checks it against what was reported before.
+    /// Reads the reports of a frame and checks them against earlier ones.
     pub(super) fn read(&mut self, app: &mut App, context: &str) {
         let (starts, ends) = self.messages.read(app);
         let starts: Vec<Pair> = starts.iter().map(|start| (start.collider1, start.collider2)).collect();
@@ -86,7 +86,7 @@ impl Story {
         }
     }
 
-    /// The lists on colliders, those of disabled entities included.
+    /// Checks the lists on colliders, including those of disabled entities.
     fn check_lists(&self, world: &mut World, context: &str) {
         let mut lists =
             world.query_filtered::<(Entity, &MorphCollidingEntities), (Without<MorphColliders>, Allow<Disabled>)>();
@@ -106,7 +106,7 @@ fn other((a, b): Pair, entity: Entity) -> Option<Entity> {
     }
 }
 
-/// Who should hear of some pairs: those who listen and still exist.
+/// The expected receivers of events about some pairs: entities that listen and still exist.
 fn listeners(world: &World, pairs: &[Pair]) -> Vec<Pair> {
     let both_ways = pairs.iter().flat_map(|&(a, b)| [(a, b), (b, a)]);
     let listens = |&(told, _): &Pair| world.get::<MorphCollisionEventsEnabled>(told).is_some();

@@ -1,4 +1,4 @@
-//! What should be reported, worked out from components, the definition of a vertex and brute force.
+//! The expected reports, computed from components, the definition of a vertex and brute force.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -17,26 +17,26 @@ type Pair = (Entity, Entity);
 /// Intersecting triangles, ascending.
 type Triangles = Arc<Vec<(u32, u32)>>;
 
-/// What is known of a pair that should be reported.
+/// The expected content of a report about a pair.
 #[derive(Clone)]
 pub(super) enum Touching {
-    /// Two meshes: what was asked for, the bodies, and all intersecting triangles.
+    /// Two meshes: the mode, the bodies, and all intersecting triangles.
     Meshes(MorphCollisionMode, [Entity; 2], Triangles),
     /// A mesh and a ball.
     Ball([Entity; 2]),
-    /// A mesh and a ball whose distance is too close to the radius to tell in rounded arithmetic.
+    /// A mesh and a ball whose distance is too close to the radius to decide in rounded arithmetic.
     Unsure,
 }
 
 #[derive(Default)]
 pub(super) struct Truth {
-    /// The weights in force of each mesh that collides.
+    /// The current weights of each mesh that collides.
     in_force: HashMap<Entity, (AssetId<Mesh>, Vec<f32>)>,
     /// Pairs that should be reported, as of the last run.
     pub(super) touching: BTreeMap<Pair, Touching>,
-    /// How many pairs were compared in the last run.
+    /// Number of pairs compared in the last run.
     pub(super) compared: usize,
-    /// Vertices and answers of the last run, to compare again only what changed.
+    /// Vertices and answers of the last run, so that only changes are compared again.
     known: HashMap<Entity, Arc<Solid>>,
     answers: HashMap<Pair, (Arc<Solid>, Arc<Solid>, Triangles)>,
 }
@@ -48,7 +48,7 @@ struct Solid {
     triangles: Vec<[u32; 3]>,
 }
 
-/// A collider that takes part.
+/// A collider that takes part in collisions.
 struct Present {
     entity: Entity,
     body: Entity,
@@ -63,7 +63,7 @@ enum Form {
 }
 
 impl Truth {
-    /// Works out what should be reported after a frame. While collisions are paused nothing changes.
+    /// Computes the expected reports after a frame. While collisions are paused nothing changes.
     pub(super) fn update(&mut self, zoo: &mut Zoo) {
         if zoo.is_paused() {
             return;
@@ -109,7 +109,7 @@ impl Truth {
         }
     }
 
-    /// Everything that takes part, in ascending order of entities.
+    /// Every collider that takes part, in ascending order of entities.
     fn present(&mut self, zoo: &mut Zoo) -> Vec<Present> {
         let Zoo { app, meshes, .. } = zoo;
         let world = app.world_mut();
@@ -161,7 +161,7 @@ impl Truth {
                 form,
             });
         }
-        // Colliders that are disabled with everything about them keep the weights that they had.
+        // Colliders on disabled entities keep their weights.
         for (entity, before) in self.in_force.drain() {
             let is_away = world.get::<bevy::ecs::entity_disabling::Disabled>(entity).is_some();
             if is_away && world.get::<MorphCollider>(entity).is_some() {
@@ -173,7 +173,8 @@ impl Truth {
         present
     }
 
-    /// The given weights if they can be used, otherwise the last good ones; a mesh of another number of targets starts at rest.
+    /// The given weights if they are usable, otherwise the last good ones. A mesh with a different number of targets starts at
+    /// rest.
     fn weights_in_force(&self, entity: Entity, mesh: &MorphMesh, given: Option<Vec<f32>>) -> Vec<f32> {
         let targets = mesh.targets.len();
         let fit = |weights: &Vec<f32>| weights.len() == targets && weights.iter().all(|weight| weight.is_finite());
@@ -200,7 +201,7 @@ impl Truth {
         }
     }
 
-    /// Compares what the plugin reports; returns how many triangle pairs it lists.
+    /// Compares the plugin's reports with the expected ones; returns the number of triangle pairs that it lists.
     pub(super) fn check(&self, app: &App, context: &str) -> usize {
         let collisions = app.world().resource::<MorphCollisions>();
         let limit = app.world().resource::<MorphCollisionSettings>().max_triangle_pairs;
@@ -264,7 +265,7 @@ impl Truth {
     }
 }
 
-/// An entity for messages.
+/// A description of an entity for messages.
 fn describe(world: &World, entity: Entity) -> String {
     let components = world.inspect_entity(entity).map(|components| {
         let names = components.map(|(_, component)| component.name().shortname().to_string());
@@ -283,7 +284,7 @@ fn describe(world: &World, entity: Entity) -> String {
     format!("{entity}: {components:?} {place:?} {shows:?} {collides:?} {weights:?}")
 }
 
-/// A ball where a transform puts it; radii take the largest scale.
+/// A ball placed by a transform; the largest scale applies to the radius.
 fn ball(place: &Affine3A, radius: f32) -> Form {
     let axes = [place.matrix3.x_axis, place.matrix3.y_axis, place.matrix3.z_axis];
     let scale = axes
@@ -307,13 +308,13 @@ fn ball_touches(solid: &Solid, center: DVec3, radius: f64, bodies: [Entity; 2]) 
         .iter()
         .fold(center.length() + radius, |reach, v| reach.max(v.length()));
     match distance - radius {
-        // What the plugin rounds when it scales a ball in `f32`, and we do in `f64`.
+        // The plugin scales a ball in `f32`, this test in `f64`.
         gap if gap.abs() <= 1e-4 * reach => Some(Touching::Unsure),
         gap => (gap < 0.0).then_some(Touching::Ball(bodies)),
     }
 }
 
-/// The distance from a point to a triangle: to its plane where the foot is inside, otherwise to its edges.
+/// The distance from a point to a triangle: to its plane if the foot point is inside, otherwise to its edges.
 fn distance_to_triangle(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     let to_edge = |from: DVec3, to: DVec3| {
         let along = to - from;

@@ -15,18 +15,18 @@ use crate::support::{add_mesh, app, bevy_mesh, cube, settle, stretching_cube};
 pub(super) struct Zoo {
     pub(super) app: App,
     pub(super) rng: Pcg64Mcg,
-    /// The meshes that assets hold at the moment; none for an asset that was removed.
+    /// The meshes that assets currently hold; `None` for a removed asset.
     pub(super) meshes: HashMap<AssetId<Mesh>, Option<MorphMesh>>,
     pub(super) handles: Vec<Handle<Mesh>>,
-    /// Meshes that assets may be given.
+    /// Meshes that can be put into assets.
     pub(super) shapes: Vec<MorphMesh>,
-    /// What may be a collider; some may have been despawned.
+    /// Entities that may be colliders; some may have been despawned.
     pub(super) animals: Vec<Entity>,
-    /// What animals may hang on.
+    /// Entities that may be parents of animals.
     pub(super) cages: Vec<Entity>,
 }
 
-/// A parent, and often a body; it lists what it touches.
+/// A parent, and often a body. It lists what it touches.
 pub(super) fn cage() -> impl Bundle {
     (Transform::default(), MorphCollidingEntities::default())
 }
@@ -47,7 +47,8 @@ impl Zoo {
             .map(Handle::id)
             .zip(shapes.iter().cloned().map(Some))
             .collect();
-        // Somebody always shows each mesh, so that its tree is kept and nobody else has to wait for it.
+        // A permanent entity shows each mesh, so that its tree is kept and nobody else has to wait for
+        // it.
         for handle in &handles {
             let keeper = (
                 Mesh3d(handle.clone()),
@@ -56,7 +57,7 @@ impl Zoo {
             );
             app.world_mut().spawn(keeper);
         }
-        // Every other life with lists that are cut early.
+        // In every other life, lists are truncated early.
         if seed % 2 == 1 {
             app.world_mut()
                 .resource_mut::<MorphCollisionSettings>()
@@ -80,7 +81,7 @@ impl Zoo {
         self.rng.random_range(1..=most)
     }
 
-    /// One of some things.
+    /// A random element.
     pub(super) fn one_of<T: Clone>(&mut self, things: &[T]) -> T {
         things[self.rng.random_range(0..things.len())].clone()
     }
@@ -89,14 +90,14 @@ impl Zoo {
         self.app.world().resource::<MorphCollisionSettings>().paused
     }
 
-    /// Whether any animal has a tree that is not kept for it.
+    /// Whether any animal uses a tree that no permanent entity keeps.
     pub(super) fn has_trees_of_its_own(&mut self) -> bool {
         let world = self.app.world_mut();
         let mut settings = world.query_filtered::<(), (With<MorphTreeSettings>, Allow<Disabled>)>();
         settings.iter(world).next().is_some()
     }
 
-    /// Runs frames until no tree is being built and all have been handed out.
+    /// Runs frames until no tree is being built and all trees are in use.
     pub(super) fn settle(&mut self, mut after_frame: impl FnMut(&mut App)) {
         for _ in 0..100_000 {
             self.app.update();

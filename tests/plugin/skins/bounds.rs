@@ -1,4 +1,4 @@
-//! The `Aabb` that Bevy culls skinned meshes by.
+//! The `Aabb` that Bevy uses to cull skinned meshes.
 
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{DynamicSkinnedMeshBounds, NoFrustumCulling, VisibilityPlugin};
@@ -19,7 +19,7 @@ fn app() -> App {
     app
 }
 
-/// A skinned mesh somewhere, without a collider.
+/// A skinned mesh with some placement, without a collider.
 fn spawn<const N: usize>(app: &mut App, mut mesh: Mesh, joints: [Vec3; N], place: Transform) -> (Entity, [Entity; N]) {
     mesh.generate_skinned_mesh_bounds().expect("it has joints");
     let mesh = add(app, mesh);
@@ -32,7 +32,7 @@ fn spawn<const N: usize>(app: &mut App, mut mesh: Mesh, joints: [Vec3; N], place
     (entity, joints)
 }
 
-/// The box around an entity's box, in the world, as Bevy's culling places it; and the box itself.
+/// The world-space box around an entity's box, as Bevy's culling places it; and the box itself.
 fn in_world(app: &App, entity: Entity) -> (Vec3, Vec3) {
     let aabb = app.world().get::<Aabb>(entity).unwrap();
     let place = app.world().get::<GlobalTransform>(entity).unwrap().affine();
@@ -76,7 +76,7 @@ fn the_box_is_where_joints_and_targets_put_the_mesh() {
 #[test]
 fn boxes_of_characters_at_rest_are_not_written() {
     let mut app = app();
-    // With one mesh, so that one pose serves both.
+    // Both entities show one mesh, so one pose serves both.
     let (first, joints) = spawn(&mut app, limb(), [Vec3::ZERO, Vec3::X], Transform::default());
     let mesh = app.world().get::<Mesh3d>(first).unwrap().clone();
     let others = spawn_joints(&mut app, [Vec3::Y, Vec3::X * 3.0]);
@@ -97,7 +97,7 @@ fn boxes_of_characters_at_rest_are_not_written() {
     app.update();
     assert_is(&app, first, (Vec3::splat(-0.5), Vec3::new(2.5, 0.5, 0.5)));
     assert_eq!(changed(&app, second), before[1]);
-    // The transform of the entity moves its box, and so the box has to go back.
+    // The entity's transform moves its box, so the box has to compensate for it.
     put(&mut app, second, Transform::from_xyz(0.0, 0.0, 40.0));
     app.update();
     assert_is(&app, second, (Vec3::splat(-0.5), Vec3::new(3.5, 1.5, 0.5)));
@@ -114,7 +114,7 @@ fn where_a_box_cannot_be_the_mesh_is_never_culled() {
     put(&mut app, limb, Transform::default());
     app.update();
     assert_is(&app, limb, (Vec3::splat(-0.5), Vec3::new(1.5, 0.5, 0.5)));
-    // With joints that cannot be used it stays.
+    // If the joints become unusable, it stays.
     let before = aabb(&app);
     put(&mut app, joints[0], Transform::from_translation(Vec3::NAN));
     app.update();
@@ -139,7 +139,7 @@ fn bevy_keeps_the_box_again_where_the_plugin_no_longer_does() {
     app.update();
     assert!(!is_bevys(&app));
     assert_is(&app, limb, (Vec3::splat(-0.5), Vec3::new(4.5, 0.5, 0.5)));
-    // A mesh without joints in its place: a box of its own, in its own space.
+    // Replaces it by a mesh without joints: it gets its own box, in its own space.
     let skin = app.world_mut().entity_mut(limb).take::<SkinnedMesh>().unwrap();
     put(&mut app, limb, Transform::from_xyz(0.0, 6.0, 0.0));
     app.update();

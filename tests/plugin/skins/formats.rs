@@ -1,4 +1,4 @@
-//! What meshes and skeletons may look like.
+//! The supported formats of meshes and skeletons.
 
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::mesh::{AttributeQuantization, VertexAttributeValues};
@@ -10,7 +10,7 @@ use super::{add, along_x, boned, extent, limb, skeleton, spawn_joints, spawn_lim
 use crate::log::Errors;
 use crate::support::{add_mesh, app, bevy_mesh, cube, settle, spawn, stretching_cube};
 
-/// Where a limb of some format is if its joints are at -2 and 4; none if it is refused.
+/// The extent of a limb in some format if its joints are at -2 and 4; `None` if it is refused.
 fn stretched(mesh: Mesh) -> Option<(f32, f32)> {
     let mut app = app();
     let mesh = add(&mut app, mesh);
@@ -26,7 +26,7 @@ fn compressed_joints_and_weights_are_read() {
     let VertexAttributeValues::Uint16x4(wide) = limb().attribute(Mesh::ATTRIBUTE_JOINT_INDEX).unwrap().clone() else {
         panic!("joints are made like this")
     };
-    // All of what Bevy's shader reads as numbers, whatever attribute it is declared as.
+    // All formats that Bevy's shader reads as numbers, however the attribute is declared.
     let narrow = |joints: [u16; 4]| joints.map(|joint| joint as u8);
     let narrow = VertexAttributeValues::Uint8x4(wide.iter().copied().map(narrow).collect());
     let mut with_narrow = limb();
@@ -72,7 +72,7 @@ fn one_mesh_is_shown_with_and_without_a_skeleton() {
     let skinned = trees.shown_with(&mesh, None, skin).unwrap();
     assert_eq!(skinned.model().joint_count(), Some(2));
     assert_eq!(trees.get(mesh.id()).unwrap().model().joint_count(), None);
-    // Each goes when nothing shows it any more.
+    // Each tree is dropped when nothing shows it any more.
     app.world_mut().despawn(limb);
     settle(&mut app);
     let trees = app.world().resource::<MorphTrees>();
@@ -94,7 +94,7 @@ fn the_tree_for_a_skeleton_goes_with_the_last_skeleton() {
         counts
     };
     assert_eq!(joint_counts(&app), [None, Some(2)]);
-    // Nothing new is needed for it: the other tree is there.
+    // Needs nothing new, because the other tree exists.
     app.world_mut().entity_mut(limb).remove::<SkinnedMesh>();
     app.update();
     app.update();
@@ -122,10 +122,10 @@ fn weights_that_miss_1_pull_towards_the_origin() {
     assert_eq!(stretched(mesh), Some((-1.25, -0.75)));
 }
 
-/// Whether an error is the right one.
+/// Checks that an error is the expected one.
 type Expected = fn(&ImportError) -> bool;
 
-/// What the log and the plugin say about a mesh shown with two joints.
+/// The log and the plugin's error about a mesh shown with two joints.
 fn refusal(mesh: Mesh) -> (Vec<String>, Option<ImportError>) {
     let mut said = (Vec::new(), None);
     Errors::collect(|log| {

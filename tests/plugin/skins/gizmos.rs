@@ -14,7 +14,7 @@ use crate::support::{add_mesh, assets, cube, set_weight, settle, spawn, stretchi
 fn app_with_a_cube() -> (App, Entity, Entity) {
     let mut app = headless(&assets());
     app.add_plugins((GizmoPlugin, MorphGizmosPlugin));
-    // One triangle to a leaf.
+    // One triangle per leaf.
     app.insert_resource(DefaultMorphTreeSettings(
         BuildOptions::default().with_leaf_size(1).unwrap(),
     ));
@@ -30,7 +30,7 @@ fn app_with_a_cube() -> (App, Entity, Entity) {
     (app, skinned, joint)
 }
 
-/// Turned about all axes, and larger.
+/// Rotated about all axes, and enlarged.
 fn turned() -> Transform {
     Transform::from_xyz(3.0, -1.0, 0.5)
         .with_rotation(Quat::from_euler(EulerRot::XYZ, 0.6, -1.1, 0.3))

@@ -1,4 +1,4 @@
-//! Several skinned meshes at once: who shares what, and what a change of joints makes new.
+//! Several skinned meshes at once: what they share, and what is recomputed when joints change.
 
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
@@ -17,7 +17,7 @@ fn a_character_at_rest_costs_no_comparison_and_moves_nothing() {
     settle(&mut app);
     assert!(touches(&app, limb, wall));
     for _ in 0..3 {
-        // What animation does: the same values, written again.
+        // Writes the same values again, as animation does.
         for (joint, x) in joints.into_iter().zip([0.0, 1.0]) {
             put(&mut app, joint, Transform::from_xyz(x, 0.0, 0.0));
         }
@@ -34,7 +34,7 @@ fn a_character_at_rest_costs_no_comparison_and_moves_nothing() {
 #[test]
 fn a_joint_that_moves_inside_the_box_of_its_mesh_ends_contacts() {
     let mut app = app();
-    // Triangles in two corners hold the box; joint 1 moves the one between them.
+    // Triangles in two corners determine the box; joint 1 moves the triangle between them.
     let triangle = |at: Vec3| [at, at + Vec3::new(2.0, 0.1, 0.0), at + Vec3::new(2.0, -0.1, 0.1)];
     let positions = [Vec3::splat(-9.0), Vec3::ZERO, Vec3::splat(7.0)].map(triangle).concat();
     let mesh = MorphMesh::rigid("three triangles", positions, vec![[0, 1, 2], [3, 4, 5], [6, 7, 8]]);

@@ -1,4 +1,4 @@
-//! Where joints put a mesh, whatever happens to them.
+//! Where joints put a mesh, in all circumstances.
 
 use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
 use bevy::prelude::*;
@@ -28,7 +28,7 @@ fn a_mesh_collides_where_its_joints_are_and_not_where_its_entity_is() {
     assert!((starts[0].point.x - 1.5).abs() < 0.26, "{:?}", starts[0].point);
     assert_eq!(along_x(&mut app, limb), Some((-0.5, 1.75)));
 
-    // Its own place does not matter, however bad it is.
+    // Its own place does not matter, even if it is invalid.
     put(
         &mut app,
         limb,
@@ -67,14 +67,14 @@ fn a_skeleton_comes_changes_and_goes() {
     settle(&mut app);
     assert_eq!(along_x(&mut app, limb), Some((-0.5, 1.5)));
 
-    // Other joints of the same number, from the next frame on.
+    // Other joints, the same number of them, from the next frame on.
     let others = spawn_joints(&mut app, [Vec3::X * 3.0, Vec3::X * 5.0]);
     let other = skeleton(&mut app, &others);
     app.world_mut().entity_mut(limb).insert(other);
     app.update();
     assert_eq!(along_x(&mut app, limb), Some((2.5, 5.5)));
 
-    // Another number, once there is a tree for it.
+    // A different number, once there is a tree for it.
     let three = spawn_joints(&mut app, [Vec3::X * 7.0, Vec3::X * 8.0, Vec3::ZERO]);
     let three = skeleton(&mut app, &three);
     app.world_mut().entity_mut(limb).insert(three);
@@ -107,7 +107,7 @@ fn a_joint_that_never_was_leaves_the_mesh_and_one_that_is_gone_stays() {
     let skin = skeleton(&mut app, &[there, gone]);
     let limb = spawn_skinned(&mut app, &mesh, skin);
     settle(&mut app);
-    // As the identity would.
+    // Like the identity.
     assert_eq!(along_x(&mut app, limb), Some((-1.5, 0.5)));
     app.world_mut().despawn(there);
     app.update();
@@ -131,7 +131,7 @@ fn without_inverse_bind_poses_vertices_stay_where_they_are() {
     assert_eq!(along_x(&mut app, short), Some((-2.5, 0.5)));
     assert_eq!(along_x(&mut app, none), Some((-0.5, 0.5)));
 
-    // They take joints from where they were bound to where these are.
+    // Inverse bind poses are applied before the joints.
     let poses = [1.0, 10.0].map(|x| Mat4::from_translation(Vec3::X * x));
     let mut assets = app.world_mut().resource_mut::<Assets<SkinnedMeshInverseBindposes>>();
     skin.inverse_bindposes = assets.add(SkinnedMeshInverseBindposes::from(poses.to_vec()));
@@ -157,7 +157,7 @@ fn bad_joints_are_logged_once_per_skeleton_and_the_mesh_stays() {
             Transform::from_scale(Vec3::splat(f32::INFINITY)),
             Transform::from_xyz(0.0, 1e35, 0.0),
         ] {
-            // The joint that is fine moves along with nothing.
+            // The valid joint does not move the mesh on its own.
             put(&mut app, joints[0], Transform::from_xyz(-3.0, 0.0, 0.0));
             put(&mut app, joints[1], bad);
             for _ in 0..3 {
@@ -175,7 +175,7 @@ fn bad_joints_are_logged_once_per_skeleton_and_the_mesh_stays() {
             assert_eq!(log.take(), [""; 0]);
         }
 
-        // Who was never good is left out, until it is.
+        // A mesh whose joints were never valid is left out until they are.
         put(&mut app, joints[1], Transform::from_translation(Vec3::NAN));
         app.update();
         log.take();
@@ -188,7 +188,7 @@ fn bad_joints_are_logged_once_per_skeleton_and_the_mesh_stays() {
         put(&mut app, others[1], Transform::from_xyz(2.0, 0.0, 0.0));
         app.update();
         assert_eq!(along_x(&mut app, new), Some((-0.5, 2.5)));
-        // A skeleton that is bad from the beginning: what the other one said stays.
+        // A skeleton that is invalid from the beginning: the pose of the previous one stays.
         let bad = spawn_joints(&mut app, [Vec3::INFINITY; 2]);
         let bad = skeleton(&mut app, &bad);
         app.world_mut().entity_mut(new).insert(bad);

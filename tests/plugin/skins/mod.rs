@@ -1,11 +1,11 @@
 //! Meshes that joints move.
 //!
-//! - `joints`: where joints put a mesh, whatever happens to them.
+//! - `joints`: where joints put a mesh, in all circumstances.
 //! - `instances`: several meshes and skeletons at once.
-//! - `formats`: what meshes and skeletons may look like.
+//! - `formats`: the supported formats of meshes and skeletons.
 //! - `surface`: hits, picks and anchors on a skinned surface.
 //! - `gizmos`: debug drawing of skinned meshes.
-//! - `bounds`: the `Aabb` that Bevy culls by.
+//! - `bounds`: the `Aabb` that Bevy uses for culling.
 //! - `characters`: real models, compared with brute force.
 //! - `torture`: random lives of meshes and joints.
 
@@ -36,7 +36,8 @@ fn boned(mesh: &MorphMesh, joint_of: impl Fn(Vec3) -> u16) -> Mesh {
         .with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, weights)
 }
 
-/// A cube with sides of 1 around the origin: what is at -X follows joint 0, what is at +X joint 1.
+/// A cube with sides of 1 around the origin. The side at -X follows joint 0, the side at +X
+/// joint 1.
 fn limb() -> Mesh {
     boned(&cube(), |p| u16::from(p.x > 0.0))
 }
@@ -50,7 +51,7 @@ fn spawn_joints<const N: usize>(app: &mut App, places: [Vec3; N]) -> [Entity; N]
     places.map(|place| app.world_mut().spawn(Transform::from_translation(place)).id())
 }
 
-/// A skeleton of joints that all were at the origin when the mesh was bound.
+/// A skeleton of joints that were all at the origin in the bind pose.
 fn skeleton(app: &mut App, joints: &[Entity]) -> SkinnedMesh {
     let poses = vec![Mat4::IDENTITY; joints.len()];
     let mut assets = app.world_mut().resource_mut::<Assets<SkinnedMeshInverseBindposes>>();
@@ -80,7 +81,7 @@ fn put(app: &mut App, entity: Entity, place: Transform) {
     app.world_mut().entity_mut(entity).insert(place);
 }
 
-/// The box around the vertices of a collider as spatial queries see them; none if it is not there.
+/// The box around a collider's vertices as spatial queries see them; `None` if it takes no part.
 fn extent(app: &mut App, collider: Entity) -> Option<(Vec3, Vec3)> {
     let vertices = move |spatial: MorphSpatialQuery| spatial.posed_vertices(collider);
     let vertices = app.world_mut().run_system_once(vertices).unwrap()?;
@@ -88,7 +89,7 @@ fn extent(app: &mut App, collider: Entity) -> Option<(Vec3, Vec3)> {
     hull(Vec3::min).zip(hull(Vec3::max))
 }
 
-/// The same along x.
+/// The extent along x.
 fn along_x(app: &mut App, collider: Entity) -> Option<(f32, f32)> {
     extent(app, collider).map(|(min, max)| (min.x, max.x))
 }

@@ -26,7 +26,7 @@ fn a_hit_names_the_joint_that_moves_it_most() {
     let mut app = app();
     let (limb, joints) = spawn_limb(&mut app, 9.0);
     settle(&mut app);
-    // The middle of the side that has been stretched is at 4.5.
+    // The middle of the stretched side is at 4.5.
     for (x, joint) in [(0.0, 0), (4.25, 0), (4.75, 1), (9.25, 1)] {
         let hit = cast(&mut app, Vec3::new(x, 8.0, 0.1), Dir3::NEG_Y).unwrap();
         assert_eq!((hit.entity, hit.joint), (limb, Some(joints[joint])), "at {x}");
@@ -44,7 +44,7 @@ fn a_hit_names_the_joint_that_moves_it_most() {
         assert!(all.0.iter().all(|hit| hit.joint == Some(joints[joint])), "{all:?}");
         assert_eq!(all.1.joint, Some(joints[joint]));
     }
-    // The first one of two with the same weight.
+    // Of two joints with the same weight, the first one counts.
     let middle = cast(&mut app, Vec3::new(4.5, 8.0, 0.25), Dir3::NEG_Y).unwrap();
     assert_eq!(middle.joint, Some(joints[0]), "{middle:?}");
 }
@@ -98,11 +98,11 @@ fn a_pointer_picks_the_skinned_surface_and_names_the_joint() {
         assert!(hit.position.unwrap().distance(Vec3::new(x, y, 0.1)) < 1e-5, "{hit:?}");
         hit.extra_as::<MorphPick>().expect("it tells more").joint
     };
-    // The middle of the side that has been stretched is at 4.5.
+    // The middle of the stretched side is at 4.5.
     for (x, joint) in [(0.0, 0), (4.25, 0), (4.75, 1), (9.25, 1)] {
         assert_eq!(pick(&mut app, x, 0.5), Some(joints[joint]), "at {x}");
     }
-    // The side slopes from 0.5 at -0.5 to -3.5 at 9.5. Where the entity is there is nothing.
+    // The side slopes from 0.5 at -0.5 to -3.5 at 9.5. There is nothing at the entity's own place.
     put(&mut app, joints[1], Transform::from_xyz(9.0, -4.0, 0.0));
     app.update();
     assert_eq!(pick(&mut app, 9.25, -3.4), Some(joints[1]));
@@ -132,7 +132,7 @@ fn anchors_go_with_the_joints_in_the_same_frame() {
             place(&app, hat)
         );
     }
-    // With joints that cannot be used it stays.
+    // If the joints become unusable, it stays.
     put(&mut app, joints[1], Transform::from_translation(Vec3::NAN));
     app.update();
     assert!(
@@ -152,7 +152,7 @@ fn an_anchor_on_a_limb_whose_joints_hang_on_another_anchor() {
     let mut anchor = MorphSurfaceAnchor::at(&hit);
     anchor.align = false;
     let grip = app.world_mut().spawn(anchor).id();
-    // What the hand holds has joints below the grip.
+    // The held mesh has its own joints below the grip.
     let mesh = add(&mut app, limb());
     let held = spawn_joints(&mut app, [Vec3::X, Vec3::X * 2.0]);
     for joint in held {

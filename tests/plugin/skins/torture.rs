@@ -1,5 +1,5 @@
-//! Random lives of skinned meshes and their joints: no panic, no ghost, a mesh is where its joints and targets put it, and what touches is
-//! what the oracle says.
+//! Random lives of skinned meshes and their joints: no panic, nothing stale, a mesh is where its joints and targets put it, and
+//! contacts are those of the oracle.
 
 use std::sync::Weak;
 
@@ -18,7 +18,7 @@ use rand_pcg::Pcg64Mcg;
 use super::{add, boned, extent, skeleton, spawn_skinned};
 use crate::support::{Messages, app, cube, set_weight, stretching_cube};
 
-/// How many meshes there are at least.
+/// The minimum number of meshes.
 const LIMBS: usize = 5;
 
 /// The joint of a corner: one for each side.
@@ -36,12 +36,12 @@ struct Life {
     counts: Counts,
 }
 
-/// What happened, to see that the test tries something.
+/// Counts of comparisons, to check that the test covers enough.
 #[derive(Debug, Default)]
 struct Counts {
     /// Meshes compared with their joints.
     places: usize,
-    /// Pairs of meshes compared with the oracle, and those that touch.
+    /// Pairs of meshes compared with the oracle, and those among them that touch.
     pairs: usize,
     touching: usize,
     starts: usize,
@@ -85,7 +85,7 @@ impl Life {
         self.joints.push(self.app.world_mut().spawn(place).id());
     }
 
-    /// Two joints, or now and then another number; some do not exist any more.
+    /// Usually two joints, sometimes another number; some no longer exist.
     fn skin(&mut self) -> SkinnedMesh {
         let count = if self.rng.random_bool(0.1) { 3 } else { 2 };
         let joints: Vec<Entity> = (0..count)
@@ -125,7 +125,7 @@ impl Life {
                 world.entity_mut(limb).remove::<SkinnedMesh>();
             }
             5 => {
-                // With all joints below it.
+                // Despawns it with all joints below it.
                 world.try_despawn(joint).ok();
                 self.spawn_joint();
             }
@@ -160,7 +160,7 @@ impl Life {
         }
     }
 
-    /// Runs frames until all trees are there; returns how many contacts started and ended.
+    /// Runs frames until all trees are built; returns how many contacts started and ended.
     fn settle(&mut self, messages: &mut Messages) -> (usize, usize) {
         let (mut starts, mut ends, mut left) = (0, 0, 2);
         while left > 0 {
@@ -174,13 +174,14 @@ impl Life {
         (starts, ends)
     }
 
-    /// Whether a mesh takes part.
+    /// Whether a mesh takes part in collisions.
     fn is_enabled(&self, limb: Entity) -> bool {
         let limb = self.app.world().entity(limb);
         !limb.contains::<MorphColliderDisabled>() && !limb.contains::<Disabled>()
     }
 
-    /// A mesh's shape and where its vertices are, from components alone; `None` where that depends on what was before: a joint is gone, or bad.
+    /// A mesh and the positions of its vertices, from components alone; `None` if they depend on earlier states because a joint
+    /// is gone or invalid.
     fn vertices(&self, limb: Entity) -> Option<(&MorphMesh, Vec<DVec3>)> {
         let limb = self.app.world().entity(limb);
         let mesh = limb.get::<Mesh3d>()?.id();
@@ -207,7 +208,7 @@ impl Life {
         Some((shape, skinned_vertices(&posed, &[influences], &joints)))
     }
 
-    /// Every mesh that takes part is where its vertices are, and touches what the oracle says.
+    /// Checks that every participating mesh is where its vertices are, and that its contacts are those of the oracle.
     fn check(&mut self, context: &str) {
         let mut known = Vec::new();
         for limb in self.limbs.clone() {

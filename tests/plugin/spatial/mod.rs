@@ -1,4 +1,4 @@
-//! Questions that systems ask, against brute force over posed vertices.
+//! Compares spatial queries of systems with brute force over posed vertices.
 
 use bevy::camera::CameraProjection;
 use bevy::ecs::system::RunSystemOnce;
@@ -12,7 +12,7 @@ mod systems;
 
 use crate::support::{add_mesh, app, bevy_mesh, cube, set_weight, settle, spawn, stretching_cube};
 
-/// Runs a system that asks, once.
+/// Runs a system once that makes queries.
 fn ask<T: Send + 'static>(app: &mut App, ask: impl Fn(&MorphSpatialQuery) -> T + Send + Sync + 'static) -> T {
     let system = move |spatial: MorphSpatialQuery| ask(&spatial);
     app.world_mut()
@@ -104,7 +104,7 @@ fn layers_and_disabled_colliders_are_heeded() {
     assert_eq!(first(&mut app, MorphQueryFilter::from_mask(0b100)), Some(c));
     assert_eq!(first(&mut app, MorphQueryFilter::from_mask(0b011)), Some(a));
     assert_eq!(first(&mut app, MorphQueryFilter::from_mask(0)), None);
-    // What collides with nothing can be seen.
+    // Colliders that collide with nothing can still be queried.
     app.world_mut().entity_mut(c).insert(MorphCollisionLayers::NONE);
     app.update();
     assert_eq!(first(&mut app, any()), Some(c));
@@ -153,7 +153,7 @@ fn overlaps_are_those_of_the_surface() {
     let frustum = projection.compute_frustum(&view.into());
     assert_eq!(ask(&mut app, move |s| s.frustum_intersections(&frustum, &any())), [b]);
 
-    // Shapes by their boxes: one behind the camera, one beside what it sees, one in view.
+    // Shapes are tested by their boxes: one behind the camera, one outside its view, one in view.
     let mut ball = |at: Vec3| {
         let shape = (MorphCollider::default(), MorphShape::Ball { radius: 0.2 });
         app.world_mut().spawn((shape, Transform::from_translation(at))).id()
@@ -257,7 +257,8 @@ fn hits_have_the_texture_coordinates_of_the_mesh() {
 fn the_texture_coordinates_of_a_hit_need_no_look_at_the_indices() {
     use bevy::asset::RenderAssetUsages;
     use bevy::mesh::{Indices, PrimitiveTopology};
-    // Four squares in a row, as a list and as a strip with a stitch, which numbers triangles otherwise.
+    // Four squares in a row, as a list and as a strip with a stitch, which numbers triangles
+    // differently.
     let corners: Vec<Vec3> = (0..10)
         .map(|i| Vec3::new((i / 2) as f32, (i % 2) as f32, 0.0))
         .collect();
@@ -279,7 +280,8 @@ fn the_texture_coordinates_of_a_hit_need_no_look_at_the_indices() {
         let mesh = app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh);
         spawn(&mut app, &mesh, 0.0);
         settle(&mut app);
-        // Whoever reads the indices for a hit now, unnoticed by the plugin, is led astray.
+        // If anything read the indices from the asset now, it would get wrong ones; the plugin does not
+        // notice this change.
         let mut meshes = app.world_mut().resource_mut::<Assets<Mesh>>();
         meshes
             .get_mut_untracked(&mesh)
@@ -350,7 +352,7 @@ fn rays_at_a_crowd_find_what_brute_force_finds() {
     assert!(hits > 50, "{hits} hits try little");
 }
 
-/// The parameter at which a ray meets a triangle in general position.
+/// The parameter at which a ray hits a triangle in general position.
 fn moeller_trumbore(origin: DVec3, direction: DVec3, [a, b, c]: [DVec3; 3]) -> Option<f64> {
     let (u, v) = (b - a, c - a);
     let p = direction.cross(v);
@@ -367,7 +369,7 @@ fn rays_may_pass_through_what_they_see_from_behind() {
     let (mut app, [_, b, c]) = three();
     let cast = |app: &mut App, only_front: bool| {
         let filter = MorphQueryFilter { only_front, ..any() };
-        // From the middle of the second cube.
+        // Starts in the middle of the second cube.
         let hit = ask(app, move |s| {
             s.cast_ray(Vec3::new(3.0, 0.1, 0.2), Dir3::X, 100.0, &filter)
         });

@@ -1,4 +1,4 @@
-//! Meshes and primitive shapes together, judged by the formulas of their distances.
+//! Meshes and primitive shapes together, checked by distance formulas.
 
 use bevy::math::Vec3A;
 use bevy::prelude::*;
@@ -8,7 +8,7 @@ use bevy_morph_collision::prelude::*;
 use super::{any, ask, three};
 use crate::support::{add_mesh, app, settle, spawn, stretching_cube};
 
-/// A cube that stretches and shapes of every kind, in places without order.
+/// A stretching cube and shapes of every kind, at scattered places.
 pub(super) fn crowd(count: u32) -> (App, Vec<(Entity, Transform, Option<MorphShape>)>) {
     let mut app = app();
     let mesh = add_mesh(&mut app, &stretching_cube());
@@ -44,7 +44,7 @@ pub(super) fn crowd(count: u32) -> (App, Vec<(Entity, Transform, Option<MorphSha
     (app, all)
 }
 
-/// The signed distance of a point from a collider as it is placed; from a cube's surface the distance.
+/// The signed distance of a point from a placed collider; for a cube, the distance from its surface.
 fn distance(point: Vec3, place: &Transform, shape: Option<MorphShape>) -> f32 {
     let local = place.rotation.inverse() * (point - place.translation);
     let of_box = |half: Vec3| {
@@ -70,7 +70,7 @@ fn shapes_are_found_like_meshes() {
     for i in 0..150_u32 {
         let x = i as f32;
         let from = Vec3::new((x * 1.9).cos(), (x * 0.3).sin(), (x * 0.77).cos()) * 7.0;
-        // Near the middle of a collider, seldom in it.
+        // Near the middle of a collider, rarely inside it.
         let to = all[i as usize * 7 % all.len()].1.translation
             + Vec3::new((x * 0.9).sin(), (x * 1.1).cos(), (x * 1.7).sin()) * 0.6;
         let direction = Dir3::new(to - from).unwrap();
@@ -130,7 +130,7 @@ fn shapes_are_found_like_meshes() {
         assert_eq!(at, expected, "{to}");
         inside += at.len();
 
-        // A ball grows all that it is asked about.
+        // A ball enlarges everything that is queried with it.
         let ball = MorphShape::Ball { radius: 0.4 };
         let near = ask(&mut app, move |s| {
             s.shape_intersections(&ball, to, Quat::IDENTITY, &any())
@@ -257,7 +257,7 @@ fn every_question_asks_its_predicate() {
         let found: Vec<Entity> = found;
         assert_eq!(found, [chosen], "question {i}");
     }
-    // One question within another.
+    // One query within another.
     let nested = ask(&mut app, move |s| {
         let in_sight = |entity: Entity| {
             s.bounds(entity).is_some() && !s.shape_intersections(&ball, at, Quat::IDENTITY, &any()).is_empty()
@@ -271,7 +271,7 @@ fn every_question_asks_its_predicate() {
 #[test]
 fn questions_follow_colliders_that_move_come_and_go() {
     let (mut app, mut all) = crowd(80);
-    // How collisions see a collider does not matter.
+    // A collider's tolerance does not matter to queries.
     for (entity, ..) in all.iter().step_by(2) {
         let tolerant = MorphCollider::default().with_tolerance(5.0);
         app.world_mut().entity_mut(*entity).insert(tolerant);

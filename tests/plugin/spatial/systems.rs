@@ -1,4 +1,4 @@
-//! Questions of systems: bad ones, and many at once.
+//! Queries of systems: invalid ones, and many at once.
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::system::ReadOnlySystemParam;
@@ -54,7 +54,7 @@ fn what_cannot_be_asked_finds_nothing_and_warns_once() {
         ] {
             assert_eq!(of(method), 1, "{method}: {warnings:?}");
         }
-        // In the words of the method.
+        // Messages use the names of the method's parameters.
         for (method, problem) in [
             ("cast_ray", "origin: coordinate 1 is NaN"),
             ("ray_hits", "max_distance is -1"),
@@ -91,7 +91,7 @@ fn systems_may_ask_at_the_same_time() {
         }
         asked.0.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
     };
-    // Bevy orders by hand what would conflict; it finds nothing to order here.
+    // Conflicting systems would need a manual order in Bevy; none is needed here.
     let mut schedule = Schedule::default();
     schedule.add_systems((ask_often, ask_often, ask_often));
     schedule.initialize(app.world_mut()).unwrap();
@@ -147,13 +147,13 @@ fn what_was_disabled_is_not_there_before_the_next_run() {
     app.world_mut().resource_mut::<MorphCollisionSettings>().paused = true;
     app.world_mut().entity_mut(a).remove::<Disabled>();
     app.update();
-    // Where it was before is nobody's business.
+    // Its earlier place no longer matters.
     assert_eq!(ask(&mut app, ask_all), (Some(b), false));
     app.world_mut().resource_mut::<MorphCollisionSettings>().paused = false;
     app.update();
     assert_eq!(ask(&mut app, ask_all), (Some(b), true));
     assert!(ask(&mut app, move |s| s.bounds(a)).unwrap().min.y > 40.0);
-    // One that is disabled for less than a run was there all the time.
+    // A collider that is disabled for less than a run counts as present all the time.
     app.world_mut().entity_mut(b).insert(Disabled);
     assert!(!ask(&mut app, ask_all).1);
     app.world_mut().entity_mut(b).remove::<Disabled>();

@@ -1,4 +1,4 @@
-//! What changes besides weights, joints and places.
+//! Changes other than those of weights, joints and places.
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::prelude::*;
@@ -55,7 +55,7 @@ fn other_changes_count_at_once() {
         assert_eq!(touches(&app, a, b), is_touching, "{what}");
         assert_eq!(diagnostics(&app).held_colliders, 0, "{what}");
     }
-    // Those that end a contact.
+    // Changes that end a contact.
     let mut checks: Vec<(&str, Change)> = Vec::new();
     checks.push(("layers", |cube| {
         cube.insert(MorphCollisionLayers::NONE);
@@ -78,7 +78,7 @@ fn other_changes_count_at_once() {
         app.update();
         assert!(!touches(&app, a, b), "{what}");
     }
-    // A mode, and how much is listed.
+    // Changes of the mode, and of the limit of listed triangles.
     let (mut app, [a, b]) = two(0.1, 0.9);
     move_to(&mut app, b, 0.95);
     app.update();

@@ -1,4 +1,5 @@
-//! Colliders with a tolerance: answers are those of shapes that are displaced by no more than it, judged by brute force over vertices.
+//! Colliders with a tolerance. Answers are those of shapes displaced by at most the tolerance, checked by brute force over
+//! vertices.
 
 mod changes;
 mod motion;
@@ -17,13 +18,13 @@ use rand_pcg::Pcg64Mcg;
 
 use crate::support::{add_mesh, app, bevy_mesh, diagnostics, settle};
 
-/// How many frames back a collider may be seen at most; none of the movements below keeps one for longer.
+/// The most frames that a collider may lag behind; in the movements below, none does for longer.
 const MEMORY: usize = 60;
 
 /// Colliders whose vertices are remembered frame by frame.
 struct Judge {
     actors: Vec<Actor>,
-    /// By actor, oldest first; empty while it takes no part.
+    /// By actor, oldest first; empty while it takes no part in collisions.
     past: Vec<Vec<Vec<DVec3>>>,
     seen: Seen,
 }
@@ -32,18 +33,18 @@ struct Actor {
     entity: Entity,
     mesh: MorphMesh,
     tolerance: f64,
-    /// Joints, and what they move, if any do.
+    /// The joints and the influences, for a skinned mesh.
     skin: Option<([Entity; 2], InfluenceSet)>,
 }
 
-/// What happened, to see that the test tries something.
+/// Counts of comparisons, to check that the test covers enough.
 #[derive(Debug, Default)]
 struct Seen {
     compared: usize,
     touching: usize,
-    /// Answers that are not those of the shapes as they are.
+    /// Answers that differ from those of the current shapes.
     other: usize,
-    /// The farthest that a vertex was from where collisions may have seen it, relative to the tolerance.
+    /// The largest distance of a vertex from where collisions may have seen it, relative to the tolerance.
     farthest: f64,
 }
 
@@ -79,7 +80,8 @@ impl Judge {
         }
     }
 
-    /// Judges the answers of a frame: those of some moments at which no vertex was farther from where it is now than the tolerance.
+    /// Checks the answers of a frame. They must be those of some moments at which no vertex was farther from its current place
+    /// than the tolerance.
     fn judge(&mut self, app: &App, context: &str) {
         for (actor, past) in self.actors.iter().zip(&mut self.past) {
             match actor.vertices(app.world()) {
@@ -168,7 +170,7 @@ fn blobs(app: &mut App, tolerances: &[f32]) -> Vec<Actor> {
     (0..).zip(tolerances).map(spawn).collect()
 }
 
-/// Weights and places at a moment; some of the colliders stand still for a while now and then.
+/// Weights and places in a frame. Some of the colliders stand still now and then.
 fn animate(app: &mut App, actors: &[Actor], frame: usize, rng: &mut Pcg64Mcg) {
     for (i, actor) in actors.iter().enumerate() {
         let phase = i as f32 * 1.7;
@@ -188,7 +190,7 @@ fn animate(app: &mut App, actors: &[Actor], frame: usize, rng: &mut Pcg64Mcg) {
         let place = Transform::from_translation(at).with_rotation(Quat::from_rotation_y(0.5 * time + phase));
         app.world_mut().entity_mut(actor.entity).insert(weights);
         if actor.skin.is_none() {
-            // A jump to another place, for a few frames.
+            // Jumps to another place for a few frames.
             let jump = if rng.random_bool(0.02) {
                 Vec3::X * 3.0
             } else {
@@ -222,7 +224,7 @@ fn answers_are_exact_for_shapes_displaced_by_no_more_than_their_tolerances() {
         let mut held = 0;
         for frame in 1..150 {
             animate(&mut app, &judge.actors, frame, &mut rng);
-            // Some go for a while.
+            // Some are disabled for a while.
             let gone = judge.actors[frame % 4].entity;
             let mut gone = app.world_mut().entity_mut(gone);
             match rng.random_range(0..12) {

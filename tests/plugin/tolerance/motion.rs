@@ -1,4 +1,4 @@
-//! Colliders that move little, far, slowly and in steps.
+//! Colliders that move little, far, slowly or in steps.
 
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
@@ -8,7 +8,7 @@ use crate::support::{
     Messages, add_mesh, app, cube, diagnostics, move_to, set_weight, settle, spawn, stretching_cube, touches,
 };
 
-/// Two cubes that touch or not, each with this tolerance.
+/// Two cubes with this tolerance, which may or may not touch.
 pub(super) fn two(tolerance: f32, x: f32) -> (App, [Entity; 2]) {
     let mut app = app();
     let mesh = add_mesh(&mut app, &cube());
@@ -41,7 +41,7 @@ fn slow_drift_does_not_add_up() {
     }
     let parted = parted.unwrap();
     assert!((1.0..1.0 + 0.052).contains(&parted), "{parted}");
-    // Once for each time that it has gone as far as its tolerance.
+    // Once for each time that it has moved as far as its tolerance.
     assert!((3..=8).contains(&compared), "{compared}");
 }
 
@@ -49,7 +49,7 @@ fn slow_drift_does_not_add_up() {
 fn small_movements_cost_no_comparison_and_large_ones_count_at_once() {
     let (mut app, [a, b]) = two(0.1, 1.02);
     assert!(!touches(&app, a, b));
-    // Near enough to touch, far too little to be noticed.
+    // Near enough to touch, but by less than the tolerance.
     move_to(&mut app, b, 0.95);
     app.update();
     let kept = diagnostics(&app);
@@ -58,7 +58,7 @@ fn small_movements_cost_no_comparison_and_large_ones_count_at_once() {
     move_to(&mut app, b, 0.9);
     app.update();
     assert!(touches(&app, a, b) && diagnostics(&app).held_colliders == 0);
-    // Back to where it was not noticed, and away.
+    // Back to the place where the motion was ignored, and then away.
     move_to(&mut app, b, 0.95);
     app.update();
     assert!(touches(&app, a, b) && diagnostics(&app).held_colliders == 1);
@@ -73,7 +73,7 @@ fn a_pair_that_is_new_is_about_the_same_moment_as_the_others() {
     move_to(&mut app, b, 0.75);
     app.update();
     let mesh = add_mesh(&mut app, &cube());
-    // It reaches the cube where it is now, but not where collisions see it.
+    // It reaches the cube's current place, but not the place where collisions see the cube.
     let new = spawn(&mut app, &mesh, -0.27);
     let newer = spawn(&mut app, &mesh, 1.77);
     settle(&mut app);
@@ -115,7 +115,7 @@ fn shapes_are_measured() {
         },
         MorphShape::HalfSpace { normal: Vec3::X },
     ] {
-        // The half-space is all that is below it.
+        // The half-space is everything below it.
         let edge = if matches!(shape, MorphShape::HalfSpace { .. }) {
             0.5
         } else {

@@ -69,7 +69,7 @@ fn carrying_can_be_switched_off() {
 
 #[test]
 fn what_it_merely_brushes_does_not_tow_it() {
-    // A character on a floor; a sheet slides along its side, another one just below the floor.
+    // A character on a floor. A sheet slides along its side, another one just below the floor.
     for kinematic in [false, true] {
         let mut app = app();
         let floor = (Collider::cuboid(10.0, 0.5, 10.0), Transform::from_xyz(0.0, -0.5, 0.0));
@@ -106,7 +106,8 @@ fn what_it_merely_brushes_does_not_tow_it() {
     }
 }
 
-/// Rides a sheet for a second, jumps at 3/s, and lands. Says how far it was carried in the air, and how high it came.
+/// Rides a sheet for a second, jumps at 3/s, and lands. Returns how far it was carried in the air, and the number of
+/// frames.
 fn jump(carry: MorphCharacterCarry, speed: Vec2) -> (Vec3, usize) {
     let (mut app, surface, walker) = on_sheet(carry);
     ride(&mut app, surface, walker, speed, 60);
@@ -132,14 +133,14 @@ fn jump(carry: MorphCharacterCarry, speed: Vec2) -> (Vec3, usize) {
 fn a_jump_takes_the_velocity_of_the_surface_along_if_asked() {
     let speed = Vec2::new(0.5, 1.0);
     let (stays, frames) = jump(MorphCharacterCarry::default(), speed);
-    // Some frames until it is out of reach.
+    // It takes some frames until it is out of reach.
     assert!(stays.x < 3.5 * DT, "{stays} in {frames} frames");
     let keep = MorphCharacterCarry {
         keep_velocity: true,
         ..Default::default()
     };
     let (goes, frames) = jump(keep, speed);
-    // The same jump as on a surface at rest, seen from the surface.
+    // The same jump as on a resting surface, seen from the surface.
     let (_, at_rest) = jump(keep, Vec2::ZERO);
     assert!(
         (frames as i32 - at_rest as i32).abs() <= 1,
@@ -187,7 +188,7 @@ fn walls_stop_what_carries_it() {
 
 #[test]
 fn a_surface_on_a_kinematic_body_carries_it_once() {
-    // The body moves, and the surface on it moves as well.
+    // The body moves, and the surface on it moves too.
     let mut app = app();
     let surface = spawn(&mut app, &sheet(16), RigidBody::KinematicPositionBased);
     settle(&mut app);
@@ -285,7 +286,7 @@ fn a_surface_on_a_dynamic_body_is_stood_on() {
         set_weights(&mut app, surface, &[0.0, DT * frame as f32]);
         assert!(walk_once(&mut app, walker, Vec3::ZERO), "in frame {frame}");
     }
-    // As with any dynamic body, it does not go along.
+    // Like on any dynamic body, it is not carried.
     assert!((place(&app, walker) - start).length() < 1e-2 && place(&app, surface).x > 0.9);
     let ground = ground(&app, walker);
     assert_eq!((ground.surface, ground.velocity), (Some(surface), Vec3::ZERO));

@@ -1,4 +1,4 @@
-//! What a character stands on.
+//! The ground that a character stands on.
 
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
@@ -47,7 +47,7 @@ fn a_character_does_not_sink_into_a_rising_surface() {
         let (grounded, moved, [least, greatest]) = ride(&mut app, surface, walker, Vec2::new(speed, 0.0), 240);
         assert!(grounded >= 238, "at {speed}: {grounded}");
         assert!(moved.xz().length() < 1e-3, "at {speed}: {moved}");
-        // The surface sets off at once; it is felt a step later.
+        // The surface starts at once; the character follows a step later.
         let late = speed / 60.0;
         assert!(
             least > OFFSET - late - 2e-3 && greatest < OFFSET + 2e-3,
@@ -72,14 +72,14 @@ fn a_character_in_the_air_is_not_grounded_and_leaves_nothing_behind() {
     assert_eq!(ground(&app, walker), MorphCharacterGround::default());
     app.world_mut().entity_mut(surface).insert(MorphColliderDisabled);
     run(&mut app, 2);
-    // It falls through where nothing is.
+    // Where there is nothing, it falls.
     assert_eq!(walk(&mut app, walker, Vec3::Y * -0.05, 30), 0);
     assert!(place(&app, walker).y < -0.5);
 }
 
 #[test]
 fn a_character_stands_on_others_but_not_on_itself() {
-    // Two characters, each inside a box of its own that is a surface on its body.
+    // Two characters. Each is inside its own box, which is a surface on its body.
     let mut app = app();
     let mut cube = morph_collision_testkit::models::rigid::box_mesh(Vec3::splat(0.45));
     cube.targets = vec![vec![Vec3::X; cube.positions.len()]];
@@ -99,12 +99,12 @@ fn a_character_stands_on_others_but_not_on_itself() {
     app.world_mut().get_mut::<Transform>(other).unwrap().translation.x = 20.0;
     run(&mut app, 1);
     assert!(!falls(&mut app, Vec3::Y * -0.01), "it stands on its own skin");
-    // Neither does it beside the other, which could stand on it.
+    // The same beside the other character, which it could stand on.
     let beside = place(&app, one) + Vec3::X * 1.2;
     app.world_mut().get_mut::<Transform>(other).unwrap().translation = beside;
     run(&mut app, 1);
     assert!(!falls(&mut app, Vec3::Y * -0.01), "it stands on its own skin");
-    // On the other's, 0.9 high.
+    // On top of the other character's box, which is 0.9 high.
     app.world_mut().get_mut::<Transform>(other).unwrap().translation =
         place(&app, one) - Vec3::Y * (0.45 + STANDING + 0.02);
     run(&mut app, 1);

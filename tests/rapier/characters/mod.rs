@@ -1,4 +1,4 @@
-//! Rapier's character controllers on surfaces that move.
+//! Rapier's character controllers on moving surfaces.
 
 mod carried;
 mod ground;
@@ -12,13 +12,13 @@ use morph_collision_workspace::physics::{DT, settle, sheet};
 
 use crate::support::{app, place, set_weights, spawn};
 
-/// From the middle of a character to the soles of its feet.
+/// From the middle of a character to its soles.
 const HALF_HEIGHT: f32 = 0.8;
-/// What a controller keeps away from everything: a hundredth of its height.
+/// The distance that a controller keeps from everything: a hundredth of its height.
 const OFFSET: f32 = 0.016;
-/// Where a character stands that stands on the ground.
+/// The height of a character that stands on the ground.
 const STANDING: f32 = HALF_HEIGHT + OFFSET;
-/// What a game adds in every frame to keep a character on the ground.
+/// The motion that a game adds in every frame to keep a character on the ground.
 const GRAVITY: Vec3 = Vec3::new(0.0, -0.05, 0.0);
 
 /// A capsule with a controller.
@@ -42,7 +42,7 @@ fn on_sheet(more: impl Bundle) -> (App, Entity, Entity) {
     (app, surface, walker)
 }
 
-/// Lets a character walk for some frames, and says in how many it was on the ground.
+/// Lets a character walk for some frames; returns in how many of them it was on the ground.
 fn walk(app: &mut App, walker: Entity, step: Vec3, frames: usize) -> usize {
     (0..frames).filter(|_| walk_once(app, walker, step)).count()
 }
@@ -53,7 +53,7 @@ fn walk_once(app: &mut App, walker: Entity, step: Vec3) -> bool {
     is_grounded(app, walker)
 }
 
-/// What a character wants in the next frame.
+/// The motion that a character wants in the next frame.
 fn move_by(app: &mut App, walker: Entity, step: Vec3) {
     let mut walker = app.world_mut().entity_mut(walker);
     walker.get_mut::<KinematicCharacterController>().unwrap().translation = Some(step);
@@ -68,8 +68,8 @@ fn ground(app: &App, walker: Entity) -> MorphCharacterGround {
     *app.world().get::<MorphCharacterGround>(walker).unwrap()
 }
 
-/// Walks on a [`sheet`] that rises and slides at these speeds. Says in how many frames it was on the ground, how far it was carried
-/// along the sheet, and the least and greatest distance of its feet from the sheet.
+/// Walks on a [`sheet`] that rises and slides at these speeds. Returns in how many frames it was on the ground, how far it was
+/// carried along the sheet, and the smallest and largest distance of its feet from the sheet.
 fn ride(app: &mut App, surface: Entity, walker: Entity, speed: Vec2, frames: usize) -> (usize, Vec3, [f32; 2]) {
     let start = place(app, walker);
     let (mut grounded, mut gaps) = (0, [f32::INFINITY, f32::NEG_INFINITY]);
@@ -83,7 +83,7 @@ fn ride(app: &mut App, surface: Entity, walker: Entity, speed: Vec2, frames: usi
     (grounded, place(app, walker) - start, gaps)
 }
 
-/// A level sheet of this size whose one target moves it along `+X`.
+/// A level sheet of this size. Its only target moves it along `+X`.
 fn sliding(size: f32) -> MorphMesh {
     let mut mesh = morph_collision_testkit::models::rigid::grid(size, 8);
     mesh.targets = vec![vec![Vec3::X; mesh.positions.len()]];

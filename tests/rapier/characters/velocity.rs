@@ -1,4 +1,4 @@
-//! The velocities of surfaces, as controllers of a game's own ask for them.
+//! The velocities of surfaces, for a game's own character controllers.
 
 use bevy::ecs::system::RunSystemOnce;
 use bevy::math::DVec3;
@@ -11,7 +11,7 @@ use morph_collision_workspace::physics::{DT, body, settle, sheet};
 
 use crate::support::{app, global, run, set_weights, spawn};
 
-/// What systems with a [`MorphRapierVelocity`] learn.
+/// Runs a system once that queries [`MorphRapierVelocity`].
 fn ask<T: Send + 'static>(app: &mut App, ask: impl Fn(&mut MorphRapierVelocity) -> T + Send + Sync + 'static) -> T {
     let system = move |mut surfaces: MorphRapierVelocity| ask(&mut surfaces);
     app.world_mut()
@@ -19,7 +19,7 @@ fn ask<T: Send + 'static>(app: &mut App, ask: impl Fn(&mut MorphRapierVelocity) 
         .expect("its parameters are there")
 }
 
-/// Where a point of a mesh is.
+/// The place of a point of a mesh.
 fn point(mesh: &MorphMesh, weights: &[f32], place: &GlobalTransform, triangle: u32, shares: Vec3) -> DVec3 {
     let world = world_vertices(
         &posed_vertices(&mesh.positions, &mesh.targets, weights),
@@ -29,7 +29,7 @@ fn point(mesh: &MorphMesh, weights: &[f32], place: &GlobalTransform, triangle: u
     (0..3).map(|i| corners[i] * f64::from(shares[i])).sum()
 }
 
-/// A sheet with a bulge, so that no two points move alike.
+/// A sheet with a bulge, so that no two points move the same way.
 fn bulging() -> MorphMesh {
     let mut mesh = sheet(16);
     let bulge = mesh
@@ -111,7 +111,7 @@ fn nothing_else_has_a_velocity_of_a_surface() {
         ]
     });
     assert_eq!(asked, [Some(Vec3::ZERO), None, None, None, None]);
-    // A jump is no motion.
+    // A jump does not count as motion.
     set_weights(&mut app, surface, &[0.0, 4.0]);
     run(&mut app, 1);
     let jumps = ask(&mut app, move |surfaces| surfaces.velocity_at(surface, 0, Vec3::X));

@@ -1,4 +1,4 @@
-//! On the ground.
+//! Carrying on the ground.
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
@@ -49,7 +49,7 @@ fn a_conveyor_carries() {
         }
         let (box_speed, slab) = (velocity(&app, cuboid), velocity(&app, surface));
         println!("{mass}: {box_speed} {slab}");
-        // They slide on the same surface, whose body goes back.
+        // They slide on the same surface, whose body moves back.
         assert!((box_speed.x - slab.x - 1.0).abs() < 0.05, "{mass}: {box_speed} {slab}");
         assert!(
             (mass * box_speed.x + 30.0 * slab.x).abs() < 0.05 * mass,
@@ -92,14 +92,14 @@ fn it_lifts_in_every_mode_of_steps() {
     }
 }
 
-/// How a box on a stack of blocks ends.
+/// The final state of a box on a stack of blocks.
 #[derive(Debug)]
 struct Stacked {
-    /// How much too high.
+    /// The height above the expected one.
     too_high: f32,
-    /// How far sideways.
+    /// The sideways drift.
     drift: f32,
-    /// How much faster or slower it was on the way than the blocks grow together.
+    /// The largest deviation from the combined growth speed of the blocks.
     off_speed: f32,
 }
 
@@ -145,11 +145,11 @@ fn stacks_of_growing_blocks_stand() {
     for blocks in [1, 2, 4] {
         let stacked = stack(blocks, 1.0);
         println!("{blocks}: {stacked:?}");
-        // It differs from run to run: a stack is never quite at rest.
+        // This differs from run to run, because a stack is never quite at rest.
         assert!(stacked.too_high.abs() < 0.03, "{blocks}: {stacked:?}");
         assert!(stacked.drift < 0.25 && stacked.off_speed < 0.3, "{blocks}: {stacked:?}");
     }
-    // Five times as heavy as each of four blocks, it wanders more.
+    // A box that is five times as heavy as each of four blocks wanders more.
     let heavy = stack(4, 5.0);
     println!("heavy: {heavy:?}");
     assert!(heavy.too_high.abs() < 0.05 && heavy.drift < 0.4, "{heavy:?}");

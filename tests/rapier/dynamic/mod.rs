@@ -1,4 +1,4 @@
-//! Surfaces on dynamic bodies that morph: they throw and carry, and their bodies feel it.
+//! Morphing surfaces on dynamic bodies: they throw and carry, and their bodies react.
 
 mod carries;
 mod odd;
@@ -12,10 +12,10 @@ use morph_collision_workspace::physics::{body, settle};
 
 use crate::support::{app, place, run, slab, slab_cut, spawn};
 
-/// Half of a slab's edges.
+/// Half extents of a slab.
 pub(super) const HALF: Vec3 = Vec3::new(1.0, 0.25, 1.0);
 
-/// A dynamic body of a mass whose surface is a mesh.
+/// A dynamic body with this mass, whose surface is a mesh.
 pub(super) fn spawn_on(app: &mut App, mesh: &MorphMesh, mass: f32, at: Vec3, more: impl Bundle) -> Entity {
     let weight = AdditionalMassProperties::MassProperties(mass_of(mass, HALF));
     let body = (
@@ -25,7 +25,7 @@ pub(super) fn spawn_on(app: &mut App, mesh: &MorphMesh, mass: f32, at: Vec3, mor
         weight,
     );
     let rest = (Transform::from_translation(at), Sleeping::disabled());
-    // It does not fall before it has a surface.
+    // It must not fall before it has a surface.
     let entity = spawn(app, mesh, (body, rest, GravityScale(0.0)));
     settle(app);
     app.world_mut()
@@ -35,7 +35,7 @@ pub(super) fn spawn_on(app: &mut App, mesh: &MorphMesh, mass: f32, at: Vec3, mor
     entity
 }
 
-/// Of a cuboid.
+/// The mass properties of a cuboid.
 pub(super) fn mass_of(mass: f32, half: Vec3) -> MassProperties {
     let square = half * half;
     MassProperties {
@@ -52,7 +52,7 @@ pub(super) fn floating(mass: f32) -> (App, Entity) {
     (app, surface)
 }
 
-/// A slab that lies on the ground, whose upper side is at `2 * HALF.y`.
+/// A slab that lies on the ground, with its upper side at `2 * HALF.y`.
 pub(super) fn grounded(mass: f32) -> (App, Entity) {
     let mut app = app();
     app.world_mut()

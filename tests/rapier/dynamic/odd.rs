@@ -1,4 +1,4 @@
-//! Bodies that are not a plain slab.
+//! Bodies other than a plain slab.
 
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
@@ -29,7 +29,7 @@ fn a_morphing_body_alone_moves_as_a_plain_one() {
     for substeps in [1, 3] {
         let mut app = app();
         app.insert_resource(TimestepMode::Fixed { dt: DT, substeps });
-        // Beside its middle, what it weighs is; another body, far away, shows how it moves that does not morph.
+        // The centre of mass is off the middle. Another body, far away, shows the motion without morphing.
         let weight = |mass| MassProperties {
             local_center_of_mass: Vec3::new(0.3, 0.1, -0.2),
             ..mass_of(mass, HALF)
@@ -48,7 +48,7 @@ fn a_morphing_body_alone_moves_as_a_plain_one() {
             app.world_mut()
                 .entity_mut(body)
                 .insert(AdditionalMassProperties::MassProperties(weight(3.0)));
-            // Something light that is touched, and weighs nothing to speak of.
+            // A contact with something of negligible weight.
             let tiny = Collider::ball(0.05);
             thing(
                 &mut app,
@@ -67,7 +67,7 @@ fn a_morphing_body_alone_moves_as_a_plain_one() {
         }
         let mut parts = 0;
         for frame in 1..=60 {
-            // Its outline stays, and nothing else is changed.
+            // The outline stays the same, and nothing else changes.
             set_weights(&mut app, bodies[0], &[0.0, 0.0, 1e-3 * frame as f32, 0.0]);
             run(&mut app, 1);
             parts += diagnostics(&app).parts;
@@ -321,7 +321,7 @@ fn a_fast_body_does_not_pass_and_a_jump_throws_nothing() {
     set_weights(&mut app, surface, &[0.0, 0.2, 0.0, 0.0]);
     run(&mut app, 60);
     println!("{}", velocity(&app, ball));
-    // It is pushed out at Rapier's own speed for that, at most.
+    // It is pushed out at most at Rapier's own speed for that.
     assert!(velocity(&app, ball).y < 3.5, "{}", velocity(&app, ball));
 }
 

@@ -1,4 +1,4 @@
-//! In free space.
+//! Throwing in free space.
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
@@ -7,7 +7,7 @@ use morph_collision_workspace::physics::DT;
 use super::{HALF, floating, thing};
 use crate::support::{run, set_weights, velocity};
 
-/// Speeds of a ball and of a slab of 3 that slaps it at 5/s.
+/// Speeds of a ball and of a slab with mass 3 that hits it at 5/s.
 fn slap(mass: f32) -> (Vec3, Vec3) {
     let (mut app, surface) = floating(3.0);
     let at = Vec3::Y * (HALF.y + 0.3 + 0.1);

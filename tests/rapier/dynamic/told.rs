@@ -1,4 +1,4 @@
-//! What is told of contacts.
+//! Contact events.
 
 use bevy::ecs::message::MessageCursor;
 use bevy::prelude::*;
@@ -27,7 +27,7 @@ fn contacts_are_told_once_and_forces_of_the_whole_surface() {
     let mut forces = Vec::new();
     let morph = |log: &mut Log, app: &mut App, frames: usize| {
         log.run(app, frames, |app, i| {
-            // Rests for a while in the middle.
+            // Rests for a while in between.
             let height = 0.01 * if i < 30 { i } else { (i.max(60)) - 30 } as f32;
             set_weights(app, surface, &[0.0, height * 0.3, 0.0, 0.0]);
         });
@@ -50,7 +50,7 @@ fn contacts_are_told_once_and_forces_of_the_whole_surface() {
             .copied()
             .collect();
         if frame < 5 {
-            // It is thrown a little where the surface stops, and where it moves on.
+            // The box is thrown a little when the surface stops, and when it moves on.
             continue;
         }
         let [force] = told[..] else { panic!("{frame}: {told:?}") };
@@ -59,7 +59,7 @@ fn contacts_are_told_once_and_forces_of_the_whole_surface() {
     }
     let mean = forces.iter().sum::<f32>() / forces.len() as f32;
     assert!((mean - 19.62).abs() < 1.0, "{forces:?}");
-    // Where it comes to other triangles, a step may tell more.
+    // When it reaches other triangles, the force of a step may be larger.
     assert!(forces.iter().all(|force| (force - 19.62).abs() < 8.0), "{forces:?}");
     log.run(&mut app, 1, |app, _| put(app, cuboid, Vec3::new(0.0, 4.0, 0.0)));
     log.run(&mut app, 3, |_, _| {});

@@ -1,4 +1,5 @@
-//! A real character that plays its clips: its pushes judged by vertices that are morphed and skinned here, from the file.
+//! A real character that plays its clips. Its pushes are checked against vertices that are morphed and skinned here, from the
+//! file.
 
 use std::path::{Path, PathBuf};
 
@@ -40,7 +41,7 @@ struct Stage {
 }
 
 impl Stage {
-    /// `None` where there is no model.
+    /// `None` if the model is missing.
     fn new(clip: &str) -> Option<Self> {
         let file = character()?;
         let mesh = read_meshes(&file).expect("the model can be read").swap_remove(0);
@@ -86,7 +87,7 @@ impl Stage {
         })
     }
 
-    /// Where its vertices are now, in the file's order.
+    /// The current positions of its vertices, in the file's order.
     fn vertices(&self) -> Vec<DVec3> {
         let skin = self.mesh.skin.as_ref().unwrap();
         let weights = vec![0.0; self.mesh.targets.len()];
@@ -111,7 +112,7 @@ impl Stage {
         self.truth().distance_to_point(&Pose::IDENTITY, point, false).abs()
     }
 
-    /// Frames of a clip without any body: where every vertex is in each.
+    /// Plays frames of a clip without any body; returns the positions of all vertices in each.
     fn rehearse(&mut self, frames: usize) -> Vec<Vec<DVec3>> {
         (0..frames)
             .map(|_| {
@@ -121,14 +122,15 @@ impl Stage {
             .collect()
     }
 
-    /// Kicks or punches a ball that floats where a vertex is fastest; returns the speed of the vertex, and the ball's after it.
+    /// Kicks or punches a ball that floats where a vertex is fastest. Returns the velocity of the vertex, and the ball's
+    /// afterwards.
     fn hit_a_ball(&mut self, frames: usize, radius: f32, limb: impl Fn(DVec3) -> bool) -> (DVec3, DVec3) {
         let poses = self.rehearse(frames);
         let (mut fastest, mut at) = (0.0, (0, 0));
         for (frame, two) in poses.windows(2).enumerate() {
             for (vertex, (from, to)) in two[0].iter().zip(&two[1]).enumerate() {
                 let speed = from.distance(*to) / f64::from(DT);
-                // In the middle of a swing, and outward: what is behind it is its own limb.
+                // In the middle of a swing and outward, because behind it is the character's own limb.
                 if speed > fastest && frame > 4 && limb(*from) {
                     (fastest, at) = (speed, (frame, vertex));
                 }
@@ -136,7 +138,7 @@ impl Stage {
         }
         let (frame, vertex) = at;
         let speed = (poses[frame + 1][vertex] - poses[frame][vertex]) / f64::from(DT);
-        // In front of the surface there: as far along its way as no triangle is near yet.
+        // In front of the surface: so far along the vertex's motion that no triangle is near yet.
         let direction = speed.normalize();
         let reach = f64::from(radius) * 1.05;
         let clear = |way: f64| {
@@ -145,7 +147,7 @@ impl Stage {
         };
         let way = (0..60).map(|i| 0.01 * f64::from(i)).find(|&way| clear(way)).unwrap();
         let center = (poses[frame][vertex] + direction * way).as_vec3();
-        // The clip comes round to that frame again.
+        // The clip reaches that frame again.
         run(&mut self.app, frame + 1);
         let ball = body(&mut self.app, Collider::ball(radius), center);
         self.app.world_mut().entity_mut(ball).insert(GravityScale(0.0));
@@ -213,7 +215,7 @@ fn a_tray_on_the_head_goes_down_and_up_as_the_character_crouches() {
         run(&mut stage.app, 1);
         let height = place(&stage.app, tray).y - 0.01;
         (lowest, highest) = (lowest.min(height), highest.max(height));
-        // Whatever is below the tray, which is level: the highest vertex of all.
+        // The tray is level, so what counts is the highest vertex.
         let below = stage.vertices().iter().map(|p| p.y).fold(f64::NEG_INFINITY, f64::max) as f32;
         worst = worst.max(height - below);
         deepest = deepest.max(below - height);

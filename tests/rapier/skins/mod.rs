@@ -1,8 +1,8 @@
 //! Meshes that joints move, in physics.
 //!
 //! - `moving`: bodies on a limb, hit by it and carried by it.
-//! - `standing`: where it is, what it costs, and what it is on bodies.
-//! - `solid`: what is inside of it.
+//! - `standing`: the limb's place, its cost, and limbs on bodies.
+//! - `solid`: its inside.
 //! - `character`: a real character that plays its clips.
 
 mod character;
@@ -26,11 +26,11 @@ use morph_collision_workspace::physics::bevy_mesh;
 
 use crate::support::{app, global};
 
-/// How high the flat top of an arm is.
+/// The height of an arm's flat top.
 const TOP: f32 = 0.461_939_77;
 
-/// A closed tube along x from -3 to 3 with flat sides above and below. Joint 0 moves what is at -x, joint 1 what is at +x, both what is near the origin.
-/// Its target doubles its thickness.
+/// A closed tube along x from -3 to 3 with flat sides above and below. Joint 0 moves the side at -x, joint 1 the side at +x, both
+/// the part near the origin. Its target doubles its thickness.
 fn arm_mesh() -> MorphMesh {
     const RINGS: u32 = 49;
     const SIDES: u32 = 8;
@@ -78,7 +78,7 @@ fn arm_mesh() -> MorphMesh {
     mesh
 }
 
-/// An arm in an app: its mesh, and the joints that it follows, which were at the origin when it was bound.
+/// An arm in an app: its mesh, and its joints, which were at the origin in the bind pose.
 struct Arm {
     mesh: MorphMesh,
     surface: Entity,
@@ -86,7 +86,7 @@ struct Arm {
 }
 
 impl Arm {
-    /// With its joints at rest, and more components on the entity of its mesh.
+    /// An arm with its joints at rest, and more components on the entity of its mesh.
     fn spawn(app: &mut App, more: impl Bundle) -> Self {
         let mesh = arm_mesh();
         let world = app.world_mut();
@@ -117,7 +117,7 @@ impl Arm {
         }
     }
 
-    /// Where it is by the definition of a skinned vertex, as Parry's own shape.
+    /// Its true shape by the definition of a skinned vertex, as Parry's own mesh.
     fn truth(&self, app: &App) -> TriMesh {
         let weights = match app.world().get::<MeshMorphWeights>(self.surface) {
             Some(MeshMorphWeights::Value { weights }) => weights.clone(),

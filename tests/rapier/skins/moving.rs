@@ -1,4 +1,4 @@
-//! Bodies on a limb that moves.
+//! Bodies on a moving limb.
 
 use bevy::prelude::*;
 use bevy_rapier3d::parry::math::Pose;
@@ -11,7 +11,7 @@ use crate::support::{place, run, set_weights, velocity};
 
 const HALF: f32 = 0.15;
 
-/// An arm with a box on it that has come to rest, at some place along it.
+/// An arm with a box that has come to rest at some place along it.
 fn box_on_arm(x: f32) -> (App, Arm, Entity) {
     let (mut app, arm) = app_with_arm();
     let cuboid = Collider::cuboid(HALF, HALF, HALF);
@@ -21,7 +21,7 @@ fn box_on_arm(x: f32) -> (App, Arm, Entity) {
     (app, arm, cuboid)
 }
 
-/// How far a box that lies on one of its sides is above the surface, in truth.
+/// The true distance above the surface of a box that lies on one of its sides.
 fn gap(app: &App, arm: &Arm, cuboid: Entity) -> f32 {
     arm.truth(app)
         .distance_to_point(&Pose::IDENTITY, place(app, cuboid), true)
@@ -79,7 +79,7 @@ fn a_punch_throws_a_ball_at_the_speed_of_the_fist() {
     app.world_mut().entity_mut(ball).insert(GravityScale(0.0));
     run(&mut app, 5);
     assert_eq!(velocity(&app, ball), Vec3::ZERO);
-    // Sideways about the elbow: a sixth of a second to 3 radians per second, then on at that speed.
+    // Sideways about the elbow: speeds up to 3 radians per second in a sixth of a second, then keeps that speed.
     let (mut angle, mut turn) = (0.0, 0.0_f32);
     let mut hit_at = None;
     for i in 0..60 {
@@ -94,10 +94,10 @@ fn a_punch_throws_a_ball_at_the_speed_of_the_fist() {
     }
     let (step, at, speed) = hit_at.expect("the fist meets the ball");
     assert!(step >= 10, "hit in step {step}");
-    // The side of the arm moves there at:
+    // The velocity of the arm's side there:
     let fist = Vec3::Y.cross(at) * 3.0;
     assert!(fist.length() > 7.0, "{fist}");
-    // The ball goes where the side of the arm faces, as fast as the arm goes that way.
+    // The ball moves in the direction that the arm's side faces, as fast as the arm moves in that direction.
     let along = fist.dot(speed.normalize());
     assert!(along > 0.9 * fist.length(), "thrown at {speed} by {fist}");
     assert!(
@@ -115,7 +115,8 @@ fn a_fist_throws_a_ball_that_it_would_pass_in_one_step() {
     let ball = body(&mut app, Collider::ball(0.1), at);
     app.world_mut().entity_mut(ball).insert(GravityScale(0.0));
     run(&mut app, 5);
-    // A third of a second to 12 radians per second: the ball's place moves by 0.5 in a step, five times its radius.
+    // Speeds up to 12 radians per second in a third of a second. The ball's place then moves by 0.5 per step, five
+    // times its radius.
     let (mut angle, mut turn) = (0.0, 0.0_f32);
     let mut fastest = Vec3::ZERO;
     for _ in 0..30 {
@@ -136,7 +137,7 @@ fn a_fist_throws_a_ball_that_it_would_pass_in_one_step() {
 #[test]
 fn an_arm_that_swells_throws_what_lies_on_it() {
     let (mut app, arm, cuboid) = box_on_arm(1.5);
-    // Its top goes up by 0.46 within a tenth of a second, while its joints stay.
+    // Its top rises by 0.46 within a tenth of a second, while its joints stay.
     for i in 1..=6 {
         set_weights(&mut app, arm.surface, &[i as f32 / 6.0]);
         run(&mut app, 1);

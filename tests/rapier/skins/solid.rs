@@ -67,7 +67,7 @@ fn velocities_of_a_limb_are_those_of_the_place_that_is_asked_for() {
         arm.pose(&mut app, [Transform::default(), Transform::from_rotation(turned)]);
         run(&mut app, 1);
     }
-    // A hundredth of a radian in a step of a sixtieth of a second.
+    // A hundredth of a radian per step of 1/60 s.
     let at = Quat::from_rotation_z(0.2) * Vec3::new(2.5, TOP, 0.0);
     let system = move |mut surfaces: MorphRapierVelocity| surfaces.surface_velocity(arm.surface, at).unwrap();
     use bevy::ecs::system::RunSystemOnce;

@@ -1,4 +1,4 @@
-//! Where a limb is for Rapier, what it costs, and what it is on bodies.
+//! A limb's place in Rapier, its cost, and limbs on bodies.
 
 use bevy::prelude::*;
 use bevy_rapier3d::parry::math::Pose;
@@ -168,7 +168,7 @@ fn an_arm_on_a_kinematic_body_carries_at_the_velocity_of_the_body() {
             .distance_to_point(&Pose::IDENTITY, place(&app, cuboid), true)
             - 0.15;
         let speed = velocity(&app, cuboid).y;
-        // In a step the body moves by 0.008.
+        // The body moves by 0.008 per step.
         assert!(gap.abs() < 4e-3, "{kind:?}: gap {gap}");
         assert!((speed - 0.5).abs() < 0.025, "{kind:?}: velocity {speed}");
         assert!((place(&app, root).y - 0.5).abs() < 0.02);
@@ -184,7 +184,7 @@ fn an_arm_on_a_dynamic_body_falls_rests_and_sleeps() {
         Transform::from_xyz(0.0, -2.0, 0.0),
     ));
     let (arm, root) = arm_on(&mut app, RigidBody::Dynamic);
-    // Bent in the plane in which it lies.
+    // Bent within the plane in which it lies.
     let bent = Transform::from_rotation(Quat::from_rotation_y(0.8));
     arm.pose(&mut app, [Transform::IDENTITY, bent]);
     run(&mut app, 600);
@@ -213,7 +213,7 @@ fn an_arm_on_a_dynamic_body_throws_and_is_thrown_back() {
         ..default()
     };
     app.world_mut().entity_mut(root).insert((
-        // It has fallen a little until it was ready.
+        // It fell a little before it was ready.
         (GravityScale(0.0), Transform::default(), Velocity::default()),
         AdditionalMassProperties::MassProperties(weight),
         Sleeping::disabled(),

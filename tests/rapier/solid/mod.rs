@@ -1,4 +1,4 @@
-//! Closed surfaces with an inside: what gets in is driven out, and sensors see what is in there.
+//! Closed surfaces with an inside: bodies that get in are driven out, and sensors see what is inside.
 
 mod sensors;
 mod sides;
@@ -17,7 +17,7 @@ const SOLID: MorphRapierCollider = MorphRapierCollider {
     solid: true,
 };
 
-/// How fast Rapier pushes bodies apart, and how fast what was inside leaves.
+/// The speed at which Rapier pushes bodies apart, and the speed at which bodies leave the inside.
 const DRIVEN: f32 = 3.0;
 const LEAVES: f32 = 1.0;
 
@@ -40,7 +40,7 @@ fn floating(app: &mut App, collider: Collider, at: Vec3) -> Entity {
     body
 }
 
-/// How far a point is inside a slab, along each axis; negative outside.
+/// How deep a point is inside a slab, over all axes; negative outside.
 fn depth(at: Vec3, half: Vec3) -> f32 {
     (half - at.abs()).min_element()
 }
@@ -57,7 +57,7 @@ fn shapes() -> [Collider; 5] {
     ]
 }
 
-/// Lets a body leave: after how many steps it is out and away, how fast it was at most, and how fast when its middle came out.
+/// Lets a body leave. Returns after how many steps it is out and away, its highest speed, and its speed when its middle came out.
 fn leave(app: &mut App, body: Entity, half: Vec3) -> (usize, f32, f32) {
     let (mut fastest, mut at_the_door): (f32, Option<f32>) = (0.0, None);
     for step in 1..=240 {
@@ -92,10 +92,10 @@ fn what_is_spawned_inside_is_driven_out() {
             assert!(steps < 60, "{steps} steps from {at}");
             assert!(fastest < 1.02 * DRIVEN, "{fastest} from {at}");
             assert!((0.5 * LEAVES..1.2 * LEAVES).contains(&leaves), "{leaves} from {at}");
-            // Straight out by the side that is nearest.
+            // Straight out through the nearest side.
             let nearest = if at.x > 1.0 { Vec3::X } else { Vec3::Y * at.y.signum() };
             assert!(way.normalize().dot(nearest) > 0.99, "{way} from {at}");
-            // It goes on without another push.
+            // It continues without another push.
             run(&mut app, 10);
             assert!(velocity(&app, body).length() < 1.2 * LEAVES, "{}", velocity(&app, body));
         }
@@ -134,7 +134,7 @@ fn small_things_and_bullets_are_driven_out() {
 
 #[test]
 fn what_a_jump_swallows_leaves_by_the_way_it_came() {
-    // The slab jumps up: the box is nearer to its lower side then.
+    // The slab jumps up, so that the box is then nearer to its lower side.
     let half = Vec3::new(2.0, 0.25, 2.0);
     let (mut app, surface) = with_slab(half, true, ());
     let cuboid = body(&mut app, Collider::cuboid(0.15, 0.15, 0.15), Vec3::new(0.1, 0.41, 0.05));
@@ -169,7 +169,7 @@ fn what_a_jump_swallows_while_it_sleeps_leaves_too() {
 
 #[test]
 fn a_surface_that_grows_over_a_body_lets_it_out() {
-    // Faster than contacts follow: by 0.3 in every step for four steps.
+    // Faster than contacts can follow: by 0.3 in each of four steps.
     let (mut app, surface) = with_slab(SLAB, true, ());
     let ball = floating(&mut app, Collider::ball(0.2), Vec3::new(0.1, 0.9, 0.05));
     run(&mut app, 5);
@@ -183,7 +183,8 @@ fn a_surface_that_grows_over_a_body_lets_it_out() {
     assert!(at.y > 1.89, "{at}");
 }
 
-/// Two jaws that snap at what is between them, and how it fared: how many steps its middle was inside, its greatest speed, and where it ended.
+/// Two jaws that snap at a body between them. Returns how many steps its middle was inside, its highest speed, and where it
+/// ended.
 fn snap(solid: bool) -> (usize, f32, Vec3) {
     let upper = |mut jaw: MorphMesh, up: f32| {
         jaw.positions.iter_mut().for_each(|p| p.y += up);
@@ -191,7 +192,7 @@ fn snap(solid: bool) -> (usize, f32, Vec3) {
     };
     let half = Vec3::new(2.0, 0.4, 2.0);
     let (lower, above) = (upper(slab(half), -0.7), upper(slab(half), 0.7));
-    // One mesh: the upper jaw moves down by 0.4 and leaves half of the ball's size between.
+    // They are one mesh. The upper jaw moves down by 0.4 and leaves a gap of half the ball's size.
     let count = lower.positions.len() as u32;
     let mut positions = lower.positions.clone();
     positions.extend(&above.positions);
@@ -211,7 +212,7 @@ fn snap(solid: bool) -> (usize, f32, Vec3) {
     let ball = body(&mut app, Collider::ball(0.2), Vec3::new(0.1, 0.1, 0.05));
     let (mut inside, mut fastest): (usize, f32) = (0, 0.0);
     for i in 0..240 {
-        // Shut and open again, ten times a second.
+        // Closes and opens ten times a second.
         let bite = 0.5 - 0.5 * (std::f32::consts::TAU * 10.0 * DT * i as f32).cos();
         set_weights(&mut app, jaws, &[bite]);
         run(&mut app, 1);
@@ -243,11 +244,11 @@ fn a_surface_that_is_not_solid_is_as_thin_as_ever() {
     let ball = floating(&mut app, Collider::ball(0.2), Vec3::new(0.1, 0.1, 0.05));
     run(&mut app, 60);
     assert_eq!(place(&app, ball), Vec3::new(0.1, 0.1, 0.05));
-    // What comes at it from inside is stopped.
+    // A body that hits it from inside is stopped.
     app.world_mut().entity_mut(ball).insert(Velocity::linear(Vec3::Y));
     run(&mut app, 60);
     assert!((place(&app, ball).y - 0.3).abs() < 0.03, "{}", place(&app, ball));
-    // It can be changed at any time, also for what sleeps.
+    // It can be changed at any time, even for sleeping bodies.
     app.world_mut()
         .entity_mut(ball)
         .insert((Velocity::zero(), Sleeping::default()));
@@ -266,7 +267,7 @@ fn a_surface_that_is_not_solid_is_as_thin_as_ever() {
 
 #[test]
 fn what_has_no_volume_lies_still_on_a_solid_surface() {
-    // The first triangle of each is at its underside, with which it sinks in a little.
+    // The first triangle of each is on its underside, which sinks in a little.
     let (mut app, _) = with_slab(SLAB, true, ());
     let mut crate_ = box_mesh(Vec3::splat(0.2));
     crate_
@@ -296,7 +297,7 @@ fn what_has_no_volume_lies_still_on_a_solid_surface() {
 
 #[test]
 fn what_surrounds_a_solid_body_is_not_inside() {
-    // A ring of four bars around a rod: its middle is in the rod, and none of it.
+    // A ring of four bars around a rod. Its middle is in the rod, but no part of it is.
     let (mut app, _) = with_slab(Vec3::new(0.3, 2.0, 0.3), true, ());
     let bar = |at: Vec3, half: Vec3| (at, Quat::IDENTITY, Collider::cuboid(half.x, half.y, half.z));
     let (long, wide) = (Vec3::new(0.7, 0.1, 0.1), Vec3::new(0.1, 0.1, 0.7));
@@ -336,7 +337,7 @@ fn a_scaled_dynamic_body_notices_what_it_swallows() {
             .entity_mut(surface)
             .insert((scaled(10.0), ColliderMassProperties::Mass(1e3)));
         run(&mut app, 5);
-        // So near that it is known, and in one step far inside.
+        // So near that it is known; then, in one step, far inside.
         let ball = floating(&mut app, Collider::ball(0.2), Vec3::new(0.1, 0.699, 0.05));
         run(&mut app, 5);
         if by_scale {
@@ -374,7 +375,7 @@ fn what_was_put_inside_leaves_by_the_nearest_side() {
     let (mut app, _) = with_slab(SLAB, true, ());
     let ball = floating(&mut app, Collider::ball(0.2), Vec3::new(0.1, 0.71, 0.05));
     run(&mut app, 5);
-    // Not by the side where it was before the game moved it.
+    // Not through the side where it was before the game moved it.
     app.world_mut()
         .entity_mut(ball)
         .insert(Transform::from_xyz(0.1, -0.25, 0.05));

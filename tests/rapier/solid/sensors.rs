@@ -18,7 +18,7 @@ fn a_solid_sensor_sees_what_is_wholly_inside() {
             log.run(&mut app, 5, |_, _| {});
             let expected = if solid { vec![pair(mouth, body)] } else { Vec::new() };
             assert_eq!(log.started, expected);
-            // It is not driven out of a sensor.
+            // Bodies are not driven out of a sensor.
             let sees = move |context: &RapierContext| context.intersection_pair(mouth, body) == Some(true);
             assert_eq!(ask(&mut app, sees), solid);
             log.run(&mut app, 5, |app, _| put(app, body, Vec3::new(0.1, 3.0, 0.05)));
@@ -41,7 +41,7 @@ fn a_sensor_inside_sees_a_solid_surface() {
         run(&mut app, 3);
         let sees = move |context: &RapierContext| context.intersection_pair(surface, sensor) == Some(true);
         assert_eq!(ask(&mut app, sees), solid);
-        // Also when that changes while nothing moves.
+        // The same if that changes while nothing moves.
         app.world_mut().entity_mut(surface).insert(MorphRapierCollider {
             solid: !solid,
             ..default()
@@ -107,7 +107,7 @@ fn what_is_beside_a_solid_surface_is_not_seen() {
     let (mut app, mouth) = with_slab(SLAB, true, (Sensor, ActiveEvents::COLLISION_EVENTS));
     let turned = Transform::from_rotation(Quat::from_rotation_z(0.7));
     app.world_mut().entity_mut(mouth).insert(turned);
-    // Within its box, beside it.
+    // Inside its bounding box, but outside the shape.
     let ball = body(&mut app, Collider::ball(0.1), Vec3::new(-1.3, 1.0, 0.0));
     app.world_mut().entity_mut(ball).insert(GravityScale(0.0));
     let mut log = Log::default();

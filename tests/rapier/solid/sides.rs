@@ -1,4 +1,4 @@
-//! Which side of a surface is out: meshes that are not closed, mirrored, or turned inside out.
+//! Which side of a surface is outside: meshes that are open, mirrored, or inside out.
 
 use bevy::prelude::*;
 use bevy_rapier3d::prelude::*;
@@ -31,7 +31,7 @@ fn a_mesh_that_is_not_closed_is_not_solid_and_the_log_says_so_once() {
         );
         // From below it is as solid as from above.
         assert!(place(&app, below).y < -0.25, "{}", place(&app, below));
-        // Of a closed one nothing is said.
+        // A closed one gives no warning.
         app.world_mut().despawn(open);
         let closed = spawn(&mut app, &slab(SLAB), ());
         app.world_mut().entity_mut(closed).insert(SOLID);
@@ -89,12 +89,13 @@ fn mirrored_and_inverted_slabs_push_outward() {
 
 #[test]
 fn contacts_push_outward_alone_wherever_the_surface_comes_from() {
-    // Through the lower side of the slab, with its middle outside: a thin surface would push it on.
+    // A ball that sticks through the lower side of the slab. A thin surface would push it on.
     let (mut app, surface) = with_slab(SLAB, true, ());
     let low = floating(&mut app, Collider::ball(0.2), Vec3::new(0.1, -0.45, 0.05));
     run(&mut app, 60);
     assert!(place(&app, low).y < -0.69, "{}", place(&app, low));
-    // Two slabs' worth of surface over a ball: it comes out where it is nearest, not on the far side.
+    // The slab is now twice as thick. A ball inside it comes out at the nearest side, not at the far
+    // one.
     set_weights(&mut app, surface, &[0.0, 1.0, 0.0, 0.0]);
     run(&mut app, 2);
     let high = floating(&mut app, Collider::ball(0.2), Vec3::new(0.1, 1.2, 0.05));
@@ -110,7 +111,7 @@ fn a_collapsed_slab_grows_around_a_body_and_lets_it_out() {
     app.world_mut().entity_mut(surface).insert(Transform::default());
     let (steps, ..) = leave(&mut app, ball, SLAB);
     assert!(steps < 60, "{steps}");
-    // Thinned to nothing by its own targets, and back.
+    // Its own targets reduce its thickness to nothing, and back.
     let (mut app, surface) = with_slab(SLAB, true, ());
     set_weights(&mut app, surface, &[0.0, 0.0, 0.0, 1.0]);
     run(&mut app, 5);

@@ -1,8 +1,8 @@
-//! Surfaces that are animated once a frame, and physics that steps at other times.
+//! Surfaces that are animated once a frame, while physics steps at other times.
 //!
-//! - `steady`: what moves steadily pushes at its speed, in every step.
-//! - `gltf`: the same from an animation player.
-//! - `sudden`: jumps, long frames, pauses, places.
+//! - `steady`: surfaces with steady motion push at their speed, in every step.
+//! - `gltf`: the same with an animation player.
+//! - `sudden`: jumps, long frames, pauses, teleports.
 //! - `walking`: characters.
 
 mod gltf;
@@ -27,17 +27,17 @@ use crate::log::run_here;
 /// When physics steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Steps {
-    /// In `FixedUpdate`, that often a second.
+    /// In `FixedUpdate`, this many times a second.
     Fixed(f64),
     /// In `PostUpdate`, 60 times a second, with bodies drawn in between.
     Interpolated,
 }
 
-/// How long frames are, in seconds.
+/// The length of frames, in seconds.
 #[derive(Clone, Copy, Debug)]
 enum Frames {
     Every(f64),
-    /// At random between these.
+    /// Random lengths between these two.
     Between(f64, f64),
 }
 
@@ -55,7 +55,7 @@ const FRAMES: [Frames; 7] = [
 /// Some of them.
 const LENGTHS: [Frames; 4] = [FRAMES[0], FRAMES[1], FRAMES[4], FRAMES[6]];
 
-/// An app that watches what bodies do after every step.
+/// An app that records what bodies do after every step.
 fn app(assets: &Path, steps: Steps) -> App {
     let mut app = headless(assets);
     let rapier = RapierPhysicsPlugin::<NoUserData>::default();
@@ -99,7 +99,7 @@ fn frames(app: &mut App, frames: Frames, count: usize) {
 /// Weights over time.
 type Weights = fn(f32) -> [f32; 2];
 
-/// The weights of a surface over time, since some moment.
+/// The weights of a surface as a function of time, since some moment.
 #[derive(Resource)]
 struct Animated {
     surface: Entity,
@@ -107,7 +107,7 @@ struct Animated {
     weights: Weights,
 }
 
-/// Begins to animate a surface; returns when.
+/// Begins to animate a surface; returns the start time.
 fn begin(app: &mut App, surface: Entity, weights: Weights) -> f32 {
     let since = now(app);
     app.insert_resource(Animated {
@@ -129,7 +129,7 @@ fn animate(mut surfaces: Query<&mut MeshMorphWeights>, animated: If<Res<Animated
     }
 }
 
-/// What a body did: where it was and how fast, after each step.
+/// What a body did: its position and velocity after each step.
 #[derive(Resource)]
 struct Watched {
     body: Entity,

@@ -1,4 +1,5 @@
-//! What moves steadily pushes and carries at its own speed in every step, whenever frames and steps come.
+//! Surfaces with steady motion push and carry at their own speed in every step, whatever the lengths of
+//! frames and steps.
 
 use std::path::Path;
 
@@ -34,7 +35,7 @@ fn a_ball_rises_with_the_surface_in_every_step() {
                 low > 0.49 && high < 0.51,
                 "{steps:?}, {lengths:?}: velocities from {low} to {high}"
             );
-            // What the ball is behind what is drawn, in seconds: not more than a few frames or steps.
+            // How far the ball lags behind the drawn surface, in seconds: at most a few frames or steps.
             let behind = (0.5 * (now(&app) - since) - (place(&app, ball).y - 0.5)) / 0.5;
             assert!(
                 (-0.02..0.06).contains(&behind),
@@ -78,11 +79,11 @@ fn what_is_animated_in_every_step_is_seen_as_it_is() {
             settle(&mut app);
             let ball = body(&mut app, Collider::ball(0.5), Vec3::new(0.1, 0.5, 0.05));
             frames(&mut app, lengths, 60);
-            // Frames come first, and steps take over.
+            // Animated by frames at first, then by steps.
             begin(&mut app, surface, |time| [1e-4 * time, 0.0]);
             frames(&mut app, lengths, 30);
             begin_to_watch(&mut app, ball);
-            // The system in `Update` must not be there: it would animate by another clock.
+            // Stops the system in `Update`, which would animate by another clock.
             app.insert_resource(Stop);
             let since = app.world().resource::<Time<Fixed>>().elapsed_secs();
             begin(&mut app, surface, |time| [0.5 * time, 0.0]);
@@ -105,7 +106,7 @@ fn what_is_animated_in_every_step_is_seen_as_it_is() {
     }
 }
 
-/// While this is there, nothing is animated in `Update`.
+/// While this resource exists, nothing is animated in `Update`.
 #[derive(Resource)]
 pub(super) struct Stop;
 

@@ -50,7 +50,7 @@ fn a_slap_of_several_frames_throws() {
     for steps in [Steps::Fixed(64.0), Steps::Interpolated] {
         for lengths in LENGTHS {
             let (mut app, surface, _) = ball_on_a_sheet(steps, lengths);
-            // Up by 0.5 within a tenth of a second.
+            // Rises by 0.5 within a tenth of a second.
             begin(&mut app, surface, |time| [(5.0 * time).min(0.5), 0.0]);
             frames(&mut app, lengths, 60);
             let watched = app.world().resource::<Watched>();
@@ -68,7 +68,7 @@ fn an_entity_that_is_put_elsewhere_is_never_in_between() {
     for steps in [Steps::Fixed(64.0), Steps::Interpolated] {
         for lengths in LENGTHS {
             let (mut app, surface, _) = ball_on_a_sheet(steps, lengths);
-            // All along the way from here to there. The sheet would push them out of itself, and nothing else moves them.
+            // Balls all along the way. The sheet would push them out, and nothing else moves them.
             let at = [7.0, 14.0, 21.0, 28.0, 34.0].map(|x| Vec3::new(x, 0.3, 0.0));
             let between = at.map(|at| {
                 let ball = body(&mut app, Collider::ball(0.5), at);
@@ -124,7 +124,7 @@ fn a_pause_is_no_motion_and_slow_motion_is_slow() {
         app.world_mut().resource_mut::<Time<Virtual>>().pause();
         let before = place(&app, ball).y;
         frames(&mut app, lengths, 100);
-        // At most what was on its way is still drawn.
+        // At most the motion that had already started is still drawn.
         assert!((place(&app, ball).y - before).abs() < 0.01, "{steps:?}");
         app.world_mut().resource_mut::<Time<Virtual>>().unpause();
         frames(&mut app, lengths, 100);
@@ -141,7 +141,7 @@ fn weights_that_cannot_be_used_keep_the_last_good_ones() {
     for steps in STEPS {
         let lengths = Frames::Every(1.0 / 60.0);
         let (mut app, surface, ball) = ball_on_a_sheet(steps, lengths);
-        // The last good frame is far from the one before, and steps see what is between them first.
+        // The last good frame is far from the one before, and steps see the interpolation between them first.
         begin(&mut app, surface, |time| match time {
             0.0..0.495 => [0.0, 0.0],
             0.495..0.51 => [0.3, 0.0],

@@ -1,4 +1,4 @@
-//! Characters that walk in fixed steps on what frames animate.
+//! Characters that walk in fixed steps on surfaces that frames animate.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use morph_collision_workspace::physics::{settle, sheet};
 use super::{LENGTHS, Steps, Watched, app, begin, begin_to_watch, frames};
 use crate::support::spawn;
 
-/// How fast it walks by itself.
+/// Its own walking speed.
 const WALK: f32 = 0.4;
 
 fn walk(mut walkers: Query<&mut KinematicCharacterController>, time: Res<Time>) {
@@ -31,7 +31,7 @@ fn a_character_walks_and_is_carried_in_every_step() {
                     Collider::capsule_y(0.5, 0.3),
                     KinematicCharacterController::default(),
                     Transform::from_xyz(-3.0, 0.82, 0.05),
-                    // What is watched has a velocity; its own is not looked at.
+                    // The recorded entity needs a velocity; its value is not checked.
                     Velocity::default(),
                 );
                 let walker = app.world_mut().spawn(parts).id();

@@ -1,4 +1,4 @@
-//! `morph-collide bench`: this machine's times of morph and of every other method.
+//! `morph-collide bench`: times morph and the other methods on this machine.
 //!
 //! ```text
 //! flags, models --scenes--> experiments --testkit's bench--> rows --report--> tables or JSON on stdout
@@ -24,49 +24,56 @@ use crate::{Verdict, output};
 use report::BenchReport;
 use scenes::BenchScene;
 
-/// Rounds in which times are split; shares need no more, and rebuilding takes its time.
+/// Rounds in which times are split into phases. The shares need only one round, and rebuilding is slow.
 const SPLIT_ROUNDS: usize = 1;
 
 /// Measure morph against every other method on this machine: its own scenes, or your own models.
 ///
-/// Methods take turns for N rounds, each running every frame of a scene on one thread pinned to a core; a round before them is thrown
-/// away. Times are microseconds per frame, medians over the rounds; ratios to morph are medians of the ratios within a round. All methods
-/// have to find the same pairs (mode `first`: the same touching bodies); otherwise the exit code is 1.
+/// Methods take turns for N rounds. In each round they run every frame of a scene on one thread pinned to a core; a warm-up round
+/// is discarded. Times are microseconds per frame: the median over the rounds. Ratios to morph are the median of the ratios
+/// within a round. All methods have to find the same pairs (mode `first`: the same touching bodies); otherwise the exit
+/// code is 1.
 ///
-/// A frame's time is that of weights and places, broad phase and queries. `blend`, `refit` and `query` are measured in passes of their
-/// own and scaled to come to the undisturbed total. Blending vertices and refitting volumes are timed apart where a method does
-/// them at once. Where it does them when a query gets there (morph, the hybrid's lower half), each frame is asked twice: the second time is
-/// `query`, what the first took more is `refit`; the second time finds processor caches warm, so
-/// that `refit` of these methods is an upper estimate. For morph and morph-eager `blend` is setting weights, and vertices are blended in `refit`.
+/// A frame's time covers setting weights and placements, the broad phase and the queries. `blend`, `refit` and `query` are
+/// measured in separate passes and scaled so that they add up to the undisturbed total. If a method blends vertices and refits
+/// volumes up front, both are timed separately. If it does so on demand during a query (morph, and the lower half of the hybrid),
+/// each frame is queried twice: the second time counts as `query`, and the extra time of the first as `refit`. The second time
+/// runs with warm processor caches, so `refit` of these methods is an upper estimate. For morph and morph-eager, `blend` is
+/// setting weights, and vertices are blended in `refit`.
 ///
-/// morph-eager blends every vertex and fits every volume at once, by the same code: its distance to morph is what the method gains, its
-/// distance to bottom-up what the engineering does. Skinned models play a clip of their joints, 60 steps a second: the first that moves targets as
-/// well, or else the first. joint-boxes and joint-union are for them only; rigid-floor and paper know no joints. rigid-floor is no rival: it is morph's tree over meshes frozen in each frame's shape beforehand, of which only placing and queries are
-/// timed, with warm caches. paper is the method as the paper has it: its tree, its volumes, one node and one triangle at a time.
+/// morph-eager blends every vertex and refits every volume up front with the same code. Its distance to morph is what laziness
+/// gains; its distance to bottom-up is what the engineering gains. Skinned models play a clip of their joints, 60 steps a second:
+/// the first one that also animates targets, or else the first. joint-boxes and joint-union run only on skinned models;
+/// rigid-floor and paper do not support joints. rigid-floor is not a competitor: it is morph's tree over meshes frozen beforehand
+/// in each frame's shape. Only placing and queries are timed, with warm caches. paper is the method as published: its tree, its
+/// volumes, one node and one triangle at a time.
 #[derive(Debug, Args)]
 pub(crate) struct BenchArgs {
-    /// .glb or .gltf files, a scene each: bodies of the mesh with most triangles, close together and moving. The scenes that have names if none.
+    /// .glb or .gltf files, one scene each: bodies made of the mesh with the most triangles, close together and moving. Without
+    /// models, the named scenes run.
     models: Vec<PathBuf>,
-    /// How many bodies of each model.
+    /// Number of bodies per model.
     #[arg(long, value_name = "N", default_value_t = 2, requires = "models", value_parser = clap::value_parser!(u16).range(2..))]
     bodies: u16,
-    /// Rounds that count.
+    /// Number of measured rounds.
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..))]
     rounds: u16,
     /// Use every Nth of the scene's 400 steps.
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..))]
     every: u16,
-    /// Only this scene; may be given again.
+    /// Run only this scene; can be repeated.
     ///
     /// One of: pass-through-20480, dolphins-564, dolphins-9024, dolphins-36096, heads-cheek, heads-crowd, horse-gallop, samba,
-    /// walkers-hands, walkers-deep, walkers-crowd, head-ray, head-rays, walkers-ray, walkers-rays, or a model's file name without extension. All from heads-cheek on need models that are read from the library's repository and the folder of models
-    /// beside it; where these are missing such a scene is skipped, or refused if asked for.
+    /// walkers-hands, walkers-deep, walkers-crowd, head-ray, head-rays, walkers-ray, walkers-rays, or a model's file name without
+    /// extension. All scenes from heads-cheek on need models from the library's repository and from the folder of models beside
+    /// it. If these are missing, such a scene is skipped, or refused if you asked for it.
     #[arg(long = "scene", value_name = "NAME")]
     scenes: Vec<String>,
-    /// Only this method beside morph; may be given again.
+    /// Compare morph only with this method; can be repeated.
     #[arg(long = "method", value_name = "NAME", value_parser = PossibleValuesParser::new(Entrant::ALL.map(|entrant| entrant.name)))]
     methods: Vec<String>,
-    /// Only all pairs of triangles, or only one for each pair of bodies; both where left out. Scenes with rays have only one mode.
+    /// Find only all pairs of triangles, or only one for each pair of bodies; runs both by default. Scenes with rays have only
+    /// one mode.
     #[arg(long, value_enum)]
     mode: Option<Mode>,
     #[command(flatten)]
@@ -82,12 +89,12 @@ pub(crate) struct BenchArgs {
     json: bool,
 }
 
-/// How much to find out about two bodies.
+/// How much to find out about each pair of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Mode {
-    /// Every pair of triangles that meet.
+    /// Every pair of triangles that intersect.
     All,
-    /// One pair of triangles that meet.
+    /// One pair of triangles that intersect.
     First,
 }
 
@@ -100,7 +107,7 @@ impl Mode {
     }
 }
 
-/// A scene's rows in a mode.
+/// A scene's rows in one mode.
 pub(crate) struct Measured<'a> {
     scene: &'a BenchScene,
     mode: Mode,
@@ -134,7 +141,7 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<Verdict, CliError> {
         rounds,
         split_rounds: SPLIT_ROUNDS.min(rounds),
     };
-    // Of a ray only the closest hit is asked for.
+    // Rays ask only for the closest hit.
     let modes_of = |scene: &BenchScene| {
         &modes[..if scene.experiment.rays.is_empty() {
             modes.len()

@@ -14,7 +14,7 @@ use super::{Measured, Mode};
 #[derive(Debug, Serialize)]
 pub(super) struct BenchReport {
     cpu: String,
-    /// The vector instructions that ours uses.
+    /// The vector instructions that morph uses.
     kernel: &'static str,
     rounds: usize,
     scenes: Vec<SceneReport>,
@@ -25,9 +25,9 @@ struct SceneReport {
     name: String,
     mode: &'static str,
     bodies: usize,
-    /// Of each body.
+    /// Per body.
     triangles: usize,
-    /// Frames.
+    /// Number of frames.
     steps: usize,
     methods: Vec<MethodReport>,
 }
@@ -44,9 +44,10 @@ struct MethodReport {
     query_us: f64,
     #[serde(serialize_with = "number")]
     total_us: f64,
-    /// Of all frames; in mode `first` one for each touching pair of bodies, of rays those that hit.
+    /// Sum over all frames. In mode `first` it counts touching pairs of bodies; for rays it counts
+    /// rays that hit.
     pairs: u64,
-    /// Of the total to morph's.
+    /// Total time divided by morph's.
     #[serde(serialize_with = "number")]
     ratio: f64,
 }

@@ -1,4 +1,4 @@
-//! What is measured: the scenes that have names, or a scene per model.
+//! What is measured: the named scenes, or one scene per model.
 
 use std::path::Path;
 
@@ -9,14 +9,14 @@ use crate::error::CliError;
 use crate::model_file::{count_memory, read_clips, read_mesh};
 use crate::output;
 
-/// An experiment, and how errors speak of it.
+/// An experiment, and how errors refer to it.
 pub(super) struct BenchScene {
     pub(super) experiment: Experiment,
     /// The model's file, or the scene's name.
     pub(super) origin: String,
 }
 
-/// The scenes that the flags name. Counts their memory for all methods.
+/// The scenes that the flags select. Counts their memory for all methods.
 pub(super) fn scenes(args: &BenchArgs, entrants: &[Entrant]) -> Result<Vec<BenchScene>, CliError> {
     let every = usize::from(args.every);
     let names: Vec<String> = if args.models.is_empty() {
@@ -41,7 +41,7 @@ pub(super) fn scenes(args: &BenchArgs, entrants: &[Entrant]) -> Result<Vec<Bench
         .collect()
 }
 
-/// A scene that has a name. Where it `may_be_missing` and its model is not at hand there is a message instead.
+/// A named scene. If it `may_be_missing` and its model is not available, prints a message and returns `None`.
 fn named(name: String, every: usize, may_be_missing: bool) -> Result<Option<BenchScene>, CliError> {
     match Experiment::named(&name, every) {
         Ok(experiment) => Ok(Some(BenchScene {

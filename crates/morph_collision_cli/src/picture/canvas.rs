@@ -1,11 +1,11 @@
-//! Samples with a depth each, and triangles that cover them.
+//! Colour and depth samples, and drawing triangles into them.
 
 use glam::{DVec2, DVec3, Vec3};
 
-/// The edges of a triangle show fully where it is at least this many samples high, and not at all below half of that: on small triangles
-/// nothing else would be seen.
+/// A triangle's edges are drawn fully if it is at least this many samples high, and not at all below half of that. Otherwise
+/// small triangles would show nothing but their edges.
 const EDGED: f64 = 30.0;
-/// How wide edges are on either side, in samples.
+/// Width of edges on either side, in samples.
 const EDGE_WIDTH: f64 = 0.8;
 
 /// A grid of samples: a linear colour and a depth for each.
@@ -17,7 +17,7 @@ pub(super) struct Canvas {
 }
 
 impl Canvas {
-    /// A background by its height in the picture, from 0 at the top to 1 at the bottom.
+    /// Fills the canvas with a background that depends on the height in the picture, from 0 at the top to 1 at the bottom.
     pub(super) fn new(size: [usize; 2], background: impl Fn(f32) -> Vec3) -> Self {
         let [width, height] = size;
         let row = |y: usize| std::iter::repeat_n(background((y as f32 + 0.5) / height as f32), width);
@@ -43,8 +43,8 @@ impl Canvas {
 
     /// Draws a triangle in front of everything farther away. `x` points right and `y` down, in samples; larger `z` is nearer.
     ///
-    /// It covers a sample if the sample's centre is inside or on an edge, whichever way round its corners are. `edge` is the colour
-    /// along its edges. Degenerate triangles cover nothing.
+    /// It covers a sample if the sample's centre is inside or on an edge, whatever the winding. `edge` is the colour along its
+    /// edges. Degenerate triangles cover nothing.
     pub(super) fn fill(&mut self, corners: [DVec3; 3], color: Vec3, edge: Vec3) {
         let [a, b, c] = corners.map(DVec3::truncate);
         let area = (b - a).perp_dot(c - a);
@@ -52,7 +52,7 @@ impl Canvas {
             return;
         }
         let sides = [c - b, a - c, b - a].map(DVec2::length);
-        // Of each corner over the side opposite.
+        // The height of each corner over the opposite side.
         let heights = sides.map(|side| area.abs() / side);
         let lowest = heights.into_iter().fold(f64::INFINITY, f64::min);
         let edge = color.lerp(edge, (2.0 * lowest / EDGED - 1.0).clamp(0.0, 1.0) as f32);
@@ -144,7 +144,7 @@ mod tests {
     #[test]
     fn a_slanted_triangle_is_cut_where_another_passes_through_it() {
         let [a, b, c] = RIGHT_ANGLED;
-        // Nearness goes from 0 at the left to 2 at x = 4.
+        // `z` goes from 0 at the left to 2 at x = 4.
         let slanted = [a, b, c].map(|corner| DVec3::new(corner.x, corner.y, 0.5 * corner.x));
         let mut canvas = canvas();
         canvas.fill([a, b, c], Vec3::X, Vec3::X);

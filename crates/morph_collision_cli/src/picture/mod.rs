@@ -20,12 +20,12 @@ use view::Camera;
 const SAMPLES: usize = 2;
 /// The size of a picture in pixels.
 const SIZE: [usize; 2] = [960, 540];
-/// The size at which views are compared.
+/// The size of the small pictures used to choose the camera's direction.
 const DRAFT: [usize; 2] = [240, 135];
 
 /// Linear colours of the background at the top and at the bottom.
 const BACKGROUND: [Vec3; 2] = [Vec3::new(0.90, 0.94, 0.98), Vec3::new(0.66, 0.72, 0.78)];
-/// Linear colours of bodies, in turns.
+/// Linear colours of bodies, repeated in order.
 const BODIES: [Vec3; 6] = [
     Vec3::new(0.08, 0.24, 0.46),
     Vec3::new(0.12, 0.42, 0.36),
@@ -36,7 +36,7 @@ const BODIES: [Vec3; 6] = [
 ];
 /// The linear colour of touching triangles.
 const TOUCHING: Vec3 = Vec3::new(0.86, 0.03, 0.02);
-/// How much darker the edges of triangles are drawn.
+/// The factor by which edges of triangles are darkened.
 const EDGE: f32 = 0.80;
 
 /// A body in world space.
@@ -57,7 +57,7 @@ pub(crate) struct Picture {
 }
 
 impl Picture {
-    /// Draws bodies from the side that shows most of the touching triangles.
+    /// Draws bodies from the direction that shows most of the touching triangles.
     pub(crate) fn draw(bodies: &[DrawnBody]) -> Self {
         let vertices = || bodies.iter().flat_map(|body| body.vertices.iter().copied());
         let red_pixels = |eye: DVec3| {
@@ -69,7 +69,7 @@ impl Picture {
             }
             draft.samples().filter(|&color| color == Vec3::ONE).count()
         };
-        // The first one wins a tie.
+        // The first one wins a tie (`max_by_key` keeps the last, so the order is reversed).
         let eye = view::EYES.into_iter().rev().max_by_key(|&eye| red_pixels(eye));
         let camera = Camera::fit(vertices(), eye.unwrap_or(DVec3::Z), SIZE.map(|side| side * SAMPLES));
         Self::of(&shade(bodies, &camera))
@@ -107,7 +107,7 @@ impl Picture {
     }
 }
 
-/// All triangles: body, corners, and whether it touches another. Indices out of range are left out.
+/// All triangles: body, corners, and whether it touches another. Triangles with indices out of range are skipped.
 fn triangles(bodies: &[DrawnBody]) -> impl Iterator<Item = (usize, [DVec3; 3], bool)> {
     bodies.iter().enumerate().flat_map(|(index, body)| {
         let corners = |triangle: &[u32; 3]| {
@@ -217,7 +217,7 @@ mod tests {
         let nothing = Picture::draw(&[]);
         assert_eq!(nothing.rgb.len(), 3 * 960 * 540);
         assert_eq!(Picture::draw(&[square(0.0, 0.0, true)]), nothing);
-        // Indices that do not exist are left out.
+        // Triangles with invalid indices are skipped.
         let broken = DrawnBody {
             triangles: vec![[0, 1, 9]],
             ..square(0.0, 1.0, true)

@@ -1,4 +1,4 @@
-//! Where the camera stands, and where a triangle then is in the picture.
+//! The camera, and the projection of triangles into the picture.
 
 use glam::{DVec2, DVec3};
 
@@ -18,9 +18,9 @@ pub(super) const EYES: [DVec3; 10] = [
 
 /// The eye's distance from the middle of the scene, in radii of the scene.
 const DISTANCE: f64 = 4.0;
-/// The part of the picture that the scene takes.
+/// The part of the picture that the scene fills.
 const FILLED: f64 = 0.9;
-/// From where the light comes: right, up and backwards, of length 1.
+/// The direction towards the light along the camera's axes (right, up, backwards), of length 1.
 const LIGHT: DVec3 = DVec3::new(-3.0 / 7.0, 6.0 / 7.0, 2.0 / 7.0);
 
 /// A perspective camera.
@@ -41,7 +41,7 @@ pub(super) struct Camera {
 }
 
 impl Camera {
-    /// A camera in the direction `eye` from the middle of finite points; all of them are in its picture. `y` is up.
+    /// A camera in the direction `eye` from the middle of finite points that keeps all of them in the picture. `y` is up.
     pub(super) fn fit(points: impl Iterator<Item = DVec3> + Clone, eye: DVec3, size: [usize; 2]) -> Self {
         let (low, high) = bounds(points.clone()).unwrap_or_default();
         let radius = 0.5 * (high - low).length();
@@ -73,7 +73,7 @@ impl Camera {
         self.size
     }
 
-    /// A triangle in the picture: `x` to the right, `y` downward in pixels, `z` larger where it is nearer.
+    /// Projects a triangle: `x` to the right, `y` downward in pixels, `z` larger where it is nearer.
     pub(super) fn triangle(&self, corners: [DVec3; 3]) -> [DVec3; 3] {
         corners.map(|corner| {
             let (place, nearness) = self.on_plane(corner);
@@ -83,24 +83,25 @@ impl Camera {
         })
     }
 
-    /// How much light a triangle gets, 0 to 1, whichever of its sides is seen.
+    /// How much light a triangle gets, 0 to 1, whichever side is seen.
     pub(super) fn light(&self, corners: [DVec3; 3]) -> f32 {
         let [a, b, c] = corners.map(|corner| self.of_scene(corner));
         let normal = (b - a).cross(c - a).normalize_or_zero();
         let to_eye = DVec3::Z * DISTANCE - a;
         let facing = if normal.dot(to_eye) < 0.0 { -normal } else { normal };
-        // Never quite dark: what faces away from the light is told apart as well.
+        // Never quite dark, so that shapes facing away from the light can be told apart too.
         let toward = 0.5 + 0.5 * facing.dot(LIGHT);
         (toward * toward) as f32
     }
 
-    /// A point along the camera's axes, in radii of the scene from its middle.
+    /// A point along the camera's axes, relative to the middle of the scene and in units of its radius.
     fn of_scene(&self, point: DVec3) -> DVec3 {
         let offset = (point - self.middle) / self.radius;
         DVec3::new(self.right.dot(offset), self.up.dot(offset), self.backward.dot(offset))
     }
 
-    /// A point on the plane at distance 1 from the eye, and one over its distance, which is linear over a triangle in the picture.
+    /// A point projected to the plane at distance 1 from the eye, and one over its distance. The latter is linear over a triangle
+    /// in the picture.
     fn on_plane(&self, point: DVec3) -> (DVec2, f64) {
         let point = self.of_scene(point);
         let nearness = 1.0 / (DISTANCE - point.z);

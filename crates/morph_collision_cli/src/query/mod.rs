@@ -19,13 +19,14 @@ use crate::output;
 use numbers::{Triple, Weights};
 use report::{PointReport, QueryReport, RayReport, SelfReport};
 
-/// At most what a pair of triangles takes while it is listed and shown.
+/// Upper bound on the bytes that a pair of triangles takes while it is listed and shown.
 const BYTES_PER_PAIR: u64 = 512;
 
 /// Ask about one mesh of a glTF file in one shape: what a ray hits, which point of its surface is closest, or
 /// where it intersects itself.
 ///
-/// Everything is in the mesh's own space; a skinned mesh is placed by its joints, at rest or as a clip has them.
+/// Everything is in the mesh's own space. A skinned mesh is placed by its joints, at rest or as a clip poses
+/// them.
 #[derive(Debug, Args)]
 pub(crate) struct QueryArgs {
     /// A .glb or .gltf file.
@@ -33,10 +34,11 @@ pub(crate) struct QueryArgs {
     /// The mesh's index in the file.
     #[arg(long, value_name = "N", default_value_t = 0)]
     mesh: usize,
-    /// One weight per target, comma-separated; all zero where left out.
+    /// One weight per target, comma-separated; all zero by default.
     #[arg(long, value_name = "W,W,..", allow_hyphen_values = true)]
     weights: Option<Weights>,
-    /// A clip of the file: it moves the joints of a skinned mesh, and the weights where --weights is left out.
+    /// Name of a clip in the file. It moves the joints of a skinned mesh, and the weights unless --weights is
+    /// given.
     #[arg(long, value_name = "NAME")]
     clip: Option<String>,
     /// The time in the clip, in seconds. Clips loop.
@@ -52,12 +54,12 @@ pub(crate) struct QueryArgs {
     question: Question,
     #[command(flatten)]
     files: FileArgs,
-    /// Print one JSON object instead of text. Numbers that are not finite are text in it: `inf`, `-inf`, `NaN`.
+    /// Print one JSON object instead of text. Numbers that are not finite appear as text: `inf`, `-inf`, `NaN`.
     #[arg(long)]
     json: bool,
 }
 
-/// What to find out: exactly one of these.
+/// The question to ask: exactly one of these.
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 struct Question {
@@ -110,7 +112,7 @@ fn show(args: &QueryArgs, report: &impl QueryReport) -> Result<(), CliError> {
     }
 }
 
-/// The mesh asked about, with its weights.
+/// The mesh in the requested pose.
 fn pose(args: &QueryArgs) -> Result<Pose, CliError> {
     let (file, mut mesh) = args.files.open_mesh(&args.model, args.mesh, "--mesh")?;
     count_memory(&file, args.mesh, mesh.tree_bytes(), || "its tree".into())?;

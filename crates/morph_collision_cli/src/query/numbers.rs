@@ -1,4 +1,4 @@
-//! Lists of numbers as flags give them: separated by commas.
+//! Parses the comma-separated lists of numbers in flags.
 
 use std::str::FromStr;
 

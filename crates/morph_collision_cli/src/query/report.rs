@@ -1,4 +1,4 @@
-//! Answers in the shape of their JSON, and as text.
+//! Answers as JSON and as text.
 
 use std::fmt::Write;
 
@@ -6,7 +6,7 @@ use morph_collision::{ClosestPoint, Facing, QueryStats, RayHit, TrianglePair};
 use morph_collision_testkit::numbers::{number, numbers};
 use serde::Serialize;
 
-/// An answer that can be shown either way.
+/// An answer that can be shown as JSON or as text.
 pub(super) trait QueryReport: Serialize {
     fn text(&self) -> String;
 }
@@ -29,7 +29,7 @@ struct HitReport {
     point: [f64; 3],
     #[serde(serialize_with = "numbers")]
     barycentrics: [f64; 3],
-    /// Zero where the triangle has no area.
+    /// Zero if the triangle has no area.
     #[serde(serialize_with = "numbers")]
     normal: [f64; 3],
     /// `front`, `back` or `edge-on`.
@@ -54,14 +54,14 @@ struct ClosestReport {
     barycentrics: [f64; 3],
 }
 
-/// The pairs of triangles with which the mesh intersects itself, ascending.
+/// The pairs of triangles in which the mesh intersects itself, ascending.
 #[derive(Debug, Serialize)]
 pub(super) struct SelfReport {
     pairs: Vec<[u32; 2]>,
     work: WorkReport,
 }
 
-/// What the answer took.
+/// The work done for the answer.
 #[derive(Debug, Serialize)]
 struct WorkReport {
     node_tests: u64,

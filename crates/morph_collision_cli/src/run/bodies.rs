@@ -1,4 +1,4 @@
-//! From a scene file to bodies that can be posed: every file read once, every mesh set up once, every placement checked.
+//! Turns a scene file into bodies that can be posed. Reads every file once, sets up every mesh once and checks every placement.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -17,23 +17,24 @@ use super::options::MethodArgs;
 use crate::error::CliError;
 use crate::model_file::{FileArgs, count_memory, find_clip, read_clips, read_mesh};
 
-/// At most what a pair of triangles takes while a replay lists it: twice as a hit and once as a pair, in lists that grow.
+/// Upper bound on the bytes that a pair of triangles takes while a replay lists it: twice as a hit and once as a pair, in lists
+/// that grow.
 const BYTES_PER_PAIR: u64 = 128;
 
 /// The bodies of a scene and what each does in every frame.
 pub(crate) struct Cast {
-    /// Named in errors.
+    /// For error messages.
     pub(crate) scene: PathBuf,
-    /// Every file that was read, none of which may be written.
+    /// Every file that was read; outputs must not replace any of them.
     pub(crate) inputs: Vec<PathBuf>,
-    /// Holds the bodies; those of one mesh share what is made of it.
+    /// Holds the bodies. Bodies of the same mesh share its data.
     pub(crate) method: Box<dyn Method>,
     pub(crate) bodies: usize,
     /// How many pairs of triangles the memory limit has room for.
     pub(crate) most_pairs: usize,
-    /// What the bodies are made of.
+    /// The distinct meshes of the bodies.
     pub(crate) meshes: Vec<MorphMesh>,
-    /// For every body the index of its mesh.
+    /// The index of each body's mesh.
     pub(crate) mesh_of_body: Vec<usize>,
     /// One state per body in every frame.
     pub(crate) frames: Vec<Vec<BodyState>>,
@@ -41,7 +42,7 @@ pub(crate) struct Cast {
 
 /// What a body does in a frame.
 pub(crate) struct BodyState {
-    /// One weight per target, unless they are those of a clip. Shared by all bodies of a mesh that are at rest.
+    /// One weight per target, or `None` if a clip gives them. Bodies of a mesh that are at rest share one list.
     weights: Option<Arc<[f32]>>,
     pub(crate) world_from_model: Affine3A,
     /// The clips of weights and of joints, if the state names a clip that has them.
@@ -58,7 +59,7 @@ pub(crate) struct Shape {
 }
 
 impl Cast {
-    /// Reads the models of a scene, `scene`, that was read from `path`, and checks all weights and placements.
+    /// Reads the models of `scene`, which was read from `path`, and checks all weights and placements.
     pub(crate) fn load(path: &Path, scene: &Scene, options: &MethodArgs, files: &FileArgs) -> Result<Self, CliError> {
         let mut library = Library {
             budget: MemoryBudget::new(files.memory_limit()),
@@ -115,7 +116,8 @@ impl Cast {
         })
     }
 
-    /// The weights and joints of a body in a frame. Those of clips are computed here, since they would take far more memory than a scene's file.
+    /// The weights and joints of a body in a frame. Values from clips are computed here because storing them would take far more
+    /// memory than a scene's file.
     pub(crate) fn shape(&self, frame: usize, body: usize) -> Shape {
         let (state, mesh) = (&self.frames[frame][body], &self.meshes[self.mesh_of_body[body]]);
         let [of_weights, of_joints] = state.clips;
@@ -159,19 +161,19 @@ impl BodyState {
 
 /// Files read and meshes used so far.
 struct Library {
-    /// One for all files.
+    /// Shared by all files.
     budget: MemoryBudget,
-    /// By their real paths, so that a file under two names is read once.
+    /// Keyed by real path, so that a file with two names is read once.
     files: HashMap<PathBuf, GltfFile>,
     meshes: Vec<MorphMesh>,
-    /// Where each of the meshes is from: file and index.
+    /// File and index of each mesh.
     origins: Vec<(PathBuf, usize)>,
-    /// Whether the clips of each of the meshes' weights are read.
+    /// For each mesh, whether its weight clips have been read.
     has_clips: Vec<bool>,
 }
 
 impl Library {
-    /// The index of a mesh of a model file; `scene` and `body` are whom an error speaks of.
+    /// The index of a mesh of a model file. Errors name `scene` and `body`.
     fn mesh(
         &mut self,
         scene: &Path,
@@ -211,7 +213,8 @@ impl Library {
         Ok(self.meshes.len() - 1)
     }
 
-    /// The clips of weights and of joints of a name; the clips are read when the first one is named. The inner error says that there is none.
+    /// The clips of weights and of joints with this name. Clips are read when the first one is named. The inner error says that
+    /// there is no such clip.
     fn clip(&mut self, mesh: usize, name: &str) -> Result<Result<[Option<usize>; 2], String>, CliError> {
         let (path, index) = &self.origins[mesh];
         if let (false, Some(file)) = (self.has_clips[mesh], self.files.get(path)) {
@@ -221,7 +224,7 @@ impl Library {
         Ok(find_clip(&self.meshes[mesh], name))
     }
 
-    /// Counts the trees of all meshes, and what each body has of its own.
+    /// Counts the memory of the trees of all meshes and of each body's own data.
     fn count_memory(&self, of_bodies: &[usize], options: &MethodArgs) -> Result<(), CliError> {
         let method = options.method();
         let has_tree = !matches!(method, MethodKind::Morph | MethodKind::MorphEager);
@@ -240,7 +243,7 @@ impl Library {
         Ok(())
     }
 
-    /// Says which file's mesh a method refuses.
+    /// Adds the file and index of the mesh to a method's error.
     fn blame(&self, error: SetUpError) -> CliError {
         match error {
             SetUpError::Model { mesh, reason } => {

@@ -1,4 +1,4 @@
-//! `morph-collide run`: replay a scene of scripted bodies and report which triangles meet.
+//! `morph-collide run`: replay a scene of scripted bodies and report which triangles intersect.
 //!
 //! ```text
 //! scene.json --bodies--> bodies of a method --replay--> hits and times per frame --report, pairs_csv, picture--> stdout, OUT.csv, OUT.png
@@ -28,22 +28,22 @@ use picture::{Drawn, PictureArgs};
 use replay::Replay;
 use report::RunReport;
 
-/// Replay a scene frame by frame and report which bodies and triangles meet.
+/// Replay a scene frame by frame and report which bodies and triangles intersect.
 ///
-/// A scene is a JSON file that names its bodies, {"model":"a.glb","mesh":0} with the path relative to the scene, and for every
-/// frame gives each body's "weights", "scale", "rotation" (a quaternion x,y,z,w) and "translation".
+/// A scene is a JSON file that lists its bodies, {"model":"a.glb","mesh":0} with the path relative to the scene. For every frame
+/// it gives each body's "weights", "scale", "rotation" (a quaternion x,y,z,w) and "translation".
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
     /// The scene file.
     scene: PathBuf,
-    /// How much to find out about two bodies.
+    /// How much to find out about each pair of bodies.
     #[arg(long, value_enum, default_value_t = Mode::All)]
     mode: Mode,
     #[command(flatten)]
     how: MethodArgs,
     /// Write the pairs to a CSV file: `frame,body_a,body_b,triangle_a,triangle_b`.
     ///
-    /// With the modes `first` and `any` one line per pair of bodies that touch.
+    /// With the modes `first` and `any` there is one line per pair of bodies that touch.
     #[arg(long, value_name = "OUT.csv")]
     pairs: Option<PathBuf>,
     #[command(flatten)]
@@ -57,24 +57,24 @@ pub(crate) struct RunArgs {
     json: bool,
 }
 
-/// How much to find out about two bodies.
+/// How much to find out about each pair of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Mode {
-    /// Every pair of triangles that meet.
+    /// Every pair of triangles that intersect.
     All,
-    /// One pair of triangles that meet.
+    /// One pair of triangles that intersect.
     First,
-    /// Only whether any triangles meet.
+    /// Only whether any triangles intersect.
     Any,
 }
 
-/// Loads, replays and reports a scene. Times leave loading and writing out.
+/// Loads, replays and reports a scene. Reported times exclude loading and writing.
 pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
     args.how.check(args.mode)?;
     let scene = Scene::read_within(&args.scene, args.files.memory_limit())?;
     let mut cast = Cast::load(&args.scene, &scene, &args.how, &args.files)?;
     args.picture.check(cast.frames.len())?;
-    // Checked before the work, so that a path that cannot be written costs no replay.
+    // Checked before the replay, so that a path that cannot be written fails early.
     let output_file = |flag, path: &Option<PathBuf>| {
         let path = path.as_deref();
         path.map(|path| OutputFile::create(flag, path, &cast.inputs))

@@ -1,4 +1,4 @@
-//! How pairs are found: the method, and how its trees are built.
+//! The method that finds pairs, and how its trees are built.
 
 use clap::Args;
 use morph_collision_testkit::rivals::{MethodKind, MethodOptions};
@@ -8,11 +8,12 @@ use crate::error::CliError;
 use crate::paper_options::PaperArgs;
 use crate::tree_options::TreeArgs;
 
-/// The options of `run` that change how it works, never its answer. Defaults are the library's. An option the method does not
-/// support is an error.
+/// The options of `run` that change how it works but never its answer. Defaults are the library's. An option that the method does
+/// not support is an error.
 #[derive(Debug, Args)]
 pub(crate) struct MethodArgs {
-    /// How to find pairs: morph, morph-eager, rigid-floor, paper, bottom-up, hybrid, rebuild, octree, parry-trimesh, parry-bvh, parry-rebuild or brute-force.
+    /// Method that finds pairs: morph, morph-eager, rigid-floor, paper, bottom-up, hybrid, rebuild, octree, parry-trimesh,
+    /// parry-bvh, parry-rebuild or brute-force.
     #[arg(long, value_name = "NAME", default_value_t)]
     method: MethodKind,
     #[command(flatten)]
@@ -22,7 +23,7 @@ pub(crate) struct MethodArgs {
     /// Most children of a node of bottom-up and hybrid: 2, 4 or 8.
     #[arg(long, value_name = "N", value_parser = arity)]
     arity: Option<usize>,
-    /// Let morph try the leaves first in which it found a pair the last time, where only first pairs are wanted.
+    /// With morph and mode `first`, first try the leaves in which it found a pair the last time.
     #[arg(long)]
     witness: bool,
 }
@@ -37,7 +38,7 @@ fn arity(text: &str) -> Result<usize, String> {
 }
 
 impl MethodArgs {
-    /// Checks that the method, or the mode, knows every option that was given.
+    /// Checks that the method and the mode support every option that was given.
     pub(super) fn check(&self, mode: Mode) -> Result<(), CliError> {
         use MethodKind::{BottomUp, Hybrid, Morph, MorphEager, Rebuild, RigidFloor};
         let method = self.method;

@@ -1,4 +1,4 @@
-//! The file of pairs: `frame,body_a,body_b,triangle_a,triangle_b`.
+//! The CSV file of pairs: `frame,body_a,body_b,triangle_a,triangle_b`.
 
 use std::io::{self, Write};
 

@@ -13,9 +13,10 @@ use crate::picture::DrawnBody;
 /// Whether and what to draw.
 #[derive(Debug, Args)]
 pub(crate) struct PictureArgs {
-    /// Draw the frame with the most touching triangles; they are red. No graphics driver is needed.
+    /// Draw the frame with the most touching triangles, which are red, to a PNG file. No graphics
+    /// driver is needed.
     ///
-    /// With the modes `first` and `any` only the one pair that was found for two bodies is red.
+    /// With the modes `first` and `any`, only the one pair that was found for two bodies is red.
     #[arg(long, value_name = "OUT.png")]
     pub(super) picture: Option<PathBuf>,
     /// Draw this frame instead, counted from 0.
@@ -28,13 +29,13 @@ pub(crate) struct PictureArgs {
 pub(crate) struct Drawn {
     pub(crate) file: PathBuf,
     pub(crate) frame: usize,
-    /// Triangles in red.
+    /// Number of red triangles.
     pub(crate) touching_triangles: usize,
 }
 
 impl PictureArgs {
     /// # Errors
-    /// There is no such frame.
+    /// The frame does not exist.
     pub(super) fn check(&self, frames: usize) -> Result<(), CliError> {
         let complain = |flag, reason| Err(CliError::Flag { flag, reason });
         match (self.picture_frame, frames) {
@@ -50,7 +51,7 @@ impl PictureArgs {
         }
     }
 
-    /// The frame to draw: the first of those with the most pairs, unless another was asked for.
+    /// The requested frame, or else the first of the frames with the most pairs.
     pub(super) fn frame(&self, counts: &[FrameCounts]) -> usize {
         let most = || counts.iter().enumerate().rev().max_by_key(|(_, counts)| counts.pairs);
         self.picture_frame
@@ -58,7 +59,7 @@ impl PictureArgs {
     }
 }
 
-/// The bodies of a frame, `hits` of which touch.
+/// The bodies of a frame. Triangles in `hits` are marked as touching.
 pub(super) fn bodies(cast: &Cast, frame: usize, hits: &[Hit]) -> Vec<DrawnBody> {
     let mut bodies: Vec<DrawnBody> = cast.frames[frame]
         .iter()

@@ -1,4 +1,4 @@
-//! The frame loop: weights, broad phase, narrow phase, and a stopwatch around the three.
+//! The frame loop: sets weights, runs broad and narrow phase, and times the three.
 
 use std::time::{Duration, Instant};
 
@@ -17,7 +17,7 @@ pub(crate) struct Replay {
     pub(crate) frames: Vec<FrameCounts>,
     /// Summed over all frames.
     pub(crate) stats: QueryStats,
-    /// Every hit in ascending order, if they were to be kept.
+    /// Every hit in ascending order, if hits are kept.
     pub(crate) hits: Vec<Hit>,
 }
 
@@ -26,13 +26,13 @@ pub(crate) struct Replay {
 pub(crate) struct FrameCounts {
     /// Pairs of bodies that touch.
     pub(crate) body_pairs: u64,
-    /// Pairs of triangles that meet; with the modes `first` and `any` one per pair of bodies.
+    /// Pairs of triangles that intersect; with the modes `first` and `any` one per pair of bodies.
     pub(crate) pairs: u64,
-    /// Weights, joints, broad phase and narrow phase; sampling clips is left out.
+    /// Time for weights, joints, broad phase and narrow phase, without sampling clips.
     pub(crate) time: Duration,
 }
 
-/// Two bodies that touch in a frame, `body_a < body_b`, and a pair of triangles that meet.
+/// Two bodies that touch in a frame, `body_a < body_b`, and a pair of their triangles that intersect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Hit {
     pub(crate) frame: usize,
@@ -41,7 +41,7 @@ pub(crate) struct Hit {
     pub(crate) pair: TrianglePair,
 }
 
-/// Replays all frames. Hits are kept only if `keep_hits`, since there can be many.
+/// Replays all frames. Hits are kept only if `keep_hits`, because there can be many.
 pub(crate) fn replay(cast: &mut Cast, mode: Mode, keep_hits: bool, progress: &Progress) -> Result<Replay, CliError> {
     let mut replay = Replay::default();
     let mut scratch = Scratch::default();
@@ -65,9 +65,9 @@ pub(crate) fn replay(cast: &mut Cast, mode: Mode, keep_hits: bool, progress: &Pr
     Ok(replay)
 }
 
-/// The hits of one frame in ascending order; counts as work like any other frame.
+/// The hits of one frame in ascending order. This counts as work like any other frame.
 ///
-/// `kept` hits are in memory already.
+/// `kept` is the number of hits already in memory.
 pub(crate) fn hits_of_frame(cast: &mut Cast, mode: Mode, frame: usize, kept: usize) -> Result<Vec<Hit>, CliError> {
     let mut scratch = Scratch::default();
     let shapes = shapes(cast, frame);
@@ -78,12 +78,12 @@ pub(crate) fn hits_of_frame(cast: &mut Cast, mode: Mode, frame: usize, kept: usi
     Ok(scratch.hits)
 }
 
-/// What all bodies look like in a frame.
+/// The shapes of all bodies in a frame.
 fn shapes(cast: &Cast, frame: usize) -> Vec<Shape> {
     (0..cast.bodies).map(|body| cast.shape(frame, body)).collect()
 }
 
-/// Gives all bodies their weights, joints and places in a frame.
+/// Sets the weights, joints and placements of all bodies for a frame.
 fn pose(cast: &mut Cast, frame: usize, shapes: &[Shape]) -> Result<(), CliError> {
     for (body, (state, shape)) in cast.frames[frame].iter().zip(shapes).enumerate() {
         let joints = shape.joints.as_ref().map(|joints| cast.method.set_joints(body, joints));
@@ -99,20 +99,20 @@ fn pose(cast: &mut Cast, frame: usize, shapes: &[Shape]) -> Result<(), CliError>
     Ok(())
 }
 
-/// Memory that frames reuse.
+/// Memory reused from frame to frame.
 #[derive(Default)]
 struct Scratch {
     broad_phase: BroadPhase,
     pairs: Vec<TrianglePair>,
-    /// Of the latest frame, unsorted, its number not yet set.
+    /// Hits of the latest frame, unsorted, with the frame number not yet set.
     hits: Vec<Hit>,
 }
 
 impl Scratch {
-    /// Broad and narrow phase over bodies whose weights and places are set.
+    /// Broad and narrow phase over bodies whose weights and placements are set.
     ///
-    /// Bodies that collapse to a point touch in every pair of their triangles. So the search ends where the memory limit has no
-    /// room for more hits beside the `kept` ones, with an error.
+    /// Two bodies that collapse to the same point touch in every pair of their triangles. The search therefore fails with an
+    /// error as soon as the memory limit has no room for more hits beside the `kept` ones.
     fn collide(&mut self, cast: &mut Cast, frame: usize, mode: Mode, kept: usize) -> Result<FrameCounts, CliError> {
         let (method, bodies) = (cast.method.as_mut(), cast.bodies);
         let room = cast.most_pairs.saturating_sub(kept);

@@ -1,4 +1,4 @@
-//! What a replay comes to, as JSON and as a readable summary.
+//! The result of a replay, as JSON and as a readable summary.
 
 use std::fmt::Write;
 use std::time::Duration;
@@ -17,7 +17,7 @@ pub(crate) struct RunReport {
     bodies: usize,
     method: String,
     mode: &'static str,
-    /// Per frame: pairs of triangles; with `first` and `any` one per pair of bodies that touch.
+    /// Per frame: pairs of triangles, or with `first` and `any` one per pair of bodies that touch.
     pairs: Vec<u64>,
     /// Per frame: pairs of bodies that touch.
     body_pairs: Vec<u64>,
@@ -26,12 +26,12 @@ pub(crate) struct RunReport {
     nodes_blended: u64,
     vertices_blended: u64,
     us_per_frame: Spread,
-    /// Only where one was asked for.
+    /// Present only if a picture was requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     picture: Option<Drawn>,
 }
 
-/// The spread of a set of times, in microseconds.
+/// The spread of a list of times, in microseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 struct Spread {
     median: f64,
@@ -62,7 +62,7 @@ impl RunReport {
         }
     }
 
-    /// A few lines for a reader.
+    /// A few lines for the terminal.
     pub(crate) fn summary(&self) -> String {
         let mut text = String::new();
         // Writing to a string cannot fail.
@@ -125,7 +125,7 @@ impl RunReport {
 }
 
 impl Spread {
-    /// Zeros if there is no time at all.
+    /// All zeros if there are no times.
     fn of(times: impl Iterator<Item = Duration>) -> Self {
         let mut sorted: Vec<f64> = times.map(|time| time.as_secs_f64() * 1e6).collect();
         sorted.sort_by(f64::total_cmp);

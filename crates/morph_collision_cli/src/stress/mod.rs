@@ -1,4 +1,4 @@
-//! `morph-collide stress`: generated trouble.
+//! `morph-collide stress`: tries the library on generated, difficult meshes.
 
 mod report;
 
@@ -10,16 +10,16 @@ use crate::progress::ProgressArgs;
 use crate::{Verdict, output};
 use report::StressReport;
 
-/// Try the library on generated trouble, a row for every family, with trees of several leaf sizes in turn.
+/// Try the library on generated, difficult meshes, one row per family, with trees of several leaf sizes in turn.
 ///
-/// Answers are compared with brute force in exact arithmetic, and boxes with vertices. Bad input must be refused by an
-/// error that names it, and what was good before must still answer right. `slowdown` is the slowest case's time over that of an ordinary
-/// case with as many intersecting pairs.
+/// Answers are compared with brute force in exact arithmetic, and boxes with the vertices they contain. Bad input must be refused
+/// by an error that names it, and the previous good state must still give correct answers. `slowdown` is the slowest case's time
+/// divided by that of an ordinary case with as many intersecting pairs.
 ///
 /// The exit code is 1 if a pair is missed or made up, a vertex is outside its box, bad input gets through, or anything panics.
 #[derive(Debug, Args)]
 pub(crate) struct StressArgs {
-    /// How many cases of every family.
+    /// Number of cases in every family.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..))]
     cases: u64,
     /// Random seed; the same seed gives the same cases.

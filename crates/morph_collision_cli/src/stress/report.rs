@@ -1,4 +1,4 @@
-//! How all families fared, as JSON and as a table.
+//! The results of all families, as JSON and as a table.
 
 use std::fmt::Write;
 
@@ -23,9 +23,9 @@ struct Row {
     missed: u64,
     spurious: u64,
     containment_violations: u64,
-    /// Bad input refused by name.
+    /// Bad input that was refused with an error that names it.
     errors_reported: u64,
-    /// Bad input accepted or not named, good input refused.
+    /// Bad input that was accepted or not named, and good input that was refused.
     unexpected: u64,
     panics: u64,
     #[serde(serialize_with = "number")]

@@ -1,4 +1,4 @@
-//! `morph-collide verify`: a model's answers against brute force.
+//! `morph-collide verify`: compares a model's answers with brute force.
 
 mod report;
 
@@ -18,17 +18,17 @@ use report::{VerifyReport, WhichMesh};
 
 /// Compare the answers of trees about two bodies with brute force in exact arithmetic.
 ///
-/// Two bodies of a mesh, or one each of two, take shapes from the mesh's own clips and at random (convex, signed, above one, twelve
-/// in sum, one-hot, zero) and places of every sort (turned, stretched, mirrored, sheared), from far apart to deep in each
-/// other; some nearly touch, found by bisection down to neighbouring numbers. In every frame all intersecting pairs of triangles are
-/// compared, and all boxes are held against the vertices below them.
+/// Two bodies, of one mesh or of two, take shapes from the mesh's own clips and at random (convex, signed, above one, twelve in
+/// sum, one-hot, zero). Their placements are turned, stretched, mirrored and sheared, from far apart to deep inside each other;
+/// some nearly touch, found by bisection down to neighbouring floating-point numbers. Every frame compares all intersecting pairs
+/// of triangles, and checks all boxes against the vertices below them.
 ///
 /// The exit code is 1 if anything differs, and the smallest case found is printed.
 #[derive(Debug, Args)]
 pub(crate) struct VerifyArgs {
     /// A .glb or .gltf file.
     model: PathBuf,
-    /// Another one for the second body; the same mesh where left out.
+    /// Another .glb or .gltf file for the second body; by default it is the same mesh.
     model2: Option<PathBuf>,
     /// The mesh's index in the first file.
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -36,13 +36,13 @@ pub(crate) struct VerifyArgs {
     /// The mesh's index in the second file.
     #[arg(long, value_name = "N", default_value_t = 0, requires = "model2")]
     mesh2: usize,
-    /// How many situations to compare.
+    /// Number of situations to compare.
     #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..))]
     frames: u64,
     /// Random seed; the same seed gives the same situations.
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Most triangles in a leaf of the trees, 1 to 255; otherwise trees of several leaf sizes are compared.
+    /// Most triangles in a leaf of the trees, 1 to 255; by default, trees of several leaf sizes are compared.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
     leaf: Option<u8>,
     #[command(flatten)]
@@ -54,7 +54,7 @@ pub(crate) struct VerifyArgs {
     json: bool,
 }
 
-/// Draws situations, compares, and says what differs.
+/// Draws situations, compares the answers, and reports differences.
 pub(crate) fn verify(args: &VerifyArgs) -> Result<Verdict, CliError> {
     let mesh = args.read(&args.model, args.mesh, "--mesh")?;
     let second = args
@@ -98,7 +98,7 @@ impl VerifyArgs {
         self.leaf.map_or(LEAF_SIZES.to_vec(), |leaf| vec![usize::from(leaf)])
     }
 
-    /// Reads a mesh with its clips and counts its trees.
+    /// Reads a mesh with its clips and counts the memory of its trees.
     fn read(&self, model: &Path, index: usize, flag: &'static str) -> Result<MorphMesh, CliError> {
         let (file, mut mesh) = self.files.open_mesh(model, index, flag)?;
         let trees = self.leaf_sizes().len() as u64 * mesh.tree_bytes();
@@ -120,7 +120,7 @@ fn which_meshes(args: &VerifyArgs) -> [WhichMesh; 2] {
     [first.clone(), second.unwrap_or(first)]
 }
 
-/// Says which file's mesh is refused.
+/// Names the file and index of the refused mesh.
 fn blame(error: SetUpError, which: &[WhichMesh; 2], meshes: [&MorphMesh; 2]) -> CliError {
     match error {
         SetUpError::Model { mesh, reason } => CliError::Mesh {

@@ -1,4 +1,4 @@
-//! What a comparison comes to, as JSON and as text.
+//! The result of a comparison, as JSON and as text.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::Verdict;
 
-/// The JSON of `verify`. Frames and pairs of triangles are counted once, all else over all trees.
+/// The JSON of `verify`. Frames and pairs of triangles are counted once, everything else over all trees.
 #[derive(Debug, Serialize)]
 pub(super) struct VerifyReport {
     bodies: [WhichMesh; 2],
@@ -47,20 +47,20 @@ struct CountsReport {
     containment_violations: u64,
 }
 
-/// Everything that is needed to see a wrong answer again; numbers are written so that reading them gives the same bits.
+/// Everything needed to reproduce a wrong answer. Numbers are printed so that parsing them gives the same bits.
 #[derive(Debug, Serialize)]
 struct ReproductionReport {
     leaf_size: usize,
     /// `missed`, `spurious` or `outside`.
     trouble: &'static str,
-    /// One of each body; none where a vertex is outside a box.
+    /// One triangle of each body; `None` if a vertex is outside a box.
     triangles: Option<[u32; 2]>,
-    /// The body and the welded vertex, where it is outside a box.
+    /// The body and the welded vertex, if it is outside a box.
     body_and_vertex: Option<(usize, u32)>,
     weights: [Vec<f32>; 2],
-    /// Column by column, the translation last.
+    /// Column by column, with the translation last.
     world_from_model: [[f32; 12]; 2],
-    /// The matrices of the joints of skinned meshes, as above; empty for others.
+    /// The joint matrices of a skinned mesh, in the same layout; empty for other meshes.
     world_from_mesh: [Vec<[f32; 12]>; 2],
     /// The corners of both triangles.
     world: Option<[[[f64; 3]; 3]; 2]>,

@@ -1,4 +1,4 @@
-//! Every bad input ends with exit code 2 and a message that names the file and the place in it, and never with a panic.
+//! Every bad input ends with exit code 2 and a message that names the file and the place in it, never with a panic.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ fn error_of_inspect(model: &Path) -> Result<String, Box<dyn Error>> {
     Ok(error_of(&morph_collide(["inspect".as_ref(), model.as_os_str()])?))
 }
 
-/// A scene of two triangles, good but for the given second body of frame 1.
+/// A scene of two triangles that is valid except for the given state of the second body in frame 1.
 fn scene_with(dir: &Path, state: &Value) -> Result<PathBuf, Box<dyn Error>> {
     write_gltf(dir, "triangle.gltf", &[RawMesh::triangle("Triangle")])?;
     let body = json!({ "model": "triangle.gltf" });
@@ -117,7 +117,7 @@ fn numbers_that_are_not_finite_are_named_with_their_place() -> TestResult {
             &["scene.json", "number out of range at line 1 column"],
         );
     }
-    // A weight that takes vertices beyond what f32 can hold.
+    // A weight that takes vertices beyond the range of f32.
     let scene = scene_with(dir.path(), &json!({ "weights": [3e38] }))?;
     assert_names(&error_of_run(&scene)?, &["scene.json", "frame 1", "body 1", "weight 0"]);
     Ok(())

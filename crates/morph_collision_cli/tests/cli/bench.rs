@@ -1,4 +1,4 @@
-//! `bench` measures methods against each other; no test says how fast anything is.
+//! `bench` measures methods against each other. No test asserts how fast anything is.
 
 use std::error::Error;
 
@@ -6,10 +6,10 @@ use serde_json::Value;
 
 use crate::support::{TestResult, asset, command, error_of, morph_collide};
 
-/// The shortest run there is of something.
+/// Runs `bench` as briefly as possible.
 fn bench(args: &[&str]) -> Result<Value, Box<dyn Error>> {
     let args = [&["bench", "--json", "--rounds", "1", "--every", "200"], args].concat();
-    // Where the thread cannot be pinned stderr says so, and nothing else is different.
+    // If the thread cannot be pinned, stderr says so; nothing else changes.
     let output = command().args(args).output()?;
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     Ok(serde_json::from_slice(&output.stdout)?)
@@ -98,7 +98,7 @@ fn a_skinned_model_plays_its_clip_against_the_methods_for_skins() -> TestResult 
     ] {
         assert!(names.contains(&name), "no {name} in {names:?}");
     }
-    // Those that know nothing of joints.
+    // Methods that do not support joints.
     assert!(
         !names.contains(&"rigid-floor") && !names.contains(&"paper"),
         "{names:?}"

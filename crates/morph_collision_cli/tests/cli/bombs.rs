@@ -1,4 +1,5 @@
-//! Small files that claim gigabytes, under a limit of the system's: an error that says so, and no abort.
+//! Small files that claim gigabytes end with an error that says so. The system limits memory, so
+//! allocating it would abort.
 #![cfg(unix)]
 
 use std::error::Error;
@@ -11,7 +12,7 @@ use tempfile::tempdir;
 
 use crate::support::{RawMesh, TestResult, error_of, write_gltf};
 
-/// What a process may take, in KiB: twice the tool's own limit.
+/// Most memory that a process may take, in KiB: twice the tool's own limit.
 const SYSTEM_LIMIT: u32 = 2_000_000;
 
 fn limited(args: &[&OsStr]) -> Result<Output, Box<dyn Error>> {
@@ -25,7 +26,7 @@ fn unstored(kind: u32, shape: &str, count: u64) -> Value {
     json!({"componentType": kind, "type": shape, "count": count})
 }
 
-/// One element of many is stored.
+/// Stores only one of many elements.
 fn sparse(count: u64) -> Value {
     let mut accessor = unstored(5126, "VEC3", count);
     accessor["sparse"] = json!({
@@ -46,7 +47,7 @@ fn model(accessors: &[Value], primitives: &[Value]) -> Value {
     })
 }
 
-/// Each with a part of the message that refuses it.
+/// Models, each with a part of the message that refuses it.
 fn bombs() -> Vec<(&'static str, Value)> {
     let positions = |count| json!({"attributes": {"POSITION": 0}, "targets": vec![json!({"POSITION": 1}); count]});
     let indexed = json!({"attributes": {"POSITION": 0}, "indices": 1});
@@ -80,7 +81,7 @@ fn bombs() -> Vec<(&'static str, Value)> {
                 &vec![indexed; 60],
             ),
         ),
-        // Small enough to be read, but not to have a tree.
+        // Small enough to be read, but too large for a tree.
         ("tree", model(&[unstored(5126, "VEC3", 15_000_000)], &[positions(0)])),
         ("tree", model(&[sparse(9_999_999), sparse(9_999_999)], &[positions(1)])),
     ]
@@ -127,7 +128,7 @@ fn a_scene_of_many_states_is_counted() -> TestResult {
         &model,
         self::model(&[unstored(5126, "VEC3", 3)], &[triangle]).to_string(),
     )?;
-    // A body at rest takes no weights of its own: 20,000 targets in 40,000 states would be 3.2 GB.
+    // Bodies at rest share their weights. Otherwise, 20,000 targets in 40,000 states would take 3.2 GB.
     let scene = dir.path().join("scene.json");
     let frames = vec!["[{}]"; 40_000].join(",");
     std::fs::write(

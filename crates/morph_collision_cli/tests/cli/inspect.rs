@@ -177,7 +177,7 @@ fn names_reach_the_terminal_escaped() -> TestResult {
     assert!(is_safe(&json), "{json:?}");
     let report: Value = serde_json::from_str(&json)?;
     assert_eq!(report["meshes"][0]["name"], name);
-    // In messages, too.
+    // The same holds in messages.
     bend(&path, |gltf| gltf["meshes"][0]["primitives"][0]["indices"] = 99.into())?;
     let message = error_of(&morph_collide(["query".as_ref(), path.as_os_str(), "--self".as_ref()])?);
     assert!(

@@ -1,4 +1,5 @@
-//! Drives the `morph-collide` binary as a user would: with files, and by its output and exit code.
+//! Drives the `morph-collide` binary as a user would: passes files and checks its output and exit
+//! code.
 
 mod bad_input;
 mod bench;

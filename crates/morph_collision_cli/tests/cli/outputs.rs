@@ -1,4 +1,4 @@
-//! Files that commands write: never an input, and the earlier file stays where a command fails.
+//! Output files never replace an input, and an earlier file stays as it was if a command fails.
 
 use std::error::Error;
 use std::path::Path;
@@ -37,7 +37,7 @@ fn a_run_that_fails_while_it_writes_leaves_the_pairs_of_an_earlier_one() -> Test
     let dir = tempdir()?;
     let pairs = dir.path().join("pairs.csv");
     std::fs::write(&pairs, "earlier")?;
-    // The pairs take more than the one block that a file may have.
+    // The pairs take more than one block, the most that a file may have here.
     let script = "trap '' XFSZ; ulimit -f 1 && exec \"$0\" \"$@\"";
     let mut command = std::process::Command::new("sh");
     command.arg("-c").arg(script).arg(env!("CARGO_BIN_EXE_morph-collide"));

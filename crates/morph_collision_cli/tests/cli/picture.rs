@@ -81,7 +81,7 @@ fn another_frame_is_drawn_on_demand() -> TestResult {
         json!({ "file": json["picture"]["file"], "frame": 0, "touching_triangles": 0 })
     );
     assert_eq!(red_pixels(&apart), 0);
-    // They are drawn all the same: the background changes from row to row only.
+    // The bodies are drawn anyway: the background changes only from row to row.
     let row = &apart.2[3 * 960 * 270..][..3 * 960];
     assert!(row.chunks(3).any(|pixel| pixel != &row[..3]));
     Ok(())

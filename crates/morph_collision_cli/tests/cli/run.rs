@@ -1,4 +1,5 @@
-//! `run` finds what the oracle finds, and its modes and options change what is said, not what is true.
+//! `run` finds what the oracle finds. Its modes and options change how much is reported, not the
+//! answer.
 
 use std::error::Error;
 use std::ffi::OsString;
@@ -90,7 +91,8 @@ fn expected_rows(path: &Path) -> Result<Vec<Row>, Box<dyn Error>> {
     Ok(rows)
 }
 
-/// Six frames of three dolphins, two boxes in one mesh and a flat dolphin that come together and part.
+/// Six frames of three dolphins, two boxes in one mesh and a flat dolphin that come together and
+/// separate.
 fn mixed_scene(dir: &Path) -> Result<std::path::PathBuf, Box<dyn Error>> {
     write_glb(&dir.join("dolphin.glb"), &models::dolphin(0), &LOOKS)?;
     let mut boxes = models::rigid::box_mesh(Vec3::splat(0.3));

@@ -1,4 +1,4 @@
-//! Skinned meshes: their joints at rest and in clips, in every command that collides them.
+//! Skinned meshes in every command that collides them: their joints at rest and in clips.
 
 use std::path::{Path, PathBuf};
 
@@ -7,14 +7,14 @@ use tempfile::{TempDir, tempdir};
 
 use crate::support::{RawMesh, TestResult, error_of, morph_collide, stdout_of, write_gltf};
 
-/// A file of two triangles in the plane z = 0 with a target that lifts them by 1. The first one is bound to a joint, which stands under a node at x = 10;
-/// the clip "rise" lifts the joint from 0 to 4 in a second, and the weight from 0 to 1.
+/// A file of two triangles in the plane z = 0 with a target that lifts them by 1. The first one is bound to a joint under a node
+/// at x = 10. The clip "rise" lifts the joint from 0 to 4 in a second, and raises the weight from 0 to 1.
 pub(crate) fn model() -> Result<(TempDir, PathBuf), Box<dyn std::error::Error>> {
     let dir = tempdir()?;
     let meshes = [RawMesh::triangle("Bound"), RawMesh::triangle("Free")];
     let path = write_gltf(dir.path(), "two.gltf", &meshes)?;
     let mut gltf: Value = serde_json::from_slice(&std::fs::read(&path)?)?;
-    // Key times 0 and 1, translations by 0 and by 4 along z, weights 0 and 1, joints 0, and weights of 255, 0, 0, 0.
+    // Key times 0 and 1, translations by 0 and by 4 along z, weights 0 and 1, joints 0, and joint weights of 255, 0, 0, 0.
     let mut add = |uri: &str, length: usize, accessor: Value| {
         let list = |gltf: &mut Value, name: &str, value: Value| {
             let list = gltf[name].as_array_mut().expect("the file has this list");
@@ -123,7 +123,7 @@ fn a_query_finds_a_mesh_where_its_joints_put_it() -> TestResult {
         Ok::<_, Box<dyn std::error::Error>>(answer["hits"][0]["t"].as_f64())
     };
     assert_eq!(t(&[])?, Some(9.0));
-    // Lifted by 2 by the joint and by a half by the target.
+    // The joint lifts it by 2 and the target by a half.
     assert_eq!(t(&["--clip", "rise", "--time", "0.5"])?, Some(6.5));
     assert_eq!(t(&["--clip", "rise", "--time", "1.5", "--weights", "0"])?, Some(7.0));
     assert_eq!(t(&["--weights", "1"])?, Some(8.0));
@@ -151,7 +151,7 @@ fn a_scene_poses_joints_by_a_clip_and_a_time() -> TestResult {
         let path = dir.path().join("scene.json");
         std::fs::write(&path, scene.to_string()).map(|()| path)
     };
-    // The second triangle is put where the first one is to be.
+    // The second triangle is placed where the first one is expected.
     let there = |z: f32| json!({"translation": [10, 0, z]});
     let frames = json!([
         [{}, there(0.0)],
@@ -163,7 +163,7 @@ fn a_scene_poses_joints_by_a_clip_and_a_time() -> TestResult {
     ]);
     for method in ["morph", "bottom-up", "brute-force"] {
         let path = scene(frames.clone())?;
-        // The clip moves nothing of the second triangle.
+        // The clip does not move the second triangle.
         let told = morph_collide([
             "run".as_ref(),
             path.as_os_str(),

@@ -1,4 +1,4 @@
-//! `stress` tries generated trouble.
+//! `stress` tries generated, difficult meshes.
 
 use std::error::Error;
 

@@ -1,4 +1,4 @@
-//! Calling the binary, and small files to call it with.
+//! Runs the binary, and writes small input files for it.
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 
 use serde_json::{Value, json};
 
-/// Errors of the test itself fail it with their message.
+/// An error of the test itself fails it with the error's message.
 pub(crate) type TestResult = Result<(), Box<dyn Error>>;
 
 /// `assets/` at the root of the repository.
@@ -26,7 +26,7 @@ pub(crate) fn morph_collide<S: AsRef<std::ffi::OsStr>>(
     Ok(command().args(args).output()?)
 }
 
-/// What a run wrote to stderr, but for its progress: slow machines see more of that.
+/// A run's stderr without progress lines; slow machines print more of those.
 fn complaints_of(output: &Output) -> String {
     let stderr = String::from_utf8_lossy(&output.stderr);
     let lines = stderr.split_inclusive('\n');
@@ -35,7 +35,7 @@ fn complaints_of(output: &Output) -> String {
         .collect()
 }
 
-/// The output of a run that must have succeeded without a complaint.
+/// The stdout of a run that must have succeeded without a complaint.
 pub(crate) fn stdout_of(output: &Output) -> String {
     let stderr = complaints_of(output);
     assert!(
@@ -46,7 +46,8 @@ pub(crate) fn stdout_of(output: &Output) -> String {
     String::from_utf8_lossy(&output.stdout).into_owned()
 }
 
-/// The complaint of a run that must have failed: exit code 2 and one line under the program's name.
+/// The complaint of a run that must have failed: exit code 2 and one line that starts with the
+/// program's name.
 pub(crate) fn error_of(output: &Output) -> String {
     let stderr = complaints_of(output);
     assert_eq!(output.status.code(), Some(2), "{stderr}");
@@ -55,7 +56,7 @@ pub(crate) fn error_of(output: &Output) -> String {
     stderr
 }
 
-/// A mesh for [`write_gltf`], free to be broken in ways that the test kit's own writer refuses.
+/// A mesh for [`write_gltf`]. It can be broken in ways that the test kit's own writer refuses.
 #[derive(Clone)]
 pub(crate) struct RawMesh {
     pub(crate) name: &'static str,
@@ -118,7 +119,7 @@ struct GltfParts {
 }
 
 impl GltfParts {
-    /// The index of an accessor of 3-vectors.
+    /// Adds an accessor of 3-vectors and returns its index.
     fn vectors(&mut self, vectors: &[[f32; 3]]) -> usize {
         let bytes: Vec<u8> = vectors
             .as_flattened()
@@ -131,7 +132,7 @@ impl GltfParts {
         )
     }
 
-    /// The index of an accessor of 16-bit indices.
+    /// Adds an accessor of 16-bit indices and returns its index.
     fn indices(&mut self, indices: &[u16]) -> usize {
         let bytes: Vec<u8> = indices.iter().flat_map(|index| index.to_le_bytes()).collect();
         self.accessor(
@@ -152,7 +153,7 @@ impl GltfParts {
     }
 }
 
-/// Writes a scene of any JSON into `dir`.
+/// Writes a scene made of any JSON into `dir`.
 pub(crate) fn write_scene(dir: &Path, scene: &Value) -> Result<PathBuf, Box<dyn Error>> {
     let path = dir.join("scene.json");
     std::fs::write(&path, scene.to_string())?;

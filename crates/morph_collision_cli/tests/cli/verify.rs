@@ -144,7 +144,7 @@ fn a_broken_clip_of_the_mesh_is_an_error() -> TestResult {
     std::fs::write(&path, gltf.to_string())?;
     let message = error_of(&verify(&path, &["--frames", "1"])?);
     assert!(message.contains("animation 0 \"talk\""), "{message}");
-    // Nobody asks for it here.
+    // The broken mesh is not used here.
     json(&path, &["--frames", "1", "--mesh", "1"])?;
     Ok(())
 }

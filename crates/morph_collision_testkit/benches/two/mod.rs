@@ -6,20 +6,20 @@ use glam::DVec3;
 use morph_collision::{Body, BuildOptions, MorphBvh, PairQuery, Pose, Ray, WorldFromModel};
 use morph_collision_testkit::bench::Experiment;
 
-/// Where two bodies are in the pass-through, or two of the dolphins.
+/// The placement of two bodies of the pass-through, or of two of the dolphins.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Scene {
-    /// Pass-through, 20480 triangles, in the middle of each other.
+    /// Pass-through, 20480 triangles, deep inside each other.
     PassThroughDeep,
-    /// The same, just met.
+    /// The same, shortly after first contact.
     PassThroughShallow,
-    /// Dolphins of 9024 triangles: the two of a step with most pairs.
+    /// Dolphins of 9024 triangles: the two of a step with the most pairs.
     DolphinsDeep,
-    /// The two that touch with fewest pairs.
+    /// The two that touch with the fewest pairs.
     DolphinsShallow,
     /// Talking heads of 9534 triangles with about 40 active targets, cheek to cheek.
     HeadsCheek,
-    /// The pass-through before they meet.
+    /// The pass-through before first contact.
     Apart,
 }
 
@@ -53,10 +53,10 @@ pub(crate) struct Two {
 }
 
 impl Two {
-    /// A scene's bodies, of which nothing is blended yet.
+    /// A scene's bodies, with nothing blended yet.
     ///
     /// # Panics
-    /// If the scene's mesh, weights or places are refused, which would be a bug.
+    /// If the scene's mesh, weights or placements are refused, which would be a bug.
     pub(crate) fn new(scene: Scene) -> Self {
         let experiment = scene.experiment();
         let model = Arc::new(experiment.mesh.to_model().expect("the scene's mesh"));
@@ -97,7 +97,7 @@ impl Two {
         chosen
     }
 
-    /// Leaves everything to be blended again.
+    /// Resets the poses, so that everything has to be blended again.
     pub(crate) fn forget(&mut self) {
         for ((pose, others), own) in self.poses.iter_mut().zip(&self.other_weights).zip(&self.weights) {
             for weights in [others, own] {
@@ -106,13 +106,13 @@ impl Two {
         }
     }
 
-    /// The bodies, to be asked about.
+    /// The bodies, ready to be queried.
     pub(crate) fn bodies(&mut self) -> (Body<'_>, Body<'_>) {
         let ([a, b], [at_a, at_b]) = (&mut self.poses, &self.places);
         (Body::new(a, at_a), Body::new(b, at_b))
     }
 
-    /// From outside through the middle of the first body.
+    /// A ray from outside through the middle of the first body.
     pub(crate) fn ray(&mut self) -> Ray {
         let bounds = self.poses[0].world_bounds(&self.places[0]);
         let middle = bounds.center().as_dvec3();

@@ -1,4 +1,4 @@
-//! Scenes of models by other people: heads that talk, and characters of flip-books; those of a skinned character are in `walkers`.
+//! Scenes with models by other people: talking heads and flip-book characters. Those of a skinned character are in `walkers`.
 
 use glam::{Affine3A, DVec3, Vec3};
 use morph_collision::Aabb;
@@ -15,42 +15,43 @@ use crate::scenes::{flip_books, heads, talk};
 /// Steps of each script.
 pub(super) const STEPS: usize = 400;
 
-/// Length of the scripts with heads in seconds: 60 steps a second.
+/// Length of the scripts with heads in seconds, at 60 steps a second.
 const SECONDS: f64 = STEPS as f64 / 60.0;
 
-/// How far a body is ahead of the one before it: in seconds of its talk, or in passes through its flip-book.
+/// How far each body is ahead of the one before it: in seconds of its talk, or in passes through its flip-book.
 const AHEAD: f64 = 0.37;
 
-/// What the bodies of a scene do.
+/// The motion of a scene's bodies.
 struct Script {
     name: &'static str,
     title: &'static str,
-    /// The model, as [`find_real_model`] takes it.
+    /// The model's name for [`find_real_model`].
     model: &'static str,
     bodies: usize,
-    /// How many rays are cast at each body in a frame.
+    /// Number of rays cast at each body in a frame.
     rays: usize,
     motion: Motion,
-    /// Where the middle of a body is, by its index, the share of the script, and the size of the mesh at rest.
+    /// The placement of a body's middle, from its index, the share of the script, and the size of the mesh at rest.
     place: fn(usize, f64, DVec3) -> Affine3A,
 }
 
-/// Weights at a share of the script, of a body that is so far ahead.
+/// Weights at a share of the script, for a body that is ahead by this much.
 type Weights = Box<dyn Fn(f64, f64) -> Vec<f32>>;
 
-/// Where the weights come from.
+/// The source of the weights.
 #[derive(Clone, Copy)]
 enum Motion {
     /// [`talk::weights`].
     Talk,
-    /// The mesh's first clip, so many times in the whole script: about as fast as it was recorded, and so that nearly all frames lie
-    /// between two keys, whichever steps are taken.
+    /// The mesh's first clip, played this many times over the whole script. This is about the recorded speed, and nearly all
+    /// frames lie between two keys, whichever steps are used.
     FlipBook { passes: f64 },
 }
 
 impl Motion {
-    /// What stands at a body's place. A head turns about the middle of its bounds at rest; a character of a flip-book is held over the
-    /// mean of its vertices, or its steps would carry it away, and the end of its clip put it back.
+    /// The point that is put at a body's place. A head turns about the middle of its bounds at rest. A flip-book character is
+    /// held by the mean of its vertices, because otherwise its steps would carry it away and the end of its clip would put it
+    /// back.
     fn middle(self, mesh: &MorphMesh, weights: &[f32], rest: Vec3) -> Vec3 {
         match self {
             Self::Talk => rest,
@@ -122,27 +123,27 @@ const SCRIPTS: [Script; 6] = [
     },
 ];
 
-/// Why there is no scene to measure.
+/// Why a scene cannot be measured.
 #[derive(Debug, Error)]
 pub enum NoExperiment {
-    /// No scene has the name.
+    /// There is no scene with this name.
     #[error("there is no scene '{name}', expected one of: {}", Experiment::names().join(", "))]
     Unknown {
         /// The name.
         name: String,
     },
-    /// The model is not at hand.
+    /// The model was not found.
     #[error("{scene}: {missing}")]
     Missing {
         /// The scene's name.
         scene: &'static str,
-        /// What is not there.
+        /// The missing model.
         missing: MissingModel,
     },
     /// The model cannot be read.
     #[error(transparent)]
     Read(#[from] Box<ReadError>),
-    /// The model is another one than the scene was made for.
+    /// The model is not the one that the scene was made for.
     #[error("{scene}: {model} has no {what}")]
     Unusable {
         /// The scene's name.
@@ -155,9 +156,13 @@ pub enum NoExperiment {
 }
 
 impl Experiment {
-    /// The scenes of models by other people, by name and the beginning of the heading: two heads that touch at their cheeks, a crowd of
-    /// heads, two horses and two dancers of flip-books that go through each other, and skinned characters that walk and talk: two whose
-    /// hands touch, two deep in each other, and a crowd. Only the heads' model is in `assets/`. Those of [`with_rays`](Self::with_rays) are not among them.
+    /// The scenes with models by other people, by name and the beginning of their headings:
+    ///
+    /// - two heads that touch at their cheeks, and a crowd of heads;
+    /// - two flip-book horses and two flip-book dancers that pass through each other;
+    /// - skinned characters that walk and talk: two whose hands touch, two deep inside each other, and a crowd.
+    ///
+    /// Only the heads' model is in `assets/`. The scenes of [`with_rays`](Self::with_rays) are not included.
     pub fn characters() -> impl Iterator<Item = (&'static str, &'static str)> {
         let walkers = WALKERS.iter().filter(|walkers| walkers.rays == 0);
         let walkers = walkers.map(|walkers| (walkers.name, walkers.title));
@@ -165,8 +170,8 @@ impl Experiment {
         scripts.map(|script| (script.name, script.title)).chain(walkers)
     }
 
-    /// The scenes with rays, by name and the beginning of the heading: a head that talks, and a skinned character that walks and talks, hit by
-    /// one ray in each frame, or by a hundred.
+    /// The scenes with rays, by name and the beginning of their headings: a talking head, and a skinned character that walks and
+    /// talks, each hit by one ray per frame or by a hundred.
     pub fn with_rays() -> impl Iterator<Item = (&'static str, &'static str)> {
         let walkers = WALKERS.iter().filter(|walkers| walkers.rays > 0);
         let walkers = walkers.map(|walkers| (walkers.name, walkers.title));
@@ -174,7 +179,7 @@ impl Experiment {
         scripts.map(|script| (script.name, script.title)).chain(walkers)
     }
 
-    /// The names that [`Experiment::named`] knows.
+    /// The names that [`Experiment::named`] accepts.
     #[must_use]
     pub fn names() -> Vec<&'static str> {
         let paper = Self::paper_names().iter().copied();
@@ -182,11 +187,11 @@ impl Experiment {
         paper.chain(others.map(|(name, _)| name)).collect()
     }
 
-    /// One of the paper's experiments or of the scenes of [`characters`](Self::characters) and [`with_rays`](Self::with_rays); every how many steps a frame is
-    /// taken is at least 1.
+    /// One of the paper's experiments, or of the scenes of [`characters`](Self::characters) and [`with_rays`](Self::with_rays).
+    /// Uses every `every`-th step, at least 1.
     ///
     /// # Errors
-    /// A name that no scene has, and a model that is not at hand or not what it should be.
+    /// There is no scene with this name, or its model is missing or not the expected one.
     pub fn named(name: &str, every: usize) -> Result<Self, NoExperiment> {
         if let Some(experiment) = Self::of_paper(name, every) {
             return Ok(experiment);

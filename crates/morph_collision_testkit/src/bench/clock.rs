@@ -1,8 +1,8 @@
-//! A stopwatch that does not run while the thread waits for a processor, where the system can tell.
+//! A stopwatch that stops while the thread waits for a processor, if the system can tell.
 
 use std::time::{Duration, Instant};
 
-/// A moment, by the best clock there is.
+/// A point in time, measured with the best available clock.
 #[derive(Clone, Copy, Debug)]
 pub struct Stopwatch {
     wall: Instant,
@@ -10,7 +10,7 @@ pub struct Stopwatch {
 }
 
 impl Stopwatch {
-    /// Starts.
+    /// Starts the stopwatch.
     #[must_use]
     pub fn start() -> Self {
         let wall = Instant::now();
@@ -18,7 +18,7 @@ impl Stopwatch {
         Self { wall, processor }
     }
 
-    /// Time on a processor since the start; wall time where that is not known.
+    /// Processor time since the start; wall time if processor time is not available.
     #[must_use]
     pub fn elapsed(&self) -> Duration {
         match (self.processor, processor_time()) {
@@ -27,7 +27,7 @@ impl Stopwatch {
         }
     }
 
-    /// What a stopwatch shows that is stopped at once: the median of many.
+    /// The reading of a stopwatch that is stopped at once: the median of many.
     #[must_use]
     pub fn idle() -> Duration {
         let mut readings: Vec<Duration> = (0..1001).map(|_| Self::start().elapsed()).collect();
@@ -36,7 +36,7 @@ impl Stopwatch {
     }
 }
 
-/// This thread's time on a processor.
+/// This thread's processor time.
 #[cfg(unix)]
 fn processor_time() -> Option<Duration> {
     use rustix::time::{ClockId, clock_gettime};

@@ -1,14 +1,14 @@
-//! What is measured against what.
+//! The methods that a benchmark compares.
 
 use super::Experiment;
 use crate::rivals::{Method, MethodKind, MethodOptions, PaperOptions, SetUpError};
 
-/// A method that is ready for an experiment's bodies.
+/// A method set up for an experiment's bodies.
 #[derive(Debug)]
 pub struct Contender {
     /// Its name in tables.
     pub name: String,
-    /// It, holding the bodies.
+    /// The method, holding the bodies.
     pub method: Box<dyn Method>,
 }
 
@@ -16,7 +16,7 @@ impl Contender {
     /// Sets a method up for an experiment's bodies.
     ///
     /// # Errors
-    /// As [`MethodKind::set_up`].
+    /// See [`MethodKind::set_up`].
     pub fn set_up(
         name: impl Into<String>,
         kind: MethodKind,
@@ -32,7 +32,7 @@ impl Contender {
     }
 }
 
-/// A method as a benchmark enters it: by a name of its own, with the trees that suit it.
+/// A method as it takes part in benchmarks: with its own name, and with tree options that suit it.
 #[derive(Clone, Copy, Debug)]
 pub struct Entrant {
     /// Its name.
@@ -44,20 +44,21 @@ pub struct Entrant {
 /// How an entrant's trees are built.
 #[derive(Clone, Copy, Debug)]
 enum Trees {
-    /// As the user wants ours.
+    /// With the user's options for our trees.
     Ours,
-    /// With at most so many children, and so many triangles in a leaf.
+    /// With at most this many children per node and triangles per leaf.
     Own { arity: usize, leaf_size: usize },
 }
 
-/// Eight-wide with four triangles in a leaf: what walks like best that test triangles one by one (`docs/performance.md`).
+/// Eight-wide with four triangles per leaf, which is best for walks that test triangles one by one (`docs/performance.md`).
 const WIDE: Trees = Trees::Own { arity: 8, leaf_size: 4 };
 
-/// Of 1, 2, 4 and 8 triangles in a leaf 4 suits binary trees best, too: 0.66 to 0.98 of the time of 1 over the experiments.
+/// Of 1, 2, 4 and 8 triangles per leaf, 4 is best for binary trees too: it takes 0.66 to 0.98 of the time of 1 over the
+/// experiments.
 const BINARY: Trees = Trees::Own { arity: 2, leaf_size: 4 };
 
 impl Entrant {
-    /// All that a benchmark runs, ours first; the octree and brute force are not in it, being far behind.
+    /// All methods that a benchmark runs, ours first. The octree and brute force are left out because they are far slower.
     pub const ALL: [Self; 13] = [
         Self::new("morph", MethodKind::Morph, Trees::Ours),
         Self::new("morph-eager", MethodKind::MorphEager, Trees::Ours),
@@ -78,7 +79,7 @@ impl Entrant {
         Self { name, kind, trees }
     }
 
-    /// The same, with other options if it is the paper's method.
+    /// The same entrant, with other options if it is the paper's method.
     #[must_use]
     pub fn with_paper(self, options: PaperOptions) -> Self {
         match self.kind {
@@ -87,19 +88,19 @@ impl Entrant {
         }
     }
 
-    /// Whether it is the paper's method, which has a tree of its own.
+    /// Whether it is the paper's method, which has its own tree.
     #[must_use]
     pub fn is_paper(&self) -> bool {
         matches!(self.kind, MethodKind::Paper(_))
     }
 
-    /// Whether it is no rival but the price of the same bodies if they did not morph.
+    /// Whether it is not a rival but the cost of the same bodies if they did not morph.
     #[must_use]
     pub fn is_floor(&self) -> bool {
         self.kind == MethodKind::RigidFloor
     }
 
-    /// Whether it collides the experiment's mesh, or casts rays at it.
+    /// Whether it can collide the experiment's mesh, or cast rays at it.
     #[must_use]
     pub fn supports(&self, experiment: &Experiment) -> bool {
         let fits = if experiment.mesh.skin.is_some() {
@@ -110,10 +111,10 @@ impl Entrant {
         fits && (experiment.rays.is_empty() || self.kind.casts_rays())
     }
 
-    /// Sets it up; `ours` is for our trees.
+    /// Sets it up. `ours` are the options of our trees.
     ///
     /// # Errors
-    /// As [`MethodKind::set_up`].
+    /// See [`MethodKind::set_up`].
     pub fn set_up(&self, experiment: &Experiment, ours: &MethodOptions) -> Result<Contender, SetUpError> {
         let options = match self.trees {
             Trees::Ours => *ours,

@@ -1,4 +1,4 @@
-//! The paper's two experiments, every n-th step of them, and some that its weights do not cover.
+//! The paper's two experiments, using every n-th step, and further ones with weights that the paper does not cover.
 
 use std::f64::consts::TAU;
 
@@ -9,35 +9,35 @@ use crate::models::{dolphin, pass_through_body_at, random::random_blob};
 use crate::rivals::{CastRay, Method, PoseError};
 use crate::scenes::{dolphins, pass_through};
 
-/// What every body does in a step: weights and place.
+/// The weights and the placement of every body in a step.
 pub type Frame = Vec<(Vec<f32>, Affine3A)>;
 
-/// A mesh, and what each body of it does in every frame.
+/// A mesh, and the poses of its bodies in every frame.
 #[derive(Clone, Debug)]
 pub struct Experiment {
-    /// A short name, as commands take it.
+    /// A short name for command lines.
     pub name: String,
     /// A heading.
     pub title: String,
     /// The mesh of all bodies.
     pub mesh: MorphMesh,
-    /// How many bodies there are.
+    /// Number of bodies.
     pub bodies: usize,
     /// The frames.
     pub frames: Vec<Frame>,
-    /// The matrices of the joints of each body in each frame, in world space, for a skinned mesh; empty for others.
+    /// For a skinned mesh, the joint matrices of each body in each frame, in world space; empty for others.
     pub joints: Vec<Vec<Vec<Affine3A>>>,
-    /// The rays that are cast at each body in each frame. Where there are any, bodies are not asked for pairs; otherwise empty.
+    /// The rays cast at each body in each frame. If there are any, bodies are not queried for pairs. Otherwise empty.
     pub rays: Vec<Vec<CastRay>>,
-    /// Which step of the script each frame is.
+    /// The step of the script for each frame.
     pub steps: Vec<usize>,
 }
 
-/// The names of the paper's experiments, as [`Experiment::paper`] has them.
+/// The names of the experiments of [`Experiment::paper`].
 const PAPER: [&str; 4] = ["pass-through-20480", "dolphins-564", "dolphins-9024", "dolphins-36096"];
 
 impl Experiment {
-    /// The pass-through, and the dolphins at three resolutions; every how many steps a frame is taken is at least 1.
+    /// The pass-through, and the dolphins at three resolutions. Uses every `every`-th step, at least 1.
     #[must_use]
     pub fn paper(every: usize) -> Vec<Self> {
         PAPER
@@ -59,13 +59,13 @@ impl Experiment {
         }
     }
 
-    /// The names that [`Experiment::paper`] has.
+    /// The names of the experiments of [`Experiment::paper`].
     #[must_use]
     pub fn paper_names() -> &'static [&'static str] {
         &PAPER
     }
 
-    /// The paper's experiments and the blobs: what options are compared on.
+    /// The paper's experiments and the blobs, for comparing options.
     #[must_use]
     pub fn tuning(every: usize) -> Vec<Self> {
         let mut all = Self::paper(every);
@@ -73,8 +73,8 @@ impl Experiment {
         all
     }
 
-    /// The first `steps` steps of the pass-through, of the small and large dolphins, and of two neighbours, one after the other
-    /// and `rate` frames for every two of them: with the paper's 60 steps a second, 1 is 30 frames a second and 8 is 240.
+    /// The first `steps` consecutive steps of the pass-through, of the small and large dolphins, and of two neighbours. There are
+    /// `rate` frames for every two steps: with the paper's 60 steps a second, 1 is 30 frames a second and 8 is 240.
     #[must_use]
     pub fn consecutive(steps: usize, rate: usize) -> Vec<Self> {
         let mut all = vec![
@@ -119,10 +119,10 @@ impl Experiment {
         Some(self.joints.get(frame)?.get(body)?)
     }
 
-    /// Gives all bodies of a method what they have in a frame: joints, weights and places.
+    /// Sets the joints, weights and placements of all bodies of a method for a frame.
     ///
     /// # Errors
-    /// As [`Method::set_joints`] and [`Method::set_body`].
+    /// See [`Method::set_joints`] and [`Method::set_body`].
     pub fn set_bodies(&self, method: &mut dyn Method, frame: usize) -> Result<(), PoseError> {
         for (body, (weights, place)) in self.frames[frame].iter().enumerate() {
             if let Some(joints) = self.joints_of(frame, body) {
@@ -159,7 +159,7 @@ impl Experiment {
         Self::many_dolphins(dolphins::COUNT, level, every)
     }
 
-    /// The same with any number of dolphins, as close together.
+    /// The same with any number of dolphins, at the same distances.
     #[must_use]
     pub fn many_dolphins(count: usize, level: u32, every: usize) -> Self {
         Self::dolphins_in(count, level, dolphins::FRAMES, every)
@@ -179,7 +179,8 @@ impl Experiment {
         })
     }
 
-    /// Two bodies that breathe and turn slowly side by side, a little apart though their boxes overlap; `30 * rate` frames a second.
+    /// Two bodies that breathe and turn slowly side by side, a little apart although their boxes overlap; `30 * rate` frames a
+    /// second.
     #[must_use]
     pub fn neighbours(rate: usize) -> Self {
         let mesh = pass_through_body_at(5);
@@ -196,15 +197,15 @@ impl Experiment {
         })
     }
 
-    /// Two bodies that graze each other, with local targets as a face has: most are active, weights have both signs, and
-    /// their sum is far beyond 1.
+    /// Two bodies that graze each other, with local targets like those of a face. Most targets are active, weights have both
+    /// signs, and their sum is far beyond 1.
     #[must_use]
     pub fn blobs(every: usize) -> Self {
         let mesh = random_blob(7, 5, 40, 0.85);
         Self::grazing("blobs", mesh, 1.0, every)
     }
 
-    /// The blobs' motion for two bodies of any mesh of radius about 1; weights are `share` of theirs.
+    /// The blobs' motion for two bodies of any mesh of radius about 1. Weights are `share` times those of the blobs.
     #[must_use]
     pub fn grazing(name: &str, mesh: MorphMesh, share: f64, every: usize) -> Self {
         let targets = mesh.targets.len();

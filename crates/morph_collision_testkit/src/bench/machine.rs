@@ -1,6 +1,6 @@
-//! What is measured on.
+//! The machine that runs the benchmark.
 
-/// The processor's name, as far as the system tells it.
+/// The processor's name, if the system reports it.
 #[must_use]
 pub fn cpu() -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
@@ -13,7 +13,8 @@ pub fn cpu() -> String {
     )
 }
 
-/// Keeps this thread on one core, the last of those it may use: the first ones have more to do besides. `None` if that cannot be done.
+/// Pins this thread to one core, the last of those it may use, because the first ones have more other work. Returns `None` if
+/// that fails.
 #[must_use]
 pub fn pin() -> Option<usize> {
     let core = core_affinity::get_core_ids()?.into_iter().last()?;

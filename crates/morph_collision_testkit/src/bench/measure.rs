@@ -1,4 +1,4 @@
-//! Interleaved rounds, and what they come to.
+//! Runs interleaved rounds and summarises them.
 
 use std::time::Duration;
 
@@ -13,62 +13,62 @@ use crate::rivals::{PoseError, Wanted};
 /// How much to measure.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
-    /// What is asked of two bodies.
+    /// The question asked about two bodies.
     pub wanted: Wanted,
-    /// Rounds that count; one more is run before them.
+    /// Number of measured rounds, after one warm-up round.
     pub rounds: usize,
-    /// Rounds more in which times are split; 0 for no [`Parts`].
+    /// Number of additional rounds in which times are split; 0 for no [`Parts`].
     pub split_rounds: usize,
 }
 
 impl Plan {
-    /// How often a contender runs all frames.
+    /// How often each contender runs all frames.
     #[must_use]
     pub fn passes(&self) -> usize {
         1 + self.rounds + self.split_rounds
     }
 }
 
-/// What a contender did and how long it took.
+/// A contender's work and times.
 #[derive(Clone, Debug)]
 pub struct Row {
     /// Its name.
     pub name: String,
     /// The work of one pass over all frames.
     pub work: QueryStats,
-    /// What was found, per frame.
+    /// The findings per frame.
     pub found: Vec<Found>,
-    /// Seconds a frame on average; the median over the rounds.
+    /// Seconds per frame on average; the median over the rounds.
     pub time: f64,
     /// Seconds of each frame, medians over the rounds.
     pub frame_times: Vec<f64>,
-    /// The median of its time over the first contender's in the same round.
+    /// The median over the rounds of its time divided by the first contender's.
     pub ratio: f64,
-    /// What the time was spent on, if that was to be known.
+    /// The time split into parts, if that was requested.
     pub parts: Option<Parts>,
 }
 
 impl Row {
-    /// Pairs of triangles of all frames of a pass.
+    /// Pairs of triangles in all frames of a pass.
     #[must_use]
     pub fn pairs(&self) -> u64 {
         self.found.iter().map(|found| found.pairs).sum()
     }
 }
 
-/// Seconds a frame by what they were spent on; see [how times are split](super).
+/// Seconds per frame by phase; see [how times are split](super).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Parts {
-    /// Weights, places, and vertices that follow at once.
+    /// Setting weights and placements, and updating vertices if that happens at once.
     pub blend: f64,
-    /// Volumes (lazy methods: and vertices) that follow.
+    /// Updating volumes (for lazy methods also vertices).
     pub refit: f64,
     /// Broad phase and queries.
     pub query: f64,
 }
 
 impl Parts {
-    /// Medians over passes, scaled to come to `total`.
+    /// Medians over passes, scaled so that they sum to `total`.
     fn of(passes: &[SplitPass], total: f64) -> Option<Self> {
         let part = |of: fn(&SplitPass) -> Duration| median(passes.iter().map(|pass| of(pass).as_secs_f64()));
         let (blend, refit, query) = (part(|p| p.blend), part(|p| p.refit), part(|p| p.query));
@@ -82,10 +82,10 @@ impl Parts {
     }
 }
 
-/// Measures contenders against the first of them. `progress` is called after every pass.
+/// Measures contenders against the first of them. Calls `progress` after every pass.
 ///
 /// # Errors
-/// Weights or places that a method refuses.
+/// A method refuses weights or placements.
 pub fn measure(
     experiment: &Experiment,
     contenders: Vec<Contender>,
@@ -132,19 +132,19 @@ pub fn measure(
         .collect())
 }
 
-/// A pass's seconds a frame.
+/// A pass's average seconds per frame.
 fn seconds(pass: &Pass) -> f64 {
     pass.times.iter().sum::<Duration>().as_secs_f64() / pass.times.len().max(1) as f64
 }
 
-/// The middle one, or 0 of none.
+/// The median, or 0 if there are no values.
 pub fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut sorted: Vec<f64> = values.collect();
     sorted.sort_by(f64::total_cmp);
     sorted.get(sorted.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// Two methods that found different things; one of them is wrong.
+/// Two methods with different findings, one of which is wrong.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("{scene}, step {step}: {other} finds {found} {what}, {first} finds {expected}")]
 pub struct Disagreement {
@@ -157,8 +157,8 @@ pub struct Disagreement {
     found: u64,
 }
 
-/// The first frame in which a row does not agree with the first row: on all pairs of triangles, or on how many pairs of
-/// bodies touch if only first pairs were wanted.
+/// The first frame in which a row disagrees with the first row: on the number of pairs of triangles, or on the number
+/// of touching pairs of bodies if only first pairs were wanted.
 #[must_use]
 pub fn disagreement(experiment: &Experiment, rows: &[Row], wanted: Wanted) -> Option<Disagreement> {
     let (first, others) = rows.split_first()?;

@@ -12,7 +12,7 @@ use crate::oracle::BodyPose;
 /// Steps of the script.
 const STEPS: usize = 400;
 
-/// Between neighbours, in sizes of the mesh at rest: they reach into each other, and come a little apart at times.
+/// Distance between neighbours, in sizes of the mesh at rest. They overlap, and sometimes come a little apart.
 const SPACING: f64 = 0.8;
 const SWAY: f64 = 0.15;
 
@@ -20,11 +20,12 @@ impl Experiment {
     /// Bodies of a mesh that stand close together in rows, sway into each other and turn a little, for 400 steps; every
     /// `every`-th is a frame.
     ///
-    /// Weights are those of the mesh's first clip of the right length, twice through, each body at another point of it. Without one,
-    /// a smooth wave runs through each target, in 0 to 0.5 and half of the time 0.
+    /// Weights come from the mesh's first clip of the right length, played twice, with each body at a different time. Without
+    /// such a clip, a smooth wave runs through each target, from 0 to 0.5, and is 0 half of the time.
     ///
-    /// The joints of a skinned mesh play a clip, 60 steps a second, each body at another point of it: the first one that moves weights as well, which then
-    /// follow it, or else the first. Without one they rest. The bodies stand where their joints put them, not at their places.
+    /// The joints of a skinned mesh play a clip at 60 steps a second, each body at a different time. It is the first clip that
+    /// also moves weights, which then follow it, or else the first clip. Without clips the joints rest. The bodies stand where
+    /// their joints put them, not at their placements.
     #[must_use]
     pub fn of_model(name: String, mesh: MorphMesh, bodies: usize, every: usize) -> Self {
         let played = Played::of(&mesh);
@@ -68,7 +69,7 @@ impl Experiment {
         experiment
     }
 
-    /// What the frames of [`Experiment::of_model`] take in memory, in bytes.
+    /// The memory of the frames of [`Experiment::of_model`], in bytes.
     #[must_use]
     pub fn bytes_of_model(mesh: &MorphMesh, bodies: usize, every: usize) -> u64 {
         let joints = mesh.skin.as_ref().map_or(0, MeshSkin::joint_count);
@@ -79,7 +80,7 @@ impl Experiment {
     }
 }
 
-/// The smallest and largest coordinates of the mesh with weights of zero, and with its joints at the beginning of their clip.
+/// The smallest and largest coordinates of the mesh with zero weights, and with its joints at the beginning of their clip.
 fn bounds(mesh: &MorphMesh, played: Option<&Played>) -> (DVec3, DVec3) {
     let joints = played.map(|played| played.joints(0, 0.0));
     let pose = BodyPose {
@@ -93,7 +94,7 @@ fn bounds(mesh: &MorphMesh, played: Option<&Played>) -> (DVec3, DVec3) {
     world.into_iter().fold(empty, |(min, max), p| (min.min(p), max.max(p)))
 }
 
-/// Weights at a share of the script, of a body at a share of the way around.
+/// Weights at a share of the script, for a body at a share of the clip.
 fn script_of(mesh: &MorphMesh) -> Box<dyn Fn(f64, f64) -> Vec<f32>> {
     let targets = mesh.targets.len();
     let clip = mesh.animations.iter().find(|clip| is_playable(clip, targets));
@@ -176,12 +177,12 @@ mod tests {
                 .flatten()
                 .all(|(_, place)| *place == Affine3A::IDENTITY)
         );
-        // A second of two later the first body is half-way; the second one is half of the clip ahead.
+        // A second of two later, the first body is half-way. The second body is half a clip ahead.
         assert_eq!(experiment.frames[1][0].0, [0.5, 1.0]);
         assert_eq!(experiment.frames[0][1].0, [0.5, 1.0]);
         let height = |frame: usize| experiment.joints_of(frame, 0).expect("it is skinned")[0].translation.y;
         let lifted = height(1) - height(0);
-        // It sways, too: by less than half of the size of a tube that is bent a little.
+        // It also sways, by less than half of the size of a slightly bent tube.
         assert!((lifted - 4.0).abs() < 1.0, "{lifted}");
         let bytes = Experiment::bytes_of_model(&mesh, 2, 60);
         assert!((14 * (3 * 64 + 8)..10_000).contains(&bytes), "{bytes}");
@@ -190,7 +191,7 @@ mod tests {
         skeleton.clips.clear();
         let experiment = Experiment::of_model("t".to_owned(), mesh, 2, 60);
         let of_bodies = [0, 1].map(|body| experiment.joints_of(3, body).expect("it is skinned"));
-        // About as far apart as bodies without joints, by most of their length of 2.
+        // About as far apart as bodies without joints: by most of their length of 2.
         let apart = of_bodies[1][0].translation - of_bodies[0][0].translation;
         assert!(apart.x > 1.0 && apart.x < 3.0, "{apart}");
         let joints = of_bodies[1];

@@ -1,10 +1,11 @@
-//! A Markdown page with places for tables and plots, marked by comments: `<!-- table: NAME -->` to `<!-- end -->`.
+//! A Markdown page with sections for tables and plots, marked by comments: `<!-- table: NAME -->` to
+//! `<!-- end -->`.
 
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// A page being changed.
+/// A page that is being changed.
 #[derive(Clone, Debug)]
 pub struct Page {
     path: PathBuf,
@@ -12,10 +13,10 @@ pub struct Page {
 }
 
 impl Page {
-    /// A page that is there.
+    /// Reads an existing page.
     ///
     /// # Errors
-    /// When it cannot be read.
+    /// The page cannot be read.
     pub fn read(path: &Path) -> Result<Self, String> {
         let text = std::fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
         Ok(Self {
@@ -24,18 +25,18 @@ impl Page {
         })
     }
 
-    /// What stands between a place's markers.
+    /// The text between a section's markers.
     ///
     /// # Errors
-    /// When the page has no such place.
+    /// The page has no such section.
     pub fn content(&self, name: &str) -> Result<&str, String> {
         Ok(&self.text[self.place(name)?])
     }
 
-    /// Puts a text between a place's markers.
+    /// Replaces the text between a section's markers.
     ///
     /// # Errors
-    /// When the page has no such place.
+    /// The page has no such section.
     pub fn replace(&mut self, name: &str, content: &str) -> Result<(), String> {
         let place = self.place(name)?;
         self.text.replace_range(place, content);
@@ -50,10 +51,10 @@ impl Page {
         Ok(start..start + length)
     }
 
-    /// Puts the page back in its place.
+    /// Writes the page back to its file.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// The page cannot be written.
     pub fn write(&self) -> io::Result<()> {
         std::fs::write(&self.path, &self.text)
     }

@@ -1,18 +1,18 @@
-//! The clip that a skinned mesh plays in the scene made for it.
+//! The clip that a skinned mesh plays in its generated scene.
 
 use glam::Affine3A;
 
 use crate::mesh::{MorphMesh, WeightAnimation};
 use crate::skeleton::{JointClip, Skeleton};
 
-/// Steps per second in which clips are played.
+/// Steps per second at which clips are played.
 const RATE: f64 = 60.0;
 
-/// What the joints of a skinned mesh do.
+/// The motion of a skinned mesh's joints.
 pub(super) struct Played {
     skeleton: Skeleton,
     joints: Option<JointClip>,
-    /// The clip of weights that belongs to it.
+    /// The weight clip that belongs to it.
     weights: Option<WeightAnimation>,
 }
 
@@ -36,25 +36,25 @@ impl Played {
         })
     }
 
-    /// The time of the clip in a step, for a body at a share of the way around.
+    /// The time in the clip at a step, for a body at a share of the clip.
     fn seconds(&self, step: usize, own: f64) -> f32 {
         let duration = self.joints.as_ref().map_or(0.0, JointClip::duration);
         (step as f64 / RATE + own * f64::from(duration)) as f32
     }
 
-    /// The matrices of the joints in a step.
+    /// The joint matrices at a step.
     pub(super) fn joints(&self, step: usize, own: f64) -> Vec<Affine3A> {
         let seconds = self.seconds(step, own);
         self.skeleton.world_from_mesh(self.joints.as_ref(), seconds)
     }
 
-    /// The weights in a step, if the clip moves them.
+    /// The weights at a step, if the clip moves them.
     pub(super) fn weights(&self, step: usize, own: f64) -> Option<Vec<f32>> {
         Some(self.weights.as_ref()?.sample(self.seconds(step, own)))
     }
 }
 
-/// Whether a clip has keys, of a weight for each target.
+/// Whether a clip has keys, with one weight per target.
 pub(super) fn is_playable(clip: &WeightAnimation, targets: usize) -> bool {
     !clip.weights.is_empty() && clip.weights.iter().all(|weights| weights.len() == targets)
 }

@@ -1,28 +1,28 @@
-//! What is asked in a frame.
+//! The questions asked in a frame.
 
 use morph_collision::TrianglePair;
 
 use super::Experiment;
 use crate::rivals::{BroadPhase, Method, Wanted};
 
-/// Asks a method what an experiment's frames want to know; keeps the memory that frames reuse.
+/// Asks a method the questions of an experiment's frames; keeps the memory that frames reuse.
 #[derive(Debug, Default)]
 pub struct Questions {
     broad_phase: BroadPhase,
     pairs: Vec<TrianglePair>,
 }
 
-/// What was found in a frame. Of rays, `pairs` counts those that hit, and `touching` the bodies that were hit.
+/// The findings of a frame. For rays, `pairs` counts those that hit, and `touching` the bodies that were hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Found {
     /// Pairs of triangles.
     pub pairs: u64,
-    /// Pairs of bodies of which there is at least one.
+    /// Pairs of bodies with at least one such pair.
     pub touching: u64,
 }
 
 impl Questions {
-    /// Broad phase and queries of a frame, or its rays. The method must have been given the bodies' poses.
+    /// Broad phase and queries of a frame, or its rays. The bodies' poses must have been set before.
     pub fn ask(&mut self, experiment: &Experiment, index: usize, method: &mut dyn Method, wanted: Wanted) -> Found {
         let mut found = Found::default();
         let bodies = experiment.frames[index].len();

@@ -1,4 +1,4 @@
-//! One contender running an experiment's frames.
+//! Runs an experiment's frames with one contender.
 
 use std::time::Duration;
 
@@ -13,13 +13,13 @@ pub(super) struct Runner {
     pub(super) name: String,
     method: Box<dyn Method>,
     questions: Questions,
-    /// Bodies whose volumes have to follow.
+    /// Bodies whose volumes need an update.
     moved: Vec<usize>,
-    /// What the stopwatch shows of nothing.
+    /// The reading of an idle stopwatch.
     idle: Duration,
 }
 
-/// What a contender did in one pass over all frames; lists have an entry per frame.
+/// A contender's results in one pass over all frames; lists have an entry per frame.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pass {
     pub(super) work: QueryStats,
@@ -27,7 +27,7 @@ pub(super) struct Pass {
     pub(super) times: Vec<Duration>,
 }
 
-/// Time by what it was spent on, of all frames of a pass.
+/// Time by phase, over all frames of a pass.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct SplitPass {
     pub(super) blend: Duration,
@@ -46,7 +46,7 @@ impl Runner {
         }
     }
 
-    /// Every frame as a whole.
+    /// Times every frame as a whole.
     pub(super) fn pass(&mut self, experiment: &Experiment, wanted: Wanted) -> Result<Pass, PoseError> {
         self.begin(experiment)?;
         let mut pass = Pass::default();
@@ -63,7 +63,7 @@ impl Runner {
         Ok(pass)
     }
 
-    /// Every frame in parts.
+    /// Times every frame in parts.
     pub(super) fn split_pass(&mut self, experiment: &Experiment, wanted: Wanted) -> Result<SplitPass, PoseError> {
         self.begin(experiment)?;
         let mut split = SplitPass::default();
@@ -96,7 +96,8 @@ impl Runner {
         Ok(split)
     }
 
-    /// Gives bodies weights that the first frame changes: else a pass of one frame would find everything done.
+    /// Gives bodies weights that the first frame changes. Otherwise a pass of one frame would find everything
+    /// done.
     fn begin(&mut self, experiment: &Experiment) -> Result<(), PoseError> {
         for (body, (weights, place)) in experiment.frames.iter().take(1).flatten().enumerate() {
             let others: Vec<f32> = weights.iter().map(|weight| 0.5 * weight + 0.125).collect();

@@ -1,4 +1,4 @@
-//! Scenes of a skinned character that walks and talks: joints and face move in every frame.
+//! Scenes of a skinned character that walks and talks. Joints and face move in every frame.
 
 use std::f64::consts::TAU;
 
@@ -14,23 +14,23 @@ use crate::moments::find_real_model;
 const MODEL: &str = "mh_character.glb";
 const CLIP: &str = "walk_and_talk";
 
-/// How far a body is ahead of the one before it, in loops of the clip.
+/// How far each body is ahead of the one before it, in loops of the clip.
 const AHEAD: f64 = 0.37;
 
-/// Loops of the clip in the whole script: 400 steps at 60 a second, of 3 s each; a little off, so that frames lie between keys.
+/// Loops of the clip in the whole script: 400 steps at 60 a second, of 3 s each. Slightly off, so that frames lie between keys.
 const LOOPS: f64 = 2.23;
 
-/// Half the size of what rays are aimed at, around the middle of a character: head to feet, without arms.
+/// Half the size of the box that rays aim at, around the middle of a character: head to feet, without arms.
 const BODY: DVec3 = DVec3::new(0.7, 7.0, 0.7);
 
-/// What the bodies of a scene do.
+/// The motion of a scene's bodies.
 pub(super) struct Walkers {
     pub(super) name: &'static str,
     pub(super) title: &'static str,
     bodies: usize,
-    /// How many rays are cast at each body in a frame.
+    /// Number of rays cast at each body in a frame.
     pub(super) rays: usize,
-    /// Where a body stands, by its index and the share of the script, in decimetres.
+    /// The placement of a body, from its index and the share of the script, in decimetres.
     place: fn(usize, f64) -> Affine3A,
 }
 
@@ -76,13 +76,13 @@ fn standing(at: DVec3, turn: f64) -> Affine3A {
     Affine3A::from_rotation_translation(DQuat::from_rotation_y(turn).as_quat(), at.as_vec3())
 }
 
-/// So far apart that swinging arms meet now and then.
+/// Just so far apart that swinging arms sometimes touch.
 fn side_by_side(index: usize, t: f64) -> Affine3A {
     let side = if index == 0 { -1.0 } else { 1.0 };
     standing(DVec3::new(side * (2.3 + 0.3 * (TAU * t).sin()), 0.0, 0.0), 0.1 * side)
 }
 
-/// Face to face, a hand's width apart from chest to chest and then closer.
+/// Face to face, a hand's width apart from chest to chest, then closer.
 fn into_each_other(index: usize, t: f64) -> Affine3A {
     let side = if index == 0 { -1.0 } else { 1.0 };
     let at = DVec3::new(0.3 * side, 0.0, side * (0.5 + 0.3 * (TAU * t).sin()));

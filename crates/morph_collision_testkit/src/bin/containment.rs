@@ -1,5 +1,5 @@
-//! `containment [CHECKS]`: looks for vertices outside their blended boxes, with random weights of any size and sign, and joints in every kind of
-//! pose. Exits with 1 if it finds any.
+//! `containment [CHECKS]`: looks for vertices outside their blended boxes, with random weights of any size and sign, and joints
+//! in every kind of pose. Exits with 1 if it finds any.
 
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use morph_collision_testkit::verify::{ContainmentViolation, check_containment, c
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-/// Checks of one position and one box per kind of tree, unless the command line says otherwise.
+/// Default number of checks of one position and one box, per kind of tree.
 const CHECKS: u64 = 10_000_000;
 
 fn main() -> ExitCode {
@@ -49,7 +49,7 @@ fn run(checks: u64) -> Result<u64, Box<dyn std::error::Error>> {
         let (mut done, mut violations, mut first) = (0, 0, None);
         while done < checks {
             for (mesh, pose) in &mut bodies {
-                // Boxes of parts that move rigidly outlast a change of the joints alone.
+                // Boxes of rigidly moving parts remain valid if only joints change.
                 if mesh.skin.is_none() || rng.random_bool(0.5) {
                     pose.set_weights(&weights(&mut rng, mesh.targets.len()))?;
                 }

@@ -1,5 +1,5 @@
-//! The determinism test as a program, for release builds and other processors: unlike the test, it is built without what other tests and
-//! benchmarks depend on.
+//! The determinism test as a program, for release builds and other processors. Unlike the test, it needs none of the dependencies
+//! of other tests and benchmarks.
 
 use std::process::ExitCode;
 

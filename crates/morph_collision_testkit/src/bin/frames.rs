@@ -1,8 +1,8 @@
-//! Runs all frames of a benchmark's scene once to fill caches, and again to count instructions: `frames dolphins-564 all`, see
+//! Runs all frames of a benchmark scene once to fill caches, and again to count instructions: `frames dolphins-564 all`. See
 //! `just instructions`.
 //!
-//! `frames` alone names the kernel that this machine gets: counts can be compared only where it is the same. The program reads no
-//! clock, as valgrind cannot run the stopwatch of the benchmarks.
+//! Without arguments it prints the kernel of this machine. Counts are comparable only between machines with the same kernel. The
+//! program reads no clock, because valgrind cannot run the stopwatch of the benchmarks.
 
 use std::error::Error;
 
@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Callgrind is told to collect in here only.
+/// Callgrind is told to collect only in here.
 #[inline(never)]
 fn counted_pass(
     experiment: &Experiment,
@@ -43,7 +43,7 @@ fn counted_pass(
     pass(experiment, method, questions, wanted)
 }
 
-/// Runs all frames; returns the number of intersecting pairs, or of rays that hit.
+/// Runs all frames. Returns the number of intersecting pairs, or of rays that hit.
 #[inline(never)]
 fn pass(
     experiment: &Experiment,

@@ -1,9 +1,9 @@
-//! Feeds mutated files to the readers, for as long as asked: `mutations SECONDS [SEED]`. `just mutations` runs it under `ulimit -v`, in a build
-//! that checks for overflow.
+//! Feeds mutated files to the readers for a given time: `mutations SECONDS [SEED]`. `just mutations` runs it under `ulimit -v`,
+//! in a build that checks for overflow.
 //!
-//! Seeds are the fuzz corpus, the scenes in `assets/` and a generated model. A mutation replaces a number by an odd one, strikes,
-//! repeats or swaps pieces, or flips a bit. Whatever is neither an error nor a good answer ends the program: a panic, or an abort for want
-//! of memory.
+//! Seeds are the fuzz corpus, the scenes in `assets/` and a generated model. A mutation replaces a number by an odd one; deletes,
+//! repeats or swaps pieces; or flips a bit. Anything other than an error or a good answer ends the program: a panic, or an abort
+//! because memory ran out.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -92,7 +92,7 @@ fn mutate(bytes: &mut Vec<u8>, rng: &mut impl Rng) {
             let other = rng.random_range(0..bytes.len());
             bytes.swap(at, other);
         }
-        // The number at or after a place.
+        // Replaces the number at or after a position.
         _ => {
             let Some(first) = bytes[at..].iter().position(u8::is_ascii_digit) else {
                 return;
@@ -106,7 +106,7 @@ fn mutate(bytes: &mut Vec<u8>, rng: &mut impl Rng) {
     }
 }
 
-/// A `.glb` whose JSON grew or shrank is still one.
+/// Fixes the lengths of a `.glb` whose JSON grew or shrank.
 fn keep_glb_lengths(bytes: &mut [u8], by: i64) {
     if !bytes.starts_with(b"glTF") {
         return;

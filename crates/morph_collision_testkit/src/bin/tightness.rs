@@ -1,11 +1,15 @@
-//! `tightness`: how much larger the boxes of skinned models are than the smallest ones in the same spaces, for their clips and for
-//! random poses.
+//! `tightness`: how much larger the boxes of skinned models are than the smallest ones in the same spaces, for their clips and
+//! for random poses.
 //!
-//! What is compared is the cost of a walk by the surface-area heuristic: the sum over nodes of a box's area times what is below the node,
-//! children or triangles. `leaves tight` counts the smallest boxes for leaves on both sides, `all` every box as it is. `/ morph` is the sum of every box
-//! as it is over that of `morph`, whose boxes are in the spaces of joints; those of `joint-boxes` and `joint-union` are along the world's axes, over a tree of
-//! their own with leaves of the same size. Under joints that scale unevenly (`Scaled`) it says little, since areas in stretched spaces are compared with
-//! areas in the world.
+//! It compares the cost of a walk by the surface-area heuristic: the sum over nodes of a box's area times the number of children
+//! or triangles below the node.
+//!
+//! - `leaves tight` uses the smallest boxes for leaves on both sides, `all` uses every box as it is.
+//! - `/ morph` is the sum over all boxes divided by that of `morph`, whose boxes are in joint spaces. The boxes of `joint-boxes`
+//!   and `joint-union` are along the world's axes, over a tree of their own with leaves of the same size.
+//!
+//! With joints that scale unevenly (`Scaled`) it says little, because areas in stretched spaces are compared with areas in the
+//! world.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -28,7 +32,7 @@ const MODELS: [&str; 4] = [
     "Fox.glb",
 ];
 
-/// Frames of each clip, and poses of each kind.
+/// Frames per clip, and poses per kind.
 const FRAMES: usize = 12;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -96,7 +100,7 @@ fn of_mesh(mesh: &MorphMesh) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// As faces have them: three quarters of the targets active, with a sum of at most 12 and a quarter of them negative.
+/// Weights like those of faces: three quarters of the targets active, with a sum of at most 12, and a quarter of them negative.
 fn weights(rng: &mut Pcg64Mcg, targets: usize) -> Vec<f32> {
     let mut one = |_| match rng.random_range(0..16) {
         0..4 => 0.0,
@@ -121,7 +125,7 @@ impl Costs {
     }
 }
 
-/// A node as it was visited.
+/// A visited node.
 struct Node {
     is_leaf: bool,
     min: DVec3,
@@ -131,7 +135,7 @@ struct Node {
     children: usize,
 }
 
-/// The nodes of our tree, each in the space that its box is in.
+/// The nodes of our tree, each in the space of its box.
 fn nodes(pose: &mut Pose) -> Vec<Node> {
     let mut nodes: Vec<Node> = Vec::new();
     let mut path: Vec<usize> = Vec::new();
@@ -180,7 +184,7 @@ fn corners(pose: &mut Pose) -> Vec<[DVec3; 3]> {
 fn costs(nodes: &[Node], corners: &[[DVec3; 3]]) -> Costs {
     let mut costs = Costs::default();
     for node in nodes {
-        // A frame may be scaled: areas are compared in the world's unit.
+        // A frame may be scaled, so areas are compared in the world's unit.
         let origin = node.place.transform_point(glam::Vec3::ZERO);
         let axis = |axis: glam::Vec3| node.place.transform_point(axis) - origin;
         let linear = DMat3::from_cols(axis(glam::Vec3::X), axis(glam::Vec3::Y), axis(glam::Vec3::Z));

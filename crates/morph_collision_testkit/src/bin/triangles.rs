@@ -1,7 +1,7 @@
-//! Nearly degenerate pairs of triangles, answered by the library and in exact arithmetic: `triangles [PAIRS] [SEED]`.
+//! Compares the library with exact arithmetic on nearly degenerate pairs of triangles: `triangles [PAIRS] [SEED]`.
 //!
-//! Prints a row per family: the number of pairs, of pairs that intersect, and of answers that differ. Exits with 1 if an answer differs, and
-//! prints the first such pair of each family.
+//! Prints a row per family: the number of pairs, of pairs that intersect, and of answers that differ. If an answer differs, it
+//! prints the first such pair of each family and exits with 1.
 
 use std::process::ExitCode;
 
@@ -13,7 +13,7 @@ use rand_pcg::Pcg64Mcg;
 
 const PAIRS: u64 = 1_000_000;
 
-/// What came out for one family.
+/// The results of one family.
 #[derive(Default)]
 struct Row {
     intersecting: u64,

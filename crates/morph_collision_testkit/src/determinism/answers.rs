@@ -1,4 +1,4 @@
-//! The answers of a scene, shared out among threads with poses of their own, hashed and merged in order.
+//! Computes, hashes and merges the answers of a scene. Threads share the work; each has its own poses.
 
 use std::sync::Arc;
 
@@ -12,7 +12,7 @@ use super::Run;
 use super::hash::Hash;
 use super::scenes::Scene;
 
-/// What is hashed apart, so that a difference says where it is.
+/// Hashed separately, so that a difference shows where it is.
 pub(super) const COLUMNS: [&str; 6] = ["vertices", "pairs", "self", "contacts", "distances", "rays"];
 const VERTICES: usize = 0;
 const PAIRS: usize = 1;
@@ -21,11 +21,11 @@ const CONTACTS: usize = 3;
 const DISTANCES: usize = 4;
 const RAYS: usize = 5;
 
-/// Hashes of answers, and what goes with them.
+/// Hashes of answers, and related counts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Answers {
     pub(super) hashes: [Hash; COLUMNS.len()],
-    /// The pairs that the walks came to first, which depend on the tree.
+    /// The pairs that the walks found first, which depend on the tree.
     pub(super) firsts: Hash,
     pub(super) pair_count: usize,
 }
@@ -46,7 +46,7 @@ impl Answers {
     }
 }
 
-/// A question: about one body, or about two, in a frame.
+/// A question about one body, or about two, in a frame.
 #[derive(Clone, Copy)]
 struct Item {
     frame: usize,
@@ -71,7 +71,7 @@ pub(super) fn of(scene: &Scene, run: Run) -> Answers {
         let mine = items.iter().enumerate().skip(thread).step_by(run.threads);
         mine.map(|(i, item)| (i, worker.answer(item))).collect::<Vec<_>>()
     };
-    // Not every machine has threads: one is the caller's own.
+    // Not every machine has threads, so the caller's thread does one share.
     let mut answers = std::thread::scope(|scope| {
         let share = &share;
         let others: Vec<_> = (1..run.threads)
@@ -98,7 +98,7 @@ fn items(scene: &Scene) -> Vec<Item> {
     items
 }
 
-/// A thread's poses and queries; what they remember of one item must not show in the next.
+/// A thread's poses and queries. What they remember of one item must not affect the next.
 struct Worker<'a> {
     scene: &'a Scene,
     poses: Vec<Pose>,
@@ -150,7 +150,7 @@ impl<'a> Worker<'a> {
 
     fn one(&mut self, body: usize, place: &WorldFromModel, answers: &mut Answers) {
         let pose = &mut self.poses[body];
-        // Before the vertices are blended as a whole: queries blend what they look at.
+        // Must run before all vertices are blended, because queries blend only what they look at.
         let mut hits = Vec::new();
         for ray in rays(place) {
             hits.clear();
@@ -223,7 +223,7 @@ impl<'a> Worker<'a> {
         let closest = closest.ok().flatten().expect("no distance is beyond infinity");
         let hash = &mut answers.hashes[DISTANCES];
         hash.number(closest.distance);
-        // Which common point of two bodies that touch comes first depends on the tree.
+        // If two bodies touch, the common point that is found first depends on the tree.
         if closest.distance > 0.0 {
             hash.u32(closest.triangle_a);
             hash.u32(closest.triangle_b);
@@ -250,7 +250,7 @@ fn hash_hit(hash: &mut Hash, hit: &RayHit) {
     hash.numbers(hit.normal.to_array());
 }
 
-/// Towards the body's origin and past it, from a few sides.
+/// Rays from a few sides towards the body's origin and past it.
 fn rays(place: &WorldFromModel) -> [Ray; 4] {
     let origin = place.transform_point(glam::Vec3::ZERO);
     [

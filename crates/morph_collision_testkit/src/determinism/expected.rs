@@ -1,4 +1,4 @@
-//! The file of expected hashes: a line for each scene, its name last.
+//! The file of expected hashes: one line per scene, with the scene's name last.
 
 use std::io;
 use std::path::Path;
@@ -9,7 +9,7 @@ use super::answers::COLUMNS;
 const EXPECTED: &str = include_str!("expected.txt");
 const FILE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/src/determinism/expected.txt");
 
-/// What differs from the file, a message for each scene; nothing if all scenes have the bits that are expected.
+/// The differences from the file, one message per scene; empty if all scenes have the expected bits.
 #[must_use]
 pub fn differences(lines: &[Line]) -> Vec<String> {
     let (found, expected) = (text(lines), EXPECTED.lines().collect::<Vec<_>>());
@@ -18,7 +18,7 @@ pub fn differences(lines: &[Line]) -> Vec<String> {
         .collect()
 }
 
-/// Writes the file again.
+/// Rewrites the file.
 ///
 /// # Errors
 /// The file cannot be written.
@@ -31,7 +31,7 @@ fn text(lines: &[Line]) -> Vec<String> {
     std::iter::once(head).chain(lines.iter().map(Line::to_string)).collect()
 }
 
-/// What differs in a line; where the inputs do, so must the rest.
+/// The difference in a line. If the inputs differ, so must the rest.
 fn difference(expected: Option<&str>, found: Option<&str>) -> Option<String> {
     if expected == found {
         return None;

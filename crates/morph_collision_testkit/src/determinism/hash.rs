@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-/// A hash that grows.
+/// A running hash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Hash(u64);
 
@@ -27,21 +27,22 @@ impl Hash {
         self.bytes(&value.to_le_bytes());
     }
 
-    /// Every bit counts, the sign of a zero too.
+    /// Hashes every bit, including the sign of a zero.
     pub(super) fn vertex(&mut self, v: Vec3) {
         for value in v.to_array() {
             self.u32(value.to_bits());
         }
     }
 
-    /// Every bit counts, the sign of a zero too.
+    /// Hashes every bit, including the sign of a zero.
     pub(super) fn world_vertex(&mut self, v: DVec3) {
         for value in v.to_array() {
             self.u64(value.to_bits());
         }
     }
 
-    /// A number of an answer. Zeros are alike: machines differ in which of two they take for the smaller.
+    /// Hashes a number of an answer. Both zeros hash alike, because machines differ in which of two zeros
+    /// is the minimum.
     pub(super) fn number(&mut self, value: f64) {
         assert!(!value.is_nan(), "an answer holds NaN");
         self.u64((value + 0.0).to_bits());

@@ -1,9 +1,10 @@
-//! The same bits everywhere: hashes of answers and posed vertices against a file of expected ones, for trees of
-//! several leaf sizes and any number of threads and every set of instructions the machine has. Debug and release builds, and every machine, browsers
-//! among them, are judged by the same file.
+//! Checks that every machine computes the same bits: compares hashes of answers and posed vertices with a file of expected ones.
 //!
-//! Only what is promised is in the file: what does not depend on the tree. Which of several pairs a walk comes to first does;
-//! it must be one of them, and the same for any number of threads.
+//! The hashes must not depend on the leaf size of trees, the number of threads or the set of instructions. Debug and release
+//! builds, and all machines including browsers, use the same file.
+//!
+//! The file contains only what is promised, that is, what does not depend on the tree. For example, a walk may find any of
+//! several pairs first. That pair must be one of them, and the same for any number of threads.
 
 mod answers;
 mod expected;
@@ -21,7 +22,7 @@ use crate::verify::LEAF_SIZES;
 use answers::{Answers, COLUMNS};
 use hash::Hash;
 
-/// A way to run the queries, which no answer may depend on.
+/// A way to run the queries. No answer may depend on it.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     leaf_size: usize,
@@ -29,7 +30,8 @@ struct Run {
     threads: usize,
 }
 
-/// Every way that this machine knows: with its best instructions on so many threads, with all others on one.
+/// All ways that this machine supports: its best instructions on each of these numbers of threads, all other instructions on one
+/// thread.
 fn runs(threads: &[usize]) -> impl Iterator<Item = Run> + Clone {
     let ways = Kernel::available().iter().enumerate().flat_map(move |(i, &kernel)| {
         let threads = if i == 0 { threads } else { &[1] };
@@ -44,7 +46,7 @@ fn runs(threads: &[usize]) -> impl Iterator<Item = Run> + Clone {
     })
 }
 
-/// What a scene comes to: a line of the file.
+/// The hashes of a scene: a line of the file.
 #[derive(Clone, Debug)]
 pub struct Line {
     scene: String,
@@ -71,13 +73,13 @@ impl fmt::Display for Line {
     }
 }
 
-/// [`answer`] for all [`scenes`].
+/// Calls [`answer`] for all [`scenes`].
 ///
 /// # Errors
-/// As [`answer`]; or so few scenes touch that their hashes say little.
+/// Those of [`answer`], and if so few scenes touch that their hashes say little.
 ///
 /// # Panics
-/// As [`answer`].
+/// See [`answer`].
 pub fn answer_all(threads: &[usize]) -> Result<Vec<Line>, String> {
     let lines: Vec<Line> = scenes()
         .iter()
@@ -90,17 +92,17 @@ pub fn answer_all(threads: &[usize]) -> Result<Vec<Line>, String> {
     Ok(lines)
 }
 
-/// Asks a scene's questions in every way that this machine knows. The best instructions are tried on each of these numbers of
-/// threads; where there are no threads, `&[1]`.
+/// Asks a scene's questions in every way that this machine supports. The best instructions run on each of these numbers of
+/// threads; pass `&[1]` if there are no threads.
 ///
 /// # Errors
-/// Two ways give different answers: the message names the scene and the way.
+/// Two ways give different answers. The message names the scene and the way.
 ///
 /// # Panics
 /// A query contradicts itself, or answers with NaN.
 pub fn answer(scene: &Scene, threads: &[usize]) -> Result<Line, String> {
     let mut first: Option<Answers> = None;
-    // The pairs that walks come to first depend on the tree, and so on its leaves, but on nothing else.
+    // The pairs that walks find first depend on the tree, and so on its leaf size, but on nothing else.
     let mut of_tree: Option<(usize, Hash)> = None;
     for run in runs(threads) {
         let answers = answers::of(scene, run);

@@ -1,4 +1,4 @@
-//! What is hashed: the two scripted scenes with few triangles, and odd moments of random and degenerate models.
+//! The hashed scenes: two scripted scenes with few triangles, and odd moments of random and degenerate models.
 
 use super::hash::Hash;
 use crate::mesh::MorphMesh;
@@ -7,13 +7,13 @@ use crate::moments::{self, MomentBody};
 use crate::scenes::{dolphins, pass_through};
 use glam::{Affine3A, Vec3};
 
-/// Meshes, and where bodies of them are in each frame; body `i` is of the same mesh in all.
+/// Meshes, and the weights and placements of bodies in each frame. Body `i` uses the same mesh in all frames.
 #[derive(Debug)]
 pub struct Scene {
     pub(super) name: String,
     pub(super) meshes: Vec<MorphMesh>,
     pub(super) frames: Vec<Vec<MomentBody>>,
-    /// The matrices of the joints of each body of a frame; empty for bodies that are not skinned, and where no body is.
+    /// Joint matrices per frame and body. Empty for bodies that are not skinned, or for the whole list if none is.
     pub(super) joints: Vec<Vec<Vec<Affine3A>>>,
 }
 
@@ -39,7 +39,7 @@ impl Scene {
         (!joints.is_empty()).then_some(joints)
     }
 
-    /// Of all that goes in, to tell other answers from other questions.
+    /// A hash of all inputs, which tells different answers from different questions.
     pub(super) fn hash(&self) -> u64 {
         let mut hash = Hash::EMPTY;
         for mesh in &self.meshes {
@@ -74,7 +74,8 @@ impl Scene {
     }
 }
 
-/// Machines differ in the last bits of sines; multiples of 2^-14 hide it, and leave numbers beyond 2^9 as they are.
+/// Machines differ in the last bits of sines. Rounding to multiples of 2^-14 hides that, and keeps numbers beyond 2^9
+/// as they are.
 fn snap(number: &mut f32) {
     const GRID: f32 = 16384.0;
     if number.abs() < 512.0 {
@@ -82,7 +83,7 @@ fn snap(number: &mut f32) {
     }
 }
 
-/// Moments that are covered by others, or in which every triangle meets every other, which takes long.
+/// Moments that others cover, or in which every triangle intersects every other, which takes long.
 const LEFT_OUT: [&str; 4] = [
     "dolphins, frame 60",
     "dolphins, frame 200",
@@ -104,7 +105,7 @@ pub fn all() -> Vec<Scene> {
     scenes
 }
 
-/// A scene for each skinned model: a frame for each kind of pose.
+/// A scene for each skinned model, with a frame for each kind of pose.
 fn skinned() -> Vec<Scene> {
     let mut scenes: Vec<Scene> = Vec::new();
     for moment in moments::skinned() {
@@ -145,14 +146,14 @@ fn passing() -> Scene {
     Scene::new("pass-through".to_owned(), vec![pass_through_body_at(2)], frames)
 }
 
-/// Blobs with 24 targets each, whose weights have any sign and sum and mostly all move.
+/// Blobs with 24 targets each. The weights have any sign and sum, and most of them change from frame to frame.
 fn signed() -> Scene {
     const TARGETS: u32 = 24;
     let meshes = vec![
         random::random_blob(21, 2, TARGETS as usize, 0.6),
         random::random_blob(22, 1, TARGETS as usize, 0.0),
     ];
-    // Multiples of an odd number wander through -1..1 without a sine.
+    // Multiples of an odd number spread over -1..1 without a sine.
     let wander = |seed: u32| (seed.wrapping_mul(0x9e37_79b1) >> 16) as f32 / 32768.0 - 1.0;
     let bodies = |frame: u32| {
         let body = |i: u32| {

@@ -1,4 +1,4 @@
-//! Numbers, meshes and options from bytes, steered to where things go wrong.
+//! Draws numbers, meshes and options from bytes, biased towards difficult cases.
 
 use arbitrary::Unstructured;
 use glam::{Affine3A, Vec3};
@@ -6,7 +6,7 @@ use morph_collision::BuildOptions;
 
 use crate::mesh::MorphMesh;
 
-/// Bytes that are read as choices; past their end every choice is the first one.
+/// Bytes that are read as choices. After their end, every choice is the first one.
 pub(super) struct Draw<'a>(Unstructured<'a>);
 
 impl<'a> Draw<'a> {
@@ -22,7 +22,7 @@ impl<'a> Draw<'a> {
         self.byte() & 1 == 1
     }
 
-    /// A number from `from` to `to`, both included.
+    /// A number from `from` to `to`, inclusive.
     pub(super) fn among(&mut self, from: usize, to: usize) -> usize {
         self.0.int_in_range(from..=to).unwrap_or(from)
     }
@@ -36,7 +36,7 @@ impl<'a> Draw<'a> {
         self.0.arbitrary().unwrap_or(0)
     }
 
-    /// The number some units in the last place farther from zero, or nearer; zero stays.
+    /// The number moved some units in the last place away from zero or towards it; zero stays.
     pub(super) fn nudge(&mut self, value: f32) -> f32 {
         nudged(value, i32::from(self.byte() as i8))
     }
@@ -72,7 +72,7 @@ impl<'a> Draw<'a> {
         self.mesh_of(8, 6)
     }
 
-    /// A mesh of at most so many vertices and triangles, and four targets; it may not be valid.
+    /// A mesh of at most this many vertices and triangles, and four targets; it may not be valid.
     pub(super) fn mesh_of(&mut self, vertices: usize, triangles: usize) -> MorphMesh {
         let vertices = self.among(1, vertices);
         let positions = (0..vertices).map(|_| self.vector()).collect();
@@ -106,7 +106,7 @@ impl<'a> Draw<'a> {
     }
 }
 
-/// A number some units in the last place farther from zero, or nearer; zero stays.
+/// A number moved some units in the last place away from zero or towards it; zero stays.
 fn nudged(value: f32, by: i32) -> f32 {
     if value == 0.0 {
         return value;

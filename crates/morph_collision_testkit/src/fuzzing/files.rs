@@ -1,4 +1,4 @@
-//! Files that anybody may have written.
+//! Files from untrusted sources.
 
 use std::path::Path;
 
@@ -6,13 +6,13 @@ use crate::gltf_read::{GltfFile, ReadOptions};
 use crate::inspect::FileReport;
 use crate::scenes::Scene;
 
-/// What a model may take in memory: little, so that many are tried.
+/// A model's memory limit, kept small so that fuzzing tries many files.
 const MEMORY_LIMIT: u64 = 32 << 20;
 
-/// A JSON scene: an error that says something, or a scene that is the same once written and read again.
+/// Parses a JSON scene. The result must be an error with a message, or a scene that survives writing and reading again.
 ///
 /// # Panics
-/// If it is not.
+/// Otherwise.
 pub fn scene(data: &[u8]) {
     let path = Path::new("fuzz/scene.json");
     let scene = match Scene::parse(data, path) {
@@ -32,11 +32,11 @@ pub fn scene(data: &[u8]) {
     assert_eq!(Scene::parse(&json, path).ok().as_ref(), Some(&scene));
 }
 
-/// A `.glb` or `.gltf` file without buffers in other files: an error that says something, or meshes and clips that are shown, with
-/// trees of those that can collide.
+/// Reads a `.glb` or `.gltf` file without external buffers. The result must be an error with a message, or meshes and clips.
+/// Those are reported, and trees are built for meshes that can collide.
 ///
 /// # Panics
-/// Only where the reader or the core does, which is a bug.
+/// Only if the reader or the core library does, which is a bug.
 pub fn gltf(data: &[u8]) {
     let options = ReadOptions {
         memory_limit: MEMORY_LIMIT,

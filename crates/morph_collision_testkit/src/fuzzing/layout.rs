@@ -9,7 +9,7 @@ use crate::mesh::MorphMesh;
 use crate::models::{degenerate, random};
 use crate::verify::check_containment;
 
-/// Meshes whose layouts are read.
+/// The meshes for which layouts are read.
 static MESHES: LazyLock<[(MorphMesh, Arc<MorphModel>); 4]> = LazyLock::new(|| {
     let one = MorphMesh::rigid("one", vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]]);
     let meshes = [
@@ -24,12 +24,14 @@ static MESHES: LazyLock<[(MorphMesh, Arc<MorphModel>); 4]> = LazyLock::new(|| {
     })
 });
 
-/// A tree's layout as JSON, after one byte that says of which mesh: refused, or a tree that answers right.
+/// Reads one byte that selects a mesh, then a tree's layout as JSON. The layout must be refused, or give a tree
+/// with correct answers.
 ///
-/// If the byte's upper bit is not set, version and fingerprint are corrected first, so that the rest is checked.
+/// If the byte's upper bit is not set, version and fingerprint are corrected first, so that the remaining checks
+/// are reached.
 ///
 /// # Panics
-/// If a restored tree answers wrong.
+/// If a restored tree answers wrongly.
 pub fn layout(data: &[u8]) {
     let Some((&first, json)) = data.split_first() else {
         return;

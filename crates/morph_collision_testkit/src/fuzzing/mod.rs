@@ -1,15 +1,15 @@
-//! What the fuzz targets in `fuzz/` do with the bytes they are given; here so that plain tests replay what fuzzing found.
+//! The functions behind the fuzz targets in `fuzz/`. They are here so that plain tests can replay what fuzzing found.
 //!
 //! | target | bytes are | must hold |
 //! |---|---|---|
 //! | [`pairs()`] | two small meshes, tree options, weights and placements | the oracle's pairs; no vertex outside its box |
 //! | [`skins()`] | two small meshes moved by joints, tree options, weights and matrices | the oracle's pairs, rays and distances; no vertex outside its box |
 //! | [`triangles()`] | two triangles, mostly near-degenerate | the oracle's answer, in any order of corners |
-//! | [`layout()`] | a serialised tree | an error, or a tree that answers right |
-//! | [`scene()`] | a JSON scene | an error, or a scene that is written as it was read |
+//! | [`layout()`] | a serialised tree | an error, or a tree with correct answers |
+//! | [`scene()`] | a JSON scene | an error, or a scene that survives writing and reading |
 //! | [`gltf()`] | a glTF file | an error, or meshes |
 //!
-//! A function panics where that does not hold. Any bytes are a case; bytes that end early count as zeros.
+//! A function panics if its condition does not hold. Any bytes are a valid case; missing bytes count as zeros.
 
 mod draw;
 mod files;
@@ -26,7 +26,7 @@ pub use pairs::pairs;
 pub use skins::skins;
 pub use triangles::triangles;
 
-/// A target's name and what it does with bytes.
+/// A target's name and its function.
 pub type Target = (&'static str, fn(&[u8]));
 
 /// All targets.

@@ -1,4 +1,4 @@
-//! Rays, points and distances against every triangle.
+//! Checks rays, points and distances against every triangle.
 
 use glam::DVec3;
 use morph_collision::{Body, DistanceQuery, Ray, RayHit, RayQuery, ShapeQuery};
@@ -8,7 +8,7 @@ use crate::oracle;
 
 type Corners = [DVec3; 3];
 
-/// Sizes between which squared squares of lengths are numbers.
+/// The range of sizes for which the fourth power of a length neither overflows nor underflows.
 const SIZES: std::ops::Range<f64> = 1e-60..1e40;
 /// How much too long a distance may be, in units of the largest coordinate.
 const DISTANCE_ERROR: f64 = 1e-9;
@@ -31,13 +31,14 @@ fn place(draw: &mut Draw<'_>, triangles: &[Corners], reach: f64) -> DVec3 {
     }
 }
 
-/// Casts a few rays: exactly those triangles are hit that the oracle says, to which a ray is a triangle with two corners that are the same.
+/// Casts a few rays and checks that they hit exactly the triangles that the oracle says. To the oracle, a ray is a triangle with
+/// two equal corners.
 pub(super) fn assert_rays(draw: &mut Draw<'_>, mut body: Body<'_>, triangles: &[Corners]) {
     let reach = reach(triangles);
     if !SIZES.contains(&reach) {
         return;
     }
-    // A grid that holds both ends of a ray and its direction without roundings.
+    // A grid that holds both ends of a ray and its direction without rounding.
     let grid = 2_f64.powi(reach.log2().ceil() as i32 - 44);
     let snapped = |p: DVec3| (p / grid).round() * grid;
     for _ in 0..3 {
@@ -67,7 +68,7 @@ pub(super) fn assert_rays(draw: &mut Draw<'_>, mut body: Body<'_>, triangles: &[
     }
 }
 
-/// Asks for the closest points of two bodies: they lie where they should, and brute force finds none that are closer.
+/// Queries the closest points of two bodies. They must lie on the bodies, and brute force must find none that are closer.
 pub(super) fn assert_closest_pair([a, b]: [Body<'_>; 2], triangles: [&[Corners]; 2], touching: bool) {
     let reach = reach(triangles.into_iter().flatten());
     if !SIZES.contains(&reach) {
@@ -98,7 +99,7 @@ pub(super) fn assert_closest_pair([a, b]: [Body<'_>; 2], triangles: [&[Corners];
     }
 }
 
-/// Asks for the closest points to a few points, as [`assert_closest_pair`].
+/// Queries the closest points to a few points, with the same checks as [`assert_closest_pair`].
 pub(super) fn assert_closest_point(draw: &mut Draw<'_>, mut body: Body<'_>, triangles: &[Corners]) {
     let reach = reach(triangles);
     if !SIZES.contains(&reach) {

@@ -8,8 +8,8 @@ use crate::mesh::MorphMesh;
 use crate::oracle;
 use crate::verify::{check_containment, check_refitted_containment};
 
-/// Two small meshes, posed and placed a few times: every way to ask for their pairs against the oracle, and every vertex
-/// against the boxes above it.
+/// Poses and places two small meshes a few times. Checks every way to ask for their pairs against the oracle, and every
+/// vertex against the boxes above it.
 ///
 /// # Panics
 /// If an answer is wrong.
@@ -32,7 +32,7 @@ pub fn pairs(data: &[u8]) {
         let mut places = Vec::new();
         for (pose, is_refitted) in poses.iter_mut().zip(&mut is_refitted) {
             let place = draw.place();
-            // A pose that refuses weights keeps the ones it has, and its boxes.
+            // A pose that refuses weights keeps its old ones and its boxes.
             let changed = pose.set_weights(&draw.weights(pose.weights().len())).unwrap_or(false);
             *is_refitted &= !changed;
             if draw.flag() {
@@ -73,7 +73,7 @@ pub(super) fn assert_pairs(
     let mut found = Vec::new();
     query.all(Body::new(a, world_from_a), Body::new(b, world_from_b), &mut found);
     assert_eq!(sorted(&found), truth, "all");
-    // Twice: the second time there is a witness, if there is a pair.
+    // Asks twice. The second time there is a witness, if there is a pair.
     for _ in 0..2 {
         let (a, b) = (Body::new(a, world_from_a), Body::new(b, world_from_b));
         let first = query.first_with(memory, a, b);

@@ -1,4 +1,4 @@
-//! Influences and joint matrices from bytes.
+//! Draws influences and joint matrices from bytes.
 
 use glam::{Affine3A, Mat3, Mat3A, Quat, Vec3};
 
@@ -29,7 +29,7 @@ impl Draw<'_> {
         mesh
     }
 
-    /// Eight influences of a vertex: one, two that sum to 1, several that nearly do, or any.
+    /// Eight influences of a vertex: one, two that sum to 1, several that almost do, or arbitrary ones.
     fn influences(&mut self, joints: usize) -> [(u16, f32); 8] {
         let mut slots = [(0, 0.0); 8];
         let joint = |draw: &mut Self| draw.among(0, joints - 1) as u16;
@@ -57,12 +57,12 @@ impl Draw<'_> {
         slots
     }
 
-    /// Changes the matrices of joints: some or all of them, to anything or only a little; they may not be valid.
+    /// Changes some or all joint matrices, arbitrarily or only a little. They may not be valid.
     pub(super) fn joints(&mut self, joints: &mut [Affine3A]) {
         match self.byte() % 8 {
-            // Time passes, and nothing moves.
+            // Time passes, but nothing moves.
             0 => {}
-            // A skeleton that moves as a whole.
+            // The skeleton moves as a whole.
             1 => {
                 let place = self.place();
                 joints.iter_mut().for_each(|joint| *joint = place * *joint);
@@ -79,7 +79,7 @@ impl Draw<'_> {
         }
     }
 
-    /// The matrix of a joint, perhaps made from one of those there are.
+    /// A joint's matrix, sometimes derived from an existing one.
     fn joint(&mut self, others: &[Affine3A]) -> Affine3A {
         let other = others[self.among(0, others.len() - 1)];
         match self.byte() % 12 {
@@ -88,7 +88,7 @@ impl Draw<'_> {
             // Off by some units in the last place.
             2 => Affine3A::from_cols_array(&other.to_cols_array().map(|entry| self.nudge(entry))),
             3 => Affine3A::from_translation(self.vector()) * other,
-            // Any turn, from four whole numbers.
+            // A rotation from four whole numbers.
             4 | 5 => {
                 let [x, y, z, w] = [(); 4].map(|()| self.whole() as f32);
                 let turn = Quat::from_xyzw(x, y, z, w);
@@ -100,7 +100,7 @@ impl Draw<'_> {
                 Affine3A::from_rotation_translation(turn, self.vector())
             }
             6 => other * Affine3A::from_scale(self.vector()),
-            // Mirrored, about one of its axes.
+            // Mirrored along one of its axes.
             7 => other * Affine3A::from_scale(Vec3::ONE.with_x(-1.0)),
             8 => {
                 let [x, y, z] = self.vector().to_array();

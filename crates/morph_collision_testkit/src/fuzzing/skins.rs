@@ -10,8 +10,8 @@ use crate::mesh::{MeshSkin, MorphMesh};
 use crate::oracle::{self, BodyPose};
 use crate::verify::{check_containment, check_refitted_containment, check_skinned_containment};
 
-/// Two small meshes, at least one of which joints move, posed a few times: every way to ask for their pairs, rays and distances against
-/// brute force, and every vertex against the boxes above it.
+/// Poses two small meshes a few times; at least one of them is skinned. Checks every way to ask for their pairs, rays and
+/// distances against brute force, and every vertex against the boxes above it.
 ///
 /// # Panics
 /// If an answer is wrong.
@@ -48,11 +48,11 @@ pub fn skins(data: &[u8]) {
     }
 }
 
-/// A body and all that is known about it.
+/// A body and its state.
 struct Posed {
     mesh: MorphMesh,
     pose: Pose,
-    /// None for a mesh without a skin.
+    /// Empty for a mesh without a skin.
     joints: Vec<Affine3A>,
     place: Affine3A,
     world_from_model: WorldFromModel,
@@ -60,7 +60,7 @@ struct Posed {
 }
 
 impl Posed {
-    /// At rest; `None` for a mesh that is refused.
+    /// A body at rest; `None` for a mesh that is refused.
     fn new(mesh: MorphMesh, options: &BuildOptions) -> Option<Self> {
         let model = mesh.to_model().ok()?;
         Some(Self {
@@ -73,7 +73,7 @@ impl Posed {
         })
     }
 
-    /// Other weights, joints and places. What is refused leaves the pose as it is, with its boxes.
+    /// Changes weights, joints and placement. If something is refused, the pose and its boxes stay as they are.
     fn change(&mut self, draw: &mut Draw<'_>) {
         if draw.flag() {
             let weights = draw.weights(self.mesh.targets.len());
@@ -88,7 +88,7 @@ impl Posed {
                 self.is_refitted &= !changed;
             }
         }
-        // A skinned mesh is where its joints are, whatever its place.
+        // A skinned mesh follows its joints and ignores its placement.
         let place = draw.place();
         if let Ok(world_from_model) = WorldFromModel::new(place) {
             (self.place, self.world_from_model) = (place, world_from_model);

@@ -3,8 +3,8 @@ use glam::DVec3;
 use super::draw::Draw;
 use crate::oracle;
 
-/// Two triangles of whole or nearly whole coordinates, all scaled by a power of two: corners on corners, edges and planes,
-/// or a few units in the last place beside them. Now and then any numbers at all.
+/// Two triangles of whole or nearly whole coordinates, all scaled by a power of two. Corners lie on corners, edges and
+/// planes, or a few units in the last place beside them. Some coordinates are arbitrary.
 ///
 /// # Panics
 /// If the core and the oracle differ, or the order of triangles or corners matters.
@@ -46,7 +46,7 @@ fn reversed([p, q, r]: [DVec3; 3]) -> [DVec3; 3] {
     [r, q, p]
 }
 
-/// On a grid, or a rounded combination of corners before it.
+/// A point on a grid, or a rounded combination of earlier corners.
 fn corner(draw: &mut Draw<'_>, before: &[DVec3]) -> DVec3 {
     let pick = |draw: &mut Draw<'_>| before.get(draw.among(0, before.len().max(1) - 1)).copied();
     let kind = draw.byte() % 8;
@@ -74,7 +74,7 @@ fn coordinate(draw: &mut Draw<'_>) -> f64 {
     }
 }
 
-/// A number some units in the last place farther from zero, or nearer.
+/// A number moved some units in the last place away from zero or towards it.
 fn nudged(value: f64, by: i64) -> f64 {
     f64::from_bits(value.to_bits().wrapping_add_signed(by))
 }

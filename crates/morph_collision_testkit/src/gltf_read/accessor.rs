@@ -1,6 +1,6 @@
 //! Decodes accessors with every bound checked: views, strides, sparse replacement and normalized integers.
 //!
-//! An accessor is opened first, which checks that what it claims is there, and decoded once the memory for it is counted.
+//! Opening an accessor checks that the data it claims exists. It is decoded after the memory for it has been counted.
 
 use glam::{Mat4, Vec3, Vec4};
 use gltf::json::accessor::{BYTE, FLOAT, SHORT, UNSIGNED_BYTE, UNSIGNED_INT, UNSIGNED_SHORT};
@@ -16,13 +16,13 @@ pub(super) struct Opened<'a> {
     count: usize,
     kind: Component,
     normalized: bool,
-    /// Zeros if there is no buffer view.
+    /// `None` if there is no buffer view; then the elements are zero.
     stored: Option<Elements<'a>>,
-    /// Which elements are replaced, and with what.
+    /// The replaced elements, and their new values.
     replaced: Option<(Component, Elements<'a>, Elements<'a>)>,
 }
 
-/// A type of numbers.
+/// The type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Component {
     I8,
@@ -33,7 +33,7 @@ enum Component {
     F32,
 }
 
-/// Where a run of equal elements lies: `count` elements of `size` bytes, `stride` bytes apart.
+/// A run of equal elements: `count` elements of `size` bytes, `stride` bytes apart.
 #[derive(Debug)]
 struct Elements<'a> {
     bytes: &'a [u8],
@@ -202,7 +202,7 @@ impl Opened<'_> {
         self.count
     }
 
-    /// Whether the file stores nothing for it, which makes all its elements zero.
+    /// Whether the file stores nothing for it, so that all elements are zero.
     pub(super) fn is_unstored(&self) -> bool {
         self.stored.is_none() && self.replaced.as_ref().is_none_or(|(_, at, _)| at.count == 0)
     }

@@ -1,4 +1,4 @@
-//! Collects the clips that drive the weights of nodes, and gives them to the meshes of those nodes.
+//! Collects the clips that animate the weights of nodes, and assigns them to those nodes' meshes.
 
 use super::GltfFile;
 use super::document::{Animation, abridged};
@@ -8,16 +8,16 @@ use crate::mesh::WeightAnimation;
 /// The clips of a mesh, in the order of the file.
 #[derive(Debug, Default)]
 pub struct Clips {
-    /// Those that can be played.
+    /// The clips that can be played.
     pub clips: Vec<WeightAnimation>,
-    /// Why others cannot.
+    /// Why the other clips cannot be played.
     pub broken: Vec<ReadError>,
 }
 
-/// A channel that drives weights.
+/// A channel that animates weights.
 struct WeightChannel<'a> {
     animation: &'a Animation,
-    /// Borrowed, since there can be many channels.
+    /// Borrowed because there can be many channels.
     name: Option<&'a str>,
     index: usize,
     channel: usize,
@@ -27,10 +27,10 @@ struct WeightChannel<'a> {
 }
 
 impl GltfFile {
-    /// The clips that drive the weights of a mesh with `targets` targets.
+    /// The clips that animate the weights of a mesh with `targets` targets.
     ///
-    /// Where several nodes of one animation show the mesh, the clips after the first carry the node in their names. Channels without a
-    /// node, and those that drive something else, are passed over.
+    /// If several nodes of one animation show the mesh, the names of all clips after the first include the node. Channels without
+    /// a node, and those that animate something else, are skipped.
     #[must_use]
     pub fn clips(&self, mesh: usize, targets: usize) -> Clips {
         let mut found = Clips::default();
@@ -55,7 +55,7 @@ impl GltfFile {
         found
     }
 
-    /// Animations and channels so broken that no mesh can be named that they drive.
+    /// Errors of animations and channels that are too broken to tell which mesh they animate.
     #[must_use]
     pub fn stray_animations(&self) -> Vec<ReadError> {
         let mut problems = Vec::new();
@@ -72,7 +72,7 @@ impl GltfFile {
         }
     }
 
-    /// Every channel that drives weights of a mesh; what cannot be made out goes to `problems`.
+    /// Every channel that animates weights of a mesh. Errors of unreadable channels go to `problems`.
     fn weight_channels(&self, problems: &mut Vec<ReadError>) -> Vec<WeightChannel<'_>> {
         let mut channels = Vec::new();
         for index in self.root.animations.indices() {
@@ -103,7 +103,7 @@ impl GltfFile {
         channels
     }
 
-    /// The node, the mesh and the sampler; `None` for a channel that drives something else.
+    /// The node, the mesh and the sampler; `None` for a channel that animates something else.
     fn weight_channel(
         &self,
         animation: &Animation,
@@ -151,7 +151,7 @@ impl GltfFile {
                 expected,
             });
         }
-        // Numbers as decoded, and each key's vectors, which a step takes twice more; and the name, which reports copy.
+        // Counts the decoded numbers, each key's vectors, twice more for steps, and the name, which reports copy.
         let bytes = (keys as u64)
             .saturating_mul(200)
             .saturating_add((found as u64).saturating_mul(24))
@@ -166,7 +166,7 @@ impl GltfFile {
     }
 }
 
-/// The name of an animation that has none.
+/// The default name of an unnamed animation.
 pub(super) fn made_up(index: usize) -> String {
     format!("animation_{index}")
 }
@@ -268,7 +268,7 @@ fn check_finite(channel: usize, weights: &[Vec<f32>], tangents: &[[Vec<f32>; 2]]
     Ok(())
 }
 
-/// Holds each key until the next one: a second key, equal to the one before, at the time of every jump.
+/// Holds each key until the next one by inserting, at the time of every jump, a second key equal to the one before.
 fn steps(times: &[f32], weights: &[Vec<f32>]) -> (Vec<f32>, Vec<Vec<f32>>) {
     let mut held = (Vec::new(), Vec::new());
     for (key, (&time, vector)) in times.iter().zip(weights).enumerate() {

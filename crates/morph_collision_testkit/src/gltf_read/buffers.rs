@@ -16,7 +16,7 @@ use super::error::{BufferFault, BufferProblem};
 use super::uri::{self, Source};
 use crate::memory::MemoryBudget;
 
-/// Padding may be left out, as some exporters do.
+/// Padding is optional, because some exporters omit it.
 const BASE64: GeneralPurpose = GeneralPurpose::new(
     &base64::alphabet::STANDARD,
     GeneralPurposeConfig::new()
@@ -27,10 +27,10 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
 /// The buffers of one file.
 #[derive(Debug)]
 pub(super) struct Buffers {
-    /// The directory in which other files are searched; `None` allows no other files.
+    /// The directory that other files are relative to; `None` allows no other files.
     directory: Option<PathBuf>,
     any_path: bool,
-    /// The whole file, and where the binary chunk of a `.glb` is in it.
+    /// The whole file, and the range of the binary chunk if it is a `.glb`.
     bytes: Vec<u8>,
     chunk: Option<Range<usize>>,
     loaded: Vec<OnceCell<Result<Vec<u8>, BufferFault>>>,
@@ -73,7 +73,7 @@ impl Buffers {
         let loaded = self.loaded.get(index).ok_or_else(|| problem(BufferFault::NoChunk))?;
         if loaded.get().is_none() {
             let found = self.load(index, uri, json, budget);
-            // A refusal is not remembered: there may be more memory later.
+            // A refusal is not remembered, because there may be more memory later.
             if let Err(fault @ BufferFault::OverBudget(_)) = found {
                 return Err(problem(fault));
             }
@@ -87,7 +87,7 @@ impl Buffers {
         }
     }
 
-    /// The paths of the files that buffers are in, whether or not they exist or may be read.
+    /// The paths of the files that hold buffers, whether or not they exist or may be read.
     pub(super) fn files(&self, root: &Root, budget: &MemoryBudget) -> Vec<PathBuf> {
         let path = |index: usize| {
             let uri = root.buffers.get(index, budget).ok()?.uri.as_deref()?;
@@ -121,7 +121,7 @@ impl Buffers {
     }
 }
 
-/// At most `length` bytes of a file, so that a file without an end ends.
+/// Reads at most `length` bytes of a file, so that endless files are no problem.
 fn read_file(path: &Path, index: usize, length: u64, budget: &MemoryBudget) -> Result<Vec<u8>, BufferFault> {
     let io = |error: std::io::Error| BufferFault::Io(error.to_string());
     let file = File::open(path).map_err(io)?;
@@ -152,7 +152,7 @@ fn long_enough<'a>(bytes: &'a [u8], json: &Buffer) -> Result<&'a [u8], BufferFau
     Ok(bytes)
 }
 
-/// A URI for messages, without the data that it may contain.
+/// A URI for messages, without its data if it is a data URI.
 fn abridged(uri: &str) -> String {
     const MOST: usize = 200;
     let end = if uri.starts_with("data:") {

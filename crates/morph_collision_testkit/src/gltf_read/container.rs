@@ -5,7 +5,7 @@ use std::ops::Range;
 /// Size of the header of a `.glb` file in bytes.
 const GLB_HEADER: usize = 12;
 
-/// Where in a `.glb` its JSON is, and its binary chunk if it has one.
+/// The ranges of a `.glb` that hold the JSON and, if there is one, the binary chunk.
 pub(super) fn chunks(bytes: &[u8]) -> Result<(Range<usize>, Option<Range<usize>>), String> {
     let word = |at: usize| {
         let word = bytes.get(at..at + 4).and_then(|word| <[u8; 4]>::try_from(word).ok());

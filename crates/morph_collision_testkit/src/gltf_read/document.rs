@@ -1,6 +1,6 @@
-//! The JSON of a file, as far as meshes and their clips need it.
+//! The parts of a file's JSON that meshes and their clips need.
 //!
-//! Elements of the top-level lists are parsed when they are first used, so broken elements matter only when they are used.
+//! Elements of the top-level lists are parsed on first use, so broken elements matter only if they are used.
 
 use std::cell::OnceCell;
 use std::collections::HashMap;
@@ -11,14 +11,14 @@ use serde_json::value::RawValue;
 
 use crate::memory::{MemoryBudget, OverBudget};
 
-/// At most what an element of a list takes, parsed or not, while the list grows.
+/// Upper bound on the bytes that an element of a list takes, parsed or not, while the list grows.
 const BYTES_PER_ELEMENT: u64 = 128;
 
 /// The top level.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Root {
-    /// Required, so that any other JSON is recognised.
+    /// Required, so that arbitrary JSON is not mistaken for glTF.
     #[serde(rename = "asset")]
     _asset: HashMap<String, serde::de::IgnoredAny>,
     #[serde(default)]
@@ -84,7 +84,7 @@ pub(super) struct SparsePart {
     pub(super) buffer_view: usize,
     #[serde(default)]
     pub(super) byte_offset: u64,
-    /// Of indices only.
+    /// The component type of sparse indices.
     #[serde(default)]
     pub(super) component_type: u32,
 }
@@ -102,7 +102,7 @@ pub(super) struct Primitive {
     #[serde(default)]
     pub(super) attributes: Attributes,
     pub(super) indices: Option<usize>,
-    /// Triangles where left out.
+    /// Triangles by default.
     #[serde(default = "triangles")]
     pub(super) mode: u32,
     #[serde(default)]
@@ -182,7 +182,7 @@ pub(super) struct Channel {
 
 #[derive(Debug, Deserialize)]
 pub(super) struct ChannelTarget {
-    /// Absent where an extension says what is animated.
+    /// Absent if an extension says what is animated.
     pub(super) node: Option<usize>,
     pub(super) path: String,
 }
@@ -195,14 +195,14 @@ pub(super) struct Sampler {
 }
 
 impl Root {
-    /// Parses the top level; the error is the parser's.
+    /// Parses the top level.
     pub(super) fn parse(json: &[u8], budget: &MemoryBudget) -> Result<Self, RootError> {
         budget.take(bytes_of(json), 1, || "the JSON".into())?;
         Ok(serde_json::from_slice(json)?)
     }
 }
 
-/// At most what JSON takes once parsed: its text, and one element for each of these characters.
+/// Upper bound on the bytes that JSON takes once parsed: its text, and one element for each of these characters.
 fn bytes_of(json: &[u8]) -> u64 {
     let elements = json.iter().filter(|byte| matches!(byte, b',' | b'[' | b'{')).count();
     json.len() as u64 + elements as u64 * BYTES_PER_ELEMENT
@@ -217,7 +217,7 @@ pub(super) enum RootError {
     OverBudget(#[from] OverBudget),
 }
 
-/// The first 200 characters of a text from a file: enough for a message, and no cost to copy.
+/// The first 200 characters of a text from a file: enough for a message, and cheap to copy.
 pub(super) fn abridged(text: &str) -> String {
     match text.char_indices().nth(200) {
         None => text.to_owned(),
@@ -238,10 +238,10 @@ struct Element<T> {
 /// Why an element of a list cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ElementError {
-    /// There are fewer.
+    /// The list has fewer elements.
     #[error("does not exist")]
     Missing,
-    /// It is not what its place in the file asks for.
+    /// It does not have the form required at its place in the file.
     #[error("is malformed: {0}")]
     Malformed(String),
     /// Parsing it would take too much memory.
@@ -278,14 +278,14 @@ impl<T: DeserializeOwned> List<T> {
     pub(super) fn get(&self, index: usize, budget: &MemoryBudget) -> Result<&T, ElementError> {
         let element = self.0.get(index).ok_or(ElementError::Missing)?;
         if element.parsed.get().is_none() {
-            // A refusal is not remembered: there may be more memory later.
+            // A refusal is not remembered, because there may be more memory later.
             let bytes = bytes_of(element.text.get().as_bytes());
             let keep = budget.keep(bytes, 1, || "its JSON".into());
             keep.map_err(ElementError::OverBudget)?;
         }
         let parse = || {
             let parsed = serde_json::from_str(element.text.get());
-            // The parser quotes whole strings.
+            // Abridged because the parser quotes whole strings.
             parsed.map_err(|error| ElementError::Malformed(abridged(&error.to_string())))
         };
         let parsed = element.parsed.get_or_init(|| Box::new(parse()));

@@ -10,7 +10,7 @@ use super::error::ReadError;
 use super::skin::Parents;
 use crate::memory::{self, MemoryBudget};
 
-/// Required extensions that leave a mesh's geometry as it is, by the beginning of their names.
+/// Prefixes of required extensions that do not change a mesh's geometry.
 const HARMLESS: [&str; 26] = [
     "KHR_materials_",
     "KHR_texture_",
@@ -40,12 +40,13 @@ const HARMLESS: [&str; 26] = [
     "VRMC_",
 ];
 
-/// How far a reader trusts a file.
+/// How far to trust a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ReadOptions {
-    /// The most bytes that the file may take in memory, everything that is made of it included; [`memory::DEFAULT_LIMIT`] by default.
+    /// Most bytes of memory that the file and everything made from it may take; [`memory::DEFAULT_LIMIT`] by default.
     pub memory_limit: u64,
-    /// Allows devices and pipes, and buffers outside the model's directory. Off by default. Nothing is ever fetched from a network.
+    /// Allows devices and pipes, and buffers outside the model's directory. Off by default. Nothing is ever fetched from a
+    /// network.
     pub any_path: bool,
 }
 
@@ -58,7 +59,7 @@ impl Default for ReadOptions {
     }
 }
 
-/// A file whose JSON is parsed; meshes, clips and buffers are read when they are asked for.
+/// A file with parsed JSON. Meshes, clips and buffers are read on demand.
 #[derive(Debug)]
 pub struct GltfFile {
     pub(super) path: PathBuf,
@@ -72,27 +73,27 @@ impl GltfFile {
     /// Opens a file and parses its JSON.
     ///
     /// # Errors
-    /// The file cannot be read, is no glTF, or needs an extension that changes how geometry is stored.
+    /// The file cannot be read, is not glTF, or needs an extension that changes how geometry is stored.
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self, ReadError> {
         Self::open_within(path, options, MemoryBudget::new(options.memory_limit))
     }
 
-    /// As [`GltfFile::open`] with a budget that other files may share, in place of [`ReadOptions::memory_limit`].
+    /// Like [`GltfFile::open`], with a budget that can be shared with other files instead of [`ReadOptions::memory_limit`].
     ///
     /// # Errors
-    /// As [`GltfFile::open`].
+    /// See [`GltfFile::open`].
     pub fn open_within(path: &Path, options: &ReadOptions, budget: MemoryBudget) -> Result<Self, ReadError> {
         let io = |source| ReadError::Io {
             path: path.to_owned(),
             source,
         };
-        // Asked before opening, because opening a pipe waits for its other end.
+        // Checked before opening, because opening a pipe waits for its other end.
         let found = std::fs::metadata(path).map_err(io)?;
         if !found.is_file() && !found.is_dir() && !options.any_path {
             return Err(ReadError::NotRegular { path: path.to_owned() });
         }
         let file = std::fs::File::open(path).map_err(io)?;
-        // What has no length beforehand grows while it is read, up to twice its length.
+        // If the length is unknown, the buffer grows while reading, up to twice the file's length.
         let (length, growth) = if found.is_file() {
             (found.len(), 1)
         } else {
@@ -109,10 +110,10 @@ impl GltfFile {
         Self::new(bytes, path, Some(directory), options, budget)
     }
 
-    /// As [`GltfFile::open`] from a file's bytes; buffers must be within them. `path` is only for messages.
+    /// Like [`GltfFile::open`], from a file's bytes. Buffers must be within them. `path` is only for messages.
     ///
     /// # Errors
-    /// As [`GltfFile::open`].
+    /// See [`GltfFile::open`].
     pub fn parse(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<Self, ReadError> {
         let budget = MemoryBudget::new(options.memory_limit);
         let over = |over| ReadError::OverBudget {
@@ -169,7 +170,7 @@ impl GltfFile {
         &self.path
     }
 
-    /// This file and the ones that its buffers are in, whether they exist or not.
+    /// This file and the files that its buffers are in, whether they exist or not.
     #[must_use]
     pub fn files(&self) -> Vec<PathBuf> {
         let mut files = vec![self.path.clone()];
@@ -177,7 +178,7 @@ impl GltfFile {
         files
     }
 
-    /// What the file may still take in memory; whoever builds more of its meshes counts that here.
+    /// The memory that the file may still take. Count anything that you build from its meshes here.
     #[must_use]
     pub fn budget(&self) -> &MemoryBudget {
         &self.budget

@@ -7,7 +7,7 @@ use super::error::SkinProblem;
 use super::primitive::Plan;
 use crate::mesh::InfluenceSet;
 
-/// The accessors of one set in one primitive.
+/// The accessors of one set of influences in one primitive.
 struct Stored<'a> {
     primitive: usize,
     first_vertex: usize,
@@ -19,7 +19,7 @@ struct Stored<'a> {
 const JOINTS: [&str; 2] = ["JOINTS_0", "JOINTS_1"];
 const WEIGHTS: [&str; 2] = ["WEIGHTS_0", "WEIGHTS_1"];
 
-/// Reads one or two sets of influences, numbered like the vertices of the mesh. Further sets in the file are passed over.
+/// Reads one or two sets of influences, in the order of the mesh's vertices. Further sets in the file are ignored.
 pub(super) fn read(file: &GltfFile, mesh: &Mesh) -> Result<Vec<InfluenceSet>, SkinProblem> {
     let plan = Plan::of(file, mesh).map_err(SkinProblem::Mesh)?;
     let mut stored = Vec::new();
@@ -64,7 +64,7 @@ pub(super) fn read(file: &GltfFile, mesh: &Mesh) -> Result<Vec<InfluenceSet>, Sk
     Ok(read)
 }
 
-/// The accessors of a set; `None` where a primitive has no second one.
+/// The accessors of a set; `None` if a primitive has no second one.
 fn open<'a>(
     file: &'a GltfFile,
     attributes: &Attributes,

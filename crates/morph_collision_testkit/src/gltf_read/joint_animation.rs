@@ -12,16 +12,17 @@ use crate::skeleton::{Interpolation, JointChannel, JointClip, Property};
 /// The clips that move the joints of a mesh, in the order of the file.
 #[derive(Debug, Default)]
 pub struct JointClips {
-    /// Those that can be played.
+    /// The clips that can be played.
     pub clips: Vec<JointClip>,
-    /// Why others cannot.
+    /// Why the other clips cannot be played.
     pub broken: Vec<ReadError>,
 }
 
 impl GltfFile {
-    /// The clips that move the joints of a skinned mesh or what stands above them; none for other meshes, and for skins that cannot be read.
+    /// The clips that move the joints of a skinned mesh or their ancestors. Empty for other meshes, and for skins that cannot be
+    /// read.
     ///
-    /// A clip with a channel that is broken is left out as a whole.
+    /// A clip with a broken channel is left out as a whole.
     #[must_use]
     pub fn joint_clips(&self, mesh: usize) -> JointClips {
         let json = self.root.meshes.get(mesh, &self.budget).ok();
@@ -60,7 +61,7 @@ impl GltfFile {
     ) -> Result<Vec<JointChannel>, AnimationProblem> {
         let mut channels = Vec::new();
         for channel in animation.channels.indices() {
-            // A channel that cannot be parsed cannot be told to move a joint.
+            // A channel that cannot be parsed cannot be known to move a joint.
             let Ok(json) = animation.channels.get(channel, &self.budget) else {
                 continue;
             };

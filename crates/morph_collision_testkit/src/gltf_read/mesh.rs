@@ -5,14 +5,15 @@ use super::error::{MeshProblem, ReadError};
 use super::{GltfFile, primitive};
 use crate::mesh::MorphMesh;
 
-/// A mesh and what the file says about it beside its geometry.
+/// A mesh and further information from the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FoundMesh {
-    /// The mesh, without clips and without its skin ([`GltfFile::skin`]). Targets that the file stores nothing for are empty ([`MorphMesh::targets`]).
+    /// The mesh, without its clips and its skin ([`GltfFile::skin`]). Targets without stored data are empty
+    /// ([`MorphMesh::targets`]).
     pub mesh: MorphMesh,
     /// Whether a node shows it with a skin, which moves its vertices by bones.
     pub skinned: bool,
-    /// What it draws where none of its primitives is made of triangles: `points`, `lines` or `points and lines`.
+    /// If none of its primitives has triangles, what it draws: `points`, `lines` or `points and lines`.
     pub not_triangles: Option<&'static str>,
 }
 
@@ -23,7 +24,7 @@ impl GltfFile {
         self.root.meshes.len()
     }
 
-    /// A mesh's name, or the one made up for it.
+    /// A mesh's name, or a default name.
     #[must_use]
     pub fn mesh_name(&self, index: usize) -> String {
         let name = self
@@ -37,12 +38,13 @@ impl GltfFile {
 
     /// Reads a mesh.
     ///
-    /// Several primitives become one mesh: their vertices are joined (once, where primitives share them) and their triangles
-    /// numbered through; strips and fans become triangles of the same winding; points and lines give an empty range. A mesh
-    /// without triangles or without targets is returned as it is.
+    /// - Several primitives become one mesh. Their vertices are concatenated (once if primitives share them), and their triangles
+    ///   are numbered consecutively.
+    /// - Strips and fans become triangles of the same winding. Points and lines give an empty range.
+    /// - A mesh without triangles or without targets is returned as it is.
     ///
     /// # Errors
-    /// [`ReadError::Mesh`] names the primitive and accessor at fault.
+    /// [`ReadError::Mesh`] names the primitive and the accessor at fault.
     pub fn mesh(&self, index: usize) -> Result<FoundMesh, ReadError> {
         let name = self.mesh_name(index);
         let fail = |problem| ReadError::Mesh {
@@ -68,7 +70,7 @@ impl GltfFile {
         })
     }
 
-    /// All meshes with their clips, their skins and with every target in full.
+    /// All meshes with their clips and skins. All targets are stored in full.
     pub(super) fn all_meshes(&self) -> Result<Vec<MorphMesh>, ReadError> {
         let read = |index: usize| {
             let mut mesh = self.mesh(index)?.mesh;
@@ -92,7 +94,7 @@ impl GltfFile {
     }
 }
 
-/// The names that most exporters put into the mesh's extras, made up where they are missing.
+/// The names that most exporters put into the mesh's extras, or default names.
 fn target_names(mesh: &Mesh, count: usize) -> Vec<String> {
     #[derive(serde::Deserialize)]
     struct Extras {

@@ -1,6 +1,6 @@
 //! Joins the primitives of a mesh into one list of vertices and one of triangles.
 //!
-//! All accessors are opened first, then the memory of the whole mesh is counted, and only then is anything decoded.
+//! First all accessors are opened, then the memory of the whole mesh is counted, and only then is anything decoded.
 
 use std::collections::HashMap;
 
@@ -13,7 +13,7 @@ use super::error::{AccessorProblem, MeshProblem};
 use super::{GltfFile, triangles};
 use crate::mesh::MorphMesh;
 
-/// What a mesh draws beside triangles.
+/// The kinds of primitives in a mesh.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Drawn {
     pub(super) triangles: bool,
@@ -21,19 +21,20 @@ pub(super) struct Drawn {
     pub(super) points: bool,
 }
 
-/// Reads positions, targets and triangles; the names are the caller's.
+/// Reads positions, targets and triangles. The caller sets the names.
 ///
-/// Targets for which the file stores nothing are left empty.
+/// Targets without stored data are left empty.
 pub(super) fn read(file: &GltfFile, mesh: &Mesh) -> Result<(MorphMesh, Drawn), MeshProblem> {
     let plan = Plan::of(file, mesh)?;
     plan.count_memory(file)?;
     Ok((plan.decode()?, plan.drawn))
 }
 
-/// The accessors a vertex comes from: positions, displacements per target, and influences. Primitives with the same ones share vertices.
+/// The accessors that vertices come from: positions, displacements per target, and influences. Primitives with the same key share
+/// vertices.
 type SourceKey = (usize, Vec<Option<usize>>, [Option<usize>; 4]);
 
-/// A mesh that is checked, but not decoded.
+/// A mesh that is checked but not yet decoded.
 #[derive(Default)]
 pub(super) struct Plan<'a> {
     targets: usize,
@@ -46,15 +47,15 @@ pub(super) struct Plan<'a> {
 }
 
 struct Source<'a> {
-    /// The first primitive that has it, for messages.
+    /// The first primitive that uses it, for messages.
     primitive: usize,
     first_vertex: u32,
     positions: Opened<'a>,
-    /// Those that are stored, by target.
+    /// The stored targets and their indices.
     targets: Vec<(usize, Opened<'a>)>,
 }
 
-/// A primitive; one that draws no triangle has no source.
+/// A primitive. If it draws no triangle it has no source.
 struct Part<'a> {
     primitive: usize,
     source: Option<usize>,
@@ -77,7 +78,8 @@ impl<'a> Plan<'a> {
         self.vertices
     }
 
-    /// Which primitives bring vertices, in the order of the vertices: the primitive, its first vertex and how many there are.
+    /// The primitives that add vertices, in the order of the vertices: the primitive, its first vertex and the number of
+    /// vertices.
     pub(super) fn vertex_ranges(&self) -> impl Iterator<Item = (usize, usize, usize)> {
         let sources = self.sources.iter();
         sources.map(|source| (source.primitive, source.first_vertex as usize, source.positions.count()))
@@ -115,7 +117,7 @@ impl<'a> Plan<'a> {
             let corners = part.indices.as_ref().map_or(opened.count(), Opened::count);
             let triangles =
                 triangles::count(mode, corners).ok_or(MeshProblem::IncompleteTriangle { primitive, corners })?;
-            // An accessor that stores nothing may claim any count.
+            // An accessor without stored data may claim any count.
             self.triangles = self.triangles.saturating_add(triangles as u64);
             if u32::try_from(self.triangles).is_err() {
                 return Err(MeshProblem::TooLarge { primitive });
@@ -141,7 +143,7 @@ impl<'a> Plan<'a> {
         }
         let vertices = positions.count();
         let mut targets = Vec::new();
-        // A target may move normals alone.
+        // A target may move only normals.
         let moving = key.1.iter().enumerate();
         for (target, accessor) in moving.filter_map(|(target, accessor)| Some((target, (*accessor)?))) {
             let opened = file.open_vec3(accessor);
@@ -175,7 +177,7 @@ impl<'a> Plan<'a> {
         Ok(self.sources.len() - 1)
     }
 
-    /// The targets of which anything is stored.
+    /// For each target, whether any data is stored for it.
     fn moving_targets(&self) -> Vec<bool> {
         let mut moving = vec![false; self.targets];
         for (target, _) in self.sources.iter().flat_map(|source| &source.targets) {
@@ -187,9 +189,9 @@ impl<'a> Plan<'a> {
     fn count_memory(&self, file: &GltfFile) -> Result<(), MeshProblem> {
         let moving = self.moving_targets().into_iter().filter(|moving| *moving).count();
         let (vertices, triangles) = (self.vertices as u64, self.triangles);
-        // Positions and displacements, and what vertices without indices are numbered with.
+        // Positions and displacements, and the numbers for vertices without indices.
         let per_vertex = (moving as u64 + 1) * size_of::<Vec3>() as u64 + 4;
-        // Triangles twice and their corners, while a primitive is decoded.
+        // Triangles twice, and their corners, while a primitive is decoded.
         let bytes = vertices.saturating_mul(per_vertex).saturating_add(triangles * 36);
         let what = || format!("its {vertices} vertices with {moving} stored targets and its {triangles} triangles");
         file.budget.take(bytes, 1, what).map_err(MeshProblem::OverBudget)

@@ -1,4 +1,4 @@
-//! Reads skins: which joints move a mesh, and what stands above them.
+//! Reads skins: the joints that move a mesh, and their ancestors.
 
 use std::cell::OnceCell;
 use std::collections::HashMap;
@@ -12,23 +12,24 @@ use super::influences;
 use crate::mesh::MeshSkin;
 use crate::skeleton::{Joint, LocalTransform, Skeleton, SkeletonNode};
 
-/// At most what a node of a skeleton takes beside its name, and in the map from the file's nodes.
+/// Upper bound on the bytes of a skeleton's node without its name, including the map from the file's nodes.
 const BYTES_PER_NODE: u64 = 200;
 
 /// The parent of every node of a file, if it has one; computed on first use.
 pub(super) type Parents = OnceCell<Vec<Option<usize>>>;
 
-/// A skeleton without clips, and the place in it of each node of the file.
+/// A skeleton without clips, and the index in it of each node of the file.
 pub(super) struct Hierarchy {
     pub(super) skeleton: Skeleton,
     pub(super) places: HashMap<usize, u32>,
 }
 
 impl GltfFile {
-    /// Reads what moves a mesh: influences, joints and their clips; `None` for a mesh that [is not skinned](super::FoundMesh::skinned).
+    /// Reads the skin of a mesh: influences, joints and their clips; `None` for a mesh that [is not
+    /// skinned](super::FoundMesh::skinned).
     ///
-    /// If several nodes show the mesh with a skin, the skin of the first one counts. Its transform is not used: joints take vertices to world
-    /// space by themselves. Clips that cannot be played are left out; [`GltfFile::joint_clips`] says why.
+    /// If several nodes show the mesh with a skin, the skin of the first one counts. Its transform is not used, because joints
+    /// take vertices directly to world space. Clips that cannot be played are left out; [`GltfFile::joint_clips`] says why.
     ///
     /// # Errors
     /// [`ReadError::Skin`] names the skin, the node, or the primitive and the accessor at fault.
@@ -51,7 +52,7 @@ impl GltfFile {
         Ok(Some(MeshSkin { sets, skeleton }))
     }
 
-    /// The skin of the first node that shows a mesh with one; `None` also if none of its primitives has influences.
+    /// The skin of the first node that shows a mesh with one. Also `None` if none of the mesh's primitives has influences.
     pub(super) fn skin_of(&self, mesh: usize, json: &super::document::Mesh) -> Option<usize> {
         let bound = |primitive: &super::document::Primitive| {
             let attributes = &primitive.attributes;
@@ -106,7 +107,7 @@ impl GltfFile {
         Ok(hierarchy)
     }
 
-    /// Adds a node to a skeleton after all that stands above it; returns its place there.
+    /// Adds a node to a skeleton after all its ancestors; returns its index there.
     fn add_with_ancestors(&self, node: usize, hierarchy: &mut Hierarchy) -> Result<u32, SkinProblem> {
         let parents = self.parents()?;
         let (mut missing, mut above) = (Vec::new(), Some(node));
@@ -144,7 +145,7 @@ impl GltfFile {
         json.map_err(|problem| SkinProblem::Node { node, problem })
     }
 
-    /// The parent of every node; the first one, where a file names several.
+    /// The parent of every node; the first one if a file names several.
     fn parents(&self) -> Result<&[Option<usize>], SkinProblem> {
         if let Some(known) = self.parents.get() {
             return Ok(known);
@@ -166,7 +167,7 @@ impl GltfFile {
     }
 }
 
-/// Where a node rests; a matrix is taken apart, as loaders do that animate it.
+/// A node's rest transform. A matrix is decomposed, as loaders that animate it do.
 fn rest(node: &Node) -> LocalTransform {
     let default = LocalTransform::default();
     match &node.matrix {

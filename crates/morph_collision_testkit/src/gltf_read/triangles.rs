@@ -7,7 +7,7 @@ pub(super) fn is_drawn_of_triangles(mode: Mode) -> bool {
     matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
 }
 
-/// The number of triangles that `corners` corners make; `None` where a list of separate triangles ends in the middle of one.
+/// The number of triangles with `corners` corners; `None` if a list of separate triangles ends in the middle of one.
 pub(super) fn count(mode: Mode, corners: usize) -> Option<usize> {
     match mode {
         Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => Some(0),
@@ -16,9 +16,10 @@ pub(super) fn count(mode: Mode, corners: usize) -> Option<usize> {
     }
 }
 
-/// The triangles of `corners` (vertex indices); `None` where a list of separate triangles ends in the middle of one.
+/// The triangles of `corners` (vertex indices); `None` if a list of separate triangles ends in the middle of one.
 ///
-/// Degenerate triangles, such as those that stitch strips together, are kept: a triangle's number is the drawn one.
+/// Degenerate triangles, such as those that stitch strips together, are kept, so that a triangle's index is that of the
+/// drawn one.
 pub(super) fn from_corners(mode: Mode, corners: &[u32]) -> Option<Vec<[u32; 3]>> {
     match mode {
         Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => Some(Vec::new()),
@@ -26,7 +27,7 @@ pub(super) fn from_corners(mode: Mode, corners: &[u32]) -> Option<Vec<[u32; 3]>>
             let (triangles, rest) = corners.as_chunks::<3>();
             rest.is_empty().then(|| triangles.to_vec())
         }
-        // Every second triangle of a strip is seen from behind, so two of its corners swap.
+        // Every second triangle of a strip has the opposite winding, so two of its corners are swapped.
         Mode::TriangleStrip => {
             let turned = |(i, window): (usize, &[u32])| match (i % 2, window) {
                 (0, &[a, b, c]) => Some([a, b, c]),

@@ -1,7 +1,7 @@
-//! Where a buffer's URI leads, and whether a file may lead there.
+//! Resolves a buffer's URI and checks whether the file may refer to it.
 //!
-//! A file may come from anybody, so it may name only files in its own directory and below: relative paths that stay inside, of
-//! regular files, symbolic links included only if they lead to a place inside. Everything else has to be allowed.
+//! A file may come from anybody, so by default it may refer only to regular files in its own directory and below, by relative
+//! paths that stay inside. Symbolic links must lead to a place inside. Everything else has to be allowed explicitly.
 
 use std::borrow::Cow;
 use std::path::{Component, Path, PathBuf};
@@ -10,7 +10,7 @@ use percent_encoding::percent_decode_str;
 
 use super::error::BufferFault;
 
-/// What a URI stands for.
+/// What a URI refers to.
 #[derive(Debug, PartialEq)]
 pub(super) enum Source<'a> {
     /// The bytes themselves, in base64.
@@ -19,7 +19,7 @@ pub(super) enum Source<'a> {
     File(PathBuf),
 }
 
-/// Finds out what a URI stands for in a file of `directory`; other files are allowed only if there is one.
+/// Resolves a URI of a file in `directory`. Other files are allowed only if there is a directory.
 pub(super) fn resolve<'a>(uri: &'a str, directory: Option<&Path>, any_path: bool) -> Result<Source<'a>, BufferFault> {
     let scheme = scheme(uri);
     if scheme.is_some_and(|scheme| scheme.eq_ignore_ascii_case("data")) {
@@ -47,7 +47,7 @@ pub(super) fn resolve<'a>(uri: &'a str, directory: Option<&Path>, any_path: bool
     Ok(Source::File(directory.join(path)))
 }
 
-/// Checks that a file is a regular one inside `directory` once symbolic links are followed.
+/// Checks that a path is a regular file inside `directory` after following symbolic links.
 pub(super) fn check_file(path: &Path, directory: &Path) -> Result<(), BufferFault> {
     let io = |error: std::io::Error| BufferFault::Io(error.to_string());
     let directory = if directory == Path::new("") {
@@ -61,14 +61,14 @@ pub(super) fn check_file(path: &Path, directory: &Path) -> Result<(), BufferFaul
             "a symbolic link leads out of the model's directory",
         ));
     }
-    // Asked before opening, because opening a pipe waits for its other end.
+    // Checked before opening, because opening a pipe waits for its other end.
     if !real.metadata().map_err(io)?.is_file() {
         return Err(BufferFault::Outside("it is not a regular file"));
     }
     Ok(())
 }
 
-/// Letters, digits, `+`, `-` and `.` before a colon. One letter is a drive.
+/// Letters, digits, `+`, `-` and `.` before a colon. A single letter is a drive.
 fn scheme(uri: &str) -> Option<&str> {
     let (scheme, _) = uri.split_once(':')?;
     let mut letters = scheme.bytes();
@@ -89,7 +89,7 @@ fn allowed(any_path: bool, why: &'static str) -> Result<(), BufferFault> {
     }
 }
 
-/// By the path alone: it is relative and never above where it starts.
+/// Checks the path alone: it must be relative and never go above its start.
 fn stays_inside(path: &Path) -> Result<(), BufferFault> {
     let mut depth = 0_usize;
     let drive = path.to_str().is_some_and(|path| path.as_bytes().get(1) == Some(&b':'));

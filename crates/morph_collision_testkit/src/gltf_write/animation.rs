@@ -1,4 +1,4 @@
-//! Clips of weights and of joints.
+//! Writes clips of weights and of joints.
 
 use gltf_json::{
     self as json, Index, Root,
@@ -13,13 +13,13 @@ use crate::skeleton::{self, JointChannel, JointClip};
 
 /// The nodes that clips move.
 pub(super) struct Animated<'a> {
-    /// The one that shows the mesh.
+    /// The node that shows the mesh.
     pub(super) mesh: Index<json::Node>,
-    /// Each node of the skeleton.
+    /// The nodes of the skeleton.
     pub(super) bones: &'a [Index<json::Node>],
 }
 
-/// Writes all clips; both kinds keep their order, and those with the same name become one where that allows it.
+/// Writes all clips. Both kinds keep their order. Clips with the same name are merged if the order allows it.
 pub(super) fn write(
     of_weights: &[WeightAnimation],
     of_joints: &[JointClip],
@@ -53,7 +53,7 @@ fn write_weights(clip: &WeightAnimation, mesh: Index<json::Node>, root: &mut Roo
     parts.finish(&clip.name, root);
 }
 
-/// What an animation is made of.
+/// The parts of an animation.
 #[derive(Default)]
 struct Parts {
     channels: Vec<Channel>,
@@ -61,7 +61,8 @@ struct Parts {
 }
 
 impl Parts {
-    /// One linear or cubic channel on the mesh's weights. What has no keys is left out, because glTF has no such clips.
+    /// Adds one linear or cubic channel for the mesh's weights. Clips without keys are left out, because glTF does not
+    /// allow them.
     fn add_weights(&mut self, clip: &WeightAnimation, mesh: Index<json::Node>, root: &mut Root, packer: &mut Packer) {
         if clip.times.is_empty() || clip.weights.iter().all(Vec::is_empty) {
             return;
@@ -79,7 +80,7 @@ impl Parts {
         self.add(mesh, Property::MorphTargetWeights, input, interpolation, output);
     }
 
-    /// One channel of a node of the skeleton, left out where it has no keys.
+    /// Adds one channel for a node of the skeleton, unless it has no keys.
     fn add_joint(&mut self, channel: &JointChannel, node: Index<json::Node>, root: &mut Root, packer: &mut Packer) {
         if channel.times.is_empty() {
             return;
@@ -130,7 +131,7 @@ impl Parts {
         });
     }
 
-    /// Adds the animation to the file, if there is anything in it.
+    /// Adds the animation to the file, unless it is empty.
     fn finish(self, name: &str, root: &mut Root) {
         if !self.channels.is_empty() {
             root.push(json::Animation {
@@ -144,7 +145,7 @@ impl Parts {
     }
 }
 
-/// glTF wants strictly ascending times, so a jump (two keys at one time) becomes the shortest ramp there is.
+/// glTF requires strictly ascending times, so a jump (two keys at one time) becomes the shortest possible ramp.
 fn ascending(times: &[f32]) -> Vec<f32> {
     let mut times = times.to_vec();
     for key in 1..times.len() {

@@ -1,4 +1,4 @@
-//! Packs values into the one buffer of a file, with an accessor and a view of their own for each list.
+//! Packs values into the one buffer of a file. Each list gets its own accessor and view.
 
 use gltf::Glb;
 use gltf_json::{
@@ -15,7 +15,8 @@ pub(super) struct Packer {
 }
 
 impl Packer {
-    /// A vertex attribute; `bounded` adds the smallest and largest value per component, as glTF wants for positions.
+    /// A vertex attribute; `bounded` adds the smallest and largest value per component, as glTF requires for
+    /// positions.
     pub(super) fn vertices<const N: usize>(
         &mut self,
         root: &mut Root,
@@ -29,7 +30,7 @@ impl Packer {
         accessor(root, view, ComponentType::F32, shape, values.len(), bounds)
     }
 
-    /// The joints of a set of influences, of 8 bits where `joints` allows.
+    /// The joints of a set of influences, with 8 bits if the number of `joints` allows.
     pub(super) fn joints(&mut self, root: &mut Root, values: &[[u16; 4]], joints: usize) -> Index<json::Accessor> {
         let (values_of, target) = (values.as_flattened().iter(), Some(Target::ArrayBuffer));
         let (view, kind) = if joints <= 256 {
@@ -64,7 +65,7 @@ impl Packer {
         accessor(root, view, ComponentType::F32, Type::Scalar, values.len(), bounds)
     }
 
-    /// Vertex indices, of 16 bits where `vertices` allows; 65535 itself is kept free, as glTF demands.
+    /// Vertex indices, with 16 bits if the number of `vertices` allows. 65535 itself is not used, as glTF requires.
     pub(super) fn indices(&mut self, root: &mut Root, indices: &[u32], vertices: usize) -> Index<json::Accessor> {
         let target = Some(Target::ElementArrayBuffer);
         let (view, kind) = if vertices <= usize::from(u16::MAX) {

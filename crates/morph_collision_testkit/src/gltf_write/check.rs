@@ -11,40 +11,41 @@ pub enum WriteError {
     Io {
         /// The file.
         path: std::path::PathBuf,
-        /// The system's reason.
+        /// The system's error.
         source: io::Error,
     },
-    /// glTF has no way to say "no vertices" or "no triangles".
+    /// The mesh has no vertices or no triangles, which glTF cannot express.
     #[error("mesh \"{0}\" has no vertices or no triangles, which glTF cannot hold")]
     Empty(String),
-    /// A list is not as long as it has to be.
+    /// A list has the wrong length.
     #[error("mesh \"{mesh}\": {what} {index} has {found} elements instead of {expected}")]
     Length {
         /// The mesh's name.
         mesh: String,
-        /// What the list is: of a target, a clip, a channel of one, or a set of influences.
+        /// The list: of a target, a clip, a channel of a clip, or a set of influences.
         what: &'static str,
         /// The index of the target, clip or set.
         index: usize,
         /// Its length.
         found: usize,
-        /// The length it has to have.
+        /// The required length.
         expected: usize,
     },
-    /// A triangle refers to a vertex that does not exist, a primitive to a triangle, an influence to a joint, or something to a node.
+    /// An index is out of range: a triangle's vertex, a primitive's triangle, an influence's joint, or anything's node.
     #[error("mesh \"{mesh}\": {what} {index} refers to elements that do not exist")]
     OutOfRange {
         /// The mesh's name.
         mesh: String,
-        /// What refers: a triangle, a primitive, the influences of a vertex, a node of the skeleton, a joint or a clip.
+        /// What has the bad index: a triangle, a primitive, the influences of a vertex, a node of the skeleton, a joint or a
+        /// clip.
         what: &'static str,
         /// Its index.
         index: usize,
     },
-    /// A skin has no joints, which glTF cannot hold.
+    /// A skin has no joints, which glTF cannot express.
     #[error("mesh \"{0}\": its skin has no joints, which glTF cannot hold")]
     NoJoints(String),
-    /// A node rests where it is not finite.
+    /// A node's rest transform is not finite.
     #[error("mesh \"{mesh}\": node {index} of the skeleton rests at a number that is not finite")]
     NotFinite {
         /// The mesh's name.
@@ -57,12 +58,12 @@ pub enum WriteError {
     Pack {
         /// The mesh's name.
         mesh: String,
-        /// Why.
+        /// The reason.
         reason: String,
     },
 }
 
-/// Checks that lists go together, and that what is named exists.
+/// Checks that the lengths of lists match and that all indices are valid.
 pub(super) fn check(mesh: &MorphMesh) -> Result<(), WriteError> {
     let name = || mesh.name.clone();
     let length = |what, index, found, expected| same_length(mesh, what, index, found, expected);

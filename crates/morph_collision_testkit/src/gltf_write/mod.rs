@@ -1,8 +1,8 @@
-//! Writes one mesh with its targets and clips as a binary glTF 2.0 file (`.glb`), the same bytes for the same mesh.
+//! Writes one mesh with its targets and clips as a binary glTF 2.0 file (`.glb`). The same mesh always gives the same bytes.
 //!
-//! A skinned mesh is written with its influences, its joints with all nodes above them, and their clips (`skin`, `animation`). Besides what the
-//! mesh holds, the file gets what a renderer wants: smooth normals for the base and every target
-//! (`shading`), planar texture coordinates and one material. The layout is one buffer; `buffer` packs it.
+//! A skinned mesh is written with its influences, its joints with all their ancestors, and their clips (`skin`, `animation`). The
+//! file also gets what a renderer needs: smooth normals for the base and every target (`shading`), planar texture coordinates and
+//! one material. The layout is one buffer; `buffer` packs it.
 
 mod animation;
 mod buffer;
@@ -45,10 +45,10 @@ impl Default for Appearance {
     }
 }
 
-/// Writes `mesh` to `path`, replacing what is there.
+/// Writes `mesh` to `path`, replacing an existing file.
 ///
 /// # Errors
-/// As [`to_glb`], and where the file cannot be written.
+/// Those of [`to_glb`], and if the file cannot be written.
 pub fn write_glb(path: &Path, mesh: &MorphMesh, appearance: &Appearance) -> Result<(), WriteError> {
     let bytes = to_glb(mesh, appearance)?;
     std::fs::write(path, bytes).map_err(|source| WriteError::Io {
@@ -59,13 +59,13 @@ pub fn write_glb(path: &Path, mesh: &MorphMesh, appearance: &Appearance) -> Resu
 
 /// The bytes of a `.glb` file: one scene with one node that shows `mesh`, and the nodes of its skeleton if it has a skin.
 ///
-/// A weight animation and a clip of joints with the same name become one animation of the file, if that keeps both kinds in order. Joints that
-/// stand under several roots get one root above them, as glTF demands.
+/// A weight clip and a joint clip with the same name become one animation of the file, if that keeps both kinds in order. Joints
+/// with several roots get one common root, as glTF requires.
 ///
-/// Every primitive shares the vertices and has indices of its own, of 16 bits where they fit.
+/// All primitives share the vertices. Each has its own indices, with 16 bits if they fit.
 ///
 /// # Errors
-/// [`WriteError`] where the mesh is empty, or its lists do not go together.
+/// [`WriteError`] if the mesh is empty, or its lists do not match.
 pub fn to_glb(mesh: &MorphMesh, appearance: &Appearance) -> Result<Vec<u8>, WriteError> {
     check::check(mesh)?;
     let mut root = Root {

@@ -1,14 +1,14 @@
-//! What a renderer wants and a collision mesh does not have: normals and texture coordinates.
+//! Computes what a renderer needs and a collision mesh does not have: normals and texture coordinates.
 
 use std::collections::HashMap;
 
 use glam::{DVec3, Vec3};
 
-/// Unit normals per vertex, averaged by area over all triangles that meet at its position, so that seams do not show.
+/// Unit normals per vertex, averaged by area over all triangles that share its position, so that seams are invisible.
 ///
-/// A vertex without area gets `+Y`. Summed in `f64` in triangle order, for the same bits everywhere.
+/// A vertex without area gets `+Y`. Sums are in `f64` in triangle order, so that the bits are the same everywhere.
 pub(super) fn smooth_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
-    // Adding zero makes -0 and +0 one position.
+    // Adding zero makes -0 and +0 the same position.
     let key = |p: Vec3| (p + Vec3::ZERO).to_array().map(f32::to_bits);
     let mut sums: HashMap<[u32; 3], DVec3> = HashMap::new();
     for triangle in triangles {
@@ -26,7 +26,7 @@ pub(super) fn smooth_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<
     positions.iter().map(unit).collect()
 }
 
-/// Side view onto the `xy` plane, scaled to the unit square; `v` points down.
+/// Projects a side view onto the `xy` plane, scaled to the unit square; `v` points down.
 pub(super) fn planar_uv(positions: &[Vec3]) -> Vec<[f32; 2]> {
     let low = positions.iter().copied().fold(Vec3::INFINITY, Vec3::min);
     let high = positions.iter().copied().fold(Vec3::NEG_INFINITY, Vec3::max);

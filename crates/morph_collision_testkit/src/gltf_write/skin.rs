@@ -1,4 +1,4 @@
-//! Influences as attributes; joints as nodes with their inverse bind matrices.
+//! Writes influences as attributes, and joints as nodes with their inverse bind matrices.
 
 use gltf_json::{
     self as json, Index, Node, Root, accessor::Type, mesh::Semantic, scene::UnitQuaternion, validation::Checked,
@@ -22,9 +22,9 @@ pub(super) fn add_influences(skin: &MeshSkin, attributes: &mut Attributes, root:
 /// A skeleton in the file.
 pub(super) struct Bones {
     pub(super) skin: Index<json::Skin>,
-    /// Each node of the skeleton.
+    /// The nodes of the skeleton.
     pub(super) nodes: Vec<Index<Node>>,
-    /// What stands above all of them.
+    /// The ancestor of all of them.
     pub(super) root: Index<Node>,
 }
 

@@ -1,4 +1,4 @@
-//! What a model is made of, and what tree it gets: numbers with a JSON form, and tables to read.
+//! What a model contains and what tree it gets: numbers with a JSON form, and readable tables.
 //!
 //! ```
 //! use std::path::Path;

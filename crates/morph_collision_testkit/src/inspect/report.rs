@@ -1,4 +1,4 @@
-//! What `inspect` measures, in the shape of its JSON.
+//! The measurements of `inspect`, structured like their JSON.
 
 use std::sync::Arc;
 
@@ -16,13 +16,13 @@ use crate::printable::Printable;
 /// Why a mesh cannot collide.
 #[derive(Debug, Error)]
 pub enum MeshError {
-    /// It is no model.
+    /// It is not a valid model.
     #[error(transparent)]
     Model(#[from] ModelError),
-    /// Its tree would take more memory than its file may.
+    /// Its tree would exceed the file's memory limit.
     #[error(transparent)]
     OverBudget(#[from] OverBudget),
-    /// What moves it cannot be read.
+    /// Its skin cannot be read.
     #[error("its skin cannot be read: {}", without_file(.0))]
     Skin(Box<ReadError>),
     /// It is not made of triangles.
@@ -31,7 +31,7 @@ pub enum MeshError {
 }
 
 impl MeshError {
-    /// What would let the mesh through, where a limit keeps it out.
+    /// The option that would let the mesh through, if a limit refused it.
     #[must_use]
     pub fn remedy(&self) -> Option<Remedy> {
         match self {
@@ -45,52 +45,52 @@ impl MeshError {
 /// A file and its meshes, in file order.
 #[derive(Debug, Serialize)]
 pub struct FileReport {
-    /// The name it was given.
+    /// The file's name as it was given.
     pub file: String,
-    /// What is broken and belongs to no mesh.
+    /// Problems that do not belong to a mesh.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
-    /// All of them, usable or not.
+    /// All meshes, usable or not.
     pub meshes: Vec<MeshReport>,
 }
 
-/// One mesh; either `error` is set or `usable` is.
+/// One mesh; either `error` or `usable` is set.
 #[derive(Debug, Serialize)]
 pub struct MeshReport {
-    /// Its place in the file.
+    /// Its index in the file.
     pub index: usize,
-    /// Its name, or one made up.
+    /// Its name, or a default name.
     pub name: String,
     /// Vertices as the file stores them, split at seams.
     pub vertices_stored: usize,
     /// Triangles of all primitives.
     pub triangles: usize,
-    /// Parts, a material each, usually.
+    /// Number of parts; usually each has its own material.
     pub primitives: usize,
-    /// No target moves anything because there is none.
+    /// Whether it has no targets.
     pub rigid: bool,
-    /// Joints move its vertices.
+    /// Whether joints move its vertices.
     pub skinned: bool,
-    /// Which joints, and how.
+    /// The joints and how they move it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skin: Option<SkinReport>,
-    /// Clips that move its weights.
+    /// Clips that animate its weights.
     pub animations: Vec<AnimationReport>,
-    /// What a user should know: clips that cannot be played.
+    /// Warnings about clips that cannot be played.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
-    /// What it has if it can collide.
+    /// Data that only a mesh that can collide has.
     #[serde(flatten)]
     pub usable: Option<UsableReport>,
-    /// Why it cannot.
+    /// Why it cannot collide.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<String>,
 }
 
-/// What only a mesh that can collide has.
+/// Data that only a mesh that can collide has.
 #[derive(Debug, Serialize)]
 pub struct UsableReport {
-    /// Vertices once those in the same place are one.
+    /// Vertices after those in the same place are welded.
     pub vertices_welded: usize,
     /// One per target.
     pub targets: Vec<TargetReport>,
@@ -101,11 +101,11 @@ pub struct UsableReport {
 /// What a target does.
 #[derive(Debug, Serialize)]
 pub struct TargetReport {
-    /// Its name, or one made up.
+    /// Its name, or a default name.
     pub name: String,
     /// Welded vertices that the target displaces.
     pub vertices_moved: usize,
-    /// Share of the welded vertices that it leaves alone, 0 to 1.
+    /// Share of the welded vertices that it does not move, 0 to 1.
     pub share_left_alone: f64,
 }
 
@@ -116,18 +116,18 @@ pub struct TreeReport {
     pub nodes: usize,
     /// Levels below the root.
     pub depth: usize,
-    /// What it takes in memory, with the model that it is of.
+    /// Memory of the tree and its model, in bytes.
     pub bytes: usize,
 }
 
-/// A clip's weights, overshoots between the keys of a cubic clip included.
+/// A clip's weights, including overshoots between the keys of a cubic clip.
 #[derive(Debug, Serialize)]
 pub struct AnimationReport {
-    /// Its name, or one made up.
+    /// Its name, or a default name.
     pub name: String,
-    /// Moments that it has weights for.
+    /// Number of keys.
     pub keys: usize,
-    /// How long it lasts.
+    /// Its length in seconds.
     pub seconds: f32,
     /// One range per target.
     pub weights: Vec<WeightRange>,
@@ -135,7 +135,7 @@ pub struct AnimationReport {
     pub weight_sum: WeightRange,
 }
 
-/// From the smallest to the largest.
+/// A range of weights.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct WeightRange {
     /// The smallest.
@@ -147,9 +147,9 @@ pub struct WeightRange {
 }
 
 impl FileReport {
-    /// Reads every mesh of a file and builds a tree of every one that one can be built of.
+    /// Reads every mesh of a file and builds a tree for every mesh that allows it.
     ///
-    /// One mesh is kept in memory at a time.
+    /// Only one mesh is kept in memory at a time.
     #[must_use]
     pub fn read(file: &GltfFile) -> Self {
         let report = |index| file.budget().lend(|| MeshReport::read(file, index));
@@ -222,7 +222,7 @@ impl MeshReport {
         }
     }
 
-    /// Of a mesh that cannot be read.
+    /// The report of a mesh that cannot be read.
     fn broken(file: &GltfFile, index: usize, error: &ReadError) -> Self {
         Self {
             index,
@@ -244,7 +244,7 @@ impl MeshReport {
     }
 }
 
-/// Without the names of the file and the mesh, which stand above.
+/// The error without the names of the file and the mesh, which are printed above it.
 fn without_file(error: &ReadError) -> String {
     match error {
         ReadError::Skin { problem, .. } => problem.to_string(),
@@ -252,7 +252,7 @@ fn without_file(error: &ReadError) -> String {
     }
 }
 
-/// Without the file's name, which stands above.
+/// The error without the file's name, which is printed above it.
 fn left_out(error: &ReadError) -> String {
     match error {
         ReadError::Animation {
@@ -288,7 +288,7 @@ impl UsableReport {
 }
 
 impl FoundMesh {
-    /// The mesh, if it has anything that can collide.
+    /// The mesh, if it has triangles.
     ///
     /// # Errors
     /// [`MeshError::NotTriangles`] for a mesh of points or lines.
@@ -324,7 +324,7 @@ impl AnimationReport {
 }
 
 impl WeightRange {
-    /// Zero to zero if there is no weight: a clip without keys leaves weights at rest.
+    /// Zero to zero if there is no weight, because a clip without keys leaves weights at rest.
     pub(super) fn of(range: Option<(f64, f64)>) -> Self {
         let (min, max) = range.unwrap_or_default();
         Self { min, max }

@@ -1,4 +1,4 @@
-//! What `inspect` says about the skin of a mesh.
+//! The part of a report about the skin of a mesh.
 
 use serde::Serialize;
 
@@ -9,11 +9,11 @@ use crate::skeleton::JointClip;
 /// The joints that move a mesh.
 #[derive(Debug, Serialize)]
 pub struct SkinReport {
-    /// One name per joint, as influences number them.
+    /// One name per joint, in the order of the influences' joint indices.
     pub joints: Vec<String>,
-    /// The most joints that move one vertex.
+    /// The largest number of joints that move one vertex.
     pub most_influences: usize,
-    /// The sum of the weights of a vertex, which should be 1: elsewhere the mesh is pulled towards the world's origin.
+    /// The sum of a vertex's joint weights. It should be 1; otherwise the mesh is pulled towards the world's origin.
     pub weight_sum: WeightRange,
     /// Clips that move its joints.
     pub clips: Vec<JointClipReport>,
@@ -22,11 +22,11 @@ pub struct SkinReport {
 /// A clip that moves joints.
 #[derive(Debug, Serialize)]
 pub struct JointClipReport {
-    /// Its name, or one made up.
+    /// Its name, or a default name.
     pub name: String,
-    /// How long it lasts.
+    /// Its length in seconds.
     pub seconds: f32,
-    /// How many nodes it moves: joints, and what stands above them.
+    /// Number of nodes that it moves: joints and their ancestors.
     pub nodes_moved: usize,
 }
 

@@ -7,7 +7,7 @@ use crate::printable::Printable;
 use super::SkinReport;
 use super::report::{AnimationReport, FileReport, MeshReport, UsableReport};
 
-/// One block per mesh: its counts, its tree, a table of targets and one of weights per animation.
+/// One block per mesh: its counts, its tree, a table of targets and, per animation, one of weights.
 impl Display for FileReport {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         writeln!(f, "{}", Printable(&self.file))?;
@@ -55,7 +55,7 @@ fn render_mesh(text: &mut impl Write, mesh: &MeshReport) -> fmt::Result {
     mesh.skin.iter().try_for_each(|skin| render_skin(text, skin))
 }
 
-/// One row per target, and beside it the range of its weight in every animation.
+/// One row per target, with the range of its weight in every animation.
 fn render_targets(text: &mut impl Write, mesh: &MeshReport, usable: &UsableReport) -> fmt::Result {
     writeln!(text, "  targets     {}", usable.targets.len())?;
     let shown = |name: &str| Printable(name).to_string();

@@ -1,6 +1,6 @@
 //! Seeded meshes of the kinds that break geometry code: without area, without thickness, without distinct vertices.
 //!
-//! Coordinates lie on coarse binary grids, so that "collinear" and "coplanar" hold exactly, and not nearly.
+//! Coordinates lie on coarse binary grids, so that "collinear" and "coplanar" hold exactly, not just approximately.
 
 use glam::{DVec3, Vec3};
 use rand::{RngExt, SeedableRng};
@@ -9,7 +9,8 @@ use rand_pcg::Pcg64Mcg;
 use super::{grid, random};
 use crate::mesh::MorphMesh;
 
-/// `count` long triangles a millionth as wide as they are long; the one target slides them along random directions.
+/// `count` long triangles, a millionth as wide as they are long. The only target slides them along random
+/// directions.
 pub fn slivers(seed: u64, count: usize) -> MorphMesh {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let mut positions = Vec::new();
@@ -22,9 +23,10 @@ pub fn slivers(seed: u64, count: usize) -> MorphMesh {
     with_target("slivers", positions, random::separate(count), slides)
 }
 
-/// `count` triangles of exactly no area: points, segments with a double end, and three distinct collinear corners.
+/// `count` triangles with exactly zero area: points, segments with a double end, and three distinct collinear
+/// corners.
 ///
-/// The one target translates each as a whole, so that none gains area.
+/// The only target translates each triangle as a whole, so that none gains area.
 pub fn zero_area(seed: u64, count: usize) -> MorphMesh {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let mut positions = Vec::new();
@@ -41,8 +43,8 @@ pub fn zero_area(seed: u64, count: usize) -> MorphMesh {
     with_target("zero_area", positions, random::separate(count), shifts)
 }
 
-/// `sheets` overlapping grids of 18 triangles each, all in the plane `z = 0`, with common edges and corners; the one
-/// target moves each within the plane.
+/// `sheets` overlapping grids of 18 triangles each, all in the plane `z = 0`, with common edges and corners. The
+/// only target moves each within the plane.
 pub fn coplanar_sheets(seed: u64, sheets: usize) -> MorphMesh {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let in_plane = |rng: &mut Pcg64Mcg| lattice_point(rng) * Vec3::new(1.0, 1.0, 0.0);
@@ -58,7 +60,7 @@ pub fn coplanar_sheets(seed: u64, sheets: usize) -> MorphMesh {
     with_target("coplanar_sheets", positions, triangles, shifts)
 }
 
-/// `mesh` with three vertices of its own for every triangle, as files have them where every edge is a seam.
+/// `mesh` with separate vertices for every triangle, as in files where every edge is a seam.
 pub fn duplicated_vertices(mesh: &MorphMesh) -> MorphMesh {
     let corners =
         |values: &[Vec3]| -> Vec<Vec3> { mesh.triangles.iter().flatten().map(|&v| values[v as usize]).collect() };
@@ -76,7 +78,7 @@ pub fn duplicated_vertices(mesh: &MorphMesh) -> MorphMesh {
     }
 }
 
-/// `count` triangles whose corners are all the same point; the one target moves that point.
+/// `count` triangles whose corners are all the same point. The only target moves that point.
 pub fn all_equal(count: usize) -> MorphMesh {
     let place = Vec3::new(0.25, -0.5, 0.125);
     with_target(
@@ -93,7 +95,7 @@ fn lattice_point(rng: &mut Pcg64Mcg) -> Vec3 {
     DVec3::new(x, y, z).as_vec3()
 }
 
-/// One displacement per triangle, given to its three corners.
+/// One displacement per triangle, the same for its three corners.
 fn per_triangle(rng: &mut Pcg64Mcg, count: usize, mut draw: impl FnMut(&mut Pcg64Mcg) -> Vec3) -> Vec<Vec3> {
     (0..count).flat_map(|_| [draw(rng); 3]).collect()
 }

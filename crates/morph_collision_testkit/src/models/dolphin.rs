@@ -1,8 +1,8 @@
-//! The dolphin of the paper's second experiment, in four resolutions of one shape.
+//! The dolphin of the paper's second experiment, in four resolutions of the same shape.
 //!
-//! About 2 units long, nose towards `+X`, back towards `+Y`.
-//! Five closed pieces: a body of 12 sides, a dorsal fin, two pectoral fins and a fluke, the fins rooted inside the body.
-//! The references bend the spine; everything is first built straight and then carried along by its place on the spine.
+//! About 2 units long, with the nose towards `+X` and the back towards `+Y`. It has five closed pieces: a body of 12
+//! sides, a dorsal fin, two pectoral fins and a fluke. The fins are rooted inside the body. The references bend the
+//! spine. Everything is built straight first and then moved along with its place on the spine.
 
 use glam::{DVec2, DVec3, Vec3};
 
@@ -37,7 +37,7 @@ const BODY: [[f64; 4]; 18] = [
 const BEAK_TIP: DVec3 = DVec3::new(1.0, -0.063, 0.0);
 const TAIL_END: DVec3 = DVec3::new(-0.9, 0.02, 0.0);
 
-/// Where the spine begins to bend, and the turn of its ends in radians.
+/// Where the spine begins to bend, and the rotation of its ends in radians.
 const PIVOT: f64 = 0.3;
 const TAIL_TURN: f64 = 0.95;
 const HEAD_TURN: f64 = 0.16;
@@ -50,10 +50,12 @@ const KEYS: usize = 32;
 
 /// A dolphin of `564 * 4^level` triangles.
 ///
-/// Model space: nose at `x = 1`, tail at about `x = -1`, `+Y` up, symmetric in `z`. The base is the neutral shape; the
+/// Model space: nose at `x = 1`, tail at about `x = -1`, `+Y` up, symmetric in `z`. The base is the neutral shape. The
 /// targets `tail_down` and `tail_up` bend the spine. The clip "swim" loops through neutral, down, neutral, up with
-/// weights that are never negative and never sum to more than 1. Finer levels are midpoint subdivisions of all
-/// references, exact in `f32`, so that all levels are the same surface in every pose.
+/// weights that are never negative and never sum to more than 1.
+///
+/// Finer levels are midpoint subdivisions of all references, exact in `f32`, so all levels are the same surface in every
+/// pose.
 pub fn dolphin(level: u32) -> MorphMesh {
     let neutral = straight();
     let references = [Bend::NONE, Bend::DOWN, Bend::UP];
@@ -77,13 +79,13 @@ pub fn dolphin(level: u32) -> MorphMesh {
     mesh
 }
 
-/// The weights `[tail_down, tail_up]` at `cycle` strokes, of which only the fraction counts.
+/// The weights `[tail_down, tail_up]` after `cycle` strokes; only the fraction counts.
 pub fn swim_weights(cycle: f32) -> [f32; 2] {
     let stroke = (f64::from(cycle) * std::f64::consts::TAU).sin();
     [grid::round6(stroke.max(0.0)), grid::round6((-stroke).max(0.0))]
 }
 
-/// What a vertex belongs to: fins move a little by themselves.
+/// The part of a vertex; fins also move a little on their own.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Part {
     Body,
@@ -206,7 +208,7 @@ struct Section {
 }
 
 impl Section {
-    /// The point at `chord` (0 leading, 1 trailing) and `height` times the half thickness.
+    /// The point at `chord` (0 leading edge, 1 trailing edge) and `height` times the half thickness.
     fn at(&self, chord: f64, height: f64) -> DVec3 {
         let (lead, trail) = (DVec3::from(self.lead), DVec3::from(self.trail));
         lead.lerp(trail, chord) + DVec3::from(self.half) * height
@@ -242,7 +244,7 @@ impl Bend {
     const DOWN: Self = Self(-1.0);
     const UP: Self = Self(1.0);
 
-    /// Where a point of the neutral shape goes.
+    /// The bent position of a point of the neutral shape.
     fn apply(self, part: Part, p: DVec3) -> DVec3 {
         let p = if part == Part::Pectoral { self.sweep(p) } else { p };
         let (spine, turn) = self.spine(p.x);
@@ -251,11 +253,12 @@ impl Bend {
         DVec3::new(carried.x, carried.y, p.z)
     }
 
-    /// The turn of the spine at `x`, in radians from `+X` towards `+Y`; it grows with the square of the distance.
+    /// The rotation of the spine at `x`, in radians from `+X` towards `+Y`. It grows with the square of the distance
+    /// from the pivot.
     fn turn(self, x: f64) -> f64 {
         let behind = (PIVOT - x) / (PIVOT + 1.0);
         let ahead = (x - PIVOT) / (1.0 - PIVOT);
-        // Raising the tail turns it clockwise (seen with the nose to the right), and raises the head a little too.
+        // Raising the tail rotates it clockwise (seen with the nose to the right), and raises the head a little too.
         if behind > 0.0 {
             -self.0 * TAIL_TURN * behind * behind
         } else {
@@ -263,8 +266,8 @@ impl Bend {
         }
     }
 
-    /// The bent place of the spine's point `(x, 0)` and the turn there: the spine keeps its length, so this integrates
-    /// its direction from the pivot (midpoint rule, far finer than the grid the result is snapped to).
+    /// The bent position of the spine's point `(x, 0)`, and the rotation there. The spine keeps its length, so this
+    /// integrates its direction from the pivot (midpoint rule, far finer than the grid the result is snapped to).
     fn spine(self, x: f64) -> (DVec2, f64) {
         const STEPS: u32 = 2000;
         let step = (x - PIVOT) / f64::from(STEPS);
@@ -276,12 +279,12 @@ impl Bend {
         (DVec2::new(PIVOT, 0.0) + along * step, self.turn(x))
     }
 
-    /// Turns a pectoral fin about its root, parallel to the spine: against the tail.
+    /// Rotates a pectoral fin about its root, parallel to the spine, against the tail.
     fn sweep(self, p: DVec3) -> DVec3 {
         let side = p.z.signum();
         let root = DVec2::new(0.105, -0.08);
         let arm = DVec2::new(p.z.abs(), p.y) - root;
-        // The root ring and what lies inside the body stay.
+        // The root ring and everything inside the body stay in place.
         if arm.x <= 0.0 {
             return p;
         }

@@ -1,8 +1,8 @@
 //! Coordinates on a binary grid.
 //!
-//! `sin` and `cos` differ in their last bits from one platform's library to the next, and models have to be the same
-//! everywhere. Snapping to multiples of 2^-18 removes the difference. It does more: coordinates below 2 on this grid
-//! have 19 significant bits, so that sums, differences and the midpoints of five subdivisions are exact in `f32`.
+//! `sin` and `cos` differ in their last bits between platforms, but models have to be the same everywhere. Snapping
+//! to multiples of 2^-18 removes the difference. It also gives coordinates below 2 only 19 significant bits, so that
+//! sums, differences and the midpoints of five subdivisions are exact in `f32`.
 
 use glam::{DVec3, Vec3};
 
@@ -14,7 +14,8 @@ pub(super) fn snap(p: DVec3) -> Vec3 {
     ((p * PER_UNIT).round() / PER_UNIT).as_vec3()
 }
 
-/// A weight or an angle, rounded to 1e-6 for the same reason; decimal, because it is read by people in files.
+/// A weight or an angle, rounded to 1e-6 for the same reason. The step is decimal because people read these numbers
+/// in files.
 pub(crate) fn round6(value: f64) -> f32 {
     // Adding zero turns -0 into 0.
     ((value * 1e6).round() / 1e6 + 0.0) as f32

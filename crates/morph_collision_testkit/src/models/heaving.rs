@@ -1,4 +1,4 @@
-//! A hill that heaves like the back of something asleep: a body to walk on.
+//! A hill that heaves as if something under it breathed: a body to walk on.
 
 use std::f64::consts::TAU;
 
@@ -7,20 +7,20 @@ use glam::{DVec2, DVec3, Vec3};
 use super::{grid, icosphere};
 use crate::mesh::{MorphMesh, WeightAnimation};
 
-/// Four triangles per level for each of the icosahedron's twenty: 5120.
+/// Each of the icosahedron's 20 triangles is split into four at every level: 5120.
 const LEVEL: u32 = 4;
 
-/// The share of the triangles that is on top; the others make the flat underside.
+/// The share of the triangles on the top; the others make the flat underside.
 const TOP: f64 = 0.75;
-/// The footprint is a disc of radius 1, longer by this along `x`.
+/// The footprint is a disc of radius 1, stretched by this factor along `x`.
 const LENGTH: f64 = 1.2;
-/// How high the middle is.
+/// The height of the middle.
 const HEIGHT: f64 = 0.34;
 /// How far the rim is below `y = 0`.
 const SUNK: f64 = 0.01;
 /// How much deeper the underside is in the middle.
 const THICKNESS: f64 = 0.02;
-/// How high the wave is, how far it sways, its direction and its length.
+/// The wave's height, its sideways motion, direction and length.
 const WAVE_HEIGHT: f64 = 0.055;
 const WAVE_SWAY: f64 = 0.03;
 const WAVE_DIRECTION: DVec2 = DVec2::new(0.96, 0.28);
@@ -36,9 +36,11 @@ const KEYS: usize = 16;
 
 /// A closed, gently sloped mound of 5120 triangles and radius about 1, to be put on the ground at `y = 0`.
 ///
-/// The targets `crest` and `flank` are a wave that runs along it, a quarter of its length apart: with the cosine and the sine of an angle as weights it
-/// moves on as the angle grows, and what stands on it goes up, forth, down and back. `breath` lifts the middle. The rim stays where it is. The
-/// clip "heave" loops through one breath and two waves in 8 s, with weights of -1 to 1.
+/// - The targets `crest` and `flank` are a wave that runs along it, a quarter of its length apart. With the cosine and the sine
+///   of an angle as weights, the wave moves on as the angle grows, and bodies on it go up, forth, down and back.
+/// - `breath` lifts the middle.
+///
+/// The rim stays where it is. The clip "heave" loops through one breath and two waves in 8 s, with weights of -1 to 1.
 pub fn heaving_body() -> MorphMesh {
     let (directions, triangles) = icosphere::icosphere(LEVEL);
     let places: Vec<(DVec2, f64)> = directions.iter().map(|&n| unfold(n)).collect();
@@ -76,14 +78,15 @@ pub fn heaving_body() -> MorphMesh {
     mesh
 }
 
-/// The weights `[crest, flank, breath]` at `cycle` loops of the clip, of which only the fraction counts.
+/// The weights `[crest, flank, breath]` after `cycle` loops of the clip; only the fraction counts.
 fn heave_weights(cycle: f32) -> [f32; 3] {
     let (sin, cos) = (f64::from(cycle) * WAVES as f64 * TAU).sin_cos();
     let breath = 0.5 - 0.5 * (f64::from(cycle) * TAU).cos();
     [cos, sin, breath].map(grid::round6)
 }
 
-/// A direction's place in the disc of radius 1, and its depth, which is 0 on top. Seen from above, all triangles on top have about the same size.
+/// Maps a direction to the disc of radius 1, and to a depth, which is 0 on the top. Seen from above, all triangles on the top
+/// have about the same size.
 fn unfold(n: DVec3) -> (DVec2, f64) {
     // The share of the sphere above it.
     let above = 0.5 * (1.0 - n.y);
@@ -96,13 +99,13 @@ fn unfold(n: DVec3) -> (DVec2, f64) {
     }
 }
 
-/// 1 in the middle and 0 at the rim, level at both.
+/// 1 in the middle and 0 at the rim, with slope 0 at both.
 fn swell(at: DVec2) -> f64 {
     let inside = (1.0 - at.length_squared()).max(0.0);
     inside * inside
 }
 
-/// How high the top would be without a rim: a shoulder, a loin, and a dip between them.
+/// The height of the top without a rim: a shoulder, a loin, and a dip between them.
 fn crown(at: DVec2) -> f64 {
     HEIGHT + 0.06 * at.x + 0.12 * at.x * at.x - 0.12 * at.y * at.y
 }

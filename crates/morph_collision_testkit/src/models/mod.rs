@@ -1,12 +1,14 @@
 //! Generated meshes, the same to the last bit on every machine.
 //!
-//! - [`dolphin()`] and [`pass_through_body()`]: the bodies of the two experiments in the paper this project starts from.
+//! - [`dolphin()`] and [`pass_through_body()`]: the bodies of the two experiments in the paper on which this project is
+//!   based.
 //! - [`heaving_body()`]: a hill to walk on.
-//! - [`random`]: seeded meshes for property tests. [`degenerate`]: what files should not hold, and do.
+//! - [`random`]: seeded meshes for property tests.
+//! - [`degenerate`]: geometry that files should not contain, but do.
 //! - [`rigid`]: boxes and grids without targets.
 //! - [`rigs`]: skinned meshes, and poses for skeletons.
 //!
-//! The tools they are made with: `grid` (coordinates that survive arithmetic), `subdivide`, `icosphere` and `tube`.
+//! They are built with `grid` (coordinates that survive arithmetic), `subdivide`, `icosphere` and `tube`.
 
 pub mod degenerate;
 mod dolphin;

@@ -1,11 +1,11 @@
-//! The body of the paper's first experiment: a sphere of 20480 triangles with three references that differ greatly.
+//! The body of the paper's first experiment: a sphere of 20480 triangles with three very different references.
 
 use glam::{DVec3, Vec3};
 
 use super::{grid, icosphere};
 use crate::mesh::{MorphMesh, WeightAnimation};
 
-/// Of the paper's body: four triangles per level for each of the icosahedron's twenty, 20480.
+/// The level of the paper's body. Each of the icosahedron's 20 triangles is split into four at every level: 20480.
 const LEVEL: u32 = 5;
 
 /// Seconds from one reference to the next in the clip "morph".
@@ -13,8 +13,9 @@ const LEG: f32 = 1.5;
 
 /// A morphing body of 20480 triangles and radius about 1, closed and star-shaped in every reference.
 ///
-/// The base "start" is a smooth blob; the targets are "middle", a star with twelve spikes, and "end", a flattened
-/// peanut along `y`. The clip "morph" loops through start, middle, end, middle; two neighbours at a time are active.
+/// The base "start" is a smooth blob. The targets are "middle", a star with twelve spikes, and "end", a flattened
+/// peanut with its long axis along `y`. The clip "morph" loops through start, middle, end, middle; at most two
+/// neighbours are active at a time.
 pub fn pass_through_body() -> MorphMesh {
     pass_through_body_at(LEVEL)
 }
@@ -54,7 +55,8 @@ fn blob(n: DVec3) -> DVec3 {
 /// A small core with a spike towards every corner of the icosahedron.
 fn star(spikes: &[DVec3], n: DVec3) -> DVec3 {
     let nearest = spikes.iter().map(|spike| spike.dot(n)).fold(-1.0, f64::max);
-    // 0 where the spike begins, 1 at its tip; corners of an icosahedron are 63 degrees apart, so spikes do not meet.
+    // 0 at the start of the spike, 1 at its tip. Corners of an icosahedron are 63 degrees apart, so spikes do not
+    // overlap.
     let rise = ((nearest - 0.86) / 0.14).max(0.0);
     n * (0.55 + 0.62 * rise * rise * rise)
 }

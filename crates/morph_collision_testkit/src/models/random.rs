@@ -1,4 +1,4 @@
-//! Seeded random meshes: the same mesh for the same arguments, always.
+//! Seeded random meshes: the same arguments always give the same mesh.
 
 use glam::{DVec3, Vec3};
 use rand::{RngExt, SeedableRng};
@@ -9,8 +9,8 @@ use crate::mesh::MorphMesh;
 
 /// A bumpy closed surface of `20 * 4^level` triangles and radius about 1, with random targets.
 ///
-/// `sparsity` in 0..=1 is the share of the sphere that each target leaves alone: it moves the vertices in a random cap,
-/// as one of a face's targets does, most in the middle.
+/// `sparsity` in 0..=1 is the share of the sphere that each target does not move. A target moves the vertices in a
+/// random cap, as a face's targets do, most in the middle.
 pub fn random_blob(seed: u64, level: u32, targets: usize, sparsity: f32) -> MorphMesh {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let (directions, triangles) = icosphere::icosphere(level);
@@ -41,7 +41,7 @@ pub fn random_blob(seed: u64, level: u32, targets: usize, sparsity: f32) -> Morp
     mesh
 }
 
-/// `count` separate triangles of very different sizes in the cube from -1 to 1, each corner displaced by each target.
+/// `count` separate triangles of very different sizes in the cube from -1 to 1. Every target displaces every corner.
 pub fn triangle_soup(seed: u64, count: usize, targets: usize) -> MorphMesh {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let mut positions = Vec::with_capacity(count * 3);

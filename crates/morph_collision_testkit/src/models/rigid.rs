@@ -10,7 +10,7 @@ pub fn box_mesh(half: Vec3) -> MorphMesh {
         let sign = |bit: u32| if i & bit == 0 { -1.0 } else { 1.0 };
         half * Vec3::new(sign(1), sign(2), sign(4))
     };
-    // Each face as a quad turning counter-clockwise seen from outside.
+    // Each face as a quad, counter-clockwise seen from outside.
     let quads = [
         [0, 4, 6, 2],
         [1, 3, 7, 5],

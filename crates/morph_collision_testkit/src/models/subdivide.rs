@@ -1,10 +1,10 @@
-//! Midpoint subdivision: every triangle becomes four, and the shape stays.
+//! Midpoint subdivision: every triangle becomes four, and the shape stays the same.
 
 use std::collections::HashMap;
 
 use glam::{DVec3, Vec3};
 
-/// A point that has a midpoint with another: single or double precision.
+/// A point with a midpoint operation, in single or double precision.
 pub(super) trait Point: Copy {
     fn middle(self, other: Self) -> Self;
 }
@@ -23,7 +23,8 @@ impl Point for DVec3 {
 
 /// Splits every edge in the middle, in all references alike, `levels` times.
 ///
-/// Triangle `t` becomes the triangles `4t .. 4t + 4`: its three corners, then its middle. Old vertices keep their indices.
+/// Triangle `t` becomes the triangles `4t .. 4t + 4`: first its three corners, then its middle. Old vertices keep their
+/// indices.
 pub(super) fn midpoint<P: Point>(references: &mut [Vec<P>], triangles: &mut Vec<[u32; 3]>, levels: u32) {
     for _ in 0..levels {
         split(references, triangles);

@@ -1,10 +1,10 @@
-//! Checks of what a solid's surface has to be: closed, consistently turned, outward.
+//! Checks that a surface bounds a solid: closed, consistently oriented, facing outward.
 
 use std::collections::HashMap;
 
 use glam::Vec3;
 
-/// The first directed edge that is not met by exactly one opposite one; `None` for a closed, consistently turned surface.
+/// The first directed edge without exactly one opposite edge; `None` for a closed, consistently oriented surface.
 pub fn open_edge(triangles: &[[u32; 3]]) -> Option<(u32, u32)> {
     let mut count: HashMap<(u32, u32), u32> = HashMap::new();
     let edges = || triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
@@ -42,7 +42,7 @@ pub fn components(vertex_count: usize, triangles: &[[u32; 3]]) -> Vec<Vec<usize>
     pieces
 }
 
-/// The volume enclosed by a closed surface: positive where its triangles face outward.
+/// The volume enclosed by a closed surface: positive if its triangles face outward.
 pub fn signed_volume(positions: &[Vec3], triangles: impl IntoIterator<Item = [u32; 3]>) -> f64 {
     let volume = |triangle: [u32; 3]| {
         let [a, b, c] = triangle.map(|v| positions[v as usize].as_dvec3());

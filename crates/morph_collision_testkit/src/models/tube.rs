@@ -1,8 +1,8 @@
-//! Closed tubes: rings of corners between two poles, the stuff bodies and fins are made of.
+//! Closed tubes: rings of corners between two poles. Bodies and fins are made of them.
 
 use glam::DVec3;
 
-/// Vertices and outward triangles of separate closed pieces, put together one after the other.
+/// Vertices and outward triangles of separate closed pieces, one after the other.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pieces {
     pub(super) positions: Vec<DVec3>,
@@ -12,7 +12,8 @@ pub(super) struct Pieces {
 impl Pieces {
     /// Adds the tube `start`, `rings[0]`, `rings[1]`, .., `end`: `2 * corners * rings` triangles.
     ///
-    /// All rings have equally many corners and turn the same way; which way does not matter, the winding is made outward.
+    /// All rings have the same number of corners and the same orientation. Either orientation works; the winding is made
+    /// outward.
     pub(super) fn add_tube<const N: usize>(&mut self, start: DVec3, rings: &[[DVec3; N]], end: DVec3) {
         let first = self.positions.len() as u32;
         let corners = N as u32;
@@ -46,7 +47,7 @@ impl Pieces {
     }
 }
 
-/// The volume inside the triangles, positive where they face outward.
+/// The volume inside the triangles, positive if they face outward.
 fn signed_volume(positions: &[DVec3], triangles: &[[u32; 3]]) -> f64 {
     let volume = |triangle: &[u32; 3]| {
         let [a, b, c] = triangle.map(|v| positions[v as usize]);

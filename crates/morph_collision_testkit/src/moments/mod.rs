@@ -1,4 +1,4 @@
-//! Bodies in one moment, to judge answers on, and the truth about them.
+//! Bodies at one moment, with the correct answers, to check methods against.
 
 mod skinned;
 
@@ -15,22 +15,22 @@ use crate::{oracle, scenes};
 
 pub use self::skinned::skinned;
 
-/// A body: the index of its mesh, its weights and its place.
+/// A body: the index of its mesh, its weights and its placement.
 pub type MomentBody = (usize, Vec<f32>, Affine3A);
 
 /// Two bodies and a triangle of each that intersect: `[body a, body b, triangle a, triangle b]` with `body a < body b`.
 pub type Touch = [u32; 4];
 
-/// Bodies in one moment.
+/// Bodies at one moment.
 #[derive(Clone, Debug)]
 pub struct Moment {
-    /// To tell it by when it fails.
+    /// Its name, for failure messages.
     pub name: String,
     /// The meshes.
     pub meshes: Vec<MorphMesh>,
     /// The bodies.
     pub bodies: Vec<MomentBody>,
-    /// The matrices of the joints of each body with a skinned mesh, in world space; empty for other bodies, and if no body is skinned.
+    /// The joint matrices of each body with a skinned mesh, in world space. Empty for other bodies, and if no body is skinned.
     pub joints: Vec<Vec<Affine3A>>,
 }
 
@@ -66,7 +66,7 @@ impl Moment {
     /// All intersecting triangle pairs by brute force, ascending.
     ///
     /// # Panics
-    /// As [`oracle::scene_pairs`].
+    /// See [`oracle::scene_pairs`].
     pub fn truth(&self) -> Vec<Touch> {
         let bodies: Vec<_> = self
             .bodies
@@ -86,10 +86,11 @@ impl Moment {
         all
     }
 
-    /// The same by a method, ascending, and what it took; every pair of bodies is asked about, without a broad phase.
+    /// All intersecting triangle pairs by a method, ascending, and the work it took. Queries every pair of bodies, without a
+    /// broad phase.
     ///
     /// # Errors
-    /// Meshes, options, weights or places that the method refuses.
+    /// The method refuses meshes, options, weights or placements.
     pub fn answer(
         &self,
         method: MethodKind,
@@ -144,7 +145,7 @@ pub fn pass_through(step: usize) -> Moment {
     Moment::pair(&format!("pass-through, step {step}"), &pass_through_body(), bodies)
 }
 
-/// Sheared, mirrored, stretched and flattened places that bring two models of the given radius together.
+/// Sheared, mirrored, stretched and flattened placements that bring two models of the given radius together.
 fn odd_places(radius: f32) -> Vec<(&'static str, Affine3A)> {
     let offset = Vec3::new(0.5, 0.2, -0.1) * radius;
     let turned = Mat3::from_quat(Quat::from_rotation_x(0.8) * Quat::from_rotation_z(1.9));
@@ -168,7 +169,7 @@ fn odd_places(radius: f32) -> Vec<(&'static str, Affine3A)> {
     ]
 }
 
-/// Generated models in every kind of place and with weights of every kind.
+/// Generated models with every kind of placement and weights.
 pub fn generated() -> Vec<Moment> {
     let blob = random::random_blob(7, 2, 6, 0.5);
     let soup = random::triangle_soup(11, 120, 3);
@@ -227,7 +228,7 @@ pub fn generated() -> Vec<Moment> {
     all
 }
 
-/// Two copies of a mesh, slightly turned about its middle and apart, with given weights each: `weights(body, target)`.
+/// Two copies of a mesh, apart and slightly rotated about its middle, each with its own weights: `weights(body, target)`.
 pub fn of_two(mesh: &MorphMesh, weights: impl Fn(usize, usize) -> f32) -> Moment {
     let bounds = Aabb::from_points(mesh.positions.iter().copied());
     let (middle, radius) = (bounds.center(), 0.5 * bounds.size().length());
@@ -240,14 +241,14 @@ pub fn of_two(mesh: &MorphMesh, weights: impl Fn(usize, usize) -> f32) -> Moment
     Moment::pair(&mesh.name, mesh, bodies)
 }
 
-/// The path of a real model by other people: in `assets/`, where the head always is, or in the folder of models beside the repository.
-/// `None`, with a printed reason, where neither has it.
+/// The path of a real model made by other people. Looks in `assets/`, which always has the head, and in the folder of models
+/// beside the repository. Returns `None` and prints the reason if neither has it.
 pub fn real_model(name: &str) -> Option<PathBuf> {
     let found = find_real_model(name);
     found.inspect_err(|missing| println!("skipped: {missing}")).ok()
 }
 
-/// As [`real_model`], prints nothing.
+/// Like [`real_model`], but prints nothing.
 ///
 /// # Errors
 /// Neither folder has it.
@@ -264,19 +265,19 @@ pub fn find_real_model(name: &str) -> Result<PathBuf, MissingModel> {
     })
 }
 
-/// A model by other people that is not at hand.
+/// A model by other people that was not found.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("there is no {name} in assets/, and no {}", beside.display())]
 pub struct MissingModel {
     name: String,
-    /// Where else it was looked for.
+    /// The other folder that was searched.
     beside: PathBuf,
 }
 
-/// [`of_two`] of the first mesh of a [`real_model`].
+/// [`of_two`] for the first mesh of a [`real_model`].
 ///
 /// # Errors
-/// A file that is there and cannot be read.
+/// The file exists but cannot be read.
 pub fn from_real_model(name: &str, weights: impl Fn(usize, usize) -> f32) -> Result<Option<Moment>, Box<ReadError>> {
     let Some(path) = real_model(name) else {
         return Ok(None);

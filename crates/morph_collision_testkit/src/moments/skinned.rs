@@ -6,7 +6,7 @@ use super::Moment;
 use crate::mesh::MorphMesh;
 use crate::models::rigs::{self, PoseKind};
 
-/// Generated skinned models with joints of every kind, one body beside the other so that they overlap.
+/// Generated skinned models with joints of every kind. The two bodies are close enough to overlap.
 pub fn skinned() -> Vec<Moment> {
     let meshes = [
         rigs::tube(31, 6, 4, 3),
@@ -20,7 +20,7 @@ pub fn skinned() -> Vec<Moment> {
         let Some(skin) = &mesh.skin else { continue };
         for kind in PoseKind::ALL {
             let joints = [kind.draw(&skin.skeleton, 1), kind.of_body(1).draw(&skin.skeleton, 2)];
-            // What is far away starts in different places.
+            // Poses far from the origin start in different places.
             let origin = |joints: &[Affine3A]| joints.first().map_or(Vec3::ZERO, |joint| joint.translation.into());
             let shift = origin(&joints[0]) - origin(&joints[1]) + Vec3::new(0.1, 0.05, -0.1);
             let [first, mut second] = joints;

@@ -1,20 +1,21 @@
-//! What `f64` arithmetic knows for certain about two triangles, so that integers are left for the rest.
+//! Decides pairs of triangles in `f64` arithmetic if the result is certain, so that integers are needed only for the rest.
 //!
-//! Every number here comes with a bound on its error, and only a sign that the error cannot turn counts. Nothing is decided
-//! that the integers would decide otherwise; what is not certain is left to them.
+//! Every number comes with an error bound, and a sign counts only if the error cannot change it. The result is always the one
+//! that integers would give; uncertain cases are left to them.
 
 use std::array::from_fn;
 
 use glam::DVec3;
 
-/// Above the error of a dot product of rounded differences, relative to the sum of its terms' magnitudes: that is `5 * 2^-53`
-/// and terms of second order.
+/// An upper bound on the error of a dot product of rounded differences, relative to the sum of its terms' magnitudes. The
+/// error is `5 * 2^-53` and terms of second order.
 const DOT_ERROR: f64 = 8.0 * f64::EPSILON;
 
-/// Above the error of a determinant of rounded differences, relative to its permanent: that is `8 * 2^-53` (Shewchuk 1997).
+/// An upper bound on the error of a determinant of rounded differences, relative to its permanent. The error is `8 * 2^-53`
+/// (Shewchuk 1997).
 const DETERMINANT_ERROR: f64 = 16.0 * f64::EPSILON;
 
-/// Whether two closed triangles share a point, where `f64` arithmetic is sure of it; finite vertices.
+/// Whether two closed triangles share a point, or `None` if `f64` arithmetic is not certain. Vertices must be finite.
 pub(super) fn certainly(a: &[DVec3; 3], b: &[DVec3; 3]) -> Option<bool> {
     if separated(a, b) {
         return Some(false);
@@ -25,7 +26,7 @@ pub(super) fn certainly(a: &[DVec3; 3], b: &[DVec3; 3]) -> Option<bool> {
 
 /// Whether one of the directions tried certainly separates the triangles, strictly.
 ///
-/// A direction is taken as the exact vector of its rounded coordinates, so it does not matter how it was found.
+/// A direction counts as the exact vector of its rounded coordinates, so it does not matter how it was found.
 fn separated(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
     let origin = a[0];
     let (near_a, near_b) = (a.map(|p| p - origin), b.map(|p| p - origin));
@@ -44,7 +45,7 @@ fn separated(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
         || edges_b.iter().any(|edge| separates(edge.cross(normal_b)))
 }
 
-/// Bounds on the points' places along a direction; not numbers, so that no comparison holds, where `f64` is left.
+/// Bounds on the points' positions along a direction. NaN if `f64` overflows, so that no comparison holds.
 fn extent(direction: DVec3, points: &[DVec3; 3]) -> (f64, f64) {
     points
         .iter()
@@ -52,7 +53,7 @@ fn extent(direction: DVec3, points: &[DVec3; 3]) -> (f64, f64) {
             let terms = direction * point;
             let along = terms.x + terms.y + terms.z;
             let magnitude = terms.x.abs() + terms.y.abs() + terms.z.abs();
-            // The smallest normal number is above what underflows.
+            // The smallest normal number exceeds anything that underflows.
             let error = magnitude * DOT_ERROR + f64::MIN_POSITIVE;
             if !(along - error).is_finite() || !(along + error).is_finite() {
                 return (f64::NEG_INFINITY, f64::INFINITY);
@@ -61,8 +62,8 @@ fn extent(direction: DVec3, points: &[DVec3; 3]) -> (f64, f64) {
         })
 }
 
-/// Whether an edge certainly passes through the inside of a triangle: its ends are on different sides of the plane, and its
-/// line sees all three edges turn the same way.
+/// Whether an edge certainly passes through the inside of a triangle: its ends are on different sides of the plane, and all
+/// three edges wind in the same direction around its line.
 fn pierces(p: DVec3, q: DVec3, [a, b, c]: &[DVec3; 3]) -> bool {
     let (Some(p_above), Some(q_above)) = (above(*a, *b, *c, p), above(*a, *b, *c, q)) else {
         return false;
@@ -74,10 +75,10 @@ fn pierces(p: DVec3, q: DVec3, [a, b, c]: &[DVec3; 3]) -> bool {
     turns[0].is_some() && turns[0] == turns[1] && turns[1] == turns[2]
 }
 
-/// The sign of the determinant of `a - d`, `b - d`, `c - d`, where it is certain and not zero: whether it is positive.
+/// Whether the determinant of `a - d`, `b - d`, `c - d` is positive; `None` unless its sign is certain and not zero.
 fn above(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Option<bool> {
     let (a, b, c) = (a - d, b - d, c - d);
-    // Within these no product of three underflows or overflows.
+    // In this range no product of three factors underflows or overflows.
     let in_range = |value: f64| value == 0.0 || (1e-90..=1e90).contains(&value.abs());
     if ![a, b, c].iter().all(|v| v.to_array().into_iter().all(in_range)) {
         return None;
@@ -100,7 +101,7 @@ mod tests {
     use super::super::triangles_intersect;
     use super::*;
 
-    /// Triangles on a coarse grid, so that touching is common, each coordinate off it by a few roundings or not at all.
+    /// Triangles on a coarse grid, so that touching is common. Each coordinate is on the grid or off by a few roundings.
     fn nearly_degenerate(rng: &mut Pcg64Mcg, scale: f64) -> [DVec3; 3] {
         from_fn(|_| {
             DVec3::from_array(from_fn(|_| {

@@ -16,15 +16,15 @@ fn point_segment(p: DVec3, a: DVec3, b: DVec3) -> f64 {
     }
 }
 
-/// The distance of a point and a triangle, in the unit of their coordinates. The larger the coordinates and the thinner the triangle, the larger
-/// its error.
+/// The distance of a point and a triangle, in the unit of their coordinates. The error grows with the size of the coordinates and
+/// with the thinness of the triangle.
 #[must_use]
 pub fn point_distance(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> f64 {
     let edges = point_segment(p, a, b)
         .min(point_segment(p, b, c))
         .min(point_segment(p, c, a));
     let (ab, ac, ap) = (b - a, c - a, p - a);
-    // Areas along the normal, which slivers stand better than products of lengths.
+    // Areas along the normal, which are more robust for slivers than products of lengths.
     let normal = ab.cross(ac);
     let (vb, vc) = (ap.cross(ac).dot(normal), ab.cross(ap).dot(normal));
     let va = normal.dot(normal) - vb - vc;
@@ -53,7 +53,7 @@ fn segments(p1: DVec3, q1: DVec3, p2: DVec3, q2: DVec3) -> f64 {
     }
 }
 
-/// The distance of two triangles that share no point, with an error as [`point_distance`].
+/// The distance of two triangles that share no point, with the same kind of error as [`point_distance`].
 #[must_use]
 pub fn triangle_distance(a: &[DVec3; 3], b: &[DVec3; 3]) -> f64 {
     let mut least = f64::INFINITY;

@@ -6,7 +6,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use num_bigint::{BigInt, Sign};
 
-/// A number `mantissa * 2^exponent` of any size; every finite `f32` and `f64` is one. Sums, differences, products and
+/// A number `mantissa * 2^exponent` of any size. Every finite `f32` and `f64` is one. Sums, differences, products and
 /// comparisons are exact.
 #[derive(Clone, Debug)]
 pub struct Dyadic {
@@ -36,28 +36,28 @@ impl Dyadic {
         self.mantissa.sign() == Sign::Minus
     }
 
-    /// The magnitude.
+    /// The absolute value.
     pub fn abs(self) -> Self {
         if self.is_negative() { -self } else { self }
     }
 
-    /// `self / other`, off by a few roundings of `f64`; 0 for a zero over anything.
+    /// `self / other` up to a few roundings of `f64`; 0 if `self` is zero.
     pub fn ratio(&self, other: &Self) -> f64 {
         let ((a, a_exponent), (b, b_exponent)) = (self.leading(), other.leading());
         if a == 0.0 {
             return 0.0;
         }
-        // In two steps: a power of two alone may be out of range where the quotient is not.
+        // In two steps, because the power of two may be out of range even if the quotient is not.
         let exponent = a_exponent - b_exponent;
         a / b * 2_f64.powi(exponent / 2) * 2_f64.powi(exponent - exponent / 2)
     }
 
-    /// The nearest `f64`, but for a rounding or two.
+    /// The nearest `f64`, up to a rounding or two.
     pub fn to_f64(&self) -> f64 {
         self.ratio(&Self::from(1.0_f64))
     }
 
-    /// At least 60 leading bits as a number, and the power of two that it is to be multiplied by.
+    /// At least 60 leading bits as a number, and the exponent of the power of two to multiply it by.
     fn leading(&self) -> (f64, i32) {
         let spare = self.mantissa.bits().saturating_sub(62) as i32;
         let bits = i64::try_from(&self.mantissa >> spare).unwrap_or(0);
@@ -159,7 +159,7 @@ impl Ord for Dyadic {
     }
 }
 
-/// `mantissa * 2^exponent == value`, with trailing zero bits taken out so that integers stay small.
+/// `mantissa * 2^exponent == value`, without trailing zero bits, so that integers stay small.
 pub(super) fn mantissa_and_exponent(value: f64) -> (i64, i32) {
     let bits = value.to_bits();
     let biased = ((bits >> 52) & 0x7ff) as i32;

@@ -1,15 +1,18 @@
-//! The truth to judge the core against: brute force in exact arithmetic, straight from the definitions.
+//! The oracle: brute force in exact arithmetic, straight from the definitions. The core library is tested against it.
 //!
 //! ```text
 //! base + targets + weights --vertex--> posed f32 --vertex--> world f64 --triangles, pairs--> intersecting pairs
 //! ```
 //!
-//! Nothing here uses the crate `morph_collision`: the definition of a posed vertex, of two triangles that share a point and
-//! of a set of pairs is written out a second time, with no tree, no volume and no predicate in common, so that an
-//! agreement of both means something. Exactness comes from integers: every `f64` is a whole number of some power of two. Whole
-//! meshes would take too long so; [`intersecting_pairs`] leaves out integers where `f64` arithmetic with a bound on its error is sure.
+//! Nothing here uses the crate `morph_collision`. The definitions of a posed vertex, of two triangles that share a point and of a
+//! set of pairs are implemented a second time, with no tree, no volume and no predicate in common, so that agreement is
+//! meaningful.
 //!
-//! [`Dyadic`] is that number, to measure roundings with. Distances ([`triangle_distance`]) are in `f64`, and have an error.
+//! It is exact because it uses integers: every `f64` is a whole multiple of some power of two. For whole meshes that would take
+//! too long, so [`intersecting_pairs`] uses integers only if error-bounded `f64` arithmetic is not certain.
+//!
+//! [`Dyadic`] is such an exact number, for measuring rounding errors. Distances ([`triangle_distance`]) are in `f64` and have an
+//! error.
 
 mod certain;
 mod distance;

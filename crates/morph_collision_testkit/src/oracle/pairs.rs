@@ -10,8 +10,8 @@ use super::triangles_intersect;
 /// All pairs `(triangle of a, triangle of b)` that share a point, in ascending order.
 ///
 /// Vertices are in world space. Every pair whose `f64` boxes overlap is decided exactly, in integers unless error-bounded
-/// `f64` arithmetic is sure; the boxes themselves by comparing coordinates, which is exact too. Quadratic but for a sort
-/// along x.
+/// `f64` arithmetic is certain. Boxes are compared by their coordinates, which is exact too. Takes quadratic time, except
+/// for a sort along x.
 ///
 /// # Panics
 ///
@@ -31,7 +31,7 @@ pub fn intersecting_pairs(
     pairs
 }
 
-/// As [`intersecting_pairs`], in any order, until `found` breaks.
+/// Like [`intersecting_pairs`], in any order, until `found` breaks.
 pub(crate) fn visit_intersecting_pairs(
     a: &[DVec3],
     a_triangles: &[[u32; 3]],
@@ -43,7 +43,7 @@ pub(crate) fn visit_intersecting_pairs(
     let mut boxed_b = boxed_triangles(b, b_triangles);
     boxed_b.sort_by(|p, q| p.min.x.total_cmp(&q.min.x));
 
-    // How far along x each of b and all before it reach.
+    // The largest x coordinate of each triangle of `b` and all before it.
     let mut reach = f64::NEG_INFINITY;
     let reaches: Vec<f64> = boxed_b
         .iter()
@@ -54,7 +54,7 @@ pub(crate) fn visit_intersecting_pairs(
         .collect();
 
     for triangle_a in &boxed_a {
-        // Before the first of b that reaches this one's start none can, and none from the first that starts beyond its end.
+        // Triangles of `b` before `first` end before this one starts; those from `end` on start beyond its end.
         let first = reaches.partition_point(|reach| *reach < triangle_a.min.x);
         let end = boxed_b.partition_point(|triangle_b| triangle_b.min.x <= triangle_a.max.x);
         for triangle_b in boxed_b.get(first..end).unwrap_or_default() {
@@ -68,7 +68,7 @@ pub(crate) fn visit_intersecting_pairs(
     }
 }
 
-/// A triangle's index and vertices with the box around them.
+/// A triangle's index and vertices with their bounding box.
 struct BoxedTriangle {
     index: u32,
     vertices: [DVec3; 3],
@@ -77,7 +77,7 @@ struct BoxedTriangle {
 }
 
 impl BoxedTriangle {
-    /// Closed boxes: touching is overlapping.
+    /// Boxes are closed: touching counts as overlapping.
     fn box_overlaps(&self, other: &Self) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
@@ -88,7 +88,7 @@ impl BoxedTriangle {
     }
 }
 
-/// Triangles with a coordinate that is not finite are left out: they meet nothing.
+/// Skips triangles with a coordinate that is not finite, because they intersect nothing.
 fn boxed_triangles(vertices: &[DVec3], triangles: &[[u32; 3]]) -> Vec<BoxedTriangle> {
     (0u32..)
         .zip(triangles)

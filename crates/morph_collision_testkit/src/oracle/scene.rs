@@ -5,7 +5,7 @@ use glam::{Affine3A, DVec3};
 use super::{intersecting_pairs, posed_vertices, skinned_vertices, world_vertices};
 use crate::mesh::MorphMesh;
 
-/// One body of a scene: a mesh, its weights and where it stands.
+/// One body of a scene: a mesh, its weights and its placement.
 #[derive(Clone, Copy, Debug)]
 pub struct BodyPose<'a> {
     /// The mesh, in model space.
@@ -14,7 +14,7 @@ pub struct BodyPose<'a> {
     pub weights: &'a [f32],
     /// Any finite affine; a skinned mesh is placed by its joints instead.
     pub world_from_model: Affine3A,
-    /// The matrix of each joint of a skinned mesh, from its space to world space; the identity for each where this is `None`.
+    /// The matrix of each joint of a skinned mesh, from mesh space to world space; `None` means the identity for each.
     pub joints: Option<&'a [Affine3A]>,
 }
 
@@ -22,7 +22,7 @@ impl BodyPose<'_> {
     /// All vertices in world space.
     ///
     /// # Panics
-    /// As [`scene_pairs`].
+    /// See [`scene_pairs`].
     pub fn world_vertices(&self) -> Vec<DVec3> {
         let posed = posed_vertices(&self.mesh.positions, &self.mesh.targets, self.weights);
         match &self.mesh.skin {
@@ -50,7 +50,7 @@ pub struct BodyPairs {
 ///
 /// # Panics
 ///
-/// If a body has not one weight per target or its mesh names a vertex or a joint that does not exist.
+/// If a body does not have one weight per target, or its mesh names a vertex or a joint that does not exist.
 pub fn scene_pairs(bodies: &[BodyPose<'_>]) -> Vec<BodyPairs> {
     let world: Vec<_> = bodies.iter().map(BodyPose::world_vertices).collect();
     let mut touching = Vec::new();

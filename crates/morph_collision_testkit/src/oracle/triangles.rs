@@ -1,12 +1,12 @@
 //! Do two closed triangles share a point? Decided in integers, from the definition of a convex hull.
 //!
 //! The hulls of `a_0 a_1 a_2` and `b_0 b_1 b_2` share a point iff the origin lies in the hull of the nine differences
-//! `a_i - b_j` (their Minkowski difference), and by Caratheodory's theorem iff it lies in the hull of an affinely
-//! independent subset of one to four of them: a point, a segment, a triangle or a tetrahedron. Segments and points posing
-//! as triangles and coplanar pairs need no case of their own.
+//! `a_i - b_j` (their Minkowski difference). By Caratheodory's theorem, this holds iff it lies in the hull of an affinely
+//! independent subset of one to four of them: a point, a segment, a triangle or a tetrahedron. Degenerate triangles and
+//! coplanar pairs are not special cases.
 //!
-//! Searching 255 subsets is slow, so pairs that some plane separates are turned away first. A strictly separating direction
-//! proves that the hulls are apart whatever it was found from, so the list of directions tried is a matter of speed alone.
+//! Searching 255 subsets is slow, so pairs that some plane separates are rejected first. A strictly separating direction
+//! proves that the hulls are apart, however it was found, so the choice of directions to try affects only the speed.
 
 use std::array::from_fn;
 use std::cmp::Ordering;
@@ -21,8 +21,8 @@ type Vector = [BigInt; 3];
 
 /// Whether two closed triangles, given by their `f64` vertices, share at least one point; exact.
 ///
-/// Touching counts, and a triangle may be degenerate: a segment or a point. A triangle with a coordinate that is not finite
-/// is no set of points and meets nothing.
+/// Touching counts. A triangle may be degenerate: a segment or a point. A triangle with a coordinate that is not finite is
+/// not a set of points and intersects nothing.
 pub fn triangles_intersect(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
     if a.iter().chain(b).any(|vertex| !vertex.is_finite()) {
         return false;
@@ -31,7 +31,7 @@ pub fn triangles_intersect(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
     !separated(&a, &b) && hulls_meet(&a, &b)
 }
 
-/// The vertices of both triangles as whole multiples of one power of two.
+/// The vertices of both triangles as whole multiples of the same power of two.
 fn to_integers(a: &[DVec3; 3], b: &[DVec3; 3]) -> ([Vector; 3], [Vector; 3]) {
     let unit = a
         .iter()
@@ -49,9 +49,9 @@ fn to_integers(a: &[DVec3; 3], b: &[DVec3; 3]) -> ([Vector; 3], [Vector; 3]) {
     (convert(a), convert(b))
 }
 
-/// Whether one of the directions tried strictly separates the triangles; `false` says nothing.
+/// Whether one of the directions tried strictly separates the triangles. `false` proves nothing.
 ///
-/// Tried are both normals, all products of an edge of `a` and one of `b`, and the in-plane normals of all edges.
+/// It tries both normals, all cross products of an edge of `a` and one of `b`, and the in-plane normals of all edges.
 fn separated(a: &[Vector; 3], b: &[Vector; 3]) -> bool {
     let (edges_a, edges_b) = (edges(a), edges(b));
     let normals = [cross(&edges_a[0], &edges_a[1]), cross(&edges_b[0], &edges_b[1])];
@@ -91,12 +91,12 @@ fn hulls_meet(a: &[Vector; 3], b: &[Vector; 3]) -> bool {
     })
 }
 
-/// Whether the origin lies on the closed segment `p q`: on its line, and the ends do not lie on the same side.
+/// Whether the origin lies on the closed segment `p q`: on its line, with the ends not on the same side.
 fn in_segment(p: &Vector, q: &Vector) -> bool {
     dot(p, q).sign() != Sign::Plus && is_zero(&cross(p, q))
 }
 
-/// Whether the origin lies in the closed triangle `p q r`; `false` for a degenerate one, whose segments speak for it.
+/// Whether the origin lies in the closed triangle `p q r`; `false` for a degenerate one, which its segments cover.
 fn in_triangle(p: &Vector, q: &Vector, r: &Vector) -> bool {
     let normal = cross(&subtract(q, p), &subtract(r, p));
     if is_zero(&normal) || dot(&normal, p).sign() != Sign::NoSign {
@@ -108,10 +108,10 @@ fn in_triangle(p: &Vector, q: &Vector, r: &Vector) -> bool {
         .all(|(from, to)| dot(&normal, &cross(from, to)).sign() != Sign::Minus)
 }
 
-/// Whether the origin lies in the closed tetrahedron `p q r s`; `false` for a flat one, whose triangles speak for it.
+/// Whether the origin lies in the closed tetrahedron `p q r s`; `false` for a flat one, which its triangles cover.
 fn in_tetrahedron(p: &Vector, q: &Vector, r: &Vector, s: &Vector) -> bool {
     let (qr, ps) = (cross(q, r), cross(p, s));
-    // Barycentric coordinates of the origin times the volume, of which they are the sum.
+    // Barycentric coordinates of the origin times the volume, which is their sum.
     let parts = [dot(&qr, s), dot(&ps, r), -dot(&ps, q), -dot(&qr, p)];
     let volume: BigInt = parts.iter().sum();
     match volume.cmp(&BigInt::ZERO) {

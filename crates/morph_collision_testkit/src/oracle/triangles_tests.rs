@@ -1,4 +1,4 @@
-//! Hand-made triangles of every kind, and random ones whose answer is known from how they were made.
+//! Hand-made triangles of every kind, and random ones whose construction determines the answer.
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -11,7 +11,8 @@ fn triangle(vertices: [[f64; 3]; 3]) -> [DVec3; 3] {
     vertices.map(DVec3::from_array)
 }
 
-/// The answer, after checking that it depends on neither the order of the triangles nor that of their vertices.
+/// The answer, after checking that it depends neither on the order of the triangles nor on that of their
+/// vertices.
 fn intersect(a: [[f64; 3]; 3], b: [[f64; 3]; 3]) -> bool {
     intersect_in_any_order(&triangle(a), &triangle(b))
 }
@@ -31,7 +32,7 @@ fn intersect_in_any_order(a: &[DVec3; 3], b: &[DVec3; 3]) -> bool {
 /// In the plane z = 0.
 const FLOOR: [[f64; 3]; 3] = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [0.0, 4.0, 0.0]];
 
-/// In the plane z = 0, with the given corners.
+/// A triangle in the plane z = 0 with these corners.
 fn flat(corners: [[f64; 2]; 3]) -> [[f64; 3]; 3] {
     corners.map(|[x, y]| [x, y, 0.0])
 }
@@ -48,7 +49,7 @@ fn triangles_apart_do_not_meet() {
     assert!(!intersect(FLOOR, [[0.0, 0.0, 1.0], [4.0, 0.0, 1.0], [0.0, 4.0, 1.0]]));
     // Crosses the plane, but outside.
     assert!(!intersect(FLOOR, [[3.0, 3.0, -1.0], [3.0, 3.0, 1.0], [9.0, 9.0, 1.0]]));
-    // Each crosses the other's plane and only edges separate them.
+    // Each crosses the other's plane, and only edges separate them.
     assert!(!intersect(
         FLOOR,
         [[2.0, -1.0, 0.5], [2.0, 1.0, 3.0], [2.0, -9.0, -9.0]]
@@ -187,7 +188,7 @@ fn every_f64_is_its_mantissa_times_a_power_of_two() {
         0.0,
     ] {
         let (mantissa, exponent) = mantissa_and_exponent(value);
-        // In two steps: 2^-1074 alone is a denormal, and 2^971 times a mantissa does not overflow.
+        // In two steps, because 2^-1074 alone is a denormal; and 2^971 times a mantissa does not overflow.
         let half = exponent / 2;
         assert_eq!(mantissa as f64 * 2f64.powi(half) * 2f64.powi(exponent - half), value);
         assert!(mantissa % 2 != 0 || value == 0.0);
@@ -238,7 +239,8 @@ fn turning_pairs_away_early_changes_no_answer() {
             let (a, b) = to_integers(&grid_triangle(&mut rng, size), &grid_triangle(&mut rng, size));
             let (meet, turned_away) = (hulls_meet(&a, &b), separated(&a, &b));
             assert!(!(meet && turned_away), "{a:?} {b:?}");
-            // For proper triangles the directions tried are all that can separate: both sides must agree.
+            // For non-degenerate triangles these directions are all that can separate, so both methods must
+            // agree.
             let proper = |t: &[Vector; 3]| !is_zero(&cross(&edges(t)[0], &edges(t)[1]));
             if proper(&a) && proper(&b) {
                 assert_eq!(meet, !turned_away, "{a:?} {b:?}");

@@ -1,4 +1,4 @@
-//! Where a vertex is: the `f32` blend, then the `f64` world position.
+//! Computes the position of a vertex: the `f32` blend, then the `f64` world position.
 
 use glam::{Affine3A, DVec3, Vec3};
 
@@ -6,12 +6,13 @@ use crate::skin::InfluenceSet;
 
 /// Blends every vertex in model space: `b + w_0 d_0 + w_1 d_1 + ...`.
 ///
-/// `targets` hold one displacement per vertex, in model units, or none where a target moves nothing. The sum runs in `f32` over the targets in ascending order;
-/// a weight of exactly zero leaves its target out, and every step multiplies, rounds, adds and rounds: never fused.
+/// Each target holds one displacement per vertex, in model units, or is empty if it moves nothing. The sum runs in `f32` over the
+/// targets in ascending order. A weight of exactly zero skips its target. Every step multiplies, rounds, adds and rounds: never
+/// fused.
 ///
 /// # Panics
 ///
-/// If there are not as many weights as targets or a target is neither empty nor as long as `base`.
+/// If the numbers of weights and targets differ, or a target is neither empty nor as long as `base`.
 pub fn posed_vertices(base: &[Vec3], targets: &[Vec<Vec3>], weights: &[f32]) -> Vec<Vec3> {
     assert_eq!(weights.len(), targets.len(), "one weight per target");
     for (index, target) in targets.iter().enumerate() {
@@ -56,9 +57,10 @@ pub fn world_vertices(vertices: &[Vec3], world_from_model: &Affine3A) -> Vec<DVe
 
 /// Takes morphed vertices to world space by their joints, in `f64`.
 ///
-/// `joints` take the mesh's space to world space. The entries of a vertex's matrix are `((w_0 J_0 + w_1 J_1) + w_2 J_2) + ...` over the slots of
-/// all sets in order; slots of weight 0 are left out, and weights are not normalised. A component of the position is
-/// `((m_x * x + m_y * y) + m_z * z) + t`. All factors are converted from `f32` first; every operation rounds once, none is fused.
+/// `joints` map the mesh's space to world space. The entries of a vertex's matrix are `((w_0 J_0 + w_1 J_1) + w_2 J_2) + ...`
+/// over the slots of all sets in order. Slots of weight 0 are skipped, and weights are not normalised. A component of the
+/// position is `((m_x * x + m_y * y) + m_z * z) + t`. All factors are converted from `f32` first; every operation rounds once,
+/// none is fused.
 ///
 /// # Panics
 ///
@@ -95,7 +97,7 @@ mod tests {
 
     #[test]
     fn targets_are_added_in_ascending_order_and_rounded_each_time() {
-        // 1 + 2^-24 rounds back to 1, twice; summed the other way round the two halves would make one step.
+        // 1 + 2^-24 rounds back to 1, twice. Summed in the other order, the two halves would make one step.
         let tiny = 2f32.powi(-24);
         let posed = posed_vertices(&[Vec3::X], &[vec![Vec3::X * tiny], vec![Vec3::X * tiny]], &[1.0, 1.0]);
         assert_eq!(posed, [Vec3::X]);
@@ -176,11 +178,11 @@ mod tests {
 
     #[test]
     fn slots_are_added_in_order_over_both_sets() {
-        // 2^53 + 1 - 2^53 + 1 is 1 from the left and 2 when the large ones come first. `f32` entries hold these numbers.
+        // 2^53 + 1 - 2^53 + 1 is 1 from left to right, and 2 if the large ones come first. `f32` entries hold these numbers.
         let joints = [2_f32.powi(53), 1.0, -(2_f32.powi(53)), 1.0].map(|x| Affine3A::from_translation(Vec3::X * x));
         let one = |order: [u16; 4]| {
             let slots: Vec<(u16, f32)> = order.into_iter().map(|joint| (joint, 1.0)).collect();
-            // A slot of weight 0 in between, so that the last one is in the second set.
+            // A slot of weight 0 in between moves the last one into the second set.
             let slots = [&slots[..3], &[(9, 0.0)], &slots[3..]].concat();
             skinned_vertices(&[Vec3::ZERO], &influences(&slots), &joints)[0].x
         };

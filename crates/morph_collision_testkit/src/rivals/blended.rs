@@ -1,4 +1,4 @@
-//! Meshes whose vertices are all blended when the weights change: what every rival starts a frame with.
+//! Meshes whose vertices are all blended when the weights change. Every rival starts a frame with this.
 
 use std::sync::Arc;
 
@@ -9,7 +9,8 @@ use super::skin::{SkinnedBody, WeldedSkin};
 use super::{PoseError, WeightLimits};
 use crate::mesh::MorphMesh;
 
-/// A mesh as blending whole likes it: welded, target by target, each with the vertices that it moves.
+/// A welded mesh in a form that is fast to blend as a whole: target by target, each with the vertices that
+/// it moves.
 #[derive(Debug)]
 pub(super) struct WeldedMesh {
     pub(super) base: Vec<Vec3>,
@@ -21,14 +22,14 @@ pub(super) struct WeldedMesh {
 
 #[derive(Debug)]
 struct Target {
-    /// The vertices it moves, ascending; none where it moves them all.
+    /// The vertices it moves, ascending; `None` if it moves all of them.
     vertices: Option<Vec<u32>>,
     deltas: Vec<Vec3>,
 }
 
 impl WeldedMesh {
     /// # Errors
-    /// As [`MorphMesh::to_model`].
+    /// See [`MorphMesh::to_model`].
     pub(super) fn new(mesh: &MorphMesh) -> Result<Self, ModelError> {
         let model = mesh.to_model()?;
         let mut sources = vec![None; model.vertex_count()];
@@ -52,7 +53,7 @@ impl WeldedMesh {
         self.skin.as_ref().map(WeldedSkin::joint_count)
     }
 
-    /// The joints of a vertex with their weights; one joint moves all of a mesh without a skin.
+    /// The joints of a vertex with their weights. A mesh without a skin counts as moved by a single joint.
     pub(super) fn influences(&self, vertex: u32) -> &[(u16, f32)] {
         self.skin.as_ref().map_or(&[(0, 1.0)], |skin| skin.of(vertex as usize))
     }
@@ -61,7 +62,7 @@ impl WeldedMesh {
         self.targets.len()
     }
 
-    /// The displacements that are not zero, target by target: target, vertex, and how far.
+    /// The nonzero displacements, target by target: target, vertex and displacement.
     pub(super) fn displacements(&self) -> impl Iterator<Item = (u32, u32, Vec3)> {
         (0..).zip(&self.targets).flat_map(|(index, target)| {
             let deltas = target.deltas.iter().enumerate();
@@ -72,7 +73,7 @@ impl WeldedMesh {
         })
     }
 
-    /// Every vertex in model space: `f32`, ascending target order, zero weights left out, multiply then add.
+    /// Every vertex in model space: `f32`, ascending target order, zero weights skipped, multiply then add.
     pub(super) fn blend(&self, weights: &[f32], posed: &mut [Vec3]) {
         posed.copy_from_slice(&self.base);
         for (target, &weight) in self.targets.iter().zip(weights) {
@@ -112,19 +113,19 @@ impl Target {
     }
 }
 
-/// A body's state that all rivals have.
+/// The part of a body's state that all rivals share.
 #[derive(Clone, Debug)]
 pub(super) struct BlendedBody {
     pub(super) mesh: Arc<WeldedMesh>,
     weights: Vec<f32>,
     skinned: Option<SkinnedBody>,
-    /// The identity for a skinned body: its vertices are blended into world space.
+    /// The identity for a skinned body, because its vertices are blended into world space.
     pub(super) affine: Affine3A,
     pub(super) world_from_model: WorldFromModel,
 }
 
 impl BlendedBody {
-    /// At rest, at the world's origin.
+    /// A body at rest at the world's origin.
     pub(super) fn new(mesh: Arc<WeldedMesh>) -> Self {
         Self {
             weights: vec![0.0; mesh.targets.len()],
@@ -135,7 +136,7 @@ impl BlendedBody {
         }
     }
 
-    /// Takes the joints of a skinned body.
+    /// Sets the joints of a skinned body.
     pub(super) fn set_joints(&mut self, joints: &[Affine3A]) -> Result<(), PoseError> {
         let skinned = self.skinned.as_mut().ok_or(PoseError::NoJoints)?;
         let (given, expected) = (JointMatrices::new(joints)?.len(), skinned.joint_count());
@@ -147,7 +148,7 @@ impl BlendedBody {
         Ok(())
     }
 
-    /// Takes weights and place; whether the weights or the joints differ from the ones before.
+    /// Sets weights and placement; returns whether the weights or the joints have changed.
     pub(super) fn set(&mut self, weights: &[f32], affine: &Affine3A) -> Result<bool, PoseError> {
         let world_from_model = WorldFromModel::new(*affine)?;
         self.mesh.limits.check(weights)?;
@@ -166,7 +167,7 @@ impl BlendedBody {
         &self.weights
     }
 
-    /// Counts vertices as blended that will be when they are needed.
+    /// Counts vertices as blended that will be blended on demand.
     pub(super) fn skip_blending(&mut self) {
         if let Some(skinned) = &mut self.skinned {
             skinned.changed = false;
@@ -178,7 +179,7 @@ impl BlendedBody {
         self.skinned.as_ref().map(SkinnedBody::joints)
     }
 
-    /// A vertex in world space, given where it is after morphing.
+    /// A vertex in world space, from its morphed position.
     #[inline]
     pub(super) fn placed_vertex(&self, vertex: u32, posed: Vec3) -> DVec3 {
         match (&self.skinned, &self.mesh.skin) {
@@ -187,7 +188,7 @@ impl BlendedBody {
         }
     }
 
-    /// Blends all vertices, and places those of a skinned body in the world.
+    /// Blends all vertices, and places those of a skinned body in world space.
     pub(super) fn blend(&mut self, posed: &mut [Vec3]) {
         self.mesh.blend(&self.weights, posed);
         if let (Some(skinned), Some(skin)) = (&mut self.skinned, &self.mesh.skin) {

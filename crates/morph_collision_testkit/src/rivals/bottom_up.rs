@@ -1,5 +1,6 @@
 //! Van den Bergen's method (*Efficient collision detection of complex deformable models using AABB trees*, Journal of
-//! Graphics Tools 2, 1997): a tree built once, all its boxes refitted from the leaves up whenever the vertices have moved.
+//! Graphics Tools 2, 1997): a tree built once. Whenever the vertices have moved, all its boxes are refitted from the
+//! leaves up.
 
 use std::sync::Arc;
 
@@ -12,7 +13,7 @@ use super::build::{Builder, Cut, Limits};
 use super::tree::{Child, Tree, VertexLists};
 use super::walk::Refit;
 
-/// Every box follows at once.
+/// A tree whose boxes are all updated at once.
 #[derive(Clone, Debug)]
 pub(super) struct BottomUp {
     tree: Arc<Tree>,
@@ -20,7 +21,7 @@ pub(super) struct BottomUp {
     boxes: Vec<Box8>,
 }
 
-/// The tree that [`BottomUp`] and the hybrid keep: a good one, since it is built only once.
+/// The tree of [`BottomUp`] and the hybrid: a good one, because it is built only once.
 pub(super) fn tree_at_rest(mesh: &WeldedMesh, options: &MethodOptions) -> Tree {
     let mut tree = Tree::default();
     let limits = Limits {

@@ -1,4 +1,5 @@
-//! Boxes, one and eight at a time. A box of posed `f32` vertices is exact: nothing is widened until boxes change spaces.
+//! Boxes, one and eight at a time. A box of posed `f32` vertices is exact; boxes are widened only when they change
+//! spaces.
 
 use glam::{Vec3, Vec3A};
 use morph_collision::Aabb;
@@ -56,7 +57,7 @@ impl Box3 {
     }
 }
 
-/// Eight boxes as structure of arrays; lanes without a box are empty and overlap nothing.
+/// Eight boxes as structure of arrays; unused lanes are empty and overlap nothing.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(32))]
 pub(super) struct Box8 {

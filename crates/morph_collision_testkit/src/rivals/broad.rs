@@ -1,4 +1,4 @@
-//! The broad phase that all methods get: boxes in world space, and the pairs of them that overlap.
+//! The broad phase that all methods share: world-space boxes, and their overlapping pairs.
 
 use morph_collision::{Aabb, overlapping_pairs};
 
@@ -12,7 +12,8 @@ pub struct BroadPhase {
 }
 
 impl BroadPhase {
-    /// The pairs of bodies `a < b`, ascending, whose boxes overlap; `bodies` is how many there are.
+    /// The pairs of bodies `a < b`, ascending, whose boxes overlap. `bodies` is the number of
+    /// bodies.
     pub fn pairs(&mut self, method: &mut dyn Method, bodies: usize) -> &[(u32, u32)] {
         self.bounds.clear();
         self.bounds

@@ -1,4 +1,4 @@
-//! The oracle as a method: no tree, and a test of triangles in integers that shares nothing with the others.
+//! The oracle as a method: no tree, and a triangle test in integers that shares nothing with the others.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! Building a tree over triangles as they stand, top-down.
+//! Builds a tree over triangles in their current positions, top-down.
 
 use glam::{Vec3, Vec3A};
 
@@ -11,27 +11,28 @@ const BINS: usize = 16;
 /// How to cut triangles in two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cut {
-    /// Where the surface-area heuristic costs least, binned: a good tree.
+    /// At the lowest cost by the binned surface-area heuristic: a good tree.
     Sah,
-    /// In the middle of the midpoints' extents, along their longest axis: a tree made fast.
+    /// In the middle of the midpoints' extents, along their longest axis: a tree that is fast to
+    /// build.
     Middle,
 }
 
-/// Most children and most triangles in a leaf.
+/// Most children of a node, and most triangles in a leaf.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
     pub(super) arity: usize,
     pub(super) leaf_size: usize,
 }
 
-/// A triangle's number and midpoint, moved about together.
+/// A triangle's index and midpoint, moved together.
 #[derive(Clone, Copy, Debug)]
 struct Item {
     midpoint: Vec3,
     triangle: u32,
 }
 
-/// Memory that building reuses.
+/// Memory reused from build to build.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Builder {
     items: Vec<Item>,
@@ -40,7 +41,7 @@ pub(super) struct Builder {
 }
 
 impl Builder {
-    /// Makes `tree` anew over posed triangles.
+    /// Rebuilds `tree` over posed triangles.
     pub(super) fn build(&mut self, tree: &mut Tree, corners: &[[u32; 3]], posed: &[Vec3], cut: Cut, limits: Limits) {
         let points = |corners: &[u32; 3]| corners.map(|vertex| posed[vertex as usize]);
         self.items.clear();
@@ -117,7 +118,7 @@ impl Descent<'_> {
         Child::Group(group as u32)
     }
 
-    /// Which part of a node is to be cut next: the one that costs most.
+    /// A part's priority: the most expensive part is cut next.
     fn weight(&self, items: &[Item]) -> f32 {
         match self.cut {
             Cut::Sah => self.hull(items).half_area() * items.len() as f32,
@@ -143,7 +144,7 @@ impl Descent<'_> {
                 partition(items, |item| bin(&spread, axis, item) < plane)
             }),
         };
-        // All midpoints in one place: any halves will do.
+        // All midpoints are in one place, so any halves will do.
         if first == 0 || first == items.len() {
             items.len() / 2
         } else {
@@ -151,7 +152,7 @@ impl Descent<'_> {
         }
     }
 
-    /// The axis and the bin to cut before.
+    /// The axis, and the bin to cut before.
     fn cheapest(&self, items: &[Item], spread: &Box3) -> Option<(usize, usize)> {
         let mut best: Option<(f32, usize, usize)> = None;
         for axis in (0..3).filter(|&axis| spread.max[axis] > spread.min[axis]) {
@@ -184,7 +185,7 @@ impl Descent<'_> {
 
 fn bin(spread: &Box3, axis: usize, item: &Item) -> usize {
     let (start, end) = (spread.min[axis], spread.max[axis]);
-    // Halves keep the difference within `f32`.
+    // Halving keeps the difference within `f32`.
     let share = (0.5 * item.midpoint[axis] - 0.5 * start) / (0.5 * end - 0.5 * start);
     ((share * BINS as f32) as usize).min(BINS - 1)
 }
@@ -199,7 +200,7 @@ fn longest_axis(size: Vec3A) -> usize {
     }
 }
 
-/// Brings the items for which `first` holds to the front; returns how many.
+/// Moves the items for which `first` holds to the front; returns their number.
 fn partition(items: &mut [Item], first: impl Fn(&Item) -> bool) -> usize {
     let mut count = 0;
     for i in 0..items.len() {

@@ -1,7 +1,7 @@
-//! Rays for the rivals: what a ray is in a body's space, and against boxes and triangles there.
+//! Rays for the rivals: their transform to a body's space, and tests against boxes and triangles there.
 //!
-//! Boxes are compared in `f32` with a slack that covers all roundings, triangles in `f64` by Moller and Trumbore's test. It is not exact as the core's
-//! is: a ray through an edge may miss both triangles, or hit either.
+//! Boxes are tested in `f32` with a slack that covers all rounding, triangles in `f64` by Moller and Trumbore's test. Unlike the
+//! core's test it is not exact: a ray through an edge may miss both triangles, or hit either.
 
 use glam::{Affine3A, DAffine3, DMat3, DVec3, Vec3, Vec3A};
 use morph_collision::Triangle;
@@ -12,23 +12,23 @@ use super::boxes::{Box3, Box8, LANES};
 /// A ray in world space: `origin + t direction` for `t >= 0`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CastRay {
-    /// Where it starts.
+    /// The start of the ray.
     pub origin: DVec3,
-    /// Of any length but 0.
+    /// The direction, of any length but 0.
     pub direction: DVec3,
 }
 
-/// What a ray hits first.
+/// The first hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CastHit {
     /// The triangle.
     pub triangle: u32,
-    /// The ray's parameter there.
+    /// The ray's parameter at the hit.
     pub t: f64,
 }
 
 impl CastRay {
-    /// In the space of a body; `None` where its place cannot be inverted.
+    /// The ray in a body's space; `None` if its placement cannot be inverted.
     pub(super) fn in_model(&self, world_from_model: &Affine3A) -> Option<Self> {
         let m = world_from_model.matrix3;
         let linear = DMat3::from_cols(m.x_axis.as_dvec3(), m.y_axis.as_dvec3(), m.z_axis.as_dvec3());
@@ -41,7 +41,7 @@ impl CastRay {
         (ray.origin.is_finite() && ray.direction.is_finite() && ray.direction != DVec3::ZERO).then_some(ray)
     }
 
-    /// Where it meets a triangle, if not beyond `limit`.
+    /// The parameter where it hits a triangle, if not beyond `limit`.
     #[inline]
     pub(super) fn meets(&self, [a, b, c]: &Triangle, limit: f64) -> Option<f64> {
         let (ab, ac) = (*b - *a, *c - *a);
@@ -61,14 +61,14 @@ impl CastRay {
     }
 }
 
-/// Replaces a hit by a nearer one; of hits at the same place, the lower triangle counts.
+/// Replaces a hit by a nearer one. Of hits at the same place, the one with the lower triangle index wins.
 pub(super) fn keep_nearest(nearest: &mut Option<CastHit>, triangle: u32, t: f64) {
     if nearest.is_none_or(|hit| (t, triangle) < (hit.t, hit.triangle)) {
         *nearest = Some(CastHit { triangle, t });
     }
 }
 
-/// Without a tree: for a body that is flat in the world.
+/// Casts without a tree, for a body that is flat in world space.
 pub(super) fn cast_at_all(body: &BlendedBody, posed: &[Vec3], ray: &CastRay) -> Option<CastHit> {
     let mut nearest = None;
     for (triangle, &corners) in (0..).zip(&body.mesh.triangles) {
@@ -79,7 +79,7 @@ pub(super) fn cast_at_all(body: &BlendedBody, posed: &[Vec3], ray: &CastRay) -> 
     nearest
 }
 
-/// A ray as boxes of a body are compared with it.
+/// A ray prepared for tests against a body's boxes.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BoxRay {
     origin: Vec3A,
@@ -89,15 +89,15 @@ pub(super) struct BoxRay {
 }
 
 impl BoxRay {
-    /// `ray` is in the body's space, `bounds` a box around the body.
+    /// `ray` is in the body's space, `bounds` is a box around the body.
     pub(super) fn new(ray: &CastRay, bounds: &Box3) -> Self {
-        /// More than all roundings of a coordinate, of those of the vertices in the world too.
+        /// More than all rounding of a coordinate, including that of the vertices in world space.
         const ROUNDINGS: f32 = 32.0 * f32::EPSILON;
         let origin = ray.origin.as_vec3a();
         let reach = bounds.min.abs().max(bounds.max.abs()).max_element() + origin.abs().max_element();
         let inverse = ray.direction.to_array().map(|along| {
             let inverse = (1.0 / along) as f32;
-            // Where the ray goes along a box's sides, the ends of its slab are far away on either side, or both on one.
+            // If the ray is parallel to a box's sides, the ends of its slab are far away on either side, or both on one.
             if inverse.abs() < 1e30 { inverse } else { 1e30 }
         });
         Self {
@@ -107,7 +107,7 @@ impl BoxRay {
         }
     }
 
-    /// Where the ray enters eight boxes, and the lanes of those it meets before `limit`.
+    /// Where the ray enters eight boxes, and the lanes of those that it hits before `limit`.
     #[inline]
     pub(super) fn enter(&self, boxes: &Box8, limit: f32) -> ([f32; LANES], u8) {
         let (mut enter, mut leave) = ([0.0_f32; LANES], [limit; LANES]);
@@ -123,14 +123,14 @@ impl BoxRay {
         let mut mask = 0;
         for lane in 0..LANES {
             enter[lane] *= 1.0 - 4.0 * f32::EPSILON;
-            // Lanes without a box enter at infinity.
+            // Empty lanes enter at infinity.
             mask |= u8::from(enter[lane] <= leave[lane] * (1.0 + 4.0 * f32::EPSILON)) << lane;
         }
         (enter, mask)
     }
 }
 
-/// The ray as Parry takes it.
+/// The ray in Parry's form.
 pub(super) fn parry_ray(ray: &CastRay) -> parry3d::query::Ray {
     let vector = |v: DVec3| -> Vec3 { v.as_vec3() };
     parry3d::query::Ray::new(vector(ray.origin), vector(ray.direction))

@@ -1,8 +1,8 @@
-//! SAT-lite (van den Bergen 1997): boxes of two bodies compared along the axes of either, conservatively for the exact
-//! test in world space.
+//! SAT-lite (van den Bergen 1997): compares boxes of two bodies along the axes of either, conservatively with regard to
+//! the exact test in world space.
 //!
-//! A map between bodies is made in `f64`; its slack covers how far world-space vertices and the map are off, in `f64`, and
-//! what happens to a box in `f32`. The constants are generous: a slack of a millionth of the bodies culls no worse.
+//! A map between bodies is computed in `f64`. Its slack covers the `f64` errors of world-space vertices and of the map,
+//! and the `f32` errors of a mapped box. The constants are generous: a slack of a millionth of the bodies culls no worse.
 
 use glam::{Affine3A, DVec3, Vec3, Vec3A};
 use morph_collision::Aabb;
@@ -10,14 +10,14 @@ use morph_collision::Aabb;
 use super::boxes::{Box3, Box8, LANES};
 use super::relative::{Frame, Placed, Relative, abs, column_maxima};
 
-/// More than all roundings that a coordinate goes through in `f32`, in units of the sum of its terms' magnitudes.
+/// More than all rounding of a coordinate in `f32`, in units of the sum of its terms' magnitudes.
 const ROUNDINGS_F32: f64 = 32.0 * (f32::EPSILON as f64 / 2.0);
 /// Covers products that underflow in `f32`.
 const UNDERFLOW: f64 = 1e-40;
-/// Beyond this `f32` overflows, and nothing is culled.
+/// Beyond this, `f32` overflows and nothing is culled.
 const LARGEST: f64 = 1e36;
 
-/// Takes boxes of one body into a frame, outward.
+/// Maps boxes of one body into a frame, rounding outward.
 #[derive(Clone, Debug)]
 pub(super) struct BoxMap {
     columns: [Vec3A; 3],
@@ -26,7 +26,7 @@ pub(super) struct BoxMap {
 }
 
 impl BoxMap {
-    /// `None` where `f32` cannot hold it.
+    /// `None` if `f32` cannot represent it.
     fn new(relative: &Relative) -> Option<Self> {
         let Relative {
             linear,
@@ -92,7 +92,7 @@ pub(super) enum Side {
     B,
 }
 
-/// All frames of two placed bodies: the spaces of both, or world space where neither can be inverted.
+/// All frames of two placed bodies: the spaces of both, or world space if neither can be inverted.
 #[derive(Clone, Debug)]
 pub(super) struct SatLite {
     frames: Vec<Frame<BoxMap>>,
@@ -142,7 +142,7 @@ fn mapped(map: &Option<BoxMap>, one: &Box3) -> Box3 {
     map.as_ref().map_or(*one, |map| map.one(one))
 }
 
-/// A box in world space around all vertices of a body, as they are placed; infinite beyond `f32`.
+/// A world-space box around all placed vertices of a body; infinite beyond `f32`.
 pub(super) fn world_bounds(world_from_model: &Affine3A, bounds: &Box3) -> Aabb {
     let body = Placed::new(world_from_model, reach(bounds));
     match BoxMap::new(&body.to_world(DVec3::ZERO, body.error())) {

@@ -1,6 +1,6 @@
-//! Larsson and Akenine-Moller's hybrid (*Collision detection for continuously deforming bodies*, Eurographics 2001), which
-//! the morphing paper compares itself with: the upper half of the tree's levels is refitted bottom-up when the vertices
-//! have moved, the nodes below top-down when a walk gets there.
+//! Larsson and Akenine-Moller's hybrid (*Collision detection for continuously deforming bodies*, Eurographics 2001), the
+//! method that the morphing paper compares itself with. When the vertices have moved, the upper half of the tree's levels
+//! is refitted bottom-up; the nodes below are refitted top-down when a walk reaches them.
 
 use std::sync::Arc;
 
@@ -13,24 +13,24 @@ use super::boxes::Box8;
 use super::tree::{Child, Tree, VertexLists};
 use super::walk::Refit;
 
-/// Half of the boxes' levels follow at once, the rest on demand.
+/// A tree whose upper half of levels is updated at once, and the rest on demand.
 #[derive(Clone, Debug)]
 pub(super) struct Hybrid {
     tree: Arc<Tree>,
-    /// The vertices under every node that is refitted from its vertices: leaves, and all from the middle level down.
+    /// The vertices under every node that is refitted from its vertices: leaves, and all nodes from the middle level down.
     vertices: Arc<VertexLists>,
     /// The groups above the middle level, children after their parents.
     upper: Arc<Vec<u32>>,
-    /// Groups at this depth are the last to follow at once.
+    /// Groups at this depth are the last to be updated at once.
     middle: u8,
     boxes: Vec<Box8>,
-    /// The frame in which a group's boxes were made.
+    /// The frame in which a group's boxes were computed.
     stamps: Vec<u32>,
     frame: u32,
 }
 
 impl Hybrid {
-    /// Makes the boxes of a group; a child with a group of its own that is up to date takes its hull.
+    /// Computes the boxes of a group. A child whose own group is up to date takes that group's hull.
     fn refit(&mut self, index: usize, posed: &[Vec3]) -> u64 {
         let group = &self.tree.groups[index];
         for (lane, &child) in group.children().iter().enumerate() {

@@ -1,9 +1,10 @@
-//! Boxes around skinned nodes without placing vertices: each node has a box for every joint that moves some of it, in the mesh's space before joints
-//! move it, and its box in a frame is around the images of these under their joints.
+//! Boxes around skinned nodes without placing vertices. Each node has a box for every joint that moves some of it, in mesh space
+//! before joints move it. Its box in a frame encloses the images of these boxes under their joints.
 //!
-//! That is what Bevy does for the bounds of a whole mesh (`DynamicSkinnedMeshBounds`), here for every node and when a walk gets there. Targets
-//! widen the boxes by what they do to the vertices at most. [`OfJoints`] takes the box of a joint around the vertices that it moves, [`OfNode`] around all of
-//! the node. Right where weights are not negative: a vertex is between its images under its joints, times the sum of its weights.
+//! Bevy does this for the bounds of a whole mesh (`DynamicSkinnedMeshBounds`); here it is done for every node, when a walk
+//! reaches it. Targets widen the boxes by the largest amount they can move the vertices. With [`OfJoints`], a joint's box
+//! encloses the vertices that the joint moves; with [`OfNode`], all vertices of the node. This is correct if weights are not
+//! negative: a vertex is between its images under its joints, times the sum of its weights.
 
 use std::fmt::Debug;
 use std::marker::PhantomData;
@@ -19,7 +20,7 @@ use super::boxes::{Box3, Box8};
 use super::tree::{Tree, VertexLists};
 use super::walk::Refit;
 
-/// What the boxes of a node's joints are around.
+/// Which vertices the boxes of a node's joints enclose.
 pub(super) trait Around: Debug + Clone + Send + Sync + 'static {
     const ALL_VERTICES: bool;
 }
@@ -47,16 +48,16 @@ pub(super) struct JointBoxes<A> {
     weights: Vec<f32>,
     joints: Vec<Affine3A>,
     boxes: Vec<Box8>,
-    /// The frame in which a group's boxes were made.
+    /// The frame in which a group's boxes were computed.
     stamps: Vec<u32>,
-    /// World positions, and the frame in which each was placed.
+    /// World positions, and the frame in which each was computed.
     vertices: Vec<(u32, DVec3)>,
     frame: u32,
     placed: u64,
     around: PhantomData<A>,
 }
 
-/// What does not change from frame to frame.
+/// The data that does not change from frame to frame.
 #[derive(Debug)]
 pub(super) struct Measured {
     pub(super) tree: Tree,
@@ -72,7 +73,7 @@ pub(super) struct Measured {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Node {
     joint_boxes: (u32, u32),
-    /// The least and the largest sum of a vertex's weights.
+    /// The smallest and the largest sum of a vertex's weights.
     sums: [f32; 2],
 }
 
@@ -83,7 +84,7 @@ struct JointBox {
     targets: (u32, u32),
 }
 
-/// What a target adds to the vertices in the box of a joint.
+/// The displacements of a target for the vertices in a joint's box.
 #[derive(Debug)]
 struct TargetBox {
     target: u16,
@@ -177,7 +178,7 @@ impl Measured {
 
     /// The box of a node.
     pub(super) fn bounds(&self, node: Node, weights: &[f32], joints: &[Affine3A]) -> Box3 {
-        /// More than all roundings of a coordinate, those of vertices included; a term for each target comes on top.
+        /// More than all rounding of a coordinate, including that of vertices. A term for each target is added.
         const ROUNDINGS: f32 = 32.0 * f32::EPSILON;
         let (mut hull, mut farthest) = (Box3::EMPTY, 0.0_f32);
         for of in &self.joint_boxes[node.joint_boxes.0 as usize..node.joint_boxes.1 as usize] {
@@ -219,7 +220,7 @@ impl Measured {
 impl<A: Around> JointBoxes<A> {
     fn vertex(&mut self, body: &BlendedBody, vertex: u32) -> DVec3 {
         let index = vertex as usize;
-        // Without joints, a body that keeps its shape may have moved in the world.
+        // Without joints, a body may have moved in the world although it keeps its shape.
         if self.vertices[index].0 != self.frame || body.joints().is_none() {
             let mut posed = body.mesh.base[index];
             for &(target, delta) in self.measured.deltas_of(index) {

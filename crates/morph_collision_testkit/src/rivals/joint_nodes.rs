@@ -1,4 +1,4 @@
-//! The nodes of `joint-boxes` and `joint-union`, to measure how tight they are.
+//! The nodes of `joint-boxes` and `joint-union`, for measuring their tightness.
 
 use glam::Affine3A;
 use morph_collision::{Aabb, ModelError};
@@ -9,7 +9,7 @@ use super::joint_boxes::Measured;
 use super::tree::Child;
 use crate::mesh::MorphMesh;
 
-/// The tree of a skinned mesh with boxes made of one for each joint.
+/// The tree of a skinned mesh whose boxes are composed of one box per joint.
 #[derive(Debug)]
 pub struct JointNodes {
     measured: Measured,
@@ -22,21 +22,22 @@ pub struct JointNode<'a> {
     pub bounds: Aabb,
     /// The triangles below it.
     pub triangles: &'a [u32],
-    /// How many nodes are its children; none of a leaf.
+    /// Number of child nodes; 0 for a leaf.
     pub children: usize,
 }
 
 impl JointNodes {
-    /// The tree as `joint-union` has it, where boxes are around all vertices of a node, or else as `joint-boxes` has it.
+    /// The tree of `joint-union`, whose boxes enclose all vertices of a node, or else that of `joint-boxes`.
     ///
     /// # Errors
-    /// As [`MorphMesh::to_model`].
+    /// See [`MorphMesh::to_model`].
     pub fn new(mesh: &MorphMesh, union: bool, options: &MethodOptions) -> Result<Self, ModelError> {
         let measured = Measured::new(&WeldedMesh::new(mesh)?, options, union);
         Ok(Self { measured })
     }
 
-    /// Every node with a weight for each target and a matrix for each joint, which lead to world space. Parents come before their children.
+    /// Visits every node, with one weight per target and one matrix per joint, which maps to world space. Parents come before
+    /// their children.
     ///
     /// # Panics
     /// If weights or joints are missing.
@@ -91,7 +92,7 @@ mod tests {
                 (children, nodes) = (children + node.children, nodes + 1);
             });
             assert!(seen.iter().all(|leaves| *leaves == 1), "{seen:?}");
-            // All but the root are children.
+            // All nodes except the root are children.
             assert_eq!(children + 1, nodes);
             areas.push(area);
         }

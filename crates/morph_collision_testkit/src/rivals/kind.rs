@@ -21,42 +21,42 @@ use super::walk::Trees;
 use super::{Method, MethodOptions, SetUpError};
 use crate::mesh::MorphMesh;
 
-/// A method, by name; what each does stands in the [module's table](super).
+/// A method, by name. The [module's table](super) describes each.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum MethodKind {
-    /// The one that this project is about.
+    /// This project's method.
     #[default]
     Morph,
     /// The same with all volumes fitted to the vertices at once.
     MorphEager,
-    /// The same over meshes frozen in every shape beforehand.
+    /// The same over meshes frozen beforehand in every shape.
     RigidFloor,
-    /// The paper's own.
+    /// The paper's own method.
     Paper(PaperOptions),
-    /// Every box refitted, from the leaves up.
+    /// Refits every box, from the leaves up.
     BottomUp,
-    /// The upper half refitted bottom-up, the lower half on demand.
+    /// Refits the upper half bottom-up, the lower half on demand.
     Hybrid,
-    /// Nodes that are hulls of their joints' images of boxes, each around the vertices that the joint moves.
+    /// Boxes around the images of one box per joint, each around the vertices that the joint moves.
     JointBoxes,
     /// The same with boxes around all vertices of a node.
     JointUnion,
-    /// The tree built anew.
+    /// Rebuilds the tree.
     Rebuild,
     /// An octree of the faces where two bodies' boxes overlap.
     Octree,
-    /// Parry's triangle mesh with new vertices.
+    /// Parry's triangle mesh with updated vertices.
     ParryTriMesh,
     /// Parry's tree, refitted.
     ParryBvh,
-    /// Parry's tree, built anew.
+    /// Parry's tree, rebuilt.
     ParryRebuild,
     /// All triangles against all, by the oracle.
     BruteForce,
 }
 
 impl MethodKind {
-    /// All methods, the paper's with boxes.
+    /// All methods; the paper's with boxes.
     pub const ALL: [Self; 14] = [
         Self::Morph,
         Self::MorphEager,
@@ -93,13 +93,13 @@ impl MethodKind {
         }
     }
 
-    /// Whether it collides skinned meshes.
+    /// Whether it supports skinned meshes.
     #[must_use]
     pub const fn supports_skins(self) -> bool {
         !matches!(self, Self::RigidFloor | Self::Paper(_) | Self::Octree)
     }
 
-    /// Whether it has something to show for skinned meshes only; elsewhere it is left out of benchmarks.
+    /// Whether it is meaningful only for skinned meshes; otherwise benchmarks leave it out.
     #[must_use]
     pub const fn is_for_skins(self) -> bool {
         matches!(self, Self::JointBoxes | Self::JointUnion)
@@ -111,10 +111,10 @@ impl MethodKind {
         !matches!(self, Self::RigidFloor | Self::Paper(_) | Self::Octree)
     }
 
-    /// Builds what is built once per mesh, and one body for each entry of `bodies`, the index of its mesh.
+    /// Builds the data per mesh, and one body for each entry of `bodies`, which is the index of its mesh.
     ///
     /// # Errors
-    /// A mesh that [`MorphMesh::to_model`] refuses, options out of range, or a body of a mesh that is not there.
+    /// [`MorphMesh::to_model`] refuses a mesh, an option is out of range, or a body's mesh does not exist.
     pub fn set_up(
         self,
         meshes: &[MorphMesh],
@@ -165,7 +165,7 @@ impl fmt::Display for MethodKind {
     }
 }
 
-/// A name that no [`MethodKind`] has.
+/// A name that is not that of a [`MethodKind`].
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("unknown method '{name}', expected one of: {}", MethodKind::ALL.map(MethodKind::name).join(", "))]
 pub struct UnknownMethod {

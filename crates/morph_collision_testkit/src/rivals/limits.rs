@@ -1,4 +1,4 @@
-//! The door for weights, as the core has it: what a mesh's vertices can bear without leaving the range of `f32`.
+//! Checks weights as the core library does: posed vertices must stay in the range of `f32`.
 
 use glam::Vec3;
 use morph_collision::WeightsError;
@@ -8,7 +8,7 @@ use crate::mesh::MorphMesh;
 /// The largest coordinate that a posed vertex may reach.
 const LARGEST: f64 = 2e37;
 
-/// How far a mesh's base and targets reach; tells in `O(targets)` whether weights are acceptable.
+/// How far a mesh's base and targets reach. Decides in `O(targets)` whether weights are acceptable.
 #[derive(Clone, Debug)]
 pub struct WeightLimits {
     base_reach: f64,
@@ -16,7 +16,7 @@ pub struct WeightLimits {
 }
 
 impl WeightLimits {
-    /// Of a mesh that is not checked.
+    /// The limits of a mesh that has not been validated.
     pub fn of(mesh: &MorphMesh) -> Self {
         Self {
             base_reach: reach(&mesh.positions),
@@ -25,7 +25,7 @@ impl WeightLimits {
     }
 
     /// # Errors
-    /// As [`morph_collision::Pose::set_weights`].
+    /// See [`morph_collision::Pose::set_weights`].
     pub fn check(&self, weights: &[f32]) -> Result<(), WeightsError> {
         let (given, expected) = (weights.len(), self.target_reach.len());
         if given != expected {

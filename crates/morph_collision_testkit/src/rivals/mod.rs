@@ -1,35 +1,36 @@
 //! The methods that `morph_collision` is compared with, over the same meshes and with the same answers.
 //!
-//! A [`Method`] holds the bodies of a scene. Every frame each body is given its weights and place, and then pairs of bodies
-//! are asked for their intersecting triangles. All methods decide triangles by the same exact test,
-//! [`morph_collision::triangles_intersect`], over the same vertices (only the oracle has a test of its own), so they must
-//! agree pair for pair and differ in nothing but the work:
+//! A [`Method`] holds the bodies of a scene. In every frame each body gets its weights and placement, and then pairs of bodies
+//! are queried for their intersecting triangles. All methods decide triangles by the same exact test,
+//! [`morph_collision::triangles_intersect`], over the same vertices; only the oracle has its own test. So they must agree pair
+//! for pair and differ only in their work:
 //!
-//! | [`MethodKind`] | what a frame costs before anything is asked | from |
+//! | [`MethodKind`] | cost of a frame before any query | from |
 //! |---|---|---|
 //! | `morph` | nothing | this project |
-//! | `morph-eager` | every vertex blended, every volume fitted to them, by this project's own code: what is method and what is engineering | |
-//! | `rigid-floor` | nothing: every shape has a tree of its own, made beforehand; a floor, not a rival | |
-//! | `paper` | nothing | Larsson, Akenine-Moller 2003: the method that this project starts from, as the paper has it |
-//! | `bottom-up` | every vertex blended, every box refitted | van den Bergen 1997 |
-//! | `hybrid` | every vertex blended, the upper half of the tree refitted, the rest when a walk gets there | Larsson, Akenine-Moller 2001 |
-//! | `joint-boxes` | nothing: a node's box is around the images of boxes under its joints, one for each joint around the vertices that it moves | Bevy's bounds of skinned meshes, for every node |
+//! | `morph-eager` | blends every vertex and fits every volume to them, with this project's own code; separates the method from the engineering | |
+//! | `rigid-floor` | nothing: every shape has its own tree, made beforehand; a floor, not a rival | |
+//! | `paper` | nothing | Larsson, Akenine-Moller 2003: the method on which this project is based, as published |
+//! | `bottom-up` | blends every vertex, refits every box | van den Bergen 1997 |
+//! | `hybrid` | blends every vertex, refits the upper half of the tree; the rest when a walk reaches it | Larsson, Akenine-Moller 2001 |
+//! | `joint-boxes` | nothing: a node's box encloses the images of boxes under its joints, one for each joint around the vertices that it moves | Bevy's bounds of skinned meshes, for every node |
 //! | `joint-union` | nothing: the same with one box for each node | |
-//! | `rebuild` | every vertex blended, the tree built anew | |
-//! | `octree` | every vertex blended and placed in the world; an octree of faces for every pair of bodies | Smith et al. 1995 |
-//! | `parry-trimesh` | every vertex blended in place, the tree of a `TriMesh` refitted | Parry |
-//! | `parry-bvh` | every vertex blended, a bare `Bvh` refitted and put into a better order in memory | Parry |
-//! | `parry-rebuild` | every vertex blended, the `Bvh` built anew (binned) | Parry |
-//! | `brute-force` | every vertex blended and placed in the world | the oracle |
+//! | `rebuild` | blends every vertex, rebuilds the tree | |
+//! | `octree` | blends every vertex and places it in the world; an octree of faces for every pair of bodies | Smith et al. 1995 |
+//! | `parry-trimesh` | blends every vertex in place, refits the tree of a `TriMesh` | Parry |
+//! | `parry-bvh` | blends every vertex, refits a bare `Bvh` and improves its order in memory | Parry |
+//! | `parry-rebuild` | blends every vertex, rebuilds the `Bvh` (binned) | Parry |
+//! | `brute-force` | blends every vertex and places it in the world | the oracle |
 //!
-//! Skinned meshes are for `morph`, `morph-eager`, `bottom-up`, `hybrid`, `joint-boxes`, `joint-union`, `rebuild`, Parry's three and `brute-force`: all but
-//! ours and the two with boxes of joints place all vertices by their joints (`skin`) when these have moved. The other methods refuse them.
+//! `morph`, `morph-eager`, `bottom-up`, `hybrid`, `joint-boxes`, `joint-union`, `rebuild`, Parry's three and `brute-force`
+//! support skinned meshes; the other methods refuse them. When joints have moved, all but ours and the two with boxes of joints
+//! place every vertex (`skin`).
 //!
-//! What is fair is done for all of them: vertices are welded, targets with weight zero and vertices that a target leaves
-//! alone are skipped, and a body whose weights stay the same is not refitted. `bottom-up`, `hybrid` and `rebuild` share one tree
-//! (`tree`), eight-wide like the core's, and one walk (`walk`) with the same SAT-lite culling (`boxes`, `frames`).
-//! `paper` is as the paper has it: one triangle in a leaf, one pair of nodes at a time, in `f64`. Its counts compare with those of
-//! the others; its times would gain from what the others do beside their method.
+//! The comparison is fair to all of them: vertices are welded, targets with weight zero and vertices that a target does not move
+//! are skipped, and a body whose weights stay the same is not refitted. `bottom-up`, `hybrid` and `rebuild` share one tree
+//! (`tree`), eight-wide like the core's, and one walk (`walk`) with the same SAT-lite culling (`boxes`, `frames`). `paper`
+//! follows the paper: one triangle per leaf, one pair of nodes at a time, in `f64`. Its counts are comparable with those of the
+//! others; its times would gain from the engineering that the others have.
 //!
 //! ```
 //! use glam::{Affine3A, Vec3};
@@ -86,19 +87,19 @@ pub use limits::WeightLimits;
 pub use options::MethodOptions;
 pub use paper::{PaperOptions, PaperVolume, UnknownVolume};
 
-/// How many intersecting pairs of triangles are wanted of two bodies.
+/// How many intersecting pairs of triangles to find for two bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Wanted {
     /// All of them.
     All,
     /// Any one.
     First,
-    /// At most this many; there may be more. The search ends with the last one.
+    /// At most this many. The search ends with the last one, even if there are more.
     UpTo(usize),
 }
 
 impl Wanted {
-    /// The most pairs that are listed of two bodies.
+    /// The most pairs that are listed for two bodies.
     #[must_use]
     pub fn limit(self) -> usize {
         match self {
@@ -121,32 +122,33 @@ impl Wanted {
     }
 }
 
-/// A way to find the intersecting triangles of morphing and skinned bodies; see [`MethodKind::set_up`].
+/// A method to find the intersecting triangles of morphing and skinned bodies; see [`MethodKind::set_up`].
 ///
-/// Bodies are numbered as they were set up. They start with all weights zero at the world's origin.
+/// Bodies are numbered in the order of set-up. They start with all weights zero at the world's origin.
 pub trait Method: Debug + Send + Sync {
-    /// Makes ready, at no price to the method, what it is not judged by; only `rigid-floor` has anything of the kind. Says
-    /// whether there was something to do.
+    /// Prepares, outside of all measurements, data that is not part of the method's cost; only `rigid-floor` needs this. Returns
+    /// whether there was anything to do.
     ///
     /// # Errors
-    /// Weights that do not fit the mesh.
+    /// The weights do not fit the mesh.
     fn prepare(&mut self, _body: usize, _weights: &[f32]) -> Result<bool, PoseError> {
         Ok(false)
     }
 
-    /// Gives a body of a skinned mesh its joints: the matrices that take the mesh's space to world space. They take effect with the next
-    /// [`Method::set_body`] or [`Method::blend`], whose place such a body ignores.
+    /// Sets the joints of a body with a skinned mesh: the matrices that map mesh space to world space. They take effect with the
+    /// next [`Method::set_body`] or [`Method::blend`], whose placement is ignored for such a body.
     ///
     /// # Errors
-    /// A body or a method without joints, a wrong number of matrices, or an entry that is not finite; the body then keeps what it had.
+    /// The body or the method has no joints, the number of matrices is wrong, or an entry is not finite. The body then keeps its
+    /// old joints.
     fn set_joints(&mut self, _body: usize, _world_from_mesh: &[Affine3A]) -> Result<(), PoseError> {
         Err(PoseError::NoJoints)
     }
 
-    /// Gives a body its weights, one per target, and its place: [`Method::blend`], and [`Method::refit`] if need be.
+    /// Sets a body's weights, one per target, and its placement: calls [`Method::blend`], and [`Method::refit`] if necessary.
     ///
     /// # Errors
-    /// Weights that do not fit the mesh or a place that is not finite; the body then keeps what it had.
+    /// The weights do not fit the mesh, or the placement is not finite. The body then keeps its old state.
     fn set_body(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<(), PoseError> {
         if self.blend(body, weights, world_from_model)? {
             self.refit(body);
@@ -154,47 +156,47 @@ pub trait Method: Debug + Send + Sync {
         Ok(())
     }
 
-    /// The first half of [`Method::set_body`]: takes weights and place, and blends the vertices that have to follow at
-    /// once. Says whether the volumes have to follow, too.
+    /// The first half of [`Method::set_body`]: sets weights and placement, and blends the vertices, unless the method does so on
+    /// demand. Returns whether the volumes need [`Method::refit`].
     ///
     /// # Errors
-    /// As [`Method::set_body`].
+    /// See [`Method::set_body`].
     fn blend(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<bool, PoseError>;
 
-    /// The second half: makes the volumes follow that have to follow at once.
+    /// The second half: updates the volumes, except those that are updated on demand.
     fn refit(&mut self, body: usize);
 
-    /// Whether anything is left to follow when a query looks at it.
+    /// Whether volumes or vertices are updated on demand during a query.
     fn is_lazy(&self) -> bool;
 
-    /// A box in world space around a body, conservative: for a broad phase.
+    /// A conservative world-space box around a body, for a broad phase.
     fn world_bounds(&mut self, body: usize) -> Aabb;
 
-    /// Appends the intersecting pairs of triangles of two bodies, in any order; no more than are wanted.
+    /// Appends the intersecting pairs of triangles of two bodies, in any order and at most as many as wanted.
     fn collide(&mut self, a: usize, b: usize, wanted: Wanted, pairs: &mut Vec<TrianglePair>);
 
-    /// What a ray hits first of a body, which must have been given its pose. Methods that cast no rays
-    /// ([`MethodKind::casts_rays`]) find nothing.
+    /// The first hit of a ray on a body, whose pose must have been set. Methods that cast no rays ([`MethodKind::casts_rays`])
+    /// find nothing.
     fn cast(&mut self, _body: usize, _ray: &CastRay) -> Option<CastHit> {
         None
     }
 
-    /// The work done since it was set up; volumes refitted and built count as blended.
+    /// The work done since set-up; refitted and built volumes count as blended.
     fn work(&self) -> QueryStats;
 }
 
-/// Why a method cannot be set up over a mesh.
+/// Why a method cannot be set up for a mesh.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum SetUpError {
-    /// A mesh is no good.
+    /// A mesh is invalid.
     #[error("mesh {mesh}: {reason}")]
     Model {
         /// Its index.
         mesh: usize,
-        /// What is wrong.
+        /// The problem.
         reason: ModelError,
     },
-    /// A mesh is skinned, and the method knows no joints.
+    /// A mesh is skinned, and the method does not support joints.
     #[error("mesh {mesh} is skinned, which {method} does not support")]
     Skinned {
         /// Its index.
@@ -210,17 +212,17 @@ pub enum SetUpError {
     Parry {
         /// Its index.
         mesh: usize,
-        /// What Parry says.
+        /// Parry's error.
         reason: String,
     },
-    /// A body names a mesh that is not there.
+    /// A body names a mesh that does not exist.
     #[error("body {body} is of mesh {mesh}, there are {meshes}")]
     NoSuchMesh {
         /// The body.
         body: usize,
         /// The mesh that it names.
         mesh: usize,
-        /// How many there are.
+        /// Number of meshes.
         meshes: usize,
     },
 }
@@ -228,10 +230,10 @@ pub enum SetUpError {
 /// Why a body refuses a pose.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PoseError {
-    /// The weights.
+    /// The weights are invalid.
     #[error(transparent)]
     Weights(#[from] WeightsError),
-    /// The place, or the joints.
+    /// The placement or the joints are invalid.
     #[error(transparent)]
     Place(#[from] InputError),
     /// Joints were given to a body that has none.

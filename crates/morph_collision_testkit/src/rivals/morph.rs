@@ -1,4 +1,4 @@
-//! The method that this project is about, as one of its kind.
+//! This project's method as a [`Method`].
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -12,27 +12,27 @@ use morph_collision::{
 use super::{CastHit, CastRay, Method, MethodOptions, PoseError, SetUpError, Wanted};
 use crate::mesh::MorphMesh;
 
-/// Poses of shared trees of blended volumes.
+/// Poses of shared trees with blended volumes.
 #[derive(Debug)]
 pub(super) struct Morph {
     bodies: Vec<(Pose, WorldFromModel)>,
-    /// By body, whether its joints have moved since its boxes were fitted.
+    /// For each body, whether its joints have moved since its boxes were fitted.
     joints_moved: Vec<bool>,
     follow: Follow,
     query: PairQuery,
     rays: RayQuery,
     witness: bool,
-    /// Of every pair of bodies that was asked about, if witnesses are remembered.
+    /// For every queried pair of bodies, if witnesses are remembered.
     memories: BTreeMap<(usize, usize), PairMemory>,
     work: QueryStats,
 }
 
-/// When volumes and vertices follow new weights.
+/// When volumes and vertices are updated for new weights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Follow {
     /// Blended when a query looks at them.
     Lazily,
-    /// All of them fitted at once, tightly.
+    /// All of them fitted tightly at once.
     AtOnce,
 }
 

@@ -1,9 +1,9 @@
 //! The method of Smith, Kitamura, Takemura and Kishino (*A simple and efficient method for accurate collision detection
-//! among deformable polyhedral objects in arbitrary motion*, VRAIS 1995): bodies' boxes in world space in every frame; faces
+//! among deformable polyhedral objects in arbitrary motion*, VRAIS 1995). Bodies get world-space boxes in every frame. Faces
 //! that reach into the overlap of two boxes go into an octree made on the fly, and faces that share a cell are tested.
 //!
-//! A pair of faces can share many cells. It is tested in the one that holds the lower corner of what their boxes have in
-//! common: cells are half-open and together hold every point of the overlap, so that each pair comes up exactly once.
+//! A pair of faces can share many cells. It is tested in the one that contains the lower corner of the intersection of their
+//! boxes. Cells are half-open and together cover the overlap, so each pair comes up exactly once.
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -32,7 +32,7 @@ struct WorldBody {
     posed: Vec<Vec3>,
     world: Vec<DVec3>,
     bounds: WorldBox,
-    /// One per face; made when the body's box first overlaps another's.
+    /// One per face; computed when the body's box first overlaps another's.
     faces: Vec<WorldBox>,
 }
 
@@ -118,7 +118,7 @@ impl Octree {
 }
 
 impl Method for Octree {
-    /// Places vertices whatever the weights did.
+    /// Places vertices even if the weights have not changed.
     fn blend(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<bool, PoseError> {
         let body = &mut self.bodies[body];
         if body.body.set(weights, world_from_model)? {
@@ -182,7 +182,7 @@ impl Method for Octree {
     }
 }
 
-/// One octree being divided; its cells live as long as the recursion is in them.
+/// An octree being divided; its cells exist only during the recursion.
 struct Division<'a> {
     bodies: [&'a WorldBody; 2],
     work: &'a mut QueryStats,
@@ -193,7 +193,7 @@ struct Division<'a> {
 }
 
 impl Division<'_> {
-    /// `extent` is what is halved; `owned` is the part of all space whose points belong to this cell, half-open.
+    /// `extent` is halved. `owned` is the half-open part of space whose points belong to this cell.
     fn cell(&mut self, extent: &WorldBox, owned: &WorldBox, a: &[u32], b: &[u32], depth: usize) -> ControlFlow<()> {
         if a.is_empty() || b.is_empty() {
             return ControlFlow::Continue(());
@@ -204,7 +204,7 @@ impl Division<'_> {
         }
         let middle = 0.5 * (extent.min + extent.max);
         let (of_a, of_b) = (self.sort(0, a, middle), self.sort(1, b, middle));
-        // Where dividing leaves as many pairs as there were, it only makes copies of them.
+        // If dividing leaves as many pairs as before, it only copies them.
         let left: usize = of_a.iter().zip(&of_b).map(|(a, b)| a.len() * b.len()).sum();
         if left >= pairs {
             return self.test(owned, a, b);

@@ -1,13 +1,13 @@
 use morph_collision::{BuildOptions, InputError};
 
-/// How the methods are set up; each takes what it knows, and no answer depends on any of it.
+/// Options for setting up methods. Each method uses those that it supports, and no answer depends on them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MethodOptions {
-    /// Our trees. `bottom-up`, `hybrid` and `rebuild` take the leaf size.
+    /// Options of our trees. `bottom-up`, `hybrid` and `rebuild` use the leaf size.
     pub tree: BuildOptions,
     /// Most children of a node of `bottom-up` and `hybrid`: 2, 4 or 8.
     pub arity: usize,
-    /// Whether `morph` tries the leaves first in which it found a pair the last time, where only first pairs are wanted.
+    /// Whether `morph`, if only first pairs are wanted, first tries the leaves in which it found a pair the last time.
     pub witness: bool,
 }
 
@@ -23,7 +23,7 @@ impl MethodOptions {
 }
 
 impl Default for MethodOptions {
-    /// The library's, eight children, and each frame by itself.
+    /// The library's defaults, eight children, and no data remembered from frame to frame.
     fn default() -> Self {
         Self {
             tree: BuildOptions::default(),

@@ -1,8 +1,8 @@
-//! Parry for the tree, our exact test for the triangles.
+//! Parry's trees, with our exact test for the triangles.
 //!
-//! Parry's boxes are of posed `f32` vertices in the body's own space, exact as ours are; pairs of its nodes are compared
-//! by the same SAT-lite as the other methods', so that nothing is missed whatever affine places the body (Parry itself
-//! takes rigid motions only, and one body's axes).
+//! Parry's boxes enclose posed `f32` vertices in the body's own space, and are exact like ours. Pairs of its nodes are
+//! compared by the same SAT-lite as in the other methods, so nothing is missed for any affine placement (Parry itself
+//! supports only rigid motions, and the axes of one body).
 
 use std::cell::Cell;
 use std::fmt;
@@ -23,7 +23,7 @@ mod trees;
 use trees::ParryTree;
 pub(super) use trees::{Meshed, Rebuilt, Refitted};
 
-/// A [`Method`] of bodies with trees of Parry's.
+/// A [`Method`] over bodies with Parry's trees.
 pub(super) struct Parry<T> {
     bodies: Vec<(BlendedBody, T)>,
     work: QueryStats,
@@ -39,7 +39,7 @@ impl<T> fmt::Debug for Parry<T> {
 
 impl<T: ParryTree + Clone> Parry<T> {
     /// # Errors
-    /// Whatever Parry has against a mesh that passed our door.
+    /// Parry refuses a mesh that passed our validation.
     pub(super) fn new(meshes: &[Arc<WeldedMesh>], bodies: &[usize]) -> Result<Self, SetUpError> {
         let mut at_rest = Vec::with_capacity(meshes.len());
         for (index, mesh) in meshes.iter().enumerate() {
@@ -146,7 +146,7 @@ impl<T: ParryTree> Method for Parry<T> {
     }
 }
 
-/// All vertices, and all boxes: Parry's tree is binary, with a triangle per leaf.
+/// All vertices and all boxes. Parry's tree is binary, with a triangle per leaf.
 fn work_of_update(mesh: &WeldedMesh) -> QueryStats {
     QueryStats {
         vertices_blended: mesh.base.len() as u64,
@@ -155,7 +155,7 @@ fn work_of_update(mesh: &WeldedMesh) -> QueryStats {
     }
 }
 
-/// The triangle that was looked at last, in world space: neighbouring pairs of leaves share one.
+/// The triangle used last, in world space, because neighbouring pairs of leaves share one.
 #[derive(Default)]
 struct Latest(Option<(u32, Triangle)>);
 

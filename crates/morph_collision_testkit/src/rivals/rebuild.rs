@@ -1,4 +1,5 @@
-//! A tree of the posed triangles, built anew whenever they have moved: the price of always having a tree of this shape.
+//! A tree of the posed triangles, rebuilt whenever they have moved: the cost of always having a tree that fits the
+//! shape.
 
 use glam::Vec3;
 
@@ -9,7 +10,7 @@ use super::build::{Builder, Cut, Limits};
 use super::tree::{Child, Tree};
 use super::walk::Refit;
 
-/// Topology and boxes follow at once.
+/// A tree whose topology and boxes are updated at once.
 #[derive(Clone, Debug)]
 pub(super) struct Rebuild {
     builder: Builder,

@@ -1,8 +1,8 @@
-//! How two bodies lie to each other, in `f64`: where their volumes can be compared, and how far off that may be.
+//! The relative placement of two bodies, in `f64`: the spaces in which their volumes can be compared, and the errors.
 
 use glam::{Affine3A, DMat3, DVec3};
 
-/// More than all roundings that a coordinate goes through in `f64`, in units of the sum of its terms' magnitudes.
+/// More than all rounding of a coordinate in `f64`, in units of the sum of its terms' magnitudes.
 pub(super) const ROUNDINGS_F64: f64 = 64.0 * (f64::EPSILON / 2.0);
 
 /// A map from one space to another, in `f64`.
@@ -10,13 +10,13 @@ pub(super) const ROUNDINGS_F64: f64 = 64.0 * (f64::EPSILON / 2.0);
 pub(super) struct Relative {
     pub(super) linear: DMat3,
     pub(super) translation: DVec3,
-    /// The largest absolute coordinates of what is mapped.
+    /// The largest absolute coordinates that are mapped.
     pub(super) reach: DVec3,
-    /// How far a placed vertex may be off its mapped one, per coordinate of the target.
+    /// The largest distance of a placed vertex from its mapped one, per coordinate of the target space.
     pub(super) error: DVec3,
 }
 
-/// Where volumes of both bodies are compared; a side without a map is in its own space there.
+/// A space in which volumes of both bodies are compared. A side without a map is already in this space.
 #[derive(Clone, Debug)]
 pub(super) struct Frame<M> {
     pub(super) a: Option<M>,
@@ -24,7 +24,7 @@ pub(super) struct Frame<M> {
 }
 
 impl<M> Frame<M> {
-    /// The spaces of both bodies, or world space where neither can be inverted. `map` makes the way of a volume, if it can.
+    /// The spaces of both bodies, or world space if neither can be inverted. `map` makes the map of a volume, if possible.
     pub(super) fn all(body_a: &Placed, body_b: &Placed, map: impl Fn(&Relative) -> Option<M>) -> Vec<Self> {
         let error = body_a.error() + body_b.error();
         let mut frames = Vec::with_capacity(2);
@@ -35,7 +35,7 @@ impl<M> Frame<M> {
             frames.push(Self { a: Some(a), b: None });
         }
         if frames.is_empty() {
-            // Around A's origin, so that bodies far out stay sharp.
+            // Relative to A's origin, so that distant bodies stay precise.
             let origin = body_a.translation;
             let [a, b] = [body_a, body_b].map(|body| map(&body.to_world(origin, error)));
             if a.is_some() && b.is_some() {
@@ -46,7 +46,7 @@ impl<M> Frame<M> {
     }
 }
 
-/// A body's affine in `f64` and how far it reaches in its own space.
+/// A body's affine in `f64`, and how far it reaches in its own space.
 #[derive(Clone, Debug)]
 pub(super) struct Placed {
     pub(super) linear: DMat3,
@@ -69,12 +69,12 @@ impl Placed {
         }
     }
 
-    /// How far world-space vertices may be off the exact images of model-space ones.
+    /// The largest distance of world-space vertices from the exact images of model-space ones.
     pub(super) fn error(&self) -> DVec3 {
         ROUNDINGS_F64 * (abs(self.linear) * self.reach + self.translation.abs())
     }
 
-    /// To world space with another origin.
+    /// Maps to world space with another origin.
     pub(super) fn to_world(&self, origin: DVec3, error: DVec3) -> Relative {
         Relative {
             linear: self.linear,
@@ -84,7 +84,7 @@ impl Placed {
         }
     }
 
-    /// The map of `other`'s volumes to this body's space; none where this body is too flat to invert.
+    /// The map of `other`'s volumes to this body's space; `None` if this body is too flat to invert.
     fn from(&self, other: &Self, world_error: DVec3) -> Option<Relative> {
         let largest = column_maxima(abs(self.linear)).max_element();
         let scaled = self.linear * (1.0 / largest);

@@ -1,9 +1,9 @@
-//! What collision would cost if nothing morphed: for every shape the very tree of `morph`, over that shape alone.
+//! The cost of collision if nothing morphed: for every shape, the same tree as `morph`, over only that shape.
 //!
-//! A body's mesh is frozen at its weights: the blended positions become the base of a mesh without targets, and the tree
-//! over it has the topology of the morphing one, with tight volumes that never have to follow anything. [`Method::prepare`]
-//! makes it, so that a measurement can leave that out; what remains is to place bodies and to ask. No method that lets
-//! shapes change can be expected below it.
+//! A body's mesh is frozen at its weights: the blended positions become the base of a mesh without targets. Its tree has
+//! the topology of the morphing one, with tight volumes that never need an update. [`Method::prepare`] builds it, so that a
+//! measurement can leave that out; what remains is placing bodies and queries. No method for changing shapes can be
+//! expected to be faster.
 
 use std::sync::Arc;
 
@@ -31,7 +31,7 @@ pub(super) struct RigidFloor {
 struct Kind {
     mesh: MorphMesh,
     limits: WeightLimits,
-    /// The morphing tree's, as JSON: only in that form can it be handed to another mesh.
+    /// The layout of the morphing tree as JSON, because only in that form can it be applied to another mesh.
     layout: Value,
 }
 
@@ -48,7 +48,7 @@ impl Kind {
         let model = mesh.to_model();
         let model = model.map_err(|reason| SetUpError::Model { mesh: index, reason })?;
         let layout = MorphBvh::build(Arc::new(model), &options.tree).layout();
-        // Numbers, strings and lists always become JSON.
+        // Numbers, strings and lists can always be written as JSON.
         let layout = serde_json::to_value(layout).unwrap_or_default();
         Ok(Self {
             mesh: mesh.clone(),
@@ -57,7 +57,7 @@ impl Kind {
         })
     }
 
-    /// A body of the shape at some weights that the limits allow.
+    /// A body with the shape at these weights, which the limits allow.
     fn freeze(&self, weights: &[f32]) -> Result<Pose, WeightsError> {
         let mut layout = self.layout.clone();
         let frozen = || {
@@ -67,7 +67,7 @@ impl Kind {
             let layout: TreeLayout = serde_json::from_value(layout).ok()?;
             MorphBvh::from_layout(Arc::new(model), &layout).ok()
         };
-        // Blended vertices may reach farther than those of a mesh may; all else fits.
+        // Blended vertices may reach farther than those of a mesh may; everything else fits.
         let largest = || (0..).zip(weights).max_by(|x, y| x.1.abs().total_cmp(&y.1.abs()));
         let bvh = frozen().ok_or_else(|| {
             let (index, &value) = largest().unwrap_or((0, &0.0));
@@ -83,7 +83,7 @@ impl RigidFloor {
         for (kind, mesh) in meshes.iter().enumerate() {
             let frozen = Kind::new(kind, mesh, options)?;
             let weights = vec![0.0; mesh.targets.len()];
-            // A base that was accepted a moment ago.
+            // The base was accepted before.
             let Ok(pose) = frozen.freeze(&weights) else { continue };
             let place = WorldFromModel::IDENTITY;
             at_rest.push(FrozenBody {

@@ -1,13 +1,14 @@
-//! Skinning of whole meshes: what every rival does with joints.
+//! Skinning of whole meshes, as every rival does for joints.
 //!
-//! World positions are those of the definition, in `f64` and unfused, so that methods can be compared pair for pair; boxes are fitted to them
-//! rounded to `f32`, and the slack with which boxes are compared covers that. A vertex of one joint with weight 1 takes the joint's matrix as it is.
+//! World positions follow the definition, in `f64` and unfused, so that methods can be compared pair for pair. Boxes are fitted
+//! to positions rounded to `f32`; the slack in comparing boxes covers that. A vertex of one joint with weight 1 uses the joint's
+//! matrix directly.
 
 use glam::{Affine3A, DVec3, Vec3, Vec3A};
 
 use crate::mesh::MeshSkin;
 
-/// The influences of welded vertices, those with weight 0 left out.
+/// The influences of welded vertices, without those of weight 0.
 #[derive(Debug)]
 pub(super) struct WeldedSkin {
     joint_count: usize,
@@ -19,18 +20,18 @@ pub(super) struct WeldedSkin {
 /// The columns of a joint's matrix.
 type Columns = [DVec3; 4];
 
-/// The joints of a body, and its vertices under them.
+/// The joints of a body, and its skinned vertices.
 #[derive(Clone, Debug)]
 pub(super) struct SkinnedBody {
     joints: Vec<Affine3A>,
     columns: Vec<Columns>,
-    /// Whether the vertices have not followed yet.
+    /// Whether the vertices still have to be updated.
     pub(super) changed: bool,
     pub(super) world: Vec<DVec3>,
 }
 
 impl WeldedSkin {
-    /// `sources` are the vertices of the mesh that the welded ones are made of.
+    /// `sources` are the vertices of the mesh from which the welded ones are made.
     pub(super) fn new(skin: &MeshSkin, sources: &[usize]) -> Self {
         let mut welded = Self {
             joint_count: skin.joint_count(),
@@ -74,7 +75,7 @@ impl SkinnedBody {
         self.joints.len()
     }
 
-    /// Takes joints, as many as there were.
+    /// Sets joints; their number stays the same.
     pub(super) fn set(&mut self, joints: &[Affine3A]) {
         if self.joints != joints {
             self.joints.copy_from_slice(joints);
@@ -88,13 +89,13 @@ impl SkinnedBody {
         &self.joints
     }
 
-    /// A vertex in the world, given where it is after morphing.
+    /// A vertex in world space, from its morphed position.
     #[inline]
     pub(super) fn placed(&self, skin: &WeldedSkin, vertex: usize, posed: Vec3) -> DVec3 {
         placed(skin.of(vertex), &self.columns, posed)
     }
 
-    /// Places all vertices, given those after morphing, which are replaced by the world positions rounded to `f32`.
+    /// Places all vertices. Takes morphed positions and replaces them by the world positions rounded to `f32`.
     pub(super) fn place(&mut self, skin: &WeldedSkin, posed: &mut [Vec3]) {
         for (vertex, (world, posed)) in self.world.iter_mut().zip(posed).enumerate() {
             *world = placed(skin.of(vertex), &self.columns, *posed);

@@ -1,8 +1,8 @@
-//! The tree of the rivals of our own make: which triangles are together, eight children to a node at most.
+//! The tree of the rivals implemented here: groups triangles, with at most eight children per node.
 
 use std::ops::Range;
 
-/// A node, as its parent names it.
+/// A child of a node.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Child {
     /// A group of children.
@@ -16,7 +16,8 @@ pub(super) enum Child {
 pub(super) struct Group {
     children: [Child; 8],
     len: u8,
-    /// Edges from the root to the node whose children these are; the root alone is the group 0, and counts as depth 0.
+    /// Edges from the root to the node whose children these are. Group 0, which holds only the root, also counts as
+    /// depth 0.
     pub(super) depth: u8,
 }
 
@@ -61,7 +62,7 @@ impl Tree {
         self.groups.iter().map(|group| group.children().len() as u64).sum()
     }
 
-    /// The triangles under a node: a range of `triangles`, since numbers are in preorder.
+    /// The triangles under a node: a range of `triangles`, because indices are in preorder.
     pub(super) fn under(&self, child: Child) -> Range<usize> {
         let start = self.leaf_starts[self.outermost_leaf(child, |group| group.children().first())] as usize;
         let end = self.leaf_starts[self.outermost_leaf(child, |group| group.children().last()) + 1] as usize;
@@ -90,7 +91,7 @@ pub(super) struct VertexLists {
 }
 
 impl VertexLists {
-    /// The lists of the children that `wanted` names.
+    /// The lists of the children that `wanted` selects.
     pub(super) fn new(tree: &Tree, corners: &[[u32; 3]], wanted: impl Fn(&Group, Child) -> bool) -> Self {
         let mut lists = Self {
             ranges: vec![[(0, 0); 8]; tree.groups.len()],

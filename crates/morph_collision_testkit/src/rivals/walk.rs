@@ -1,4 +1,5 @@
-//! The walk over two trees, and the bodies that have them: shared by the methods that differ only in when boxes are made.
+//! The walk over two trees, and the bodies with such trees: shared by the methods that differ only in when boxes are
+//! computed.
 
 use std::fmt::Debug;
 use std::ops::ControlFlow;
@@ -15,29 +16,29 @@ use super::{CastHit, CastRay, Method, MethodOptions, PoseError, Wanted};
 
 mod cast;
 
-/// A tree with boxes, and how they follow the vertices. Bodies of one mesh start as clones.
+/// A tree with boxes, and how they are updated. Bodies of one mesh start as clones.
 pub(super) trait Refit: Debug + Clone + Send + Sync {
-    /// Over a mesh at rest.
+    /// A tree over a mesh at rest.
     fn new(mesh: &WeldedMesh, options: &MethodOptions) -> Self;
-    /// All vertices have moved; returns how many boxes were made.
+    /// Called after all vertices have moved; returns the number of boxes computed.
     fn update(&mut self, mesh: &WeldedMesh, posed: &[Vec3]) -> u64;
-    /// Whether [`Refit::open`] ever makes any.
+    /// Whether [`Refit::open`] ever computes any.
     const LAZY: bool;
-    /// Whether all vertices are blended as soon as a body is given its pose.
+    /// Whether all vertices are blended as soon as a body gets its pose.
     const BAKES: bool = true;
     /// Takes a new pose; called before [`Refit::update`].
     fn take_pose(&mut self, _body: &BlendedBody) {}
-    /// The children of a group are about to be looked at; returns how many boxes were made.
+    /// Called before the children of a group are used; returns the number of boxes computed.
     fn open(&mut self, group: usize, posed: &[Vec3]) -> u64;
     fn tree(&self) -> &Tree;
-    /// The boxes of a group that was opened.
+    /// The boxes of an opened group.
     fn boxes(&self, group: usize) -> &Box8;
     /// A triangle in world space.
     #[inline]
     fn world_triangle(&mut self, body: &BlendedBody, posed: &[Vec3], corners: [u32; 3]) -> Triangle {
         body.world_triangle(posed, corners)
     }
-    /// The vertices that were placed for walks since the last call.
+    /// The number of vertices that were placed for walks since the last call.
     fn take_placed(&mut self) -> u64 {
         0
     }
@@ -71,7 +72,7 @@ impl<R: Refit> TreeBody<R> {
     }
 }
 
-/// A node by the group that it is a child of.
+/// A node, identified by the group that it is a child of.
 #[derive(Clone, Copy, Debug)]
 struct NodeRef {
     child: Child,
@@ -79,7 +80,7 @@ struct NodeRef {
     lane: u8,
 }
 
-/// A [`Method`] of bodies with trees.
+/// A [`Method`] over bodies with trees.
 #[derive(Debug)]
 pub(super) struct Trees<R> {
     bodies: Vec<TreeBody<R>>,
@@ -172,7 +173,7 @@ impl<R: Refit> Trees<R> {
     }
 }
 
-/// Opens a group and hands on its children that may meet the other body's box, the last first.
+/// Opens a group and passes on its children that may intersect the other body's box, the last first.
 #[inline]
 fn descend<R: Refit>(
     body: &mut TreeBody<R>,
@@ -273,7 +274,7 @@ impl<R: Refit> Method for Trees<R> {
     }
 }
 
-/// A length to tell which of two boxes is larger.
+/// A length for deciding which of two boxes is larger.
 #[inline]
 fn size(one: &Box3) -> f32 {
     (one.max - one.min).element_sum()

@@ -1,8 +1,8 @@
 //! The paper's second experiment: dolphins that swim closely together as a group and roll, for 400 frames.
 //!
-//! Every dolphin keeps a lane of its own along `+X`; the lanes form a compact grid across. Dolphins weave about their
-//! lanes and roll about their long axes, each at its own phase, so that neighbours touch now and then with fins and
-//! tails, and bodies hardly ever. Apart from the way swum, the motion repeats after `frames` frames.
+//! Every dolphin has its own lane along `+X`; the lanes form a compact grid across. Dolphins weave about their lanes
+//! and roll about their long axes, each at its own phase, so that neighbours sometimes touch with fins and tails, but
+//! rarely with their bodies. Apart from the distance swum, the motion repeats after `frames` frames.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use glam::{Affine3A, DQuat, DVec3, EulerRot};
 use super::rigid;
 use crate::models::{round6, swim_weights};
 
-/// How many dolphins, and for how many frames, the paper has.
+/// The number of dolphins in the paper.
 pub const COUNT: usize = 12;
 /// The number of frames of the paper's simulation.
 pub const FRAMES: usize = 400;
@@ -20,14 +20,14 @@ pub const FRAMES: usize = 400;
 const LANE: f64 = 0.56;
 /// How far a dolphin weaves to each side of its lane.
 const WEAVE: f64 = 0.09;
-/// The way swum in all frames together.
+/// The distance swum over all frames.
 const DISTANCE: f64 = 24.0;
-/// Strokes of the tail in all frames together: one every 100 frames.
+/// Strokes of the tail over all frames: one every 100 frames.
 const STROKES: f64 = 4.0;
 
 /// `world_from_model` of dolphin `index` of `count` in `frame` of `frames`: a rotation and a translation.
 ///
-/// The group is centred on the `x` axis, which it swims along. Lane positions are the same for every frame count.
+/// The group swims along the `x` axis and is centred on it. Lane positions are the same for every frame count.
 pub fn placement(index: usize, count: usize, frame: usize, frames: usize) -> Affine3A {
     let t = frame as f64 / frames.max(1) as f64;
     let [lane_y, lane_z] = lane(index, count);
@@ -41,7 +41,8 @@ pub fn placement(index: usize, count: usize, frame: usize, frames: usize) -> Aff
         lane_y + WEAVE * sway(cycles_y, own(Scatter::WeaveY)),
         lane_z + WEAVE * sway(cycles_z, own(Scatter::WeaveZ)),
     );
-    // The nose follows the weave; the roll goes all the way round, every other dolphin the other way.
+    // The nose follows the weave. The roll goes all the way round, with alternating direction from dolphin to
+    // dolphin.
     let pitch = WEAVE * slope(cycles_y, own(Scatter::WeaveY));
     let yaw = -WEAVE * slope(cycles_z, own(Scatter::WeaveZ));
     let rolls = if index.is_multiple_of(2) { 2.0 } else { -2.0 };
@@ -55,7 +56,7 @@ pub fn way(frame: usize, frames: usize) -> f32 {
     (DISTANCE * frame as f64 / frames.max(1) as f64) as f32
 }
 
-/// Where in its stroke dolphin `index` is at frame 0, in 0..1 strokes.
+/// The phase of dolphin `index`'s stroke at frame 0, in 0..1 strokes.
 pub fn phase(index: usize) -> f32 {
     round6(scatter(index, Scatter::Stroke))
 }
@@ -66,7 +67,7 @@ pub fn weights(index: usize, frame: usize, frames: usize) -> [f32; 2] {
     swim_weights((strokes + scatter(index, Scatter::Stroke)) as f32)
 }
 
-/// The `y` and `z` of a lane: rows of about a square, every second one shifted by half a lane.
+/// The `y` and `z` of a lane. The rows form about a square, and every second one is shifted by half a lane.
 fn lane(index: usize, count: usize) -> [f64; 2] {
     let columns = (count as f64).sqrt().ceil().max(1.0) as usize;
     let rows = count.div_ceil(columns).max(1);
@@ -79,7 +80,7 @@ fn lane(index: usize, count: usize) -> [f64; 2] {
     ]
 }
 
-/// What differs from one dolphin to the next.
+/// The properties that differ from dolphin to dolphin.
 #[derive(Clone, Copy)]
 enum Scatter {
     Ahead,
@@ -90,7 +91,8 @@ enum Scatter {
     Stroke,
 }
 
-/// A number in 0..1 per index, evenly scattered: the fractions of the multiples of a square root, another per use.
+/// A number in 0..1 per index, evenly scattered: the fractional parts of multiples of a square root, a different one
+/// for each property.
 fn scatter(index: usize, what: Scatter) -> f64 {
     let square: f64 = match what {
         Scatter::Ahead => 2.0,

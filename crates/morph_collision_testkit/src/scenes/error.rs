@@ -1,4 +1,4 @@
-//! What can be wrong with a scene file.
+//! Errors of scene files.
 
 use std::path::PathBuf;
 
@@ -12,23 +12,23 @@ pub enum SceneError {
     Io {
         /// The file.
         path: PathBuf,
-        /// The system's reason.
+        /// The system's error.
         source: std::io::Error,
     },
-    /// The scene would take more memory than a file may.
+    /// The scene exceeds the memory limit.
     #[error("{}: {over}", path.display())]
     OverBudget {
         /// The file.
         path: PathBuf,
-        /// How much it would take.
+        /// The memory that it would take.
         over: OverBudget,
     },
-    /// Not JSON, or not the JSON of a scene; the reason ends with line and column.
+    /// The file is not JSON, or not that of a scene; the message ends with line and column.
     #[error("{}: {source}", path.display())]
     Json {
         /// The file.
         path: PathBuf,
-        /// What was expected, and where.
+        /// The expected input and the place.
         source: serde_json::Error,
     },
     /// A frame does not place every body.
@@ -38,9 +38,9 @@ pub enum SceneError {
         path: PathBuf,
         /// The frame's index.
         frame: usize,
-        /// How many bodies it places.
+        /// Number of bodies that it places.
         found: usize,
-        /// How many bodies there are.
+        /// Number of bodies in the scene.
         expected: usize,
     },
     /// A number is not finite in `f32`.
@@ -52,14 +52,14 @@ pub enum SceneError {
         frame: usize,
         /// The body's index.
         body: usize,
-        /// Which list of numbers.
+        /// The list of numbers.
         what: &'static str,
-        /// The place in that list.
+        /// The index in that list.
         index: usize,
         /// The number.
         value: f32,
     },
-    /// A rotation is no rotation.
+    /// A rotation is not a unit quaternion.
     #[error("{}: frame {frame}, body {body}: the rotation has length {length}, which should be 1", path.display())]
     Rotation {
         /// The file.

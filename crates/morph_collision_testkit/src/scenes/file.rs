@@ -1,4 +1,4 @@
-//! The JSON scene format: which models, and where they are with which weights, frame by frame.
+//! The JSON scene format: models, and their placements and weights frame by frame.
 //!
 //! ```json
 //! {
@@ -9,11 +9,12 @@
 //! }
 //! ```
 //!
-//! Paths of models are relative to the scene's file. `mesh` is an index into the model's meshes (0 where left out).
-//! Rotations are unit quaternions `x, y, z, w`; what is left out is the identity, weights left out are zero.
+//! Paths of models are relative to the scene's file. `mesh` is an index into the model's meshes, 0 by default. Rotations are unit
+//! quaternions `x, y, z, w`. Anything left out is the identity; weights left out are zero.
 //!
-//! A state may name a clip of the model and a time in seconds: `{"clip": "walk", "time": 0.5}`. The clip moves the joints of a skinned mesh, which are
-//! at rest without one, and the weights where these are left out. The placement stands above the joints.
+//! A state may name a clip of the model and a time in seconds: `{"clip": "walk", "time": 0.5}`. The clip moves the joints of a
+//! skinned mesh; without a clip they are at rest. It also sets the weights if they are left out. The placement applies on top of
+//! the joints.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -52,11 +53,11 @@ impl SceneBody {
     }
 }
 
-/// Where a body is in one frame, and its shape.
+/// A body's placement and shape in one frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BodyState {
-    /// One weight per target; empty for those of the clip, or for all zero.
+    /// One weight per target. Empty means the clip's weights, or all zero without a clip.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub weights: Vec<f32>,
     /// A unit quaternion `x, y, z, w`.
@@ -65,13 +66,13 @@ pub struct BodyState {
     /// The model's origin in world space.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub translation: Option<[f32; 3]>,
-    /// Factors along the model's axes; any, 0 and negative included.
+    /// Factors along the model's axes; 0 and negative factors are allowed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scale: Option<[f32; 3]>,
     /// The name of a clip of the model.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub clip: Option<String>,
-    /// The time in the clip, in seconds; 0 where left out. Clips loop.
+    /// The time in the clip, in seconds; 0 by default. Clips loop.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<f32>,
 }
@@ -80,7 +81,7 @@ impl BodyState {
     /// A state from weights and a rigid placement; the scale is left out.
     pub fn rigid(weights: &[f32], world_from_model: &Affine3A) -> Self {
         let (_, rotation, translation) = world_from_model.to_scale_rotation_translation();
-        // Six digits are enough, and keep files small.
+        // Six digits are enough and keep files small.
         let round6 = |value: f32| crate::models::round6(f64::from(value));
         Self {
             weights: weights.to_vec(),
@@ -121,10 +122,10 @@ impl Scene {
         Self::read_within(path, memory::DEFAULT_LIMIT)
     }
 
-    /// As [`Scene::read`] with another limit on the memory that the scene may take, in bytes.
+    /// Like [`Scene::read`], with another memory limit in bytes.
     ///
     /// # Errors
-    /// As [`Scene::read`].
+    /// See [`Scene::read`].
     pub fn read_within(path: &Path, memory_limit: u64) -> Result<Self, SceneError> {
         let io = |source| SceneError::Io {
             path: path.to_owned(),
@@ -132,23 +133,23 @@ impl Scene {
         };
         let file = std::fs::File::open(path).map_err(io)?;
         let mut json = Vec::new();
-        // What grows while it is read takes up to twice its length, and then as much again once parsed.
+        // A buffer that grows while reading takes up to twice its length, and as much again once parsed.
         file.take((memory_limit / 4).saturating_add(1))
             .read_to_end(&mut json)
             .map_err(io)?;
         Self::parse_within(&json, path, memory_limit)
     }
 
-    /// As [`Scene::read`] from bytes; `path` is only for messages.
+    /// Like [`Scene::read`], from bytes. `path` is only for messages.
     ///
     /// # Errors
-    /// As [`Scene::read`].
+    /// See [`Scene::read`].
     pub fn parse(json: &[u8], path: &Path) -> Result<Self, SceneError> {
         Self::parse_within(json, path, memory::DEFAULT_LIMIT)
     }
 
     fn parse_within(json: &[u8], path: &Path, memory_limit: u64) -> Result<Self, SceneError> {
-        // At most: a state of a body for each bracket, a number for each comma, while lists grow.
+        // An upper bound: a body's state for each bracket and a number for each comma, while lists grow.
         let bytes = |byte: &u8| match byte {
             b'{' | b'[' => 256,
             b',' => 16,
@@ -171,7 +172,7 @@ impl Scene {
     /// Writes the scene, one line per body and per frame.
     ///
     /// # Errors
-    /// Where the scene would not be read back ([`Scene::read`]), or the file cannot be written.
+    /// The scene would be refused by [`Scene::read`], or the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), SceneError> {
         self.check(path)?;
         let json = self.to_json().map_err(|source| SceneError::Json {
@@ -233,7 +234,7 @@ impl Scene {
     }
 }
 
-/// A JSON list's elements, each on a line of its own.
+/// A JSON list's elements, one per line.
 fn lines<T: Serialize>(elements: &[T]) -> serde_json::Result<String> {
     let mut text = String::new();
     for (index, element) in elements.iter().enumerate() {
@@ -246,7 +247,7 @@ fn lines<T: Serialize>(elements: &[T]) -> serde_json::Result<String> {
     Ok(text)
 }
 
-// Serde hands the field over by reference.
+// Serde passes the field by reference.
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "the signature is serde's")]
 fn is_zero(value: &usize) -> bool {
     *value == 0

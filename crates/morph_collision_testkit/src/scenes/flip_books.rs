@@ -1,6 +1,7 @@
-//! Characters of flip-books, upright along `+Y`, that go right through each other.
+//! Flip-book characters, upright along `+Y`, that pass right through each other.
 //!
-//! Places are those of a character's middle, which its own steps do not move; lengths are in sizes of its bounds at rest.
+//! A placement is that of a character's middle, which its own steps do not move. Lengths are in sizes of its bounds at
+//! rest.
 
 use std::f64::consts::{PI, TAU};
 

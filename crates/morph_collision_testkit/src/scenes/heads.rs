@@ -1,6 +1,6 @@
 //! Heads of people, upright along `+Y` and looking along `+Z`: two that greet each other cheek to cheek, and a crowd.
 //!
-//! Places are those of the middle of a head's bounds; lengths are in sizes of these bounds.
+//! A placement is that of the middle of a head's bounds. Lengths are in sizes of these bounds.
 
 use std::f64::consts::{PI, TAU};
 
@@ -8,22 +8,22 @@ use glam::{Affine3A, DQuat, DVec3, EulerRot};
 
 use super::rigid;
 
-/// How many heads are in the crowd.
+/// Number of heads in the crowd.
 pub const CROWD: usize = 12;
 
 /// How far a head turns its face away from the other, in radians, so that the cheek is in front.
 const AWAY: f64 = 0.2;
-/// How far it leans over to the other, in radians.
+/// How far it leans towards the other, in radians.
 const LEAN: f64 = 0.15;
 
-/// From one middle to the other, to the side and forwards, where cheeks touch.
+/// The offset between the middles, to the side and forwards, at which cheeks touch.
 const BESIDE: f64 = 0.635;
 const AHEAD: f64 = 0.5;
 /// How far the heads come apart or press together, to the side.
 const SWAY: f64 = 0.035;
 
-/// `world_from_middle` of one of two heads that look past each other, left cheek at left cheek, and press them together and come
-/// apart, twice, while `t` goes from 0 to 1.
+/// `world_from_middle` of one of two heads that look past each other, left cheek to left cheek. They press together and come
+/// apart twice while `t` goes from 0 to 1.
 pub fn cheek_to_cheek(index: usize, t: f64, size: DVec3) -> Affine3A {
     let beside = BESIDE + SWAY * (2.0 * TAU * t).cos();
     let nod = 0.03 * (TAU * (3.0 * t + 0.4 * index as f64)).sin();
@@ -35,18 +35,18 @@ pub fn cheek_to_cheek(index: usize, t: f64, size: DVec3) -> Affine3A {
 /// Distances between neighbours in a row and between rows.
 const IN_ROW: f64 = 1.03;
 const BETWEEN_ROWS: f64 = 0.98;
-/// How far the crowd is crushed, and let go, around these.
+/// How much these distances shrink and grow as the crowd is crushed and released.
 const CRUSH: f64 = 0.06;
 /// How far a head sways to each side of its place.
 const STEP: f64 = 0.05;
 
-/// `world_from_middle` of head `index` of a crowd that stands in rows, sways, looks around, and is crushed together twice while `t`
-/// goes from 0 to 1, so that neighbours touch now and then.
+/// `world_from_middle` of head `index` of a crowd that stands in rows, sways, looks around, and is crushed together twice while
+/// `t` goes from 0 to 1, so that neighbours touch now and then.
 pub fn crowd(index: usize, t: f64, size: DVec3) -> Affine3A {
     let columns = 4;
     let (row, column) = (index / columns, index % columns);
     let shift = if row.is_multiple_of(2) { -0.25 } else { 0.25 };
-    // Evenly scattered over the heads.
+    // A phase, evenly scattered over the heads.
     let own = |square: f64| ((index + 1) as f64 * square.sqrt()).fract();
     let wave = |cycles: f64, phase: f64| (TAU * (cycles * t + phase)).sin();
     let room = 1.0 + CRUSH * (2.0 * TAU * t).cos();

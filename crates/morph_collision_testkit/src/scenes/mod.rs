@@ -1,12 +1,13 @@
-//! Scripted motion, and the file it can be kept in.
+//! Scripted motion, and a file format for it.
 //!
 //! - [`dolphins`]: a group of any size swimming closely together, rolling and weaving.
-//! - [`pass_through`]: two bodies that go right through each other.
-//! - [`heads`]: two heads cheek to cheek, and a crowd of them; [`talk`]: what their faces do meanwhile.
-//! - [`flip_books`]: two characters of a flip-book that go right through each other.
-//! - [`Scene`]: models, and where they are with which weights, frame by frame, as JSON.
+//! - [`pass_through`]: two bodies that pass right through each other.
+//! - [`heads`]: two heads cheek to cheek, and a crowd of heads.
+//! - [`talk`]: the motion of their faces.
+//! - [`flip_books`]: two characters of a flip-book that pass right through each other.
+//! - [`Scene`]: models, and their placements and weights frame by frame, as JSON.
 //!
-//! The motions are pure functions of frame and index: nothing is simulated, so any frame can be asked for by itself.
+//! The motions are pure functions of frame and index. Nothing is simulated, so you can ask for any frame.
 
 pub mod dolphins;
 mod error;
@@ -21,7 +22,7 @@ use glam::{Affine3A, DQuat, DVec3};
 pub use error::SceneError;
 pub use file::{BodyState, Scene, SceneBody};
 
-/// A placement from `f64`: rounding to `f32` once, at the end, hides that `sin` and `cos` differ between platforms.
+/// A placement from `f64`. Rounding to `f32` once, at the end, hides that `sin` and `cos` differ between platforms.
 fn rigid(rotation: DQuat, translation: DVec3) -> Affine3A {
     Affine3A::from_rotation_translation(rotation.as_quat(), translation.as_vec3())
 }

@@ -1,7 +1,7 @@
 //! The paper's first experiment: two morphing bodies that pass right through each other in 400 steps.
 //!
-//! They come from both sides along `x`, a little aside of each other, turn slowly, and morph from the start through the
-//! middle to the end reference. They first touch in step 41 and last in step 364, as in the paper.
+//! They approach from both sides along `x`, slightly offset from each other, turn slowly, and morph from the start
+//! through the middle to the end reference. They first touch in step 41 and last in step 364, as in the paper.
 
 use std::f64::consts::TAU;
 
@@ -16,7 +16,7 @@ pub const STEPS: usize = 400;
 /// Half the distance of the bodies at the start and at the end, along `x`.
 const START: f64 = 1.034;
 const END: f64 = 0.648;
-/// Half the distance of their ways, along `y` and `z`.
+/// Half the offset between their paths, along `y` and `z`.
 const ASIDE: [f64; 2] = [0.06, 0.04];
 
 /// `world_from_model` of both bodies in `step` of `steps`, counted from 0.

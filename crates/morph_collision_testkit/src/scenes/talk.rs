@@ -1,16 +1,16 @@
-//! The weights of a face that talks, for targets with the names of `ARKit`.
+//! The weights of a talking face, for targets with the names of `ARKit`.
 
 use std::f64::consts::TAU;
 
-/// How one target, or both sides of one, moves: a wave whose lower part is cut off at 0.
+/// The motion of one target, or of a left and right pair: a wave whose lower part is cut off at 0.
 struct Motion {
-    /// What the target's name begins with.
+    /// The prefix of the target's name.
     stem: &'static str,
     /// Waves per second.
     hertz: f64,
-    /// Where in its wave it is at the start; of two targets that move against each other one is half a wave ahead.
+    /// The phase at the start. Of two opposing targets, one is half a wave ahead.
     phase: f64,
-    /// How far the middle of the wave is above 0, in heights of the wave: 1 is always active, 0 half of the time.
+    /// How far the middle of the wave is above 0, in amplitudes: 1 is always active, 0 half of the time.
     lift: f64,
     /// The largest weight.
     most: f64,
@@ -26,12 +26,13 @@ const fn motion(stem: &'static str, hertz: f64, phase: f64, lift: f64, most: f64
     }
 }
 
-/// The jaw and lips move with the syllables, brows and cheeks with the sentence; ranges are about those of captured speech.
+/// The jaw and lips move with the syllables, brows and cheeks with the sentence. Ranges are roughly those of captured
+/// speech.
 const MOTIONS: [Motion; 36] = [
     motion("eyeBlink", 0.35, 0.0, -0.5, 0.95),
     motion("eyeLookDown", 0.3, 0.1, 0.0, 0.4),
     motion("eyeLookUp", 0.3, 0.6, 0.0, 0.3),
-    // Both eyes to one side, then to the other.
+    // Both eyes look to one side, then to the other.
     motion("eyeLookInLeft", 0.4, 0.3, 0.0, 0.4),
     motion("eyeLookOutRight", 0.4, 0.3, 0.0, 0.4),
     motion("eyeLookOutLeft", 0.4, 0.8, 0.0, 0.4),
@@ -67,10 +68,10 @@ const MOTIONS: [Motion; 36] = [
     motion("tongueOut", 1.4, 0.2, -0.9, 0.05),
 ];
 
-/// The right side follows the left one by this share of a wave: no face is quite symmetric.
+/// The right side lags behind the left one by this share of a wave, because no face is quite symmetric.
 const RIGHT: f64 = 0.03;
 
-/// The weights of targets of these names at a time in seconds, each in 0..1; a target that `ARKit` does not have rests.
+/// The weights of targets with these names at a time in seconds, each in 0..1. Targets that `ARKit` does not have stay 0.
 pub fn weights(names: &[String], seconds: f64) -> Vec<f32> {
     let weight = |name: &String| {
         let Some(motion) = MOTIONS.iter().find(|motion| name.starts_with(motion.stem)) else {

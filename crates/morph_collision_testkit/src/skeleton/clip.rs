@@ -4,12 +4,12 @@ use glam::{Quat, Vec4};
 
 use super::LocalTransform;
 
-/// A looping clip: what moves which node, and how.
+/// A looping clip: the nodes that it moves, and how.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct JointClip {
     /// The clip's name.
     pub name: String,
-    /// One per property of a node that moves.
+    /// One channel per animated property of a node.
     pub channels: Vec<JointChannel>,
 }
 
@@ -18,19 +18,20 @@ pub struct JointClip {
 pub struct JointChannel {
     /// The node's index among [`Skeleton::nodes`](super::Skeleton::nodes).
     pub node: u32,
-    /// What is set.
+    /// The property that it sets.
     pub property: Property,
-    /// What happens between two keys.
+    /// The interpolation between two keys.
     pub interpolation: Interpolation,
     /// Key times in seconds, ascending.
     pub times: Vec<f32>,
-    /// A value per key; three with [`Interpolation::CubicSpline`]: the tangent before the key, the value and the tangent after it.
+    /// One value per key. With [`Interpolation::CubicSpline`] there are three: the tangent before the key, the value and the
+    /// tangent after it.
     ///
-    /// The last component is 0 for all but rotations, which are quaternions.
+    /// The last component is 0, except for rotations, which are quaternions.
     pub values: Vec<Vec4>,
 }
 
-/// What a channel sets.
+/// The property that a channel sets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Property {
     /// [`LocalTransform::translation`].
@@ -41,10 +42,10 @@ pub enum Property {
     Scale,
 }
 
-/// What happens between two keys.
+/// The interpolation between two keys.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Interpolation {
-    /// A straight line; for rotations, the shortest arc at constant speed.
+    /// Linear; for rotations, the shortest arc at constant speed.
     Linear,
     /// A key holds until the next one.
     Step,
@@ -60,9 +61,9 @@ impl JointClip {
         ends.copied().fold(0.0, f32::max)
     }
 
-    /// Sets what the clip moves to where it is at a time, looping; at the very end of a loop it is at the beginning.
+    /// Sets the properties that the clip moves to their values at a time, looping. The very end of a loop gives its beginning.
     ///
-    /// Before a channel's first key the first one holds, and after the last one the last.
+    /// Before a channel's first key its first value holds, and after the last key the last value.
     pub(super) fn apply(&self, seconds: f32, locals: &mut [LocalTransform]) {
         let duration = self.duration();
         let wrapped = if duration > 0.0 {
@@ -86,7 +87,7 @@ impl JointClip {
 }
 
 impl JointChannel {
-    /// The value at a time; `None` without keys.
+    /// The value at a time; `None` if there are no keys.
     fn at(&self, time: f32) -> Option<Vec4> {
         let last = self.times.len().checked_sub(1)?;
         let next = self.times.partition_point(|&key| key <= time);
@@ -123,7 +124,7 @@ impl JointChannel {
     }
 }
 
-/// The cubic from one value to another with these slopes, which are per unit of `t`, as glTF writes it.
+/// The cubic from one value to another with these slopes per unit of `t`, as glTF defines it.
 fn hermite(from: Vec4, leaving: Vec4, to: Vec4, arriving: Vec4, t: f32) -> Vec4 {
     let (t2, t3) = (t * t, t * t * t);
     from * (2.0 * t3 - 3.0 * t2 + 1.0)
@@ -190,7 +191,7 @@ mod tests {
     #[test]
     fn rotations_take_the_shortest_arc_at_constant_speed() {
         let to = Quat::from_rotation_y(1.2);
-        // The same rotation with its sign turned: a line between the two would pass near zero.
+        // The same rotation with the opposite sign: a line between the two would pass near zero.
         for to in [to, -to] {
             let values = vec![Quat::IDENTITY.into(), to.into()];
             let turned = pose(channel(Property::Rotation, Interpolation::Linear, values), 1.5).rotation;

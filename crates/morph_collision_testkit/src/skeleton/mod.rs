@@ -1,11 +1,11 @@
-//! Joints: where they rest, how clips move them, and the matrices that move a mesh with them.
+//! Joints: their rest transforms, how clips move them, and the matrices that move a mesh with them.
 //!
 //! ```text
 //! nodes at rest + clip at a time -> local transforms -> global transforms (f32) -> times inverse bind matrices
 //! ```
 //!
-//! The arithmetic is that of Bevy: `f32`, a parent's affine map times the child's, and `Mat4` products with the inverse bind matrices.
-//! So the matrices are those that Bevy draws with, except for roundings inside `sin` and `slerp`.
+//! The arithmetic is that of Bevy: `f32`, a parent's affine map times the child's, and `Mat4` products with the inverse bind
+//! matrices. So the matrices are those that Bevy draws with, except for rounding inside `sin` and `slerp`.
 
 mod clip;
 
@@ -13,29 +13,29 @@ use glam::{Affine3A, Mat4, Quat, Vec3};
 
 pub use self::clip::{Interpolation, JointChannel, JointClip, Property};
 
-/// The joints of a skin, and everything above them.
+/// The joints of a skin and all their ancestors.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Skeleton {
     /// The joints and all their ancestors, parents before children.
     pub nodes: Vec<SkeletonNode>,
-    /// The joints, in the order that influences number them.
+    /// The joints, in the order of the influences' joint indices.
     pub joints: Vec<Joint>,
     /// Clips that move nodes.
     pub clips: Vec<JointClip>,
 }
 
-/// A node of a skeleton: a joint, or what stands above one.
+/// A node of a skeleton: a joint, or an ancestor of one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SkeletonNode {
     /// Its name.
     pub name: String,
-    /// The node it moves with, which stands earlier in the list; `None` if the world is above it.
+    /// The index of its parent, which comes earlier in the list; `None` for a root.
     pub parent: Option<u32>,
-    /// Where it is relative to its parent while no clip moves it.
+    /// Its transform relative to its parent while no clip moves it.
     pub rest: LocalTransform,
 }
 
-/// A transform relative to a parent: scaled first, then rotated, then moved.
+/// A transform relative to a parent: scales first, then rotates, then translates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalTransform {
     /// The translation.
@@ -67,12 +67,12 @@ impl LocalTransform {
 pub struct Joint {
     /// Its index among [`Skeleton::nodes`].
     pub node: u32,
-    /// Takes the mesh's space to the joint's, in the pose that the mesh was bound in.
+    /// Maps the mesh's space to the joint's, in the bind pose.
     pub inverse_bind: Mat4,
 }
 
 impl Skeleton {
-    /// The clip of a name.
+    /// The clip with this name.
     #[must_use]
     pub fn clip(&self, name: &str) -> Option<&JointClip> {
         self.clips.iter().find(|clip| clip.name == name)
@@ -89,7 +89,7 @@ impl Skeleton {
     /// Nodes that the clip does not move are at rest.
     ///
     /// # Panics
-    /// If a node's parent does not stand before it, or a joint names a node that does not exist.
+    /// If a node's parent does not come before it, or a joint names a node that does not exist.
     #[must_use]
     pub fn world_from_mesh(&self, clip: Option<&JointClip>, seconds: f32) -> Vec<Affine3A> {
         let mut locals: Vec<LocalTransform> = self.nodes.iter().map(|node| node.rest).collect();
@@ -135,7 +135,7 @@ mod tests {
 
     use super::*;
 
-    /// A node above the joints that turns and doubles, a shoulder and an elbow, bound where they rest.
+    /// A node above the joints that rotates and doubles the size, a shoulder and an elbow, bound in the rest pose.
     fn arm() -> Skeleton {
         let node = |name: &str, parent, translation| SkeletonNode {
             name: name.into(),
@@ -155,7 +155,7 @@ mod tests {
         };
         skeleton.nodes[0].rest.scale = Vec3::splat(2.0);
         skeleton.nodes[0].rest.rotation = Quat::from_xyzw(0.0, 0.0, 1.0, 0.0);
-        // Influences number the elbow first.
+        // The elbow is joint 0.
         skeleton.joints = [2, 1]
             .map(|node| Joint {
                 node,

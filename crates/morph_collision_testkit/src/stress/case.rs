@@ -1,4 +1,4 @@
-//! What each family is made of.
+//! Generates the cases of each family.
 
 use std::ops::RangeInclusive;
 
@@ -17,12 +17,12 @@ use crate::verify::Situation;
 pub struct Case {
     /// One mesh per body.
     pub meshes: [MorphMesh; 2],
-    /// Their weights and places.
+    /// Their weights and placements.
     pub situation: Situation,
 }
 
 impl Case {
-    /// Case number `index` of a family; the same for the same seed.
+    /// Case number `index` of a family; the same seed gives the same case.
     #[must_use]
     pub fn new(family: Family, index: u64, seed: u64) -> Self {
         let mixed = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ index.wrapping_mul(0xd1b5_4a32_d192_ed03);
@@ -60,7 +60,8 @@ impl Case {
                 let mut scale = Vec3::ONE;
                 scale[rng.random_range(0..3_usize)] = 0.0;
                 scale[rng.random_range(0..3_usize)] = rng.random_range(0..2_i32) as f32;
-                // Half of them along the world's axes, so that what is flattened meets in one plane.
+                // Half of the cases lie along the world's axes, so that flattened bodies share a
+                // plane.
                 let turn = if rng.random_bool(0.5) {
                     Mat3::IDENTITY
                 } else {
@@ -84,7 +85,7 @@ fn ordinary(rng: &mut Pcg64Mcg) -> Case {
     weighted(rng, meshes, 0.0..=0.4)
 }
 
-/// Random weights, random turns, and overlapping more or less.
+/// Random weights and rotations, with more or less overlap.
 pub(super) fn weighted(rng: &mut Pcg64Mcg, meshes: [MorphMesh; 2], range: RangeInclusive<f32>) -> Case {
     let weights = weights(rng, &meshes, range);
     let situation = Situation {
@@ -94,7 +95,7 @@ pub(super) fn weighted(rng: &mut Pcg64Mcg, meshes: [MorphMesh; 2], range: RangeI
     turned(rng, meshes, situation)
 }
 
-/// Ordinary blobs in places of any linear map.
+/// Ordinary blobs placed with any linear map.
 fn linear(rng: &mut Pcg64Mcg, mut matrix: impl FnMut(&mut Pcg64Mcg) -> Mat3) -> Case {
     let Case { meshes, mut situation } = ordinary(rng);
     situation.places = [0, 1].map(|_| Affine3A::from_mat3(matrix(rng)));
@@ -104,7 +105,7 @@ fn linear(rng: &mut Pcg64Mcg, mut matrix: impl FnMut(&mut Pcg64Mcg) -> Mat3) -> 
     overlapping(rng, meshes, situation)
 }
 
-/// Everything in the model `scale` times as large, and the bodies together again.
+/// Scales the model by `scale`, and brings the bodies together again.
 pub(super) fn scaled(rng: &mut Pcg64Mcg, scale: f32) -> Case {
     let Case { mut meshes, situation } = ordinary(rng);
     for mesh in &mut meshes {
@@ -121,7 +122,7 @@ fn far_out(rng: &mut Pcg64Mcg) -> Case {
     overlapping(rng, meshes, situation)
 }
 
-/// Slivers through a blob, or on themselves.
+/// Slivers that intersect a blob, or each other.
 fn slivers(rng: &mut Pcg64Mcg, index: u64) -> Case {
     let slivers = degenerate::slivers(rng.random(), 60);
     if index.is_multiple_of(2) {
@@ -148,7 +149,7 @@ fn zero_area(rng: &mut Pcg64Mcg, index: u64) -> Case {
     };
     let mut case = weighted(rng, [degenerate, other], -1.0..=1.0);
     if rng.random_bool(0.5) {
-        // On the common grid, where touching is frequent.
+        // On a common grid, where touching is frequent.
         case.situation = Situation {
             weights: [0, 1].map(|_| vec![rng.random_range(-4..=4_i32) as f32 / 4.0]),
             places: [Affine3A::IDENTITY; 2],

@@ -1,4 +1,4 @@
-//! Every door at which numbers come in, and something bad at each.
+//! Passes bad input to every function that takes numbers.
 
 use std::fmt::Display;
 use std::path::Path;
@@ -12,19 +12,19 @@ use super::{Case, skin_door};
 use crate::scenes::Scene;
 use crate::verify::{AnswerSource, Situation, Trees};
 
-/// How many doors there are.
+/// Number of doors, that is, of functions and arguments to test.
 pub const DOORS: u64 = OWN_DOORS + skin_door::DOORS;
 
-/// Those in this file.
+/// The doors in this file.
 const OWN_DOORS: u64 = 27;
 
-/// Hands something bad in at a door, at random places; `trees` are in the case's situation, and stay in it.
+/// Passes bad input to a door, at random places. `trees` are in the case's situation, and stay in it.
 ///
 /// # Errors
-/// What is wrong: the bad input was accepted, or the error does not name it.
+/// The bad input was accepted, or the error does not name it.
 pub fn knock(door: u64, rng: &mut Pcg64Mcg, case: &Case, trees: &mut Trees) -> Result<(), String> {
     let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY][rng.random_range(0..3_usize)];
-    // Where infinity is as good as any number.
+    // For places where positive infinity is allowed.
     let not_positive = [f32::NAN, f32::NEG_INFINITY][rng.random_range(0..2_usize)];
     let axis = rng.random_range(0..3_usize);
     let with = |value: f32| {
@@ -56,7 +56,8 @@ pub fn knock(door: u64, rng: &mut Pcg64Mcg, case: &Case, trees: &mut Trees) -> R
         6 | 7 => {
             let mut bad_weights = weights.clone();
             bad_weights[target] = if door % DOORS == 6 { bad } else { 3e38 };
-            // Which of several weights takes the sum out of range is told; a single one is itself.
+            // If several weights take the sum out of range, the error names one of them. A single weight is
+            // named itself.
             refused(trees.poses()[0].set_weights(&bad_weights), &["weight "])
         }
         8 => refused(trees.poses()[0].set_weights(&weights[1..]), &["3 weights", "4 targets"]),
@@ -143,7 +144,7 @@ pub fn knock(door: u64, rng: &mut Pcg64Mcg, case: &Case, trees: &mut Trees) -> R
     }
 }
 
-/// The mesh with something broken in it must not become a model.
+/// Checks that the mesh with something broken in it does not become a model.
 fn model(case: &Case, spoil: impl FnOnce(&mut crate::mesh::MorphMesh), names: &[&str]) -> Result<(), String> {
     let mut mesh = case.meshes[0].clone();
     spoil(&mut mesh);

@@ -1,9 +1,9 @@
 use std::fmt;
 
-/// A sort of trouble.
+/// A kind of difficult input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// None: what the others are compared with.
+    /// Nothing difficult: the baseline for the others.
     Ordinary,
     /// Models of sizes from 1e-30 to 1e30.
     Scale,
@@ -17,13 +17,13 @@ pub enum Family {
     Slivers,
     /// Triangles that are points or segments.
     ZeroArea,
-    /// Every corner a vertex of its own, and vertices that no triangle uses.
+    /// Separate vertices for every corner, and vertices that no triangle uses.
     Duplicated,
     /// Weights up to a million of either sign.
     LargeWeights,
     /// 256 targets.
     ManyTargets,
-    /// Large displacements that sum to nearly nothing.
+    /// Large displacements that almost cancel.
     Cancelling,
     /// Mirrored bodies.
     Mirrored,
@@ -31,26 +31,26 @@ pub enum Family {
     Sheared,
     /// Bodies with scale 0 along an axis or two.
     Flattened,
-    /// Columns of any length at any angle, nearly dependent ones included.
+    /// Matrices with columns of any length and angle, including nearly dependent ones.
     NotOrthonormal,
-    /// Coordinates, weights and places among the subnormal numbers.
+    /// Subnormal coordinates, weights and placements.
     Denormals,
-    /// NaN, infinity and what is out of range, at every door.
+    /// NaN, infinity and values out of range, in every place that takes numbers.
     BadInput,
-    /// Skinned bodies with turned, scaled, sheared and mirrored joints.
+    /// Skinned bodies with rotated, scaled, sheared and mirrored joints.
     Skinned,
-    /// Skinned bodies with joints of scale 0, or that are a point.
+    /// Skinned bodies with joints of scale 0, or that collapse to a point.
     CollapsedJoints,
-    /// Skinned bodies with weights that sum to anything from 0 to 3.
+    /// Skinned bodies with weight sums from 0 to 3.
     UnnormalisedSkin,
-    /// Separate triangles with random influences, up to eight a vertex, of up to 256 joints.
+    /// Separate triangles with random influences, up to eight per vertex, of up to 256 joints.
     RandomSkin,
     /// Skinned bodies at up to 1e5 units from the origin.
     FarJoints,
 }
 
 impl Family {
-    /// All of them.
+    /// All families.
     pub const ALL: [Self; 22] = [
         Self::Ordinary,
         Self::Scale,

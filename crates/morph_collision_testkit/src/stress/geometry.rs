@@ -1,4 +1,4 @@
-//! The families that take more than a few lines.
+//! The families that need more than a few lines.
 
 use glam::{Affine3A, Mat3, Vec3};
 use rand::RngExt;
@@ -10,7 +10,8 @@ use super::parts::{blobs, overlapping, rotation, turned, vector, weights};
 use crate::models::{degenerate, rigid};
 use crate::verify::Situation;
 
-/// Two bodies that touch in one face or one point, and one of them moved by 1 to a million `f32` in or out.
+/// Two bodies that touch in one face or one point, one of them then moved in or out by 1 to a million steps
+/// of `f32`.
 pub(super) fn last_place(rng: &mut Pcg64Mcg, index: u64) -> Case {
     let axis = rng.random_range(0..3_usize);
     let (meshes, weights, mut translation) = if index.is_multiple_of(2) {
@@ -70,7 +71,7 @@ pub(super) fn coplanar(rng: &mut Pcg64Mcg) -> Case {
     Case { meshes, situation }
 }
 
-/// Blobs whose triangles share no vertices, with vertices far off that no triangle uses.
+/// Blobs whose triangles share no vertices, with distant vertices that no triangle uses.
 pub(super) fn duplicated(rng: &mut Pcg64Mcg) -> Case {
     let meshes = blobs(rng, 4).map(|blob| {
         let mut mesh = degenerate::duplicated_vertices(&blob);
@@ -84,7 +85,7 @@ pub(super) fn duplicated(rng: &mut Pcg64Mcg) -> Case {
     weighted(rng, meshes, -0.5..=1.0)
 }
 
-/// Pairs of targets that undo each other but for roundings.
+/// Pairs of targets that cancel each other, except for rounding.
 pub(super) fn cancelling(rng: &mut Pcg64Mcg) -> Case {
     let strength = 10.0_f32.powf(rng.random_range(2.0..=6.0));
     let meshes = blobs(rng, 4).map(|mut mesh| {
@@ -113,7 +114,7 @@ pub(super) fn cancelling(rng: &mut Pcg64Mcg) -> Case {
     turned(rng, meshes, situation)
 }
 
-/// Any columns: of very different lengths, or nearly in one plane.
+/// Any columns: of very different lengths, or almost in one plane.
 pub(super) fn any_columns(rng: &mut Pcg64Mcg) -> Mat3 {
     let [x, y, mut z] = [(); 3].map(|()| vector(rng, -1.0..=1.0));
     if rng.random_bool(0.5) {
@@ -123,7 +124,7 @@ pub(super) fn any_columns(rng: &mut Pcg64Mcg) -> Mat3 {
     Mat3::from_cols(x * length(), y * length(), z * length())
 }
 
-/// Subnormal models, weights and places, alone and together.
+/// Subnormal models, weights and placements, separately and together.
 pub(super) fn denormals(rng: &mut Pcg64Mcg, index: u64) -> Case {
     let exponent = rng.random_range(-44.0..=-37.0_f32);
     let tiny = 10.0_f32.powf(exponent);

@@ -1,4 +1,5 @@
-//! Generated trouble: what breaks collision code, family by family, and how the trees fare.
+//! Generated, difficult input of the kinds that break collision code, and the results of the trees
+//! on it.
 //!
 //! ```text
 //! Family --case--> meshes, Situation --judge--> Counts, errors, panics, slowdown -> FamilyReport

@@ -1,4 +1,4 @@
-//! How long an answer takes, next to an ordinary one.
+//! The time that an answer takes, compared with an ordinary one.
 
 use std::time::Instant;
 
@@ -7,10 +7,10 @@ use morph_collision::BuildOptions;
 use super::{Case, Family};
 use crate::verify::{AnswerSource, Situation, Trees};
 
-/// Repetitions, of which the median counts.
+/// Repetitions; the median counts.
 const REPEATS: usize = 5;
 
-/// Ordinary cases, of which the median counts.
+/// Number of ordinary cases; the median counts.
 const ORDINARY: u64 = 15;
 
 /// Seconds and intersecting pairs of triangles.
@@ -21,7 +21,7 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// Of a first answer: nothing is blended before. `None` if the situation is refused.
+    /// The pace of a first answer, before anything is blended. `None` if the situation is refused.
     pub(super) fn of(trees: &Trees, situation: &Situation) -> Option<Self> {
         let mut seconds = Vec::with_capacity(REPEATS);
         let mut pairs = 0.0;
@@ -38,7 +38,7 @@ impl Pace {
         })
     }
 
-    /// Of the ordinary family with trees of a leaf size.
+    /// The pace of the ordinary family, with trees of a leaf size.
     pub(super) fn ordinary(leaf_size: usize, seed: u64) -> Option<Self> {
         let options = BuildOptions::default().with_leaf_size(leaf_size).ok()?;
         let (mut seconds, mut pairs) = (Vec::new(), Vec::new());
@@ -55,15 +55,15 @@ impl Pace {
         })
     }
 
-    /// How many times slower than an ordinary answer of as many pairs; with fewer pairs than the ordinary case has, than the
-    /// ordinary case.
+    /// How many times slower it is than an ordinary answer with as many pairs. With fewer pairs than the ordinary case, it
+    /// is compared with the ordinary case itself.
     pub(super) fn slowdown(&self, ordinary: &Self) -> f64 {
         let share = (self.pairs / ordinary.pairs.max(1.0)).max(1.0);
         self.seconds / (ordinary.seconds * share).max(f64::MIN_POSITIVE)
     }
 }
 
-/// 0 where there is nothing.
+/// 0 for an empty list.
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(0.0)

@@ -1,10 +1,10 @@
-//! Panics, caught and kept quiet.
+//! Catches and silences panics.
 
 use std::panic::{self, AssertUnwindSafe, PanicHookInfo};
 
 type Hook = Box<dyn Fn(&PanicHookInfo<'_>) + Sync + Send + 'static>;
 
-/// While this lives panics print nothing. It stands for the whole process, so only a program should hold one.
+/// Silences panic messages while it lives. It affects the whole process, so only a program should hold one.
 pub struct Silence {
     hook: Option<Hook>,
 }
@@ -16,7 +16,7 @@ impl std::fmt::Debug for Silence {
 }
 
 impl Silence {
-    /// Silence from now on.
+    /// Starts the silence.
     #[must_use]
     pub fn new() -> Self {
         let hook = Some(panic::take_hook());
@@ -42,7 +42,7 @@ impl Drop for Silence {
     }
 }
 
-/// What a function returns, or what it said when it panicked.
+/// The function's result, or its panic message.
 pub(super) fn caught<T>(work: impl FnOnce() -> T) -> Result<T, String> {
     panic::catch_unwind(AssertUnwindSafe(work)).map_err(|payload| {
         let text = payload.downcast_ref::<&str>().map(ToString::to_string);

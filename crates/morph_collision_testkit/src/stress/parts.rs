@@ -1,4 +1,4 @@
-//! What cases of all families are drawn from: meshes, weights and places.
+//! The parts of cases of all families: meshes, weights and placements.
 
 use std::ops::RangeInclusive;
 
@@ -22,13 +22,13 @@ pub(super) fn weights(rng: &mut Pcg64Mcg, meshes: &[MorphMesh; 2], range: RangeI
     meshes.each_ref().map(weights)
 }
 
-/// Turns both bodies at random and brings them together; where they were before does not matter.
+/// Rotates both bodies at random and brings them together. Their previous placements do not matter.
 pub(super) fn turned(rng: &mut Pcg64Mcg, meshes: [MorphMesh; 2], mut situation: Situation) -> Case {
     situation.places = [0, 1].map(|_| Affine3A::from_mat3(rotation(rng)));
     overlapping(rng, meshes, situation)
 }
 
-/// Moves the second body to somewhere in the first or near it.
+/// Moves the second body to a place in the first or near it.
 pub(super) fn overlapping(rng: &mut Pcg64Mcg, meshes: [MorphMesh; 2], mut situation: Situation) -> Case {
     let apart = direction(rng) * rng.random_range(0.0..0.7);
     situation.bring_together([&meshes[0], &meshes[1]], apart);

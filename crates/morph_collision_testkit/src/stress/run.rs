@@ -8,16 +8,16 @@ use super::{Case, Family, knock};
 use crate::rivals::SetUpError;
 use crate::verify::{AnswerSource, Counts, LEAF_SIZES, Trees, judge};
 
-/// How a family fared.
+/// The results of a family.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FamilyReport {
     /// The family.
     pub family: Family,
     /// Cases tried.
     pub cases: u64,
-    /// Answers against the truth, and boxes against vertices.
+    /// Answers compared with the truth, and boxes with vertices.
     pub counts: Counts,
-    /// Bad input that was turned away by name.
+    /// Bad input that was refused with an error that names it.
     pub errors_reported: u64,
     /// Bad input that was accepted or not named, and good input that was refused.
     pub unexpected: u64,
@@ -37,9 +37,10 @@ impl FamilyReport {
     }
 }
 
-/// Tries `cases` cases of every family, trees of each of [`LEAF_SIZES`] in turn; `progress` is called after each.
+/// Tries `cases` cases of every family, with trees of each of [`LEAF_SIZES`] in turn. Calls `progress` after
+/// each.
 ///
-/// The cases are the same for the same seed; only times differ. Panics are caught; who wants them silent holds a
+/// The same seed gives the same cases; only times differ. Panics are caught. To silence their messages, hold a
 /// [`Silence`](super::Silence).
 pub fn stress(cases: u64, seed: u64, mut progress: impl FnMut()) -> Vec<FamilyReport> {
     let ordinary = LEAF_SIZES.map(|leaf_size| caught(|| Pace::ordinary(leaf_size, seed)).ok().flatten());
@@ -54,7 +55,7 @@ pub fn stress(cases: u64, seed: u64, mut progress: impl FnMut()) -> Vec<FamilyRe
     Family::ALL.map(family).to_vec()
 }
 
-/// What one case comes to.
+/// The result of one case.
 #[derive(Debug, Default)]
 struct Outcome {
     counts: Counts,
@@ -123,7 +124,7 @@ fn tried(family: Family, index: u64, seed: u64, leaf_size: usize, ordinary: Opti
         return outcome;
     }
     if family == Family::BadInput {
-        // Some of the last good state is in the caches, then something bad comes in.
+        // Fills the caches with part of the last good state before the bad input comes in.
         trees.touches();
         let rng = &mut Pcg64Mcg::seed_from_u64(seed ^ index << 32);
         match knock(index, rng, &case, &mut trees) {

@@ -1,4 +1,4 @@
-//! The doors at which numbers of skins come in.
+//! Passes bad input to the functions that take numbers of skins.
 
 use std::sync::Arc;
 
@@ -11,10 +11,10 @@ use super::door::refused;
 use crate::mesh::InfluenceSet;
 use crate::models::rigs::tube;
 
-/// How many doors there are.
+/// Number of doors.
 pub(super) const DOORS: u64 = 5;
 
-/// Hands something bad in at a door.
+/// Passes bad input to a door.
 pub(super) fn knock(door: u64, rng: &mut Pcg64Mcg, bad: f32) -> Result<(), String> {
     const JOINTS: usize = 4;
     let mut mesh = tube(rng.random(), JOINTS, 3, 1);

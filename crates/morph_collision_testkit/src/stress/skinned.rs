@@ -9,7 +9,7 @@ use crate::mesh::MorphMesh;
 use crate::models::rigs::{PoseKind, branching, random_soup, rigid_pieces, tube, unnormalised};
 use crate::verify::Situation;
 
-/// Two skinned meshes, weights of any sign, and joints as the family wants them.
+/// Two skinned meshes, weights of any sign, and joints according to the family.
 pub(super) fn case(rng: &mut Pcg64Mcg, family: Family, index: u64) -> Case {
     let meshes = [0, 1].map(|_| mesh(rng, family, index));
     let kinds: &[PoseKind] = match family {

@@ -2,7 +2,7 @@ use super::*;
 
 #[test]
 fn every_family_comes_through() {
-    // Every door once, with trees of every leaf size several times.
+    // Every door once, and trees of every leaf size several times.
     let reports = stress(DOORS, 7, || {});
     assert_eq!(reports.len(), Family::ALL.len());
     for report in reports {

@@ -1,4 +1,4 @@
-//! Every box of a posed tree against every vertex below it, with positions that are blended here, from the mesh.
+//! Checks every box of a posed tree against every vertex below it. The positions are blended here, from the mesh.
 
 use glam::DVec3;
 use morph_collision::Pose;
@@ -31,13 +31,13 @@ pub struct ContainmentViolation {
 /// Checks every box of a pose of `mesh` against every vertex below it: both the vertex rounded to `f32` and its position
 /// in `f64`.
 ///
-/// A violation is a bug of the library, except after [`Pose::refit`]: see [`check_refitted_containment`].
+/// A violation is a bug in the library, except after [`Pose::refit`]: see [`check_refitted_containment`].
 pub fn check_containment(mesh: &MorphMesh, pose: &mut Pose) -> ContainmentReport {
     let weights = pose.weights().to_vec();
     check_at(mesh, &weights, pose)
 }
 
-/// As [`check_containment`] after [`Pose::refit`], which fits boxes to the rounded vertices alone.
+/// Like [`check_containment`], but for use after [`Pose::refit`], which fits boxes only to the rounded vertices.
 pub fn check_refitted_containment(mesh: &MorphMesh, pose: &mut Pose) -> ContainmentReport {
     let rounded = oracle::posed_vertices(&mesh.positions, &mesh.targets, pose.weights());
     let positions: Vec<_> = rounded.iter().map(|p| [p.as_dvec3()]).collect();
@@ -120,7 +120,7 @@ mod tests {
             wrong.checks
         );
         assert_eq!(first.depth, 0);
-        // Only the vertices that the target moves are outside.
+        // Only vertices that the target moves are outside.
         assert_ne!(mesh.targets[0][first.vertex as usize], Vec3::ZERO);
         Ok(())
     }
@@ -130,7 +130,7 @@ mod tests {
         let mut mesh = dolphin(0);
         let bvh = MorphBvh::build(Arc::new(mesh.to_model()?), &BuildOptions::default());
         let mut pose = Pose::new(Arc::new(bvh));
-        // One vertex slightly off: inside the boxes of all nodes but the smallest ones around it.
+        // One vertex is slightly off: inside the boxes of all nodes except the smallest ones around it.
         let size = pose.bounds().size().max_element();
         let center = pose.bounds().center();
         let towards = (center - mesh.positions[100]).normalize_or_zero();

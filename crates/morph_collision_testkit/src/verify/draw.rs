@@ -1,4 +1,4 @@
-//! Shapes and places at random: what files hold, and what they should not.
+//! Draws random shapes and placements, both ordinary and extreme.
 
 use glam::{Affine3A, DVec3, Mat3, Quat, Vec3, Vec3A};
 use rand::{RngExt, SeedableRng};
@@ -9,18 +9,18 @@ use crate::mesh::MorphMesh;
 use crate::models::rigs::PoseKind;
 use crate::rivals::PoseError;
 
-/// A source of situations of two meshes; the same for the same seed.
+/// A source of situations of two meshes; the same seed gives the same situations.
 #[derive(Debug)]
 pub struct Draw<'a> {
     meshes: Meshes<'a>,
     rng: Pcg64Mcg,
 }
 
-/// How close two bodies are, in sums of their radii; the last but one way to draw is nearly touching.
+/// Distances of the two bodies, in sums of their radii. Every fifth round uses nearly touching bodies instead.
 const CLOSENESS: [std::ops::Range<f32>; 4] = [0.2..0.8, 0.0..0.2, 0.8..1.1, 1.1..2.0];
 
 impl<'a> Draw<'a> {
-    /// Situations number `round` on for a seed.
+    /// Draws the situations of round `round` for a seed.
     #[must_use]
     pub fn new(meshes: Meshes<'a>, seed: u64, round: u64) -> Self {
         let mixed = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ round.wrapping_mul(0xd1b5_4a32_d192_ed03);
@@ -30,11 +30,11 @@ impl<'a> Draw<'a> {
         }
     }
 
-    /// The situations of a round: from partly overlapping to deep, grazing and apart, and in every fifth round two that nearly
-    /// touch, which `source` is asked for.
+    /// The situations of a round: partly overlapping, deep, grazing or apart. In every fifth round there are two that nearly
+    /// touch, found with answers from `source`.
     ///
     /// # Errors
-    /// A situation that the source refuses.
+    /// The source refuses a situation.
     pub fn situations(&mut self, round: u64, source: &mut impl AnswerSource) -> Result<Vec<Situation>, PoseError> {
         let closeness = match round % 5 {
             1 => return self.nearly_touching(source),
@@ -48,7 +48,7 @@ impl<'a> Draw<'a> {
         Ok(vec![situation])
     }
 
-    /// Two neighbours, one of which touches; where the bodies cannot be made to touch, one that does not.
+    /// Two neighbouring situations, one of which touches; or a single one that does not touch if the bodies cannot be made to.
     fn nearly_touching(&mut self, source: &mut impl AnswerSource) -> Result<Vec<Situation>, PoseError> {
         let mut last = Vec::new();
         for _ in 0..8 {
@@ -66,7 +66,7 @@ impl<'a> Draw<'a> {
         Ok(last)
     }
 
-    /// Weights, joints and linear maps, the first body near the origin.
+    /// Weights, joints and linear maps. The first body is near the origin.
     fn shapes(&mut self) -> Situation {
         let weights = [0, 1].map(|body| self.weights(self.meshes[body]));
         let mut places = [0, 1].map(|_| Affine3A::from_mat3(self.linear()));
@@ -79,7 +79,7 @@ impl<'a> Draw<'a> {
         }
     }
 
-    /// Joints of every sort: at a time of the mesh's own clips, and at random in every way. None for a mesh without a skin.
+    /// Joint matrices of every kind: at a time of the mesh's own clips, and random ones. Empty for a mesh without a skin.
     fn joints(&mut self, body: usize) -> Vec<Affine3A> {
         let Some(skin) = &self.meshes[body].skin else {
             return Vec::new();
@@ -103,7 +103,7 @@ impl<'a> Draw<'a> {
         a * (1.0 - s - t) + b * s + c * t
     }
 
-    /// Weights of every sort: of the mesh's own clips, convex, signed, above one, twelve in sum, one-hot and zero.
+    /// Weights of every kind: of the mesh's own clips, convex, signed, above one, twelve in sum, one-hot and zero.
     fn weights(&mut self, mesh: &MorphMesh) -> Vec<f32> {
         let count = mesh.targets.len();
         let mut weights = vec![0.0; count];

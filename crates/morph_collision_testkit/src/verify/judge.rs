@@ -3,27 +3,27 @@ use std::ops::AddAssign;
 
 use super::AnswerSource;
 
-/// What a comparison came to.
+/// The counts of a comparison.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Situations compared.
     pub frames: u64,
     /// Pairs of triangles that intersect.
     pub pairs_truth: u64,
-    /// Those that were not answered.
+    /// Intersecting pairs that are missing from the answer.
     pub missed: u64,
-    /// Pairs that were answered and do not intersect, or were answered before.
+    /// Pairs in the answer that do not intersect or are repeated.
     pub spurious: u64,
     /// Pairs of triangles that the tree's own error-bounded filter could not decide.
     pub undecided_by_filter: u64,
-    /// How often a vertex was looked for in a box that should hold it.
+    /// Number of checks of a vertex against a box that should contain it.
     pub containment_checks: u64,
-    /// How often it was outside.
+    /// Number of these checks in which the vertex was outside.
     pub containment_violations: u64,
 }
 
 impl Counts {
-    /// How often the answer was not what it should be; 0 is what there should be.
+    /// Number of wrong answers; it should be 0.
     #[must_use]
     pub fn differences(&self) -> u64 {
         self.missed + self.spurious + self.containment_violations
@@ -42,12 +42,12 @@ impl AddAssign for Counts {
     }
 }
 
-/// One thing that is wrong with an answer.
+/// One error in an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Trouble {
-    /// A pair of triangles that intersect and were not answered.
+    /// A pair of triangles that intersect and is missing from the answer.
     Missed(u32, u32),
-    /// A pair of triangles that was answered and does not intersect, or was answered twice.
+    /// A pair of triangles in the answer that does not intersect, or is repeated.
     Spurious(u32, u32),
     /// A vertex of a body, 0 or 1, is outside a box above it.
     Outside {
@@ -58,7 +58,8 @@ pub enum Trouble {
     },
 }
 
-/// Compares an answer about the situation that a source is in with the truth, which is ascending; with the first trouble.
+/// Compares a source's answer about its current situation with the truth, which is ascending. Returns the counts and the
+/// first error.
 pub fn judge(truth: &[(u32, u32)], source: &mut impl AnswerSource) -> (Counts, Option<Trouble>) {
     let answer = source.answer();
     let (missed, spurious) = differences(truth, &answer.pairs);
@@ -88,7 +89,7 @@ pub fn judge(truth: &[(u32, u32)], source: &mut impl AnswerSource) -> (Counts, O
 
 pub(super) type Pairs = Vec<(u32, u32)>;
 
-/// What is only in the first of two ascending lists, and what is only in the second.
+/// The elements that are only in the first of two ascending lists, and those that are only in the second.
 pub(super) fn differences(truth: &[(u32, u32)], answer: &[(u32, u32)]) -> (Pairs, Pairs) {
     let (mut missed, mut spurious) = (Vec::new(), Vec::new());
     let (mut truth, mut answer) = (truth.iter().copied().peekable(), answer.iter().copied().peekable());

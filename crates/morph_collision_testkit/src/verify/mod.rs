@@ -1,14 +1,14 @@
-//! A tree's answers against brute force, over two bodies in every sort of shape and place.
+//! Compares a tree's answers with brute force, for two bodies in every kind of shape and placement.
 //!
 //! ```text
 //! Draw --situations (search: nearly touching)--> Situation --truth--> pairs \
 //!                                               AnswerSource (Trees) --> pairs -- judge --> Counts, Reproduction (shrink)
 //! ```
 //!
-//! [`check_containment`] checks the boxes of a posed tree against vertices that it blends itself, [`check_skinned_containment`] those of a
-//! skinned mesh.
+//! [`check_containment`] checks the boxes of a posed tree against vertices that it blends itself, and
+//! [`check_skinned_containment`] does so for skinned meshes.
 //!
-//! Who answers is behind a trait, [`AnswerSource`], so that the comparison itself can be tried on answers known to be wrong.
+//! Answers come from the trait [`AnswerSource`], so that the comparison itself can be tested with wrong answers.
 
 mod containment;
 mod draw;

@@ -1,19 +1,19 @@
 use super::{AnswerSource, Counts, Draw, Meshes, Reproduction, judge, shrink};
 use crate::rivals::PoseError;
 
-/// How many wrong answers of a source are made small; the smallest is shown.
+/// How many wrong answers of a source are shrunk; the smallest is shown.
 const MOST_SHRUNK: usize = 4;
 
-/// What became of a comparison.
+/// The result of a comparison.
 #[derive(Clone, Debug, Default)]
 pub struct Verification {
-    /// One per source.
+    /// One set of counts per source.
     pub counts: Vec<Counts>,
     /// The smallest wrong answer, if there was any.
     pub smallest: Option<Finding>,
 }
 
-/// A wrong answer and whose it is.
+/// A wrong answer and its source.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// The index of the source.
@@ -22,12 +22,12 @@ pub struct Finding {
     pub reproduction: Reproduction,
 }
 
-/// Compares each of some sources with brute force over `frames` situations of two meshes; `progress` is called after each.
+/// Compares several sources with brute force over `frames` situations of two meshes. Calls `progress` after each.
 ///
-/// The truth is found once per situation for all sources. The same seed gives the same situations for the same sources.
+/// The truth is computed once per situation for all sources. The same seed and sources give the same situations.
 ///
 /// # Errors
-/// A situation that a source refuses.
+/// A source refuses a situation.
 pub fn verify<S: AnswerSource>(
     meshes: Meshes<'_>,
     sources: &mut [S],
@@ -42,7 +42,7 @@ pub fn verify<S: AnswerSource>(
     let mut shrunk = vec![0; sources.len()];
     let (mut frame, mut round) = (0, 0);
     while frame < frames && !sources.is_empty() {
-        // The sources take turns in the search for what nearly touches.
+        // The sources take turns in searching for situations that nearly touch.
         let searcher = (round / 5 % sources.len() as u64) as usize;
         let situations = Draw::new(meshes, seed, round).situations(round, &mut sources[searcher])?;
         round += 1;

@@ -1,20 +1,21 @@
-//! Placements that nearly touch, found by bisection.
+//! Finds placements that nearly touch, by bisection.
 
 use glam::{Affine3A, Vec3A};
 
 use super::{AnswerSource, Situation};
 use crate::rivals::PoseError;
 
-/// More halvings than there are floats between two, over three coordinates.
+/// More halvings than needed to reach neighbouring floats in three coordinates.
 const MOST_HALVINGS: usize = 1000;
 
-/// From a situation that touches to one that does not, by moving the second body to `apart`: two neighbouring situations, the
-/// first of which touches, as `source` says. `None` where the first does not touch or the last does.
+/// Moves the second body from a situation that touches towards `apart`, where it does not. Returns two neighbouring
+/// situations of which, according to `source`, only the first touches. Returns `None` if the start does not touch or the end
+/// does.
 ///
 /// The translations differ by at most one `f32` per coordinate, and no `f32` lies between.
 ///
 /// # Errors
-/// A situation that the source refuses.
+/// The source refuses a situation.
 pub fn nearly_touching(
     start: &Situation,
     apart: Vec3A,

@@ -1,4 +1,4 @@
-//! Making a wrong answer small enough to be looked at.
+//! Shrinks a wrong answer until a person can look at it.
 
 use glam::{Affine3A, DVec3};
 
@@ -6,19 +6,19 @@ use super::judge::differences;
 use super::{AnswerSource, Meshes, Situation, Trouble};
 use crate::mesh::MeshSkin;
 
-/// A wrong answer, as small as it could be made: all that is needed to see it again.
+/// A wrong answer, made as small as possible, with everything needed to reproduce it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reproduction {
-    /// What is wrong.
+    /// The error in the answer.
     pub trouble: Trouble,
-    /// With these weights and places.
+    /// Weights and placements that cause it.
     pub situation: Situation,
-    /// The corners of the two triangles in world space; `None` where a vertex is outside a box.
+    /// The corners of the two triangles in world space; `None` if a vertex is outside a box.
     pub world: Option<[[DVec3; 3]; 2]>,
 }
 
 impl Reproduction {
-    /// How much there is to look at: weights that are not zero, and entries of places and joints that are not the identity's.
+    /// Its complexity: the number of nonzero weights, and of entries of placements and joints that differ from the identity's.
     #[must_use]
     pub fn size(&self) -> usize {
         let identity = Affine3A::IDENTITY.to_cols_array();
@@ -46,7 +46,8 @@ impl Reproduction {
     }
 }
 
-/// Sets weights to zero, and joints and entries of the places to the identity's, one after another, while the same sort of trouble stays.
+/// Sets weights to zero, and joints and entries of placements to the identity's, one after another, as long as the same kind of
+/// error remains.
 pub fn shrink(
     meshes: Meshes<'_>,
     source: &mut impl AnswerSource,
@@ -123,7 +124,7 @@ impl Step {
     }
 }
 
-/// The same trouble in another situation, or the like with other triangles; `None` if there is none.
+/// The same error in another situation, or the same kind with other triangles; `None` if there is none.
 fn still(
     meshes: Meshes<'_>,
     source: &mut impl AnswerSource,

@@ -6,19 +6,20 @@ use crate::oracle::{BodyPose, intersecting_pairs, triangles_intersect};
 /// The meshes of the two bodies.
 pub type Meshes<'a> = [&'a MorphMesh; 2];
 
-/// The shapes and places of two bodies.
+/// The shapes and placements of two bodies.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Situation {
     /// One weight per target, of each body.
     pub weights: [Vec<f32>; 2],
-    /// `world_from_model` of each body; that of a skinned mesh stands above all its joints.
+    /// `world_from_model` of each body. For a skinned mesh it applies on top of all its joints.
     pub places: [Affine3A; 2],
-    /// One matrix per joint, of each body with a skinned mesh, below its place. All are the identity where the list is empty.
+    /// For each body with a skinned mesh, one matrix per joint, applied before its placement. An empty list means the
+    /// identity for all.
     pub joints: [Vec<Affine3A>; 2],
 }
 
 impl Situation {
-    /// The matrices of a body's joints, from its mesh's space to world space; empty as [`Situation::joints`].
+    /// The matrices of a body's joints, from mesh space to world space; empty like [`Situation::joints`].
     #[must_use]
     pub fn world_joints(&self, body: usize) -> Vec<Affine3A> {
         let place = self.places[body];
@@ -86,7 +87,7 @@ impl Situation {
         [world[0], world[1], world[2]]
     }
 
-    /// The world-space box around the vertices that a body's triangles use: its least and largest coordinates.
+    /// The world-space box around the vertices that a body's triangles use: its minimum and maximum.
     ///
     /// # Panics
     /// If there is not one weight per target.
@@ -98,7 +99,7 @@ impl Situation {
         used.fold(empty, |(min, max), &p| (min.min(p), max.max(p)))
     }
 
-    /// The sum of the radii of the balls around both bodies' world-space boxes.
+    /// The sum of the radii of the bounding spheres of both bodies' world-space boxes.
     ///
     /// # Panics
     /// If there is not one weight per target.
@@ -111,7 +112,7 @@ impl Situation {
     }
 
     /// Moves the second body so that the middle of its box is `apart` from the first one's, in units of [`Situation::sizes`],
-    /// as far as the translation's `f32` allow.
+    /// up to the rounding of the translation to `f32`.
     ///
     /// # Panics
     /// If there is not one weight per target.

@@ -1,4 +1,4 @@
-//! Every box of a posed skinned tree against every vertex below it, with vertices that the oracle places.
+//! Checks every box of a posed skinned tree against every vertex below it. The oracle places the vertices.
 
 use glam::{Affine3A, DMat3, DVec3, Vec3};
 use morph_collision::{Pose, WorldFromModel};
@@ -7,13 +7,14 @@ use super::{ContainmentReport, ContainmentViolation};
 use crate::mesh::{MeshSkin, MorphMesh};
 use crate::oracle;
 
-/// More than all roundings of a world position and of its way back into a joint's space, in units of the terms' magnitudes.
+/// Upper bound on all rounding of a world position and of its way back into a joint's space, in units of the terms' magnitudes.
 const ROUNDINGS: f64 = 256.0 * f64::EPSILON;
 
-/// As [`check_containment`](super::check_containment) for a skinned mesh, with the matrices that its joints have.
+/// Like [`check_containment`](super::check_containment), for a skinned mesh with these joint matrices.
 ///
-/// A box that is kept in the space of a joint has to hold each vertex taken back into that space, up to the roundings of `f64`: the boxes are of
-/// `f32`, whose roundings are a thousand million times as large. Both boxes around the whole body in world space have to hold each vertex exactly.
+/// A box that is stored in a joint's space must contain each vertex taken back into that space, up to the rounding of `f64`.
+/// Boxes are `f32`, with rounding errors about a thousand million times as large. Both boxes around the whole body in world space
+/// must contain each vertex exactly.
 ///
 /// # Panics
 /// If the mesh has no skin, or names a joint that is not among `joints`.
@@ -24,7 +25,7 @@ pub fn check_skinned_containment(mesh: &MorphMesh, joints: &[Affine3A], pose: &m
     check_at(mesh, &world, reach(&posed, skin, joints), pose)
 }
 
-/// Checks boxes against vertices that are made of numbers up to `reach`.
+/// Checks boxes against vertices computed from numbers up to `reach`.
 fn check_at(mesh: &MorphMesh, world: &[DVec3], reach: f64, pose: &mut Pose) -> ContainmentReport {
     let mut report = ContainmentReport::default();
     let place = WorldFromModel::IDENTITY;
@@ -65,7 +66,7 @@ fn check_at(mesh: &MorphMesh, world: &[DVec3], reach: f64, pose: &mut Pose) -> C
     report
 }
 
-/// A bound on the numbers that world positions are made of.
+/// A bound on the numbers from which world positions are computed.
 fn reach(posed: &[Vec3], skin: &MeshSkin, joints: &[Affine3A]) -> f64 {
     let largest = posed.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
     let of_joint = |joint: &Affine3A| {
@@ -78,7 +79,7 @@ fn reach(posed: &[Vec3], skin: &MeshSkin, joints: &[Affine3A]) -> f64 {
     of_joints * f64::from(sums.max(1.0))
 }
 
-/// From world space into the space that a box is in.
+/// Maps world space into a box's space.
 struct Inverse {
     linear: DMat3,
     /// The largest sum of absolute values in a row of `linear`.
@@ -89,7 +90,7 @@ struct Inverse {
 impl Inverse {
     fn new(place: &WorldFromModel) -> Self {
         let origin = place.transform_point(Vec3::ZERO);
-        // A large factor, 2^127, so that the largest origin rounds nothing away.
+        // A large factor, 2^127, so that even the largest origin causes no rounding.
         const FAR: f32 = f32::from_bits(254 << 23);
         let column = |axis: Vec3| (place.transform_point(axis * FAR) - origin) / f64::from(FAR);
         let linear = DMat3::from_cols(column(Vec3::X), column(Vec3::Y), column(Vec3::Z)).inverse();
@@ -101,7 +102,7 @@ impl Inverse {
         }
     }
 
-    /// A point, and how far off it may be along each axis.
+    /// A point, and its error bound along each axis.
     fn point(&self, world: DVec3, reach: f64) -> (DVec3, f64) {
         let point = self.linear * (world - self.origin);
         let slack = ROUNDINGS * (self.norm * (reach + self.origin.abs().max_element()) + point.abs().max_element());

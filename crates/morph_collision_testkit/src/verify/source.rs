@@ -9,21 +9,21 @@ use super::{ContainmentReport, Meshes, Situation, check_containment, check_skinn
 use crate::mesh::{MeshSkin, MorphMesh};
 use crate::rivals::{PoseError, SetUpError};
 
-/// All intersecting pairs of triangles, as somebody says.
+/// A source's list of all intersecting pairs of triangles.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Answer {
-    /// `(triangle of the first body, triangle of the second)`, ascending; a pair that was found twice stands there twice.
+    /// `(triangle of the first body, triangle of the second)`, ascending. Pairs that were found twice appear twice.
     pub pairs: Vec<(u32, u32)>,
-    /// What it took.
+    /// The work that it took.
     pub stats: QueryStats,
 }
 
-/// Who answers about two bodies: what is to be verified.
+/// Gives answers about two bodies; its answers are verified.
 pub trait AnswerSource {
-    /// Brings both bodies into a shape and place.
+    /// Sets the shapes and placements of both bodies.
     ///
     /// # Errors
-    /// Weights or places that are refused; what was before stays.
+    /// Weights or placements are refused; the previous state stays.
     fn set(&mut self, situation: &Situation) -> Result<(), PoseError>;
 
     /// All intersecting pairs.
@@ -32,21 +32,21 @@ pub trait AnswerSource {
     /// Whether any triangles intersect.
     fn touches(&mut self) -> bool;
 
-    /// Whether the boxes of a body, 0 or 1, hold its vertices.
+    /// Whether the boxes of body 0 or 1 contain its vertices.
     fn containment(&mut self, body: usize) -> ContainmentReport;
 }
 
-/// Leaf sizes of trees that answers are compared over: the library's, and two whose leaves are blended vertex by vertex or are
-/// longer than a patch.
+/// Leaf sizes of the trees that are compared: the library's default, one whose leaves are blended vertex by vertex, and one
+/// whose leaves are longer than a patch.
 pub const LEAF_SIZES: [usize; 3] = [8, 2, 20];
 
-/// The trees of this project.
+/// This project's trees.
 #[derive(Debug)]
 pub struct Trees {
     meshes: [Arc<MorphMesh>; 2],
     poses: [Pose; 2],
     places: [WorldFromModel; 2],
-    /// The matrices of the joints of skinned meshes in world space.
+    /// The joint matrices of skinned meshes in world space.
     joints: [Vec<Affine3A>; 2],
     query: PairQuery,
     pairs: Vec<TrianglePair>,
@@ -79,7 +79,7 @@ impl Trees {
         })
     }
 
-    /// The same trees with poses at rest, in which nothing is blended yet.
+    /// The same trees with poses at rest and without any blended data.
     #[must_use]
     pub fn at_rest(&self) -> Self {
         Self {
@@ -147,7 +147,7 @@ impl AnswerSource for Trees {
     }
 }
 
-/// The matrices of joints that leave a mesh as it is; none for a mesh without a skin.
+/// Joint matrices that leave a mesh as it is; empty for a mesh without a skin.
 fn at_rest(mesh: &MorphMesh) -> Vec<Affine3A> {
     vec![Affine3A::IDENTITY; mesh.skin.as_ref().map_or(0, MeshSkin::joint_count)]
 }

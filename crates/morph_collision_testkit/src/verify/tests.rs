@@ -1,4 +1,4 @@
-//! A checker is worth something if it finds what is wrong: here the answers are.
+//! A checker must find errors, so here the answers are wrong.
 
 use glam::Affine3A;
 use morph_collision::BuildOptions;
@@ -8,17 +8,17 @@ use crate::mesh::MorphMesh;
 use crate::models::{dolphin, rigs};
 use crate::rivals::PoseError;
 
-/// How an answer is spoilt.
+/// How an answer is falsified.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
     None,
-    /// The first pair is left out while target 0 of the first body has some weight.
+    /// Omits the first pair while target 0 of the first body has some weight.
     LeavesOut,
-    /// A pair is made up while the second body is not at the origin.
+    /// Adds a pair while the second body is not at the origin.
     MakesUp,
-    /// A pair is told twice.
+    /// Repeats a pair.
     Repeats,
-    /// A vertex is said to be outside while target 1 of the second body has some weight.
+    /// Reports a vertex as outside while target 1 of the second body has some weight.
     LetsOut,
 }
 
@@ -55,7 +55,7 @@ impl AnswerSource for Spoilt {
             Fault::LeavesOut if situation.weights[0][0] != 0.0 => {
                 answer.pairs = answer.pairs.split_off(answer.pairs.len().min(1));
             }
-            // No triangle of a dolphin's nose touches its own copy where the copy is.
+            // No triangle of a dolphin's nose touches its own copy at the copy's placement.
             Fault::MakesUp if answer.pairs.first() != Some(&(0, 0)) => answer.pairs.insert(0, (0, 0)),
             Fault::Repeats => answer.pairs.extend(answer.pairs.last().copied()),
             _ => {}
@@ -112,7 +112,7 @@ fn a_missed_pair_is_found_and_made_small() -> Result<(), Box<dyn std::error::Err
     let smallest = smallest.ok_or("nothing to show")?;
     assert!(matches!(smallest.trouble, Trouble::Missed(..)), "{smallest:?}");
     let [of_a, of_b] = &smallest.situation.weights;
-    // What the fault needs has stayed, and nothing that it does not need.
+    // Everything that the fault needs has stayed, and nothing else.
     assert!(
         of_a[0] != 0.0 && of_b.iter().all(|weight| *weight == 0.0),
         "{smallest:?}"
@@ -136,7 +136,8 @@ fn answers_about_skinned_meshes_are_found_right_or_made_small() -> Result<(), Bo
 
     let (_, smallest) = verified_with(&mesh, Fault::LeavesOut)?;
     let situation = smallest.ok_or("nothing to show")?.situation;
-    // Joints that the fault does not need are back at rest, though two bodies in one place would touch everywhere.
+    // Joints that the fault does not need are back at rest, although two bodies in one place would touch
+    // everywhere.
     let joints = situation.joints.iter().flatten();
     let (rest, all) = (
         joints.clone().filter(|joint| **joint == Affine3A::IDENTITY).count(),
@@ -162,7 +163,7 @@ fn a_vertex_outside_its_box_is_found() -> Result<(), Box<dyn std::error::Error>>
     assert!(counts.containment_violations > 0 && counts.missed + counts.spurious == 0);
     let smallest = smallest.ok_or("nothing to show")?;
     assert_eq!(smallest.trouble, Trouble::Outside { body: 1, vertex: 7 });
-    // One weight is all that it takes.
+    // The fault needs only one weight.
     assert_eq!(smallest.size(), 1);
     Ok(())
 }

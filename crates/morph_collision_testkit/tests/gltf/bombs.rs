@@ -1,4 +1,4 @@
-//! Small files that claim to be large: refused before anything is allocated.
+//! Small files that claim to be large are refused before anything is allocated.
 
 use std::path::Path;
 
@@ -6,7 +6,7 @@ use crate::support::{Document, F32, U8, U32, primitive, write};
 use morph_collision_testkit::gltf_read::{GltfFile, ReadError, ReadOptions, Remedy, read_meshes};
 use serde_json::{Value, json};
 
-/// An accessor that stores nothing, or one element.
+/// An accessor without stored data, or with one stored element.
 fn claim(document: &mut Document, kind: u32, shape: &str, count: u64, sparse: bool) -> usize {
     let mut accessor = json!({"componentType": kind, "type": shape, "count": count});
     if sparse {
@@ -44,7 +44,7 @@ fn assert_over_budget(error: &ReadError) {
 
 #[test]
 fn the_budget_is_one_for_the_whole_file() {
-    // Each by itself is far below the limit, together they are above it.
+    // Each alone is far below the limit; together they exceed it.
     let mut document = Document::new();
     let positions = claim(&mut document, F32, "VEC3", 3_000_000, false);
     let sparse: Vec<usize> = (0..8)
@@ -91,7 +91,7 @@ fn indices_vertices_and_primitives_are_counted() {
 
 #[test]
 fn more_triangles_than_can_be_numbered_are_refused() {
-    // The second count times 36 bytes is a little more than a u64 holds.
+    // The second count times 36 bytes slightly exceeds a u64.
     for (count, primitives) in [
         (u64::MAX, 1),
         (u64::MAX, 2),
@@ -118,7 +118,7 @@ fn targets_that_are_not_stored_cost_nothing() -> Result<(), ReadError> {
     let positions = claim(&mut document, F32, "VEC3", 1_000_000, false);
     let indices = document.accessor(U8, "SCALAR", 3, &[0, 0, 0]);
     let zero = claim(&mut document, F32, "VEC3", 1_000_000, false);
-    // 12 GB if they were stored.
+    // These would take 12 GB if they were stored.
     document.mesh("m", vec![primitive(positions, Some(indices), &vec![zero; 1000])]);
     let (_directory, file) = document.open()?;
     let before = file.budget().left();
@@ -225,7 +225,7 @@ fn a_buffer_stays_counted_once_its_mesh_is_gone() -> Result<(), ReadError> {
     assert!(file.budget().left() < 400_000, "{}", file.budget().left());
     assert_eq!(lent(&file, 1), Err(Some(Remedy::MoreMemory)));
     assert_eq!(lent(&file, 0), Ok(()));
-    // What did not fit while something else was there fits later.
+    // What did not fit while something else was in memory fits later.
     let file = with(1_000_000)?;
     let crowded = file.budget().lend(|| {
         file.budget().take(500_000, 1, String::new).expect("there is room");
@@ -270,7 +270,7 @@ fn the_weights_of_a_step_are_counted_as_often_as_they_are_held() -> Result<(), R
     document.animate("STEP", &times, &vec![0.5; times.len()]);
     document.json["animations"][0]["name"] = json!("a".repeat(1000));
     let (_directory, file) = document.open()?;
-    // Not the JSON and the buffer.
+    // The JSON and the buffer do not count again.
     assert_eq!(file.clips(0, 1).clips.len(), 1);
     let before = file.budget().left();
     assert_eq!(file.clips(0, 1).clips.len(), 1);

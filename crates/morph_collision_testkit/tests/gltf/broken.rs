@@ -1,4 +1,4 @@
-//! Broken files: an error that says where, and never a panic.
+//! Broken files give an error with its place, and never a panic.
 
 use std::path::Path;
 
@@ -55,7 +55,8 @@ fn truncation_and_corruption_are_survived_everywhere() {
     for length in (0..glb.len()).step_by(97) {
         assert_says(&error_of(&glb[..length]), &["model.glb"]);
     }
-    // Digits and letters of the JSON, changed one at a time: read or refused, but without a panic.
+    // Changes digits and letters of the JSON one at a time. The file is read or refused, without a
+    // panic.
     for at in (20..3000).step_by(7) {
         for replacement in *b"9x-" {
             let mut corrupt = glb.clone();
@@ -264,7 +265,7 @@ fn broken_clips_are_named() {
         let mut problems = file.clips(0, 1).broken;
         problems.extend(file.stray_animations());
         assert_says(&messages(&problems), &["model.gltf", "animation 0 \"a\"", part]);
-        // The mesh is read all the same.
+        // The mesh can still be read.
         let mesh = file.mesh(0).expect("the mesh is sound").mesh;
         assert_eq!((mesh.triangles.len(), file.clips(0, 1).clips.len()), (2, 0));
     };

@@ -1,4 +1,4 @@
-//! glTF in and out: what is read, what is refused, and that the two ends agree.
+//! Reading and writing glTF: what is read, what is refused, and that reader and writer agree.
 
 mod bombs;
 mod broken;

@@ -1,4 +1,4 @@
-//! What the reader makes of files that are in order, in all the ways glTF has to say the same thing.
+//! Reads valid files, in all the ways in which glTF can express the same thing.
 
 use crate::support::{Document, F32, I16, U8, U16, U32, primitive};
 use glam::Vec3;
@@ -118,7 +118,7 @@ fn sparse_displacements_replace_zeros_or_a_base() -> Result<(), ReadError> {
 #[test]
 fn interleaved_and_quantized_positions_are_decoded() -> Result<(), ReadError> {
     let mut document = Document::square(0);
-    // Eight bytes per vertex, of which three 16-bit components count.
+    // Eight bytes per vertex, of which three 16-bit components are used.
     let words = [
         [0_i16, 0, 0, -1],
         [32767, 0, 0, -1],
@@ -174,11 +174,12 @@ fn clips_of_every_interpolation_are_read() -> Result<(), ReadError> {
     assert_eq!(step.sample(0.99), [0.0, 0.5]);
     assert_eq!(step.sample(1.0), [1.0, 0.5]);
     assert_eq!(cubic.weights, [[0.0, 0.25], [1.0, 0.75]]);
-    // In-tangents first, then values, then out-tangents: 8 on leaving, -4 on arriving.
+    // In-tangents first, then values, then out-tangents: 8 leaving the first key, -4 arriving at the
+    // second.
     let mut document = Document::square(1);
     document.animate("CUBICSPLINE", &[0.0, 0.5], &[9.0, 0.0, 8.0, -4.0, 1.0, 9.0]);
     let mesh = document.read()?.remove(0);
-    // Half way: (0 + 1) / 2 + (8 - -4) / 8 of the half second between the keys.
+    // Half way: (0 + 1) / 2 + (8 - -4) / 8, times the half second between the keys.
     assert_eq!(mesh.animations[0].sample(0.25), [0.5 + 0.5 * 12.0 / 8.0]);
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! Skins: influences, joints with what stands above them, and clips that move them.
+//! Skins: influences, joints with their ancestors, and clips that move them.
 
 use glam::{Affine3A, Quat, Vec3, Vec3A, Vec4};
 use morph_collision_testkit::gltf_read::{GltfFile, ReadError, Remedy};
@@ -7,7 +7,8 @@ use serde_json::{Value, json};
 
 use crate::support::{Document, F32, U8, U16, primitive};
 
-/// A square bound to two joints, "low" and "high" above it, under a node that is no joint: nodes 0, 1 and 2. Node 3 shows it.
+/// A square bound to two joints, "low" and "high" above it, under a node that is not a joint: nodes 0, 1 and 2. Node 3 shows
+/// it.
 fn bound_square() -> Document {
     let mut document = Document::square(1);
     let joints = document.accessor(
@@ -63,7 +64,7 @@ fn skeleton(document: Document) -> Result<Skeleton, ReadError> {
 #[track_caller]
 fn skin_error(document: Document) -> String {
     let (_directory, file) = document.open().expect("the file itself is right");
-    // The mesh can be read all the same.
+    // The mesh can still be read.
     assert_eq!(file.mesh(0).expect("the mesh is right").mesh.triangles.len(), 2);
     match file.skin(0) {
         Ok(skin) => panic!("accepted: {skin:?}"),
@@ -85,7 +86,7 @@ fn influences_and_joints_are_read_with_everything_above_them() -> Result<(), Rea
     assert_eq!(names, ["armature", "low", "high"]);
     let parents: Vec<_> = skin.skeleton.nodes.iter().map(|node| node.parent).collect();
     assert_eq!(parents, [None, Some(0), Some(1)]);
-    // The armature's translation counts, that of the node which shows the mesh does not.
+    // The armature's translation counts; that of the node that shows the mesh does not.
     assert_eq!(skin.skeleton.at_rest(), [Affine3A::from_translation(Vec3::X * 10.0); 2]);
     Ok(())
 }
@@ -111,7 +112,7 @@ fn a_second_set_and_a_second_primitive_are_numbered_like_the_vertices() -> Resul
     document.json["meshes"][0]["primitives"] = json!([first, first.clone(), first.clone()]);
     let joints = document.accessor(U8, "VEC4", 4, &[1; 16]);
     let weights = document.floats("VEC4", &[0.125; 16]);
-    // The third primitive shares the vertices of the first, the second has its own.
+    // The third primitive shares the vertices of the first. The second has its own.
     bind(&mut document, 1, json!({"JOINTS_1": joints, "WEIGHTS_1": weights}));
     let mesh = document.read()?.swap_remove(0);
     assert_eq!(mesh.positions.len(), 8);
@@ -277,7 +278,7 @@ fn claims(change: impl FnOnce(&mut Document)) -> (tempfile::TempDir, GltfFile) {
 
 #[test]
 fn sizes_that_are_only_claimed_are_refused() {
-    // A primitive of 30 million vertices that are not stored, with two sets of influences.
+    // A primitive of 30 million vertices without stored data, with two sets of influences.
     let (_directory, file) = claims(|d| {
         let mut unstored = |kind: u32, shape: &str| {
             let accessors = d.list("accessors");

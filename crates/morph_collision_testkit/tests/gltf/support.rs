@@ -1,4 +1,5 @@
-//! Hand-built glTF files for the reader's tests: a `.gltf` with a `.bin` beside it, right or wrong as the test wants.
+//! Hand-built glTF files for the reader's tests: a `.gltf` with a `.bin` beside it, valid or broken as the test
+//! needs.
 
 use std::path::PathBuf;
 
@@ -15,7 +16,7 @@ pub(crate) const I16: u32 = 5122;
 pub(crate) const U32: u32 = 5125;
 pub(crate) const F32: u32 = 5126;
 
-/// A document that grows by accessors; `json` may be bent into anything before it is read.
+/// A document to which accessors are added. A test can change `json` in any way before it is read.
 pub(crate) struct Document {
     pub(crate) json: Value,
     pub(crate) bin: Vec<u8>,
@@ -30,7 +31,7 @@ impl Document {
         Self { json, bin: Vec::new() }
     }
 
-    /// A document with one mesh "m" of one primitive: a unit square as two triangles with targets that lift it.
+    /// A document with one mesh "m" of one primitive: a unit square as two triangles, with targets that lift it.
     pub(crate) fn square(targets: usize) -> Self {
         let mut document = Self::new();
         let positions = document.floats("VEC3", &[0., 0., 0., 1., 0., 0., 1., 1., 0., 0., 1., 0.]);
@@ -72,7 +73,7 @@ impl Document {
         views.len() - 1
     }
 
-    /// An animation "a" of the weights of a new node that shows mesh 0.
+    /// Adds an animation "a" of the weights of a new node that shows mesh 0.
     pub(crate) fn animate(&mut self, interpolation: &str, times: &[f32], weights: &[f32]) {
         let (input, output) = (self.floats("SCALAR", times), self.floats("SCALAR", weights));
         self.list("nodes").push(json!({"mesh": 0}));
@@ -94,7 +95,7 @@ impl Document {
         read_meshes(&path)
     }
 
-    /// Writes the files and opens them as they should be by default.
+    /// Writes the files and opens them with default options.
     pub(crate) fn open(self) -> Result<(TempDir, GltfFile), ReadError> {
         let (directory, path) = self.save();
         Ok((directory, GltfFile::open(&path, &ReadOptions::default())?))
@@ -112,7 +113,7 @@ impl Document {
         (directory, path)
     }
 
-    /// The message with which reading fails.
+    /// The error message of reading it.
     pub(crate) fn error(self) -> String {
         match self.read() {
             Ok(meshes) => panic!("accepted: {meshes:?}"),
@@ -131,7 +132,7 @@ pub(crate) fn primitive(positions: usize, indices: Option<usize>, targets: &[usi
     primitive
 }
 
-/// A file of these bytes in a directory that lives as long as the first value.
+/// Writes a file of these bytes in a directory that lives as long as the first value.
 pub(crate) fn write(bytes: &[u8], name: &str) -> (TempDir, PathBuf) {
     let directory = tempfile::tempdir().expect("a temporary directory can be made");
     let path = directory.path().join(name);

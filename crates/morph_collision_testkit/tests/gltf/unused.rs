@@ -1,4 +1,4 @@
-//! What is broken and not used does not keep the rest from being read.
+//! Broken parts that are not used do not keep the rest from being read.
 
 use crate::support::{Document, primitive};
 use morph_collision_testkit::gltf_read::ReadError;

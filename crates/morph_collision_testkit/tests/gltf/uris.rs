@@ -79,14 +79,14 @@ fn links_that_lead_out_and_what_is_no_regular_file_need_to_be_allowed() {
     assert_refused(directory.path(), "zero.bin", "symbolic link");
     assert_refused(directory.path(), "folder", "not a regular file");
     assert!(read(directory.path(), "out-link.bin", true).is_ok());
-    // As much as the buffer promises, and no more: all vertices are at the origin.
+    // It reads only as much as the buffer declares; all vertices are at the origin.
     let zeros = read(directory.path(), "/dev/zero", true).expect("it is allowed").mesh;
     assert_eq!(zeros.positions, [glam::Vec3::ZERO; 4]);
     assert!(read(directory.path(), "folder", true).is_err());
 
     let pipe = std::process::Command::new("mkfifo").arg(models.join("pipe")).status();
     if pipe.is_ok_and(|status| status.success()) {
-        // Opening it would wait for ever.
+        // Opening it would wait forever.
         assert_refused(directory.path(), "pipe", "not a regular file");
         let error = GltfFile::open(&models.join("pipe"), &ReadOptions::default()).expect_err("no regular file");
         assert_eq!(error.remedy(), Some(Remedy::AnyPath), "{error}");

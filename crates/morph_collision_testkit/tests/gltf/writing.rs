@@ -1,4 +1,4 @@
-//! What is written is read back, and the same bytes come out every time.
+//! Written files can be read back, and the same mesh always gives the same bytes.
 
 use std::error::Error;
 

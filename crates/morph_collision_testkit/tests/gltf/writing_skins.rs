@@ -62,7 +62,7 @@ fn real_characters_survive_the_round_trip() -> Result<(), Box<dyn Error>> {
         for mesh in read_meshes(&path)?.iter().filter(|mesh| mesh.skin.is_some()) {
             let read = round_trip(mesh)?;
             assert_same(mesh, &read);
-            // Nodes as well, since they have one root.
+            // Nodes are compared as well, because they have one root.
             assert_eq!(&read, mesh, "{file}");
             clips += skeleton(mesh).clips.len();
         }
@@ -80,7 +80,7 @@ fn generated_rigs_survive_the_round_trip() -> Result<(), Box<dyn Error>> {
         rigs::unnormalised(&rigs::tube(4, 3, 2, 1), 5),
         // Joints without a common parent.
         rigs::random_soup(6, 40, 30, 2, 2),
-        // Numbers of joints that take 8 bits just so, and 16.
+        // Numbers of joints that just fit 8 bits, and that need 16.
         rigs::random_soup(7, 300, 256, 0, 1),
         rigs::random_soup(8, 300, 257, 0, 2),
     ] {
@@ -91,7 +91,7 @@ fn generated_rigs_survive_the_round_trip() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Two joints, the second of which stands where the first takes it, and a box that follows them.
+/// Two joints, one the child of the other, and a box that follows them.
 fn two_joints() -> MorphMesh {
     let mut mesh = rigid::box_mesh(Vec3::ONE);
     let vertices = mesh.positions.len();
@@ -184,7 +184,7 @@ fn clips_of_weights_and_joints_with_one_name_are_one_animation() -> Result<(), B
     };
     mesh.animations = ["talk", "both", "blink"].map(weights).to_vec();
     let joints = |name| clip(name, Property::Scale, Interpolation::Linear, &[Vec4::ONE, Vec4::X]);
-    // The last two are in the other order among the weights: one has to be an animation of its own.
+    // The last two have the opposite order among the weight clips, so one has to become a separate animation.
     mesh.skin.as_mut().expect("skinned").skeleton.clips = ["walk", "both", "blink", "talk"].map(joints).to_vec();
     let bytes = to_glb(&mesh, &Appearance::default())?;
     let text = String::from_utf8_lossy(&bytes);

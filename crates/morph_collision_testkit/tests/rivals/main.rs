@@ -1,4 +1,4 @@
-//! Every method gives the oracle's pairs, on everything that there is to try it on.
+//! Every method gives the oracle's pairs, on everything there is to test.
 
 mod rays;
 mod skins;
@@ -10,7 +10,8 @@ use morph_collision::QueryStats;
 use morph_collision_testkit::moments::{self, Moment};
 use morph_collision_testkit::rivals::{MethodKind, MethodOptions, PaperOptions, Wanted};
 
-/// All but the oracle itself, the paper's with every kind of volume, with and without in-betweens.
+/// All methods except the oracle; the paper's with every kind of volume, with and without
+/// in-betweens.
 fn methods() -> impl Iterator<Item = MethodKind> {
     let others = |kind: &MethodKind| !matches!(kind, MethodKind::BruteForce | MethodKind::Paper(_));
     let paper = PaperOptions::all().map(MethodKind::Paper);
@@ -110,7 +111,7 @@ fn the_brute_force_method_is_the_oracle() {
     assert!(work.triangle_tests > 0);
 }
 
-/// Frames one after the other on the same bodies: what a stamp or a cache forgets shows only here.
+/// Runs consecutive frames on the same bodies, because only this reveals stale stamps and caches.
 #[test]
 fn all_methods_agree_frame_after_frame_with_one_body_at_rest_now_and_then() {
     let frames: Vec<Moment> = [150, 155, 155, 160, 210].map(moments::dolphins).into();
@@ -184,7 +185,7 @@ fn bad_weights_and_places_are_refused_by_all_and_leave_the_pose_as_it_was() {
                 method.set_body(body, &[0.1, 0.2], &glam::Affine3A::from_scale(glam::Vec3::INFINITY)),
             ];
             assert!(errors.iter().all(Result::is_err), "{kind:?}: {errors:?}");
-            // Not compared as values: NaN is not NaN.
+            // Compared as text, because NaN is not equal to NaN.
             messages.insert(format!("{errors:?}"));
         }
         let mut found = Vec::new();

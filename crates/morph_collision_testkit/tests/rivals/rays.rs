@@ -19,7 +19,7 @@ fn rays_around(bounds: Aabb) -> impl Iterator<Item = CastRay> {
     })
 }
 
-/// From many sides, at bodies in odd places and in every pose.
+/// From many sides, at bodies with odd placements and in every pose.
 #[test]
 fn methods_that_cast_rays_hit_the_same() {
     let mut hits = 0;

@@ -1,4 +1,4 @@
-//! Methods that follow joints, on skinned models.
+//! Methods that support joints, on skinned models.
 
 use morph_collision_testkit::moments::{self, Moment};
 use morph_collision_testkit::rivals::{MethodKind, MethodOptions, Wanted};
@@ -19,7 +19,7 @@ fn methods_for_skins_agree_on_skinned_models_in_every_pose() {
     assert!(pairs > 1000, "only {pairs} pairs to find");
 }
 
-/// What was made with other joints must not show.
+/// Data computed for other joints must not be reused.
 #[test]
 fn methods_for_skins_agree_pose_after_pose() {
     let moments: Vec<Moment> = moments::skinned();

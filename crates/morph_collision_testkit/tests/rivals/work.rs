@@ -1,4 +1,4 @@
-//! What methods do for their answers, as they count it.
+//! The work of methods, by their own counts.
 
 use morph_collision::QueryStats;
 use morph_collision_testkit::moments;
@@ -31,12 +31,13 @@ fn the_work_is_what_each_method_is_known_for() {
     }
 }
 
-/// The floor is the same tree over a mesh that never moved: it visits what has to be visited, with tight boxes.
+/// The floor is the same tree over a mesh that never moved, with tight boxes. It visits only what has to be
+/// visited.
 #[test]
 fn blended_boxes_visit_little_more_than_tight_ones() {
     for (moment, most) in [
         (moments::pass_through(42), 1.55),
-        // The weights are those of a target alone: its boxes are tight.
+        // Only one target has a weight, so its boxes are tight.
         (moments::pass_through(200), 1.0),
         (moments::dolphins(100), 1.02),
         (moments::dolphins(200), 1.05),

@@ -1,16 +1,16 @@
-//! The way in for files, and what is said about them.
+//! The inbox for files, and the verdict on them.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
 use bevy::prelude::*;
 use serde::Serialize;
 
-/// Where files are put for the show to take. Clones are of the same one.
+/// Files are put here for the show to take. Clones share the same inbox.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Inbox(Arc<Mutex<Option<(String, Vec<u8>)>>>);
 
 impl Inbox {
-    /// Puts a file there: its name, for messages, and all that is in it. One that has not been taken yet is dropped.
+    /// Puts a file here: its name, for messages, and its content. Replaces a file that has not been taken yet.
     pub fn put(&self, name: String, bytes: Vec<u8>) {
         *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some((name, bytes));
     }
@@ -20,18 +20,18 @@ impl Inbox {
     }
 }
 
-/// What has become of the file that was brought last. Clones are of the same one.
+/// The verdict on the latest file. Clones share the same verdict.
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Verdict(Arc<Mutex<Judged>>);
 
-/// A file, and what is to be said about it.
+/// A file and its verdict.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Judged {
-    /// How many were brought, with this one.
+    /// How many files were provided, including this one.
     pub number: u32,
     /// Its name.
     pub name: String,
-    /// What it is made of, if it could be read.
+    /// A description of its content, if it could be read.
     pub report: Option<String>,
     /// Why it is not shown.
     pub error: Option<String>,
@@ -40,7 +40,7 @@ pub struct Judged {
 }
 
 impl Verdict {
-    /// A copy of it.
+    /// A copy of the current verdict.
     #[must_use]
     pub fn now(&self) -> Judged {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()

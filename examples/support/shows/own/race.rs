@@ -1,4 +1,4 @@
-//! What the pair costs here, and what it would cost to refit the whole mesh: the same question answered by both, in turns.
+//! Times this library and a refit of the whole mesh on the same pair. Both answer the same question, in turns.
 
 use std::time::Duration;
 
@@ -17,14 +17,14 @@ use super::{Verdict, notes};
 use crate::view::models::weights_of;
 use crate::view::stage::Notes;
 
-/// Frames that a number is the mean of: a browser's clock is coarse.
+/// Frames to average over, because a browser's clock is coarse.
 const WINDOW: u32 = 30;
 
-/// Two ways over the same bodies; empty until the model is on the stage.
+/// Two methods over the same bodies; empty until the model is on the stage.
 #[derive(Resource, Default)]
 pub(super) struct Race {
     contenders: Vec<Contender>,
-    /// The parts of both copies, with the copy that they are of, in the order of the methods' bodies.
+    /// The parts of both copies, each with the index of its copy, in the order of the methods' bodies.
     parts: Vec<(usize, Entity)>,
     trouble: Option<String>,
     frames: u32,
@@ -35,13 +35,13 @@ struct Contender {
     method: Box<dyn Method>,
     spent: Duration,
     vertices: u64,
-    /// Milliseconds and vertices blended in a frame, over the last window.
+    /// Milliseconds and blended vertices per frame, over the last window.
     told: Option<(f64, f64)>,
     pairs: Vec<TrianglePair>,
 }
 
 impl Race {
-    /// A line for each.
+    /// A line for each method.
     pub(super) fn notes(&self) -> Vec<(&'static str, String)> {
         if let Some(trouble) = &self.trouble {
             return vec![("not compared", trouble.clone())];
@@ -82,7 +82,7 @@ impl Race {
 }
 
 impl Contender {
-    /// Weights and places of all bodies, and then the pairs of one copy's parts with the other's.
+    /// Sets weights and placements of all bodies, then finds the pairs between the parts of the two copies.
     fn frame(&mut self, copies: &[usize], poses: &[(&[f32], &GlobalTransform)]) -> Result<(), String> {
         let start = Instant::now();
         for (body, (weights, place)) in poses.iter().enumerate() {
@@ -149,7 +149,7 @@ pub(super) fn run(
         .collect();
     let copies: Vec<usize> = race.parts.iter().map(|&(copy, _)| copy).collect();
     race.frames += 1;
-    // None is always the one that finds the caches warm.
+    // They alternate, so that neither always finds the caches warm.
     let turns = if race.frames.is_multiple_of(2) { [0, 1] } else { [1, 0] };
     for turn in turns {
         if let Some(contender) = race.contenders.get_mut(turn)
@@ -164,7 +164,7 @@ pub(super) fn run(
     *told = notes(race, &verdict);
 }
 
-/// Once both copies are there.
+/// Runs once both copies are spawned.
 fn prepare(
     race: &mut Race,
     parts: &Query<Part, With<MorphCollider>>,
@@ -196,7 +196,7 @@ fn prepare(
     }
 }
 
-/// The positions, triangles and displacements of Bevy's form of a mesh; `None` if it has none that can be read.
+/// The positions, triangles and displacements of a Bevy mesh; `None` if they are missing or cannot be read.
 fn morph_mesh(mesh: &Mesh) -> Option<MorphMesh> {
     let VertexAttributeValues::Float32x3(positions) = mesh.attribute(Mesh::ATTRIBUTE_POSITION)? else {
         return None;

@@ -1,4 +1,4 @@
-//! What the plugin answers, and what brute force does.
+//! Compares the plugin's answers with brute force.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -16,7 +16,7 @@ use rand::RngExt;
 use super::{Part, Stage};
 
 impl Stage {
-    /// A ray from outside to somewhere near a vertex.
+    /// Casts a ray from outside to a point near a vertex.
     pub(super) fn compare_a_ray(&mut self, all: &[Vec<DVec3>], (min, max): (DVec3, DVec3), when: &str) {
         let size = (max - min).max_element();
         let mut random = || DVec3::from_array(std::array::from_fn(|_| self.rng.random_range(-1.0..=1.0)));
@@ -66,7 +66,7 @@ impl Stage {
         );
     }
 
-    /// The joint of a hit is the one with the largest weight there.
+    /// Checks that the joint of a hit is the one with the largest weight there.
     fn check_joint(&mut self, hit: &MorphRayHit, part: usize, when: &str) {
         let part = &self.parts[part];
         let Some(skin) = &self.meshes[part.mesh].skin else {
@@ -100,7 +100,7 @@ impl Stage {
         self.counts.joints += 1;
     }
 
-    /// Reported pairs of triangles of the two bodies are those of brute force.
+    /// Checks that the reported pairs of triangles of the two bodies are those of brute force.
     pub(super) fn compare_pairs(&mut self, all: &[Vec<DVec3>], when: &str) {
         let mut expected = BTreeSet::new();
         for (a, of_a) in self
@@ -144,7 +144,8 @@ impl Stage {
     }
 }
 
-/// The `Aabb` that Bevy culls by holds all vertices that triangles use; returns how many are outside that of the rest pose, at the entity's own place.
+/// Checks that the `Aabb` used for culling contains all vertices of triangles. Returns how many of them are outside the rest
+/// pose's box at the entity's own place.
 pub(super) fn check_box(app: &App, part: &Part, vertices: &[DVec3], mesh: &MorphMesh, when: &str) -> usize {
     let aabb = app.world().get::<Aabb>(part.entity).unwrap();
     let place = app.world().get::<GlobalTransform>(part.entity).unwrap().affine();

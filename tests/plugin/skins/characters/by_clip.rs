@@ -1,4 +1,4 @@
-//! Where vertices are drawn, by the clips of the file itself.
+//! The drawn positions of vertices, according to the file's own clips.
 
 use bevy::animation::ActiveAnimation;
 use bevy::math::{Affine3A, DVec3};
@@ -15,12 +15,12 @@ impl Stage {
         self.app.world().get::<GlobalTransform>(entity).unwrap().affine()
     }
 
-    /// Where the vertices of a part's mesh are drawn: with the joints of the app, and everything else from the file.
+    /// The drawn positions of a part's vertices: with the app's joints, and everything else from the file.
     pub(super) fn vertices(&self, part: &Part) -> Vec<DVec3> {
         drawn::vertices(self.app.world(), &self.meshes[part.mesh], part.entity)
     }
 
-    /// The same by the file's own clip, evaluated here; `None` where that has ended.
+    /// The same by the file's own clip, evaluated here; `None` if the clip has ended.
     pub(super) fn vertices_by_clip(&self, part: &Part, clip: &str) -> Option<Vec<DVec3>> {
         let mesh = &self.meshes[part.mesh];
         let skin = mesh.skin.as_ref()?;
@@ -45,7 +45,7 @@ impl Stage {
         Some(skinned_vertices(&posed, &skin.sets, &joints))
     }
 
-    /// How far a clip has been played below a root.
+    /// The current time of a clip played below a root.
     pub(super) fn seconds(&self, root: Entity) -> Option<f32> {
         let world = self.app.world();
         let mut below = vec![root];

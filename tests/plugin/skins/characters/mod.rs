@@ -1,6 +1,8 @@
-//! Real characters as they play their clips, against brute force over vertices that are morphed and skinned here, from the file.
+//! Compares real characters that play their clips with brute force over vertices that are morphed and skinned here, from the
+//! file.
 //!
-//! Some frames of each clip are compared; with [`EVERY_FRAME`] in the environment, every frame of every clip at 60 Hz.
+//! By default, some frames of each clip are compared. With [`EVERY_FRAME`] in the environment, it is every frame of every clip
+//! at 60 Hz.
 
 mod answers;
 mod by_clip;
@@ -21,19 +23,19 @@ use rand_pcg::Pcg64Mcg;
 use self::answers::check_box;
 use crate::models::{NamedClip, play, shared, with_models};
 
-/// The environment variable that has every frame compared.
+/// The environment variable that enables the comparison of every frame.
 const EVERY_FRAME: &str = "MORPH_COLLISION_EVERY_FRAME";
 
 /// A primitive of the file, shown by an entity.
 struct Part {
     entity: Entity,
     root: Entity,
-    /// Its mesh in the file, and its triangles there.
+    /// Its mesh in the file, and the primitive's triangles.
     mesh: usize,
     triangles: Vec<[u32; 3]>,
 }
 
-/// A file, and two of it in an app.
+/// A file, and two instances of it in an app.
 struct Stage {
     app: App,
     roots: Vec<Entity>,
@@ -44,15 +46,15 @@ struct Stage {
     counts: Counts,
 }
 
-/// What was compared, to see that the test tries something.
+/// Counts of comparisons, to check that the test covers enough.
 #[derive(Debug, Default)]
 struct Counts {
     clips: usize,
     frames: usize,
-    /// Boxes that were compared with the vertices in them.
+    /// Boxes that were compared with their vertices.
     boxes: usize,
     skinned_vertices: usize,
-    /// How far vertices are from where they are by the file's own clips, in parts of the size.
+    /// The largest distance of a vertex from its position by the file's own clips, relative to the model's size.
     off_the_clip: f64,
     rays: usize,
     hits: usize,
@@ -64,10 +66,10 @@ struct Counts {
 }
 
 impl Stage {
-    /// Two of a model, side by side, so far apart in parts of the size.
+    /// Two instances of a model, side by side; `apart` is relative to the model's size.
     fn new(file: &Path, apart: f32) -> Self {
         let meshes = read_meshes(file).expect("the model can be read");
-        // Found by a look at one.
+        // Measured on a single instance.
         let size = {
             let mut one = Self::with(file, Vec::new(), &[Transform::default()]);
             one.meshes.clone_from(&meshes);
@@ -114,14 +116,14 @@ impl Stage {
         }
     }
 
-    /// Plays every clip from its beginning to its end and compares every so many frames, which are 1/60 s apart.
+    /// Plays every clip from beginning to end and compares every `every`-th frame; frames are 1/60 s apart.
     fn play_all(&mut self, every: usize, most_frames: usize) {
         let file = self.meshes.first().map(|mesh| mesh.name.clone()).unwrap_or_default();
         let world = self.app.world_mut();
         let mut places = world.query::<(Entity, &Transform)>();
         let rest: Vec<(Entity, Transform)> = places.iter(world).map(|(entity, place)| (entity, *place)).collect();
         for (name, clip) in &self.clips.clone() {
-            // What a clip leaves alone stays where the one before left it, in Bevy.
+            // In Bevy, joints that a clip does not move stay where the previous clip left them.
             for &(entity, place) in &rest {
                 self.app.world_mut().entity_mut(entity).insert(place);
             }
@@ -129,7 +131,7 @@ impl Stage {
                 0.37 * length * index as f32
             });
             let frames = ((length * 60.0) as usize).min(most_frames);
-            // The graph is a new asset, which takes players a few frames to notice: meanwhile they wait.
+            // The graph is a new asset, and players take a few frames to notice it. Meanwhile they are paused.
             edit_players(&mut self.app, |player| _ = player.pause_all());
             for _ in 0..3 {
                 self.app.update();
@@ -179,7 +181,7 @@ impl Stage {
     }
 }
 
-/// What the counts of a model say.
+/// The counts for a model.
 fn compare_model(name: &str, apart: f32, every: usize, most_frames: usize) -> Option<Counts> {
     let (every, most_frames) = match std::env::var_os(EVERY_FRAME) {
         Some(_) => (1, usize::MAX),

@@ -1,4 +1,4 @@
-//! How fast the skin is where a ray hits it, and how fast brute force says it is.
+//! The velocity of the skin where a ray hits it, compared with brute force.
 
 use bevy::ecs::system::RunSystemOnce;
 use bevy::math::DVec3;
@@ -29,7 +29,7 @@ fn a_hit_tells_how_fast_the_skin_of_a_character_that_walks_and_talks_is() {
     let (mut hits, mut fastest) = (0, 0.0_f64);
     let mut before = all(&stage);
     for frame in 0..90 {
-        // The whole character goes somewhere, too.
+        // The whole character moves too.
         for &root in &stage.roots {
             let mut root = stage.app.world_mut().get_mut::<Transform>(root).unwrap();
             root.translation.z += 0.02;
@@ -64,7 +64,7 @@ fn a_hit_tells_how_fast_the_skin_of_a_character_that_walks_and_talks_is() {
             };
             let expected = (place(&now[at]) - place(&before[at])) / STEP.as_secs_f64();
             let velocity = velocity.expect("it was there before").as_dvec3();
-            // Positions are good to about 1e-6 of the size, twice, sixty times a second.
+            // Positions have errors of about 1e-6 of the size, twice, sixty times a second.
             let off = velocity.distance(expected);
             assert!(off < 5e-3, "frame {frame}: {velocity}, not {expected}");
             hits += 1;

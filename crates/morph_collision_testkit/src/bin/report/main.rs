@@ -1,4 +1,4 @@
-//! Makes every table and plot of `docs/performance.md` again, in place:
+//! Rewrites every table and plot of `docs/performance.md` in place:
 //! `cargo run --release -p morph_collision_testkit --features report --bin report -- docs/performance.md`.
 //!
 //! ```text
@@ -18,14 +18,14 @@ use sections::{Context, SECTIONS, Section};
 
 const USAGE: &str = "usage: report [--quick] [--every N] [--rounds N] [--only PLACE]... PAGE.md";
 
-/// What the command line says.
+/// The command line.
 struct Args {
     page: PathBuf,
-    /// Every how many steps of the experiments one is taken.
+    /// Use every Nth step of the experiments.
     every: usize,
     rounds: usize,
     quick: bool,
-    /// The places of the page to fill; all if empty.
+    /// The sections to rewrite; all if empty.
     only: Vec<String>,
 }
 
@@ -79,7 +79,7 @@ fn parse(mut words: impl Iterator<Item = String>) -> Result<Args, String> {
 }
 
 fn run(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
-    // Read before anything is measured, so that a wrong path costs nothing.
+    // Read before anything is measured, so that a wrong path fails at once.
     let mut page = Page::read(&args.page)?;
     page.replace("machine", &render::machine(args.every, args.rounds))?;
     let context = Context {

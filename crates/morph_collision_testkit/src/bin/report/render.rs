@@ -1,11 +1,11 @@
-//! Rows as Markdown.
+//! Renders rows as Markdown.
 
 use std::fmt::Write;
 
 use morph_collision_testkit::bench::{self, Experiment, Row};
 
-/// A table under the experiment's name: the work of a frame on average, and times over the first row's. `all` and `first` are the
-/// same contenders' rows in both modes.
+/// A table with the experiment's name: the average work per frame, and times relative to the first row's. `all` and `first` are
+/// rows of the same contenders in the two modes.
 pub(crate) fn table(experiment: &Experiment, all: &[Row], first: &[Row]) -> String {
     let mut text = String::new();
     // Writing to a string cannot fail.
@@ -105,7 +105,7 @@ fn write_ray_table(text: &mut String, scenes: &[(Experiment, Vec<Row>)]) -> std:
     Ok(())
 }
 
-/// What the numbers were taken on, and how.
+/// The machine and the way in which the numbers were measured.
 pub(crate) fn machine(every: usize, rounds: usize) -> String {
     let cores = std::thread::available_parallelism().map_or(0, usize::from);
     format!(

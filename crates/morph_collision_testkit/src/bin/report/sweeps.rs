@@ -1,9 +1,9 @@
-//! What is compared with what.
+//! The candidates of each comparison.
 
 use morph_collision_testkit::bench::{Contender, Experiment};
 use morph_collision_testkit::rivals::{MethodKind, MethodOptions, SetUpError};
 
-/// One row of a table to be; the first of them is what the others are compared with.
+/// One row of a future table. The others are compared with the first row.
 pub(crate) struct Candidate {
     pub(crate) label: String,
     pub(crate) method: MethodKind,
@@ -24,7 +24,7 @@ pub(crate) fn morph(label: impl Into<String>, options: MethodOptions) -> Candida
     }
 }
 
-/// A method whose walks test triangles one by one, with the leaves that suit it.
+/// A method whose walks test triangles one by one, with leaf sizes that suit it.
 pub(crate) fn rival(label: impl Into<String>, method: MethodKind) -> Candidate {
     Candidate {
         label: label.into(),
@@ -37,19 +37,19 @@ fn with_leaf_size(leaf_size: usize) -> MethodOptions {
     MethodOptions::default().with_leaf_size(leaf_size).expect("1 to 255")
 }
 
-/// The defaults and other leaves.
+/// The defaults and other leaf sizes.
 pub(crate) fn leaves(_: &Experiment) -> Vec<Candidate> {
     let default = MethodOptions::default();
     let mut rows = vec![morph("leaf 8, the default", default)];
     for leaf in [1, 2, 4, 16] {
         rows.push(morph(format!("leaf {leaf}"), with_leaf_size(leaf)));
     }
-    // How far it is from 1 is the noise.
+    // Its distance from 1 is the noise.
     rows.push(morph("leaf 8 (the default again)", default));
     rows
 }
 
-/// What is kept from frame to frame.
+/// The effect of remembering data from frame to frame.
 pub(crate) fn memory(_: &Experiment) -> Vec<Candidate> {
     let witness = MethodOptions {
         witness: true,
@@ -58,7 +58,7 @@ pub(crate) fn memory(_: &Experiment) -> Vec<Candidate> {
     vec![morph("default", MethodOptions::default()), morph("witness", witness)]
 }
 
-/// Every method; the oracle only where it comes to an end.
+/// Every method; the oracle only if it finishes in reasonable time.
 pub(crate) fn methods(experiment: &Experiment) -> Vec<Candidate> {
     let small = experiment.mesh.triangles.len() < 1000;
     let skinned = experiment.mesh.skin.is_some();

@@ -28,10 +28,10 @@ pub enum AccessorProblem {
     Buffer {
         /// The accessor's index.
         accessor: usize,
-        /// Which buffer, and why.
+        /// The buffer's index and problem.
         problem: Box<BufferProblem>,
     },
-    /// Its component type and shape are not what this place allows.
+    /// Its component type and shape are not allowed here.
     #[error("accessor {accessor} holds {} where {expected} is needed", Printable(found))]
     Type {
         /// The accessor's index.

@@ -2,7 +2,7 @@ use super::{AccessorProblem, Remedy};
 use crate::gltf_read::document::ElementError;
 use crate::memory::OverBudget;
 
-/// What is wrong with an animation of weights or joints.
+/// A problem with an animation of weights or joints.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum AnimationProblem {
     /// The animation's JSON is malformed.
@@ -21,7 +21,7 @@ pub enum AnimationProblem {
     OverBudget {
         /// The channel's index in the animation.
         channel: usize,
-        /// The part that is too large.
+        /// The part that exceeds the limit.
         over: OverBudget,
     },
     /// A tangent of a cubic spline is not finite.
@@ -54,13 +54,13 @@ pub enum AnimationProblem {
         /// Why it cannot be decoded.
         problem: AccessorProblem,
     },
-    /// A sampler's interpolation is none that glTF defines.
+    /// A sampler's interpolation is not one that glTF defines.
     #[error("channel {channel} has an unknown interpolation")]
     UnknownInterpolation {
         /// The channel's index in the animation.
         channel: usize,
     },
-    /// The keys do not go with the weights.
+    /// The number of keys does not match the number of weights.
     #[error("channel {channel} has {found} weights, but {keys} keys of {targets} targets need {expected}")]
     WeightCount {
         /// The channel's index in the animation.
@@ -74,7 +74,7 @@ pub enum AnimationProblem {
         /// The number of weights there should be.
         expected: usize,
     },
-    /// The keys do not go with what moves a node.
+    /// The number of keys does not match the number of translations, rotations or scales.
     #[error("channel {channel} has {found} {what}, but {keys} keys need {expected}")]
     ValueCount {
         /// The channel's index in the animation.
@@ -88,7 +88,7 @@ pub enum AnimationProblem {
         /// The number there should be.
         expected: usize,
     },
-    /// What moves a node is not finite.
+    /// A translation, rotation or scale is not finite.
     #[error("channel {channel}, key {key}: the {what} are not finite")]
     NotFinite {
         /// The channel's index in the animation.

@@ -24,16 +24,16 @@ pub enum BufferFault {
     /// It has no URI, and the file has no binary chunk for it.
     #[error("it has no URI, and the file holds no binary data for it")]
     NoChunk,
-    /// Only the file's own bytes are at hand.
+    /// The buffer is in another file, but only the file's own bytes are available.
     #[error("it is in another file; here everything has to be in one file, as in a .glb")]
     NoDirectory,
-    /// It leads where a file may not lead unless that is allowed.
+    /// It refers to a path that is not allowed by default.
     #[error("refused, because {0}")]
     Outside(&'static str),
-    /// Its URI has a scheme that nothing is read from.
+    /// Its URI has an unsupported scheme.
     #[error("nothing is read from URIs that begin with \"{}:\"; store the buffer beside the file", Printable(.0))]
     Scheme(String),
-    /// Its URI is no path.
+    /// Its URI is not a path.
     #[error("the URI is not a path")]
     NoPath,
     /// Its URI is not UTF-8.
@@ -48,12 +48,12 @@ pub enum BufferFault {
     /// Its file cannot be read.
     #[error("{0}")]
     Io(String),
-    /// It has fewer bytes than it promises.
+    /// It has fewer bytes than it declares.
     #[error("it has {found} bytes, but its byteLength is {promised}")]
     Short {
-        /// How many it has.
+        /// Number of bytes found.
         found: usize,
-        /// How many it promises.
+        /// Number of bytes declared.
         promised: u64,
     },
     /// It would take more memory than the file may.

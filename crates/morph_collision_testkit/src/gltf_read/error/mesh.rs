@@ -2,7 +2,7 @@ use super::{AccessorProblem, Remedy};
 use crate::gltf_read::document::ElementError;
 use crate::memory::OverBudget;
 
-/// What is wrong with a mesh.
+/// A problem with a mesh.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum MeshProblem {
     /// The mesh's JSON is missing or malformed.
@@ -17,7 +17,7 @@ pub enum MeshProblem {
         /// The primitive's index in the mesh.
         primitive: usize,
     },
-    /// A primitive's mode is none that glTF defines.
+    /// A primitive's mode is not one that glTF defines.
     #[error("primitive {primitive} has an unknown mode")]
     UnknownMode {
         /// The primitive's index in the mesh.
@@ -33,7 +33,8 @@ pub enum MeshProblem {
         /// Why it cannot be decoded.
         problem: AccessorProblem,
     },
-    /// Primitives of one mesh share their weights, so they must have equally many targets.
+    /// Primitives of a mesh have different numbers of targets. They share weights, so the numbers
+    /// must be equal.
     #[error("primitive {primitive} has {found} morph targets, but primitive 0 has {expected}")]
     TargetCount {
         /// The primitive's index in the mesh.

@@ -1,4 +1,4 @@
-//! What can be wrong with a file, each with the place where it is wrong.
+//! Errors in a file, each with its place in the file.
 
 mod accessor;
 mod animation;
@@ -26,7 +26,7 @@ pub enum ReadError {
     Io {
         /// The file.
         path: PathBuf,
-        /// The system's reason.
+        /// The system's error.
         source: std::io::Error,
     },
     /// Neither a `.glb` container nor glTF JSON.
@@ -45,18 +45,18 @@ pub enum ReadError {
         /// The extension's name.
         extension: String,
     },
-    /// The file is no regular file.
+    /// The file is not a regular file.
     #[error("{}: not a regular file", path.display())]
     NotRegular {
         /// The file.
         path: PathBuf,
     },
-    /// The file as a whole is too large.
+    /// The file as a whole exceeds the memory limit.
     #[error("{}: {over}", path.display())]
     OverBudget {
         /// The file.
         path: PathBuf,
-        /// The part that is too large.
+        /// The part that exceeds the limit.
         over: OverBudget,
     },
     /// A mesh is broken.
@@ -66,19 +66,19 @@ pub enum ReadError {
         path: PathBuf,
         /// The mesh's index in the file.
         mesh: usize,
-        /// The mesh's name, or the one made up for it.
+        /// The mesh's name, or its default name.
         name: String,
         /// The problem.
         problem: Box<MeshProblem>,
     },
-    /// What moves a mesh is broken.
+    /// A mesh's skin is broken.
     #[error("{}: the skin of mesh {mesh} \"{}\": {problem}", path.display(), Printable(name))]
     Skin {
         /// The file.
         path: PathBuf,
         /// The mesh's index in the file.
         mesh: usize,
-        /// The mesh's name, or the one made up for it.
+        /// The mesh's name, or its default name.
         name: String,
         /// The problem.
         problem: Box<SkinProblem>,
@@ -90,14 +90,14 @@ pub enum ReadError {
         path: PathBuf,
         /// The animation's index in the file.
         animation: usize,
-        /// The animation's name, or the one made up for it.
+        /// The animation's name, or its default name.
         name: String,
         /// The problem.
         problem: Box<AnimationProblem>,
     },
 }
 
-/// How a caller may let a file through that was refused.
+/// The option that lets a refused file through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Remedy {
     /// A larger [`ReadOptions::memory_limit`](super::ReadOptions).
@@ -107,7 +107,7 @@ pub enum Remedy {
 }
 
 impl Remedy {
-    /// The end of a message: which option of `morph-collide` lets the file through.
+    /// The end of a message: the option of `morph-collide` that lets the file through.
     pub fn hint(remedy: Option<Self>) -> &'static str {
         match remedy {
             None => "",
@@ -118,7 +118,7 @@ impl Remedy {
 }
 
 impl ReadError {
-    /// What would let the file through, where a limit or a rule of the reader keeps it out.
+    /// The option that would let the file through, if a limit or a rule of the reader refused it.
     pub fn remedy(&self) -> Option<Remedy> {
         match self {
             Self::OverBudget { .. } => Some(Remedy::MoreMemory),
@@ -131,7 +131,7 @@ impl ReadError {
     }
 }
 
-/// What to do about compressed geometry.
+/// Advice for compressed geometry.
 fn advice(extension: &str) -> &'static str {
     match extension {
         "KHR_draco_mesh_compression" => {

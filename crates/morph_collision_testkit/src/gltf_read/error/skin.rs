@@ -2,7 +2,7 @@ use super::{AccessorProblem, MeshProblem, Remedy};
 use crate::gltf_read::document::ElementError;
 use crate::memory::OverBudget;
 
-/// What is wrong with the skin of a mesh.
+/// A problem with the skin of a mesh.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum SkinProblem {
     /// The mesh itself cannot be read.

@@ -21,7 +21,7 @@ const LEAST_SHARE: f64 = 1e-4;
 
 /// One tube along a bent chain of joints, about 2 units long.
 ///
-/// `influences` (1 to 8) is the most that a vertex has; more than 4 make a second set.
+/// `influences` (1 to 8) is the largest number per vertex; more than 4 need a second set.
 pub fn tube(seed: u64, joints: usize, influences: usize, targets: usize) -> MorphMesh {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let joints = joints.max(2);
@@ -44,16 +44,17 @@ pub fn tube(seed: u64, joints: usize, influences: usize, targets: usize) -> Morp
     rigged(format!("tube_{seed}"), &mut rng, &bones, &pieces, influences, targets)
 }
 
-/// A tube around every bone of a random tree of joints, about 2 units large; the tubes overlap at the joints.
+/// A tube around every bone of a random tree of joints, about 2 units across. The tubes overlap at the
+/// joints.
 ///
-/// `influences` (1 to 8) is the most that a vertex has; more than 4 make a second set.
+/// `influences` (1 to 8) is the largest number per vertex; more than 4 need a second set.
 pub fn branching(seed: u64, joints: usize, influences: usize, targets: usize) -> MorphMesh {
     let mut rng = Pcg64Mcg::seed_from_u64(seed);
     let joints = joints.max(2);
     let mut parents = vec![None];
     let mut positions = vec![DVec3::ZERO];
     for joint in 1..joints {
-        // Mostly on from the last joint, so that there are limbs.
+        // Usually continues from the last joint, so that limbs form.
         let parent = if rng.random_bool(0.7) {
             joint - 1
         } else {
@@ -61,7 +62,7 @@ pub fn branching(seed: u64, joints: usize, influences: usize, targets: usize) ->
         };
         let from: DVec3 = positions[parent];
         let step = point(&mut rng, 0.5);
-        // Back towards the middle where a limb would grow out of the cube.
+        // Turns back towards the middle if a limb would leave the cube.
         let to = from + step;
         let inside = to.abs().max_element() < 1.0;
         positions.push(if inside { to } else { from * 0.5 + step * 0.5 });
@@ -165,7 +166,8 @@ fn rigged(
     mesh
 }
 
-/// The joints nearest to a point, measured to the bones that begin at them, with shares that sum to 1.
+/// The joints nearest to a point, with shares that sum to 1. Distances are to the bones that begin at the
+/// joints.
 fn shares(bones: &Bones, p: DVec3, influences: usize) -> [(u16, f32); 8] {
     let mut squares = vec![f64::INFINITY; bones.positions.len()];
     for (joint, parent) in bones.parents.iter().enumerate() {
@@ -188,7 +190,7 @@ fn shares(bones: &Bones, p: DVec3, influences: usize) -> [(u16, f32); 8] {
         .collect();
     nearest.sort_by(|a, b| b.1.total_cmp(&a.1));
     nearest.truncate(influences);
-    // A joint with next to no share is left out, as exporters do.
+    // A joint with almost no share is left out, as exporters do.
     let largest = nearest.first().map_or(0.0, |(_, share)| *share);
     nearest.retain(|(_, share)| *share >= LEAST_SHARE * largest);
     let sum: f64 = nearest.iter().map(|(_, share)| share).sum();

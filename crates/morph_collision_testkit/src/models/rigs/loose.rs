@@ -1,4 +1,4 @@
-//! Skinned meshes that are not one body: rigid pieces, and triangles with any influences.
+//! Skinned meshes that are not one body: rigid pieces, and triangles with arbitrary influences.
 
 use glam::Vec3;
 use rand::{RngExt, SeedableRng};
@@ -46,7 +46,7 @@ pub fn rigid_pieces(seed: u64, pieces: usize, targets: usize) -> MorphMesh {
     mesh
 }
 
-/// Separate triangles, each corner with up to `4 * sets` random joints, some of which it names twice, and weights that sum to about 1.
+/// Separate triangles. Each corner has up to `4 * sets` random joints, some of them named twice, and weights that sum to about 1.
 ///
 /// `joints` joints without a hierarchy are spread over the cube from -1 to 1.
 pub fn random_soup(seed: u64, triangles: usize, joints: usize, targets: usize, sets: usize) -> MorphMesh {
@@ -67,7 +67,7 @@ pub fn random_soup(seed: u64, triangles: usize, joints: usize, targets: usize, s
         for weight in weights.iter_mut().take(used) {
             *weight = rng.random_range(1..=64_u8).into();
         }
-        // Slots that are not used may stand anywhere.
+        // Unused slots may be anywhere.
         let turn = rng.random_range(0..slots);
         weights[..slots].rotate_left(turn);
         let sum: f32 = weights.iter().sum();
@@ -93,7 +93,7 @@ pub fn random_soup(seed: u64, triangles: usize, joints: usize, targets: usize, s
     mesh
 }
 
-/// The mesh with weights that sum to anything from 0 to 3; a tenth of its vertices have no weight at all.
+/// The mesh with weight sums anywhere from 0 to 3; a tenth of its vertices have no weight at all.
 ///
 /// Vertices at the same place keep the same influences, so that a closed surface stays closed.
 pub fn unnormalised(mesh: &MorphMesh, seed: u64) -> MorphMesh {
@@ -108,7 +108,7 @@ pub fn unnormalised(mesh: &MorphMesh, seed: u64) -> MorphMesh {
     mesh
 }
 
-/// The mesh with weights that are off by up to four units in the last place, as exporters leave them: their sums are nearly 1.
+/// The mesh with weights that are off by up to four units in the last place, as exporters leave them: their sums are almost 1.
 ///
 /// Vertices at the same place keep the same influences.
 pub fn nearly_normalised(mesh: &MorphMesh, seed: u64) -> MorphMesh {

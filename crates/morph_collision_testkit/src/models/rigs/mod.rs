@@ -20,10 +20,10 @@ pub use self::body::{branching, tube};
 pub use self::loose::{nearly_normalised, random_soup, rigid_pieces, unnormalised};
 pub use self::poses::PoseKind;
 
-/// The most joints that a GPU's uniform buffer holds in common engines; generators accept more.
+/// The most joints that a GPU's uniform buffer holds in common engines. Generators accept more.
 pub const MOST_JOINTS: usize = 256;
 
-/// Joints with their parents, which stand before them, bound where they rest.
+/// Joints and their parents, which come before them. They are bound in the rest pose.
 struct Bones {
     parents: Vec<Option<usize>>,
     positions: Vec<Vec3>,

@@ -1,4 +1,4 @@
-//! Joint matrices at random, for generated and real skeletons.
+//! Random joint matrices for generated and real skeletons.
 
 use glam::{Affine3A, DAffine3, DMat3, DMat4, DQuat, DVec3};
 use rand::{RngExt, SeedableRng};
@@ -7,38 +7,38 @@ use rand_pcg::Pcg64Mcg;
 use crate::models::random::point;
 use crate::skeleton::Skeleton;
 
-/// A way to draw the matrices of a skeleton's joints.
+/// A way to draw the joint matrices of a skeleton.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PoseKind {
     /// All joints at rest.
     Rest,
-    /// Every joint turned by up to 30 degrees about its place; what hangs on it follows.
+    /// Every joint rotated by up to 30 degrees about its place; its descendants follow.
     Gentle,
-    /// Every joint turned by up to 120 degrees.
+    /// Every joint rotated by up to 120 degrees.
     Turned,
-    /// Turned, and scaled by 0 to 2 per axis.
+    /// Rotated, and scaled by 0 to 2 per axis.
     Scaled,
-    /// Turned and sheared.
+    /// Rotated and sheared.
     Sheared,
-    /// Turned, and about half of the joints mirrored.
+    /// Rotated, and about half of the joints mirrored.
     Mirrored,
-    /// Turned, and about a third of the joints with scale 0.
+    /// Rotated, and about a third of the joints scaled to 0.
     Collapsed,
     /// All joints take everything to one point.
     OnePoint,
-    /// Turned, at 1e3 units from the origin.
+    /// Rotated, at 1e3 units from the origin.
     Far,
-    /// Turned, at 1e5 units from the origin.
+    /// Rotated, at 1e5 units from the origin.
     VeryFar,
     /// A bit of everything, drawn for every joint.
     Mixed,
 }
 
-/// Per unit: entries are multiples of 2^-20.
+/// Grid points per unit: entries are multiples of 2^-20.
 const GRID: f64 = (1 << 20) as f64;
 
 impl PoseKind {
-    /// All of them.
+    /// All kinds.
     pub const ALL: [Self; 11] = [
         Self::Rest,
         Self::Gentle,
@@ -53,7 +53,8 @@ impl PoseKind {
         Self::Mixed,
     ];
 
-    /// The kind for a body of two, 0 or 1: all triangles of two bodies that are points would meet, if any do, so that only the first one is a point.
+    /// The kind for body 0 or 1 of two. If both bodies were points, either all or none of their triangles would touch, so only
+    /// the first one is a point.
     #[must_use]
     pub fn of_body(self, body: usize) -> Self {
         if self == Self::OnePoint && body == 1 {
@@ -63,9 +64,10 @@ impl PoseKind {
         }
     }
 
-    /// The matrix of every joint, from the mesh's space to world space; the same for the same seed.
+    /// The matrix of every joint, from the mesh's space to world space; the same seed gives the same matrices.
     ///
-    /// Turns add up along the hierarchy. Scales, shears and mirrors act on what a joint moves itself, so that they do not.
+    /// Rotations accumulate along the hierarchy. Scales, shears and mirrors apply only to what a joint moves itself, so they do
+    /// not accumulate.
     #[must_use]
     pub fn draw(self, skeleton: &Skeleton, seed: u64) -> Vec<Affine3A> {
         if self == Self::Rest {
@@ -100,7 +102,7 @@ impl PoseKind {
         matrices.collect()
     }
 
-    /// Where the whole skeleton stands.
+    /// The placement of the whole skeleton.
     fn root(self, rng: &mut Pcg64Mcg) -> DAffine3 {
         let far = match self {
             Self::Far => 1e3,
@@ -118,7 +120,7 @@ impl PoseKind {
         DQuat::from_xyzw(axis.x, axis.y, axis.z, 1.0).normalize()
     }
 
-    /// What a joint does beside turning, in its own frame.
+    /// A joint's own deformation besides its rotation, in its own frame.
     fn own(self, rng: &mut Pcg64Mcg) -> DMat3 {
         let mut axes =
             |range: std::ops::Range<f64>| DVec3::from_array(std::array::from_fn(|_| rng.random_range(range.clone())));
@@ -145,7 +147,7 @@ impl PoseKind {
     }
 }
 
-/// On a grid that absorbs what compilers and libraries round differently.
+/// Rounded to a grid that absorbs rounding differences between compilers and libraries.
 fn rounded(matrix: DAffine3) -> Affine3A {
     Affine3A::from_cols_array(
         &matrix

@@ -1,4 +1,4 @@
-//! A body: its weights, its place, and what queries have blended for them.
+//! A body: its weights, its placement, and the data that queries have blended for them.
 
 use std::sync::Arc;
 
@@ -13,7 +13,8 @@ use crate::rivals::PoseError;
 use crate::rivals::blended::{BlendedBody, WeldedMesh};
 use crate::rivals::relative::Placed;
 
-/// A body with volumes and vertices that follow when a query looks at them, once for the same weights (Sect. 5: time stamps).
+/// A body whose volumes and vertices are blended when a query looks at them, once for the same weights (Sect. 5: time
+/// stamps).
 #[derive(Clone, Debug)]
 pub(super) struct Body<V> {
     body: BlendedBody,
@@ -31,7 +32,7 @@ pub(super) struct Body<V> {
 }
 
 impl<V: Volume> Body<V> {
-    /// At rest, at the world's origin.
+    /// A body at rest at the world's origin.
     pub(super) fn new(mesh: &Arc<WeldedMesh>, in_betweens: bool) -> Self {
         let references = References::new(mesh);
         let tree = Tree::build(&references, in_betweens);
@@ -51,7 +52,7 @@ impl<V: Volume> Body<V> {
         }
     }
 
-    /// Takes weights and place; blends nothing yet.
+    /// Sets weights and placement without blending anything.
     pub(super) fn set(&mut self, weights: &[f32], affine: &Affine3A) -> Result<(), PoseError> {
         if self.body.set(weights, affine)? {
             self.blend.set(weights, &self.references, self.in_betweens);
@@ -76,7 +77,7 @@ impl<V: Volume> Body<V> {
         }
     }
 
-    /// The volume of a node that was refitted.
+    /// The volume of a refitted node.
     #[inline]
     pub(super) fn volume(&self, node: u32) -> &V {
         &self.volumes[node as usize]
@@ -111,7 +112,7 @@ impl<V: Volume> Body<V> {
         self.volume(0).aabb()
     }
 
-    /// Where it is, and how far it reaches.
+    /// Its placement, and how far it reaches.
     pub(super) fn placed(&mut self, work: &mut QueryStats) -> Placed {
         let [least, most] = self.aabb(work);
         Placed::new(&self.body.affine, least.abs().max(most.abs()))

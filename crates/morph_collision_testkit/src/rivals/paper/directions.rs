@@ -1,7 +1,7 @@
-//! The normals of k-DOPs, and how any vector is put together from few of them.
+//! The normals of k-DOPs, and the decomposition of any vector into a few of them.
 //!
-//! Normals have coordinates -1, 0 and 1. The paper normalises them; here only values along the same normal are compared,
-//! and so their lengths do not matter.
+//! Normals have coordinates -1, 0 and 1. The paper normalises them. Here only values along the same normal are compared,
+//! so their lengths do not matter.
 
 use glam::DVec3;
 
@@ -36,14 +36,14 @@ pub(super) const fn normals<const H: usize>() -> [DVec3; H] {
     normals
 }
 
-/// The number of a normal and a factor.
+/// The index of a normal, and a factor.
 pub(super) type Term = (usize, f64);
 
-/// `v` as a sum of at most three normals of the k-DOP, those around it, where `H` is a number of slabs as above.
+/// `v` as a sum of at most three normals of the k-DOP, those around it. `H` is a number of slabs as above.
 ///
 /// A point's extent along `v` is then bounded by its extents along the normals; no other three bound it more tightly.
 pub(super) fn decompose<const H: usize>(v: DVec3) -> [Term; 3] {
-    // The axes by how far `v` goes along them: x >= y >= z >= 0 up to signs and order.
+    // The axes sorted by the size of `v` along them: x >= y >= z >= 0 up to signs and order.
     let mut order = [0, 1, 2];
     order.sort_by(|&i, &j| v[j].abs().total_cmp(&v[i].abs()));
     let [x, y, z] = order.map(|axis| v[axis].abs());
@@ -74,12 +74,12 @@ pub(super) fn decompose<const H: usize>(v: DVec3) -> [Term; 3] {
     }
 }
 
-/// The number of a normal, or that of its opposite with the opposite factor.
+/// The index of a normal, or that of its opposite with the negated factor.
 fn numbered<const H: usize>(normal: DVec3, factor: f64) -> Term {
     let normals = const { normals::<H>() };
     let same = normals.iter().position(|&n| n == normal).map(|i| (i, factor));
     let opposite = || normals.iter().position(|&n| n == -normal).map(|i| (i, -factor));
-    // One of the two is there: the normals are all that have a given number of coordinates that are not zero, up to sign.
+    // One of the two exists, because the normals are all those with a given number of nonzero coordinates, up to sign.
     same.or_else(opposite).unwrap_or((0, f64::NAN))
 }
 

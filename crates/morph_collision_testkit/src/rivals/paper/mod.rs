@@ -1,5 +1,5 @@
-//! The method of the paper, written plainly from it: T. Larsson and T. Akenine-Moller, *Efficient collision detection for
-//! models deformed by morphing*, The Visual Computer 19 (2003).
+//! The paper's method, implemented plainly from its text: T. Larsson and T. Akenine-Moller, *Efficient collision detection
+//! for models deformed by morphing*, The Visual Computer 19 (2003).
 //!
 //! | in the paper | here |
 //! |---|---|
@@ -12,14 +12,14 @@
 //! | Sect. 5: time stamps | `body` |
 //! | Sect. 5: volumes between references | `tree`, `weights` |
 //!
-//! The paper blends convexly: no weight is negative, and together they are 1. Here a mesh is a base with displacements,
-//! and weights may be any numbers. What the paper leaves open:
+//! The paper blends convexly: no weight is negative, and they sum to 1. Here a mesh is a base with displacements, and weights
+//! may be any numbers. Choices that the paper leaves open:
 //!
-//! - *Weights* that are not convex are cut in two. One part is convex and blended by the paper's equations; the rest is
-//!   blended by interval arithmetic over the displacements (`weights`). Where the paper's assumptions hold there is no rest.
-//! - *Rounding*: volumes are made and compared in `f64` and widened by a bound on how far posed vertices are off (`weights`).
+//! - *Weights* that are not convex are split in two. One part is convex and blended by the paper's equations. The rest is
+//!   blended by interval arithmetic over the displacements (`weights`). If the paper's assumptions hold there is no rest.
+//! - *Rounding*: volumes are computed and compared in `f64`, and widened by an error bound for posed vertices (`weights`).
 //! - *Targets* that move no vertex of a node have the base's volume there; it is stored once (`tree`).
-//! - *k-DOPs in different places* are compared like boxes: along the directions of either (`slab_maps`).
+//! - *k-DOPs of different bodies* are compared like boxes: along the directions of either (`slab_maps`).
 //! - *Spheres* have the middle of their vertices' box as centre (`sphere`).
 
 mod body;
@@ -48,7 +48,7 @@ use walk::Paper;
 use super::Method;
 use super::blended::WeldedMesh;
 
-/// The method over welded meshes, one body for each entry of `bodies`, the index of its mesh.
+/// Sets up the method over welded meshes, with one body for each entry of `bodies`, which is the index of its mesh.
 pub(super) fn set_up(meshes: &[Arc<WeldedMesh>], bodies: &[usize], options: PaperOptions) -> Box<dyn Method> {
     let in_betweens = options.in_betweens;
     match options.volume {

@@ -1,4 +1,4 @@
-//! What the paper's method can be told.
+//! The options of the paper's method.
 
 use std::fmt;
 use std::str::FromStr;
@@ -15,12 +15,12 @@ use crate::mesh::MorphMesh;
 pub struct PaperOptions {
     /// The kind of volume.
     pub volume: PaperVolume,
-    /// Whether there is a volume half way between consecutive references, too (Sect. 5).
+    /// Whether there are also volumes half way between consecutive references (Sect. 5).
     pub in_betweens: bool,
 }
 
 impl PaperOptions {
-    /// What the paper measures in its experiments.
+    /// The setup of the paper's experiments.
     pub const BOXES: Self = Self {
         volume: PaperVolume::Aabb,
         in_betweens: false,
@@ -40,7 +40,7 @@ pub enum PaperVolume {
     /// Axis-aligned boxes.
     #[default]
     Aabb,
-    /// Boxes and the four diagonals of a cube.
+    /// Boxes and the four space diagonals of a cube.
     Kdop14,
     /// Boxes and the six diagonals of a cube's faces.
     Kdop18,
@@ -51,9 +51,10 @@ pub enum PaperVolume {
 }
 
 impl PaperOptions {
-    /// About the most that a tree of a mesh takes while it is built, in bytes.
+    /// Estimate of the peak memory for building a tree of a mesh, in bytes.
     ///
-    /// There are at most twice as many nodes as triangles, and most targets that move a leaf move all its corners. Doubled for lists that grow.
+    /// There are at most twice as many nodes as triangles, and most targets that move a leaf move all its corners. Doubled for
+    /// lists that grow.
     pub fn tree_bytes(self, mesh: &MorphMesh) -> u64 {
         let mut targets_of_vertex = vec![0; mesh.positions.len()];
         for target in &mesh.targets {
@@ -72,7 +73,7 @@ impl PaperOptions {
         of_vertices + mesh.triangles.len() as u64 * 4 * (volume + 80) + moved_corners * 2 * of_target
     }
 
-    /// About the most that a body of a mesh takes beside its tree, in bytes.
+    /// Estimate of a body's own memory beside its tree, in bytes.
     pub fn body_bytes(self, mesh: &MorphMesh) -> u64 {
         mesh.positions.len() as u64 * 16 + mesh.triangles.len() as u64 * 2 * (self.volume.bytes() + 4)
     }
@@ -110,7 +111,7 @@ impl fmt::Display for PaperVolume {
     }
 }
 
-/// A name that no [`PaperVolume`] has.
+/// A name that is not that of a [`PaperVolume`].
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 #[error("unknown volume '{name}', expected one of: {}", PaperVolume::ALL.map(PaperVolume::name).join(", "))]
 pub struct UnknownVolume {

@@ -1,4 +1,5 @@
-//! The reference models (Sect. 3.1): reference 0 is the base, reference `k + 1` the base with target `k` at weight 1.
+//! The reference models (Sect. 3.1): reference 0 is the base, reference `k + 1` is the base with target `k` at
+//! weight 1.
 
 use glam::{DVec3, Vec3};
 
@@ -9,7 +10,7 @@ use crate::rivals::blended::WeldedMesh;
 pub(super) struct References {
     base: Vec<Vec3>,
     pub(super) triangles: Vec<[u32; 3]>,
-    /// `displacements[starts[v]..starts[v + 1]]` move vertex `v`: targets, ascending, and how far.
+    /// `displacements[starts[v]..starts[v + 1]]` move vertex `v`: targets, ascending, with displacements.
     displacements: Vec<(u32, Vec3)>,
     starts: Vec<usize>,
     /// The largest absolute coordinate of the base, and of each target's displacements.
@@ -63,7 +64,7 @@ impl References {
         &self.displacements[self.starts[vertex]..self.starts[vertex + 1]]
     }
 
-    /// The targets that move any of some vertices, ascending.
+    /// The targets that move any of these vertices, ascending.
     pub(super) fn targets_that_move(&self, vertices: &[u32]) -> Vec<u32> {
         let of_vertex = |&vertex: &u32| self.displacements(vertex).iter().map(|&(target, _)| target);
         let mut targets: Vec<u32> = vertices.iter().flat_map(of_vertex).collect();
@@ -72,7 +73,7 @@ impl References {
         targets
     }
 
-    /// How far a target moves a vertex.
+    /// The displacement of a vertex by a target.
     pub(super) fn displacement(&self, vertex: u32, target: u32) -> DVec3 {
         let displacements = self.displacements(vertex);
         match displacements.binary_search_by_key(&target, |&(target, _)| target) {
@@ -90,8 +91,8 @@ impl References {
         }
     }
 
-    /// A blended vertex, Eq. 2 as `b + sum of w_k d_k`: in `f32` over ascending targets, weights of zero left out,
-    /// multiply then add, as all methods have it.
+    /// A blended vertex, Eq. 2 as `b + sum of w_k d_k`: in `f32` over ascending targets, weights of zero skipped,
+    /// multiply then add, as in all methods.
     pub(super) fn blend(&self, vertex: u32, weights: &[f32]) -> Vec3 {
         let mut blended = self.base[vertex as usize];
         for &(target, delta) in self.displacements(vertex) {

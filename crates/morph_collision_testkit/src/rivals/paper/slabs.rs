@@ -7,7 +7,7 @@ use super::slab_maps::SlabMap;
 use super::volume::Volume;
 use crate::rivals::relative::{Frame, Placed};
 
-/// What lies between `start` and `end` along each of the `H` normals.
+/// The region between `start` and `end` along each of the `H` normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Slabs<const H: usize> {
     pub(super) start: [f64; H],
@@ -41,8 +41,8 @@ impl<const H: usize> Volume for Slabs<H> {
 
     /// A term of Eq. 3: `(s', e') = sum of w_i (s_i, e_i)`.
     ///
-    /// Eq. 5 multiplies `s <= p . n <= e` by `w >= 0`. With `w < 0` the comparisons turn round, and so do the ends; the
-    /// paper has no such weights.
+    /// Eq. 5 multiplies `s <= p . n <= e` by `w >= 0`. With `w < 0` the inequalities are reversed, and so are the ends;
+    /// the paper has no such weights.
     #[inline]
     fn add(&mut self, weight: f64, other: &Self) {
         let (start, end) = if weight < 0.0 {
@@ -56,7 +56,7 @@ impl<const H: usize> Volume for Slabs<H> {
         }
     }
 
-    /// Along a normal the errors of as many coordinates add up as it has.
+    /// Along a normal, the errors of all its nonzero coordinates add up.
     #[inline]
     fn widen(&mut self, error: f64) {
         let normals = const { normals::<H>() };
@@ -76,7 +76,7 @@ impl<const H: usize> Volume for Slabs<H> {
         Frame::all(a, b, SlabMap::new)
     }
 
-    /// SAT-lite: along the normals of either body, which are the only axes that are tried.
+    /// SAT-lite: tries only the normals of either body.
     #[inline]
     fn overlap(frames: &Self::Culling, a: &Self, b: &Self) -> bool {
         frames.iter().all(|frame| {
@@ -95,7 +95,7 @@ impl<const H: usize> Volume for Slabs<H> {
     }
 }
 
-/// The slab along a normal of a frame, to which there may be a map.
+/// The slab along a normal of a frame, mapped if there is a map.
 #[inline]
 fn along<const H: usize>(map: Option<&SlabMap<H>>, slabs: &Slabs<H>, normal: usize) -> (f64, f64) {
     match map {

@@ -12,12 +12,12 @@ pub(super) struct Sphere {
     radius: f64,
 }
 
-/// Compares spheres in world space, around A's origin.
+/// Compares spheres in world space, relative to A's origin.
 #[derive(Clone, Debug)]
 pub(super) struct SphereCulling {
     a: DMat3,
     b: DMat3,
-    /// By how much the bodies stretch a radius at most.
+    /// The largest factor by which each body stretches a radius.
     stretches: [f64; 2],
     offset: DVec3,
     slack: f64,
@@ -42,14 +42,14 @@ impl Volume for Sphere {
 
     /// A term of Eq. 7: `(c', r') = sum of w_i (c_i, r_i)`.
     ///
-    /// Eq. 9 multiplies `|p - c| <= r` by `w >= 0`; for `w < 0`, which the paper does not have, it holds with `|w|`.
+    /// Eq. 9 multiplies `|p - c| <= r` by `w >= 0`. For `w < 0`, which the paper does not have, it holds with `|w|`.
     #[inline]
     fn add(&mut self, weight: f64, other: &Self) {
         self.centre += weight * other.centre;
         self.radius += weight.abs() * other.radius;
     }
 
-    /// By twice the error: the root of 3 for three coordinates, and room for the roundings of the radius.
+    /// Adds twice the error: the root of 3 for three coordinates, and room for the rounding of the radius.
     #[inline]
     fn widen(&mut self, error: f64) {
         self.radius += 2.0 * error;
@@ -66,7 +66,7 @@ impl Volume for Sphere {
             b: b.linear,
             stretches: [a, b].map(|body| stretch(body.linear)),
             offset: b.translation - a.translation,
-            // Covers the roundings of a centre as well: each is in the box around the root's sphere.
+            // Covers the rounding of a centre as well: each centre is in the box around the root's sphere.
             slack: (a.error() + b.error()).length(),
         }
     }
@@ -86,7 +86,7 @@ impl Volume for Sphere {
 }
 
 /// At least the length of the longest image of a unit vector: `|M v|^2 = v . M^T M v`, and no eigenvalue of a symmetric
-/// matrix is above its largest row sum. The factor covers the roundings here and those of the product with a radius.
+/// matrix exceeds its largest row sum. The factor covers the rounding here and that of the product with a radius.
 fn stretch(linear: DMat3) -> f64 {
     (row_sum(abs(linear.transpose() * linear)) * (1.0 + ROUNDINGS_F64)).sqrt()
 }

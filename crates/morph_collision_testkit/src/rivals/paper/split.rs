@@ -1,15 +1,15 @@
-//! The split of a node's triangles among its children (Sect. 3).
+//! Splits a node's triangles among its children (Sect. 3).
 
 use glam::DVec3;
 
 use super::references::References;
 
-/// Cuts a node's triangles, at least two, into 2 to 8 children, none of them empty: reorders them child by child and
-/// returns the children's lengths.
+/// Splits a node's triangles, at least two, into 2 to 8 nonempty children. Reorders them child by child and returns the
+/// children's lengths.
 ///
-/// The base decides. Space is cut at the mid-value of the node's extents along the three axes, and a triangle goes where
-/// its midpoint is. The paper does not say what happens when all midpoints are in one octant; here the extents of the
-/// midpoints are cut, and triangles with one midpoint are dealt out by number.
+/// Only the base counts. Space is cut at the mid-value of the node's extents along the three axes, and a triangle goes
+/// to the octant of its midpoint. The paper does not say what happens if all midpoints are in one octant. Here the
+/// extents of the midpoints are cut, and triangles with the same midpoint are distributed by index.
 pub(super) fn split(references: &References, triangles: &mut [u32]) -> Vec<usize> {
     let corners = |triangle: u32| references.triangles[triangle as usize].map(|vertex| references.position(vertex, 0));
     let midpoint = |triangle: u32| corners(triangle).iter().sum::<DVec3>() / 3.0;
@@ -36,7 +36,7 @@ fn middle(points: impl Iterator<Item = DVec3>) -> DVec3 {
     0.5 * (least + most)
 }
 
-/// Sorts triangles by the octant around `middle` that their midpoints are in; the lengths of the octants that have any.
+/// Sorts triangles by the octant around `middle` of their midpoints; returns the lengths of the nonempty octants.
 fn octants(triangles: &mut [u32], middle: DVec3, midpoint: impl Fn(u32) -> DVec3) -> Vec<usize> {
     let octant = |triangle: u32| midpoint(triangle).cmpgt(middle).bitmask() as usize;
     let mut counts = [0; 8];

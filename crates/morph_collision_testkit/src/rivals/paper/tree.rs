@@ -9,11 +9,11 @@ use super::split::split;
 use super::volume::Volume;
 use super::weights::Blend;
 
-/// Nodes in the order of their levels, the root first.
+/// Nodes in breadth-first order, the root first.
 #[derive(Clone, Debug)]
 pub(super) struct Tree<V> {
     nodes: Vec<Node<V>>,
-    /// The nodes' references but the base, node by node.
+    /// The nodes' references except the base, node by node.
     references: Vec<Reference<V>>,
     /// The nodes' in-betweens, node by node.
     in_betweens: Vec<InBetween<V>>,
@@ -28,7 +28,7 @@ struct Node<V> {
     in_betweens: Range<usize>,
 }
 
-/// What is below a node.
+/// The content of a node.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Content {
     /// Child nodes, next to each other.
@@ -37,13 +37,13 @@ pub(super) enum Content {
     Triangle(u32),
 }
 
-/// A target that moves any vertex of a node. Of all others the volume is that of the base.
+/// A target that moves any vertex of a node. For all other targets the volume is that of the base.
 #[derive(Clone, Debug)]
 struct Reference<V> {
     target: u32,
     /// Around the reference model.
     volume: V,
-    /// Around the displacements: only for weights that are not convex.
+    /// Around the displacements; used only for weights that are not convex.
     displacement: V,
 }
 
@@ -120,7 +120,7 @@ impl<V: Volume> Tree<V> {
         self.nodes.len()
     }
 
-    /// What its lists take, with the room they have left.
+    /// The memory of its lists, including unused capacity.
     #[cfg(test)]
     pub(super) fn bytes(&self) -> u64 {
         let nodes = self.nodes.capacity() * size_of::<Node<V>>();
@@ -134,11 +134,11 @@ impl<V: Volume> Tree<V> {
         &self.nodes[node as usize].content
     }
 
-    /// The blended volume of a node: Eq. 3 or 7, and what is not convex by intervals.
+    /// The blended volume of a node: Eq. 3 or 7, plus intervals for the part that is not convex.
     pub(super) fn blend(&self, node: u32, blend: &Blend) -> V {
         let node = &self.nodes[node as usize];
         let mut volume = V::ZERO;
-        // All that is not here is the base.
+        // References that are not stored here equal the base.
         let mut of_base = 1.0;
         for reference in &self.references[node.references.clone()] {
             let target = reference.target as usize;
@@ -158,7 +158,7 @@ impl<V: Volume> Tree<V> {
                 of_base -= weight;
             }
         }
-        // Roundings must not make it negative.
+        // Rounding must not make it negative.
         volume.add(f64::max(of_base, 0.0), &node.base);
         volume.widen(blend.error);
         volume

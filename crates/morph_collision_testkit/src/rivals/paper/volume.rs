@@ -1,4 +1,4 @@
-//! What a bounding volume must be able to do to be morphed.
+//! The operations that a bounding volume needs for morphing.
 
 use std::fmt::Debug;
 
@@ -8,10 +8,10 @@ use crate::rivals::relative::Placed;
 
 /// A bounding volume in model space.
 pub(super) trait Volume: Copy + Debug + Send + Sync + 'static {
-    /// What compares the volumes of two placed bodies.
+    /// Compares the volumes of two placed bodies.
     type Culling;
 
-    /// The volume of the origin alone: a blend starts from it.
+    /// The volume of only the origin, from which a blend starts.
     const ZERO: Self;
 
     /// The volume around some points, at least one.
@@ -19,16 +19,17 @@ pub(super) trait Volume: Copy + Debug + Send + Sync + 'static {
 
     /// Adds a term of a blend: `weight` times `other`.
     ///
-    /// With `other` around points `p`, and `self` around points `q`, it is around all `q + weight * p` afterwards.
+    /// If `other` contains points `p` and `self` contains points `q`, then `self` contains all `q + weight * p`
+    /// afterwards.
     fn add(&mut self, weight: f64, other: &Self);
 
-    /// Makes it hold all points whose coordinates are off by at most `error`.
+    /// Enlarges it to contain all points whose coordinates are off by at most `error`.
     fn widen(&mut self, error: f64);
 
     /// Lower and upper corner of the box around it.
     fn aabb(&self) -> [DVec3; 2];
 
-    /// Made once for two bodies.
+    /// Made once per pair of bodies.
     fn culling(a: &Placed, b: &Placed) -> Self::Culling;
 
     /// Whether a volume of body A and one of body B may share a point.

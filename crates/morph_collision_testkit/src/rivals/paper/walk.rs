@@ -1,4 +1,4 @@
-//! The traversal of two trees (Sect. 3), and the method as all methods are asked.
+//! The traversal of two trees (Sect. 3), and the implementation of [`Method`].
 
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -14,7 +14,7 @@ use crate::rivals::boxes::Box3;
 use crate::rivals::frames::{Side, world_bounds};
 use crate::rivals::{Method, PoseError, Wanted};
 
-/// Bodies of the paper's method.
+/// The bodies of the paper's method.
 #[derive(Debug)]
 pub(super) struct Paper<V> {
     bodies: Vec<Body<V>>,
@@ -40,7 +40,7 @@ impl<V: Volume> Paper<V> {
         };
         let (placed_a, placed_b) = (a.placed(work), b.placed(work));
         let culling = V::culling(&placed_a, &placed_b);
-        // What a volume in model space is in the world.
+        // Factors from a volume in model space to one in world space.
         let (scale_a, scale_b) = (placed_a.linear.determinant().abs(), placed_b.linear.determinant().abs());
         stack.clear();
         work.node_tests += 1;
@@ -91,7 +91,7 @@ impl<V: Volume> Paper<V> {
     }
 }
 
-/// The volume of the box around a bounding volume: the node whose box is larger is descended.
+/// The volume of the box around a bounding volume. The node with the larger box is descended.
 fn size(volume: &impl Volume) -> f64 {
     let [least, most] = volume.aabb();
     (most - least).element_product()

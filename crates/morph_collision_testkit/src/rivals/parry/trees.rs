@@ -1,4 +1,4 @@
-//! Parry's trees, and how they follow the vertices.
+//! Parry's trees, and how they are updated for new vertices.
 
 use glam::Vec3;
 use parry3d::bounding_volume;
@@ -7,14 +7,14 @@ use parry3d::shape::{TriMesh, TriMeshBuilderError};
 
 use crate::rivals::blended::{BlendedBody, WeldedMesh};
 
-/// A tree of Parry's with a leaf per triangle, and the vertices it stands for.
+/// One of Parry's trees, with a leaf per triangle, and its vertices.
 pub(in crate::rivals) trait ParryTree: Sized + Send + Sync {
     fn new(mesh: &WeldedMesh) -> Result<Self, TriMeshBuilderError>;
     /// Blends the vertices.
     fn blend(&mut self, body: &mut BlendedBody);
-    /// Makes the tree follow them.
+    /// Updates the tree for the blended vertices.
     fn refit(&mut self, mesh: &WeldedMesh);
-    /// Both, in the best way there is.
+    /// Does both in the fastest way.
     fn update(&mut self, body: &mut BlendedBody) {
         self.blend(body);
         self.refit(&body.mesh);
@@ -23,7 +23,7 @@ pub(in crate::rivals) trait ParryTree: Sized + Send + Sync {
     fn posed(&self) -> &[Vec3];
 }
 
-/// A mesh of Parry's, and vertices blended for it where blending is timed by itself.
+/// Parry's triangle mesh, with separately blended vertices if blending is timed separately.
 #[derive(Clone)]
 pub(in crate::rivals) struct Meshed {
     mesh: TriMesh,
@@ -100,7 +100,7 @@ fn around(corners: &[u32; 3], posed: &[Vec3]) -> bounding_volume::Aabb {
     }
 }
 
-/// Refitted, and put in depth-first order in memory again.
+/// Refitted, and put back into depth-first order in memory.
 #[derive(Clone)]
 pub(in crate::rivals) struct Refitted(Bare);
 
@@ -127,7 +127,7 @@ impl ParryTree for Refitted {
     }
 }
 
-/// Built anew with Parry's binned builder.
+/// Rebuilt with Parry's binned builder.
 #[derive(Clone)]
 pub(in crate::rivals) struct Rebuilt(Bare);
 

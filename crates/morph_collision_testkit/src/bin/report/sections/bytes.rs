@@ -1,4 +1,4 @@
-//! How many bytes a triangle takes, here and in Parry's triangle mesh.
+//! Bytes per triangle, in this library and in Parry's triangle mesh.
 
 use std::error::Error;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use parry3d::shape::TriMesh;
 use super::Context;
 use super::faces::{FACES, face};
 
-/// A row for each model of the page; of one that is not there, what the page has.
+/// A row for each model of the page. The row of a missing model stays as it is in the page.
 pub(crate) fn bytes(context: &Context, old: &str) -> Result<String, Box<dyn Error>> {
     let mut text = String::from(
         "\n| bytes for each triangle | triangles | targets | model | tree | pose, refitted | Parry's `TriMesh` |\n\
@@ -62,7 +62,7 @@ fn row(title: &str, mesh: &MorphMesh) -> Result<String, Box<dyn Error>> {
     ))
 }
 
-/// The row of a table that is about a model.
+/// The row of a table for a model.
 fn kept(old: &str, title: &str) -> String {
     eprintln!("bytes: {title} stay as they are in the page");
     let row = old.lines().find(|line| line.starts_with(&format!("| {title} |")));

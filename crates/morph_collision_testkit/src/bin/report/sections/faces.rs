@@ -1,4 +1,4 @@
-//! Captured faces that press against each other, and the scenes of talking heads and flip-book characters: every method.
+//! Every method on captured faces that press against each other, and on the scenes of talking heads and flip-book characters.
 
 use std::error::Error;
 use std::f64::consts::{PI, TAU};
@@ -15,13 +15,13 @@ use super::{Context, race};
 use crate::render;
 use crate::sweeps::methods;
 
-/// Faces of other people, and what to call them.
+/// Faces by other people, and their titles.
 pub(super) const FACES: [(&str, &str); 2] = [
     ("mh_head_eyes_teeth_arkit52_dao.glb", "MakeHuman heads"),
     ("ict_face_skin.glb", "ICT faces"),
 ];
 
-/// A table for each face and character; of one that is not there, what the page has.
+/// A table for each face and character. The table of a missing model stays as it is in the page.
 pub(crate) fn faces(context: &Context, old: &str) -> Result<String, Box<dyn Error>> {
     let mut text = String::new();
     for (file, title) in FACES {
@@ -45,7 +45,7 @@ pub(crate) fn faces(context: &Context, old: &str) -> Result<String, Box<dyn Erro
     Ok(text)
 }
 
-/// The mesh of a face, if its file is there.
+/// The mesh of a face, if its file exists.
 pub(super) fn face(file: &str) -> Result<Option<MorphMesh>, Box<dyn Error>> {
     let Some(path) = real_model(file) else {
         return Ok(None);
@@ -63,7 +63,7 @@ fn table(experiment: &Experiment, context: &Context) -> Result<String, Box<dyn E
     Ok(render::table(experiment, &all, &first))
 }
 
-/// The part of a place that is about a scene: from its heading to the next.
+/// The part of a section about a scene: from its heading to the next.
 fn kept(old: &str, title: &str) -> String {
     let heading = format!("\n**{title},");
     let Some(start) = old.find(&heading) else {
@@ -73,7 +73,7 @@ fn kept(old: &str, title: &str) -> String {
     old[start..end].to_owned()
 }
 
-/// Two heads that face each other and press their faces together and come apart, twice in 400 steps, while each lives through its clip.
+/// Two heads that face each other, press their faces together and come apart twice in 400 steps, while each plays its clip.
 fn heads(title: &str, mesh: MorphMesh, every: usize) -> Experiment {
     let bounds = Aabb::from_points(mesh.positions.iter().copied());
     let (size, middle) = (bounds.size().as_dvec3(), bounds.center());

@@ -1,4 +1,4 @@
-//! What the processor's vector instructions are worth: the same queries with each set of them.
+//! The effect of the processor's vector instructions: the same queries with each instruction set.
 
 use std::error::Error;
 use std::fmt::Write;
@@ -10,7 +10,7 @@ use morph_collision_testkit::rivals::Wanted;
 use super::Context;
 use super::threads::Run;
 
-/// Fills the place.
+/// Makes the section.
 pub(crate) fn kernels(context: &Context, _: &str) -> Result<String, Box<dyn Error>> {
     let kernels = Kernel::available();
     let mut text = String::from("\n| time over the first's | ");

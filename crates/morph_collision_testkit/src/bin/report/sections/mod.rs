@@ -1,4 +1,5 @@
-//! The places of the page and what fills them, a file each for those that are more than a sweep.
+//! The sections of the page and the functions that make them. Those that are more than a sweep have
+//! their own files.
 
 mod bytes;
 mod faces;
@@ -17,25 +18,26 @@ use morph_collision_testkit::rivals::Wanted;
 use super::render;
 use super::sweeps::{self, Candidate};
 
-/// What every section needs to know.
+/// The input of every section.
 pub(crate) struct Context {
-    /// Every how many steps of an experiment one is taken.
+    /// Use every Nth step of an experiment.
     pub(crate) every: usize,
     pub(crate) rounds: usize,
-    /// Whether a rough answer will do.
+    /// Whether rough numbers are enough.
     pub(crate) quick: bool,
     /// The folder for plots and their data, beside the page.
     pub(crate) plots: PathBuf,
 }
 
-/// A place of the page, and how to fill it: of the context, and of what stands there.
+/// A section of the page, and a function that makes it from the context and the section's current
+/// text.
 pub(crate) struct Section {
     pub(crate) name: &'static str,
     pub(crate) make: Make,
 }
 
 impl Section {
-    /// Whether it is about several cores, and so not to be kept on one.
+    /// Whether it measures several cores and therefore must not be pinned to one.
     pub(crate) fn uses_all_cores(&self) -> bool {
         self.name == "threads"
     }
@@ -43,7 +45,7 @@ impl Section {
 
 type Make = fn(&Context, &str) -> Result<String, Box<dyn Error>>;
 
-/// All of them.
+/// All sections.
 pub(crate) const SECTIONS: &[Section] = &[
     Section {
         name: "leaves",
@@ -120,7 +122,7 @@ fn sweep(
     Ok(text)
 }
 
-/// Measures candidates, which have to agree.
+/// Measures candidates, and checks that they agree.
 pub(crate) fn race(
     experiment: &Experiment,
     candidates: &[Candidate],

@@ -1,4 +1,4 @@
-//! The paper's figures and numbers again: Fig. 5, Fig. 8 and Sect. 5.
+//! Reproduces the paper's figures and numbers: Fig. 5, Fig. 8 and Sect. 5.
 
 use std::error::Error;
 use std::fmt::Write;
@@ -136,11 +136,12 @@ pub(crate) fn resolution(context: &Context, _: &str) -> Result<String, Box<dyn E
     ))
 }
 
-/// What the paper reports beside its figures, next to what comes out here.
+/// The further numbers that the paper reports, next to ours.
 pub(crate) fn claims(context: &Context, _: &str) -> Result<String, Box<dyn Error>> {
     let mut text = "\n| | the paper | here, the method `paper` | here, `morph` |\n|---|--:|--:|--:|\n".to_owned();
     let methods = || [theirs(PaperOptions::BOXES), ours()];
-    // The more general method over the one for morphing, at the resolutions of Fig. 8.
+    // The time of the more general method over that of the one for morphing, at the resolutions of
+    // Fig. 8.
     for ((wanted, mode), reported) in MODES.into_iter().zip(["1.5 to 9", "2 to 58"]) {
         write!(text, "| dolphins, {mode}: hybrid's time over it | {reported} |")?;
         for method in 0..2 {
@@ -210,7 +211,7 @@ pub(crate) fn claims(context: &Context, _: &str) -> Result<String, Box<dyn Error
            tests; the time is estimated from them at the price of a volume, which two neighbours give that blend volumes and no vertices.\n")
 }
 
-/// How many refits stamps save, and about how much time.
+/// How many refits, and about how much time, the stamps save.
 fn stamps(context: &Context, experiment: &Experiment, candidate: Candidate) -> Result<String, Box<dyn Error>> {
     let row = race(
         experiment,

@@ -1,4 +1,4 @@
-//! Rays at a head and at a skinned character: every method that casts them.
+//! Rays at a head and at a skinned character, with every method that casts them.
 
 use std::error::Error;
 
@@ -9,7 +9,8 @@ use super::{Context, race};
 use crate::render;
 use crate::sweeps::methods;
 
-/// A table for each mesh of the scenes with rays; where a model is not there, what the page has.
+/// A table for each mesh of the scenes with rays. The table of a missing model stays as it is in
+/// the page.
 pub(crate) fn rays(context: &Context, old: &str) -> Result<String, Box<dyn Error>> {
     let mut scenes = Vec::new();
     for (name, _) in Experiment::with_rays() {

@@ -1,4 +1,4 @@
-//! How time, memory and building grow with bodies, triangles and targets.
+//! How time, memory and build time grow with bodies, triangles and targets.
 
 use std::error::Error;
 use std::fmt::Write;
@@ -16,10 +16,10 @@ use super::{Context, race};
 use crate::sweeps::{morph, rival};
 use morph_collision_testkit::plot::{Axis, Figure, Panel, Series, exponent};
 
-/// One size of what grows.
+/// Measurements at one size.
 struct Size {
     size: usize,
-    /// Seconds of a frame: ours, and the hybrid's.
+    /// Seconds per frame: ours, and the hybrid's.
     all: [f64; 2],
     first: [f64; 2],
     memory: Memory,
@@ -32,11 +32,11 @@ struct Size {
 struct Memory {
     model: usize,
     tree: usize,
-    /// Of one body that was asked for all pairs.
+    /// Of one body after a query for all pairs.
     pose: usize,
 }
 
-/// What grows, and the experiments of each size.
+/// The quantity that grows, and the experiments of each size.
 struct Growth {
     what: &'static str,
     axis: &'static str,
@@ -46,7 +46,8 @@ struct Growth {
 const DENSE: &str = "targets, each of which moves every vertex";
 const SPARSE: &str = "targets, each of which moves 15 % of the vertices";
 
-/// So many targets have weights of full size; of more, each has less, so that their sum stays.
+/// Up to this many targets have full weights. If there are more, each weight is smaller, so that
+/// the sum stays the same.
 const FULL_WEIGHTS: f64 = 16.0;
 
 fn growths(context: &Context) -> Vec<Growth> {
@@ -111,7 +112,7 @@ fn growths(context: &Context) -> Vec<Growth> {
     ]
 }
 
-/// Tables and a figure of all that grows.
+/// Tables and a figure for everything that grows.
 pub(crate) fn scale(context: &Context, _: &str) -> Result<String, Box<dyn Error>> {
     let (mut text, mut panels) = (String::new(), Vec::new());
     for growth in growths(context) {
@@ -176,7 +177,7 @@ fn write_table(text: &mut String, growth: &Growth, sizes: &[Size]) -> std::fmt::
 }
 
 fn points(sizes: &[Size], of: &dyn Fn(&Size) -> f64) -> Vec<(f64, f64)> {
-    // A single body has nobody to meet.
+    // A single body has no partner.
     let met = sizes.iter().filter(|row| row.size > 1);
     met.map(|row| (row.size as f64, of(row))).collect()
 }
@@ -247,7 +248,7 @@ fn memory(experiment: &Experiment) -> Result<Memory, Box<dyn Error>> {
     })
 }
 
-/// Seconds of our tree and of Parry's, medians of interleaved rounds.
+/// Seconds to build our tree and Parry's, medians over interleaved rounds.
 fn build_times(mesh: &MorphMesh, rounds: usize) -> Result<[f64; 2], Box<dyn Error>> {
     let model = Arc::new(mesh.to_model()?);
     let mut times = [Vec::new(), Vec::new()];

@@ -1,4 +1,4 @@
-//! Batches of pairs on several threads, and what the machine's cores could give at most.
+//! Batches of pairs on several threads, and the most that the machine's cores can give.
 
 use std::error::Error;
 use std::fmt::Write;
@@ -14,7 +14,7 @@ use morph_collision_testkit::rivals::Wanted;
 
 use super::Context;
 
-/// Fills the place.
+/// Makes the section.
 pub(crate) fn threads(context: &Context, _: &str) -> Result<String, Box<dyn Error>> {
     let cores = thread::available_parallelism().map_or(1, usize::from);
     let mut counts = vec![1, 2, 4, 8, cores];
@@ -49,11 +49,12 @@ pub(crate) fn threads(context: &Context, _: &str) -> Result<String, Box<dyn Erro
 }
 
 struct Row {
-    /// Seconds of a frame on one thread.
+    /// Seconds per frame on one thread.
     one: f64,
-    /// For each further count, one thread's time over its own: how many times as fast.
+    /// For each further thread count, the speedup over one thread.
     ratios: Vec<f64>,
-    /// What as many independent copies of the one-threaded run as the largest count, at the same time, do per second, over one.
+    /// The throughput of independent copies of the one-threaded run, as many as the largest thread count at the same time,
+    /// relative to a single run.
     capacity: f64,
 }
 
@@ -104,7 +105,7 @@ fn measure(experiment: &Experiment, wanted: Wanted, counts: &[usize], rounds: us
     })
 }
 
-/// The bodies of an experiment, asked in batches.
+/// The bodies of an experiment, queried in batches.
 pub(super) struct Run {
     poses: Vec<Pose>,
     query: BatchQuery,
@@ -124,7 +125,7 @@ impl Run {
         })
     }
 
-    /// All frames; how many pairs there are.
+    /// Runs all frames; returns the number of pairs.
     pub(super) fn pass(&mut self, experiment: &Experiment, wanted: Wanted, threads: usize) -> usize {
         experiment
             .frames
@@ -137,7 +138,7 @@ impl Run {
         let mut places = Vec::with_capacity(frame.len());
         let mut bounds = Vec::with_capacity(frame.len());
         for (pose, (weights, place)) in self.poses.iter_mut().zip(frame) {
-            // The scripts' weights and places are good.
+            // The scripts' weights and placements are valid.
             let _ = pose.set_weights(weights);
             let place = WorldFromModel::new(*place).unwrap_or(WorldFromModel::IDENTITY);
             bounds.push(Some(pose.world_bounds(&place)));

@@ -1,4 +1,4 @@
-//! What blended volumes hold, and how tight they are.
+//! Blended volumes contain their vertices, and are tight.
 
 use glam::{Affine3A, DVec3};
 use rand::{RngExt, SeedableRng};

@@ -1,4 +1,5 @@
-//! Blended volumes hold what they bound, are no larger than the paper says, and are made only when asked for.
+//! Blended volumes contain what they bound, are no larger than the paper says, and are computed only on
+//! demand.
 
 mod blending;
 mod building;

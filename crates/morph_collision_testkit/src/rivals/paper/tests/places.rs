@@ -1,4 +1,4 @@
-//! Volumes that share a vertex in the world are never told apart, wherever the bodies are.
+//! Volumes that share a vertex in the world are never reported as separate, wherever the bodies are.
 
 use glam::{Affine3A, DVec3, Mat3, Quat, Vec3};
 use rand::{RngExt, SeedableRng};
@@ -13,7 +13,7 @@ use super::{volume, welded};
 use crate::mesh::MorphMesh;
 use crate::models::random;
 
-/// Turned, sheared, stretched along some axes by up to 2^20 or down to 0, and moved so far off that vertices may fall together.
+/// Rotated, sheared, stretched along some axes by up to 2^20 or down to 0, and so far away that vertices may coincide.
 fn place(rng: &mut Pcg64Mcg) -> Affine3A {
     let mut power = |range: i32| 2f32.powi(rng.random_range(-range..=range));
     let (size, offset) = (power(40), power(55));
@@ -27,8 +27,8 @@ fn place(rng: &mut Pcg64Mcg) -> Affine3A {
     Affine3A::from_mat3_translation(linear, Vec3::new(1.0, -0.3, 0.7) * size * offset)
 }
 
-/// The same body in another model space, where x and y change places and all is `2^-power` as large: its vertices in the
-/// world are the same to the last bit.
+/// The same body in another model space, with x and y swapped and everything `2^-power` as large. Its vertices in the world are
+/// the same to the last bit.
 fn disguised(mesh: &MorphMesh, place: &Affine3A, power: i32) -> (MorphMesh, Affine3A) {
     let (down, up) = (2f32.powi(-power), 2f32.powi(power));
     let swap = |v: &Vec3| Vec3::new(v.y, v.x, v.z) * down;
@@ -45,7 +45,7 @@ fn disguised(mesh: &MorphMesh, place: &Affine3A, power: i32) -> (MorphMesh, Affi
     (other, moved)
 }
 
-/// Lists the nodes over any of some triangles, from the leaves to the root.
+/// Lists the nodes above any of these triangles, from the leaves to the root.
 fn nodes_over<V: Volume>(body: &Body<V>, node: u32, triangles: &[u32], over: &mut Vec<u32>) {
     let before = over.len();
     let is_over = match body.tree.content(node).clone() {
@@ -62,7 +62,7 @@ fn nodes_over<V: Volume>(body: &Body<V>, node: u32, triangles: &[u32], over: &mu
     }
 }
 
-/// How many pairs of nodes share a vertex, and how many are told apart.
+/// How many pairs of nodes share a vertex, and how many of those are reported as separate.
 fn judge<V: Volume>() -> (usize, usize) {
     let mut rng = Pcg64Mcg::seed_from_u64(23);
     let (mut shared, mut apart) = (0, 0);

@@ -1,4 +1,4 @@
-//! What queries make a body blend.
+//! What queries blend.
 
 use glam::{Affine3A, Vec3};
 

@@ -58,8 +58,9 @@ pub struct MorphContact {
     pub body2: Entity,
     /// The mode that applied to this pair.
     pub mode: MorphCollisionMode,
-    /// A point at which they touch, in world space. In mode [`Contacts`](MorphCollisionMode::Contacts) it is the deepest point,
-    /// otherwise a point of the first pair of triangles found. If only the margins touch, it lies between the closest points.
+    /// A point at which they touch, in world space. For two meshes it is the deepest point in mode
+    /// [`Contacts`](MorphCollisionMode::Contacts), otherwise a point of the first pair of triangles found. For a mesh and a
+    /// [`MorphShape`](crate::MorphShape), and if only the margins touch, it is midway between the closest (or deepest) points.
     pub point: Vec3,
     /// The unit vector along which `collider1` moves out of `collider2` at `point`; zero if there is none.
     pub normal: Vec3,
@@ -68,7 +69,7 @@ pub struct MorphContact {
     /// Intersecting triangles: `triangle_a` of `collider1` and `triangle_b` of `collider2`, sorted. For a
     /// [`MorphShape`](crate::MorphShape) the number is [`MorphContact::NO_TRIANGLE`].
     ///
-    /// The [`MorphCollisionMode`] decides how many are listed. A triangle's number is its position in the mesh's index buffer
+    /// The [`MorphCollisionMode`] decides how many are listed: none in mode `Any`. A triangle's number is its position in the mesh's index buffer
     /// divided by 3; in a triangle strip, it is its position among the triangles that have three different vertices.
     ///
     /// Not reflected: the list is empty in a value created by reflection.

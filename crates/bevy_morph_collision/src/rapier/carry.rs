@@ -25,8 +25,8 @@ use super::step::time_ahead;
 /// How surfaces with a [`MorphRapierCollider`] carry a `KinematicCharacterController`.
 ///
 /// Every controller has this component, with its defaults. A controller is carried while it stands on a surface. The surface must
-/// be the first thing below its feet, within the distance at which Rapier calls it grounded, and not steeper than its
-/// `max_slope_climb_angle`. Surfaces that it merely touches do not move it. Walls stop it while it is carried. It is never
+/// be the first thing below its feet that is not steeper than its `max_slope_climb_angle`, within the distance at which Rapier calls
+/// it grounded. Surfaces that it merely touches do not move it. Walls stop it while it is carried. It is never
 /// rotated, like all controllers.
 ///
 /// The controller's own output does not include the motion of the ground; [`MorphCharacterGround`] reports it.

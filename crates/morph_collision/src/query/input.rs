@@ -48,14 +48,15 @@ impl ConvexRegion {
     /// Normals point inward and may have any nonzero length. A camera's frustum has six half-spaces.
     ///
     /// # Errors
-    /// [`InputError`] if a normal is zero or not finite, or if an offset is not finite or larger than 1e50 times the length of its normal.
+    /// [`InputError`] if a normal is zero or not finite, or if an offset is not finite or larger than about 1e50 times the largest
+    /// coordinate of its normal.
     pub fn from_half_spaces(half_spaces: &[(DVec3, f64)]) -> Result<Self, InputError> {
         let plane = |(i, &(normal, offset)): (usize, &(DVec3, f64))| {
             let of_this = |error: InputError| error.of(&format!("half-space {i}"));
             check_direction("normal", normal).map_err(of_this)?;
             let scale = power_of_two_below(normal.abs().max_element());
             let (normal, scaled) = (normal / scale, offset / scale);
-            let expected = "at most 1e50 times the length of the normal";
+            let expected = "at most about 1e50 times the largest coordinate of the normal";
             check_number("offset", offset, scaled.abs() <= 1e50, expected).map_err(of_this)?;
             Ok(Plane { normal, offset: scaled })
         };

@@ -29,8 +29,7 @@ impl BuildOptions {
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        // Fills one patch of eight lanes. With leaves of 4, queries take 1.2 to 1.9 times as long (docs/tried.md and
-        // docs/performance.md).
+        // Fills one patch of eight lanes. docs/performance.md has the times of other sizes.
         Self { leaf_size: 8 }
     }
 }

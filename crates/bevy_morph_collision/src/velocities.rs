@@ -43,9 +43,9 @@ pub(crate) fn remember(
     for mut state in &mut colliders {
         let state = &mut *state;
         // While its entity was disabled, its state was not updated.
-        let placed = state.placed.filter(|_| state.seen == candidates.run());
-        state.before.place = match placed.map(|placed| placed.form) {
-            Some(Form::Mesh(place)) => Some(place),
+        let placed = state.placed.as_ref().filter(|_| state.seen == candidates.run());
+        state.before.place = match placed.map(|placed| &placed.form) {
+            Some(Form::Mesh(place)) => Some(*place),
             _ => None,
         };
         if let (Some(_), Some(pose)) = (state.before.place, state.pose.as_mut().map(LockedPose::get_mut)) {

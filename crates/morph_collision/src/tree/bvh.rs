@@ -57,7 +57,8 @@ impl MorphBvh {
     /// The number of nodes, including the root and the leaves.
     #[must_use]
     pub fn node_count(&self) -> usize {
-        self.topology.groups.iter().map(|group| group.children().len()).sum()
+        // Every node is a leaf or has a group of children. Group 0 belongs to no node.
+        self.topology.leaf_count() + self.topology.group_count() - 1
     }
 
     /// The number of leaves.

@@ -30,6 +30,9 @@ fn every_tree_is_valid_and_has_the_leaf_size_asked_for() {
             let bvh = MorphBvh::build(model.clone(), &options);
             println!("{} with {options:?}", mesh.name);
             validate(&bvh);
+            let groups = bvh.topology.groups.iter();
+            let children: usize = groups.map(|group| group.children().len()).sum();
+            assert_eq!(bvh.node_count(), children);
         }
     }
 }

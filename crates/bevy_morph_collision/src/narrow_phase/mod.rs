@@ -1,20 +1,23 @@
 //! Finds intersecting triangles and contacts.
 //!
 //! The system queries all pairs of meshes at once (`mod`), starting where they touched in the last run (`memories`), and turns
-//! the results into contacts (`touch`).
+//! the results into contacts (`touch`), also on several threads (`builders`).
 
+mod builders;
 mod memories;
 mod touch;
 
 use std::collections::BTreeMap;
+use std::sync::MutexGuard;
 
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
-use morph_collision::{BatchQuery, Body, PairTask, Pose, Wanted};
+use morph_collision::{BatchQuery, Body, PairTask, Pose, Wanted, WorldFromModel};
 use tracing::debug_span;
 
+use self::builders::{Builders, Job};
 use self::memories::{Memories, keep_memories};
-use self::touch::{Listed, Touch, wants_all};
+use self::touch::{Found, wants_all};
 
 use crate::broad_phase::Candidates;
 use crate::collider::{ColliderState, Form, LockedPose, MorphCollisionMode, Placement};
@@ -28,7 +31,7 @@ type Pair = (Entity, Entity);
 /// Memory that the narrow phase reuses.
 #[derive(Default)]
 pub(crate) struct Scratch {
-    touch: Touch,
+    builders: Builders,
     batch: BatchQuery,
     /// The maximum number of triangle pairs in a contact.
     limit: usize,
@@ -132,7 +135,7 @@ impl Scratch {
         let place = |entity: Entity| placed.binary_search_by_key(&entity, |collider| collider.entity).ok();
 
         let mut unchanged = 0;
-        let mut with_shapes = Vec::new();
+        let mut jobs = Vec::new();
         self.asked.clear();
         for &pair in candidates {
             let (Some(a), Some(b)) = (place(pair.0), place(pair.1)) else {
@@ -149,29 +152,28 @@ impl Scratch {
             };
             match (placed[a].placement.form, placed[b].placement.form) {
                 (Form::Mesh(_), Form::Mesh(_)) => self.asked.push(asked),
-                (Form::Mesh(_), Form::Shape(shape)) => with_shapes.push((asked, shape, false)),
-                (Form::Shape(shape), Form::Mesh(_)) => with_shapes.push((asked, shape, true)),
                 (Form::Shape(_), Form::Shape(_)) => {}
+                _ => jobs.push(Job {
+                    asked,
+                    found: Found::Unknown,
+                }),
             }
         }
-        for (asked, shape, shape_first) in with_shapes {
-            let contact = self
-                .touch
-                .with_shape(&mut placed, asked, (&shape, shape_first), self.limit, diagnostics);
-            self.answers.push((asked.pair, contact));
-        }
-        self.ask_meshes(&mut placed, contacts, diagnostics);
+        self.ask_meshes(&mut placed, contacts, &mut jobs, diagnostics);
+        diagnostics.stats += self.builders.run(&placed, &mut jobs, self.limit, &mut self.answers);
         unchanged
     }
 
+    /// Finds the intersecting triangles of the asked pairs. Pairs that might have a contact become jobs; the others are answered.
     fn ask_meshes(
         &mut self,
         placed: &mut [Placed<'_>],
         contacts: &BTreeMap<Pair, MorphContact>,
+        jobs: &mut Vec<Job>,
         diagnostics: &mut MorphCollisionDiagnostics,
     ) {
         let Self {
-            touch,
+            builders: _,
             batch,
             limit,
             compare_all: _,
@@ -203,7 +205,7 @@ impl Scratch {
         for (place, collider) in placed.iter_mut().enumerate() {
             if let (Form::Mesh(world_from_model), Some(pose)) = (&collider.placement.form, &mut collider.pose) {
                 place_of[place] = bodies.len();
-                bodies.push(Body::new(pose, world_from_model));
+                bodies.push(Body::new(pose.get_mut(), world_from_model));
             }
         }
         for task in &mut tasks {
@@ -211,14 +213,18 @@ impl Scratch {
         }
         let found = batch.run(&mut bodies, &mut tasks, &TaskPoolWorkers);
         diagnostics.stats += found.stats();
-        let listed = |task| Listed {
-            triangles: found.get(task).to_vec(),
-            is_truncated: found.is_truncated(task),
-        };
-        let found: Vec<Listed> = (0..asked.len()).map(listed).collect();
-        for (&asked, found) in asked.iter().zip(found) {
-            let contact = touch.with_mesh(placed, asked, found, *limit, diagnostics);
-            answers.push((asked.pair, contact));
+        for (task, &asked) in asked.iter().enumerate() {
+            let triangles = found.get(task);
+            let (a, b) = asked.places;
+            if triangles.is_empty() && placed[a].placement.margin + placed[b].placement.margin == 0.0 {
+                answers.push((asked.pair, None));
+                continue;
+            }
+            let found = Found::Triangles {
+                triangles: triangles.to_vec(),
+                is_truncated: found.is_truncated(task),
+            };
+            jobs.push(Job { asked, found });
         }
     }
 }
@@ -228,7 +234,13 @@ struct Placed<'a> {
     entity: Entity,
     changed: bool,
     placement: &'a Placement,
-    pose: Option<&'a mut Pose>,
+    pose: Option<&'a mut LockedPose>,
+}
+
+/// A mesh that a query uses.
+struct UsedMesh<'p> {
+    pose: MutexGuard<'p, Pose>,
+    place: &'p WorldFromModel,
 }
 
 impl<'a> Placed<'a> {
@@ -242,15 +254,25 @@ impl<'a> Placed<'a> {
             entity,
             changed,
             placement,
-            pose: pose.as_mut().map(LockedPose::get_mut),
+            pose: pose.as_mut(),
         })
     }
 
-    /// The mesh as a body, for one query.
-    fn body(&mut self) -> Option<Body<'_>> {
-        match (&self.placement.form, &mut self.pose) {
-            (Form::Mesh(world_from_model), Some(pose)) => Some(Body::new(pose, world_from_model)),
+    /// The mesh, for queries; `None` for a shape. Waits while another thread uses it. To use two meshes, take them in the order of their
+    /// entities.
+    fn mesh(&self) -> Option<UsedMesh<'_>> {
+        match (&self.placement.form, &self.pose) {
+            (Form::Mesh(place), Some(pose)) => Some(UsedMesh {
+                pose: pose.lock(),
+                place,
+            }),
             _ => None,
         }
+    }
+}
+
+impl UsedMesh<'_> {
+    fn body(&mut self) -> Body<'_> {
+        Body::new(&mut self.pose, self.place)
     }
 }

@@ -2,13 +2,12 @@
 
 use bevy::prelude::*;
 use morph_collision::{
-    ContactQuery, DistanceQuery, PlacedShape, ShapeContact, ShapeQuery, TrianglePair, triangle_contact,
+    ContactQuery, DistanceQuery, PlacedShape, QueryStats, ShapeContact, ShapeQuery, TrianglePair, triangle_contact,
 };
 
 use super::{Asked, Placed};
-use crate::collider::MorphCollisionMode;
+use crate::collider::{Form, MorphCollisionMode};
 use crate::contacts::{MorphContact, MorphContactPoint, pair_with_shape};
-use crate::diagnostics::MorphCollisionDiagnostics;
 
 /// The queries that build contacts.
 #[derive(Default)]
@@ -18,11 +17,16 @@ pub(super) struct Touch {
     shape: ShapeQuery,
 }
 
-/// The intersecting triangles of two meshes.
-pub(super) struct Listed {
-    pub(super) triangles: Vec<TrianglePair>,
-    /// Whether there are more.
-    pub(super) is_truncated: bool,
+/// What is known about a pair before its contact is built.
+pub(super) enum Found {
+    /// Nothing: one of the colliders is a shape.
+    Unknown,
+    /// The intersecting triangles of two meshes.
+    Triangles {
+        triangles: Vec<TrianglePair>,
+        /// Whether there are more.
+        is_truncated: bool,
+    },
 }
 
 /// Whether a mode asks for every pair of triangles, up to a limit.
@@ -31,31 +35,48 @@ pub(super) fn wants_all(mode: MorphCollisionMode) -> bool {
 }
 
 impl Touch {
-    /// The contact of two meshes, of which these triangles intersect.
-    pub(super) fn with_mesh(
+    /// The contact of two colliders; `None` if they do not touch. Takes the triangles that were found.
+    pub(super) fn contact(
         &mut self,
-        placed: &mut [Placed<'_>],
+        placed: &[Placed<'_>],
         asked: Asked,
-        found: Listed,
+        found: &mut Found,
         limit: usize,
-        diagnostics: &mut MorphCollisionDiagnostics,
+        stats: &mut QueryStats,
     ) -> Option<MorphContact> {
-        let Listed {
-            mut triangles,
-            is_truncated,
-        } = found;
-        let (a, b) = asked.places;
-        let Ok([a, b]) = placed.get_disjoint_mut([a, b]) else {
-            return None;
-        };
-        let margin = f64::from(a.placement.margin) + f64::from(b.placement.margin);
-        let mut contact = MorphContact::of(asked, a, b);
-        if triangles.is_empty() {
-            if margin == 0.0 {
-                return None;
+        let pair = [&placed[asked.places.0], &placed[asked.places.1]];
+        let empty = MorphContact::of(asked, pair);
+        match (found, pair[0].placement.form, pair[1].placement.form) {
+            (
+                Found::Triangles {
+                    triangles,
+                    is_truncated,
+                },
+                ..,
+            ) => {
+                let found = (std::mem::take(triangles), *is_truncated);
+                self.with_mesh(empty, pair, found, limit, stats)
             }
-            let closest = self.distance.closest(a.body()?, b.body()?, margin).ok()?;
-            diagnostics.stats += self.distance.stats();
+            (Found::Unknown, _, Form::Shape(shape)) => self.with_shape(empty, pair, (&shape, false), limit, stats),
+            (Found::Unknown, Form::Shape(shape), _) => self.with_shape(empty, pair, (&shape, true), limit, stats),
+            (Found::Unknown, Form::Mesh(_), Form::Mesh(_)) => None,
+        }
+    }
+
+    /// The contact of two meshes, of which these triangles intersect.
+    fn with_mesh(
+        &mut self,
+        mut contact: MorphContact,
+        [a, b]: [&Placed<'_>; 2],
+        (mut triangles, is_truncated): (Vec<TrianglePair>, bool),
+        limit: usize,
+        stats: &mut QueryStats,
+    ) -> Option<MorphContact> {
+        let (mut mesh_a, mut mesh_b) = (a.mesh()?, b.mesh()?);
+        if triangles.is_empty() {
+            let margin = f64::from(a.placement.margin) + f64::from(b.placement.margin);
+            let closest = self.distance.closest(mesh_a.body(), mesh_b.body(), margin).ok()?;
+            *stats += self.distance.stats();
             let closest = closest?;
             contact.point = closest.point_a.midpoint(closest.point_b).as_vec3();
             contact.normal = (closest.point_a - closest.point_b).normalize_or_zero().as_vec3();
@@ -64,15 +85,15 @@ impl Touch {
         }
         contact.is_truncated = is_truncated;
         let first = triangles[0];
-        let corners_a = a.body()?.triangle(first.triangle_a)?;
-        let corners_b = b.body()?.triangle(first.triangle_b)?;
+        let corners_a = mesh_a.body().triangle(first.triangle_a)?;
+        let corners_b = mesh_b.body().triangle(first.triangle_b)?;
         if let Some(met) = triangle_contact(&corners_a, &corners_b) {
             contact.point = met.point().as_vec3();
             contact.normal = met.normal.as_vec3();
         }
-        if asked.mode == MorphCollisionMode::Contacts {
-            let manifold = self.contact.manifold_up_to(a.body()?, b.body()?, limit);
-            diagnostics.stats += self.contact.stats();
+        if contact.mode == MorphCollisionMode::Contacts {
+            let manifold = self.contact.manifold_up_to(mesh_a.body(), mesh_b.body(), limit);
+            *stats += self.contact.stats();
             if let Some(manifold) = manifold {
                 contact.normal = manifold.normal.as_vec3();
                 contact
@@ -85,7 +106,7 @@ impl Touch {
                 contact.point = contact.points.first().map_or(contact.point, |deepest| deepest.point);
             }
         }
-        if asked.mode != MorphCollisionMode::Any {
+        if contact.mode != MorphCollisionMode::Any {
             triangles.sort_unstable();
             contact.triangles = triangles;
         }
@@ -93,42 +114,37 @@ impl Touch {
     }
 
     /// The contact of a mesh and a shape.
-    pub(super) fn with_shape(
+    fn with_shape(
         &mut self,
-        placed: &mut [Placed<'_>],
-        asked: Asked,
+        mut contact: MorphContact,
+        [a, b]: [&Placed<'_>; 2],
         (shape, shape_first): (&PlacedShape, bool),
         limit: usize,
-        diagnostics: &mut MorphCollisionDiagnostics,
+        stats: &mut QueryStats,
     ) -> Option<MorphContact> {
-        let (a, b) = asked.places;
-        let Ok([a, b]) = placed.get_disjoint_mut([a, b]) else {
-            return None;
-        };
         let margin = f64::from(a.placement.margin) + f64::from(b.placement.margin);
-        let mut contact = MorphContact::of(asked, a, b);
-        let mesh = if shape_first { b } else { a };
+        let mut mesh = if shape_first { b.mesh()? } else { a.mesh()? };
         let pair = |triangle| pair_with_shape(triangle, shape_first);
         // The direction out of the shape is the one in which the mesh separates.
         let turn = if shape_first { -1.0 } else { 1.0 };
-        let closest = self.shape.closest(mesh.body()?, shape, margin).ok()?;
-        diagnostics.stats += self.shape.stats();
+        let closest = self.shape.closest(mesh.body(), shape, margin).ok()?;
+        *stats += self.shape.stats();
         let closest: ShapeContact = closest?;
         contact.point = closest.point_on_triangle.midpoint(closest.point_on_shape).as_vec3();
         contact.normal = (closest.normal * turn).as_vec3();
         contact.distance = closest.distance.max(0.0) as f32;
         let touches = closest.distance <= 0.0;
-        if touches && asked.mode == MorphCollisionMode::First {
+        if touches && contact.mode == MorphCollisionMode::First {
             contact.triangles.push(pair(closest.triangle));
         }
-        if touches && wants_all(asked.mode) {
+        if touches && wants_all(contact.mode) {
             let mut met = Vec::new();
-            let is_truncated = self.shape.contacts_up_to(mesh.body()?, shape, 0.0, limit, &mut met);
-            diagnostics.stats += self.shape.stats();
+            let is_truncated = self.shape.contacts_up_to(mesh.body(), shape, 0.0, limit, &mut met);
+            *stats += self.shape.stats();
             contact.is_truncated = is_truncated.ok()?;
             contact.triangles = met.iter().map(|met| pair(met.triangle)).collect();
             contact.triangles.sort_unstable();
-            if asked.mode == MorphCollisionMode::Contacts {
+            if contact.mode == MorphCollisionMode::Contacts {
                 contact.points = MorphContactPoint::with_shape(&mut met, shape_first);
             }
         }
@@ -137,7 +153,8 @@ impl Touch {
 }
 
 impl MorphContact {
-    fn of(asked: Asked, a: &Placed<'_>, b: &Placed<'_>) -> Self {
+    /// The contact of a pair, still without points.
+    fn of(asked: Asked, [a, b]: [&Placed<'_>; 2]) -> Self {
         Self {
             collider1: asked.pair.0,
             collider2: asked.pair.1,

@@ -6,7 +6,7 @@ use bevy::prelude::*;
 use morph_collision::{InputError, JointMatrices, WorldFromModel};
 use parry3d::math::Pose as Place;
 
-use crate::physics::follow::{Ahead, is_rigid, rigid_place};
+use crate::physics::ahead::{Ahead, is_rigid, rigid_place};
 use crate::physics::inside::is_mirrored;
 use crate::physics::placed::joints_in;
 

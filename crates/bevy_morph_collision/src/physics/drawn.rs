@@ -6,7 +6,7 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
 use super::clock::Span;
-use super::follow::rigid_place;
+use super::ahead::rigid_place;
 use super::placed::joints_in;
 use super::timeline::{DrawnJoints, Timeline};
 use crate::skeletons::{BindPoses, Skeletons};

@@ -2,67 +2,21 @@
 
 use std::sync::Arc;
 
-#[cfg(feature = "rapier")]
-use bevy::math::Affine3A;
 use bevy::math::DVec3;
 use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::prelude::*;
-#[cfg(feature = "rapier")]
-use bevy_rapier3d::rapier::dynamics::{RigidBodySet, RigidBodyType};
-#[cfg(feature = "rapier")]
-use bevy_rapier3d::rapier::geometry::Collider as RapierCollider;
-#[cfg(feature = "rapier")]
-use morph_collision::InputError;
-use morph_collision::{Aabb, Body, JointMatrices, MorphBvh, Pose, ShapeQuery, WorldFromModel};
+use morph_collision::{Aabb, Body, MorphBvh, Pose, ShapeQuery, WorldFromModel};
 use parry3d::bounding_volume::Aabb as ParryAabb;
-use parry3d::math::Pose as Place;
 
+use super::ahead::Ahead;
 use super::clock::Span;
 use super::drawn::Drawn;
-#[cfg(feature = "rapier")]
-use super::drawn::Live;
-#[cfg(feature = "rapier")]
-use super::inside::is_mirrored;
 use super::layout::MeshLayout;
+use super::moment::{Moment, coordinates, displacement, posed_vertices};
 use super::motion::{between, continuous};
-use super::placed::{corners, region, world_bounds};
+use super::placed::{region, world_bounds};
 use super::surface::MorphSurface;
 use crate::weights::take_weights;
-
-/// A mesh at one moment.
-pub(crate) struct Moment {
-    pub(crate) pose: Pose,
-    pub(crate) world_from_model: WorldFromModel,
-}
-
-impl Moment {
-    /// Sets the moment to what was drawn at some time, for values that frames change.
-    fn see(&mut self, drawn: &Drawn, time: f64) {
-        if let Some(weights) = drawn.weights.at(time) {
-            let _fits = self.pose.set_weights(&weights);
-        }
-        if let Some(joints) = drawn.joints.at(time)
-            && let Ok(joints) = JointMatrices::new(&joints.matrices)
-        {
-            let _fits = self.pose.set_joints(&joints);
-        }
-        let place = drawn.place.at(time).filter(|_| drawn.stands_alone);
-        if let Some(Ok(place)) = place.map(WorldFromModel::new) {
-            self.world_from_model = place;
-        }
-    }
-
-    /// The positions of vertices in world space.
-    pub(crate) fn vertices(&mut self, vertices: &[u32], into: &mut Vec<DVec3>) {
-        posed_vertices(&mut self.pose, &self.world_from_model, vertices, into);
-    }
-}
-
-fn posed_vertices(pose: &mut Pose, place: &WorldFromModel, vertices: &[u32], into: &mut Vec<DVec3>) {
-    into.clear();
-    let vertices = vertices.iter().filter_map(|&vertex| pose.vertex(vertex));
-    into.extend(vertices.map(|vertex| place.transform_point(vertex)));
-}
 
 /// The last moments of a surface. Its current state is in the [`MorphSurface`] that Rapier has.
 pub(crate) struct Following {
@@ -335,120 +289,5 @@ impl Following {
     /// The positions of vertices in world space at the end of the coming step.
     pub(crate) fn vertices(&mut self, vertices: &[u32], into: &mut Vec<DVec3>) {
         posed_vertices(&mut self.surface.lock().pose, &self.world_from_model, vertices, into);
-    }
-}
-
-/// The maximum distance of any vertex from its earlier position, in world units.
-fn displacement(before: &mut Moment, pose: &Pose, world_from_model: &WorldFromModel) -> f64 {
-    let reshaped = stretch(world_from_model) * pose.displacement_from_pose(&mut before.pose);
-    if before.world_from_model == *world_from_model {
-        return reshaped;
-    }
-    // In a box, a corner moves farthest under an affine map.
-    let bounds = before.pose.broad_phase_bounds(&WorldFromModel::IDENTITY);
-    let ways = corners(&bounds).map(|corner| {
-        let from = before.world_from_model.transform_point(corner);
-        from.distance(world_from_model.transform_point(corner))
-    });
-    reshaped + ways.into_iter().fold(0.0, f64::max)
-}
-
-/// The maximum factor by which a transform lengthens a distance.
-fn stretch(place: &WorldFromModel) -> f64 {
-    let zero = place.transform_point(Vec3::ZERO);
-    let axes = [Vec3::X, Vec3::Y, Vec3::Z].map(|axis| place.transform_point(axis) - zero);
-    axes.iter().map(|axis| axis.length_squared()).sum::<f64>().sqrt()
-}
-
-/// The largest coordinate involved in placing a skinned mesh.
-fn coordinates(pose: &mut Pose, place: &WorldFromModel) -> f64 {
-    let bounds = pose.broad_phase_bounds(&WorldFromModel::IDENTITY);
-    let own = bounds.min.abs().max(bounds.max.abs()).max_element();
-    f64::from(own) + place.transform_point(Vec3::ZERO).abs().max_element()
-}
-
-/// The place of an entity without its scale and shear. The rotation of an entity scaled to zero is the identity.
-pub(crate) fn rigid_place(entity: &GlobalTransform) -> Place {
-    let (_, rotation, translation) = entity.to_scale_rotation_translation();
-    let place = Place::from_parts(translation, rotation);
-    if is_rigid(&place) {
-        place
-    } else {
-        Place::from_parts(translation, Quat::IDENTITY)
-    }
-}
-
-/// Whether a place is finite and rotates without scaling.
-pub(crate) fn is_rigid(place: &Place) -> bool {
-    // Also false for a rotation that is not finite.
-    place.translation.is_finite() && (place.rotation.length_squared() - 1.0).abs() < 1e-3
-}
-
-/// Where a mesh will be at the end of a step.
-pub(crate) struct Ahead {
-    /// From the space of its pose, which is the collider's space for a skinned mesh.
-    pub(crate) world_from_model: WorldFromModel,
-    pub(crate) collider_from_model: WorldFromModel,
-    /// In the collider's space.
-    pub(crate) joints: Option<JointMatrices>,
-    /// Whether its transform or its joints mirror it.
-    pub(crate) mirrored: bool,
-    /// Whether a dynamic body carries it. `world_from_model` is then its place at the start of the step.
-    pub(crate) carried: bool,
-}
-
-#[cfg(feature = "rapier")]
-impl Ahead {
-    /// `live` is what the surface will be drawn with.
-    pub(crate) fn of(
-        collider: &RapierCollider,
-        bodies: &RigidBodySet,
-        live: &Live,
-        is_skinned: bool,
-        dt: f32,
-    ) -> Result<Self, InputError> {
-        let entity = &GlobalTransform::from(live.place);
-        // Rapier's collider has the entity's position and rotation. What remains is scale and shear, which does not apply to
-        // joints.
-        let place = rigid_place(entity);
-        let rigid = Affine3A::from_rotation_translation(place.rotation, place.translation);
-        let affine = if is_skinned { rigid } else { entity.affine() };
-        let collider_from_model = if is_skinned {
-            Affine3A::IDENTITY
-        } else {
-            rigid.inverse() * affine
-        };
-        let joints = live.joints.as_ref().map(|joints| JointMatrices::new(&joints.matrices));
-        let joints = joints.transpose()?;
-        let mirrored = match &live.joints {
-            Some(joints) => is_mirrored(joints.matrices.iter()),
-            None => is_mirrored([&collider_from_model].into_iter()),
-        };
-        let ahead = |world_from_model, carried| {
-            Ok(Self {
-                world_from_model,
-                collider_from_model: WorldFromModel::new(collider_from_model)?,
-                joints,
-                mirrored,
-                carried,
-            })
-        };
-        let in_body = collider.position_wrt_parent().copied();
-        let body = collider.parent().and_then(|body| bodies.get(body)).zip(in_body);
-        let Some((body, in_body)) = body else {
-            // Exactly the entity's transform, because that is where it is drawn.
-            return ahead(WorldFromModel::new(affine)?, false);
-        };
-        let place: Place = match body.body_type() {
-            RigidBodyType::KinematicPositionBased => *body.next_position(),
-            RigidBodyType::KinematicVelocityBased => body.predict_position_using_velocity(dt),
-            // Where Rapier moves a dynamic body is not known yet.
-            _ => *body.position(),
-        } * in_body;
-        let world_from_collider = Affine3A::from_rotation_translation(place.rotation, place.translation);
-        ahead(
-            WorldFromModel::new(world_from_collider * collider_from_model)?,
-            body.is_dynamic(),
-        )
     }
 }

@@ -4,19 +4,21 @@
 //! - `range`: the sizes with which Parry can compute.
 //! - `layout`: properties of a mesh that do not depend on its pose.
 //! - `drawn`, `timeline`, `clock`: what a surface is drawn with, and which moment of that a step uses.
-//! - `follow`, `placed`: where a surface is and was.
+//! - `follow`, `moment`, `ahead`, `placed`: where a surface is, was and will be.
 //! - `inside`, `expel`: what is inside a closed surface, and how it gets out.
 //! - `point`: points of a surface and their velocities.
 //! - `sorted_boxes`: finds the moving bodies near a surface.
 //! - `near`, `part`, `motion`: triangles near those bodies, as kinematic bodies for one step.
 //! - `scene`: all parts of a scene at once.
 
+pub(crate) mod ahead;
 pub(crate) mod clock;
 pub(crate) mod drawn;
 pub(crate) mod expel;
 pub(crate) mod follow;
 pub(crate) mod inside;
 pub(crate) mod layout;
+pub(crate) mod moment;
 pub(crate) mod motion;
 pub(crate) mod near;
 pub(crate) mod part;

@@ -8,13 +8,14 @@
 //! - `link`, `obstacles`: on a dynamic body, parts are links of it for one step, and there are parts for everything nearby.
 //! - `expel`: drives bodies out of solid surfaces.
 //! - `world`: the parts of Rapier's world that surfaces read and change.
-//! - `step`: the systems around Rapier's step.
+//! - `step`: the systems around Rapier's step. `ahead`: where surfaces will be after it.
 //! - `forces`, `touches`: reports of contacts. `spared`: bodies that joints keep a surface from pushing.
 //! - `footing`, `ground`, `carry`, `character`: the ground for character controllers, and how surfaces carry them.
 //! - `velocity`: velocities of surfaces, as a public system parameter.
 //!
 //! [`crate::physics`] decides what a surface is, where it moves and which of its triangles are near bodies.
 
+mod ahead;
 mod attach;
 mod carry;
 mod character;

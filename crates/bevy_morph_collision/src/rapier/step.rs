@@ -21,6 +21,7 @@ use bevy_rapier3d::rapier::geometry::InteractionGroups;
 use tracing::{error, warn};
 
 use super::MorphRapierCollider;
+use super::ahead::ahead;
 use super::attach::RapierSurface;
 use super::forces::{Stepped, is_one_step, substep};
 use super::link::{Carrier, Links};
@@ -28,9 +29,9 @@ use super::obstacles::Obstacles;
 use super::touches::tell_whole;
 use super::world::{Audience, Manners, Movers, Step, World, no_push};
 use crate::collider::MorphColliderDisabled;
+use crate::physics::ahead::{is_rigid, rigid_place};
 use crate::physics::clock::{Lag, Span};
 use crate::physics::drawn::Shows;
-use crate::physics::follow::{Ahead, is_rigid, rigid_place};
 use crate::physics::inside::not_closed;
 use crate::physics::part::Pace;
 use crate::physics::range::{MAX_COORDINATE, box_in_range, in_range};
@@ -199,7 +200,7 @@ pub(super) fn before_step(
                     drawn.at_step(&live);
                     live = drawn.at(span.end, live);
                 }
-                let ahead = Ahead::of(collider, world.bodies, &live, is_skinned, dt);
+                let ahead = ahead(collider, world.bodies, &live, is_skinned, dt);
                 let bad_place = match ahead {
                     Ok(ahead) => {
                         if let Err(complaint) = surface.following.advance(weights, &shared, ahead, span, dt) {

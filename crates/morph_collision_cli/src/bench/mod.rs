@@ -44,8 +44,8 @@ const SPLIT_ROUNDS: usize = 1;
 /// morph-eager blends every vertex and refits every volume up front with the same code. Its distance to morph is what laziness
 /// gains; its distance to bottom-up is what the engineering gains. Skinned models play a clip of their joints, 60 steps a second:
 /// the first one that also animates targets, or else the first. joint-boxes and joint-union run only on skinned models;
-/// rigid-floor and paper do not support joints. rigid-floor is not a competitor: it is morph's tree over meshes frozen beforehand
-/// in each frame's shape. Only placing and queries are timed, with warm caches. paper is the method as published: its tree, its
+/// paper does not support joints. rigid-floor is not a competitor: it is morph's tree over meshes frozen beforehand in each frame's
+/// shape (skinned meshes: completely posed beforehand). Only placing and queries are timed, with warm caches. paper is the method as published: its tree, its
 /// volumes, one node and one triangle at a time.
 #[derive(Debug, Args)]
 pub(crate) struct BenchArgs {

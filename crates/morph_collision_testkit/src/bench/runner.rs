@@ -111,7 +111,7 @@ impl Runner {
         let frame = &experiment.frames[index];
         let mut prepared = false;
         for (body, (weights, _)) in frame.iter().enumerate() {
-            prepared |= self.method.prepare(body, weights)?;
+            prepared |= self.method.prepare(body, weights, experiment.joints_of(index, body))?;
         }
         if prepared {
             experiment.set_bodies(self.method.as_mut(), index)?;

@@ -96,7 +96,7 @@ impl MethodKind {
     /// Whether it supports skinned meshes.
     #[must_use]
     pub const fn supports_skins(self) -> bool {
-        !matches!(self, Self::RigidFloor | Self::Paper(_) | Self::Octree)
+        !matches!(self, Self::Paper(_) | Self::Octree)
     }
 
     /// Whether it is meaningful only for skinned meshes; otherwise benchmarks leave it out.

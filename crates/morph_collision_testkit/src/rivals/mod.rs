@@ -126,12 +126,12 @@ impl Wanted {
 ///
 /// Bodies are numbered in the order of set-up. They start with all weights zero at the world's origin.
 pub trait Method: Debug + Send + Sync {
-    /// Prepares, outside of all measurements, data that is not part of the method's cost; only `rigid-floor` needs this. Returns
-    /// whether there was anything to do.
+    /// Prepares, outside of all measurements, data that is not part of the method's cost; only `rigid-floor` needs this. `joints` are
+    /// those of a skinned mesh; without them, a body keeps its own. Returns whether there was anything to do.
     ///
     /// # Errors
-    /// The weights do not fit the mesh.
-    fn prepare(&mut self, _body: usize, _weights: &[f32]) -> Result<bool, PoseError> {
+    /// The weights or the joints do not fit the mesh.
+    fn prepare(&mut self, _body: usize, _weights: &[f32], _joints: Option<&[Affine3A]>) -> Result<bool, PoseError> {
         Ok(false)
     }
 

@@ -4,13 +4,16 @@
 //! the topology of the morphing one, with tight volumes that never need an update. [`Method::prepare`] builds it, so that a
 //! measurement can leave that out; what remains is placing bodies and queries. No method for changing shapes can be
 //! expected to be faster.
+//!
+//! A skinned mesh keeps its tree and its joints, because freezing its vertices would round them. It is posed completely beforehand
+//! instead: every vertex is placed, and every box is tight.
 
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 use morph_collision::{
-    Aabb, Body, MorphBvh, MorphModel, PairQuery, Pose, QueryStats, TreeLayout, TrianglePair, WeightsError,
-    WorldFromModel,
+    Aabb, Body, JointMatrices, MorphBvh, MorphModel, PairQuery, Pose, QueryStats, TreeLayout, TrianglePair,
+    WeightsError, WorldFromModel,
 };
 use serde_json::Value;
 
@@ -31,6 +34,7 @@ pub(super) struct RigidFloor {
 struct Kind {
     mesh: MorphMesh,
     limits: WeightLimits,
+    tree: Arc<MorphBvh>,
     /// The layout of the morphing tree as JSON, because only in that form can it be applied to another mesh.
     layout: Value,
 }
@@ -39,6 +43,8 @@ struct Kind {
 struct FrozenBody {
     kind: usize,
     weights: Vec<f32>,
+    /// Empty if the mesh is not skinned, or if no joints were given yet.
+    joints: Vec<Affine3A>,
     pose: Pose,
     place: WorldFromModel,
 }
@@ -89,6 +95,7 @@ impl RigidFloor {
             at_rest.push(FrozenBody {
                 kind,
                 weights,
+                joints: Vec::new(),
                 pose,
                 place,
             });
@@ -104,22 +111,51 @@ impl RigidFloor {
 }
 
 impl Method for RigidFloor {
-    fn prepare(&mut self, body: usize, weights: &[f32]) -> Result<bool, PoseError> {
-        let body = &mut self.bodies[body];
-        let kind = &self.kinds[body.kind];
+    fn prepare(&mut self, body: usize, weights: &[f32], joints: Option<&[Affine3A]>) -> Result<bool, PoseError> {
+        let FrozenBody {
+            kind,
+            weights: own_weights,
+            joints: own_joints,
+            pose,
+            ..
+        } = &mut self.bodies[body];
+        let kind = &self.kinds[*kind];
         kind.limits.check(weights)?;
-        if body.weights == weights {
+        let new_joints = joints.filter(|joints| own_joints != joints);
+        if own_weights == weights && new_joints.is_none() {
             return Ok(false);
         }
-        body.pose = kind.freeze(weights)?;
-        body.weights.copy_from_slice(weights);
+        if pose.joints().is_some() {
+            if let Some(joints) = new_joints {
+                pose.set_joints(&JointMatrices::new(joints)?)?;
+                own_joints.clear();
+                own_joints.extend_from_slice(joints);
+            }
+            pose.set_weights(weights)?;
+            // Places all vertices, too.
+            pose.refit();
+        } else if new_joints.is_some() {
+            return Err(PoseError::NoJoints);
+        } else {
+            *pose = kind.freeze(weights)?;
+        }
+        own_weights.copy_from_slice(weights);
         Ok(true)
+    }
+
+    /// Poses the mesh here if that was not prepared.
+    fn set_joints(&mut self, body: usize, world_from_mesh: &[Affine3A]) -> Result<(), PoseError> {
+        if self.bodies[body].joints != world_from_mesh {
+            let weights = self.bodies[body].weights.clone();
+            self.prepare(body, &weights, Some(world_from_mesh))?;
+        }
+        Ok(())
     }
 
     /// Freezes the mesh here if that was not prepared.
     fn blend(&mut self, body: usize, weights: &[f32], world_from_model: &Affine3A) -> Result<bool, PoseError> {
         let place = WorldFromModel::new(*world_from_model)?;
-        self.prepare(body, weights)?;
+        self.prepare(body, weights, None)?;
         self.bodies[body].place = place;
         Ok(false)
     }
@@ -132,7 +168,7 @@ impl Method for RigidFloor {
 
     fn world_bounds(&mut self, body: usize) -> Aabb {
         let body = &mut self.bodies[body];
-        body.pose.world_bounds(&body.place)
+        body.pose.broad_phase_bounds(&body.place)
     }
 
     fn collide(&mut self, a: usize, b: usize, wanted: Wanted, pairs: &mut Vec<TrianglePair>) {

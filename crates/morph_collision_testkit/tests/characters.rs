@@ -195,7 +195,7 @@ fn all_pairs(experiment: &Experiment, entrant: &Entrant) -> Result<Vec<[u32; 5]>
     for (index, frame) in experiment.frames.iter().enumerate() {
         let step = index as u32;
         for (body, (weights, _)) in frame.iter().enumerate() {
-            method.prepare(body, weights)?;
+            method.prepare(body, weights, experiment.joints_of(index, body))?;
         }
         experiment.set_bodies(method.as_mut(), index)?;
         for &(a, b) in broad_phase.pairs(method.as_mut(), frame.len()) {

@@ -53,12 +53,13 @@ impl Kind {
     fn new(index: usize, mesh: &MorphMesh, options: &MethodOptions) -> Result<Self, SetUpError> {
         let model = mesh.to_model();
         let model = model.map_err(|reason| SetUpError::Model { mesh: index, reason })?;
-        let layout = MorphBvh::build(Arc::new(model), &options.tree).layout();
+        let tree = Arc::new(MorphBvh::build(Arc::new(model), &options.tree));
         // Numbers, strings and lists can always be written as JSON.
-        let layout = serde_json::to_value(layout).unwrap_or_default();
+        let layout = serde_json::to_value(tree.layout()).unwrap_or_default();
         Ok(Self {
             mesh: mesh.clone(),
             limits: WeightLimits::of(mesh),
+            tree,
             layout,
         })
     }
@@ -89,8 +90,13 @@ impl RigidFloor {
         for (kind, mesh) in meshes.iter().enumerate() {
             let frozen = Kind::new(kind, mesh, options)?;
             let weights = vec![0.0; mesh.targets.len()];
-            // The base was accepted before.
-            let Ok(pose) = frozen.freeze(&weights) else { continue };
+            let pose = if mesh.skin.is_some() {
+                Pose::new(Arc::clone(&frozen.tree))
+            } else {
+                // The base was accepted before.
+                let Ok(pose) = frozen.freeze(&weights) else { continue };
+                pose
+            };
             let place = WorldFromModel::IDENTITY;
             at_rest.push(FrozenBody {
                 kind,

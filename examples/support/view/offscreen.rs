@@ -75,7 +75,15 @@ impl Offscreen {
         app.finish();
         app.cleanup();
         let mut offscreen = Self { app, target };
+        // The first update spawns the camera. Frames that only wait for files and trees are not drawn: without a graphics card,
+        // drawing would take most of the time.
+        offscreen.app.update();
+        offscreen.draw(false);
         offscreen.update_until(|world| world.resource::<Clock>().started)?;
+        offscreen.draw(true);
+        for _ in 0..DRAWN {
+            offscreen.app.update();
+        }
         Ok(offscreen)
     }
 

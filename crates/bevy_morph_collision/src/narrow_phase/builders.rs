@@ -8,7 +8,6 @@ use morph_collision::{QueryStats, Workers};
 use super::touch::{Found, Touch};
 use super::{Asked, Pair, Placed};
 use crate::contacts::MorphContact;
-use crate::workers::TaskPoolWorkers;
 
 /// Fewer contacts than this are built on the calling thread. Waking a thread takes as long as a dozen pairs that do not touch.
 const MIN_CONTACTS: usize = 16;
@@ -36,6 +35,7 @@ impl Builders {
     /// Threads take all successive jobs with the same first collider at once, so they rarely wait for each other's poses.
     pub(super) fn run(
         &mut self,
+        workers: &impl Workers,
         placed: &[Placed<'_>],
         jobs: &mut [Job],
         limit: usize,
@@ -49,7 +49,7 @@ impl Builders {
         let threads = if count < MIN_CONTACTS {
             1
         } else {
-            TaskPoolWorkers.count()
+            workers.count().max(1)
         };
         self.0.resize_with(threads.max(self.0.len()), Mutex::default);
         let (builders, next) = (&self.0, AtomicUsize::new(0));
@@ -64,7 +64,7 @@ impl Builders {
         if threads == 1 {
             work(0);
         } else {
-            TaskPoolWorkers.run(&work);
+            workers.run(&work);
         }
         let mut stats = QueryStats::default();
         for builder in &mut self.0 {
@@ -82,5 +82,115 @@ impl Builder {
             .touch
             .contact(placed, job.asked, &mut job.found, limit, &mut self.stats);
         self.answers.push((job.asked.pair, contact));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use bevy::math::{Affine3A, Quat, Vec3};
+    use bevy::prelude::Entity;
+    use morph_collision::{
+        BuildOptions, MorphBvh, MorphModel, PlacedShape, Pose, ThreadWorkers, TrianglePair, WorldFromModel,
+    };
+
+    use super::*;
+    use crate::collider::{Form, LockedPose, MorphCollisionMode, Placement};
+
+    /// Tetrahedra that overlap their neighbours in a row, and a ball at every second one.
+    fn row(length: usize) -> (Vec<Placement>, Vec<Option<LockedPose>>) {
+        let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
+        let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
+        let model = MorphModel::from_displacements::<[Vec3; 0]>(&corners, &faces, &[]).unwrap();
+        let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
+        let form_at = |i: usize| {
+            let x = 0.3 * i as f32;
+            if i % 3 == 2 {
+                return Form::Shape(PlacedShape::ball(Vec3::new(x, 0.1, 0.2).as_dvec3(), 0.4).unwrap());
+            }
+            let turned = Quat::from_rotation_z(0.7 * i as f32);
+            Form::Mesh(WorldFromModel::new(Affine3A::from_rotation_translation(turned, Vec3::X * x)).unwrap())
+        };
+        let placement = |i: usize| Placement {
+            form: form_at(i),
+            body: Entity::from_bits(1 + i as u64),
+            mode: MorphCollisionMode::Contacts,
+            layers: crate::layers::MorphCollisionLayers::default(),
+            margin: 0.2,
+            bounds: morph_collision::Aabb::UNBOUNDED,
+        };
+        let placements: Vec<Placement> = (0..length).map(placement).collect();
+        let pose = |placement: &Placement| match placement.form {
+            Form::Mesh(_) => Some(LockedPose::new(Pose::new(bvh.clone()))),
+            Form::Shape(_) => None,
+        };
+        let poses = placements.iter().map(pose).collect();
+        (placements, poses)
+    }
+
+    fn contacts(workers: &impl Workers) -> (Vec<(Pair, Option<MorphContact>)>, QueryStats) {
+        let (placements, mut poses) = row(30);
+        let placed: Vec<Placed> = placements
+            .iter()
+            .zip(&mut poses)
+            .map(|(placement, pose)| Placed {
+                entity: placement.body,
+                changed: true,
+                placement,
+                pose: pose.as_mut(),
+            })
+            .collect();
+        let mut jobs = Vec::new();
+        for (a, b) in (0..30).flat_map(|a| (a + 1..30.min(a + 4)).map(move |b| (a, b))) {
+            let has_shape = [a, b].iter().any(|&i| placed[i].pose.is_none());
+            let meets = |x, y| {
+                let triangle = |i: usize, number| placed[i].mesh().unwrap().body().triangle(number).unwrap();
+                morph_collision::triangles_intersect(&triangle(a, x), &triangle(b, y))
+            };
+            let all = (0..4).flat_map(|x| (0..4).map(move |y| (x, y)));
+            let found = if has_shape {
+                Found::Unknown
+            } else {
+                Found::Triangles {
+                    triangles: all
+                        .filter(|&(x, y)| meets(x, y))
+                        .map(|(triangle_a, triangle_b)| TrianglePair { triangle_a, triangle_b })
+                        .collect(),
+                    is_truncated: false,
+                }
+            };
+            if [a, b].iter().all(|&i| placed[i].pose.is_none()) {
+                continue;
+            }
+            let asked = Asked {
+                pair: (placed[a].entity, placed[b].entity),
+                places: (a, b),
+                mode: MorphCollisionMode::Contacts,
+            };
+            jobs.push(Job { asked, found });
+        }
+        assert!(jobs.len() > 4 * MIN_CONTACTS);
+        let mut answers = Vec::new();
+        let stats = Builders::default().run(workers, &placed, &mut jobs, usize::MAX, &mut answers);
+        answers.sort_by_key(|(pair, _)| *pair);
+        assert_eq!(answers.len(), jobs.len());
+        (answers, stats)
+    }
+
+    #[test]
+    fn contacts_do_not_depend_on_the_number_of_threads() {
+        let (alone, stats) = contacts(&ThreadWorkers::new(1));
+        assert!(alone.iter().filter(|(_, contact)| contact.is_some()).count() > 40);
+        assert!(
+            alone
+                .iter()
+                .any(|(_, contact)| contact.as_ref().is_some_and(|contact| !contact.points.is_empty()))
+        );
+        for threads in [2, 4, 8] {
+            let (together, stats_together) = contacts(&ThreadWorkers::new(threads));
+            assert_eq!(together, alone, "{threads} threads");
+            assert_eq!(stats_together.triangle_tests, stats.triangle_tests);
+        }
     }
 }

@@ -160,7 +160,9 @@ impl Scratch {
             }
         }
         self.ask_meshes(&mut placed, contacts, &mut jobs, diagnostics);
-        diagnostics.stats += self.builders.run(&placed, &mut jobs, self.limit, &mut self.answers);
+        diagnostics.stats += self
+            .builders
+            .run(&TaskPoolWorkers, &placed, &mut jobs, self.limit, &mut self.answers);
         unchanged
     }
 

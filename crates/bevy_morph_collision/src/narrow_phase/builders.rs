@@ -118,7 +118,10 @@ mod tests {
             mode: MorphCollisionMode::Contacts,
             layers: crate::layers::MorphCollisionLayers::default(),
             margin: 0.2,
-            bounds: morph_collision::Aabb::UNBOUNDED,
+            bounds: morph_collision::Aabb {
+                min: Vec3::NEG_INFINITY,
+                max: Vec3::INFINITY,
+            },
         };
         let placements: Vec<Placement> = (0..length).map(placement).collect();
         let pose = |placement: &Placement| match placement.form {

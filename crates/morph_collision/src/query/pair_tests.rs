@@ -187,22 +187,6 @@ fn bodies_are_collapsed_where_rounding_is_as_large_as_they_are() {
     assert!(query.are_collapsed(a, b));
 }
 
-#[test]
-fn what_a_query_has_seen_of_bodies_is_forgotten_when_they_move() {
-    let mut bodies = Bodies::new(&[0.0, 10.0, 20.0], &[0.0, 9.8, 20.1]);
-    let mut query = PairQuery::default();
-    for along_x in [0.0, 10.0, -10.0, 0.3, 3.0] {
-        bodies.shift(along_x);
-        let [a, b] = bodies.both();
-        let mut pairs = Vec::new();
-        query.all(a, b, &mut pairs);
-        let [a, b] = bodies.both();
-        let mut afresh = Vec::new();
-        PairQuery::default().all(a, b, &mut afresh);
-        assert_eq!(pairs, afresh, "{along_x}");
-    }
-}
-
 /// Leaves of several patches: of 1 to 20 triangles, some of which share a vertex.
 #[test]
 fn pairs_of_leaves_of_any_size_are_those_found_one_by_one() {

@@ -6,7 +6,7 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64Mcg;
 
 use super::number::power_of_two;
-use super::{Segment, Triangle, common_segment, triangle_contact, unit_normal};
+use super::{Segment, Triangle, closest_on_triangle, common_segment, triangle_contact, unit_normal};
 
 /// A triangle in the xy plane.
 fn flat(corners: [[f64; 2]; 3]) -> Triangle {
@@ -92,6 +92,25 @@ fn contacts_grow_with_their_triangles() {
                 let grown = |triangle: &Triangle| triangle.map(|corner| corner * size);
                 let segment = triangle_contact(&grown(&a), &grown(&b)).map(|contact| contact.segment);
                 assert_eq!(segment, contact.map(|contact| contact.segment.map(|end| end * size)));
+            }
+        }
+    }
+}
+
+/// Heights of edges nearly in a plane are mostly rounding, and so is the crossing that they give.
+#[test]
+fn contacts_at_small_angles_lie_on_both_triangles() {
+    let mut rng = Pcg64Mcg::seed_from_u64(2);
+    for family in [Family::CornerOnFace, Family::EdgeThroughEdge, Family::Slivers] {
+        for _ in 0..300 {
+            let [a, b] = family.pair(&mut rng);
+            let Some(contact) = triangle_contact(&a, &b) else {
+                continue;
+            };
+            let size = a.iter().chain(&b).map(|corner| corner.length()).fold(0.0, f64::max);
+            for (end, triangle) in contact.segment.iter().flat_map(|&end| [(end, &a), (end, &b)]) {
+                let off = closest_on_triangle(end, triangle).squared.sqrt();
+                assert!(off <= 1e-13 * size, "{off} of {size}: {a:?} {b:?}");
             }
         }
     }

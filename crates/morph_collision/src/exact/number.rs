@@ -180,4 +180,24 @@ mod tests {
         let share = lost.times(&lost).error / (UNIT_ROUNDOFF * UNIT_ROUNDOFF);
         assert!((1.0..1.0 + 1e-12).contains(&share), "{share}");
     }
+
+    #[test]
+    fn errors_add_up_in_differences_and_cover_underflow() {
+        let lost = Approx::new(1.0)
+            .plus(&Approx::new(UNIT_ROUNDOFF))
+            .minus(&Approx::new(1.0));
+        assert_eq!(lost.minus(&lost).sign(), None);
+        assert_eq!(Approx::new(1e-200).times(&Approx::new(1e-200)).sign(), None);
+    }
+
+    #[test]
+    fn quotients_are_given_where_both_numbers_are_accurate() {
+        let exact = Approx::new(3.0);
+        let rough = Approx::new(1.0)
+            .plus(&Approx::new(16.0 * UNIT_ROUNDOFF))
+            .minus(&Approx::new(1.0));
+        assert_eq!(exact.ratio(&Approx::new(1.5)), Some(2.0));
+        assert_eq!(exact.ratio(&rough), None);
+        assert_eq!(rough.ratio(&exact), None);
+    }
 }

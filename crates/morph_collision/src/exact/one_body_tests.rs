@@ -107,8 +107,9 @@ fn points_within_roundings_of_a_plane_are_classified_exactly() {
     let mut rng = Pcg64Mcg::seed_from_u64(1);
     let mut decided = [0, 0];
     for _ in 0..20_000 {
+        let size = [1.0, 1e6][rng.random_range(0..2)];
         let mut vector = || DVec3::from_array(std::array::from_fn(|_| rng.random_range(-1.0..1.0)));
-        let (normal, point) = (vector(), vector());
+        let (normal, point) = (vector(), vector() * size);
         let mut offset = -normal.dot(point);
         for _ in 0..rng.random_range(0..4) {
             offset = if rng.random_bool(0.5) {
@@ -141,4 +142,54 @@ fn points_on_tilted_slivers_have_distance_zero() {
         assert!(distance < 1e-15, "{distance} at width {width}");
         assert!(closest.point.distance(point) < 2e-15, "{closest:?} at width {width}");
     }
+}
+
+/// Every corner is outside, and no plane has all of them on its far side.
+#[test]
+fn a_triangle_with_all_corners_outside_a_wedge_may_miss_its_edge_or_hold_it() {
+    let wedge = [DVec3::X, DVec3::Y].map(|normal| Plane { normal, offset: 0.0 });
+    let [left, right] = [DVec3::new(-2.0, 1.0, 0.0), DVec3::new(1.0, -2.0, 0.0)];
+    for tip in [-0.1, -0.5, -2.0] {
+        let triangle = [DVec3::new(tip, tip, 0.0), right, left];
+        assert!(!triangle_meets_region(&triangle, &wedge), "{tip}");
+    }
+    let [left, right] = [DVec3::new(-1.0, 2.0, 0.0), DVec3::new(2.0, -1.0, 0.0)];
+    assert!(triangle_meets_region(
+        &[DVec3::new(-1.0, -1.0, 0.0), right, left],
+        &wedge
+    ));
+}
+
+/// Along both directions, so that quotients have speeds of both signs.
+#[test]
+fn a_ray_along_a_triangle_without_area_meets_it_from_its_nearer_end_on() {
+    let segment = [DVec3::X, DVec3::X * 3.0, DVec3::X * 2.0];
+    for (origin, direction, max_t, expected) in [
+        (0.0, 1.0, 5.0, Some(1.0)),
+        (1.0, 1.0, 5.0, Some(0.0)),
+        (2.5, 1.0, 5.0, Some(0.0)),
+        (3.0, 1.0, 5.0, Some(0.0)),
+        (3.5, 1.0, 5.0, None),
+        (4.0, -1.0, f64::INFINITY, Some(1.0)),
+        (3.0, -1.0, f64::INFINITY, Some(0.0)),
+        (2.5, -1.0, f64::INFINITY, Some(0.0)),
+        (1.0, -1.0, f64::INFINITY, Some(0.0)),
+        (0.5, -1.0, f64::INFINITY, None),
+        (5.0, -1.0, 2.0, Some(2.0)),
+        (5.0, -1.0, 1.5, None),
+    ] {
+        let line = Line {
+            origin: DVec3::X * origin,
+            direction: DVec3::X * direction,
+            max_t,
+        };
+        let t = ray_meets_triangle(&line, &segment).map(|crossing| crossing.t.to_bits());
+        assert_eq!(t, expected.map(f64::to_bits), "from {origin} by {direction}");
+    }
+    let beside = Line {
+        origin: DVec3::Y,
+        direction: DVec3::X,
+        max_t: f64::INFINITY,
+    };
+    assert!(ray_meets_triangle(&beside, &segment).is_none());
 }

@@ -8,7 +8,7 @@ use rand_pcg::Pcg64Mcg;
 
 use super::filter::facets_intersect;
 use super::segment::segments_intersect;
-use super::{Facet, Triangle, triangle_contact, triangles_intersect};
+use super::{Facet, Triangle, facets_intersect_counting, triangle_contact, triangles_intersect};
 
 /// What the filter decides without exact predicates.
 fn filtered(a: &Triangle, b: &Triangle) -> Option<bool> {
@@ -200,6 +200,11 @@ fn the_filter_decides_triangles_in_general_position() {
     let above = through.map(|p| p + v(0.0, 0.0, 1.5));
     assert_eq!(filtered(&FLAT, &above), Some(false));
     assert_eq!(filtered(&FLAT, &FLAT), None);
+    let mut undecided = 0;
+    for other in [through, beside, FLAT, FLAT] {
+        facets_intersect_counting(&Facet::new(FLAT), &Facet::new(other), &mut undecided);
+    }
+    assert_eq!(undecided, 2);
 }
 
 /// Pairs for which rounded determinants are wrong, without the box test that queries do before the filter.

@@ -4,6 +4,7 @@ use glam::{Affine3A, DVec3, EulerRot, Quat, Vec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
+use super::displacement::displacement;
 use crate::{Body, BuildOptions, Influences, JointMatrices, MorphBvh, MorphModel, Pose, WorldFromModel};
 
 const JOINTS: u16 = 3;
@@ -213,4 +214,128 @@ fn where_numbers_overflow_there_is_no_bound() {
         let back = Body::new(&mut rest, &origin).displacement_from(Body::new(&mut pose, &place));
         assert!(back > 1e35, "{back}");
     }
+}
+
+/// Far away vertices are rounded to multiples of more than the way that they go.
+#[test]
+fn the_bound_covers_the_roundings_of_both_places() {
+    let mut rng = Pcg64Mcg::seed_from_u64(10);
+    let mut beyond = 0;
+    for _ in 0..50 {
+        let bvh = morphing(&mut rng);
+        let count = bvh.model().target_count();
+        let place = Affine3A::from_rotation_translation(Quat::from_rotation_x(0.3), random_vector(&mut rng) * 1e12);
+        let place = WorldFromModel::new(place).unwrap();
+        let [mut before, mut now] = [(); 2].map(|()| Pose::new(bvh.clone()));
+        now.set_weights(&vec![1e-5; count]).unwrap();
+        let near = now.displacement_from_pose(&mut before);
+        let (mut old, mut new) = (Body::new(&mut before, &place), Body::new(&mut now, &place));
+        let bound = new.displacement_from(old.reborrow());
+        for vertex in 0..bvh.model().vertex_count() as u32 {
+            let moved = old.vertex(vertex).unwrap().distance(new.vertex(vertex).unwrap());
+            assert!(moved <= bound, "{moved} is more than {bound}");
+            beyond += usize::from(moved > near);
+        }
+    }
+    assert!(beyond > 100, "{beyond}");
+}
+
+#[test]
+fn the_bound_covers_the_roundings_of_joints_far_away() {
+    let bvh = skinned(&mut Pcg64Mcg::seed_from_u64(11), 1.0);
+    let at = Affine3A::from_rotation_translation(Quat::from_rotation_x(0.3), Vec3::splat(1e12));
+    let joints = JointMatrices::new(&[at; JOINTS as usize]).unwrap();
+    let [mut before, mut now] = [(); 2].map(|()| Pose::new(bvh.clone()));
+    for pose in [&mut before, &mut now] {
+        pose.set_joints(&joints).unwrap();
+    }
+    now.set_weights(&[1e-5, 0.0]).unwrap();
+    let bound = now.displacement_from_pose(&mut before);
+    let (from, to) = (vertices(&mut before), vertices(&mut now));
+    let most = from.iter().zip(&to).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+    assert!((1e-4..bound).contains(&most), "{most} is more than {bound}");
+    let place = WorldFromModel::IDENTITY;
+    for (factor, is_within) in [(0.99, false), (1.01, true)] {
+        let (now, before) = (Body::new(&mut now, &place), Body::new(&mut before, &place));
+        assert_eq!(now.moved_at_most(factor * bound, before), is_within);
+    }
+}
+
+/// Joints that make the mesh ten times as large, and what its targets do with it.
+#[test]
+fn the_bound_grows_with_what_joints_scale() {
+    let bvh = skinned(&mut Pcg64Mcg::seed_from_u64(12), 1.0);
+    let joints = JointMatrices::new(&[Affine3A::from_scale(Vec3::splat(10.0)); JOINTS as usize]).unwrap();
+    let [mut before, mut now] = [(); 2].map(|()| Pose::new(bvh.clone()));
+    for pose in [&mut before, &mut now] {
+        pose.set_joints(&joints).unwrap();
+    }
+    now.set_weights(&[0.5, 0.0]).unwrap();
+    let bound = now.displacement_from_pose(&mut before);
+    let (from, to) = (vertices(&mut before), vertices(&mut now));
+    let most = from.iter().zip(&to).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
+    assert!((0.6..1.0).contains(&(most / bound)), "{most}, {bound}");
+}
+
+#[test]
+fn the_bound_does_not_depend_on_what_is_wanted() {
+    let place = WorldFromModel::IDENTITY;
+    for sums in [0.5, 1.0, 1.6] {
+        let bvh = skinned(&mut Pcg64Mcg::seed_from_u64(13), sums);
+        let at = |x: f32| {
+            let mut pose = Pose::new(bvh.clone());
+            let matrices = [Affine3A::from_translation(Vec3::X * x); JOINTS as usize];
+            pose.set_joints(&JointMatrices::new(&matrices).unwrap()).unwrap();
+            pose
+        };
+        let (mut before, now) = (at(1.0), at(1.25));
+        let mut bound = |wanted| displacement((&mut before, &place), (&now, &place), wanted);
+        let whole = bound(0.0..f64::INFINITY);
+        assert!((whole / f64::from(0.25 * sums) - 1.0).abs() < 1e-5, "{whole}, {sums}");
+        for start in [0.0, 0.5, 0.99] {
+            for end in [1.01, 1.5, 4.0] {
+                let same = bound(start * whole..end * whole);
+                assert!((same / whole - 1.0).abs() < 1e-12, "{same}, {whole}");
+            }
+            assert!(bound(start * whole..0.995 * whole) > 0.995 * whole);
+        }
+        assert_eq!(bound(1.01 * whole..2.0 * whole), 1.01 * whole);
+    }
+}
+
+/// Each axis in turn is stretched by the other two, which it is parallel to.
+#[test]
+fn the_bound_covers_how_much_a_sheared_place_stretches() {
+    for axis in 0..3 {
+        let (mut columns, mut way) = ([Vec3::X * 0.5; 3], Vec3::ONE);
+        columns[axis] = Vec3::X;
+        way[axis] = 2.0;
+        let base = [Vec3::ZERO, Vec3::Y, Vec3::Z];
+        let model = MorphModel::from_displacements(&base, &[[0, 1, 2]], &[[way; 3]]).unwrap();
+        let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
+        let [x, y, z] = columns;
+        let place = WorldFromModel::new(Affine3A::from_mat3(glam::Mat3::from_cols(x, y, z))).unwrap();
+        let [mut before, mut now] = [(); 2].map(|()| Pose::new(bvh.clone()));
+        now.set_weights(&[1.0]).unwrap();
+        let bound = Body::new(&mut now, &place).displacement_from(Body::new(&mut before, &place));
+        assert!((3.0..4.0).contains(&bound), "{bound}");
+    }
+}
+
+/// The corners of a cube are as far from its diagonal as points of its box are.
+#[test]
+fn the_bound_is_the_way_of_the_farthest_corner() {
+    let corner = |i: u8| Vec3::from_array([1, 2, 4].map(|bit| if i & bit == 0 { -1.0 } else { 1.0 }));
+    let base: Vec<Vec3> = (0..8).map(corner).collect();
+    let no_targets: [Vec<Vec3>; 0] = [];
+    let model = MorphModel::from_displacements(&base, &[[0, 1, 2], [3, 4, 5], [5, 6, 7]], &no_targets).unwrap();
+    let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
+    let turn = Affine3A::from_axis_angle(Vec3::ONE.normalize(), 0.01);
+    let [from, to] = [Affine3A::IDENTITY, turn].map(|place| WorldFromModel::new(place).unwrap());
+    let [mut before, mut now] = [(); 2].map(|()| Pose::new(bvh.clone()));
+    let (mut old, mut new) = (Body::new(&mut before, &from), Body::new(&mut now, &to));
+    let bound = new.displacement_from(old.reborrow());
+    let way = |v| old.vertex(v).unwrap().distance(new.vertex(v).unwrap());
+    let most = (0..8).map(way).fold(0.0, f64::max);
+    assert!((most..1.001 * most).contains(&bound), "{most}, {bound}");
 }

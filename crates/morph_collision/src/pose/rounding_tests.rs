@@ -9,9 +9,9 @@ use morph_collision_testkit::oracle::Dyadic;
 use morph_collision_testkit::search::{Climb, is_as_known};
 use rand::RngExt;
 
-use super::blend::{blend_group, evaluate, max_widening};
+use super::blend::{blend_change, blend_group, evaluate, max_widening};
 use super::{Pose, Posed};
-use crate::bounds::{BoxLanes, ExactPoint, holds, lack, with_simd};
+use crate::bounds::{Aabb, BoxLanes, ExactPoint, holds, lack, with_simd};
 use crate::model::MorphModel;
 use crate::tree::{BuildOptions, MorphBvh};
 
@@ -161,8 +161,85 @@ fn no_group_is_widened_by_more_than_the_bound_for_all() {
             let (tables, mut boxes) = (posed.tables.group(group), BoxLanes::default());
             let (by, _) = with_simd!(posed.level, simd => evaluate(simd, tables, posed.weights, &mut boxes));
             assert!(by <= most, "{by}, {most} for all");
+            if group == 0 {
+                // Each target counts as three products, not one.
+                assert!((1.8..2.5).contains(&(most / by)), "{by}, {most} for all");
+            }
         }
         assert_eq!(posed.rounding(posed.model.base_reach()), 0.0);
         assert_eq!(posed.rounding(0.0), most);
     }
+}
+
+/// Two vertices at `size` and opposite to it, and targets that move both by `by`, with these weights.
+fn pair(size: f32, by: f32, weights: &[f32]) -> Pose {
+    let base = [Vec3::splat(size), Vec3::splat(-size)];
+    let targets = vec![[Vec3::splat(by); 2]; weights.len()];
+    let model = MorphModel::from_displacements(&base, &[[0, 1, 1]], &targets).unwrap();
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+    pose.set_weights(weights).unwrap();
+    pose
+}
+
+/// The root's box, how much it is widened, and the bound on its coordinates.
+fn root(posed: &Posed<'_>) -> (Aabb, f32, f32) {
+    let (tables, mut boxes) = (posed.tables.group(0), BoxLanes::default());
+    let (by, _) = with_simd!(posed.level, simd => evaluate(simd, tables, posed.weights, &mut boxes));
+    let reach = with_simd!(posed.level, simd => blend_group(simd, tables, posed.weights, &mut boxes));
+    (boxes.get(0), by, reach)
+}
+
+#[test]
+fn a_box_reaches_no_farther_than_its_bound_at_any_size() {
+    for size in [1e-30, 1.0, 1e8, 1e30] {
+        let (bounds, _, reach) = root(&pair(size, 0.1 * size, &[1.0, 0.5]).posed());
+        let farthest = bounds.magnitude().max_element();
+        assert!(farthest <= reach && reach < 1.05 * farthest, "{farthest}, {reach}");
+    }
+}
+
+/// Targets that move one vertex towards the other, so that a reference is tighter than an interval.
+#[test]
+fn references_and_intervals_round_equally_often() {
+    let targets = vec![[Vec3::splat(-0.1), Vec3::ZERO]; 12];
+    let model = MorphModel::from_displacements(&[Vec3::ONE, Vec3::NEG_ONE], &[[0, 1, 1]], &targets).unwrap();
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+    assert_eq!(pose.posed().tables.group(0).reference_count, 12);
+    let by = [0.01, -0.01].map(|weight| {
+        pose.set_weights(&[weight; 12]).unwrap();
+        root(&pose.posed()).1
+    });
+    assert_eq!(by[0], by[1]);
+}
+
+/// Half of the smallest number is a vertex that no `f32` is.
+#[test]
+fn boxes_hold_vertices_whose_products_underflow() {
+    let smallest = f32::from_bits(1);
+    for weights in [[0.5, 0.5], [-0.5, -0.5], [0.5, -0.25]] {
+        let share = share(&pair(smallest, smallest, &weights).posed());
+        assert!(share.is_some_and(|share| share <= 1.0), "{weights:?}: {share:?}");
+    }
+}
+
+#[test]
+fn changes_are_widened_by_the_roundings_of_both_poses() {
+    let change = |weights: [&[f32]; 2]| {
+        let mut pose = pair(1.0, 1e-3, weights[0]);
+        let (posed, mut moved) = (pose.posed(), BoxLanes::default());
+        let tables = posed.tables.group(0);
+        with_simd!(posed.level, simd => blend_change(simd, tables, weights, &mut moved));
+        moved.get(0)
+    };
+    let mut weights = [0.5; 14];
+    weights[10..].fill(0.0);
+    let before = weights;
+    weights[..3].fill(0.25);
+    let moved = change([&before, &weights]);
+    // Ten active targets, of which three change, and eight roundings more, for coordinates of up to 1.005.
+    let expected = (2.0 * 10.0 + 2.0 * 2.0 * 3.0 + 8.0) * (f32::EPSILON / 2.0) * 1.005;
+    let by = 0.5 * moved.size().max_element();
+    assert!((1.0..1.1).contains(&(by / expected)), "{by}, {expected}");
+    // Alike roundings do not matter where nothing changes.
+    assert_eq!(change([&before, &before]).size(), Vec3::ZERO);
 }

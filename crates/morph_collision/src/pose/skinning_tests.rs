@@ -6,6 +6,7 @@ use glam::{Affine3A, EulerRot, Mat3A, Quat, Vec3, Vec3A};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
+use crate::bounds::{BoxLanes, LANES};
 use crate::{
     Body, BuildOptions, Influences, JointMatrices, MorphBvh, MorphModel, PairQuery, Pose, TrianglePair, WorldFromModel,
     triangles_intersect,
@@ -293,4 +294,135 @@ fn boxes_of_huge_weights_hold_their_vertices() {
     let joints = [1.0, 3.0, 2.0].map(|scale| Affine3A::from_scale(Vec3::splat(scale)));
     pose.set_joints(&JointMatrices::new(&joints).unwrap()).unwrap();
     check_boxes(&mut pose);
+}
+
+/// Every state that a pose may be in, for a mesh with joints and for one without.
+fn states(rng: &mut Pcg64Mcg) -> Vec<Pose> {
+    let bvhs = [(); 2].map(|()| tube(Weights::Smooth, rng));
+    let joints = [0.2, 0.4].map(|angle| bent(rng, angle, [1.0, 1.0], Vec3::ZERO));
+    let mesh = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let plain = MorphModel::from_displacements(&mesh, &[[0, 1, 2]], &[[Vec3::Z; 3], [Vec3::X; 3]]).unwrap();
+    let plain = Arc::new(MorphBvh::build(Arc::new(plain), &BuildOptions::default()));
+    let mut states = Vec::new();
+    for weights in [[0.0, 0.5], [0.25, 0.0]] {
+        for is_refitted in [false, true] {
+            let mut add = |mut pose: Pose, joints: &[&JointMatrices]| {
+                for joints in joints {
+                    pose.set_joints(joints).unwrap();
+                }
+                pose.set_weights(&weights).unwrap();
+                if is_refitted {
+                    pose.refit();
+                }
+                states.push(pose);
+            };
+            add(Pose::new(plain.clone()), &[]);
+            for bvh in &bvhs {
+                for history in [&[&joints[0]][..], &[&joints[1]], &[&joints[1], &joints[0]]] {
+                    add(Pose::new(bvh.clone()), history);
+                }
+            }
+        }
+    }
+    states
+}
+
+#[test]
+fn a_copy_takes_every_state_of_a_pose_and_then_keeps_what_it_has_blended() {
+    let states = states(&mut Pcg64Mcg::seed_from_u64(21));
+    let place = WorldFromModel::IDENTITY;
+    for before in &states {
+        for pose in &states {
+            let mut copy = Some(before.clone());
+            let copied = Pose::copied(&mut copy, pose);
+            assert!(Arc::ptr_eq(copied.bvh(), pose.bvh()));
+            assert_eq!((copied.weights(), copied.joints()), (pose.weights(), pose.joints()));
+            assert_eq!(copied.world_bounds(&place), pose.clone().world_bounds(&place));
+            let (blended, of_pose) = (copied.posed().blended(), pose.clone().posed().blended());
+            let again = Pose::copied(&mut copy, pose);
+            assert_eq!(again.posed().blended(), blended);
+            assert!(blended.volumes >= of_pose.volumes);
+        }
+    }
+}
+
+#[test]
+fn a_broad_phase_follows_weights_and_blends_no_node() {
+    let mut rng = Pcg64Mcg::seed_from_u64(22);
+    let mut pose = Pose::new(tube(Weights::Smooth, &mut rng));
+    let place = WorldFromModel::IDENTITY;
+    for weights in [[0.0, 0.0], [0.0, 20.0], [5.0, 0.0]] {
+        pose.set_weights(&weights).unwrap();
+        let bounds = pose.broad_phase_bounds(&place);
+        let tight = pose.tight_world_bounds(&place);
+        assert_eq!(bounds.union(&tight), bounds, "{weights:?}");
+        let (size, least) = (bounds.size().max_element(), tight.size().max_element());
+        assert!(size < 2.0 * least, "{weights:?}: {size}, {least}");
+    }
+    assert_eq!(pose.posed().blended().volumes, 0);
+}
+
+/// Its root is a leaf.
+#[test]
+fn the_box_of_a_single_skinned_triangle_is_the_smallest() {
+    let base = [Vec3::ZERO, Vec3::new(1.0, 2.0, 0.0), Vec3::new(-1.0, 1.0, 3.0)];
+    let influences = Influences {
+        joints: &[[0, 1, 0, 0]; 3],
+        weights: &[[0.5, 0.5, 0.0, 0.0]; 3],
+    };
+    let no_targets: [Vec<Vec3>; 0] = [];
+    let model = MorphModel::skinned(&base, &[[0, 1, 2]], &no_targets, 2, &[influences]).unwrap();
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+    let joint = |at: f32| Affine3A::from_rotation_translation(Quat::from_rotation_y(at), Vec3::splat(at));
+    pose.set_joints(&JointMatrices::new(&[joint(0.1), joint(0.3)]).unwrap())
+        .unwrap();
+    for is_refitted in [false, true] {
+        if is_refitted {
+            pose.refit();
+        }
+        check_boxes(&mut pose);
+        let mut boxes = 0;
+        pose.visit_nodes(|node| {
+            let size = node.bounds.size();
+            assert!(size.cmpgt(Vec3::splat(0.5)).all() && size.cmplt(Vec3::splat(4.0)).all());
+            boxes += 1;
+            true
+        });
+        assert_eq!(boxes, 1);
+    }
+}
+
+#[test]
+fn the_memory_of_a_skinned_pose_grows_with_what_was_visited() {
+    let mut pose = Pose::new(tube(Weights::Smooth, &mut Pcg64Mcg::seed_from_u64(23)));
+    let place = WorldFromModel::IDENTITY;
+    let vertices = pose.bvh().model().vertex_count();
+    let groups = pose.posed().topology.group_count();
+    let mut before = pose.bytes();
+    // Stamps and slots.
+    assert!((16 * (vertices + groups)..400 * (vertices + groups)).contains(&before));
+    let mut grows = |pose: &Pose, least: usize| {
+        let by = pose.bytes() - before;
+        assert!((least..3 * least).contains(&by), "{by}, {least}");
+        before += by;
+    };
+    pose.broad_phase_bounds(&place);
+    grows(&pose, JOINTS.div_ceil(LANES) * size_of::<BoxLanes>());
+    pose.tight_world_bounds(&place);
+    grows(&pose, vertices * size_of::<[f64; 4]>());
+    assert_eq!(pose.posed().blended().vertices, vertices as u64);
+    pose.visit_nodes(|_| true);
+    grows(&pose, (2 * groups - 1) * size_of::<BoxLanes>());
+}
+
+#[test]
+fn a_skinned_body_is_rounded_by_what_its_boxes_were_widened() {
+    let mut rng = Pcg64Mcg::seed_from_u64(24);
+    let mut pose = Pose::new(tube(Weights::Smooth, &mut rng));
+    let joints = bent(&mut rng, 0.3, [1.0, 1.0], Vec3::X * 100.0);
+    pose.set_joints(&joints).unwrap();
+    let mut posed = pose.posed();
+    posed.bounds();
+    let rounding = posed.rounding(0.0);
+    assert!((1e-6..1e-2).contains(&rounding), "{rounding}");
 }

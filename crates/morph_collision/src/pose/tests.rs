@@ -193,3 +193,83 @@ fn debug_output_has_counts_and_no_mesh() {
         assert!(text.len() < 400, "{text}");
     }
 }
+
+#[test]
+fn a_body_stands_where_its_last_weights_and_boxes_are() {
+    let mut pose = lifted_triangle();
+    let bounds = |pose: &mut Pose| pose.posed().stand().bounds;
+    let low = bounds(&mut pose);
+    pose.set_weights(&[2.0, 0.0]).unwrap();
+    let high = bounds(&mut pose);
+    assert!(high.min.z > low.max.z, "{low:?}, {high:?}");
+    pose.refit();
+    let tight = bounds(&mut pose);
+    assert_eq!((tight.min.z, tight.max.z), (2.0, 2.0));
+    assert!(high.min.z < 2.0);
+}
+
+#[test]
+fn a_standing_body_has_the_size_and_the_slack_of_its_place() {
+    let place = |scale: Vec3| WorldFromModel::new(glam::Affine3A::from_scale(scale)).unwrap();
+    let mut pose = lifted_triangle();
+    for (scale, size) in [
+        (Vec3::new(3.0, 1.0, 1.0), 3.0),
+        (Vec3::new(1.0, 4.0, 1.0), 4.0),
+        (Vec3::splat(0.5), 0.5),
+    ] {
+        let place = place(scale);
+        let found = pose.posed_at(&place).stand().size;
+        assert!((found / size - 1.0).abs() < 1e-5, "{found}, {size}");
+    }
+    // Taller than wide: a triangle twice as high along y, and sides along z.
+    let base = [Vec3::ZERO, Vec3::Y * 2.0, Vec3::Z * 4.0];
+    let no_targets: [Vec<Vec3>; 0] = [];
+    let model = MorphModel::from_displacements(&base, &[[0, 1, 2]], &no_targets).unwrap();
+    let mut tall = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+    for (scale, size) in [(Vec3::new(1.0, 10.0, 1.0), 20.0), (Vec3::new(1.0, 1.0, 10.0), 40.0)] {
+        let place = place(scale);
+        let found = tall.posed_at(&place).stand().size;
+        assert!((found / size - 1.0).abs() < 1e-5, "{found}, {size}");
+    }
+    // All corners in one place: rounding is all that boxes hold.
+    let model = MorphModel::from_displacements(&base, &[[0, 1, 2]], &[base.map(|p| Vec3::ONE - p)]).unwrap();
+    let mut point = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+    point.set_weights(&[1.0]).unwrap();
+    let rounding = f64::from(point.posed().rounding(0.0));
+    for scale in [1.0, 1000.0] {
+        let place = place(Vec3::splat(scale as f32));
+        let mut posed = point.posed_at(&place);
+        let standing = posed.stand();
+        let slack = standing.placed.error() + rounding * scale;
+        assert!(
+            (1.0..1.001).contains(&(standing.slack / slack)),
+            "{}, {slack}",
+            standing.slack
+        );
+    }
+}
+
+#[test]
+fn normals_and_positions_are_those_of_the_posed_shape() {
+    let base = [
+        Vec3::ONE,
+        Vec3::new(3.0, 1.0, 1.0),
+        Vec3::new(1.0, 2.0, 1.0),
+        Vec3::new(1.0, 1.0, 3.0),
+    ];
+    let triangles = [[0, 1, 2], [0, 3, 1]];
+    let model = MorphModel::from_displacements(&base, &triangles, &[[Vec3::X; 4]]).unwrap();
+    let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+    pose.set_weights(&[2.0]).unwrap();
+    let (mut positions, mut normals) = (vec![Vec3::ZERO], vec![Vec3::ZERO]);
+    pose.source_positions(&mut positions);
+    assert_eq!(positions, base.map(|p| p + Vec3::X * 2.0));
+    pose.source_normals(&mut normals);
+    // Areas of 1 and 2, along z and along y.
+    let shared = Vec3::new(0.0, 2.0, 1.0).normalize();
+    let expected = [shared, shared, Vec3::Z, Vec3::Y];
+    for (normal, expected) in normals.iter().zip(expected) {
+        assert!(normal.abs_diff_eq(expected, 1e-6), "{normals:?}");
+    }
+    assert_eq!(normals.len(), 4);
+}

@@ -4,10 +4,13 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 
 use super::pairs::Start;
-use super::{Body, PairMemory, PairQuery, TrianglePair};
+use super::{Body, PairMemory, PairQuery, SelfQuery, TrianglePair};
 use crate::bounds::WorldFromModel;
+use crate::exact::triangles_intersect;
 use crate::model::MorphModel;
 use crate::pose::Pose;
 use crate::tree::{BuildOptions, MorphBvh};
@@ -182,4 +185,72 @@ fn bodies_are_collapsed_where_rounding_is_as_large_as_they_are() {
     let far = WorldFromModel::new(Affine3A::from_translation(Vec3::X * 1e6) * far).unwrap();
     let (a, b) = (Body::new(&mut bodies.fins, &far), Body::new(&mut bodies.needles, &far));
     assert!(query.are_collapsed(a, b));
+}
+
+/// Leaves of several patches: of 1 to 20 triangles, some of which share a vertex.
+#[test]
+fn pairs_of_leaves_of_any_size_are_those_found_one_by_one() {
+    for leaf_size in [1, 3, 9, 20] {
+        for share in [false, true] {
+            let mut pose = crossing(leaf_size, share);
+            let place = WorldFromModel::IDENTITY;
+            let count = pose.bvh().model().triangle_count() as u32;
+            let corners: Vec<_> = (0..count).map(|t| pose.bvh().model().corners(t)).collect();
+            let mut body = Body::new(&mut pose, &place);
+            let triangles: Vec<_> = (0..count).map(|t| body.triangle(t).unwrap()).collect();
+            let (mut expected, mut within) = (Vec::new(), Vec::new());
+            for (a, p) in (0..).zip(&triangles) {
+                for (b, q) in (0..).zip(&triangles) {
+                    if triangles_intersect(p, q) {
+                        expected.push(pair(a, b));
+                        let [x, y] = [a, b].map(|t: u32| corners[t as usize]);
+                        if a < b && !x.iter().any(|corner| y.contains(corner)) {
+                            within.push(pair(a, b));
+                        }
+                    }
+                }
+            }
+            let mut found = Vec::new();
+            let mut query = PairQuery::default();
+            query.all(
+                Body::new(&mut pose.clone(), &place),
+                Body::new(&mut pose, &place),
+                &mut found,
+            );
+            found.sort_unstable();
+            assert_eq!(found, expected);
+            let tests = query.stats().triangle_tests;
+            assert!(
+                (expected.len() as u64..=u64::from(count * count)).contains(&tests),
+                "{tests}"
+            );
+            let (mut found, mut query) = (Vec::new(), SelfQuery::default());
+            query.all(&mut pose, &mut found);
+            let tests = query.stats().triangle_tests;
+            let in_order = |p: TrianglePair| pair(p.triangle_a.min(p.triangle_b), p.triangle_a.max(p.triangle_b));
+            let mut found: Vec<_> = found.into_iter().map(in_order).collect();
+            found.sort_unstable();
+            assert_eq!(found, within);
+            let all = u64::from(count * (count - 1) / 2);
+            assert!((within.len() as u64..=all).contains(&tests), "{tests} of {all}");
+            assert_eq!(query.any(&mut pose), !within.is_empty());
+        }
+    }
+}
+
+/// Twenty triangles in two heaps, in which most cross each other; in strips if they are to share vertices. Two more are in one plane, side by side
+/// and with boxes that overlap.
+fn crossing(leaf_size: usize, share: bool) -> Pose {
+    let mut rng = Pcg64Mcg::seed_from_u64(3);
+    let mut point = |x: f32| Vec3::from_array([(); 3].map(|()| rng.random_range(-1.0..1.0))) + Vec3::X * x;
+    let mut positions: Vec<_> = (0..60).map(|i| point(if i < 30 { 0.0 } else { 1.5 })).collect();
+    positions.extend(
+        [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.1], [0.1, 1.0]].map(|[x, y]| Vec3::new(x, y, 5.0)),
+    );
+    let corner = |i: u32| if share { 2 * i } else { 3 * i };
+    let mut triangles: Vec<_> = (0..20).map(|i| [corner(i), corner(i) + 1, corner(i) + 2]).collect();
+    triangles.extend([[60, 61, 62], [63, 64, 65]]);
+    let model = MorphModel::from_displacements::<[Vec3; 0]>(&positions, &triangles, &[]).unwrap();
+    let options = BuildOptions::default().with_leaf_size(leaf_size).unwrap();
+    Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &options)))
 }

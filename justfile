@@ -69,7 +69,7 @@ determinism-aarch64:
 release:
     cargo build --release -p morph_collision_cli -p morph_collision_testkit --bin morph-collide --bin determinism --bin frames
 
-# Builds the docs. With an example of each package, dependencies have the same features as for tests and clippy; otherwise Bevy would be checked
+# Builds the docs of libraries and the tool. With two of the examples, dependencies have the same features as for tests and clippy; otherwise Bevy would be checked
 # again.
 doc:
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --all-features --no-deps --lib --bin morph-collide --example dolphins --example hat

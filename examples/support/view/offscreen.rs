@@ -102,7 +102,7 @@ impl Offscreen {
 
     fn draw(&mut self, drawn: bool) {
         let world = self.app.world_mut();
-        for mut camera in world.query_filtered::<&mut Camera, With<StageCamera>>().iter_mut(world) {
+        for mut camera in world.query::<&mut Camera>().iter_mut(world) {
             camera.is_active = drawn;
         }
     }

@@ -7,15 +7,29 @@ use morph_collision::{QueryStats, Workers};
 
 use super::touch::{Found, Touch};
 use super::{Asked, Pair, Placed};
+use crate::collider::MorphCollisionMode;
 use crate::contacts::MorphContact;
 
-/// Fewer contacts than this are built on the calling thread. Waking a thread takes as long as a dozen pairs that do not touch.
-const MIN_CONTACTS: usize = 16;
+/// With fewer costly contacts than this, all are built on the calling thread. Waking a thread takes as long as a dozen pairs that do not
+/// touch.
+const MIN_COSTLY: usize = 16;
 
 /// A pair for which a contact might have to be built, and what is known about it.
 pub(super) struct Job {
     pub(super) asked: Asked,
     pub(super) found: Found,
+}
+
+impl Job {
+    /// Whether it takes more than one pair of triangles.
+    fn is_costly(&self) -> bool {
+        match &self.found {
+            Found::Unknown => true,
+            Found::Triangles { triangles, .. } => {
+                triangles.is_empty() || self.asked.mode == MorphCollisionMode::Contacts
+            }
+        }
+    }
 }
 
 /// One [`Builder`] per thread, kept for their memory.
@@ -32,7 +46,8 @@ struct Builder {
 impl Builders {
     /// Builds the contacts of all jobs and appends the answers, in any order. Returns the work done.
     ///
-    /// Threads take all successive jobs with the same first collider at once, so they rarely wait for each other's poses.
+    /// Threads take all successive jobs with the same first collider at once, so they rarely wait for each other's poses. The contacts of
+    /// one mesh with many others are built one after the other, because each of them uses its pose.
     pub(super) fn run(
         &mut self,
         workers: &impl Workers,
@@ -41,17 +56,23 @@ impl Builders {
         limit: usize,
         answers: &mut Vec<(Pair, Option<MorphContact>)>,
     ) -> QueryStats {
-        let count = jobs.len();
+        let costly = jobs.iter().filter(|job| job.is_costly()).count();
         let blocks: Vec<Mutex<&mut [Job]>> = jobs
             .chunk_by_mut(|one, other| one.asked.places.0 == other.asked.places.0)
             .map(Mutex::new)
             .collect();
-        let threads = if count < MIN_CONTACTS {
+        let threads = if costly < MIN_COSTLY || blocks.len() < 2 {
             1
         } else {
             workers.count().max(1)
         };
         self.0.resize_with(threads.max(self.0.len()), Mutex::default);
+        for builder in &mut self.0 {
+            // They are empty, unless a run ended with a panic.
+            let builder = builder.get_mut().unwrap_or_else(PoisonError::into_inner);
+            builder.stats = QueryStats::default();
+            builder.answers.clear();
+        }
         let (builders, next) = (&self.0, AtomicUsize::new(0));
         let work = |thread: usize| {
             let mut builder = builders[thread].lock().unwrap_or_else(PoisonError::into_inner);
@@ -96,7 +117,7 @@ mod tests {
     };
 
     use super::*;
-    use crate::collider::{Form, LockedPose, MorphCollisionMode, Placement};
+    use crate::collider::{Form, LockedPose, Placement};
 
     /// Tetrahedra that overlap their neighbours in a row, and a ball at every second one.
     fn row(length: usize) -> (Vec<Placement>, Vec<Option<LockedPose>>) {
@@ -173,7 +194,7 @@ mod tests {
             };
             jobs.push(Job { asked, found });
         }
-        assert!(jobs.len() > 4 * MIN_CONTACTS);
+        assert!(jobs.len() > 4 * MIN_COSTLY);
         let mut answers = Vec::new();
         let stats = Builders::default().run(workers, &placed, &mut jobs, usize::MAX, &mut answers);
         answers.sort_by_key(|(pair, _)| *pair);

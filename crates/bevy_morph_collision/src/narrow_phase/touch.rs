@@ -72,6 +72,8 @@ impl Touch {
         limit: usize,
         stats: &mut QueryStats,
     ) -> Option<MorphContact> {
+        // Each locks its pose: in ascending order, and never the same one twice.
+        debug_assert!(a.entity < b.entity);
         let (mut mesh_a, mut mesh_b) = (a.mesh()?, b.mesh()?);
         if triangles.is_empty() {
             let margin = f64::from(a.placement.margin) + f64::from(b.placement.margin);

@@ -9,7 +9,7 @@
 //! |---|---|---|
 //! | `morph` | nothing | this project |
 //! | `morph-eager` | blends every vertex and fits every volume to them, with this project's own code; separates the method from the engineering | |
-//! | `rigid-floor` | nothing: every shape has its own tree, made beforehand; a floor, not a rival | |
+//! | `rigid-floor` | nothing: every shape has its own tree, made beforehand, and skinned meshes are completely posed beforehand; a floor, not a rival | |
 //! | `paper` | nothing | Larsson, Akenine-Moller 2003: the method on which this project is based, as published |
 //! | `bottom-up` | blends every vertex, refits every box | van den Bergen 1997 |
 //! | `hybrid` | blends every vertex, refits the upper half of the tree; the rest when a walk reaches it | Larsson, Akenine-Moller 2001 |
@@ -22,8 +22,7 @@
 //! | `parry-rebuild` | blends every vertex, rebuilds the `Bvh` (binned) | Parry |
 //! | `brute-force` | blends every vertex and places it in the world | the oracle |
 //!
-//! `morph`, `morph-eager`, `bottom-up`, `hybrid`, `joint-boxes`, `joint-union`, `rebuild`, Parry's three and `brute-force`
-//! support skinned meshes; the other methods refuse them. When joints have moved, all but ours and the two with boxes of joints
+//! All methods but `paper` and `octree` support skinned meshes; these two refuse them. When joints have moved, all but ours and the two with boxes of joints
 //! place every vertex (`skin`).
 //!
 //! The comparison is fair to all of them: vertices are welded, targets with weight zero and vertices that a target does not move

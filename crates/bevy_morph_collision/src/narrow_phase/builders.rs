@@ -133,9 +133,11 @@ mod tests {
             let turned = Quat::from_rotation_z(0.7 * i as f32);
             Form::Mesh(WorldFromModel::new(Affine3A::from_rotation_translation(turned, Vec3::X * x)).unwrap())
         };
+        let mut entities: Vec<Entity> = (0..length as u32).filter_map(Entity::from_raw_u32).collect();
+        entities.sort_unstable();
         let placement = |i: usize| Placement {
             form: form_at(i),
-            body: Entity::from_bits(1 + i as u64),
+            body: entities[i],
             mode: MorphCollisionMode::Contacts,
             layers: crate::layers::MorphCollisionLayers::default(),
             margin: 0.2,

@@ -18,7 +18,7 @@ use super::Show;
 use super::clock::{Clock, Trouble};
 use super::files::Files;
 use super::pointer::{self, Script};
-use super::stage::{self, Place, StageCamera};
+use super::stage::{self, Place};
 use crate::app::STEP;
 use crate::error::ExampleError;
 

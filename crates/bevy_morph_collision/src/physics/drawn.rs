@@ -5,8 +5,8 @@ use bevy::mesh::morph::{MeshMorphWeights, MorphWeights};
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::prelude::*;
 
-use super::clock::Span;
 use super::ahead::rigid_place;
+use super::clock::Span;
 use super::placed::joints_in;
 use super::timeline::{DrawnJoints, Timeline};
 use crate::skeletons::{BindPoses, Skeletons};

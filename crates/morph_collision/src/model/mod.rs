@@ -2,15 +2,17 @@
 //! to welded vertices.
 
 mod check;
+mod displacement;
 mod error;
 mod morph_model;
 mod skin;
 mod weights;
 mod weld;
 
+pub(crate) use displacement::Displacement;
 pub use error::ModelError;
+pub(crate) use morph_model::LARGEST;
 pub use morph_model::MorphModel;
-pub(crate) use morph_model::{Displacement, LARGEST};
 pub use skin::Influences;
 pub(crate) use skin::{Influence, Skin};
 pub(crate) use weights::Weights;

@@ -5,17 +5,10 @@ use glam::{Vec3, Vec3A};
 
 use super::skin::{self, Influence, Influences, Skin};
 use super::weld::weld;
-use super::{ModelError, Weights, check};
+use super::{Displacement, ModelError, Weights, check};
 
 /// The largest coordinate allowed in a mesh. It leaves room for sums in `f32`, whose range ends near 3.4e38 (docs/numerics.md).
 pub(crate) const LARGEST: f32 = 1e37;
-
-/// The displacement of one vertex by one target.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Displacement {
-    pub(crate) target: u16,
-    pub(crate) delta: Vec3,
-}
 
 /// A triangle mesh with morph targets, and with joints if it is skinned. It is immutable and shared by all instances.
 ///
@@ -106,7 +99,9 @@ impl MorphModel {
         check::count("targets", targets.len(), u16::MAX as usize)?;
         check::triangles(triangles, base.len())?;
 
-        let of_vertex: Vec<_> = (0..base.len()).map(|vertex| sparse(vertex, targets)).collect();
+        let of_vertex: Vec<_> = (0..base.len())
+            .map(|vertex| Displacement::sparse(vertex, targets))
+            .collect();
         let influences = skin.as_ref().map_or(&[][..], |(_, influences)| influences);
         let (welded_from_source, firsts) = weld(base, &of_vertex, influences);
         let (mut deltas, mut starts) = (Vec::new(), vec![0]);
@@ -290,15 +285,6 @@ impl fmt::Debug for MorphModel {
             .field("targets", &self.target_count())
             .finish_non_exhaustive()
     }
-}
-
-/// The nonzero displacements of a vertex.
-fn sparse<T: AsRef<[Vec3]>>(vertex: usize, targets: &[T]) -> Vec<Displacement> {
-    let all = targets.iter().zip(0..).map(|(deltas, target)| Displacement {
-        target,
-        delta: deltas.as_ref()[vertex],
-    });
-    all.filter(|displacement| displacement.delta != Vec3::ZERO).collect()
 }
 
 fn reach(vectors: &[Vec3]) -> f32 {

@@ -5,7 +5,8 @@ use glam::{Vec3, Vec3A};
 
 use super::cache::EpochCache;
 use super::posed::{Blended, Posed, Scratch};
-use super::skinning::{SkinTree, Skinning};
+use super::posed_skin::SkinTree;
+use super::skinning::Skinning;
 use super::standing::Standing;
 use super::weights::{self, WeightsError};
 use crate::bounds::{Aabb, BoxLanes, WorldFromModel};

@@ -1,12 +1,21 @@
 //! Traversals' access to a skinned mesh's pose: its boxes are kept in the spaces of joints, and joints place its vertices.
 
-use fearless_simd::Simd;
+use fearless_simd::{Level, Simd};
 use glam::DVec3;
 
 use super::posed::{NodeId, Posed};
-use super::skinning::SkinTree;
 use crate::bounds::{Aabb, BoxLanes, Extent, Frame, WorldFromModel, with_simd};
-use crate::tree::{BODY_FRAME, ChildKind, Leaf};
+use crate::model::{MorphModel, Weights};
+use crate::tree::{BODY_FRAME, ChildKind, Leaf, SkinTables};
+
+/// The parts of the tree and the pose that [`Skinning`](super::skinning::Skinning) needs.
+#[derive(Clone, Copy)]
+pub(super) struct SkinTree<'a> {
+    pub(super) model: &'a MorphModel,
+    pub(super) skin: &'a SkinTables,
+    pub(super) weights: &'a Weights,
+    pub(super) level: Level,
+}
 
 /// Boxes in the space of a joint.
 #[derive(Clone, Copy, Debug)]

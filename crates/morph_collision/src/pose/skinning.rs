@@ -5,10 +5,11 @@ use glam::DVec3;
 
 use super::cache::EpochCache;
 use super::joint_hull::JointHull;
+use super::posed_skin::SkinTree;
 use super::skin_blend::blend_skinned;
 use crate::bounds::{Aabb, BoxLanes, BoxMap, Frame, JointMap, MapFrame, PlacedBounds, WorldFromModel, with_simd};
 use crate::joints::JointMatrices;
-use crate::model::{MorphModel, Skin, Weights};
+use crate::model::Skin;
 use crate::tree::{BODY_FRAME, SkinTables};
 
 /// The state of a skinned pose.
@@ -70,15 +71,6 @@ struct KeptMap {
     version: u32,
     /// The version in which it last changed.
     changed: u32,
-}
-
-/// The parts of the tree and the pose that the functions below need.
-#[derive(Clone, Copy)]
-pub(super) struct SkinTree<'a> {
-    pub(super) model: &'a MorphModel,
-    pub(super) skin: &'a SkinTables,
-    pub(super) weights: &'a Weights,
-    pub(super) level: Level,
 }
 
 impl Skinning {

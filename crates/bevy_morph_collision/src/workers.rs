@@ -1,11 +1,11 @@
 //! Runs batches of queries on Bevy's threads.
 
 use bevy::tasks::ComputeTaskPool;
-use morph_collision::Workers;
+use morph_collision::batch::Workers;
 
 /// The threads of the [`ComputeTaskPool`], or the calling thread if that pool does not exist.
 ///
-/// The plugin uses them. You can use them too, for your own [`BatchQuery`](morph_collision::BatchQuery).
+/// The plugin uses them. You can use them too, for your own [`BatchQuery`](morph_collision::batch::BatchQuery).
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TaskPoolWorkers;
 

@@ -19,7 +19,7 @@
 //! | question | use |
 //! |---|---|
 //! | Which triangles of two bodies intersect? | [`PairQuery`], with [`PairMemory`] from frame to frame |
-//! | Which triangles of many pairs of bodies intersect, on several threads? | [`BatchQuery`], on [`Workers`] |
+//! | Which triangles of many pairs of bodies intersect, on several threads? | [`BatchQuery`](batch::BatchQuery), on [`Workers`](batch::Workers) |
 //! | Where do two bodies touch, how deep, and which way is out? | [`ContactQuery`], [`triangle_contact`] |
 //! | How far apart are two bodies? | [`DistanceQuery`] |
 //! | Which of many boxes overlap? | [`overlapping_pairs`] |
@@ -64,13 +64,10 @@ pub use input_error::InputError;
 pub use joints::JointMatrices;
 pub use model::{Influences, ModelError, MorphModel};
 pub use pose::{Pose, PoseSnapshot, PosedNode, WeightsError};
-#[cfg(feature = "rayon")]
-pub use query::RayonWorkers;
 pub use query::{
-    BatchAnswers, BatchQuery, Body, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion, DistanceQuery,
-    Facing, Manifold, PairMemory, PairQuery, PairTask, PlacedShape, QueryStats, Ray, RayHit, RayQuery, SelfQuery,
-    Shape, ShapeCastHit, ShapeContact, ShapeGap, ShapeImpact, ShapeQuery, SurfaceAnchor, SurfaceFrame, ThreadWorkers,
-    TrianglePair, Wanted, Workers,
+    Body, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion, DistanceQuery, Facing, Manifold,
+    PairMemory, PairQuery, PlacedShape, QueryStats, Ray, RayHit, RayQuery, SelfQuery, Shape, ShapeCastHit,
+    ShapeContact, ShapeGap, ShapeImpact, ShapeQuery, SurfaceAnchor, SurfaceFrame, TrianglePair, batch,
 };
 pub use traverse::overlapping_pairs;
 pub use tree::{BuildOptions, LayoutError, MorphBvh, MorphBvhBuilder, TreeLayout};

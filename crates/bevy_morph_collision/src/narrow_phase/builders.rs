@@ -3,7 +3,8 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-use morph_collision::{QueryStats, Workers};
+use morph_collision::QueryStats;
+use morph_collision::batch::Workers;
 
 use super::touch::{Found, Touch};
 use super::{Asked, Pair, Placed};
@@ -112,9 +113,8 @@ mod tests {
 
     use bevy::math::{Affine3A, Quat, Vec3};
     use bevy::prelude::Entity;
-    use morph_collision::{
-        BuildOptions, MorphBvh, MorphModel, PlacedShape, Pose, ThreadWorkers, TrianglePair, WorldFromModel,
-    };
+    use morph_collision::batch::ThreadWorkers;
+    use morph_collision::{BuildOptions, MorphBvh, MorphModel, PlacedShape, Pose, TrianglePair, WorldFromModel};
 
     use super::*;
     use crate::collider::{Form, LockedPose, Placement};

@@ -12,7 +12,8 @@ use std::sync::MutexGuard;
 
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
-use morph_collision::{BatchQuery, Body, PairTask, Pose, Wanted, WorldFromModel};
+use morph_collision::batch::{BatchQuery, PairTask, Wanted};
+use morph_collision::{Body, Pose, WorldFromModel};
 use tracing::debug_span;
 
 use self::builders::{Builders, Job};

@@ -247,8 +247,6 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
             if following.moves || !part.is_settled() {
                 blended += 1;
                 differs |= part.update(following, &purpose, pace, bodies, &mut scratch.part);
-            } else {
-                part.rest(bodies);
             }
         }
         if differs && near.cut < MAX_CUT {

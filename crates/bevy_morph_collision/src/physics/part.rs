@@ -41,9 +41,6 @@ pub(crate) trait Bodies<P> {
         triangles: impl ExactSizeIterator<Item = (Triangle, Option<TrianglePseudoNormals>)>,
     );
 
-    /// The part has not moved since the last step, so contacts computed then are still valid.
-    fn rest(&mut self, _part: &mut P) {}
-
     /// Removes a part.
     fn remove(&mut self, part: P);
 }
@@ -62,8 +59,6 @@ pub(crate) struct Part<P> {
     reshaped: bool,
     /// Whether it is where the surface is now and does not move.
     settled: bool,
-    /// Whether that was already so in the last step.
-    rests: bool,
     /// Its motion in the last step, relative to a point, if that was not a jump.
     moved: Option<(RigidMotion, DVec3)>,
 }
@@ -99,7 +94,6 @@ impl<P: Default> Part<P> {
             across: Vec::new(),
             reshaped: true,
             settled: false,
-            rests: false,
             moved: None,
         }
     }
@@ -157,13 +151,6 @@ impl<P: Default> Part<P> {
         }
     }
 
-    /// Keeps the part where it is for another step.
-    pub(crate) fn rest(&mut self, bodies: &mut impl Bodies<P>) {
-        if !std::mem::replace(&mut self.rests, true) {
-            bodies.rest(&mut self.body);
-        }
-    }
-
     /// Places the part where the surface is at the start of the step, with the motion of the surface until the end of the step.
     ///
     /// Returns whether different places move too differently for one body.
@@ -175,7 +162,6 @@ impl<P: Default> Part<P> {
         bodies: &mut impl Bodies<P>,
         scratch: &mut PartScratch,
     ) -> bool {
-        self.rests = false;
         following.vertices(&self.vertices, &mut scratch.now);
         let moves = following.moves && self.velocities(following, pace, scratch);
         let PartScratch {

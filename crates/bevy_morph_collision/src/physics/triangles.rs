@@ -24,8 +24,6 @@ pub(crate) struct Triangles {
     /// they are not needed.
     normals: Vec<Option<TrianglePseudoNormals>>,
     bvh: Bvh,
-    /// Whether they have not changed since contacts with them were last computed. Shared by copies.
-    still: Arc<AtomicBool>,
 }
 
 impl Triangles {
@@ -37,18 +35,11 @@ impl Triangles {
             corners,
             normals,
             bvh,
-            still: Arc::default(),
         }
     }
 
-    /// Marks that contacts have been computed for the current triangles, so that Parry may reuse them.
-    pub(crate) fn stand_still(&self) {
-        self.still.store(true, Ordering::Release);
-    }
-
-    /// Moves the same triangles.
+    /// Moves the same triangles. Contacts with them have to be computed anew, which the engine does if the collider has changed.
     pub(crate) fn move_to(&mut self, triangles: impl Iterator<Item = (Triangle, Option<TrianglePseudoNormals>)>) {
-        self.still.store(false, Ordering::Release);
         self.corners.clear();
         self.normals.clear();
         for (corners, normals) in triangles {
@@ -85,10 +76,6 @@ impl CompositeShape for Triangles {
 
     fn bvh(&self) -> &Bvh {
         &self.bvh
-    }
-
-    fn is_deformable(&self) -> bool {
-        !self.still.load(Ordering::Acquire)
     }
 }
 

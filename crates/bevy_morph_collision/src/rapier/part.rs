@@ -112,13 +112,6 @@ impl Bodies<PartHandles> for PartBodies<'_, '_> {
         }
     }
 
-    fn rest(&mut self, part: &mut PartHandles) {
-        let collider = self.world.colliders.get(part.collider);
-        if let Some(patch) = collider.and_then(|collider| collider.shape().as_shape::<Patch>()) {
-            patch.triangles.stand_still();
-        }
-    }
-
     fn remove(&mut self, part: PartHandles) {
         self.world.remove(part.body);
     }

@@ -21,7 +21,7 @@ macro_rules! query_basics {
 }
 
 mod anchor;
-mod batch;
+pub mod batch;
 mod body;
 mod capped;
 mod collapsed;
@@ -43,9 +43,6 @@ mod shape;
 mod stats;
 
 pub use anchor::{SurfaceAnchor, SurfaceFrame};
-#[cfg(feature = "rayon")]
-pub use batch::RayonWorkers;
-pub use batch::{BatchAnswers, BatchQuery, PairTask, ThreadWorkers, Wanted, Workers};
 pub use body::Body;
 pub use contact::{ContactPoint, ContactQuery, Manifold};
 pub use distance::{ClosestPair, DistanceQuery};

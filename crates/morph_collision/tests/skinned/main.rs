@@ -6,10 +6,11 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, DVec3, Mat3A, Quat, Vec3, Vec3A};
+use morph_collision::batch::{BatchQuery, PairTask, ThreadWorkers, Wanted};
 use morph_collision::{
-    BatchQuery, Body, BuildOptions, ContactQuery, ConvexRegion, DistanceQuery, Influences, JointMatrices, MorphBvh,
-    MorphModel, PairMemory, PairQuery, PairTask, PlacedShape, Pose, Ray, RayQuery, SelfQuery, Shape, ShapeQuery,
-    SurfaceAnchor, ThreadWorkers, TrianglePair, Wanted, WorldFromModel,
+    Body, BuildOptions, ContactQuery, ConvexRegion, DistanceQuery, Influences, JointMatrices, MorphBvh, MorphModel,
+    PairMemory, PairQuery, PlacedShape, Pose, Ray, RayQuery, SelfQuery, Shape, ShapeQuery, SurfaceAnchor, TrianglePair,
+    WorldFromModel,
 };
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;

@@ -1,10 +1,8 @@
 //! Batches on any number of threads, compared with one query at a time.
 
 use crate::scenes::{self, Scene};
-use morph_collision::{
-    BatchQuery, Body, BuildOptions, PairMemory, PairQuery, PairTask, Pose, QueryStats, ThreadWorkers, TrianglePair,
-    Wanted, Workers, WorldFromModel,
-};
+use morph_collision::batch::{BatchQuery, PairTask, ThreadWorkers, Wanted, Workers};
+use morph_collision::{Body, BuildOptions, PairMemory, PairQuery, Pose, QueryStats, TrianglePair, WorldFromModel};
 
 struct Bodies {
     poses: Vec<Pose>,
@@ -92,7 +90,7 @@ fn threads(count: usize) -> ThreadWorkers {
 
 #[cfg(feature = "rayon")]
 fn rayon() -> Option<&'static dyn Workers> {
-    Some(&morph_collision::RayonWorkers)
+    Some(&morph_collision::batch::RayonWorkers)
 }
 
 #[cfg(not(feature = "rayon"))]

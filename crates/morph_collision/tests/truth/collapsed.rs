@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use glam::{Affine3A, EulerRot, Mat3, Quat, Vec3};
+use morph_collision::batch::{BatchQuery, PairTask, ThreadWorkers, Wanted, Workers};
 use morph_collision::{
-    BatchQuery, Body, BuildOptions, ContactQuery, DistanceQuery, MorphBvh, PairMemory, PairQuery, PairTask, Pose,
-    QueryStats, SelfQuery, ThreadWorkers, TrianglePair, Wanted, Workers, WorldFromModel,
+    Body, BuildOptions, ContactQuery, DistanceQuery, MorphBvh, PairMemory, PairQuery, Pose, QueryStats, SelfQuery,
+    TrianglePair, WorldFromModel,
 };
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::{dolphin, random};

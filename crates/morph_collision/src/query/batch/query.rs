@@ -14,6 +14,7 @@ use crate::query::{Body, QueryStats, TrianglePair};
 /// ```
 /// # use std::sync::Arc;
 /// # use glam::{Affine3A, Vec3};
+/// use morph_collision::batch::{BatchQuery, PairTask, ThreadWorkers, Wanted};
 /// # use morph_collision::*;
 /// # let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
 /// # let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));

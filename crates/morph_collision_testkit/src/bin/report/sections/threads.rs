@@ -6,9 +6,8 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Instant;
 
-use morph_collision::{
-    BatchQuery, Body, BuildOptions, Kernel, MorphBvh, PairTask, Pose, ThreadWorkers, WorldFromModel, overlapping_pairs,
-};
+use morph_collision::batch::{BatchQuery, PairTask, ThreadWorkers};
+use morph_collision::{Body, BuildOptions, Kernel, MorphBvh, Pose, WorldFromModel, overlapping_pairs};
 use morph_collision_testkit::bench::{Experiment, Frame, median};
 use morph_collision_testkit::rivals::Wanted;
 
@@ -147,9 +146,9 @@ impl Run {
         let mut overlaps = Vec::new();
         overlapping_pairs(&bounds, &mut overlaps);
         let wanted = match wanted {
-            Wanted::All => morph_collision::Wanted::All,
-            Wanted::First => morph_collision::Wanted::First,
-            Wanted::UpTo(limit) => morph_collision::Wanted::UpTo(limit),
+            Wanted::All => morph_collision::batch::Wanted::All,
+            Wanted::First => morph_collision::batch::Wanted::First,
+            Wanted::UpTo(limit) => morph_collision::batch::Wanted::UpTo(limit),
         };
         let task = |&(a, b): &(u32, u32)| PairTask::new(a as usize, b as usize, wanted);
         let mut tasks: Vec<_> = overlaps.iter().map(task).collect();

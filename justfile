@@ -3,9 +3,12 @@
 default:
     @just --list
 
-# All checks that must pass before a change lands. The order lets later steps reuse what earlier ones compiled: clippy and the
-# docs share one build of Bevy, tests and examples another, and all release steps a third one without Bevy.
-ci: fmt-check clippy doc test demo-check features-short package-short first-run determinism-release instructions-check verify-short fuzz-short
+# The checks that must pass before a change lands, in less than half an hour on two cores. The order lets later steps reuse what
+# earlier ones compiled: clippy and the docs share one build of Bevy, tests and examples another, and all release steps a third one without Bevy.
+ci: fmt-check clippy doc test demo-check package-list first-run determinism-release instructions-check verify-short fuzz-check
+
+# What a change rarely breaks, or what takes long. Run it before a release, and the part that a change touches before it lands.
+nightly: features test-drawing package verify stress (fuzz "60")
 
 # Formats the code.
 fmt:
@@ -19,32 +22,28 @@ clippy:
 
 # The README's test command.
 test:
+    cargo test --workspace
+
+# All tests, also those that draw (Debian: apt install mesa-vulkan-drivers libvulkan1).
+test-drawing:
     cargo test --workspace --all-features
 
-# Checks the published crates with each feature separately.
-features: (check-features "none" "gltf" "picking" "gizmos" "diagnostics" "rapier" "avian")
-
-# A shorter form for CI: features that have nothing to do with each other are checked together. Each set compiles a part of Bevy again.
-features-short: (check-features "none" "gltf,picking,diagnostics" "gizmos,rapier" "avian")
-
-[private]
-check-features +SETS:
+# Checks the published crates with each feature separately. Each one compiles a part of Bevy again.
+features:
     #!/usr/bin/env bash
     set -euo pipefail
     for feature in serde rayon; do cargo check -p morph_collision --no-default-features --features "$feature"; done
-    for set in {{SETS}}; do
-        if [ "$set" = none ]; then set=""; fi
-        cargo check -p bevy_morph_collision --no-default-features --features "$set"
+    for feature in "" gltf picking gizmos diagnostics rapier avian; do
+        cargo check -p bevy_morph_collision --no-default-features --features "$feature"
     done
 
 # Packages the published crates and builds each one from its package (the last one compiles Bevy).
 package:
     cargo package -p morph_collision -p morph_collision_testkit -p morph_collision_cli -p bevy_morph_collision
 
-# The same for CI. It does not build the plugin, which would compile Bevy, and allows uncommitted changes.
-package-short:
-    cargo package --allow-dirty --config profile.dev.debug=false -p morph_collision -p morph_collision_testkit -p morph_collision_cli
-    cargo package --allow-dirty --no-verify -p morph_collision -p bevy_morph_collision
+# Packages them without building: checks manifests and the lists of files.
+package-list:
+    cargo package --allow-dirty --no-verify -p morph_collision -p morph_collision_testkit -p morph_collision_cli -p bevy_morph_collision
 
 # Checks that answers have the same bits in debug and release, for several leaf sizes, on any number of threads.
 determinism: && determinism-release
@@ -90,7 +89,7 @@ cookbook NAME:
 demo-check:
     #!/usr/bin/env bash
     set -euo pipefail
-    cargo build --workspace --all-features --example dolphins --example crowd --example physics --example character
+    cargo build --workspace --example dolphins --example crowd --example physics --example character
     summary=$("${CARGO_TARGET_DIR:-target}/debug/examples/dolphins" --headless --json)
     echo "$summary"
     grep -Eq '"events_started": *[1-9]' <<< "$summary"
@@ -189,10 +188,11 @@ verify-short: release
     "$tool" verify assets/dolphin_2256.glb assets/pass_through_20480.glb --frames 10
     "$tool" stress --cases 54
 
-# Fuzzes each target for 5 seconds, regressions first (needs cargo install cargo-fuzz --locked and a C++ compiler).
-fuzz-short: (fuzz "5")
+# Checks that the fuzz targets compile. The tests run them on their seeds and on everything that they ever found.
+fuzz-check:
+    cargo check --manifest-path fuzz/Cargo.toml --target-dir "${CARGO_TARGET_DIR:-target}"
 
-# Fuzzes the targets one after another for SECONDS each, regressions first.
+# Fuzzes the targets one after another for SECONDS each, regressions first (needs cargo install cargo-fuzz --locked and a C++ compiler).
 fuzz SECONDS:
     #!/usr/bin/env bash
     set -euo pipefail

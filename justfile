@@ -7,8 +7,8 @@ default:
 # earlier ones compiled: clippy and the docs share one build of Bevy, tests and examples another, and all release steps a third one without Bevy.
 ci: fmt-check clippy doc test demo-check package-list first-run determinism-release instructions-check verify-short fuzz-check
 
-# What a change rarely breaks, or what takes long. Run it before a release, and the part that a change touches before it lands.
-nightly: features test-drawing package verify stress (fuzz "60")
+# What a change rarely breaks, or what takes long. Run it before a release (all must be committed), and the part that a change touches before it lands.
+nightly: package features test-drawing verify stress (fuzz "60")
 
 # Formats the code.
 fmt:
@@ -68,8 +68,7 @@ determinism-aarch64:
 release:
     cargo build --release -p morph_collision_cli -p morph_collision_testkit --bin morph-collide --bin determinism --bin frames
 
-# Builds the docs of libraries and the tool. With two of the examples, dependencies have the same features as for tests and clippy; otherwise Bevy would be checked
-# again.
+# Builds the docs of libraries and the tool. With two of the examples, dependencies have the same features as for clippy; otherwise Bevy would be checked again.
 doc:
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --all-features --no-deps --lib --bin morph-collide --example dolphins --example hat
 
@@ -188,7 +187,7 @@ verify-short: release
     "$tool" verify assets/dolphin_2256.glb assets/pass_through_20480.glb --frames 10
     "$tool" stress --cases 54
 
-# Checks that the fuzz targets compile. The tests run them on their seeds and on everything that they ever found.
+# Checks that the fuzz targets compile (needs a C++ compiler). The tests run them on their seeds and on everything that they ever found.
 fuzz-check:
     cargo check --manifest-path fuzz/Cargo.toml --target-dir "${CARGO_TARGET_DIR:-target}"
 

@@ -123,7 +123,7 @@ fn the_box_holds_every_posed_vertex_of_a_face_that_makes_faces() {
 }
 
 #[test]
-fn the_box_holds_every_posed_vertex_on_every_frame_of_every_clip() {
+fn the_box_holds_every_posed_vertex_as_clips_play() {
     let mut files = vec![assets().join("dolphin_564.glb")];
     let names = [
         "AnimatedMorphCube.gltf",
@@ -142,8 +142,8 @@ fn the_box_holds_every_posed_vertex_on_every_frame_of_every_clip() {
         for clip in clips {
             let duration = play(&mut app, &clip, &[], |_, _| 0.0);
             let mut before = Vec::new();
-            // Up to ten seconds of it.
-            for frame in 0..=((duration * 60.0) as usize).min(600) {
+            // Up to three seconds of it.
+            for frame in 0..=((duration * 60.0) as usize).min(180) {
                 app.update();
                 for &mesh in &meshes {
                     let weights = weights_of(&app, mesh);

@@ -2,10 +2,13 @@
 //! file.
 
 use std::collections::HashMap;
+use std::time::Duration;
 
 use bevy::prelude::*;
+use bevy::time::TimeUpdateStrategy;
 use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::oracle::{point_distance, posed_vertices};
+use morph_collision_workspace::app::STEP;
 
 use super::programs::mouth_trigger::{Food, RADIUS, Score, game};
 use super::{head, play_until, program, weights};
@@ -29,10 +32,13 @@ fn what_gets_in_is_eaten_and_what_hits_the_skin_bounces() {
     let mut score = Score::default();
     let mut food = app.world_mut().query::<(Entity, &Food, &Transform)>();
     let mut before: HashMap<Entity, (bool, Vec3)> = HashMap::new();
+    // The jaw waits while files load, so that what is thrown meets the same mouth however long that takes.
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::ZERO));
     play_until(&mut app, |world| {
         world.query::<&MorphColliders>().iter(world).count() > 0
     });
     play_until(&mut app, |world| world.resource::<MorphTrees>().progress().is_done());
+    app.insert_resource(TimeUpdateStrategy::ManualDuration(STEP));
     let (mut bounced_while_open, mut eaten_at) = (0, Vec::new());
     for _ in 0..900 {
         app.update();

@@ -20,7 +20,6 @@ use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use parry3d::math::Pose as Place;
 use parry3d::shape::SharedShape;
-use tracing::{error, warn};
 
 use super::ahead::{Joints, Motion, ahead};
 use super::attach::AvianSurface;
@@ -30,10 +29,9 @@ use super::push::{Around, Sleep};
 use super::shape::WholeSurface;
 use super::{MorphAvianCollider, MorphAvianPart};
 use crate::collider::MorphColliderDisabled;
+use crate::physics::begin::{Sides, advance, set_sides};
 use crate::physics::clock::Lag;
-use crate::physics::inside::not_closed;
 use crate::physics::part::Pace;
-use crate::physics::range::{MAX_COORDINATE, box_in_range, in_range};
 use crate::skeletons::{BindPoses, Skeletons};
 
 /// Counts of [`MorphAvianCollider`]s in the last physics step.
@@ -217,28 +215,10 @@ pub(super) fn before_step(
             });
             // An entity whose collider is still to come is at its own transform.
             let own = own.filter(|_| collider.is_some());
-            let problem = match ahead(global, own, motion, (is_skinned, joints), dt) {
-                Ok(ahead) => {
-                    if let Err(complaint) = following.advance(weights, &shared, ahead, span, dt) {
-                        let name = name_of(entity);
-                        error!("the surface of entity `{name}` stays as it was: {complaint}");
-                    }
-                    let bounds = following.surface.lock().bounds();
-                    let fits = box_in_range(&bounds) && in_range(global.translation());
-                    (!fits).then(|| format!("it is larger than {MAX_COORDINATE:e} units or as far from the origin"))
-                }
-                Err(error) => Some(error.to_string()),
-            };
-            off = problem.is_some() || following.lacks_joints();
-            if let Some(problem) = &problem
-                && bad_place.as_ref() != Some(problem)
-            {
-                let name = name_of(entity);
-                error!(
-                    "the surface of entity `{name}` is left out of physics until its transform is good again: {problem}"
-                );
-            }
-            *bad_place = problem;
+            let ahead = ahead(global, own, motion, (is_skinned, joints), dt);
+            let at = global.translation();
+            let name = || name_of(entity);
+            off = !advance(following, (ahead, at), (weights, &shared), (span, dt), bad_place, name);
         }
         if off {
             // Movement of the surface while it is off does not count as motion.
@@ -251,16 +231,7 @@ pub(super) fn before_step(
         }
         let (friction, restitution, margin, layers, hooks, is_sensor, events, colliding) = mannered;
         let on_dynamic = body.is_some_and(|(_, state)| *state.0 == RigidBody::Dynamic);
-        let (turned, is_closed) = {
-            let mut posed = following.surface.lock();
-            (
-                posed.set_sides(settings.solid, on_dynamic, following.reshaped),
-                posed.is_closed(),
-            )
-        };
-        if settings.solid && !is_closed && !std::mem::replace(told_open, true) {
-            warn!("{}", not_closed(&name_of(entity)));
-        }
+        let Sides { turned, .. } = set_sides(following, (settings.solid, on_dynamic), told_open, || name_of(entity));
         let meets_as_whole = on_dynamic || is_sensor;
         let shape = || {
             let whole = WholeSurface::new(following.surface.clone(), meets_as_whole, now.clone());

@@ -5,6 +5,7 @@
 //! - `layout`: properties of a mesh that do not depend on its pose.
 //! - `drawn`, `timeline`, `clock`: what a surface is drawn with, and which moment of that a step uses.
 //! - `follow`, `moment`, `ahead`, `placed`: where a surface is, was and will be.
+//! - `begin`: what a surface does at the beginning of a step.
 //! - `inside`, `expel`: what is inside a closed surface, and how it gets out.
 //! - `point`: points of a surface and their velocities.
 //! - `sorted_boxes`: finds the moving bodies near a surface.
@@ -12,6 +13,7 @@
 //! - `scene`: all parts of a scene at once.
 
 pub(crate) mod ahead;
+pub(crate) mod begin;
 pub(crate) mod clock;
 pub(crate) mod drawn;
 pub(crate) mod expel;

@@ -38,7 +38,7 @@ impl Triangles {
         }
     }
 
-    /// Moves the same triangles. Contacts with them have to be computed anew, which the engine does if the collider has changed.
+    /// Moves the same triangles. The engine computes contacts with them anew because their collider has changed.
     pub(crate) fn move_to(&mut self, triangles: impl Iterator<Item = (Triangle, Option<TrianglePseudoNormals>)>) {
         self.corners.clear();
         self.normals.clear();
@@ -76,6 +76,12 @@ impl CompositeShape for Triangles {
 
     fn bvh(&self) -> &Bvh {
         &self.bvh
+    }
+
+    fn is_deformable(&self) -> bool {
+        // Triangles that are gathered for a question may be others than last time under the same numbers, so contacts of last time
+        // do not belong to them. The triangles of a part stay the same until its collider is told.
+        !self.numbers.is_empty()
     }
 }
 
@@ -271,5 +277,22 @@ impl Shape for Patch {
 
     fn as_composite_shape(&self) -> Option<&(dyn CompositeShape + Sync)> {
         self.present().map(|triangles| triangles as _)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use parry3d::math::Vector;
+    use parry3d::shape::{CompositeShape, Triangle};
+
+    use super::Triangles;
+
+    #[test]
+    fn contacts_are_only_kept_for_triangles_that_stay_the_same() {
+        let corners = vec![Triangle::new(Vector::ZERO, Vector::X, Vector::Y)];
+        let gathered = Triangles::new(vec![7], corners.clone(), Vec::new());
+        assert!(gathered.is_deformable());
+        let of_a_part = Triangles::new(Vec::new(), corners, Vec::new());
+        assert!(!of_a_part.is_deformable());
     }
 }

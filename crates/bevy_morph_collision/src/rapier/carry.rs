@@ -20,7 +20,7 @@ use super::MorphRapierCollider;
 use super::attach::RapierSurface;
 use super::character::{Character, GROUND_PREDICTION, Placed, Sight, height, length};
 use super::footing::Footing;
-use super::step::time_ahead;
+use super::timestep::time_ahead;
 
 /// How surfaces with a [`MorphRapierCollider`] carry a `KinematicCharacterController`.
 ///

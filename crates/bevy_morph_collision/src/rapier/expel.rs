@@ -11,125 +11,100 @@ use super::world::{Manners, Mover, Step, World};
 use crate::physics::expel::{Drive, Exit, Expelling, Guest};
 use crate::physics::follow::Following;
 
-/// The colliders near or inside a solid surface.
-#[derive(Default)]
-pub(super) struct Expulsion {
-    expelling: Expelling<ColliderHandle>,
+/// If a collider is inside a surface that pushes with parts, drives it out. Returns whether it is inside.
+pub(super) fn drive_out(
+    expelling: &mut Expelling<ColliderHandle>,
+    mover: &Mover,
+    following: &mut Following,
+    manners: &Manners,
+    step: &Step,
+    world: &mut World,
+) -> bool {
+    let Some(guest) = guest(mover, manners, world) else {
+        return false;
+    };
+    let Some(outward) = following.surface.lock().outward() else {
+        return false;
+    };
+    let travelled = following.travelled_before();
+    let exit = following.at_begin(|pose, place| {
+        let at = (pose, place);
+        expelling.exit(
+            mover.visitor.collider,
+            &guest,
+            at,
+            travelled,
+            f64::from(outward),
+            drive(step),
+        )
+    });
+    let Some(exit) = exit else { return false };
+    if let Some(body) = world.bodies.get_mut(mover.visitor.body) {
+        let change = exit.change_of(body.linvel(), following, &step.pace);
+        if change != Vec3::ZERO {
+            body.apply_impulse(change * body.mass(), true);
+            world.islands.wake_up(world.bodies, mover.visitor.body, true);
+        }
+    }
+    true
 }
 
-impl Expulsion {
-    /// Begins a step in which the surface pushes with parts.
-    pub(super) fn begin(&mut self) {
-        self.expelling.begin(None);
-    }
-
-    pub(super) fn keep(&mut self, mover: &Mover) {
-        self.expelling.keep(mover.visitor.collider);
-    }
-
-    pub(super) fn forget(&mut self) {
-        self.expelling.forget();
-    }
-
-    pub(super) fn stop(&mut self) {
-        self.expelling.stop();
-    }
-
-    /// If a collider is inside a surface that pushes with parts, drives it out. Returns whether it is inside.
-    pub(super) fn drive_out(
-        &mut self,
-        mover: &Mover,
-        following: &mut Following,
-        manners: &Manners,
-        step: &Step,
-        world: &mut World,
-    ) -> bool {
-        let Some(guest) = guest(mover, manners, world) else {
-            return false;
-        };
-        let Some(outward) = following.surface.lock().outward() else {
-            return false;
-        };
-        let travelled = following.travelled_before();
-        let exit = following.at_begin(|pose, place| {
-            let at = (pose, place);
-            self.expelling.exit(
-                mover.visitor.collider,
-                &guest,
-                at,
-                travelled,
-                f64::from(outward),
-                drive(step),
-            )
-        });
-        let Some(exit) = exit else { return false };
-        if let Some(body) = world.bodies.get_mut(mover.visitor.body) {
-            let change = exit.change_of(body.linvel(), following, &step.pace);
-            if change != Vec3::ZERO {
-                body.apply_impulse(change * body.mass(), true);
-                world.islands.wake_up(world.bodies, mover.visitor.body, true);
-            }
+/// Drives everything out of a surface on a dynamic body. That body is driven the other way.
+pub(super) fn drive_apart(
+    expelling: &mut Expelling<ColliderHandle>,
+    collider: ColliderHandle,
+    following: &mut Following,
+    manners: &Manners,
+    spared: &Spared,
+    step: &Step,
+    world: &mut World,
+) {
+    let (local, outward, in_collider): (Aabb, _, _) = {
+        let mut posed = following.surface.lock();
+        (posed.bounds(), posed.outward(), posed.collider_from_model)
+    };
+    let (Some(outward), Some(own), Some(place)) = (outward, step.body, place_of(collider, world)) else {
+        expelling.stop();
+        return;
+    };
+    expelling.begin(Some(&in_collider));
+    let travelled = following.travelled;
+    let bounds = local.transform_by(&place);
+    let own_rests = !following.moves && world.bodies.get(own).is_some_and(RigidBody::is_sleeping);
+    let mut meeting = Vec::new();
+    for mover in step.movers.meeting(&bounds, &mut meeting) {
+        let visitor = &mover.visitor;
+        if visitor.body == own || !mover.groups.test(manners.groups) || spared.contains(visitor.body) {
+            continue;
         }
-        true
-    }
-
-    /// Drives everything out of a surface on a dynamic body. That body is driven the other way.
-    pub(super) fn drive_apart(
-        &mut self,
-        collider: ColliderHandle,
-        following: &mut Following,
-        manners: &Manners,
-        spared: &Spared,
-        step: &Step,
-        world: &mut World,
-    ) {
-        let (local, outward, in_collider): (Aabb, _, _) = {
-            let mut posed = following.surface.lock();
-            (posed.bounds(), posed.outward(), posed.collider_from_model)
-        };
-        let (Some(outward), Some(own), Some(place)) = (outward, step.body, place_of(collider, world)) else {
-            self.stop();
-            return;
-        };
-        self.expelling.begin(Some(&in_collider));
-        let travelled = following.travelled;
-        let bounds = local.transform_by(&place);
-        let own_rests = !following.moves && world.bodies.get(own).is_some_and(RigidBody::is_sleeping);
-        let mut meeting = Vec::new();
-        for mover in step.movers.meeting(&bounds, &mut meeting) {
-            let visitor = &mover.visitor;
-            if visitor.body == own || !mover.groups.test(manners.groups) || spared.contains(visitor.body) {
-                continue;
-            }
-            if visitor.asleep && own_rests {
-                self.keep(mover);
-                continue;
-            }
-            // Before the surface is locked, because the other shape may be the same surface.
-            let Some(mut guest) = guest(mover, manners, world) else {
-                continue;
-            };
-            if let Some(own) = world.bodies.get(own) {
-                let turns = own.angvel().length() * own.center_of_mass().distance(guest.center.as_vec3());
-                guest.reach += f64::from((own.linvel().length() + turns) * step.pace.dt) + 0.1 * guest.size;
-            }
-            // All of this is in the collider's space, which moves with the body.
-            guest.center = place.inverse_transform_point(guest.center.as_vec3()).as_dvec3();
-            let exit = self.expelling.exit(
-                visitor.collider,
-                &guest,
-                (&mut following.surface.lock().pose, &in_collider),
-                travelled,
-                f64::from(outward),
-                drive(step),
-            );
-            if let Some(exit) = exit {
-                let direction = (place.rotation * exit.direction.as_vec3()).normalize_or_zero();
-                separate(world, [visitor.body, own], direction, &exit);
-            }
+        if visitor.asleep && own_rests {
+            expelling.keep(visitor.collider);
+            continue;
         }
-        self.forget();
+        // Before the surface is locked, because the other shape may be the same surface.
+        let Some(mut guest) = guest(mover, manners, world) else {
+            continue;
+        };
+        if let Some(own) = world.bodies.get(own) {
+            let turns = own.angvel().length() * own.center_of_mass().distance(guest.center.as_vec3());
+            guest.reach += f64::from((own.linvel().length() + turns) * step.pace.dt) + 0.1 * guest.size;
+        }
+        // All of this is in the collider's space, which moves with the body.
+        guest.center = place.inverse_transform_point(guest.center.as_vec3()).as_dvec3();
+        let exit = expelling.exit(
+            visitor.collider,
+            &guest,
+            (&mut following.surface.lock().pose, &in_collider),
+            travelled,
+            f64::from(outward),
+            drive(step),
+        );
+        if let Some(exit) = exit {
+            let direction = (place.rotation * exit.direction.as_vec3()).normalize_or_zero();
+            separate(world, [visitor.body, own], direction, &exit);
+        }
     }
+    expelling.forget();
 }
 
 /// A collider as seen by a surface that may drive it out. `None` if its groups forbid that.

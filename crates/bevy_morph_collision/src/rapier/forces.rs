@@ -2,7 +2,6 @@
 
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::prelude::*;
-use bevy_rapier3d::plugin::TimestepMode;
 use bevy_rapier3d::prelude::ContactForceEvent;
 use bevy_rapier3d::rapier::dynamics::{RigidBody, RigidBodySet};
 use bevy_rapier3d::rapier::geometry::{
@@ -100,28 +99,4 @@ fn threshold(collider: &Collider) -> f32 {
     } else {
         f32::MAX
     }
-}
-
-/// The length of a substep, given that of the step.
-pub(super) fn substep(mode: &TimestepMode, dt: f32) -> f32 {
-    let (substeps, scale) = match *mode {
-        TimestepMode::Fixed { substeps, .. } | TimestepMode::Variable { substeps, .. } => (substeps, 1.0),
-        TimestepMode::Interpolated {
-            substeps, time_scale, ..
-        } => (substeps, time_scale),
-    };
-    dt * scale / substeps.max(1) as f32
-}
-
-/// Whether Rapier does a single step without substeps in `dt` seconds.
-pub(super) fn is_one_step(mode: &TimestepMode, dt: f32) -> bool {
-    let (one, substeps) = match *mode {
-        TimestepMode::Fixed { substeps, .. } | TimestepMode::Variable { substeps, .. } => (dt, substeps),
-        TimestepMode::Interpolated {
-            dt,
-            time_scale,
-            substeps,
-        } => (dt * time_scale, substeps),
-    };
-    substeps <= 1 && dt <= one
 }

@@ -8,7 +8,7 @@
 //! - `link`, `obstacles`: on a dynamic body, parts are links of it for one step, and there are parts for everything nearby.
 //! - `expel`: drives bodies out of solid surfaces.
 //! - `world`: the parts of Rapier's world that surfaces read and change.
-//! - `step`: the systems around Rapier's step. `ahead`: where surfaces will be after it.
+//! - `step`: the systems around Rapier's step. `timestep`: how long it is. `ahead`: where surfaces will be after it.
 //! - `forces`, `touches`: reports of contacts. `spared`: bodies that joints keep a surface from pushing.
 //! - `footing`, `ground`, `carry`, `character`: the ground for character controllers, and how surfaces carry them.
 //! - `velocity`: velocities of surfaces, as a public system parameter.
@@ -34,6 +34,7 @@ mod scene;
 mod spared;
 mod step;
 mod sweep;
+mod timestep;
 mod touches;
 mod velocity;
 mod world;

@@ -9,12 +9,13 @@ use bevy_rapier3d::rapier::dynamics::{RigidBody, RigidBodyHandle, RigidBodySet};
 use bevy_rapier3d::rapier::geometry::{ColliderHandle, ColliderSet};
 use bevy_rapier3d::rapier::pipeline::ActiveEvents;
 
-use super::expel::Expulsion;
+use super::expel::{drive_apart, drive_out};
 use super::forces::{Forces, Stepped};
 use super::link::Carrier;
 use super::part::{PartBodies, PartHandles};
 use super::spared::Spared;
 use super::world::{Manners, Step, World};
+use crate::physics::expel::Expelling;
 use crate::physics::follow::Following;
 use crate::physics::layout::MeshLayout;
 use crate::physics::near::Nearby;
@@ -33,7 +34,8 @@ pub(super) struct Pushing {
     pub(super) repeats: bool,
     forces: Forces,
     spared: Spared,
-    expulsion: Expulsion,
+    /// The colliders near or inside the surface, if it is solid.
+    expelling: Expelling<ColliderHandle>,
     /// Bodies whose CCD is switched on or off for this step only, with their usual setting.
     bullets: Vec<(RigidBodyHandle, bool)>,
     // Scratch memory.
@@ -51,7 +53,7 @@ impl Pushing {
             repeats: false,
             forces: Forces::default(),
             spared: Spared::default(),
-            expulsion: Expulsion::default(),
+            expelling: Expelling::default(),
             bullets: Vec::new(),
             meeting: Vec::new(),
         }
@@ -68,7 +70,7 @@ impl Pushing {
 
     /// Removes all parts from the world and forgets what was near.
     pub(super) fn stop(&mut self, world: &mut World) {
-        self.expulsion.stop();
+        self.expelling.stop();
         self.stop_parts(world);
     }
 
@@ -104,7 +106,7 @@ impl Pushing {
         self.near.begin(following);
         let is_solid = following.surface.lock().is_solid() && !self.linked;
         if !self.linked {
-            self.expulsion.begin();
+            self.expelling.begin(None);
         }
         let reach = step.pace.prediction + carrier.as_ref().map_or(0.0, |carrier| carrier.way);
         let bounds = following.bounds();
@@ -126,7 +128,7 @@ impl Pushing {
             }
             events |= mover.events;
             if self.near.sleeps_on(visitor, following) {
-                self.expulsion.keep(mover);
+                self.expelling.keep(visitor.collider);
                 continue;
             }
             if !busy {
@@ -139,7 +141,7 @@ impl Pushing {
             } else {
                 self.near.look_near(visitor, following, &step.pace)
             };
-            let is_inside = is_solid && self.expulsion.drive_out(mover, following, &manners, step, world);
+            let is_inside = is_solid && drive_out(&mut self.expelling, mover, following, &manners, step, world);
             // Rapier sweeps fast bodies against fixed ones, but against kinematic ones, such as parts, only if they are bullets.
             // A body on its way out must not be a bullet, because the surface would stop it.
             if touches
@@ -163,7 +165,7 @@ impl Pushing {
         if let Some(carrier) = carrier {
             self.leave_out_unlinked(carrier, world.colliders);
         } else {
-            self.expulsion.forget();
+            self.expelling.forget();
         }
         for body in self.near.take_to_wake() {
             world.islands.wake_up(world.bodies, body, true);
@@ -200,7 +202,7 @@ impl Pushing {
 
     /// Stops driving out bodies that are inside.
     pub(super) fn stop_driving(&mut self) {
-        self.expulsion.stop();
+        self.expelling.stop();
     }
 
     /// Drives bodies out of a surface on a dynamic body.
@@ -213,8 +215,15 @@ impl Pushing {
         world: &mut World,
     ) {
         self.spared.find(step.body, world);
-        let Self { expulsion, spared, .. } = self;
-        expulsion.drive_apart(collider, following, manners, spared, step, world);
+        drive_apart(
+            &mut self.expelling,
+            collider,
+            following,
+            manners,
+            &self.spared,
+            step,
+            world,
+        );
     }
 
     /// Reports the contact forces of the surface in the step, if Rapier did not report those of its parts.

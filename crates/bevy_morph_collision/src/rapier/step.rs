@@ -18,23 +18,24 @@ use bevy_rapier3d::plugin::{RapierConfiguration, TimestepMode};
 use bevy_rapier3d::prelude::{ColliderDisabled, CollisionEvent, ContactForceEvent, RapierColliderHandle, SolverGroups};
 use bevy_rapier3d::rapier::dynamics::RigidBody;
 use bevy_rapier3d::rapier::geometry::InteractionGroups;
-use tracing::{error, warn};
+use tracing::error;
 
 use super::MorphRapierCollider;
 use super::ahead::ahead;
 use super::attach::RapierSurface;
-use super::forces::{Stepped, is_one_step, substep};
+use super::forces::Stepped;
 use super::link::{Carrier, Links};
 use super::obstacles::Obstacles;
+use super::timestep::{is_one_step, substep, time_ahead};
 use super::touches::tell_whole;
 use super::world::{Audience, Manners, Movers, Step, World, no_push};
 use crate::collider::MorphColliderDisabled;
 use crate::physics::ahead::{is_rigid, rigid_place};
-use crate::physics::clock::{Lag, Span};
+use crate::physics::begin::{Sides, advance, set_sides};
+use crate::physics::clock::Lag;
 use crate::physics::drawn::Shows;
-use crate::physics::inside::not_closed;
 use crate::physics::part::Pace;
-use crate::physics::range::{MAX_COORDINATE, box_in_range, in_range};
+use crate::physics::range::MAX_COORDINATE;
 use crate::skeletons::{BindPoses, Skeletons};
 
 /// Counts of [`MorphRapierCollider`]s in the last physics step.
@@ -191,8 +192,11 @@ pub(super) fn before_step(
             let (morph_disabled, collider_disabled) = disabled;
             let mut off = morph_disabled;
             if !morph_disabled {
-                let is_skinned = surface.following.is_skinned();
-                let drawn = &mut surface.following.drawn;
+                let RapierSurface {
+                    following, bad_place, ..
+                } = &mut *surface;
+                let is_skinned = following.is_skinned();
+                let drawn = &mut following.drawn;
                 let skin = skin.filter(|_| is_skinned);
                 let mut live = drawn.live(place, skin, &mut skeletons, bind_poses.as_deref(), &globals);
                 drawn.stands_alone = collider.parent().is_none();
@@ -201,28 +205,9 @@ pub(super) fn before_step(
                     live = drawn.at(span.end, live);
                 }
                 let ahead = ahead(collider, world.bodies, &live, is_skinned, dt);
-                let bad_place = match ahead {
-                    Ok(ahead) => {
-                        if let Err(complaint) = surface.following.advance(weights, &shared, ahead, span, dt) {
-                            let name = name_of(entity);
-                            error!("the surface of entity `{name}` stays as it was: {complaint}");
-                        }
-                        let bounds = surface.following.surface.lock().bounds();
-                        let fits = box_in_range(&bounds) && in_range(live.place.translation.into());
-                        (!fits).then(|| format!("it is larger than {MAX_COORDINATE:e} units or as far from the origin"))
-                    }
-                    Err(error) => Some(error.to_string()),
-                };
-                off = bad_place.is_some() || surface.following.lacks_joints();
-                if let Some(bad_place) = &bad_place
-                    && surface.bad_place.as_ref() != Some(bad_place)
-                {
-                    let name = name_of(entity);
-                    error!(
-                        "the surface of entity `{name}` is left out of physics until its transform is good again: {bad_place}"
-                    );
-                }
-                surface.bad_place = bad_place;
+                let at = Vec3::from(live.place.translation);
+                let name = || name_of(entity);
+                off = !advance(following, (ahead, at), (weights, &shared), (span, dt), bad_place, name);
                 let drawn_at = rigid_place(&live.place.into());
                 if !off
                     && collider.parent().is_none()
@@ -265,16 +250,8 @@ pub(super) fn before_step(
             let pushes_itself = !is_there || (on_dynamic && carrier.is_none());
             let own_groups = if pushes_itself { wanted } else { no_push(wanted) };
             let manners = Manners::of(collider, wanted);
-            let (turned, is_closed) = {
-                let mut posed = following.surface.lock();
-                (
-                    posed.set_sides(settings.solid, on_dynamic, following.reshaped),
-                    posed.is_closed(),
-                )
-            };
-            if settings.solid && !is_closed && !std::mem::replace(told_open, true) {
-                warn!("{}", not_closed(&name_of(entity)));
-            }
+            let sides = set_sides(following, (settings.solid, on_dynamic), told_open, || name_of(entity));
+            let Sides { turned, is_closed } = sides;
             let changed = following.moves || following.reshaped || turned;
             if (changed || collider.solver_groups() != own_groups)
                 && let Some(collider) = world.colliders.get_mut(handle.0)
@@ -379,36 +356,6 @@ pub(super) fn after_step(
         Some((&simulation.narrow_phase, colliders))
     });
     diagnostics.duration += start.elapsed();
-}
-
-/// How much time Rapier will simulate. If Rapier interpolates bodies between steps, also the time span of the drawn poses that
-/// the steps use.
-pub(super) fn time_ahead(mode: &TimestepMode, time: &Time, behind: f32) -> (f32, Option<Span>) {
-    let dt = match *mode {
-        TimestepMode::Fixed { dt, substeps } if substeps > 0 => dt,
-        TimestepMode::Variable {
-            max_dt,
-            time_scale,
-            substeps,
-        } if substeps > 0 => (time.delta_secs() * time_scale).min(max_dt),
-        TimestepMode::Interpolated {
-            dt,
-            time_scale,
-            substeps,
-        } if substeps > 0 && dt > 0.0 => {
-            let (mut left, mut steps) = (behind + time.delta_secs(), 0.0);
-            while left > 0.0 {
-                left -= dt;
-                steps += 1.0;
-            }
-            // Physics is ahead by up to one step, so it uses what was drawn one step earlier.
-            let end = time.elapsed_secs_f64() - f64::from(left) - f64::from(dt);
-            let begin = end - f64::from(steps) * f64::from(dt);
-            return (steps * dt * time_scale, Some(Span { begin, end }));
-        }
-        _ => 0.0,
-    };
-    (dt, None)
 }
 
 /// Gives every new context the dispatcher for surfaces, before the context has contacts and before a game can set another

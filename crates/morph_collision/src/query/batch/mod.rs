@@ -1,4 +1,9 @@
-//! Queries for many pairs of bodies at once, on the caller's threads.
+//! Queries for many pairs of bodies at once, on several threads.
+//!
+//! A [`BatchQuery`] answers a list of [`PairTask`]s. [`Workers`] provide the threads: [`ThreadWorkers`], rayon's (feature `rayon`), or your
+//! engine's.
+//!
+//! # How it works
 //!
 //! ```text
 //! tasks --plan--> units (a pair, or a part of a large pair) --schedule, on workers--> found --gather--> answers by task

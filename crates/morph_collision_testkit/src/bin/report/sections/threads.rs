@@ -25,7 +25,7 @@ pub(crate) fn threads(context: &Context, _: &str) -> Result<String, Box<dyn Erro
         Experiment::many_dolphins(100, 2, context.every),
         Experiment::dolphins(3, context.every),
     ];
-    let mut text = String::from("\n| wall time of a frame, over one thread's | wanted | ");
+    let mut text = String::from("\n| speed in wall time, relative to one thread | wanted | ");
     for count in &counts {
         write!(text, "{count} thread{} | ", if *count == 1 { "" } else { "s" })?;
     }

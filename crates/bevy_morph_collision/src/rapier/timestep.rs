@@ -1,0 +1,60 @@
+//! Rapier's modes of time steps.
+
+use bevy::prelude::*;
+use bevy_rapier3d::plugin::TimestepMode;
+
+use crate::physics::clock::Span;
+
+/// How much time Rapier will simulate. If Rapier interpolates bodies between steps, also the time span of the drawn poses that
+/// the steps use.
+pub(super) fn time_ahead(mode: &TimestepMode, time: &Time, behind: f32) -> (f32, Option<Span>) {
+    let dt = match *mode {
+        TimestepMode::Fixed { dt, substeps } if substeps > 0 => dt,
+        TimestepMode::Variable {
+            max_dt,
+            time_scale,
+            substeps,
+        } if substeps > 0 => (time.delta_secs() * time_scale).min(max_dt),
+        TimestepMode::Interpolated {
+            dt,
+            time_scale,
+            substeps,
+        } if substeps > 0 && dt > 0.0 => {
+            let (mut left, mut steps) = (behind + time.delta_secs(), 0.0);
+            while left > 0.0 {
+                left -= dt;
+                steps += 1.0;
+            }
+            // Physics is ahead by up to one step, so it uses what was drawn one step earlier.
+            let end = time.elapsed_secs_f64() - f64::from(left) - f64::from(dt);
+            let begin = end - f64::from(steps) * f64::from(dt);
+            return (steps * dt * time_scale, Some(Span { begin, end }));
+        }
+        _ => 0.0,
+    };
+    (dt, None)
+}
+
+/// The length of a substep, given that of the step.
+pub(super) fn substep(mode: &TimestepMode, dt: f32) -> f32 {
+    let (substeps, scale) = match *mode {
+        TimestepMode::Fixed { substeps, .. } | TimestepMode::Variable { substeps, .. } => (substeps, 1.0),
+        TimestepMode::Interpolated {
+            substeps, time_scale, ..
+        } => (substeps, time_scale),
+    };
+    dt * scale / substeps.max(1) as f32
+}
+
+/// Whether Rapier does a single step without substeps in `dt` seconds.
+pub(super) fn is_one_step(mode: &TimestepMode, dt: f32) -> bool {
+    let (one, substeps) = match *mode {
+        TimestepMode::Fixed { substeps, .. } | TimestepMode::Variable { substeps, .. } => (dt, substeps),
+        TimestepMode::Interpolated {
+            dt,
+            time_scale,
+            substeps,
+        } => (dt * time_scale, substeps),
+    };
+    substeps <= 1 && dt <= one
+}

@@ -5,7 +5,7 @@ default:
 
 # The checks that must pass before a change lands, in less than half an hour on two cores. The order lets later steps reuse what
 # earlier ones compiled: clippy and the docs share one build of Bevy, tests and examples another, and all release steps a third one without Bevy.
-ci: fmt-check clippy doc test demo-check package-list first-run determinism-release instructions-check verify-short fuzz-check
+ci: fmt-check clippy doc test demo-check package-list first-run determinism-release instructions-check verify-short
 
 # What a change rarely breaks, or what takes long. Run it before a release (all must be committed), and the part that a change touches before it lands.
 nightly: package features test-drawing verify stress (fuzz "60")
@@ -186,10 +186,6 @@ verify-short: release
     "$tool" verify assets/dolphin_564.glb --frames 50
     "$tool" verify assets/dolphin_2256.glb assets/pass_through_20480.glb --frames 10
     "$tool" stress --cases 54
-
-# Checks that the fuzz targets compile (needs a C++ compiler). The tests run them on their seeds and on everything that they ever found.
-fuzz-check:
-    cargo check --manifest-path fuzz/Cargo.toml --target-dir "${CARGO_TARGET_DIR:-target}"
 
 # Fuzzes the targets one after another for SECONDS each, regressions first (needs cargo install cargo-fuzz --locked and a C++ compiler).
 fuzz SECONDS:

@@ -3,11 +3,13 @@
 default:
     @just --list
 
-# The checks that must pass before a change lands, in less than half an hour on two cores. The order lets later steps reuse what
-# earlier ones compiled: clippy and the docs share one build of Bevy, tests and examples another, and all release steps a third one without Bevy.
+# The order lets later steps reuse what earlier ones compiled: clippy and the docs share one build of Bevy, tests and examples another,
+# and all release steps a third one without Bevy.
+# The checks that must pass before a change lands: less than half an hour on two cores.
 ci: fmt-check clippy doc test demo-check package-list first-run determinism-release instructions-check verify-short
 
-# What a change rarely breaks, or what takes long. Run it before a release (all must be committed), and the part that a change touches before it lands.
+# Everything must be committed, because packages are made from commits. Run the part that a change touches before it lands.
+# What a change rarely breaks, or what takes long. Run it before a release.
 nightly: package features test-drawing verify stress (fuzz "60")
 
 # Formats the code.

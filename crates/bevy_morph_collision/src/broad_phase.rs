@@ -26,6 +26,10 @@ pub(crate) struct Candidates {
     pub(crate) version: u64,
     // Kept to reuse memory, and for runs without changes.
     colliders: Vec<(Entity, Placement)>,
+    /// The same in the order of the query, and their indices in the order of entities. Placements are large, so they are not sorted
+    /// themselves.
+    found: Vec<(Entity, Placement)>,
+    order: Vec<(Entity, u32)>,
     bounds: Vec<Option<Aabb>>,
     overlaps: Vec<(u32, u32)>,
     counts: Counts,
@@ -234,15 +238,20 @@ impl Candidates {
 
     fn sweep(&mut self, colliders: &Query<Participant>) {
         self.counts = Counts::default();
-        self.colliders.clear();
+        self.found.clear();
+        self.order.clear();
         for participant in colliders {
             if let Some(&placed) = participant.state.seen_as() {
-                self.colliders.push((participant.entity, placed));
+                self.order.push((participant.entity, self.found.len() as u32));
+                self.found.push((participant.entity, placed));
                 let pose = participant.state.pose.as_ref();
                 self.counts.nodes += pose.map_or(0, |pose| pose.lock().bvh().node_count() as u64);
             }
         }
-        self.colliders.sort_unstable_by_key(|&(entity, _)| entity);
+        self.order.sort_unstable();
+        self.colliders.clear();
+        let in_order = self.order.iter().map(|&(_, index)| self.found[index as usize]);
+        self.colliders.extend(in_order);
 
         self.bounds.clear();
         let bounds = self

@@ -4,7 +4,7 @@ use fearless_simd::{Level, Simd};
 use glam::DVec3;
 
 use super::posed::{NodeId, Posed};
-use crate::bounds::{Aabb, BoxLanes, Extent, Frame, WorldFromModel, with_simd};
+use crate::bounds::{Aabb, BoxLanes, Extent, Frame, PlacedBounds, WorldFromModel, with_simd};
 use crate::model::{MorphModel, Weights};
 use crate::tree::{BODY_FRAME, ChildKind, Leaf, SkinTables};
 
@@ -100,6 +100,14 @@ impl<'a> Posed<'a> {
     pub(crate) fn body_from_bone(&mut self, frame: usize) -> Option<Frame> {
         let (_, skinning) = self.skin.as_mut()?;
         skinning.body_from_frame(frame)
+    }
+
+    /// The space of a joint as a body in the world; the body's own space for [`BODY_FRAME`], whether it is skinned or not.
+    pub(crate) fn placed_space(&mut self, space: usize) -> PlacedBounds {
+        match &self.skin {
+            Some((_, skinning)) if space != BODY_FRAME => skinning.placed(space),
+            _ => self.stand().placed.clone(),
+        }
     }
 
     pub(super) fn skin_tree(&self) -> Option<SkinTree<'a>> {

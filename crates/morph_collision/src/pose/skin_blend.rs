@@ -7,7 +7,7 @@ use fearless_simd::{f32x8, mask32x8};
 use super::blend::blend_group;
 use crate::bounds::{BoxLanes, Ends, JointMap, LANES, lanes_of};
 use crate::model::Weights;
-use crate::tree::{Block, SkinTables};
+use crate::tree::{Block, KEPT, SkinTables};
 
 /// Half a unit in the last place of 1.
 const U: f32 = f32::EPSILON / 2.0;
@@ -80,10 +80,14 @@ fn moved<'m, S: Simd>(
         drift = drift.max(map.drift);
     };
     let mut pivot = own;
-    for of in block.pivots {
+    let mut kept = [own; KEPT];
+    for (place, of) in block.pivots.iter().enumerate() {
         let map = map(of.map);
         note(map);
         let (image, is_its) = (image(map), mask32x8::from_bitmask(simd, u64::from(of.lanes)));
+        if let Some(kept) = kept.get_mut(place) {
+            *kept = image;
+        }
         for end in 0..2 {
             for axis in 0..3 {
                 pivot[end][axis] = is_its.select(image[end][axis], pivot[end][axis]);
@@ -92,9 +96,15 @@ fn moved<'m, S: Simd>(
     }
     let mut ends = pivot;
     for row in block.rows {
-        let map = map(row.map);
-        note(map);
-        let (image, least, most) = (image(map), row.low.load(simd), row.high.load(simd));
+        let image = match kept.get(usize::from(row.pivot)) {
+            Some(kept) => *kept,
+            None => {
+                let map = map(row.map);
+                note(map);
+                image(map)
+            }
+        };
+        let (least, most) = (row.low.load(simd), row.high.load(simd));
         for axis in 0..3 {
             let (low, high) = (image[0][axis] - pivot[0][axis], image[1][axis] - pivot[1][axis]);
             ends[0][axis] += (least * low).min(most * low);

@@ -274,15 +274,21 @@ impl Skinning {
     /// Computes the maps from a frame to the body's.
     fn place(&mut self, frame: usize) {
         let body = PlacedBounds::with_error(&self.frames[BODY_FRAME].place, DVec3::ZERO, self.error);
-        let of = &mut self.frames[frame];
-        if of.placed_in == self.version {
+        if self.frames[frame].placed_in == self.version {
             return;
         }
+        let placed = self.placed(frame);
+        let of = &mut self.frames[frame];
         of.placed_in = self.version;
-        let magnitude = of.place.model_reach(body.world_from_model().translation(), self.radius);
-        let placed = PlacedBounds::with_error(&of.place, DVec3::splat(magnitude), self.error);
         of.to_body = body.frame_from(&placed);
         of.boxes_to_body = of.to_body.and_then(|frame| BoxMap::new(&frame));
+    }
+
+    /// A frame as a body in the world. Its magnitude covers every vertex.
+    pub(super) fn placed(&self, frame: usize) -> PlacedBounds {
+        let (origin, place) = (self.frames[BODY_FRAME].place.translation(), &self.frames[frame].place);
+        let magnitude = place.model_reach(origin, self.radius);
+        PlacedBounds::with_error(place, DVec3::splat(magnitude), self.error)
     }
 
     pub(super) fn bytes(&self) -> usize {

@@ -1,10 +1,12 @@
 //! Culling: the sweep over many boxes, and the walks over one tree, over two trees, and over a tree against itself. The caller decides
 //! what happens at the leaves.
 
+mod joint_spaces;
 mod nearest;
 mod one;
 mod overlap;
 mod sweep;
+mod view;
 mod views;
 mod within;
 

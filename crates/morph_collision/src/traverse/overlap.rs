@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 
 use fearless_simd::Simd;
 
+use super::joint_spaces::JointSpaces;
 use super::views::{Node, Views};
 use crate::bounds::{Aabb, Frame, LANES, lanes_of, with_simd};
 use crate::pose::{NodeId, Posed, Standing};
@@ -40,6 +41,7 @@ pub(crate) type AtLeaves<'v, 'p> = dyn FnMut(&mut Posed<'p>, &mut Posed<'p>, &[(
 pub(crate) struct OverlapWalk {
     a: Views,
     b: Views,
+    joint_spaces: JointSpaces,
     /// The node pairs still to visit.
     stack: Vec<(Node, Node)>,
     leaves: Vec<(Leaf, Leaf)>,
@@ -51,8 +53,10 @@ pub(crate) struct OverlapWalk {
 impl OverlapWalk {
     /// Starts a query, without frames. `a_from_b_scale` converts lengths in B's units to A's, to compare sizes.
     pub(crate) fn begin(&mut self, [a, b]: [&Standing; 2], a_from_b_scale: f32) {
-        self.a.begin(a.root, 1.0, a.is_skinned);
-        self.b.begin(b.root, a_from_b_scale, b.is_skinned);
+        let any_skinned = a.is_skinned || b.is_skinned;
+        self.a.begin(a, 1.0, any_skinned);
+        self.b.begin(b, a_from_b_scale, any_skinned);
+        self.joint_spaces.begin();
     }
 
     /// Adds a frame and returns whether the bodies' bounds overlap in it. If all frames are in use, replaces the last one.
@@ -160,7 +164,7 @@ impl OverlapWalk {
                 if node_b.child.is_leaf() || dominates(self.a.size(node_a), self.b.size(node_b)) =>
             {
                 let slot = self.a.open(a, group);
-                let rows = self.rows(simd, slot, node_b);
+                let rows = self.rows(simd, (a, b), slot, node_b);
                 if order == Order::DeepestFirst && rows.count_ones() > 1 {
                     let depths = self.a.opened(slot).depths(simd, self.b.siblings(node_b), node_b.lane());
                     self.by_depth.add(rows, &depths);
@@ -174,14 +178,14 @@ impl OverlapWalk {
                 let (slot_a, rows) = match kind {
                     ChildKind::Group(group_a) if !dominates(self.b.size(node_b), self.a.size(node_a)) => {
                         let slot = self.a.open(a, group_a);
-                        (slot, self.rows(simd, slot, node_b))
+                        (slot, self.rows(simd, (a, b), slot, node_b))
                     }
                     _ => (node_a.slot(), 1 << node_a.lane()),
                 };
                 if rows != 0 {
                     let slot_b = self.b.open(b, group_b);
                     for row in lanes_of(rows) {
-                        self.descend_row(simd, (slot_a, row), slot_b, order);
+                        self.descend_row(simd, (a, b), (slot_a, row), slot_b, order);
                     }
                 }
             }
@@ -194,18 +198,28 @@ impl OverlapWalk {
 
     /// The children in a slot of A that overlap a node of B.
     #[inline(always)]
-    fn rows<S: Simd>(&mut self, simd: S, slot: usize, node_b: Node) -> u8 {
-        let opened = self.a.opened(slot);
+    fn rows<S: Simd>(&mut self, simd: S, trees: (&mut Posed<'_>, &mut Posed<'_>), slot: usize, node_b: Node) -> u8 {
+        let (opened, other) = (self.a.opened(slot), (self.b.siblings(node_b), node_b.lane()));
         self.node_tests += u64::from(opened.len);
-        opened.overlaps(simd, self.b.siblings(node_b), node_b.lane())
+        let mask = opened.overlaps(simd, other.0, other.1);
+        self.joint_spaces.of_a(simd, trees, opened, other, mask)
     }
 
     /// Pushes the children in a slot of B that overlap a child in a slot of A.
     #[inline(always)]
-    fn descend_row<S: Simd>(&mut self, simd: S, (slot_a, row): (usize, usize), slot_b: usize, order: Order) {
+    fn descend_row<S: Simd>(
+        &mut self,
+        simd: S,
+        trees: (&mut Posed<'_>, &mut Posed<'_>),
+        (slot_a, row): (usize, usize),
+        slot_b: usize,
+        order: Order,
+    ) {
         let (opened_a, opened_b) = (self.a.opened(slot_a), self.b.opened(slot_b));
         self.node_tests += u64::from(opened_b.len);
         let mask = opened_b.overlaps(simd, opened_a, row);
+        let of_a = ((opened_a, slot_a), row);
+        let mask = self.joint_spaces.of_b(simd, trees, of_a, (opened_b, slot_b), mask);
         if mask == 0 {
             return;
         }

@@ -2,59 +2,13 @@
 
 use fearless_simd::Simd;
 
-use crate::bounds::{Aabb, BoxLanes, BoxMap, Frame, LANES, Lanes, with_simd};
-use crate::pose::{EpochCache, NodeId, Posed};
-use crate::tree::Child;
+use super::view::View;
+use crate::bounds::{Aabb, BoxLanes, Frame, LANES, Lanes, with_simd};
+use crate::pose::{EpochCache, NodeId, Posed, Standing};
+use crate::tree::{BODY_FRAME, Child};
 
 /// Node pairs are compared in this many frames.
 const FRAMES: usize = 2;
-
-/// How a body's boxes are mapped to a frame.
-#[derive(Clone, Debug, Default)]
-struct View {
-    kind: Kind,
-    map: BoxMap,
-}
-
-#[derive(Clone, Copy, Debug, Default)]
-enum Kind {
-    /// The frame is the body's own space.
-    #[default]
-    Own,
-    /// The frame is another space.
-    Mapped,
-    /// The map exceeds the range of `f32`: nothing is culled.
-    Unbounded,
-}
-
-impl View {
-    #[inline]
-    fn set(&mut self, frame: Option<&Frame>) {
-        self.kind = match frame {
-            None => Kind::Own,
-            Some(frame) if self.map.set(frame) => Kind::Mapped,
-            Some(_) => Kind::Unbounded,
-        };
-    }
-
-    #[inline]
-    fn one(&self, one: &Aabb) -> Aabb {
-        match self.kind {
-            Kind::Own => *one,
-            Kind::Mapped => self.map.one(one),
-            Kind::Unbounded => Aabb::UNBOUNDED,
-        }
-    }
-
-    #[inline(always)]
-    fn all<S: Simd>(&self, simd: S, source: &BoxLanes, seen: &mut BoxLanes) {
-        match self.kind {
-            Kind::Own => *seen = *source,
-            Kind::Mapped => self.map.all(simd, source, seen),
-            Kind::Unbounded => (0..LANES).for_each(|lane| seen.set(lane, &Aabb::UNBOUNDED)),
-        }
-    }
-}
 
 /// How a skinned body's boxes, which are in the spaces of its joints, are mapped to the frames.
 #[derive(Debug, Default)]
@@ -88,7 +42,7 @@ impl BoneViews {
             for (view, frame) in self.views.get_mut(slot).iter_mut().zip(&self.frames) {
                 match &to_body {
                     Some(to_body) => view.set(Some(&frame.as_ref().map_or(*to_body, |frame| frame.after(to_body)))),
-                    None => view.kind = Kind::Unbounded,
+                    None => view.give_up(),
                 }
             }
             slot
@@ -101,6 +55,10 @@ impl BoneViews {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Opened {
     frames: [BoxLanes; FRAMES],
+    /// The space in which the boxes were blended: that of a joint, or the body's.
+    pub(super) home: usize,
+    /// The boxes in that space. Not filled if neither body is skinned.
+    pub(super) at_home: BoxLanes,
     /// The sums of the boxes' sides, in the first body's units.
     sizes: Lanes,
     children: [Child; LANES],
@@ -168,6 +126,8 @@ impl Node {
 pub(super) struct Views {
     views: [View; FRAMES],
     bones: BoneViews,
+    /// Whether either body is skinned, so that [`Opened::at_home`] is needed.
+    keeps_home: bool,
     /// Number of frames added.
     used: usize,
     /// Converts lengths to the first body's units.
@@ -177,16 +137,19 @@ pub(super) struct Views {
 }
 
 impl Views {
-    /// Starts a query without frames, in which only the root is known.
-    pub(super) fn begin(&mut self, root: Child, scale: f32, is_skinned: bool) {
+    /// Starts a query without frames, in which only the root is known. `any_skinned` says whether this body or the other one is skinned.
+    pub(super) fn begin(&mut self, of: &Standing, scale: f32, any_skinned: bool) {
         self.used = 0;
-        self.bones.begin(is_skinned);
+        self.bones.begin(of.is_skinned);
+        self.keeps_home = any_skinned;
         self.scale = scale;
         self.opened.next_epoch();
         let slot = self.opened.claim(NodeId::ROOT.group as usize);
         let opened = self.opened.get_mut(slot);
-        opened.children[0] = root;
+        opened.children[0] = of.root;
         (opened.group, opened.mask, opened.len) = (NodeId::ROOT.group, 1, 1);
+        opened.home = BODY_FRAME;
+        opened.at_home.set(0, &of.bounds);
         for frame in &mut opened.frames {
             frame.set(0, &Aabb::UNBOUNDED);
         }
@@ -227,10 +190,15 @@ impl Views {
         if let Some(bone) = tree.open_in_bone(group) {
             let views = &self.bones.views(tree, bone.frame)[..used];
             if let Some(boxes) = tree.bone_boxes(bone) {
+                (opened.home, opened.at_home) = (bone.frame, *boxes);
                 with_simd!(tree.level, simd => opened.fill(simd, boxes, views, self.scale));
             }
         } else {
             let blended = tree.open(group);
+            opened.home = BODY_FRAME;
+            if self.keeps_home {
+                opened.at_home = *tree.boxes(blended);
+            }
             with_simd!(tree.level, simd => opened.fill(simd, tree.boxes(blended), &self.views[..used], self.scale));
         }
         slot

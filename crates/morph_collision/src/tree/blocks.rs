@@ -6,8 +6,8 @@ use crate::bounds::{LANES, Lanes};
 /// A lane of a block: a child, and one of its clusters if there is one.
 pub(super) type Lane<'c> = (usize, Option<&'c Cluster>);
 
-/// Divides the clusters of a group's children into blocks, in one of two ways: block `i` has the `i`-th cluster of each child, or the
-/// clusters of all children are sorted by their joints and cut into blocks. Returns whichever takes fewer instructions.
+/// Divides the clusters of a group's children into blocks, in one of two ways: block `i` has the `i`-th cluster of each child, or
+/// clusters that share joints come together. Returns whichever takes fewer instructions.
 pub(super) fn arranged(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
     let most = children.iter().map(Vec::len).max().unwrap_or(0);
     let of_each = |place| {
@@ -18,16 +18,15 @@ pub(super) fn arranged(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
             .collect()
     };
     let by_child: Vec<Vec<Lane<'_>>> = (0..most).map(of_each).collect();
-    let mut all: Vec<Lane<'_>> = Vec::new();
-    for (child, clusters) in children.iter().enumerate() {
-        all.extend(clusters.iter().map(|cluster| (child, Some(cluster))));
-    }
-    all.sort_by_key(|(_, cluster)| cluster.map(Cluster::key));
-    let by_joint: Vec<Vec<Lane<'_>>> = all.chunks(LANES).map(<[_]>::to_vec).collect();
+    let by_joint = grouped(children);
     let cost = |blocks: &[Vec<Lane<'_>>], scattering: usize| -> usize {
         let of_block = |lanes: &Vec<Lane<'_>>| {
-            let Steps { pivots, rows } = steps(lanes);
-            BLOCK + PIVOT * pivots.len() + ROW * rows.len() + scattering
+            let mut joints = Joints::default();
+            lanes
+                .iter()
+                .filter_map(|lane| lane.1)
+                .for_each(|cluster| joints.add(cluster));
+            BLOCK + scattering + joints.cost()
         };
         blocks.iter().map(of_block).sum()
     };
@@ -38,11 +37,70 @@ pub(super) fn arranged(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
     }
 }
 
-/// The instructions that the steps of the kernel take, counted once, with AVX2, and rounded.
+/// Blocks whose clusters share joints. Each starts with the first cluster left, in the order of their joints, and takes one by one
+/// the cluster that adds the least.
+fn grouped(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
+    let mut left: Vec<(usize, &Cluster)> = Vec::new();
+    for (child, clusters) in children.iter().enumerate() {
+        left.extend(clusters.iter().map(|cluster| (child, cluster)));
+    }
+    left.sort_by_key(|(_, cluster)| cluster.key());
+    let mut blocks = Vec::with_capacity(left.len().div_ceil(LANES));
+    while !left.is_empty() {
+        let (mut block, mut joints) = (Vec::with_capacity(LANES), Joints::default());
+        while block.len() < LANES && !left.is_empty() {
+            let candidates = left.iter().take(CANDIDATES).enumerate();
+            let cost = |(_, (_, cluster)): &(usize, &(usize, &Cluster))| joints.cost_with(cluster);
+            let next = candidates.min_by_key(cost).map_or(0, |(place, _)| place);
+            let (child, cluster) = left.remove(next);
+            joints.add(cluster);
+            block.push((child, Some(cluster)));
+        }
+        blocks.push(block);
+    }
+    blocks
+}
+
+/// Bounds the work on groups with thousands of clusters.
+const CANDIDATES: usize = 256;
+
+/// The instructions that the steps of the kernel take, counted once, with AVX2, and rounded: for a block, for the images of its boxes
+/// under a joint, and for using these images in a pivot or a row.
 const BLOCK: usize = 160;
-const PIVOT: usize = 120;
-const ROW: usize = 140;
+const IMAGE: usize = 80;
+const PIVOT: usize = 40;
+const ROW: usize = 60;
 const SCATTERING: usize = 190;
+
+/// The joints that move a block.
+#[derive(Clone, Default)]
+struct Joints {
+    pivots: Vec<u16>,
+    rows: Vec<u16>,
+}
+
+impl Joints {
+    fn add(&mut self, cluster: &Cluster) {
+        let add = |joints: &mut Vec<u16>, joint| {
+            if !joints.contains(&joint) {
+                joints.push(joint);
+            }
+        };
+        add(&mut self.pivots, cluster.strongest());
+        cluster.others().for_each(|weight| add(&mut self.rows, weight.joint));
+    }
+
+    fn cost(&self) -> usize {
+        let images = self.rows.iter().filter(|joint| !self.pivots.contains(joint)).count() + self.pivots.len();
+        IMAGE * images + PIVOT * self.pivots.len() + ROW * self.rows.len()
+    }
+
+    fn cost_with(&self, cluster: &Cluster) -> usize {
+        let mut joints = self.clone();
+        joints.add(cluster);
+        joints.cost()
+    }
+}
 
 /// The joints of a block: the strongest one of each lane, and the weights of all others.
 #[derive(Default)]

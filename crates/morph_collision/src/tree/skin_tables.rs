@@ -31,10 +31,15 @@ pub(crate) struct Pivot {
     pub(crate) lanes: u8,
 }
 
+/// The kernel keeps the images under this many pivots of a block for its rows.
+pub(crate) const KEPT: usize = 4;
+
 /// The weight interval of a joint for each cluster of a block.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row {
     pub(crate) map: u32,
+    /// The index of the block's pivot with the same map, if it is one of the first [`KEPT`]; otherwise `KEPT`.
+    pub(crate) pivot: u8,
     pub(crate) low: Lanes,
     pub(crate) high: Lanes,
 }
@@ -237,11 +242,18 @@ impl SkinBuilder {
             let map = self.map(frame, joint);
             self.tables.pivots.push(Pivot { map, lanes });
         }
+        header.pivots.end = self.tables.pivots.len() as u32;
         for (joint, [low, high]) in rows {
             let map = self.map(frame, joint);
-            self.tables.rows.push(Row { map, low, high });
+            let pivots = &self.tables.pivots[header.pivots.start as usize..header.pivots.end as usize];
+            let pivot = pivots.iter().take(KEPT).position(|pivot| pivot.map == map);
+            self.tables.rows.push(Row {
+                map,
+                pivot: pivot.unwrap_or(KEPT) as u8,
+                low,
+                high,
+            });
         }
-        header.pivots.end = self.tables.pivots.len() as u32;
         header.rows.end = self.tables.rows.len() as u32;
         // Lanes without a cluster get a point near the others, so that all numbers stay small.
         let first = lanes.iter().find_map(|(_, cluster)| *cluster);

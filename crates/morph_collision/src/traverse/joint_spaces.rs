@@ -1,0 +1,189 @@
+//! Compares boxes of skinned bodies in the spaces of the joints in which they were blended.
+//!
+//! A box that was mapped from a joint's space to the frames of two bodies is larger there, unless the joint's axes happen to be
+//! parallel to theirs. Compared in the spaces of both joints, each box is as tight as it was blended. Such a test costs more, so only
+//! boxes that overlap in the frames of the bodies get it.
+
+use fearless_simd::Simd;
+
+use super::view::View;
+use super::views::Opened;
+use crate::bounds::BoxLanes;
+use crate::pose::Posed;
+use crate::tree::BODY_FRAME;
+
+/// The number of pairs of spaces whose maps are kept. If two pairs have the same place, the later one replaces the other.
+const KEPT: usize = 256;
+
+/// The maps between the spaces of two bodies' joints. The next query reuses the memory.
+#[derive(Debug, Default)]
+pub(super) struct JointSpaces {
+    /// Empty until a skinned body is met.
+    maps: Vec<Maps>,
+    /// Counts the queries.
+    query: u32,
+    /// Boxes of B in the space of A's boxes, and the slots of both.
+    mapped: BoxLanes,
+    slots: Option<[usize; 2]>,
+}
+
+/// The maps between a space of A and a space of B.
+#[derive(Clone, Debug, Default)]
+struct Maps {
+    query: u32,
+    spaces: [usize; 2],
+    b_from_a: View,
+    a_from_b: View,
+}
+
+impl JointSpaces {
+    /// Starts a query: discards everything.
+    pub(super) fn begin(&mut self) {
+        self.slots = None;
+        self.query = self.query.wrapping_add(1);
+        if self.query == 0 {
+            self.maps.clear();
+            self.query = 1;
+        }
+    }
+
+    /// Those of A's children in `mask` whose boxes overlap the box of B's child in the space of A's boxes. The space of B's is left out:
+    /// these children are opened next, or compared one by one with the children of B's.
+    #[inline(always)]
+    pub(super) fn of_a<S: Simd>(
+        &mut self,
+        simd: S,
+        trees: (&mut Posed<'_>, &mut Posed<'_>),
+        a: &Opened,
+        (b, lane): (&Opened, usize),
+        mask: u8,
+    ) -> u8 {
+        if mask == 0 || a.home == BODY_FRAME {
+            return mask;
+        }
+        let maps = self.maps(trees, [a.home, b.home]);
+        mask & a.at_home.overlap_mask(simd, &maps.a_from_b.one(&b.at_home.get(lane)))
+    }
+
+    /// Those of B's children in `mask` whose boxes overlap the box of A's child in the spaces of both.
+    #[inline(always)]
+    pub(super) fn of_b<S: Simd>(
+        &mut self,
+        simd: S,
+        trees: (&mut Posed<'_>, &mut Posed<'_>),
+        ((a, slot_a), lane): ((&Opened, usize), usize),
+        (b, slot_b): (&Opened, usize),
+        mut mask: u8,
+    ) -> u8 {
+        if mask == 0 || [a.home, b.home] == [BODY_FRAME; 2] {
+            return mask;
+        }
+        let of_a = a.at_home.get(lane);
+        if b.home != BODY_FRAME {
+            let maps = self.maps((&mut *trees.0, &mut *trees.1), [a.home, b.home]);
+            mask &= b.at_home.overlap_mask(simd, &maps.b_from_a.one(&of_a));
+        }
+        if mask != 0 && a.home != BODY_FRAME {
+            let slots = Some([slot_a, slot_b]);
+            if self.slots != slots {
+                let mut mapped = BoxLanes::default();
+                self.maps(trees, [a.home, b.home])
+                    .a_from_b
+                    .all(simd, &b.at_home, &mut mapped);
+                (self.mapped, self.slots) = (mapped, slots);
+            }
+            mask &= self.mapped.overlap_mask(simd, &of_a);
+        }
+        mask
+    }
+
+    #[inline(always)]
+    fn maps(&mut self, trees: (&mut Posed<'_>, &mut Posed<'_>), spaces: [usize; 2]) -> &Maps {
+        let place = (spaces[0] * 31 + spaces[1]) % KEPT;
+        let is_made = |maps: &Maps| maps.query == self.query && maps.spaces == spaces;
+        if !self.maps.get(place).is_some_and(is_made) {
+            self.make(trees, spaces, place);
+        }
+        &self.maps[place]
+    }
+
+    #[inline(never)]
+    fn make(&mut self, (a, b): (&mut Posed<'_>, &mut Posed<'_>), spaces: [usize; 2], place: usize) {
+        if self.maps.is_empty() {
+            self.maps.resize(KEPT, Maps::default());
+        }
+        let (a, b) = (a.placed_space(spaces[0]), b.placed_space(spaces[1]));
+        let maps = &mut self.maps[place];
+        (maps.query, maps.spaces) = (self.query, spaces);
+        for (view, frame) in [
+            (&mut maps.b_from_a, b.frame_from(&a)),
+            (&mut maps.a_from_b, a.frame_from(&b)),
+        ] {
+            match frame {
+                Some(frame) => view.set(Some(&frame)),
+                None => view.give_up(),
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f32::consts::FRAC_PI_4;
+    use std::sync::Arc;
+
+    use glam::{Affine3A, Vec3};
+
+    use crate::{Body, BuildOptions, Influences, JointMatrices, MorphBvh, MorphModel, PairQuery, Pose, WorldFromModel};
+
+    /// A large plate far below, which decides the body's frame, and a thin strip along x. One joint moves each.
+    fn plate_and_strip() -> Pose {
+        let plate = [Vec3::ZERO, Vec3::X, Vec3::Y].map(|corner| 100.0 * corner - 200.0 * Vec3::Z);
+        let strip = (0..=64).flat_map(|i| [0.0, 0.01].map(|y| Vec3::new(i as f32 / 4.0, y, 0.0)));
+        let positions: Vec<_> = std::iter::repeat_n(plate, 60).flatten().chain(strip).collect();
+        let triangles: Vec<_> = (0..60)
+            .map(|i| 3 * i)
+            .chain(180..180 + 128)
+            .map(|i| [i, i + 1, i + 2])
+            .collect();
+        let joints: Vec<_> = (0..positions.len()).map(|i| [u16::from(i >= 180), 0, 0, 0]).collect();
+        let weights = vec![[1.0, 0.0, 0.0, 0.0]; positions.len()];
+        let influences = Influences {
+            joints: &joints,
+            weights: &weights,
+        };
+        let no_targets: [Vec<Vec3>; 0] = [];
+        let model = MorphModel::skinned(&positions, &triangles, &no_targets, 2, &[influences]).unwrap();
+        Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())))
+    }
+
+    /// The pairs of triangles tested, and those found, for two strips that are turned by these angles. The second is moved along y.
+    fn tested_and_found(angles: [f32; 2], along_y: f32) -> (u64, usize) {
+        let mut poses = [plate_and_strip(), plate_and_strip()];
+        for ((pose, angle), y) in poses.iter_mut().zip(angles).zip([0.0, along_y]) {
+            let strip = Affine3A::from_translation(Vec3::Y * y) * Affine3A::from_rotation_z(angle);
+            let plate = Affine3A::from_translation(Vec3::Z * -1000.0 * y);
+            pose.set_joints(&JointMatrices::new(&[plate, strip]).unwrap()).unwrap();
+        }
+        let [a, b] = &mut poses;
+        let place = WorldFromModel::IDENTITY;
+        let (mut query, mut pairs) = (PairQuery::default(), Vec::new());
+        query.all(Body::new(a, &place), Body::new(b, &place), &mut pairs);
+        (query.stats().triangle_tests, pairs.len())
+    }
+
+    #[test]
+    fn slanted_boxes_side_by_side_are_told_apart() {
+        // The distance of the strips is less than the length of a leaf.
+        assert_eq!(tested_and_found([FRAC_PI_4; 2], 0.5), (0, 0));
+        assert_eq!(tested_and_found([-FRAC_PI_4; 2], -0.5), (0, 0));
+    }
+
+    #[test]
+    fn slanted_boxes_that_touch_are_not() {
+        let (_, found) = tested_and_found([FRAC_PI_4, 0.1], 1.0);
+        assert!(found > 0);
+        let (_, found) = tested_and_found([FRAC_PI_4; 2], 0.01);
+        assert!(found >= 64, "{found}");
+    }
+}

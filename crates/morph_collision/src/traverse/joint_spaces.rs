@@ -58,7 +58,7 @@ impl JointSpaces {
         (b, lane): (&Opened, usize),
         mask: u8,
     ) -> u8 {
-        if mask == 0 || a.home == BODY_FRAME {
+        if a.home == BODY_FRAME {
             return mask;
         }
         let maps = self.maps(trees, [a.home, b.home]);
@@ -75,7 +75,7 @@ impl JointSpaces {
         (b, slot_b): (&Opened, usize),
         mut mask: u8,
     ) -> u8 {
-        if mask == 0 || [a.home, b.home] == [BODY_FRAME; 2] {
+        if [a.home, b.home] == [BODY_FRAME; 2] {
             return mask;
         }
         let of_a = a.at_home.get(lane);

@@ -41,7 +41,9 @@ pub(crate) type AtLeaves<'v, 'p> = dyn FnMut(&mut Posed<'p>, &mut Posed<'p>, &[(
 pub(crate) struct OverlapWalk {
     a: Views,
     b: Views,
+    /// Used if either body is skinned.
     joint_spaces: JointSpaces,
+    any_skinned: bool,
     /// The node pairs still to visit.
     stack: Vec<(Node, Node)>,
     leaves: Vec<(Leaf, Leaf)>,
@@ -53,10 +55,12 @@ pub(crate) struct OverlapWalk {
 impl OverlapWalk {
     /// Starts a query, without frames. `a_from_b_scale` converts lengths in B's units to A's, to compare sizes.
     pub(crate) fn begin(&mut self, [a, b]: [&Standing; 2], a_from_b_scale: f32) {
-        let any_skinned = a.is_skinned || b.is_skinned;
-        self.a.begin(a, 1.0, any_skinned);
-        self.b.begin(b, a_from_b_scale, any_skinned);
-        self.joint_spaces.begin();
+        self.any_skinned = a.is_skinned || b.is_skinned;
+        self.a.begin(a, 1.0, self.any_skinned);
+        self.b.begin(b, a_from_b_scale, self.any_skinned);
+        if self.any_skinned {
+            self.joint_spaces.begin();
+        }
     }
 
     /// Adds a frame and returns whether the bodies' bounds overlap in it. If all frames are in use, replaces the last one.
@@ -202,6 +206,9 @@ impl OverlapWalk {
         let (opened, other) = (self.a.opened(slot), (self.b.siblings(node_b), node_b.lane()));
         self.node_tests += u64::from(opened.len);
         let mask = opened.overlaps(simd, other.0, other.1);
+        if mask == 0 || !self.any_skinned {
+            return mask;
+        }
         self.joint_spaces.of_a(simd, trees, opened, other, mask)
     }
 
@@ -217,9 +224,11 @@ impl OverlapWalk {
     ) {
         let (opened_a, opened_b) = (self.a.opened(slot_a), self.b.opened(slot_b));
         self.node_tests += u64::from(opened_b.len);
-        let mask = opened_b.overlaps(simd, opened_a, row);
-        let of_a = ((opened_a, slot_a), row);
-        let mask = self.joint_spaces.of_b(simd, trees, of_a, (opened_b, slot_b), mask);
+        let mut mask = opened_b.overlaps(simd, opened_a, row);
+        if mask != 0 && self.any_skinned {
+            let of_a = ((opened_a, slot_a), row);
+            mask = self.joint_spaces.of_b(simd, trees, of_a, (opened_b, slot_b), mask);
+        }
         if mask == 0 {
             return;
         }

@@ -149,7 +149,9 @@ impl Views {
         opened.children[0] = of.root;
         (opened.group, opened.mask, opened.len) = (NodeId::ROOT.group, 1, 1);
         opened.home = BODY_FRAME;
-        opened.at_home.set(0, &of.bounds);
+        if any_skinned {
+            opened.at_home.set(0, &of.bounds);
+        }
         for frame in &mut opened.frames {
             frame.set(0, &Aabb::UNBOUNDED);
         }

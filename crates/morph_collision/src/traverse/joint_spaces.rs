@@ -136,11 +136,11 @@ mod tests {
 
     use crate::{Body, BuildOptions, Influences, JointMatrices, MorphBvh, MorphModel, PairQuery, Pose, WorldFromModel};
 
-    /// A large plate far below, which decides the body's frame, and a thin strip along x. One joint moves each.
-    fn plate_and_strip() -> Pose {
-        let plate = [Vec3::ZERO, Vec3::X, Vec3::Y].map(|corner| 100.0 * corner - 200.0 * Vec3::Z);
+    /// A stack of plates far below, which decides the body's frame, and a thin strip along x. One joint moves each.
+    fn plates_and_strip() -> Pose {
+        let plate = |i| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|corner| 100.0 * corner - (200 + i) as f32 * Vec3::Z);
         let strip = (0..=64).flat_map(|i| [0.0, 0.01].map(|y| Vec3::new(i as f32 / 4.0, y, 0.0)));
-        let positions: Vec<_> = std::iter::repeat_n(plate, 60).flatten().chain(strip).collect();
+        let positions: Vec<_> = (0..60).flat_map(plate).chain(strip).collect();
         let triangles: Vec<_> = (0..60)
             .map(|i| 3 * i)
             .chain(180..180 + 128)
@@ -157,13 +157,17 @@ mod tests {
         Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())))
     }
 
-    /// The pairs of triangles tested, and those found, for two strips that are turned by these angles. The second is moved along y.
-    fn tested_and_found(angles: [f32; 2], along_y: f32) -> (u64, usize) {
-        let mut poses = [plate_and_strip(), plate_and_strip()];
+    /// The pairs of triangles tested and those found, for two strips that are turned by these angles. The second is moved along y.
+    /// `refitted` bodies have no boxes in the spaces of joints.
+    fn tested_and_found(angles: [f32; 2], along_y: f32, refitted: bool) -> (u64, usize) {
+        let mut poses = [plates_and_strip(), plates_and_strip()];
         for ((pose, angle), y) in poses.iter_mut().zip(angles).zip([0.0, along_y]) {
             let strip = Affine3A::from_translation(Vec3::Y * y) * Affine3A::from_rotation_z(angle);
-            let plate = Affine3A::from_translation(Vec3::Z * -1000.0 * y);
-            pose.set_joints(&JointMatrices::new(&[plate, strip]).unwrap()).unwrap();
+            let plates = Affine3A::from_translation(Vec3::Z * -1000.0 * y);
+            pose.set_joints(&JointMatrices::new(&[plates, strip]).unwrap()).unwrap();
+            if refitted {
+                pose.refit();
+            }
         }
         let [a, b] = &mut poses;
         let place = WorldFromModel::IDENTITY;
@@ -174,16 +178,24 @@ mod tests {
 
     #[test]
     fn slanted_boxes_side_by_side_are_told_apart() {
-        // The distance of the strips is less than the length of a leaf.
-        assert_eq!(tested_and_found([FRAC_PI_4; 2], 0.5), (0, 0));
-        assert_eq!(tested_and_found([-FRAC_PI_4; 2], -0.5), (0, 0));
+        for (angle, distance) in [(FRAC_PI_4, 0.5), (-FRAC_PI_4, -0.5)] {
+            // The distance of the strips is less than the length of a leaf.
+            let (in_body_frames, _) = tested_and_found([angle; 2], distance, true);
+            assert!(in_body_frames >= 64, "{in_body_frames}");
+            assert_eq!(tested_and_found([angle; 2], distance, false), (0, 0));
+        }
     }
 
     #[test]
     fn slanted_boxes_that_touch_are_not() {
-        let (_, found) = tested_and_found([FRAC_PI_4, 0.1], 1.0);
-        assert!(found > 0);
-        let (_, found) = tested_and_found([FRAC_PI_4; 2], 0.01);
-        assert!(found >= 64, "{found}");
+        for (angles, along_y, least) in [
+            ([FRAC_PI_4, 0.1], 1.0, 1),
+            ([0.1, -0.5], 1.0, 1),
+            ([FRAC_PI_4; 2], 0.01, 64),
+        ] {
+            let (_, found) = tested_and_found(angles, along_y, false);
+            assert_eq!(found, tested_and_found(angles, along_y, true).1, "{angles:?}");
+            assert!(found >= least, "{angles:?}: {found}");
+        }
     }
 }

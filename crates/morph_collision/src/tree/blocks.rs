@@ -21,12 +21,9 @@ pub(super) fn arranged(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
     let by_joint = grouped(children);
     let cost = |blocks: &[Vec<Lane<'_>>], scattering: usize| -> usize {
         let of_block = |lanes: &Vec<Lane<'_>>| {
-            let mut joints = Joints::default();
-            lanes
-                .iter()
-                .filter_map(|lane| lane.1)
-                .for_each(|cluster| joints.add(cluster));
-            BLOCK + scattering + joints.cost()
+            let mut needs = Needs::default();
+            let clusters = lanes.iter().filter_map(|lane| lane.1);
+            BLOCK + scattering + clusters.map(|cluster| needs.add(cluster)).sum::<usize>()
         };
         blocks.iter().map(of_block).sum()
     };
@@ -37,8 +34,8 @@ pub(super) fn arranged(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
     }
 }
 
-/// Blocks whose clusters share joints. Each starts with the first cluster left, in the order of their joints, and takes one by one
-/// the cluster that adds the least.
+/// Blocks whose clusters share joints and targets. Each starts with the first cluster left, in the order of their joints, and takes
+/// one by one the cluster that adds the least.
 fn grouped(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
     let mut left: Vec<(usize, &Cluster)> = Vec::new();
     for (child, clusters) in children.iter().enumerate() {
@@ -47,13 +44,12 @@ fn grouped(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
     left.sort_by_key(|(_, cluster)| cluster.key());
     let mut blocks = Vec::with_capacity(left.len().div_ceil(LANES));
     while !left.is_empty() {
-        let (mut block, mut joints) = (Vec::with_capacity(LANES), Joints::default());
+        let (mut block, mut needs) = (Vec::with_capacity(LANES), Needs::default());
         while block.len() < LANES && !left.is_empty() {
             let candidates = left.iter().take(CANDIDATES).enumerate();
-            let cost = |(_, (_, cluster)): &(usize, &(usize, &Cluster))| joints.cost_with(cluster);
-            let next = candidates.min_by_key(cost).map_or(0, |(place, _)| place);
-            let (child, cluster) = left.remove(next);
-            joints.add(cluster);
+            let next = candidates.min_by_key(|(_, (_, cluster))| needs.cost_of(cluster));
+            let (child, cluster) = left.remove(next.map_or(0, |(place, _)| place));
+            needs.add(cluster);
             block.push((child, Some(cluster)));
         }
         blocks.push(block);
@@ -64,23 +60,49 @@ fn grouped(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
 /// Bounds the work on groups with thousands of clusters.
 const CANDIDATES: usize = 256;
 
-/// The instructions that the steps of the kernel take, counted once, with AVX2, and rounded: for a block, for the images of its boxes
-/// under a joint, and for using these images in a pivot or a row.
+/// The instructions that the kernel takes for a block, counted once, with AVX2, and rounded: for the block itself, for a target, for the
+/// images of its boxes under a joint, for using these images in a pivot or a row, and for scattering the results.
 const BLOCK: usize = 160;
+const TARGET: usize = 30;
 const IMAGE: usize = 80;
 const PIVOT: usize = 40;
 const ROW: usize = 60;
 const SCATTERING: usize = 190;
 
-/// The joints that move a block.
-#[derive(Clone, Default)]
-struct Joints {
+/// The joints and targets that move a block.
+#[derive(Default)]
+struct Needs {
     pivots: Vec<u16>,
     rows: Vec<u16>,
+    /// Ascending.
+    targets: Vec<u16>,
 }
 
-impl Joints {
-    fn add(&mut self, cluster: &Cluster) {
+impl Needs {
+    /// How many more instructions the block takes with this cluster.
+    fn cost_of(&self, cluster: &Cluster) -> usize {
+        let image = |others: &[u16], joint| if others.contains(&joint) { 0 } else { IMAGE };
+        let strongest = cluster.strongest();
+        let pivot = if self.pivots.contains(&strongest) {
+            0
+        } else {
+            PIVOT + image(&self.rows, strongest)
+        };
+        let others = cluster.others().map(|weight| weight.joint);
+        let rows = others.filter(|joint| !self.rows.contains(joint));
+        let rows: usize = rows.map(|joint| ROW + image(&self.pivots, joint)).sum();
+        let targets = cluster.extents.targets.iter().map(|target| target.target);
+        pivot
+            + rows
+            + TARGET
+                * targets
+                    .filter(|target| self.targets.binary_search(target).is_err())
+                    .count()
+    }
+
+    /// Adds a cluster and returns its cost.
+    fn add(&mut self, cluster: &Cluster) -> usize {
+        let cost = self.cost_of(cluster);
         let add = |joints: &mut Vec<u16>, joint| {
             if !joints.contains(&joint) {
                 joints.push(joint);
@@ -88,17 +110,11 @@ impl Joints {
         };
         add(&mut self.pivots, cluster.strongest());
         cluster.others().for_each(|weight| add(&mut self.rows, weight.joint));
-    }
-
-    fn cost(&self) -> usize {
-        let images = self.rows.iter().filter(|joint| !self.pivots.contains(joint)).count() + self.pivots.len();
-        IMAGE * images + PIVOT * self.pivots.len() + ROW * self.rows.len()
-    }
-
-    fn cost_with(&self, cluster: &Cluster) -> usize {
-        let mut joints = self.clone();
-        joints.add(cluster);
-        joints.cost()
+        let targets = cluster.extents.targets.iter().map(|target| target.target);
+        self.targets.extend(targets);
+        self.targets.sort_unstable();
+        self.targets.dedup();
+        cost
     }
 }
 

@@ -26,8 +26,8 @@ pub(crate) struct Candidates {
     pub(crate) version: u64,
     // Kept to reuse memory, and for runs without changes.
     colliders: Vec<(Entity, Placement)>,
-    /// The same in the order of the query, and their indices in the order of entities. Placements are large, so they are not sorted
-    /// themselves.
+    /// The colliders in the order of the query, and their indices in the order of entities. Placements are large, so they are not
+    /// sorted themselves.
     found: Vec<(Entity, Placement)>,
     order: Vec<(Entity, u32)>,
     bounds: Vec<Option<Aabb>>,

@@ -106,7 +106,7 @@ impl<'a> Posed<'a> {
     pub(crate) fn placed_space(&mut self, space: usize) -> PlacedBounds {
         match &self.skin {
             Some((_, skinning)) if space != BODY_FRAME => skinning.placed(space),
-            _ => self.stand().placed.clone(),
+            _ => self.stand().placed,
         }
     }
 

@@ -47,22 +47,31 @@ impl JointSpaces {
         }
     }
 
-    /// Those of A's children in `mask` whose boxes overlap the box of B's child in the space of A's boxes. The space of B's is left out:
-    /// these children are opened next, or compared one by one with the children of B's.
+    /// Those of A's children in `mask` whose boxes overlap the box of B's child in the space of A's boxes. The space of B's boxes is left
+    /// out unless `is_leaf`, because otherwise the children of B's child are compared there next.
     #[inline(always)]
     pub(super) fn of_a<S: Simd>(
         &mut self,
         simd: S,
         trees: (&mut Posed<'_>, &mut Posed<'_>),
         a: &Opened,
-        (b, lane): (&Opened, usize),
-        mask: u8,
+        (b, lane, is_leaf): (&Opened, usize, bool),
+        mut mask: u8,
     ) -> u8 {
-        if a.home == BODY_FRAME {
+        if [a.home, b.home] == [BODY_FRAME; 2] {
             return mask;
         }
+        let of_b = b.at_home.get(lane);
         let maps = self.maps(trees, [a.home, b.home]);
-        mask & a.at_home.overlap_mask(simd, &maps.a_from_b.one(&b.at_home.get(lane)))
+        if a.home != BODY_FRAME {
+            mask &= a.at_home.overlap_mask(simd, &maps.a_from_b.one(&of_b));
+        }
+        if mask != 0 && is_leaf && b.home != BODY_FRAME {
+            let mut mapped = BoxLanes::default();
+            maps.b_from_a.all(simd, &a.at_home, &mut mapped);
+            mask &= mapped.overlap_mask(simd, &of_b);
+        }
+        mask
     }
 
     /// Those of B's children in `mask` whose boxes overlap the box of A's child in the spaces of both.
@@ -136,35 +145,39 @@ mod tests {
 
     use crate::{Body, BuildOptions, Influences, JointMatrices, MorphBvh, MorphModel, PairQuery, Pose, WorldFromModel};
 
-    /// A stack of plates far below, which decides the body's frame, and a thin strip along x. One joint moves each.
+    /// A stack of plates below, which decides the body's frame, and a thin strip along x. One joint moves the plates, ten move the strip.
     fn plates_and_strip() -> Pose {
-        let plate = |i| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|corner| 100.0 * corner - (200 + i) as f32 * Vec3::Z);
+        let plate = |i| [Vec3::ZERO, Vec3::X, Vec3::Y].map(|corner| 16.0 * corner - (20.0 + 0.01 * i as f32) * Vec3::Z);
         let strip = (0..=64).flat_map(|i| [0.0, 0.01].map(|y| Vec3::new(i as f32 / 4.0, y, 0.0)));
-        let positions: Vec<_> = (0..60).flat_map(plate).chain(strip).collect();
-        let triangles: Vec<_> = (0..60)
+        let positions: Vec<_> = (0..300).flat_map(plate).chain(strip).collect();
+        let triangles: Vec<_> = (0..300)
             .map(|i| 3 * i)
-            .chain(180..180 + 128)
+            .chain(900..900 + 128)
             .map(|i| [i, i + 1, i + 2])
             .collect();
-        let joints: Vec<_> = (0..positions.len()).map(|i| [u16::from(i >= 180), 0, 0, 0]).collect();
-        let weights = vec![[1.0, 0.0, 0.0, 0.0]; positions.len()];
+        let of = |vertex| match vertex {
+            0..900 => ([0; 4], [1.0, 0.0, 0.0, 0.0]),
+            _ => ([1, 2, 3 + vertex as u16 % 8, 0], [0.375, 0.3125, 0.3125, 0.0]),
+        };
+        let (joints, weights): (Vec<_>, Vec<_>) = (0..positions.len()).map(of).unzip();
         let influences = Influences {
             joints: &joints,
             weights: &weights,
         };
         let no_targets: [Vec<Vec3>; 0] = [];
-        let model = MorphModel::skinned(&positions, &triangles, &no_targets, 2, &[influences]).unwrap();
+        let model = MorphModel::skinned(&positions, &triangles, &no_targets, 11, &[influences]).unwrap();
         Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())))
     }
 
-    /// The pairs of triangles tested and those found, for two strips that are turned by these angles. The second is moved along y.
-    /// `refitted` bodies have no boxes in the spaces of joints.
-    fn tested_and_found(angles: [f32; 2], along_y: f32, refitted: bool) -> (u64, usize) {
-        let mut poses = [plates_and_strip(), plates_and_strip()];
-        for ((pose, angle), y) in poses.iter_mut().zip(angles).zip([0.0, along_y]) {
+    /// The pairs of triangles tested and those found, for two strips that are turned by these angles. The second is moved along y, and its
+    /// plates away. `refitted` bodies have no boxes in the spaces of joints.
+    fn tested_and_found(mut poses: [Pose; 2], angles: [f32; 2], along_y: f32, refitted: bool) -> (u64, usize) {
+        for ((pose, angle), [y, z]) in poses.iter_mut().zip(angles).zip([[0.0; 2], [along_y, 1000.0]]) {
             let strip = Affine3A::from_translation(Vec3::Y * y) * Affine3A::from_rotation_z(angle);
-            let plates = Affine3A::from_translation(Vec3::Z * -1000.0 * y);
-            pose.set_joints(&JointMatrices::new(&[plates, strip]).unwrap()).unwrap();
+            let plates = Affine3A::from_translation(Vec3::Z * z);
+            let mut joints = [strip; 11];
+            joints[0] = plates;
+            pose.set_joints(&JointMatrices::new(&joints).unwrap()).unwrap();
             if refitted {
                 pose.refit();
             }
@@ -176,13 +189,17 @@ mod tests {
         (query.stats().triangle_tests, pairs.len())
     }
 
+    fn two_strips() -> [Pose; 2] {
+        [0; 2].map(|_| plates_and_strip())
+    }
+
     #[test]
     fn slanted_boxes_side_by_side_are_told_apart() {
         for (angle, distance) in [(FRAC_PI_4, 0.5), (-FRAC_PI_4, -0.5)] {
             // The distance of the strips is less than the length of a leaf.
-            let (in_body_frames, _) = tested_and_found([angle; 2], distance, true);
+            let (in_body_frames, _) = tested_and_found(two_strips(), [angle; 2], distance, true);
             assert!(in_body_frames >= 64, "{in_body_frames}");
-            assert_eq!(tested_and_found([angle; 2], distance, false), (0, 0));
+            assert_eq!(tested_and_found(two_strips(), [angle; 2], distance, false), (0, 0));
         }
     }
 
@@ -193,8 +210,9 @@ mod tests {
             ([0.1, -0.5], 1.0, 1),
             ([FRAC_PI_4; 2], 0.01, 64),
         ] {
-            let (_, found) = tested_and_found(angles, along_y, false);
-            assert_eq!(found, tested_and_found(angles, along_y, true).1, "{angles:?}");
+            let (_, found) = tested_and_found(two_strips(), angles, along_y, false);
+            let (_, expected) = tested_and_found(two_strips(), angles, along_y, true);
+            assert_eq!(found, expected, "{angles:?}");
             assert!(found >= least, "{angles:?}: {found}");
         }
     }

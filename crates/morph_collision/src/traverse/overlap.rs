@@ -209,6 +209,7 @@ impl OverlapWalk {
         if mask == 0 || !self.any_skinned {
             return mask;
         }
+        let other = (other.0, other.1, node_b.child.is_leaf());
         self.joint_spaces.of_a(simd, trees, opened, other, mask)
     }
 

@@ -57,7 +57,7 @@ pub(super) struct Opened {
     frames: [BoxLanes; FRAMES],
     /// The space in which the boxes were blended: that of a joint, or the body's.
     pub(super) home: usize,
-    /// The boxes in that space. Not filled if neither body is skinned.
+    /// The boxes in that space. Not filled if neither body is skinned; then it only takes memory.
     pub(super) at_home: BoxLanes,
     /// The sums of the boxes' sides, in the first body's units.
     sizes: Lanes,

@@ -34,34 +34,41 @@ pub(super) fn arranged(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
     }
 }
 
-/// Blocks whose clusters share joints and targets. Each starts with the first cluster left, in the order of their joints, and takes
-/// one by one the cluster that adds the least.
+/// Blocks whose clusters share joints and targets. Each block takes, one by one, the cluster that adds the least, among the next few in
+/// the order of their joints.
 fn grouped(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
-    let mut left: Vec<(usize, &Cluster)> = Vec::new();
+    let mut all: Vec<(usize, &Cluster)> = Vec::new();
     for (child, clusters) in children.iter().enumerate() {
-        left.extend(clusters.iter().map(|cluster| (child, cluster)));
+        all.extend(clusters.iter().map(|cluster| (child, cluster)));
     }
-    left.sort_by_key(|(_, cluster)| cluster.key());
-    let mut blocks = Vec::with_capacity(left.len().div_ceil(LANES));
-    while !left.is_empty() {
+    all.sort_by_key(|(_, cluster)| cluster.key());
+    let mut blocks = Vec::with_capacity(all.len().div_ceil(LANES));
+    let (mut rest, mut next) = (all.into_iter(), Vec::new());
+    loop {
         let (mut block, mut needs) = (Vec::with_capacity(LANES), Needs::default());
-        while block.len() < LANES && !left.is_empty() {
-            let candidates = left.iter().take(CANDIDATES).enumerate();
-            let next = candidates.min_by_key(|(_, (_, cluster))| needs.cost_of(cluster));
-            let (child, cluster) = left.remove(next.map_or(0, |(place, _)| place));
+        while block.len() < LANES {
+            next.extend(rest.by_ref().take(CANDIDATES - next.len()));
+            let candidates = next.iter().enumerate();
+            let Some((place, _)) = candidates.min_by_key(|(_, (_, cluster))| needs.cost_of(cluster)) else {
+                break;
+            };
+            let (child, cluster) = next.remove(place);
             needs.add(cluster);
             block.push((child, Some(cluster)));
         }
+        if block.is_empty() {
+            return blocks;
+        }
         blocks.push(block);
     }
-    blocks
 }
 
-/// Bounds the work on groups with thousands of clusters.
-const CANDIDATES: usize = 256;
+/// Bounds the work for groups with thousands of clusters.
+const CANDIDATES: usize = 64;
 
 /// The instructions that the kernel takes for a block, counted once, with AVX2, and rounded: for the block itself, for a target, for the
-/// images of its boxes under a joint, for using these images in a pivot or a row, and for scattering the results.
+/// images of its boxes under a joint, for using these images in a pivot or a row, and for scattering the results. The kernel keeps the
+/// images of four pivots; here, all count as kept.
 const BLOCK: usize = 160;
 const TARGET: usize = 30;
 const IMAGE: usize = 80;

@@ -172,9 +172,14 @@ pub(crate) fn update_scene_parts(
     mut preparation: ResMut<Preparation>,
 ) {
     let start = Instant::now();
+    let removed: Vec<Entity> = removals.read().collect();
+    // Without a scene there are no parts. The search for news would look at every mesh.
+    if removed.is_empty() && hierarchy.scenes.is_empty() {
+        return;
+    }
     let mut roots = EntityHashSet::default();
     let mut anything = false;
-    for entity in news.iter().chain(removals.read()) {
+    for entity in news.iter().chain(removed) {
         anything = true;
         roots.extend(hierarchy.scene_root(entity));
     }

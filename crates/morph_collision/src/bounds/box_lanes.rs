@@ -94,15 +94,15 @@ impl BoxLanes {
         depth.store_slice(depths);
     }
 
-    /// The bit mask of the boxes that share a point with `other`; touching counts.
+    /// The bit mask of the boxes that share a point with `other`; touching counts. Boxes with NaN overlap everything.
     #[inline(always)]
     pub(crate) fn overlap_mask<S: Simd>(&self, simd: S, other: &Aabb) -> u8 {
-        let mut overlap = mask32x8::splat(simd, true);
+        let mut apart = mask32x8::splat(simd, false);
         for axis in 0..3 {
-            overlap &= self.min[axis].load(simd).simd_le(f32x8::splat(simd, other.max[axis]));
-            overlap &= self.max[axis].load(simd).simd_ge(f32x8::splat(simd, other.min[axis]));
+            apart |= self.min[axis].load(simd).simd_gt(f32x8::splat(simd, other.max[axis]));
+            apart |= self.max[axis].load(simd).simd_lt(f32x8::splat(simd, other.min[axis]));
         }
-        overlap.to_bitmask() as u8
+        !(apart.to_bitmask() as u8)
     }
 
     /// The smallest box around the boxes in the first `lanes` lanes. `lanes` must be at least 1.
@@ -127,6 +127,31 @@ impl BoxLanes {
         Aabb {
             min: Vec3::new(least(a), least(b), least(c)),
             max: Vec3::new(most(d), most(e), most(f)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Kernel;
+    use crate::bounds::{BoxMap, Frame, with_simd};
+
+    #[test]
+    fn infinite_boxes_overlap_everything_after_a_map_with_zeros() {
+        let map = BoxMap::new(&Frame {
+            linear: glam::DMat3::IDENTITY,
+            ..Frame::default()
+        });
+        let (mut boxes, mut mapped) = (BoxLanes::default(), BoxLanes::default());
+        boxes.set(3, &Aabb::UNBOUNDED);
+        let far = Aabb::from_points([Vec3::splat(1e30)]);
+        for kernel in Kernel::available() {
+            with_simd!(kernel.level, simd => map.as_ref().unwrap().all(simd, &boxes, &mut mapped));
+            assert_eq!(
+                with_simd!(kernel.level, simd => mapped.overlap_mask(simd, &far)),
+                1 << 3
+            );
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::tree::{Block, KEPT, SkinTables};
 
 /// Half a unit in the last place of 1.
 const U: f32 = f32::EPSILON / 2.0;
-/// Sums of larger coordinates could overflow, so their boxes are as large as possible.
+/// Sums of larger coordinates could overflow, so their boxes are infinite.
 pub(super) const MAX_REACH: f32 = 1e37;
 
 /// Sets `boxes` to boxes of a group's children, in the group's frame, that contain every vertex. Returns by how much they were
@@ -116,8 +116,7 @@ fn moved<'m, S: Simd>(
     // `is_bounded` is false for NaN.
     if !is_bounded {
         let all = |value| [f32x8::splat(simd, value); 3];
-        // Not infinite: maps of boxes multiply by 0.
-        return ([all(-f32::MAX), all(f32::MAX)], f32::INFINITY);
+        return ([all(f32::NEG_INFINITY), all(f32::INFINITY)], f32::INFINITY);
     }
     let by = f32x8::splat(simd, widening);
     let [low, high] = &mut ends;

@@ -7,7 +7,7 @@ use fearless_simd::{f32x8, mask32x8};
 use super::blend::blend_group;
 use crate::bounds::{BoxLanes, Ends, JointMap, LANES, lanes_of};
 use crate::model::Weights;
-use crate::tree::{Block, KEPT, SkinTables};
+use crate::tree::{Block, KEPT_IMAGES, SkinTables};
 
 /// Half a unit in the last place of 1.
 const U: f32 = f32::EPSILON / 2.0;
@@ -80,7 +80,7 @@ fn moved<'m, S: Simd>(
         drift = drift.max(map.drift);
     };
     let mut pivot = own;
-    let mut kept = [own; KEPT];
+    let mut kept = [own; KEPT_IMAGES];
     for (place, of) in block.pivots.iter().enumerate() {
         let map = map(of.map);
         note(map);

@@ -203,14 +203,14 @@ impl OverlapWalk {
     /// The children in a slot of A that overlap a node of B.
     #[inline(always)]
     fn rows<S: Simd>(&mut self, simd: S, trees: (&mut Posed<'_>, &mut Posed<'_>), slot: usize, node_b: Node) -> u8 {
-        let (opened, other) = (self.a.opened(slot), (self.b.siblings(node_b), node_b.lane()));
+        let (opened, other, lane) = (self.a.opened(slot), self.b.siblings(node_b), node_b.lane());
         self.node_tests += u64::from(opened.len);
-        let mask = opened.overlaps(simd, other.0, other.1);
+        let mask = opened.overlaps(simd, other, lane);
         if mask == 0 || !self.any_skinned {
             return mask;
         }
-        let other = (other.0, other.1, node_b.child.is_leaf());
-        self.joint_spaces.of_a(simd, trees, opened, other, mask)
+        let of_b = (other, lane, node_b.child.is_leaf());
+        self.joint_spaces.of_a(simd, trees, opened, of_b, mask)
     }
 
     /// Pushes the children in a slot of B that overlap a child in a slot of A.

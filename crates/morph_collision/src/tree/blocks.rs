@@ -1,6 +1,7 @@
 //! Arranges the clusters of a group's children side by side.
 
 use super::clusters::{Cluster, Interval};
+use super::extents::TargetExtents;
 use crate::bounds::{LANES, Lanes};
 
 /// A lane of a block: a child, and one of its clusters if there is one.
@@ -98,13 +99,9 @@ impl Needs {
         let others = cluster.others().map(|weight| weight.joint);
         let rows = others.filter(|joint| !self.rows.contains(joint));
         let rows: usize = rows.map(|joint| ROW + image(&self.pivots, joint)).sum();
-        let targets = cluster.extents.targets.iter().map(|target| target.target);
-        pivot
-            + rows
-            + TARGET
-                * targets
-                    .filter(|target| self.targets.binary_search(target).is_err())
-                    .count()
+        let is_new = |target: &&TargetExtents| self.targets.binary_search(&target.target).is_err();
+        let targets = cluster.extents.targets.iter().filter(is_new).count();
+        pivot + rows + TARGET * targets
     }
 
     /// Adds a cluster and returns its cost.

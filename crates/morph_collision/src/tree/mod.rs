@@ -38,7 +38,7 @@ pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, gather};
 #[cfg(test)]
 pub(crate) use leaf_lanes::{in_lanes, put};
 pub use options::BuildOptions;
-pub(crate) use skin_tables::{BODY_FRAME, Block, KEPT, SkinTables};
+pub(crate) use skin_tables::{BODY_FRAME, Block, KEPT_IMAGES, SkinTables};
 pub(crate) use tables::{GroupTables, Tables};
 pub(crate) use topology::{Child, ChildKind, Leaf, Topology};
 

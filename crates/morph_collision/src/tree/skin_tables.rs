@@ -32,13 +32,13 @@ pub(crate) struct Pivot {
 }
 
 /// The kernel keeps the images under this many pivots of a block for its rows.
-pub(crate) const KEPT: usize = 4;
+pub(crate) const KEPT_IMAGES: usize = 4;
 
 /// The weight interval of a joint for each cluster of a block.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Row {
     pub(crate) map: u32,
-    /// The index of the block's pivot with the same map, if it is one of the first [`KEPT`]; otherwise `KEPT`.
+    /// The index of the block's pivot with the same map, if it is one of the first [`KEPT_IMAGES`]; otherwise `KEPT_IMAGES`.
     pub(crate) pivot: u8,
     pub(crate) low: Lanes,
     pub(crate) high: Lanes,
@@ -246,10 +246,10 @@ impl SkinBuilder {
         for (joint, [low, high]) in rows {
             let map = self.map(frame, joint);
             let pivots = &self.tables.pivots[header.pivots.start as usize..header.pivots.end as usize];
-            let pivot = pivots.iter().take(KEPT).position(|pivot| pivot.map == map);
+            let pivot = pivots.iter().take(KEPT_IMAGES).position(|pivot| pivot.map == map);
             self.tables.rows.push(Row {
                 map,
-                pivot: pivot.unwrap_or(KEPT) as u8,
+                pivot: pivot.unwrap_or(KEPT_IMAGES) as u8,
                 low,
                 high,
             });

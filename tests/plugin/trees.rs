@@ -8,7 +8,7 @@ use bevy_morph_collision::{MorphTrees, prelude::*};
 
 use crate::log::{Errors, start};
 use crate::support::{
-    add_mesh, bevy_mesh, cube, diagnostics, move_to, settle, spawn, stretching_cube, touches, two_cubes,
+    add_mesh, bevy_mesh, cube, diagnostics, fixed_app, move_to, settle, spawn, stretching_cube, touches, two_cubes,
 };
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::rigid;
@@ -113,6 +113,28 @@ fn another_mesh_on_the_same_entity_is_taken_up() {
     app.world_mut().entity_mut(a).remove::<Mesh3d>();
     app.update();
     assert!(!touches(&app, a, b));
+}
+
+#[test]
+fn another_mesh_is_taken_up_in_a_fixed_schedule_too() {
+    let mut app = fixed_app(1, 1);
+    let meshes = [
+        cube(),
+        rigid::box_mesh(Vec3::splat(0.8)),
+        rigid::box_mesh(Vec3::splat(0.9)),
+    ];
+    let [small, large, larger] = meshes.map(|mesh| add_mesh(&mut app, &mesh));
+    let [a, b, c] = [(&small, 0.0), (&small, 1.2), (&larger, 2.5)].map(|(mesh, x)| spawn(&mut app, mesh, x));
+    app.world_mut().entity_mut(c).insert(MorphShape::Ball { radius: 0.1 });
+    settle(&mut app);
+    assert!(!touches(&app, a, b) && !touches(&app, b, c));
+    // The plugin sees both changes in the fixed schedule first, before trees are requested.
+    app.world_mut().entity_mut(a).insert(Mesh3d(large));
+    settle(&mut app);
+    assert!(touches(&app, a, b));
+    app.world_mut().entity_mut(c).remove::<MorphShape>();
+    settle(&mut app);
+    assert!(touches(&app, b, c));
 }
 
 #[test]

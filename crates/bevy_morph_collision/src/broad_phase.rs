@@ -26,10 +26,9 @@ pub(crate) struct Candidates {
     pub(crate) version: u64,
     // Kept to reuse memory, and for runs without changes.
     colliders: Vec<(Entity, Placement)>,
-    /// The colliders in the order of the query, and their indices in the order of entities. Placements are large, so they are not
-    /// sorted themselves.
-    found: Vec<(Entity, Placement)>,
-    order: Vec<(Entity, u32)>,
+    /// The colliders in the order of the query, with their indices in `colliders`. As long as the query returns the same entities
+    /// in the same order, nothing is sorted.
+    indices: Vec<(Entity, u32)>,
     bounds: Vec<Option<Aabb>>,
     overlaps: Vec<(u32, u32)>,
     counts: Counts,
@@ -236,22 +235,46 @@ impl Candidates {
         &self.colliders
     }
 
+    /// Copies the placements of all colliders that take part. Returns `false` if they are not the same colliders in the same order
+    /// as before.
+    fn copy_placements(&mut self, colliders: &Query<Participant>) -> bool {
+        self.counts.nodes = 0;
+        let mut indices = self.indices.iter();
+        for participant in colliders {
+            let Some(&placed) = participant.state.seen_as() else {
+                continue;
+            };
+            match indices.next() {
+                Some(&(entity, index)) if entity == participant.entity => self.colliders[index as usize].1 = placed,
+                _ => return false,
+            }
+            let pose = participant.state.pose.as_ref();
+            self.counts.nodes += pose.map_or(0, |pose| pose.lock().bvh().node_count() as u64);
+        }
+        indices.next().is_none()
+    }
+
+    /// Sorts the colliders that take part.
+    fn sort(&mut self, colliders: &Query<Participant>) {
+        self.colliders.clear();
+        let placed = |participant: ParticipantReadOnlyItem| Some((participant.entity, *participant.state.seen_as()?));
+        self.colliders.extend(colliders.iter().filter_map(placed));
+        self.indices.clear();
+        self.indices
+            .extend(self.colliders.iter().map(|&(entity, _)| (entity, 0)));
+        self.colliders.sort_unstable_by_key(|&(entity, _)| entity);
+        for (entity, index) in &mut self.indices {
+            *index = self.colliders.partition_point(|(other, _)| other < entity) as u32;
+        }
+    }
+
     fn sweep(&mut self, colliders: &Query<Participant>) {
         self.counts = Counts::default();
-        self.found.clear();
-        self.order.clear();
-        for participant in colliders {
-            if let Some(&placed) = participant.state.seen_as() {
-                self.order.push((participant.entity, self.found.len() as u32));
-                self.found.push((participant.entity, placed));
-                let pose = participant.state.pose.as_ref();
-                self.counts.nodes += pose.map_or(0, |pose| pose.lock().bvh().node_count() as u64);
-            }
+        if !self.copy_placements(colliders) {
+            self.sort(colliders);
+            let are_same = self.copy_placements(colliders);
+            debug_assert!(are_same);
         }
-        self.order.sort_unstable();
-        self.colliders.clear();
-        let in_order = self.order.iter().map(|&(_, index)| self.found[index as usize]);
-        self.colliders.extend(in_order);
 
         self.bounds.clear();
         let bounds = self

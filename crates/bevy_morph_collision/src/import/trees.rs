@@ -43,6 +43,9 @@ pub struct MorphTrees {
     /// Whether the meshes of all colliders have to be checked again.
     #[reflect(ignore)]
     pub(super) stale: bool,
+    /// Whether colliders may show something else than when unused trees were last dropped.
+    #[reflect(ignore)]
+    pub(super) uses_changed: bool,
     /// How much mesh data may still be copied in this frame.
     #[reflect(ignore)]
     left: usize,

@@ -2,6 +2,7 @@
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
+use bevy::ecs::system::SystemParam;
 use bevy::mesh::morph::MeshMorphWeights;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::platform::collections::{HashMap, HashSet};
@@ -35,26 +36,19 @@ pub(crate) fn key_of(
         .map(|mesh| TreeKey::of(mesh, settings, skin))
 }
 
-/// Requests the trees that colliders do not have yet.
-pub(crate) fn request_trees(
-    colliders: Query<(Entity, Shows, &ColliderState), With<MorphCollider>>,
-    mut enabled: RemovedComponents<Disabled>,
-    mut trees: ResMut<MorphTrees>,
-    mut preparation: ResMut<Preparation>,
-) {
-    let start = Instant::now();
-    // Disabled entities did not notice when their trees were dropped.
-    let anew = trees.stale || enabled.read().count() > 0;
-    for (entity, shows, state) in &colliders {
-        let key = key_of(shows);
-        if let Some(key) = key.filter(|_| anew || key != state.tree) {
-            trees.request(key, entity);
-        }
+/// Whether [`key_of`] returns this key. Faster than comparing keys.
+fn is_key_of(
+    key: Option<&TreeKey>,
+    (mesh, settings, skin, has_shape): (Option<&Mesh3d>, Option<&MorphTreeSettings>, Option<&SkinnedMesh>, bool),
+) -> bool {
+    match (key, mesh.filter(|_| !has_shape)) {
+        (Some(key), Some(mesh)) => key.is_of(mesh, settings, skin),
+        (None, None) => true,
+        _ => false,
     }
-    preparation.0 += start.elapsed();
 }
 
-/// Changes after which a tree may be unused.
+/// Colliders that may show something else than before.
 type ShowsAnother = (
     Or<(
         Changed<Mesh3d>,
@@ -67,10 +61,50 @@ type ShowsAnother = (
     Allow<Disabled>,
 );
 
+/// Colliders that may show something else because a component is gone.
+#[derive(SystemParam)]
+pub(crate) struct ShowsLess<'w, 's> {
+    settings: RemovedComponents<'w, 's, MorphTreeSettings>,
+    skins: RemovedComponents<'w, 's, SkinnedMesh>,
+    shapes: RemovedComponents<'w, 's, MorphShape>,
+}
+
+impl ShowsLess<'_, '_> {
+    fn read(&mut self) -> impl Iterator<Item = Entity> {
+        self.settings.read().chain(self.skins.read()).chain(self.shapes.read())
+    }
+}
+
+/// Requests the trees that colliders do not have yet. Takes time for colliders that show something else than before, not for all.
+pub(crate) fn request_trees(
+    colliders: Query<(Entity, Shows), With<MorphCollider>>,
+    changed: Query<(Entity, Shows, Has<Disabled>), ShowsAnother>,
+    mut less: ShowsLess,
+    mut enabled: RemovedComponents<Disabled>,
+    mut trees: ResMut<MorphTrees>,
+    mut preparation: ResMut<Preparation>,
+) {
+    let start = Instant::now();
+    // Disabled entities did not notice when their trees were dropped.
+    let anew = trees.stale || enabled.read().count() > 0;
+    for (entity, shows, is_disabled) in &changed {
+        trees.bypass_change_detection().uses_changed = true;
+        if let Some(key) = key_of(shows).filter(|_| !is_disabled) {
+            trees.request(key, entity);
+        }
+    }
+    let all = colliders.iter().filter(|_| anew);
+    for (entity, shows) in colliders.iter_many(less.read()).flatten().chain(all) {
+        if let Some(key) = key_of(shows) {
+            trees.request(key, entity);
+        }
+    }
+    preparation.0 += start.elapsed();
+}
+
 /// Drops unused trees of a mesh while another tree of that mesh is in use. Runs only when a use may have ended or a tree is new.
 pub(crate) fn drop_unused_trees(
     colliders: Query<Shows, (With<MorphCollider>, Allow<Disabled>)>,
-    changed: Query<(), ShowsAnother>,
     mut no_colliders: RemovedComponents<MorphCollider>,
     mut no_settings: RemovedComponents<MorphTreeSettings>,
     mut no_meshes: RemovedComponents<Mesh3d>,
@@ -83,10 +117,15 @@ pub(crate) fn drop_unused_trees(
     let removed = no_colliders.read().count() + no_settings.read().count() + no_meshes.read().count();
     let removed = removed + no_skins.read().count();
     let is_new = std::mem::replace(&mut *seen, trees.version) != trees.version;
-    if removed == 0 && changed.is_empty() && !is_new {
+    let MorphTrees {
+        of_mesh,
+        version,
+        uses_changed,
+        ..
+    } = trees.bypass_change_detection();
+    if !std::mem::take(uses_changed) && removed == 0 && !is_new {
         return;
     }
-    let MorphTrees { of_mesh, version, .. } = trees.bypass_change_detection();
     let mut trees_of = HashMap::<AssetId<Mesh>, usize>::default();
     of_mesh
         .keys()
@@ -127,11 +166,11 @@ pub(crate) fn hand_out_trees(
     let every = *version != trees.version;
     *version = trees.version;
     for (entity, shows, mut state) in &mut colliders {
-        let key = key_of(shows);
         let was_away = state.seen != candidates.run();
-        if !every && !was_away && state.tree == key {
+        if !every && !was_away && is_key_of(state.tree.as_ref(), shows) {
             continue;
         }
+        let key = key_of(shows);
         if let Some(key) = key.filter(|_| was_away) {
             trees.request(key, entity);
         }

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::Ordering;
 
-use avian3d::collision::contact_types::{ContactEdgeFlags, ContactId};
+use avian3d::collision::contact_types::{ContactEdge, ContactEdgeFlags, ContactId};
 use avian3d::prelude::{
     ColliderOf, CollidingEntities, CollisionEnd, CollisionEventsEnabled, CollisionStart, ContactGraph,
 };
@@ -15,13 +15,14 @@ use bevy::prelude::*;
 use super::attach::AvianSurface;
 use super::step::Stepping;
 
-/// Before contacts are updated: prevents Avian from reusing contacts of colliders that changed, and from sending events for
-/// parts.
+/// Before contacts are updated: prevents Avian from reusing contacts of colliders that changed, from sending events for parts, and
+/// from computing contacts of parts that nobody needs.
 pub(super) fn refresh_contacts(
     mut graph: ResMut<ContactGraph>,
     mut stepping: ResMut<Stepping>,
     surfaces: Query<&AvianSurface>,
     mut contacts: Local<Vec<ContactId>>,
+    mut unneeded: Local<Vec<Entity>>,
 ) {
     stepping.now.store(true, Ordering::Release);
     for (collider, reach) in stepping.changed.drain(..) {
@@ -36,10 +37,29 @@ pub(super) fn refresh_contacts(
             }
         }
     }
-    for part in surfaces.iter().flat_map(|surface| surface.pushing.parts()) {
-        for contact in graph.contact_edges_with_mut(part) {
-            contact.flags.remove(ContactEdgeFlags::CONTACT_EVENTS);
+    for surface in &surfaces {
+        for part in surface.pushing.parts() {
+            for contact in graph.contact_edges_with_mut(part) {
+                contact.flags.remove(ContactEdgeFlags::CONTACT_EVENTS);
+                let other = other_collider(contact, part);
+                // Avian would compute contacts with walls and with other parts, too. A pair that touches stays until it does not:
+                // the solver knows it.
+                if !contact.is_touching() && !surface.pushing.is_near(other) {
+                    unneeded.push(other);
+                }
+            }
+            for other in unneeded.drain(..) {
+                graph.remove_edge(part, other);
+            }
         }
+    }
+}
+
+fn other_collider(contact: &ContactEdge, collider: Entity) -> Entity {
+    if contact.collider1 == collider {
+        contact.collider2
+    } else {
+        contact.collider1
     }
 }
 

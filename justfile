@@ -10,7 +10,7 @@ ci: fmt-check clippy doc test demo-check package-list first-run determinism-rele
 
 # Everything must be committed, because packages are made from commits. Run the part that a change touches before it lands.
 # What a change rarely breaks, or what takes long. Run it before a release.
-nightly: package features test-drawing verify stress (fuzz "60")
+nightly: package features test-drawing verify stress determinism-wasm (fuzz "60")
 
 # Formats the code.
 fmt:
@@ -65,6 +65,20 @@ determinism-aarch64:
     output=$(cargo run --release --target aarch64-unknown-linux-gnu -p morph_collision_testkit --bin determinism)
     echo "$output"
     grep -q 'kernels: neon$' <<< "$output"
+
+# The same as WebAssembly, compiled like the web site, without a browser (needs Node.js).
+determinism-wasm:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    rustup target add wasm32-wasip1
+    RUSTFLAGS="-C target-feature=+simd128" cargo build --profile web -p morph_collision_testkit --bin determinism --target wasm32-wasip1
+    node --no-warnings --input-type=module - "${CARGO_TARGET_DIR:-target}/wasm32-wasip1/web/determinism.wasm" <<'END'
+    import { readFile } from "node:fs/promises";
+    import { WASI } from "node:wasi";
+    const wasi = new WASI({ version: "preview1" });
+    const { instance } = await WebAssembly.instantiate(await readFile(process.argv[2]), wasi.getImportObject());
+    process.exit(wasi.start(instance));
+    END
 
 # Builds the command-line tool, the determinism check and the program whose instructions are counted.
 release:

@@ -29,6 +29,7 @@ pub(crate) struct Candidates {
     /// The colliders in the order of the query, with their indices in `colliders`. As long as the query returns the same entities
     /// in the same order, nothing is sorted.
     indices: Vec<(Entity, u32)>,
+    order: Vec<(Entity, u32)>,
     bounds: Vec<Option<Aabb>>,
     overlaps: Vec<(u32, u32)>,
     counts: Counts,
@@ -254,17 +255,23 @@ impl Candidates {
         indices.next().is_none()
     }
 
-    /// Sorts the colliders that take part.
+    /// Sorts the colliders that take part. Placements are large, so they are not sorted themselves.
     fn sort(&mut self, colliders: &Query<Participant>) {
+        let takes_part = |participant: &ParticipantReadOnlyItem| participant.state.seen_as().is_some();
+        let entities = colliders
+            .iter()
+            .filter(takes_part)
+            .map(|participant| participant.entity);
+        self.order.clear();
+        self.order.extend(entities.zip(0..));
+        self.indices.clone_from(&self.order);
+        self.order.sort_unstable();
         self.colliders.clear();
-        let placed = |participant: ParticipantReadOnlyItem| Some((participant.entity, *participant.state.seen_as()?));
-        self.colliders.extend(colliders.iter().filter_map(placed));
-        self.indices.clear();
-        self.indices
-            .extend(self.colliders.iter().map(|&(entity, _)| (entity, 0)));
-        self.colliders.sort_unstable_by_key(|&(entity, _)| entity);
-        for (entity, index) in &mut self.indices {
-            *index = self.colliders.partition_point(|(other, _)| other < entity) as u32;
+        for (&(entity, place), index) in self.order.iter().zip(0..) {
+            self.indices[place as usize].1 = index;
+            let participant = colliders.get(entity).ok();
+            let placed = participant.and_then(|participant| participant.state.seen_as().copied());
+            self.colliders.extend(placed.map(|placed| (entity, placed)));
         }
     }
 
@@ -272,6 +279,7 @@ impl Candidates {
         self.counts = Counts::default();
         if !self.copy_placements(colliders) {
             self.sort(colliders);
+            // Counts the nodes of all of them.
             let are_same = self.copy_placements(colliders);
             debug_assert!(are_same);
         }

@@ -12,15 +12,17 @@ use bevy::ecs::system::SystemParam;
 use bevy::platform::collections::HashMap;
 use bevy::prelude::*;
 
+use super::MorphAvianPart;
 use super::attach::AvianSurface;
 use super::step::Stepping;
 
 /// Before contacts are updated: prevents Avian from reusing contacts of colliders that changed, from sending events for parts, and
-/// from computing contacts of parts that nobody needs.
+/// from computing contacts between parts.
 pub(super) fn refresh_contacts(
     mut graph: ResMut<ContactGraph>,
     mut stepping: ResMut<Stepping>,
     surfaces: Query<&AvianSurface>,
+    parts: Query<(), With<MorphAvianPart>>,
     mut contacts: Local<Vec<ContactId>>,
     mut unneeded: Local<Vec<Entity>>,
 ) {
@@ -37,29 +39,28 @@ pub(super) fn refresh_contacts(
             }
         }
     }
-    for surface in &surfaces {
-        for part in surface.pushing.parts() {
-            for contact in graph.contact_edges_with_mut(part) {
-                contact.flags.remove(ContactEdgeFlags::CONTACT_EVENTS);
-                let other = other_collider(contact, part);
-                // Avian would compute contacts with walls and with other parts, too. A pair that touches stays until it does not:
-                // the solver knows it.
-                if !contact.is_touching() && !surface.pushing.is_near(other) {
-                    unneeded.push(other);
-                }
+    for part in surfaces.iter().flat_map(|surface| surface.pushing.parts()) {
+        for contact in graph.contact_edges_with_mut(part) {
+            contact.flags.remove(ContactEdgeFlags::CONTACT_EVENTS);
+            let (other, _) = other_side(contact, part);
+            if parts.contains(other) {
+                unneeded.push(other);
             }
-            for other in unneeded.drain(..) {
-                graph.remove_edge(part, other);
-            }
+        }
+        // Avian would compute contacts between parts, although its solver skips them. These pairs are always new, so the solver has
+        // no constraints for them.
+        for other in unneeded.drain(..) {
+            graph.remove_edge(part, other);
         }
     }
 }
 
-fn other_collider(contact: &ContactEdge, collider: Entity) -> Entity {
+/// The other collider of a contact, and its body.
+fn other_side(contact: &ContactEdge, collider: Entity) -> (Entity, Option<Entity>) {
     if contact.collider1 == collider {
-        contact.collider2
+        (contact.collider2, contact.body2)
     } else {
-        contact.collider1
+        (contact.collider1, contact.body1)
     }
 }
 
@@ -129,12 +130,8 @@ pub(super) fn name_surfaces(
         touching.clear();
         for part in surface.pushing.parts() {
             for contact in graph.contact_edges_with(part).filter(|contact| contact.is_touching()) {
-                let (other, body) = if contact.collider1 == part {
-                    (contact.collider2, contact.body2)
-                } else {
-                    (contact.collider1, contact.body1)
-                };
-                // Parts also touch things that the surface itself never does: walls and parts of other surfaces.
+                let (other, body) = other_side(contact, part);
+                // Parts also touch things that the surface itself never does, such as walls.
                 if surface.pushing.is_near(other) {
                     touching.insert(other, body);
                 }

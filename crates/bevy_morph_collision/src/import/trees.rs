@@ -43,7 +43,7 @@ pub struct MorphTrees {
     /// Whether the meshes of all colliders have to be checked again.
     #[reflect(ignore)]
     pub(super) stale: bool,
-    /// Whether colliders may show something else than when unused trees were last dropped.
+    /// Whether colliders may show something different from when unused trees were last dropped. Set while trees are requested.
     #[reflect(ignore)]
     pub(super) uses_changed: bool,
     /// How much mesh data may still be copied in this frame.

@@ -27,20 +27,23 @@ pub(crate) type Shows = (
     Has<MorphShape>,
 );
 
+/// What a query for [`Shows`] returns.
+type Shown<'a> = (
+    Option<&'a Mesh3d>,
+    Option<&'a MorphTreeSettings>,
+    Option<&'a SkinnedMesh>,
+    bool,
+);
+
 /// The key of a collider's tree; `None` if it shows no mesh or has a shape.
-pub(crate) fn key_of(
-    (mesh, settings, skin, has_shape): (Option<&Mesh3d>, Option<&MorphTreeSettings>, Option<&SkinnedMesh>, bool),
-) -> Option<TreeKey> {
+pub(crate) fn key_of((mesh, settings, skin, has_shape): Shown<'_>) -> Option<TreeKey> {
     // A shape collides in place of the mesh.
     mesh.filter(|_| !has_shape)
         .map(|mesh| TreeKey::of(mesh, settings, skin))
 }
 
 /// Whether [`key_of`] returns this key. Faster than comparing keys.
-fn is_key_of(
-    key: Option<&TreeKey>,
-    (mesh, settings, skin, has_shape): (Option<&Mesh3d>, Option<&MorphTreeSettings>, Option<&SkinnedMesh>, bool),
-) -> bool {
+fn is_key_of(key: Option<&TreeKey>, (mesh, settings, skin, has_shape): Shown<'_>) -> bool {
     match (key, mesh.filter(|_| !has_shape)) {
         (Some(key), Some(mesh)) => key.is_of(mesh, settings, skin),
         (None, None) => true,
@@ -48,7 +51,7 @@ fn is_key_of(
     }
 }
 
-/// Colliders that may show something else than before.
+/// Colliders that may show something different from before.
 type ShowsAnother = (
     Or<(
         Changed<Mesh3d>,
@@ -61,7 +64,7 @@ type ShowsAnother = (
     Allow<Disabled>,
 );
 
-/// Colliders that may show something else because a component is gone.
+/// Colliders that may show something different because a component is gone.
 #[derive(SystemParam)]
 pub(crate) struct ShowsLess<'w, 's> {
     settings: RemovedComponents<'w, 's, MorphTreeSettings>,
@@ -75,7 +78,9 @@ impl ShowsLess<'_, '_> {
     }
 }
 
-/// Requests the trees that colliders do not have yet. Takes time for colliders that show something else than before, not for all.
+/// Requests the trees that colliders do not have yet.
+///
+/// It looks only at colliders that changed, found by their change ticks, unless any collider may need its tree again.
 pub(crate) fn request_trees(
     colliders: Query<(Entity, Shows), With<MorphCollider>>,
     changed: Query<(Entity, Shows, Has<Disabled>), ShowsAnother>,
@@ -93,7 +98,7 @@ pub(crate) fn request_trees(
             trees.request(key, entity);
         }
     }
-    let all = colliders.iter().filter(|_| anew);
+    let all = anew.then(|| colliders.iter()).into_iter().flatten();
     for (entity, shows) in colliders.iter_many(less.read()).flatten().chain(all) {
         if let Some(key) = key_of(shows) {
             trees.request(key, entity);

@@ -56,7 +56,7 @@ impl RigidMotion {
     }
 }
 
-/// Replaces components by zero that are lost beside `largest` in `f32`.
+/// Replaces components by zero that are too small to change `largest` in `f32`.
 ///
 /// They are rounding errors. Solvers multiply them with each other, down to subnormal numbers, with which processors are slow: a
 /// step of Avian with a hundred bodies on a surface took twice as long.

@@ -237,11 +237,11 @@ report *ARGS:
 
 # Regenerates the tables of docs/rapier.md in place: bodies on a morphing surface, compared with what a game can do without the plugin.
 physics-report *ARGS:
-    cargo run --release --example physics_report -- {{ARGS}}
+    cargo run --release -p morph_collision_workspace --example physics_report -- {{ARGS}}
 
 # Regenerates the tables of docs/avian.md in place: the same with Avian. --batches N drops N hundred bodies (100 by default).
 avian-report *ARGS:
-    cargo run --release --example avian_report -- {{ARGS}}
+    cargo run --release -p morph_collision_workspace --example avian_report -- {{ARGS}}
 
 # Regenerates the tables of docs/characters.md in place: crowds of skinned characters, compared with Bevy's bounds and picking and with capsules.
 characters-report *ARGS:

@@ -66,7 +66,7 @@ determinism-aarch64:
     echo "$output"
     grep -q 'kernels: neon$' <<< "$output"
 
-# The same as WebAssembly, compiled like the web site, without a browser (needs Node.js).
+# The same check in WebAssembly, compiled like the web site but run without a browser (needs Node.js).
 determinism-wasm:
     #!/usr/bin/env bash
     set -euo pipefail

@@ -29,6 +29,7 @@ pub(crate) struct Candidates {
     /// The colliders in the order of the query, with their indices in `colliders`. As long as the query returns the same entities
     /// in the same order, nothing is sorted.
     indices: Vec<(Entity, u32)>,
+    /// Scratch memory for sorting.
     order: Vec<(Entity, u32)>,
     bounds: Vec<Option<Aabb>>,
     overlaps: Vec<(u32, u32)>,

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, DVec3, Vec3};
 
+use crate::exact::largest;
 use crate::input_error::{InputError, check_vector};
 
 /// The columns of a matrix, with a fourth coordinate of 0.
@@ -96,7 +97,7 @@ impl JointMatrices {
     pub(crate) fn spread(&self, origin: DVec3) -> f64 {
         let joints = &self.columns[..self.len()];
         let distance = |[.., translation]: &Columns| (vector(*translation) - origin).abs().max_element();
-        joints.iter().map(distance).fold(0.0, f64::max)
+        largest(joints.iter().map(distance))
     }
 
     pub(crate) fn linear_reach(&self) -> f64 {

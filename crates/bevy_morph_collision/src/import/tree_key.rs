@@ -23,16 +23,4 @@ impl TreeKey {
             joints: skin.map(|skin| skin.joints.len()),
         }
     }
-
-    /// Whether [`TreeKey::of`] returns this key.
-    pub(crate) fn is_of(
-        &self,
-        mesh: &Mesh3d,
-        settings: Option<&MorphTreeSettings>,
-        skin: Option<&SkinnedMesh>,
-    ) -> bool {
-        self.mesh == mesh.id()
-            && self.settings.as_ref() == settings
-            && self.joints == skin.map(|skin| skin.joints.len())
-    }
 }

@@ -27,28 +27,13 @@ pub(crate) type Shows = (
     Has<MorphShape>,
 );
 
-/// What a query for [`Shows`] returns.
-type Shown<'a> = (
-    Option<&'a Mesh3d>,
-    Option<&'a MorphTreeSettings>,
-    Option<&'a SkinnedMesh>,
-    bool,
-);
-
 /// The key of a collider's tree; `None` if it shows no mesh or has a shape.
-pub(crate) fn key_of((mesh, settings, skin, has_shape): Shown<'_>) -> Option<TreeKey> {
+pub(crate) fn key_of(
+    (mesh, settings, skin, has_shape): (Option<&Mesh3d>, Option<&MorphTreeSettings>, Option<&SkinnedMesh>, bool),
+) -> Option<TreeKey> {
     // A shape collides in place of the mesh.
     mesh.filter(|_| !has_shape)
         .map(|mesh| TreeKey::of(mesh, settings, skin))
-}
-
-/// Whether [`key_of`] returns this key. Faster than comparing keys.
-fn is_key_of(key: Option<&TreeKey>, (mesh, settings, skin, has_shape): Shown<'_>) -> bool {
-    match (key, mesh.filter(|_| !has_shape)) {
-        (Some(key), Some(mesh)) => key.is_of(mesh, settings, skin),
-        (None, None) => true,
-        _ => false,
-    }
 }
 
 /// Colliders that may show something different from before.
@@ -172,10 +157,10 @@ pub(crate) fn hand_out_trees(
     *version = trees.version;
     for (entity, shows, mut state) in &mut colliders {
         let was_away = state.seen != candidates.run();
-        if !every && !was_away && is_key_of(state.tree.as_ref(), shows) {
+        let key = key_of(shows);
+        if !every && !was_away && state.tree == key {
             continue;
         }
-        let key = key_of(shows);
         if let Some(key) = key.filter(|_| was_away) {
             trees.request(key, entity);
         }

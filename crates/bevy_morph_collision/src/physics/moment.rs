@@ -5,6 +5,7 @@ use bevy::prelude::*;
 use morph_collision::{JointMatrices, Pose, WorldFromModel};
 
 use super::drawn::Drawn;
+use super::motion::largest;
 use super::placed::corners;
 
 /// A mesh at one moment.
@@ -55,7 +56,7 @@ pub(super) fn displacement(before: &mut Moment, pose: &Pose, world_from_model: &
         let from = before.world_from_model.transform_point(corner);
         from.distance(world_from_model.transform_point(corner))
     });
-    reshaped + ways.into_iter().fold(0.0, f64::max)
+    reshaped + largest(ways)
 }
 
 /// The maximum factor by which a transform lengthens a distance.

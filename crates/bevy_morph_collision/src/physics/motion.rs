@@ -51,8 +51,7 @@ impl RigidMotion {
     /// The weighted error of the motion, in units of velocity.
     pub(crate) fn error(&self, points: &[DVec3], velocities: &[DVec3], weights: &[f64]) -> f64 {
         let all = points.iter().zip(velocities).zip(weights);
-        all.map(|((&point, &velocity), &weight)| weight * velocity.distance(self.at(point)))
-            .fold(0.0, f64::max)
+        largest(all.map(|((&point, &velocity), &weight)| weight * velocity.distance(self.at(point))))
     }
 }
 
@@ -76,7 +75,7 @@ pub(crate) fn continuous(velocities: &[DVec3], before: Option<&[DVec3]>, limit: 
     }
     let Some(before) = before else { return false };
     let changes = velocities.iter().zip(before).map(|(v, u)| v.distance(*u));
-    changes.fold(0.0, f64::max) <= limit.max(0.5 * speed)
+    largest(changes) <= limit.max(0.5 * speed)
 }
 
 /// The velocities of points that move from one position to another in some time.
@@ -87,7 +86,15 @@ pub(crate) fn between(from: &[DVec3], to: &[DVec3], time: f64, into: &mut Vec<DV
 
 /// The highest speed among velocities.
 pub(crate) fn fastest(velocities: &[DVec3]) -> f64 {
-    velocities.iter().map(|v| v.length_squared()).fold(0.0, f64::max).sqrt()
+    largest(velocities.iter().map(|v| v.length_squared())).sqrt()
+}
+
+/// The largest of some numbers and 0. NaN does not count.
+///
+/// Written out, because LLVM 22 (rustc 1.97.1) can compile `fold(0.0, f64::max)` incorrectly.
+pub(crate) fn largest<T: PartialOrd + Default>(numbers: impl IntoIterator<Item = T>) -> T {
+    let larger = |most, number| if number > most { number } else { most };
+    numbers.into_iter().fold(T::default(), larger)
 }
 
 #[cfg(test)]

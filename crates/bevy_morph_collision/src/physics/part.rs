@@ -6,7 +6,7 @@ use parry3d::shape::{Triangle, TrianglePseudoNormals};
 
 use super::follow::Following;
 use super::layout::{MeshLayout, NONE};
-use super::motion::{RigidMotion, between, continuous, fastest};
+use super::motion::{RigidMotion, between, continuous, fastest, largest};
 use super::triangles::pseudo_normals;
 
 /// The parameters of a step.
@@ -228,7 +228,7 @@ impl<P: Default> Part<P> {
                 || self.moved.is_some_and(|(motion, origin)| {
                     let changes = before.iter().zip(&*velocities);
                     let changes = changes.map(|(vertex, velocity)| velocity.distance(motion.at(vertex - origin)));
-                    changes.fold(0.0, f64::max) <= slight
+                    largest(changes) <= slight
                 })
                 || following.goes_on(&self.vertices, pace.max_acceleration);
         }

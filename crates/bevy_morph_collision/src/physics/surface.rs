@@ -14,6 +14,7 @@ use parry3d::shape::{FeatureId, Shape, ShapeType, Triangle, TypedShape};
 use tracing::error;
 
 use super::layout::MeshLayout;
+use super::motion::largest;
 use super::range::{MAX_COORDINATE, box_in_range};
 use super::triangles::{Triangles, nowhere, pseudo_normals};
 
@@ -126,7 +127,7 @@ impl Posed {
         let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
         let [old, new] =
             [&self.collider_from_model, &collider_from_model].map(|place| corners.map(|p| place.transform_point(p)));
-        let size = new.iter().map(|p| p.length()).fold(0.0, f64::max);
+        let size = largest(new.iter().map(|p| p.length()));
         // Rounding errors from removing a rotation are not a change.
         let changed = old.iter().zip(&new).any(|(old, new)| old.distance(*new) > 1e-5 * size);
         if changed {

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use bevy::math::{Affine3A, DVec3, Vec3};
 
-use super::motion::continuous;
+use super::motion::{continuous, largest};
 
 /// A value that determines a surface: weights, joints or place.
 pub(crate) trait Drawn: Clone {
@@ -58,7 +58,7 @@ pub(crate) struct DrawnJoints {
 impl Drawn for DrawnJoints {
     fn is(&self, other: &Self) -> bool {
         let (a, b) = (self.points(), other.points());
-        let size = b.iter().map(|p| p.abs().max_element()).fold(0.0, f64::max);
+        let size = largest(b.iter().map(|p| p.abs().max_element()));
         let close = |a: &[f32; 12], b: &[f32; 12]| {
             a[..9]
                 .iter()

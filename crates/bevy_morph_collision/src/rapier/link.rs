@@ -13,6 +13,7 @@ use bevy_rapier3d::rapier::dynamics::{
 use bevy_rapier3d::rapier::geometry::{ActiveCollisionTypes, Collider};
 
 use super::world::{Mover, World};
+use crate::physics::motion::largest;
 use crate::physics::part::Placed;
 
 /// Below this speed, per second, a part counts as not moving along an axis or rotating.
@@ -120,7 +121,7 @@ impl Carrier {
             velocity: *carrier.vels(),
             soft_ccd_prediction: carrier.soft_ccd_prediction(),
             types: surface.active_collision_types() & types | ActiveCollisionTypes::DYNAMIC_DYNAMIC,
-            way: ways.into_iter().fold(0.0, f32::max),
+            way: largest(ways),
             links: Vec::new(),
         })
     }

@@ -3,7 +3,7 @@ use std::cmp::Ordering::{self, Equal};
 use glam::DVec3;
 
 use super::closest::{closest_of_segment_and_triangle, closest_of_triangles, closest_on_triangle, lerp};
-use super::number::{power_of_two, power_of_two_below};
+use super::number::{largest, power_of_two, power_of_two_below};
 use super::predicates::{Projection, line_crossing, line_height, plane_crossing, plane_height};
 use super::segment::{
     Segment, edges, flat_segments_cross, flat_triangle_contains, lexicographic, line_pierces, segments_intersect,
@@ -83,12 +83,12 @@ fn scale_of(a: &Triangle, b: &Triangle) -> f64 {
     /// Sizes that need no scaling: their fourth powers stay in range.
     const ORDINARY: std::ops::Range<f64> = 1e-60..1e60;
     let sizes = a.iter().chain(b).map(|corner| corner.abs().max_element());
-    let largest = sizes.fold(0.0, f64::max);
-    if largest == 0.0 || ORDINARY.contains(&largest) {
+    let size = largest(sizes);
+    if size == 0.0 || ORDINARY.contains(&size) {
         return 1.0;
     }
     // Neither the scale nor its inverse may be subnormal.
-    power_of_two_below(largest).clamp(power_of_two(-1000), power_of_two(1000))
+    power_of_two_below(size).clamp(power_of_two(-1000), power_of_two(1000))
 }
 
 /// The unit normal by the right-hand rule; zero for a triangle without area. A sliver's normal is only as accurate as its shape.
@@ -224,8 +224,8 @@ fn crossing(edge: Segment, heights: [f64; 2], exactly: impl FnOnce() -> f64, tri
     const TOLERANCE: f64 = 1e-14;
     let at = |t: f64| lerp(edge, if t.is_finite() { t.clamp(0.0, 1.0) } else { 0.5 });
     let point = at(heights[0] / (heights[0] - heights[1]));
-    let sizes = triangle.map(|corner| corner.distance_squared(point)).into_iter();
-    let size = sizes.fold(edge[0].distance_squared(edge[1]), f64::max);
+    let sizes = triangle.map(|corner| corner.distance_squared(point));
+    let size = largest(sizes).max(edge[0].distance_squared(edge[1]));
     let off = |p: DVec3| closest_on_triangle(p, triangle).squared;
     if off(point) <= TOLERANCE * TOLERANCE * size {
         return point;

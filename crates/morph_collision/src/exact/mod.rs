@@ -23,7 +23,7 @@ pub(crate) use closest::{
 pub use contact::{TriangleContact, triangle_contact};
 pub(crate) use contact::{common_segment, unit_normal};
 pub(crate) use filter::Facet;
-pub(crate) use number::{VALUE_ERROR, power_of_two, power_of_two_below};
+pub(crate) use number::{VALUE_ERROR, largest, power_of_two, power_of_two_below};
 pub(crate) use predicates::plane_side;
 pub(crate) use ray::{Crossing, Line, ray_meets_triangle};
 pub(crate) use region::{Plane, triangle_meets_region};

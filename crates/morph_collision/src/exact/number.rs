@@ -12,6 +12,16 @@ pub(crate) const fn power_of_two(exponent: i64) -> f64 {
     f64::from_bits(((1023 + exponent) as u64) << 52)
 }
 
+/// The largest of some numbers and 0. NaN does not count.
+///
+/// Written out, because LLVM 22 (rustc 1.97.1) can compile `fold(0.0, f64::max)` incorrectly when it computes the numbers side by
+/// side: the largest of three came out as 0.
+#[inline]
+pub(crate) fn largest<T: PartialOrd + Default>(numbers: impl IntoIterator<Item = T>) -> T {
+    let larger = |most, number| if number > most { number } else { most };
+    numbers.into_iter().fold(T::default(), larger)
+}
+
 /// The largest power of two that is not above a positive number. Dividing by it is exact.
 pub(crate) fn power_of_two_below(value: f64) -> f64 {
     const EXPONENT: u64 = 0x7ff << 52;

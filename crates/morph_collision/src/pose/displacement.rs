@@ -19,6 +19,7 @@ use super::blend::blend_change;
 use super::instance::Pose;
 use super::posed::Posed;
 use crate::bounds::{Aabb, Box64, BoxLanes, WorldFromModel, with_simd};
+use crate::exact::largest;
 use crate::tree::{ChildKind, GroupTables};
 
 /// The number of levels visited below the root's children. Not measured: more levels make the bound smaller, but cost more.
@@ -227,15 +228,10 @@ impl Motion {
             self.linear.y_axis * half.y,
             self.linear.z_axis * half.z,
         ];
-        let farthest = [x + y + z, x + y - z, x - y + z, x - y - z]
-            .into_iter()
-            .map(|corner| {
-                (middle + corner)
-                    .length_squared()
-                    .max((middle - corner).length_squared())
-            })
-            .fold(0.0, f64::max);
-        // `max` drops NaN; `simple` keeps it.
+        let corners = [x + y + z, x + y - z, x - y + z, x - y - z];
+        let ends = corners.map(|corner| [middle + corner, middle - corner]);
+        let farthest = largest(ends.into_iter().flatten().map(DVec3::length_squared));
+        // `largest` drops NaN; `simple` keeps it.
         if simple.is_finite() {
             farthest.sqrt() * (1.0 + 1e-9) + rounding
         } else {
@@ -254,7 +250,7 @@ fn stretch(m: &DMat3) -> f64 {
         y.length_squared() + xy + yz,
         z.length_squared() + xz + yz,
     ];
-    sums.into_iter().fold(0.0, f64::max).sqrt() * (1.0 + 1e-9)
+    largest(sums).sqrt() * (1.0 + 1e-9)
 }
 
 /// The bound, or infinity if an overflow made it NaN.

@@ -13,7 +13,7 @@ use super::pairs::TrianglePair;
 use super::placements::Placements;
 use super::stats::QueryStats;
 use crate::bounds::{Aabb, Box64, Extent, GapFrame};
-use crate::exact::Triangle;
+use crate::exact::{Triangle, largest};
 use crate::input_error::{InputError, check_length};
 use crate::pose::{Posed, Standing};
 use crate::traverse::{NearestStack, walk_nearest};
@@ -143,10 +143,8 @@ impl DistanceQuery {
 
 /// A lower bound for the squared distance between the contents of two boxes.
 fn squared_gap(frames: &[GapFrame], a: &Box64, b: &Box64) -> f64 {
-    frames
-        .iter()
-        .map(|frame| frame.squared(&frame.image_of_a(a), &frame.image_of_b(b)))
-        .fold(0.0, f64::max)
+    let squared = |frame: &GapFrame| frame.squared(&frame.image_of_a(a), &frame.image_of_b(b));
+    largest(frames.iter().map(squared))
 }
 
 /// Whether two bodies are so small compared with their distance that all their triangles are about equally close.

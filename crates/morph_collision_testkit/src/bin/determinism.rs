@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use morph_collision::Kernel;
 use morph_collision_testkit::determinism::{answer_all, differences};
 
-/// How many threads the queries run on, each in turn. WebAssembly has no threads here.
+/// The numbers of threads to run the queries on. WebAssembly has only one thread.
 const THREADS: &[usize] = if cfg!(target_family = "wasm") { &[1] } else { &[1, 2, 8] };
 
 fn main() -> ExitCode {

@@ -1,6 +1,6 @@
 use glam::DVec3;
 
-use crate::exact::edges;
+use crate::exact::{edges, largest};
 use crate::query::TrianglePair;
 
 /// A point that two bodies share.
@@ -84,9 +84,7 @@ impl Manifold {
         let upright = (q - p).cross(r - p).normalize_or_zero();
         let outside = |c: &ContactPoint| {
             let beyond = |[from, to]: [DVec3; 2]| (c.point - from).cross(to - from).dot(upright);
-            // `fold(0.0, f64::max)` gave 0 here in a wasm program with fat link-time optimization (rustc 1.97.1).
-            let larger = |most: f64, beyond: f64| if beyond > most { beyond } else { most };
-            edges(&[p, q, r]).map(beyond).into_iter().fold(0.0, larger)
+            largest(edges(&[p, q, r]).map(beyond))
         };
         self.add(best(points, outside).filter(|c| outside(c) > SAME * extent * extent)?);
         Some(())

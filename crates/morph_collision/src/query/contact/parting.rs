@@ -1,6 +1,6 @@
 use glam::{DVec2, DVec3};
 
-use crate::exact::{Triangle, edges};
+use crate::exact::{Triangle, edges, largest};
 
 /// The tolerance for a point on an edge, relative to the triangles' sizes. It can only increase the distance.
 const TOLERANCE: f64 = 1e-12;
@@ -24,11 +24,8 @@ pub(super) fn parting_distance(a: &Triangle, b: &Triangle, direction: DVec3) -> 
         }
     };
     let (projected_a, projected_b) = (a.map(project), b.map(project));
-    let size = projected_a
-        .iter()
-        .chain(&projected_b)
-        .map(|projected| projected.at.length())
-        .fold(0.0, f64::max);
+    let projected = projected_a.iter().chain(&projected_b);
+    let size = largest(projected.map(|projected| projected.at.length()));
     let mut farthest = 0.0_f64;
     for (corners, other, sign) in [(&projected_a, &projected_b, 1.0), (&projected_b, &projected_a, -1.0)] {
         for corner in corners {

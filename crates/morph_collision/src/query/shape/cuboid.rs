@@ -4,7 +4,8 @@ use glam::{DMat3, DVec3};
 
 use super::placed::Closest;
 use crate::exact::{
-    ClosestPoints, Segment, Triangle, closest_of_segments, closest_on_triangle, edges, plane_side, triangles_intersect,
+    ClosestPoints, Segment, Triangle, closest_of_segments, closest_on_triangle, edges, largest, plane_side,
+    triangles_intersect,
 };
 
 /// A box in world space, given by its frame. Exact answers refer to its eight corners as rounded by [`Cuboid::corners`].
@@ -58,7 +59,7 @@ impl Cuboid {
     /// The largest distance that a corner has moved. It bounds how far any point has moved, up to rounding of the lengths.
     pub(super) fn displacement_from(&self, before: &Self) -> f64 {
         let corners = self.corners().into_iter().zip(before.corners());
-        corners.map(|(now, before)| now.distance(before)).fold(0.0, f64::max)
+        largest(corners.map(|(now, before)| now.distance(before)))
     }
 
     fn local(&self, point: DVec3) -> DVec3 {

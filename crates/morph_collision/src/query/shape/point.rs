@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::ShapeQuery;
 use crate::bounds::{Box64, ByBox, GapFrame, PlacedBounds, WorldFromModel};
-use crate::exact::{TrianglePoint, closest_on_triangle_exactly};
+use crate::exact::{TrianglePoint, closest_on_triangle_exactly, largest};
 use crate::input_error::{InputError, check_length, check_point};
 use crate::query::Body;
 use crate::query::distance::MARGIN;
@@ -63,7 +63,7 @@ impl ShapeQuery {
         let targets: Vec<_> = frames.iter().map(|frame| (frame, frame.image_of_b(&target))).collect();
         let squared_distance = |bounds: &Box64| {
             let squared = |(frame, target): &(&GapFrame, Box64)| frame.squared(&frame.image_of_a(bounds), target);
-            Some(targets.iter().map(squared).fold(0.0, f64::max))
+            Some(largest(targets.iter().map(squared)))
         };
         let mut closest: Option<(u32, TrianglePoint)> = None;
         let mut limit = max_distance * max_distance * MARGIN;

@@ -42,6 +42,12 @@ pub enum InputError {
         /// The length it should have.
         expected: usize,
     },
+    /// Two poses that belong together are of different trees.
+    #[error("{what} must be poses of the same tree")]
+    DifferentTrees {
+        /// What the poses are.
+        what: String,
+    },
     /// A number is NaN or out of range.
     #[error("{what} is {}, it must be {expected}", Short(*value))]
     BadNumber {
@@ -60,6 +66,7 @@ impl InputError {
         let (Self::BadCoordinate { what, .. }
         | Self::NoDirection { what, .. }
         | Self::BadNumber { what, .. }
+        | Self::DifferentTrees { what }
         | Self::WrongCount { what, .. }) = &mut self;
         *what = format!("{part}: {what}");
         self

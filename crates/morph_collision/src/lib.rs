@@ -21,6 +21,7 @@
 //! | Which triangles of two bodies intersect? | [`PairQuery`], with [`PairMemory`] from frame to frame |
 //! | Which triangles of many pairs of bodies intersect, on several threads? | [`BatchQuery`](batch::BatchQuery), on [`Workers`](batch::Workers) |
 //! | Where do two bodies touch, how deep, and which way is out? | [`ContactQuery`], [`triangle_contact`] |
+//! | What touches while bodies move from one pose to another? When? | [`MotionQuery`](motion::MotionQuery) |
 //! | How far apart are two bodies? | [`DistanceQuery`] |
 //! | Which of many boxes overlap? | [`overlapping_pairs`] |
 //! | What does a ray hit? | [`RayQuery`] |
@@ -67,7 +68,7 @@ pub use pose::{Pose, PoseSnapshot, PosedNode, WeightsError};
 pub use query::{
     Body, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion, DistanceQuery, Facing, Manifold,
     PairMemory, PairQuery, PlacedShape, QueryStats, Ray, RayHit, RayQuery, SelfQuery, Shape, ShapeCastHit,
-    ShapeContact, ShapeGap, ShapeImpact, ShapeQuery, SurfaceAnchor, SurfaceFrame, TrianglePair, batch,
+    ShapeContact, ShapeGap, ShapeImpact, ShapeQuery, SurfaceAnchor, SurfaceFrame, TrianglePair, batch, motion,
 };
 pub use traverse::overlapping_pairs;
 pub use tree::{BuildOptions, LayoutError, MorphBvh, MorphBvhBuilder, TreeLayout};

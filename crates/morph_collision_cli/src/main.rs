@@ -2,6 +2,7 @@
 //!
 //! - `inspect` shows what a model is made of and what tree it gets.
 //! - `run` replays a scene of scripted bodies and reports which triangles intersect.
+//! - `motion` replays a scene and reports when bodies first touch between frames.
 //! - `query` asks about one mesh in one shape.
 //! - `verify` compares a model's answers with brute force.
 //! - `stress` does the same with generated, difficult meshes.
@@ -12,9 +13,11 @@
 #![forbid(unsafe_code)]
 
 mod bench;
+mod cast;
 mod error;
 mod inspect;
 mod model_file;
+mod motion;
 mod output;
 mod output_file;
 mod paper_options;
@@ -44,6 +47,7 @@ struct Cli {
 enum Command {
     Inspect(inspect::InspectArgs),
     Run(run::RunArgs),
+    Motion(motion::MotionArgs),
     Query(query::QueryArgs),
     Verify(verify::VerifyArgs),
     Stress(stress::StressArgs),
@@ -76,6 +80,7 @@ fn main() -> ExitCode {
     let result = match &cli.command {
         Command::Inspect(args) => inspect::inspect(args).map(clean),
         Command::Run(args) => run::run(args).map(clean),
+        Command::Motion(args) => motion::motion(args).map(clean),
         Command::Query(args) => query::query(args).map(clean),
         Command::Verify(args) => verify::verify(args),
         Command::Stress(args) => stress::stress(args),

@@ -75,6 +75,28 @@ impl BoxLanes {
         boxes.hull_of_all(simd)
     }
 
+    /// Grows each box to contain the box in the same lane of `other`. If either is not finite, the box becomes infinite.
+    #[inline(always)]
+    pub(crate) fn grow<S: Simd>(&mut self, simd: S, other: &Self) {
+        let mut sum = f32x8::splat(simd, 0.0);
+        for axis in 0..3 {
+            let (min, max) = (self.min[axis].load(simd), self.max[axis].load(simd));
+            let (low, high) = (other.min[axis].load(simd), other.max[axis].load(simd));
+            sum += (min - max) + (low - high);
+            min.min(low).store_slice(&mut self.min[axis].0);
+            max.max(high).store_slice(&mut self.max[axis].0);
+        }
+        // False for NaN and for infinities, in any of the numbers.
+        let is_finite = (sum - sum).simd_eq(f32x8::splat(simd, 0.0));
+        if is_finite.to_bitmask() as u8 != u8::MAX {
+            for lane in 0..LANES {
+                if !(sum.to_array()[lane] - sum.to_array()[lane] == 0.0) {
+                    self.set(lane, &Aabb::UNBOUNDED);
+                }
+            }
+        }
+    }
+
     /// Sets `girths` to the sum of each box's edge lengths, times `scale`.
     #[inline(always)]
     pub(crate) fn girths<S: Simd>(&self, simd: S, scale: f32, girths: &mut Lanes) {

@@ -130,13 +130,9 @@ impl WorldFromModel {
         self.linear == other.linear && self.translation == other.translation
     }
 
-    /// The same map followed by a translation in world space.
-    #[cfg(test)]
-    pub(crate) fn translated(&self, by: DVec3) -> Self {
-        Self {
-            translation: self.translation + by,
-            ..*self
-        }
+    /// The same map with another translation.
+    pub(crate) fn at(&self, translation: DVec3) -> Self {
+        Self { translation, ..*self }
     }
 
     /// The length of the longest mapped unit axis.

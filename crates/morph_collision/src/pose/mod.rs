@@ -6,6 +6,7 @@
 //! - [`Pose::refit`] fits all boxes to the posed vertices at once instead.
 
 mod blend;
+mod box_tree;
 mod cache;
 mod displacement;
 mod instance;
@@ -20,6 +21,7 @@ mod standing;
 mod visit;
 mod weights;
 
+pub(crate) use box_tree::BoxTree;
 pub(crate) use cache::EpochCache;
 pub(crate) use displacement::displacement;
 pub use instance::Pose;

@@ -30,6 +30,7 @@ mod distance;
 mod input;
 mod leaves;
 mod memory;
+pub mod motion;
 mod neighbourhood;
 mod one;
 mod pairs;

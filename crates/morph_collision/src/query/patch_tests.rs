@@ -150,7 +150,8 @@ fn world_from(linear: Mat3A, translation: DVec3) -> WorldFromModel {
         matrix3: linear,
         translation: Vec3A::ZERO,
     };
-    WorldFromModel::new(place).unwrap().translated(translation)
+    let place = WorldFromModel::new(place).unwrap();
+    place.at(place.translation() + translation)
 }
 
 /// A neighbourhood for bodies of about a size in world space; its size and origin are wrong about half the time.

@@ -9,7 +9,7 @@ use fearless_simd::Simd;
 use super::view::View;
 use super::views::Opened;
 use crate::bounds::BoxLanes;
-use crate::pose::Posed;
+use crate::pose::BoxTree;
 use crate::tree::BODY_FRAME;
 
 /// The number of pairs of spaces whose maps are kept. If two pairs have the same place, the later one replaces the other.
@@ -50,10 +50,10 @@ impl JointSpaces {
     /// Those of A's children in `mask` whose boxes overlap the box of B's child in the space of A's boxes. The space of B's boxes is left
     /// out unless `is_leaf`, because otherwise the children of B's child are compared there next.
     #[inline(always)]
-    pub(super) fn of_a<S: Simd>(
+    pub(super) fn of_a<S: Simd, T: BoxTree>(
         &mut self,
         simd: S,
-        trees: (&mut Posed<'_>, &mut Posed<'_>),
+        trees: (&mut T, &mut T),
         a: &Opened,
         (b, lane, is_leaf): (&Opened, usize, bool),
         mut mask: u8,
@@ -76,10 +76,10 @@ impl JointSpaces {
 
     /// Those of B's children in `mask` whose boxes overlap the box of A's child in the spaces of both.
     #[inline(always)]
-    pub(super) fn of_b<S: Simd>(
+    pub(super) fn of_b<S: Simd, T: BoxTree>(
         &mut self,
         simd: S,
-        trees: (&mut Posed<'_>, &mut Posed<'_>),
+        trees: (&mut T, &mut T),
         ((a, slot_a), lane): ((&Opened, usize), usize),
         (b, slot_b): (&Opened, usize),
         mut mask: u8,
@@ -107,7 +107,7 @@ impl JointSpaces {
     }
 
     #[inline(always)]
-    fn maps(&mut self, trees: (&mut Posed<'_>, &mut Posed<'_>), spaces: [usize; 2]) -> &Maps {
+    fn maps<T: BoxTree>(&mut self, trees: (&mut T, &mut T), spaces: [usize; 2]) -> &Maps {
         let place = (spaces[0] * 31 + spaces[1]) % KEPT;
         let is_made = |maps: &Maps| maps.query == self.query && maps.spaces == spaces;
         if !self.maps.get(place).is_some_and(is_made) {
@@ -117,7 +117,7 @@ impl JointSpaces {
     }
 
     #[inline(never)]
-    fn make(&mut self, (a, b): (&mut Posed<'_>, &mut Posed<'_>), spaces: [usize; 2], place: usize) {
+    fn make<T: BoxTree>(&mut self, (a, b): (&mut T, &mut T), spaces: [usize; 2], place: usize) {
         if self.maps.is_empty() {
             self.maps.resize(KEPT, Maps::default());
         }

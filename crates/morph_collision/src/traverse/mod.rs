@@ -2,6 +2,7 @@
 //! what happens at the leaves.
 
 mod joint_spaces;
+mod moving;
 mod nearest;
 mod one;
 mod overlap;
@@ -15,6 +16,7 @@ mod probe;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use moving::{Moving, MovingBoxes, middle};
 pub(crate) use nearest::{NearestStack, walk_nearest};
 pub(crate) use one::{Queue, walk_one};
 pub(crate) use overlap::{Order, OverlapWalk};

@@ -7,7 +7,7 @@ use fearless_simd::Simd;
 use super::joint_spaces::JointSpaces;
 use super::views::{Node, Views};
 use crate::bounds::{Aabb, Frame, LANES, lanes_of, with_simd};
-use crate::pose::{NodeId, Posed, Standing};
+use crate::pose::{BoxTree, NodeId, Standing};
 use crate::tree::{ChildKind, Leaf};
 
 /// Nodes whose sizes differ by less than this factor are opened together. Chosen by instruction counts on the bench scenes
@@ -31,7 +31,7 @@ pub(crate) enum Order {
 }
 
 /// The callback for pairs of leaves.
-pub(crate) type AtLeaves<'v, 'p> = dyn FnMut(&mut Posed<'p>, &mut Posed<'p>, &[(Leaf, Leaf)]) -> ControlFlow<()> + 'v;
+pub(crate) type AtLeaves<'v, T> = dyn FnMut(&mut T, &mut T, &[(Leaf, Leaf)]) -> ControlFlow<()> + 'v;
 
 /// A depth-first walk over the node pairs of two bodies whose boxes overlap in every frame. The next walk reuses the memory.
 ///
@@ -72,19 +72,19 @@ impl OverlapWalk {
     /// Calls `at_leaves` for all pairs of leaves whose boxes overlap, until it breaks.
     ///
     /// Starts at the node pairs in `front`. If it is empty, starts at the roots, which the caller has tested already.
-    pub(crate) fn run<'p>(
+    pub(crate) fn run<T: BoxTree>(
         &mut self,
-        (a, b): (&mut Posed<'p>, &mut Posed<'p>),
+        (a, b): (&mut T, &mut T),
         front: &[(NodeId, NodeId)],
         order: Order,
-        at_leaves: &mut AtLeaves<'_, 'p>,
+        at_leaves: &mut AtLeaves<'_, T>,
     ) -> ControlFlow<()> {
-        with_simd!(a.level, simd => self.walk(simd, (a, b), front, order, at_leaves))
+        with_simd!(a.level(), simd => self.walk(simd, (a, b), front, order, at_leaves))
     }
 
     /// Expands the roots, level by level, into at least `least` node pairs (fewer if there are not that many), in the order of
     /// the walk.
-    pub(crate) fn front(&mut self, a: &mut Posed<'_>, b: &mut Posed<'_>, least: usize) -> Vec<(NodeId, NodeId)> {
+    pub(crate) fn front<T: BoxTree>(&mut self, a: &mut T, b: &mut T, least: usize) -> Vec<(NodeId, NodeId)> {
         let mut front = vec![(NodeId::ROOT, NodeId::ROOT)];
         let mut done = false;
         while front.len() < least && !done {
@@ -98,7 +98,7 @@ impl OverlapWalk {
                 }
                 done = false;
                 self.stack.clear();
-                with_simd!(a.level, simd => self.descend(simd, (a, b), pair, Order::Expand));
+                with_simd!(a.level(), simd => self.descend(simd, (a, b), pair, Order::Expand));
                 // The order of the walk: first leaf pairs in the order they were pushed, then all other pairs in reverse.
                 let (leaves, nodes): (Vec<_>, Vec<_>) = self
                     .stack
@@ -113,13 +113,13 @@ impl OverlapWalk {
     }
 
     #[inline(always)]
-    fn walk<'p, S: Simd>(
+    fn walk<S: Simd, T: BoxTree>(
         &mut self,
         simd: S,
-        (a, b): (&mut Posed<'p>, &mut Posed<'p>),
+        (a, b): (&mut T, &mut T),
         front: &[(NodeId, NodeId)],
         order: Order,
-        at_leaves: &mut AtLeaves<'_, 'p>,
+        at_leaves: &mut AtLeaves<'_, T>,
     ) -> ControlFlow<()> {
         self.stack.clear();
         self.leaves.clear();
@@ -152,10 +152,10 @@ impl OverlapWalk {
 
     /// Pushes the overlapping pairs below two nodes, at least one of which is not a leaf.
     #[inline(always)]
-    fn descend<S: Simd>(
+    fn descend<S: Simd, T: BoxTree>(
         &mut self,
         simd: S,
-        (a, b): (&mut Posed<'_>, &mut Posed<'_>),
+        (a, b): (&mut T, &mut T),
         (node_a, node_b): (Node, Node),
         order: Order,
     ) {
@@ -202,7 +202,7 @@ impl OverlapWalk {
 
     /// The children in a slot of A that overlap a node of B.
     #[inline(always)]
-    fn rows<S: Simd>(&mut self, simd: S, trees: (&mut Posed<'_>, &mut Posed<'_>), slot: usize, node_b: Node) -> u8 {
+    fn rows<S: Simd, T: BoxTree>(&mut self, simd: S, trees: (&mut T, &mut T), slot: usize, node_b: Node) -> u8 {
         let (opened, other, lane) = (self.a.opened(slot), self.b.siblings(node_b), node_b.lane());
         self.node_tests += u64::from(opened.len);
         let mask = opened.overlaps(simd, other, lane);
@@ -215,10 +215,10 @@ impl OverlapWalk {
 
     /// Pushes the children in a slot of B that overlap a child in a slot of A.
     #[inline(always)]
-    fn descend_row<S: Simd>(
+    fn descend_row<S: Simd, T: BoxTree>(
         &mut self,
         simd: S,
-        trees: (&mut Posed<'_>, &mut Posed<'_>),
+        trees: (&mut T, &mut T),
         (slot_a, row): (usize, usize),
         slot_b: usize,
         order: Order,

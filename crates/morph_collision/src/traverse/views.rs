@@ -4,7 +4,7 @@ use fearless_simd::Simd;
 
 use super::view::View;
 use crate::bounds::{Aabb, BoxLanes, Frame, LANES, Lanes, with_simd};
-use crate::pose::{EpochCache, NodeId, Posed, Standing};
+use crate::pose::{BoxTree, EpochCache, NodeId, Standing};
 use crate::tree::{BODY_FRAME, Child};
 
 /// Node pairs are compared in this many frames.
@@ -35,7 +35,7 @@ impl BoneViews {
         }
     }
 
-    fn views(&mut self, tree: &mut Posed<'_>, bone: usize) -> &[View; FRAMES] {
+    fn views(&mut self, tree: &mut impl BoxTree, bone: usize) -> &[View; FRAMES] {
         let slot = self.views.find(bone).unwrap_or_else(|| {
             let to_body = tree.body_from_bone(bone);
             let slot = self.views.claim(bone);
@@ -172,7 +172,7 @@ impl Views {
 
     /// The slot of a group's children. Blends and maps their boxes on the first call.
     #[inline(always)]
-    pub(super) fn open(&mut self, tree: &mut Posed<'_>, group: usize) -> usize {
+    pub(super) fn open(&mut self, tree: &mut impl BoxTree, group: usize) -> usize {
         match self.opened.find(group) {
             Some(slot) => slot,
             None => self.make(tree, group),
@@ -180,10 +180,10 @@ impl Views {
     }
 
     #[inline(never)]
-    fn make(&mut self, tree: &mut Posed<'_>, group: usize) -> usize {
+    fn make(&mut self, tree: &mut impl BoxTree, group: usize) -> usize {
         let slot = self.opened.claim(group);
         let opened = self.opened.get_mut(slot);
-        let children = tree.topology.group(group);
+        let children = tree.topology().group(group);
         opened.children = *children.lanes();
         opened.group = group as u32;
         opened.mask = children.mask();
@@ -193,7 +193,7 @@ impl Views {
             let views = &self.bones.views(tree, bone.frame)[..used];
             if let Some(boxes) = tree.bone_boxes(bone) {
                 (opened.home, opened.at_home) = (bone.frame, *boxes);
-                with_simd!(tree.level, simd => opened.fill(simd, boxes, views, self.scale));
+                with_simd!(tree.level(), simd => opened.fill(simd, boxes, views, self.scale));
             }
         } else {
             let blended = tree.open(group);
@@ -201,7 +201,7 @@ impl Views {
             if self.keeps_home {
                 opened.at_home = *tree.boxes(blended);
             }
-            with_simd!(tree.level, simd => opened.fill(simd, tree.boxes(blended), &self.views[..used], self.scale));
+            with_simd!(tree.level(), simd => opened.fill(simd, tree.boxes(blended), &self.views[..used], self.scale));
         }
         slot
     }
@@ -230,7 +230,7 @@ impl Views {
         }
     }
 
-    pub(super) fn node(&mut self, tree: &mut Posed<'_>, id: NodeId) -> Node {
+    pub(super) fn node(&mut self, tree: &mut impl BoxTree, id: NodeId) -> Node {
         let slot = self.open(tree, id.group as usize);
         self.child(slot, usize::from(id.lane))
     }

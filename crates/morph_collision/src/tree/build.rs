@@ -108,6 +108,7 @@ pub(super) async fn build_over(
         topology: Arc::new(topology),
         tables: Arc::new(tables),
         options: *options,
+        owners: Arc::default(),
         kernel: Kernel::default(),
     }
 }

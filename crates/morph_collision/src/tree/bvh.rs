@@ -1,7 +1,7 @@
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
-use super::{BuildOptions, Child, ChildKind, LeafLanes, SkinTables, Tables, Topology};
+use super::{BuildOptions, Child, ChildKind, LeafLanes, Owners, SkinTables, Tables, Topology};
 use crate::bounds::Kernel;
 use crate::model::MorphModel;
 
@@ -21,6 +21,8 @@ pub struct MorphBvh {
     /// `Some` for a skinned mesh.
     pub(crate) skin: Option<Arc<SkinTables>>,
     pub(crate) leaf_lanes: Option<Arc<LeafLanes>>,
+    /// Computed when a query about motion first needs it.
+    pub(super) owners: Arc<OnceLock<Owners>>,
     pub(super) options: BuildOptions,
     pub(super) kernel: Kernel,
 }
@@ -78,7 +80,13 @@ impl MorphBvh {
     pub fn bytes(&self) -> usize {
         let leaf_lanes = self.leaf_lanes.as_ref().map_or(0, |lanes| lanes.bytes());
         let skin = self.skin.as_ref().map_or(0, |skin| skin.bytes());
-        self.topology.bytes() + self.tables.bytes() + skin + leaf_lanes
+        let owners = self.owners.get().map_or(0, Owners::bytes);
+        self.topology.bytes() + self.tables.bytes() + skin + leaf_lanes + owners
+    }
+
+    /// The triangle that owns each vertex and edge. Computed on first use: `O(n log n)`.
+    pub(crate) fn owners(&self) -> &Owners {
+        self.owners.get_or_init(|| Owners::new(&self.model))
     }
 
     /// Cuts the mesh into parts of nearby triangles: the largest subtrees with at most `max_triangles` triangles. Every triangle is

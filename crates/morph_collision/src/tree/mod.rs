@@ -6,6 +6,7 @@
 //! - `extents` measures the base and each target over every node.
 //! - `tables` turns extents into the numbers that a pose blends.
 //! - `leaf_lanes` stores the corners of the leaves' triangles for the exact tests.
+//! - `owners` gives each vertex and edge to one triangle, when a query about motion first needs it.
 //!
 //! For skinned meshes:
 //!
@@ -24,6 +25,7 @@ mod joint_boxes;
 mod layout;
 mod leaf_lanes;
 mod options;
+mod owners;
 mod pace;
 mod sah;
 mod skin_tables;
@@ -38,6 +40,7 @@ pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, gather};
 #[cfg(test)]
 pub(crate) use leaf_lanes::{in_lanes, put};
 pub use options::BuildOptions;
+pub(crate) use owners::Owners;
 pub(crate) use skin_tables::{BODY_FRAME, Block, KEPT_IMAGES, SkinTables};
 pub(crate) use tables::{GroupTables, Tables};
 pub(crate) use topology::{Child, ChildKind, Leaf, Topology};

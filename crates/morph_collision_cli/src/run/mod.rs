@@ -1,10 +1,9 @@
 //! `morph-collide run`: replay a scene of scripted bodies and report which triangles intersect.
 //!
 //! ```text
-//! scene.json --bodies--> bodies of a method --replay--> hits and times per frame --report, pairs_csv, picture--> stdout, OUT.csv, OUT.png
+//! scene.json --Cast--> bodies of a method --replay--> hits and times per frame --report, pairs_csv, picture--> stdout, OUT.csv, OUT.png
 //! ```
 
-mod bodies;
 mod options;
 mod pairs_csv;
 mod picture;
@@ -14,15 +13,17 @@ mod report;
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
+use morph_collision_testkit::rivals::Method;
 use morph_collision_testkit::scenes::Scene;
 
+use crate::cast::Cast;
 use crate::error::CliError;
 use crate::model_file::FileArgs;
 use crate::output;
 use crate::output_file::OutputFile;
 use crate::picture::Picture;
 use crate::progress::ProgressArgs;
-use bodies::Cast;
+
 use options::MethodArgs;
 use picture::{Drawn, PictureArgs};
 use replay::Replay;
@@ -56,6 +57,9 @@ pub(crate) struct RunArgs {
     #[arg(long)]
     json: bool,
 }
+
+/// The bodies of a scene, held by a method.
+type Played = Cast<Box<dyn Method>>;
 
 /// How much to find out about each pair of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -110,7 +114,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
 }
 
 /// Draws a frame of a replay into `file`.
-fn draw(cast: &mut Cast, args: &RunArgs, replay: &Replay, file: OutputFile) -> Result<Drawn, CliError> {
+fn draw(cast: &mut Played, args: &RunArgs, replay: &Replay, file: OutputFile) -> Result<Drawn, CliError> {
     let frame = args.picture.frame(&replay.frames);
     let hits = replay::hits_of_frame(cast, args.mode, frame, replay.hits.len())?;
     let bodies = picture::bodies(cast, frame, &hits);

@@ -1,9 +1,11 @@
 //! The method that finds pairs, and how its trees are built.
 
 use clap::Args;
-use morph_collision_testkit::rivals::{MethodKind, MethodOptions};
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::rivals::{Method, MethodKind, MethodOptions, SetUpError};
 
 use super::Mode;
+use crate::cast::SetUp;
 use crate::error::CliError;
 use crate::paper_options::PaperArgs;
 use crate::tree_options::TreeArgs;
@@ -86,5 +88,21 @@ impl MethodArgs {
             Some(arity) => MethodOptions { arity, ..options },
             None => options,
         }
+    }
+}
+
+impl SetUp for MethodArgs {
+    type Bodies = Box<dyn Method>;
+
+    fn bytes(&self, mesh: &MorphMesh) -> (u64, u64) {
+        match self.method() {
+            MethodKind::Paper(paper) => (paper.tree_bytes(mesh), paper.body_bytes(mesh)),
+            MethodKind::Morph | MethodKind::MorphEager => (mesh.tree_bytes(), mesh.body_bytes(false)),
+            _ => (mesh.tree_bytes(), mesh.body_bytes(true)),
+        }
+    }
+
+    fn set_up(&self, meshes: &[MorphMesh], mesh_of_body: &[usize]) -> Result<Self::Bodies, SetUpError> {
+        self.method().set_up(meshes, mesh_of_body, &self.options())
     }
 }

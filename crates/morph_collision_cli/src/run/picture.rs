@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use morph_collision_testkit::oracle::BodyPose;
 
-use super::bodies::Cast;
+use super::Played;
 use super::replay::{FrameCounts, Hit};
 use crate::error::CliError;
 use crate::picture::DrawnBody;
@@ -60,7 +60,7 @@ impl PictureArgs {
 }
 
 /// The bodies of a frame. Triangles in `hits` are marked as touching.
-pub(super) fn bodies(cast: &Cast, frame: usize, hits: &[Hit]) -> Vec<DrawnBody> {
+pub(super) fn bodies(cast: &Played, frame: usize, hits: &[Hit]) -> Vec<DrawnBody> {
     let mut bodies: Vec<DrawnBody> = cast.frames[frame]
         .iter()
         .zip(&cast.mesh_of_body)

@@ -5,8 +5,8 @@ use std::time::{Duration, Instant};
 use morph_collision::{QueryStats, TrianglePair};
 use morph_collision_testkit::rivals::{BroadPhase, Wanted};
 
-use super::Mode;
-use super::bodies::{Cast, Shape};
+use super::{Mode, Played};
+use crate::cast::Shape;
 use crate::error::CliError;
 use crate::progress::Progress;
 
@@ -42,7 +42,7 @@ pub(crate) struct Hit {
 }
 
 /// Replays all frames. Hits are kept only if `keep_hits`, because there can be many.
-pub(crate) fn replay(cast: &mut Cast, mode: Mode, keep_hits: bool, progress: &Progress) -> Result<Replay, CliError> {
+pub(crate) fn replay(cast: &mut Played, mode: Mode, keep_hits: bool, progress: &Progress) -> Result<Replay, CliError> {
     let mut replay = Replay::default();
     let mut scratch = Scratch::default();
     let before = cast.method.work();
@@ -68,7 +68,7 @@ pub(crate) fn replay(cast: &mut Cast, mode: Mode, keep_hits: bool, progress: &Pr
 /// The hits of one frame in ascending order. This counts as work like any other frame.
 ///
 /// `kept` is the number of hits already in memory.
-pub(crate) fn hits_of_frame(cast: &mut Cast, mode: Mode, frame: usize, kept: usize) -> Result<Vec<Hit>, CliError> {
+pub(crate) fn hits_of_frame(cast: &mut Played, mode: Mode, frame: usize, kept: usize) -> Result<Vec<Hit>, CliError> {
     let mut scratch = Scratch::default();
     let shapes = shapes(cast, frame);
     pose(cast, frame, &shapes)?;
@@ -79,12 +79,12 @@ pub(crate) fn hits_of_frame(cast: &mut Cast, mode: Mode, frame: usize, kept: usi
 }
 
 /// The shapes of all bodies in a frame.
-fn shapes(cast: &Cast, frame: usize) -> Vec<Shape> {
+fn shapes(cast: &Played, frame: usize) -> Vec<Shape> {
     (0..cast.bodies).map(|body| cast.shape(frame, body)).collect()
 }
 
 /// Sets the weights, joints and placements of all bodies for a frame.
-fn pose(cast: &mut Cast, frame: usize, shapes: &[Shape]) -> Result<(), CliError> {
+fn pose(cast: &mut Played, frame: usize, shapes: &[Shape]) -> Result<(), CliError> {
     for (body, (state, shape)) in cast.frames[frame].iter().zip(shapes).enumerate() {
         let joints = shape.joints.as_ref().map(|joints| cast.method.set_joints(body, joints));
         let posed = joints.unwrap_or(Ok(()));
@@ -113,7 +113,7 @@ impl Scratch {
     ///
     /// Two bodies that collapse to the same point touch in every pair of their triangles. The search therefore fails with an
     /// error as soon as the memory limit has no room for more hits beside the `kept` ones.
-    fn collide(&mut self, cast: &mut Cast, frame: usize, mode: Mode, kept: usize) -> Result<FrameCounts, CliError> {
+    fn collide(&mut self, cast: &mut Played, frame: usize, mode: Mode, kept: usize) -> Result<FrameCounts, CliError> {
         let (method, bodies) = (cast.method.as_mut(), cast.bodies);
         let room = cast.most_pairs.saturating_sub(kept);
         self.hits.clear();

@@ -10,10 +10,9 @@ use morph_collision::WorldFromModel;
 use morph_collision_testkit::gltf_read::GltfFile;
 use morph_collision_testkit::memory::MemoryBudget;
 use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::rivals::{Method, MethodKind, PoseError, SetUpError, WeightLimits};
+use morph_collision_testkit::rivals::{PoseError, SetUpError, WeightLimits};
 use morph_collision_testkit::scenes::{self, Scene};
 
-use super::options::MethodArgs;
 use crate::error::CliError;
 use crate::model_file::{FileArgs, count_memory, find_clip, read_clips, read_mesh};
 
@@ -21,14 +20,14 @@ use crate::model_file::{FileArgs, count_memory, find_clip, read_clips, read_mesh
 /// that grow.
 const BYTES_PER_PAIR: u64 = 128;
 
-/// The bodies of a scene and what each does in every frame.
-pub(crate) struct Cast {
+/// The bodies of a scene and what each does in every frame. `B` holds the bodies in the form that a command needs.
+pub(crate) struct Cast<B> {
     /// For error messages.
     pub(crate) scene: PathBuf,
     /// Every file that was read; outputs must not replace any of them.
     pub(crate) inputs: Vec<PathBuf>,
-    /// Holds the bodies. Bodies of the same mesh share its data.
-    pub(crate) method: Box<dyn Method>,
+    /// Bodies of the same mesh share its data.
+    pub(crate) method: B,
     pub(crate) bodies: usize,
     /// How many pairs of triangles the memory limit has room for.
     pub(crate) most_pairs: usize,
@@ -58,9 +57,25 @@ pub(crate) struct Shape {
     pub(crate) joints: Option<Vec<Affine3A>>,
 }
 
-impl Cast {
+/// How a command turns meshes into bodies.
+pub(crate) trait SetUp {
+    type Bodies;
+
+    /// The bytes that a mesh's tree takes, and that each of its bodies takes.
+    fn bytes(&self, mesh: &MorphMesh) -> (u64, u64);
+
+    /// Creates bodies of the given meshes.
+    fn set_up(&self, meshes: &[MorphMesh], mesh_of_body: &[usize]) -> Result<Self::Bodies, SetUpError>;
+}
+
+impl<B> Cast<B> {
     /// Reads the models of `scene`, which was read from `path`, and checks all weights and placements.
-    pub(crate) fn load(path: &Path, scene: &Scene, options: &MethodArgs, files: &FileArgs) -> Result<Self, CliError> {
+    pub(crate) fn load(
+        path: &Path,
+        scene: &Scene,
+        options: &impl SetUp<Bodies = B>,
+        files: &FileArgs,
+    ) -> Result<Self, CliError> {
         let mut library = Library {
             budget: MemoryBudget::new(files.memory_limit()),
             files: HashMap::new(),
@@ -74,8 +89,7 @@ impl Cast {
         }
         library.count_memory(&of_bodies, options)?;
         let method = options
-            .method()
-            .set_up(&library.meshes, &of_bodies, &options.options())
+            .set_up(&library.meshes, &of_bodies)
             .map_err(|error| library.blame(error))?;
 
         let limits: Vec<WeightLimits> = library.meshes.iter().map(WeightLimits::of).collect();
@@ -225,18 +239,13 @@ impl Library {
     }
 
     /// Counts the memory of the trees of all meshes and of each body's own data.
-    fn count_memory(&self, of_bodies: &[usize], options: &MethodArgs) -> Result<(), CliError> {
-        let method = options.method();
-        let has_tree = !matches!(method, MethodKind::Morph | MethodKind::MorphEager);
+    fn count_memory(&self, of_bodies: &[usize], options: &impl SetUp) -> Result<(), CliError> {
         for (mesh, (path, index)) in self.origins.iter().enumerate() {
             let Some(file) = self.files.get(path) else { continue };
             let bodies = of_bodies.iter().filter(|&&of_body| of_body == mesh).count() as u64;
             let what = || format!("its trees for {bodies} bodies");
             let mesh = &self.meshes[mesh];
-            let (tree, body) = match method {
-                MethodKind::Paper(paper) => (paper.tree_bytes(mesh), paper.body_bytes(mesh)),
-                _ => (mesh.tree_bytes(), mesh.body_bytes(has_tree)),
-            };
+            let (tree, body) = options.bytes(mesh);
             let bytes = tree.saturating_add(bodies.saturating_mul(body));
             count_memory(file, *index, bytes, what)?;
         }

@@ -1,0 +1,104 @@
+//! What walks over pairs of nodes need of a tree: its nodes, and their boxes.
+
+use fearless_simd::Level;
+
+use super::posed::{NodeId, NodeRef, Posed};
+use super::posed_skin::BoneBoxes;
+use crate::bounds::{Aabb, BoxLanes, Frame, PlacedBounds};
+use crate::tree::Topology;
+
+/// A tree with a box for every node: those of a pose, or those of a body that moves from one pose to another.
+pub(crate) trait BoxTree {
+    fn topology(&self) -> &Topology;
+
+    /// The SIMD level of the kernels.
+    fn level(&self) -> Level;
+
+    /// Returns the slot of a group's boxes; computes them unless they are cached.
+    fn open(&mut self, group: usize) -> usize;
+
+    /// The boxes in a slot of the cache.
+    fn boxes(&self, slot: usize) -> &BoxLanes;
+
+    /// Opens a group whose boxes are kept in the space of a joint; `None` if they are not kept in such a space.
+    fn open_in_bone(&mut self, _group: usize) -> Option<BoneBoxes> {
+        None
+    }
+
+    fn bone_boxes(&self, _boxes: BoneBoxes) -> Option<&BoxLanes> {
+        None
+    }
+
+    /// The map from the space of a joint to the body's; `None` if it could not be computed.
+    fn body_from_bone(&mut self, _bone: usize) -> Option<Frame> {
+        None
+    }
+
+    /// The space of a joint, or the body's own space, as a body in the world.
+    fn placed_space(&mut self, space: usize) -> PlacedBounds;
+
+    fn root(&mut self) -> NodeRef {
+        let slot = self.open(0);
+        self.node(slot, 0, 0)
+    }
+
+    #[inline(always)]
+    fn node(&self, slot: usize, group: usize, lane: usize) -> NodeRef {
+        NodeRef {
+            child: self.topology().group(group).child(lane),
+            slot: slot as u32,
+            id: NodeId {
+                group: group as u32,
+                lane: lane as u8,
+            },
+        }
+    }
+
+    /// A node's box, in the body's space.
+    #[inline]
+    fn node_box(&self, node: NodeRef) -> Aabb {
+        self.boxes(node.slot as usize).get(usize::from(node.id.lane))
+    }
+}
+
+impl BoxTree for Posed<'_> {
+    #[inline(always)]
+    fn topology(&self) -> &Topology {
+        self.topology
+    }
+
+    #[inline(always)]
+    fn level(&self) -> Level {
+        self.level
+    }
+
+    #[inline(always)]
+    fn open(&mut self, group: usize) -> usize {
+        self.open(group)
+    }
+
+    #[inline(always)]
+    fn boxes(&self, slot: usize) -> &BoxLanes {
+        self.boxes(slot)
+    }
+
+    #[inline(always)]
+    fn open_in_bone(&mut self, group: usize) -> Option<BoneBoxes> {
+        self.open_in_bone(group)
+    }
+
+    #[inline(always)]
+    fn bone_boxes(&self, boxes: BoneBoxes) -> Option<&BoxLanes> {
+        self.bone_boxes(boxes)
+    }
+
+    #[inline(always)]
+    fn body_from_bone(&mut self, bone: usize) -> Option<Frame> {
+        self.body_from_bone(bone)
+    }
+
+    #[inline(always)]
+    fn placed_space(&mut self, space: usize) -> PlacedBounds {
+        self.placed_space(space)
+    }
+}

@@ -1,0 +1,25 @@
+//! Continuous collision: contacts that happen while bodies move from one pose to another.
+//!
+//! A [`MovingBody`] is a body at the start and at the end of a step. In between, every vertex moves on a straight line from its old to
+//! its new world position. (If weights change linearly under a fixed placement, this is the true motion.) A [`MotionQuery`] finds what
+//! touches during that motion, however fast it is. Its answers are exact for these lines: nothing is missed, and nothing is reported that
+//! does not touch.
+//!
+//! Surfaces that are apart first touch where a vertex meets a face or two edges meet, so contacts are between such [`Features`].
+//! [`vertex_face_touch`], [`edge_edge_touch`] and their `_impact` variants are the tests of one vertex and face, or of two edges.
+
+mod contact;
+mod moving_body;
+mod moving_boxes;
+mod patches;
+mod query;
+
+pub use contact::{Features, MotionContact};
+pub use moving_body::MovingBody;
+pub use query::MotionQuery;
+
+pub use crate::exact::motion::{
+    MovingPoint, StageCounts, TimeOfImpact, edge_edge_impact, edge_edge_impact_counting, edge_edge_touch,
+    edge_edge_touch_counting, vertex_face_impact, vertex_face_impact_counting, vertex_face_touch,
+    vertex_face_touch_counting,
+};

@@ -1,0 +1,296 @@
+//! Leaves of moving bodies: their vertices at both ends of the motion, and the pairs of features of two leaves that may touch.
+
+use std::ops::ControlFlow;
+
+use fearless_simd::Simd;
+use glam::DVec3;
+
+use super::Features;
+use super::moving_boxes::MovingBoxes;
+use crate::bounds::{LANES, lanes_of, with_simd};
+use crate::exact::motion::MovingPoint;
+use crate::exact::{power_of_two, power_of_two_below};
+use crate::pose::EpochCache;
+use crate::query::QueryStats;
+use crate::traverse::Moving;
+use crate::tree::{Leaf, Owners};
+
+/// Where leaves are seen from: near both bodies, in units of their size, and moving along with them.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Observer {
+    /// The origin at the start and at the end, in units.
+    origin: [DVec3; 2],
+    /// The number of units in a length of 1: a power of two.
+    scale: f64,
+}
+
+impl Observer {
+    /// An observer at `origin`, who moves by `drift`, of bodies of about this size.
+    pub(super) fn new(origin: DVec3, drift: DVec3, size: f64) -> Self {
+        let size = if size.is_normal() { size } else { 1.0 };
+        // Clamped so that no product with a coordinate overflows.
+        let scale = power_of_two_below(size)
+            .clamp(power_of_two(-400), power_of_two(400))
+            .recip();
+        Self {
+            origin: [origin, origin + drift].map(|origin| origin * scale),
+            scale,
+        }
+    }
+
+    fn sees(&self, point: &MovingPoint) -> [DVec3; 2] {
+        let [start, end] = self.origin;
+        [point.start * self.scale - start, point.end * self.scale - end]
+    }
+}
+
+/// The leaves of one body that a query has looked at. The next query reuses the memory.
+#[derive(Debug, Default)]
+pub(super) struct MovingLeaves {
+    observer: Observer,
+    /// Indexed by leaf.
+    placed: EpochCache<MovingLeaf>,
+}
+
+/// A leaf, placed in the world.
+#[derive(Clone, Debug, Default)]
+struct MovingLeaf {
+    /// The leaf's distinct vertices.
+    points: Vec<MovingPoint>,
+    /// The boxes of its triangles, in eights.
+    boxes: Vec<MovingBoxes>,
+    triangles: usize,
+}
+
+impl MovingLeaves {
+    /// Starts a query: discards everything.
+    pub(super) fn begin(&mut self, observer: Observer) {
+        self.observer = observer;
+        self.placed.next_epoch();
+    }
+
+    fn read(&mut self, tree: &mut Moving<'_, '_>, leaf: Leaf) -> usize {
+        match self.placed.find(leaf.0) {
+            Some(slot) => slot,
+            None => self.place(tree, leaf),
+        }
+    }
+
+    #[inline(never)]
+    fn place(&mut self, tree: &mut Moving<'_, '_>, leaf: Leaf) -> usize {
+        let slot = self.placed.claim(leaf.0);
+        let MovingLeaf {
+            points,
+            boxes,
+            triangles,
+        } = self.placed.get_mut(slot);
+        let [start, end] = &mut tree.ends;
+        let mesh = start.topology.leaf_mesh(leaf);
+        points.clear();
+        points.extend(mesh.vertices.iter().map(|&vertex| MovingPoint {
+            start: start.world_vertex(vertex),
+            end: end.world_vertex(vertex),
+        }));
+        *triangles = mesh.corners.len();
+        boxes.clear();
+        for corners in mesh.corners.chunks(LANES) {
+            let mut eight = MovingBoxes::default();
+            for (lane, corners) in corners.iter().enumerate() {
+                let seen = corners.map(|corner| self.observer.sees(&points[usize::from(corner)]));
+                eight.set(lane, [seen.map(|[start, _]| start), seen.map(|[_, end]| end)]);
+            }
+            boxes.push(eight);
+        }
+        slot
+    }
+}
+
+/// A pair of features that may touch: a vertex and the corners of a face, or the ends of two edges.
+pub(super) struct Candidate {
+    pub(super) features: Features,
+    pub(super) are_edges: bool,
+    pub(super) points: [MovingPoint; 4],
+    /// A lower bound of the time when they touch.
+    pub(super) enter: f32,
+}
+
+/// A triangle of a leaf.
+#[derive(Clone, Copy)]
+struct Triangle<'a> {
+    number: u32,
+    /// The numbers of its corners in the mesh, and where they are.
+    vertices: [u32; 3],
+    points: [MovingPoint; 3],
+    owners: &'a Owners,
+}
+
+impl<'a> Triangle<'a> {
+    fn new(tree: &Moving<'_, '_>, leaf: Leaf, points: &[MovingPoint], place: usize, owners: &'a Owners) -> Self {
+        let topology = tree.ends[0].topology;
+        let mesh = topology.leaf_mesh(leaf);
+        let corners = mesh.corners[place];
+        Self {
+            number: topology.leaf_triangles(leaf)[place],
+            vertices: corners.map(|corner| mesh.vertices[usize::from(corner)]),
+            points: corners.map(|corner| points[usize::from(corner)]),
+            owners,
+        }
+    }
+
+    fn own_corners(&self) -> impl Iterator<Item = (u32, MovingPoint)> + use<'_, 'a> {
+        let corners = lanes_of(self.owners.corners(self.number));
+        corners.map(|corner| (self.vertices[corner % 3], self.points[corner % 3]))
+    }
+
+    fn own_edges(&self) -> impl Iterator<Item = ([u32; 2], [MovingPoint; 2])> + use<'_, 'a> {
+        lanes_of(self.owners.edges(self.number)).map(|edge| {
+            let (from, to) = (edge % 3, (edge + 1) % 3);
+            let (a, b) = (self.vertices[from], self.vertices[to]);
+            let points = [self.points[from], self.points[to]];
+            // Ascending, so that no answer depends on which triangle owns the edge.
+            if a < b {
+                ([a, b], points)
+            } else {
+                ([b, a], [points[1], points[0]])
+            }
+        })
+    }
+}
+
+/// Calls `test` for pairs of features of two bodies' leaves that may touch, until it breaks.
+pub(super) fn candidates(
+    (a, leaves_a, owners_a): (&mut Moving<'_, '_>, &mut MovingLeaves, &Owners),
+    (b, leaves_b, owners_b): (&mut Moving<'_, '_>, &mut MovingLeaves, &Owners),
+    leaves: &[(Leaf, Leaf)],
+    stats: &mut QueryStats,
+    test: &mut dyn FnMut(Candidate, &mut QueryStats) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    for &(leaf_a, leaf_b) in leaves {
+        let (slot_a, slot_b) = (leaves_a.read(a, leaf_a), leaves_b.read(b, leaf_b));
+        let (of_a, of_b) = (leaves_a.placed.get(slot_a), leaves_b.placed.get(slot_b));
+        let at_pair = |[place_a, place_b]: [usize; 2], enter, stats: &mut QueryStats| {
+            let (t, s) = (
+                Triangle::new(a, leaf_a, &of_a.points, place_a, owners_a),
+                Triangle::new(b, leaf_b, &of_b.points, place_b, owners_b),
+            );
+            for (vertex_a, point) in t.own_corners() {
+                let features = Features::VertexFace {
+                    vertex_a,
+                    triangle_b: s.number,
+                };
+                test(vertex_and_face(features, point, &s, enter), stats)?;
+            }
+            for (vertex_b, point) in s.own_corners() {
+                let features = Features::FaceVertex {
+                    triangle_a: t.number,
+                    vertex_b,
+                };
+                test(vertex_and_face(features, point, &t, enter), stats)?;
+            }
+            for (edge_a, ends_a) in t.own_edges() {
+                for (edge_b, ends_b) in s.own_edges() {
+                    test(
+                        two_edges(Features::EdgeEdge { edge_a, edge_b }, ends_a, ends_b, enter),
+                        stats,
+                    )?;
+                }
+            }
+            ControlFlow::Continue(())
+        };
+        with_simd!(a.ends[0].level, simd => pairs(simd, of_a, of_b, false, stats, at_pair))?;
+    }
+    ControlFlow::Continue(())
+}
+
+/// Like [`candidates`], for two leaves of one body, or one leaf with itself. Leaves out features that share a vertex.
+pub(super) fn candidates_within(
+    (body, placed, owners): (&mut Moving<'_, '_>, &mut MovingLeaves, &Owners),
+    [leaf_a, leaf_b]: [Leaf; 2],
+    stats: &mut QueryStats,
+    test: &mut dyn FnMut(Candidate, &mut QueryStats) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let (slot_a, slot_b) = (placed.read(body, leaf_a), placed.read(body, leaf_b));
+    let (of_a, of_b) = (placed.placed.get(slot_a), placed.placed.get(slot_b));
+    let at_pair = |[place_a, place_b]: [usize; 2], enter, stats: &mut QueryStats| {
+        let t = Triangle::new(body, leaf_a, &of_a.points, place_a, owners);
+        let s = Triangle::new(body, leaf_b, &of_b.points, place_b, owners);
+        for (own, other) in [(&t, &s), (&s, &t)] {
+            for (vertex_a, point) in own.own_corners() {
+                if !other.vertices.contains(&vertex_a) {
+                    let features = Features::VertexFace {
+                        vertex_a,
+                        triangle_b: other.number,
+                    };
+                    test(vertex_and_face(features, point, other, enter), stats)?;
+                }
+            }
+        }
+        for (edge_a, ends_a) in t.own_edges() {
+            for (edge_b, ends_b) in s.own_edges() {
+                if edge_a.iter().any(|vertex| edge_b.contains(vertex)) {
+                    continue;
+                }
+                let candidate = if edge_a < edge_b {
+                    two_edges(Features::EdgeEdge { edge_a, edge_b }, ends_a, ends_b, enter)
+                } else {
+                    let features = Features::EdgeEdge {
+                        edge_a: edge_b,
+                        edge_b: edge_a,
+                    };
+                    two_edges(features, ends_b, ends_a, enter)
+                };
+                test(candidate, stats)?;
+            }
+        }
+        ControlFlow::Continue(())
+    };
+    with_simd!(body.ends[0].level, simd => pairs(simd, of_a, of_b, leaf_a == leaf_b, stats, at_pair))
+}
+
+fn vertex_and_face(features: Features, point: MovingPoint, face: &Triangle<'_>, enter: f32) -> Candidate {
+    let [a, b, c] = face.points;
+    Candidate {
+        features,
+        are_edges: false,
+        points: [point, a, b, c],
+        enter,
+    }
+}
+
+fn two_edges(features: Features, [a, b]: [MovingPoint; 2], [c, d]: [MovingPoint; 2], enter: f32) -> Candidate {
+    Candidate {
+        features,
+        are_edges: true,
+        points: [a, b, c, d],
+        enter,
+    }
+}
+
+/// Calls `at_pair` for the places of triangles whose boxes meet. If the leaves are the same, the first place is the smaller one.
+#[inline(always)]
+fn pairs<S: Simd>(
+    simd: S,
+    a: &MovingLeaf,
+    b: &MovingLeaf,
+    is_same: bool,
+    stats: &mut QueryStats,
+    mut at_pair: impl FnMut([usize; 2], f32, &mut QueryStats) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let mut enter = [0.0; LANES];
+    for place_a in 0..a.triangles {
+        let (eight, lane) = (&a.boxes[place_a / LANES], place_a % LANES);
+        for (index, others) in b.boxes.iter().enumerate() {
+            let rest = b.triangles - index * LANES;
+            let mut mask = if rest < LANES { (1 << rest) - 1 } else { u8::MAX };
+            stats.triangle_tests += u64::from(mask.count_ones());
+            mask &= others.meet(simd, eight, lane, &mut enter);
+            for lane in lanes_of(mask) {
+                let place_b = index * LANES + lane;
+                if !is_same || place_a < place_b {
+                    at_pair([place_a, place_b], enter[lane % LANES], stats)?;
+                }
+            }
+        }
+    }
+    ControlFlow::Continue(())
+}

@@ -1,0 +1,142 @@
+//! A body that moves from one pose to another, as walks see it: each box contains its node during the whole motion.
+
+use fearless_simd::Level;
+use glam::DVec3;
+
+use super::view::View;
+use crate::bounds::{BoxLanes, PlacedBounds, WorldFromModel, with_simd};
+use crate::pose::{BoxTree, EpochCache, Posed, Standing};
+use crate::tree::Topology;
+
+/// The boxes that a query has computed for a moving body. The next query reuses the memory.
+#[derive(Debug, Default)]
+pub(crate) struct MovingBoxes {
+    boxes: EpochCache<BoxLanes>,
+    /// How the boxes at the start and at the end of the motion are mapped to the space of the moving boxes.
+    views: [View; 2],
+}
+
+/// A body that moves from one pose of its tree to another.
+///
+/// Vertices move on straight lines in the world. A box around a node's box at the start and the one at the end contains all of its
+/// vertices in between, in any space that stays the same during the motion. That space is the body's own at the start. Seen from a
+/// space that moves along a straight line, vertices also move on straight lines. So a translation common to both bodies is left out
+/// (`drift`).
+pub(crate) struct Moving<'m, 'p> {
+    /// The poses at the start and at the end.
+    pub(crate) ends: [Posed<'p>; 2],
+    moving: &'m mut MovingBoxes,
+    standing: Standing,
+}
+
+impl<'m, 'p> Moving<'m, 'p> {
+    /// Prepares a query. `drift` is how far the observer moves during the motion.
+    ///
+    /// If `within`, boxes also allow for the rounding of placed vertices, because they are compared with boxes of the same body.
+    pub(crate) fn new(mut ends: [Posed<'p>; 2], drift: DVec3, moving: &'m mut MovingBoxes, within: bool) -> Self {
+        let [start, end] = ends.each_mut().map(|end| end.stand().clone());
+        let place = start.placed.world_from_model();
+        // Boxes of a body that is flat in the world are kept along the world's axes instead.
+        let is_own = place.is_well_conditioned();
+        let space = if is_own {
+            *place
+        } else {
+            let [x, y, z] = DVec3::AXES;
+            WorldFromModel::from_columns([x, y, z, place.translation()])
+        };
+        let after = space.translation() + drift;
+        let error = if within {
+            start.placed.error().max(end.placed.error())
+        } else {
+            0.0
+        };
+        let at = |translation: DVec3| {
+            // The other body's drift is rounded differently.
+            let rounding = f64::EPSILON * translation.abs().max_element();
+            PlacedBounds::with_error(&space.at(translation), DVec3::ZERO, error + rounding)
+        };
+        let MovingBoxes { boxes, views } = &mut *moving;
+        boxes.next_epoch();
+        let keeps = is_own && !within;
+        let targets = [at(space.translation()), at(after)];
+        for (i, (view, of)) in views.iter_mut().zip([&start, &end]).enumerate() {
+            if i == 0 && keeps {
+                view.set(None);
+                continue;
+            }
+            match targets[i].frame_from(&of.placed) {
+                Some(frame) => view.set(Some(&frame)),
+                None => view.give_up(),
+            }
+        }
+        let bounds = views[0].one(&start.bounds).union(&views[1].one(&end.bounds));
+        let placed = PlacedBounds::with_error(&space, bounds.magnitude().as_dvec3(), start.placed.error());
+        let mut standing = start;
+        standing.is_skinned = false; // Boxes of the whole body are in one space.
+        standing.size = standing.size.max(end.size);
+        standing.slack += end.slack;
+        (standing.bounds, standing.placed) = (bounds, placed);
+        Self { ends, moving, standing }
+    }
+
+    /// What queries about two bodies need to know of it. Its bounds contain the whole motion.
+    pub(crate) fn standing(&self) -> &Standing {
+        &self.standing
+    }
+
+    #[inline(never)]
+    fn make(&mut self, group: usize) -> usize {
+        let MovingBoxes { boxes, views } = &mut *self.moving;
+        let slot = boxes.insert(group, BoxLanes::default());
+        let hull = boxes.get_mut(slot);
+        if group == 0 {
+            hull.set_all(&self.standing.bounds);
+            return slot;
+        }
+        let [start, end] = &mut self.ends;
+        let (at_start, at_end) = (start.open(group), end.open(group));
+        let mut last = BoxLanes::default();
+        with_simd!(start.level, simd => {
+            views[0].all(simd, start.boxes(at_start), hull);
+            views[1].all(simd, end.boxes(at_end), &mut last);
+            hull.grow(simd, &last);
+        });
+        slot
+    }
+}
+
+impl BoxTree for Moving<'_, '_> {
+    #[inline(always)]
+    fn topology(&self) -> &Topology {
+        self.ends[0].topology
+    }
+
+    #[inline(always)]
+    fn level(&self) -> Level {
+        self.ends[0].level
+    }
+
+    #[inline(always)]
+    fn open(&mut self, group: usize) -> usize {
+        match self.moving.boxes.find(group) {
+            Some(slot) => slot,
+            None => self.make(group),
+        }
+    }
+
+    #[inline(always)]
+    fn boxes(&self, slot: usize) -> &BoxLanes {
+        self.moving.boxes.get(slot)
+    }
+
+    fn placed_space(&mut self, _space: usize) -> PlacedBounds {
+        self.standing.placed
+    }
+}
+
+/// The middle of a body's bounds in the world, to tell how far it moves as a whole.
+pub(crate) fn middle(standing: &Standing) -> DVec3 {
+    let Standing { bounds, placed, .. } = standing;
+    let middle = placed.world_from_model().transform_point(bounds.center());
+    if middle.is_finite() { middle } else { DVec3::ZERO }
+}

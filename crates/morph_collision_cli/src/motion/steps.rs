@@ -1,0 +1,141 @@
+//! Moves all bodies from one frame to the next and finds the first contact of each pair.
+
+use std::ops::ControlFlow;
+use std::sync::Arc;
+
+use morph_collision::motion::{MotionContact, MotionQuery, MovingBody};
+use morph_collision::{Body, JointMatrices, MorphBvh, Pose, QueryStats, WorldFromModel};
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::rivals::{PoseError, SetUpError};
+
+use crate::cast::{Cast, SetUp};
+use crate::error::CliError;
+use crate::tree_options::TreeArgs;
+
+/// A body at one moment.
+type Placed = (Pose, WorldFromModel);
+
+/// Each body at the start and at the end of a step.
+pub(super) type Ends = Vec<[Placed; 2]>;
+
+impl SetUp for TreeArgs {
+    type Bodies = Ends;
+
+    fn bytes(&self, mesh: &MorphMesh) -> (u64, u64) {
+        (mesh.tree_bytes(), mesh.body_bytes(false).saturating_mul(2))
+    }
+
+    fn set_up(&self, meshes: &[MorphMesh], mesh_of_body: &[usize]) -> Result<Ends, SetUpError> {
+        let mut trees = Vec::with_capacity(meshes.len());
+        for (mesh, source) in meshes.iter().enumerate() {
+            let model = source.to_model().map_err(|reason| SetUpError::Model { mesh, reason })?;
+            trees.push(Arc::new(MorphBvh::build(Arc::new(model), &self.build())));
+        }
+        let placed = |mesh: usize| (Pose::new(Arc::clone(&trees[mesh])), WorldFromModel::IDENTITY);
+        Ok(mesh_of_body.iter().map(|&mesh| [placed(mesh), placed(mesh)]).collect())
+    }
+}
+
+/// The first contact of two bodies in a step.
+pub(super) struct FirstContact {
+    /// The frame at which the step starts.
+    pub(super) frame: usize,
+    pub(super) bodies: [usize; 2],
+    pub(super) contact: MotionContact,
+    /// The number of pairs of features that touch, if they are counted.
+    pub(super) pairs: Option<u64>,
+}
+
+/// What was found so far.
+pub(super) struct Stage {
+    query: MotionQuery,
+    tolerance: f64,
+    counts: bool,
+    pub(super) contacts: Vec<FirstContact>,
+    /// Summed over all steps.
+    pub(super) stats: QueryStats,
+}
+
+impl Stage {
+    pub(super) fn new(tolerance: f64, counts: bool) -> Self {
+        Self {
+            query: MotionQuery::new(),
+            tolerance,
+            counts,
+            contacts: Vec::new(),
+            stats: QueryStats::default(),
+        }
+    }
+
+    /// Finds the first contacts between a frame and the next.
+    pub(super) fn step(&mut self, cast: &mut Cast<Ends>, frame: usize) -> Result<(), CliError> {
+        for body in 0..cast.bodies {
+            if frame == 0 {
+                pose(cast, 0, body, 0)?;
+            } else {
+                // The end of the last step is the start of this one, with its cache.
+                cast.method[body].swap(0, 1);
+            }
+            pose(cast, frame + 1, body, 1)?;
+        }
+        for b in 1..cast.bodies {
+            let (before, rest) = cast.method.split_at_mut(b);
+            for (a, ends) in before.iter_mut().enumerate() {
+                let (Some(body_a), Some(body_b)) = (moving(ends), moving(&mut rest[0])) else {
+                    continue;
+                };
+                let first = self.query.first(body_a, body_b, self.tolerance);
+                self.stats += self.query.stats();
+                if let Some(contact) = first {
+                    let pairs = self.counts.then(|| self.count(ends, &mut rest[0]));
+                    let bodies = [a, b];
+                    self.contacts.push(FirstContact {
+                        frame,
+                        bodies,
+                        contact,
+                        pairs,
+                    });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn count(&mut self, a: &mut [Placed; 2], b: &mut [Placed; 2]) -> u64 {
+        let mut pairs = 0;
+        if let (Some(a), Some(b)) = (moving(a), moving(b)) {
+            self.query.visit(a, b, self.tolerance, |_| {
+                pairs += 1;
+                ControlFlow::Continue(())
+            });
+            self.stats += self.query.stats();
+        }
+        pairs
+    }
+}
+
+/// The body of a step. Its poses always have the same tree.
+fn moving([start, end]: &mut [Placed; 2]) -> Option<MovingBody<'_>> {
+    let [start, end] = [start, end].map(|(pose, place)| Body::new(pose, place));
+    MovingBody::new(start, end).ok()
+}
+
+/// Sets the weights, joints and placement of one end of a body's step.
+fn pose(cast: &mut Cast<Ends>, frame: usize, body: usize, end: usize) -> Result<(), CliError> {
+    let (shape, placement) = (cast.shape(frame, body), cast.frames[frame][body].world_from_model);
+    let (pose, place) = &mut cast.method[body][end];
+    let mut set = || -> Result<(), PoseError> {
+        if let Some(joints) = &shape.joints {
+            pose.set_joints(&JointMatrices::new(joints)?)?;
+        }
+        pose.set_weights(&shape.weights)?;
+        *place = WorldFromModel::new(placement)?;
+        Ok(())
+    };
+    set().map_err(|reason| CliError::Frame {
+        scene: cast.scene.clone(),
+        frame,
+        body,
+        reason,
+    })
+}

@@ -28,6 +28,16 @@ pub(super) enum Kind {
 }
 
 impl Kind {
+    /// Four numbers that are positive, or at least 0, if `n` is not zero and the parameters are inside, or in range. One is negative
+    /// if `n` is not zero and they are out of range. From `n . n`, `p` and `q`.
+    #[inline(always)]
+    pub(super) fn sides(self, normal: f64, p: f64, q: f64) -> [f64; 4] {
+        match self {
+            Self::VertexFace => [p, q, normal - p - q, normal],
+            Self::EdgeEdge => [p, normal - p, -q, normal + q],
+        }
+    }
+
     /// The corners whose differences, second minus first, are `u`, `v` and `w`.
     #[inline(always)]
     pub(super) const fn spans(self) -> [[usize; 2]; 3] {

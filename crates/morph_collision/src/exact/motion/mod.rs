@@ -16,17 +16,21 @@
 //! first; [`StageCounts`] says which one did.
 //!
 //! 1. Separation: along an axis of space, all differences of the two features' corners have the same sign.
-//! 2. Subdivision: `f64` with an error bound, on ever shorter intervals of time (`docs/numerics.md` derives the bound).
+//! 2. Filter: `f64` with an error bound, at the only time at which all corners are in one plane or on ever shorter intervals of time
+//!    (`docs/numerics.md` derives the bound).
 //! 3. Exact: integer polynomials, their isolated roots, and greatest common divisors where a sign might be zero.
 
 mod bernstein;
+mod directions;
 mod features;
 mod filter;
 mod moving;
 mod polynomial;
 mod root;
+mod single_root;
 mod solve;
 mod stages;
+mod subdivision;
 mod touch;
 
 pub use moving::{MovingPoint, TimeOfImpact};

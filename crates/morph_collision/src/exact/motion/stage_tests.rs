@@ -4,7 +4,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 
 use super::features::{Features, Kind};
-use super::filter::{Answer, separated, subdivided};
+use super::filter::{Answer, filtered, separated};
 use super::touch::{edge_edge, vertex_face};
 use super::*;
 use crate::exact::{Triangle, triangles_intersect};
@@ -91,7 +91,7 @@ proptest! {
         let features = features(kind, corners);
         let truth = solve::touch(&features);
         prop_assert!(!(separated(&features) && truth));
-        match subdivided(&features, None) {
+        match filtered(&features, None) {
             Answer::Apart => prop_assert!(!truth),
             Answer::Contact(_) => prop_assert!(truth),
             Answer::Open => {}
@@ -99,7 +99,7 @@ proptest! {
         let tolerance = 0.5_f64.powi(power);
         let exact = solve::impact(&features, 0.0);
         prop_assert_eq!(exact.is_some(), truth);
-        match (subdivided(&features, Some(tolerance)), exact) {
+        match (filtered(&features, Some(tolerance)), exact) {
             (Answer::Apart, exact) => prop_assert_eq!(exact, None),
             (Answer::Contact(time), Some(exact)) => {
                 prop_assert!(time.earliest <= exact.earliest && exact.latest <= time.latest, "{time:?} {exact:?}");
@@ -170,7 +170,7 @@ fn each_stage_decides_what_it_is_for() {
         let mut stages = StageCounts::default();
         let touches = vertex_face_touch_counting(vertex, face, &mut stages);
         assert_eq!(stages.total(), 1);
-        (touches, [stages.separated, stages.subdivided, stages.exact])
+        (touches, [stages.separated, stages.filtered, stages.exact])
     };
     assert_eq!(counts(fall(1.0, 1.0, 3.0, 1.0)), (false, [1, 0, 0]));
     assert_eq!(counts(fall(1.0, 1.0, 3.0, -1.5)), (true, [0, 1, 0]));

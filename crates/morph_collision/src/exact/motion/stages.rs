@@ -4,7 +4,7 @@ pub struct StageCounts {
     /// Queries without contact, because an axis of space separates the features at all times.
     pub separated: u64,
     /// Other queries that `f64` with error bounds decided.
-    pub subdivided: u64,
+    pub filtered: u64,
     /// Queries that needed exact arithmetic.
     pub exact: u64,
 }
@@ -13,6 +13,6 @@ impl StageCounts {
     /// The number of queries.
     #[must_use]
     pub const fn total(&self) -> u64 {
-        self.separated + self.subdivided + self.exact
+        self.separated + self.filtered + self.exact
     }
 }

@@ -1,7 +1,7 @@
 //! The public questions, answered by one stage after the other.
 
 use super::features::{Features, Kind};
-use super::filter::{Answer, separated, subdivided};
+use super::filter::{Answer, filtered, separated};
 use super::moving::{MovingPoint, TimeOfImpact};
 use super::solve;
 use super::stages::StageCounts;
@@ -116,13 +116,13 @@ fn touch(features: &Features, stages: &mut StageCounts) -> bool {
         stages.separated += 1;
         return false;
     }
-    match subdivided(features, None) {
+    match filtered(features, None) {
         Answer::Open => {
             stages.exact += 1;
             solve::touch(features)
         }
         answer => {
-            stages.subdivided += 1;
+            stages.filtered += 1;
             answer != Answer::Apart
         }
     }
@@ -136,17 +136,17 @@ fn impact(features: &Features, tolerance: f64, stages: &mut StageCounts) -> Opti
     }
     // NaN counts as 0, too.
     let tolerance = if tolerance > 0.0 { tolerance } else { 0.0 };
-    match subdivided(features, Some(tolerance)) {
+    match filtered(features, Some(tolerance)) {
         Answer::Open => {
             stages.exact += 1;
             solve::impact(features, tolerance)
         }
         Answer::Apart => {
-            stages.subdivided += 1;
+            stages.filtered += 1;
             None
         }
         Answer::Contact(time) => {
-            stages.subdivided += 1;
+            stages.filtered += 1;
             Some(time)
         }
     }

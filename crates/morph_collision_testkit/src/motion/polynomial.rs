@@ -3,7 +3,6 @@
 use std::ops::{Add, Mul, Sub};
 
 use num_bigint::{BigInt, Sign};
-use num_integer::Integer;
 
 use crate::oracle::Dyadic;
 
@@ -74,15 +73,20 @@ impl Polynomial {
                 *c -= d * &factor;
             }
         }
-        Self::new(rest).primitive()
+        Self::new(rest).halved()
     }
 
-    /// Divides by the greatest common divisor of the coefficients, which keeps numbers small.
-    pub(super) fn primitive(mut self) -> Self {
-        let content = self.coefficients.iter().fold(BigInt::ZERO, |gcd, c| gcd.gcd(c));
-        if content > BigInt::from(1) {
+    /// Divides by the largest power of two that divides all coefficients, which keeps numbers small.
+    pub(super) fn halved(mut self) -> Self {
+        let zeros = self
+            .coefficients
+            .iter()
+            .filter_map(BigInt::trailing_zeros)
+            .min()
+            .unwrap_or(0);
+        if zeros > 0 {
             for c in &mut self.coefficients {
-                *c /= &content;
+                *c >>= zeros;
             }
         }
         self
@@ -175,7 +179,7 @@ mod tests {
         assert_eq!(&p - &p, polynomial(&[]));
         assert_eq!(&p * &q, polynomial(&[-1, -2, 3, 6]));
         assert_eq!((&p * &q).derivative(), polynomial(&[-2, 6, 18]));
-        assert_eq!(polynomial(&[6, -9, 0, 0]).primitive(), polynomial(&[2, -3]));
+        assert_eq!(polynomial(&[24, -36, 0, 0]).halved(), polynomial(&[6, -9]));
         assert!(polynomial(&[7]).derivative().is_zero());
     }
 
@@ -185,10 +189,11 @@ mod tests {
         let p = polynomial(&[5, -1, 2, 1]);
         assert_eq!(p.remainder(&polynomial(&[1, 0, 1])), polynomial(&[3, -2]));
         assert_eq!(p.remainder(&polynomial(&[-1, 0, -1])), polynomial(&[3, -2]));
-        assert_eq!(p.remainder(&polynomial(&[-7, 0, -7])), polynomial(&[3, -2]));
+        assert_eq!(p.remainder(&polynomial(&[-7, 0, -7])), polynomial(&[3 * 49, -2 * 49]));
         let multiple = &p * &polynomial(&[-3, 4]);
         assert!(multiple.remainder(&p).is_zero());
         assert_eq!(polynomial(&[4, 2]).remainder(&p), polynomial(&[2, 1]));
+        assert_eq!(polynomial(&[]).remainder(&p), polynomial(&[]));
         assert!(p.remainder(&polynomial(&[-3])).is_zero());
     }
 

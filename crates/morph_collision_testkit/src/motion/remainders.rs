@@ -6,7 +6,7 @@ use super::polynomial::Polynomial;
 use crate::oracle::Dyadic;
 
 /// The signed remainder sequence of `p` and `p' q`: each member is minus the remainder of the two before it, up to a positive
-/// factor.
+/// factor. `p' q` is replaced by its remainder, which has the same values at the roots of `p`, up to that factor.
 ///
 /// Sturm's theorem, in Tarski's form: if `p` is zero neither at `from` nor at `to`, the sign changes lost between them are the sum,
 /// over the distinct roots of `p` in between, of the sign of `q` there. For `q = 1` this counts the roots.
@@ -17,7 +17,7 @@ impl SignedRemainders {
     /// The sequence for `p`, which must not be zero, and `q`.
     pub(super) fn new(p: &Polynomial, q: &Polynomial) -> Self {
         let mut sequence = vec![p.clone()];
-        let mut next = (&p.derivative() * q).primitive();
+        let mut next = (&p.derivative() * &q.remainder(p)).remainder(p);
         while !next.is_zero() {
             let last = &sequence[sequence.len() - 1];
             let remainder = last.remainder(&next).negated();

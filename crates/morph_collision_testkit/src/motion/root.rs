@@ -24,7 +24,7 @@ impl Root {
         if polynomial.is_zero() {
             return Vec::new();
         }
-        let polynomial = polynomial.clone().primitive();
+        let polynomial = polynomial.clone().halved();
         let counter = SignedRemainders::new(&polynomial, &Polynomial::one());
         let (zero, one) = (Dyadic::zero(), Dyadic::power_of_two(0));
         // Both ends of an interval that holds [0, 1] and where the polynomial is not zero.

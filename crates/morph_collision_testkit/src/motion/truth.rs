@@ -5,17 +5,14 @@ use num_bigint::BigInt;
 use super::elementary::{ElementaryMotion, MotionKind, PointMotion};
 use super::polynomial::{Polynomial, Vector, minus};
 use super::root::Root;
-use super::triangle::OriginInTriangle;
+use super::triangle::first_time;
 use crate::oracle::mantissa_and_exponent;
 
 /// The first time of contact, or `None` if there is none. Coordinates must be finite.
 #[must_use]
 pub fn first_contact(motion: &ElementaryMotion) -> Option<Root> {
     let triangles = triangles(motion.kind, &moving_points(&motion.points));
-    let first_times = triangles
-        .iter()
-        .filter_map(|[u, v, w]| OriginInTriangle::new([u, v, w]).first_time());
-    first_times.min()
+    triangles.iter().filter_map(first_time).min()
 }
 
 /// The first time at which a vertex is in a closed face. The points are the vertex and the corners of the face.
@@ -47,22 +44,25 @@ pub(super) fn triangles(kind: MotionKind, [a, b, c, d]: &[Vector; 4]) -> Vec<[Ve
     }
 }
 
-/// Positions as polynomials in time with integer coefficients: all coordinates are multiplied by the same power of two.
+/// Positions as polynomials in time with integer coefficients. All coordinates along an axis are multiplied by the same power of
+/// two, which changes no contact.
 pub(super) fn moving_points(points: &[PointMotion; 4]) -> [Vector; 4] {
     let parts = points.map(|motion| motion.map(|position| position.map(mantissa_and_exponent)));
-    let nonzero = parts
-        .as_flattened()
-        .as_flattened()
-        .iter()
-        .filter(|(mantissa, _)| *mantissa != 0);
-    let least = nonzero.map(|(_, exponent)| *exponent).min().unwrap_or(0);
-    let whole = |(mantissa, exponent): (i64, i32)| match mantissa {
+    let least: [i32; 3] = std::array::from_fn(|axis| {
+        let along = parts.as_flattened().iter().map(|position| position[axis]);
+        along
+            .filter(|(mantissa, _)| *mantissa != 0)
+            .map(|(_, exponent)| exponent)
+            .min()
+            .unwrap_or(0)
+    });
+    let whole = |(mantissa, exponent): (i64, i32), axis: usize| match mantissa {
         0 => BigInt::ZERO,
-        _ => BigInt::from(mantissa) << (exponent - least),
+        _ => BigInt::from(mantissa) << (exponent - least[axis]),
     };
     parts.map(|[start, end]| {
         std::array::from_fn(|axis| {
-            let (start, end) = (whole(start[axis]), whole(end[axis]));
+            let (start, end) = (whole(start[axis], axis), whole(end[axis], axis));
             let velocity = end - &start;
             Polynomial::new(vec![start, velocity])
         })

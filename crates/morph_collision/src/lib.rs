@@ -26,6 +26,7 @@
 //! | What does a ray hit? | [`RayQuery`] |
 //! | What touches a ball, capsule, cuboid, half-space, box or frustum? Which point is closest? | [`ShapeQuery`] |
 //! | What does a moving shape touch first? | [`ShapeQuery::cast`]; another shape: [`PlacedShape::cast`] |
+//! | Do moving triangles touch, and when? | [`motion`], one vertex and face or two edges at a time |
 //! | Is a point inside a closed mesh? | [`RayQuery::encloses`] |
 //! | Where does a body intersect itself? | [`SelfQuery`] |
 //! | Where is a point on the surface as the shape changes? | [`SurfaceAnchor`] |
@@ -59,7 +60,7 @@ mod traverse;
 mod tree;
 
 pub use bounds::{Aabb, Kernel, WorldFromModel};
-pub use exact::{Triangle, TriangleContact, triangle_contact, triangles_intersect};
+pub use exact::{Triangle, TriangleContact, motion, triangle_contact, triangles_intersect};
 pub use input_error::InputError;
 pub use joints::JointMatrices;
 pub use model::{Influences, ModelError, MorphModel};

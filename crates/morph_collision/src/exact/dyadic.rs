@@ -36,17 +36,43 @@ impl Dyadic {
     }
 }
 
+/// A finite `f64` as `mantissa * 2^exponent`.
+fn parts(value: f64) -> (i64, i64) {
+    const FRACTION_BITS: u32 = 52;
+    let bits = value.to_bits();
+    let biased = (bits >> FRACTION_BITS & 0x7ff) as i64;
+    let fraction = (bits & ((1 << FRACTION_BITS) - 1)) as i64;
+    let (magnitude, exponent) = match biased {
+        0 => (fraction, -1074),
+        _ => (fraction | 1 << FRACTION_BITS, biased - 1075),
+    };
+    (if value < 0.0 { -magnitude } else { magnitude }, exponent)
+}
+
+/// Finite numbers, all times the same power of two, which makes them whole. It is the smallest such power.
+pub(super) fn whole_numbers(values: &[f64]) -> Vec<IBig> {
+    let odd = |value: &f64| {
+        let (mantissa, exponent) = parts(*value);
+        let zeros = mantissa.trailing_zeros();
+        (mantissa != 0).then(|| (mantissa >> zeros, exponent + i64::from(zeros)))
+    };
+    let numbers: Vec<Option<(i64, i64)>> = values.iter().map(odd).collect();
+    let unit = numbers
+        .iter()
+        .flatten()
+        .map(|(_, exponent)| *exponent)
+        .min()
+        .unwrap_or(0);
+    let whole = |number: &Option<(i64, i64)>| match number {
+        Some((mantissa, exponent)) => IBig::from(*mantissa) << (exponent - unit) as usize,
+        None => IBig::ZERO,
+    };
+    numbers.iter().map(whole).collect()
+}
+
 impl Number for Dyadic {
     fn new(value: f64) -> Self {
-        const FRACTION_BITS: u32 = 52;
-        let bits = value.to_bits();
-        let biased = (bits >> FRACTION_BITS & 0x7ff) as i64;
-        let fraction = (bits & ((1 << FRACTION_BITS) - 1)) as i64;
-        let (magnitude, exponent) = match biased {
-            0 => (fraction, -1074),
-            _ => (fraction | 1 << FRACTION_BITS, biased - 1075),
-        };
-        let mantissa = if value < 0.0 { -magnitude } else { magnitude };
+        let (mantissa, exponent) = parts(value);
         Self {
             mantissa: mantissa.into(),
             exponent,
@@ -141,6 +167,16 @@ mod tests {
             let same = Dyadic::new(value).over(&Dyadic::new(1.0));
             assert_eq!(same, value);
         }
+    }
+
+    #[test]
+    fn numbers_become_whole_at_any_scale() {
+        for unit in [1.0, f64::from_bits(1), power_of_two(1000)] {
+            let whole = whole_numbers(&[3.0, -0.0, -8.0, 5.0].map(|value| value * unit));
+            assert_eq!(whole, [3, 0, -8, 5].map(IBig::from));
+        }
+        assert_eq!(whole_numbers(&[0.75, 2.0]), [3, 8].map(IBig::from));
+        assert_eq!(whole_numbers(&[0.0, 0.0]), [0, 0].map(IBig::from));
     }
 
     #[test]

@@ -3,12 +3,14 @@
 //! - A `filter` in `f64` with an error bound decides most pairs of triangles; adaptive `predicates` decide the rest.
 //! - Tests that need other polynomials (`ray`, `region`) are generic over [`Number`](number::Number). They run with error bounds
 //!   first, and in exact arithmetic (`dyadic`) if that leaves a sign open.
+//! - [`motion`] decides whether moving points, edges and triangles touch, and when.
 //! - Points and lengths (`closest`, `contact`) are `f64`, with stated errors.
 
 mod closest;
 mod contact;
 mod dyadic;
 mod filter;
+pub mod motion;
 mod number;
 mod predicates;
 mod ray;

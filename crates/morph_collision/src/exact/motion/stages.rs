@@ -1,0 +1,18 @@
+/// How many queries each stage decided. Add up as many queries as you like in one value.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct StageCounts {
+    /// Queries without contact, because an axis of space separates the features at all times.
+    pub separated: u64,
+    /// Other queries that `f64` with error bounds decided.
+    pub filtered: u64,
+    /// Queries that needed exact arithmetic.
+    pub exact: u64,
+}
+
+impl StageCounts {
+    /// The number of queries.
+    #[must_use]
+    pub const fn total(&self) -> u64 {
+        self.separated + self.filtered + self.exact
+    }
+}

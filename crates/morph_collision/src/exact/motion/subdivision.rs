@@ -1,0 +1,160 @@
+//! Subdivision of the time: polynomials on ever shorter intervals, until their signs are certain.
+
+use super::bernstein::{cross, dot_quadratic, halves};
+use super::filter::{Answer, Errors, Relative};
+use super::moving::TimeOfImpact;
+use crate::exact::number::power_of_two;
+
+/// The polynomials on an interval, as Bernstein coefficients.
+#[derive(Clone, Copy)]
+struct Interval {
+    /// `n . w`.
+    height: [[f64; 1]; 4],
+    /// Four polynomials side by side. If they are positive, so is `n . n`, and the parameters are in range. If one is negative,
+    /// `n` is not zero, and a parameter is out of range.
+    sides: [[f64; 4]; 5],
+    /// The interval is of length `2^-depth` and starts at `start / 2^depth`.
+    start: u64,
+    depth: u32,
+}
+
+/// What the coefficients show about an interval.
+enum Verdict {
+    Apart,
+    Contact,
+    /// Halves may be clearer.
+    Unclear,
+    /// Halves cannot be clearer.
+    Hopeless,
+}
+
+impl Interval {
+    fn whole(relative: &Relative) -> Self {
+        let Relative { kind, u, v, w, n, .. } = relative;
+        let normal = dot_quadratic(n, n);
+        let p = dot_quadratic(&cross(w, v), n);
+        let q = dot_quadratic(&cross(u, w), n);
+        Self {
+            height: relative.height.map(|c| [c]),
+            sides: std::array::from_fn(|i| kind.sides(normal[i], p[i], q[i])),
+            start: 0,
+            depth: 0,
+        }
+    }
+
+    #[inline(always)]
+    fn verdict(&self, errors: &Errors) -> Verdict {
+        let error = errors.height(self.depth);
+        let above = self.height.iter().filter(|[c]| *c > error).count();
+        let below = self.height.iter().filter(|[c]| *c < -error).count();
+        if above == 4 || below == 4 {
+            return Verdict::Apart;
+        }
+        let error = errors.side(self.depth);
+        let (mut positive, mut negative, mut any_negative) = ([true; 4], [true; 4], false);
+        for row in &self.sides {
+            for lane in 0..4 {
+                positive[lane] &= row[lane] > error;
+                let is_below = row[lane] < -error;
+                negative[lane] &= is_below;
+                any_negative |= is_below;
+            }
+        }
+        if negative.contains(&true) {
+            return Verdict::Apart;
+        }
+        if above + below == 0 && !any_negative {
+            return Verdict::Hopeless;
+        }
+        if positive == [true; 4] && self.crosses(errors) {
+            Verdict::Contact
+        } else {
+            Verdict::Unclear
+        }
+    }
+
+    /// Whether the height has opposite signs at the ends, for certain.
+    #[inline(always)]
+    fn crosses(&self, errors: &Errors) -> bool {
+        let error = errors.height(self.depth);
+        let [[first], .., [last]] = self.height;
+        first.min(last) < -error && first.max(last) > error
+    }
+
+    #[inline(always)]
+    fn halves(&self) -> [Self; 2] {
+        let [left_height, right_height] = halves(&self.height);
+        let [left_sides, right_sides] = halves(&self.sides);
+        let (start, depth) = (2 * self.start, self.depth + 1);
+        [
+            Self {
+                height: left_height,
+                sides: left_sides,
+                start,
+                depth,
+            },
+            Self {
+                height: right_height,
+                sides: right_sides,
+                start: start + 1,
+                depth,
+            },
+        ]
+    }
+
+    fn time(&self) -> TimeOfImpact {
+        // Exact: the depth is far below 52.
+        let unit = power_of_two(-i64::from(self.depth));
+        TimeOfImpact {
+            earliest: self.start as f64 * unit,
+            latest: (self.start + 1) as f64 * unit,
+        }
+    }
+}
+
+/// Visits intervals, earlier ones first. With a tolerance, searches for the first contact and narrows its time; otherwise any contact
+/// will do.
+pub(super) fn search(relative: &Relative, tolerance: Option<f64>) -> Answer {
+    // Intervals that the search may visit. It is cheaper than exact arithmetic up to here.
+    const BUDGET: usize = 256;
+    const DEEPEST: u32 = 40;
+    let mut later = Vec::new();
+    let mut interval = Interval::whole(relative);
+    let errors = &relative.errors;
+    let mut is_open = false;
+    for _ in 0..BUDGET {
+        let is_deepest = interval.depth >= DEEPEST;
+        let is_done = match interval.verdict(errors) {
+            Verdict::Apart => true,
+            Verdict::Contact => {
+                let time = interval.time();
+                if tolerance.is_none_or(|tolerance| time.latest - time.earliest <= tolerance) {
+                    return Answer::Contact(time);
+                }
+                if is_deepest {
+                    return Answer::Open;
+                }
+                false
+            }
+            Verdict::Unclear if !is_deepest => false,
+            // A later contact may still answer whether there is any.
+            Verdict::Unclear | Verdict::Hopeless if tolerance.is_none() => {
+                is_open = true;
+                true
+            }
+            Verdict::Unclear | Verdict::Hopeless => return Answer::Open,
+        };
+        if is_done {
+            match later.pop() {
+                Some(next) => interval = next,
+                None if is_open => return Answer::Open,
+                None => return Answer::Apart,
+            }
+        } else {
+            let [left, right] = interval.halves();
+            later.push(right);
+            interval = left;
+        }
+    }
+    Answer::Open
+}

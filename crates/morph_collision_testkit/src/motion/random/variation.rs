@@ -4,21 +4,34 @@ use rand::RngExt;
 use rand_pcg::Pcg64Mcg;
 
 use crate::motion::elementary::ElementaryMotion;
-use crate::near_degenerate;
 
-/// Moves one coordinate of one point, at the start or at the end, by one unit in the last place; sometimes another one, too.
+/// Moves one coordinate of one point, at the start or at the end, by one unit in the last place, or sometimes by up to a million;
+/// sometimes another one, too.
 pub(super) fn nudged(mut motion: ElementaryMotion, rng: &mut Pcg64Mcg) -> ElementaryMotion {
     loop {
         let point = &mut motion.points[rng.random_range(0..4_usize)];
         let coordinate = &mut point[rng.random_range(0..2_usize)][rng.random_range(0..3_usize)];
-        let ulp = if rng.random_bool(0.5) { 1 } else { -1 };
+        let units = if rng.random_bool(0.7) {
+            1
+        } else {
+            1 << rng.random_range(0..20)
+        };
         // Next to zero there is nothing but subnormal numbers. They are rare elsewhere, and so here.
         if *coordinate != 0.0 || rng.random_bool(0.05) {
-            *coordinate = near_degenerate::nudged(*coordinate, ulp);
+            *coordinate = moved(*coordinate, if rng.random_bool(0.5) { units } else { -units });
         }
         if rng.random_bool(0.7) {
             return motion;
         }
+    }
+}
+
+/// The number whose magnitude is this many representable numbers larger. It stays if there is none.
+fn moved(number: f64, units: i64) -> f64 {
+    let magnitude = number.abs().to_bits().checked_add_signed(units).map(f64::from_bits);
+    match magnitude {
+        Some(magnitude) if magnitude.is_finite() => magnitude.copysign(number),
+        _ => number,
     }
 }
 

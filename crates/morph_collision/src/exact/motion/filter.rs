@@ -5,8 +5,8 @@ use glam::DVec3;
 use super::bernstein::{Linear, Quadratic, cross, dot_linear};
 use super::directions::separated_by_direction;
 use super::features::{Features, Kind};
+use super::height_roots::decide_at_roots;
 use super::moving::TimeOfImpact;
-use super::single_root::single_root;
 use super::subdivision::search;
 use crate::exact::number::{UNIT_ROUNDOFF, power_of_two};
 
@@ -84,7 +84,7 @@ pub(super) fn filtered(features: &Features, tolerance: Option<f64>) -> Answer {
         height,
         errors,
     };
-    if let Some(answer) = single_root(&relative, tolerance) {
+    if let Some(answer) = decide_at_roots(&relative, tolerance) {
         return answer;
     }
     match search(&relative, tolerance) {

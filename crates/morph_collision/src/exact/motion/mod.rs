@@ -16,7 +16,7 @@
 //! first; [`StageCounts`] says which one did.
 //!
 //! 1. Separation: along an axis of space, all differences of the two features' corners have the same sign.
-//! 2. Filter: `f64` with an error bound, at the only time at which all corners are in one plane or on ever shorter intervals of time
+//! 2. Filter: `f64` with an error bound, at the times at which all corners are in one plane, or on ever shorter intervals of time
 //!    (`docs/numerics.md` derives the bound).
 //! 3. Exact: integer polynomials, their isolated roots, and greatest common divisors where a sign might be zero.
 
@@ -24,10 +24,10 @@ mod bernstein;
 mod directions;
 mod features;
 mod filter;
+mod height_roots;
 mod moving;
 mod polynomial;
 mod root;
-mod single_root;
 mod solve;
 mod stages;
 mod subdivision;

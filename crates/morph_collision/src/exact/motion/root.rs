@@ -259,10 +259,10 @@ mod tests {
         assert_eq!(at(&[&[0, 1], &[-1, 2], &[-1, 1]]), [0.0, 0.5, 1.0]);
         assert_eq!(at(&[&[-1, 4], &[-1, 2], &[-3, 4], &[-1, 8]]), [0.125, 0.25, 0.5, 0.75]);
         assert_eq!(at(&[&[-1, 3], &[-1, 3], &[-2, 1]]), [1.0_f64 / 3.0]);
-        assert_eq!(at(&[&[1, 1], &[-3, 2]]), []);
-        assert_eq!(at(&[&[1, 0, 1]]), []);
+        assert_eq!(at(&[&[1, 1], &[-3, 2]]), [0.0; 0]);
+        assert_eq!(at(&[&[1, 0, 1]]), [0.0; 0]);
         assert_eq!(at(&[&[0, 1], &[0, 1], &[-1, 1]]), [0.0, 1.0]);
-        assert_eq!(values(&polynomial(&[])), []);
+        assert_eq!(values(&polynomial(&[])), [0.0; 0]);
         // The root of 2 t^2 - 1, rounded down.
         assert_eq!(at(&[&[-1, 0, 2]]), [0.5_f64.sqrt().next_down()]);
     }

@@ -2,7 +2,8 @@
 //!
 //! It draws `COUNT` random motions (a million by default) and reads all recorded ones. It prints a row per family and per file: how
 //! many motions there are and how many touch, how many answers differ, how many time intervals do not hold the exact first time of
-//! contact or are too wide, and how many recorded answers are wrong. It prints the first motion of each row with a difference, and then exits with 1.
+//! contact or are too wide, and how many recorded answers are wrong. If anything is wrong, it prints the first such motion of each
+//! row and exits with 1.
 
 mod core;
 mod recorded;

@@ -2,7 +2,8 @@
 //!
 //! Numbers of the constructions have few bits ([`numbers`]), so that contacts are exact: at a dyadic time a point of one feature is
 //! exactly at a point of the other ([`meeting`]), or all points stay in a plane ([`planes`]). What makes them difficult comes after:
-//! a coordinate moves by one unit in the last place, or everything is scaled ([`variation`]).
+//! coordinates move by units in the last place, or everything is scaled ([`variation`]). Some get random digits, so that the contact
+//! is off by rounding.
 
 mod meeting;
 mod numbers;
@@ -128,27 +129,33 @@ impl Family {
 
     fn plain(self, kind: MotionKind, rng: &mut Pcg64Mcg) -> ElementaryMotion {
         let time = instant(rng);
-        let meeting =
-            |time, shape, approach, rng: &mut Pcg64Mcg| Meeting::draw(kind, shape, approach, rng).motion(time);
+        let exactly = |shape, approach, rng: &mut Pcg64Mcg| Meeting::draw(kind, shape, approach, rng);
+        let meeting = |shape, approach, rng: &mut Pcg64Mcg| {
+            let meeting = exactly(shape, approach, rng);
+            if rng.random_bool(0.3) {
+                meeting.with_random_digits(rng)
+            } else {
+                meeting
+            }
+        };
         match self {
             Self::Generic => any_motion(kind, rng),
             Self::Grid => grid_motion(kind, rng),
-            Self::Crossing => meeting(time, Shape::full(rng), Approach::Any, rng),
-            Self::RoundedCrossing => Meeting::draw(kind, Shape::full(rng), Approach::Any, rng)
-                .with_random_digits(rng)
-                .motion(time),
-            Self::AtTheEnds => meeting(f64::from(rng.random_range(0..2)), Shape::Full, Approach::Any, rng),
-            Self::Resting => meeting(time, Shape::Full, Approach::None, rng),
-            Self::Tangential => meeting(time, Shape::Full, Approach::Tangential, rng),
-            Self::Grazing => meeting(time, Shape::AtBoundary, Approach::any_kind(rng), rng),
+            Self::Crossing => exactly(Shape::full(rng), Approach::Any, rng).motion(time),
+            Self::RoundedCrossing => {
+                let meeting = exactly(Shape::full(rng), Approach::Any, rng);
+                meeting.with_random_digits(rng).motion(time)
+            }
+            Self::AtTheEnds => meeting(Shape::Full, Approach::Any, rng).motion(time.round()),
+            Self::Resting => meeting(Shape::Full, Approach::None, rng).motion(time),
+            Self::Tangential => meeting(Shape::Full, Approach::Tangential, rng).motion(time),
+            Self::Grazing => meeting(Shape::AtBoundary, Approach::any_kind(rng), rng).motion(time),
             Self::Parallel => planes::parallel(kind, time, rng),
             Self::Coplanar => planes::coplanar(kind, rng),
-            Self::Degenerate => meeting(time, Shape::flat(rng), Approach::any_kind(rng), rng),
+            Self::Degenerate => meeting(Shape::flat(rng), Approach::any_kind(rng), rng).motion(time),
             Self::Collapsing => {
-                let shape = Shape::flat(rng);
-                Meeting::draw(kind, shape, Approach::Any, rng)
-                    .with_shape_of_velocities(Shape::Full, rng)
-                    .motion(time)
+                let meeting = exactly(Shape::flat(rng), Approach::Any, rng);
+                meeting.with_shape_of_velocities(Shape::Full, rng).motion(time)
             }
             Self::Scaled => variation::scaled(Self::unscaled(rng).draw(rng), rng),
             Self::MixedScales => variation::mixed_scales(Self::unscaled(rng).draw(rng), rng),

@@ -17,6 +17,7 @@
 //! # Correctness
 //!
 //! - [`oracle`]: brute force in exact arithmetic. It uses nothing of `morph_collision`.
+//! - [`motion`]: when moving points and triangles, and moving segments, first touch, as exact numbers; random and recorded motions.
 //! - [`moments`]: bodies at one moment, ordinary and odd, on which every method has to agree.
 //! - [`verify`]: compares the answers of trees with brute force in random situations, and checks their boxes against vertices.
 //! - [`stress`]: the same with generated, difficult meshes, and with bad input.
@@ -52,6 +53,7 @@ pub mod memory;
 pub mod mesh;
 pub mod models;
 pub mod moments;
+pub mod motion;
 pub mod near_degenerate;
 pub mod numbers;
 pub mod oracle;

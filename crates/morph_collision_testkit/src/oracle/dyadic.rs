@@ -57,6 +57,18 @@ impl Dyadic {
         self.ratio(&Self::from(1.0_f64))
     }
 
+    /// Halfway between two numbers.
+    pub(crate) fn midpoint(&self, other: &Self) -> Self {
+        let mut sum = self.clone() + other.clone();
+        sum.exponent -= 1;
+        sum
+    }
+
+    /// The mantissa and the exponent of the power of two.
+    pub(crate) fn parts(&self) -> (&BigInt, i32) {
+        (&self.mantissa, self.exponent)
+    }
+
     /// At least 60 leading bits as a number, and the exponent of the power of two to multiply it by.
     fn leading(&self) -> (f64, i32) {
         let spare = self.mantissa.bits().saturating_sub(62) as i32;
@@ -160,7 +172,7 @@ impl Ord for Dyadic {
 }
 
 /// `mantissa * 2^exponent == value`, without trailing zero bits, so that integers stay small.
-pub(super) fn mantissa_and_exponent(value: f64) -> (i64, i32) {
+pub(crate) fn mantissa_and_exponent(value: f64) -> (i64, i32) {
     let bits = value.to_bits();
     let biased = ((bits >> 52) & 0x7ff) as i32;
     let fraction = (bits & ((1 << 52) - 1)) as i64;

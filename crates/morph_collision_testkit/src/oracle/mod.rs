@@ -24,6 +24,7 @@ mod vertex;
 
 pub use distance::{point_distance, triangle_distance};
 pub use dyadic::Dyadic;
+pub(crate) use dyadic::mantissa_and_exponent;
 pub use pairs::intersecting_pairs;
 pub(crate) use pairs::visit_intersecting_pairs;
 pub use scene::{BodyPairs, BodyPose, scene_pairs};

@@ -91,7 +91,9 @@ mod tests {
 
     fn met(a: [[DVec3; 3]; 2], b: [[DVec3; 3]; 2]) -> Option<f32> {
         let (a, b, mut enter) = (moving(a), moving(b), [0.0; LANES]);
-        let found = Kernel::available().iter().map(|kernel| with_simd!(kernel.level, simd => a.meet(simd, &b, 3, &mut enter)));
+        let found = Kernel::available()
+            .iter()
+            .map(|kernel| with_simd!(kernel.level, simd => a.meet(simd, &b, 3, &mut enter)));
         let masks: Vec<u8> = found.collect();
         assert!(
             masks

@@ -50,45 +50,58 @@ pub(super) struct Relative {
     pub(super) errors: Errors,
 }
 
+impl Relative {
+    /// `None` if products of the vectors may overflow or underflow.
+    #[inline]
+    fn new(kind: Kind, [u, v, w]: [Linear; 3]) -> Option<Self> {
+        let [mu, mv, mw] = [&u, &v, &w].map(|linear| linear[0].abs().max(linear[1].abs()).max_element());
+        // Within these limits nothing overflows, and underflow is far below the error.
+        const IN_RANGE: std::ops::Range<f64> = power_of_two(-100)..power_of_two(100);
+        if ![mu, mv, mw].iter().all(|size| IN_RANGE.contains(size)) {
+            return None;
+        }
+        let n = cross(&u, &v);
+        let scale = UNIT_ROUNDOFF * mu * mv;
+        Some(Self {
+            height: dot_linear(&n, &w),
+            errors: Errors {
+                height: scale * mw,
+                side: scale * (mu * mv).max(mv * mw).max(mu * mw),
+            },
+            kind,
+            u,
+            v,
+            w,
+            n,
+        })
+    }
+}
+
+/// `u`, `v` and `w`, rounded.
+#[inline]
+fn vectors(features: &Features) -> [Linear; 3] {
+    features.kind.spans().map(|[from, to]| {
+        let (from, to) = (&features.corners[from], &features.corners[to]);
+        [to.start - from.start, to.end - from.end]
+    })
+}
+
 /// Decides what `f64` can. With a tolerance, searches for the first contact and narrows its time; otherwise any contact will do.
 #[inline]
 pub(super) fn filtered(features: &Features, tolerance: Option<f64>) -> Answer {
-    let kind = features.kind;
-    let [u, v, w] = kind.spans().map(|[from, to]| -> Linear {
-        let (from, to) = (&features.corners[from], &features.corners[to]);
-        [to.start - from.start, to.end - from.end]
-    });
-    let [mu, mv, mw] = [&u, &v, &w].map(|linear| linear[0].abs().max(linear[1].abs()).max_element());
-    // Within these limits nothing overflows, and underflow is far below the error.
-    const IN_RANGE: std::ops::Range<f64> = power_of_two(-100)..power_of_two(100);
-    if ![mu, mv, mw].iter().all(|size| IN_RANGE.contains(size)) {
-        return direction_or_open(features, &[u, v, w]);
-    }
-    let n = cross(&u, &v);
-    let height = dot_linear(&n, &w);
-    let scale = UNIT_ROUNDOFF * mu * mv;
-    let errors = Errors {
-        height: scale * mw,
-        side: scale * (mu * mv).max(mv * mw).max(mu * mw),
+    let vectors = vectors(features);
+    let Some(relative) = Relative::new(features.kind, vectors) else {
+        return direction_or_open(features, &vectors);
     };
-    let limit = errors.height(0);
-    if height.iter().all(|c| *c > limit) || height.iter().all(|c| *c < -limit) {
+    let limit = relative.errors.height(0);
+    if relative.height.iter().all(|c| *c > limit) || relative.height.iter().all(|c| *c < -limit) {
         return Answer::Apart;
     }
-    let relative = Relative {
-        kind,
-        u,
-        v,
-        w,
-        n,
-        height,
-        errors,
-    };
     if let Some(answer) = decide_at_roots(&relative, tolerance) {
         return answer;
     }
     match search(&relative, tolerance) {
-        Answer::Open => direction_or_open(features, &[u, v, w]),
+        Answer::Open => direction_or_open(features, &vectors),
         answer => answer,
     }
 }
@@ -121,3 +134,6 @@ impl Errors {
         self.side * f64::from(700 + 150 * depth)
     }
 }
+
+#[cfg(test)]
+mod rounding_tests;

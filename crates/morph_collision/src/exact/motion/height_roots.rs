@@ -79,7 +79,7 @@ impl Part {
         let time = start as f64 * unit;
         // Sides are sums of at most 36 products of four vectors, each of which changes by at most twice its size.
         let change = 288.0 * unit / UNIT_ROUNDOFF;
-        let error = relative.errors.side * (800.0 + change);
+        let error = relative.errors.side * (SIDES_AT + change);
         let sides = sides_at(relative, time);
         if sides.iter().any(|side| *side < -error) {
             return Some(Answer::Apart);
@@ -107,6 +107,9 @@ impl Part {
         (is_before(first)? && !is_before(first + 1)?).then_some(self.start * count + first)
     }
 }
+
+/// The error bound of [`sides_at`], in units of [`Errors::side`](super::filter::Errors::side).
+pub(super) const SIDES_AT: f64 = 800.0;
 
 /// Brackets are of length `2^-30`, unless the tolerance is shorter. Few contacts are that close to the boundary of a feature.
 const LEVEL: u32 = 30;
@@ -158,7 +161,7 @@ fn at(&[a, b, c, d]: &[f64; 4], time: f64) -> f64 {
 
 /// The four sides at a time.
 #[inline]
-fn sides_at(relative: &Relative, time: f64) -> [f64; 4] {
+pub(super) fn sides_at(relative: &Relative, time: f64) -> [f64; 4] {
     let rest = 1.0 - time;
     let [u, v, w] = [&relative.u, &relative.v, &relative.w].map(|linear| linear[0] * rest + linear[1] * time);
     let n = u.cross(v);

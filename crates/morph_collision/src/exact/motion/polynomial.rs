@@ -124,7 +124,7 @@ impl Polynomial {
     }
 
     /// The polynomial divided by the greatest common divisor of its coefficients.
-    fn primitive(&self) -> Self {
+    pub(super) fn primitive(&self) -> Self {
         let mut content = IBig::ZERO;
         for coefficient in &self.0 {
             content = if content.is_zero() {

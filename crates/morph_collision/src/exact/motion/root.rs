@@ -7,7 +7,7 @@ use dashu_int::IBig;
 use super::moving::TimeOfImpact;
 use super::polynomial::{Polynomial, halves};
 
-/// A root of a polynomial that has only simple roots.
+/// A root of a polynomial that is simple, or at an end of [0, 1].
 #[derive(Clone, Debug)]
 pub(super) struct Root {
     polynomial: Polynomial,
@@ -37,28 +37,34 @@ impl Root {
 
     /// The sign of a polynomial at the root. Halves the interval as often as needed.
     pub(super) fn sign_of(&mut self, other: &Polynomial) -> Ordering {
-        // Halvings before the search for a common root, which costs more. Most signs are certain by then.
-        const CHEAP: usize = 12;
+        // The level at which to search for a common root, which costs more than halving. Most signs are certain by then.
+        const SHORT: usize = 10;
+        if matches!(self.place, Place::Start) {
+            return other.sign_at(&self.start, self.level);
+        }
         let mut coefficients = other.bernstein(&self.start, self.level);
-        for halving in 0.. {
+        let mut may_be_zero = true;
+        loop {
             if matches!(self.place, Place::Start) {
                 return other.sign_at(&self.start, self.level);
             }
             if let Some(sign) = common_sign(&coefficients) {
                 return sign;
             }
-            if halving == CHEAP && self.is_root_of(other) {
-                return Equal;
+            if may_be_zero && self.level >= SHORT {
+                if self.is_root_of(other) {
+                    return Equal;
+                }
+                may_be_zero = false;
             }
             let [left, right] = halves(&coefficients);
             coefficients = if self.halve() == Less { left } else { right };
         }
-        Equal
     }
 
     /// Whether a polynomial is zero at the root, which is inside its interval.
     fn is_root_of(&self, other: &Polynomial) -> bool {
-        // The divisor has only simple roots, and none but this one in the interval.
+        // In the interval, the divisor has no root but this one, and only a simple one. Then the number of changes is odd.
         let common = self.polynomial.common_divisor(other);
         common.degree() > 0 && variations(&common.bernstein(&self.start, self.level)) % 2 == 1
     }
@@ -155,7 +161,7 @@ fn fraction(time: f64) -> (IBig, usize) {
         0 => (fraction, 1074),
         biased => (fraction | 1 << FRACTION_BITS, 1075 - biased as usize),
     };
-    let zeros = (numerator.trailing_zeros() as usize).min(level);
+    let zeros = (numerator.trailing_zeros().min(63) as usize).min(level);
     (IBig::from(numerator >> zeros), level - zeros)
 }
 
@@ -167,8 +173,13 @@ pub(super) fn roots(polynomial: &Polynomial) -> Vec<Root> {
     if polynomial.degree() == 0 {
         return Vec::new();
     }
-    let simple = polynomial.square_free();
-    let whole = simple.bernstein(&IBig::ZERO, 0);
+    let mut simple = polynomial.primitive();
+    let mut whole = simple.bernstein(&IBig::ZERO, 0);
+    // With at most one change of sign, roots between 0 and 1 are simple, and those at 0 and 1 need not be.
+    if variations(&whole) > 1 {
+        simple = polynomial.square_free();
+        whole = simple.bernstein(&IBig::ZERO, 0);
+    }
     let root = |start: IBig, level, place| Root {
         polynomial: simple.clone(),
         start,

@@ -7,12 +7,12 @@ use crate::exact::number::power_of_two;
 
 /// The polynomials on an interval, as Bernstein coefficients.
 #[derive(Clone, Copy)]
-struct Interval {
+pub(super) struct Interval {
     /// `n . w`.
-    height: [[f64; 1]; 4],
+    pub(super) height: [[f64; 1]; 4],
     /// Four polynomials side by side. If they are positive, so is `n . n`, and the parameters are in range. If one is negative,
     /// `n` is not zero, and a parameter is out of range.
-    sides: [[f64; 4]; 5],
+    pub(super) sides: [[f64; 4]; 5],
     /// The interval is of length `2^-depth` and starts at `start / 2^depth`.
     start: u64,
     depth: u32,
@@ -29,7 +29,7 @@ enum Verdict {
 }
 
 impl Interval {
-    fn whole(relative: &Relative) -> Self {
+    pub(super) fn whole(relative: &Relative) -> Self {
         let Relative { kind, u, v, w, n, .. } = relative;
         let normal = dot_quadratic(n, n);
         let p = dot_quadratic(&cross(w, v), n);
@@ -82,7 +82,7 @@ impl Interval {
     }
 
     #[inline(always)]
-    fn halves(&self) -> [Self; 2] {
+    pub(super) fn halves(&self) -> [Self; 2] {
         let [left_height, right_height] = halves(&self.height);
         let [left_sides, right_sides] = halves(&self.sides);
         let (start, depth) = (2 * self.start, self.depth + 1);
@@ -102,7 +102,7 @@ impl Interval {
         ]
     }
 
-    fn time(&self) -> TimeOfImpact {
+    pub(super) fn time(&self) -> TimeOfImpact {
         // Exact: the depth is far below 52.
         let unit = power_of_two(-i64::from(self.depth));
         TimeOfImpact {

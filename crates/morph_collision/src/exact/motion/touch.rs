@@ -42,7 +42,7 @@ pub fn edge_edge_touch(a: [MovingPoint; 2], b: [MovingPoint; 2]) -> bool {
 ///
 /// The times of the result differ by at most `tolerance`, or they are equal or neighbouring `f64`s. A tolerance that is negative or
 /// NaN counts as 0. Features that touch at the start have the time 0. Exactness and costs are those of [`vertex_face_touch`], but a
-/// tolerance below about `1e-9` always takes the exact path if there is contact.
+/// tolerance below about `1e-12` always takes the exact path if there is contact.
 #[must_use]
 pub fn vertex_face_impact(vertex: MovingPoint, face: [MovingPoint; 3], tolerance: f64) -> Option<TimeOfImpact> {
     vertex_face_impact_counting(vertex, face, tolerance, &mut StageCounts::default())

@@ -5,6 +5,7 @@ mod bad_input;
 mod bench;
 mod bombs;
 mod inspect;
+mod motion;
 mod outputs;
 mod picture;
 mod query;

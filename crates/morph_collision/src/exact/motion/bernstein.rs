@@ -40,13 +40,11 @@ pub(super) fn dot_quadratic(a: &Quadratic, b: &Quadratic) -> [f64; 5] {
 #[inline(always)]
 pub(super) fn halves<const N: usize, const L: usize>(coefficients: &[[f64; L]; N]) -> [[[f64; L]; N]; 2] {
     let (mut left, mut right) = (*coefficients, *coefficients);
-    for step in 1..N {
+    for (step, first) in left.iter_mut().enumerate().skip(1) {
         for i in 0..N - step {
-            for lane in 0..L {
-                right[i][lane] = (right[i][lane] + right[i + 1][lane]) * 0.5;
-            }
+            right[i] = std::array::from_fn(|lane| (right[i][lane] + right[i + 1][lane]) * 0.5);
         }
-        left[step] = right[0];
+        *first = right[0];
     }
     [left, right]
 }

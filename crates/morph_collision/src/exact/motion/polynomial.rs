@@ -203,8 +203,7 @@ mod tests {
     #[test]
     fn common_divisors_hold_the_common_roots() {
         // (t - 2) (t - 3) (2 t - 1) and (t - 3) (t + 5) (2 t - 1) (t - 7).
-        let [a, b, c, d, e] =
-            [&[-2, 1][..], &[-3, 1], &[-1, 2], &[5, 1], &[-7, 1]].map(|coefficients| polynomial(coefficients));
+        let [a, b, c, d, e] = [&[-2, 1][..], &[-3, 1], &[-1, 2], &[5, 1], &[-7, 1]].map(polynomial);
         let (first, second) = (a.times(&b).times(&c), b.times(&d).times(&c).times(&e));
         let common = first.common_divisor(&second);
         assert!(
@@ -217,7 +216,7 @@ mod tests {
 
     #[test]
     fn square_free_parts_have_simple_roots() {
-        let [a, b] = [&[-2, 1][..], &[-1, 3]].map(|coefficients| polynomial(coefficients));
+        let [a, b] = [&[-2, 1][..], &[-1, 3]].map(polynomial);
         let part = a.times(&a).times(&b).square_free();
         assert_eq!(part.degree(), 2);
         assert_eq!(part.sign_at(&2.into(), 0), Equal);

@@ -92,9 +92,9 @@ fn shares(kind: Kind, numbers: &[f32], halvings: &[usize]) -> Option<(f64, f64)>
         [0, 1, 2, 3].map(|i| values(interval.sides.map(|row| row[i]))),
     );
     let (mut height_share, mut side_share) = (0.0_f64, 0.0_f64);
-    for quarter in 0..5 {
+    for (quarter, found) in heights.into_iter().enumerate() {
         let (height, exact) = exact_values(&features, earliest + (latest - earliest) * 0.25 * quarter as f64);
-        let error = heights[quarter].clone() - height * whole(64);
+        let error = found - height * whole(64);
         height_share = height_share.max(ratio(error, 64.0 * relative.errors.height(depth)));
         for (side, exact) in sides.iter().zip(exact) {
             let error = side[quarter].clone() - exact * whole(256);
@@ -169,7 +169,7 @@ fn polynomials_are_off_by_a_known_share_of_their_bounds_and_never_by_more() {
 
 #[test]
 fn halved_polynomials_are_off_by_a_known_share_of_their_bounds_and_never_by_more() {
-    assert_as_known(&[0, 1, 1, 0, 1, 0, 0, 1], [0.0, 0.0]);
+    assert_as_known(&[0, 1, 1, 0, 1, 0, 0, 1], [0.0149, 0.0032]);
 }
 
 #[test]

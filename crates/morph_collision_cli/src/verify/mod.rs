@@ -8,7 +8,7 @@ use clap::Args;
 use morph_collision::BuildOptions;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::rivals::SetUpError;
-use morph_collision_testkit::verify::{LEAF_SIZES, Trees, verify as compare};
+use morph_collision_testkit::verify::{LEAF_SIZES, Trees, verify as compare, verify_motion};
 
 use crate::error::CliError;
 use crate::model_file::{FileArgs, count_memory, read_clips};
@@ -21,7 +21,8 @@ use report::{VerifyReport, WhichMesh};
 /// Two bodies, of one mesh or of two, take shapes from the mesh's own clips and at random (convex, signed, above one, twelve in
 /// sum, one-hot, zero). Their placements are turned, stretched, mirrored and sheared, from far apart to deep inside each other;
 /// some nearly touch, found by bisection down to neighbouring floating-point numbers. Every frame compares all intersecting pairs
-/// of triangles, and checks all boxes against the vertices below them.
+/// of triangles, and checks all boxes against the vertices below them. Then bodies move from one such situation to another, and
+/// samples of what touches on the way are compared with exact arithmetic.
 ///
 /// The exit code is 1 if anything differs, and the smallest case found is printed.
 #[derive(Debug, Args)]
@@ -54,6 +55,9 @@ pub(crate) struct VerifyArgs {
     json: bool,
 }
 
+/// Motions are compared for this share of the situations.
+const FRAMES_PER_STEP: u64 = 4;
+
 /// Draws situations, compares the answers, and reports differences.
 pub(crate) fn verify(args: &VerifyArgs) -> Result<Verdict, CliError> {
     let mesh = args.read(&args.model, args.mesh, "--mesh")?;
@@ -74,17 +78,23 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<Verdict, CliError> {
         let trees = options.and_then(|options| Trees::build(meshes, &options));
         sources.push(trees.map_err(|error| blame(error, &which, meshes))?);
     }
-    let bar = args.progress.start("frame", args.frames);
-    let verification = compare(meshes, &mut sources, args.frames, args.seed, || bar.step());
-    bar.finish();
-    let verification = verification.map_err(|reason| CliError::Situation {
+    let refused = |reason| CliError::Situation {
         file: args.model.clone(),
         mesh: args.mesh,
         name: mesh.name.clone(),
         reason,
-    })?;
+    };
+    let bar = args.progress.start("frame", args.frames);
+    let verification = compare(meshes, &mut sources, args.frames, args.seed, || bar.step());
+    bar.finish();
+    let verification = verification.map_err(refused)?;
+    let steps = args.frames.div_ceil(FRAMES_PER_STEP);
+    let bar = args.progress.start("step", steps);
+    let motion = verify_motion(meshes, &mut sources, steps, args.seed, || bar.step());
+    bar.finish();
+    let motion = motion.map_err(refused)?;
 
-    let report = VerifyReport::new(which, &leaf_sizes, args.seed, &verification);
+    let report = VerifyReport::new(which, &leaf_sizes, args.seed, &verification, motion);
     if args.json {
         output::print_json(&report)?;
     } else {

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use glam::Affine3A;
 use morph_collision_testkit::printable::Printable;
-use morph_collision_testkit::verify::{Counts, Finding, Trouble, Verification};
+use morph_collision_testkit::verify::{Counts, Finding, MotionCounts, Trouble, Verification};
 use serde::Serialize;
 
 use crate::Verdict;
@@ -18,6 +18,7 @@ pub(super) struct VerifyReport {
     #[serde(flatten)]
     total: CountsReport,
     trees: Vec<TreeReport>,
+    motion: MotionReport,
     /// The smallest wrong answer found.
     reproduction: Option<ReproductionReport>,
 }
@@ -34,6 +35,31 @@ struct TreeReport {
     leaf_size: usize,
     #[serde(flatten)]
     counts: CountsReport,
+}
+
+/// Contacts during motions, over all trees.
+#[derive(Debug, Serialize)]
+struct MotionReport {
+    steps: u64,
+    contacts: u64,
+    /// Pairs of features compared with exact arithmetic.
+    pairs: u64,
+    missed: u64,
+    spurious: u64,
+    wrong_times: u64,
+}
+
+impl From<MotionCounts> for MotionReport {
+    fn from(counts: MotionCounts) -> Self {
+        Self {
+            steps: counts.steps,
+            contacts: counts.contacts,
+            pairs: counts.pairs,
+            missed: counts.missed,
+            spurious: counts.spurious,
+            wrong_times: counts.wrong_times,
+        }
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -67,7 +93,13 @@ struct ReproductionReport {
 }
 
 impl VerifyReport {
-    pub(super) fn new(bodies: [WhichMesh; 2], leaf_sizes: &[usize], seed: u64, verification: &Verification) -> Self {
+    pub(super) fn new(
+        bodies: [WhichMesh; 2],
+        leaf_sizes: &[usize],
+        seed: u64,
+        verification: &Verification,
+        motion: MotionCounts,
+    ) -> Self {
         let mut total = Counts::default();
         verification.counts.iter().for_each(|counts| total += *counts);
         if let Some(first) = verification.counts.first() {
@@ -83,13 +115,15 @@ impl VerifyReport {
             seed,
             total: CountsReport::new(&total),
             trees: leaf_sizes.iter().zip(&verification.counts).map(tree).collect(),
+            motion: motion.into(),
             reproduction: reproduction.map(|finding| ReproductionReport::new(leaf_sizes[finding.source], finding)),
         }
     }
 
     pub(super) fn verdict(&self) -> Verdict {
-        let total = &self.total;
-        if total.missed + total.spurious + total.containment_violations == 0 {
+        let (total, motion) = (&self.total, &self.motion);
+        let in_motion = motion.missed + motion.spurious + motion.wrong_times;
+        if total.missed + total.spurious + total.containment_violations + in_motion == 0 {
             Verdict::Clean
         } else {
             Verdict::FoundWrong
@@ -133,6 +167,18 @@ impl VerifyReport {
                 row.leaf_size
             )?;
         }
+        let MotionReport {
+            steps,
+            contacts,
+            pairs,
+            missed,
+            spurious,
+            wrong_times,
+        } = &self.motion;
+        writeln!(
+            text,
+            "motion: {steps} steps, {contacts} contacts, {pairs} pairs compared: {missed} missed, {spurious} spurious, {wrong_times} wrong times"
+        )?;
         match &self.reproduction {
             Some(reproduction) => reproduction.write_text(&self.bodies, text),
             None => Ok(()),

@@ -8,11 +8,14 @@
 //! [`check_containment`] checks the boxes of a posed tree against vertices that it blends itself, and
 //! [`check_skinned_containment`] does so for skinned meshes.
 //!
+//! [`verify_motion`] does the same for contacts during motions from one situation to another.
+//!
 //! Answers come from the trait [`AnswerSource`], so that the comparison itself can be tested with wrong answers.
 
 mod containment;
 mod draw;
 mod judge;
+mod motion;
 mod run;
 mod search;
 mod shrink;
@@ -26,6 +29,7 @@ mod tests;
 pub use containment::{ContainmentReport, ContainmentViolation, check_containment, check_refitted_containment};
 pub use draw::Draw;
 pub use judge::{Counts, Trouble, judge};
+pub use motion::{MotionCounts, verify_motion};
 pub use run::{Finding, Verification, verify};
 pub use search::nearly_touching;
 pub use shrink::{Reproduction, shrink};

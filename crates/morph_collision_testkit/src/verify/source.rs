@@ -1,6 +1,7 @@
 use std::sync::Arc;
 
 use glam::Affine3A;
+use morph_collision::motion::{MotionContact, MotionQuery, MovingBody};
 use morph_collision::{
     Body, BuildOptions, JointMatrices, MorphBvh, PairQuery, Pose, QueryStats, TrianglePair, WorldFromModel,
 };
@@ -90,6 +91,30 @@ impl Trees {
             query: PairQuery::new(),
             pairs: Vec::new(),
         }
+    }
+
+    /// Appends what touches while both bodies move to their state in `end`, trees made by [`Trees::at_rest`]. Lists at most `most`
+    /// contacts; returns whether there are more.
+    pub fn touching(
+        &mut self,
+        end: &mut Self,
+        query: &mut MotionQuery,
+        tolerance: f64,
+        most: usize,
+        contacts: &mut Vec<MotionContact>,
+    ) -> bool {
+        let ([start_a, start_b], [end_a, end_b]) = (&mut self.poses, &mut end.poses);
+        let a = MovingBody::new(Body::new(start_a, &self.places[0]), Body::new(end_a, &end.places[0]));
+        let b = MovingBody::new(Body::new(start_b, &self.places[1]), Body::new(end_b, &end.places[1]));
+        match (a, b) {
+            (Ok(a), Ok(b)) => query.up_to(a, b, tolerance, most, contacts),
+            _ => false,
+        }
+    }
+
+    /// The welded vertex of each vertex of a body's mesh.
+    pub(super) fn welded_from_source(&self, body: usize) -> &[u32] {
+        self.poses[body].bvh().model().welded_from_source()
     }
 
     /// The two poses.

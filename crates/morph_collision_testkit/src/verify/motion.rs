@@ -1,0 +1,263 @@
+//! Compares contacts during motions with exact arithmetic.
+
+use std::collections::BTreeMap;
+
+use glam::{Affine3A, DVec3, Quat, Vec3, Vec3A};
+use morph_collision::motion::{Features, MotionContact, MotionQuery};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
+
+use super::{Draw, Meshes, Situation, Trees};
+use crate::motion::{ElementaryMotion, MotionKind, PointMotion, first_contact};
+use crate::rivals::PoseError;
+use crate::verify::AnswerSource;
+
+/// The features of the first body that are compared with all of the second's, of each kind and in each step.
+const SAMPLE: usize = 12;
+/// Contacts of a step whose times are checked.
+const CHECKED: usize = 40;
+/// More contacts than this are not listed. Then none can be missed.
+const MOST: usize = 20_000;
+/// The tolerance of times.
+const TOLERANCE: f64 = 1e-6;
+
+/// What a comparison of motions found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct MotionCounts {
+    /// Steps compared.
+    pub steps: u64,
+    /// Contacts found in them.
+    pub contacts: u64,
+    /// Pairs of features decided by exact arithmetic.
+    pub pairs: u64,
+    /// Pairs of features that touch, but were not found.
+    pub missed: u64,
+    /// Pairs of features that were found, but do not touch.
+    pub spurious: u64,
+    /// Pairs whose first contact is not within the time that was found.
+    pub wrong_times: u64,
+}
+
+/// Compares contacts of two bodies that move from one random situation to another with exact arithmetic, for each tree.
+///
+/// A sample of the first body's features is compared with all of the second body's. So is a sample of the contacts that are found.
+///
+/// # Errors
+/// A tree refuses a situation.
+pub fn verify_motion(
+    meshes: Meshes<'_>,
+    trees: &mut [Trees],
+    steps: u64,
+    seed: u64,
+    mut progress: impl FnMut(),
+) -> Result<MotionCounts, PoseError> {
+    let mut counts = MotionCounts::default();
+    let mut ends: Vec<Trees> = trees.iter().map(Trees::at_rest).collect();
+    let mut query = MotionQuery::new();
+    for step in 0..steps {
+        let mut rng = Pcg64Mcg::seed_from_u64(seed.rotate_left(32) ^ step);
+        // Rounds without a search for what nearly touches.
+        let round = 5 * step + [0, 2, 3][(step % 3) as usize];
+        let Some(first) = trees.first_mut() else { break };
+        let start = Draw::new(meshes, seed, round).situations(round, first)?.swap_remove(0);
+        let other = Draw::new(meshes, !seed, round).situations(round, first)?.swap_remove(0);
+        let end = moved(&start, other, start.sizes(meshes), &mut rng);
+        let truth = Truth::new(meshes, [&start, &end], [&trees[0], &trees[0]]);
+        let sample = truth.sample(&mut rng);
+        counts.pairs += sample.len() as u64;
+        for (trees, ends) in trees.iter_mut().zip(&mut ends) {
+            trees.set(&start)?;
+            ends.set(&end)?;
+            let mut contacts = Vec::new();
+            let is_cut = trees.touching(ends, &mut query, TOLERANCE, MOST, &mut contacts);
+            counts.steps += 1;
+            counts.contacts += contacts.len() as u64;
+            let found: BTreeMap<Features, &MotionContact> = contacts.iter().map(|c| (c.features, c)).collect();
+            counts.spurious += (contacts.len() - found.len()) as u64;
+            for &(features, touches) in &sample {
+                match found.contains_key(&features) {
+                    false if touches && !is_cut => counts.missed += 1,
+                    true if !touches => counts.spurious += 1,
+                    _ => {}
+                }
+            }
+            for _ in 0..CHECKED.min(contacts.len()) {
+                let MotionContact { features, time } = contacts[rng.random_range(0..contacts.len())];
+                counts.pairs += 1;
+                match truth.motion(features).as_ref().and_then(first_contact) {
+                    None => counts.spurious += 1,
+                    Some(first) => {
+                        let is_right =
+                            first.is_within(time.earliest, time.latest) && time.latest - time.earliest <= TOLERANCE;
+                        counts.wrong_times += u64::from(!is_right);
+                    }
+                }
+            }
+        }
+        progress();
+    }
+    Ok(counts)
+}
+
+/// The end of a motion: sometimes another shape, at a place nearby.
+fn moved(start: &Situation, other: Situation, size: f64, rng: &mut Pcg64Mcg) -> Situation {
+    let mut end = start.clone();
+    if rng.random_bool(0.6) {
+        (end.weights, end.joints) = (other.weights, other.joints);
+    }
+    let turns = rng.random_bool(0.4);
+    let common = rng.random_bool(0.2);
+    let mut by = || Vec3::from_array(std::array::from_fn(|_| rng.random_range(-0.5..0.5))) * size as f32;
+    let (first, second) = (by(), by());
+    let offsets = if common { [first * 100.0; 2] } else { [first, second] };
+    for (body, offset) in offsets.into_iter().enumerate() {
+        let place = &mut end.places[body];
+        if turns {
+            let turn = Quat::from_rotation_y(0.3) * Quat::from_rotation_x(-0.2);
+            let about = place.translation;
+            *place = Affine3A::from_translation(about.into())
+                * Affine3A::from_quat(turn)
+                * Affine3A::from_translation((-about).into())
+                * *place;
+        }
+        place.translation += Vec3A::from(offset);
+    }
+    end
+}
+
+/// Both bodies' vertices at both ends, and their features as the library numbers them.
+struct Truth {
+    bodies: [Vertices; 2],
+}
+
+struct Vertices {
+    /// The motion of each welded vertex.
+    motions: Vec<PointMotion>,
+    /// The welded corners of each triangle.
+    faces: Vec<[u32; 3]>,
+}
+
+impl Truth {
+    fn new(meshes: Meshes<'_>, situations: [&Situation; 2], trees: [&Trees; 2]) -> Self {
+        let bodies = [0, 1].map(|body| {
+            let ends = situations.map(|situation| situation.world_vertices(meshes, body));
+            let welded = trees[body].welded_from_source(body);
+            let count = welded.iter().max().map_or(0, |&last| last as usize + 1);
+            let mut motions = vec![[[0.0; 3]; 2]; count];
+            for (source, &vertex) in welded.iter().enumerate() {
+                motions[vertex as usize] = [ends[0][source], ends[1][source]].map(|point: DVec3| point.to_array());
+            }
+            let corners = |face: &[u32; 3]| face.map(|vertex| welded[vertex as usize]);
+            Vertices {
+                motions,
+                faces: meshes[body].triangles.iter().map(corners).collect(),
+            }
+        });
+        Self { bodies }
+    }
+
+    fn motion(&self, features: Features) -> Option<ElementaryMotion> {
+        let [a, b] = &self.bodies;
+        let (kind, points) = match features {
+            Features::VertexFace { vertex_a, triangle_b } => {
+                (MotionKind::VertexFace, a.vertex_and(vertex_a, b, triangle_b))
+            }
+            Features::FaceVertex { triangle_a, vertex_b } => {
+                (MotionKind::VertexFace, b.vertex_and(vertex_b, a, triangle_a))
+            }
+            Features::EdgeEdge { edge_a, edge_b } => {
+                let ([p, q], [r, s]) = (edge_a.map(|v| a.at(v)), edge_b.map(|v| b.at(v)));
+                (MotionKind::EdgeEdge, [p, q, r, s])
+            }
+            Features::AtStart(_) => return None,
+        };
+        Some(ElementaryMotion { kind, points })
+    }
+
+    /// Pairs of features whose boxes overlap during the motion, and whether they touch.
+    fn sample(&self, rng: &mut Pcg64Mcg) -> Vec<(Features, bool)> {
+        let [a, b] = &self.bodies;
+        if a.faces.is_empty() || b.faces.is_empty() {
+            return Vec::new();
+        }
+        let mut pairs = Vec::new();
+        let mut try_pair = |features, own: &[PointMotion], other: &[PointMotion]| {
+            if boxes_overlap(own, other) {
+                pairs.push(features);
+            }
+        };
+        for _ in 0..SAMPLE {
+            let triangle_a = rng.random_range(0..a.faces.len()) as u32;
+            let (face_a, corner) = (a.faces[triangle_a as usize], rng.random_range(0..3));
+            let (vertex_a, edge_a) = (face_a[corner], ascending(face_a[corner], face_a[(corner + 1) % 3]));
+            let face_points = face_a.map(|v| a.at(v));
+            let edge_points = edge_a.map(|v| a.at(v));
+            for (triangle_b, face_b) in b.faces.iter().enumerate() {
+                let triangle_b = triangle_b as u32;
+                let points = face_b.map(|v| b.at(v));
+                try_pair(
+                    Features::VertexFace { vertex_a, triangle_b },
+                    &[a.at(vertex_a)],
+                    &points,
+                );
+                for i in 0..3 {
+                    let (vertex_b, next) = (face_b[i], face_b[(i + 1) % 3]);
+                    try_pair(
+                        Features::FaceVertex { triangle_a, vertex_b },
+                        &[b.at(vertex_b)],
+                        &face_points,
+                    );
+                    let edge_b = ascending(vertex_b, next);
+                    if edge_a[0] != edge_a[1] && edge_b[0] != edge_b[1] {
+                        try_pair(
+                            Features::EdgeEdge { edge_a, edge_b },
+                            &edge_points,
+                            &edge_b.map(|v| b.at(v)),
+                        );
+                    }
+                }
+            }
+        }
+        pairs.sort_unstable();
+        pairs.dedup();
+        // Exact arithmetic takes a tenth of a millisecond for each.
+        while pairs.len() > 4000 {
+            let mut keep = 0;
+            pairs.retain(|_| {
+                keep += 1;
+                keep % 2 == 0
+            });
+        }
+        let touch = |features| self.motion(features).as_ref().and_then(first_contact).is_some();
+        pairs.into_iter().map(|features| (features, touch(features))).collect()
+    }
+}
+
+impl Vertices {
+    fn at(&self, vertex: u32) -> PointMotion {
+        self.motions[vertex as usize]
+    }
+
+    fn vertex_and(&self, vertex: u32, other: &Self, triangle: u32) -> [PointMotion; 4] {
+        let [a, b, c] = other.faces[triangle as usize].map(|v| other.at(v));
+        [self.at(vertex), a, b, c]
+    }
+}
+
+fn ascending(a: u32, b: u32) -> [u32; 2] {
+    [a.min(b), a.max(b)]
+}
+
+/// Whether the boxes around the whole motions of two sets of points overlap. Exact: no number is rounded.
+fn boxes_overlap(a: &[PointMotion], b: &[PointMotion]) -> bool {
+    let ends = |points: &[PointMotion], axis: usize| {
+        let along = points.as_flattened().iter().map(|point| point[axis]);
+        along.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| {
+            (low.min(x), high.max(x))
+        })
+    };
+    (0..3).all(|axis| {
+        let ((low_a, high_a), (low_b, high_b)) = (ends(a, axis), ends(b, axis));
+        low_a <= high_b && low_b <= high_a
+    })
+}

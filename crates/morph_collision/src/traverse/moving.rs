@@ -25,6 +25,8 @@ pub(crate) struct MovingBoxes {
 pub(crate) struct Moving<'m, 'p> {
     /// The poses at the start and at the end.
     pub(crate) ends: [Posed<'p>; 2],
+    /// Boxes contain the motion up to this time.
+    until: f32,
     moving: &'m mut MovingBoxes,
     standing: Standing,
 }
@@ -32,8 +34,14 @@ pub(crate) struct Moving<'m, 'p> {
 impl<'m, 'p> Moving<'m, 'p> {
     /// Prepares a query. `drift` is how far the observer moves during the motion.
     ///
-    /// If `within`, boxes also allow for the rounding of placed vertices, because they are compared with boxes of the same body.
-    pub(crate) fn new(mut ends: [Posed<'p>; 2], drift: DVec3, moving: &'m mut MovingBoxes, within: bool) -> Self {
+    /// Boxes contain the motion up to the time `until`. If `within`, they also allow for the rounding of placed vertices, because they
+    /// are compared with boxes of the same body.
+    pub(crate) fn new(
+        mut ends: [Posed<'p>; 2],
+        (drift, until): (DVec3, f32),
+        moving: &'m mut MovingBoxes,
+        within: bool,
+    ) -> Self {
         let [start, end] = ends.each_mut().map(|end| end.stand().clone());
         let place = start.placed.world_from_model();
         // Boxes of a body that is flat in the world are kept along the world's axes instead.
@@ -45,18 +53,14 @@ impl<'m, 'p> Moving<'m, 'p> {
             WorldFromModel::from_columns([x, y, z, place.translation()])
         };
         let after = space.translation() + drift;
-        let error = if within {
-            start.placed.error().max(end.placed.error())
-        } else {
-            0.0
-        };
         let at = |translation: DVec3| {
             // The other body's drift is rounded differently.
             let rounding = f64::EPSILON * translation.abs().max_element();
-            PlacedBounds::with_error(&space.at(translation), DVec3::ZERO, error + rounding)
+            PlacedBounds::with_error(&space.at(translation), DVec3::ZERO, rounding)
         };
         let MovingBoxes { boxes, views } = &mut *moving;
         boxes.next_epoch();
+        // Maps allow for the rounding of vertices.
         let keeps = is_own && !within;
         let targets = [at(space.translation()), at(after)];
         for (i, (view, of)) in views.iter_mut().zip([&start, &end]).enumerate() {
@@ -69,14 +73,26 @@ impl<'m, 'p> Moving<'m, 'p> {
                 None => view.give_up(),
             }
         }
-        let bounds = views[0].one(&start.bounds).union(&views[1].one(&end.bounds));
+        let mut bounds = [BoxLanes::default(), BoxLanes::default()];
+        bounds[0].set_all(&views[0].one(&start.bounds));
+        bounds[1].set_all(&views[1].one(&end.bounds));
+        with_simd!(ends[0].level, simd => {
+            let [first, last] = &mut bounds;
+            first.sweep(simd, last, until);
+        });
+        let bounds = bounds[0].get(0);
         let placed = PlacedBounds::with_error(&space, bounds.magnitude().as_dvec3(), start.placed.error());
         let mut standing = start;
         standing.is_skinned = false; // Boxes of the whole body are in one space.
         standing.size = standing.size.max(end.size);
         standing.slack += end.slack;
         (standing.bounds, standing.placed) = (bounds, placed);
-        Self { ends, moving, standing }
+        Self {
+            ends,
+            until,
+            moving,
+            standing,
+        }
     }
 
     /// What queries about two bodies need to know of it. Its bounds contain the whole motion.
@@ -86,7 +102,7 @@ impl<'m, 'p> Moving<'m, 'p> {
 
     #[inline(never)]
     fn make(&mut self, group: usize) -> usize {
-        let MovingBoxes { boxes, views } = &mut *self.moving;
+        let (until, MovingBoxes { boxes, views }) = (self.until, &mut *self.moving);
         let slot = boxes.insert(group, BoxLanes::default());
         let hull = boxes.get_mut(slot);
         if group == 0 {
@@ -99,7 +115,7 @@ impl<'m, 'p> Moving<'m, 'p> {
         with_simd!(start.level, simd => {
             views[0].all(simd, start.boxes(at_start), hull);
             views[1].all(simd, end.boxes(at_end), &mut last);
-            hull.grow(simd, &last);
+            hull.sweep(simd, &last, until);
         });
         slot
     }

@@ -32,7 +32,8 @@ pub(crate) struct MotionArgs {
     /// The largest difference between the two ends of a reported time, as a share of a step: more than 0, at most 1.
     #[arg(long, value_name = "SHARE", default_value_t = 1e-6, value_parser = parse_tolerance)]
     tolerance: f64,
-    /// Also count every pair of features that touch: vertices and faces, edges and edges.
+    /// Also count every pair of features that touch: vertices and faces, edges and edges. Triangles that cross each other all the time
+    /// need not have such pairs.
     #[arg(long)]
     count: bool,
     #[command(flatten)]

@@ -108,7 +108,7 @@ impl MotionReport {
 
     pub(super) fn summary(&self) -> String {
         let mut text = format!(
-            "{} steps, {} bodies, {} first contacts\n",
+            "steps: {}, bodies: {}, first contacts: {}\n",
             self.steps,
             self.bodies,
             self.contacts.len()
@@ -119,12 +119,13 @@ impl MotionReport {
             // Writing to a string cannot fail.
             let _ = write!(
                 text,
-                "frame {} to {}, bodies {} and {}, at {:.6}: {what}",
+                "frame {} to {}, bodies {} and {}, at {} to {}: {what}",
                 contact.frame,
                 contact.frame + 1,
                 bodies[0],
                 bodies[1],
-                contact.earliest
+                contact.earliest,
+                contact.latest
             );
             let _ = match contact.pairs {
                 Some(pairs) => writeln!(text, " ({pairs} pairs of features touch in this step)"),

@@ -24,7 +24,7 @@ use report::{VerifyReport, WhichMesh};
 /// of triangles, and checks all boxes against the vertices below them. Then bodies move from one such situation to another, and
 /// samples of what touches on the way are compared with exact arithmetic.
 ///
-/// The exit code is 1 if anything differs, and the smallest case found is printed.
+/// The exit code is 1 if anything differs. The smallest pair of triangles or vertex that differs is printed.
 #[derive(Debug, Args)]
 pub(crate) struct VerifyArgs {
     /// A .glb or .gltf file.

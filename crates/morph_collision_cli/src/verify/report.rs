@@ -285,7 +285,13 @@ mod tests {
             mesh: 3,
         };
         let leaf_sizes = [8, 2];
-        VerifyReport::new([which.clone(), which], &leaf_sizes, 9, &verification)
+        VerifyReport::new(
+            [which.clone(), which],
+            &leaf_sizes,
+            9,
+            &verification,
+            MotionCounts::default(),
+        )
     }
 
     #[test]

@@ -72,7 +72,7 @@ fn a_dolphin_that_passes_through_another_in_one_step_is_noticed() -> TestResult 
     // The same in words, and a coarser time.
     let text = motion(&path, &["--tolerance", "0.1"])?;
     assert!(
-        text.starts_with("4 steps, 2 bodies, 3 first contacts\nframe 1 to 2, bodies 0 and 1, at 0.4"),
+        text.starts_with("steps: 4, bodies: 2, first contacts: 3\nframe 1 to 2, bodies 0 and 1, at 0.4"),
         "{text}"
     );
     assert!(text.contains("intersect at the start"), "{text}");
@@ -85,7 +85,7 @@ fn what_stays_apart_has_no_contact_and_a_wrong_tolerance_is_refused() -> TestRes
     let path = dir.path().join("scene.json");
     write_scene(&path, &[[0.0, 50.0, 0.0], [10.0, 50.0, 60.0]])?;
     let text = motion(&path, &[])?;
-    assert!(text.starts_with("1 steps, 2 bodies, 0 first contacts\n"), "{text}");
+    assert!(text.starts_with("steps: 1, bodies: 2, first contacts: 0\n"), "{text}");
     let refused = morph_collide([
         "motion".into(),
         path.into_os_string(),

@@ -35,4 +35,4 @@ pub use search::nearly_touching;
 pub use shrink::{Reproduction, shrink};
 pub use situation::{Meshes, Situation};
 pub use skinned_containment::check_skinned_containment;
-pub use source::{Answer, AnswerSource, LEAF_SIZES, Trees};
+pub use source::{Answer, AnswerSource, LEAF_SIZES, MotionSource, Trees};

@@ -3,14 +3,13 @@
 use std::collections::BTreeMap;
 
 use glam::{Affine3A, DVec3, Quat, Vec3, Vec3A};
-use morph_collision::motion::{Features, MotionContact, MotionQuery};
+use morph_collision::motion::{Features, MotionContact};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use super::{Draw, Meshes, Situation, Trees};
+use super::{Draw, Meshes, MotionSource, Situation};
 use crate::motion::{ElementaryMotion, MotionKind, PointMotion, first_contact};
 use crate::rivals::PoseError;
-use crate::verify::AnswerSource;
 
 /// The features of the first body that are compared with all of the second's, of each kind and in each step.
 const SAMPLE: usize = 12;
@@ -43,33 +42,32 @@ pub struct MotionCounts {
 /// A sample of the first body's features is compared with all of the second body's. So is a sample of the contacts that are found.
 ///
 /// # Errors
-/// A tree refuses a situation.
-pub fn verify_motion(
+/// A source refuses a situation.
+pub fn verify_motion<S: MotionSource>(
     meshes: Meshes<'_>,
-    trees: &mut [Trees],
+    sources: &mut [S],
     steps: u64,
     seed: u64,
     mut progress: impl FnMut(),
 ) -> Result<MotionCounts, PoseError> {
     let mut counts = MotionCounts::default();
-    let mut ends: Vec<Trees> = trees.iter().map(Trees::at_rest).collect();
-    let mut query = MotionQuery::new();
+    let mut ends: Vec<S> = sources.iter().map(S::resting).collect();
     for step in 0..steps {
         let mut rng = Pcg64Mcg::seed_from_u64(seed.rotate_left(32) ^ step);
         // Rounds without a search for what nearly touches.
         let round = 5 * step + [0, 2, 3][(step % 3) as usize];
-        let Some(first) = trees.first_mut() else { break };
+        let Some(first) = sources.first_mut() else { break };
         let start = Draw::new(meshes, seed, round).situations(round, first)?.swap_remove(0);
         let other = Draw::new(meshes, !seed, round).situations(round, first)?.swap_remove(0);
         let end = moved(&start, other, start.sizes(meshes), &mut rng);
-        let truth = Truth::new(meshes, [&start, &end], [&trees[0], &trees[0]]);
+        let truth = Truth::new(meshes, [&start, &end], &sources[0]);
         let sample = truth.sample(&mut rng);
         counts.pairs += sample.len() as u64;
-        for (trees, ends) in trees.iter_mut().zip(&mut ends) {
-            trees.set(&start)?;
-            ends.set(&end)?;
+        for (source, at_end) in sources.iter_mut().zip(&mut ends) {
+            source.set(&start)?;
+            at_end.set(&end)?;
             let mut contacts = Vec::new();
-            let is_cut = trees.touching(ends, &mut query, TOLERANCE, MOST, &mut contacts);
+            let is_cut = source.touching(at_end, TOLERANCE, MOST, &mut contacts)?;
             counts.steps += 1;
             counts.contacts += contacts.len() as u64;
             let found: BTreeMap<Features, &MotionContact> = contacts.iter().map(|c| (c.features, c)).collect();
@@ -109,7 +107,11 @@ fn moved(start: &Situation, other: Situation, size: f64, rng: &mut Pcg64Mcg) -> 
     let common = rng.random_bool(0.2);
     let mut by = || Vec3::from_array(std::array::from_fn(|_| rng.random_range(-0.5..0.5))) * size as f32;
     let (first, second) = (by(), by());
-    let offsets = if common { [first * 100.0; 2] } else { [first, second] };
+    let offsets = if common {
+        [(first * 100.0).clamp(Vec3::splat(-1e30), Vec3::splat(1e30)); 2]
+    } else {
+        [first, second]
+    };
     for (body, offset) in offsets.into_iter().enumerate() {
         let place = &mut end.places[body];
         if turns {
@@ -138,10 +140,10 @@ struct Vertices {
 }
 
 impl Truth {
-    fn new(meshes: Meshes<'_>, situations: [&Situation; 2], trees: [&Trees; 2]) -> Self {
+    fn new(meshes: Meshes<'_>, situations: [&Situation; 2], source: &impl MotionSource) -> Self {
         let bodies = [0, 1].map(|body| {
             let ends = situations.map(|situation| situation.world_vertices(meshes, body));
-            let welded = trees[body].welded_from_source(body);
+            let welded = source.welded_from_source(body);
             let count = welded.iter().max().map_or(0, |&last| last as usize + 1);
             let mut motions = vec![[[0.0; 3]; 2]; count];
             for (source, &vertex) in welded.iter().enumerate() {
@@ -260,4 +262,95 @@ fn boxes_overlap(a: &[PointMotion], b: &[PointMotion]) -> bool {
         let ((low_a, high_a), (low_b, high_b)) = (ends(a, axis), ends(b, axis));
         low_a <= high_b && low_b <= high_a
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use morph_collision::{BuildOptions, InputError};
+
+    use super::super::{Answer, AnswerSource, ContainmentReport, Trees};
+    use super::*;
+    use crate::models::dolphin;
+
+    /// Trees whose contacts are changed.
+    struct Wrong {
+        trees: Trees,
+        change: fn(&mut Vec<MotionContact>),
+    }
+
+    impl AnswerSource for Wrong {
+        fn set(&mut self, situation: &Situation) -> Result<(), PoseError> {
+            self.trees.set(situation)
+        }
+
+        fn answer(&mut self) -> Answer {
+            self.trees.answer()
+        }
+
+        fn touches(&mut self) -> bool {
+            self.trees.touches()
+        }
+
+        fn containment(&mut self, body: usize) -> ContainmentReport {
+            self.trees.containment(body)
+        }
+    }
+
+    impl MotionSource for Wrong {
+        fn resting(&self) -> Self {
+            Self {
+                trees: self.trees.at_rest(),
+                change: self.change,
+            }
+        }
+
+        fn touching(
+            &mut self,
+            end: &mut Self,
+            tolerance: f64,
+            most: usize,
+            contacts: &mut Vec<MotionContact>,
+        ) -> Result<bool, InputError> {
+            let is_cut = self.trees.touching(&mut end.trees, tolerance, most, contacts)?;
+            (self.change)(contacts);
+            Ok(is_cut)
+        }
+
+        fn welded_from_source(&self, body: usize) -> &[u32] {
+            self.trees.welded_from_source(body)
+        }
+    }
+
+    fn counts(change: fn(&mut Vec<MotionContact>)) -> MotionCounts {
+        let mesh = dolphin(0);
+        let trees = Trees::build([&mesh, &mesh], &BuildOptions::default()).expect("a valid mesh");
+        verify_motion([&mesh, &mesh], &mut [Wrong { trees, change }], 6, 3, || {}).expect("valid situations")
+    }
+
+    #[test]
+    fn right_answers_are_right_and_wrong_ones_are_counted() {
+        let right = counts(|_| {});
+        assert!(right.contacts > 500 && right.pairs > 500, "{right:?}");
+        assert_eq!(
+            (right.missed, right.spurious, right.wrong_times),
+            (0, 0, 0),
+            "{right:?}"
+        );
+        assert!(counts(|contacts| contacts.truncate(contacts.len() / 2)).missed > 0);
+        let late = counts(|contacts| {
+            contacts
+                .iter_mut()
+                .for_each(|contact| contact.time.earliest = contact.time.latest)
+        });
+        assert!(late.wrong_times > 0, "{late:?}");
+        let swapped = counts(|contacts| {
+            for contact in contacts {
+                if let Features::EdgeEdge { edge_a, edge_b } = contact.features {
+                    let (edge_a, edge_b) = (edge_b, edge_a);
+                    contact.features = Features::EdgeEdge { edge_a, edge_b };
+                }
+            }
+        });
+        assert!(swapped.spurious > 0, "{swapped:?}");
+    }
 }

@@ -3,7 +3,7 @@ use std::sync::Arc;
 use glam::Affine3A;
 use morph_collision::motion::{MotionContact, MotionQuery, MovingBody};
 use morph_collision::{
-    Body, BuildOptions, JointMatrices, MorphBvh, PairQuery, Pose, QueryStats, TrianglePair, WorldFromModel,
+    Body, BuildOptions, InputError, JointMatrices, MorphBvh, PairQuery, Pose, QueryStats, TrianglePair, WorldFromModel,
 };
 
 use super::{ContainmentReport, Meshes, Situation, check_containment, check_skinned_containment};
@@ -35,6 +35,50 @@ pub trait AnswerSource {
 
     /// Whether the boxes of body 0 or 1 contain its vertices.
     fn containment(&mut self, body: usize) -> ContainmentReport;
+}
+
+/// Gives answers about two bodies that move; its answers are verified.
+pub trait MotionSource: AnswerSource + Sized {
+    /// The same source with bodies at rest. It can be the end of a motion.
+    fn resting(&self) -> Self;
+
+    /// Appends what touches while both bodies move to their state in `end`. Lists at most `most` contacts; returns whether there are more.
+    ///
+    /// # Errors
+    /// `end` has other trees.
+    fn touching(
+        &mut self,
+        end: &mut Self,
+        tolerance: f64,
+        most: usize,
+        contacts: &mut Vec<MotionContact>,
+    ) -> Result<bool, InputError>;
+
+    /// The welded vertex of each vertex of a body's mesh.
+    fn welded_from_source(&self, body: usize) -> &[u32];
+}
+
+impl MotionSource for Trees {
+    fn resting(&self) -> Self {
+        self.at_rest()
+    }
+
+    fn touching(
+        &mut self,
+        end: &mut Self,
+        tolerance: f64,
+        most: usize,
+        contacts: &mut Vec<MotionContact>,
+    ) -> Result<bool, InputError> {
+        let ([start_a, start_b], [end_a, end_b]) = (&mut self.poses, &mut end.poses);
+        let a = MovingBody::new(Body::new(start_a, &self.places[0]), Body::new(end_a, &end.places[0]))?;
+        let b = MovingBody::new(Body::new(start_b, &self.places[1]), Body::new(end_b, &end.places[1]))?;
+        Ok(MotionQuery::new().up_to(a, b, tolerance, most, contacts))
+    }
+
+    fn welded_from_source(&self, body: usize) -> &[u32] {
+        self.poses[body].bvh().model().welded_from_source()
+    }
 }
 
 /// Leaf sizes of the trees that are compared: the library's default, one whose leaves are blended vertex by vertex, and one
@@ -91,30 +135,6 @@ impl Trees {
             query: PairQuery::new(),
             pairs: Vec::new(),
         }
-    }
-
-    /// Appends what touches while both bodies move to their state in `end`, trees made by [`Trees::at_rest`]. Lists at most `most`
-    /// contacts; returns whether there are more.
-    pub fn touching(
-        &mut self,
-        end: &mut Self,
-        query: &mut MotionQuery,
-        tolerance: f64,
-        most: usize,
-        contacts: &mut Vec<MotionContact>,
-    ) -> bool {
-        let ([start_a, start_b], [end_a, end_b]) = (&mut self.poses, &mut end.poses);
-        let a = MovingBody::new(Body::new(start_a, &self.places[0]), Body::new(end_a, &end.places[0]));
-        let b = MovingBody::new(Body::new(start_b, &self.places[1]), Body::new(end_b, &end.places[1]));
-        match (a, b) {
-            (Ok(a), Ok(b)) => query.up_to(a, b, tolerance, most, contacts),
-            _ => false,
-        }
-    }
-
-    /// The welded vertex of each vertex of a body's mesh.
-    pub(super) fn welded_from_source(&self, body: usize) -> &[u32] {
-        self.poses[body].bvh().model().welded_from_source()
     }
 
     /// The two poses.

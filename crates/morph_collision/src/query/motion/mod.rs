@@ -5,12 +5,17 @@
 //! touches during that motion, however fast it is. Its answers are exact for these lines: nothing is missed, and nothing is reported that
 //! does not touch.
 //!
+//! Straight lines flatten what turns far in one step: a body that turns by half a turn passes through its own axis. Use steps so short that
+//! bodies turn by a few degrees.
+//!
 //! Surfaces that are apart first touch where a vertex meets a face or two edges meet, so contacts are between such [`Features`].
+//! Triangles that cross each other during the whole motion need not have such a contact; only [`MotionQuery::first`] and
+//! [`MotionQuery::any`] also look for triangles that intersect when the motion starts.
 //! [`vertex_face_touch`], [`edge_edge_touch`] and their `_impact` variants are the tests of one vertex and face, or of two edges.
 
 mod contact;
 mod moving_body;
-mod moving_boxes;
+mod moving_lanes;
 mod patches;
 mod query;
 

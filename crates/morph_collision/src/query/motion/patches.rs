@@ -6,7 +6,7 @@ use fearless_simd::Simd;
 use glam::DVec3;
 
 use super::Features;
-use super::moving_boxes::MovingBoxes;
+use super::moving_lanes::MovingLanes;
 use crate::bounds::{LANES, lanes_of, with_simd};
 use crate::exact::motion::MovingPoint;
 use crate::exact::{power_of_two, power_of_two_below};
@@ -58,7 +58,7 @@ struct MovingLeaf {
     /// The leaf's distinct vertices.
     points: Vec<MovingPoint>,
     /// The boxes of its triangles, in eights.
-    boxes: Vec<MovingBoxes>,
+    boxes: Vec<MovingLanes>,
     triangles: usize,
 }
 
@@ -94,7 +94,7 @@ impl MovingLeaves {
         *triangles = mesh.corners.len();
         boxes.clear();
         for corners in mesh.corners.chunks(LANES) {
-            let mut eight = MovingBoxes::default();
+            let mut eight = MovingLanes::default();
             for (lane, corners) in corners.iter().enumerate() {
                 let seen = corners.map(|corner| self.observer.sees(&points[usize::from(corner)]));
                 eight.set(lane, [seen.map(|[start, _]| start), seen.map(|[_, end]| end)]);

@@ -1,10 +1,14 @@
 use std::ops::ControlFlow;
 
+use glam::DVec3;
+
 use super::patches::{Candidate, MovingLeaves, Observer, candidates, candidates_within};
 use super::{
     Features, MotionContact, MovingBody, StageCounts, TimeOfImpact, edge_edge_impact_counting,
     edge_edge_touch_counting, vertex_face_impact_counting, vertex_face_touch_counting,
 };
+use crate::bounds::up;
+use crate::pose::Posed;
 use crate::query::capped::Capped;
 use crate::query::placements::Placements;
 use crate::query::{PairQuery, QueryStats};
@@ -16,10 +20,11 @@ use crate::traverse::{Moving, MovingBoxes, Order, OverlapWalk, SelfStack, middle
 /// contact that lasts has the time at which it begins.
 ///
 /// Times are shares of the motion, from 0 to 1. `tolerance` is the largest difference between the two ends of a time
-/// ([`TimeOfImpact`]). It changes how precisely you learn when something touches, never whether it does.
+/// ([`TimeOfImpact`]), unless these are neighbouring `f64`s. It changes how precisely you learn when something touches, never whether it
+/// does. Below about 1e-9, every contact takes exact arithmetic. A negative tolerance or NaN counts as 0.
 ///
 /// Cost: like a [`PairQuery`] in which each node has the size of the space that it sweeps through. A translation that both bodies share does
-/// not count. If both bodies shrink to points of the same size as the rounding errors of their positions, all pairs of leaves are compared.
+/// not count. If both bodies are as small as the rounding errors of their positions, all pairs of leaves are compared.
 #[derive(Debug, Default)]
 pub struct MotionQuery {
     walk: OverlapWalk,
@@ -36,6 +41,9 @@ type Test<'t> = dyn FnMut(Candidate, &mut QueryStats) -> ControlFlow<()> + 't;
 
 impl MotionQuery {
     /// Appends every pair of features that touch, in the order of the walk. Each pair is listed once.
+    ///
+    /// Triangles that already cross each other when the motion starts are listed only if their features touch as well; use
+    /// [`PairQuery`] for those.
     pub fn all(&mut self, a: MovingBody<'_>, b: MovingBody<'_>, tolerance: f64, contacts: &mut Vec<MotionContact>) {
         self.up_to(a, b, tolerance, usize::MAX, contacts);
     }
@@ -65,6 +73,7 @@ impl MotionQuery {
         self.run(
             a,
             b,
+            1.0,
             Order::Any,
             &mut |candidate, stats| match impact(&candidate, tolerance, stats) {
                 Some(contact) => visitor(contact),
@@ -78,28 +87,51 @@ impl MotionQuery {
     /// Bodies that intersect when the motion starts are in contact then ([`Features::AtStart`]). The first contact is not before
     /// `time.earliest` and not after `time.latest`. If several contacts are as early, up to the tolerance, which of them is returned depends
     /// on the tree.
+    ///
+    /// Cost: at first that of [`MotionQuery::all`]. When a contact is found early in the motion, the walk starts again for the time before
+    /// it.
     pub fn first(&mut self, mut a: MovingBody<'_>, mut b: MovingBody<'_>, tolerance: f64) -> Option<MotionContact> {
-        if let Some(contact) = self.starting(&mut a, &mut b) {
-            return Some(contact);
+        if let Some(early) = self.before_walk(&mut a, &mut b) {
+            return early;
         }
-        let before = self.stats;
-        let mut first: Option<MotionContact> = None;
-        self.run(a, b, Order::Any, &mut |candidate, stats| {
-            first = earlier(first, &candidate, tolerance, stats);
-            ControlFlow::Continue(())
-        });
-        self.stats += before;
+        let mut work = self.stats;
+        let (mut first, mut until): (Option<MotionContact>, f32) = (None, 1.0);
+        loop {
+            let mut is_early = false;
+            self.run(
+                a.reborrow(),
+                b.reborrow(),
+                until,
+                Order::Any,
+                &mut |candidate, stats| {
+                    first = earlier(first, &candidate, tolerance, stats);
+                    // Start again: boxes over a shorter time are smaller.
+                    is_early = first.is_some_and(|first| first.time.latest < 0.25 * f64::from(until));
+                    if is_early {
+                        ControlFlow::Break(())
+                    } else {
+                        ControlFlow::Continue(())
+                    }
+                },
+            );
+            work += self.stats;
+            match first {
+                Some(contact) if is_early && contact.time.latest > 0.0 => until = up(contact.time.latest),
+                _ => break,
+            }
+        }
+        self.stats = work;
         first
     }
 
-    /// Returns whether the bodies touch at any time. If not, that is a proof.
+    /// Returns whether the bodies touch at any time, including at the start. If not, that is a proof.
     pub fn any(&mut self, mut a: MovingBody<'_>, mut b: MovingBody<'_>) -> bool {
-        if self.starting(&mut a, &mut b).is_some() {
-            return true;
+        if let Some(early) = self.before_walk(&mut a, &mut b) {
+            return early.is_some();
         }
-        let before = self.stats;
+        let work = self.stats;
         let mut any = false;
-        self.run(a, b, Order::DeepestFirst, &mut |candidate, stats| {
+        self.run(a, b, 1.0, Order::DeepestFirst, &mut |candidate, stats| {
             any = touches(&candidate, stats);
             if any {
                 ControlFlow::Break(())
@@ -107,11 +139,12 @@ impl MotionQuery {
                 ControlFlow::Continue(())
             }
         });
-        self.stats += before;
+        self.stats += work;
         any
     }
 
-    /// Appends every pair of features of one body that touch, leaving out those that share a vertex.
+    /// Appends every pair of features of one body that touch, leaving out those that share a vertex. So a fold at a common edge is not
+    /// listed, and, as for [`MotionQuery::all`], neither are parts that already cross each other ([`SelfQuery`](crate::SelfQuery)).
     ///
     /// Contacts of a vertex and a face are [`Features::VertexFace`]; of two edges, the smaller one is first.
     pub fn all_within(&mut self, body: MovingBody<'_>, tolerance: f64, contacts: &mut Vec<MotionContact>) {
@@ -140,10 +173,9 @@ impl MotionQuery {
             ..
         } = self;
         *stats = QueryStats::default();
-        let [from, to] = ends.each_mut().map(|end| middle(end.stand()));
-        let drift = to - from;
-        let mut body = Moving::new(ends, drift, boxes, true);
-        leaves.begin(Observer::new(from, drift, body.standing().size));
+        let (middle, drift) = drift(&mut ends);
+        let mut body = Moving::new(ends, (drift, 1.0), boxes, true);
+        leaves.begin(Observer::new(middle, drift, body.standing().size));
         let mut test = |candidate: Candidate, stats: &mut QueryStats| match impact(&candidate, tolerance, stats) {
             Some(contact) => visitor(contact),
             None => ControlFlow::Continue(()),
@@ -156,33 +188,47 @@ impl MotionQuery {
         *stats += QueryStats::blending(before, [start.blended(), end.blended()]);
     }
 
-    /// The contact of bodies that intersect when the motion starts.
-    fn starting(&mut self, a: &mut MovingBody<'_>, b: &mut MovingBody<'_>) -> Option<MotionContact> {
+    /// The answer, if it takes no walk over both motions: no contact if the bounds of the motions are apart, or contact at the start.
+    fn before_walk(&mut self, a: &mut MovingBody<'_>, b: &mut MovingBody<'_>) -> Option<Option<MotionContact>> {
+        self.stats = QueryStats {
+            node_tests: 1,
+            ..QueryStats::default()
+        };
+        let Self {
+            walk,
+            boxes: [boxes_a, boxes_b],
+            ..
+        } = self;
+        let ends_b = [b.start.posed(), b.end.posed()];
+        let mut ends_a = [a.start.posed(), a.end.posed()];
+        let (_, drift) = drift(&mut ends_a);
+        let moving_a = Moving::new(ends_a, (drift, 1.0), boxes_a, false);
+        let moving_b = Moving::new(ends_b, (drift, 1.0), boxes_b, false);
+        let placements = Placements {
+            a: moving_a.standing(),
+            b: moving_b.standing(),
+        };
+        if !placements.begin_walk(walk) {
+            return Some(None);
+        }
         let pair = self.at_start.first(a.start.reborrow(), b.start.reborrow());
-        self.stats = self.at_start.stats();
-        pair.map(|pair| MotionContact {
-            features: Features::AtStart(pair),
-            time: TimeOfImpact {
-                earliest: 0.0,
-                latest: 0.0,
-            },
+        self.stats += self.at_start.stats();
+        pair.map(|pair| {
+            Some(MotionContact {
+                features: Features::AtStart(pair),
+                time: TimeOfImpact {
+                    earliest: 0.0,
+                    latest: 0.0,
+                },
+            })
         })
     }
 
-    fn run(&mut self, a: MovingBody<'_>, b: MovingBody<'_>, order: Order, test: &mut Test<'_>) {
+    /// Calls `test` for features that may touch up to the time `until`, until it breaks.
+    fn run(&mut self, mut a: MovingBody<'_>, mut b: MovingBody<'_>, until: f32, order: Order, test: &mut Test<'_>) {
         let (bvh_a, bvh_b) = (a.bvh(), b.bvh());
-        let (
-            MovingBody {
-                start: mut start_a,
-                end: mut end_a,
-            },
-            MovingBody {
-                start: mut start_b,
-                end: mut end_b,
-            },
-        ) = (a, b);
-        let mut ends_a = [start_a.posed(), end_a.posed()];
-        let ends_b = [start_b.posed(), end_b.posed()];
+        let mut ends_a = [a.start.posed(), a.end.posed()];
+        let ends_b = [b.start.posed(), b.end.posed()];
         let before = [&ends_a[0], &ends_a[1], &ends_b[0], &ends_b[1]].map(|end| end.blended());
         let Self {
             walk,
@@ -193,20 +239,23 @@ impl MotionQuery {
         } = self;
         *stats = QueryStats::default();
         let tests_before = walk.node_tests;
-        let [from, to] = ends_a.each_mut().map(|end| middle(end.stand()));
-        let drift = to - from;
-        let mut a = Moving::new(ends_a, drift, boxes_a, false);
-        let mut b = Moving::new(ends_b, drift, boxes_b, false);
+        let (middle, drift) = drift(&mut ends_a);
+        let mut a = Moving::new(ends_a, (drift, until), boxes_a, false);
+        let mut b = Moving::new(ends_b, (drift, until), boxes_b, false);
         let placements = Placements {
             a: a.standing(),
             b: b.standing(),
         };
         if placements.begin_walk(walk) {
-            let observer = Observer::new(from, drift, a.standing().size);
+            let observer = Observer::new(middle, drift, a.standing().size);
             leaves_a.begin(observer);
             leaves_b.begin(observer);
             let _stopped_early = walk.run((&mut a, &mut b), &[], order, &mut |a, b, leaves| {
-                let (of_a, of_b) = ((a, &mut *leaves_a, bvh_a.owners()), (b, &mut *leaves_b, bvh_b.owners()));
+                if leaves.is_empty() {
+                    return ControlFlow::Continue(());
+                }
+                let of_a = (a, &mut *leaves_a, bvh_a.owners());
+                let of_b = (b, &mut *leaves_b, bvh_b.owners());
                 candidates(of_a, of_b, leaves, stats, test)
             });
             stats.node_tests = walk.node_tests - tests_before;
@@ -216,6 +265,12 @@ impl MotionQuery {
         let after = [&a.ends[0], &a.ends[1], &b.ends[0], &b.ends[1]].map(|end| end.blended());
         *stats += QueryStats::blending(before, after);
     }
+}
+
+/// The middle of the first body when the motion starts, and how far it moves. Queries take that motion off both bodies.
+fn drift(ends: &mut [Posed<'_>; 2]) -> (DVec3, DVec3) {
+    let [from, to] = ends.each_mut().map(|end| middle(end.stand()));
+    (from, to - from)
 }
 
 fn touches(candidate: &Candidate, stats: &mut QueryStats) -> bool {

@@ -16,11 +16,11 @@ const TIME_ERROR: f32 = 8.0 * f32::EPSILON;
 /// In between, the ends of a box are interpolated. The interpolated box contains the triangle: the smallest of several numbers that
 /// change linearly is never below the line between the smallest at the start and the smallest at the end.
 #[derive(Clone, Debug, Default)]
-pub(super) struct MovingBoxes {
+pub(super) struct MovingLanes {
     at: [BoxLanes; 2],
 }
 
-impl MovingBoxes {
+impl MovingLanes {
     /// Sets a triangle's box, from its corners relative to the observer. These are rounded once.
     pub(super) fn set(&mut self, lane: usize, ends: [[DVec3; 3]; 2]) {
         let boxes = ends.map(|corners| {
@@ -46,6 +46,8 @@ impl MovingBoxes {
         let others = [other.at[0].get(lane), other.at[1].get(lane)];
         let all = |value: f32| f32x8::splat(simd, value);
         let (zero, early, late) = (all(0.0), all(1.0 - TIME_ERROR), all(1.0 + TIME_ERROR));
+        // Quotients may underflow.
+        let tiny = all(f32::MIN_POSITIVE);
         let (mut first, mut last) = (zero, all(1.0));
         let mut apart = mask32x8::splat(simd, false);
         for axis in 0..3 {
@@ -61,8 +63,8 @@ impl MovingBoxes {
                 let (at_start, at_end) = (start.simd_gt(zero), end.simd_gt(zero));
                 apart |= at_start & at_end;
                 let time = start / (start - end);
-                first = at_start.select(first.max(time * early), first);
-                last = at_end.select(last.min(time * late), last);
+                first = at_start.select(first.max(time * early - tiny), first);
+                last = at_end.select(last.min(time * late + tiny), last);
             }
         }
         apart |= first.simd_gt(last);
@@ -77,8 +79,8 @@ mod tests {
     use crate::Kernel;
     use crate::bounds::with_simd;
 
-    fn moving(ends: [[DVec3; 3]; 2]) -> MovingBoxes {
-        let mut boxes = MovingBoxes::default();
+    fn moving(ends: [[DVec3; 3]; 2]) -> MovingLanes {
+        let mut boxes = MovingLanes::default();
         for lane in 0..LANES {
             boxes.set(lane, ends);
         }

@@ -13,6 +13,7 @@
 //! - `blocks` arranges clusters side by side.
 //! - `skin_tables` stores how joints move them.
 //! - `joint_boxes` bounds the vertices that each joint moves.
+//! - `root_children` bounds the vertices that each joint moves in each child of the root.
 
 mod blocks;
 mod build;
@@ -25,6 +26,7 @@ mod layout;
 mod leaf_lanes;
 mod options;
 mod pace;
+mod root_children;
 mod sah;
 mod skin_tables;
 mod tables;
@@ -38,6 +40,7 @@ pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, gather};
 #[cfg(test)]
 pub(crate) use leaf_lanes::{in_lanes, put};
 pub use options::BuildOptions;
+pub(crate) use root_children::RootChildren;
 pub(crate) use skin_tables::{BODY_FRAME, Block, KEPT_IMAGES, SkinTables};
 pub(crate) use tables::{GroupTables, Tables};
 pub(crate) use topology::{Child, ChildKind, Leaf, Topology};

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::Arc;
 
-use glam::{Affine3A, DVec3, Vec3};
+use glam::{Affine3A, BVec3A, DVec3, Vec3, Vec3A};
 
 use crate::exact::largest;
 use crate::input_error::{InputError, check_vector};
@@ -21,7 +21,7 @@ pub struct JointMatrices {
     /// The columns of each matrix: `x`, `y`, `z` and the translation. An extra matrix of zeros comes last. It pulls vertices whose weights
     /// do not sum to 1 towards the world's origin.
     columns: Arc<[Columns]>,
-    /// The largest sum of absolute values in a row of any linear part.
+    /// A bound on the sum of absolute values in a row of any linear part.
     linear_reach: f64,
     /// The largest absolute coordinate of any translation.
     translation_reach: f64,
@@ -36,26 +36,29 @@ impl JointMatrices {
     /// # Errors
     /// [`InputError`] names the joint and its first entry that is NaN, infinite or larger than 1e34 in absolute value.
     pub fn new(world_from_mesh: &[Affine3A]) -> Result<Self, InputError> {
-        let mut columns = Vec::with_capacity(world_from_mesh.len() + 1);
-        let (mut linear_reach, mut translation_reach) = (0.0_f64, 0.0_f64);
-        for (joint, matrix) in world_from_mesh.iter().enumerate() {
-            let [x, y, z] = [0, 1, 2].map(|axis| Vec3::from(matrix.matrix3.col(axis)).as_dvec3());
-            let translation = Vec3::from(matrix.translation).as_dvec3();
-            let row_sums = x.abs() + y.abs() + z.abs();
+        let (mut row_sums, mut translations) = (Vec3A::ZERO, Vec3A::ZERO);
+        let mut are_small = BVec3A::TRUE;
+        for Affine3A { matrix3, translation } in world_from_mesh {
+            let [x, y, z] = [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis].map(Vec3A::abs);
+            let translation = translation.abs();
             // False for NaN.
-            let is_small = |v: DVec3| v.abs().cmple(DVec3::splat(Self::LARGEST)).all();
-            if !(is_small(x) && is_small(y) && is_small(z) && is_small(translation)) {
-                check(joint, [x, y, z, translation])?;
+            for size in [x, y, z, translation] {
+                are_small &= size.cmple(Vec3A::splat(Self::LARGEST as f32));
             }
-            linear_reach = linear_reach.max(row_sums.max_element());
-            translation_reach = translation_reach.max(translation.abs().max_element());
-            columns.push([x, y, z, translation].map(pad));
+            row_sums = row_sums.max((x + y) + z);
+            translations = translations.max(translation);
         }
-        columns.push(Columns::default());
+        if !are_small.all() {
+            for (joint, matrix) in world_from_mesh.iter().enumerate() {
+                check(joint, wide(matrix))?;
+            }
+        }
+        let columns = world_from_mesh.iter().map(|matrix| wide(matrix).map(pad));
         Ok(Self {
-            columns: columns.into(),
-            linear_reach,
-            translation_reach,
+            columns: columns.chain([Columns::default()]).collect(),
+            // The factor covers the roundings of two sums.
+            linear_reach: f64::from(row_sums.max_element()) * (1.0 + 2.0 * f64::from(f32::EPSILON)),
+            translation_reach: f64::from(translations.max_element()),
         })
     }
 
@@ -122,6 +125,12 @@ impl fmt::Debug for JointMatrices {
             .field("len", &self.len())
             .finish_non_exhaustive()
     }
+}
+
+/// The columns of a matrix.
+fn wide(matrix: &Affine3A) -> [DVec3; 4] {
+    let Affine3A { matrix3, translation } = matrix;
+    [matrix3.x_axis, matrix3.y_axis, matrix3.z_axis, *translation].map(|column| Vec3::from(column).as_dvec3())
 }
 
 fn vector([x, y, z, _]: [f64; 4]) -> DVec3 {

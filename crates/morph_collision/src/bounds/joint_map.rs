@@ -52,6 +52,21 @@ impl MapFrame {
         }
     }
 
+    /// The columns of a joint's linear part and its translation, as seen in this frame.
+    #[inline(always)]
+    pub(crate) fn joint<S: Simd>(&self, simd: S, [x, y, z, offset]: &Columns) -> [f64x4<S>; 4] {
+        let mut relative = [0.0; 4];
+        (f64x4::from_slice(simd, offset) - f64x4::from_slice(simd, &self.translation)).store_slice(&mut relative);
+        // Closures, as in `map`, are not inlined here.
+        let offset = self.turn(simd, &relative);
+        [self.turn(simd, x), self.turn(simd, y), self.turn(simd, z), offset]
+    }
+
+    /// The largest sum of absolute values in a row of the linear part of the map into this space.
+    pub(crate) fn norm(&self) -> f64 {
+        self.norm
+    }
+
     /// The image of a vector under the linear part.
     #[inline(always)]
     fn turn<S: Simd>(&self, simd: S, vector: &[f64; 4]) -> f64x4<S> {

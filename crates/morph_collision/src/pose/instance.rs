@@ -42,8 +42,8 @@ impl Pose {
     pub fn new(bvh: Arc<MorphBvh>) -> Self {
         let skinning = bvh.model().joint_count().zip(bvh.skin.as_ref()).map(|(joints, skin)| {
             let joints = JointMatrices::at_rest(joints);
-            let (groups, vertices) = (bvh.topology.group_count(), bvh.model().vertex_count());
-            (WorldFromModel::IDENTITY, Skinning::new(skin, joints, groups, vertices))
+            let skinning = Skinning::new(skin, joints, bvh.model().vertex_count());
+            (WorldFromModel::IDENTITY, skinning)
         });
         let mut pose = Self {
             weights: Weights::new(&vec![0.0; bvh.model().target_count()]),

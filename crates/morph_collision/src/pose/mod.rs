@@ -2,7 +2,8 @@
 //!
 //! - Every box comes from [`Posed::open`], which blends it from the tree's tables on first use (`blend`). It stays cached until the
 //!   weights change (`cache`).
-//! - The boxes of skinned meshes are kept in the spaces of joints (`skinning`, `skin_blend`).
+//! - The boxes of skinned meshes are kept in the spaces of joints (`skinning`, `skin_blend`). The root's children can be blended one by one
+//!   (`posed_children`, `outer_boxes`).
 //! - [`Pose::refit`] fits all boxes to the posed vertices at once instead.
 
 mod blend;
@@ -11,7 +12,9 @@ mod cache;
 mod displacement;
 mod instance;
 mod joint_hull;
+mod outer_boxes;
 mod posed;
+mod posed_children;
 mod posed_skin;
 mod shape;
 mod skin_blend;
@@ -41,6 +44,8 @@ mod joint_rounding_tests;
 mod placement_rounding_tests;
 #[cfg(test)]
 mod refit_tests;
+#[cfg(test)]
+mod root_children_tests;
 #[cfg(test)]
 mod rounding_tests;
 #[cfg(test)]

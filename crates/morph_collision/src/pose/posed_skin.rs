@@ -37,7 +37,7 @@ impl<'a> Posed<'a> {
         let mut boxes = BoxLanes::default();
         if group == 0 {
             boxes.set(0, &self.root_box());
-        } else {
+        } else if !self.blend_children(group, &mut boxes) {
             self.open_in_body(group, &mut boxes);
         }
         self.boxes.insert(group, boxes)
@@ -60,13 +60,15 @@ impl<'a> Posed<'a> {
     /// Approximately by how much the boxes that the body's bounds are computed from were widened for rounding.
     pub(super) fn top_widening(&self) -> f32 {
         let group = self.top_group();
-        self.skin.as_ref().map_or(0.0, |(_, skinning)| skinning.widening(group))
+        self.skin
+            .as_ref()
+            .map_or(0.0, |(tables, skinning)| skinning.widening(tables, group))
     }
 
     /// Blends a group's boxes in the space of a joint; `None` if they are not kept in such a space.
     #[inline(always)]
     pub(crate) fn open_in_bone(&mut self, group: usize) -> Option<BoneBoxes> {
-        if self.skin.is_none() || self.is_refitted || group == 0 {
+        if self.skin.is_none() || self.is_refitted || group == 0 || self.is_one_by_one(group) {
             return None;
         }
         self.open_in_frame(group).filter(|boxes| boxes.frame != BODY_FRAME)
@@ -124,7 +126,7 @@ impl<'a> Posed<'a> {
     pub(super) fn box_in_frame(&mut self, node: NodeId) -> Option<(Aabb, WorldFromModel)> {
         let (group, lane) = (node.group as usize, usize::from(node.lane));
         let slot = self.boxes.find(group)?;
-        if self.is_refitted || group == 0 {
+        if self.is_refitted || group == 0 || self.is_one_by_one(group) {
             return self
                 .skin
                 .is_some()

@@ -5,6 +5,7 @@ use glam::DVec3;
 
 use super::cache::EpochCache;
 use super::joint_hull::JointHull;
+use super::outer_boxes::OuterBoxes;
 use super::posed_skin::SkinTree;
 use super::skin_blend::blend_skinned;
 use crate::bounds::{Aabb, BoxLanes, BoxMap, Frame, JointMap, MapFrame, PlacedBounds, WorldFromModel, with_simd};
@@ -20,17 +21,22 @@ pub(super) struct Skinning {
     version: u32,
     frames: Vec<BoneFrame>,
     maps: Vec<KeptMap>,
-    /// Indexed by group, in the group's frame. They stay valid while the joints move without changing the group's maps.
+    /// Indexed by group, in the group's frame. If the root's children are blended one by one, each is stored like a group. They stay valid while the joints move without changing the group's maps.
     boxes: EpochCache<BoxLanes>,
     /// Indexed by group.
     made: Vec<Made>,
     hull: JointHull,
+    outer: OuterBoxes,
+    /// Version for which `outer` was computed.
+    outer_version: u32,
     /// World positions, indexed by welded vertex. The fourth number is padding.
     pub(super) placed: EpochCache<[f64; 4]>,
     /// A bound on the absolute coordinates of vertices before joints move them.
     reach: f64,
     /// A bound on the rounding error of world positions.
     error: f64,
+    /// The largest absolute coordinate of a joint's translation relative to the origin of the body's frame.
+    spread: f64,
     /// A bound on the absolute world coordinates of vertices relative to the origin of the body's frame.
     radius: f64,
 }
@@ -74,7 +80,8 @@ struct KeptMap {
 }
 
 impl Skinning {
-    pub(super) fn new(skin: &SkinTables, joints: JointMatrices, groups: usize, vertices: usize) -> Self {
+    pub(super) fn new(skin: &SkinTables, joints: JointMatrices, vertices: usize) -> Self {
+        let groups = skin.group_count();
         Self {
             joints,
             version: 0,
@@ -83,9 +90,12 @@ impl Skinning {
             boxes: EpochCache::new(groups),
             made: vec![Made::default(); groups],
             hull: JointHull::default(),
+            outer: OuterBoxes::default(),
+            outer_version: 0,
             placed: EpochCache::new(vertices),
             reach: 0.0,
             error: 0.0,
+            spread: 0.0,
             radius: 0.0,
         }
     }
@@ -94,13 +104,14 @@ impl Skinning {
     pub(super) fn change(&mut self, tree: SkinTree<'_>, weights_changed: bool) -> WorldFromModel {
         if self.version == u32::MAX {
             let joints = self.joints.clone();
-            *self = Self::new(tree.skin, joints, self.made.len(), tree.model.vertex_count());
+            *self = Self::new(tree.skin, joints, tree.model.vertex_count());
         }
         self.version += 1;
         self.placed.next_epoch();
         if weights_changed {
             self.boxes.next_epoch();
             self.hull.forget();
+            self.outer.forget();
         }
         let of_targets =
             tree.weights.active().iter().map(|&(target, weight)| {
@@ -115,7 +126,8 @@ impl Skinning {
         let place = self.frames[BODY_FRAME].place;
         if let Some(skin) = tree.model.skin() {
             let origin = place.translation();
-            let moved = self.joints.linear_reach() * self.reach + self.joints.spread(origin);
+            self.spread = self.joints.spread(origin);
+            let moved = self.joints.linear_reach() * self.reach + self.spread;
             let missing = skin.max_missing() * origin.abs().max_element();
             self.radius = (skin.max_sum() * moved + missing + self.error) * (1.0 + 1e-9);
         }
@@ -131,8 +143,12 @@ impl Skinning {
     }
 
     /// By how much a group's boxes were widened.
-    pub(super) fn widening(&self, group: usize) -> f32 {
-        self.made[group].widening
+    pub(super) fn widening(&self, skin: &SkinTables, group: usize) -> f32 {
+        let made = match &skin.root_children {
+            Some(children) if children.group == group => &self.made[children.first..][..children.children.len()],
+            _ => &self.made[group..=group],
+        };
+        made.iter().map(|made| made.widening).fold(0.0, f32::max)
     }
 
     /// Brings a frame up to date and returns whether boxes are kept in it.
@@ -185,6 +201,26 @@ impl Skinning {
             changed = changed.max(kept.changed);
         }
         changed
+    }
+
+    /// Boxes around the root's children in the body's frame, for which none of them is blended; `None` if they are always blended together.
+    pub(super) fn outer(&mut self, tree: SkinTree<'_>) -> Option<&OuterBoxes> {
+        let children = tree.skin.root_children.as_ref()?;
+        if self.outer_version != self.version {
+            self.outer_version = self.version;
+            let frame = (&self.frames[BODY_FRAME].maps, self.spread);
+            self.outer.make(tree.level, children, tree.weights, &self.joints, frame);
+        }
+        Some(&self.outer)
+    }
+
+    /// The box of one of the root's children in the body's frame, and whether it had to be blended.
+    pub(super) fn root_child(&mut self, tree: SkinTree<'_>, first: usize, lane: usize) -> (Aabb, bool) {
+        let (slot, was_blended) = self.open(tree, first + lane);
+        let boxes = self.boxes.get(slot);
+        let bounds = with_simd!(tree.level, simd => boxes.hull_of_all(simd));
+        self.outer.replace(lane, &bounds);
+        (bounds, was_blended)
     }
 
     /// The slot of a group's boxes in its frame, and whether they had to be blended.
@@ -297,6 +333,7 @@ impl Skinning {
             + size_of_val(&*self.made)
             + self.boxes.bytes()
             + self.hull.bytes()
+            + self.outer.bytes()
             + self.placed.bytes()
     }
 }

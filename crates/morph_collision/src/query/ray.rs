@@ -169,7 +169,7 @@ impl RayQuery {
         mut at_hit: impl FnMut(u32, &Crossing, &Triangle) -> ControlFlow<(), f64>,
     ) -> ControlFlow<()> {
         let line = &ray.line;
-        let placed = body.posed().stand().placed;
+        let placed = body.posed().placed();
         let (cull, view) = (
             RayCull::new(line.origin, line.direction, &placed),
             RayView::new(line, &placed),

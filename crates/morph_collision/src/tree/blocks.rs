@@ -19,7 +19,11 @@ pub(super) fn arranged(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
             .collect()
     };
     let by_child: Vec<Vec<Lane<'_>>> = (0..most).map(of_each).collect();
-    let by_joint = grouped(children);
+    let mut all: Vec<(usize, &Cluster)> = Vec::new();
+    for (child, clusters) in children.iter().enumerate() {
+        all.extend(clusters.iter().map(|cluster| (child, cluster)));
+    }
+    let by_joint = grouped(all);
     let cost = |blocks: &[Vec<Lane<'_>>], scattering: usize| -> usize {
         let of_block = |lanes: &Vec<Lane<'_>>| {
             let mut needs = Needs::default();
@@ -35,13 +39,18 @@ pub(super) fn arranged(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
     }
 }
 
+/// Divides the clusters of one child into blocks. Their boxes are one child's, so any lane will do: it is given as the child.
+pub(super) fn spread(clusters: &[Cluster]) -> Vec<Vec<Lane<'_>>> {
+    let mut blocks = grouped(clusters.iter().map(|cluster| (0, cluster)).collect());
+    for lanes in &mut blocks {
+        lanes.iter_mut().enumerate().for_each(|(lane, of)| of.0 = lane);
+    }
+    blocks
+}
+
 /// Blocks whose clusters share joints and targets. Each block takes, one by one, the cluster that adds the least, among the next few in
 /// the order of their joints.
-fn grouped(children: &[Vec<Cluster>]) -> Vec<Vec<Lane<'_>>> {
-    let mut all: Vec<(usize, &Cluster)> = Vec::new();
-    for (child, clusters) in children.iter().enumerate() {
-        all.extend(clusters.iter().map(|cluster| (child, cluster)));
-    }
+fn grouped(mut all: Vec<(usize, &Cluster)>) -> Vec<Vec<Lane<'_>>> {
     all.sort_by_key(|(_, cluster)| cluster.key());
     let mut blocks = Vec::with_capacity(all.len().div_ceil(LANES));
     let (mut rest, mut next) = (all.into_iter(), Vec::new());

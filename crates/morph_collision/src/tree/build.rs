@@ -85,7 +85,7 @@ pub(super) async fn build_over(
         topology: Topology::new(),
         tables: Tables::default(),
         skin: match model.skin() {
-            Some(_) => Some(SkinBuilder::new(dominant_joint(&model, pace).await)),
+            Some(skin) => Some(SkinBuilder::new(dominant_joint(&model, pace).await, skin)),
             None => None,
         },
     };
@@ -103,7 +103,7 @@ pub(super) async fn build_over(
     pace.spend(if skin.is_some() { model.vertex_count() } else { 0 }).await;
     MorphBvh {
         leaf_lanes,
-        skin: skin.map(|skin| Arc::new(skin.finish(&model))),
+        skin: skin.map(|skin| Arc::new(skin.finish(&model, &topology))),
         model,
         topology: Arc::new(topology),
         tables: Arc::new(tables),

@@ -14,6 +14,7 @@
 //! - `blocks` arranges clusters side by side.
 //! - `skin_tables` stores how joints move them.
 //! - `joint_boxes` bounds the vertices that each joint moves.
+//! - `root_children` bounds the vertices that each joint moves in each child of the root.
 
 mod blocks;
 mod build;
@@ -27,6 +28,7 @@ mod leaf_lanes;
 mod options;
 mod owners;
 mod pace;
+mod root_children;
 mod sah;
 mod skin_tables;
 mod tables;
@@ -41,6 +43,7 @@ pub(crate) use leaf_lanes::{CornerLanes, LeafLanes, PatchColumns, gather};
 pub(crate) use leaf_lanes::{in_lanes, put};
 pub use options::BuildOptions;
 pub(crate) use owners::Owners;
+pub(crate) use root_children::RootChildren;
 pub(crate) use skin_tables::{BODY_FRAME, Block, KEPT_IMAGES, SkinTables};
 pub(crate) use tables::{GroupTables, Tables};
 pub(crate) use topology::{Child, ChildKind, Leaf, Topology};

@@ -6,13 +6,15 @@
 use std::collections::{BTreeSet, HashMap};
 use std::ops::Range;
 
-use super::blocks::{Lane, Steps, arranged, steps};
+use super::blocks::{Lane, Steps, arranged, spread, steps};
 use super::clusters::{Cluster, NONE, dominant};
 use super::extents::NodeExtents;
 use super::joint_boxes::JointBoxes;
+use super::root_children::RootChildren;
 use super::tables::{GroupTables, Tables};
+use super::topology::Topology;
 use crate::bounds::{LANES, Lanes};
-use crate::model::MorphModel;
+use crate::model::{MorphModel, Skin};
 
 /// The frame of the whole body, to which the boxes of all groups can be taken: the space of the joint that moves most of the mesh.
 pub(crate) const BODY_FRAME: usize = 0;
@@ -95,12 +97,19 @@ pub(crate) struct SkinTables {
     /// Indices into `maps`, group by group.
     maps_of_groups: Vec<u32>,
     pub(crate) joints: JointBoxes,
+    /// Set if the root's children are blended one by one. Their group has no blocks then.
+    pub(crate) root_children: Option<RootChildren>,
 }
 
 impl SkinTables {
     #[inline(always)]
     pub(crate) fn frame(&self, group: usize) -> usize {
         usize::from(self.groups[group].frame)
+    }
+
+    /// The number of groups, and of the root's children if these are blended one by one.
+    pub(crate) fn group_count(&self) -> usize {
+        self.groups.len()
     }
 
     /// Whether some sums of weights in a group differ from 1, and the difference is not in its rows.
@@ -146,6 +155,7 @@ impl SkinTables {
             + size_of_val(&*self.maps)
             + size_of_val(&*self.maps_of_groups)
             + self.joints.bytes()
+            + self.root_children.as_ref().map_or(0, RootChildren::bytes)
     }
 }
 
@@ -154,11 +164,15 @@ pub(super) struct SkinBuilder {
     tables: SkinTables,
     frames: HashMap<u16, u16>,
     maps: HashMap<MapKey, u32>,
+    /// The number of the extra joint that takes every point to the world's origin.
+    origin: u16,
 }
 
 impl SkinBuilder {
-    pub(super) fn new(whole: u16) -> Self {
+    /// `whole` is the joint that moves most of the mesh.
+    pub(super) fn new(whole: u16, skin: &Skin) -> Self {
         let mut builder = Self {
+            origin: skin.joint_count() as u16,
             tables: SkinTables::default(),
             frames: HashMap::new(),
             maps: HashMap::new(),
@@ -196,9 +210,29 @@ impl SkinBuilder {
         } else {
             self.frame(dominant(children.iter().flatten()))
         };
+        let blocks = arranged(children);
+        if in_body_frame && RootChildren::are_cheap(children, blocks.len()) {
+            self.fill_one_by_one(group, children);
+        } else {
+            self.tables.groups[group] = self.header(frame, &blocks);
+        }
+    }
+
+    /// Fills the tables of the root's children as if each were a group.
+    fn fill_one_by_one(&mut self, group: usize, children: &[Vec<Cluster>]) {
+        let first = self.tables.groups.len();
+        for clusters in children {
+            let header = self.header(BODY_FRAME as u16, &spread(clusters));
+            self.tables.groups.push(header);
+        }
+        self.tables.root_children = Some(RootChildren::new(group, first, children, self.origin));
+    }
+
+    /// Adds the blocks of a group.
+    fn header(&mut self, frame: u16, blocks: &[Vec<Lane<'_>>]) -> GroupHeader {
         let first_block = self.tables.blocks.len();
-        for lanes in arranged(children) {
-            self.add(frame, &lanes);
+        for lanes in blocks {
+            self.add(frame, lanes);
         }
         let blocks = &self.tables.blocks[first_block..];
         let maps = |block: &BlockHeader| {
@@ -213,11 +247,11 @@ impl SkinBuilder {
         let used: BTreeSet<u32> = blocks.iter().flat_map(maps).collect();
         let first_map = self.tables.maps_of_groups.len();
         self.tables.maps_of_groups.extend(used);
-        self.tables.groups[group] = GroupHeader {
+        GroupHeader {
             frame,
             blocks: first_block as u32..self.tables.blocks.len() as u32,
             maps: first_map as u32..self.tables.maps_of_groups.len() as u32,
-        };
+        }
     }
 
     /// Adds a block.
@@ -268,9 +302,12 @@ impl SkinBuilder {
         self.tables.blocks.push(header);
     }
 
-    pub(super) fn finish(mut self, model: &MorphModel) -> SkinTables {
+    pub(super) fn finish(mut self, model: &MorphModel, topology: &Topology) -> SkinTables {
         self.tables.boxes.finish();
         self.tables.joints = JointBoxes::new(model);
+        if let (Some(children), Some(skin)) = (&mut self.tables.root_children, model.skin()) {
+            children.finish(model, topology, skin);
+        }
         self.tables
     }
 }

@@ -302,7 +302,11 @@ fn a_shared_translation_costs_nothing_and_a_bullet_does_not_tunnel() {
     let train = Vec3::new(1000.0, 0.0, 0.0);
     let (mut a, mut b) = (step(Vec3::ZERO, train), step(Vec3::Y * 6.0, train + Vec3::Y * 6.0));
     assert!(!query.any(a.moving(), b.moving()));
-    assert_eq!(query.stats().node_tests, 1, "only the roots are compared, and they are apart");
+    assert_eq!(
+        query.stats().node_tests,
+        1,
+        "only the roots are compared, and they are apart"
+    );
     // Through each other in one step.
     let (mut a, mut b) = (step(Vec3::ZERO, Vec3::ZERO), step(Vec3::X * -500.0, Vec3::X * 500.0));
     let first = query.first(a.moving(), b.moving(), TOLERANCE).unwrap();

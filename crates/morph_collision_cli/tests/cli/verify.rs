@@ -25,6 +25,14 @@ fn a_dolphin_is_verified_with_trees_of_several_leaf_sizes() -> TestResult {
     assert_eq!((&report["frames"], &report["seed"]), (&12.into(), &3.into()));
     assert!(report["pairs_truth"].as_u64() > Some(20), "{report}");
     assert!(report["containment_checks"].as_u64() > Some(100_000));
+    let motion = &report["motion"];
+    for count in ["missed", "spurious", "wrong_times"] {
+        assert_eq!(motion[count], 0, "{motion}");
+    }
+    assert!(
+        motion["contacts"].as_u64() > Some(0) && motion["pairs"].as_u64() > Some(0),
+        "{motion}"
+    );
     for count in ["missed", "spurious", "containment_violations"] {
         assert_eq!(report[count], 0, "{count}");
     }
@@ -118,9 +126,11 @@ fn without_a_terminal_progress_comes_in_lines() -> TestResult {
     let output = verify(&asset("dolphin_564.glb"), &flags)?;
     let stderr = String::from_utf8_lossy(&output.stderr);
     let lines: Vec<&str> = stderr.lines().collect();
-    assert_eq!(lines.len(), 3, "{stderr}");
-    for (line, frame) in lines.iter().zip(1..) {
-        let start = format!("morph-collide: progress: frame {frame} of 3 after ");
+    // Three situations, and one step of motion.
+    let expected = ["frame 1 of 3", "frame 2 of 3", "frame 3 of 3", "step 1 of 1"];
+    assert_eq!(lines.len(), expected.len(), "{stderr}");
+    for (line, what) in lines.iter().zip(expected) {
+        let start = format!("morph-collide: progress: {what} after ");
         assert!(line.starts_with(&start), "{line}");
     }
     Ok(())

@@ -276,6 +276,28 @@ instructions *SCENES: release
         done
     done
 
+# Counts the instructions of a step, in thousands, of a discrete query and of queries about the motion, over speed (needs valgrind).
+instructions-motion:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    cargo build --release -p morph_collision_testkit --bin steps
+    steps="${CARGO_TARGET_DIR:-target}/release/steps"
+    echo "place lengths discrete motion first"
+    for place in apart beside through; do
+        for speed in 0 0.01 0.1 1 10; do
+            printf '%s %s' $place $speed
+            for question in discrete motion first; do
+                output=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*counted_step*' "$steps" $place $speed $question 2>&1)
+                awk -v n="$(sed -n 's/.*Collected : //p' <<< "$output")" 'BEGIN { printf " %.1f", n / 40 / 1000 }'
+            done
+            echo
+        done
+    done
+
+# Compares the tests of moving features with exact arithmetic: COUNT random motions (a million by default) of every kind, and recorded ones.
+motions COUNT="1000000" SEED="7":
+    cargo run --release -p morph_collision_testkit --bin motions -- {{COUNT}} {{SEED}}
+
 # Fails if a scene's queries take over 5 % more instructions than recorded in instructions.txt. Skipped if the processor has no AVX2.
 instructions-check: release
     #!/usr/bin/env bash

@@ -97,7 +97,7 @@ impl BoxLanes {
             max.max(high).store_slice(&mut self.max[axis].0);
         }
         // False for NaN and for infinities, in any of the numbers.
-        let is_finite = (sum - sum).simd_eq(all(0.0)).to_bitmask() as u8;
+        let is_finite = (sum * all(0.0)).simd_eq(all(0.0)).to_bitmask() as u8;
         for lane in super::lanes_of(!is_finite) {
             self.set(lane, &Aabb::UNBOUNDED);
         }

@@ -43,23 +43,23 @@ impl MovingLanes {
     /// of the first such time of each.
     #[inline(always)]
     pub(super) fn meet<S: Simd>(&self, simd: S, other: &Self, lane: usize, enter: &mut [f32; LANES]) -> u8 {
-        let others = [other.at[0].get(lane), other.at[1].get(lane)];
-        let all = |value: f32| f32x8::splat(simd, value);
-        let (zero, early, late) = (all(0.0), all(1.0 - TIME_ERROR), all(1.0 + TIME_ERROR));
+        let (other_start, other_end) = (other.at[0].get(lane), other.at[1].get(lane));
+        let zero = f32x8::splat(simd, 0.0);
+        let early = f32x8::splat(simd, 1.0 - TIME_ERROR);
+        let late = f32x8::splat(simd, 1.0 + TIME_ERROR);
         // Quotients may underflow.
-        let tiny = all(f32::MIN_POSITIVE);
-        let (mut first, mut last) = (zero, all(1.0));
+        let tiny = f32x8::splat(simd, f32::MIN_POSITIVE);
+        let (mut first, mut last) = (zero, f32x8::splat(simd, 1.0));
         let mut apart = mask32x8::splat(simd, false);
+        let [own_start, own_end] = &self.at;
         for axis in 0..3 {
-            let own = |end: usize| {
-                let at = &self.at[end];
-                (at.min[axis].load(simd), at.max[axis].load(simd))
-            };
-            let ends = [own(0), own(1)];
-            // Twice: the gap between this box and the other one above it, and below it. Boxes overlap where no gap is positive.
-            let above = [0, 1].map(|end| all(others[end].min[axis]) - ends[end].1);
-            let below = [0, 1].map(|end| ends[end].0 - all(others[end].max[axis]));
-            for [start, end] in [above, below] {
+            // The gap between this box and the other one above it, and below it, at the start and at the end. Boxes overlap where neither
+            // gap is positive. Written without closures, which would not be inlined here.
+            let above_start = f32x8::splat(simd, other_start.min[axis]) - own_start.max[axis].load(simd);
+            let above_end = f32x8::splat(simd, other_end.min[axis]) - own_end.max[axis].load(simd);
+            let below_start = own_start.min[axis].load(simd) - f32x8::splat(simd, other_start.max[axis]);
+            let below_end = own_end.min[axis].load(simd) - f32x8::splat(simd, other_end.max[axis]);
+            for (start, end) in [(above_start, above_end), (below_start, below_end)] {
                 let (at_start, at_end) = (start.simd_gt(zero), end.simd_gt(zero));
                 apart |= at_start & at_end;
                 let time = start / (start - end);

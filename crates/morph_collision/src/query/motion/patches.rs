@@ -1,5 +1,6 @@
 //! Leaves of moving bodies: their vertices at both ends of the motion, and the pairs of features of two leaves that may touch.
 
+use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use fearless_simd::Simd;
@@ -110,8 +111,6 @@ pub(super) struct Candidate {
     pub(super) features: Features,
     pub(super) are_edges: bool,
     pub(super) points: [MovingPoint; 4],
-    /// A lower bound of the time when they touch.
-    pub(super) enter: f32,
 }
 
 /// A triangle of a leaf.
@@ -157,18 +156,18 @@ impl<'a> Triangle<'a> {
     }
 }
 
-/// Calls `test` for pairs of features of two bodies' leaves that may touch, until it breaks.
+/// Calls `test` for pairs of features of two bodies' leaves that may touch at times up to `latest`, until it breaks.
 pub(super) fn candidates(
     (a, leaves_a, owners_a): (&mut Moving<'_, '_>, &mut MovingLeaves, &Owners),
     (b, leaves_b, owners_b): (&mut Moving<'_, '_>, &mut MovingLeaves, &Owners),
     leaves: &[(Leaf, Leaf)],
-    stats: &mut QueryStats,
+    (latest, stats): (&Cell<f64>, &mut QueryStats),
     test: &mut dyn FnMut(Candidate, &mut QueryStats) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     for &(leaf_a, leaf_b) in leaves {
         let (slot_a, slot_b) = (leaves_a.read(a, leaf_a), leaves_b.read(b, leaf_b));
         let (of_a, of_b) = (leaves_a.placed.get(slot_a), leaves_b.placed.get(slot_b));
-        let at_pair = |[place_a, place_b]: [usize; 2], enter, stats: &mut QueryStats| {
+        let at_pair = |[place_a, place_b]: [usize; 2], stats: &mut QueryStats| {
             let (t, s) = (
                 Triangle::new(a, leaf_a, &of_a.points, place_a, owners_a),
                 Triangle::new(b, leaf_b, &of_b.points, place_b, owners_b),
@@ -178,26 +177,23 @@ pub(super) fn candidates(
                     vertex_a,
                     triangle_b: s.number,
                 };
-                test(vertex_and_face(features, point, &s, enter), stats)?;
+                test(vertex_and_face(features, point, &s), stats)?;
             }
             for (vertex_b, point) in s.own_corners() {
                 let features = Features::FaceVertex {
                     triangle_a: t.number,
                     vertex_b,
                 };
-                test(vertex_and_face(features, point, &t, enter), stats)?;
+                test(vertex_and_face(features, point, &t), stats)?;
             }
             for (edge_a, ends_a) in t.own_edges() {
                 for (edge_b, ends_b) in s.own_edges() {
-                    test(
-                        two_edges(Features::EdgeEdge { edge_a, edge_b }, ends_a, ends_b, enter),
-                        stats,
-                    )?;
+                    test(two_edges(Features::EdgeEdge { edge_a, edge_b }, ends_a, ends_b), stats)?;
                 }
             }
             ControlFlow::Continue(())
         };
-        with_simd!(a.ends[0].level, simd => pairs(simd, of_a, of_b, false, stats, at_pair))?;
+        with_simd!(a.ends[0].level, simd => pairs(simd, (of_a, of_b), false, (latest, stats), at_pair))?;
     }
     ControlFlow::Continue(())
 }
@@ -211,7 +207,7 @@ pub(super) fn candidates_within(
 ) -> ControlFlow<()> {
     let (slot_a, slot_b) = (placed.read(body, leaf_a), placed.read(body, leaf_b));
     let (of_a, of_b) = (placed.placed.get(slot_a), placed.placed.get(slot_b));
-    let at_pair = |[place_a, place_b]: [usize; 2], enter, stats: &mut QueryStats| {
+    let at_pair = |[place_a, place_b]: [usize; 2], stats: &mut QueryStats| {
         let t = Triangle::new(body, leaf_a, &of_a.points, place_a, owners);
         let s = Triangle::new(body, leaf_b, &of_b.points, place_b, owners);
         for (own, other) in [(&t, &s), (&s, &t)] {
@@ -221,7 +217,7 @@ pub(super) fn candidates_within(
                         vertex_a,
                         triangle_b: other.number,
                     };
-                    test(vertex_and_face(features, point, other, enter), stats)?;
+                    test(vertex_and_face(features, point, other), stats)?;
                 }
             }
         }
@@ -231,50 +227,47 @@ pub(super) fn candidates_within(
                     continue;
                 }
                 let candidate = if edge_a < edge_b {
-                    two_edges(Features::EdgeEdge { edge_a, edge_b }, ends_a, ends_b, enter)
+                    two_edges(Features::EdgeEdge { edge_a, edge_b }, ends_a, ends_b)
                 } else {
                     let features = Features::EdgeEdge {
                         edge_a: edge_b,
                         edge_b: edge_a,
                     };
-                    two_edges(features, ends_b, ends_a, enter)
+                    two_edges(features, ends_b, ends_a)
                 };
                 test(candidate, stats)?;
             }
         }
         ControlFlow::Continue(())
     };
-    with_simd!(body.ends[0].level, simd => pairs(simd, of_a, of_b, leaf_a == leaf_b, stats, at_pair))
+    with_simd!(body.ends[0].level, simd => pairs(simd, (of_a, of_b), leaf_a == leaf_b, (&Cell::new(1.0), stats), at_pair))
 }
 
-fn vertex_and_face(features: Features, point: MovingPoint, face: &Triangle<'_>, enter: f32) -> Candidate {
+fn vertex_and_face(features: Features, point: MovingPoint, face: &Triangle<'_>) -> Candidate {
     let [a, b, c] = face.points;
     Candidate {
         features,
         are_edges: false,
         points: [point, a, b, c],
-        enter,
     }
 }
 
-fn two_edges(features: Features, [a, b]: [MovingPoint; 2], [c, d]: [MovingPoint; 2], enter: f32) -> Candidate {
+fn two_edges(features: Features, [a, b]: [MovingPoint; 2], [c, d]: [MovingPoint; 2]) -> Candidate {
     Candidate {
         features,
         are_edges: true,
         points: [a, b, c, d],
-        enter,
     }
 }
 
-/// Calls `at_pair` for the places of triangles whose boxes meet. If the leaves are the same, the first place is the smaller one.
+/// Calls `at_pair` for the places of triangles whose boxes meet at times up to `latest`. If the leaves are the same, the first place is the smaller one.
 #[inline(always)]
 fn pairs<S: Simd>(
     simd: S,
-    a: &MovingLeaf,
-    b: &MovingLeaf,
+    (a, b): (&MovingLeaf, &MovingLeaf),
     is_same: bool,
-    stats: &mut QueryStats,
-    mut at_pair: impl FnMut([usize; 2], f32, &mut QueryStats) -> ControlFlow<()>,
+    (latest, stats): (&Cell<f64>, &mut QueryStats),
+    mut at_pair: impl FnMut([usize; 2], &mut QueryStats) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
     let mut enter = [0.0; LANES];
     for place_a in 0..a.triangles {
@@ -286,8 +279,10 @@ fn pairs<S: Simd>(
             mask &= others.meet(simd, eight, lane, &mut enter);
             for lane in lanes_of(mask) {
                 let place_b = index * LANES + lane;
-                if !is_same || place_a < place_b {
-                    at_pair([place_a, place_b], enter[lane % LANES], stats)?;
+                // False for NaN.
+                let is_late = f64::from(enter[lane % LANES]) > latest.get();
+                if !is_late && (!is_same || place_a < place_b) {
+                    at_pair([place_a, place_b], stats)?;
                 }
             }
         }

@@ -1,3 +1,4 @@
+use std::cell::Cell;
 use std::ops::ControlFlow;
 
 use glam::DVec3;
@@ -73,7 +74,7 @@ impl MotionQuery {
         self.run(
             a,
             b,
-            1.0,
+            &Cell::new(1.0),
             Order::Any,
             &mut |candidate, stats| match impact(&candidate, tolerance, stats) {
                 Some(contact) => visitor(contact),
@@ -95,18 +96,20 @@ impl MotionQuery {
             return early;
         }
         let mut work = self.stats;
-        let (mut first, mut until): (Option<MotionContact>, f32) = (None, 1.0);
+        let mut first: Option<MotionContact> = None;
+        let latest = Cell::new(1.0);
         loop {
-            let mut is_early = false;
+            let (until, mut is_early) = (latest.get(), false);
             self.run(
                 a.reborrow(),
                 b.reborrow(),
-                until,
+                &latest,
                 Order::Any,
                 &mut |candidate, stats| {
                     first = earlier(first, &candidate, tolerance, stats);
+                    latest.set(first.map_or(1.0, |first| first.time.latest));
                     // Start again: boxes over a shorter time are smaller.
-                    is_early = first.is_some_and(|first| first.time.latest < 0.25 * f64::from(until));
+                    is_early = latest.get() < 0.9 * until;
                     if is_early {
                         ControlFlow::Break(())
                     } else {
@@ -115,9 +118,8 @@ impl MotionQuery {
                 },
             );
             work += self.stats;
-            match first {
-                Some(contact) if is_early && contact.time.latest > 0.0 => until = up(contact.time.latest),
-                _ => break,
+            if !is_early || latest.get() == 0.0 {
+                break;
             }
         }
         self.stats = work;
@@ -131,7 +133,7 @@ impl MotionQuery {
         }
         let work = self.stats;
         let mut any = false;
-        self.run(a, b, 1.0, Order::DeepestFirst, &mut |candidate, stats| {
+        self.run(a, b, &Cell::new(1.0), Order::DeepestFirst, &mut |candidate, stats| {
             any = touches(&candidate, stats);
             if any {
                 ControlFlow::Break(())
@@ -224,12 +226,20 @@ impl MotionQuery {
         })
     }
 
-    /// Calls `test` for features that may touch up to the time `until`, until it breaks.
-    fn run(&mut self, mut a: MovingBody<'_>, mut b: MovingBody<'_>, until: f32, order: Order, test: &mut Test<'_>) {
+    /// Calls `test` for features that may touch up to the time `latest`, until it breaks. `test` may lower `latest`.
+    fn run(
+        &mut self,
+        mut a: MovingBody<'_>,
+        mut b: MovingBody<'_>,
+        latest: &Cell<f64>,
+        order: Order,
+        test: &mut Test<'_>,
+    ) {
+        let until = up(latest.get());
         let (bvh_a, bvh_b) = (a.bvh(), b.bvh());
         let mut ends_a = [a.start.posed(), a.end.posed()];
         let ends_b = [b.start.posed(), b.end.posed()];
-        let before = [&ends_a[0], &ends_a[1], &ends_b[0], &ends_b[1]].map(|end| end.blended());
+        let before = [&ends_a[0], &ends_a[1], &ends_b[0], &ends_b[1]].map(Posed::blended);
         let Self {
             walk,
             boxes: [boxes_a, boxes_b],
@@ -256,13 +266,13 @@ impl MotionQuery {
                 }
                 let of_a = (a, &mut *leaves_a, bvh_a.owners());
                 let of_b = (b, &mut *leaves_b, bvh_b.owners());
-                candidates(of_a, of_b, leaves, stats, test)
+                candidates(of_a, of_b, leaves, (latest, stats), test)
             });
             stats.node_tests = walk.node_tests - tests_before;
         } else {
             stats.node_tests = 1;
         }
-        let after = [&a.ends[0], &a.ends[1], &b.ends[0], &b.ends[1]].map(|end| end.blended());
+        let after = [&a.ends[0], &a.ends[1], &b.ends[0], &b.ends[1]].map(Posed::blended);
         *stats += QueryStats::blending(before, after);
     }
 }
@@ -315,9 +325,6 @@ fn earlier(
     let Some(first) = first else {
         return impact(candidate, tolerance, stats);
     };
-    if f64::from(candidate.enter) > first.time.latest {
-        return Some(first);
-    }
     let Some(contact) = impact(candidate, tolerance, stats) else {
         return Some(first);
     };

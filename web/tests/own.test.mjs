@@ -136,7 +136,7 @@ function rigid(name) {
   }));
 }
 
-for (const name of ["AnimatedMorphCube.gltf", "ict_face_skin.glb", "mh_body_arkit52.glb"]) {
+for (const name of ["AnimatedMorphCube.gltf", "ict_face_skin.glb", "mh_body_arkit52.glb", "Fox.glb"]) {
   const path = resolve("../shared/models", name);
   test(`${name} is shown, or refused with a reason`, { skip: exists(path) ? false : `${path} is not here` }, async () => {
     const { page, errors } = await own();

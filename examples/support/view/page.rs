@@ -34,7 +34,7 @@ pub struct State {
     pub events: u64,
     /// Time that the plugin took in this frame, in milliseconds.
     pub collision_ms: f64,
-    /// The weights of the model with the most weights.
+    /// The weights that the sliders show: those of the model with the most weights.
     pub weights: Vec<f32>,
     /// Values that the show itself reports.
     pub notes: Vec<(&'static str, String)>,

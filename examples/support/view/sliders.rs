@@ -39,10 +39,11 @@ pub(super) fn plugin(app: &mut App) {
 }
 
 /// Shows one slider per target of the model with the most targets. Until the user moves one, the sliders show the weights that
-/// the model plays.
+/// the model plays. If several models have the most targets, one with a weight that is not zero is preferred.
 fn show(
     clock: Res<Clock>,
     mut sliders: ResMut<Sliders>,
+    mut named: Local<Option<AssetId<Mesh>>>,
     models: Query<(&Mesh3d, &MeshMorphWeights)>,
     shared: Query<&MorphWeights>,
     meshes: Res<Assets<Mesh>>,
@@ -52,12 +53,14 @@ fn show(
     }
     let Some((mesh, weights)) = models
         .iter()
-        .max_by_key(|(_, weights)| weights_of(weights, &shared).len())
+        .map(|(mesh, weights)| (mesh, weights_of(weights, &shared)))
+        .max_by_key(|(_, weights)| (weights.len(), weights.iter().any(|&weight| weight != 0.0)))
     else {
         return;
     };
-    let weights = weights_of(weights, &shared);
-    if sliders.weights.len() != weights.len() {
+    // Models with equally many targets may name them differently.
+    let renamed = named.replace(mesh.id()) != Some(mesh.id());
+    if renamed || sliders.weights.len() != weights.len() {
         let names = meshes
             .get(&mesh.0)
             .and_then(Mesh::morph_target_names)
@@ -83,5 +86,38 @@ fn follow(sliders: Res<Sliders>, mut shared: Query<&mut MorphWeights>, mut own: 
         if let MeshMorphWeights::Value { weights } = &mut *weights {
             take(weights);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The sliders' weights with models of these weights, spawned in this order.
+    fn shown(models: &[Vec<f32>]) -> Vec<f32> {
+        let mut app = App::new();
+        app.add_plugins((MinimalPlugins, AssetPlugin::default()))
+            .init_asset::<Mesh>()
+            .init_resource::<Sliders>()
+            .init_resource::<Clock>()
+            .add_systems(Update, show);
+        app.world_mut().resource_mut::<Clock>().started = true;
+        for weights in models {
+            let weights = MeshMorphWeights::Value {
+                weights: weights.clone(),
+            };
+            app.world_mut().spawn((Mesh3d::default(), weights));
+        }
+        app.update();
+        let sliders = app.world().resource::<Sliders>();
+        sliders.weights.iter().map(|&(_, weight)| weight).collect()
+    }
+
+    #[test]
+    fn sliders_show_a_model_that_morphs_not_one_at_rest_with_as_many_targets() {
+        let (rest, morphed, small) = (vec![0.0; 3], vec![0.0, 0.5, 0.0], vec![1.0]);
+        assert_eq!(shown(&[rest.clone(), morphed.clone(), small.clone()]), morphed);
+        assert_eq!(shown(&[small.clone(), morphed.clone(), rest.clone()]), morphed);
+        assert_eq!(shown(&[small, rest.clone()]), rest);
     }
 }

@@ -185,7 +185,6 @@ fn a_ray_blends_only_the_children_that_it_needs_and_later_queries_blend_the_rest
     let posed = pose.posed();
     assert!(!posed.is_lazy(1) && matches!(posed.topology.group(0).child(0).kind(), ChildKind::Group(1)));
     assert_eq!(posed.first_group(), 0);
-    drop(posed);
 
     // New joints start anew.
     pose.set_joints(&turned(&mut rng, 0.05, &[1.0], Vec3::X)).unwrap();

@@ -338,9 +338,9 @@ mod tests {
         );
         assert!(counts(|contacts| contacts.truncate(contacts.len() / 2)).missed > 0);
         let late = counts(|contacts| {
-            contacts
-                .iter_mut()
-                .for_each(|contact| contact.time.earliest = contact.time.latest)
+            for contact in contacts {
+                contact.time.earliest = contact.time.latest;
+            }
         });
         assert!(late.wrong_times > 0, "{late:?}");
         let swapped = counts(|contacts| {

@@ -17,7 +17,7 @@ use crate::traverse::{Moving, MovingBoxes, Order, OverlapWalk, SelfStack, middle
 
 /// Finds contacts that happen while two bodies move, or while one body deforms. Keep the query and use it again: it reuses its memory.
 ///
-/// See the [module](self) for what moves how. Answers are exact, and touching counts, at the start and at the end of the motion, too. A
+/// See the [module](crate::motion) for what moves how. Answers are exact, and touching counts, at the start and at the end of the motion, too. A
 /// contact that lasts has the time at which it begins.
 ///
 /// Times are shares of the motion, from 0 to 1. `tolerance` is the largest difference between the two ends of a time

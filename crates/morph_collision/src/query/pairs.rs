@@ -4,6 +4,7 @@ use super::body::Body;
 use super::capped::Capped;
 use super::collapsed::Collapsed;
 use super::memory::PairMemory;
+use super::neighbourhood::Neighbourhood;
 use super::patches::{Patches, Side, intersecting_pairs};
 use super::placements::Placements;
 use super::stats::QueryStats;
@@ -54,7 +55,7 @@ impl PairQuery {
 
     /// Returns an intersecting pair, if there is one. The walk visits the nodes that overlap deepest first and ends at the first pair.
     pub fn first(&mut self, a: Body<'_>, b: Body<'_>) -> Option<TrianglePair> {
-        self.first_from(a, b, Start::Deepest).0
+        self.first_from_roots(a, b).0
     }
 
     /// Returns whether any triangles intersect.
@@ -73,26 +74,42 @@ impl PairQuery {
     pub fn first_with(&mut self, memory: &mut PairMemory, mut a: Body<'_>, mut b: Body<'_>) -> Option<TrianglePair> {
         let mut stats = QueryStats::default();
         if let Some(leaves) = memory.witness_of(&a, &b) {
-            let (first, _) = self.first_from(a.reborrow(), b.reborrow(), Start::Leaves(leaves));
+            let first = self.first_at(a.reborrow(), b.reborrow(), leaves);
             if first.is_some() {
                 return first;
             }
             stats = self.stats;
         }
-        let (first, witness) = self.first_from(a, b, Start::Deepest);
+        let (first, witness) = self.first_from_roots(a, b);
         self.stats += stats;
         memory.remember(witness);
         first
     }
 
-    fn first_from(
-        &mut self,
-        a: Body<'_>,
-        b: Body<'_>,
-        start: Start<'_>,
-    ) -> (Option<TrianglePair>, Option<(Leaf, Leaf)>) {
+    /// Tests the triangles of two leaves. This does not need the bounds of the bodies, which are expensive for skinned ones.
+    fn first_at(&mut self, mut a: Body<'_>, mut b: Body<'_>, leaves: (Leaf, Leaf)) -> Option<TrianglePair> {
+        let (a, b) = (&mut a.posed(), &mut b.posed());
+        let before = [a.blended(), b.blended()];
+        let Self { patches, stats, .. } = self;
+        *stats = QueryStats::default();
+        let size = a.place.scale() * f64::from(a.model.base_reach());
+        let neighbourhood = Neighbourhood::new(a.place.translation(), size);
+        let [patches_a, patches_b] = patches;
+        patches_a.begin(&neighbourhood, a.place);
+        patches_b.begin(&neighbourhood, b.place);
         let mut first = None;
-        let witness = self.run(a, b, start, &mut |pair| {
+        let (mut side_a, mut side_b) = (Side::new(a, patches_a), Side::new(b, patches_b));
+        let _stopped_early = intersecting_pairs(&mut side_a, &mut side_b, &[leaves], stats, &mut |pair| {
+            first = Some(pair);
+            ControlFlow::Break(())
+        });
+        *stats += QueryStats::blending(before, [a.blended(), b.blended()]);
+        first
+    }
+
+    fn first_from_roots(&mut self, a: Body<'_>, b: Body<'_>) -> (Option<TrianglePair>, Option<(Leaf, Leaf)>) {
+        let mut first = None;
+        let witness = self.run(a, b, Start::Deepest, &mut |pair| {
             first = Some(pair);
             ControlFlow::Break(())
         });
@@ -115,8 +132,8 @@ impl PairQuery {
         front
     }
 
-    /// Calls `visitor` for intersecting pairs until it breaks. Returns the leaves at which it broke, for the two starts that handle
-    /// leaf pairs one at a time: [`Start::Deepest`] and [`Start::Leaves`].
+    /// Calls `visitor` for intersecting pairs until it breaks. Returns the leaves at which it broke, if the start is
+    /// [`Start::Deepest`], which handles leaf pairs one at a time.
     pub(super) fn run(
         &mut self,
         mut a: Body<'_>,
@@ -140,7 +157,7 @@ impl PairQuery {
             a: a.stand(),
             b: b.stand(),
         };
-        let roots_overlap = is_continued || matches!(start, Start::Leaves(_)) || placements.begin_walk(walk);
+        let roots_overlap = is_continued || placements.begin_walk(walk);
         if !roots_overlap {
             stats.node_tests = 1;
         } else if matches!(start, Start::Front([], _) | Start::Deepest) && placements.are_collapsed() {
@@ -164,7 +181,6 @@ impl PairQuery {
             let _stopped_early = match start {
                 Start::Deepest => walk.run((&mut *a, &mut *b), &[], Order::DeepestFirst, &mut at_leaves),
                 Start::Front(front, _) => walk.run((&mut *a, &mut *b), front, Order::Any, &mut at_leaves),
-                Start::Leaves(leaves) => at_leaves(a, b, &[leaves]),
                 Start::Expand(least, front) => {
                     *front = walk.front(a, b, least);
                     ControlFlow::Continue(())
@@ -184,8 +200,6 @@ pub(super) enum Start<'a> {
     /// Node pairs of an earlier walk, or the roots if the list is empty. The flag says that the previous query was for the same bodies
     /// in the same state, so that its cached boxes and patches stay valid.
     Front(&'a [(NodeId, NodeId)], bool),
-    /// Two leaves, without a walk.
-    Leaves((Leaf, Leaf)),
     /// The roots, expanded into at least this many node pairs, which are stored here.
     Expand(usize, &'a mut Vec<(NodeId, NodeId)>),
 }

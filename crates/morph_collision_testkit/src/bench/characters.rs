@@ -164,10 +164,14 @@ impl Experiment {
     ///
     /// Only the heads' model is in `assets/`. The scenes of [`with_rays`](Self::with_rays) are not included.
     pub fn characters() -> impl Iterator<Item = (&'static str, &'static str)> {
-        let walkers = WALKERS.iter().filter(|walkers| walkers.rays == 0);
-        let walkers = walkers.map(|walkers| (walkers.name, walkers.title));
         let scripts = SCRIPTS.iter().filter(|script| script.rays == 0);
-        scripts.map(|script| (script.name, script.title)).chain(walkers)
+        scripts.map(|script| (script.name, script.title)).chain(Self::walkers())
+    }
+
+    /// Those of [`characters`](Self::characters) that are skinned. Their scripts have 60 steps a second.
+    pub fn walkers() -> impl Iterator<Item = (&'static str, &'static str)> {
+        let walkers = WALKERS.iter().filter(|walkers| walkers.rays == 0);
+        walkers.map(|walkers| (walkers.name, walkers.title))
     }
 
     /// The scenes with rays, by name and the beginning of their headings: a talking head, and a skinned character that walks and

@@ -49,13 +49,18 @@ pub(crate) fn leaves(_: &Experiment) -> Vec<Candidate> {
     rows
 }
 
-/// The effect of remembering data from frame to frame.
-pub(crate) fn memory(_: &Experiment) -> Vec<Candidate> {
+/// The effect of remembering data from frame to frame; for skinned meshes, beside the methods that pose and refit everything.
+pub(crate) fn memory(experiment: &Experiment) -> Vec<Candidate> {
     let witness = MethodOptions {
         witness: true,
         ..MethodOptions::default()
     };
-    vec![morph("default", MethodOptions::default()), morph("witness", witness)]
+    let mut rows = vec![morph("default", MethodOptions::default()), morph("witness", witness)];
+    if experiment.mesh.skin.is_some() {
+        let rivals = [MethodKind::BottomUp, MethodKind::Hybrid, MethodKind::ParryTriMesh];
+        rows.extend(rivals.map(|kind| rival(kind.to_string(), kind)));
+    }
+    rows
 }
 
 /// Every method; the oracle only if it finishes in reasonable time.

@@ -64,7 +64,7 @@ fn table(experiment: &Experiment, context: &Context) -> Result<String, Box<dyn E
 }
 
 /// The part of a section about a scene: from its heading to the next.
-fn kept(old: &str, title: &str) -> String {
+pub(super) fn kept(old: &str, title: &str) -> String {
     let heading = format!("\n**{title},");
     let Some(start) = old.find(&heading) else {
         return String::new();

@@ -4,6 +4,7 @@
 mod bytes;
 mod faces;
 mod kernels;
+mod memory;
 mod paper;
 mod rays;
 mod scale;
@@ -53,14 +54,7 @@ pub(crate) const SECTIONS: &[Section] = &[
     },
     Section {
         name: "memory",
-        make: |context, _| {
-            let steps = if context.quick { 60 } else { 100 };
-            let experiments: Vec<_> = [1, 2, 8]
-                .into_iter()
-                .flat_map(|rate| Experiment::consecutive(steps, rate))
-                .collect();
-            sweep(context, "memory", &experiments, sweeps::memory)
-        },
+        make: memory::memory,
     },
     Section {
         name: "methods",

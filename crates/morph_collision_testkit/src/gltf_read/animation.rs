@@ -1,6 +1,7 @@
 //! Collects the clips that animate the weights of nodes, and assigns them to those nodes' meshes.
 
 use super::GltfFile;
+use super::accessor::{TIMES, WEIGHTS};
 use super::document::{Animation, abridged};
 use super::error::{AccessorProblem, AnimationProblem, ReadError};
 use crate::mesh::WeightAnimation;
@@ -135,8 +136,8 @@ impl GltfFile {
         let interpolation = Interpolation::new(sampler.interpolation.as_deref());
         let interpolation = interpolation.ok_or(AnimationProblem::UnknownInterpolation { channel })?;
         let at = |what| move |problem: AccessorProblem| AnimationProblem::Accessor { channel, what, problem };
-        let times = self.open_scalars(sampler.input).map_err(at("key times"))?;
-        let stored = self.open_scalars(sampler.output).map_err(at("weights"))?;
+        let times = self.open_accessor(sampler.input, &TIMES).map_err(at("key times"))?;
+        let stored = self.open_accessor(sampler.output, &WEIGHTS).map_err(at("weights"))?;
 
         let (keys, found) = (times.count(), stored.count());
         let expected = keys

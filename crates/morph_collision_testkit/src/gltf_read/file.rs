@@ -5,40 +5,12 @@ use std::path::{Path, PathBuf};
 
 use super::buffers::Buffers;
 use super::container::chunks;
-use super::document::{Root, RootError};
+use super::compressed::Decoded;
+use super::document::{Root, RootError, abridged};
 use super::error::ReadError;
+use super::extensions::{self, Support};
 use super::skin::Parents;
 use crate::memory::{self, MemoryBudget};
-
-/// Prefixes of required extensions that do not change a mesh's geometry.
-const HARMLESS: [&str; 26] = [
-    "KHR_materials_",
-    "KHR_texture_",
-    "KHR_lights_",
-    "KHR_animation_pointer",
-    "KHR_mesh_quantization",
-    "KHR_node_",
-    "KHR_physics_",
-    "KHR_audio_",
-    "KHR_xmp",
-    "EXT_texture_",
-    "EXT_lights_",
-    "EXT_materials_",
-    "EXT_mesh_gpu_instancing",
-    "EXT_mesh_features",
-    "EXT_instance_features",
-    "EXT_structural_metadata",
-    "EXT_property_",
-    "MSFT_texture_",
-    "MSFT_packing_",
-    "MSFT_lod",
-    "ADOBE_materials_",
-    "AGI_",
-    "FB_",
-    "GOOGLE_",
-    "OMI_",
-    "VRMC_",
-];
 
 /// How far to trust a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +37,7 @@ pub struct GltfFile {
     pub(super) path: PathBuf,
     pub(super) root: Root,
     pub(super) buffers: Buffers,
+    pub(super) decoded: Decoded,
     pub(super) budget: MemoryBudget,
     pub(super) parents: Parents,
 }
@@ -142,22 +115,27 @@ impl GltfFile {
             (0..bytes.len(), None)
         };
         let root = Root::parse(&bytes[json], &budget).map_err(|error| match error {
-            RootError::Json(error) => not_gltf(error.to_string()),
+            RootError::Json(_) | RootError::Version(_) => not_gltf(error.to_string()),
             RootError::OverBudget(over) => ReadError::OverBudget {
                 path: path.to_owned(),
                 over,
             },
         })?;
-        let unknown = |name: &&String| !HARMLESS.iter().any(|harmless| name.starts_with(harmless));
+        let unknown = |name: &&String| extensions::support(name) == Support::Unknown;
         if let Some(extension) = root.extensions_required.iter().find(unknown) {
             return Err(ReadError::Extension {
                 path: path.to_owned(),
-                extension: extension.clone(),
+                extension: abridged(extension),
             });
         }
+        let decoded = Decoded::new(&root, &budget).map_err(|over| ReadError::OverBudget {
+            path: path.to_owned(),
+            over,
+        })?;
         Ok(Self {
             path: path.to_owned(),
             buffers: Buffers::new(&root, directory, options, bytes, chunk),
+            decoded,
             root,
             budget,
             parents: Parents::new(),
@@ -176,6 +154,12 @@ impl GltfFile {
         let mut files = vec![self.path.clone()];
         files.extend(self.buffers.files(&self.root, &self.budget));
         files
+    }
+
+    /// The extensions that the file requires and the reader ignores, because they do not change the geometry of a mesh.
+    pub fn ignored_extensions(&self) -> impl Iterator<Item = &str> {
+        let required = self.root.extensions_required.iter().map(String::as_str);
+        required.filter(|name| extensions::support(name) == Support::Ignored)
     }
 
     /// The memory that the file may still take. Count anything that you build from its meshes here.

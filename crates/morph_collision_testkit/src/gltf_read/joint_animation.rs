@@ -3,6 +3,7 @@
 use glam::Vec4;
 
 use super::GltfFile;
+use super::accessor::{FRACTIONS, POINTS, TIMES};
 use super::animation::{check_times, made_up};
 use super::document::{Animation, Channel};
 use super::error::{AccessorProblem, AnimationProblem, ReadError};
@@ -93,10 +94,10 @@ impl GltfFile {
         };
         let what = what(property);
         let at = |what| move |problem: AccessorProblem| AnimationProblem::Accessor { channel, what, problem };
-        let times = self.open_scalars(sampler.input).map_err(at("key times"))?;
+        let times = self.open_accessor(sampler.input, &TIMES).map_err(at("key times"))?;
         let stored = match property {
-            Property::Rotation => self.open_vec4(sampler.output),
-            Property::Translation | Property::Scale => self.open_vec3(sampler.output),
+            Property::Rotation => self.open_accessor(sampler.output, &FRACTIONS),
+            Property::Translation | Property::Scale => self.open_accessor(sampler.output, &POINTS),
         };
         let stored = stored.map_err(at(what))?;
         let (keys, found) = (times.count(), stored.count());

@@ -21,24 +21,29 @@
 mod accessor;
 mod animation;
 mod buffers;
+mod compressed;
 mod container;
 mod document;
+mod draco;
 mod error;
+mod extensions;
 mod file;
 mod influences;
 mod joint_animation;
 mod mesh;
+mod meshopt;
 mod primitive;
 mod skin;
 mod triangles;
 mod uri;
+mod view;
 
 use std::path::Path;
 
 pub use self::animation::Clips;
 pub use self::document::ElementError;
 pub use self::error::{
-    AccessorProblem, AnimationProblem, BufferFault, BufferProblem, MeshProblem, ReadError, Remedy, SkinProblem,
+    AccessorProblem, AnimationProblem, BufferFault, BufferProblem, CompressionFault, MeshProblem, ReadError, Remedy, SkinProblem,
 };
 pub use self::file::{GltfFile, ReadOptions};
 pub use self::joint_animation::JointClips;

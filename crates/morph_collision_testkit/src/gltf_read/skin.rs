@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use glam::{Mat4, Quat, Vec3};
 
 use super::GltfFile;
+use super::accessor::MATRICES;
 use super::document::{ElementError, Node, abridged};
 use super::error::{MeshProblem, ReadError, SkinProblem};
 use super::influences;
@@ -84,7 +85,7 @@ impl GltfFile {
         let inverse_binds = match json.inverse_bind_matrices {
             None => vec![Mat4::IDENTITY; count],
             Some(accessor) => {
-                let opened = self.open_matrices(accessor).map_err(SkinProblem::InverseBind)?;
+                let opened = self.open_accessor(accessor, &MATRICES).map_err(SkinProblem::InverseBind)?;
                 let found = opened.count();
                 if found < count {
                     return Err(SkinProblem::MatrixCount {

@@ -84,18 +84,14 @@ impl<'a> Elements<'a> {
         Some(Self { count, order, ..stored })
     }
 
-    fn iter(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
-        let Self {
-            bytes,
-            size,
-            stride,
-            count,
-            order,
-        } = *self;
-        (0..count).map(move |i| {
-            let start = order.map_or(i, |order| order[i].0 as usize) * stride;
-            &bytes[start..start + size]
-        })
+    /// The bytes of an element.
+    fn get(&self, index: usize) -> &'a [u8] {
+        let start = self.order.map_or(index, |order| order[index].0 as usize) * self.stride;
+        &self.bytes[start..start + self.size]
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &'a [u8]> {
+        (0..self.count).map(|index| self.get(index))
     }
 }
 
@@ -343,12 +339,12 @@ impl Opened<'_> {
     /// The last number; `None` if there is none.
     pub(super) fn last_scalar(&self) -> Option<f32> {
         let last = self.count.checked_sub(1)?;
+        // Replaced elements ascend, so only the last of them can be the last of all.
         let replaced = self.replaced.as_ref().and_then(|(_, at, with)| {
-            let mut replaced = at.iter().zip(with.iter());
-            replaced.find(|(at, _)| unsigned_integer(at) as usize == last)
+            let index = at.count.checked_sub(1)?;
+            (unsigned_integer(at.get(index)) as usize == last).then(|| with.get(index))
         });
-        let stored = || self.stored.as_ref().and_then(|elements| elements.iter().last());
-        let bytes = replaced.map(|(_, with)| with).or_else(stored);
+        let bytes = replaced.or_else(|| self.stored.as_ref().map(|elements| elements.get(last)));
         Some(bytes.map_or(0.0, |bytes| self.number(bytes)))
     }
 

@@ -25,7 +25,11 @@ pub(super) struct Slots<T>(Vec<OnceCell<Result<Box<T>, CompressionFault>>>);
 
 impl Decoded {
     pub(super) fn new(root: &Root, budget: &MemoryBudget) -> Result<Self, OverBudget> {
-        let required = |names: &[&str]| root.extensions_required.iter().any(|name| names.contains(&name.as_str()));
+        let required = |names: &[&str]| {
+            root.extensions_required
+                .iter()
+                .any(|name| names.contains(&name.as_str()))
+        };
         let views = root.buffer_views.len();
         Ok(Self {
             views: Slots::new(if required(&MESHOPT) { views } else { 0 }, budget)?,

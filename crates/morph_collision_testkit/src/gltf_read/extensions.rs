@@ -70,7 +70,11 @@ mod tests {
 
     #[test]
     fn what_changes_geometry_is_read_or_refused_and_the_rest_is_ignored() {
-        for extension in ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization"] {
+        for extension in [
+            "KHR_draco_mesh_compression",
+            "EXT_meshopt_compression",
+            "KHR_mesh_quantization",
+        ] {
             assert_eq!(support(extension), Support::Read, "{extension}");
         }
         for extension in [
@@ -87,7 +91,13 @@ mod tests {
         ] {
             assert_eq!(support(extension), Support::Ignored, "{extension}");
         }
-        for extension in ["VRMX", "KHR_gaussian_splatting", "KHR_mesh_primitive_restart", "EXT_mesh_polygon", ""] {
+        for extension in [
+            "VRMX",
+            "KHR_gaussian_splatting",
+            "KHR_mesh_primitive_restart",
+            "EXT_mesh_polygon",
+            "",
+        ] {
             assert_eq!(support(extension), Support::Unknown, "{extension}");
         }
     }

@@ -4,8 +4,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::buffers::Buffers;
-use super::container::chunks;
 use super::compressed::Decoded;
+use super::container::chunks;
 use super::document::{Root, RootError, abridged};
 use super::error::ReadError;
 use super::extensions::{self, Support};
@@ -66,21 +66,25 @@ impl GltfFile {
             return Err(ReadError::NotRegular { path: path.to_owned() });
         }
         let file = std::fs::File::open(path).map_err(io)?;
-        // If the length is unknown, the buffer grows while reading, up to twice the file's length.
-        let (length, growth) = if found.is_file() {
-            (found.len(), 1)
-        } else {
-            (budget.left() / 4, 2)
-        };
-        let over = |over| ReadError::OverBudget {
-            path: path.to_owned(),
-            over,
-        };
-        budget.take(length, growth, || "the file".into()).map_err(over)?;
-        let mut bytes = Vec::with_capacity(usize::try_from(if growth == 1 { length } else { 0 }).unwrap_or(0));
-        file.take(length).read_to_end(&mut bytes).map_err(io)?;
+        let length = found.is_file().then_some(found.len());
+        let bytes = read_all(file, length, path, &budget)?;
         let directory = path.parent().unwrap_or(Path::new(""));
         Self::new(bytes, path, Some(directory), options, budget)
+    }
+
+    /// Like [`GltfFile::open_within`], from a stream of unknown length, such as a pipe. Buffers must be within it. `path` is only for
+    /// messages.
+    ///
+    /// # Errors
+    /// See [`GltfFile::open`].
+    pub fn read_from(
+        source: impl Read,
+        path: &Path,
+        options: &ReadOptions,
+        budget: MemoryBudget,
+    ) -> Result<Self, ReadError> {
+        let bytes = read_all(source, None, path, &budget)?;
+        Self::new(bytes, path, None, options, budget)
     }
 
     /// Like [`GltfFile::open`], from a file's bytes. Buffers must be within them. `path` is only for messages.
@@ -167,4 +171,22 @@ impl GltfFile {
     pub fn budget(&self) -> &MemoryBudget {
         &self.budget
     }
+}
+
+/// Reads at most as many bytes as the budget allows.
+fn read_all(source: impl Read, length: Option<u64>, path: &Path, budget: &MemoryBudget) -> Result<Vec<u8>, ReadError> {
+    // If the length is unknown, the buffer grows while reading, up to twice the file's length.
+    let (length, growth) = length.map_or((budget.left() / 4, 2), |length| (length, 1));
+    let take = budget.take(length, growth, || "the file".into());
+    take.map_err(|over| ReadError::OverBudget {
+        path: path.to_owned(),
+        over,
+    })?;
+    let mut bytes = Vec::with_capacity(usize::try_from(if growth == 1 { length } else { 0 }).unwrap_or(0));
+    let read = source.take(length).read_to_end(&mut bytes);
+    read.map_err(|source| ReadError::Io {
+        path: path.to_owned(),
+        source,
+    })?;
+    Ok(bytes)
 }

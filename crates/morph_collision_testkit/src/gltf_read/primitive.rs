@@ -123,7 +123,10 @@ impl<'a> Plan<'a> {
         if triangles::is_drawn_of_triangles(mode) {
             let compressed = |fault| MeshProblem::Compressed { primitive, fault };
             let decoded = file.draco(json).map_err(compressed)?;
-            let values = decoded.map(|decoded| decoded.positions()).transpose().map_err(compressed)?;
+            let values = decoded
+                .map(|decoded| decoded.positions())
+                .transpose()
+                .map_err(compressed)?;
             let opened = file.open_vertices(positions, &POINTS, values.flatten());
             let opened = opened.map_err(at(primitive, "POSITION"))?;
             let corners = match (decoded, json.indices) {

@@ -135,6 +135,7 @@ fn clip(name: &str, property: Property, interpolation: Interpolation, values: &[
             times: (0..keys).map(|key| 0.5 * key as f32).collect(),
             values: values.to_vec(),
         }],
+        end: 0.0,
     }
 }
 
@@ -180,7 +181,7 @@ fn clips_of_weights_and_joints_with_one_name_are_one_animation() -> Result<(), B
         name: name.into(),
         times: vec![0.0, 1.0],
         weights: vec![vec![0.0], vec![1.0]],
-        tangents: Vec::new(),
+        ..WeightAnimation::default()
     };
     mesh.animations = ["talk", "both", "blink"].map(weights).to_vec();
     let joints = |name| clip(name, Property::Scale, Interpolation::Linear, &[Vec4::ONE, Vec4::X]);

@@ -95,7 +95,11 @@ impl AccessorProblem {
             Self::Element { problem, .. } | Self::View { problem, .. } => problem.remedy(),
             Self::Buffer { problem, .. } => problem.fault.remedy(),
             Self::Compressed { fault, .. } => fault.remedy(),
-            Self::Type { .. } | Self::OutOfBounds { .. } | Self::Stride { .. } | Self::SparseIndex { .. } | Self::DecodedCount { .. } => None,
+            Self::Type { .. }
+            | Self::OutOfBounds { .. }
+            | Self::Stride { .. }
+            | Self::SparseIndex { .. }
+            | Self::DecodedCount { .. } => None,
         }
     }
 }

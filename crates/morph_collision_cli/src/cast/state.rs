@@ -60,8 +60,10 @@ impl BodyState {
             clips,
             seconds: state.time.unwrap_or(0.0),
         };
-        // Weights of a clip are checked when they are set.
-        if clips.weights.is_none() {
+        // Weights of a clip are checked when they are set, and zeros are always fine.
+        let are_zero =
+            matches!(&checked.weights, Weights::Some(given) if given.is_empty()) && mesh.default_weights.is_empty();
+        if clips.weights.is_none() && !are_zero {
             limits
                 .check(&checked.weights(mesh))
                 .map_err(|error| error.to_string())?;

@@ -136,7 +136,7 @@ impl VerifyReport {
     /// The number of answers compared: pairs of triangles in every tree, boxes, and features in motion. 0 if nothing touched, because then no
     /// answer could be wrong in an interesting way.
     pub(super) fn answers(&self) -> u64 {
-        match self.total.pairs_truth + self.motion.pairs {
+        match self.total.pairs_truth + self.motion.pairs + self.differences() {
             0 => 0,
             _ => self.total.pairs_truth * self.trees.len() as u64 + self.total.containment_checks + self.motion.pairs,
         }

@@ -184,7 +184,15 @@ fn clips_of_weights_and_joints_with_one_name_are_one_animation() -> Result<(), B
         ..WeightAnimation::default()
     };
     mesh.animations = ["talk", "both", "blink"].map(weights).to_vec();
-    let joints = |name| clip(name, Property::Scale, Interpolation::Linear, &[Vec4::ONE, Vec4::X]);
+    // Clips of one animation last equally long.
+    let joints = |name| {
+        clip(
+            name,
+            Property::Scale,
+            Interpolation::Linear,
+            &[Vec4::ONE, Vec4::X, Vec4::ONE],
+        )
+    };
     // The last two have the opposite order among the weight clips, so one has to become a separate animation.
     mesh.skin.as_mut().expect("skinned").skeleton.clips = ["walk", "both", "blink", "talk"].map(joints).to_vec();
     let bytes = to_glb(&mesh, &Appearance::default())?;

@@ -210,20 +210,22 @@ fuzz SECONDS:
     # There is no unsafe code, so no sanitizer is needed, and any toolchain works without one.
     cargo fuzz build --sanitizer none
     for target in $(cargo fuzz list); do
-        mkdir -p "fuzz/corpus/$target" "fuzz/regressions/$target"
-        regressions=(fuzz/regressions/"$target"/*)
+        # The same function, with mutations that keep the structure of files.
+        corpus="${target%_structure}"
+        mkdir -p "fuzz/corpus/$corpus" "fuzz/regressions/$corpus"
+        regressions=(fuzz/regressions/"$corpus"/*)
         if [ -e "${regressions[0]}" ]; then
             cargo fuzz run --sanitizer none "$target" "${regressions[@]}"
         fi
         dictionary=()
-        if [ -e "fuzz/dictionaries/$target.txt" ]; then dictionary=(-dict="fuzz/dictionaries/$target.txt"); fi
+        if [ -e "fuzz/dictionaries/$corpus.txt" ]; then dictionary=(-dict="fuzz/dictionaries/$corpus.txt"); fi
         # New inputs go to the first folder, which is not committed.
         mkdir -p "fuzz/target/corpus/$target"
         # Limits the address space of file readers, in KiB: they must refuse a file that claims gigabytes.
         limit=unlimited
-        case "$target" in gltf | scene) limit=2000000 ;; esac
-        (ulimit -v "$limit"; cargo fuzz run --sanitizer none "$target" "fuzz/target/corpus/$target" "fuzz/corpus/$target" -- \
-            -max_total_time={{SECONDS}} -max_len=4096 -print_final_stats=1 "${dictionary[@]}")
+        case "$target" in gltf* | scene) limit=2000000 ;; esac
+        (ulimit -v "$limit"; cargo fuzz run --sanitizer none "$target" "fuzz/target/corpus/$target" "fuzz/corpus/$corpus" -- \
+            -max_total_time={{SECONDS}} -max_len=4096 -timeout=10 -print_final_stats=1 "${dictionary[@]}")
     done
 
 # Feeds mutated files to the readers of models and scenes for SECONDS, within 2 GB of address space.

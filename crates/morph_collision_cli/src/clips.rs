@@ -74,13 +74,14 @@ pub(crate) fn clip_names(file: &GltfFile, mesh: &MorphMesh, placement: Option<&S
 fn complaint(text: &str, file: &GltfFile, mesh: &MorphMesh, placement: Option<&Skeleton>) -> String {
     let names = clip_names(file, mesh, placement);
     let shown = Printable(text);
+    let hint = suggestion(text, names.iter().map(String::as_str));
+    if !hint.is_empty() {
+        return format!("there is no clip \"{shown}\"{hint}");
+    }
     let start = if file.animation_names().iter().any(|name| name == text) {
         format!("the animation \"{shown}\" does not move this mesh")
     } else {
-        format!(
-            "there is no clip \"{shown}\"{}",
-            suggestion(text, names.iter().map(String::as_str))
-        )
+        format!("there is no clip \"{shown}\"")
     };
     let quoted = |name: &String| format!("\"{}\"", Printable(name));
     let list: Vec<String> = names.iter().take(MOST_NAMES).map(quoted).collect();

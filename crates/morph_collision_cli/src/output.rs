@@ -6,6 +6,7 @@ use std::fmt::{Display, Write as _};
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use morph_collision_testkit::numbers::Grouped;
 use morph_collision_testkit::printable::{Printable, is_printable};
 use serde::Serialize;
 
@@ -76,6 +77,11 @@ pub(crate) fn complain_at_length(message: impl Display) {
         "morph-collide: {}",
         printable_lines(text.trim_end())
     );
+}
+
+/// A number with its noun: `1 body`, `1,234 bodies`.
+pub(crate) fn counted(number: usize, one: &str, many: &str) -> String {
+    format!("{} {}", Grouped(number as u64), if number == 1 { one } else { many })
 }
 
 /// A field of a CSV file, in quotes if it needs them.

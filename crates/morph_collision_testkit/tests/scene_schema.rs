@@ -53,7 +53,10 @@ fn objects(schema: &Value) -> [(&'static str, &Value); 3] {
 }
 
 fn object<'a>(scene: &'a mut Value, at: &str) -> &'a mut Map<String, Value> {
-    scene.pointer_mut(at).and_then(Value::as_object_mut).expect("there is an object")
+    scene
+        .pointer_mut(at)
+        .and_then(Value::as_object_mut)
+        .expect("there is an object")
 }
 
 fn keys(object: &Value) -> Vec<String> {
@@ -68,11 +71,17 @@ fn it_has_the_same_keys_and_requires_the_same() {
     for (at, described) in objects(&schema) {
         let mut scene = full();
         assert!(reads(&scene));
-        assert_eq!(keys(&described["properties"]), keys(scene.pointer(at).expect("it is there")), "{at}");
+        assert_eq!(
+            keys(&described["properties"]),
+            keys(scene.pointer(at).expect("it is there")),
+            "{at}"
+        );
         for key in keys(&described["properties"]) {
             let mut without = full();
             object(&mut without, at).remove(&key);
-            let required = described["required"].as_array().is_some_and(|keys| keys.contains(&json!(key)));
+            let required = described["required"]
+                .as_array()
+                .is_some_and(|keys| keys.contains(&json!(key)));
             assert_eq!(reads(&without), !required, "{at}/{key}");
         }
         assert_eq!(described["additionalProperties"], false);
@@ -85,7 +94,17 @@ fn it_has_the_same_keys_and_requires_the_same() {
 fn values_have_the_types_that_it_says() {
     let schema = schema();
     // Every value is tried for every key, and is read if the schema allows its type.
-    let values = [json!("text"), json!(1), json!(-1), json!(0.5), json!([0, 0, 0]), json!([0, 0, 0, 1]), json!([]), json!({"a": 1}), json!(true)];
+    let values = [
+        json!("text"),
+        json!(1),
+        json!(-1),
+        json!(0.5),
+        json!([0, 0, 0]),
+        json!([0, 0, 0, 1]),
+        json!([]),
+        json!({"a": 1}),
+        json!(true),
+    ];
     for (at, described) in objects(&schema) {
         for key in keys(&described["properties"]) {
             // Their elements are checked as bodies and states.
@@ -116,15 +135,20 @@ fn allows(root: &Value, schema: &Value, value: &Value) -> bool {
     match schema["type"].as_str() {
         Some("string") => value.is_string(),
         Some("number") => value.is_number(),
-        Some("integer") => value.as_i64().is_some_and(|number| number >= schema["minimum"].as_i64().unwrap_or(i64::MIN)),
+        Some("integer") => value
+            .as_i64()
+            .is_some_and(|number| number >= schema["minimum"].as_i64().unwrap_or(i64::MIN)),
         Some("array") => value.as_array().is_some_and(|list| {
             let length = list.len() as u64;
-            let fits = (schema["minItems"].as_u64().unwrap_or(0)..=schema["maxItems"].as_u64().unwrap_or(u64::MAX)).contains(&length);
+            let fits = (schema["minItems"].as_u64().unwrap_or(0)..=schema["maxItems"].as_u64().unwrap_or(u64::MAX))
+                .contains(&length);
             fits && list.iter().all(|element| allows(root, &schema["items"], element))
         }),
-        Some("object") => value
-            .as_object()
-            .is_some_and(|object| object.values().all(|value| allows(root, &schema["additionalProperties"], value))),
+        Some("object") => value.as_object().is_some_and(|object| {
+            object
+                .values()
+                .all(|value| allows(root, &schema["additionalProperties"], value))
+        }),
         other => panic!("the test does not know the type {other:?}"),
     }
 }

@@ -11,6 +11,7 @@ use serde::Serialize;
 use super::{Mode, RunArgs};
 use crate::cast::Cast;
 use crate::error::CliError;
+use crate::output::counted;
 use crate::output_file::OutputFile;
 use crate::posed::Posed;
 use crate::{output, progress};
@@ -250,16 +251,24 @@ impl SurfaceReport {
     }
 
     fn write_text(&self, text: &mut String) -> std::fmt::Result {
-        writeln!(text, "{} frames, {} bodies", self.frames, self.bodies.len())?;
+        let (frames, bodies) = (self.frames, self.bodies.len());
+        writeln!(
+            text,
+            "{}, {}",
+            counted(frames, "frame", "frames"),
+            counted(bodies, "body", "bodies")
+        )?;
         for (index, name) in self.bodies.iter().enumerate() {
             writeln!(text, "  body {index}: {}", Printable(name))?;
         }
         if let Some(contacts) = &self.contacts {
-            writeln!(
-                text,
-                "{:>6} {:>7} {:>9} {:>12}  way out, first point",
-                "frame", "bodies", "pairs", "depth"
-            )?;
+            if !contacts.is_empty() {
+                writeln!(
+                    text,
+                    "{:>6} {:>7} {:>9} {:>12}  way out, first point",
+                    "frame", "bodies", "pairs", "depth"
+                )?;
+            }
             for contact in contacts {
                 let [x, y, z] = contact.normal;
                 write!(

@@ -45,7 +45,7 @@ impl Place {
                 .iter()
                 .map(turn)
                 .fold(Quat::IDENTITY, |so_far, next| next * so_far);
-            state.rotation = Some(rotation.normalize().to_array());
+            state.rotation = Some(rotation.normalize().to_array().map(seven_digits));
         }
         if let Some(scale) = self.scale {
             state.scale = Some(between(scale).to_array());
@@ -104,6 +104,12 @@ impl FromStr for Place {
         }
         Ok(place)
     }
+}
+
+/// Without the noise of a rounded sine, so that half a turn is 0, 1, 0, 0.
+fn seven_digits(value: f32) -> f32 {
+    // Adding zero turns -0 into 0.
+    ((f64::from(value) * 1e7).round() / 1e7) as f32 + 0.0
 }
 
 /// `A` or `A..B`.

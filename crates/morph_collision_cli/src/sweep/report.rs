@@ -1,5 +1,6 @@
 //! The rows as JSON, as CSV and as a table.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
@@ -8,9 +9,9 @@ use morph_collision_testkit::printable::Printable;
 use serde::Serialize;
 
 use super::rows::Row;
-use crate::output::csv_field;
+use crate::output::{counted, csv_field};
 
-/// The table shows at most this many rows.
+/// If there are more rows, the table shows only the worst ones.
 const MOST_ROWS: usize = 40;
 
 /// The JSON of `sweep`.
@@ -76,48 +77,39 @@ impl SweepReport {
     }
 
     fn write_text(&self, text: &mut String) -> std::fmt::Result {
+        let (frames, bodies) = (self.frames, self.bodies.len());
         writeln!(
             text,
-            "{} frames, {} bodies",
-            Grouped(self.frames as u64),
-            self.bodies.len()
+            "{}, {}",
+            counted(frames, "frame", "frames"),
+            counted(bodies, "body", "bodies")
         )?;
         for (index, name) in self.bodies.iter().enumerate() {
             writeln!(text, "  body {index}: {}", Printable(name))?;
         }
-        if !self.rows.is_empty() {
+        if self.rows.len() > MOST_ROWS {
+            let rows = Grouped(self.rows.len() as u64);
             writeln!(
                 text,
-                "{:>6}  {:20} {:>8}  {:>8} {:>8} {:>8} {:>12}  moved by",
-                "frame", "clip", "seconds", "bodies", "pairs", "new", "depth"
+                "The worst frame of each body or pair of bodies; --csv and --json have all {rows} rows."
             )?;
-        }
-        for row in self.rows.iter().take(MOST_ROWS) {
-            let bodies = match row.body_a == row.body_b {
-                true => row.body_a.to_string(),
-                false => format!("{}, {}", row.body_a, row.body_b),
-            };
-            let moved_by = [row.targets.as_slice(), &row.joints].concat().join(", ");
-            writeln!(
-                text,
-                "{:6}  {:20} {:>8}  {bodies:>8} {:>8} {:>8} {:12.6}  {}",
-                row.frame,
-                Printable(row.clip.as_deref().unwrap_or_default()).to_string(),
-                row.seconds.map(|seconds| format!("{seconds:.3}")).unwrap_or_default(),
-                Grouped(row.pairs as u64),
-                Grouped(row.new as u64),
-                row.depth,
-                Printable(&moved_by)
-            )?;
-        }
-        if let Some(more @ 1..) = self.rows.len().checked_sub(MOST_ROWS) {
-            writeln!(
-                text,
-                "{} more rows; --csv and --json have all of them",
-                Grouped(more as u64)
-            )?;
+            write_rows(text, self.worst())?;
+        } else {
+            write_rows(text, self.rows.iter())?;
         }
         self.write_verdict(text)
+    }
+
+    /// The row with the most new pairs of each body that intersects itself, and of each pair of bodies that touch.
+    fn worst(&self) -> impl Iterator<Item = &Row> {
+        let mut worst: BTreeMap<[usize; 2], &Row> = BTreeMap::new();
+        for row in &self.rows {
+            let known = worst.entry([row.body_a, row.body_b]).or_insert(row);
+            if (row.new, row.pairs) > (known.new, known.pairs) {
+                *known = row;
+            }
+        }
+        worst.into_values()
     }
 
     fn write_verdict(&self, text: &mut String) -> std::fmt::Result {
@@ -129,6 +121,7 @@ impl SweepReport {
         let Some(worst) = self.rows.iter().rev().max_by_key(|row| (row.new, row.pairs)) else {
             return match self.frames {
                 0 => writeln!(text, "There are no frames."),
+                1 => writeln!(text, "Nothing {what}touches."),
                 frames => writeln!(
                     text,
                     "Nothing {what}touches in any of {} frames.",
@@ -155,4 +148,33 @@ impl SweepReport {
             Grouped(worst.pairs as u64)
         )
     }
+}
+
+fn write_rows<'a>(text: &mut String, rows: impl Iterator<Item = &'a Row>) -> std::fmt::Result {
+    for (index, row) in rows.enumerate() {
+        if index == 0 {
+            writeln!(
+                text,
+                "{:>6}  {:20} {:>8}  {:>8} {:>8} {:>8} {:>12}  moved by",
+                "frame", "clip", "seconds", "bodies", "pairs", "new", "depth"
+            )?;
+        }
+        let bodies = match row.body_a == row.body_b {
+            true => row.body_a.to_string(),
+            false => format!("{}, {}", row.body_a, row.body_b),
+        };
+        let moved_by = [row.targets.as_slice(), &row.joints].concat().join(", ");
+        writeln!(
+            text,
+            "{:6}  {:20} {:>8}  {bodies:>8} {:>8} {:>8} {:12.6}  {}",
+            row.frame,
+            Printable(row.clip.as_deref().unwrap_or_default()).to_string(),
+            row.seconds.map(|seconds| format!("{seconds:.3}")).unwrap_or_default(),
+            Grouped(row.pairs as u64),
+            Grouped(row.new as u64),
+            row.depth,
+            Printable(&moved_by)
+        )?;
+    }
+    Ok(())
 }

@@ -73,7 +73,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         println!(
             "{name}: {runs} mutated files of {} seeds, nothing found; the longest took {longest:?}{}",
             seeds.len(),
-            peak_memory().map(|peak| format!(", the process at most {peak}")).unwrap_or_default()
+            peak_memory()
+                .map(|peak| format!(", the process at most {peak}"))
+                .unwrap_or_default()
         );
     }
     Ok(())
@@ -90,7 +92,8 @@ fn peak_memory() -> Option<String> {
 }
 
 fn mutated(seed: &[u8], is_gltf: bool, rng: &mut impl Rng) -> Vec<u8> {
-    if is_gltf && rng.random_bool(0.5)
+    if is_gltf
+        && rng.random_bool(0.5)
         && let Some(bent) = fuzzing::bend(seed, rng.random())
     {
         return bent;

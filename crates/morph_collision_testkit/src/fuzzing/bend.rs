@@ -109,20 +109,14 @@ fn pack(json: &Value, chunk: &[u8], is_glb: bool) -> Option<Vec<u8>> {
     }
     json.resize(json.len().next_multiple_of(4), b' ');
     let length = |bytes: &[u8]| u32::try_from(bytes.len()).map(u32::to_le_bytes).ok();
-    let all = u32::try_from(28 + json.len() + chunk.len()).ok()?;
-    Some(
-        [
-            b"glTF\x02\0\0\0",
-            &all.to_le_bytes()[..],
-            &length(&json)?,
-            b"JSON",
-            &json,
-            &length(chunk)?,
-            b"BIN\0",
-            chunk,
-        ]
-        .concat(),
-    )
+    let mut glb = b"glTF\x02\0\0\0".to_vec();
+    glb.extend(u32::try_from(28 + json.len() + chunk.len()).ok()?.to_le_bytes());
+    for (kind, content) in [(b"JSON", json.as_slice()), (b"BIN\0", chunk)] {
+        glb.extend(length(content)?);
+        glb.extend(kind);
+        glb.extend(content);
+    }
+    Some(glb)
 }
 
 fn bend_bytes(bytes: &mut Vec<u8>, rng: &mut impl Rng) {
@@ -167,7 +161,9 @@ fn bend_value(value: &mut Value, rng: &mut impl Rng) {
 }
 
 fn bend_object(object: &mut Map<String, Value>, index: usize, rng: &mut impl Rng) {
-    let Some(key) = object.keys().nth(index).cloned() else { return };
+    let Some(key) = object.keys().nth(index).cloned() else {
+        return;
+    };
     match rng.random_range(0..4) {
         0 => {
             object.remove(&key);
@@ -209,13 +205,19 @@ fn bend_list(list: &mut Vec<Value>, index: usize, rng: &mut impl Rng) {
 /// Another value, mostly of the same type.
 fn another(value: &Value, rng: &mut impl Rng) -> Value {
     match (value, rng.random_range(0..10)) {
-        (_, 0) => [Value::Null, Value::Bool(true), Value::Array(Vec::new()), Value::Object(Map::new())]
-            [rng.random_range(0..4_usize)]
+        (_, 0) => [
+            Value::Null,
+            Value::Bool(true),
+            Value::Array(Vec::new()),
+            Value::Object(Map::new()),
+        ][rng.random_range(0..4_usize)]
         .clone(),
         (Value::Number(number), 1..=4) => {
             // Nearby indices and sizes.
             let by = rng.random_range(-4..=4_i64);
-            number.as_i64().map_or(Value::from(by), |number| Value::from(number.saturating_add(by)))
+            number
+                .as_i64()
+                .map_or(Value::from(by), |number| Value::from(number.saturating_add(by)))
         }
         (Value::Number(_), 5) => Value::from(KINDS[rng.random_range(0..KINDS.len())]),
         (Value::Number(_), _) => {
@@ -247,9 +249,9 @@ mod tests {
         let bent: Vec<Vec<u8>> = (0..300).filter_map(|seed| bend(&glb, seed)).collect();
         assert!(bent.len() > 290, "{}", bent.len());
         assert!(bent.iter().all(|bytes| *bytes != glb));
-        let parsed = bent.iter().filter_map(|bytes| {
-            GltfFile::parse(bytes, Path::new("bent.glb"), &ReadOptions::default()).ok()
-        });
+        let parsed = bent
+            .iter()
+            .filter_map(|bytes| GltfFile::parse(bytes, Path::new("bent.glb"), &ReadOptions::default()).ok());
         let parsed: Vec<GltfFile> = parsed.collect();
         assert!(parsed.len() > 150, "{}", parsed.len());
         let read = parsed.iter().filter(|file| file.mesh(0).is_ok()).count();

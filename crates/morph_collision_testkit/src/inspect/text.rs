@@ -35,10 +35,10 @@ impl Display for FileReport {
             writeln!(f, "warning: {warning}")?;
         }
         if !self.animations.is_empty() {
-            writeln!(f, "\n{}", animations(&self.animations))?;
+            write!(f, "\n{}", animations(&self.animations))?;
         }
         if self.meshes.len() > MOST_IN_FULL {
-            writeln!(f, "\n{}\n--mesh N shows mesh N in full", summary::meshes(&self.meshes))?;
+            writeln!(f, "\n{}--mesh N shows mesh N in full", summary::meshes(&self.meshes))?;
             let warnings = self
                 .meshes
                 .iter()

@@ -296,6 +296,32 @@ instructions-motion:
         done
     done
 
+# Prints the table of docs/tool.md: what every command says about every model in assets/ and ../shared/models.
+tool-table:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    cargo build -p morph_collision_cli
+    tool="${CARGO_TARGET_DIR:-target}/debug/morph-collide"
+    scratch=$(mktemp -d)
+    trap 'rm -r "$scratch"' EXIT
+    # The numbers at the start of a line that matches, without commas.
+    told() { sed -n "s/$1/\\1/p" | tr '\n' ' ' | sed 's/ $//'; }
+    echo "| model | inspect | query --self | sweep --fps 10 | export --mesh all | run | motion | verify | bench |"
+    echo "|---|--:|--:|--:|--:|--:|--:|--:|---|"
+    for model in assets/*.glb ../shared/models/*.glb ../shared/models/*.gltf ../shared/models/sequences/*.glb; do
+        test -f "$model" || continue
+        inspect=$("$tool" inspect "$model" "$model" | awk 'NR == 2 { print $3 " of " $2 ", " $4 }')
+        self=$("$tool" query "$model" --self | told '^\([0-9]*\) pairs of triangles$')
+        sweep=$("$tool" sweep "$model" --fps 10 | told '^Triangles touch in \(.*\) frames\. .*')
+        export=$("$tool" export "$model" --mesh all --output "$scratch/out.glb" | told '.* triangles, \(.*\) of them touch.*')
+        "$tool" scene "$model#all" "$model#all" --node-transforms --place 0,0,0 --place turn-y=10..90 --frames 9 --output "$scratch/scene.json"
+        run=$("$tool" run "$scratch/scene.json" | told '^triangle pairs *\([0-9]*\) over all frames$')
+        motion=$("$tool" motion "$scratch/scene.json" | told '^steps: 8, .* first contacts: \(.*\)$')
+        verify=$("$tool" verify "$model" --frames 10 | told '^All \(.*\) answers agree with brute force\.$')
+        "$tool" bench "$model" --rounds 1 --every 200 --method hybrid > "$scratch/bench" 2> /dev/null && bench=agrees || bench=differs
+        echo "| \`$(basename "$model")\` | $inspect | $self | ${sweep:-0} | $export | $run | $motion | ${verify:-none} | $bench |"
+    done
+
 # Compares the tests of moving features with exact arithmetic: COUNT random motions (a million by default) of every kind, and recorded ones.
 motions COUNT="1000000" SEED="7":
     cargo run --release -p morph_collision_testkit --bin motions -- {{COUNT}} {{SEED}}

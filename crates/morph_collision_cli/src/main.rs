@@ -23,6 +23,7 @@ mod clips;
 mod error;
 mod export;
 mod guides;
+mod help;
 mod inspect;
 mod methods;
 mod model_file;
@@ -45,7 +46,7 @@ mod verify;
 
 use std::process::ExitCode;
 
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::error::CliError;
 use crate::progress::ProgressArgs;
@@ -54,7 +55,7 @@ use crate::progress::ProgressArgs;
 ///
 /// Results go to standard output, errors and progress to stderr. The exit code is 2 after an error.
 #[derive(Debug, Parser)]
-#[command(name = "morph-collide", version, max_term_width = 120)]
+#[command(name = "morph-collide", version)]
 struct Cli {
     #[command(flatten)]
     progress: ProgressArgs,
@@ -88,7 +89,8 @@ enum Verdict {
 }
 
 fn main() -> ExitCode {
-    let cli = match Cli::try_parse() {
+    let matches = help::wrapped(Cli::command()).try_get_matches();
+    let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(error) if error.use_stderr() => {
             output::complain_at_length(error.render());

@@ -31,21 +31,21 @@ const EXAMPLES: &str = "Examples:
   morph-collide bench face.glb
   morph-collide bench face.glb --method parry-bvh --method rebuild --bodies 4";
 
-const LONG: &str = "How times are taken
+const LONG: &str = "How times are taken:
 
-  Methods take turns for N rounds. In each round they run every frame of a scene on one thread, pinned to the least busy core. A warm-up
-  round is discarded. Times are microseconds per frame: the median of the rounds. Ratios are the median of the ratios within a round.
-  All methods must find the same pairs (with mode first: the same touching bodies); otherwise the exit code is 1.
+Methods take turns for N rounds. In each round they run every frame of a scene on one thread, pinned to the least busy core. A warm-up \
+round is discarded. Times are microseconds per frame: the median of the rounds. Ratios are the median of the ratios within a round. All \
+methods must find the same pairs (with mode first: the same touching bodies); otherwise the exit code is 1.
 
-  A frame's time covers setting weights and placements, the broad phase and the queries. Its parts, `blend`, `refit` and `query`, are
-  measured in separate passes and scaled so that they add up to the total. Methods that blend and refit on demand (morph, and the lower
-  half of hybrid) run each frame twice: the second time counts as `query`, and the extra time of the first as `refit`. The second time
-  runs with warm caches, so `refit` of these methods is an upper estimate. For morph and morph-eager, `blend` is setting the weights, and
-  vertices are blended in `refit`.
+A frame's time covers setting weights and placements, the broad phase and the queries. Its parts, `blend`, `refit` and `query`, are \
+measured in separate passes and scaled so that they add up to the total. Methods that blend and refit on demand (morph, and the lower \
+half of hybrid) run each frame twice: the second time counts as `query`, and the extra time of the first as `refit`. The second time \
+runs with warm caches, so `refit` of these methods is an upper estimate. For morph and morph-eager, `blend` is setting the weights, and \
+vertices are blended in `refit`.
 
-  Skinned models play a joint animation, 60 steps a second: the first one that also animates targets, or else the first. rigid-floor is not
-  a competitor but the cost without morphing: its meshes are frozen beforehand in the shape of each frame, and only placing and queries
-  are timed, with warm caches.";
+Skinned models play a joint animation, 60 steps a second: the first one that also animates targets, or else the first. rigid-floor is \
+not a competitor but the cost without morphing: its meshes are frozen beforehand in the shape of each frame, and only placing and \
+queries are timed, with warm caches.";
 
 /// Compare the speed of this library (morph) with other methods on this machine, with its own scenes or your models.
 #[derive(Debug, Args)]

@@ -2,11 +2,11 @@
 
 use std::io::{self, Write};
 
-use glam::DVec3;
-use morph_collision::triangle_contact;
+use glam::{DAffine3, DVec3, Mat4, Vec3};
+use morph_collision::{TrianglePair, triangle_contact};
 
 use crate::blame::Blame;
-use crate::cast::Cast;
+use crate::cast::{Cast, Shape};
 use crate::output::csv_field;
 use crate::posed::Posed;
 use crate::touching::Touch;
@@ -25,7 +25,7 @@ pub(super) struct Row {
 
 /// One row per pair. All bodies are posed as in the frame.
 pub(super) fn rows(cast: &mut Cast<Vec<Posed>>, frame: usize, touches: &[Touch]) -> Vec<Row> {
-    let weights: Vec<_> = (0..cast.bodies).map(|body| cast.shape(frame, body).weights).collect();
+    let shapes: Vec<Shape> = (0..cast.bodies).map(|body| cast.shape(frame, body)).collect();
     let blames: Vec<Blame<'_>> = cast
         .mesh_of_body
         .iter()
@@ -35,19 +35,38 @@ pub(super) fn rows(cast: &mut Cast<Vec<Posed>>, frame: usize, touches: &[Touch])
     let row = |touch: &Touch| {
         let [a, b] = touch.bodies;
         let triangles = [touch.pair.triangle_a, touch.pair.triangle_b];
-        let first = posed[a].body().triangle(triangles[0])?;
-        let second = posed[b].body().triangle(triangles[1])?;
-        let contact = triangle_contact(&first, &second)?;
-        let targets = |body: usize, triangle: u32| blames[body].targets_of(triangle, &weights[body]).join("; ");
+        let [start, end] = segment(posed, &shapes[a], touch)?;
+        let targets = |body: usize, triangle: u32| blames[body].targets_of(triangle, &shapes[body].weights).join("; ");
         Some(Row {
             bodies: [names[a].clone(), names[b].clone()],
             triangles,
-            point: contact.point(),
-            length: contact.length(),
+            point: start + (end - start) * 0.5,
+            length: start.distance(end),
             targets: [targets(a, triangles[0]), targets(b, triangles[1])],
         })
     };
     touches.iter().filter_map(row).collect()
+}
+
+/// The segment in which two triangles meet, in world space. `shape` is that of the first body.
+fn segment(posed: &mut [Posed], shape: &Shape, touch: &Touch) -> Option<[DVec3; 2]> {
+    let ([a, b], TrianglePair { triangle_a, triangle_b }) = (touch.bodies, touch.pair);
+    if a != b {
+        let first = posed[a].body().triangle(triangle_a)?;
+        let second = posed[b].body().triangle(triangle_b)?;
+        return Some(triangle_contact(&first, &second)?.segment);
+    }
+    // A body intersects itself in its own space. In the world, triangles that just touch may be apart by a rounding.
+    let corners = |triangle: Option<[Vec3; 3]>| Some(triangle?.map(|corner| corner.as_dvec3()));
+    let first = corners(posed[a].pose.triangle(triangle_a))?;
+    let second = corners(posed[a].pose.triangle(triangle_b))?;
+    let segment = triangle_contact(&first, &second)?.segment;
+    // Joints have placed a skinned mesh in the world.
+    let place = match shape.joints {
+        None => DAffine3::from_mat4(Mat4::from(shape.world_from_model).as_dmat4()),
+        Some(_) => DAffine3::IDENTITY,
+    };
+    Some(segment.map(|point| place.transform_point3(point)))
 }
 
 /// Writes a header and one line per row.

@@ -156,8 +156,8 @@ pub(crate) fn number_names(bodies: &mut [SceneBody]) {
 
 /// Times that frames stand for: `frames` of them, `fps` a second.
 pub(crate) fn frame_count(seconds: f32, fps: f32) -> usize {
-    // A clip's end is its beginning, so it needs no frame. Casts saturate.
-    ((f64::from(seconds) * f64::from(fps)).ceil() as usize).max(1)
+    // A clip's end is its beginning, so it needs no frame, and neither does an end that is late only by rounding. Casts saturate.
+    ((f64::from(seconds) * f64::from(fps) - 1e-3).ceil() as usize).max(1)
 }
 
 /// A scene's frames: every body plays its clip.

@@ -69,7 +69,7 @@ fn help_shows_defaults_and_the_same_methods_for_run_and_bench() -> TestResult {
     for command in COMMANDS {
         let help = stdout_of(&morph_collide([command, "--help"])?);
         let widest = help.lines().map(|line| line.chars().count()).max();
-        assert!(widest <= Some(150), "{command}: {widest:?}");
+        assert!(widest <= Some(120), "{command}: {widest:?}");
     }
     Ok(())
 }

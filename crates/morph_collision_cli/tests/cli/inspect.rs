@@ -70,6 +70,7 @@ fn the_tables_name_targets_and_clips() -> TestResult {
         "0.000 .. 1.000",
         "welded",
         "nodes",
+        " KiB",
     ] {
         assert!(stdout.contains(part), "no {part} in\n{stdout}");
     }
@@ -233,7 +234,6 @@ fn bounds_nodes_and_reach_are_shown() -> TestResult {
         "note: it requires VRMC_vrm",
         "bounds      0 0 0 to 1 1 0 at rest",
         "node 1 \"stand\": translation 0 6 0",
-        "KiB",
     ] {
         assert!(text.contains(part), "no {part:?} in\n{text}");
     }

@@ -265,10 +265,15 @@ fn a_clip_lasts_as_long_as_its_animation() -> Result<(), ReadError> {
     );
     document.list("nodes").push(json!({}));
     let animation = &mut document.json["animations"][0];
-    animation["samplers"][1] = json!({"input": input, "output": output});
-    animation["channels"][1] = json!({"sampler": 1, "target": {"node": 1, "path": "translation"}});
-    // And one without a node is ignored.
-    animation["channels"][2] = json!({"sampler": 1, "target": {"path": "pointer", "extensions": {}}});
+    let first = animation["samplers"][0].clone();
+    animation["samplers"] = json!([first, {"input": input, "output": output}]);
+    // A channel without a node is ignored.
+    let first = animation["channels"][0].clone();
+    animation["channels"] = json!([
+        first,
+        {"sampler": 1, "target": {"node": 1, "path": "translation"}},
+        {"sampler": 1, "target": {"path": "pointer", "extensions": {}}},
+    ]);
     let (_directory, file) = document.open()?;
     let [info] = &file.animations()[..] else {
         panic!("there is one animation")

@@ -372,7 +372,11 @@ fn keys_of_every_type_and_form() -> Result<(), ReadError> {
 #[test]
 fn the_gltf_crate_reads_the_same() -> Result<(), Box<dyn std::error::Error>> {
     let mut rng = Pcg64Mcg::seed_from_u64(31);
-    for form in FORMS {
+    // It refuses accessors without a view.
+    for form in FORMS
+        .into_iter()
+        .filter(|form| !matches!(form, Form::SparseZeros(_) | Form::Unstored))
+    {
         for kind in [U8, U16, U32] {
             for mode in [4, 5, 6] {
                 let mut document = Document::new();
@@ -409,11 +413,8 @@ fn the_gltf_crate_reads_the_same() -> Result<(), Box<dyn std::error::Error>> {
                     .ok_or("no target")?;
                 let displacements: Vec<Vec3> = displacements.map(Vec3::from).collect();
                 let corners: Vec<u32> = reader.read_indices().ok_or("no indices")?.into_u32().collect();
-                // Without a view, it has nothing where zeros are meant.
-                if !matches!(form, Form::Unstored) {
-                    assert_eq!(ours.positions, their_positions, "{form:?}");
-                    assert_eq!(ours.targets[0], displacements, "{form:?}");
-                }
+                assert_eq!(ours.positions, their_positions, "{form:?}");
+                assert_eq!(ours.targets[0], displacements, "{form:?}");
                 assert_eq!(ours.triangles, specified_triangles(mode, &corners), "mode {mode}");
             }
         }

@@ -6,21 +6,25 @@ use clap_complete::Shell;
 use crate::error::CliError;
 use crate::{Cli, output};
 
+const COMPLETIONS_EXAMPLE: &str = "Example:
+  morph-collide completions bash > ~/.local/share/bash-completion/completions/morph-collide";
+
+const MAN_EXAMPLE: &str = "Example:
+  morph-collide man run | man -l -";
+
 /// Print a script that completes commands and options in a shell.
-///
-/// For bash, for example: morph-collide completions bash > ~/.local/share/bash-completion/completions/morph-collide
 #[derive(Debug, Args)]
+#[command(after_help = COMPLETIONS_EXAMPLE)]
 pub(crate) struct CompletionsArgs {
     /// The shell.
     shell: Shell,
 }
 
 /// Print the manual page of the program, or of one of its commands, in roff.
-///
-/// For example: morph-collide man run | man -l -
 #[derive(Debug, Args)]
+#[command(after_help = MAN_EXAMPLE)]
 pub(crate) struct ManArgs {
-    /// The command.
+    /// The command; without it, the page of the program.
     command: Option<String>,
 }
 

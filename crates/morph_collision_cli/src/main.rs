@@ -53,7 +53,8 @@ use crate::progress::ProgressArgs;
 
 /// Exact collision detection for glTF models with morph targets and joints.
 ///
-/// Results go to standard output, errors and progress to stderr. The exit code is 2 after an error.
+/// Results go to standard output, errors and progress to standard error. The exit code is 2 after an error, and 1 if `verify`, `stress`
+/// or `bench` finds a wrong answer, or `sweep --fail-on-touch` something that touches.
 #[derive(Debug, Parser)]
 #[command(name = "morph-collide", version)]
 struct Cli {

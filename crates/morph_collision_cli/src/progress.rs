@@ -14,7 +14,7 @@ use crate::output;
 /// The progress option of all commands.
 #[derive(Debug, Args)]
 pub(crate) struct ProgressArgs {
-    /// Seconds between progress lines on stderr when it is not a terminal; 0 writes one for every step.
+    /// Seconds between progress lines on standard error when it is not a terminal; 0 writes one for every step.
     #[arg(
         long,
         value_name = "SECONDS",

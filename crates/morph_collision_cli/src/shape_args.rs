@@ -23,7 +23,7 @@ pub(crate) struct ShapeArgs {
     /// The mesh: its index in the file, or its name.
     #[arg(long, value_name = "MESH", default_value_t)]
     pub(crate) mesh: MeshChoice,
-    /// Weights of the targets: NAME=W,NAME=W,.. or one number per target, or @FILE to read them from a file, @- from stdin.
+    /// Weights of the targets: NAME=W,NAME=W,.. or one number per target, or @FILE to read them from a file, @- from standard input.
     ///
     /// Targets that are not named keep the weight of the clip, or without a clip the file's default weight. A file has lines of
     /// NAME=W or NAME,W, or it is JSON: {"NAME": W} or [W, W]. An index can stand for a name. `inspect` lists the names.

@@ -57,7 +57,7 @@ fn segment(posed: &mut [Posed], shape: &Shape, touch: &Touch) -> Option<[DVec3; 
         return Some(triangle_contact(&first, &second)?.segment);
     }
     // A body intersects itself in its own space. In the world, triangles that just touch may be apart by a rounding.
-    let corners = |triangle: Option<[Vec3; 3]>| Some(triangle?.map(|corner| corner.as_dvec3()));
+    let corners = |triangle: Option<[Vec3; 3]>| Some(triangle?.map(Vec3::as_dvec3));
     let first = corners(posed[a].pose.triangle(triangle_a))?;
     let second = corners(posed[a].pose.triangle(triangle_b))?;
     let segment = triangle_contact(&first, &second)?.segment;

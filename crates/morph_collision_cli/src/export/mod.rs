@@ -49,7 +49,7 @@ pub(crate) struct ExportArgs {
     input: PathBuf,
     #[command(flatten)]
     shape: ShapeArgs,
-    /// The frame of a scene, counted from 0.
+    /// The frame of a scene, counted from 0; the first one by default.
     #[arg(long, value_name = "N")]
     frame: Option<usize>,
     /// The file to write; - is standard output and needs --format.

@@ -20,11 +20,16 @@ use crate::tree_options::TreeArgs;
 use report::MotionReport;
 use steps::{Ends, Stage};
 
+const EXAMPLES: &str = "Examples:
+  morph-collide motion scene.json
+  morph-collide scene body.glb sword.glb --place 0,0,0 --place x=-2..2 --frames 5 | morph-collide motion -";
+
 /// Replay a scene and report when bodies first touch between one frame and the next.
 ///
 /// Between two frames, every vertex moves in a straight line. All contacts during that motion are found, however fast the bodies move,
 /// and nothing is reported that does not touch. `run` tests only the frames themselves. docs/scene.md describes scene files.
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct MotionArgs {
     /// A scene file; - reads it from standard input.
     scene: PathBuf,

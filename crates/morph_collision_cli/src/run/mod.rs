@@ -48,7 +48,7 @@ pub(crate) struct RunArgs {
     mode: Mode,
     #[command(flatten)]
     how: MethodArgs,
-    /// Write what was found to a CSV file; - writes it to standard output, and the summary to stderr.
+    /// Write what was found to a CSV file; - writes it to standard output, and the summary to standard error.
     ///
     /// A line per pair of triangles; with the modes first and any a line per pair of bodies, with contacts a line per contact point,
     /// and with distance a line per pair of bodies with their closest points.

@@ -160,7 +160,8 @@ fn models(args: &SceneArgs) -> Result<Vec<ModelSpec>, CliError> {
     check_stdin(&models)?;
     let count = models.len();
     let too_many = |flag, given: usize| {
-        let reason = format!("it is given {given} times for {count} models");
+        let models = if count == 1 { "model" } else { "models" };
+        let reason = format!("it is given {given} times for {count} {models}");
         Err(CliError::Flag { flag, reason })
     };
     if args.clip.len() > 1 && args.clip.len() != count {

@@ -62,7 +62,7 @@ pub(crate) struct SweepArgs {
     /// Leave out pairs of triangles that also touch at rest.
     #[arg(long)]
     ignore_rest: bool,
-    /// Write all rows to a CSV file; - writes it to standard output, and the summary to stderr.
+    /// Write all rows to a CSV file; - writes it to standard output, and the summary to standard error.
     #[arg(long, value_name = "OUT.csv")]
     csv: Option<PathBuf>,
     #[command(flatten)]

@@ -48,7 +48,7 @@ impl SkinReport {
         by_influences.truncate(most + 1);
         let sums = (0..vertices).map(|vertex| weights(vertex).map(f64::from).sum::<f64>());
         // A sum that is NaN is off, too.
-        let is_off = |sum: &f64| !((sum - 1.0).abs() <= 1e-3);
+        let is_off = |sum: &f64| sum.is_nan() || (sum - 1.0).abs() > 1e-3;
         let off = sums.clone().filter(is_off).count();
         let range = sums.map(|sum| (sum, sum)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)));
         let skeleton = &skin.skeleton;

@@ -304,19 +304,22 @@ tool-table:
     tool="${CARGO_TARGET_DIR:-target}/debug/morph-collide"
     scratch=$(mktemp -d)
     trap 'rm -r "$scratch"' EXIT
-    # The numbers at the start of a line that matches, without commas.
+    # The part in brackets of the lines that match.
     told() { sed -n "s/$1/\\1/p" | tr '\n' ' ' | sed 's/ $//'; }
+    commas() { sed ':a; s/\B[0-9]\{3\}\b/,&/; ta'; }
     echo "| model | inspect | query --self | sweep --fps 10 | export --mesh all | run | motion | verify | bench |"
     echo "|---|--:|--:|--:|--:|--:|--:|--:|---|"
     for model in assets/*.glb ../shared/models/*.glb ../shared/models/*.gltf ../shared/models/sequences/*.glb; do
         test -f "$model" || continue
+        # Some models are in both folders.
+        if [ "${model#assets/}" = "$model" ] && [ -f "assets/$(basename "$model")" ]; then continue; fi
         inspect=$("$tool" inspect "$model" "$model" | awk 'NR == 2 { print $3 " of " $2 ", " $4 }')
-        self=$("$tool" query "$model" --self | told '^\([0-9]*\) pairs of triangles$')
+        self=$("$tool" query "$model" --self | told '^\([0-9]*\) pairs of triangles$' | commas)
         sweep=$("$tool" sweep "$model" --fps 10 | told '^Triangles touch in \(.*\) frames\. .*')
         export=$("$tool" export "$model" --mesh all --output "$scratch/out.glb" | told '.* triangles, \(.*\) of them touch.*')
         "$tool" scene "$model#all" "$model#all" --node-transforms --place 0,0,0 --place turn-y=10..90 --frames 9 --output "$scratch/scene.json"
-        run=$("$tool" run "$scratch/scene.json" | told '^triangle pairs *\([0-9]*\) over all frames$')
-        motion=$("$tool" motion "$scratch/scene.json" | told '^steps: 8, .* first contacts: \(.*\)$')
+        run=$("$tool" run "$scratch/scene.json" | told '^triangle pairs *\([0-9]*\) over all frames$' | commas)
+        motion=$("$tool" motion "$scratch/scene.json" | told '^steps: 8, .* first contacts: \(.*\)$' | commas)
         verify=$("$tool" verify "$model" --frames 10 | told '^All \(.*\) answers agree with brute force\.$')
         "$tool" bench "$model" --rounds 1 --every 200 --method hybrid > "$scratch/bench" 2> /dev/null && bench=agrees || bench=differs
         echo "| \`$(basename "$model")\` | $inspect | $self | ${sweep:-0} | $export | $run | $motion | ${verify:-none} | $bench |"

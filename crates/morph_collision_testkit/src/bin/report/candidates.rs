@@ -3,6 +3,9 @@
 use morph_collision_testkit::bench::{Contender, Experiment};
 use morph_collision_testkit::rivals::{MethodKind, MethodOptions, SetUpError};
 
+/// The label of our method with a remembered pair of leaves.
+pub(crate) const WITNESS: &str = "morph, remembered pair";
+
 /// One row of a future table. The others are compared with the first row.
 pub(crate) struct Candidate {
     pub(crate) label: String,
@@ -49,18 +52,20 @@ pub(crate) fn leaves(_: &Experiment) -> Vec<Candidate> {
     rows
 }
 
-/// The effect of remembering data from frame to frame; for skinned meshes, beside the methods that pose and refit everything.
-pub(crate) fn memory(experiment: &Experiment) -> Vec<Candidate> {
+/// The effect of remembering the last intersection of a pair of bodies.
+pub(crate) fn witness(_: &Experiment) -> Vec<Candidate> {
     let witness = MethodOptions {
         witness: true,
         ..MethodOptions::default()
     };
-    let mut rows = vec![morph("default", MethodOptions::default()), morph("witness", witness)];
-    if experiment.mesh.skin.is_some() {
-        let rivals = [MethodKind::BottomUp, MethodKind::Hybrid, MethodKind::ParryTriMesh];
-        rows.extend(rivals.map(|kind| rival(kind.to_string(), kind)));
-    }
-    rows
+    vec![morph("morph", MethodOptions::default()), morph(WITNESS, witness)]
+}
+
+/// The same beside the best methods that pose and refit everything.
+pub(crate) fn witness_and_rivals(experiment: &Experiment) -> Vec<Candidate> {
+    let rivals = [MethodKind::BottomUp, MethodKind::Hybrid, MethodKind::ParryTriMesh];
+    let rivals = rivals.map(|kind| rival(kind.to_string(), kind));
+    witness(experiment).into_iter().chain(rivals).collect()
 }
 
 /// Every method; the oracle only if it finishes in reasonable time.

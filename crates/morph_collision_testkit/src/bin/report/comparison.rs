@@ -29,9 +29,14 @@ pub(crate) fn rivals<'a>(scenes: impl Iterator<Item = Scene<'a>>, head: &str) ->
     for scene in scenes {
         let wanted = scene.wanted();
         let cells = RIVALS.map(|(_, methods)| ratios(wanted.iter().map(|wanted| scene.best(methods, wanted))));
-        table.row([scene.title().to_owned()].into_iter().chain(cells));
+        table.row([short_title(scene.title()).to_owned()].into_iter().chain(cells));
     }
     table.without_empty_columns()
+}
+
+/// A title without numbers of targets and joints.
+pub(crate) fn short_title(title: &str) -> &str {
+    title.split(" with ").next().unwrap_or(title)
 }
 
 /// For each scene, the ratio of every method.
@@ -116,7 +121,10 @@ pub(crate) mod tests {
         let mut rows = scene_of("a", &[("x", 1.0, 1.0), ("y", 2.0, 3.0)]);
         rows.extend(scene_of("b", &[("x", 1.0, 1.0)]));
         let table = every_method(&rows, "all / first").to_string();
-        assert!(table.ends_with("| The a | 1.0 / 1.0 | 2.0 / 3.0 |\n| The b | 1.0 / 1.0 | - |\n"), "{table}");
+        assert!(
+            table.ends_with("| The a | 1.0 / 1.0 | 2.0 / 3.0 |\n| The b | 1.0 / 1.0 | - |\n"),
+            "{table}"
+        );
     }
 
     #[test]
@@ -126,6 +134,9 @@ pub(crate) mod tests {
             row.triangle_tests = if row.method == "rigid-floor" { 30.0 } else { 60.0 };
         }
         let limits = limits(scenes(&rows));
-        assert!(limits.contains("| The heads | 0.50 / 0.25 | 0.50 / 0.50 | 2.0 / 8.0 | 0.50 / 0.50 |"), "{limits}");
+        assert!(
+            limits.contains("| The heads | 0.50 / 0.25 | 0.50 / 0.50 | 2.0 / 8.0 | 0.50 / 0.50 |"),
+            "{limits}"
+        );
     }
 }

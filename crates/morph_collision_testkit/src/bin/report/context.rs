@@ -55,7 +55,14 @@ pub(crate) fn origin(docs: &Path) -> Result<String, Box<dyn Error>> {
 fn commit(docs: &Path) -> Result<String, Box<dyn Error>> {
     let git = |args: &[&str]| output(Command::new("git").arg("-C").arg(docs).args(args));
     let head = git(&["rev-parse", "--short", "HEAD"])?;
-    let changes = git(&["status", "--porcelain", "--", ":/", ":(top,exclude)docs", ":(top,exclude)*.md"])?;
+    let changes = git(&[
+        "status",
+        "--porcelain",
+        "--",
+        ":/",
+        ":(top,exclude)docs",
+        ":(top,exclude)*.md",
+    ])?;
     Ok(if changes.is_empty() {
         head
     } else {

@@ -23,13 +23,23 @@ pub(crate) struct Count {
     pub(crate) measured: String,
 }
 
+impl Count {
+    /// Where it is from, and what it is about.
+    pub(crate) fn origin(&self) -> (&String, &String) {
+        (&self.measured, &self.row)
+    }
+}
+
 /// Stores counts that a recipe prints.
 ///
 /// # Errors
 /// A line has another form, or there is none.
 pub(crate) fn take(context: &Context, data: &str, input: impl BufRead) -> Result<(), Box<dyn Error>> {
     let lines = input.lines().collect::<Result<Vec<_>, _>>()?;
-    let counts = lines.iter().map(|line| parse(line, &context.origin)).collect::<Result<Vec<_>, _>>()?;
+    let counts = lines
+        .iter()
+        .map(|line| parse(line, &context.origin))
+        .collect::<Result<Vec<_>, _>>()?;
     if counts.is_empty() {
         return Err("there is nothing to read on standard input".into());
     }
@@ -76,8 +86,14 @@ mod tests {
     #[test]
     fn a_line_is_a_row_a_column_and_a_number() {
         let count = parse("dolphins-564         all         5.655", "today").expect("it is one");
-        assert_eq!((count.row.as_str(), count.column.as_str(), count.value), ("dolphins-564", "all", 5.655));
-        assert_eq!(parse("beside 0.1 discrete 6.1", "").expect("it is one").row, "beside 0.1");
+        assert_eq!(
+            (count.row.as_str(), count.column.as_str(), count.value),
+            ("dolphins-564", "all", 5.655)
+        );
+        assert_eq!(
+            parse("beside 0.1 discrete 6.1", "").expect("it is one").row,
+            "beside 0.1"
+        );
         for wrong in ["", "a b", "a b c", "skipped: no model here"] {
             assert!(parse(wrong, "").is_err(), "{wrong}");
         }

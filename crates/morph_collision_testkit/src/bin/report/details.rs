@@ -42,7 +42,11 @@ fn details_of(scene: Scene<'_>) -> String {
         frames = row.frames;
         table.row(cells);
     }
-    format!("\n**{}.** {frames} frames; time 1 is {}.\n\n{table}", scene.title(), times.join(", "))
+    format!(
+        "\n**{}.** {frames} frames; time 1 is {}.\n\n{table}",
+        scene.title(),
+        times.join(", ")
+    )
 }
 
 #[cfg(test)]
@@ -57,6 +61,9 @@ mod tests {
         let details = details(&rows);
         let caption = "**The heads.** 20 frames; time 1 is 10.0 us for all (12.5 found), 10.0 us for first.";
         assert!(details.contains(caption), "{details}");
-        assert!(details.contains("| hybrid | 0 | 0 | 0 | 0 | 3.00 | 0 | 0 | 0 | 0 | 0.90 |"), "{details}");
+        assert!(
+            details.contains("| hybrid | 0 | 0 | 0 | 0 | 3.00 | 0 | 0 | 0 | 0 | 0.90 |"),
+            "{details}"
+        );
     }
 }

@@ -30,7 +30,12 @@ pub(crate) struct Loss {
 
 impl Loss {
     /// `times` is its time over ours.
-    pub(crate) fn new(scene: impl Into<String>, wanted: &str, method: impl Into<String>, times: impl Into<String>) -> Self {
+    pub(crate) fn new(
+        scene: impl Into<String>,
+        wanted: &str,
+        method: impl Into<String>,
+        times: impl Into<String>,
+    ) -> Self {
         Self {
             scene: scene.into(),
             wanted: wanted.to_owned(),
@@ -47,7 +52,12 @@ pub(crate) fn losses(rows: &[Record]) -> Vec<Loss> {
         .filter(lost)
         .map(|row| {
             let size = row.size.map_or(String::new(), |size| format!(": {size}"));
-            Loss::new(format!("{}{size}", row.title), &row.wanted, &row.method, ratio(row.ratio))
+            Loss::new(
+                format!("{}{size}", row.title),
+                &row.wanted,
+                &row.method,
+                ratio(row.ratio),
+            )
         })
         .collect()
 }

@@ -1,5 +1,7 @@
 //! Pages of `docs/measurements`.
 
+use std::fmt::{Display, Formatter, Result};
+
 /// A page before it is written.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Page {
@@ -12,18 +14,16 @@ pub(crate) struct Page {
     pub(crate) command: &'static str,
     /// The data files.
     pub(crate) data: &'static [&'static str],
-    /// The origins of the rows, each once.
-    pub(crate) measured: Vec<String>,
+    /// The origins of its rows.
+    pub(crate) origins: Origins,
     pub(crate) body: String,
 }
 
 impl Page {
-    /// Adds the origins of rows.
-    pub(crate) fn measured_at<'a>(mut self, origins: impl IntoIterator<Item = &'a String>) -> Self {
-        for origin in origins {
-            if !self.measured.contains(origin) {
-                self.measured.push(origin.clone());
-            }
+    /// Adds rows: where each is from, and what it is about.
+    pub(crate) fn about<'a>(mut self, rows: impl IntoIterator<Item = (&'a String, &'a String)>) -> Self {
+        for (measured, title) in rows {
+            self.origins.add(measured, title);
         }
         self
     }
@@ -31,22 +31,56 @@ impl Page {
     /// The Markdown.
     pub(crate) fn text(&self) -> String {
         let Self {
-            title, intro, command, body, ..
+            title, intro, command, ..
         } = self;
-        let mut text = format!("<!-- Written by `just report`. Change its source instead. -->\n\n# {title}\n\n{intro}\n");
-        if self.measured.is_empty() {
+        let mut text =
+            format!("<!-- Written by `just report`. Change its source instead. -->\n\n# {title}\n\n{intro}\n");
+        if self.origins.0.is_empty() {
             return text + &format!("Run `{command}` to fill this page.\n");
         }
-        text += &origins(&self.measured);
-        let links: Vec<_> = self.data.iter().map(|name| format!("[{name}.csv](data/{name}.csv)")).collect();
-        text += &format!("\nCommand: `{command}`. Data: {}. [All measurements](../performance.md)\n", links.join(", "));
-        text + "\n" + body
+        text += &self.origins.to_string();
+        let links: Vec<_> = self
+            .data
+            .iter()
+            .map(|name| format!("[{name}.csv](data/{name}.csv)"))
+            .collect();
+        text += &format!(
+            "\nCommand: `{command}`. Data: {}. [All measurements](../performance.md)\n",
+            links.join(", ")
+        );
+        format!("{text}\n{}", self.body.trim_start())
     }
 }
 
-/// A line for each origin.
-pub(crate) fn origins(measured: &[String]) -> String {
-    measured.iter().map(|origin| format!("- Measured on {origin}.\n")).collect()
+/// Where and when rows were measured, with the titles of those rows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Origins(Vec<(String, Vec<String>)>);
+
+impl Origins {
+    pub(crate) const NONE: Self = Self(Vec::new());
+
+    pub(crate) fn add(&mut self, measured: &str, title: &str) {
+        if !self.0.iter().any(|(of, _)| of == measured) {
+            self.0.push((measured.to_owned(), Vec::new()));
+        }
+        let of_same = self.0.iter_mut().filter(|(of, _)| of == measured);
+        for (_, titles) in of_same.filter(|(_, titles)| titles.iter().all(|of| of != title)) {
+            titles.push(title.to_owned());
+        }
+    }
+}
+
+/// A line for each origin. If there are several, each says what it is about.
+impl Display for Origins {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        if let [(measured, _)] = self.0.as_slice() {
+            return writeln!(f, "Measured on {measured}.");
+        }
+        for (measured, titles) in &self.0 {
+            writeln!(f, "- Measured on {measured}. {}.", titles.join("; "))?;
+        }
+        Ok(())
+    }
 }
 
 #[cfg(test)]
@@ -62,8 +96,27 @@ mod tests {
             ..Page::default()
         };
         let text = page.text();
-        assert!(text.ends_with("# Rays\n\nWhat rays cost.\n\nRun `just report --only rays` to fill this page.\n"), "{text}");
-        let text = page.measured_at(&["a".to_owned(), "b".to_owned(), "a".to_owned()]).text();
-        assert!(text.contains("\n- Measured on a.\n- Measured on b.\n\nCommand:"), "{text}");
+        assert!(
+            text.ends_with("# Rays\n\nWhat rays cost.\n\nRun `just report --only rays` to fill this page.\n"),
+            "{text}"
+        );
+        let row = ("today".to_owned(), "a head".to_owned());
+        let text = page.clone().about([(&row.0, &row.1)]).text();
+        assert!(text.contains("\nMeasured on today.\n\nCommand:"), "{text}");
+    }
+
+    #[test]
+    fn rows_of_several_origins_are_told_apart() {
+        let mut origins = Origins::default();
+        for (measured, title) in [
+            ("Monday", "heads"),
+            ("Sunday", "horses"),
+            ("Monday", "crowd"),
+            ("Monday", "heads"),
+        ] {
+            origins.add(measured, title);
+        }
+        let expected = "- Measured on Monday. heads; crowd.\n- Measured on Sunday. horses.\n";
+        assert_eq!(origins.to_string(), expected);
     }
 }

@@ -85,7 +85,10 @@ pub(crate) fn records(
         Some(1) => vec![("1 ray".to_owned(), Wanted::All)],
         Some(rays) => vec![(format!("{rays} rays"), Wanted::All)],
     };
-    let every = experiment.steps.get(1).map_or(context.every, |step| step - experiment.steps[0]);
+    let every = experiment
+        .steps
+        .get(1)
+        .map_or(context.every, |step| step - experiment.steps[0]);
     let mut records = Vec::new();
     for (question, wanted) in questions {
         let rows = race(experiment, candidates, wanted, rounds)?;

@@ -36,6 +36,11 @@ pub(crate) struct Record {
 }
 
 impl Record {
+    /// Where it is from, and what it is about.
+    pub(crate) fn origin(&self) -> (&String, &String) {
+        (&self.measured, &self.title)
+    }
+
     /// A row of a benchmark.
     pub(crate) fn new(experiment: &Experiment, wanted: &str, row: &Row, measured: String) -> Self {
         let frames = experiment.frames.len();
@@ -65,7 +70,8 @@ pub(crate) struct Scene<'a>(&'a [Record]);
 
 /// Rows grouped by scenes, in the order of the rows.
 pub(crate) fn scenes(rows: &[Record]) -> impl Iterator<Item = Scene<'_>> + Clone {
-    rows.chunk_by(|a, b| (&a.scene, a.size) == (&b.scene, b.size)).map(Scene)
+    rows.chunk_by(|a, b| (&a.scene, a.size) == (&b.scene, b.size))
+        .map(Scene)
 }
 
 /// A scene by name.
@@ -141,9 +147,15 @@ pub(crate) mod tests {
 
     #[test]
     fn rows_are_found_by_scene_question_and_method() {
-        let mut rows = scene_of("dolphins", &[("morph", 1.0, 1.0), ("hybrid", 3.0, 2.0), ("octree", 9.0, 1.5)]);
+        let mut rows = scene_of(
+            "dolphins",
+            &[("morph", 1.0, 1.0), ("hybrid", 3.0, 2.0), ("octree", 9.0, 1.5)],
+        );
         rows.extend(scene_of("heads", &[("morph", 1.0, 1.0)]));
-        assert_eq!(scenes(&rows).map(Scene::name).collect::<Vec<_>>(), ["dolphins", "heads"]);
+        assert_eq!(
+            scenes(&rows).map(Scene::name).collect::<Vec<_>>(),
+            ["dolphins", "heads"]
+        );
         let dolphins = scene(&rows, "dolphins").expect("it is there");
         assert_eq!(dolphins.wanted(), [ALL, FIRST]);
         assert_eq!(dolphins.asked(FIRST).count(), 3);

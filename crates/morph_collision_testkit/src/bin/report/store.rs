@@ -100,7 +100,10 @@ mod tests {
             size,
             ratio,
         };
-        let rows = [row("Dolphins, 12 x 564", Some(564), 0.81), row("\"quoted\"", None, 1e-7)];
+        let rows = [
+            row("Dolphins, 12 x 564", Some(564), 0.81),
+            row("\"quoted\"", None, 1e-7),
+        ];
         store.write("times", &rows)?;
         assert_eq!(store.rows::<Row>("times")?, rows);
         store.write("times", &rows[1..])?;

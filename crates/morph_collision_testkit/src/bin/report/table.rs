@@ -2,7 +2,7 @@
 
 use std::fmt::{Display, Formatter, Result};
 
-/// A table whose first column is text, and whose other columns are numbers.
+/// A table. Columns with words are aligned to the left, those with numbers to the right.
 #[derive(Clone, Debug)]
 pub(crate) struct Table {
     head: Vec<String>,
@@ -23,7 +23,11 @@ impl Table {
 
     /// Leaves out the columns in which all cells are [`NOTHING`].
     pub(crate) fn without_empty_columns(mut self) -> Self {
-        let is_used = |column: usize| self.rows.iter().any(|row| row.get(column).is_some_and(|cell| cell != NOTHING));
+        let is_used = |column: usize| {
+            self.rows
+                .iter()
+                .any(|row| row.get(column).is_some_and(|cell| cell != NOTHING))
+        };
         let used: Vec<bool> = (0..self.head.len()).map(is_used).collect();
         for row in self.rows.iter_mut().chain([&mut self.head]) {
             let mut used = used.iter();
@@ -36,11 +40,25 @@ impl Table {
 impl Display for Table {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
         let line = |cells: &[String]| -> String {
-            let cell = |cell: &String| if cell.is_empty() { " |".to_owned() } else { format!(" {cell} |") };
+            let cell = |cell: &String| {
+                if cell.is_empty() {
+                    " |".to_owned()
+                } else {
+                    format!(" {cell} |")
+                }
+            };
             format!("|{}", cells.iter().map(cell).collect::<String>())
         };
         writeln!(f, "{}", line(&self.head))?;
-        writeln!(f, "|---|{}", "--:|".repeat(self.head.len().saturating_sub(1)))?;
+        let is_text = |column: usize| {
+            let cells = self.rows.iter().filter_map(|row| row.get(column));
+            column == 0
+                || cells
+                    .into_iter()
+                    .any(|cell| cell.starts_with(|first: char| first.is_alphabetic()))
+        };
+        let rule = |column| if is_text(column) { "---|" } else { "--:|" };
+        writeln!(f, "|{}", (0..self.head.len()).map(rule).collect::<String>())?;
         self.rows.iter().try_for_each(|row| writeln!(f, "{}", line(row)))
     }
 }
@@ -59,7 +77,10 @@ pub(crate) fn ratio(value: f64) -> String {
 
 /// Several ratios in a cell; [`NOTHING`] if there are none.
 pub(crate) fn ratios(values: impl IntoIterator<Item = Option<f64>>) -> String {
-    let cells: Vec<_> = values.into_iter().map(|value| value.map_or(NOTHING.to_owned(), ratio)).collect();
+    let cells: Vec<_> = values
+        .into_iter()
+        .map(|value| value.map_or(NOTHING.to_owned(), ratio))
+        .collect();
     if cells.iter().all(|cell| cell == NOTHING) {
         return NOTHING.to_owned();
     }
@@ -92,7 +113,10 @@ mod tests {
 
     #[test]
     fn numbers_have_two_digits_or_more() {
-        assert_eq!([0.0654, 0.996, 1.04, 9.96, 251.7].map(ratio), ["0.07", "1.0", "1.0", "10", "252"]);
+        assert_eq!(
+            [0.0654, 0.996, 1.04, 9.96, 251.7].map(ratio),
+            ["0.07", "1.0", "1.0", "10", "252"]
+        );
         assert_eq!(ratios([Some(1.0), None]), "1.0 / -");
         assert_eq!(ratios([None, None]), NOTHING);
         assert_eq!(range([3.0, 0.5, 12.0].into_iter()), "0.50 to 12");
@@ -102,11 +126,21 @@ mod tests {
     }
 
     #[test]
+    fn columns_with_words_are_aligned_to_the_left() {
+        let mut table = Table::new(["", "wanted", "time"]);
+        table.row(["1 ray", "all", "0.5"]);
+        assert_eq!(table.to_string().lines().nth(1), Some("|---|---|--:|"));
+    }
+
+    #[test]
     fn a_table_leaves_out_columns_without_numbers() {
         let mut table = Table::new(["", "a", "b"]);
         table.row(["x", "1", NOTHING]);
         table.row(["y", "2", NOTHING]);
-        assert_eq!(table.clone().without_empty_columns().to_string(), "| | a |\n|---|--:|\n| x | 1 |\n| y | 2 |\n");
+        assert_eq!(
+            table.clone().without_empty_columns().to_string(),
+            "| | a |\n|---|--:|\n| x | 1 |\n| y | 2 |\n"
+        );
         assert_eq!(table.to_string().lines().count(), 4);
     }
 }

@@ -43,7 +43,12 @@ pub(crate) struct Bytes {
 
 impl Bytes {
     /// The memory of a pose of an experiment's mesh, and of Parry's mesh of the same triangles.
-    pub(crate) fn of(experiment: &Experiment, title: &str, pose: &Pose, measured: String) -> Result<Self, Box<dyn Error>> {
+    pub(crate) fn of(
+        experiment: &Experiment,
+        title: &str,
+        pose: &Pose,
+        measured: String,
+    ) -> Result<Self, Box<dyn Error>> {
         let mesh = &experiment.mesh;
         Ok(Self {
             scene: experiment.name.clone(),
@@ -57,6 +62,11 @@ impl Bytes {
             parry: TriMesh::new(mesh.positions.clone(), mesh.triangles.clone())?.heap_memory_size(),
             measured,
         })
+    }
+
+    /// Where it is from, and what it is about.
+    pub(crate) fn origin(&self) -> (&String, &String) {
+        (&self.measured, &self.title)
     }
 
     /// Bytes of a triangle.
@@ -73,7 +83,10 @@ pub(super) fn at_rest(mesh: &MorphMesh) -> Result<Pose, Box<dyn Error>> {
 
 fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
     let old: Vec<Bytes> = context.store.rows(NAME)?;
-    let mut sources: Vec<_> = Experiment::tuning(context.every).into_iter().map(Source::from).collect();
+    let mut sources: Vec<_> = Experiment::tuning(context.every)
+        .into_iter()
+        .map(Source::from)
+        .collect();
     sources.extend(faces::sources(context.every)?);
     for (name, _) in Experiment::walkers().take(1) {
         sources.push(Source::named(name, context.every)?);
@@ -129,5 +142,5 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
         body: table.to_string(),
         ..Page::default()
     };
-    Ok(page.measured_at(rows.iter().map(|row| &row.measured)))
+    Ok(page.about(rows.iter().map(Bytes::origin)))
 }

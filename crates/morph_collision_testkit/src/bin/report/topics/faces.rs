@@ -14,7 +14,7 @@ use super::{Measure, Topic, page_of_methods};
 use crate::candidates;
 use crate::context::Context;
 use crate::losses::losses;
-use crate::page::Page;
+use crate::page::{Origins, Page};
 use crate::race::{Source, measure_topic};
 use crate::record::Record;
 
@@ -39,7 +39,7 @@ const PAGE: Page = Page {
         - Models with many targets have no patches of corners, so a refit of everything blends their vertices one by one.\n",
     command: "just report --only faces",
     data: &[NAME],
-    measured: Vec::new(),
+    origins: Origins::NONE,
     body: String::new(),
 };
 
@@ -50,7 +50,13 @@ const CAPTURED: [(&str, (&str, &str)); 2] = [
 ];
 
 fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
-    measure_topic(context, NAME, sources(context.every)?, candidates::methods, context.rounds)
+    measure_topic(
+        context,
+        NAME,
+        sources(context.every)?,
+        candidates::methods,
+        context.rounds,
+    )
 }
 
 /// The scenes of this page.

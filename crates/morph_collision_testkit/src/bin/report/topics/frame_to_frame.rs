@@ -101,5 +101,5 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
         body,
         ..Page::default()
     };
-    Ok(page.measured_at(rows.iter().map(|row| &row.measured)))
+    Ok(page.about(rows.iter().map(Record::origin)))
 }

@@ -31,12 +31,17 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
         ),
         ..Page::default()
     };
-    Ok(page.measured_at(scenes.iter().chain(&profiles).map(|count| &count.measured)))
+    Ok(page.about(scenes.iter().chain(&profiles).map(Count::origin)))
 }
 
 /// Counts over those of the first row.
 fn relative(counts: &[Count]) -> Vec<Count> {
-    let base = |column: &str| counts.iter().find(|count| count.column == column).map_or(1.0, |count| count.value);
+    let base = |column: &str| {
+        counts
+            .iter()
+            .find(|count| count.column == column)
+            .map_or(1.0, |count| count.value)
+    };
     let over = |count: &Count| Count {
         value: (1e3 * count.value / base(&count.column)).round() / 1e3,
         ..count.clone()
@@ -56,7 +61,9 @@ mod tests {
             value,
             measured: String::new(),
         };
-        let values = relative(&[count("default", 3.0), count("fat", 1.5)]).into_iter().map(|count| count.value);
+        let values = relative(&[count("default", 3.0), count("fat", 1.5)])
+            .into_iter()
+            .map(|count| count.value);
         assert_eq!(values.collect::<Vec<_>>(), [1.0, 0.5]);
     }
 }

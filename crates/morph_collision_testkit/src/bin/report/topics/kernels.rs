@@ -15,7 +15,7 @@ use crate::record::{ALL, FIRST, Record, Scene, scenes};
 use crate::store::Store;
 use crate::table::short;
 
-const NAME: &str = "kernels";
+pub(super) const NAME: &str = "kernels";
 
 pub(super) const TOPIC: Topic = Topic {
     name: NAME,
@@ -52,7 +52,9 @@ fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
 /// Seconds of all frames in each round, for each instruction set.
 fn times(experiment: &Experiment, wanted: Wanted, rounds: usize) -> Result<Vec<Vec<f64>>, Box<dyn Error>> {
     let kernels = Kernel::available().iter();
-    let mut runs = kernels.map(|&kernel| Run::with_kernel(experiment, kernel)).collect::<Result<Vec<_>, _>>()?;
+    let mut runs = kernels
+        .map(|&kernel| Run::with_kernel(experiment, kernel))
+        .collect::<Result<Vec<_>, _>>()?;
     let mut times = vec![Vec::new(); runs.len()];
     // Round 0 fills caches.
     for round in 0..=rounds {
@@ -89,5 +91,5 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
         body: format!("Times as ratios to the first instruction set:\n\n{table}"),
         ..Page::default()
     };
-    Ok(page.measured_at(rows.iter().map(|row| &row.measured)))
+    Ok(page.about(rows.iter().map(Record::origin)))
 }

@@ -37,7 +37,10 @@ const SCENES: [(&str, &str); 4] = [
         "samba",
         "`samba`: a flip-book, D. Vlasic and others, *Articulated mesh animation from multi-view silhouettes*, SIGGRAPH 2008.",
     ),
-    ("heads-cheek", "`mh_head_eyes_teeth_arkit52`: a MakeHuman head with the 52 targets of ARKit."),
+    (
+        "heads-cheek",
+        "`mh_head_eyes_teeth_arkit52`: a MakeHuman head with the 52 targets of ARKit.",
+    ),
     (
         "walkers-hands",
         "`mh_character`: a MakeHuman character with 53 joints and the 52 targets of ARKit.",
@@ -69,7 +72,10 @@ fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
             Source::Found(experiment) => {
                 eprintln!("{NAME}: {}", experiment.title);
                 let methods = candidates::methods(&experiment);
-                for candidate in methods.iter().filter(|candidate| METHODS.contains(&candidate.label.as_str())) {
+                for candidate in methods
+                    .iter()
+                    .filter(|candidate| METHODS.contains(&candidate.label.as_str()))
+                {
                     rows.push(known(&experiment, candidate, &context.origin)?);
                 }
             }
@@ -107,7 +113,9 @@ fn tightness_of(experiment: &Experiment, method: &str) -> Result<Option<Tightnes
     let mesh = &experiment.mesh;
     let mut pose = at_rest(mesh)?;
     Ok(match method {
-        "morph" => Some(in_all_frames(experiment, &mut pose, |_, pose, corners| tightness::of_pose(pose, corners))?),
+        "morph" => Some(in_all_frames(experiment, &mut pose, |_, pose, corners| {
+            tightness::of_pose(pose, corners)
+        })?),
         "paper" => {
             let nodes = PaperNodes::new(mesh)?;
             Some(in_all_frames(experiment, &mut pose, |(frame, body), _, corners| {
@@ -201,6 +209,13 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
         body,
         ..Page::default()
     };
-    let shown = times.iter().filter(|row| SCENES.iter().any(|(scene, _)| *scene == row.scene));
-    Ok(page.measured_at(rows.iter().map(|row| &row.measured).chain(shown.map(|row| &row.measured))))
+    let shown = times
+        .iter()
+        .filter(|row| SCENES.iter().any(|(scene, _)| *scene == row.scene));
+    let bounds = "tightness and memory".to_owned();
+    Ok(page.about(
+        shown
+            .map(Record::origin)
+            .chain(rows.iter().map(|row| (&row.measured, &bounds))),
+    ))
 }

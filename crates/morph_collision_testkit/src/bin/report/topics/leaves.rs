@@ -39,8 +39,12 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
             [tried.md](../tried.md) lists former build options, and why they were removed.\n",
         command: "just report --only leaves",
         data: &[NAME],
-        body: format!("Times as ratios to the default:\n\n{table}\n## Work and time\n\n{}{}", details::HOW_TO_READ, details(&rows)),
+        body: format!(
+            "Times as ratios to the default:\n\n{table}\n## Work and time\n\n{}{}",
+            details::HOW_TO_READ,
+            details(&rows)
+        ),
         ..Page::default()
     };
-    Ok(page.measured_at(rows.iter().map(|row| &row.measured)))
+    Ok(page.about(rows.iter().map(Record::origin)))
 }

@@ -8,7 +8,7 @@ use super::{Measure, Topic, page_of_methods};
 use crate::candidates;
 use crate::context::Context;
 use crate::losses::losses;
-use crate::page::Page;
+use crate::page::{Origins, Page};
 use crate::race::{Source, measure_topic};
 use crate::record::Record;
 
@@ -36,7 +36,7 @@ const PAGE: Page = Page {
           instructions. So the ratios include engineering as well as method.\n",
     command: "just report --only methods",
     data: &[NAME],
-    measured: Vec::new(),
+    origins: Origins::NONE,
     body: String::new(),
 };
 

@@ -96,9 +96,19 @@ fn page_of_methods(store: &Store, page: Page, questions: &str) -> Result<Page, B
     let rows: Vec<Record> = store.rows(page.name)?;
     let mut body = format!("{}\n{}", comparison::HOW_TO_READ, rivals(scenes(&rows), questions));
     if rows.iter().any(|row| row.method == "rigid-floor") {
-        body += &format!("\n## The lower limit, the method and the engineering\n\n{}", limits(scenes(&rows)));
+        body += &format!(
+            "\n## The lower limit, the method and the engineering\n\n{}",
+            limits(scenes(&rows))
+        );
     }
-    body += &format!("\n## Where another method is faster\n\n{}", losses_table(&losses(&rows)));
-    body += &format!("\n## Work and time of every method\n\n{}{}", details::HOW_TO_READ, details(&rows));
-    Ok(Page { body, ..page }.measured_at(rows.iter().map(|row| &row.measured)))
+    body += &format!(
+        "\n## Where another method is faster\n\n{}",
+        losses_table(&losses(&rows))
+    );
+    body += &format!(
+        "\n## Work and time of every method\n\n{}{}",
+        details::HOW_TO_READ,
+        details(&rows)
+    );
+    Ok(Page { body, ..page }.about(rows.iter().map(Record::origin)))
 }

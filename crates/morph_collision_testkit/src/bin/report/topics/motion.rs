@@ -47,7 +47,9 @@ fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
             return Ok(());
         }
     };
-    let rows = files.iter().map(|file| recorded(&file.with_extension("glb"), &context.origin));
+    let rows = files
+        .iter()
+        .map(|file| recorded(&file.with_extension("glb"), &context.origin));
     context.store.write(NAME, &rows.collect::<Result<Vec<_>, _>>()?)
 }
 
@@ -105,6 +107,6 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
         ),
         ..Page::default()
     };
-    let origins = counts.iter().map(|count| &count.measured);
-    Ok(page.measured_at(origins.chain(rows.iter().map(|row| &row.measured))))
+    let recorded = rows.iter().map(|row| (&row.measured, &row.frames));
+    Ok(page.about(counts.iter().map(Count::origin).chain(recorded)))
 }

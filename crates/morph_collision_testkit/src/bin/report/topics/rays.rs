@@ -8,7 +8,7 @@ use super::{Measure, Topic, page_of_methods};
 use crate::candidates;
 use crate::context::Context;
 use crate::losses::losses;
-use crate::page::Page;
+use crate::page::{Origins, Page};
 use crate::race::{Source, measure_topic};
 use crate::record::Record;
 
@@ -34,7 +34,7 @@ const PAGE: Page = Page {
         - `morph-eager` has tight boxes in our tree, so its node tests are the least that a ray needs. Parry's node tests are not counted.\n",
     command: "just report --only rays",
     data: &[NAME],
-    measured: Vec::new(),
+    origins: Origins::NONE,
     body: String::new(),
 };
 

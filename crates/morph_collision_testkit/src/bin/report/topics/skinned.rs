@@ -8,7 +8,7 @@ use super::{Measure, Topic, page_of_methods};
 use crate::candidates;
 use crate::context::Context;
 use crate::losses::losses;
-use crate::page::Page;
+use crate::page::{Origins, Page};
 use crate::race::{Source, measure_topic};
 use crate::record::Record;
 
@@ -35,11 +35,17 @@ const PAGE: Page = Page {
           boxes that are looser than fitted ones because they hold for all weights of joints ([skinning.md](../skinning.md)).\n",
     command: "just report --only skinned",
     data: &[NAME],
-    measured: Vec::new(),
+    origins: Origins::NONE,
     body: String::new(),
 };
 
 fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
     let scenes = Experiment::walkers().map(|(name, _)| Source::named(name, context.every));
-    measure_topic(context, NAME, scenes.collect::<Result<Vec<_>, _>>()?, candidates::methods, context.rounds)
+    measure_topic(
+        context,
+        NAME,
+        scenes.collect::<Result<Vec<_>, _>>()?,
+        candidates::methods,
+        context.rounds,
+    )
 }

@@ -62,7 +62,12 @@ fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
 }
 
 /// Seconds of a frame in each round, for each number of threads: of a batch, and of as many copies together.
-fn race(experiment: &Experiment, wanted: Wanted, counts: &[usize], rounds: usize) -> Result<Vec<Record>, Box<dyn Error>> {
+fn race(
+    experiment: &Experiment,
+    wanted: Wanted,
+    counts: &[usize],
+    rounds: usize,
+) -> Result<Vec<Record>, Box<dyn Error>> {
     let most = counts.last().copied().unwrap_or(1);
     let runs = |count: usize| (0..count).map(|_| Run::new(experiment)).collect::<Result<Vec<_>, _>>();
     let (mut batches, mut copies) = (runs(counts.len())?, runs(most)?);
@@ -93,13 +98,17 @@ fn race(experiment: &Experiment, wanted: Wanted, counts: &[usize], rounds: usize
     let base = times[0][0].clone();
     let frames = experiment.frames.len().max(1) as f64;
     let record = |(&count, times): (&usize, &[Vec<f64>; 2])| {
-        [THREADS, COPIES].into_iter().zip(times).map(|(method, own)| Record {
-            size: Some(count),
-            method: method.to_owned(),
-            microseconds: short(1e6 * median(own.iter().copied()) / frames),
-            ratio: short(median(own.iter().zip(&base).map(|(own, base)| own / base))),
-            ..Record::default()
-        }).collect::<Vec<_>>()
+        [THREADS, COPIES]
+            .into_iter()
+            .zip(times)
+            .map(|(method, own)| Record {
+                size: Some(count),
+                method: method.to_owned(),
+                microseconds: short(1e6 * median(own.iter().copied()) / frames),
+                ratio: short(median(own.iter().zip(&base).map(|(own, base)| own / base))),
+                ..Record::default()
+            })
+            .collect::<Vec<_>>()
     };
     Ok(counts.iter().zip(&times).flat_map(record).collect())
 }
@@ -140,7 +149,12 @@ fn losses(rows: &[Record]) -> Vec<Loss> {
     let of_run = |run: Speeds| {
         let slower = run.speeds.into_iter().filter(|(_, [batch, _])| *batch < 1.0);
         let loss = |(count, [batch, _]): (usize, [f64; 2])| {
-            Loss::new(&run.title, &run.wanted, format!("one thread instead of {count}"), ratio(batch))
+            Loss::new(
+                &run.title,
+                &run.wanted,
+                format!("one thread instead of {count}"),
+                ratio(batch),
+            )
         };
         slower.map(loss).collect::<Vec<_>>()
     };
@@ -150,14 +164,22 @@ fn losses(rows: &[Record]) -> Vec<Loss> {
 fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
     let rows: Vec<Record> = store.rows(NAME)?;
     let speeds = speeds(&rows);
-    let counts: Vec<usize> = speeds.first().map_or(Vec::new(), |run| run.speeds.iter().map(|(count, _)| *count).collect());
+    let counts: Vec<usize> = speeds
+        .first()
+        .map_or(Vec::new(), |run| run.speeds.iter().map(|(count, _)| *count).collect());
     let head = ["throughput / that of as many copies", "wanted", "1 thread"].map(str::to_owned);
     let more = counts.iter().skip(1).map(|count| format!("{count} threads"));
     let mut table = Table::new(head.into_iter().chain(more));
     for run in &speeds {
-        let one = rows.iter().find(|row| row.title == run.title && row.wanted == run.wanted);
+        let one = rows
+            .iter()
+            .find(|row| row.title == run.title && row.wanted == run.wanted);
         let time = one.map_or(NOTHING.to_owned(), |row| format!("{:.0} us", row.microseconds));
-        let more = run.speeds.iter().skip(1).map(|(_, [batch, copies])| format!("{batch:.2} / {copies:.2}"));
+        let more = run
+            .speeds
+            .iter()
+            .skip(1)
+            .map(|(_, [batch, copies])| format!("{batch:.2} / {copies:.2}"));
         table.row([run.title.clone(), run.wanted.clone(), time].into_iter().chain(more));
     }
     let figure = Figure {
@@ -179,28 +201,40 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
         body: format!("{plot}\n{table}"),
         ..Page::default()
     };
-    Ok(page.measured_at(rows.iter().map(|row| &row.measured)))
+    Ok(page.about(rows.iter().map(Record::origin)))
 }
 
 fn panel(wanted: &str, speeds: &[Speeds]) -> Panel {
     let lines = |run: &Speeds| {
-        ["", ", copies"].into_iter().enumerate().map(|(index, suffix)| Series {
-            name: format!("{}{suffix}", run.title.trim_end_matches(" triangles")),
-            points: run.speeds.iter().map(|(count, speeds)| (*count as f64, speeds[index])).collect(),
-            marked: true,
-        }).collect::<Vec<_>>()
+        ["", ", copies"]
+            .into_iter()
+            .enumerate()
+            .map(|(index, suffix)| Series {
+                name: format!("{}{suffix}", run.title.trim_end_matches(" triangles")),
+                points: run
+                    .speeds
+                    .iter()
+                    .map(|(count, speeds)| (*count as f64, speeds[index]))
+                    .collect(),
+                marked: true,
+            })
+            .collect::<Vec<_>>()
     };
     Panel {
         title: if wanted == ALL { "All pairs" } else { "First pairs" }.to_owned(),
         x: Axis {
             label: "threads",
-            log: false,
+            log: true,
         },
         y: Axis {
             label: "throughput, relative to one thread",
             log: false,
         },
-        series: speeds.iter().filter(|run| run.wanted == wanted).flat_map(lines).collect(),
+        series: speeds
+            .iter()
+            .filter(|run| run.wanted == wanted)
+            .flat_map(lines)
+            .collect(),
     }
 }
 
@@ -218,10 +252,18 @@ mod tests {
             ratio,
             ..Record::default()
         };
-        let rows = [row(1, THREADS, 1.0), row(1, COPIES, 1.0), row(2, THREADS, 1.25), row(2, COPIES, 0.625)];
+        let rows = [
+            row(1, THREADS, 1.0),
+            row(1, COPIES, 1.0),
+            row(2, THREADS, 1.25),
+            row(2, COPIES, 0.625),
+        ];
         let speeds = speeds(&rows);
         assert_eq!(speeds.len(), 1);
         assert_eq!(speeds[0].speeds, [(1, [1.0, 1.0]), (2, [0.8, 1.6])]);
-        assert_eq!(losses(&rows), [Loss::new("Dolphins", ALL, "one thread instead of 2", "0.80")]);
+        assert_eq!(
+            losses(&rows),
+            [Loss::new("Dolphins", ALL, "one thread instead of 2", "0.80")]
+        );
     }
 }

@@ -62,11 +62,26 @@ const GOALS: [Goal; 12] = [
     goal(PASS_THROUGH, "pass-through, Parry", PARRY, [10.0, 400.0]),
     goal(SMALL, "dolphins of 564 triangles, Parry", PARRY, [15.0, 25.0]),
     goal(LARGE, "dolphins of 36096 triangles, Parry", PARRY, [100.0, 1000.0]),
-    goal("walkers-hands", "walkers, hands touching, bake and refit", BAKE_AND_REFIT, OF_CHARACTERS),
+    goal(
+        "walkers-hands",
+        "walkers, hands touching, bake and refit",
+        BAKE_AND_REFIT,
+        OF_CHARACTERS,
+    ),
     shown("walkers-hands", "the same, hybrid", HYBRID),
-    goal("walkers-deep", "walkers, deep in each other, bake and refit", BAKE_AND_REFIT, OF_CHARACTERS),
+    goal(
+        "walkers-deep",
+        "walkers, deep in each other, bake and refit",
+        BAKE_AND_REFIT,
+        OF_CHARACTERS,
+    ),
     shown("walkers-deep", "the same, hybrid", HYBRID),
-    goal("walkers-crowd", "walkers, in a crowd, bake and refit", BAKE_AND_REFIT, OF_CHARACTERS),
+    goal(
+        "walkers-crowd",
+        "walkers, in a crowd, bake and refit",
+        BAKE_AND_REFIT,
+        OF_CHARACTERS,
+    ),
     shown("walkers-crowd", "the same, hybrid", HYBRID),
 ];
 
@@ -103,13 +118,16 @@ impl Rows {
             let frames = scene(&self.frames, goal.scene);
             let consecutive = scene(&self.frame_to_frame, &frame_to_frame::at_60(goal.scene));
             let over = |scene: Option<Scene<'_>>, base: &str| {
-                let times = |wanted| scene.and_then(|scene| Some(scene.best(goal.rivals, wanted)? / scene.ratio(base, wanted)?));
+                let times = |wanted| {
+                    scene.and_then(|scene| Some(scene.best(goal.rivals, wanted)? / scene.ratio(base, wanted)?))
+                };
                 ratios([ALL, FIRST].map(times))
             };
             table.row([
                 goal.title.to_owned(),
                 "all / first".to_owned(),
-                goal.times.map_or(String::new(), |times| times.map(|times| times.to_string()).join(" / ")),
+                goal.times
+                    .map_or(String::new(), |times| times.map(|times| times.to_string()).join(" / ")),
                 over(frames, "morph"),
                 over(consecutive, WITNESS),
                 over(frames, "rigid-floor"),
@@ -127,9 +145,19 @@ impl Rows {
         table
     }
 
-    fn origins(&self) -> impl Iterator<Item = &String> {
-        let rows = self.frames.iter().chain(&self.frame_to_frame).chain(&self.rays);
-        rows.map(|row| &row.measured)
+    /// Where the rows are from, and the pages that show them.
+    fn origins(&self) -> Vec<(String, String)> {
+        let pages = [
+            (&self.frames, "frames"),
+            (&self.frame_to_frame, "frame to frame"),
+            (&self.rays, "rays"),
+        ];
+        let of_page = |(rows, title): (&Vec<Record>, &str)| -> Vec<_> {
+            rows.iter()
+                .map(|row| (place(&row.measured), title.to_owned()))
+                .collect()
+        };
+        pages.into_iter().flat_map(of_page).collect()
     }
 }
 
@@ -155,8 +183,13 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
         ),
         ..Page::default()
     };
-    let others = series::origins(store)?;
-    Ok(page.measured_at(rows.origins().chain(&others)))
+    let origins = [rows.origins(), series::origins(store)?].concat();
+    Ok(page.about(origins.iter().map(|(measured, title)| (measured, title))))
+}
+
+/// Day, commit and machine of a row, without how often it was measured.
+fn place(measured: &str) -> String {
+    measured.split(": ").next().unwrap_or_default().to_owned()
 }
 
 #[cfg(test)]
@@ -169,11 +202,22 @@ mod tests {
         let rows = Rows {
             frames: scene_of(
                 "walkers-deep",
-                &[("morph", 1.0, 1.0), ("rigid-floor", 0.5, 0.1), ("bottom-up", 4.0, 20.0), ("parry-bvh", 5.0, 12.0), ("hybrid", 3.0, 6.0)],
+                &[
+                    ("morph", 1.0, 1.0),
+                    ("rigid-floor", 0.5, 0.1),
+                    ("bottom-up", 4.0, 20.0),
+                    ("parry-bvh", 5.0, 12.0),
+                    ("hybrid", 3.0, 6.0),
+                ],
             ),
             frame_to_frame: scene_of(
                 "walkers-deep-at-60",
-                &[("morph", 1.0, 1.0), (WITNESS, 1.0, 0.5), ("bottom-up", 4.0, 14.0), ("hybrid", 2.0, 6.0)],
+                &[
+                    ("morph", 1.0, 1.0),
+                    (WITNESS, 1.0, 0.5),
+                    ("bottom-up", 4.0, 14.0),
+                    ("hybrid", 2.0, 6.0),
+                ],
             ),
             rays: Vec::new(),
         };
@@ -181,7 +225,13 @@ mod tests {
         let expected = "| walkers, deep in each other, bake and refit | all / first | 5 / 20 | 4.0 / 12 | 4.0 / 28 | 8.0 / 120 |\n\
                         | the same, hybrid | all / first | | 3.0 / 6.0 | 2.0 / 12 | 6.0 / 60 |\n";
         assert!(table.contains(expected), "{table}");
-        assert!(table.contains("| walkers, in a crowd, bake and refit | all / first | 5 / 20 | - | - | - |"), "{table}");
-        assert!(table.ends_with("| one ray at a walker, bake and refit | 1 ray | 50 | - | - | - |\n"), "{table}");
+        assert!(
+            table.contains("| walkers, in a crowd, bake and refit | all / first | 5 / 20 | - | - | - |"),
+            "{table}"
+        );
+        assert!(
+            table.ends_with("| one ray at a walker, bake and refit | 1 ray | 50 | - | - | - |\n"),
+            "{table}"
+        );
     }
 }

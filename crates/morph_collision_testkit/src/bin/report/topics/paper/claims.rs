@@ -38,9 +38,14 @@ fn in_betweens(context: &Context) -> Result<Vec<Record>, Box<dyn Error>> {
     let candidates = [theirs(), rival(IN_BETWEENS, MethodKind::Paper(options))];
     let rows = race(&experiment, &candidates, Wanted::All, context.rounds)?;
     let measured = context.timed(context.every, context.rounds);
-    let mut records: Vec<_> = rows.iter().map(|row| Record::new(&experiment, ALL, row, measured.clone())).collect();
+    let mut records: Vec<_> = rows
+        .iter()
+        .map(|row| Record::new(&experiment, ALL, row, measured.clone()))
+        .collect();
     let steps = rows[1].frame_times.iter().zip(&rows[0].frame_times);
-    let best = steps.map(|(with, without)| with / without).fold(f64::INFINITY, f64::min);
+    let best = steps
+        .map(|(with, without)| with / without)
+        .fold(f64::INFINITY, f64::min);
     records.push(Record {
         wanted: BEST_STEP.to_owned(),
         ratio: short(best),
@@ -102,7 +107,9 @@ pub(super) fn show(rows: &[Record]) -> String {
         (BEST_STEP, "the same in the step that gains most", "up to +40 %"),
     ] {
         let ratio = scene(rows, IN_BETWEENS).and_then(|scene| scene.ratio(IN_BETWEENS, wanted));
-        let gain = ratio.map_or(NOTHING.to_owned(), |ratio| format!("{:+.0} %", 100.0 * (1.0 / ratio - 1.0)));
+        let gain = ratio.map_or(NOTHING.to_owned(), |ratio| {
+            format!("{:+.0} %", 100.0 * (1.0 / ratio - 1.0))
+        });
         table.row([
             format!("pass-through, all pairs: {title}"),
             reported.to_owned(),
@@ -144,7 +151,10 @@ mod tests {
             microseconds,
             ..Record::default()
         };
-        let rows = [row("a", ALL, 100.0, 400.0, 270.0), row(NEIGHBOURS, A_VOLUME, 1.0, 1.0, 0.1)];
+        let rows = [
+            row("a", ALL, 100.0, 400.0, 270.0),
+            row(NEIGHBOURS, A_VOLUME, 1.0, 1.0, 0.1),
+        ];
         let of = scene(&rows, "a").expect("it is there");
         let saved = saved_by_stamps(&rows, of, "paper");
         assert_eq!(saved.as_deref(), Some("4.0 times fewer refits, about 10 % of time"));

@@ -45,7 +45,10 @@ fn times(rows: &[Record], method: &str, wanted: &str) -> Vec<(f64, f64)> {
 /// The powers with which the times of our method grow with the triangles: for all and for first pairs.
 pub(crate) fn powers(rows: &[Record]) -> Option<[f64; 2]> {
     let times = [ALL, FIRST].map(|wanted| times(rows, "morph", wanted));
-    times.iter().all(|times| times.len() > 1).then(|| times.map(|times| exponent(&times)))
+    times
+        .iter()
+        .all(|times| times.len() > 1)
+        .then(|| times.map(|times| exponent(&times)))
 }
 
 pub(super) fn show(store: &Store, rows: &[Record]) -> Result<String, Box<dyn Error>> {
@@ -54,7 +57,9 @@ pub(super) fn show(store: &Store, rows: &[Record]) -> Result<String, Box<dyn Err
         let head = sizes(rows).filter_map(Scene::size).map(|size| size.to_string());
         let head = [format!("{title}, us a frame")].into_iter().chain(head);
         let mut table = Table::new(head.chain(["power".to_owned()]));
-        let methods = sizes(rows).next().map(|scene| scene.asked(wanted).map(|row| row.method.as_str()));
+        let methods = sizes(rows)
+            .next()
+            .map(|scene| scene.asked(wanted).map(|row| row.method.as_str()));
         let mut series = Vec::new();
         for method in methods.into_iter().flatten() {
             let points = times(rows, method, wanted);
@@ -62,7 +67,9 @@ pub(super) fn show(store: &Store, rows: &[Record]) -> Result<String, Box<dyn Err
                 let row = scene.row(method, wanted)?;
                 Some(format!("{:.0} ({:.2})", row.microseconds, row.ratio))
             };
-            let cells = sizes(rows).filter_map(cell).chain([format!("{:.2}", exponent(&points))]);
+            let cells = sizes(rows)
+                .filter_map(cell)
+                .chain([format!("{:.2}", exponent(&points))]);
             table.row([method.to_owned()].into_iter().chain(cells));
             series.push(Series {
                 name: format!("{method}: {:.2}", exponent(&points)),

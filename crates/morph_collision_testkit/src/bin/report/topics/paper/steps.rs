@@ -42,7 +42,12 @@ pub(super) fn measure(context: &Context) -> Result<Vec<Record>, Box<dyn Error>> 
                 step,
                 microseconds: short(time * 1e6),
             }));
-            records.push(Record::new(&experiment, name, &row, context.timed(every, context.rounds)));
+            records.push(Record::new(
+                &experiment,
+                name,
+                &row,
+                context.timed(every, context.rounds),
+            ));
         }
     }
     context.store.write(DATA, &steps)?;
@@ -79,7 +84,10 @@ pub(super) fn show(store: &Store, rows: &[Record]) -> Result<String, Box<dyn Err
     let mut table = Table::new(["all steps together", "all / first"]);
     if let Some(scene) = scene(rows, SCENE) {
         for row in scene.asked(ALL) {
-            table.row([row.method.clone(), ratios([ALL, FIRST].map(|wanted| scene.ratio(&row.method, wanted)))]);
+            table.row([
+                row.method.clone(),
+                ratios([ALL, FIRST].map(|wanted| scene.ratio(&row.method, wanted))),
+            ]);
         }
     }
     Ok(format!(

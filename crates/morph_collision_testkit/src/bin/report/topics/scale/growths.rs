@@ -81,7 +81,11 @@ impl Growth {
             }
             scene => {
                 let sparsity = if scene.starts_with("dense") { 0.0 } else { 0.85 };
-                let most = if scene.ends_with("growing") { f64::INFINITY } else { FULL_WEIGHTS };
+                let most = if scene.ends_with("growing") {
+                    f64::INFINITY
+                } else {
+                    FULL_WEIGHTS
+                };
                 let share = (most / size as f64).min(1.0);
                 Experiment::grazing(scene, random_blob(7, 5, size, sparsity), share, 2 * every)
             }

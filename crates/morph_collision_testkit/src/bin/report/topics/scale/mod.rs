@@ -37,7 +37,12 @@ pub(super) const TOPIC: Topic = Topic {
         let mut lost = losses(&rows);
         let builds = builds(&rows).filter(|ratio| *ratio < 1.0);
         if builds.clone().next().is_some() {
-            lost.push(Loss::new("Building a tree, all sizes", BUILD, PARRYS_BUILD, range(builds)));
+            lost.push(Loss::new(
+                "Building a tree, all sizes",
+                BUILD,
+                PARRYS_BUILD,
+                range(builds),
+            ));
         }
         Ok(lost)
     },
@@ -59,7 +64,10 @@ pub(super) fn build_over_parry(rows: &[Record]) -> impl Iterator<Item = f64> + C
 pub(super) fn powers(rows: &[Record], series: &str) -> Option<[f64; 2]> {
     let points = |wanted| points(rows, series, &|scene| Some(scene.row("morph", wanted)?.microseconds));
     let points = [ALL, FIRST].map(points);
-    points.iter().all(|points| points.len() > 1).then(|| points.map(|points| exponent(&points)))
+    points
+        .iter()
+        .all(|points| points.len() > 1)
+        .then(|| points.map(|points| exponent(&points)))
 }
 
 fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
@@ -129,7 +137,7 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
         body: format!("{plot}\nBoth axes are logarithmic.\n{tables}"),
         ..Page::default()
     };
-    Ok(page.measured_at(rows.iter().map(|row| &row.measured)))
+    Ok(page.about(rows.iter().map(Record::origin)))
 }
 
 fn table(growth: &Growth, rows: &[Record], bytes: &[Bytes]) -> Table {
@@ -145,7 +153,11 @@ fn table(growth: &Growth, rows: &[Record], bytes: &[Bytes]) -> Table {
         "build, ms",
         "Parry's build, ms",
     ]);
-    let of_size = |size| bytes.iter().find(move |bytes| bytes.scene == growth.scene && bytes.size == size);
+    let of_size = |size| {
+        bytes
+            .iter()
+            .find(move |bytes| bytes.scene == growth.scene && bytes.size == size)
+    };
     type Column<'a> = Box<dyn Fn(Scene<'_>) -> Option<f64> + 'a>;
     let time = |method, wanted, unit: f64| -> Column<'_> {
         Box::new(move |scene: Scene<'_>| Some(scene.row(method, wanted)?.microseconds / unit))
@@ -175,7 +187,11 @@ fn table(growth: &Growth, rows: &[Record], bytes: &[Bytes]) -> Table {
     }
     let power = |(column, _, grows): &(Column<'_>, usize, bool)| {
         let points = points(rows, growth.scene, column);
-        if *grows && points.len() > 1 { format!("{:.2}", exponent(&points)) } else { String::new() }
+        if *grows && points.len() > 1 {
+            format!("{:.2}", exponent(&points))
+        } else {
+            String::new()
+        }
     };
     table.row(["power".to_owned()].into_iter().chain(columns.iter().map(power)));
     table
@@ -184,13 +200,16 @@ fn table(growth: &Growth, rows: &[Record], bytes: &[Bytes]) -> Table {
 /// Sizes above 1, and numbers.
 fn points(rows: &[Record], series: &str, of: &dyn Fn(Scene<'_>) -> Option<f64>) -> Vec<(f64, f64)> {
     let met = scenes(rows).filter(|scene| scene.name() == series && scene.size() > Some(1));
-    met.filter_map(|scene| Some((scene.size()? as f64, of(scene)?))).collect()
+    met.filter_map(|scene| Some((scene.size()? as f64, of(scene)?)))
+        .collect()
 }
 
 fn panel(growth: &Growth, rows: &[Record]) -> Panel {
     let lines = [("morph", ALL), ("hybrid", ALL), ("morph", FIRST), ("hybrid", FIRST)];
     let series = lines.map(|(method, wanted)| {
-        let points = points(rows, growth.scene, &|scene| Some(scene.row(method, wanted)?.microseconds));
+        let points = points(rows, growth.scene, &|scene| {
+            Some(scene.row(method, wanted)?.microseconds)
+        });
         Series {
             name: format!("{method}, {wanted}: {:.2}", exponent(&points)),
             points,

@@ -32,7 +32,10 @@ fn files(folder: &Path, found: &mut Vec<PathBuf>) -> Result<(), Box<dyn Error>> 
 fn of_kind(extensions: &[&str]) -> Result<Vec<PathBuf>, Box<dyn Error>> {
     let mut found = Vec::new();
     files(&root(), &mut found)?;
-    let is_wanted = |path: &PathBuf| path.extension().is_some_and(|is| extensions.iter().any(|wanted| is == *wanted));
+    let is_wanted = |path: &PathBuf| {
+        path.extension()
+            .is_some_and(|is| extensions.iter().any(|wanted| is == *wanted))
+    };
     found.retain(is_wanted);
     Ok(found)
 }
@@ -51,7 +54,9 @@ impl Document {
         for event in Parser::new_ext(text, Options::ENABLE_TABLES) {
             match event {
                 Event::Start(Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. }) => {
-                    let is_elsewhere = ["https:", "http:", "mailto:"].iter().any(|scheme| dest_url.starts_with(scheme));
+                    let is_elsewhere = ["https:", "http:", "mailto:"]
+                        .iter()
+                        .any(|scheme| dest_url.starts_with(scheme));
                     document.links.extend((!is_elsewhere).then(|| dest_url.to_string()));
                 }
                 Event::Start(Tag::Heading { .. }) => heading = Some(String::new()),
@@ -70,9 +75,17 @@ impl Document {
     /// The anchor that GitHub makes for a heading. The second of two equal ones gets a number.
     fn add_anchor(&mut self, heading: &str) {
         let kept = |c: &char| c.is_alphanumeric() || [' ', '-', '_'].contains(c);
-        let anchor = heading.to_lowercase().chars().filter(kept).collect::<String>().replace(' ', "-");
+        let anchor = heading
+            .to_lowercase()
+            .chars()
+            .filter(kept)
+            .collect::<String>()
+            .replace(' ', "-");
         let numbered = (1..).map(|number| format!("{anchor}-{number}"));
-        let free = [anchor.clone()].into_iter().chain(numbered).find(|anchor| !self.anchors.contains(anchor));
+        let free = [anchor.clone()]
+            .into_iter()
+            .chain(numbered)
+            .find(|anchor| !self.anchors.contains(anchor));
         self.anchors.extend(free);
     }
 }
@@ -87,9 +100,15 @@ fn links_and_anchors_of_all_documents_exist() -> Result<(), Box<dyn Error>> {
     let (mut dead, mut count) = (Vec::new(), 0);
     for (path, document) in &documents {
         for link in &document.links {
-            let (file, anchor) = link.split_once('#').map_or((link.as_str(), None), |(file, anchor)| (file, Some(anchor)));
+            let (file, anchor) = link
+                .split_once('#')
+                .map_or((link.as_str(), None), |(file, anchor)| (file, Some(anchor)));
             let folder = path.parent().ok_or("a file is in a folder")?;
-            let target = if file.is_empty() { path.clone() } else { folder.join(file) };
+            let target = if file.is_empty() {
+                path.clone()
+            } else {
+                folder.join(file)
+            };
             let target = target.canonicalize().ok();
             let is_there = match (&target, anchor) {
                 (None, _) => false,
@@ -115,7 +134,10 @@ fn documents_that_sources_name_exist() -> Result<(), Box<dyn Error>> {
     for path in sources {
         let text = fs::read_to_string(&path)?;
         let words = text.split(|c: char| !c.is_alphanumeric() && !"_-./".contains(c));
-        for word in words.map(|word| word.trim_end_matches('.')).filter(|word| word.ends_with(".md")) {
+        for word in words
+            .map(|word| word.trim_end_matches('.'))
+            .filter(|word| word.ends_with(".md"))
+        {
             let Some(start) = word.find("docs/") else { continue };
             count += 1;
             if !root().join(&word[start..]).exists() {
@@ -123,7 +145,11 @@ fn documents_that_sources_name_exist() -> Result<(), Box<dyn Error>> {
             }
         }
     }
-    assert!(missing.is_empty(), "documents that do not exist:\n{}", missing.join("\n"));
+    assert!(
+        missing.is_empty(),
+        "documents that do not exist:\n{}",
+        missing.join("\n")
+    );
     assert!(count > 10, "only {count} documents are named");
     Ok(())
 }
@@ -134,5 +160,8 @@ fn links_and_anchors_are_read_as_github_reads_them() {
                 | [g](#rays-1) |\n|---|\n";
     let document = Document::parse(text);
     assert_eq!(document.links, ["b.md#c", "e.png", "#rays-1"]);
-    assert_eq!(document.anchors, ["a-pose-and-its-boxes", "rays", "rays-1"].map(str::to_owned).into());
+    assert_eq!(
+        document.anchors,
+        ["a-pose-and-its-boxes", "rays", "rays-1"].map(str::to_owned).into()
+    );
 }

@@ -70,13 +70,12 @@ fn times(experiment: &Experiment, wanted: Wanted, rounds: usize) -> Result<Vec<V
 }
 
 /// The times with the baseline's instructions over those with the best ones.
-pub(super) fn baseline(store: &Store) -> Result<Vec<f64>, Box<dyn Error>> {
-    let rows: Vec<Record> = store.rows(NAME)?;
+pub(super) fn baseline(rows: &[Record]) -> Vec<f64> {
     let of_scene = |scene: Scene<'_>| {
         let last = |wanted: &&str| Some(scene.asked(wanted).last()?.ratio);
         scene.wanted().iter().filter_map(last).collect::<Vec<_>>()
     };
-    Ok(scenes(&rows).flat_map(of_scene).collect())
+    scenes(rows).flat_map(of_scene).collect()
 }
 
 fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
@@ -92,4 +91,19 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
         ..Page::default()
     };
     Ok(page.about(rows.iter().map(Record::origin)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::tests::scene_of;
+
+    #[test]
+    fn the_baseline_is_the_last_instruction_set() {
+        let rows = scene_of(
+            "dolphins",
+            &[("avx2", 1.0, 1.0), ("sse4.2", 1.1, 1.2), ("sse2", 1.3, 1.4)],
+        );
+        assert_eq!(baseline(&rows), [1.3, 1.4]);
+    }
 }

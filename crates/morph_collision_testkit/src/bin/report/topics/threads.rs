@@ -194,8 +194,8 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
             cut into parts; with many bodies, pairs that share no body run at the same time. *Copies* are as many independent runs on one thread each, at\n\
             the same time: the most that sharing the work can reach on this machine.\n\
             \n\
-            `ThreadWorkers` starts its threads in each frame, so small frames lose. Use the engine's threads (`Workers`) instead. Weights, bounds, the broad\n\
-            phase and collecting answers run on one thread.\n",
+            `ThreadWorkers` starts its threads anew in each frame, so small frames gain least. Use the engine's threads (`Workers`) instead. Weights, bounds,\n\
+            the broad phase and collecting answers run on one thread.\n",
         command: "just report --only threads",
         data: &[NAME],
         body: format!("{plot}\n{table}"),
@@ -224,7 +224,7 @@ fn panel(wanted: &str, speeds: &[Speeds]) -> Panel {
         title: if wanted == ALL { "All pairs" } else { "First pairs" }.to_owned(),
         x: Axis {
             label: "threads",
-            log: true,
+            log: false,
         },
         y: Axis {
             label: "throughput, relative to one thread",

@@ -229,3 +229,58 @@ fn panel(growth: &Growth, rows: &[Record]) -> Panel {
         series: series.into(),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A series in which our time grows with this power, and Parry builds in half of our time.
+    fn series(scene: &str, power: f64) -> Vec<Record> {
+        let row = |size: usize, wanted: &str, method: &str, ratio: f64| Record {
+            scene: scene.to_owned(),
+            size: Some(size),
+            wanted: wanted.to_owned(),
+            method: method.to_owned(),
+            microseconds: ratio * (size as f64).powf(power),
+            ratio,
+            ..Record::default()
+        };
+        let of_size = |size| {
+            [
+                row(size, ALL, "morph", 1.0),
+                row(size, FIRST, "morph", 1.0),
+                row(size, BUILD, "morph", 1.0),
+                row(size, BUILD, PARRYS_BUILD, 0.5),
+            ]
+        };
+        [1, 10, 100].into_iter().flat_map(of_size).collect()
+    }
+
+    #[test]
+    fn powers_are_those_of_one_series() {
+        let rows = [series(TRIANGLES, 0.5), series("dense", 2.0)].concat();
+        let powers = powers(&rows, TRIANGLES).expect("there are two sizes");
+        assert!(powers.iter().all(|power| (power - 0.5).abs() < 1e-9), "{powers:?}");
+        assert_eq!(super::powers(&rows, "sparse"), None);
+    }
+
+    #[test]
+    fn building_is_compared_for_meshes_with_two_targets() {
+        let rows = [series(TRIANGLES, 1.0), series("dense", 1.0)].concat();
+        assert_eq!(build_over_parry(&rows).collect::<Vec<_>>(), [2.0; 3]);
+        assert_eq!(builds(&rows).count(), 6);
+    }
+
+    #[test]
+    fn a_table_has_a_row_for_each_size_and_one_for_powers() {
+        let table = table(&GROWTHS[1], &series(TRIANGLES, 1.0), &[]).to_string();
+        assert!(
+            table.contains("| 10 | 10.0 | | 10.0 | | | | | 0.01 | 0.01 |"),
+            "{table}"
+        );
+        assert!(
+            table.ends_with("| power | 1.00 | | 1.00 | | | | | 1.00 | 1.00 |\n"),
+            "{table}"
+        );
+    }
+}

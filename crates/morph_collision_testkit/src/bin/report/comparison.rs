@@ -1,6 +1,6 @@
 //! Conclusions from rows: how much longer other methods take, and what the lower limit is.
 
-use crate::record::{Record, Scene, scenes};
+use crate::record::{Record, Scene, scenes, short_title};
 use crate::table::{Table, ratios};
 
 /// Methods that place all vertices and refit all boxes.
@@ -32,11 +32,6 @@ pub(crate) fn rivals<'a>(scenes: impl Iterator<Item = Scene<'a>>, head: &str) ->
         table.row([short_title(scene.title()).to_owned()].into_iter().chain(cells));
     }
     table.without_empty_columns()
-}
-
-/// A title without numbers of targets and joints.
-pub(crate) fn short_title(title: &str) -> &str {
-    title.split(" with ").next().unwrap_or(title)
 }
 
 /// For each scene, the ratio of every method.

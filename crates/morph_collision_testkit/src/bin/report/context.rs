@@ -4,6 +4,7 @@ use std::error::Error;
 use std::path::Path;
 use std::process::Command;
 
+use morph_collision::Kernel;
 use morph_collision_testkit::bench;
 
 use crate::store::Store;
@@ -35,19 +36,20 @@ impl Context {
     }
 }
 
-/// Today, the commit of the code, and this machine.
+/// Today, the commit of the code, and this machine with its vector instructions.
 ///
 /// # Errors
 /// Git or `date` cannot be run, or the folder is not in a repository.
 pub(crate) fn origin(docs: &Path) -> Result<String, Box<dyn Error>> {
     let cores = std::thread::available_parallelism().map_or(0, usize::from);
     Ok(format!(
-        "{} at commit {}, {}, {cores} cores, {}-{}",
+        "{} at commit {}, {}, {cores} cores, {}-{}, {}",
         output(Command::new("date").args(["-u", "+%F"]))?,
         commit(docs)?,
         bench::cpu(),
         std::env::consts::OS,
         std::env::consts::ARCH,
+        Kernel::default().name(),
     ))
 }
 

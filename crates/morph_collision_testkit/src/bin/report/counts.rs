@@ -25,7 +25,7 @@ pub(crate) struct Count {
 
 impl Count {
     /// Where it is from, and what it is about.
-    pub(crate) fn origin(&self) -> (&String, &String) {
+    pub(crate) fn origin(&self) -> (&str, &str) {
         (&self.measured, &self.row)
     }
 }

@@ -4,8 +4,8 @@ use crate::record::{Record, Scene, scenes};
 use crate::table::{NOTHING, Table};
 
 /// How to read [`details`].
-pub(crate) const HOW_TO_READ: &str = "Counts are per frame, over all bodies: volumes blended (or refitted, or built), vertices blended, boxes tested against boxes, pairs\n\
-    of triangles passed to the exact test. They are the same on every machine. Times are ratios to that of the first row.\n";
+pub(crate) const HOW_TO_READ: &str = "Counts are per frame, over all bodies: volumes blended (or refitted, or built), vertices blended, boxes tested against boxes,\n\
+    pairs of triangles passed to the exact test. They are the same on every machine. Times are ratios to that of the first row.\n";
 
 /// A table for each scene: the work and the time of every method.
 pub(crate) fn details(rows: &[Record]) -> String {
@@ -43,7 +43,7 @@ fn details_of(scene: Scene<'_>) -> String {
         table.row(cells);
     }
     format!(
-        "\n**{}.** {frames} frames; time 1 is {}.\n\n{table}",
+        "\n**{}.**\n{frames} frames; time 1 is {}.\n\n{table}",
         scene.title(),
         times.join(", ")
     )
@@ -59,7 +59,7 @@ mod tests {
         let mut rows = heads();
         rows[0].found = Some(12.5);
         let details = details(&rows);
-        let caption = "**The heads.** 20 frames; time 1 is 10.0 us for all (12.5 found), 10.0 us for first.";
+        let caption = "**The heads.**\n20 frames; time 1 is 10.0 us for all (12.5 found), 10.0 us for first.";
         assert!(details.contains(caption), "{details}");
         assert!(
             details.contains("| hybrid | 0 | 0 | 0 | 0 | 3.00 | 0 | 0 | 0 | 0 | 0.90 |"),

@@ -6,10 +6,10 @@ use std::path::Path;
 
 use morph_collision_testkit::bench;
 
-use crate::comparison::{HYBRID, PARRY, rivals, short_title};
+use crate::comparison::{HYBRID, PARRY, rivals};
 use crate::losses::losses_table;
 use crate::page::Origins;
-use crate::record::{ALL, FIRST, Scene, scene, scenes};
+use crate::record::{ALL, FIRST, Record, Scene, scene, scenes};
 use crate::store::Store;
 use crate::table::ratio;
 use crate::topics::{TOPICS, of_bodies, of_rays};
@@ -31,8 +31,8 @@ pub(crate) fn write(docs: &Path, store: &Store) -> Result<(), Box<dyn Error>> {
 fn performance(mut page: bench::Page, store: &Store) -> Result<bench::Page, Box<dyn Error>> {
     let (bodies, rays) = (of_bodies(store)?, of_rays(store)?);
     let mut measured = Origins::default();
-    for row in bodies.iter().chain(&rays) {
-        measured.add(&row.measured, short_title(&row.title));
+    for (origin, title) in bodies.iter().chain(&rays).map(Record::origin) {
+        measured.add(origin, title);
     }
     let mut losses = Vec::new();
     for topic in &TOPICS {
@@ -63,8 +63,8 @@ fn readme(mut page: bench::Page, store: &Store) -> Result<bench::Page, Box<dyn E
 fn fast(scene: Scene<'_>) -> Option<String> {
     let times = |methods, wanted| Some(ratio(scene.best(methods, wanted)?));
     Some(format!(
-        "  On twelve dolphins of 36096 triangles, Parry's faster refit takes {} times as long as this library to find all intersecting triangles, and {} times to\n  \
-           find one for each pair of bodies. The hybrid method from the literature takes {} and {} times.\n  ",
+        "  On twelve dolphins of 36096 triangles, Parry's faster refit takes {} times as long as this library to find all intersecting triangles, and {}\n  \
+           times to find one for each pair of bodies. The hybrid method from the literature takes {} and {} times.\n  ",
         times(PARRY, ALL)?,
         times(PARRY, FIRST)?,
         times(HYBRID, ALL)?,
@@ -89,8 +89,9 @@ mod tests {
         );
         let sentence = scenes(&rows).next().and_then(fast).expect("all rivals are there");
         assert!(
-            sentence
-                .contains("takes 66 times as long as this library to find all intersecting triangles, and 240 times"),
+            sentence.contains(
+                "takes 66 times as long as this library to find all intersecting triangles, and 240\n  times"
+            ),
             "{sentence}"
         );
         assert!(sentence.contains("takes 7.2 and 17 times"), "{sentence}");

@@ -21,7 +21,7 @@ pub(crate) struct Page {
 
 impl Page {
     /// Adds rows: where each is from, and what it is about.
-    pub(crate) fn about<'a>(mut self, rows: impl IntoIterator<Item = (&'a String, &'a String)>) -> Self {
+    pub(crate) fn about<'a>(mut self, rows: impl IntoIterator<Item = (&'a str, &'a str)>) -> Self {
         for (measured, title) in rows {
             self.origins.add(measured, title);
         }
@@ -45,7 +45,7 @@ impl Page {
             .map(|name| format!("[{name}.csv](data/{name}.csv)"))
             .collect();
         text += &format!(
-            "\nCommand: `{command}`. Data: {}. [All measurements](../performance.md)\n",
+            "\n- Command: `{command}`\n- Data: {}\n- [All measurements](../performance.md)\n",
             links.join(", ")
         );
         format!("{text}\n{}", self.body.trim_start())
@@ -77,7 +77,7 @@ impl Display for Origins {
             return writeln!(f, "Measured on {measured}.");
         }
         for (measured, titles) in &self.0 {
-            writeln!(f, "- Measured on {measured}. {}.", titles.join("; "))?;
+            writeln!(f, "- Measured on {measured}.\n  {}.", titles.join(";\n  "))?;
         }
         Ok(())
     }
@@ -100,9 +100,8 @@ mod tests {
             text.ends_with("# Rays\n\nWhat rays cost.\n\nRun `just report --only rays` to fill this page.\n"),
             "{text}"
         );
-        let row = ("today".to_owned(), "a head".to_owned());
-        let text = page.clone().about([(&row.0, &row.1)]).text();
-        assert!(text.contains("\nMeasured on today.\n\nCommand:"), "{text}");
+        let text = page.clone().about([("today", "a head")]).text();
+        assert!(text.contains("\nMeasured on today.\n\n- Command:"), "{text}");
     }
 
     #[test]
@@ -116,7 +115,7 @@ mod tests {
         ] {
             origins.add(measured, title);
         }
-        let expected = "- Measured on Monday. heads; crowd.\n- Measured on Sunday. horses.\n";
+        let expected = "- Measured on Monday.\n  heads;\n  crowd.\n- Measured on Sunday.\n  horses.\n";
         assert_eq!(origins.to_string(), expected);
     }
 }

@@ -37,8 +37,8 @@ pub(crate) struct Record {
 
 impl Record {
     /// Where it is from, and what it is about.
-    pub(crate) fn origin(&self) -> (&String, &String) {
-        (&self.measured, &self.title)
+    pub(crate) fn origin(&self) -> (&str, &str) {
+        (&self.measured, short_title(&self.title))
     }
 
     /// A row of a benchmark.
@@ -62,6 +62,11 @@ impl Record {
             measured,
         }
     }
+}
+
+/// A title without numbers of targets and joints.
+pub(crate) fn short_title(title: &str) -> &str {
+    title.split(" with ").next().unwrap_or(title)
 }
 
 /// The rows of a scene.

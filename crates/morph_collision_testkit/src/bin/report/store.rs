@@ -90,6 +90,11 @@ mod tests {
         ratio: f64,
     }
 
+    #[derive(Serialize)]
+    struct Other {
+        count: usize,
+    }
+
     #[test]
     fn rows_are_read_as_they_were_written() -> Result<(), Box<dyn Error>> {
         let folder = tempfile::tempdir()?;
@@ -115,7 +120,7 @@ mod tests {
     fn rows_of_another_kind_are_an_error_that_names_the_file() -> Result<(), Box<dyn Error>> {
         let folder = tempfile::tempdir()?;
         let store = Store::below(folder.path());
-        store.write("times", &[("a", 1)])?;
+        store.write("times", &[Other { count: 1 }])?;
         let error = store.rows::<Row>("times").map_err(|error| error.to_string());
         assert!(error.expect_err("it has no title").contains("times.csv"));
         Ok(())

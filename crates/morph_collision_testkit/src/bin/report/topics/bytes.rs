@@ -65,7 +65,7 @@ impl Bytes {
     }
 
     /// Where it is from, and what it is about.
-    pub(crate) fn origin(&self) -> (&String, &String) {
+    pub(crate) fn origin(&self) -> (&str, &str) {
         (&self.measured, &self.title)
     }
 

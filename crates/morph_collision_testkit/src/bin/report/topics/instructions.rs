@@ -19,13 +19,14 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
     let page = Page {
         name: TOPIC.name,
         title: "Instructions",
-        intro: "Instructions do not depend on what else the machine does, but on the processor's instruction set. They are counted by callgrind (valgrind), with AVX2.\n",
+        intro: "The number of instructions does not depend on what else the machine does, but on its vector instructions. It is counted by callgrind\n\
+            (valgrind).\n",
         command: "just instructions-report",
         data: &[counts::SCENES, counts::PROFILES],
         body: format!(
             "## Scenes\n\nMillion instructions of 20 frames, for all pairs and for first pairs (for rays, both are the same):\n\n{}\n\
-             ## Build profile\n\nThe effect of whole-program optimisation on a game, as a ratio to cargo's default release profile, which this workspace uses except for\n\
-             `debug = false`. Kernels are inlined within the crate in any case. *Size* is that of the measured program.\n\n{}",
+             ## Build profile\n\nThe effect of whole-program optimisation on a game, as a ratio to cargo's default release profile, which this workspace uses except\n\
+             for `debug = false`. Kernels are inlined within the crate in any case. *Size* is that of the measured program.\n\n{}",
             counts::table(&scenes, "scene"),
             counts::table(&relative(&profiles), "profile"),
         ),

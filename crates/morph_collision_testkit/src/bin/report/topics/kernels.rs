@@ -84,7 +84,8 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
     let page = Page {
         name: NAME,
         title: "Vector instructions",
-        intro: "The same queries with each instruction set of the processor, in turns. The last one is the baseline that every processor of this architecture has.\n",
+        intro: "The same queries with each instruction set of the processor, in turns. The last one is the baseline that every processor of this\n\
+            architecture has.\n",
         command: "just report --only kernels",
         data: &[NAME],
         body: format!("Times as ratios to the first instruction set:\n\n{table}"),

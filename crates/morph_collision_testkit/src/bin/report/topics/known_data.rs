@@ -190,7 +190,7 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
                 bytes(|row| row.body),
             ]);
         }
-        body += &format!("\n**{}.** {origin}\n\n{table}", of_scene.title());
+        body += &format!("\n**{}.**\n{origin}\n\n{table}", of_scene.title());
     }
     let page = Page {
         name: NAME,
@@ -212,10 +212,6 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
     let shown = times
         .iter()
         .filter(|row| SCENES.iter().any(|(scene, _)| *scene == row.scene));
-    let bounds = "tightness and memory".to_owned();
-    Ok(page.about(
-        shown
-            .map(Record::origin)
-            .chain(rows.iter().map(|row| (&row.measured, &bounds))),
-    ))
+    let bounds = rows.iter().map(|row| (row.measured.as_str(), "tightness and memory"));
+    Ok(page.about(shown.map(Record::origin).chain(bounds)))
 }

@@ -29,6 +29,8 @@ use crate::store::Store;
 
 /// Measures and stores rows.
 type Measurement = fn(&Context) -> Result<(), Box<dyn Error>>;
+/// Makes something of stored rows.
+type FromRows<T> = fn(&Store) -> Result<T, Box<dyn Error>>;
 
 /// How the rows of a topic are made.
 pub(crate) enum Measure {
@@ -43,9 +45,9 @@ pub(crate) enum Measure {
 pub(crate) struct Topic {
     pub(crate) name: &'static str,
     pub(crate) measure: Measure,
-    pub(crate) page: fn(&Store) -> Result<Page, Box<dyn Error>>,
+    pub(crate) page: FromRows<Page>,
     /// Where another method is faster, for topics that compare methods.
-    pub(crate) losses: fn(&Store) -> Result<Vec<Loss>, Box<dyn Error>>,
+    pub(crate) losses: FromRows<Vec<Loss>>,
 }
 
 /// All topics, in the order in which they are measured.

@@ -107,6 +107,6 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
         ),
         ..Page::default()
     };
-    let recorded = rows.iter().map(|row| (&row.measured, &row.frames));
+    let recorded = rows.iter().map(|row| (row.measured.as_str(), row.frames.as_str()));
     Ok(page.about(counts.iter().map(Count::origin).chain(recorded)))
 }

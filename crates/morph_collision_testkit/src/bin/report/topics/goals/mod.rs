@@ -146,16 +146,14 @@ impl Rows {
     }
 
     /// Where the rows are from, and the pages that show them.
-    fn origins(&self) -> Vec<(String, String)> {
+    fn origins(&self) -> Vec<(String, &'static str)> {
         let pages = [
             (&self.frames, "frames"),
             (&self.frame_to_frame, "frame to frame"),
             (&self.rays, "rays"),
         ];
-        let of_page = |(rows, title): (&Vec<Record>, &str)| -> Vec<_> {
-            rows.iter()
-                .map(|row| (place(&row.measured), title.to_owned()))
-                .collect()
+        let of_page = |(rows, title): (&Vec<Record>, &'static str)| -> Vec<_> {
+            rows.iter().map(|row| (place(&row.measured), title)).collect()
         };
         pages.into_iter().flat_map(of_page).collect()
     }
@@ -184,7 +182,7 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
         ..Page::default()
     };
     let origins = [rows.origins(), series::origins(store)?].concat();
-    Ok(page.about(origins.iter().map(|(measured, title)| (measured, title))))
+    Ok(page.about(origins.iter().map(|(measured, title)| (measured.as_str(), *title))))
 }
 
 /// Day, commit and machine of a row, without how often it was measured.

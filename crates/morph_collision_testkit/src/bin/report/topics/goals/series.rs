@@ -54,7 +54,7 @@ pub(super) fn table(store: &Store) -> Result<Table, Box<dyn Error>> {
 }
 
 /// Where the rows are from, and what they are about.
-pub(super) fn origins(store: &Store) -> Result<Vec<(String, String)>, Box<dyn Error>> {
+pub(super) fn origins(store: &Store) -> Result<Vec<(String, &'static str)>, Box<dyn Error>> {
     let mut origins = Vec::new();
     for (name, title) in [
         (paper::NAME, "dolphins"),
@@ -63,9 +63,9 @@ pub(super) fn origins(store: &Store) -> Result<Vec<(String, String)>, Box<dyn Er
         (threads::NAME, "threads"),
     ] {
         let rows: Vec<Record> = store.rows(name)?;
-        origins.extend(rows.iter().map(|row| (place(&row.measured), title.to_owned())));
+        origins.extend(rows.iter().map(|row| (place(&row.measured), title)));
     }
     let bytes: Vec<Bytes> = store.rows(bytes::NAME)?;
-    origins.extend(bytes.iter().map(|row| (place(&row.measured), "bytes".to_owned())));
+    origins.extend(bytes.iter().map(|row| (place(&row.measured), "bytes")));
     Ok(origins)
 }

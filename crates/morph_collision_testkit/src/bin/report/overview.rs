@@ -22,7 +22,7 @@ pub(crate) fn write(docs: &Path, store: &Store) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(&store.pages)?;
     for topic in &TOPICS {
         let path = store.pages.join(topic.name).with_extension("md");
-        fs::write(&path, (topic.page)(store)?.text()).map_err(|error| format!("{}: {error}", path.display()))?;
+        fs::write(&path, (topic.page)(store)?.text(store)).map_err(|error| format!("{}: {error}", path.display()))?;
     }
     performance.write()?;
     Ok(readme.write()?)

@@ -2,6 +2,8 @@
 
 use std::fmt::{Display, Formatter, Result};
 
+use crate::store::Store;
+
 /// A page before it is written.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Page {
@@ -28,8 +30,8 @@ impl Page {
         self
     }
 
-    /// The Markdown.
-    pub(crate) fn text(&self) -> String {
+    /// The Markdown, with links to those data files of the store that exist.
+    pub(crate) fn text(&self, store: &Store) -> String {
         let Self {
             title, intro, command, ..
         } = self;
@@ -42,6 +44,7 @@ impl Page {
         let links: Vec<_> = self
             .data
             .iter()
+            .filter(|name| store.path(name).exists())
             .map(|name| format!("[{name}.csv](data/{name}.csv)"))
             .collect();
         text += &format!(
@@ -85,23 +88,28 @@ impl Display for Origins {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     #[test]
     fn a_page_without_rows_says_how_to_fill_it() {
+        let store = Store::below(Path::new("no/such/folder"));
         let page = Page {
             title: "Rays",
             intro: "What rays cost.\n",
             command: "just report --only rays",
+            data: &["rays"],
             ..Page::default()
         };
-        let text = page.text();
+        let text = page.text(&store);
         assert!(
             text.ends_with("# Rays\n\nWhat rays cost.\n\nRun `just report --only rays` to fill this page.\n"),
             "{text}"
         );
-        let text = page.clone().about([("today", "a head")]).text();
+        let text = page.clone().about([("today", "a head")]).text(&store);
         assert!(text.contains("\nMeasured on today.\n\n- Command:"), "{text}");
+        assert!(!text.contains("rays.csv"), "{text}");
     }
 
     #[test]

@@ -72,7 +72,8 @@ impl Store {
         }
     }
 
-    fn path(&self, name: &str) -> PathBuf {
+    /// The file of some rows.
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.data.join(name).with_extension("csv")
     }
 }

@@ -168,7 +168,7 @@ mod tests {
             ("1,2", "expected X,Y,Z"),
             ("1,2,up", "\"up\" is not a finite number"),
             ("x=inf", "not a finite number"),
-            ("trun-x=90", "did you mean \"turn-x\"?"),
+            ("trun-x=90", "did you mean \"turn-x\", "),
             ("x=1,5", "expected KEY=VALUE, found \"5\""),
         ] {
             let error = text.parse::<Place>().expect_err(text);

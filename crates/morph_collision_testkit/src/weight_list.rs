@@ -347,7 +347,7 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said() {
         for (text, parts) in [
-            ("", &["number 0"][..]),
+            ("", &["no weights are given"][..]),
             ("1,x,3", &["number 1 is \"x\""]),
             ("1;2", &["number 0 is \"1;2\""]),
             ("jawOpen=wide", &["expected name=number", "jawOpen=wide"]),

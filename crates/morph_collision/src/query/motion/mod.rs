@@ -16,7 +16,6 @@
 mod candidate;
 mod contact;
 mod moving_body;
-mod moving_lanes;
 mod patches;
 mod query;
 

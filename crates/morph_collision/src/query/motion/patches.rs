@@ -8,8 +8,7 @@ use glam::DVec3;
 
 use super::Features;
 use super::candidate::{Candidate, MovingTriangle};
-use super::moving_lanes::MovingLanes;
-use crate::bounds::{LANES, lanes_of, with_simd};
+use crate::bounds::{Aabb, Extent, LANES, MovingLanes, lanes_of, with_simd};
 use crate::exact::motion::MovingPoint;
 use crate::exact::{power_of_two, power_of_two_below};
 use crate::pose::EpochCache;
@@ -44,6 +43,18 @@ impl Observer {
         let [start, end] = self.origin;
         [point.start * self.scale - start, point.end * self.scale - end]
     }
+}
+
+/// A box around three corners relative to the observer, which are rounded once.
+fn around(corners: &[DVec3; 3]) -> Aabb {
+    let Extent { min, max } = Extent::of_triangle(corners);
+    // One rounding of a difference. Twice that, because this one is rounded, too; and for subnormal numbers.
+    let error = |end: DVec3| end.abs() * (2.0 * f64::EPSILON) + DVec3::splat(1e-300);
+    let wider = Extent {
+        min: min - error(min),
+        max: max + error(max),
+    };
+    wider.outward()
 }
 
 /// The leaves of one body that a query has looked at. The next query reuses the memory.
@@ -99,7 +110,8 @@ impl MovingLeaves {
             let mut eight = MovingLanes::default();
             for (lane, corners) in corners.iter().enumerate() {
                 let seen = corners.map(|corner| self.observer.sees(&points[usize::from(corner)]));
-                eight.set(lane, [seen.map(|[start, _]| start), seen.map(|[_, end]| end)]);
+                let ends = [seen.map(|[start, _]| start), seen.map(|[_, end]| end)];
+                eight.set(lane, &ends.map(|corners| around(&corners)));
             }
             boxes.push(eight);
         }

@@ -6,11 +6,10 @@ use glam::DVec3;
 use super::candidate::Candidate;
 use super::patches::{MovingLeaves, Observer, Test, candidates, candidates_within};
 use super::{MotionContact, MovingBody};
-use crate::bounds::up;
 use crate::pose::Posed;
 use crate::query::capped::Capped;
 use crate::query::placements::Placements;
-use crate::query::{PairQuery, QueryStats};
+use crate::query::{PairQuery, QueryStats, TrianglePair};
 use crate::traverse::{Moving, MovingBoxes, Order, OverlapWalk, SelfStack, middle, walk_within};
 
 /// Finds contacts that happen while two bodies move, or while one body deforms. Keep the query and use it again: it reuses its memory.
@@ -95,7 +94,6 @@ impl MotionQuery {
         self.run(
             a,
             b,
-            &Cell::new(1.0),
             Order::Any,
             &mut |candidate, stats| match candidate.impact(tolerance, stats) {
                 Some(contact) => visitor(contact),
@@ -110,43 +108,23 @@ impl MotionQuery {
     /// on the tree. Otherwise the answer does not: if several contacts have the same time, the smallest [`Features`](super::Features) win. Nothing touches
     /// before `time.earliest`.
     ///
-    /// Cost: at first that of [`MotionQuery::all`]. When a contact is found early in the motion, the walk starts again for the time before
-    /// it.
+    /// Cost: nodes are visited in the order of the times at which their boxes overlap, up to the time of the first contact.
     pub fn first(&mut self, mut a: MovingBody<'_>, mut b: MovingBody<'_>, tolerance: f64) -> Option<MotionContact> {
         if let Some(early) = self.before_walk(&mut a, &mut b) {
-            return early;
+            return early.map(|pair| MotionContact::at_start(pair, &mut a, &mut b));
         }
-        let mut work = self.stats;
+        let work = self.stats;
         let mut first: Option<MotionContact> = None;
         let latest = Cell::new(1.0);
-        loop {
-            let (until, mut is_early) = (latest.get(), false);
-            self.run(
-                a.reborrow(),
-                b.reborrow(),
-                &latest,
-                Order::Any,
-                &mut |candidate, stats| {
-                    if let Some(contact) = candidate.impact(tolerance, stats) {
-                        let earlier = earlier(first, contact);
-                        first = Some(earlier);
-                        latest.set(earlier.time.latest);
-                    }
-                    // Start again: boxes over a shorter time are smaller.
-                    is_early = latest.get() < 0.9 * until;
-                    if is_early {
-                        ControlFlow::Break(())
-                    } else {
-                        ControlFlow::Continue(())
-                    }
-                },
-            );
-            work += self.stats;
-            if !is_early || latest.get() == 0.0 {
-                break;
+        self.run(a, b, Order::EarliestFirst(&latest), &mut |candidate, stats| {
+            if let Some(contact) = candidate.impact(tolerance, stats) {
+                let earlier = earlier(first, contact);
+                first = Some(earlier);
+                latest.set(earlier.time.latest);
             }
-        }
-        self.stats = work;
+            ControlFlow::Continue(())
+        });
+        self.stats += work;
         first
     }
 
@@ -157,7 +135,7 @@ impl MotionQuery {
         }
         let work = self.stats;
         let mut any = false;
-        self.run(a, b, &Cell::new(1.0), Order::DeepestFirst, &mut |candidate, stats| {
+        self.run(a, b, Order::DeepestFirst, &mut |candidate, stats| {
             any = candidate.touches(stats);
             if any {
                 ControlFlow::Break(())
@@ -200,7 +178,7 @@ impl MotionQuery {
         } = self;
         *stats = QueryStats::default();
         let (middle, drift) = drift(&mut ends);
-        let mut body = Moving::new(ends, (drift, 1.0), boxes, true);
+        let mut body = Moving::new(ends, drift, boxes, true);
         leaves.begin(Observer::new(middle, drift, body.standing().size));
         let mut test = |candidate: &Candidate<'_>, stats: &mut QueryStats| match candidate.impact(tolerance, stats) {
             Some(contact) => visitor(contact),
@@ -214,8 +192,9 @@ impl MotionQuery {
         *stats += QueryStats::blending(before, [start.blended(), end.blended()]);
     }
 
-    /// The answer, if it takes no walk over both motions: no contact if the bounds of the motions are apart, or contact at the start.
-    fn before_walk(&mut self, a: &mut MovingBody<'_>, b: &mut MovingBody<'_>) -> Option<Option<MotionContact>> {
+    /// The answer, if it takes no walk over both motions: no contact if the bounds of the motions are apart, or the triangles that intersect
+    /// at the start.
+    fn before_walk(&mut self, a: &mut MovingBody<'_>, b: &mut MovingBody<'_>) -> Option<Option<TrianglePair>> {
         self.stats = QueryStats {
             node_tests: 1,
             ..QueryStats::default()
@@ -228,8 +207,8 @@ impl MotionQuery {
         let ends_b = [b.start.posed(), b.end.posed()];
         let mut ends_a = [a.start.posed(), a.end.posed()];
         let (_, drift) = drift(&mut ends_a);
-        let moving_a = Moving::new(ends_a, (drift, 1.0), boxes_a, false);
-        let moving_b = Moving::new(ends_b, (drift, 1.0), boxes_b, false);
+        let moving_a = Moving::new(ends_a, drift, boxes_a, false);
+        let moving_b = Moving::new(ends_b, drift, boxes_b, false);
         let placements = Placements {
             a: moving_a.standing(),
             b: moving_b.standing(),
@@ -239,19 +218,16 @@ impl MotionQuery {
         }
         let pair = self.at_start.first(a.start.reborrow(), b.start.reborrow());
         self.stats += self.at_start.stats();
-        pair.map(|pair| Some(MotionContact::at_start(pair, a, b)))
+        pair.map(Some)
     }
 
-    /// Calls `test` for features that may touch up to the time `latest`, until it breaks. `test` may lower `latest`.
-    fn run(
-        &mut self,
-        mut a: MovingBody<'_>,
-        mut b: MovingBody<'_>,
-        latest: &Cell<f64>,
-        order: Order,
-        test: &mut Test<'_>,
-    ) {
-        let until = up(latest.get());
+    /// Calls `test` for features that may touch, until it breaks.
+    fn run(&mut self, mut a: MovingBody<'_>, mut b: MovingBody<'_>, order: Order<'_>, test: &mut Test<'_>) {
+        let always = Cell::new(1.0);
+        let latest = match order {
+            Order::EarliestFirst(latest) => latest,
+            _ => &always,
+        };
         let (bvh_a, bvh_b) = (a.bvh(), b.bvh());
         let mut ends_a = [a.start.posed(), a.end.posed()];
         let ends_b = [b.start.posed(), b.end.posed()];
@@ -266,8 +242,8 @@ impl MotionQuery {
         *stats = QueryStats::default();
         let tests_before = walk.node_tests;
         let (middle, drift) = drift(&mut ends_a);
-        let mut a = Moving::new(ends_a, (drift, until), boxes_a, false);
-        let mut b = Moving::new(ends_b, (drift, until), boxes_b, false);
+        let mut a = Moving::new(ends_a, drift, boxes_a, false);
+        let mut b = Moving::new(ends_b, drift, boxes_b, false);
         let placements = Placements {
             a: a.standing(),
             b: b.standing(),

@@ -235,6 +235,10 @@ mutations SECONDS="900" SEED="1":
 report *ARGS:
     cargo run --release -p morph_collision_testkit --features report --bin report -- {{ARGS}} docs/performance.md
 
+# Measures pairs of moving features, and recorded frames, and fills their tables in docs/performance.md: --quick for rough numbers.
+motion-times *ARGS:
+    cargo run --release -p morph_collision_testkit --bin motion_times -- {{ARGS}} docs/performance.md
+
 # Regenerates the tables of docs/rapier.md in place: bodies on a morphing surface, compared with what a game can do without the plugin.
 physics-report *ARGS:
     cargo run --release -p morph_collision_workspace --example physics_report -- {{ARGS}}

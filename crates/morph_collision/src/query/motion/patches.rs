@@ -165,6 +165,26 @@ pub(super) fn candidates(
     ControlFlow::Continue(())
 }
 
+/// Calls `test` for the triangles of a body's leaves that a ball's box meets at times up to `latest`.
+pub(super) fn triangles_at_box(
+    (a, leaves_a, owners_a): (&mut Moving<'_, '_>, &mut MovingLeaves, &Owners),
+    (b, leaves_b): (&mut Moving<'_, '_>, &mut MovingLeaves),
+    leaves: &[(Leaf, Leaf)],
+    (latest, stats): (&Cell<f64>, &mut QueryStats),
+    test: &mut impl FnMut(&MovingTriangle<'_>, &mut QueryStats),
+) {
+    for &(leaf_a, leaf_b) in leaves {
+        let (slot_a, slot_b) = (leaves_a.read(a, leaf_a), leaves_b.read(b, leaf_b));
+        let (of_a, of_b) = (leaves_a.placed.get(slot_a), leaves_b.placed.get(slot_b));
+        let at_pair = |[place, _]: [usize; 2], stats: &mut QueryStats| {
+            test(&MovingTriangle::new(a, leaf_a, &of_a.points, place, owners_a), stats);
+            ControlFlow::Continue(())
+        };
+        // Never breaks.
+        let _ = with_simd!(a.ends[0].level, simd => pairs(simd, (of_a, of_b), false, (latest, stats), at_pair));
+    }
+}
+
 /// Like [`candidates`], for two leaves of one body, or one leaf with itself. Leaves out features that share a vertex.
 pub(super) fn candidates_within(
     (body, placed, owners): (&mut Moving<'_, '_>, &mut MovingLeaves, &Owners),

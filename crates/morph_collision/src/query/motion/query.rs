@@ -3,14 +3,16 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 
-use super::candidate::Candidate;
-use super::patches::{MovingLeaves, Observer, Test, candidates, candidates_within};
-use super::{MotionContact, MovingBody};
+use super::ball::BallBox;
+use super::candidate::{Candidate, MovingTriangle};
+use super::patches::{MovingLeaves, Observer, Test, candidates, candidates_within, triangles_at_box};
+use super::{BallImpact, Features, MotionContact, MovingBall, MovingBody};
 use crate::pose::Posed;
 use crate::query::capped::Capped;
 use crate::query::placements::Placements;
 use crate::query::{PairQuery, QueryStats, TrianglePair};
 use crate::traverse::{Moving, MovingBoxes, Order, OverlapWalk, SelfStack, middle, walk_within};
+use crate::tree::Leaf;
 
 /// Finds contacts that happen while two bodies move, or while one body deforms. Keep the query and use it again: it reuses its memory.
 ///
@@ -55,6 +57,8 @@ pub struct MotionQuery {
     boxes: [MovingBoxes; 2],
     leaves: [MovingLeaves; 2],
     at_start: PairQuery,
+    /// Made when the first ball is asked about.
+    ball: Option<Box<BallBox>>,
     stats: QueryStats,
 }
 
@@ -147,6 +151,71 @@ impl MotionQuery {
         any
     }
 
+    /// Returns where a moving ball, or point, first touches a moving body, if it does. If several triangles are touched in the same interval
+    /// of time, the one with the smallest number is returned.
+    ///
+    /// For a point, the answer is exact, like that for a vertex. For a ball, nothing is missed, and it does not touch before `time.earliest`. It
+    /// may count as touching although it passes by so closely that this is unclear when the time has been halved to intervals as short as the
+    /// tolerance (or `2^-40`), or closer than 1e-14 of the largest distance between its center and the triangle.
+    ///
+    /// Cost: as for [`MotionQuery::first`].
+    ///
+    /// ```
+    /// # use std::sync::Arc;
+    /// # use glam::{DVec3, Vec3};
+    /// use morph_collision::motion::{MotionQuery, MovingBall, MovingBody, MovingPoint};
+    /// # use morph_collision::{Body, BuildOptions, MorphBvh, MorphModel, Pose, WorldFromModel};
+    ///
+    /// // A triangle, and a target that lifts it to z = 2.
+    /// let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z * 2.0; 3]])?;
+    /// let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
+    /// let (mut rest, mut lifted, world) = (Pose::new(bvh.clone()), Pose::new(bvh), WorldFromModel::IDENTITY);
+    /// lifted.set_weights(&[1.0])?;
+    /// let rising = MovingBody::new(Body::new(&mut rest, &world), Body::new(&mut lifted, &world))?;
+    ///
+    /// // A ball falls towards it.
+    /// let fall = MovingPoint::new(DVec3::new(0.25, 0.25, 4.5), DVec3::new(0.25, 0.25, 2.5));
+    /// let impact = MotionQuery::new().first_of_ball(&MovingBall::new(fall, 0.5)?, rising, 1e-6).ok_or("no impact")?;
+    /// assert!(impact.time.earliest <= 1.0 && impact.time.latest == 1.0);
+    /// assert_eq!((impact.normal, impact.velocity), (DVec3::Z, DVec3::Z * -4.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn first_of_ball(&mut self, ball: &MovingBall, mut body: MovingBody<'_>, tolerance: f64) -> Option<BallImpact> {
+        let mut bounds = self.ball.take().unwrap_or_else(|| Box::new(BallBox::new()));
+        let bvh = body.bvh();
+        let (mut first, latest) = (None, Cell::new(1.0));
+        let mut test = |triangle: &MovingTriangle<'_>, stats: &mut QueryStats| {
+            let impact = if ball.radius() > 0.0 {
+                stats.feature_tests += 1;
+                ball.impact(triangle, tolerance, latest.get())
+            } else {
+                let features = Features::FaceVertex {
+                    triangle_a: triangle.number,
+                    vertex_b: 0,
+                };
+                let candidate = Candidate::vertex_face(features, ball.center(), [triangle; 2]);
+                let contact = candidate.impact(tolerance, stats);
+                contact.map(|contact| BallImpact::of_point(triangle.number, &contact))
+            };
+            if let Some(impact) = impact {
+                let earlier = BallImpact::earlier(first, impact);
+                first = Some(earlier);
+                latest.set(earlier.time.latest);
+            }
+        };
+        self.walk(
+            body.reborrow(),
+            bounds.around(ball),
+            Order::EarliestFirst(&latest),
+            &mut |(a, leaves_a), of_b, leaves, stats| {
+                triangles_at_box((a, leaves_a, bvh.owners()), of_b, leaves, (&latest, stats), &mut test);
+                ControlFlow::Continue(())
+            },
+        );
+        self.ball = Some(bounds);
+        first
+    }
+
     /// Appends every pair of features of one body that touch, leaving out those that share a vertex. So a fold at a common edge is not
     /// listed, and, as for [`MotionQuery::all`], neither are parts that already cross each other ([`SelfQuery`](crate::SelfQuery)).
     ///
@@ -222,13 +291,28 @@ impl MotionQuery {
     }
 
     /// Calls `test` for features that may touch, until it breaks.
-    fn run(&mut self, mut a: MovingBody<'_>, mut b: MovingBody<'_>, order: Order<'_>, test: &mut Test<'_>) {
+    fn run(&mut self, a: MovingBody<'_>, b: MovingBody<'_>, order: Order<'_>, test: &mut Test<'_>) {
         let always = Cell::new(1.0);
         let latest = match order {
             Order::EarliestFirst(latest) => latest,
             _ => &always,
         };
         let (bvh_a, bvh_b) = (a.bvh(), b.bvh());
+        self.walk(a, b, order, &mut |(a, leaves_a), (b, leaves_b), leaves, stats| {
+            let of_a = (a, leaves_a, bvh_a.owners());
+            let of_b = (b, leaves_b, bvh_b.owners());
+            candidates(of_a, of_b, leaves, (latest, stats), test)
+        });
+    }
+
+    /// Calls `at_leaves` for pairs of leaves that may touch, until it breaks.
+    fn walk(
+        &mut self,
+        mut a: MovingBody<'_>,
+        mut b: MovingBody<'_>,
+        order: Order<'_>,
+        at_leaves: &mut AtMovingLeaves<'_>,
+    ) {
         let mut ends_a = [a.start.posed(), a.end.posed()];
         let ends_b = [b.start.posed(), b.end.posed()];
         let before = [&ends_a[0], &ends_a[1], &ends_b[0], &ends_b[1]].map(Posed::blended);
@@ -256,9 +340,7 @@ impl MotionQuery {
                 if leaves.is_empty() {
                     return ControlFlow::Continue(());
                 }
-                let of_a = (a, &mut *leaves_a, bvh_a.owners());
-                let of_b = (b, &mut *leaves_b, bvh_b.owners());
-                candidates(of_a, of_b, leaves, (latest, stats), test)
+                at_leaves((a, &mut *leaves_a), (b, &mut *leaves_b), leaves, stats)
             });
             stats.node_tests = walk.node_tests - tests_before;
         } else {
@@ -268,6 +350,13 @@ impl MotionQuery {
         *stats += QueryStats::blending(before, after);
     }
 }
+
+/// A body and its leaves.
+type Leaves<'l, 'm, 'p> = (&'l mut Moving<'m, 'p>, &'l mut MovingLeaves);
+
+/// The callback for pairs of leaves of two bodies.
+type AtMovingLeaves<'v> =
+    dyn FnMut(Leaves<'_, '_, '_>, Leaves<'_, '_, '_>, &[(Leaf, Leaf)], &mut QueryStats) -> ControlFlow<()> + 'v;
 
 /// The middle of the first body when the motion starts, and how far it moves. Queries take that motion off both bodies.
 fn drift(ends: &mut [Posed<'_>; 2]) -> (DVec3, DVec3) {

@@ -16,15 +16,15 @@ use morph_collision_testkit::motion::records::find_records;
 
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
-    let (rounds, page) = match words.as_slice() {
-        [quick, page] if quick == "--quick" => (3, page),
-        [page] => (15, page),
+    let (rounds, note, page) = match words.as_slice() {
+        [quick, page] if quick == "--quick" => (3, "Rough times: ", page),
+        [page] => (15, "", page),
         _ => {
             eprintln!("usage: motion_times [--quick] PAGE.md");
             return ExitCode::from(2);
         }
     };
-    match run(rounds, PathBuf::from(page)) {
+    match run(rounds, note, PathBuf::from(page)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("motion_times: error: {error}");
@@ -33,7 +33,7 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(rounds: usize, page: PathBuf) -> Result<(), Box<dyn Error>> {
+fn run(rounds: usize, note: &str, page: PathBuf) -> Result<(), Box<dyn Error>> {
     let mut page = Page::read(&page)?;
     let (queries, pairs) = match (find_records("ccdq"), find_records("ccdp")) {
         (Ok(queries), Ok(pairs)) => (queries, pairs),
@@ -45,7 +45,7 @@ fn run(rounds: usize, page: PathBuf) -> Result<(), Box<dyn Error>> {
     if bench::pin().is_none() {
         eprintln!("cannot pin this thread to a core; times will vary more");
     }
-    let machine = format!("\n{}, one thread, medians of {rounds} rounds.\n\n", bench::cpu());
+    let machine = format!("\n{note}{}, one thread, medians of {rounds} rounds.\n\n", bench::cpu());
     page.replace(
         "motion-queries",
         &(machine.clone() + &features::table(&queries, &pairs, rounds)?),

@@ -48,6 +48,8 @@ struct MotionReport {
     missed: u64,
     spurious: u64,
     wrong_times: u64,
+    /// Contacts whose point, normal or velocity does not fit the motion.
+    wrong_geometry: u64,
 }
 
 impl From<MotionCounts> for MotionReport {
@@ -59,6 +61,7 @@ impl From<MotionCounts> for MotionReport {
             missed: counts.missed,
             spurious: counts.spurious,
             wrong_times: counts.wrong_times,
+            wrong_geometry: counts.wrong_geometry,
         }
     }
 }
@@ -124,7 +127,7 @@ impl VerifyReport {
     /// The number of answers that differ.
     pub(super) fn differences(&self) -> u64 {
         let (total, motion) = (&self.total, &self.motion);
-        let in_motion = motion.missed + motion.spurious + motion.wrong_times;
+        let in_motion = motion.missed + motion.spurious + motion.wrong_times + motion.wrong_geometry;
         total.missed + total.spurious + total.containment_violations + in_motion
     }
 
@@ -195,10 +198,12 @@ impl VerifyReport {
             missed,
             spurious,
             wrong_times,
+            wrong_geometry,
         } = &self.motion;
         writeln!(
             text,
-            "{steps} motions: {contacts} contacts, {pairs} pairs of features compared: {missed} missed, {spurious} spurious, {wrong_times} wrong times"
+            "{steps} motions: {contacts} contacts, {pairs} pairs of features compared: {missed} missed, {spurious} spurious, {wrong_times} wrong \
+             times, {wrong_geometry} wrong points or normals"
         )?;
         if let Some(reproduction) = &self.reproduction {
             reproduction.write_text(&self.bodies, text)?;

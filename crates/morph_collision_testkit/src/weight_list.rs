@@ -353,7 +353,7 @@ mod tests {
             ("jawOpen=wide", &["expected name=number", "jawOpen=wide"]),
             ("jawOpen=1,smile", &["expected name=number", "\"smile\""]),
             ("a=1\nb", &["line 2", "\"b\""]),
-            ("name,weight", &["no weights"]),
+            ("name,weight", &["number 0 is \"name\""]),
             ("{\"a\": \"x\"}", &["expected f32", "line 1"]),
             ("{\"a\": 1, \"a\": 2}", &["\"a\" is given twice"]),
             ("[1, 2", &["line 1"]),

@@ -147,12 +147,12 @@ fn what_does_not_fit_is_refused() -> TestResult {
         ),
         (
             &[&dolphin, "--clip", "swim", "--clip", "swim"],
-            &["--clip", "2 times for 1 models"],
+            &["--clip", "2 times for 1 model"],
         ),
         (&[&dolphin, "--place", "1,2"], &["--place", "expected X,Y,Z"]),
         (
             &[&dolphin, "--place", "0,0,0", "--place", "0,0,0"],
-            &["--place", "2 times for 1 models"],
+            &["--place", "2 times for 1 model"],
         ),
         (&[&dolphin, "--weights", "1"], &["--weights", "1 weights for 2 targets"]),
         (&[&dolphin, "--fps", "0"], &["--fps"]),

@@ -210,20 +210,22 @@ fuzz SECONDS:
     # There is no unsafe code, so no sanitizer is needed, and any toolchain works without one.
     cargo fuzz build --sanitizer none
     for target in $(cargo fuzz list); do
-        mkdir -p "fuzz/corpus/$target" "fuzz/regressions/$target"
-        regressions=(fuzz/regressions/"$target"/*)
+        # The same function, with mutations that keep the structure of files.
+        corpus="${target%_structure}"
+        mkdir -p "fuzz/corpus/$corpus" "fuzz/regressions/$corpus"
+        regressions=(fuzz/regressions/"$corpus"/*)
         if [ -e "${regressions[0]}" ]; then
             cargo fuzz run --sanitizer none "$target" "${regressions[@]}"
         fi
         dictionary=()
-        if [ -e "fuzz/dictionaries/$target.txt" ]; then dictionary=(-dict="fuzz/dictionaries/$target.txt"); fi
+        if [ -e "fuzz/dictionaries/$corpus.txt" ]; then dictionary=(-dict="fuzz/dictionaries/$corpus.txt"); fi
         # New inputs go to the first folder, which is not committed.
         mkdir -p "fuzz/target/corpus/$target"
         # Limits the address space of file readers, in KiB: they must refuse a file that claims gigabytes.
         limit=unlimited
-        case "$target" in gltf | scene) limit=2000000 ;; esac
-        (ulimit -v "$limit"; cargo fuzz run --sanitizer none "$target" "fuzz/target/corpus/$target" "fuzz/corpus/$target" -- \
-            -max_total_time={{SECONDS}} -max_len=4096 -print_final_stats=1 "${dictionary[@]}")
+        case "$target" in gltf* | scene) limit=2000000 ;; esac
+        (ulimit -v "$limit"; cargo fuzz run --sanitizer none "$target" "fuzz/target/corpus/$target" "fuzz/corpus/$corpus" -- \
+            -max_total_time={{SECONDS}} -max_len=4096 -timeout=10 -print_final_stats=1 "${dictionary[@]}")
     done
 
 # Feeds mutated files to the readers of models and scenes for SECONDS, within 2 GB of address space.
@@ -293,6 +295,35 @@ instructions-motion:
                 fi
             done
         done
+    done
+
+# Prints the table of docs/tool.md: what every command says about every model in assets/ and ../shared/models.
+tool-table:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    cargo build -p morph_collision_cli
+    tool="${CARGO_TARGET_DIR:-target}/debug/morph-collide"
+    scratch=$(mktemp -d)
+    trap 'rm -r "$scratch"' EXIT
+    # The part in brackets of the lines that match.
+    told() { sed -n "s/$1/\\1/p" | tr '\n' ' ' | sed 's/ $//'; }
+    commas() { sed ':a; s/\B[0-9]\{3\}\b/,&/; ta'; }
+    echo "| model | inspect | query --self | sweep --fps 10 | export --mesh all | run | motion | verify | bench |"
+    echo "|---|--:|--:|--:|--:|--:|--:|--:|---|"
+    for model in assets/*.glb ../shared/models/*.glb ../shared/models/*.gltf ../shared/models/sequences/*.glb; do
+        test -f "$model" || continue
+        # Some models are in both folders.
+        if [ "${model#assets/}" = "$model" ] && [ -f "assets/$(basename "$model")" ]; then continue; fi
+        inspect=$("$tool" inspect "$model" "$model" | awk 'NR == 2 { print $3 " of " $2 ", " $4 }')
+        self=$("$tool" query "$model" --self | told '^\([0-9]*\) pairs of triangles$' | commas)
+        sweep=$("$tool" sweep "$model" --fps 10 | told '^Triangles touch in \(.*\) frames\. .*')
+        export=$("$tool" export "$model" --mesh all --output "$scratch/out.glb" | told '.* triangles, \(.*\) of them touch.*')
+        "$tool" scene "$model#all" "$model#all" --node-transforms --place 0,0,0 --place turn-y=10..90 --frames 9 --output "$scratch/scene.json"
+        run=$("$tool" run "$scratch/scene.json" | told '^triangle pairs *\([0-9]*\) over all frames$' | commas)
+        motion=$("$tool" motion "$scratch/scene.json" | told '^steps: 8, .* first contacts: \(.*\)$' | commas)
+        verify=$("$tool" verify "$model" --frames 10 | told '^All \(.*\) answers agree with brute force\.$')
+        "$tool" bench "$model" --rounds 1 --every 200 --method hybrid > "$scratch/bench" 2> /dev/null && bench=agrees || bench=differs
+        echo "| \`$(basename "$model")\` | $inspect | $self | ${sweep:-0} | $export | $run | $motion | ${verify:-none} | $bench |"
     done
 
 # Counts the instructions of some scenes for several build profiles, and the bytes of the program (needs valgrind).

@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use morph_collision::InputError;
 use morph_collision_testkit::bench::NoExperiment;
 use morph_collision_testkit::gltf_read::{ReadError, Remedy};
+use morph_collision_testkit::gltf_write::WriteError;
 use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::moments::AnswerError;
 use morph_collision_testkit::printable::Printable;
@@ -23,13 +24,12 @@ pub(crate) enum CliError {
     Scene(#[from] SceneError),
     #[error("{}: no usable mesh: {reason}", file.display())]
     NoUsableMesh { file: PathBuf, reason: String },
-    #[error("{}: body {body}: {} has no mesh {mesh}, only {count}", scene.display(), model.display())]
-    NoSuchMesh {
+    /// A body of a scene cannot be read.
+    #[error("{}: body {body}: {reason}", scene.display())]
+    SceneBody {
         scene: PathBuf,
         body: usize,
-        model: PathBuf,
-        mesh: usize,
-        count: usize,
+        reason: String,
     },
     #[error("{}: mesh {mesh} \"{name}\": {reason}{}", file.display(), Remedy::hint(reason.remedy()))]
     Mesh {
@@ -62,6 +62,11 @@ pub(crate) enum CliError {
         most: usize,
     },
     #[error(
+        "{}: frame {frame}: more than {most} pairs of triangles touch, for which the memory limit has no room; raise --memory-limit",
+        input.display()
+    )]
+    TooManyTouches { input: PathBuf, frame: usize, most: usize },
+    #[error(
         "{}: mesh {mesh} intersects itself in more than {most} pairs of triangles, for which the memory limit has no room; raise --memory-limit",
         file.display()
     )]
@@ -74,8 +79,9 @@ pub(crate) enum CliError {
         name: String,
         reason: InputError,
     },
+    /// A state of a scene does not fit its body.
     #[error("{}: frame {frame}, body {body}: {reason}", scene.display())]
-    NoSuchClip {
+    State {
         scene: PathBuf,
         frame: usize,
         body: usize,
@@ -95,6 +101,12 @@ pub(crate) enum CliError {
     Bench { scene: String, reason: AnswerError },
     #[error("{flag}: {reason}")]
     Flag { flag: &'static str, reason: String },
+    /// A mesh could not be exported.
+    #[error(transparent)]
+    Export(#[from] WriteError),
+    /// Some of the files of a batch failed; each was reported.
+    #[error("{failed} of {all} files failed")]
+    Batch { failed: usize, all: usize },
     #[error("{}: cannot write: {reason}", file.display())]
     Write { file: PathBuf, reason: io::Error },
     #[error("cannot write to stdout: {0}")]

@@ -1,21 +1,34 @@
-//! `morph-collide inspect`: what a model is made of, and what tree it gets.
+//! `morph-collide inspect`: what models are made of, and what tree each mesh gets.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use morph_collision_testkit::inspect::FileReport;
+use morph_collision_testkit::inspect::{FileReport, Summary, SummaryRow};
 
 use crate::error::CliError;
-use crate::model_file::FileArgs;
-use crate::output;
+use crate::model_file::{FileArgs, MeshChoice};
+use crate::{output, progress};
 
-/// Show the meshes of a glTF file: sizes, targets, ranges of animated weights, and the tree each mesh gets.
+const EXAMPLES: &str = "Examples:
+  morph-collide inspect face.glb
+  morph-collide inspect character.glb --mesh Body
+  morph-collide inspect models/*.glb";
+
+/// Show what glTF files contain: animations, and for each mesh its size, bounds, nodes, skin, targets and tree.
 ///
-/// Broken meshes are listed with their error. The exit code is 2 if no mesh can collide.
+/// `reach` is how far a target moves a vertex at weight 1, and `left alone` is the share of vertices that it does not move. Bounds are
+/// those of the rest pose. Several files get one line each, and so do the meshes of a file with more than four.
+///
+/// Broken meshes are listed with their error. The exit code is 2 if a file has no mesh that can collide.
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct InspectArgs {
-    /// A .glb or .gltf file.
-    model: PathBuf,
+    /// .glb or .gltf files; - reads a .glb from standard input.
+    #[arg(required = true)]
+    models: Vec<PathBuf>,
+    /// Show only this mesh, in full: its index in the file, or its name.
+    #[arg(long, value_name = "MESH")]
+    mesh: Option<MeshChoice>,
     #[command(flatten)]
     files: FileArgs,
     /// Print one JSON object instead of tables.
@@ -23,11 +36,13 @@ pub(crate) struct InspectArgs {
     json: bool,
 }
 
-/// Reports every mesh of the file. An unusable mesh is shown with its error; it is an error only if all meshes are
+/// Reports every mesh of the files. An unusable mesh is shown with its error; it is an error only if all meshes of a file are
 /// unusable.
 pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
-    let file = args.files.open(&args.model)?;
-    let report = FileReport::read(&file);
+    let [model] = &args.models[..] else {
+        return batch(args);
+    };
+    let report = report(args, model)?;
     if args.json {
         output::print_json(&report)?;
     } else {
@@ -35,9 +50,47 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
     }
     match report.why_unusable() {
         Some(reason) => Err(CliError::NoUsableMesh {
-            file: args.model.clone(),
+            file: model.clone(),
             reason,
         }),
         None => Ok(()),
     }
+}
+
+/// One line per file, and totals.
+fn batch(args: &InspectArgs) -> Result<(), CliError> {
+    if args.mesh.is_some() {
+        let reason = "it works with one file only".to_owned();
+        return Err(CliError::Flag { flag: "--mesh", reason });
+    }
+    let mut summary = Summary::default();
+    for model in &args.models {
+        summary.files.push(match report(args, model) {
+            Ok(report) => SummaryRow::of(&report),
+            Err(error) => SummaryRow::unreadable(model.display().to_string(), error.to_string()),
+        });
+    }
+    if args.json {
+        output::print_json(&summary)?;
+    } else {
+        output::print(&summary.to_string())?;
+    }
+    let failed = summary.files.iter().filter(|row| row.usable == 0).count();
+    match failed {
+        0 => Ok(()),
+        _ => Err(CliError::Batch {
+            failed,
+            all: summary.files.len(),
+        }),
+    }
+}
+
+fn report(args: &InspectArgs, model: &Path) -> Result<FileReport, CliError> {
+    let file = args.files.open(model)?;
+    let only = args.mesh.as_ref().map(|mesh| mesh.find(&file)).transpose();
+    let only = only.map_err(|reason| CliError::Flag { flag: "--mesh", reason })?;
+    let count = file.mesh_count();
+    let meshes = only.map_or(0..count, |mesh| mesh..mesh + 1);
+    let show = |mesh| progress::doing(format!("{}: mesh {mesh} of {count} and its tree", model.display()));
+    Ok(FileReport::read_meshes(&file, meshes, show))
 }

@@ -1,36 +1,45 @@
-//! How commands open model files: how much memory they may take, which paths they may refer to, and which mesh the flags name.
+//! How commands open models and scenes: how much memory they may take, which paths they may refer to, and which mesh is meant.
 
+use std::convert::Infallible;
 use std::path::Path;
+use std::str::FromStr;
+use std::{fmt, io};
 
 use clap::Args;
 use morph_collision_testkit::gltf_read::{GltfFile, ReadOptions};
 use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::memory::{self, MemoryBudget};
 use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::nearest::suggestion;
 use morph_collision_testkit::printable::Printable;
+use morph_collision_testkit::scenes::Scene;
 
 use crate::error::CliError;
+use crate::progress;
+
+/// The name of stdin and stdout on the command line.
+pub(crate) const STANDARD: &str = "-";
 
 /// How far commands trust the files they read.
 #[derive(Debug, Args)]
 pub(crate) struct FileArgs {
-    /// Most memory that a file, or all models of a scene together, may take, including the trees built from them: a number and B,
-    /// KiB, MiB, GiB or TiB.
+    /// The most memory that a file may take with everything that is built from it; for a scene, all its files together.
     ///
-    /// Files can claim far more memory than they store, so it is counted, on the high side, before it is allocated. 1GiB by
-    /// default.
-    #[arg(long, value_name = "SIZE", value_parser = size)]
-    memory_limit: Option<u64>,
-    /// Allow devices and pipes, and buffers anywhere: absolute paths, `..`, `file:` URIs, symbolic links.
+    /// A number and B, KiB, MiB, GiB or TiB; 1GiB by default. Files can claim far more memory than they store, so memory is estimated, on
+    /// the high side, before it is allocated.
+    #[arg(long, value_name = "SIZE", help_heading = "Files")]
+    memory_limit: Option<Size>,
+    /// Read devices, pipes, and buffers outside the model's folder.
     ///
-    /// Without it, a model's buffers have to be regular files in its own directory or below.
-    #[arg(long)]
+    /// Without this option, a model's buffers must be regular files in its folder or below: no absolute paths, `..`, `file:` URIs,
+    /// or symbolic links that lead elsewhere.
+    #[arg(long, help_heading = "Files")]
     allow_any_path: bool,
 }
 
 impl FileArgs {
     pub(crate) fn memory_limit(&self) -> u64 {
-        self.memory_limit.unwrap_or(memory::DEFAULT_LIMIT)
+        self.memory_limit.unwrap_or_default().0
     }
 
     /// Refuses file options when no file is named.
@@ -47,7 +56,7 @@ impl FileArgs {
         Ok(())
     }
 
-    /// Opens a model file.
+    /// Opens a model file; `-` is stdin.
     pub(crate) fn open(&self, model: &Path) -> Result<GltfFile, CliError> {
         self.open_within(model, &MemoryBudget::new(self.memory_limit()))
     }
@@ -58,30 +67,106 @@ impl FileArgs {
             memory_limit: self.memory_limit(),
             any_path: self.allow_any_path,
         };
+        if model == Path::new(STANDARD) {
+            progress::doing("reading a model from standard input");
+            return Ok(GltfFile::read_from(
+                io::stdin().lock(),
+                model,
+                &options,
+                budget.clone(),
+            )?);
+        }
+        progress::doing(format!("reading {}", model.display()));
         Ok(GltfFile::open_within(model, &options, budget.clone())?)
     }
 
-    /// Opens a model file and reads its mesh `mesh`, an index given by `flag`.
+    /// Opens a model file and reads one of its meshes, which `flag` names.
     pub(crate) fn open_mesh(
         &self,
         model: &Path,
-        mesh: usize,
+        mesh: &MeshChoice,
         flag: &'static str,
-    ) -> Result<(GltfFile, MorphMesh), CliError> {
+    ) -> Result<(GltfFile, usize, MorphMesh), CliError> {
         let file = self.open(model)?;
-        let count = file.mesh_count();
-        if mesh >= count {
-            return Err(CliError::Flag {
-                flag,
-                reason: format!("{} has no mesh {mesh}, only {count}", model.display()),
-            });
+        let index = mesh.find(&file).map_err(|reason| CliError::Flag { flag, reason })?;
+        let mesh = read_mesh(&file, index)?;
+        Ok((file, index, mesh))
+    }
+
+    /// Reads a scene file; `-` is stdin, and then the paths of models are relative to the current directory.
+    pub(crate) fn read_scene(&self, scene: &Path) -> Result<Scene, CliError> {
+        if scene == Path::new(STANDARD) {
+            progress::doing("reading a scene from standard input");
+            return Ok(Scene::read_from(io::stdin().lock(), scene, self.memory_limit())?);
         }
-        let mesh = read_mesh(&file, mesh)?;
-        Ok((file, mesh))
+        progress::doing(format!("reading {}", scene.display()));
+        Ok(Scene::read_within(scene, self.memory_limit())?)
     }
 }
 
-/// Reads a mesh that takes part in collisions, with its skin but without the clips of its weights.
+/// A mesh of a file, by index or by name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct MeshChoice(pub(crate) String);
+
+impl Default for MeshChoice {
+    fn default() -> Self {
+        Self("0".to_owned())
+    }
+}
+
+impl fmt::Display for MeshChoice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl FromStr for MeshChoice {
+    type Err = Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Infallible> {
+        Ok(Self(text.to_owned()))
+    }
+}
+
+impl MeshChoice {
+    /// Its index.
+    pub(crate) fn find(&self, file: &GltfFile) -> Result<usize, String> {
+        let count = file.mesh_count();
+        let path = file.path().display();
+        if let Ok(index) = self.0.parse::<usize>() {
+            if index < count {
+                return Ok(index);
+            }
+            return Err(format!("{path} has no mesh {index}; it has {}", in_all(count)));
+        }
+        let names: Vec<String> = (0..count).map(|index| file.mesh_name(index)).collect();
+        let mut same = names.iter().enumerate().filter(|(_, name)| **name == self.0);
+        match (same.next(), same.next()) {
+            (Some((index, _)), None) => Ok(index),
+            (Some((first, _)), Some((second, _))) => Err(format!(
+                "meshes {first} and {second} of {path} are both named \"{}\"; give an index",
+                Printable(&self.0)
+            )),
+            (None, _) => Err(format!(
+                "{path} has no mesh named \"{}\"{}; it has {}",
+                Printable(&self.0),
+                suggestion(&self.0, names.iter().map(String::as_str)),
+                in_all(count)
+            )),
+        }
+    }
+}
+
+/// How many meshes there are, and their indices.
+fn in_all(count: usize) -> String {
+    match count {
+        0 => "none".to_owned(),
+        1 => "one, mesh 0".to_owned(),
+        _ => format!("{count}, meshes 0 to {}", count - 1),
+    }
+}
+
+/// Reads a mesh that takes part in collisions, with its skin but without the clips of its weights and its default weights.
 pub(crate) fn read_mesh(file: &GltfFile, index: usize) -> Result<MorphMesh, CliError> {
     let found = file.mesh(index)?;
     found
@@ -113,36 +198,6 @@ pub(crate) fn read_clips(file: &GltfFile, index: usize, mesh: &mut MorphMesh) ->
     Ok(())
 }
 
-/// Finds the clips of a given name that move the mesh's weights and its joints: indices into [`MorphMesh::animations`] and into
-/// the skeleton's clips.
-pub(crate) fn find_clip(mesh: &MorphMesh, name: &str) -> Result<[Option<usize>; 2], String> {
-    let of_joints = mesh.skin.as_ref().map_or(&[][..], |skin| &skin.skeleton.clips);
-    let found = [
-        mesh.animations.iter().position(|clip| clip.name == name),
-        of_joints.iter().position(|clip| clip.name == name),
-    ];
-    if found != [None, None] {
-        return Ok(found);
-    }
-    let of_weights = mesh.animations.iter().map(|clip| &clip.name);
-    let mut known: Vec<&String> = of_weights.chain(of_joints.iter().map(|clip| &clip.name)).collect();
-    known.sort();
-    known.dedup();
-    let known: Vec<String> = known
-        .into_iter()
-        .map(|name| format!("\"{}\"", Printable(name)))
-        .collect();
-    let known = if known.is_empty() {
-        "none".to_owned()
-    } else {
-        known.join(", ")
-    };
-    Err(format!(
-        "there is no clip \"{}\" of the mesh; it has {known}",
-        Printable(name)
-    ))
-}
-
 fn mesh_error(file: &GltfFile, mesh: usize, reason: MeshError) -> CliError {
     CliError::Mesh {
         file: file.path().to_owned(),
@@ -152,23 +207,38 @@ fn mesh_error(file: &GltfFile, mesh: usize, reason: MeshError) -> CliError {
     }
 }
 
-fn size(text: &str) -> Result<u64, String> {
-    const UNITS: [(&str, u64); 5] = [
-        ("KiB", 1 << 10),
-        ("MiB", 1 << 20),
-        ("GiB", 1 << 30),
-        ("TiB", 1 << 40),
-        ("B", 1),
-    ];
-    let wrong = || "expected a whole number and B, KiB, MiB, GiB or TiB, such as 4GiB".to_owned();
-    let unit = |(unit, bytes): (&str, u64)| {
-        let at = text.len().checked_sub(unit.len())?;
-        let (number, end) = text.split_at_checked(at)?;
-        end.eq_ignore_ascii_case(unit).then_some((number, bytes))
-    };
-    let (number, bytes) = UNITS.into_iter().find_map(unit).unwrap_or((text, 1));
-    let number: u64 = number.trim_end().parse().map_err(|_| wrong())?;
-    number.checked_mul(bytes).ok_or_else(wrong)
+/// A number of bytes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Size(u64);
+
+const UNITS: [(&str, u64); 5] = [
+    ("TiB", 1 << 40),
+    ("GiB", 1 << 30),
+    ("MiB", 1 << 20),
+    ("KiB", 1 << 10),
+    ("B", 1),
+];
+
+impl Default for Size {
+    fn default() -> Self {
+        Self(memory::DEFAULT_LIMIT)
+    }
+}
+
+impl FromStr for Size {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || "expected a whole number and B, KiB, MiB, GiB or TiB, such as 4GiB".to_owned();
+        let unit = |(unit, bytes): (&str, u64)| {
+            let at = text.len().checked_sub(unit.len())?;
+            let (number, end) = text.split_at_checked(at)?;
+            end.eq_ignore_ascii_case(unit).then_some((number, bytes))
+        };
+        let (number, bytes) = UNITS.into_iter().find_map(unit).unwrap_or((text, 1));
+        let number: u64 = number.trim_end().parse().map_err(|_| wrong())?;
+        number.checked_mul(bytes).map(Self).ok_or_else(wrong)
+    }
 }
 
 #[cfg(test)]
@@ -186,10 +256,11 @@ mod tests {
             ("0", 0),
             ("1TiB", 1 << 40),
         ] {
-            assert_eq!(size(text), Ok(bytes), "{text}");
+            assert_eq!(text.parse(), Ok(Size(bytes)), "{text}");
         }
         for text in ["", "GiB", "-1", "1.5GiB", "1GB", "99999999999999TiB", "1é"] {
-            assert!(size(text).is_err(), "{text}");
+            assert!(text.parse::<Size>().is_err(), "{text}");
         }
+        assert_eq!("1GiB".parse(), Ok(Size::default()));
     }
 }

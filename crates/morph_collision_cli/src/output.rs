@@ -4,11 +4,33 @@
 
 use std::fmt::{Display, Write as _};
 use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 
+use morph_collision_testkit::numbers::Grouped;
 use morph_collision_testkit::printable::{Printable, is_printable};
 use serde::Serialize;
 
 use crate::error::CliError;
+use crate::progress;
+
+/// The version of all JSON that the program writes. It changes if a key changes its meaning or is removed.
+const VERSION: u32 = 1;
+
+/// Whether a file is written to stdout, so that reports have to go to stderr.
+static STDOUT_IS_TAKEN: AtomicBool = AtomicBool::new(false);
+
+/// A report with the version of its format.
+#[derive(Serialize)]
+struct Versioned<'a, T> {
+    version: u32,
+    #[serde(flatten)]
+    report: &'a T,
+}
+
+/// Leaves stdout to an output file. Reports go to stderr from now on.
+pub(crate) fn leave_stdout_to_a_file() {
+    STDOUT_IS_TAKEN.store(true, Ordering::Relaxed);
+}
 
 /// Writes one report to stdout. Line breaks are kept; all other unprintable characters are escaped.
 pub(crate) fn print(text: &str) -> Result<(), CliError> {
@@ -17,11 +39,21 @@ pub(crate) fn print(text: &str) -> Result<(), CliError> {
 
 /// Writes one JSON object and a line end to stdout.
 pub(crate) fn print_json(report: &impl Serialize) -> Result<(), CliError> {
-    let text = serde_json::to_string_pretty(report).map_err(|error| CliError::Stdout(error.into()))?;
+    let report = Versioned {
+        version: VERSION,
+        report,
+    };
+    let text = serde_json::to_string_pretty(&report).map_err(|error| CliError::Stdout(error.into()))?;
     write(&printable_json(&text))
 }
 
-fn write(text: &str) -> Result<(), CliError> {
+/// Writes text that is safe to print, such as a script or a page.
+pub(crate) fn write(text: &str) -> Result<(), CliError> {
+    progress::end();
+    if STDOUT_IS_TAKEN.load(Ordering::Relaxed) {
+        let _ = io::stderr().lock().write_all(text.as_bytes());
+        return Ok(());
+    }
     let mut stdout = io::stdout().lock();
     stdout
         .write_all(text.as_bytes())
@@ -32,6 +64,7 @@ fn write(text: &str) -> Result<(), CliError> {
 /// Writes a one-line message to stderr after the program's name. Failures are ignored because there is nobody
 /// left to tell.
 pub(crate) fn complain(message: impl Display) {
+    progress::clear();
     let text = message.to_string();
     let _ = writeln!(io::stderr().lock(), "morph-collide: {}", Printable(text.trim_end()));
 }
@@ -46,6 +79,20 @@ pub(crate) fn complain_at_length(message: impl Display) {
     );
 }
 
+/// A number with its noun: `1 body`, `1,234 bodies`.
+pub(crate) fn counted(number: usize, one: &str, many: &str) -> String {
+    format!("{} {}", Grouped(number as u64), if number == 1 { one } else { many })
+}
+
+/// A field of a CSV file, in quotes if it needs them.
+pub(crate) fn csv_field(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.to_owned()
+    }
+}
+
 /// Escapes every line and ends it with a line break.
 fn printable_lines(text: &str) -> String {
     let mut lines = String::with_capacity(text.len());
@@ -57,7 +104,7 @@ fn printable_lines(text: &str) -> String {
 }
 
 /// JSON with unprintable characters as `\u` escapes (they only occur in strings), and a line end.
-fn printable_json(json: &str) -> String {
+pub(crate) fn printable_json(json: &str) -> String {
     let mut text = String::with_capacity(json.len() + 1);
     for c in json.chars() {
         if c == '\n' || is_printable(c) {
@@ -75,6 +122,12 @@ fn printable_json(json: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn fields_are_quoted_if_they_have_to_be() {
+        assert_eq!(csv_field("jawOpen"), "jawOpen");
+        assert_eq!(csv_field("a, \"b\""), "\"a, \"\"b\"\"\"");
+    }
 
     #[test]
     fn json_stays_the_same_and_shows_no_invisible_characters() -> Result<(), serde_json::Error> {

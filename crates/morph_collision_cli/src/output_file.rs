@@ -7,12 +7,14 @@ use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
 
 use crate::error::CliError;
+use crate::model_file::STANDARD;
+use crate::{output, progress};
 
 /// A file to be written at the end of a command and checked at its beginning.
 ///
 /// Nothing is written before [`OutputFile::write`]. A regular file is written under a temporary name in its directory and then
 /// renamed, so a command that fails leaves the earlier file as it was. Symbolic links are followed. Devices and pipes are written
-/// in place.
+/// in place. `-` is stdout; reports then go to stderr.
 #[derive(Debug)]
 pub(crate) struct OutputFile {
     /// As the user named it, for messages.
@@ -25,6 +27,7 @@ enum Destination {
     /// The path after following all symbolic links.
     Rename(PathBuf),
     InPlace(File),
+    Stdout,
 }
 
 impl OutputFile {
@@ -54,6 +57,7 @@ impl OutputFile {
     pub(crate) fn replaces_the_same_as(&self, other: &Self) -> bool {
         match (&self.destination, &other.destination) {
             (Destination::Rename(one), Destination::Rename(another)) => one == another,
+            (Destination::Stdout, Destination::Stdout) => true,
             _ => false,
         }
     }
@@ -63,9 +67,11 @@ impl OutputFile {
     /// # Errors
     /// `content` fails, or the file cannot be written. An earlier file is then left as it was.
     pub(crate) fn write(self, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), CliError> {
+        progress::clear();
         let written = match self.destination {
             Destination::Rename(target) => replace(&target, content),
             Destination::InPlace(file) => buffered(file, content),
+            Destination::Stdout => return buffered(io::stdout().lock(), content).map_err(CliError::Stdout),
         };
         written.map_err(|reason| CliError::Write {
             file: self.path,
@@ -76,6 +82,10 @@ impl OutputFile {
 
 impl Destination {
     fn find(path: &Path) -> io::Result<Self> {
+        if path == Path::new(STANDARD) {
+            output::leave_stdout_to_a_file();
+            return Ok(Self::Stdout);
+        }
         if let Some(stream) = standard_stream(path)? {
             return Ok(Self::InPlace(stream));
         }

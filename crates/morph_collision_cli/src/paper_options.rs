@@ -7,10 +7,10 @@ use morph_collision_testkit::rivals::{PaperOptions, PaperVolume};
 #[derive(Debug, Args)]
 pub(crate) struct PaperArgs {
     /// Bounding volumes of the method paper: aabb (the default), kdop14, kdop18, kdop26 or sphere.
-    #[arg(long, value_name = "KIND")]
+    #[arg(long, value_name = "KIND", help_heading = crate::methods::HEADING)]
     volume: Option<PaperVolume>,
     /// Also give the method paper volumes half way between consecutive references.
-    #[arg(long)]
+    #[arg(long, help_heading = crate::methods::HEADING)]
     in_betweens: bool,
 }
 

@@ -1,7 +1,9 @@
-//! Progress of a long command on stderr: a live bar on a terminal, an occasional line elsewhere.
+//! What the program is doing, on stderr: a line that is kept up to date on a terminal, and an occasional line elsewhere.
+//!
+//! There is one activity at a time, so it is a global. A thread of its own shows it, so a long step is shown while it lasts.
 
-use std::cell::RefCell;
 use std::io::{self, IsTerminal};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -9,91 +11,157 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::output;
 
-/// The progress option of commands that may take long.
+/// The progress option of all commands.
 #[derive(Debug, Args)]
 pub(crate) struct ProgressArgs {
-    /// Seconds between progress lines on stderr when it is not a terminal; 0 writes one per step.
-    #[arg(long, value_name = "SECONDS", default_value_t = 10)]
+    /// Seconds between progress lines on standard error when it is not a terminal; 0 writes one for every step.
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        default_value_t = 10,
+        global = true,
+        help_heading = "Everywhere"
+    )]
     progress: u32,
 }
 
-/// Counts steps.
-pub(crate) enum Progress {
-    Bar(ProgressBar),
-    Lines(RefCell<Lines>),
+/// A terminal shows nothing of commands that take less.
+const PATIENCE: Duration = Duration::from_millis(500);
+/// How often a terminal is updated.
+const TICK: Duration = Duration::from_millis(100);
+
+static NOW: Mutex<Option<Activity>> = Mutex::new(None);
+
+/// What is being done, and how far it is.
+#[derive(Debug)]
+struct Activity {
+    what: String,
+    /// Steps done and all steps, if they are counted.
+    steps: Option<(u64, u64)>,
+    start: Instant,
+    every_step: bool,
+    /// On a terminal, once something is shown.
+    bar: Option<ProgressBar>,
 }
 
-/// When to write a line, and what.
-pub(crate) struct Lines {
-    what: &'static str,
-    length: u64,
-    done: u64,
-    start: Instant,
-    every: Duration,
-    next: Duration,
+fn now() -> MutexGuard<'static, Option<Activity>> {
+    NOW.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl ProgressArgs {
-    /// Starts counting `what` up to `length`.
-    pub(crate) fn start(&self, what: &'static str, length: u64) -> Progress {
+    /// Starts to show what the program does.
+    pub(crate) fn start(&self) {
+        *now() = Some(Activity {
+            what: String::new(),
+            steps: None,
+            start: Instant::now(),
+            every_step: self.progress == 0,
+            bar: None,
+        });
         let every = Duration::from_secs(self.progress.into());
-        if !io::stderr().is_terminal() {
-            return Progress::Lines(RefCell::new(Lines::new(what, length, every)));
-        }
-        let bar = ProgressBar::new(length);
-        Progress::Bar(
-            match ProgressStyle::with_template("{msg} {pos}/{len} [{bar:40}] {eta} left") {
-                Ok(style) => bar.with_style(style).with_message(what),
-                Err(_) => bar,
-            },
-        )
-    }
-}
-
-impl Progress {
-    /// Counts one step.
-    pub(crate) fn step(&self) {
-        match self {
-            Self::Bar(bar) => bar.inc(1),
-            Self::Lines(lines) => {
-                let mut lines = lines.borrow_mut();
-                let now = lines.start.elapsed();
-                if let Some(line) = lines.step(now) {
+        // It ends with the program.
+        std::thread::spawn(move || {
+            if io::stderr().is_terminal() {
+                std::thread::sleep(PATIENCE);
+                loop {
+                    if let Some(activity) = now().as_mut() {
+                        activity.draw();
+                    }
+                    std::thread::sleep(TICK);
+                }
+            }
+            while !every.is_zero() {
+                std::thread::sleep(every);
+                let line = now().as_ref().map(Activity::line);
+                if let Some(line) = line {
                     output::complain(line);
                 }
             }
-        }
+        });
     }
+}
 
-    /// Ends the progress display; a bar disappears.
-    pub(crate) fn finish(&self) {
-        if let Self::Bar(bar) = self {
-            bar.finish_and_clear();
+/// Says what is done next. Something that may take long follows.
+pub(crate) fn doing(what: impl Into<String>) {
+    if let Some(activity) = now().as_mut() {
+        activity.begin(what.into(), None);
+    }
+}
+
+/// Counts the steps of an activity.
+#[derive(Debug)]
+pub(crate) struct Steps(());
+
+/// Starts to count `what` up to `length`.
+pub(crate) fn count(what: &str, length: u64) -> Steps {
+    if let Some(activity) = now().as_mut() {
+        activity.begin(what.to_owned(), Some((0, length)));
+    }
+    Steps(())
+}
+
+impl Steps {
+    /// Counts one step.
+    pub(crate) fn step(&self) {
+        let mut line = None;
+        if let Some(activity) = now().as_mut() {
+            if let Some((done, _)) = &mut activity.steps {
+                *done += 1;
+            }
+            line = activity.every_step.then(|| activity.line());
+        }
+        if let Some(line) = line {
+            output::complain(line);
         }
     }
 }
 
-impl Lines {
-    fn new(what: &'static str, length: u64, every: Duration) -> Self {
-        Self {
-            what,
-            length,
-            done: 0,
-            start: Instant::now(),
-            every,
-            next: every,
+/// Removes the display, so that something else can be written to the terminal.
+pub(crate) fn clear() {
+    if let Some(bar) = now().as_mut().and_then(|activity| activity.bar.take()) {
+        bar.finish_and_clear();
+    }
+}
+
+/// Ends the display for good: the results follow.
+pub(crate) fn end() {
+    clear();
+    *now() = None;
+}
+
+impl Activity {
+    fn begin(&mut self, what: String, steps: Option<(u64, u64)>) {
+        if let Some(bar) = self.bar.take() {
+            bar.finish_and_clear();
+        }
+        (self.what, self.steps) = (what, steps);
+    }
+
+    /// The line to write after `self.start`.
+    fn line(&self) -> String {
+        let (what, seconds) = (&self.what, self.start.elapsed().as_secs());
+        match self.steps {
+            Some((done, all)) => format!("progress: {what} {done} of {all} after {seconds} s"),
+            None => format!("progress: {what}, after {seconds} s"),
         }
     }
 
-    /// The line to write after a step that ended at `now`, counted from the start.
-    fn step(&mut self, now: Duration) -> Option<String> {
-        self.done += 1;
-        if now < self.next {
-            return None;
+    /// Updates the line on the terminal.
+    fn draw(&mut self) {
+        let bar = self.bar.get_or_insert_with(|| {
+            let (bar, template) = match self.steps {
+                Some((_, all)) => (ProgressBar::new(all), "{msg} {pos}/{len} [{bar:40}] {eta} left"),
+                None => (ProgressBar::new_spinner(), "{spinner} {msg}"),
+            };
+            match ProgressStyle::with_template(template) {
+                Ok(style) => bar.with_style(style).with_message(self.what.clone()),
+                Err(_) => bar,
+            }
+        });
+        match self.steps {
+            Some((done, _)) => bar.set_position(done),
+            None => bar.tick(),
         }
-        self.next = now + self.every;
-        let (what, done, length, seconds) = (self.what, self.done, self.length, now.as_secs());
-        Some(format!("progress: {what} {done} of {length} after {seconds} s"))
     }
 }
 
@@ -102,19 +170,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_line_comes_at_the_first_step_after_every_interval() {
-        let mut lines = Lines::new("frame", 9, Duration::from_secs(10));
-        let written: Vec<_> = [3, 9, 10, 12, 31, 32, 40, 41, 42]
-            .into_iter()
-            .filter_map(|second| lines.step(Duration::from_secs(second)))
-            .collect();
-        assert_eq!(
-            written,
-            [
-                "progress: frame 3 of 9 after 10 s",
-                "progress: frame 5 of 9 after 31 s",
-                "progress: frame 8 of 9 after 41 s",
-            ]
-        );
+    fn a_line_says_what_is_done_and_how_far_it_is() {
+        let mut activity = Activity {
+            what: "reading head.glb".into(),
+            steps: None,
+            start: Instant::now(),
+            every_step: false,
+            bar: None,
+        };
+        assert_eq!(activity.line(), "progress: reading head.glb, after 0 s");
+        activity.begin("frame".into(), Some((3, 9)));
+        assert_eq!(activity.line(), "progress: frame 3 of 9 after 0 s");
     }
 }

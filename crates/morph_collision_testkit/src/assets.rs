@@ -57,6 +57,7 @@ fn two_dolphins() -> Scene {
     Scene {
         bodies: bodies("../dolphin_564.glb"),
         frames: frames.collect(),
+        ..Scene::default()
     }
 }
 
@@ -71,6 +72,7 @@ fn passing_bodies() -> Scene {
     Scene {
         bodies: bodies("../pass_through_20480.glb"),
         frames: frames.collect(),
+        ..Scene::default()
     }
 }
 
@@ -78,7 +80,7 @@ fn bodies(model: &str) -> Vec<SceneBody> {
     vec![
         SceneBody {
             model: model.into(),
-            mesh: 0
+            ..SceneBody::default()
         };
         2
     ]

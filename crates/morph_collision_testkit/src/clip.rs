@@ -14,6 +14,8 @@ pub struct WeightAnimation {
     /// For a cubic Hermite spline, the in-tangent and the out-tangent of every key, in weight per second. Empty for a linear
     /// clip.
     pub tangents: Vec<[Vec<f32>; 2]>,
+    /// The time at which a loop ends, in seconds, if that is later than the last key. The last key holds until then.
+    pub end: f32,
 }
 
 /// One target's weight between two keys: `a t^3 + b t^2 + c t + d`, with `t` from 0 to 1.
@@ -71,9 +73,29 @@ impl Cubic {
 }
 
 impl WeightAnimation {
-    /// The length of one loop in seconds: the time of the last key.
+    /// The length of one loop in seconds: the time of the last key, or [`WeightAnimation::end`] if that is later.
     pub fn duration(&self) -> f32 {
-        self.times.last().copied().unwrap_or(0.0)
+        self.times.last().map_or(0.0, |&last| last.max(self.end))
+    }
+
+    /// The same clip with a key at its end, for formats in which a clip ends with its last key.
+    #[must_use]
+    pub fn with_key_at_end(&self) -> Self {
+        let mut clip = self.clone();
+        let (Some(&time), Some(last)) = (self.times.last(), self.weights.last()) else {
+            return clip;
+        };
+        if self.end > time {
+            clip.times.push(self.end);
+            clip.weights.push(last.clone());
+            let flat = vec![0.0; last.len()];
+            if let Some([_, leaving]) = clip.tangents.last_mut() {
+                leaving.clone_from(&flat);
+                clip.tangents.push([flat.clone(), flat]);
+            }
+        }
+        clip.end = 0.0;
+        clip
     }
 
     /// The weights at `time` seconds, looping. Before the first key they are those of the first key.
@@ -158,7 +180,7 @@ mod tests {
             name: "clip".into(),
             times: times.to_vec(),
             weights: weights.iter().map(|&w| vec![w]).collect(),
-            tangents: Vec::new(),
+            ..WeightAnimation::default()
         }
     }
 
@@ -169,6 +191,24 @@ mod tests {
         assert_eq!(clip.sample(1.5), [0.5]);
         assert_eq!(clip.sample(2.25), [0.25]);
         assert_eq!(clip.sample(-0.5), [0.5]);
+    }
+
+    #[test]
+    fn the_last_key_holds_until_the_loop_ends() {
+        let mut clip = clip(&[0.0, 1.0], &[0.0, 1.0]);
+        clip.end = 4.0;
+        assert_eq!(clip.duration(), 4.0);
+        assert_eq!(clip.sample(3.75), [1.0]);
+        assert_eq!(clip.sample(4.25), [0.25]);
+        let mut cubic = clip.clone();
+        cubic.tangents = vec![[vec![0.0], vec![1.0]], [vec![1.0], vec![7.0]]];
+        for clip in [clip, cubic] {
+            let keyed = clip.with_key_at_end();
+            assert_eq!((keyed.times.len(), keyed.end), (3, 0.0));
+            for time in [0.0, 0.5, 1.0, 2.5, 3.75, 4.25] {
+                assert_eq!(keyed.sample(time), clip.sample(time), "at {time}");
+            }
+        }
     }
 
     #[test]

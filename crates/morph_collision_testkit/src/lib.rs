@@ -9,6 +9,7 @@
 //! - [`skin`], [`skeleton`]: the joints that move a mesh, and their clips.
 //! - [`models`]: generated meshes: a dolphin, the body of the pass-through scene, random, degenerate and rigid meshes.
 //! - [`gltf_read`], [`gltf_write`]: read such meshes from glTF 2.0 files and write them.
+//! - [`weight_list`], [`nearest`]: weights as a person types them, and suggestions for misspelt names.
 //! - [`memory`]: limits the memory that reading a file may take.
 //! - [`inspect`]: reports what the meshes of a file contain.
 //! - [`scenes`]: scripted motion of the models, and the JSON scene format.
@@ -56,6 +57,7 @@ pub mod models;
 pub mod moments;
 pub mod motion;
 pub mod near_degenerate;
+pub mod nearest;
 pub mod numbers;
 pub mod oracle;
 #[cfg(feature = "report")]
@@ -69,6 +71,7 @@ pub mod skin;
 pub mod stress;
 pub mod tightness;
 pub mod verify;
+pub mod weight_list;
 
 /// The README's snippet, run.
 #[cfg(doctest)]

@@ -109,7 +109,12 @@ impl MemoryBudget {
 }
 
 /// A number of bytes, displayed in a suitable unit.
-struct Bytes(u64);
+///
+/// ```
+/// assert_eq!(morph_collision_testkit::memory::Bytes(5 << 19).to_string(), "2.5 MiB");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bytes(pub u64);
 
 impl fmt::Display for Bytes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

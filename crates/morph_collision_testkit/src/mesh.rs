@@ -23,6 +23,8 @@ pub struct MorphMesh {
     pub target_names: Vec<String>,
     /// One list of displacements per target, each as long as `positions`, or empty if the target moves nothing.
     pub targets: Vec<Vec<Vec3>>,
+    /// The weights that it has while no clip or caller sets others, one per target; empty if all are zero.
+    pub default_weights: Vec<f32>,
     /// The parts as ranges of triangle indices, in order. Usually each has its own material.
     pub primitives: Vec<Range<u32>>,
     /// Clips that animate the weights.
@@ -69,6 +71,13 @@ impl MorphMesh {
             .collect();
         mesh.targets = targets;
         mesh
+    }
+
+    /// The weights that it has while no clip or caller sets others, one per target.
+    pub fn weights_at_rest(&self) -> Vec<f32> {
+        let mut weights = self.default_weights.clone();
+        weights.resize(self.targets.len(), 0.0);
+        weights
     }
 
     /// The positions when only target `target` has a weight, of 1; the base if the target does not exist.

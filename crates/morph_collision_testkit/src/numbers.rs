@@ -1,6 +1,30 @@
-//! Numbers in JSON. JSON cannot hold numbers that are not finite; serde writes `null` for them.
+//! Numbers in JSON and in text. JSON cannot hold numbers that are not finite; serde writes `null` for them.
+
+use std::fmt;
 
 use serde::ser::{SerializeSeq, Serializer};
+
+/// A whole number with commas between groups of three digits.
+///
+/// ```
+/// assert_eq!(morph_collision_testkit::numbers::Grouped(1_234_567).to_string(), "1,234,567");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Grouped(pub u64);
+
+impl fmt::Display for Grouped {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let digits = self.0.to_string();
+        let mut grouped = String::with_capacity(digits.len() * 4 / 3 + 1);
+        for (index, digit) in digits.chars().enumerate() {
+            if index > 0 && (digits.len() - index).is_multiple_of(3) {
+                grouped.push(',');
+            }
+            grouped.push(digit);
+        }
+        f.pad(&grouped)
+    }
+}
 
 /// A number, or the text `inf`, `-inf` or `NaN`. A number that is exactly an `f32` is written with only the digits
 /// that an `f32` needs.
@@ -49,6 +73,14 @@ mod tests {
         one: f64,
         #[serde(serialize_with = "numbers")]
         three: [f64; 3],
+    }
+
+    #[test]
+    fn digits_are_grouped_from_the_right() {
+        for (number, text) in [(0, "0"), (999, "999"), (1000, "1,000"), (12_345_678, "12,345,678")] {
+            assert_eq!(Grouped(number).to_string(), text);
+        }
+        assert_eq!(format!("{:>7}", Grouped(1000)), "  1,000");
     }
 
     #[test]

@@ -20,7 +20,7 @@ fn a_ball_rises_with_a_clip_in_every_step() {
         name: "rise".into(),
         times: vec![0.0, 100.0],
         weights: vec![vec![0.0, 0.0], vec![50.0, 0.0]],
-        tangents: Vec::new(),
+        ..WeightAnimation::default()
     }];
     let folder = tempfile::tempdir().expect("there is room for a file");
     let file = folder.path().join("sheet.glb");

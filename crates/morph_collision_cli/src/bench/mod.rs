@@ -9,16 +9,16 @@ mod scenes;
 
 use std::path::PathBuf;
 
-use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
-use morph_collision_testkit::bench::{self, Disagreement, Entrant, Plan, Row, disagreement, measure};
+use morph_collision_testkit::bench::{self, Disagreement, Entrant, Pinned, Plan, Row, disagreement, measure};
 use morph_collision_testkit::moments::AnswerError;
 use morph_collision_testkit::rivals::{MethodOptions, Wanted};
 
 use crate::error::CliError;
+use crate::methods;
 use crate::model_file::FileArgs;
 use crate::paper_options::PaperArgs;
-use crate::progress::{Progress, ProgressArgs};
+use crate::progress::{self, Steps};
 use crate::tree_options::TreeArgs;
 use crate::{Verdict, output};
 use report::BenchReport;
@@ -27,32 +27,34 @@ use scenes::BenchScene;
 /// Rounds in which times are split into phases. The shares need only one round, and rebuilding is slow.
 const SPLIT_ROUNDS: usize = 1;
 
-/// Measure morph against every other method on this machine: its own scenes, or your own models.
-///
-/// Methods take turns for N rounds. In each round they run every frame of a scene on one thread pinned to a core; a warm-up round
-/// is discarded. Times are microseconds per frame: the median over the rounds. Ratios to morph are the median of the ratios
-/// within a round. All methods have to find the same pairs (mode `first`: the same touching bodies); otherwise the exit
-/// code is 1.
-///
-/// A frame's time covers setting weights and placements, the broad phase and the queries. `blend`, `refit` and `query` are
-/// measured in separate passes and scaled so that they add up to the undisturbed total. If a method blends vertices and refits
-/// volumes up front, both are timed separately. If it does so on demand during a query (morph, and the lower half of the hybrid),
-/// each frame is queried twice: the second time counts as `query`, and the extra time of the first as `refit`. The second time
-/// runs with warm processor caches, so `refit` of these methods is an upper estimate. For morph and morph-eager, `blend` is
-/// setting weights, and vertices are blended in `refit`.
-///
-/// morph-eager blends every vertex and refits every volume up front with the same code. Its distance to morph is what laziness
-/// gains; its distance to bottom-up is what the engineering gains. Skinned models play a clip of their joints, 60 steps a second:
-/// the first one that also animates targets, or else the first. joint-boxes and joint-union run only on skinned models;
-/// paper does not support joints. rigid-floor is not a competitor: it is morph's tree over meshes frozen beforehand in each frame's
-/// shape (skinned meshes: completely posed beforehand). Only placing and queries are timed, with warm caches. paper is the method as published: its tree, its
-/// volumes, one node and one triangle at a time.
+const EXAMPLES: &str = "Examples:
+  morph-collide bench face.glb
+  morph-collide bench face.glb --method parry-bvh --method rebuild --bodies 4";
+
+const LONG: &str = "How times are taken:
+
+Methods take turns for N rounds. In each round they run every frame of a scene on one thread, pinned to the least busy core. A warm-up \
+round is discarded. Times are microseconds per frame: the median of the rounds. Ratios are the median of the ratios within a round. All \
+methods must find the same pairs (with mode first: the same touching bodies); otherwise the exit code is 1.
+
+A frame's time covers setting weights and placements, the broad phase and the queries. Its parts, `blend`, `refit` and `query`, are \
+measured in separate passes and scaled so that they add up to the total. Methods that blend and refit on demand (morph, and the lower \
+half of hybrid) run each frame twice: the second time counts as `query`, and the extra time of the first as `refit`. The second time \
+runs with warm caches, so `refit` of these methods is an upper estimate. For morph and morph-eager, `blend` is setting the weights, and \
+vertices are blended in `refit`.
+
+Skinned models play a joint animation, 60 steps a second: the first one that also animates targets, or else the first. rigid-floor is \
+not a competitor but the cost without morphing: its meshes are frozen beforehand in the shape of each frame, and only placing and \
+queries are timed, with warm caches.";
+
+/// Compare the speed of this library (morph) with other methods on this machine, with its own scenes or your models.
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES, after_long_help = format!("{EXAMPLES}\n\n{LONG}"))]
 pub(crate) struct BenchArgs {
-    /// .glb or .gltf files, one scene each: bodies made of the mesh with the most triangles, close together and moving. Without
-    /// models, the named scenes run.
+    /// .glb or .gltf files. Each is a scene of its own: bodies of its largest mesh, close together and moving. Without models, the
+    /// library's own scenes run.
     models: Vec<PathBuf>,
-    /// Number of bodies per model.
+    /// Number of bodies in the scene of a model.
     #[arg(long, value_name = "N", default_value_t = 2, requires = "models", value_parser = clap::value_parser!(u16).range(2..))]
     bodies: u16,
     /// Number of measured rounds.
@@ -61,19 +63,18 @@ pub(crate) struct BenchArgs {
     /// Use every Nth of the scene's 400 steps.
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u16).range(1..))]
     every: u16,
-    /// Run only this scene; can be repeated.
+    /// Run only this scene; can be repeated. The scene of a model has the name of its file without extension.
     ///
-    /// One of: pass-through-20480, dolphins-564, dolphins-9024, dolphins-36096, heads-cheek, heads-crowd, horse-gallop, samba,
-    /// walkers-hands, walkers-deep, walkers-crowd, head-ray, head-rays, walkers-ray, walkers-rays, or a model's file name without
-    /// extension. All scenes from heads-cheek on need models from the library's repository and from the folder of models beside
-    /// it. If these are missing, such a scene is skipped, or refused if you asked for it.
+    /// The library's own scenes: pass-through-20480, dolphins-564, dolphins-9024, dolphins-36096, heads-cheek, heads-crowd, horse-gallop,
+    /// samba, walkers-hands, walkers-deep, walkers-crowd, head-ray, head-rays, walkers-ray, walkers-rays. Those from heads-cheek on need
+    /// models from the library's repository, and some need models that are not in it; a scene without its model is skipped, unless you
+    /// asked for it.
     #[arg(long = "scene", value_name = "NAME")]
     scenes: Vec<String>,
-    /// Compare morph only with this method; can be repeated.
-    #[arg(long = "method", value_name = "NAME", value_parser = PossibleValuesParser::new(Entrant::ALL.map(|entrant| entrant.name)))]
+    /// Compare morph only with this method; can be repeated. By default all but octree and brute-force.
+    #[arg(long = "method", value_name = "NAME", value_parser = methods::names(), help_heading = methods::HEADING)]
     methods: Vec<String>,
-    /// Find only all pairs of triangles, or only one for each pair of bodies; runs both by default. Scenes with rays have only
-    /// one mode.
+    /// What to find about each pair of bodies; by default both are measured. Scenes with rays have only one mode.
     #[arg(long, value_enum)]
     mode: Option<Mode>,
     #[command(flatten)]
@@ -82,8 +83,6 @@ pub(crate) struct BenchArgs {
     tree: TreeArgs,
     #[command(flatten)]
     files: FileArgs,
-    #[command(flatten)]
-    progress: ProgressArgs,
     /// Print one JSON object instead of tables.
     #[arg(long)]
     json: bool,
@@ -121,7 +120,10 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<Verdict, CliError> {
         entrant.name == "morph" || args.methods.is_empty() || args.methods.iter().any(|name| name == entrant.name)
     };
     let told = |entrant: Entrant| entrant.with_paper(args.paper.options());
-    let entrants: Vec<Entrant> = Entrant::ALL.into_iter().filter(wanted).map(told).collect();
+    // Slow methods run only if they are named.
+    let slow: &[Entrant] = if args.methods.is_empty() { &[] } else { &Entrant::SLOW };
+    let entrants = Entrant::ALL.into_iter().chain(slow.iter().copied());
+    let entrants: Vec<Entrant> = entrants.filter(wanted).map(told).collect();
     if !entrants.iter().any(Entrant::is_paper)
         && let Some((flag, _)) = args.paper.given().into_iter().find(|(_, given)| *given)
     {
@@ -132,9 +134,7 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<Verdict, CliError> {
         args.files.refuse_without_files()?;
     }
     let scenes = scenes::scenes(args, &entrants)?;
-    if bench::pin().is_none() {
-        output::complain("cannot pin this thread to a core; going on without, times will vary more");
-    }
+    say_where(bench::pin());
     let rounds = usize::from(args.rounds);
     let plan = |mode: Mode| Plan {
         wanted: mode.wanted(),
@@ -154,12 +154,12 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<Verdict, CliError> {
         contenders.count() * modes_of(scene).iter().map(|&mode| plan(mode).passes()).sum::<usize>()
     };
     let passes: usize = scenes.iter().map(of_scene).sum();
-    let bar = args.progress.start("pass", passes as u64);
+    let steps = progress::count("pass", passes as u64);
     let mut measured = Vec::new();
     let mut wrong: Option<Disagreement> = None;
     for scene in &scenes {
         for &mode in modes_of(scene) {
-            let rows = run(scene, &entrants, &args.tree.build().into(), plan(mode), &bar).map_err(|reason| {
+            let rows = run(scene, &entrants, &args.tree.build().into(), plan(mode), &steps).map_err(|reason| {
                 CliError::Bench {
                     scene: scene.origin.clone(),
                     reason,
@@ -169,7 +169,6 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<Verdict, CliError> {
             measured.push(Measured { scene, mode, rows });
         }
     }
-    bar.finish();
     let report = BenchReport::new(&measured, rounds);
     if args.json {
         output::print_json(&report)?;
@@ -185,12 +184,33 @@ pub(crate) fn bench(args: &BenchArgs) -> Result<Verdict, CliError> {
     }
 }
 
+/// A core that was busier makes times vary.
+const BUSY: f64 = 0.2;
+
+/// Says on which core times are taken.
+fn say_where(pinned: Option<Pinned>) {
+    let Some(Pinned { core, busy }) = pinned else {
+        output::complain("cannot pin this thread to a core; going on without, times will vary more");
+        return;
+    };
+    let percent = busy.map(|busy| 100.0 * busy);
+    match percent {
+        Some(percent) if percent > 100.0 * BUSY => output::complain(format_args!(
+            "warning: core {core} is the least busy one and was {percent:.0} % busy; times will vary, so close other programs"
+        )),
+        Some(percent) => output::complain(format_args!(
+            "progress: measuring on core {core}, which was {percent:.0} % busy"
+        )),
+        None => output::complain(format_args!("progress: measuring on core {core}")),
+    }
+}
+
 fn run(
     scene: &BenchScene,
     entrants: &[Entrant],
     ours: &MethodOptions,
     plan: Plan,
-    bar: &Progress,
+    steps: &Steps,
 ) -> Result<Vec<Row>, AnswerError> {
     let experiment = &scene.experiment;
     let entrants = entrants.iter().filter(|entrant| entrant.supports(experiment));
@@ -199,6 +219,6 @@ fn run(
         experiment,
         contenders.collect::<Result<_, _>>()?,
         plan,
-        || bar.step(),
+        || steps.step(),
     )?)
 }

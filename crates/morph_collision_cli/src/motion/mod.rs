@@ -10,38 +10,40 @@ mod steps;
 use std::path::PathBuf;
 
 use clap::Args;
-use morph_collision_testkit::scenes::Scene;
 
 use crate::cast::Cast;
 use crate::error::CliError;
 use crate::model_file::FileArgs;
 use crate::output;
-use crate::progress::ProgressArgs;
+use crate::progress;
 use crate::tree_options::TreeArgs;
 use report::MotionReport;
-use steps::Stage;
+use steps::{Ends, Stage};
 
-/// Replay a scene and report when bodies first touch between two frames.
+const EXAMPLES: &str = "Examples:
+  morph-collide motion scene.json
+  morph-collide scene body.glb sword.glb --place 0,0,0 --place x=-2..2 --frames 5 | morph-collide motion -";
+
+/// Replay a scene and report when bodies first touch between one frame and the next.
 ///
-/// Between two frames, every vertex moves on a straight line. Contacts during that motion are found however fast bodies move, and
-/// nothing is reported that does not touch. Scenes are those of `run`.
+/// Between two frames, every vertex moves in a straight line. All contacts during that motion are found, however fast the bodies move,
+/// and nothing is reported that does not touch. `run` tests only the frames themselves. docs/scene.md describes scene files.
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct MotionArgs {
-    /// The scene file.
+    /// A scene file; - reads it from standard input.
     scene: PathBuf,
-    /// The largest difference between the two ends of a reported time, as a share of a step: more than 0, at most 1.
+    /// Accuracy of the reported times, as a share of the step between two frames: more than 0, at most 1.
     #[arg(long, value_name = "SHARE", default_value_t = 1e-6, value_parser = parse_tolerance)]
     tolerance: f64,
-    /// Also count every pair of features that touch: vertices and faces, edges and edges. Triangles that cross each other all the time
-    /// need not have such pairs.
+    /// Also count all contacts of a step: pairs of a vertex and a face, or of two edges, that touch. Triangles that intersect during the
+    /// whole step may have none.
     #[arg(long)]
     count: bool,
     #[command(flatten)]
     tree: TreeArgs,
     #[command(flatten)]
     files: FileArgs,
-    #[command(flatten)]
-    progress: ProgressArgs,
     /// Print one JSON object instead of a summary.
     #[arg(long)]
     json: bool,
@@ -58,16 +60,15 @@ fn parse_tolerance(text: &str) -> Result<f64, String> {
 
 /// Loads, replays and reports a scene.
 pub(crate) fn motion(args: &MotionArgs) -> Result<(), CliError> {
-    let scene = Scene::read_within(&args.scene, args.files.memory_limit())?;
-    let mut cast = Cast::load(&args.scene, &scene, &args.tree, &args.files)?;
+    let scene = args.files.read_scene(&args.scene)?;
+    let mut cast = Cast::load(&args.scene, &scene, &Ends(&args.tree), &args.files)?;
     let steps = cast.frames.len().saturating_sub(1);
-    let progress = args.progress.start("step", steps as u64);
+    let progress = progress::count("step", steps as u64);
     let mut stage = Stage::new(args.tolerance, args.count);
     for step in 0..steps {
         stage.step(&mut cast, step)?;
         progress.step();
     }
-    progress.finish();
     let report = MotionReport::new(steps, cast.bodies, stage);
     if args.json {
         output::print_json(&report)

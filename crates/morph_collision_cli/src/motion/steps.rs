@@ -3,36 +3,33 @@
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
+use morph_collision::QueryStats;
 use morph_collision::motion::{MotionContact, MotionQuery, MovingBody};
-use morph_collision::{Body, JointMatrices, MorphBvh, Pose, QueryStats, WorldFromModel};
 use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_testkit::rivals::{PoseError, SetUpError};
+use morph_collision_testkit::rivals::SetUpError;
 
 use crate::cast::{Cast, SetUp};
 use crate::error::CliError;
+use crate::posed::{Posed, trees};
 use crate::tree_options::TreeArgs;
 
-/// A body at one moment.
-type Placed = (Pose, WorldFromModel);
+/// Sets up each body at the start and at the end of a step.
+pub(super) struct Ends<'a>(pub(super) &'a TreeArgs);
 
-/// Each body at the start and at the end of a step.
-pub(super) type Ends = Vec<[Placed; 2]>;
+/// The bodies at both ends.
+type BothEnds = Vec<[Posed; 2]>;
 
-impl SetUp for TreeArgs {
-    type Bodies = Ends;
+impl SetUp for Ends<'_> {
+    type Bodies = BothEnds;
 
     fn bytes(&self, mesh: &MorphMesh) -> (u64, u64) {
         (mesh.tree_bytes(), mesh.body_bytes(false).saturating_mul(2))
     }
 
-    fn set_up(&self, meshes: &[MorphMesh], mesh_of_body: &[usize]) -> Result<Ends, SetUpError> {
-        let mut trees = Vec::with_capacity(meshes.len());
-        for (mesh, source) in meshes.iter().enumerate() {
-            let model = source.to_model().map_err(|reason| SetUpError::Model { mesh, reason })?;
-            trees.push(Arc::new(MorphBvh::build(Arc::new(model), &self.build())));
-        }
-        let placed = |mesh: usize| (Pose::new(Arc::clone(&trees[mesh])), WorldFromModel::IDENTITY);
-        Ok(mesh_of_body.iter().map(|&mesh| [placed(mesh), placed(mesh)]).collect())
+    fn set_up(&self, meshes: &[MorphMesh], mesh_of_body: &[usize]) -> Result<BothEnds, SetUpError> {
+        let trees = trees(meshes, &self.0.build())?;
+        let posed = |mesh: usize| Posed::new(Arc::clone(&trees[mesh]));
+        Ok(mesh_of_body.iter().map(|&mesh| [posed(mesh), posed(mesh)]).collect())
     }
 }
 
@@ -68,7 +65,7 @@ impl Stage {
     }
 
     /// Finds the first contacts between a frame and the next.
-    pub(super) fn step(&mut self, cast: &mut Cast<Ends>, frame: usize) -> Result<(), CliError> {
+    pub(super) fn step(&mut self, cast: &mut Cast<BothEnds>, frame: usize) -> Result<(), CliError> {
         for body in 0..cast.bodies {
             if frame == 0 {
                 pose(cast, 0, body, 0)?;
@@ -101,7 +98,7 @@ impl Stage {
         Ok(())
     }
 
-    fn count(&mut self, a: &mut [Placed; 2], b: &mut [Placed; 2]) -> u64 {
+    fn count(&mut self, a: &mut [Posed; 2], b: &mut [Posed; 2]) -> u64 {
         let mut pairs = 0;
         if let (Some(a), Some(b)) = (moving(a), moving(b)) {
             self.query.visit(a, b, self.tolerance, |_| {
@@ -115,24 +112,14 @@ impl Stage {
 }
 
 /// The body of a step. Its poses always have the same tree.
-fn moving([start, end]: &mut [Placed; 2]) -> Option<MovingBody<'_>> {
-    let [start, end] = [start, end].map(|(pose, place)| Body::new(pose, place));
-    MovingBody::new(start, end).ok()
+fn moving([start, end]: &mut [Posed; 2]) -> Option<MovingBody<'_>> {
+    MovingBody::new(start.body(), end.body()).ok()
 }
 
 /// Sets the weights, joints and placement of one end of a body's step.
-fn pose(cast: &mut Cast<Ends>, frame: usize, body: usize, end: usize) -> Result<(), CliError> {
-    let (shape, placement) = (cast.shape(frame, body), cast.frames[frame][body].world_from_model);
-    let (pose, place) = &mut cast.method[body][end];
-    let mut set = || -> Result<(), PoseError> {
-        if let Some(joints) = &shape.joints {
-            pose.set_joints(&JointMatrices::new(joints)?)?;
-        }
-        pose.set_weights(&shape.weights)?;
-        *place = WorldFromModel::new(placement)?;
-        Ok(())
-    };
-    set().map_err(|reason| CliError::Frame {
+fn pose(cast: &mut Cast<BothEnds>, frame: usize, body: usize, end: usize) -> Result<(), CliError> {
+    let shape = cast.shape(frame, body);
+    cast.method[body][end].set(&shape).map_err(|reason| CliError::Frame {
         scene: cast.scene.clone(),
         frame,
         body,

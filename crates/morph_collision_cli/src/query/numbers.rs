@@ -8,11 +8,7 @@ use glam::DVec3;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Triple<const N: usize>(pub(super) [DVec3; N]);
 
-/// Any number of weights.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Weights(pub(super) Vec<f32>);
-
-fn parse<T: FromStr>(list: &str) -> Result<Vec<T>, String> {
+fn parse(list: &str) -> Result<Vec<f64>, String> {
     let number = |(index, text): (usize, &str)| {
         let text = text.trim();
         text.parse().map_err(|_| format!("number {index} is \"{text}\""))
@@ -24,19 +20,11 @@ impl<const N: usize> FromStr for Triple<N> {
     type Err = String;
 
     fn from_str(list: &str) -> Result<Self, String> {
-        let numbers: Vec<f64> = parse(list)?;
+        let numbers = parse(list)?;
         if numbers.len() != 3 * N {
-            return Err(format!("{} numbers, not {}", numbers.len(), 3 * N));
+            return Err(format!("expected {} numbers, found {}", 3 * N, numbers.len()));
         }
         Ok(Self(std::array::from_fn(|i| DVec3::from_slice(&numbers[3 * i..]))))
-    }
-}
-
-impl FromStr for Weights {
-    type Err = String;
-
-    fn from_str(list: &str) -> Result<Self, String> {
-        parse(list).map(Self)
     }
 }
 
@@ -48,9 +36,8 @@ mod tests {
     fn lists_are_read_and_wrong_ones_explained() {
         let ray: Result<Triple<2>, _> = "1, -2,3e0,0,0,1".parse();
         assert_eq!(ray, Ok(Triple([DVec3::new(1.0, -2.0, 3.0), DVec3::Z])));
-        assert_eq!("1,2".parse::<Triple<1>>(), Err("2 numbers, not 3".into()));
+        assert_eq!("1,2".parse::<Triple<1>>(), Err("expected 3 numbers, found 2".into()));
         assert_eq!("1,x,3".parse::<Triple<1>>(), Err("number 1 is \"x\"".into()));
-        assert_eq!("".parse::<Weights>(), Err("number 0 is \"\"".into()));
-        assert_eq!("0.5,-1".parse(), Ok(Weights(vec![0.5, -1.0])));
+        assert_eq!("".parse::<Triple<1>>(), Err("number 0 is \"\"".into()));
     }
 }

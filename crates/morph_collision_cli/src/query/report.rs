@@ -4,16 +4,31 @@ use std::fmt::Write;
 
 use morph_collision::{ClosestPoint, Facing, QueryStats, RayHit, TrianglePair};
 use morph_collision_testkit::numbers::{number, numbers};
+use morph_collision_testkit::printable::Printable;
 use serde::Serialize;
+
+use crate::shape_args::ShapedMesh;
 
 /// An answer that can be shown as JSON or as text.
 pub(super) trait QueryReport: Serialize {
     fn text(&self) -> String;
 }
 
+/// The mesh and its shape.
+#[derive(Clone, Debug, Serialize)]
+pub(super) struct ShapeReport {
+    mesh: usize,
+    name: String,
+    weights: Vec<f32>,
+    /// The same in words.
+    #[serde(skip)]
+    in_words: String,
+}
+
 /// All hits of a ray, by ascending `t`.
 #[derive(Debug, Serialize)]
 pub(super) struct RayReport {
+    shape: ShapeReport,
     hits: Vec<HitReport>,
     work: WorkReport,
 }
@@ -39,6 +54,7 @@ struct HitReport {
 /// The point of the surface that is closest to a point.
 #[derive(Debug, Serialize)]
 pub(super) struct PointReport {
+    shape: ShapeReport,
     closest: Option<ClosestReport>,
     work: WorkReport,
 }
@@ -57,6 +73,7 @@ struct ClosestReport {
 /// The pairs of triangles in which the mesh intersects itself, ascending.
 #[derive(Debug, Serialize)]
 pub(super) struct SelfReport {
+    shape: ShapeReport,
     pairs: Vec<[u32; 2]>,
     work: WorkReport,
 }
@@ -70,8 +87,23 @@ struct WorkReport {
     vertices_blended: u64,
 }
 
+impl ShapeReport {
+    pub(super) fn new(shaped: &ShapedMesh) -> Self {
+        Self {
+            mesh: shaped.index,
+            name: shaped.mesh.name.clone(),
+            weights: shaped.pose.weights().to_vec(),
+            in_words: shaped.weights_in_words(),
+        }
+    }
+
+    fn text(&self) -> String {
+        format!("mesh {} \"{}\", {}\n", self.mesh, Printable(&self.name), self.in_words)
+    }
+}
+
 impl RayReport {
-    pub(super) fn new(hits: &[RayHit], stats: QueryStats) -> Self {
+    pub(super) fn new(shape: ShapeReport, hits: &[RayHit], stats: QueryStats) -> Self {
         let hit = |hit: &RayHit| HitReport {
             triangle: hit.triangle,
             t: hit.t,
@@ -86,6 +118,7 @@ impl RayReport {
             },
         };
         Self {
+            shape,
             hits: hits.iter().map(hit).collect(),
             work: WorkReport::new(stats),
         }
@@ -93,7 +126,7 @@ impl RayReport {
 }
 
 impl PointReport {
-    pub(super) fn new(closest: Option<&ClosestPoint>, stats: QueryStats) -> Self {
+    pub(super) fn new(shape: ShapeReport, closest: Option<&ClosestPoint>, stats: QueryStats) -> Self {
         let closest = closest.map(|closest| ClosestReport {
             triangle: closest.triangle,
             distance: closest.distance,
@@ -101,6 +134,7 @@ impl PointReport {
             barycentrics: closest.barycentrics,
         });
         Self {
+            shape,
             closest,
             work: WorkReport::new(stats),
         }
@@ -108,9 +142,10 @@ impl PointReport {
 }
 
 impl SelfReport {
-    pub(super) fn new(mut pairs: Vec<TrianglePair>, stats: QueryStats) -> Self {
+    pub(super) fn new(shape: ShapeReport, mut pairs: Vec<TrianglePair>, stats: QueryStats) -> Self {
         pairs.sort_unstable();
         Self {
+            shape,
             pairs: pairs.iter().map(|pair| [pair.triangle_a, pair.triangle_b]).collect(),
             work: WorkReport::new(stats),
         }
@@ -129,7 +164,7 @@ impl WorkReport {
 
     fn text(&self) -> String {
         format!(
-            "looked at {} boxes and {} triangles; blended {} boxes and {} vertices\n",
+            "tested {} boxes and {} triangles; blended {} boxes and {} vertices\n",
             self.node_tests, self.triangle_tests, self.nodes_blended, self.vertices_blended
         )
     }
@@ -137,7 +172,7 @@ impl WorkReport {
 
 impl QueryReport for RayReport {
     fn text(&self) -> String {
-        let mut text = format!("{} hits\n", self.hits.len());
+        let mut text = self.shape.text() + &format!("{} hits\n", self.hits.len());
         for hit in &self.hits {
             let [x, y, z] = hit.point;
             // Writing to a string cannot fail.
@@ -153,7 +188,7 @@ impl QueryReport for RayReport {
 
 impl QueryReport for SelfReport {
     fn text(&self) -> String {
-        let mut text = format!("{} pairs of triangles\n", self.pairs.len());
+        let mut text = self.shape.text() + &format!("{} pairs of triangles\n", self.pairs.len());
         for [a, b] in &self.pairs {
             let _ = writeln!(text, "  triangle {a} and triangle {b}");
         }
@@ -172,6 +207,6 @@ impl QueryReport for PointReport {
             }) => format!("triangle {triangle}, distance {distance:.6}, point {x:.6} {y:.6} {z:.6}\n"),
             None => "nothing\n".into(),
         };
-        found + &self.work.text()
+        self.shape.text() + &found + &self.work.text()
     }
 }

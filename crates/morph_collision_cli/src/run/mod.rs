@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! scene.json --Cast--> bodies of a method --replay--> hits and times per frame --report, pairs_csv, picture--> stdout, OUT.csv, OUT.png
+//!            --Cast--> posed bodies --surface--> contacts or distances per frame --> stdout, OUT.csv
 //! ```
 
 mod options;
@@ -9,12 +10,12 @@ mod pairs_csv;
 mod picture;
 mod replay;
 mod report;
+mod surface;
 
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use morph_collision_testkit::rivals::Method;
-use morph_collision_testkit::scenes::Scene;
 
 use crate::cast::Cast;
 use crate::error::CliError;
@@ -22,37 +23,41 @@ use crate::model_file::FileArgs;
 use crate::output;
 use crate::output_file::OutputFile;
 use crate::picture::Picture;
-use crate::progress::ProgressArgs;
+use crate::progress;
 
 use options::MethodArgs;
 use picture::{Drawn, PictureArgs};
 use replay::Replay;
 use report::RunReport;
 
-/// Replay a scene frame by frame and report which bodies and triangles intersect.
+const EXAMPLES: &str = "Examples:
+  morph-collide run scene.json --picture touch.png
+  morph-collide run scene.json --mode contacts --pairs contacts.csv
+  morph-collide scene a.glb b.glb --clip walk --place 0,0,0 --place x=-1..1 | morph-collide run -";
+
+/// Replay a scene frame by frame and report which bodies and triangles intersect, where they touch, or how far apart they are.
 ///
-/// A scene is a JSON file that lists its bodies, {"model":"a.glb","mesh":0} with the path relative to the scene. For every frame
-/// it gives each body's "weights", "scale", "rotation" (a quaternion x,y,z,w) and "translation".
+/// `morph-collide scene` makes scene files, and docs/scene.md describes them.
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct RunArgs {
-    /// The scene file.
+    /// A scene file; - reads it from standard input.
     scene: PathBuf,
-    /// How much to find out about each pair of bodies.
+    /// What to find out about each pair of bodies.
     #[arg(long, value_enum, default_value_t = Mode::All)]
     mode: Mode,
     #[command(flatten)]
     how: MethodArgs,
-    /// Write the pairs to a CSV file: `frame,body_a,body_b,triangle_a,triangle_b`.
+    /// Write what was found to a CSV file; - writes it to standard output, and the summary to standard error.
     ///
-    /// With the modes `first` and `any` there is one line per pair of bodies that touch.
+    /// A line per pair of triangles; with the modes first and any a line per pair of bodies, with contacts a line per contact point,
+    /// and with distance a line per pair of bodies with their closest points.
     #[arg(long, value_name = "OUT.csv")]
     pairs: Option<PathBuf>,
     #[command(flatten)]
     picture: PictureArgs,
     #[command(flatten)]
     files: FileArgs,
-    #[command(flatten)]
-    progress: ProgressArgs,
     /// Print one JSON object instead of a summary.
     #[arg(long)]
     json: bool,
@@ -61,7 +66,7 @@ pub(crate) struct RunArgs {
 /// The bodies of a scene, held by a method.
 type Played = Cast<Box<dyn Method>>;
 
-/// How much to find out about each pair of bodies.
+/// What to find out about each pair of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 enum Mode {
     /// Every pair of triangles that intersect.
@@ -70,12 +75,38 @@ enum Mode {
     First,
     /// Only whether any triangles intersect.
     Any,
+    /// Where they touch, how deep, and which way is out.
+    Contacts,
+    /// How far apart they are, and their closest points.
+    Distance,
+}
+
+impl Mode {
+    /// Its name on the command line.
+    fn name(self) -> &'static str {
+        match self {
+            Self::All => "all",
+            Self::First => "first",
+            Self::Any => "any",
+            Self::Contacts => "contacts",
+            Self::Distance => "distance",
+        }
+    }
+
+    /// Whether it describes surfaces instead of listing pairs.
+    fn is_of_surfaces(self) -> bool {
+        matches!(self, Self::Contacts | Self::Distance)
+    }
 }
 
 /// Loads, replays and reports a scene. Reported times exclude loading and writing.
 pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
     args.how.check(args.mode)?;
-    let scene = Scene::read_within(&args.scene, args.files.memory_limit())?;
+    args.picture.check_mode(args.mode)?;
+    if args.mode.is_of_surfaces() {
+        return surface::run(args);
+    }
+    let scene = args.files.read_scene(&args.scene)?;
     let mut cast = Cast::load(&args.scene, &scene, &args.how, &args.files)?;
     args.picture.check(cast.frames.len())?;
     // Checked before the replay, so that a path that cannot be written fails early.
@@ -95,7 +126,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), CliError> {
         });
     }
 
-    let progress = args.progress.start("frame", cast.frames.len() as u64);
+    let progress = progress::count("frame", cast.frames.len() as u64);
     let replay = replay::replay(&mut cast, args.mode, pairs_file.is_some(), &progress)?;
 
     if let Some(file) = pairs_file {

@@ -7,6 +7,7 @@ use morph_collision_testkit::rivals::{Method, MethodKind, MethodOptions, SetUpEr
 use super::Mode;
 use crate::cast::SetUp;
 use crate::error::CliError;
+use crate::methods;
 use crate::paper_options::PaperArgs;
 use crate::tree_options::TreeArgs;
 
@@ -14,19 +15,18 @@ use crate::tree_options::TreeArgs;
 /// not support is an error.
 #[derive(Debug, Args)]
 pub(crate) struct MethodArgs {
-    /// Method that finds pairs: morph, morph-eager, rigid-floor, paper, bottom-up, hybrid, rebuild, octree, parry-trimesh,
-    /// parry-bvh, parry-rebuild or brute-force.
-    #[arg(long, value_name = "NAME", default_value_t)]
-    method: MethodKind,
+    /// The method that finds the pairs. All methods find the same pairs; `bench` compares their speed.
+    #[arg(long, value_name = "NAME", default_value = "morph", value_parser = methods::names(), help_heading = methods::HEADING)]
+    method: String,
     #[command(flatten)]
     paper: PaperArgs,
     #[command(flatten)]
-    tree: TreeArgs,
-    /// Most children of a node of bottom-up and hybrid: 2, 4 or 8.
-    #[arg(long, value_name = "N", value_parser = arity)]
+    pub(super) tree: TreeArgs,
+    /// The most children of a node of bottom-up and hybrid: 2, 4 or 8 (the default).
+    #[arg(long, value_name = "N", value_parser = arity, help_heading = methods::HEADING)]
     arity: Option<usize>,
-    /// With morph and mode `first`, first try the leaves in which it found a pair the last time.
-    #[arg(long)]
+    /// With morph or morph-eager and the modes first and any: try first the triangles that touched in the frame before.
+    #[arg(long, help_heading = methods::HEADING)]
     witness: bool,
 }
 
@@ -35,7 +35,7 @@ fn arity(text: &str) -> Result<usize, String> {
         "2" => Ok(2),
         "4" => Ok(4),
         "8" => Ok(8),
-        _ => Err("it must be 2, 4 or 8".to_owned()),
+        _ => Err("expected 2, 4 or 8".to_owned()),
     }
 }
 
@@ -43,13 +43,19 @@ impl MethodArgs {
     /// Checks that the method and the mode support every option that was given.
     pub(super) fn check(&self, mode: Mode) -> Result<(), CliError> {
         use MethodKind::{BottomUp, Hybrid, Morph, MorphEager, Rebuild, RigidFloor};
-        let method = self.method;
+        let method = methods::kind(&self.method);
+        if mode.is_of_surfaces() && method != Morph {
+            let reason = format!("mode {} works only with morph", mode.name());
+            let flag = "--method";
+            return Err(CliError::Flag { flag, reason });
+        }
         let paper = matches!(method, MethodKind::Paper(_));
         let ours = matches!(method, Morph | MorphEager | RigidFloor);
+        let binary = self.method == methods::HYBRID_BINARY;
         let has_arity = matches!(method, BottomUp | Hybrid);
         let of_paper = self.paper.given().map(|(flag, given)| (flag, given, paper));
         let others = [
-            ("--arity", self.arity.is_some(), has_arity),
+            ("--arity", self.arity.is_some(), has_arity && !binary),
             (
                 "--leaf",
                 self.tree.leaf().is_some(),
@@ -59,11 +65,11 @@ impl MethodArgs {
         ];
         for (flag, given, fits) in of_paper.into_iter().chain(others) {
             if given && !fits {
-                let reason = format!("the method {method} has no such option");
+                let reason = format!("the method {} has no such option", self.method);
                 return Err(CliError::Flag { flag, reason });
             }
         }
-        if self.witness && mode == Mode::All {
+        if self.witness && !matches!(mode, Mode::First | Mode::Any) {
             return Err(CliError::Flag {
                 flag: "--witness",
                 reason: "it works only with --mode first or --mode any".to_owned(),
@@ -73,7 +79,7 @@ impl MethodArgs {
     }
 
     pub(crate) fn method(&self) -> MethodKind {
-        match self.method {
+        match methods::kind(&self.method) {
             MethodKind::Paper(_) => MethodKind::Paper(self.paper.options()),
             other => other,
         }
@@ -84,7 +90,8 @@ impl MethodArgs {
             witness: self.witness,
             ..self.tree.build().into()
         };
-        match self.arity {
+        let binary = (self.method == methods::HYBRID_BINARY).then_some(2);
+        match self.arity.or(binary) {
             Some(arity) => MethodOptions { arity, ..options },
             None => options,
         }

@@ -5,18 +5,17 @@ use std::path::PathBuf;
 use clap::Args;
 use morph_collision_testkit::oracle::BodyPose;
 
-use super::Played;
 use super::replay::{FrameCounts, Hit};
+use super::{Mode, Played};
 use crate::error::CliError;
 use crate::picture::DrawnBody;
 
 /// Whether and what to draw.
 #[derive(Debug, Args)]
 pub(crate) struct PictureArgs {
-    /// Draw the frame with the most touching triangles, which are red, to a PNG file. No graphics
-    /// driver is needed.
+    /// Draw the frame with the most touching triangles to a PNG file, with these triangles in red; - writes it to standard output.
     ///
-    /// With the modes `first` and `any`, only the one pair that was found for two bodies is red.
+    /// No graphics driver is needed. With the modes first and any, only the one pair that was found for two bodies is red.
     #[arg(long, value_name = "OUT.png")]
     pub(super) picture: Option<PathBuf>,
     /// Draw this frame instead, counted from 0.
@@ -34,6 +33,17 @@ pub(crate) struct Drawn {
 }
 
 impl PictureArgs {
+    /// # Errors
+    /// The mode lists no triangles that could be red.
+    pub(super) fn check_mode(&self, mode: Mode) -> Result<(), CliError> {
+        if self.picture.is_some() && mode.is_of_surfaces() {
+            let reason = format!("there are no pictures of mode {}; use all, first or any", mode.name());
+            let flag = "--picture";
+            return Err(CliError::Flag { flag, reason });
+        }
+        Ok(())
+    }
+
     /// # Errors
     /// The frame does not exist.
     pub(super) fn check(&self, frames: usize) -> Result<(), CliError> {
@@ -61,16 +71,13 @@ impl PictureArgs {
 
 /// The bodies of a frame. Triangles in `hits` are marked as touching.
 pub(super) fn bodies(cast: &Played, frame: usize, hits: &[Hit]) -> Vec<DrawnBody> {
-    let mut bodies: Vec<DrawnBody> = cast.frames[frame]
-        .iter()
-        .zip(&cast.mesh_of_body)
-        .enumerate()
-        .map(|(body, (state, &mesh))| {
-            let (mesh, shape) = (&cast.meshes[mesh], cast.shape(frame, body));
+    let mut bodies: Vec<DrawnBody> = (0..cast.bodies)
+        .map(|body| {
+            let (mesh, shape) = (cast.mesh(body), cast.shape(frame, body));
             let pose = BodyPose {
                 mesh,
                 weights: &shape.weights,
-                world_from_model: state.world_from_model,
+                world_from_model: shape.world_from_model,
                 joints: shape.joints.as_deref(),
             };
             DrawnBody {

@@ -8,7 +8,7 @@ use morph_collision_testkit::rivals::{BroadPhase, Wanted};
 use super::{Mode, Played};
 use crate::cast::Shape;
 use crate::error::CliError;
-use crate::progress::Progress;
+use crate::progress::Steps;
 
 /// What a whole replay found and how long it took.
 #[derive(Debug, Default)]
@@ -42,7 +42,7 @@ pub(crate) struct Hit {
 }
 
 /// Replays all frames. Hits are kept only if `keep_hits`, because there can be many.
-pub(crate) fn replay(cast: &mut Played, mode: Mode, keep_hits: bool, progress: &Progress) -> Result<Replay, CliError> {
+pub(crate) fn replay(cast: &mut Played, mode: Mode, keep_hits: bool, progress: &Steps) -> Result<Replay, CliError> {
     let mut replay = Replay::default();
     let mut scratch = Scratch::default();
     let before = cast.method.work();
@@ -61,7 +61,6 @@ pub(crate) fn replay(cast: &mut Played, mode: Mode, keep_hits: bool, progress: &
         progress.step();
     }
     replay.stats = cast.method.work() - before;
-    progress.finish();
     Ok(replay)
 }
 
@@ -85,10 +84,10 @@ fn shapes(cast: &Played, frame: usize) -> Vec<Shape> {
 
 /// Sets the weights, joints and placements of all bodies for a frame.
 fn pose(cast: &mut Played, frame: usize, shapes: &[Shape]) -> Result<(), CliError> {
-    for (body, (state, shape)) in cast.frames[frame].iter().zip(shapes).enumerate() {
+    for (body, shape) in shapes.iter().enumerate() {
         let joints = shape.joints.as_ref().map(|joints| cast.method.set_joints(body, joints));
         let posed = joints.unwrap_or(Ok(()));
-        let posed = posed.and_then(|()| cast.method.set_body(body, &shape.weights, &state.world_from_model));
+        let posed = posed.and_then(|()| cast.method.set_body(body, &shape.weights, &shape.world_from_model));
         posed.map_err(|reason| CliError::Frame {
             scene: cast.scene.clone(),
             frame,
@@ -123,7 +122,7 @@ impl Scratch {
             let left = room.saturating_sub(self.hits.len());
             let wanted = match mode {
                 Mode::All => Wanted::UpTo(left.saturating_add(1)),
-                Mode::First | Mode::Any => Wanted::First,
+                Mode::First | Mode::Any | Mode::Contacts | Mode::Distance => Wanted::First,
             };
             method.collide(body_a as usize, body_b as usize, wanted, &mut self.pairs);
             if self.pairs.len() > left {

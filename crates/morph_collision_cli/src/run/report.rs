@@ -46,11 +46,7 @@ impl RunReport {
             frames: replay.frames.len(),
             bodies,
             method: method.to_string(),
-            mode: match mode {
-                Mode::All => "all",
-                Mode::First => "first",
-                Mode::Any => "any",
-            },
+            mode: mode.name(),
             pairs: replay.frames.iter().map(|frame| frame.pairs).collect(),
             body_pairs: replay.frames.iter().map(|frame| frame.body_pairs).collect(),
             node_tests: stats.node_tests,

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use morph_collision_testkit::numbers::number;
+use morph_collision_testkit::numbers::{Grouped, number};
 use morph_collision_testkit::stress::FamilyReport;
 use serde::Serialize;
 
@@ -56,12 +56,24 @@ impl StressReport {
         }
     }
 
-    pub(super) fn verdict(&self) -> Verdict {
+    /// The number of things that went wrong.
+    fn wrong(&self) -> u64 {
         let wrong = |row: &Row| row.missed + row.spurious + row.containment_violations + row.unexpected + row.panics;
-        if self.families.iter().map(wrong).sum::<u64>() == 0 {
-            Verdict::Clean
-        } else {
-            Verdict::FoundWrong
+        self.families.iter().map(wrong).sum()
+    }
+
+    /// Answers that were compared: intersecting pairs, and refusals of bad input.
+    fn answers(&self) -> u64 {
+        self.families
+            .iter()
+            .map(|row| row.pairs_truth + row.errors_reported)
+            .sum()
+    }
+
+    pub(super) fn verdict(&self) -> Verdict {
+        match self.wrong() == 0 && self.answers() > 0 {
+            true => Verdict::Clean,
+            false => Verdict::FoundWrong,
         }
     }
 
@@ -98,7 +110,12 @@ impl StressReport {
         for first in self.families.iter().filter_map(|row| row.first.as_ref()) {
             writeln!(text, "{first}")?;
         }
-        Ok(())
+        let answers = Grouped(self.answers());
+        match (self.wrong(), self.answers()) {
+            (0, 0) => writeln!(text, "Nothing was compared; ask for more --cases."),
+            (0, _) => writeln!(text, "All {answers} answers agree with brute force."),
+            (wrong, _) => writeln!(text, "{} things went wrong among {answers} answers.", Grouped(wrong)),
+        }
     }
 }
 
@@ -134,6 +151,16 @@ mod tests {
             assert_eq!(verdict(wrong), Verdict::FoundWrong);
         }
         let text = StressReport::new(1, &[missed]).text();
-        assert!(text.ends_with("slivers, case 2\n"), "{text}");
+        assert!(
+            text.ends_with("slivers, case 2\n1 things went wrong among 2 answers.\n"),
+            "{text}"
+        );
+        let nothing = StressReport::new(1, &[]);
+        assert_eq!(nothing.verdict(), Verdict::FoundWrong);
+        assert!(
+            nothing
+                .text()
+                .ends_with("Nothing was compared; ask for more --cases.\n")
+        );
     }
 }

@@ -1,5 +1,6 @@
 //! `morph-collide verify`: compares a model's answers with brute force.
 
+mod batch;
 mod report;
 
 use std::path::{Path, PathBuf};
@@ -11,45 +12,55 @@ use morph_collision_testkit::rivals::SetUpError;
 use morph_collision_testkit::verify::{LEAF_SIZES, Trees, verify as compare, verify_motion};
 
 use crate::error::CliError;
-use crate::model_file::{FileArgs, count_memory, read_clips};
-use crate::progress::ProgressArgs;
-use crate::{Verdict, output};
+use crate::model_file::{FileArgs, MeshChoice, count_memory, read_clips};
+use crate::{Verdict, output, progress};
+use batch::BatchReport;
 use report::{VerifyReport, WhichMesh};
 
-/// Compare the answers of trees about two bodies with brute force in exact arithmetic.
+const EXAMPLES: &str = "Examples:
+  morph-collide verify face.glb
+  morph-collide verify hand.glb --against face.glb --frames 1000
+  morph-collide verify models/*.glb --frames 30";
+
+/// Compare this library's answers about a model with brute force in exact arithmetic.
 ///
-/// Two bodies, of one mesh or of two, take shapes from the mesh's own clips and at random (convex, signed, above one, twelve in
-/// sum, one-hot, zero). Their placements are turned, stretched, mirrored and sheared, from far apart to deep inside each other;
-/// some nearly touch, found by bisection down to neighbouring floating-point numbers. Every frame compares all intersecting pairs
-/// of triangles, and checks all boxes against the vertices below them. Then bodies move from one such situation to another, and
-/// samples of what touches on the way are compared with exact arithmetic.
+/// Two bodies take shapes from the mesh's own clips and at random (weights of either sign, above one, or twelve in sum). They are turned,
+/// stretched, mirrored and sheared, from far apart to deep inside each other; some nearly touch, down to neighbouring floating-point
+/// numbers. In every frame, all intersecting pairs of triangles are compared, and all boxes are checked against the vertices below them.
+/// Then the bodies move from one such situation to another, and samples of what touches on the way are compared.
 ///
-/// The exit code is 1 if anything differs. The smallest pair of triangles or vertex that differs is printed.
+/// Columns of the table, one row for each leaf size of the trees: `missed` pairs that brute force finds and the trees do not, `spurious`
+/// pairs that only the trees find, pairs that the fast test left `undecided` (they are decided by exact arithmetic, so they are not
+/// errors), `containment` checks of boxes against vertices, and vertices `outside` their boxes.
+///
+/// The last line says whether all answers agree. The exit code is 1 if any answer differs, or if nothing touched, so that nothing was
+/// compared. The smallest pair of triangles or vertex that differs is printed. Several models get one line each.
 #[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
 pub(crate) struct VerifyArgs {
-    /// A .glb or .gltf file.
-    model: PathBuf,
-    /// Another .glb or .gltf file for the second body; by default it is the same mesh.
-    model2: Option<PathBuf>,
-    /// The mesh's index in the first file.
-    #[arg(long, value_name = "N", default_value_t = 0)]
-    mesh: usize,
-    /// The mesh's index in the second file.
-    #[arg(long, value_name = "N", default_value_t = 0, requires = "model2")]
-    mesh2: usize,
+    /// .glb or .gltf files; - reads a .glb from standard input.
+    #[arg(required = true)]
+    models: Vec<PathBuf>,
+    /// The model of the second body; by default it is the same mesh.
+    #[arg(long, value_name = "MODEL")]
+    against: Option<PathBuf>,
+    /// The mesh of the first body: its index in the file, or its name.
+    #[arg(long, value_name = "MESH", default_value_t)]
+    mesh: MeshChoice,
+    /// The mesh of the model that --against names.
+    #[arg(long, value_name = "MESH", default_value_t, requires = "against")]
+    against_mesh: MeshChoice,
     /// Number of situations to compare.
-    #[arg(long, value_name = "N", default_value_t = 100, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 100)]
     frames: u64,
     /// Random seed; the same seed gives the same situations.
     #[arg(long, value_name = "S", default_value_t = 1)]
     seed: u64,
-    /// Most triangles in a leaf of the trees, 1 to 255; by default, trees of several leaf sizes are compared.
+    /// The most triangles in a leaf of the trees, 1 to 255; by default, trees of several leaf sizes are compared.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
     leaf: Option<u8>,
     #[command(flatten)]
     files: FileArgs,
-    #[command(flatten)]
-    progress: ProgressArgs,
     /// Print one JSON object instead of a table.
     #[arg(long)]
     json: bool,
@@ -60,16 +71,78 @@ const FRAMES_PER_STEP: u64 = 4;
 
 /// Draws situations, compares the answers, and reports differences.
 pub(crate) fn verify(args: &VerifyArgs) -> Result<Verdict, CliError> {
-    let mesh = args.read(&args.model, args.mesh, "--mesh")?;
-    let second = args
-        .model2
-        .as_ref()
-        .map(|model| args.read(model, args.mesh2, "--mesh2"));
+    let [model] = &args.models[..] else {
+        return batch(args);
+    };
+    let report = compared(args, model, &args.mesh)?;
+    if args.json {
+        output::print_json(&report)?;
+    } else {
+        output::print(&report.text())?;
+    }
+    Ok(report.verdict())
+}
+
+/// One line per model. Of every model, all meshes that can collide are compared with themselves.
+fn batch(args: &VerifyArgs) -> Result<Verdict, CliError> {
+    let given = [
+        ("--against", args.against.is_some()),
+        ("--mesh", args.mesh != MeshChoice::default()),
+    ];
+    if let Some((flag, _)) = given.into_iter().find(|(_, given)| *given) {
+        let reason = "it works with one model only".to_owned();
+        return Err(CliError::Flag { flag, reason });
+    }
+    let mut batch = BatchReport::default();
+    for model in &args.models {
+        let meshes = match args.files.open(model) {
+            Ok(file) => file.mesh_count(),
+            Err(error) => {
+                batch.add(model, 0, Err(error));
+                continue;
+            }
+        };
+        for mesh in 0..meshes {
+            batch.add(model, mesh, compared(args, model, &MeshChoice(mesh.to_string())));
+        }
+    }
+    if args.json {
+        output::print_json(&batch)?;
+    } else {
+        output::print(&batch.text())?;
+    }
+    match batch.failed() {
+        0 => Ok(batch.verdict()),
+        failed => Err(CliError::Batch {
+            failed,
+            all: batch.len(),
+        }),
+    }
+}
+
+/// Compares a mesh with itself, or with another.
+fn compared(args: &VerifyArgs, model: &Path, mesh: &MeshChoice) -> Result<VerifyReport, CliError> {
+    let (index, mesh) = args.read(model, mesh, "--mesh")?;
+    let second = args.against.as_ref();
+    let second = second.map(|model| args.read(model, &args.against_mesh, "--against-mesh"));
     let second = second.transpose()?;
-    let meshes = [&mesh, second.as_ref().unwrap_or(&mesh)];
-    let which = which_meshes(args);
+    let meshes = [&mesh, second.as_ref().map_or(&mesh, |(_, mesh)| mesh)];
+    let first = WhichMesh {
+        model: model.to_owned(),
+        mesh: index,
+    };
+    let second = args
+        .against
+        .as_ref()
+        .zip(second.as_ref())
+        .map(|(model, (index, _))| WhichMesh {
+            model: model.clone(),
+            mesh: *index,
+        });
+    let which = [first.clone(), second.unwrap_or(first)];
 
     let leaf_sizes = args.leaf_sizes();
+    progress::doing(format!("building trees of {} triangles", meshes[0].triangles.len()));
     let mut sources = Vec::new();
     for &leaf_size in &leaf_sizes {
         let options = BuildOptions::default()
@@ -79,28 +152,19 @@ pub(crate) fn verify(args: &VerifyArgs) -> Result<Verdict, CliError> {
         sources.push(trees.map_err(|error| blame(error, &which, meshes))?);
     }
     let refused = |reason| CliError::Situation {
-        file: args.model.clone(),
-        mesh: args.mesh,
+        file: model.to_owned(),
+        mesh: index,
         name: mesh.name.clone(),
         reason,
     };
-    let bar = args.progress.start("frame", args.frames);
-    let verification = compare(meshes, &mut sources, args.frames, args.seed, || bar.step());
-    bar.finish();
+    let steps = progress::count("frame", args.frames);
+    let verification = compare(meshes, &mut sources, args.frames, args.seed, || steps.step());
     let verification = verification.map_err(refused)?;
-    let steps = args.frames.div_ceil(FRAMES_PER_STEP);
-    let bar = args.progress.start("step", steps);
-    let motion = verify_motion(meshes, &mut sources, steps, args.seed, || bar.step());
-    bar.finish();
+    let motions = args.frames.div_ceil(FRAMES_PER_STEP);
+    let steps = progress::count("motion", motions);
+    let motion = verify_motion(meshes, &mut sources, motions, args.seed, || steps.step());
     let motion = motion.map_err(refused)?;
-
-    let report = VerifyReport::new(which, &leaf_sizes, args.seed, &verification, motion);
-    if args.json {
-        output::print_json(&report)?;
-    } else {
-        output::print(&report.text())?;
-    }
-    Ok(report.verdict())
+    Ok(VerifyReport::new(which, &leaf_sizes, args.seed, &verification, motion))
 }
 
 impl VerifyArgs {
@@ -109,25 +173,13 @@ impl VerifyArgs {
     }
 
     /// Reads a mesh with its clips and counts the memory of its trees.
-    fn read(&self, model: &Path, index: usize, flag: &'static str) -> Result<MorphMesh, CliError> {
-        let (file, mut mesh) = self.files.open_mesh(model, index, flag)?;
+    fn read(&self, model: &Path, mesh: &MeshChoice, flag: &'static str) -> Result<(usize, MorphMesh), CliError> {
+        let (file, index, mut mesh) = self.files.open_mesh(model, mesh, flag)?;
         let trees = self.leaf_sizes().len() as u64 * mesh.tree_bytes();
         count_memory(&file, index, trees, || "its trees".into())?;
         read_clips(&file, index, &mut mesh)?;
-        Ok(mesh)
+        Ok((index, mesh))
     }
-}
-
-fn which_meshes(args: &VerifyArgs) -> [WhichMesh; 2] {
-    let first = WhichMesh {
-        model: args.model.clone(),
-        mesh: args.mesh,
-    };
-    let second = args.model2.as_ref().map(|model| WhichMesh {
-        model: model.clone(),
-        mesh: args.mesh2,
-    });
-    [first.clone(), second.unwrap_or(first)]
 }
 
 /// Names the file and index of the refused mesh.

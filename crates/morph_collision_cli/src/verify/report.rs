@@ -4,6 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use glam::Affine3A;
+use morph_collision_testkit::numbers::Grouped;
 use morph_collision_testkit::printable::Printable;
 use morph_collision_testkit::verify::{Counts, Finding, MotionCounts, Trouble, Verification};
 use serde::Serialize;
@@ -123,13 +124,31 @@ impl VerifyReport {
         }
     }
 
-    pub(super) fn verdict(&self) -> Verdict {
+    /// The number of answers that differ.
+    pub(super) fn differences(&self) -> u64 {
         let (total, motion) = (&self.total, &self.motion);
         let in_motion = motion.missed + motion.spurious + motion.wrong_times + motion.wrong_geometry;
-        if total.missed + total.spurious + total.containment_violations + in_motion == 0 {
-            Verdict::Clean
-        } else {
-            Verdict::FoundWrong
+        total.missed + total.spurious + total.containment_violations + in_motion
+    }
+
+    /// Intersecting pairs of triangles that brute force finds.
+    pub(super) fn pairs(&self) -> u64 {
+        self.total.pairs_truth
+    }
+
+    /// The number of answers compared: pairs of triangles in every tree, boxes, and features in motion. 0 if nothing touched, because then no
+    /// answer could be wrong in an interesting way.
+    pub(super) fn answers(&self) -> u64 {
+        match self.total.pairs_truth + self.motion.pairs + self.differences() {
+            0 => 0,
+            _ => self.total.pairs_truth * self.trees.len() as u64 + self.total.containment_checks + self.motion.pairs,
+        }
+    }
+
+    pub(super) fn verdict(&self) -> Verdict {
+        match self.differences() == 0 && self.answers() > 0 {
+            true => Verdict::Clean,
+            false => Verdict::FoundWrong,
         }
     }
 
@@ -144,8 +163,10 @@ impl VerifyReport {
         let total = &self.total;
         writeln!(
             text,
-            "{} frames of seed {}, {} pairs",
-            total.frames, self.seed, total.pairs_truth
+            "{} frames of seed {}, {} intersecting pairs of triangles",
+            total.frames,
+            self.seed,
+            Grouped(total.pairs_truth)
         )?;
         writeln!(
             text,
@@ -181,12 +202,21 @@ impl VerifyReport {
         } = &self.motion;
         writeln!(
             text,
-            "motion: {steps} steps, {contacts} contacts, {pairs} pairs compared: {missed} missed, {spurious} spurious, {wrong_times} wrong times, \
+            "{steps} motions: {contacts} contacts, {pairs} pairs of features compared: {missed} missed, {spurious} spurious, {wrong_times} wrong times, \
              {wrong_geometry} wrong points or normals"
         )?;
-        match &self.reproduction {
-            Some(reproduction) => reproduction.write_text(&self.bodies, text),
-            None => Ok(()),
+        if let Some(reproduction) = &self.reproduction {
+            reproduction.write_text(&self.bodies, text)?;
+        }
+        let answers = Grouped(self.answers());
+        match (self.differences(), self.answers(), total.frames) {
+            (0, 0, 0) => writeln!(text, "Nothing was compared, because no frames were asked for."),
+            (0, 0, frames) => writeln!(
+                text,
+                "Nothing was compared, because nothing touched in {frames} frames; try more --frames or another --seed."
+            ),
+            (0, _, _) => writeln!(text, "All {answers} answers agree with brute force."),
+            (wrong, _, _) => writeln!(text, "{} of {answers} answers differ from brute force.", Grouped(wrong)),
         }
     }
 }
@@ -318,6 +348,7 @@ mod tests {
         ] {
             assert!(text.contains(part), "no {part:?} in: {text}");
         }
+        assert!(text.ends_with("4 of 14 answers differ from brute force.\n"), "{text}");
         let outside = found(Trouble::Outside { body: 1, vertex: 8 }).text();
         assert!(outside.contains("vertex 8 of body 1"), "{outside}");
     }

@@ -70,6 +70,7 @@ fn the_tables_name_targets_and_clips() -> TestResult {
         "0.000 .. 1.000",
         "welded",
         "nodes",
+        " KiB",
     ] {
         assert!(stdout.contains(part), "no {part} in\n{stdout}");
     }
@@ -203,5 +204,114 @@ fn sums_of_large_weights_are_numbers_in_json() -> TestResult {
     let report = inspect_json(&path)?;
     let sum = &report["meshes"][0]["animations"][0]["weight_sum"]["max"];
     assert!(sum.as_f64().is_some_and(|sum| sum > 5e38), "{sum}");
+    Ok(())
+}
+
+#[test]
+fn bounds_nodes_and_reach_are_shown() -> TestResult {
+    let dir = tempdir()?;
+    let path = write_gltf(dir.path(), "placed.gltf", &[RawMesh::triangle("Placed")])?;
+    bend(&path, |gltf| {
+        gltf["nodes"] = serde_json::json!([
+            {"children": [1], "scale": [2, 2, 2]},
+            {"mesh": 0, "name": "stand", "translation": [0, 3, 0]},
+        ]);
+        gltf["extensionsRequired"] = serde_json::json!(["VRMC_vrm"]);
+    })?;
+    let report = inspect_json(&path)?;
+    assert_eq!(
+        (&report["version"], &report["ignored_extensions"][0]),
+        (&1.into(), &"VRMC_vrm".into())
+    );
+    let mesh = &report["meshes"][0];
+    assert_eq!(mesh["bounds"]["max"], serde_json::json!([1.0, 1.0, 0.0]));
+    assert_eq!(mesh["targets"][0]["reach"], 1.0);
+    let node = &mesh["nodes"][0];
+    assert_eq!((&node["index"], &node["name"]), (&1.into(), &"stand".into()));
+    assert_eq!((&node["translation"][1], &node["scale"][0]), (&6.0.into(), &2.0.into()));
+    let text = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
+    for part in [
+        "note: it requires VRMC_vrm",
+        "bounds      0 0 0 to 1 1 0 at rest",
+        "node 1 \"stand\": translation 0 6 0",
+    ] {
+        assert!(text.contains(part), "no {part:?} in\n{text}");
+    }
+    Ok(())
+}
+
+#[test]
+fn a_file_of_many_meshes_is_summed_up_and_one_can_be_shown_in_full() -> TestResult {
+    let dir = tempdir()?;
+    let names = ["a", "b", "c", "d", "elbow"].map(RawMesh::triangle);
+    let path = write_gltf(dir.path(), "many.gltf", &names)?;
+    let text = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
+    assert!(
+        text.contains("mesh  name") && text.contains("--mesh N") && !text.contains("bounds"),
+        "{text}"
+    );
+    for mesh in ["elbow", "4"] {
+        let args = ["inspect".as_ref(), path.as_os_str(), "--mesh".as_ref(), mesh.as_ref()];
+        let text = stdout_of(&morph_collide(args)?);
+        assert!(text.contains("mesh 4 \"elbow\"") && text.contains("bounds"), "{text}");
+    }
+    let args = [
+        "inspect".as_ref(),
+        path.as_os_str(),
+        "--mesh".as_ref(),
+        "elbwo".as_ref(),
+    ];
+    let message = error_of(&morph_collide(args)?);
+    assert!(message.contains("did you mean \"elbow\"?"), "{message}");
+    Ok(())
+}
+
+#[test]
+fn several_files_get_one_line_each_and_totals() -> TestResult {
+    let dir = tempdir()?;
+    let two = write_gltf(
+        dir.path(),
+        "two.gltf",
+        &[RawMesh::triangle("a"), RawMesh::triangle("b")],
+    )?;
+    let dolphin = asset("dolphin_564.glb");
+    let text = stdout_of(&morph_collide([
+        "inspect".as_ref(),
+        two.as_os_str(),
+        dolphin.as_os_str(),
+    ])?);
+    assert_eq!(text.lines().count(), 4, "{text}");
+    assert!(
+        text.ends_with("2 files: 3 of 3 meshes can collide; 566 triangles, 298 vertices, 4 targets\n"),
+        "{text}"
+    );
+    let absent = dir.path().join("absent.glb");
+    let output = morph_collide(["inspect".as_ref(), two.as_os_str(), absent.as_os_str()])?;
+    assert!(error_of(&output).contains("1 of 2 files failed"));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("absent.glb: No such file"));
+    let args = [
+        "inspect".as_ref(),
+        two.as_os_str(),
+        dolphin.as_os_str(),
+        "--json".as_ref(),
+    ];
+    let report: Value = serde_json::from_str(&stdout_of(&morph_collide(args)?))?;
+    assert_eq!(
+        (&report["files"][0]["usable"], &report["files"][1]["triangles"]),
+        (&2.into(), &564.into())
+    );
+    Ok(())
+}
+
+#[test]
+fn a_glb_comes_through_a_pipe() -> TestResult {
+    let mut child = crate::support::command()
+        .args(["inspect", "-"])
+        .stdin(std::fs::File::open(asset("dolphin_564.glb"))?)
+        .stdout(std::process::Stdio::piped())
+        .spawn()?;
+    let mut text = String::new();
+    std::io::Read::read_to_string(&mut child.stdout.take().ok_or("no stdout")?, &mut text)?;
+    assert!(child.wait()?.success() && text.contains("564"), "{text}");
     Ok(())
 }

@@ -18,11 +18,12 @@ fn write_scene(path: &Path, places: &[[f32; 3]]) -> TestResult {
     };
     let body = || SceneBody {
         model: asset("dolphin_564.glb"),
-        mesh: 0,
+        ..SceneBody::default()
     };
     let scene = Scene {
         bodies: vec![body(), body()],
         frames: places.iter().map(|&at| vec![state([0.0; 3]), state(at)]).collect(),
+        ..Scene::default()
     };
     Ok(scene.write(path)?)
 }

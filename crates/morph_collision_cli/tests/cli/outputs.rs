@@ -69,3 +69,32 @@ fn pairs_to_stdout_go_before_the_summary_in_a_file_too() -> TestResult {
     );
     Ok(())
 }
+
+#[test]
+fn a_file_on_stdout_leaves_the_summary_to_stderr() -> TestResult {
+    let output = morph_collide([
+        "run".as_ref(),
+        crate::support::asset("scenes/two_dolphins.json").as_os_str(),
+        "--pairs".as_ref(),
+        "-".as_ref(),
+    ])?;
+    let (table, summary) = (
+        String::from_utf8_lossy(&output.stdout),
+        String::from_utf8_lossy(&output.stderr),
+    );
+    assert!(output.status.success() && table.starts_with("frame,body_a"), "{table}");
+    assert!(
+        !table.contains("time per frame") && summary.contains("time per frame"),
+        "{summary}"
+    );
+    let message = error_of(&morph_collide([
+        "run".as_ref(),
+        crate::support::asset("scenes/two_dolphins.json").as_os_str(),
+        "--pairs".as_ref(),
+        "-".as_ref(),
+        "--picture".as_ref(),
+        "-".as_ref(),
+    ])?);
+    assert!(message.contains("--picture"), "{message}");
+    Ok(())
+}

@@ -12,6 +12,7 @@ use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models;
 use morph_collision_testkit::oracle::{BodyPose, scene_pairs};
 use morph_collision_testkit::scenes::{BodyState, Scene, SceneBody};
+use morph_collision_testkit::weight_list::{TargetNames, WeightList};
 use serde_json::Value;
 use tempfile::tempdir;
 
@@ -65,17 +66,16 @@ fn expected_rows(path: &Path) -> Result<Vec<Row>, Box<dyn Error>> {
     }
     let mut rows = Vec::new();
     for (frame, states) in scene.frames.iter().enumerate() {
-        let rest: Vec<Vec<f32>> = meshes.iter().map(|mesh| vec![0.0; mesh.targets.len()]).collect();
+        let weights = |(mesh, state): (&MorphMesh, &BodyState)| {
+            TargetNames::new(&mesh.target_names).resolve(&state.weights, mesh.weights_at_rest())
+        };
+        let weights: Vec<Vec<f32>> = meshes.iter().zip(states).map(weights).collect::<Result<_, _>>()?;
         let bodies: Vec<_> = states
             .iter()
             .enumerate()
             .map(|(body, state)| BodyPose {
                 mesh: &meshes[body],
-                weights: if state.weights.is_empty() {
-                    &rest[body]
-                } else {
-                    &state.weights
-                },
+                weights: &weights[body],
                 world_from_model: state.world_from_model(),
                 joints: None,
             })
@@ -113,7 +113,7 @@ fn mixed_scene(dir: &Path) -> Result<std::path::PathBuf, Box<dyn Error>> {
 
     let body = |model: &str| SceneBody {
         model: model.into(),
-        mesh: 0,
+        ..SceneBody::default()
     };
     let bodies = ["dolphin.glb", "dolphin.glb", "boxes.glb", "dolphin.glb", "dolphin.glb"]
         .map(body)
@@ -130,7 +130,7 @@ fn mixed_scene(dir: &Path) -> Result<std::path::PathBuf, Box<dyn Error>> {
             },
             // Mirrored, stretched, and weights far beyond 1.
             BodyState {
-                weights: vec![2.5 * t, -1.5],
+                weights: WeightList::All(vec![2.5 * t, -1.5]),
                 scale: Some([-1.0, 1.5, 0.5]),
                 translation: Some([0.0, 0.4 - 0.5 * t, 0.0]),
                 ..BodyState::default()
@@ -146,6 +146,7 @@ fn mixed_scene(dir: &Path) -> Result<std::path::PathBuf, Box<dyn Error>> {
     Scene {
         bodies,
         frames: frames.collect(),
+        ..Scene::default()
     }
     .write(&path)?;
     Ok(path)
@@ -213,13 +214,14 @@ fn a_real_face_capture_meets_where_the_oracle_says() -> TestResult {
     let bodies = vec![
         SceneBody {
             model: std::fs::canonicalize(&model)?,
-            mesh: 0
+            ..SceneBody::default()
         };
         2
     ];
     Scene {
         bodies,
         frames: frames.to_vec(),
+        ..Scene::default()
     }
     .write(&scene)?;
     let expected = expected_rows(&scene)?;
@@ -274,12 +276,16 @@ fn every_method_and_every_tree_finds_the_same_pairs() -> TestResult {
         "parry-bvh",
         "parry-rebuild",
         "brute-force",
+        "joint-boxes",
+        "joint-union",
     ];
     for method in methods {
         let (report, csv) = run(&scene, &["--method", method])?;
         assert_eq!(rows(&csv)?, expected, "{method}");
         assert_eq!(report["method"], method);
     }
+    let (report, csv) = run(&scene, &["--method", "hybrid-binary"])?;
+    assert_eq!((rows(&csv)?, &report["method"]), (expected.clone(), &"hybrid".into()));
     for tree in [
         &["--leaf", "9"][..],
         &["--method", "hybrid", "--arity", "2", "--leaf", "1"],

@@ -85,12 +85,14 @@ fn inspect_tells_the_joints_and_their_clips() -> TestResult {
     );
     assert_eq!(
         skin["clips"],
-        json!([{"name": "rise", "seconds": 1.0, "nodes_moved": 1}])
+        json!([{"animation": 0, "name": "rise", "seconds": 1.0, "nodes_moved": 1}])
     );
     assert_eq!(bound.get("warnings"), None);
     let text = stdout_of(&morph_collide(["inspect".as_ref(), path.as_os_str()])?);
     assert!(
-        text.contains("1 joints, at most 1 a vertex") && text.contains("\"rise\": 1.000 s"),
+        text.contains("1 joints; vertices by number of joints that move them: 1: 3\n")
+            && text.contains("joint weights sum to 1")
+            && text.contains("joints in animation 0 \"rise\": 1.000 s"),
         "{text}"
     );
     Ok(())
@@ -136,7 +138,7 @@ fn a_query_finds_a_mesh_where_its_joints_put_it() -> TestResult {
     ];
     let error = error_of(&morph_collide(flags)?);
     assert!(
-        error.contains("no clip \"fall\"") && error.contains("it has \"rise\""),
+        error.contains("no clip \"fall\"") && error.contains("the mesh has \"rise\""),
         "{error}"
     );
     Ok(())
@@ -173,7 +175,7 @@ fn a_scene_poses_joints_by_a_clip_and_a_time() -> TestResult {
         ])?;
         let error = error_of(&told);
         assert!(
-            error.contains("frame 5, body 1") && error.contains("no clip \"rise\""),
+            error.contains("frame 5, body 1") && error.contains("\"rise\" does not move this mesh"),
             "{error}"
         );
 

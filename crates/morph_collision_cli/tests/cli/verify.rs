@@ -65,7 +65,7 @@ fn two_models_and_other_trees_are_verified_too() -> TestResult {
     let two = [RawMesh::triangle("One"), RawMesh::triangle("Two")];
     let path = write_gltf(dir.path(), "two.gltf", &two)?;
     let dolphin = asset("dolphin_564.glb").display().to_string();
-    let flags = [&*dolphin, "--mesh", "1", "--frames", "20", "--leaf", "1"];
+    let flags = ["--against", &*dolphin, "--mesh", "Two", "--frames", "20", "--leaf", "1"];
     let report = json(&path, &flags)?;
     assert_eq!(report["bodies"][0]["mesh"], 1);
     assert_eq!(report["bodies"][1]["model"], *dolphin);
@@ -90,8 +90,13 @@ fn bad_input_is_named() -> TestResult {
     let second = path.display().to_string();
     for (flags, names) in [
         (&["--mesh", "2"][..], &["--mesh", "two.gltf", "2"][..]),
-        (&["--mesh2", "1"], &["MODEL2"]),
-        (&[&second, "--mesh2", "5"], &["--mesh2", "two.gltf"]),
+        (&["--mesh", "Tow"], &["--mesh", "\"Tow\"", "did you mean \"Two\"?"]),
+        (&["--against-mesh", "1"], &["--against"]),
+        (
+            &["--against", &second, "--against-mesh", "5"],
+            &["--against-mesh", "two.gltf"],
+        ),
+        (&[&second, "--mesh", "1"], &["--mesh", "one model"]),
         (&["--leaf", "0"], &["--leaf", "0"]),
         (&["--frames", "-1"], &["-1"]),
     ] {
@@ -105,7 +110,7 @@ fn bad_input_is_named() -> TestResult {
     let mut huge = RawMesh::triangle("Huge");
     huge.positions[2] = [0.0, 3e37, 0.0];
     let huge = write_gltf(dir.path(), "huge.gltf", &[huge])?.display().to_string();
-    let message = error_of(&verify(&path, &[&huge])?);
+    let message = error_of(&verify(&path, &["--against", &huge])?);
     assert!(
         message.contains("huge.gltf") && message.contains("vertex 2"),
         "{message}"
@@ -114,9 +119,47 @@ fn bad_input_is_named() -> TestResult {
 }
 
 #[test]
-fn a_comparison_of_nothing_is_a_usage_error() -> TestResult {
-    let message = error_of(&verify(&asset("dolphin_564.glb"), &["--frames", "0"])?);
-    assert!(message.contains("--frames"), "{message}");
+fn the_last_line_is_the_verdict_and_a_comparison_of_nothing_fails() -> TestResult {
+    let text = stdout_of(&verify(&asset("dolphin_564.glb"), &["--frames", "4", "--leaf", "8"])?);
+    let last = text.lines().last().unwrap_or_default();
+    assert!(
+        last.starts_with("All ") && last.ends_with(" answers agree with brute force."),
+        "{text}"
+    );
+    let output = verify(&asset("dolphin_564.glb"), &["--frames", "0"])?;
+    assert_eq!(output.status.code(), Some(1));
+    let text = String::from_utf8_lossy(&output.stdout);
+    assert!(
+        text.ends_with("Nothing was compared, because no frames were asked for.\n"),
+        "{text}"
+    );
+    Ok(())
+}
+
+#[test]
+fn several_models_get_a_line_per_mesh_and_a_total() -> TestResult {
+    let dir = tempdir()?;
+    let meshes = [RawMesh::triangle("One"), RawMesh::triangle("Two")];
+    let path = write_gltf(dir.path(), "two.gltf", &meshes)?.display().to_string();
+    let text = stdout_of(&verify(
+        &asset("dolphin_564.glb"),
+        &[&path, "--frames", "20", "--leaf", "8"],
+    )?);
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len(), 4, "{text}");
+    assert!(lines[0].contains("dolphin_564.glb mesh 0: agrees, "), "{text}");
+    assert!(lines[2].contains("two.gltf mesh 1: agrees, "), "{text}");
+    assert!(lines[3].starts_with("3 of 3 meshes agree with brute force"), "{text}");
+    let absent = verify(
+        &asset("dolphin_564.glb"),
+        &["absent.glb", "--frames", "2", "--leaf", "8"],
+    )?;
+    assert_eq!(absent.status.code(), Some(2));
+    let text = String::from_utf8_lossy(&absent.stdout);
+    assert!(
+        text.contains("absent.glb mesh 0: error: ") && text.contains("1 of 2 meshes agree"),
+        "{text}"
+    );
     Ok(())
 }
 
@@ -126,8 +169,8 @@ fn without_a_terminal_progress_comes_in_lines() -> TestResult {
     let output = verify(&asset("dolphin_564.glb"), &flags)?;
     let stderr = String::from_utf8_lossy(&output.stderr);
     let lines: Vec<&str> = stderr.lines().collect();
-    // Three situations, and one step of motion.
-    let expected = ["frame 1 of 3", "frame 2 of 3", "frame 3 of 3", "step 1 of 1"];
+    // Three situations, and one motion.
+    let expected = ["frame 1 of 3", "frame 2 of 3", "frame 3 of 3", "motion 1 of 1"];
     assert_eq!(lines.len(), expected.len(), "{stderr}");
     for (line, what) in lines.iter().zip(expected) {
         let start = format!("morph-collide: progress: {what} after ");

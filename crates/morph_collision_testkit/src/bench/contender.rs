@@ -58,7 +58,7 @@ const WIDE: Trees = Trees::Own { arity: 8, leaf_size: 4 };
 const BINARY: Trees = Trees::Own { arity: 2, leaf_size: 4 };
 
 impl Entrant {
-    /// All methods that a benchmark runs, ours first. The octree and brute force are left out because they are far slower.
+    /// All methods that a benchmark runs, ours first.
     pub const ALL: [Self; 13] = [
         Self::new("morph", MethodKind::Morph, Trees::Ours),
         Self::new("morph-eager", MethodKind::MorphEager, Trees::Ours),
@@ -73,6 +73,12 @@ impl Entrant {
         Self::new("parry-trimesh", MethodKind::ParryTriMesh, WIDE),
         Self::new("parry-bvh", MethodKind::ParryBvh, WIDE),
         Self::new("parry-rebuild", MethodKind::ParryRebuild, WIDE),
+    ];
+
+    /// Methods that are far slower than all others, so that they run only if they are asked for.
+    pub const SLOW: [Self; 2] = [
+        Self::new("octree", MethodKind::Octree, Trees::Ours),
+        Self::new("brute-force", MethodKind::BruteForce, Trees::Ours),
     ];
 
     const fn new(name: &'static str, kind: MethodKind, trees: Trees) -> Self {

@@ -50,7 +50,7 @@ pub use characters::NoExperiment;
 pub use clock::Stopwatch;
 pub use contender::{Contender, Entrant};
 pub use experiment::{Experiment, Frame};
-pub use machine::{cpu, pin};
+pub use machine::{Pinned, cpu, pin};
 pub use measure::{Disagreement, Parts, Plan, Row, disagreement, measure, median};
 pub use page::Page;
 pub use questions::{Found, Questions};

@@ -157,6 +157,7 @@ mod tests {
                 times: vec![0.0, 2.0],
                 values: vec![Vec4::ZERO, Vec4::Y * height],
             }],
+            end: 0.0,
         };
         let skeleton = &mut mesh.skin.as_mut().expect("a tube is skinned").skeleton;
         skeleton.clips = vec![clip("walk", 100.0), clip("both", 8.0)];
@@ -165,7 +166,7 @@ mod tests {
             name: name.to_owned(),
             times: vec![0.0, 2.0],
             weights: vec![vec![0.0, 1.0], vec![1.0, 1.0]],
-            tangents: Vec::new(),
+            ..WeightAnimation::default()
         };
         mesh.animations = vec![weights("blink"), weights("both")];
         let experiment = Experiment::of_model("t".to_owned(), mesh.clone(), 2, 60);

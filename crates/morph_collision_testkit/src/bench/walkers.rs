@@ -183,14 +183,14 @@ mod tests {
         let skin = mesh.skin.as_mut().expect("a tube is skinned");
         skin.skeleton.clips.push(JointClip {
             name: CLIP.into(),
-            channels: Vec::new(),
+            ..JointClip::default()
         });
         assert!(told(mesh.clone()).ends_with("has no clip of weights"));
         mesh.animations.push(WeightAnimation {
             name: CLIP.into(),
             times: vec![0.0],
             weights: vec![vec![0.5, -1.0]],
-            tangents: Vec::new(),
+            ..WeightAnimation::default()
         });
         let experiment = WALKERS[2].of_mesh(mesh, 50).expect("everything is there");
         assert_eq!(

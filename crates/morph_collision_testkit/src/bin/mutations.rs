@@ -1,9 +1,11 @@
 //! Feeds mutated files to the readers for a given time: `mutations SECONDS [SEED]`. `just mutations` runs it under `ulimit -v`,
 //! in a build that checks for overflow.
 //!
-//! Seeds are the fuzz corpus, the scenes in `assets/` and a generated model. A mutation replaces a number by an odd one; deletes,
-//! repeats or swaps pieces; or flips a bit. Anything other than an error or a good answer ends the program: a panic, or an abort
-//! because memory ran out.
+//! Seeds are the fuzz corpus, the scenes in `assets/`, the compressed models of the tests, and generated models. Half of the models are
+//! changed without regard to what the bytes mean: a number is replaced by an odd one, pieces are deleted, repeated or swapped, or a bit is
+//! flipped. The other half keep their structure ([`fuzzing::bend`]). Anything other than an error or a good answer ends the program: a
+//! panic, an abort because memory ran out, or a file that takes more than ten seconds. At the end it prints the longest time of a file and
+//! the most memory that the process took.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -43,6 +45,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let mut seeds = files(&root.join("fuzz/corpus").join(name))?;
         if name == "gltf" {
             let copies = seeds.len() / 8 + 1;
+            let compressed = files(&root.join("crates/morph_collision_testkit/tests/gltf/data"))?;
+            let compressed = compressed.into_iter().filter(|bytes| bytes.starts_with(b"glTF"));
+            seeds.extend(compressed.flat_map(|glb| std::iter::repeat_n(glb, copies / 4 + 1)));
             for mesh in [
                 models::random::random_blob(1, 0, 3, 0.5),
                 models::rigs::rigid_pieces(1, 2, 1),
@@ -53,18 +58,51 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         } else {
             seeds.extend(files(&root.join("assets/scenes"))?);
         }
-        let (start, mut runs) = (Instant::now(), 0_u64);
+        let (start, mut runs, mut longest) = (Instant::now(), 0_u64, Duration::ZERO);
         while start.elapsed() < Duration::from_secs(seconds) / 2 {
-            let mut bytes = seeds[rng.random_range(0..seeds.len())].clone();
-            for _ in 0..rng.random_range(1..6) {
-                mutate(&mut bytes, &mut rng);
-            }
+            let bytes = mutated(&seeds[rng.random_range(0..seeds.len())], name == "gltf", &mut rng);
+            let before = Instant::now();
             target(&bytes);
+            longest = longest.max(before.elapsed());
+            if longest > MOST_TIME {
+                std::fs::write("slow", &bytes)?;
+                return Err(format!("a mutated {name} took {longest:?}; it is in the file `slow`").into());
+            }
             runs += 1;
         }
-        println!("{name}: {runs} mutated files of {} seeds, nothing found", seeds.len());
+        println!(
+            "{name}: {runs} mutated files of {} seeds, nothing found; the longest took {longest:?}{}",
+            seeds.len(),
+            peak_memory()
+                .map(|peak| format!(", the process at most {peak}"))
+                .unwrap_or_default()
+        );
     }
     Ok(())
+}
+
+/// A file that takes longer is a bug.
+const MOST_TIME: Duration = Duration::from_secs(10);
+
+/// The most memory that this process took so far, if the system tells.
+fn peak_memory() -> Option<String> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let peak = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(peak.trim().to_owned())
+}
+
+fn mutated(seed: &[u8], is_gltf: bool, rng: &mut impl Rng) -> Vec<u8> {
+    if is_gltf
+        && rng.random_bool(0.5)
+        && let Some(bent) = fuzzing::bend(seed, rng.random())
+    {
+        return bent;
+    }
+    let mut bytes = seed.to_vec();
+    for _ in 0..rng.random_range(1..6) {
+        mutate(&mut bytes, rng);
+    }
+    bytes
 }
 
 fn files(folder: &Path) -> std::io::Result<Vec<Vec<u8>>> {

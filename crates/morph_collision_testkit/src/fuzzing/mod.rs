@@ -11,6 +11,7 @@
 //!
 //! A function panics if its condition does not hold. Any bytes are a valid case; missing bytes count as zeros.
 
+mod bend;
 mod draw;
 mod files;
 mod layout;
@@ -20,6 +21,7 @@ mod rig;
 mod skins;
 mod triangles;
 
+pub use bend::bend;
 pub use files::{gltf, scene};
 pub use layout::layout;
 pub use pairs::pairs;

@@ -2,11 +2,13 @@
 //!
 //! Opening an accessor checks that the data it claims exists. It is decoded after the memory for it has been counted.
 
+use draco_core::AttributeValueIndex;
 use glam::{Mat4, Vec3, Vec4};
 use gltf::json::accessor::{BYTE, FLOAT, SHORT, UNSIGNED_BYTE, UNSIGNED_INT, UNSIGNED_SHORT};
 
 use super::GltfFile;
-use super::document::SparsePart;
+use super::document::{Accessor, SparsePart};
+use super::draco::DracoValues;
 use super::error::AccessorProblem;
 
 /// An accessor whose type and bounds are checked.
@@ -24,7 +26,7 @@ pub(super) struct Opened<'a> {
 
 /// The type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Component {
+pub(super) enum Component {
     I8,
     U8,
     I16,
@@ -35,87 +37,139 @@ enum Component {
 
 /// A run of equal elements: `count` elements of `size` bytes, `stride` bytes apart.
 #[derive(Debug)]
-struct Elements<'a> {
+pub(super) struct Elements<'a> {
     bytes: &'a [u8],
     size: usize,
     stride: usize,
     count: usize,
+    /// Which of the stored values each element has, if they are not in order.
+    order: Option<&'a [AttributeValueIndex]>,
 }
 
 impl<'a> Elements<'a> {
-    fn iter(&self) -> impl Iterator<Item = &'a [u8]> + use<'a> {
-        let (bytes, size, stride) = (self.bytes, self.size, self.stride);
-        (0..self.count).map(move |i| &bytes[i * stride..i * stride + size])
+    /// Elements at the start of `bytes`; `None` if they reach beyond.
+    fn new(bytes: &'a [u8], size: usize, stride: usize, count: usize) -> Option<Self> {
+        // The last element need not be followed by a whole stride.
+        let length = match count.checked_sub(1) {
+            Some(before_last) => before_last.checked_mul(stride)?.checked_add(size)?,
+            None => 0,
+        };
+        Some(Self {
+            bytes: bytes.get(..length)?,
+            size,
+            stride,
+            count,
+            order: None,
+        })
+    }
+
+    /// Like [`Elements::new`], for elements that may share stored values.
+    pub(super) fn in_order(
+        bytes: &'a [u8],
+        size: usize,
+        stride: usize,
+        count: usize,
+        order: Option<&'a [AttributeValueIndex]>,
+    ) -> Option<Self> {
+        let Some(order) = order else {
+            return Self::new(bytes, size, stride, count);
+        };
+        let last = order.get(..count)?.iter().map(|value| value.0 as usize).max();
+        let stored = match last {
+            Some(last) => last.checked_add(1)?,
+            None => 0,
+        };
+        let stored = Self::new(bytes, size, stride, stored)?;
+        let order = Some(order);
+        Some(Self { count, order, ..stored })
+    }
+
+    /// The bytes of an element.
+    fn get(&self, index: usize) -> &'a [u8] {
+        let start = self.order.map_or(index, |order| order[index].0 as usize) * self.stride;
+        &self.bytes[start..start + self.size]
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &'a [u8]> {
+        (0..self.count).map(|index| self.get(index))
     }
 }
 
+/// What an accessor has to hold.
+pub(super) struct Form {
+    shape: &'static str,
+    components: usize,
+    /// The same in words.
+    expected: &'static str,
+    allowed: fn(Component) -> bool,
+    /// Whether integers always stand for fractions; otherwise the file says so.
+    fractions: bool,
+}
+
+/// Points or displacements: floats, or the integers of `KHR_mesh_quantization`.
+pub(super) const POINTS: Form = Form {
+    shape: "VEC3",
+    components: 3,
+    expected: "VEC3 of floats or of 8- or 16-bit integers",
+    allowed: |kind| kind != Component::U32,
+    fractions: false,
+};
+/// Key times.
+pub(super) const TIMES: Form = Form {
+    shape: "SCALAR",
+    components: 1,
+    expected: "SCALAR of floats",
+    allowed: |kind| kind == Component::F32,
+    fractions: false,
+};
+/// Weights of targets: floats, or normalized integers.
+pub(super) const WEIGHTS: Form = Form {
+    shape: "SCALAR",
+    components: 1,
+    expected: "SCALAR of floats or of normalized 8- or 16-bit integers",
+    allowed: |kind| kind != Component::U32,
+    fractions: true,
+};
+/// Vertex indices of 8, 16 or 32 bits.
+pub(super) const INDICES: Form = Form {
+    shape: "SCALAR",
+    components: 1,
+    expected: "SCALAR of unsigned integers",
+    allowed: Component::is_unsigned,
+    fractions: false,
+};
+/// Indices of joints.
+pub(super) const JOINTS: Form = Form {
+    shape: "VEC4",
+    components: 4,
+    expected: "VEC4 of 8- or 16-bit unsigned integers",
+    allowed: |kind| matches!(kind, Component::U8 | Component::U16),
+    fractions: false,
+};
+/// Weights of joints, or rotations: floats, or normalized integers.
+pub(super) const FRACTIONS: Form = Form {
+    shape: "VEC4",
+    components: 4,
+    expected: "VEC4 of floats or of normalized 8- or 16-bit integers",
+    allowed: |kind| kind != Component::U32,
+    fractions: true,
+};
+/// Matrices.
+pub(super) const MATRICES: Form = Form {
+    shape: "MAT4",
+    components: 16,
+    expected: "MAT4 of floats",
+    allowed: |kind| kind == Component::F32,
+    fractions: false,
+};
+
 impl GltfFile {
-    /// Points or displacements: floats, or the integers of `KHR_mesh_quantization`.
-    pub(super) fn open_vec3(&self, index: usize) -> Result<Opened<'_>, AccessorProblem> {
-        let expected = "VEC3 of floats or of 8- or 16-bit integers";
-        self.open_accessor(index, ("VEC3", 3), expected, |kind| kind != Component::U32)
-    }
-
-    /// Key times or weights: floats, or normalized integers.
-    pub(super) fn open_scalars(&self, index: usize) -> Result<Opened<'_>, AccessorProblem> {
-        let expected = "SCALAR of floats or of normalized 8- or 16-bit integers";
-        self.open_accessor(index, ("SCALAR", 1), expected, |kind| kind != Component::U32)
-    }
-
-    /// Vertex indices of 8, 16 or 32 bits.
-    pub(super) fn open_indices(&self, index: usize) -> Result<Opened<'_>, AccessorProblem> {
-        self.open_accessor(
-            index,
-            ("SCALAR", 1),
-            "SCALAR of unsigned integers",
-            Component::is_unsigned,
-        )
-    }
-
-    /// Indices of joints.
-    pub(super) fn open_joints(&self, index: usize) -> Result<Opened<'_>, AccessorProblem> {
-        let allowed = |kind| matches!(kind, Component::U8 | Component::U16);
-        self.open_accessor(index, ("VEC4", 4), "VEC4 of 8- or 16-bit unsigned integers", allowed)
-    }
-
-    /// Weights of joints, or rotations: floats, or normalized integers.
-    pub(super) fn open_vec4(&self, index: usize) -> Result<Opened<'_>, AccessorProblem> {
-        let expected = "VEC4 of floats or of normalized 8- or 16-bit integers";
-        self.open_accessor(index, ("VEC4", 4), expected, |kind| kind != Component::U32)
-    }
-
-    /// Matrices of floats.
-    pub(super) fn open_matrices(&self, index: usize) -> Result<Opened<'_>, AccessorProblem> {
-        self.open_accessor(index, ("MAT4", 16), "MAT4 of floats", |kind| kind == Component::F32)
-    }
-
-    fn open_accessor(
-        &self,
-        index: usize,
-        (shape, components): (&str, usize),
-        expected: &'static str,
-        allowed: impl Fn(Component) -> bool,
-    ) -> Result<Opened<'_>, AccessorProblem> {
-        let accessor = self.root.accessors.get(index, &self.budget);
-        let accessor = accessor.map_err(|problem| AccessorProblem::Element {
-            accessor: index,
-            problem,
-        })?;
-        let wrong = |found: String| AccessorProblem::Type {
-            accessor: index,
-            found,
-            expected,
-        };
+    /// Opens an accessor that holds `form`.
+    pub(super) fn open_accessor(&self, index: usize, form: &Form) -> Result<Opened<'_>, AccessorProblem> {
+        let (accessor, count) = self.accessor(index)?;
         let kind = Component::new(accessor.component_type);
-        let Some(kind) = kind.filter(|&kind| accessor.shape == shape && allowed(kind)) else {
-            let kind = kind.map_or("an unknown component type".into(), |kind| format!("{kind:?}"));
-            return Err(wrong(format!("{} of {kind}", accessor.shape)));
-        };
-        let out_of_bounds = |_| AccessorProblem::OutOfBounds { accessor: index };
-        let (size, count) = (
-            kind.size() * components,
-            usize::try_from(accessor.count).map_err(out_of_bounds)?,
-        );
+        let kind = form.check(index, &accessor.shape, kind)?;
+        let size = kind.size() * form.components;
         let stored = accessor.buffer_view;
         let stored = stored.map(|view| self.elements(index, view, accessor.byte_offset, size, count));
         let replaced = match &accessor.sparse {
@@ -127,7 +181,8 @@ impl GltfFile {
                     found: "sparse indices of an unknown component type".into(),
                     expected: "unsigned integers",
                 })?;
-                let replaced = usize::try_from(sparse.count).map_err(out_of_bounds)?;
+                let replaced = usize::try_from(sparse.count);
+                let replaced = replaced.map_err(|_| AccessorProblem::OutOfBounds { accessor: index })?;
                 let part =
                     |part: &SparsePart, size| self.elements(index, part.buffer_view, part.byte_offset, size, replaced);
                 Some((
@@ -141,10 +196,58 @@ impl GltfFile {
             index,
             count,
             kind,
-            normalized: accessor.normalized,
+            normalized: accessor.normalized || form.fractions,
             stored: stored.transpose()?,
             replaced,
         })
+    }
+
+    /// Opens an accessor of vertices. Its values come from a compressed primitive, if that has them.
+    pub(super) fn open_vertices<'a>(
+        &'a self,
+        index: usize,
+        form: &Form,
+        decoded: Option<DracoValues<'a>>,
+    ) -> Result<Opened<'a>, AccessorProblem> {
+        let Some(decoded) = decoded else {
+            return self.open_accessor(index, form);
+        };
+        let (accessor, count) = self.accessor(index)?;
+        let shape = match decoded.components {
+            1 => "SCALAR",
+            2 => "VEC2",
+            3 => "VEC3",
+            4 => "VEC4",
+            _ => "more than four components",
+        };
+        let kind = form.check(index, shape, Some(decoded.kind))?;
+        if decoded.elements.count != count {
+            return Err(AccessorProblem::DecodedCount {
+                accessor: index,
+                found: decoded.elements.count,
+                expected: count,
+            });
+        }
+        Ok(Opened {
+            index,
+            count,
+            kind,
+            normalized: accessor.normalized || form.fractions,
+            stored: Some(decoded.elements),
+            replaced: None,
+        })
+    }
+
+    /// An accessor and the number of its elements.
+    fn accessor(&self, index: usize) -> Result<(&Accessor, usize), AccessorProblem> {
+        let accessor = self.root.accessors.get(index, &self.budget);
+        let accessor = accessor.map_err(|problem| AccessorProblem::Element {
+            accessor: index,
+            problem,
+        })?;
+        let count = usize::try_from(accessor.count);
+        let count = count.map_err(|_| AccessorProblem::OutOfBounds { accessor: index })?;
+        Ok((accessor, count))
     }
 
     fn elements(
@@ -155,44 +258,33 @@ impl GltfFile {
         size: usize,
         count: usize,
     ) -> Result<Elements<'_>, AccessorProblem> {
-        let out_of_bounds = || AccessorProblem::OutOfBounds { accessor };
-        let range = |start: u64, length: u64| {
-            let start = usize::try_from(start).ok()?;
-            Some(start..start.checked_add(usize::try_from(length).ok()?)?)
-        };
-        let json = self.root.buffer_views.get(view, &self.budget);
-        let view = json.map_err(|problem| AccessorProblem::View {
-            accessor,
-            view,
-            problem,
-        })?;
-        let buffer = self.buffers.get(view.buffer, &self.root, &self.budget);
-        let buffer = buffer.map_err(|problem| AccessorProblem::Buffer {
-            accessor,
-            problem: Box::new(problem),
-        })?;
-        let bytes = range(view.byte_offset, view.byte_length)
-            .and_then(|range| buffer.get(range))
-            .ok_or_else(out_of_bounds)?;
+        let (view, bytes) = self.view(accessor, view)?;
         let stride = view.byte_stride.unwrap_or(size);
         if stride < size {
             return Err(AccessorProblem::Stride { accessor, size, stride });
         }
-        // The last element need not be followed by a whole stride.
-        let length = match count.checked_sub(1) {
-            Some(before_last) => before_last.checked_mul(stride).and_then(|n| n.checked_add(size)),
-            None => Some(0),
-        };
-        let bytes = length
-            .and_then(|length| range(offset, length as u64))
-            .and_then(|range| bytes.get(range))
-            .ok_or_else(out_of_bounds)?;
-        Ok(Elements {
-            bytes,
-            size,
-            stride,
-            count,
-        })
+        let start = usize::try_from(offset).ok();
+        let elements = start
+            .and_then(|start| bytes.get(start..))
+            .and_then(|bytes| Elements::new(bytes, size, stride, count));
+        elements.ok_or(AccessorProblem::OutOfBounds { accessor })
+    }
+}
+
+impl Form {
+    /// The component type of an accessor, if its type is the needed one.
+    fn check(&self, accessor: usize, shape: &str, kind: Option<Component>) -> Result<Component, AccessorProblem> {
+        match kind {
+            Some(kind) if shape == self.shape && (self.allowed)(kind) => Ok(kind),
+            _ => {
+                let kind = kind.map_or("an unknown component type".into(), |kind| format!("{kind:?}"));
+                Err(AccessorProblem::Type {
+                    accessor,
+                    found: format!("{shape} of {kind}"),
+                    expected: self.expected,
+                })
+            }
+        }
     }
 }
 
@@ -242,6 +334,18 @@ impl Opened<'_> {
             Mat4::from_cols_array(&opened.numbers(bytes))
         })?;
         Ok(matrices)
+    }
+
+    /// The last number; `None` if there is none.
+    pub(super) fn last_scalar(&self) -> Option<f32> {
+        let last = self.count.checked_sub(1)?;
+        // Replaced elements ascend, so only the last of them can be the last of all.
+        let replaced = self.replaced.as_ref().and_then(|(_, at, with)| {
+            let index = at.count.checked_sub(1)?;
+            (unsigned_integer(at.get(index)) as usize == last).then(|| with.get(index))
+        });
+        let bytes = replaced.or_else(|| self.stored.as_ref().map(|elements| elements.get(last)));
+        Some(bytes.map_or(0.0, |bytes| self.number(bytes)))
     }
 
     /// Key times or weights.
@@ -323,7 +427,7 @@ impl Component {
         })
     }
 
-    fn size(self) -> usize {
+    pub(super) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,

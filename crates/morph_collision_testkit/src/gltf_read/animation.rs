@@ -1,6 +1,8 @@
 //! Collects the clips that animate the weights of nodes, and assigns them to those nodes' meshes.
 
 use super::GltfFile;
+use super::accessor::{TIMES, WEIGHTS};
+use super::animations::default_name;
 use super::document::{Animation, abridged};
 use super::error::{AccessorProblem, AnimationProblem, ReadError};
 use crate::mesh::WeightAnimation;
@@ -10,6 +12,10 @@ use crate::mesh::WeightAnimation;
 pub struct Clips {
     /// The clips that can be played.
     pub clips: Vec<WeightAnimation>,
+    /// The animation of the file that each clip is part of.
+    pub animations: Vec<usize>,
+    /// The interpolation of each clip, as the file names it.
+    pub interpolations: Vec<&'static str>,
     /// Why the other clips cannot be played.
     pub broken: Vec<ReadError>,
 }
@@ -29,23 +35,29 @@ struct WeightChannel<'a> {
 impl GltfFile {
     /// The clips that animate the weights of a mesh with `targets` targets.
     ///
-    /// If several nodes of one animation show the mesh, the names of all clips after the first include the node. Channels without
-    /// a node, and those that animate something else, are skipped.
+    /// A clip has the name of its animation ([`GltfFile::animation_names`]). If several nodes of one animation show the mesh, the names
+    /// of all clips after the first include the node. Channels without a node, and those that animate something else, are skipped.
+    /// A clip lasts as long as the whole animation.
     #[must_use]
     pub fn clips(&self, mesh: usize, targets: usize) -> Clips {
         let mut found = Clips::default();
         let channels = self.weight_channels(&mut Vec::new());
+        let names = self.animation_table();
+        let mut end = (usize::MAX, 0.0);
         for channel in channels.into_iter().filter(|channel| channel.mesh == mesh) {
             match self.read_channel(&channel, targets) {
-                Ok(mut clip) => {
-                    clip.name = match channel.name {
-                        Some(name) => name.to_owned(),
-                        None => made_up(channel.index),
-                    };
-                    if found.clips.iter().any(|other| other.name == clip.name) {
+                Ok((mut clip, interpolation)) => {
+                    clip.name = names.of(channel.index);
+                    if found.animations.last() == Some(&channel.index) {
                         clip.name += &format!(" (node {})", channel.node);
                     }
+                    if end.0 != channel.index {
+                        end = (channel.index, self.animation_end(channel.animation));
+                    }
+                    clip.end = if end.1 > clip.duration() { end.1 } else { 0.0 };
                     found.clips.push(clip);
+                    found.animations.push(channel.index);
+                    found.interpolations.push(interpolation.name());
                 }
                 Err(problem) => found
                     .broken
@@ -67,7 +79,7 @@ impl GltfFile {
         ReadError::Animation {
             path: self.path.clone(),
             animation,
-            name: name.map_or_else(|| made_up(animation), abridged),
+            name: name.map_or_else(|| default_name(animation), abridged),
             problem: Box::new(problem),
         }
     }
@@ -125,7 +137,11 @@ impl GltfFile {
         Ok(Some((node, mesh, json.sampler)))
     }
 
-    fn read_channel(&self, json: &WeightChannel<'_>, targets: usize) -> Result<WeightAnimation, AnimationProblem> {
+    fn read_channel(
+        &self,
+        json: &WeightChannel<'_>,
+        targets: usize,
+    ) -> Result<(WeightAnimation, Interpolation), AnimationProblem> {
         let channel = json.channel;
         let sampler = json.animation.samplers.get(json.sampler, &self.budget);
         let sampler = sampler.map_err(|_| AnimationProblem::Dangling {
@@ -135,8 +151,8 @@ impl GltfFile {
         let interpolation = Interpolation::new(sampler.interpolation.as_deref());
         let interpolation = interpolation.ok_or(AnimationProblem::UnknownInterpolation { channel })?;
         let at = |what| move |problem: AccessorProblem| AnimationProblem::Accessor { channel, what, problem };
-        let times = self.open_scalars(sampler.input).map_err(at("key times"))?;
-        let stored = self.open_scalars(sampler.output).map_err(at("weights"))?;
+        let times = self.open_accessor(sampler.input, &TIMES).map_err(at("key times"))?;
+        let stored = self.open_accessor(sampler.output, &WEIGHTS).map_err(at("weights"))?;
 
         let (keys, found) = (times.count(), stored.count());
         let expected = keys
@@ -162,13 +178,8 @@ impl GltfFile {
         let times = times.scalars().map_err(at("key times"))?;
         let stored = stored.scalars().map_err(at("weights"))?;
         check_times(channel, &times)?;
-        interpolation.clip(channel, times, &stored, targets)
+        Ok((interpolation.clip(channel, times, &stored, targets)?, interpolation))
     }
-}
-
-/// The default name of an unnamed animation.
-pub(super) fn made_up(index: usize) -> String {
-    format!("animation_{index}")
 }
 
 /// How weights are interpolated between two keys.
@@ -224,7 +235,16 @@ impl Interpolation {
             times,
             weights,
             tangents,
+            end: 0.0,
         })
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Linear => "LINEAR",
+            Self::Step => "STEP",
+            Self::CubicSpline => "CUBICSPLINE",
+        }
     }
 }
 

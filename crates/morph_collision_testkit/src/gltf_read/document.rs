@@ -3,13 +3,13 @@
 //! Elements of the top-level lists are parsed on first use, so broken elements matter only if they are used.
 
 use std::cell::OnceCell;
-use std::collections::HashMap;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer};
 use serde_json::value::RawValue;
 
 use crate::memory::{MemoryBudget, OverBudget};
+use crate::printable::Printable;
 
 /// Upper bound on the bytes that an element of a list takes, parsed or not, while the list grows.
 const BYTES_PER_ELEMENT: u64 = 128;
@@ -19,8 +19,7 @@ const BYTES_PER_ELEMENT: u64 = 128;
 #[serde(rename_all = "camelCase")]
 pub(super) struct Root {
     /// Required, so that arbitrary JSON is not mistaken for glTF.
-    #[serde(rename = "asset")]
-    _asset: HashMap<String, serde::de::IgnoredAny>,
+    pub(super) asset: Asset,
     #[serde(default)]
     pub(super) extensions_required: Vec<String>,
     #[serde(default)]
@@ -39,6 +38,14 @@ pub(super) struct Root {
     pub(super) animations: List<Animation>,
 }
 
+/// Which version of glTF a file is written in, and which one a reader must know.
+#[derive(Debug, Default, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Asset {
+    version: Option<String>,
+    min_version: Option<String>,
+}
+
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Buffer {
@@ -54,6 +61,30 @@ pub(super) struct View {
     pub(super) byte_offset: u64,
     pub(super) byte_length: u64,
     pub(super) byte_stride: Option<usize>,
+    #[serde(default)]
+    pub(super) extensions: ViewExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct ViewExtensions {
+    #[serde(rename = "EXT_meshopt_compression")]
+    pub(super) ext_meshopt: Option<MeshoptView>,
+    #[serde(rename = "KHR_meshopt_compression")]
+    pub(super) khr_meshopt: Option<MeshoptView>,
+}
+
+/// Where the compressed data of a view is, and what it decodes to.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct MeshoptView {
+    pub(super) buffer: usize,
+    #[serde(default)]
+    pub(super) byte_offset: u64,
+    pub(super) byte_length: u64,
+    pub(super) byte_stride: usize,
+    pub(super) count: u64,
+    pub(super) mode: String,
+    pub(super) filter: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -94,6 +125,8 @@ pub(super) struct Mesh {
     pub(super) name: Option<String>,
     #[serde(default)]
     pub(super) primitives: Vec<Primitive>,
+    /// Default weights.
+    pub(super) weights: Option<Vec<f32>>,
     pub(super) extras: Option<Box<RawValue>>,
 }
 
@@ -107,6 +140,23 @@ pub(super) struct Primitive {
     pub(super) mode: u32,
     #[serde(default)]
     pub(super) targets: Vec<Target>,
+    #[serde(default)]
+    pub(super) extensions: PrimitiveExtensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+pub(super) struct PrimitiveExtensions {
+    #[serde(rename = "KHR_draco_mesh_compression")]
+    pub(super) draco: Option<DracoStream>,
+}
+
+/// A view that holds a compressed primitive, and the numbers of its attributes in there.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct DracoStream {
+    pub(super) buffer_view: usize,
+    #[serde(default)]
+    pub(super) attributes: Attributes,
 }
 
 const fn triangles() -> u32 {
@@ -149,6 +199,8 @@ pub(super) struct Node {
     pub(super) name: Option<String>,
     pub(super) mesh: Option<usize>,
     pub(super) skin: Option<usize>,
+    /// Default weights of its mesh, instead of the mesh's own.
+    pub(super) weights: Option<Vec<f32>>,
     #[serde(default)]
     pub(super) children: Vec<usize>,
     pub(super) matrix: Option<[f32; 16]>,
@@ -195,10 +247,40 @@ pub(super) struct Sampler {
 }
 
 impl Root {
-    /// Parses the top level.
+    /// Parses the top level. A byte-order mark before it is skipped.
     pub(super) fn parse(json: &[u8], budget: &MemoryBudget) -> Result<Self, RootError> {
+        /// Of other versions, only this part can be relied on.
+        #[derive(Deserialize)]
+        struct AnyVersion {
+            #[serde(default)]
+            asset: Asset,
+        }
         budget.take(bytes_of(json), 1, || "the JSON".into())?;
-        Ok(serde_json::from_slice(json)?)
+        let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
+        let root = serde_json::from_slice::<Self>(json);
+        let asset = match &root {
+            Ok(root) => &root.asset,
+            Err(_) => &serde_json::from_slice::<AnyVersion>(json).map_or_else(|_| Asset::default(), |any| any.asset),
+        };
+        asset.check().map_err(RootError::Version)?;
+        Ok(root?)
+    }
+}
+
+impl Asset {
+    /// Whether this reader knows the file's version: any 2.x, or the smallest version that a reader must know if the file says so.
+    /// The error is the version that is needed.
+    fn check(&self) -> Result<(), String> {
+        let number = |version: &str| {
+            let (major, minor) = version.split_once('.')?;
+            Some((major.parse::<u32>().ok()?, minor.parse::<u32>().ok()?))
+        };
+        let (needed, known) = match (&self.min_version, &self.version) {
+            (Some(least), _) => (least, number(least) == Some((2, 0))),
+            (None, Some(version)) => (version, number(version).is_some_and(|(major, _)| major == 2)),
+            (None, None) => return Ok(()),
+        };
+        if known { Ok(()) } else { Err(abridged(needed)) }
     }
 }
 
@@ -215,6 +297,9 @@ pub(super) enum RootError {
     Json(#[from] serde_json::Error),
     #[error(transparent)]
     OverBudget(#[from] OverBudget),
+    /// The file needs another version of glTF.
+    #[error("it needs glTF {}, and only 2.0 is read; convert it to glTF 2.0", Printable(.0))]
+    Version(String),
 }
 
 /// The first 200 characters of a text from a file: enough for a message, and cheap to copy.

@@ -4,41 +4,13 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use super::buffers::Buffers;
+use super::compressed::Decoded;
 use super::container::chunks;
-use super::document::{Root, RootError};
+use super::document::{Root, RootError, abridged};
 use super::error::ReadError;
+use super::extensions::{self, Support};
 use super::skin::Parents;
 use crate::memory::{self, MemoryBudget};
-
-/// Prefixes of required extensions that do not change a mesh's geometry.
-const HARMLESS: [&str; 26] = [
-    "KHR_materials_",
-    "KHR_texture_",
-    "KHR_lights_",
-    "KHR_animation_pointer",
-    "KHR_mesh_quantization",
-    "KHR_node_",
-    "KHR_physics_",
-    "KHR_audio_",
-    "KHR_xmp",
-    "EXT_texture_",
-    "EXT_lights_",
-    "EXT_materials_",
-    "EXT_mesh_gpu_instancing",
-    "EXT_mesh_features",
-    "EXT_instance_features",
-    "EXT_structural_metadata",
-    "EXT_property_",
-    "MSFT_texture_",
-    "MSFT_packing_",
-    "MSFT_lod",
-    "ADOBE_materials_",
-    "AGI_",
-    "FB_",
-    "GOOGLE_",
-    "OMI_",
-    "VRMC_",
-];
 
 /// How far to trust a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,6 +37,7 @@ pub struct GltfFile {
     pub(super) path: PathBuf,
     pub(super) root: Root,
     pub(super) buffers: Buffers,
+    pub(super) decoded: Decoded,
     pub(super) budget: MemoryBudget,
     pub(super) parents: Parents,
 }
@@ -93,21 +66,25 @@ impl GltfFile {
             return Err(ReadError::NotRegular { path: path.to_owned() });
         }
         let file = std::fs::File::open(path).map_err(io)?;
-        // If the length is unknown, the buffer grows while reading, up to twice the file's length.
-        let (length, growth) = if found.is_file() {
-            (found.len(), 1)
-        } else {
-            (budget.left() / 4, 2)
-        };
-        let over = |over| ReadError::OverBudget {
-            path: path.to_owned(),
-            over,
-        };
-        budget.take(length, growth, || "the file".into()).map_err(over)?;
-        let mut bytes = Vec::with_capacity(usize::try_from(if growth == 1 { length } else { 0 }).unwrap_or(0));
-        file.take(length).read_to_end(&mut bytes).map_err(io)?;
+        let length = found.is_file().then_some(found.len());
+        let bytes = read_all(file, length, path, &budget)?;
         let directory = path.parent().unwrap_or(Path::new(""));
         Self::new(bytes, path, Some(directory), options, budget)
+    }
+
+    /// Like [`GltfFile::open_within`], from a stream of unknown length, such as a pipe. Buffers must be within it. `path` is only for
+    /// messages.
+    ///
+    /// # Errors
+    /// See [`GltfFile::open`].
+    pub fn read_from(
+        source: impl Read,
+        path: &Path,
+        options: &ReadOptions,
+        budget: MemoryBudget,
+    ) -> Result<Self, ReadError> {
+        let bytes = read_all(source, None, path, &budget)?;
+        Self::new(bytes, path, None, options, budget)
     }
 
     /// Like [`GltfFile::open`], from a file's bytes. Buffers must be within them. `path` is only for messages.
@@ -142,22 +119,27 @@ impl GltfFile {
             (0..bytes.len(), None)
         };
         let root = Root::parse(&bytes[json], &budget).map_err(|error| match error {
-            RootError::Json(error) => not_gltf(error.to_string()),
+            RootError::Json(_) | RootError::Version(_) => not_gltf(error.to_string()),
             RootError::OverBudget(over) => ReadError::OverBudget {
                 path: path.to_owned(),
                 over,
             },
         })?;
-        let unknown = |name: &&String| !HARMLESS.iter().any(|harmless| name.starts_with(harmless));
+        let unknown = |name: &&String| extensions::support(name) == Support::Unknown;
         if let Some(extension) = root.extensions_required.iter().find(unknown) {
             return Err(ReadError::Extension {
                 path: path.to_owned(),
-                extension: extension.clone(),
+                extension: abridged(extension),
             });
         }
+        let decoded = Decoded::new(&root, &budget).map_err(|over| ReadError::OverBudget {
+            path: path.to_owned(),
+            over,
+        })?;
         Ok(Self {
             path: path.to_owned(),
             buffers: Buffers::new(&root, directory, options, bytes, chunk),
+            decoded,
             root,
             budget,
             parents: Parents::new(),
@@ -178,9 +160,33 @@ impl GltfFile {
         files
     }
 
+    /// The extensions that the file requires and the reader ignores, because they do not change the geometry of a mesh.
+    pub fn ignored_extensions(&self) -> impl Iterator<Item = &str> {
+        let required = self.root.extensions_required.iter().map(String::as_str);
+        required.filter(|name| extensions::support(name) == Support::Ignored)
+    }
+
     /// The memory that the file may still take. Count anything that you build from its meshes here.
     #[must_use]
     pub fn budget(&self) -> &MemoryBudget {
         &self.budget
     }
+}
+
+/// Reads at most as many bytes as the budget allows.
+fn read_all(source: impl Read, length: Option<u64>, path: &Path, budget: &MemoryBudget) -> Result<Vec<u8>, ReadError> {
+    // If the length is unknown, the buffer grows while reading, up to twice the file's length.
+    let (length, growth) = length.map_or((budget.left() / 4, 2), |length| (length, 1));
+    let take = budget.take(length, growth, || "the file".into());
+    take.map_err(|over| ReadError::OverBudget {
+        path: path.to_owned(),
+        over,
+    })?;
+    let mut bytes = Vec::with_capacity(usize::try_from(if growth == 1 { length } else { 0 }).unwrap_or(0));
+    let read = source.take(length).read_to_end(&mut bytes);
+    read.map_err(|source| ReadError::Io {
+        path: path.to_owned(),
+        source,
+    })?;
+    Ok(bytes)
 }

@@ -1,9 +1,9 @@
 //! Reads the influences of a mesh's vertices.
 
 use super::GltfFile;
-use super::accessor::Opened;
-use super::document::{Attributes, Mesh};
-use super::error::SkinProblem;
+use super::accessor::{FRACTIONS, JOINTS, Opened};
+use super::document::{Mesh, Primitive};
+use super::error::{MeshProblem, SkinProblem};
 use super::primitive::Plan;
 use crate::mesh::InfluenceSet;
 
@@ -16,17 +16,18 @@ struct Stored<'a> {
     weights: Opened<'a>,
 }
 
-const JOINTS: [&str; 2] = ["JOINTS_0", "JOINTS_1"];
-const WEIGHTS: [&str; 2] = ["WEIGHTS_0", "WEIGHTS_1"];
+/// The names of the attributes of each set.
+const OF_JOINTS: [&str; 2] = ["JOINTS_0", "JOINTS_1"];
+const OF_WEIGHTS: [&str; 2] = ["WEIGHTS_0", "WEIGHTS_1"];
 
 /// Reads one or two sets of influences, in the order of the mesh's vertices. Further sets in the file are ignored.
-pub(super) fn read(file: &GltfFile, mesh: &Mesh) -> Result<Vec<InfluenceSet>, SkinProblem> {
+pub(super) fn read<'a>(file: &'a GltfFile, mesh: &'a Mesh) -> Result<Vec<InfluenceSet>, SkinProblem> {
     let plan = Plan::of(file, mesh).map_err(SkinProblem::Mesh)?;
     let mut stored = Vec::new();
     for (primitive, first_vertex, vertices) in plan.vertex_ranges() {
-        let attributes = &mesh.primitives[primitive].attributes;
+        let json = &mesh.primitives[primitive];
         for set in 0..2 {
-            let opened = open(file, attributes, primitive, set, vertices)?;
+            let opened = open(file, json, primitive, set, vertices)?;
             stored.extend(opened.map(|(joints, weights)| Stored {
                 primitive,
                 first_vertex,
@@ -54,8 +55,8 @@ pub(super) fn read(file: &GltfFile, mesh: &Mesh) -> Result<Vec<InfluenceSet>, Sk
                 problem,
             }
         };
-        stored.joints.append_joints(joints).map_err(at(JOINTS))?;
-        stored.weights.append_joint_weights(weights).map_err(at(WEIGHTS))?;
+        stored.joints.append_joints(joints).map_err(at(OF_JOINTS))?;
+        stored.weights.append_joint_weights(weights).map_err(at(OF_WEIGHTS))?;
     }
     for InfluenceSet { joints, weights } in &mut read {
         joints.resize(vertices, [0; 4]);
@@ -67,11 +68,12 @@ pub(super) fn read(file: &GltfFile, mesh: &Mesh) -> Result<Vec<InfluenceSet>, Sk
 /// The accessors of a set; `None` if a primitive has no second one.
 fn open<'a>(
     file: &'a GltfFile,
-    attributes: &Attributes,
+    json: &'a Primitive,
     primitive: usize,
     set: usize,
     vertices: usize,
 ) -> Result<Option<(Opened<'a>, Opened<'a>)>, SkinProblem> {
+    let attributes = &json.attributes;
     let accessors = match set {
         0 => (attributes.joints, attributes.joint_weights),
         _ => (attributes.more_joints, attributes.more_joint_weights),
@@ -80,8 +82,13 @@ fn open<'a>(
         return Ok(None);
     }
     let missing = |attribute| SkinProblem::MissingInfluences { primitive, attribute };
-    let joints = accessors.0.ok_or(missing(JOINTS[set]))?;
-    let weights = accessors.1.ok_or(missing(WEIGHTS[set]))?;
+    let joints = accessors.0.ok_or(missing(OF_JOINTS[set]))?;
+    let weights = accessors.1.ok_or(missing(OF_WEIGHTS[set]))?;
+    let compressed = |fault| SkinProblem::Mesh(MeshProblem::Compressed { primitive, fault });
+    let [of_joints, of_weights] = match file.draco(json).map_err(compressed)? {
+        Some(decoded) => decoded.influences(set).map_err(compressed)?,
+        None => [None, None],
+    };
     let checked = |attribute, opened: Result<Opened<'a>, _>| {
         let opened = opened.map_err(|problem| SkinProblem::Accessor {
             primitive,
@@ -99,7 +106,7 @@ fn open<'a>(
         Ok(opened)
     };
     Ok(Some((
-        checked(JOINTS[set], file.open_joints(joints))?,
-        checked(WEIGHTS[set], file.open_vec4(weights))?,
+        checked(OF_JOINTS[set], file.open_vertices(joints, &JOINTS, of_joints))?,
+        checked(OF_WEIGHTS[set], file.open_vertices(weights, &FRACTIONS, of_weights))?,
     )))
 }

@@ -3,7 +3,8 @@
 use glam::Vec4;
 
 use super::GltfFile;
-use super::animation::{check_times, made_up};
+use super::accessor::{FRACTIONS, POINTS, TIMES};
+use super::animation::check_times;
 use super::document::{Animation, Channel};
 use super::error::{AccessorProblem, AnimationProblem, ReadError};
 use super::skin::Hierarchy;
@@ -14,6 +15,8 @@ use crate::skeleton::{Interpolation, JointChannel, JointClip, Property};
 pub struct JointClips {
     /// The clips that can be played.
     pub clips: Vec<JointClip>,
+    /// The animation of the file that each clip is part of.
+    pub animations: Vec<usize>,
     /// Why the other clips cannot be played.
     pub broken: Vec<ReadError>,
 }
@@ -22,7 +25,8 @@ impl GltfFile {
     /// The clips that move the joints of a skinned mesh or their ancestors. Empty for other meshes, and for skins that cannot be
     /// read.
     ///
-    /// A clip with a broken channel is left out as a whole.
+    /// A clip has the name of its animation ([`GltfFile::animation_names`]) and lasts as long. A clip with a broken channel is left out
+    /// as a whole.
     #[must_use]
     pub fn joint_clips(&self, mesh: usize) -> JointClips {
         let json = self.root.meshes.get(mesh, &self.budget).ok();
@@ -35,16 +39,24 @@ impl GltfFile {
 
     pub(super) fn clips_of(&self, hierarchy: &Hierarchy) -> JointClips {
         let mut found = JointClips::default();
+        let names = self.animation_table();
         for index in self.root.animations.indices() {
             let Ok(animation) = self.root.animations.get(index, &self.budget) else {
                 continue;
             };
             match self.joint_channels(animation, hierarchy) {
                 Ok(channels) if channels.is_empty() => {}
-                Ok(channels) => found.clips.push(JointClip {
-                    name: animation.name.clone().unwrap_or_else(|| made_up(index)),
-                    channels,
-                }),
+                Ok(channels) => {
+                    let mut clip = JointClip {
+                        name: names.of(index),
+                        channels,
+                        end: 0.0,
+                    };
+                    let end = self.animation_end(animation);
+                    clip.end = if end > clip.duration() { end } else { 0.0 };
+                    found.clips.push(clip);
+                    found.animations.push(index);
+                }
                 Err(problem) => {
                     let name = animation.name.as_deref();
                     found.broken.push(self.animation_error(index, name, problem));
@@ -93,10 +105,10 @@ impl GltfFile {
         };
         let what = what(property);
         let at = |what| move |problem: AccessorProblem| AnimationProblem::Accessor { channel, what, problem };
-        let times = self.open_scalars(sampler.input).map_err(at("key times"))?;
+        let times = self.open_accessor(sampler.input, &TIMES).map_err(at("key times"))?;
         let stored = match property {
-            Property::Rotation => self.open_vec4(sampler.output),
-            Property::Translation | Property::Scale => self.open_vec3(sampler.output),
+            Property::Rotation => self.open_accessor(sampler.output, &FRACTIONS),
+            Property::Translation | Property::Scale => self.open_accessor(sampler.output, &POINTS),
         };
         let stored = stored.map_err(at(what))?;
         let (keys, found) = (times.count(), stored.count());

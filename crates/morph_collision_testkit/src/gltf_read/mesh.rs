@@ -86,6 +86,7 @@ impl GltfFile {
                 })?;
                 *target = vec![glam::Vec3::ZERO; vertices];
             }
+            mesh.default_weights = self.default_weights(index, None, mesh.targets.len())?;
             mesh.animations = self.clips(index, mesh.targets.len()).clips;
             mesh.skin = self.skin(index)?;
             Ok(mesh)

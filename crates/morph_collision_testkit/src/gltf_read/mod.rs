@@ -3,9 +3,11 @@
 //! The steps, and the files that implement them:
 //!
 //! 1. Open a file (`file`) and take the JSON out of its container (`container`, `document`).
-//! 2. Load a buffer when it is first used (`buffers`, `uri`), and open and decode accessors (`accessor`).
+//! 2. Load a buffer when it is first used (`buffers`, `uri`), decode compressed views and primitives (`view`, `compressed`, `meshopt`,
+//!    `draco`), and open and decode accessors (`accessor`).
 //! 3. Assemble primitives into a mesh (`mesh`, `primitive`, `triangles`).
-//! 4. Read its skin (`skin`, `influences`) and collect the clips (`animation`, `joint_animation`).
+//! 4. Read its skin (`skin`, `influences`), collect the clips (`animations`, `animation`, `joint_animation`), and find the nodes that show
+//!    it (`nodes`).
 //!
 //! Files may come from anywhere:
 //!
@@ -15,30 +17,42 @@
 //! - Buffers in other files have to be regular files in the directory of the model or below ([`ReadOptions::any_path`] lifts
 //!   that).
 //!
-//! Images are never decoded. Transforms of nodes that show a mesh are not applied: a mesh is read in its own space. Default
-//! weights are ignored.
+//! Images are never decoded. Transforms of nodes that show a mesh are not applied: a mesh is read in its own space, and
+//! [`GltfFile::placement`] says where a node puts it.
+//!
+//! Required extensions are decoded if they compress geometry, ignored if they do not change it
+//! ([`GltfFile::ignored_extensions`]), and refused otherwise (`extensions`).
 
 mod accessor;
 mod animation;
+mod animations;
 mod buffers;
+mod compressed;
 mod container;
 mod document;
+mod draco;
 mod error;
+mod extensions;
 mod file;
 mod influences;
 mod joint_animation;
 mod mesh;
+mod meshopt;
+mod nodes;
 mod primitive;
 mod skin;
 mod triangles;
 mod uri;
+mod view;
 
 use std::path::Path;
 
 pub use self::animation::Clips;
+pub use self::animations::AnimationInfo;
 pub use self::document::ElementError;
 pub use self::error::{
-    AccessorProblem, AnimationProblem, BufferFault, BufferProblem, MeshProblem, ReadError, Remedy, SkinProblem,
+    AccessorProblem, AnimationProblem, BufferFault, BufferProblem, CompressionFault, MeshProblem, ReadError, Remedy,
+    SkinProblem,
 };
 pub use self::file::{GltfFile, ReadOptions};
 pub use self::joint_animation::JointClips;

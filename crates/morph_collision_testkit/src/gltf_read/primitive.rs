@@ -7,8 +7,9 @@ use std::collections::HashMap;
 use glam::Vec3;
 use gltf::mesh::Mode;
 
-use super::accessor::Opened;
+use super::accessor::{INDICES, Opened, POINTS};
 use super::document::{self, Mesh};
+use super::draco::DracoMesh;
 use super::error::{AccessorProblem, MeshProblem};
 use super::{GltfFile, triangles};
 use crate::mesh::MorphMesh;
@@ -24,7 +25,7 @@ pub(super) struct Drawn {
 /// Reads positions, targets and triangles. The caller sets the names.
 ///
 /// Targets without stored data are left empty.
-pub(super) fn read(file: &GltfFile, mesh: &Mesh) -> Result<(MorphMesh, Drawn), MeshProblem> {
+pub(super) fn read<'a>(file: &'a GltfFile, mesh: &'a Mesh) -> Result<(MorphMesh, Drawn), MeshProblem> {
     let plan = Plan::of(file, mesh)?;
     plan.count_memory(file)?;
     Ok((plan.decode()?, plan.drawn))
@@ -60,12 +61,21 @@ struct Part<'a> {
     primitive: usize,
     source: Option<usize>,
     mode: Mode,
-    indices: Option<Opened<'a>>,
+    corners: Corners<'a>,
+}
+
+/// Where the corners of a primitive come from.
+enum Corners<'a> {
+    /// All vertices in order.
+    Vertices,
+    Stored(Opened<'a>),
+    /// Separate triangles, whatever the mode.
+    Decoded(DracoMesh<'a>),
 }
 
 impl<'a> Plan<'a> {
     /// Checks the positions, targets and indices of all primitives.
-    pub(super) fn of(file: &'a GltfFile, mesh: &Mesh) -> Result<Self, MeshProblem> {
+    pub(super) fn of(file: &'a GltfFile, mesh: &'a Mesh) -> Result<Self, MeshProblem> {
         let mut plan = Plan::default();
         for (index, json) in mesh.primitives.iter().enumerate() {
             plan.add(file, index, json)?;
@@ -85,7 +95,7 @@ impl<'a> Plan<'a> {
         sources.map(|source| (source.primitive, source.first_vertex as usize, source.positions.count()))
     }
 
-    fn add(&mut self, file: &'a GltfFile, primitive: usize, json: &document::Primitive) -> Result<(), MeshProblem> {
+    fn add(&mut self, file: &'a GltfFile, primitive: usize, json: &'a document::Primitive) -> Result<(), MeshProblem> {
         let positions = json.attributes.positions;
         let positions = positions.ok_or(MeshProblem::MissingPositions { primitive })?;
         let targets: Vec<Option<usize>> = json.targets.iter().map(|target| target.positions).collect();
@@ -108,15 +118,34 @@ impl<'a> Plan<'a> {
             primitive,
             source: None,
             mode,
-            indices: None,
+            corners: Corners::Vertices,
         };
         if triangles::is_drawn_of_triangles(mode) {
-            let opened = file.open_vec3(positions).map_err(at(primitive, "POSITION"))?;
-            let indices = json.indices.map(|accessor| file.open_indices(accessor));
-            part.indices = indices.transpose().map_err(at(primitive, "indices"))?;
-            let corners = part.indices.as_ref().map_or(opened.count(), Opened::count);
+            let compressed = |fault| MeshProblem::Compressed { primitive, fault };
+            let decoded = file.draco(json).map_err(compressed)?;
+            let values = decoded
+                .map(|decoded| decoded.positions())
+                .transpose()
+                .map_err(compressed)?;
+            let opened = file.open_vertices(positions, &POINTS, values.flatten());
+            let opened = opened.map_err(at(primitive, "POSITION"))?;
+            let corners = match (decoded, json.indices) {
+                (Some(decoded), _) => {
+                    part.mode = Mode::Triangles;
+                    part.corners = Corners::Decoded(decoded);
+                    3 * decoded.triangle_count()
+                }
+                (None, Some(accessor)) => {
+                    let indices = file.open_accessor(accessor, &INDICES);
+                    let indices = indices.map_err(at(primitive, "indices"))?;
+                    let count = indices.count();
+                    part.corners = Corners::Stored(indices);
+                    count
+                }
+                (None, None) => opened.count(),
+            };
             let triangles =
-                triangles::count(mode, corners).ok_or(MeshProblem::IncompleteTriangle { primitive, corners })?;
+                triangles::count(part.mode, corners).ok_or(MeshProblem::IncompleteTriangle { primitive, corners })?;
             // An accessor without stored data may claim any count.
             self.triangles = self.triangles.saturating_add(triangles as u64);
             if u32::try_from(self.triangles).is_err() {
@@ -146,7 +175,7 @@ impl<'a> Plan<'a> {
         // A target may move only normals.
         let moving = key.1.iter().enumerate();
         for (target, accessor) in moving.filter_map(|(target, accessor)| Some((target, (*accessor)?))) {
-            let opened = file.open_vec3(accessor);
+            let opened = file.open_accessor(accessor, &POINTS);
             let opened = opened.map_err(at(primitive, &format!("target {target} POSITION")))?;
             if opened.count() != vertices {
                 return Err(MeshProblem::TargetLength {
@@ -237,9 +266,10 @@ impl<'a> Plan<'a> {
         if let Some(source) = part.source {
             let source = &self.sources[source];
             let vertices = source.positions.count();
-            let corners = match &part.indices {
-                Some(indices) => indices.indices().map_err(at(primitive, "indices"))?,
-                None => (0..vertices as u32).collect(),
+            let corners = match &part.corners {
+                Corners::Stored(indices) => indices.indices().map_err(at(primitive, "indices"))?,
+                Corners::Decoded(decoded) => decoded.corners(),
+                Corners::Vertices => (0..vertices as u32).collect(),
             };
             if let Some(position) = corners.iter().position(|&v| v as usize >= vertices) {
                 return Err(MeshProblem::VertexOutOfRange {

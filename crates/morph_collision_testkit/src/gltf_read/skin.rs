@@ -6,6 +6,7 @@ use std::collections::HashMap;
 use glam::{Mat4, Quat, Vec3};
 
 use super::GltfFile;
+use super::accessor::MATRICES;
 use super::document::{ElementError, Node, abridged};
 use super::error::{MeshProblem, ReadError, SkinProblem};
 use super::influences;
@@ -19,6 +20,7 @@ const BYTES_PER_NODE: u64 = 200;
 pub(super) type Parents = OnceCell<Vec<Option<usize>>>;
 
 /// A skeleton without clips, and the index in it of each node of the file.
+#[derive(Default)]
 pub(super) struct Hierarchy {
     pub(super) skeleton: Skeleton,
     pub(super) places: HashMap<usize, u32>,
@@ -72,10 +74,7 @@ impl GltfFile {
     pub(super) fn hierarchy(&self, skin: usize) -> Result<Hierarchy, SkinProblem> {
         let json = self.root.skins.get(skin, &self.budget);
         let json = json.map_err(|problem| SkinProblem::Element { skin, problem })?;
-        let mut hierarchy = Hierarchy {
-            skeleton: Skeleton::default(),
-            places: HashMap::new(),
-        };
+        let mut hierarchy = Hierarchy::default();
         let count = json.joints.len();
         let what = || format!("its {count} joints");
         self.budget
@@ -84,7 +83,9 @@ impl GltfFile {
         let inverse_binds = match json.inverse_bind_matrices {
             None => vec![Mat4::IDENTITY; count],
             Some(accessor) => {
-                let opened = self.open_matrices(accessor).map_err(SkinProblem::InverseBind)?;
+                let opened = self
+                    .open_accessor(accessor, &MATRICES)
+                    .map_err(SkinProblem::InverseBind)?;
                 let found = opened.count();
                 if found < count {
                     return Err(SkinProblem::MatrixCount {
@@ -108,7 +109,7 @@ impl GltfFile {
     }
 
     /// Adds a node to a skeleton after all its ancestors; returns its index there.
-    fn add_with_ancestors(&self, node: usize, hierarchy: &mut Hierarchy) -> Result<u32, SkinProblem> {
+    pub(super) fn add_with_ancestors(&self, node: usize, hierarchy: &mut Hierarchy) -> Result<u32, SkinProblem> {
         let parents = self.parents()?;
         let (mut missing, mut above) = (Vec::new(), Some(node));
         while let Some(next) = above.filter(|next| !hierarchy.places.contains_key(next)) {

@@ -37,7 +37,7 @@ pub(super) fn write(
             parts.add_weights(&rest[same], animated.mesh, root, packer);
             rest = &rest[same + 1..];
         }
-        for channel in &clip.channels {
+        for channel in &clip.with_key_at_end().channels {
             parts.add_joint(channel, animated.bones[channel.node as usize], root, packer);
         }
         parts.finish(&clip.name, root);
@@ -67,6 +67,7 @@ impl Parts {
         if clip.times.is_empty() || clip.weights.iter().all(Vec::is_empty) {
             return;
         }
+        let clip = &clip.with_key_at_end();
         let input = packer.keys(root, &ascending(&clip.times), true);
         let (interpolation, weights) = if clip.tangents.is_empty() {
             (Interpolation::Linear, clip.weights.concat())

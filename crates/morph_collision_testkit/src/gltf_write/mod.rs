@@ -67,6 +67,14 @@ pub fn write_glb(path: &Path, mesh: &MorphMesh, appearance: &Appearance) -> Resu
 /// # Errors
 /// [`WriteError`] if the mesh is empty, or its lists do not match.
 pub fn to_glb(mesh: &MorphMesh, appearance: &Appearance) -> Result<Vec<u8>, WriteError> {
+    to_glb_of_parts(mesh, std::slice::from_ref(appearance))
+}
+
+/// Like [`to_glb`], with an appearance for each primitive; the last one is that of all further primitives.
+///
+/// # Errors
+/// See [`to_glb`].
+pub fn to_glb_of_parts(mesh: &MorphMesh, appearances: &[Appearance]) -> Result<Vec<u8>, WriteError> {
     check::check(mesh)?;
     let mut root = Root {
         asset: asset(),
@@ -78,15 +86,18 @@ pub fn to_glb(mesh: &MorphMesh, appearance: &Appearance) -> Result<Vec<u8>, Writ
     if let Some(skin) = &mesh.skin {
         skin::add_influences(skin, &mut attributes, &mut root, &mut packer);
     }
-    let material = root.push(material(mesh, appearance));
-    let primitives = mesh.primitives.iter().map(|range| {
+    let materials: Vec<_> = appearances
+        .iter()
+        .map(|appearance| root.push(material(mesh, appearance)))
+        .collect();
+    let primitives = mesh.primitives.iter().enumerate().map(|(index, range)| {
         let triangles = &mesh.triangles[range.start as usize..range.end as usize];
         Primitive {
             attributes: attributes.clone(),
             extensions: None,
             extras: None,
             indices: Some(packer.indices(&mut root, triangles.as_flattened(), mesh.positions.len())),
-            material: Some(material),
+            material: materials.get(index).or(materials.last()).copied(),
             mode: Checked::Valid(json::mesh::Mode::Triangles),
             targets: (!targets.is_empty()).then(|| targets.clone()),
         }
@@ -97,7 +108,7 @@ pub fn to_glb(mesh: &MorphMesh, appearance: &Appearance) -> Result<Vec<u8>, Writ
         extras: target_names(mesh),
         name: Some(mesh.name.clone()),
         primitives,
-        weights: (!mesh.targets.is_empty()).then(|| vec![0.0; mesh.targets.len()]),
+        weights: (!mesh.targets.is_empty()).then(|| mesh.weights_at_rest()),
     });
     let node = root.push(json::Node {
         mesh: Some(json_mesh),

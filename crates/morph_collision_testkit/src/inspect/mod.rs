@@ -15,11 +15,17 @@
 //! println!("{report}");
 //! ```
 
+mod animation;
+mod node;
 mod report;
 mod skin;
+mod summary;
 mod text;
+mod usable;
 
-pub use report::{
-    AnimationReport, FileReport, MeshError, MeshReport, TargetReport, TreeReport, UsableReport, WeightRange,
-};
+pub use animation::{AnimationReport, FileAnimationReport, WeightRange};
+pub use node::NodeReport;
+pub use report::{FileReport, MeshError, MeshReport};
 pub use skin::{JointClipReport, SkinReport};
+pub use summary::{Summary, SummaryRow};
+pub use usable::{BoundsReport, TargetReport, TreeReport, UsableReport};

@@ -1,16 +1,13 @@
 //! The measurements of `inspect`, structured like their JSON.
 
-use std::sync::Arc;
-
-use morph_collision::{BuildOptions, ModelError, MorphBvh, MorphModel};
+use morph_collision::ModelError;
 use serde::Serialize;
 use thiserror::Error;
 
-use super::SkinReport;
-use crate::gltf_read::{FoundMesh, GltfFile, ReadError, Remedy};
+use super::{AnimationReport, FileAnimationReport, NodeReport, SkinReport, UsableReport};
+use crate::gltf_read::{Clips, FoundMesh, GltfFile, JointClips, ReadError, Remedy};
 use crate::memory::OverBudget;
-use crate::mesh::{MorphMesh, WeightAnimation};
-use crate::numbers::number;
+use crate::mesh::MorphMesh;
 use crate::printable::Printable;
 
 /// Why a mesh cannot collide.
@@ -25,6 +22,9 @@ pub enum MeshError {
     /// Its skin cannot be read.
     #[error("its skin cannot be read: {}", without_file(.0))]
     Skin(Box<ReadError>),
+    /// It cannot be posed at rest.
+    #[error("its rest pose cannot be used: {0}")]
+    Pose(String),
     /// It is not made of triangles.
     #[error("it is made of {0}, and only triangles collide")]
     NotTriangles(&'static str),
@@ -37,7 +37,7 @@ impl MeshError {
         match self {
             Self::OverBudget(_) => Some(Remedy::MoreMemory),
             Self::Skin(error) => error.remedy(),
-            Self::Model(_) | Self::NotTriangles(_) => None,
+            Self::Model(_) | Self::Pose(_) | Self::NotTriangles(_) => None,
         }
     }
 }
@@ -47,10 +47,15 @@ impl MeshError {
 pub struct FileReport {
     /// The file's name as it was given.
     pub file: String,
+    /// Extensions that the file requires and that are ignored, because they do not change the geometry of meshes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub ignored_extensions: Vec<String>,
     /// Problems that do not belong to a mesh.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,
-    /// All meshes, usable or not.
+    /// All animations.
+    pub animations: Vec<FileAnimationReport>,
+    /// All meshes, usable or not, or those that were asked for.
     pub meshes: Vec<MeshReport>,
 }
 
@@ -71,6 +76,8 @@ pub struct MeshReport {
     pub rigid: bool,
     /// Whether joints move its vertices.
     pub skinned: bool,
+    /// The nodes that show it.
+    pub nodes: Vec<NodeReport>,
     /// The joints and how they move it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub skin: Option<SkinReport>,
@@ -87,76 +94,35 @@ pub struct MeshReport {
     pub error: Option<String>,
 }
 
-/// Data that only a mesh that can collide has.
-#[derive(Debug, Serialize)]
-pub struct UsableReport {
-    /// Vertices after those in the same place are welded.
-    pub vertices_welded: usize,
-    /// One per target.
-    pub targets: Vec<TargetReport>,
-    /// The tree of the default options.
-    pub tree: TreeReport,
-}
-
-/// What a target does.
-#[derive(Debug, Serialize)]
-pub struct TargetReport {
-    /// Its name, or a default name.
-    pub name: String,
-    /// Welded vertices that the target displaces.
-    pub vertices_moved: usize,
-    /// Share of the welded vertices that it does not move, 0 to 1.
-    pub share_left_alone: f64,
-}
-
-/// How large a tree is.
-#[derive(Debug, Serialize)]
-pub struct TreeReport {
-    /// Nodes.
-    pub nodes: usize,
-    /// Levels below the root.
-    pub depth: usize,
-    /// Memory of the tree and its model, in bytes.
-    pub bytes: usize,
-}
-
-/// A clip's weights, including overshoots between the keys of a cubic clip.
-#[derive(Debug, Serialize)]
-pub struct AnimationReport {
-    /// Its name, or a default name.
-    pub name: String,
-    /// Number of keys.
-    pub keys: usize,
-    /// Its length in seconds.
-    pub seconds: f32,
-    /// One range per target.
-    pub weights: Vec<WeightRange>,
-    /// Sum of all weights, at the keys and between them.
-    pub weight_sum: WeightRange,
-}
-
-/// A range of weights.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct WeightRange {
-    /// The smallest.
-    #[serde(serialize_with = "number")]
-    pub min: f64,
-    /// The largest.
-    #[serde(serialize_with = "number")]
-    pub max: f64,
-}
-
 impl FileReport {
     /// Reads every mesh of a file and builds a tree for every mesh that allows it.
     ///
     /// Only one mesh is kept in memory at a time.
     #[must_use]
     pub fn read(file: &GltfFile) -> Self {
-        let report = |index| file.budget().lend(|| MeshReport::read(file, index));
+        Self::read_meshes(file, 0..file.mesh_count(), |_| {})
+    }
+
+    /// Like [`FileReport::read`], for some of the meshes. Calls `before` with the index of each mesh before it is read.
+    #[must_use]
+    pub fn read_meshes(
+        file: &GltfFile,
+        meshes: impl IntoIterator<Item = usize>,
+        mut before: impl FnMut(usize),
+    ) -> Self {
+        let report = |index| {
+            before(index);
+            file.budget().lend(|| MeshReport::read(file, index))
+        };
+        let animations = file.animations().into_iter().enumerate();
         Self {
             file: file.path().display().to_string(),
+            ignored_extensions: file.ignored_extensions().map(str::to_owned).collect(),
             warnings: file.stray_animations().iter().map(ToString::to_string).collect(),
-            meshes: (0..file.mesh_count()).map(report).collect(),
+            animations: animations
+                .map(|(index, info)| FileAnimationReport::new(index, info))
+                .collect(),
+            meshes: meshes.into_iter().map(report).collect(),
         }
     }
 
@@ -181,24 +147,37 @@ impl MeshReport {
             Err(error) => return Self::broken(file, index, &error),
         };
         let clips = file.clips(index, found.mesh.targets.len());
+        let joint_clips = file.joint_clips(index);
         let skin = file.skin(index).map(|skin| found.mesh.skin = skin);
+        let mut warnings = Vec::new();
+        match file.default_weights(index, None, found.mesh.targets.len()) {
+            Ok(weights) => found.mesh.default_weights = weights,
+            Err(error) => warnings.push(without_file(&error)),
+        }
         let usable = || {
             skin.map_err(|error| MeshError::Skin(Box::new(error)))?;
             let mesh = found.check_triangles()?;
-            let bytes = mesh.tree_bytes();
+            let bytes = mesh.tree_bytes().saturating_add(mesh.body_bytes(false));
             file.budget().take(bytes, 1, || "its tree".into())?;
             UsableReport::new(mesh)
         };
-        let mut report = Self::of(index, &found.mesh, &clips.clips, usable());
+        let mut report = Self::of(index, &found.mesh, &clips, &joint_clips, usable());
         report.skinned = found.skinned;
-        report.warnings.extend(clips.broken.iter().map(left_out));
-        report
-            .warnings
-            .extend(file.joint_clips(index).broken.iter().map(left_out));
+        report.nodes = NodeReport::all(file, index);
+        warnings.extend(clips.broken.iter().map(left_out));
+        warnings.extend(joint_clips.broken.iter().map(left_out));
+        report.warnings = warnings;
         report
     }
 
-    fn of(index: usize, mesh: &MorphMesh, clips: &[WeightAnimation], usable: Result<UsableReport, MeshError>) -> Self {
+    fn of(
+        index: usize,
+        mesh: &MorphMesh,
+        clips: &Clips,
+        joint_clips: &JointClips,
+        usable: Result<UsableReport, MeshError>,
+    ) -> Self {
+        let sources = clips.animations.iter().zip(&clips.interpolations);
         let (usable, error) = match usable {
             Ok(usable) => (Some(usable), None),
             Err(error) => (None, Some(format!("{error}{}", Remedy::hint(error.remedy())))),
@@ -211,10 +190,15 @@ impl MeshReport {
             primitives: mesh.primitives.len(),
             rigid: mesh.targets.is_empty(),
             skinned: false,
-            skin: mesh.skin.as_ref().map(SkinReport::new),
-            animations: clips
-                .iter()
-                .map(|clip| AnimationReport::new(clip, mesh.targets.len()))
+            nodes: Vec::new(),
+            skin: mesh
+                .skin
+                .as_ref()
+                .map(|skin| SkinReport::new(skin, &joint_clips.animations)),
+            animations: (clips.clips.iter().zip(sources))
+                .map(|(clip, (&animation, &interpolation))| {
+                    AnimationReport::new(clip, animation, interpolation, mesh.targets.len())
+                })
                 .collect(),
             warnings: Vec::new(),
             usable,
@@ -232,6 +216,7 @@ impl MeshReport {
             primitives: 0,
             rigid: false,
             skinned: false,
+            nodes: Vec::new(),
             skin: None,
             animations: Vec::new(),
             warnings: Vec::new(),
@@ -248,6 +233,7 @@ impl MeshReport {
 fn without_file(error: &ReadError) -> String {
     match error {
         ReadError::Skin { problem, .. } => problem.to_string(),
+        ReadError::Mesh { problem, .. } => problem.to_string(),
         other => other.to_string(),
     }
 }
@@ -269,24 +255,6 @@ fn left_out(error: &ReadError) -> String {
     }
 }
 
-impl UsableReport {
-    fn new(mesh: &MorphMesh) -> Result<Self, MeshError> {
-        let model = Arc::new(mesh.to_model()?);
-        let bvh = MorphBvh::build(Arc::clone(&model), &BuildOptions::default());
-        Ok(Self {
-            vertices_welded: model.vertex_count(),
-            targets: (0..model.target_count())
-                .map(|target| TargetReport::new(mesh, &model, target))
-                .collect(),
-            tree: TreeReport {
-                nodes: bvh.node_count(),
-                depth: bvh.depth(),
-                bytes: bvh.bytes(),
-            },
-        })
-    }
-}
-
 impl FoundMesh {
     /// The mesh, if it has triangles.
     ///
@@ -297,64 +265,5 @@ impl FoundMesh {
             Some(what) => Err(MeshError::NotTriangles(what)),
             None => Ok(&self.mesh),
         }
-    }
-}
-
-impl TargetReport {
-    fn new(mesh: &MorphMesh, model: &MorphModel, target: usize) -> Self {
-        let vertices_moved = model.displaced_vertex_count(target as u32);
-        Self {
-            name: mesh.target_names.get(target).cloned().unwrap_or_default(),
-            vertices_moved,
-            share_left_alone: 1.0 - vertices_moved as f64 / model.vertex_count() as f64,
-        }
-    }
-}
-
-impl AnimationReport {
-    fn new(clip: &WeightAnimation, targets: usize) -> Self {
-        Self {
-            name: clip.name.clone(),
-            keys: clip.times.len(),
-            seconds: clip.duration(),
-            weights: (0..targets).map(|target| WeightRange::of(clip.range(target))).collect(),
-            weight_sum: WeightRange::of(clip.range_of_sum()),
-        }
-    }
-}
-
-impl WeightRange {
-    /// Zero to zero if there is no weight, because a clip without keys leaves weights at rest.
-    pub(super) fn of(range: Option<(f64, f64)>) -> Self {
-        let (min, max) = range.unwrap_or_default();
-        Self { min, max }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn an_animation_is_the_extremes_of_its_keys() {
-        let clip = WeightAnimation {
-            name: "clip".into(),
-            times: vec![0.0, 0.5, 2.0],
-            weights: vec![vec![0.25, 1.0], vec![-0.5, 0.5], vec![0.0, 4.0]],
-            tangents: Vec::new(),
-        };
-        let report = AnimationReport::new(&clip, 2);
-        assert_eq!((report.keys, report.seconds), (3, 2.0));
-        assert_eq!(
-            report.weights,
-            [WeightRange { min: -0.5, max: 0.25 }, WeightRange { min: 0.5, max: 4.0 }]
-        );
-        assert_eq!(report.weight_sum, WeightRange { min: 0.0, max: 4.0 });
-    }
-
-    #[test]
-    fn a_clip_without_keys_leaves_all_weights_at_zero() {
-        let report = AnimationReport::new(&WeightAnimation::default(), 1);
-        assert_eq!(report.weights, [WeightRange { min: 0.0, max: 0.0 }]);
     }
 }

@@ -74,7 +74,7 @@ pub fn dolphin(level: u32) -> MorphMesh {
         name: "swim".into(),
         times: keys().map(|cycle| grid::round6(f64::from(cycle * PERIOD))).collect(),
         weights: keys().map(|cycle| swim_weights(cycle).to_vec()).collect(),
-        tangents: Vec::new(),
+        ..WeightAnimation::default()
     });
     mesh
 }

@@ -73,7 +73,7 @@ pub fn heaving_body() -> MorphMesh {
         name: "heave".into(),
         times: keys().map(|cycle| cycle * LOOP).collect(),
         weights: keys().map(|cycle| heave_weights(cycle).to_vec()).collect(),
-        tangents: Vec::new(),
+        ..WeightAnimation::default()
     });
     mesh
 }

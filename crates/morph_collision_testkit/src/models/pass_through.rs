@@ -40,7 +40,7 @@ pub fn pass_through_body_at(level: u32) -> MorphMesh {
             vec![1.0, 0.0],
             vec![0.0, 0.0],
         ],
-        tangents: Vec::new(),
+        ..WeightAnimation::default()
     });
     mesh
 }

@@ -2,37 +2,70 @@
 //!
 //! ```json
 //! {
+//!   "version": 1,
 //!   "bodies": [ {"model": "a.glb"}, {"model": "b.glb", "mesh": 1} ],
 //!   "frames": [
-//!     [ {"weights": [0.5]}, {"rotation": [0, 0, 0, 1], "translation": [1, 0, 0], "scale": [1, 2, 1]} ]
+//!     [ {"weights": {"jawOpen": 0.5}}, {"rotation": [0, 0, 0, 1], "translation": [1, 0, 0], "scale": [1, 2, 1]} ]
 //!   ]
 //! }
 //! ```
 //!
-//! Paths of models are relative to the scene's file. `mesh` is an index into the model's meshes, 0 by default. Rotations are unit
-//! quaternions `x, y, z, w`. Anything left out is the identity; weights left out are zero.
-//!
-//! A state may name a clip of the model and a time in seconds: `{"clip": "walk", "time": 0.5}`. The clip moves the joints of a
-//! skinned mesh; without a clip they are at rest. It also sets the weights if they are left out. The placement applies on top of
-//! the joints.
+//! The repository's `docs/scene.md` describes every key, and `docs/scene.schema.json` is a JSON schema.
 
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use glam::{Affine3A, Quat, Vec3};
-use serde::{Deserialize, Serialize};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::SceneError;
 use crate::memory::{self, MemoryBudget};
+use crate::weight_list::WeightList;
 
 /// Models, and their states in every frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
+    /// The version of the format.
+    #[serde(default)]
+    pub version: SceneVersion,
+    /// A name, for people.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// A comment, for people.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub comment: Option<String>,
     /// The bodies.
     pub bodies: Vec<SceneBody>,
     /// One state per body, in the order of `bodies`, for every frame.
     pub frames: Vec<Vec<BodyState>>,
+}
+
+/// The only version of the format; other numbers are refused.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SceneVersion;
+
+impl SceneVersion {
+    const NUMBER: u64 = 1;
+}
+
+impl Serialize for SceneVersion {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_u64(Self::NUMBER)
+    }
+}
+
+impl<'de> Deserialize<'de> for SceneVersion {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        match u64::deserialize(deserializer)? {
+            Self::NUMBER => Ok(Self),
+            other => Err(D::Error::custom(format_args!(
+                "this is a scene of version {other}, and only version {} can be read",
+                Self::NUMBER
+            ))),
+        }
+    }
 }
 
 /// A body: a mesh of a model file.
@@ -44,6 +77,16 @@ pub struct SceneBody {
     /// The mesh's index in the model.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub mesh: usize,
+    /// The node of the model that shows the mesh. If it is given, a mesh without joints is first placed where the node is, at rest or as
+    /// a clip moves it, and the node's default weights count.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub node: Option<usize>,
+    /// A name, for people.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
+    /// A comment, for people.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub comment: Option<String>,
 }
 
 impl SceneBody {
@@ -57,9 +100,10 @@ impl SceneBody {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BodyState {
-    /// One weight per target. Empty means the clip's weights, or all zero without a clip.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub weights: Vec<f32>,
+    /// One weight per target, or weights by name. Targets without a weight have that of the clip, or without a clip their default
+    /// weight.
+    #[serde(default, skip_serializing_if = "WeightList::is_empty")]
+    pub weights: WeightList,
     /// A unit quaternion `x, y, z, w`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rotation: Option<[f32; 4]>,
@@ -75,6 +119,9 @@ pub struct BodyState {
     /// The time in the clip, in seconds; 0 by default. Clips loop.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<f32>,
+    /// A comment, for people.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub comment: Option<String>,
 }
 
 impl BodyState {
@@ -84,7 +131,7 @@ impl BodyState {
         // Six digits are enough and keep files small.
         let round6 = |value: f32| crate::models::round6(f64::from(value));
         Self {
-            weights: weights.to_vec(),
+            weights: WeightList::All(weights.to_vec()),
             rotation: Some(rotation.to_array().map(round6)),
             translation: Some(translation.to_array().map(round6)),
             ..Self::default()
@@ -101,15 +148,20 @@ impl BodyState {
         )
     }
 
-    /// The lists of numbers with their names in the format.
-    fn numbers(&self) -> [(&'static str, &[f32]); 5] {
-        [
-            ("weights", &self.weights),
-            ("rotation", self.rotation.as_ref().map_or(&[], |list| list)),
-            ("translation", self.translation.as_ref().map_or(&[], |list| list)),
-            ("scale", self.scale.as_ref().map_or(&[], |list| list)),
+    /// All numbers with the names of their lists in the format, and their indices there.
+    fn numbers(&self) -> impl Iterator<Item = (&'static str, usize, f32)> {
+        let placement = [
+            ("rotation", self.rotation.as_ref().map_or(&[][..], |list| list)),
+            ("translation", self.translation.as_ref().map_or(&[][..], |list| list)),
+            ("scale", self.scale.as_ref().map_or(&[][..], |list| list)),
             ("time", self.time.as_slice()),
-        ]
+        ];
+        let placement = placement.into_iter().flat_map(|(what, list)| {
+            let indexed = list.iter().enumerate();
+            indexed.map(move |(index, &value)| (what, index, value))
+        });
+        let weights = self.weights.values().enumerate();
+        weights.map(|(index, value)| ("weights", index, value)).chain(placement)
     }
 }
 
@@ -132,11 +184,21 @@ impl Scene {
             source,
         };
         let file = std::fs::File::open(path).map_err(io)?;
+        Self::read_from(file, path, memory_limit)
+    }
+
+    /// Like [`Scene::read_within`], from an open file or pipe. Paths of models are relative to `path`, which need not exist.
+    ///
+    /// # Errors
+    /// See [`Scene::read`].
+    pub fn read_from(source: impl Read, path: &Path, memory_limit: u64) -> Result<Self, SceneError> {
         let mut json = Vec::new();
         // A buffer that grows while reading takes up to twice its length, and as much again once parsed.
-        file.take((memory_limit / 4).saturating_add(1))
-            .read_to_end(&mut json)
-            .map_err(io)?;
+        let read = source.take((memory_limit / 4).saturating_add(1)).read_to_end(&mut json);
+        read.map_err(|source| SceneError::Io {
+            path: path.to_owned(),
+            source,
+        })?;
         Self::parse_within(&json, path, memory_limit)
     }
 
@@ -174,23 +236,35 @@ impl Scene {
     /// # Errors
     /// The scene would be refused by [`Scene::read`], or the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), SceneError> {
-        self.check(path)?;
-        let json = self.to_json().map_err(|source| SceneError::Json {
-            path: path.to_owned(),
-            source,
-        })?;
+        let json = self.to_json(path)?;
         std::fs::write(path, json).map_err(|source| SceneError::Io {
             path: path.to_owned(),
             source,
         })
     }
 
-    fn to_json(&self) -> serde_json::Result<String> {
-        Ok(format!(
-            "{{\n  \"bodies\": [{}],\n  \"frames\": [{}]\n}}\n",
-            lines(&self.bodies)?,
-            lines(&self.frames)?
-        ))
+    /// Its JSON, one line per body and per frame.
+    ///
+    /// # Errors
+    /// The scene would be refused by [`Scene::read`]; the message names `path`.
+    pub fn to_json(&self, path: &Path) -> Result<String, SceneError> {
+        self.check(path)?;
+        self.json().map_err(|source| SceneError::Json {
+            path: path.to_owned(),
+            source,
+        })
+    }
+
+    fn json(&self) -> serde_json::Result<String> {
+        let mut text = format!("{{\n  \"version\": {},\n", serde_json::to_string(&self.version)?);
+        for (key, value) in [("name", &self.name), ("comment", &self.comment)] {
+            if let Some(value) = value {
+                text += &format!("  \"{key}\": {},\n", serde_json::to_string(value)?);
+            }
+        }
+        text += &format!("  \"bodies\": [{}],\n", lines(&self.bodies)?);
+        text += &format!("  \"frames\": [{}]\n}}\n", lines(&self.frames)?);
+        Ok(text)
     }
 
     fn check(&self, path: &Path) -> Result<(), SceneError> {
@@ -206,18 +280,15 @@ impl Scene {
                 });
             }
             for (body, state) in states.iter().enumerate() {
-                for (what, list) in state.numbers() {
-                    if let Some(index) = list.iter().position(|value| !value.is_finite()) {
-                        let value = list[index];
-                        return Err(SceneError::NotFinite {
-                            path: path(),
-                            frame,
-                            body,
-                            what,
-                            index,
-                            value,
-                        });
-                    }
+                if let Some((what, index, value)) = state.numbers().find(|(_, _, value)| !value.is_finite()) {
+                    return Err(SceneError::NotFinite {
+                        path: path(),
+                        frame,
+                        body,
+                        what,
+                        index,
+                        value,
+                    });
                 }
                 let length = state.rotation.map_or(1.0, |xyzw| Quat::from_array(xyzw).length());
                 if !(0.99..=1.01).contains(&length) {
@@ -281,17 +352,29 @@ mod tests {
     #[test]
     fn a_written_scene_is_read_back() -> Result<(), Box<dyn std::error::Error>> {
         let place = Affine3A::from_rotation_translation(Quat::from_rotation_y(0.3), Vec3::new(0.1, -2.0, 3.5));
+        let named = BodyState {
+            weights: WeightList::Named(vec![("jaw".into(), 0.5)]),
+            comment: Some("wide open".into()),
+            ..BodyState::default()
+        };
         let scene = Scene {
             bodies: vec![
                 SceneBody {
                     model: "a.glb".into(),
                     mesh: 2,
+                    node: Some(7),
+                    name: Some("left \"hand\"".into()),
+                    comment: Some("on the table".into()),
                 },
                 SceneBody::default(),
             ],
-            frames: vec![vec![BodyState::rigid(&[0.1, 0.7], &place), BodyState::default()]; 3],
+            frames: vec![vec![BodyState::rigid(&[0.1, 0.7], &place), named]; 3],
+            name: Some("two".into()),
+            comment: Some("a test".into()),
+            ..Scene::default()
         };
-        let read = Scene::parse(scene.to_json()?.as_bytes(), Path::new("scene.json"))?;
+        let path = Path::new("scene.json");
+        let read = Scene::parse(scene.to_json(path)?.as_bytes(), path)?;
         assert_eq!(read, scene);
         assert!(read.frames[0][0].world_from_model().abs_diff_eq(place, 1e-5));
         Ok(())
@@ -304,6 +387,12 @@ mod tests {
             unknown.contains("scene.json") && unknown.contains("fps") && unknown.contains("line 2"),
             "{unknown}"
         );
+
+        let newer = message("{\"version\": 2, \"bodies\": [], \"frames\": []}");
+        assert!(newer.contains("version 2, and only version 1 can be read"), "{newer}");
+
+        let twice = message(r#"{"bodies": [{"model": "a"}], "frames": [[{"weights": {"a": 1, "a": 2}}]]}"#);
+        assert!(twice.contains("\"a\" is given twice"), "{twice}");
 
         let short = message(r#"{"bodies": [{"model": "a"}], "frames": [[{}], []]}"#);
         assert!(short.contains("frame 1 places 0 bodies, but there are 1"), "{short}");
@@ -321,12 +410,13 @@ mod tests {
     #[test]
     fn numbers_that_json_cannot_hold_are_not_written() {
         let broken = BodyState {
-            weights: vec![0.0, f32::NAN],
+            weights: WeightList::All(vec![0.0, f32::NAN]),
             ..BodyState::default()
         };
         let scene = Scene {
             bodies: vec![SceneBody::default(); 2],
             frames: vec![vec![BodyState::default(), broken]],
+            ..Scene::default()
         };
         let error = scene
             .write(Path::new("no/such/directory/scene.json"))

@@ -20,7 +20,7 @@ pub mod talk;
 use glam::{Affine3A, DQuat, DVec3};
 
 pub use error::SceneError;
-pub use file::{BodyState, Scene, SceneBody};
+pub use file::{BodyState, Scene, SceneBody, SceneVersion};
 
 /// A placement from `f64`. Rounding to `f32` once, at the end, hides that `sin` and `cos` differ between platforms.
 fn rigid(rotation: DQuat, translation: DVec3) -> Affine3A {

@@ -11,6 +11,8 @@ pub struct JointClip {
     pub name: String,
     /// One channel per animated property of a node.
     pub channels: Vec<JointChannel>,
+    /// The time at which a loop ends, in seconds, if that is later than the last key. The last keys hold until then.
+    pub end: f32,
 }
 
 /// The keys of one property of one node.
@@ -54,11 +56,41 @@ pub enum Interpolation {
 }
 
 impl JointClip {
-    /// The length of one loop in seconds: the time of the last key.
+    /// The length of one loop in seconds: the time of the last key, or [`JointClip::end`] if that is later.
     #[must_use]
     pub fn duration(&self) -> f32 {
         let ends = self.channels.iter().filter_map(|channel| channel.times.last());
-        ends.copied().fold(0.0, f32::max)
+        ends.copied().fold(self.end, f32::max)
+    }
+
+    /// The same clip with a key at its end, for formats in which a clip ends with its last key.
+    #[must_use]
+    pub fn with_key_at_end(&self) -> Self {
+        let mut clip = self.clone();
+        clip.end = 0.0;
+        // One channel is enough, because all others hold.
+        let channel = clip.channels.iter_mut().find(|channel| !channel.times.is_empty());
+        if let Some(channel) = channel
+            && self.end
+                > self
+                    .channels
+                    .iter()
+                    .filter_map(|channel| channel.times.last())
+                    .copied()
+                    .fold(0.0, f32::max)
+            && let Some(last) = channel.value(channel.times.len() - 1)
+        {
+            channel.times.push(self.end);
+            if channel.interpolation == Interpolation::CubicSpline {
+                if let Some(leaving) = channel.values.last_mut() {
+                    *leaving = Vec4::ZERO;
+                }
+                channel.values.extend([Vec4::ZERO, last, Vec4::ZERO]);
+            } else {
+                channel.values.push(last);
+            }
+        }
+        clip
     }
 
     /// Sets the properties that the clip moves to their values at a time, looping. The very end of a loop gives its beginning.
@@ -154,6 +186,7 @@ mod tests {
         let clip = JointClip {
             name: "clip".into(),
             channels: vec![channel],
+            end: 0.0,
         };
         clip.apply(time, &mut locals);
         locals[0]
@@ -175,6 +208,33 @@ mod tests {
             (-0.25, 4.5),
         ] {
             assert_eq!(pose(keys(), time).translation, Vec3::X * x, "at {time}");
+        }
+    }
+
+    #[test]
+    fn the_last_keys_hold_until_the_loop_ends() {
+        let values = |keys: usize| (0..keys).map(|key| Vec4::X * key as f32).collect();
+        for (interpolation, keys) in [
+            (Interpolation::Linear, 2),
+            (Interpolation::Step, 2),
+            (Interpolation::CubicSpline, 6),
+        ] {
+            let clip = JointClip {
+                channels: vec![channel(Property::Translation, interpolation, values(keys))],
+                end: 5.0,
+                ..JointClip::default()
+            };
+            assert_eq!(clip.duration(), 5.0);
+            let keyed = clip.with_key_at_end();
+            assert_eq!((keyed.channels[0].times.len(), keyed.end), (3, 0.0));
+            for time in [0.0, 1.5, 3.0, 4.5, 6.5] {
+                let at = |clip: &JointClip| {
+                    let mut locals = [LocalTransform::default()];
+                    clip.apply(time, &mut locals);
+                    locals[0].translation
+                };
+                assert_eq!(at(&keyed), at(&clip), "{interpolation:?} at {time}");
+            }
         }
     }
 

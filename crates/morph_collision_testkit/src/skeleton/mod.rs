@@ -198,6 +198,7 @@ mod tests {
                 times: vec![0.0, 2.0],
                 values: vec![Vec4::ZERO, Vec4::new(0.0, 8.0, 0.0, 0.0)],
             }],
+            ..JointClip::default()
         });
         let matrices = skeleton.world_from_mesh(skeleton.clip("lift"), 0.5);
         assert_eq!(matrices[1].transform_point3a(Vec3A::ZERO), Vec3A::new(-2.0, 2.0, 0.0));

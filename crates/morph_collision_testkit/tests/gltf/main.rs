@@ -2,7 +2,9 @@
 
 mod bombs;
 mod broken;
+mod compressed;
 mod reading;
+mod reference;
 mod skins;
 mod support;
 mod unused;

@@ -170,7 +170,7 @@ fn clips_of_every_interpolation_are_read() -> Result<(), ReadError> {
     };
     assert_eq!(linear.name, "a");
     assert_eq!(linear.sample(0.5), [0.5, 1.0]);
-    assert_eq!(step.name, "a (node 1)");
+    assert_eq!(step.name, "a (animation 1)");
     assert_eq!(step.sample(0.99), [0.0, 0.5]);
     assert_eq!(step.sample(1.0), [1.0, 0.5]);
     assert_eq!(cubic.weights, [[0.0, 0.25], [1.0, 0.75]]);
@@ -195,11 +195,120 @@ fn required_extensions_that_leave_geometry_alone_are_accepted() -> Result<(), Re
         "KHR_mesh_quantization",
         "KHR_animation_pointer",
         "VRMC_materials_mtoon",
+        "VRM",
+        "KHR_xmp_json_ld",
     ] {
         let mut document = Document::square(1);
         document.json["extensionsRequired"] = json!([extension]);
-        assert_eq!(document.read()?[0].triangles, SQUARE, "{extension}");
+        let (_directory, file) = document.open()?;
+        assert_eq!(file.mesh(0)?.mesh.triangles, SQUARE, "{extension}");
+        let ignored: Vec<&str> = file.ignored_extensions().collect();
+        let expected = if extension == "KHR_mesh_quantization" {
+            vec![]
+        } else {
+            vec![extension]
+        };
+        assert_eq!(ignored, expected);
     }
+    Ok(())
+}
+
+#[test]
+fn a_byte_order_mark_and_later_minor_versions_are_accepted() -> Result<(), ReadError> {
+    let mut document = Document::square(1);
+    document.json["asset"] = json!({"version": "2.1", "minVersion": "2.0"});
+    let (directory, path) = document.save();
+    let text = std::fs::read(&path).expect("it was written");
+    std::fs::write(&path, [b"\xef\xbb\xbf", text.as_slice()].concat()).expect("it can be written again");
+    assert_eq!(
+        morph_collision_testkit::gltf_read::read_meshes(&path)?[0].triangles,
+        SQUARE
+    );
+    drop(directory);
+    Ok(())
+}
+
+#[test]
+fn default_weights_are_those_of_the_node_or_else_of_the_mesh() -> Result<(), ReadError> {
+    let weights = |bend: &dyn Fn(&mut Document)| {
+        let mut document = Document::square(2);
+        document.json["meshes"][0]["weights"] = json!([0.25, 0.5]);
+        bend(&mut document);
+        Ok::<_, ReadError>(document.read()?.remove(0).default_weights)
+    };
+    assert_eq!(weights(&|_| {})?, [0.25, 0.5]);
+    assert_eq!(
+        weights(&|document| document.json["nodes"] = json!([{"mesh": 0}]))?,
+        [0.25, 0.5]
+    );
+    let nodes = json!([{"mesh": 7, "weights": [9]}, {"mesh": 0, "weights": [1, 0]}, {"mesh": 0, "weights": [0, 1]}]);
+    assert_eq!(weights(&|document| document.json["nodes"] = nodes.clone())?, [1.0, 0.0]);
+    assert!(weights(&|document| document.json["meshes"][0]["weights"] = json!([0, 0]))?.is_empty());
+    let wrong = weights(&|document| document.json["meshes"][0]["weights"] = json!([1]));
+    assert!(wrong.is_err_and(|error| error.to_string().contains("1 default weights for 2 targets")));
+    let mut document = Document::square(2);
+    document.json["nodes"] = nodes;
+    let (_directory, file) = document.open()?;
+    assert_eq!(file.default_weights(0, Some(2), 2)?, [0.0, 1.0]);
+    assert_eq!(file.nodes_of(0).collect::<Vec<_>>(), [1, 2]);
+    Ok(())
+}
+
+#[test]
+fn a_clip_lasts_as_long_as_its_animation() -> Result<(), ReadError> {
+    let mut document = Document::square(1);
+    document.animate("LINEAR", &[0.0, 1.0], &[0.0, 1.0]);
+    // Another channel, of a node that has nothing to do with the mesh, ends later.
+    let (input, output) = (
+        document.floats("SCALAR", &[0.0, 4.0]),
+        document.floats("VEC3", &[0.0; 6]),
+    );
+    document.list("nodes").push(json!({}));
+    let animation = &mut document.json["animations"][0];
+    let first = animation["samplers"][0].clone();
+    animation["samplers"] = json!([first, {"input": input, "output": output}]);
+    // A channel without a node is ignored.
+    let first = animation["channels"][0].clone();
+    animation["channels"] = json!([
+        first,
+        {"sampler": 1, "target": {"node": 1, "path": "translation"}},
+        {"sampler": 1, "target": {"path": "pointer", "extensions": {}}},
+    ]);
+    let (_directory, file) = document.open()?;
+    let [info] = &file.animations()[..] else {
+        panic!("there is one animation")
+    };
+    assert_eq!((info.seconds, info.channels, info.ignored, info.nodes), (4.0, 3, 1, 1));
+    assert!(file.stray_animations().is_empty());
+    let clip = file.clips(0, 1).clips.remove(0);
+    assert_eq!(clip.duration(), 4.0);
+    assert_eq!([0.5, 2.5, 4.5].map(|time| clip.sample(time)[0]), [0.5, 1.0, 0.5]);
+    Ok(())
+}
+
+#[test]
+fn a_node_places_a_mesh_at_rest_and_in_clips() -> Result<(), ReadError> {
+    let mut document = Document::square(1);
+    let (input, output) = (
+        document.floats("SCALAR", &[0.0, 1.0]),
+        document.floats("VEC3", &[0., 0., 0., 0., 8., 0.]),
+    );
+    document.json["nodes"] = json!([
+        {"children": [1], "scale": [2, 2, 2]},
+        {"mesh": 0, "translation": [1, 0, 0]},
+    ]);
+    document.json["animations"] = json!([{
+        "name": "rise",
+        "channels": [{"sampler": 0, "target": {"node": 0, "path": "translation"}}],
+        "samplers": [{"input": input, "output": output}],
+    }]);
+    let (_directory, file) = document.open()?;
+    let placement = file.placement(0, 1)?;
+    let at = |clip, time| placement.world_from_mesh(clip, time)[0].transform_point3(Vec3::X);
+    assert_eq!(at(None, 0.0), Vec3::X * 4.0);
+    assert_eq!(at(placement.clip("rise"), 0.5), Vec3::new(4.0, 4.0, 0.0));
+    assert_eq!(file.world_from_node(0, 1)?.transform_point3(Vec3::X), Vec3::X * 4.0);
+    assert!(file.placement(0, 9).is_err());
     Ok(())
 }
 

@@ -59,7 +59,7 @@ fn a_jump_becomes_a_ramp_of_no_length() -> Result<(), Box<dyn Error>> {
         name: "jump".into(),
         times: vec![0.0, 1.0, 1.0, 2.0],
         weights: vec![vec![0.0, 0.0], vec![0.0, 0.0], vec![1.0, 0.0], vec![1.0, 0.0]],
-        tangents: Vec::new(),
+        ..WeightAnimation::default()
     };
     mesh.animations = vec![jump.clone()];
     let read = round_trip(&mesh)?.remove(0).animations.remove(0);
@@ -79,6 +79,7 @@ fn a_cubic_clip_and_a_target_that_moves_nothing_survive() -> Result<(), Box<dyn 
         times: vec![0.0, 1.0],
         weights: vec![vec![0.0, 0.5], vec![1.0, 0.25]],
         tangents: vec![[vec![1.0, 2.0], vec![3.0, 4.0]], [vec![5.0, 6.0], vec![7.0, 8.0]]],
+        ..WeightAnimation::default()
     }];
     assert_eq!(round_trip(&mesh)?, [mesh.clone()]);
     mesh.targets[1].clear();

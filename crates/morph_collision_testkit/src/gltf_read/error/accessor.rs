@@ -1,4 +1,4 @@
-use super::{BufferProblem, Remedy};
+use super::{BufferProblem, CompressionFault, Remedy};
 use crate::gltf_read::document::ElementError;
 use crate::printable::Printable;
 
@@ -30,6 +30,26 @@ pub enum AccessorProblem {
         accessor: usize,
         /// The buffer's index and problem.
         problem: Box<BufferProblem>,
+    },
+    /// Its buffer view is compressed and cannot be decoded.
+    #[error("accessor {accessor} needs buffer view {view}, which cannot be decoded: {fault}")]
+    Compressed {
+        /// The accessor's index.
+        accessor: usize,
+        /// The view's index.
+        view: usize,
+        /// Why it cannot be decoded.
+        fault: Box<CompressionFault>,
+    },
+    /// A compressed primitive has more or fewer vertices than the accessor.
+    #[error("accessor {accessor} has {expected} elements, but the compressed data has {found}")]
+    DecodedCount {
+        /// The accessor's index.
+        accessor: usize,
+        /// The number of decoded vertices.
+        found: usize,
+        /// The accessor's number of elements.
+        expected: usize,
     },
     /// Its component type and shape are not allowed here.
     #[error("accessor {accessor} holds {} where {expected} is needed", Printable(found))]
@@ -74,7 +94,12 @@ impl AccessorProblem {
         match self {
             Self::Element { problem, .. } | Self::View { problem, .. } => problem.remedy(),
             Self::Buffer { problem, .. } => problem.fault.remedy(),
-            Self::Type { .. } | Self::OutOfBounds { .. } | Self::Stride { .. } | Self::SparseIndex { .. } => None,
+            Self::Compressed { fault, .. } => fault.remedy(),
+            Self::Type { .. }
+            | Self::OutOfBounds { .. }
+            | Self::Stride { .. }
+            | Self::SparseIndex { .. }
+            | Self::DecodedCount { .. } => None,
         }
     }
 }

@@ -1,4 +1,4 @@
-use super::{AccessorProblem, Remedy};
+use super::{AccessorProblem, CompressionFault, Remedy};
 use crate::gltf_read::document::ElementError;
 use crate::memory::OverBudget;
 
@@ -32,6 +32,30 @@ pub enum MeshProblem {
         attribute: String,
         /// Why it cannot be decoded.
         problem: AccessorProblem,
+    },
+    /// A compressed primitive cannot be decoded.
+    #[error("primitive {primitive} cannot be decoded: {fault}")]
+    Compressed {
+        /// The primitive's index in the mesh.
+        primitive: usize,
+        /// Why it cannot be decoded.
+        fault: CompressionFault,
+    },
+    /// The number of default weights is not that of the targets.
+    #[error("it has {found} default weights for {expected} targets")]
+    DefaultWeights {
+        /// The number of default weights.
+        found: usize,
+        /// The number of targets.
+        expected: usize,
+    },
+    /// A default weight is not finite.
+    #[error("the default weight of target {target} is {weight}, which is not finite")]
+    DefaultWeight {
+        /// The target's index.
+        target: usize,
+        /// The weight.
+        weight: f32,
     },
     /// Primitives of a mesh have different numbers of targets. They share weights, so the numbers
     /// must be equal.
@@ -90,6 +114,7 @@ impl MeshProblem {
             Self::OverBudget(_) => Some(Remedy::MoreMemory),
             Self::Element(problem) => problem.remedy(),
             Self::Accessor { problem, .. } => problem.remedy(),
+            Self::Compressed { fault, .. } => fault.remedy(),
             _ => None,
         }
     }

@@ -3,6 +3,7 @@
 mod accessor;
 mod animation;
 mod buffer;
+mod compression;
 mod mesh;
 mod skin;
 
@@ -15,6 +16,7 @@ use crate::printable::Printable;
 pub use self::accessor::AccessorProblem;
 pub use self::animation::AnimationProblem;
 pub use self::buffer::{BufferFault, BufferProblem};
+pub use self::compression::CompressionFault;
 pub use self::mesh::MeshProblem;
 pub use self::skin::SkinProblem;
 
@@ -37,8 +39,12 @@ pub enum ReadError {
         /// What was found instead.
         reason: String,
     },
-    /// The file needs an extension that changes how its geometry is stored.
-    #[error("{}: needs the glTF extension {}, which this reader does not know{}", path.display(), Printable(extension), advice(extension))]
+    /// The file needs an extension that might change its geometry.
+    #[error(
+        "{}: requires the glTF extension {}, which this reader does not know; export the model again without it, or undo it with a converter such as gltf-transform",
+        path.display(),
+        Printable(extension)
+    )]
     Extension {
         /// The file.
         path: PathBuf,
@@ -128,19 +134,6 @@ impl ReadError {
             Self::Skin { problem, .. } => problem.remedy(),
             Self::Io { .. } | Self::NotGltf { .. } | Self::Extension { .. } => None,
         }
-    }
-}
-
-/// Advice for compressed geometry.
-fn advice(extension: &str) -> &'static str {
-    match extension {
-        "KHR_draco_mesh_compression" => {
-            "; undo the compression, for example with `npx @gltf-transform/cli cp IN.glb OUT.glb`"
-        }
-        "EXT_meshopt_compression" | "KHR_meshopt_compression" => {
-            "; undo the compression, for example with `gltfpack -i IN.glb -o OUT.glb -noq -kn -ke` (version 0.21 or later)"
-        }
-        _ => "",
     }
 }
 

@@ -1,0 +1,150 @@
+//! Files read and meshes used so far.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::path::{Path, PathBuf};
+
+use morph_collision_testkit::gltf_read::GltfFile;
+use morph_collision_testkit::memory::MemoryBudget;
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::rivals::SetUpError;
+use morph_collision_testkit::scenes::SceneBody;
+use morph_collision_testkit::skeleton::Skeleton;
+
+use super::SetUp;
+use crate::clips::ClipChoice;
+use crate::error::CliError;
+use crate::model_file::{FileArgs, count_memory, read_clips, read_mesh};
+
+/// A mesh as a node shows it: the file, the mesh's index and the node's.
+type Origin = (PathBuf, usize, Option<usize>);
+
+pub(super) struct Library<'a> {
+    options: &'a FileArgs,
+    /// Shared by all files.
+    budget: MemoryBudget,
+    /// Keyed by real path, so that a file with two names is read once.
+    pub(super) files: HashMap<PathBuf, GltfFile>,
+    pub(super) meshes: Vec<MorphMesh>,
+    /// For each mesh, how the node moves that shows it, if one is named.
+    pub(super) placements: Vec<Option<Skeleton>>,
+    origins: Vec<Origin>,
+    /// For each mesh, whether its weight clips have been read.
+    has_clips: Vec<bool>,
+}
+
+impl<'a> Library<'a> {
+    pub(super) fn new(options: &'a FileArgs) -> Self {
+        Self {
+            options,
+            budget: MemoryBudget::new(options.memory_limit()),
+            files: HashMap::new(),
+            meshes: Vec::new(),
+            placements: Vec::new(),
+            origins: Vec::new(),
+            has_clips: Vec::new(),
+        }
+    }
+
+    /// The index of a body's mesh. Errors name `scene` and `body`.
+    pub(super) fn mesh(&mut self, scene: &Path, body: usize, spec: &SceneBody) -> Result<usize, CliError> {
+        let model = spec.model_path(scene);
+        // A path that cannot be resolved cannot be opened either, and opening it says why.
+        let real = model.canonicalize().unwrap_or_else(|_| model.clone());
+        let origin = (real.clone(), spec.mesh, spec.node);
+        if let Some(known) = self.origins.iter().position(|known| *known == origin) {
+            return Ok(known);
+        }
+        let file = match self.files.entry(real) {
+            Entry::Occupied(open) => open.into_mut(),
+            Entry::Vacant(unopened) => unopened.insert(self.options.open_within(&model, &self.budget)?),
+        };
+        let wrong = |reason: String| CliError::SceneBody {
+            scene: scene.into(),
+            body,
+            reason,
+        };
+        let (index, count) = (spec.mesh, file.mesh_count());
+        if index >= count {
+            return Err(wrong(format!("{} has no mesh {index}, only {count}", model.display())));
+        }
+        let mut mesh = read_mesh(file, index)?;
+        mesh.default_weights = file.default_weights(index, spec.node, mesh.targets.len())?;
+        let mut placement = None;
+        if let Some(node) = spec.node {
+            if !file.nodes_of(index).any(|shows| shows == node) {
+                let nodes: Vec<String> = file.nodes_of(index).map(|node| node.to_string()).collect();
+                let nodes = if nodes.is_empty() {
+                    "none".to_owned()
+                } else {
+                    nodes.join(", ")
+                };
+                let model = model.display();
+                return Err(wrong(format!(
+                    "node {node} of {model} does not show mesh {index}; these nodes do: {nodes}"
+                )));
+            }
+            if mesh.skin.is_none() {
+                placement = Some(file.placement(index, node)?);
+            }
+        }
+        self.meshes.push(mesh);
+        self.placements.push(placement);
+        self.origins.push(origin);
+        self.has_clips.push(false);
+        Ok(self.meshes.len() - 1)
+    }
+
+    /// Reads the clips of a mesh's weights, unless that was done before.
+    pub(super) fn read_clips(&mut self, mesh: usize) -> Result<(), CliError> {
+        let (path, index, _) = &self.origins[mesh];
+        if let (false, Some(file)) = (self.has_clips[mesh], self.files.get(path)) {
+            read_clips(file, *index, &mut self.meshes[mesh])?;
+            self.has_clips[mesh] = true;
+        }
+        Ok(())
+    }
+
+    /// The clips of a mesh with this name; its clips have been read.
+    pub(super) fn clip(&self, mesh: usize, name: &str) -> Result<ClipChoice, String> {
+        let file = self.files.get(&self.origins[mesh].0);
+        let file = file.ok_or("its file was not read")?;
+        ClipChoice::find(name, file, &self.meshes[mesh], self.placements[mesh].as_ref())
+    }
+
+    /// Counts the memory of the trees of all meshes and of each body's own data.
+    pub(super) fn count_memory(&self, of_bodies: &[usize], options: &impl SetUp) -> Result<(), CliError> {
+        for (mesh, (path, index, _)) in self.origins.iter().enumerate() {
+            let Some(file) = self.files.get(path) else { continue };
+            let bodies = of_bodies.iter().filter(|&&of_body| of_body == mesh).count() as u64;
+            let what = || format!("its trees for {bodies} bodies");
+            let mesh = &self.meshes[mesh];
+            let (tree, body) = options.bytes(mesh);
+            let bytes = tree.saturating_add(bodies.saturating_mul(body));
+            count_memory(file, *index, bytes, what)?;
+        }
+        Ok(())
+    }
+
+    /// What it holds, in words.
+    pub(super) fn contents(&self) -> String {
+        let triangles: usize = self.meshes.iter().map(|mesh| mesh.triangles.len()).sum();
+        format!("{} meshes with {triangles} triangles", self.meshes.len())
+    }
+
+    /// Adds the file and index of the mesh to a method's error.
+    pub(super) fn blame(&self, error: SetUpError) -> CliError {
+        match error {
+            SetUpError::Model { mesh, reason } => {
+                let (real, index, _) = self.origins[mesh].clone();
+                CliError::Mesh {
+                    file: self.files.get(&real).map_or(real, |file| file.path().to_owned()),
+                    mesh: index,
+                    name: self.meshes[mesh].name.clone(),
+                    reason: reason.into(),
+                }
+            }
+            other => CliError::SetUp(other),
+        }
+    }
+}

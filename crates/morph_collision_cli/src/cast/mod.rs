@@ -1,0 +1,198 @@
+//! Turns a scene into bodies that can be posed. Reads every file once, sets up every mesh once and checks every placement.
+
+mod library;
+mod state;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::Affine3A;
+use morph_collision_testkit::gltf_read::GltfFile;
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::rivals::{SetUpError, WeightLimits};
+use morph_collision_testkit::scenes::Scene;
+use morph_collision_testkit::skeleton::Skeleton;
+use morph_collision_testkit::weight_list::TargetNames;
+
+use crate::error::CliError;
+use crate::model_file::FileArgs;
+use crate::posed::placed;
+use crate::progress;
+
+use library::Library;
+pub(crate) use state::BodyState;
+
+/// Upper bound on the bytes that a pair of triangles takes while a replay lists it: twice as a hit and once as a pair, in lists
+/// that grow.
+const BYTES_PER_PAIR: u64 = 128;
+
+/// The bodies of a scene and what each does in every frame. `B` holds the bodies in the form that a command needs.
+pub(crate) struct Cast<B> {
+    /// For error messages.
+    pub(crate) scene: PathBuf,
+    /// Every file that was read; outputs must not replace any of them.
+    pub(crate) inputs: Vec<PathBuf>,
+    /// Bodies of the same mesh share its data.
+    pub(crate) method: B,
+    pub(crate) bodies: usize,
+    /// The name of each body, or else that of its mesh.
+    pub(crate) names: Vec<String>,
+    /// How many pairs of triangles the memory limit has room for.
+    pub(crate) most_pairs: usize,
+    /// The distinct meshes of the bodies.
+    pub(crate) meshes: Vec<MorphMesh>,
+    /// For each mesh, how the node moves that shows it, if the scene names one.
+    placements: Vec<Option<Skeleton>>,
+    /// The index of each body's mesh.
+    pub(crate) mesh_of_body: Vec<usize>,
+    /// One state per body in every frame.
+    pub(crate) frames: Vec<Vec<BodyState>>,
+}
+
+/// A body's weights, joints and placement in a frame.
+#[derive(Clone, Debug)]
+pub(crate) struct Shape {
+    pub(crate) weights: Arc<[f32]>,
+    /// The matrices of the joints of a skinned mesh in world space.
+    pub(crate) joints: Option<Vec<Affine3A>>,
+    pub(crate) world_from_model: Affine3A,
+}
+
+/// How a command turns meshes into bodies.
+pub(crate) trait SetUp {
+    type Bodies;
+
+    /// The bytes that a mesh's tree takes, and that each of its bodies takes.
+    fn bytes(&self, mesh: &MorphMesh) -> (u64, u64);
+
+    /// Creates bodies of the given meshes.
+    fn set_up(&self, meshes: &[MorphMesh], mesh_of_body: &[usize]) -> Result<Self::Bodies, SetUpError>;
+}
+
+impl<B> Cast<B> {
+    /// Reads the models of `scene`, which was read from `path`, and checks all weights and placements.
+    pub(crate) fn load(
+        path: &Path,
+        scene: &Scene,
+        options: &impl SetUp<Bodies = B>,
+        files: &FileArgs,
+    ) -> Result<Self, CliError> {
+        let mut library = Library::new(files);
+        let mut of_bodies = Vec::with_capacity(scene.bodies.len());
+        for (body, spec) in scene.bodies.iter().enumerate() {
+            of_bodies.push(library.mesh(path, body, spec)?);
+        }
+        library.count_memory(&of_bodies, options)?;
+        progress::doing(format!("building the trees of {}", library.contents()));
+        let method = options
+            .set_up(&library.meshes, &of_bodies)
+            .map_err(|error| library.blame(error))?;
+
+        progress::doing("checking the scene's frames");
+        let frames = frames(path, scene, &mut library, &of_bodies)?;
+        let name = |(body, spec): (usize, &morph_collision_testkit::scenes::SceneBody)| {
+            let name = spec.name.clone();
+            name.unwrap_or_else(|| library.meshes[of_bodies[body]].name.clone())
+        };
+        let names = scene.bodies.iter().enumerate().map(name).collect();
+        let mut inputs = vec![path.to_owned()];
+        inputs.extend(library.files.values().flat_map(GltfFile::files));
+        Ok(Self {
+            most_pairs: usize::try_from(files.memory_limit() / BYTES_PER_PAIR).unwrap_or(usize::MAX),
+            scene: path.into(),
+            inputs,
+            method,
+            bodies: of_bodies.len(),
+            names,
+            meshes: library.meshes,
+            placements: library.placements,
+            mesh_of_body: of_bodies,
+            frames,
+        })
+    }
+
+    /// The mesh of a body.
+    pub(crate) fn mesh(&self, body: usize) -> &MorphMesh {
+        &self.meshes[self.mesh_of_body[body]]
+    }
+
+    /// The shape of a body in a frame. Values from clips are computed here because storing them would take far more memory than a
+    /// scene's file.
+    pub(crate) fn shape(&self, frame: usize, body: usize) -> Shape {
+        let state = &self.frames[frame][body];
+        let placement = self.placements[self.mesh_of_body[body]].as_ref();
+        self.shape_of(state, self.mesh(body), placement)
+    }
+
+    /// The shape of a body while nothing moves it, where it stands in a frame.
+    pub(crate) fn at_rest(&self, frame: usize, body: usize) -> Shape {
+        let state = BodyState::at_rest(self.frames[frame][body].world_from_model);
+        let placement = self.placements[self.mesh_of_body[body]].as_ref();
+        self.shape_of(&state, self.mesh(body), placement)
+    }
+
+    fn shape_of(&self, state: &BodyState, mesh: &MorphMesh, placement: Option<&Skeleton>) -> Shape {
+        let joints = mesh.skin.as_ref().map(|skin| {
+            let clip = state.clips.joints.map(|clip| &skin.skeleton.clips[clip]);
+            placed(
+                state.world_from_model,
+                skin.skeleton.world_from_mesh(clip, state.seconds),
+            )
+        });
+        let node = placement.and_then(|placement| {
+            let clip = state.clips.node.map(|clip| &placement.clips[clip]);
+            placement.world_from_mesh(clip, state.seconds).first().copied()
+        });
+        Shape {
+            weights: state.weights(mesh),
+            joints,
+            world_from_model: state.world_from_model * node.unwrap_or(Affine3A::IDENTITY),
+        }
+    }
+}
+
+/// Checks all states of a scene.
+fn frames(
+    path: &Path,
+    scene: &Scene,
+    library: &mut Library<'_>,
+    of_bodies: &[usize],
+) -> Result<Vec<Vec<BodyState>>, CliError> {
+    for states in &scene.frames {
+        for (state, &mesh) in states.iter().zip(of_bodies) {
+            if state.clip.is_some() {
+                library.read_clips(mesh)?;
+            }
+        }
+    }
+    let limits: Vec<WeightLimits> = library.meshes.iter().map(WeightLimits::of).collect();
+    let names: Vec<TargetNames<'_>> = library
+        .meshes
+        .iter()
+        .map(|mesh| TargetNames::new(&mesh.target_names))
+        .collect();
+    let mut frames = Vec::with_capacity(scene.frames.len());
+    for (frame, states) in scene.frames.iter().enumerate() {
+        let mut checked = Vec::with_capacity(states.len());
+        for (body, (state, &mesh)) in states.iter().zip(of_bodies).enumerate() {
+            let wrong = |reason: String| CliError::State {
+                scene: path.into(),
+                frame,
+                body,
+                reason,
+            };
+            let clips = state.clip.as_ref().map(|name| library.clip(mesh, name));
+            let clips = clips.transpose().map_err(wrong)?;
+            let state = BodyState::check(
+                state,
+                clips.unwrap_or_default(),
+                &library.meshes[mesh],
+                &names[mesh],
+                &limits[mesh],
+            );
+            checked.push(state.map_err(wrong)?);
+        }
+        frames.push(checked);
+    }
+    Ok(frames)
+}

@@ -1,0 +1,152 @@
+//! Posed bodies as one coloured surface.
+
+use glam::DVec3;
+use morph_collision_testkit::gltf_write::Appearance;
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::oracle::BodyPose;
+
+use crate::cast::Cast;
+use crate::posed::Posed;
+use crate::touching::Touch;
+
+/// Bodies in world space.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Surface {
+    pub(super) vertices: Vec<DVec3>,
+    pub(super) parts: Vec<Part>,
+}
+
+/// The triangles of one body that have one colour. Parts share no vertices, so that colours of vertices do not run into each other.
+#[derive(Clone, Debug)]
+pub(super) struct Part {
+    pub(super) name: String,
+    pub(super) color: Color,
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// Its vertices: the first one and the end.
+    pub(super) vertices: std::ops::Range<u32>,
+}
+
+/// The colour of a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Color {
+    /// The colour of a body.
+    Body(usize),
+    Touching,
+}
+
+/// The colours of bodies in sRGB, repeated in order.
+const BODIES: [[u8; 3]; 6] = [
+    [82, 134, 180],
+    [98, 172, 158],
+    [206, 176, 104],
+    [146, 116, 178],
+    [134, 168, 90],
+    [138, 148, 160],
+];
+const TOUCHING: [u8; 3] = [224, 48, 40];
+
+impl Color {
+    /// In sRGB.
+    pub(super) fn rgb(self) -> [u8; 3] {
+        match self {
+            Self::Body(body) => BODIES[body % BODIES.len()],
+            Self::Touching => TOUCHING,
+        }
+    }
+
+    pub(super) fn appearance(self) -> Appearance {
+        let [r, g, b] = self.rgb().map(|value| (f32::from(value) / 255.0).powf(2.2));
+        Appearance {
+            base_color: [r, g, b, 1.0],
+            roughness: 0.7,
+        }
+    }
+}
+
+impl Surface {
+    /// The bodies of a frame; triangles in `touches` have a colour of their own.
+    pub(super) fn new(cast: &Cast<Vec<Posed>>, frame: usize, touches: &[Touch]) -> Self {
+        let mut touching: Vec<Vec<bool>> = (0..cast.bodies)
+            .map(|body| vec![false; cast.mesh(body).triangles.len()])
+            .collect();
+        for touch in touches {
+            let [a, b] = touch.bodies;
+            touching[a][touch.pair.triangle_a as usize] = true;
+            touching[b][touch.pair.triangle_b as usize] = true;
+        }
+        let mut surface = Self::default();
+        for (body, touching) in touching.iter().enumerate() {
+            let (mesh, shape) = (cast.mesh(body), cast.shape(frame, body));
+            let pose = BodyPose {
+                mesh,
+                weights: &shape.weights,
+                world_from_model: shape.world_from_model,
+                joints: shape.joints.as_deref(),
+            };
+            let vertices = pose.world_vertices();
+            let name = &cast.names[body];
+            for (wanted, color, name) in [
+                (false, Color::Body(body), name.clone()),
+                (true, Color::Touching, format!("{name} touching")),
+            ] {
+                let of_color = mesh.triangles.iter().zip(touching).filter(|(_, is)| **is == wanted);
+                surface.add(name, color, &vertices, of_color.map(|(triangle, _)| *triangle));
+            }
+        }
+        surface
+    }
+
+    /// Adds a part with the vertices that it uses; nothing if it has no triangles.
+    fn add(&mut self, name: String, color: Color, vertices: &[DVec3], triangles: impl Iterator<Item = [u32; 3]>) {
+        let start = self.vertices.len() as u32;
+        let mut places = vec![u32::MAX; vertices.len()];
+        let mut place = |vertex: u32| {
+            let slot = &mut places[vertex as usize];
+            if *slot == u32::MAX {
+                *slot = self.vertices.len() as u32;
+                self.vertices.push(vertices[vertex as usize]);
+            }
+            *slot
+        };
+        let triangles: Vec<[u32; 3]> = triangles.map(|triangle| triangle.map(&mut place)).collect();
+        if !triangles.is_empty() {
+            let vertices = start..self.vertices.len() as u32;
+            self.parts.push(Part {
+                name,
+                color,
+                triangles,
+                vertices,
+            });
+        }
+    }
+
+    pub(super) fn triangle_count(&self) -> usize {
+        self.parts.iter().map(|part| part.triangles.len()).sum()
+    }
+
+    /// The number of triangles that touch.
+    pub(super) fn touching_count(&self) -> usize {
+        let touching = self.parts.iter().filter(|part| part.color == Color::Touching);
+        touching.map(|part| part.triangles.len()).sum()
+    }
+
+    /// One mesh with a primitive for each colour of each body.
+    pub(super) fn into_mesh(self) -> (MorphMesh, Vec<Appearance>) {
+        let (mut triangles, mut primitives, mut appearances) = (Vec::new(), Vec::new(), Vec::new());
+        for part in self.parts {
+            let start = triangles.len() as u32;
+            triangles.extend(part.triangles);
+            primitives.push(start..triangles.len() as u32);
+            appearances.push(part.color.appearance());
+        }
+        let positions = self.vertices.iter().map(|vertex| vertex.as_vec3()).collect();
+        let mesh = MorphMesh {
+            name: "posed".to_owned(),
+            positions,
+            triangles,
+            primitives,
+            ..MorphMesh::default()
+        };
+        (mesh, appearances)
+    }
+}

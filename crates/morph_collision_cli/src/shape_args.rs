@@ -1,0 +1,177 @@
+//! The options that choose one mesh of a file and its shape.
+
+use std::io::Read;
+use std::path::Path;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use clap::Args;
+use glam::Affine3A;
+use morph_collision::{BuildOptions, JointMatrices, MorphBvh, Pose};
+use morph_collision_testkit::inspect::MeshError;
+use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_testkit::weight_list::{TargetNames, WeightList};
+
+use crate::clips::ClipChoice;
+use crate::error::CliError;
+use crate::model_file::{FileArgs, MeshChoice, STANDARD, count_memory, read_clips};
+use crate::progress;
+
+/// Which mesh of a model, and in which shape.
+#[derive(Debug, Args)]
+pub(crate) struct ShapeArgs {
+    /// The mesh: its index in the file, or its name.
+    #[arg(long, value_name = "MESH", default_value_t)]
+    pub(crate) mesh: MeshChoice,
+    /// Weights of the targets: NAME=W,NAME=W,.. or one number per target, or @FILE to read them from a file, @- from standard input.
+    ///
+    /// Targets that are not named keep the weight of the clip, or without a clip the file's default weight. A file has lines of
+    /// NAME=W or NAME,W, or it is JSON: {"NAME": W} or [W, W]. An index can stand for a name. `inspect` lists the names.
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub(crate) weights: Option<WeightArg>,
+    /// Name of an animation in the file, or its index. It moves the joints and sets the weights.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) clip: Option<String>,
+    /// The time in the animation, in seconds. Animations loop.
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        default_value_t = 0.0,
+        requires = "clip",
+        value_parser = seconds,
+        allow_hyphen_values = true
+    )]
+    pub(crate) time: f32,
+}
+
+/// The value of `--weights`.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct WeightArg(pub(crate) WeightList);
+
+/// More than enough for a line per target.
+const LARGEST_WEIGHT_FILE: u64 = 16 << 20;
+
+impl FromStr for WeightArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let Some(file) = text.strip_prefix('@') else {
+            return WeightList::parse(text).map(Self);
+        };
+        let named = |error: String| format!("{file}: {error}");
+        let read = if file == STANDARD {
+            read_text(std::io::stdin().lock())
+        } else {
+            std::fs::File::open(file).and_then(read_text)
+        };
+        let text = read.map_err(|error| named(error.to_string()))?;
+        WeightList::parse(&text).map(Self).map_err(named)
+    }
+}
+
+fn read_text(source: impl Read) -> std::io::Result<String> {
+    let mut text = String::new();
+    source.take(LARGEST_WEIGHT_FILE).read_to_string(&mut text)?;
+    Ok(text)
+}
+
+/// A finite number.
+pub(crate) fn seconds(text: &str) -> Result<f32, String> {
+    let number = text.parse().ok().filter(|number: &f32| number.is_finite());
+    number.ok_or_else(|| "expected a finite number".to_owned())
+}
+
+/// A mesh in a shape.
+pub(crate) struct ShapedMesh {
+    /// Its index in the file.
+    pub(crate) index: usize,
+    pub(crate) mesh: MorphMesh,
+    pub(crate) pose: Pose,
+}
+
+impl ShapedMesh {
+    /// The weights that are not zero, in words.
+    pub(crate) fn weights_in_words(&self) -> String {
+        /// At most this many are listed.
+        const MOST: usize = 8;
+        let named = self.mesh.target_names.iter().zip(self.pose.weights());
+        let active: Vec<String> = named
+            .filter(|(_, weight)| **weight != 0.0)
+            .map(|(name, weight)| format!("{name} {weight}"))
+            .collect();
+        match (self.mesh.targets.len(), active.len()) {
+            (0, _) => "no targets".to_owned(),
+            (targets, 0) => format!("all {targets} weights 0"),
+            (targets, count) if count > MOST => {
+                let shown = active[..MOST].join(", ");
+                format!("{count} of {targets} weights not 0: {shown}, ...")
+            }
+            (targets, count) => format!("{count} of {targets} weights not 0: {}", active.join(", ")),
+        }
+    }
+}
+
+impl ShapeArgs {
+    /// Reads the mesh and poses it.
+    pub(crate) fn read(&self, model: &Path, files: &FileArgs) -> Result<ShapedMesh, CliError> {
+        let (file, index, mut mesh) = files.open_mesh(model, &self.mesh, "--mesh")?;
+        count_memory(&file, index, mesh.tree_bytes(), || "its tree".into())?;
+        mesh.default_weights = file.default_weights(index, None, mesh.targets.len())?;
+        let mut clips = ClipChoice::default();
+        if let Some(name) = &self.clip {
+            read_clips(&file, index, &mut mesh)?;
+            clips = ClipChoice::find(name, &file, &mesh, None)
+                .map_err(|reason| CliError::Flag { flag: "--clip", reason })?;
+        }
+        let weights = self.weights_of(&mesh, clips)?;
+        progress::doing(format!("building the tree of {} triangles", mesh.triangles.len()));
+        let tree = build(&mesh).map_err(|reason| CliError::Mesh {
+            file: model.to_owned(),
+            mesh: index,
+            name: mesh.name.clone(),
+            reason,
+        })?;
+        progress::doing("asking");
+        let mut pose = Pose::new(Arc::new(tree));
+        pose.set_weights(&weights).map_err(|error| CliError::Flag {
+            flag: if self.weights.is_some() { "--weights" } else { "--clip" },
+            reason: error.to_string(),
+        })?;
+        if let Some(joints) = self.joints(&mesh, clips) {
+            let joints = JointMatrices::new(&joints);
+            let set = joints.and_then(|joints| pose.set_joints(&joints));
+            set.map_err(|reason| CliError::Pose {
+                file: model.to_owned(),
+                mesh: index,
+                name: mesh.name.clone(),
+                reason,
+            })?;
+        }
+        Ok(ShapedMesh { index, mesh, pose })
+    }
+
+    fn weights_of(&self, mesh: &MorphMesh, clips: ClipChoice) -> Result<Vec<f32>, CliError> {
+        let others = match clips.weights {
+            Some(clip) => mesh.animations[clip].sample(self.time),
+            None => mesh.weights_at_rest(),
+        };
+        let Some(WeightArg(list)) = &self.weights else {
+            return Ok(others);
+        };
+        let weights = TargetNames::new(&mesh.target_names).resolve(list, others);
+        weights.map_err(|error| CliError::Flag {
+            flag: "--weights",
+            reason: error.to_string(),
+        })
+    }
+
+    fn joints(&self, mesh: &MorphMesh, clips: ClipChoice) -> Option<Vec<Affine3A>> {
+        let skeleton = &mesh.skin.as_ref()?.skeleton;
+        let clip = clips.joints.map(|clip| &skeleton.clips[clip]);
+        Some(skeleton.world_from_mesh(clip, self.time))
+    }
+}
+
+fn build(mesh: &MorphMesh) -> Result<MorphBvh, MeshError> {
+    Ok(MorphBvh::build(Arc::new(mesh.to_model()?), &BuildOptions::default()))
+}

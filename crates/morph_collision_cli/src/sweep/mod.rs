@@ -1,0 +1,178 @@
+//! `morph-collide sweep`: what touches while clips play.
+//!
+//! ```text
+//! model --scene::build--> frames of all clips --Cast--> posed bodies --search--> rows --report--> stdout, OUT.csv
+//! ```
+
+mod report;
+mod rows;
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use morph_collision_testkit::scenes::Scene;
+
+use crate::cast::Cast;
+use crate::error::CliError;
+use crate::model_file::{FileArgs, MeshChoice};
+use crate::output_file::OutputFile;
+use crate::posed::Posed;
+use crate::scene::build::{
+    Candidate, Meshes, ModelSpec, candidates, frame_count, frames_of_clips, number_names, scene_of,
+};
+use crate::scene::{fps, is_scene};
+use crate::touching::Among;
+use crate::tree_options::TreeArgs;
+use crate::{Verdict, output};
+use report::SweepReport;
+use rows::Label;
+
+const EXAMPLES: &str = "Examples:
+  Which triangles of a character touch while it walks, and which targets and joints bring them together:
+    morph-collide sweep character.glb --clip walk
+  A check for a build pipeline, which fails if an animation makes something touch that does not touch at rest:
+    morph-collide sweep character.glb --fail-on-touch --ignore-rest";
+
+/// Play clips and report in which frames a mesh intersects itself or other meshes, how deep, and which targets and joints move the
+/// triangles that touch.
+///
+/// Of a model, all meshes are used, where its nodes put them. `new` counts the pairs of triangles that do not touch at rest. `depth` is how
+/// far two triangles, or two meshes, would have to move apart, in the file's unit. Targets are sorted by how far they move the touching
+/// vertices in that frame, and joints by their influence on them.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct SweepArgs {
+    /// A .glb or .gltf file, or a scene file (.json).
+    input: PathBuf,
+    /// Play only this animation: its name or its index. Can be repeated; by default, all animations of the model are played.
+    #[arg(long, value_name = "NAME")]
+    clip: Vec<String>,
+    /// Use only this mesh of the model: its index in the file, or its name.
+    #[arg(long, value_name = "MESH")]
+    mesh: Option<MeshChoice>,
+    /// Frames per second; 30 by default.
+    #[arg(long, value_name = "N", value_parser = fps)]
+    fps: Option<f32>,
+    /// Which pairs of triangles to look at.
+    #[arg(long, value_enum, default_value_t = Among::All)]
+    among: Among,
+    /// End with exit code 1 if any triangles touch.
+    #[arg(long)]
+    fail_on_touch: bool,
+    /// Leave out pairs of triangles that also touch at rest.
+    #[arg(long)]
+    ignore_rest: bool,
+    /// Write all rows to a CSV file; - writes it to standard output, and the summary to standard error.
+    #[arg(long, value_name = "OUT.csv")]
+    csv: Option<PathBuf>,
+    #[command(flatten)]
+    tree: TreeArgs,
+    #[command(flatten)]
+    files: FileArgs,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Bodies with this project's trees.
+type Swept = Cast<Vec<Posed>>;
+
+/// Plays all clips and reports.
+pub(crate) fn sweep(args: &SweepArgs) -> Result<Verdict, CliError> {
+    let from_scene = is_scene(&args.input);
+    let (scene, labels) = if from_scene {
+        from_scene_file(args)?
+    } else {
+        from_model(args)?
+    };
+    // Paths of a scene made from a model are not relative to it.
+    let path = if from_scene { &*args.input } else { Path::new("sweep") };
+    let mut cast = Cast::load(path, &scene, &args.tree, &args.files)?;
+    let csv = args.csv.as_deref();
+    let csv = csv
+        .map(|path| OutputFile::create("--csv", path, &cast.inputs))
+        .transpose()?;
+    let rows = rows::rows(&mut cast, &labels, args.among, !from_scene, args.ignore_rest)?;
+    let report = SweepReport::new(cast.names, cast.frames.len(), args.ignore_rest, rows);
+    if let Some(csv) = csv {
+        csv.write(|out| report.write_csv(out))?;
+    }
+    if args.json {
+        output::print_json(&report)?;
+    } else {
+        output::print(&report.text())?;
+    }
+    Ok(match args.fail_on_touch && report.anything_touches() {
+        true => Verdict::FoundWrong,
+        false => Verdict::Clean,
+    })
+}
+
+fn from_scene_file(args: &SweepArgs) -> Result<(Scene, Vec<Label>), CliError> {
+    let refuse = |flag, given| match given {
+        true => Err(CliError::Flag {
+            flag,
+            reason: "a scene file already says what happens in every frame".to_owned(),
+        }),
+        false => Ok(()),
+    };
+    refuse("--clip", !args.clip.is_empty())?;
+    refuse("--mesh", args.mesh.is_some())?;
+    refuse("--fps", args.fps.is_some())?;
+    let scene = args.files.read_scene(&args.input)?;
+    let label = |states: &Vec<morph_collision_testkit::scenes::BodyState>| {
+        let clip = states.iter().find_map(|state| state.clip.clone());
+        let seconds = states.iter().find_map(|state| state.time);
+        Label { clip, seconds }
+    };
+    let labels = scene.frames.iter().map(label).collect();
+    Ok((scene, labels))
+}
+
+/// A scene in which all bodies of a model play its clips, one after the other.
+fn from_model(args: &SweepArgs) -> Result<(Scene, Vec<Label>), CliError> {
+    let meshes = args.mesh.clone().map_or(Meshes::All, Meshes::One);
+    let spec = ModelSpec {
+        file: args.input.clone(),
+        meshes,
+    };
+    let (file, found) = candidates(&spec, true, &args.files)?;
+    let names = if args.clip.is_empty() {
+        let moves = |name: &String| found.iter().any(|candidate| candidate.clips().contains(name));
+        file.animation_names().into_iter().filter(moves).collect()
+    } else {
+        args.clip.clone()
+    };
+    let fps = args.fps.unwrap_or(30.0);
+    let (mut frames, mut labels) = (Vec::new(), Vec::new());
+    for name in &names {
+        let of_bodies: Vec<_> = found
+            .iter()
+            .map(|candidate: &Candidate| candidate.clip(&file, name))
+            .collect();
+        let lengths = of_bodies.iter().filter_map(|clip| Some(clip.as_ref().ok()?.1));
+        let Some(seconds) = lengths.reduce(f32::max) else {
+            let reason = of_bodies.into_iter().find_map(Result::err).unwrap_or_default();
+            return Err(CliError::Flag { flag: "--clip", reason });
+        };
+        let clips: Vec<_> = of_bodies.into_iter().map(|clip| Some(clip.ok()?.0)).collect();
+        for (frame, states) in frames_of_clips(&clips, frame_count(seconds, fps), fps)
+            .into_iter()
+            .enumerate()
+        {
+            labels.push(Label {
+                clip: Some(name.clone()),
+                seconds: Some((frame as f64 / f64::from(fps)) as f32),
+            });
+            frames.push(states);
+        }
+    }
+    let mut bodies: Vec<_> = found.into_iter().map(|candidate| candidate.body).collect();
+    number_names(&mut bodies);
+    let mut scene = scene_of(bodies, frames);
+    if names.is_empty() {
+        crate::scene::still(&mut scene);
+        labels.push(Label::default());
+    }
+    Ok((scene, labels))
+}

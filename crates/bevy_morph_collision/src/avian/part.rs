@@ -8,10 +8,11 @@ use avian3d::prelude::{
     Position, Restitution, RigidBody, Rotation, SleepTimer, Sleeping, WakeBody,
 };
 use bevy::prelude::*;
-use parry3d::shape::{SharedShape, Triangle, TrianglePseudoNormals};
+use parry3d::shape::SharedShape;
 
 use crate::physics::part::{Bodies, Placed};
-use crate::physics::triangles::{Patch, Triangles};
+use crate::physics::patch::Patch;
+use crate::physics::triangles::{PartShape, Triangles};
 
 /// A part of a [`MorphAvianCollider`](crate::MorphAvianCollider)'s surface, near a body that may move.
 ///
@@ -91,22 +92,14 @@ pub(super) struct PartBodies<'a, 'w1, 's1, 'w2, 's2> {
 }
 
 impl Bodies<PartBody> for PartBodies<'_, '_, '_, '_, '_> {
-    fn put(
-        &mut self,
-        part: &mut PartBody,
-        placed: &Placed,
-        triangles: impl ExactSizeIterator<Item = (Triangle, Option<TrianglePseudoNormals>)>,
-    ) {
-        let kept = part.triangles.take();
-        let triangles = match kept.filter(|kept| !placed.reshaped && kept.len() == triangles.len()) {
+    fn put(&mut self, part: &mut PartBody, placed: &Placed, shape: &PartShape<'_>) {
+        let kept = part.triangles.take().filter(|_| !placed.reshaped);
+        let triangles = match kept {
             Some(mut kept) => {
-                kept.move_to(triangles);
+                kept.move_to(shape);
                 kept
             }
-            None => {
-                let (corners, normals) = triangles.unzip();
-                Triangles::new(Vec::new(), corners, normals)
-            }
+            None => Triangles::of(shape),
         };
         part.triangles = Some(triangles.clone());
         // Avian stores a shape twice, so it cannot be changed in place.

@@ -19,6 +19,7 @@ mod ahead;
 mod attach;
 mod carry;
 mod character;
+mod contacts;
 mod dispatcher;
 mod expel;
 mod footing;

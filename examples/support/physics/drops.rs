@@ -64,7 +64,11 @@ pub fn waves(time: f32) -> [f32; 2] {
 /// How far a point is above the bowl, roughly.
 #[must_use]
 pub fn above(at: Vec3, weights: &[f32; 2]) -> f32 {
-    let waves: f32 = WAVES.iter().zip(weights).map(|(wave, weight)| weight * height(wave, at)).sum();
+    let waves: f32 = WAVES
+        .iter()
+        .zip(weights)
+        .map(|(wave, weight)| weight * height(wave, at))
+        .sum();
     at.y - 0.03 * at.xz().length_squared() - waves
 }
 

@@ -8,11 +8,10 @@ use avian3d::prelude::{
     Position, Restitution, RigidBody, Rotation, SleepTimer, Sleeping, WakeBody,
 };
 use bevy::prelude::*;
-use parry3d::shape::SharedShape;
+use parry3d::shape::{SharedShape, Triangle, TrianglePseudoNormals};
 
 use crate::physics::part::{Bodies, Placed};
-use crate::physics::patch::Patch;
-use crate::physics::triangles::{PartShape, Triangles};
+use crate::physics::triangles::{Patch, Triangles};
 
 /// A part of a [`MorphAvianCollider`](crate::MorphAvianCollider)'s surface, near a body that may move.
 ///
@@ -92,14 +91,22 @@ pub(super) struct PartBodies<'a, 'w1, 's1, 'w2, 's2> {
 }
 
 impl Bodies<PartBody> for PartBodies<'_, '_, '_, '_, '_> {
-    fn put(&mut self, part: &mut PartBody, placed: &Placed, shape: &PartShape<'_>) {
-        let kept = part.triangles.take().filter(|_| !placed.reshaped);
-        let triangles = match kept {
+    fn put(
+        &mut self,
+        part: &mut PartBody,
+        placed: &Placed,
+        triangles: impl ExactSizeIterator<Item = (Triangle, Option<TrianglePseudoNormals>)>,
+    ) {
+        let kept = part.triangles.take();
+        let triangles = match kept.filter(|kept| !placed.reshaped && kept.len() == triangles.len()) {
             Some(mut kept) => {
-                kept.move_to(shape);
+                kept.move_to(triangles);
                 kept
             }
-            None => Triangles::of(shape),
+            None => {
+                let (corners, normals) = triangles.unzip();
+                Triangles::new(Vec::new(), corners, normals)
+            }
         };
         part.triangles = Some(triangles.clone());
         // Avian stores a shape twice, so it cannot be changed in place.

@@ -1,7 +1,6 @@
 //! Moving surfaces for any physics engine: the code that `rapier` and `avian` share.
 //!
-//! - `surface`, `triangles`, `patch`: a mesh, some of its triangles, and a part that exists during steps, as Parry shapes, which both
-//!   engines use. `normals` limits the normals of contacts with triangles.
+//! - `surface`, `triangles`: a mesh, and some of its triangles, as Parry shapes, which both engines use.
 //! - `range`: the sizes with which Parry can compute.
 //! - `layout`: properties of a mesh that do not depend on its pose.
 //! - `drawn`, `timeline`, `clock`: what a surface is drawn with, and which moment of that a step uses.
@@ -24,9 +23,7 @@ pub(crate) mod layout;
 pub(crate) mod moment;
 pub(crate) mod motion;
 pub(crate) mod near;
-pub(crate) mod normals;
 pub(crate) mod part;
-pub(crate) mod patch;
 pub(crate) mod placed;
 pub(crate) mod point;
 pub(crate) mod range;

@@ -2,11 +2,12 @@
 
 use bevy::math::{DVec3, Vec3};
 use morph_collision::MorphModel;
+use parry3d::shape::{Triangle, TrianglePseudoNormals};
 
 use super::follow::Following;
 use super::layout::{MeshLayout, NONE};
 use super::motion::{RigidMotion, between, continuous, fastest, largest};
-use super::triangles::PartShape;
+use super::triangles::pseudo_normals;
 
 /// The parameters of a step.
 #[derive(Clone, Copy)]
@@ -32,8 +33,13 @@ pub(crate) struct Placed {
 
 /// The kinematic bodies that represent parts in a physics engine. `P` identifies one; the default means that there is none yet.
 pub(crate) trait Bodies<P> {
-    /// Adds a part to the world, or moves it.
-    fn put(&mut self, part: &mut P, placed: &Placed, shape: &PartShape<'_>);
+    /// Adds a part to the world, or moves it. Triangles are relative to its origin, with the normals that contacts may have.
+    fn put(
+        &mut self,
+        part: &mut P,
+        placed: &Placed,
+        triangles: impl ExactSizeIterator<Item = (Triangle, Option<TrianglePseudoNormals>)>,
+    );
 
     /// Removes a part.
     fn remove(&mut self, part: P);
@@ -184,12 +190,13 @@ impl<P: Default> Part<P> {
         self.settled = !following.moves || (moves && speed == 0.0);
         self.moved = moves.then_some((motion, origin.as_dvec3()));
 
-        let shape = PartShape {
-            vertices: start,
-            corners: &self.corners,
-            across: &self.across,
-            outward: following.surface.lock().outward(),
-        };
+        let start: &[DVec3] = start;
+        let outward = following.surface.lock().outward();
+        let triangles = self.corners.iter().zip(&self.across).map(|(corners, across)| {
+            let corners = corners.map(|corner| start[corner as usize].as_vec3());
+            let across = across.map(|corner| start.get(corner as usize).map(|vertex| vertex.as_vec3()));
+            (Triangle::from(corners), pseudo_normals(corners, across, outward))
+        });
         let placed = Placed {
             origin,
             linear: motion.linear.as_vec3(),
@@ -197,7 +204,7 @@ impl<P: Default> Part<P> {
             reach: speed as f32 * pace.dt,
             reshaped: std::mem::take(&mut self.reshaped),
         };
-        bodies.put(&mut self.body, &placed, &shape);
+        bodies.put(&mut self.body, &placed, triangles);
         differs
     }
 

@@ -5,7 +5,7 @@ use parry3d::math::{Pose, Real, Vector};
 use parry3d::shape::{HalfSpace, Shape};
 
 use super::surface::MorphSurface;
-use super::patch::Patch;
+use super::triangles::Patch;
 
 /// The largest coordinate that is passed to Parry, in world units; for velocities, in units per second.
 ///

@@ -16,7 +16,7 @@ use tracing::error;
 use super::layout::MeshLayout;
 use super::motion::largest;
 use super::range::{MAX_COORDINATE, box_in_range};
-use super::triangles::{Triangles, nowhere};
+use super::triangles::{Triangles, nowhere, pseudo_normals};
 
 /// The surface of a morphing or skinned mesh as a Rapier shape. It is the shape of the
 /// [`Collider`](bevy_rapier3d::prelude::Collider) of a [`MorphRapierCollider`](crate::MorphRapierCollider).
@@ -217,20 +217,22 @@ impl Posed {
             ..
         } = self;
         let place = |corner| collider_from_model.transform_point(corner).as_vec3();
-        let mut gathered = Triangles::none();
-        gathered.set_outward(*outward);
+        let (mut numbers, mut corners, mut normals) = (Vec::new(), Vec::new(), Vec::new());
         for &number in &queries.found {
             let Some(triangle) = pose.triangle(number) else {
                 continue;
             };
             let triangle = triangle.map(place);
             if triangle.iter().all(|corner| corner.is_finite()) {
-                let across = for_contacts
-                    .then(|| layout.across[number as usize].map(|vertex| pose.vertex(vertex).map(place)));
-                gathered.push(number, triangle, across);
+                numbers.push(number);
+                corners.push(Triangle::from(triangle));
+                if for_contacts {
+                    let across = layout.across[number as usize].map(|vertex| pose.vertex(vertex).map(place));
+                    normals.push(pseudo_normals(triangle, across, *outward));
+                }
             }
         }
-        gathered
+        Triangles::new(numbers, corners, normals)
     }
 
     pub(crate) fn bounds(&mut self) -> Aabb {

@@ -1,114 +1,55 @@
 //! A few triangles of a mesh as a shape for Parry's own algorithms.
 
-use std::sync::OnceLock;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use bevy::math::DVec3;
 use parry3d::bounding_volume::{Aabb, BoundingSphere, BoundingVolume};
 use parry3d::mass_properties::MassProperties;
 use parry3d::math::{Pose, Real, Vector};
 use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d::query::details::NormalConstraints;
 use parry3d::query::{PointProjection, PointQuery, Ray, RayCast, RayIntersection};
-use parry3d::shape::{CompositeShape, FeatureId, Shape, ShapeType, SubShapeId, Triangle, TypedShape};
+use parry3d::shape::{
+    CompositeShape, FeatureId, Shape, ShapeType, SubShapeId, Triangle, TrianglePseudoNormals, TypedShape,
+};
 
-use super::layout::NONE;
-use super::normals::NormalLimits;
-
-/// Some triangles of a mesh: a part of a surface, or what a query about two shapes needs. There are never many. Their sub-shapes are
-/// numbered from 0, because Parry's trees allocate space for every number up to the largest.
+/// Some triangles of a mesh, gathered for each query about what is near it. There are never many. Their sub-shapes are numbered
+/// from 0, because Parry's trees allocate space for every number up to the largest.
 #[derive(Clone)]
 pub(crate) struct Triangles {
     /// Triangle numbers of the mesh. Empty if they are not needed.
     numbers: Vec<u32>,
-    vertices: Vec<Vector>,
-    /// Indices into the vertices.
-    corners: Vec<[u32; 3]>,
-    /// The third corners of neighbours, across the edges from a corner to the next, or [`NONE`]. Empty if contacts are not needed.
-    across: Vec<[u32; 3]>,
-    /// See [`NormalLimits`].
-    outward: Option<Real>,
-    boxes: Vec<Aabb>,
-    /// Around all boxes.
-    bounds: Aabb,
-    /// Not every query needs it.
-    bvh: OnceLock<Bvh>,
-}
-
-/// The triangles of a part, relative to its origin.
-pub(crate) struct PartShape<'a> {
-    pub(crate) vertices: &'a [DVec3],
-    /// As in [`Triangles`].
-    pub(crate) corners: &'a [[u32; 3]],
-    pub(crate) across: &'a [[u32; 3]],
-    pub(crate) outward: Option<Real>,
+    corners: Vec<Triangle>,
+    /// The normals that contacts with a triangle may have, limited by its neighbours. `None` for triangles without area. Empty if
+    /// they are not needed.
+    normals: Vec<Option<TrianglePseudoNormals>>,
+    bvh: Bvh,
 }
 
 impl Triangles {
-    /// No triangles.
-    pub(crate) fn none() -> Self {
+    pub(crate) fn new(numbers: Vec<u32>, corners: Vec<Triangle>, normals: Vec<Option<TrianglePseudoNormals>>) -> Self {
+        let leaves: Vec<Aabb> = corners.iter().map(Triangle::local_aabb).collect();
+        let bvh = Bvh::from_leaves(BvhBuildStrategy::Binned, &leaves);
         Self {
-            numbers: Vec::new(),
-            vertices: Vec::new(),
-            corners: Vec::new(),
-            across: Vec::new(),
-            outward: None,
-            boxes: Vec::new(),
-            bounds: Aabb::new_invalid(),
-            bvh: OnceLock::new(),
+            numbers,
+            corners,
+            normals,
+            bvh,
         }
     }
 
-    /// The triangles of a part.
-    pub(crate) fn of(shape: &PartShape<'_>) -> Self {
-        let mut triangles = Self {
-            corners: shape.corners.to_vec(),
-            across: shape.across.to_vec(),
-            ..Self::none()
-        };
-        triangles.move_to(shape);
-        triangles
-    }
-
-    /// Adds a triangle with a number, and for contacts the third corners of its neighbours.
-    pub(crate) fn push(&mut self, number: u32, triangle: [Vector; 3], across: Option<[Option<Vector>; 3]>) {
-        let mut add = |vertex: Vector| {
-            self.vertices.push(vertex);
-            self.vertices.len() as u32 - 1
-        };
-        self.numbers.push(number);
-        self.corners.push(triangle.map(&mut add));
-        if let Some(across) = across {
-            self.across.push(across.map(|vertex| vertex.map_or(NONE, &mut add)));
+    /// Moves the same triangles. The engine computes contacts with them anew because their collider has changed.
+    pub(crate) fn move_to(&mut self, triangles: impl Iterator<Item = (Triangle, Option<TrianglePseudoNormals>)>) {
+        self.corners.clear();
+        self.normals.clear();
+        for (corners, normals) in triangles {
+            self.corners.push(corners);
+            self.normals.push(normals);
         }
-        let bounds = Triangle::from(triangle).local_aabb();
-        self.bounds.merge(&bounds);
-        self.boxes.push(bounds);
-        self.bvh = OnceLock::new();
-    }
-
-    /// Contacts push one way only; see [`NormalLimits`].
-    pub(crate) fn set_outward(&mut self, outward: Option<Real>) {
-        self.outward = outward;
-    }
-
-    /// Moves the triangles of a part. The engine computes contacts with them anew because their collider has changed.
-    pub(crate) fn move_to(&mut self, shape: &PartShape<'_>) {
-        self.vertices.clear();
-        self.vertices.extend(shape.vertices.iter().map(|vertex| vertex.as_vec3()));
-        self.outward = shape.outward;
-        self.boxes.clear();
-        self.bounds = Aabb::new_invalid();
-        for &corners in &self.corners {
-            let bounds = triangle(&self.vertices, corners).local_aabb();
-            self.bounds.merge(&bounds);
-            self.boxes.push(bounds);
+        for (triangle, number) in self.corners.iter().zip(0..) {
+            self.bvh.insert_or_update_partially(triangle.local_aabb(), number, 0.0);
         }
-        if let Some(bvh) = self.bvh.get_mut() {
-            for (bounds, number) in self.boxes.iter().zip(0..) {
-                bvh.insert_or_update_partially(*bounds, number, 0.0);
-            }
-            bvh.refit_without_opt();
-        }
+        self.bvh.refit_without_opt();
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -123,47 +64,18 @@ impl Triangles {
     pub(crate) fn number(&self, subshape: SubShapeId) -> SubShapeId {
         self.numbers.get(subshape as usize).copied().unwrap_or(0)
     }
-
-    /// The triangles whose boxes intersect a box, with the normals that contacts with them may have.
-    #[cfg(feature = "rapier")]
-    pub(crate) fn near(&self, bounds: &Aabb) -> impl Iterator<Item = (u32, Triangle, Option<NormalLimits>)> {
-        let near = (0..).zip(&self.boxes).filter(|(_, other)| other.intersects(bounds));
-        near.map(|(number, _)| {
-            (number, triangle(&self.vertices, self.corners[number as usize]), self.limits(number))
-        })
-    }
-
-    fn all(&self) -> impl Iterator<Item = (u32, Triangle)> {
-        let triangles = self.corners.iter().map(|&corners| triangle(&self.vertices, corners));
-        (0..).zip(triangles)
-    }
-
-    fn limits(&self, number: u32) -> Option<NormalLimits> {
-        let across = self.across.get(number as usize)?;
-        let corners = self.corners.get(number as usize)?;
-        Some(NormalLimits {
-            corners: corners.map(|corner| self.vertices[corner as usize]),
-            across: across.map(|corner| self.vertices.get(corner as usize).copied()),
-            outward: self.outward,
-        })
-    }
-}
-
-fn triangle(vertices: &[Vector], corners: [u32; 3]) -> Triangle {
-    Triangle::from(corners.map(|corner| vertices[corner as usize]))
 }
 
 impl CompositeShape for Triangles {
     fn map_part_at(&self, shape_id: u32, f: &mut dyn FnMut(Option<&Pose>, &dyn Shape, Option<&dyn NormalConstraints>)) {
-        if let Some(&corners) = self.corners.get(shape_id as usize) {
-            let limits = self.limits(shape_id);
-            let limits = limits.as_ref().map(|limits| limits as _);
-            f(None, &triangle(&self.vertices, corners), limits);
+        if let Some(triangle) = self.corners.get(shape_id as usize) {
+            let normals = self.normals.get(shape_id as usize).and_then(Option::as_ref);
+            f(None, triangle, normals.map(|normals| normals as _));
         }
     }
 
     fn bvh(&self) -> &Bvh {
-        self.bvh.get_or_init(|| Bvh::from_leaves(BvhBuildStrategy::Binned, &self.boxes))
+        &self.bvh
     }
 
     fn is_deformable(&self) -> bool {
@@ -180,7 +92,7 @@ impl RayCast for Triangles {
         max_time_of_impact: Real,
         solid: bool,
     ) -> Option<RayIntersection> {
-        let hits = self.all().filter_map(|(subshape, triangle)| {
+        let hits = (0..).zip(&self.corners).filter_map(|(subshape, triangle)| {
             let hit = triangle.cast_local_ray_and_get_normal(ray, max_time_of_impact, solid)?;
             Some(RayIntersection { subshape, ..hit })
         });
@@ -190,7 +102,7 @@ impl RayCast for Triangles {
 
 impl PointQuery for Triangles {
     fn project_local_point(&self, point: Vector, solid: bool) -> PointProjection {
-        let places = self.all().map(|(number, triangle)| {
+        let places = (0..).zip(&self.corners).map(|(number, triangle)| {
             let place = triangle.project_local_point(point, solid).with_subshape(number);
             (place.point.distance_squared(point), place)
         });
@@ -203,6 +115,34 @@ impl PointQuery for Triangles {
     }
 }
 
+/// The normals that contacts with a triangle may have: those between its own normal and its neighbours', on either side. Without
+/// this limit, bodies that slide over a surface are caught by interior edges.
+///
+/// Neighbours are given by their third corners, across the edges from a corner to the next. For the surface of a solid body,
+/// `outward` says whether the normal, by the triangles' winding, points outward (1) or inward (-1). Contacts then ignore what is
+/// inside.
+pub(crate) fn pseudo_normals(
+    corners: [Vector; 3],
+    across: [Option<Vector>; 3],
+    outward: Option<Real>,
+) -> Option<TrianglePseudoNormals> {
+    let [a, b, c] = corners;
+    let face = (b - a).cross(c - a).try_normalize()?;
+    let edge = |from: Vector, to: Vector, across: Option<Vector>| {
+        // The neighbour's normal for consistent winding.
+        let neighbour = across.and_then(|third| (from - to).cross(third - to).try_normalize());
+        neighbour
+            .and_then(|neighbour| (face + neighbour).try_normalize())
+            .unwrap_or(face)
+    };
+    let sign = outward.unwrap_or(1.0);
+    Some(TrianglePseudoNormals {
+        face: sign * face,
+        edges: [edge(a, b, across[0]), edge(b, c, across[1]), edge(c, a, across[2])].map(|edge| sign * edge),
+        two_sided: outward.is_none(),
+    })
+}
+
 /// The projection on a shape without points.
 pub(crate) fn nowhere(point: Vector) -> PointProjection {
     // As far away as possible, so that `distance_to_point` and distance filters exclude it.
@@ -211,7 +151,7 @@ pub(crate) fn nowhere(point: Vector) -> PointProjection {
 
 impl Shape for Triangles {
     fn compute_local_aabb(&self) -> Aabb {
-        self.bounds
+        self.bvh.root_aabb()
     }
 
     fn compute_local_bounding_sphere(&self) -> BoundingSphere {
@@ -223,11 +163,8 @@ impl Shape for Triangles {
     }
 
     fn scale_dyn(&self, scale: Vector, _num_subdivisions: u32) -> Option<Box<dyn Shape>> {
-        let mut scaled = Self::none();
-        for (number, triangle) in self.all() {
-            scaled.push(self.number(number), triangle.scaled(scale).vertices().map(Vector::from), None);
-        }
-        Some(Box::new(scaled))
+        let scaled = self.corners.iter().map(|triangle| triangle.scaled(scale)).collect();
+        Some(Box::new(Self::new(self.numbers.clone(), scaled, Vec::new())))
     }
 
     fn mass_properties(&self, _density: Real) -> MassProperties {
@@ -255,25 +192,107 @@ impl Shape for Triangles {
     }
 }
 
+/// The part of a surface that pushes bodies during a step, and is invisible to everything else.
+#[derive(Clone)]
+pub(crate) struct Patch {
+    pub(crate) triangles: Triangles,
+    /// Set while a step is in progress. The part exists only then.
+    pub(crate) stepping: Arc<AtomicBool>,
+    /// How much larger its box is than its triangles.
+    pub(crate) reach: Real,
+    /// Its linear and angular velocity in the step, per second, about its origin.
+    pub(crate) velocity: [Vector; 2],
+}
+
+impl Patch {
+    /// The triangles, while they exist.
+    pub(crate) fn present(&self) -> Option<&Triangles> {
+        self.stepping.load(Ordering::Acquire).then_some(&self.triangles)
+    }
+}
+
+impl RayCast for Patch {
+    fn cast_local_ray_and_get_normal(
+        &self,
+        ray: &Ray,
+        max_time_of_impact: Real,
+        solid: bool,
+    ) -> Option<RayIntersection> {
+        self.present()?
+            .cast_local_ray_and_get_normal(ray, max_time_of_impact, solid)
+    }
+}
+
+impl PointQuery for Patch {
+    fn project_local_point(&self, point: Vector, solid: bool) -> PointProjection {
+        let present = self.present();
+        present.map_or_else(
+            || nowhere(point),
+            |triangles| triangles.project_local_point(point, solid),
+        )
+    }
+
+    fn project_local_point_and_get_feature(&self, point: Vector) -> (PointProjection, FeatureId) {
+        (self.project_local_point(point, false), FeatureId::Unknown)
+    }
+}
+
+impl Shape for Patch {
+    fn compute_local_aabb(&self) -> Aabb {
+        self.triangles.compute_local_aabb().loosened(self.reach)
+    }
+
+    fn compute_local_bounding_sphere(&self) -> BoundingSphere {
+        self.triangles.compute_local_bounding_sphere()
+    }
+
+    fn clone_dyn(&self) -> Box<dyn Shape> {
+        Box::new(self.clone())
+    }
+
+    /// Parts are not scaled.
+    fn scale_dyn(&self, _scale: Vector, _num_subdivisions: u32) -> Option<Box<dyn Shape>> {
+        Some(self.clone_dyn())
+    }
+
+    fn mass_properties(&self, _density: Real) -> MassProperties {
+        MassProperties::default()
+    }
+
+    fn shape_type(&self) -> ShapeType {
+        ShapeType::Custom
+    }
+
+    fn as_typed_shape(&self) -> TypedShape<'_> {
+        TypedShape::Custom(self)
+    }
+
+    fn ccd_thickness(&self) -> Real {
+        0.0
+    }
+
+    fn ccd_angular_thickness(&self) -> Real {
+        std::f32::consts::FRAC_PI_4
+    }
+
+    fn as_composite_shape(&self) -> Option<&(dyn CompositeShape + Sync)> {
+        self.present().map(|triangles| triangles as _)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use parry3d::math::Vector;
-    use parry3d::shape::CompositeShape;
+    use parry3d::shape::{CompositeShape, Triangle};
 
-    use super::{PartShape, Triangles};
+    use super::Triangles;
 
     #[test]
     fn contacts_are_only_kept_for_triangles_that_stay_the_same() {
-        let corners = [Vector::ZERO, Vector::X, Vector::Y];
-        let mut gathered = Triangles::none();
-        gathered.push(7, corners, None);
+        let corners = vec![Triangle::new(Vector::ZERO, Vector::X, Vector::Y)];
+        let gathered = Triangles::new(vec![7], corners.clone(), Vec::new());
         assert!(gathered.is_deformable());
-        let of_a_part = Triangles::of(&PartShape {
-            vertices: &corners.map(|corner| corner.as_dvec3()),
-            corners: &[[0, 1, 2]],
-            across: &[[3; 3]],
-            outward: None,
-        });
+        let of_a_part = Triangles::new(Vec::new(), corners, Vec::new());
         assert!(!of_a_part.is_deformable());
     }
 }

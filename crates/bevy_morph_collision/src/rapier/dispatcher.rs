@@ -8,13 +8,12 @@ use bevy_rapier3d::parry::query::{
 };
 use bevy_rapier3d::parry::shape::Shape;
 
-use super::contacts::Touching;
 use super::gathered::{Gathered, is_ground, is_quiet, until_past, widening};
 use super::sweep::sweep_part;
 use crate::physics::inside::one_is_in_the_other;
 use crate::physics::range::{Range, check, in_range};
 use crate::physics::surface::MorphSurface;
-use crate::physics::patch::Patch;
+use crate::physics::triangles::Patch;
 
 /// Answers Rapier's queries about a [`MorphSurface`](crate::MorphSurface) and another shape, or about two surfaces: contacts,
 /// intersections, distances and shape casts. For all other shapes it answers like Parry's default dispatcher.
@@ -262,13 +261,6 @@ where
             Gathered::along(pos12, Vector::ZERO, g1, g2, prediction, true)
         };
         let (g1, g2) = near.as_ref().map_or((g1, g2), |near| near.shapes(g1, g2));
-        // Bodies may come that much closer to a part during the step.
-        let reach = |shape: &dyn Shape| shape.as_shape::<Patch>().map_or(0.0, |patch| patch.reach);
-        let prediction = prediction + reach(g1).max(reach(g2));
-        if let Some(touching) = Touching::of(pos12, g1, g2) {
-            touching.manifolds(prediction, manifolds, workspace);
-            return Ok(());
-        }
         DefaultQueryDispatcher.contact_manifolds(pos12, g1, g2, prediction, manifolds, workspace)
     }
 

@@ -7,8 +7,7 @@ use bevy_rapier3d::parry::shape::{Shape, SubShapeId};
 
 use super::ground::Ground;
 use crate::physics::surface::MorphSurface;
-use crate::physics::patch::Patch;
-use crate::physics::triangles::Triangles;
+use crate::physics::triangles::{Patch, Triangles};
 
 /// The triangles of two surfaces near each other. Shapes that are not surfaces stay as they are.
 pub(super) struct Gathered {
@@ -51,7 +50,7 @@ impl Gathered {
             let end = Pose::from_parts(pos21.translation - pos21.rotation * motion, pos21.rotation);
             let g1: &dyn Shape = first.as_ref().map_or(g1, |triangles| triangles);
             if first.as_ref().is_some_and(Triangles::is_empty) {
-                return Triangles::none();
+                return Triangles::new(Vec::new(), Vec::new(), Vec::new());
             }
             let region = g1.compute_swept_aabb(&pos21, &end).loosened(reach);
             surface.lock().triangles_in(&region, for_contacts)
@@ -92,7 +91,7 @@ impl Gathered {
     /// No triangles of either shape. Also works for parts.
     pub(super) fn none(g1: &dyn Shape, g2: &dyn Shape) -> Self {
         let is_ours = |shape: &dyn Shape| is_surface(shape) || is_ground(shape) || shape.as_shape::<Patch>().is_some();
-        let none = |shape: &dyn Shape| is_ours(shape).then(|| Triangles::none());
+        let none = |shape: &dyn Shape| is_ours(shape).then(|| Triangles::new(Vec::new(), Vec::new(), Vec::new()));
         Self {
             first: none(g1),
             second: none(g2),

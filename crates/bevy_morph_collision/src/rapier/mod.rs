@@ -19,7 +19,6 @@ mod ahead;
 mod attach;
 mod carry;
 mod character;
-mod contacts;
 mod dispatcher;
 mod expel;
 mod footing;

@@ -55,7 +55,7 @@ impl Obstacles {
                     bounds: in_box.loosened(collider.contact_skin()),
                     asleep: false,
                 },
-                travel: 0.0,
+                fast: false,
                 bullet: false,
                 groups: collider.collision_groups(),
                 events: collider.active_events(),

@@ -5,15 +5,14 @@ use std::sync::atomic::AtomicBool;
 
 use bevy::prelude::Entity;
 use bevy_rapier3d::parry::math::Pose as Place;
-use bevy_rapier3d::parry::shape::SharedShape;
+use bevy_rapier3d::parry::shape::{SharedShape, Triangle, TrianglePseudoNormals};
 use bevy_rapier3d::rapier::dynamics::{RigidBodyBuilder, RigidBodyHandle, RigidBodyType};
 use bevy_rapier3d::rapier::geometry::{ActiveCollisionTypes, ColliderBuilder, ColliderHandle};
 
 use super::link::{Carrier, Link};
 use super::world::{Manners, World};
 use crate::physics::part::{Bodies, Placed};
-use crate::physics::patch::Patch;
-use crate::physics::triangles::{PartShape, Triangles};
+use crate::physics::triangles::{Patch, Triangles};
 
 /// The handles of a part in Rapier.
 pub(super) struct PartHandles {
@@ -41,7 +40,12 @@ pub(super) struct PartBodies<'a, 'w> {
 }
 
 impl Bodies<PartHandles> for PartBodies<'_, '_> {
-    fn put(&mut self, part: &mut PartHandles, placed: &Placed, shape: &PartShape<'_>) {
+    fn put(
+        &mut self,
+        part: &mut PartHandles,
+        placed: &Placed,
+        triangles: impl ExactSizeIterator<Item = (Triangle, Option<TrianglePseudoNormals>)>,
+    ) {
         let Placed {
             linear,
             angular,
@@ -81,14 +85,14 @@ impl Bodies<PartHandles> for PartBodies<'_, '_> {
         if let Some(carrier) = &mut self.carrier {
             carrier.links.push(Link::new(part.body, placed, carrier));
         }
-        let patch = || Patch {
-            triangles: Triangles::of(shape),
+        let patch = |(corners, normals): (Vec<_>, Vec<_>)| Patch {
+            triangles: Triangles::new(Vec::new(), corners, normals),
             stepping: self.stepping.clone(),
             reach: 0.0,
             velocity: [linear, angular],
         };
         let Some(collider) = world.colliders.get_mut(part.collider) else {
-            let mut collider = ColliderBuilder::new(SharedShape::new(patch()))
+            let mut collider = ColliderBuilder::new(SharedShape::new(patch(triangles.unzip())))
                 .density(0.0)
                 .active_collision_types(types)
                 .user_data(u128::from(self.entity.to_bits()))
@@ -97,13 +101,14 @@ impl Bodies<PartHandles> for PartBodies<'_, '_> {
             part.collider = world.colliders.insert_with_parent(collider, part.body, world.bodies);
             return;
         };
-        let kept = collider.shape_mut().as_shape_mut::<Patch>();
-        match kept.filter(|_| !placed.reshaped) {
+        let count = triangles.len();
+        let shape = collider.shape_mut().as_shape_mut::<Patch>();
+        match shape.filter(|patch| !placed.reshaped && patch.triangles.len() == count) {
             Some(patch) => {
                 patch.velocity = [linear, angular];
-                patch.triangles.move_to(shape);
+                patch.triangles.move_to(triangles);
             }
-            None => collider.set_shape(SharedShape::new(patch())),
+            None => collider.set_shape(SharedShape::new(patch(triangles.unzip()))),
         }
     }
 

@@ -20,7 +20,6 @@ use crate::physics::follow::Following;
 use crate::physics::layout::MeshLayout;
 use crate::physics::near::Nearby;
 use crate::physics::surface::MorphSurface;
-use crate::physics::patch::Patch;
 
 /// The parts with which a surface pushes.
 pub(super) struct Pushing {
@@ -118,7 +117,6 @@ impl Pushing {
         let obstacles = obstacles.map_or_else(Vec::new, |all| all.within(&bounds, step.pace.dt, world));
 
         let (mut blended, mut busy) = (0, false);
-        let mut travel = 0.0_f32;
         let mut events = manners.events;
         for mover in step.movers.meeting(&bounds, &mut self.meeting).chain(&obstacles) {
             let visitor = &mover.visitor;
@@ -144,16 +142,14 @@ impl Pushing {
                 self.near.look_near(visitor, following, &step.pace)
             };
             let is_inside = is_solid && drive_out(&mut self.expelling, mover, following, &manners, step, world);
-            if touches {
-                travel = travel.max(mover.travel);
-            }
+            // Rapier sweeps fast bodies against fixed ones, but against kinematic ones, such as parts, only if they are bullets.
             // A body on its way out must not be a bullet, because the surface would stop it.
             if touches
-                && is_inside
+                && (mover.fast || is_inside)
                 && let Some(body) = world.bodies.get_mut(visitor.body)
-                && body.is_ccd_enabled()
+                && body.is_ccd_enabled() == is_inside
             {
-                body.enable_ccd(false);
+                body.enable_ccd(!is_inside);
                 self.bullets.push((visitor.body, mover.bullet));
             }
             let mut bodies = PartBodies {
@@ -166,16 +162,6 @@ impl Pushing {
             blended += self.near.push(visitor, following, &step.pace, &mut bodies);
         }
         self.near.forget(|part| world.remove(part.body));
-        for part in self.near.parts() {
-            let Some(collider) = world.colliders.get(part.collider) else { continue };
-            let Some(patch) = collider.shape().as_shape::<Patch>() else { continue };
-            if patch.reach != travel
-                && let Some(collider) = world.colliders.get_mut(part.collider)
-                && let Some(patch) = collider.shape_mut().as_shape_mut::<Patch>()
-            {
-                patch.reach = travel;
-            }
-        }
         if let Some(carrier) = carrier {
             self.leave_out_unlinked(carrier, world.colliders);
         } else {

@@ -4,7 +4,7 @@ use bevy_rapier3d::parry::math::{Pose, Real, Rotation, Vector};
 use bevy_rapier3d::parry::query::{DefaultQueryDispatcher, NonlinearRigidMotion, QueryDispatcher, ShapeCastHit};
 use bevy_rapier3d::parry::shape::{Ball, Shape};
 
-use crate::physics::patch::Patch;
+use crate::physics::triangles::Patch;
 
 /// The radius of a swept shape's core, relative to Parry's CCD thickness. That is the radius of a ball, or half the smallest
 /// extent of a cuboid.
@@ -55,12 +55,22 @@ fn first_touch(
         hit.ok()
     };
     let along = motion_until(&part.motion, patch, end_time);
-    // Contacts handle the rest. Only the shape's core, a ball around its middle, must not pass through.
+    let begin = along
+        .position_at_time(start_time)
+        .inv_mul(&other.motion.position_at_time(start_time));
+    let touches = DefaultQueryDispatcher
+        .intersection_test(&begin, patch, other.shape)
+        .ok()?;
+    // Contacts handle what already touches. Only the shape's core, a ball around its middle, must not pass through.
     let core = Ball::new(CORE * other.shape.ccd_thickness());
-    let middle = other.shape.mass_properties(1.0).local_com;
-    let other = &Swept {
-        motion: other.motion.prepend(Pose::from_translation(middle)),
-        shape: &core,
+    let other = &if touches.intersecting {
+        let middle = other.shape.mass_properties(1.0).local_com;
+        Swept {
+            motion: other.motion.prepend(Pose::from_translation(middle)),
+            shape: &core,
+        }
+    } else {
+        Swept { ..*other }
     };
     let Some(meets) = cast(&along, other)? else {
         return Some(None);

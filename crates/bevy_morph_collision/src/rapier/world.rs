@@ -19,7 +19,7 @@ use crate::physics::near::Visitor;
 use crate::physics::part::Pace;
 use crate::physics::range::{box_in_range, in_range};
 use crate::physics::sorted_boxes::SortedBoxes;
-use crate::physics::patch::Patch;
+use crate::physics::triangles::Patch;
 
 /// The sets to which bodies are added and from which they are removed.
 pub(super) struct World<'a> {
@@ -124,8 +124,8 @@ pub(super) fn is_part(collider: &Collider) -> bool {
 #[derive(Clone, Copy)]
 pub(super) struct Mover {
     pub(super) visitor: Visitor<ColliderHandle, RigidBodyHandle>,
-    /// How far its points may move in the step. 0 if that is less than a quarter of its smallest extent.
-    pub(super) travel: f32,
+    /// Whether it moves by more than a quarter of its smallest extent in a step and is not a bullet yet.
+    pub(super) fast: bool,
     /// Whether the game made it a bullet.
     pub(super) bullet: bool,
     pub(super) groups: InteractionGroups,
@@ -189,10 +189,8 @@ fn find_movers(
             let in_body = shape.position_wrt_parent().copied().unwrap_or_default();
             // If the game moved the body, its colliders follow only in the step.
             let mut bounds = shape.shape().compute_aabb(&(*body.position() * in_body));
-            let radius = 0.5 * bounds.extents().length();
-            let way = next.translation.distance(body.translation()) + body.angvel().length() * dt * radius;
-            let fast = !asleep && way > 0.25 * shape.shape().ccd_thickness();
-            let travel = if fast { way } else { 0.0 };
+            let way = next.translation.distance(body.translation());
+            let fast = !asleep && !body.is_ccd_enabled() && way > 0.25 * bounds.extents().min_element();
             if !asleep {
                 bounds = bounds.merged(&shape.shape().compute_aabb(&(next * in_body)));
             }
@@ -210,7 +208,7 @@ fn find_movers(
                     bounds: bounds.loosened(shape.contact_skin()),
                     asleep,
                 },
-                travel,
+                fast,
                 bullet: body.is_ccd_enabled(),
                 groups: shape.collision_groups(),
                 events: shape.active_events(),

@@ -6,6 +6,7 @@ use std::path::Path;
 use bevy::prelude::*;
 use bevy_rapier3d::plugin::context::{RapierContextColliders, RapierContextSimulation, RapierRigidBodySet};
 use bevy_rapier3d::prelude::*;
+use bevy_rapier3d::rapier::geometry::Collider as RapierCollider;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_workspace::physics::drops::{Drop, Kind, above, batch_of_drops, bowl, fates, waves};
 use morph_collision_workspace::physics::{DT, Method, Surface, app, body, settle, state};
@@ -136,7 +137,7 @@ fn line(app: &mut App, body: Entity, above: f32, into: &mut String) {
     for pair in simulation.narrow_phase.contact_pairs_with(collider) {
         let flip = if pair.collider1 == collider { -1.0 } else { 1.0 };
         let other = if flip > 0.0 { pair.collider1 } else { pair.collider2 };
-        let part = colliders.colliders.get(other).and_then(|collider| collider.parent());
+        let part = colliders.colliders.get(other).and_then(RapierCollider::parent);
         let part = part.and_then(|part| bodies.bodies.get(part));
         let velocity = part.map(|part| part.velocity_at_point(place)).unwrap_or_default();
         let _infallible = write!(into, " [u {velocity:.2}");

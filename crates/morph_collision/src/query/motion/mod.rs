@@ -13,6 +13,7 @@
 //! [`MotionQuery::any`] also look for triangles that intersect when the motion starts.
 //! [`vertex_face_touch`], [`edge_edge_touch`] and their `_impact` variants are the tests of one vertex and face, or of two edges.
 
+mod candidate;
 mod contact;
 mod moving_body;
 mod moving_lanes;

@@ -3,11 +3,9 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 
-use super::patches::{Candidate, MovingLeaves, Observer, candidates, candidates_within};
-use super::{
-    Features, MotionContact, MovingBody, StageCounts, TimeOfImpact, edge_edge_impact_counting,
-    edge_edge_touch_counting, vertex_face_impact_counting, vertex_face_touch_counting,
-};
+use super::candidate::Candidate;
+use super::patches::{MovingLeaves, Observer, Test, candidates, candidates_within};
+use super::{MotionContact, MovingBody};
 use crate::bounds::up;
 use crate::pose::Posed;
 use crate::query::capped::Capped;
@@ -21,11 +19,36 @@ use crate::traverse::{Moving, MovingBoxes, Order, OverlapWalk, SelfStack, middle
 /// contact that lasts has the time at which it begins.
 ///
 /// Times are shares of the motion, from 0 to 1. `tolerance` is the largest difference between the two ends of a time
-/// ([`TimeOfImpact`]), unless these are neighbouring `f64`s. It changes how precisely you learn when something touches, never whether it
-/// does. Below about 1e-9, every contact takes exact arithmetic. A negative tolerance or NaN counts as 0.
+/// ([`TimeOfImpact`](super::TimeOfImpact)), unless these are neighbouring `f64`s. The ends never differ by more than `2^-30`. A smaller
+/// tolerance changes how precisely you learn when something touches, never whether it does. Below about 1e-12, every contact takes exact
+/// arithmetic. A negative tolerance or NaN counts as 0.
 ///
 /// Cost: like a [`PairQuery`] in which each node has the size of the space that it sweeps through. A translation that both bodies share does
 /// not count. If both bodies are as small as the rounding errors of their positions, all pairs of leaves are compared.
+///
+/// ```
+/// use std::sync::Arc;
+/// use glam::{Affine3A, DVec3, Vec3};
+/// use morph_collision::motion::{MotionQuery, MovingBody};
+/// use morph_collision::{Body, BuildOptions, MorphBvh, MorphModel, Pose, WorldFromModel};
+///
+/// // A triangle, and a target that lifts it to z = 2.
+/// let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z * 2.0; 3]])?;
+/// let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
+/// let (mut rest, mut lifted) = (Pose::new(bvh.clone()), Pose::new(bvh.clone()));
+/// lifted.set_weights(&[1.0])?;
+/// // Another one rests at z = 1, turned over the first one's corner.
+/// let (mut before, mut after) = (Pose::new(bvh.clone()), Pose::new(bvh));
+/// let place = |translation: Vec3| WorldFromModel::new(Affine3A::from_translation(translation));
+/// let (origin, above) = (place(Vec3::ZERO)?, place(Vec3::new(0.25, 0.25, 1.0))?);
+///
+/// let rising = MovingBody::new(Body::new(&mut rest, &origin), Body::new(&mut lifted, &origin))?;
+/// let resting = MovingBody::new(Body::new(&mut before, &above), Body::new(&mut after, &above))?;
+/// let first = MotionQuery::new().first(rising, resting, 1e-6).ok_or("no contact")?;
+/// assert!(first.time.earliest <= 0.5 && first.time.latest >= 0.5);
+/// assert_eq!((first.normal, first.velocity), (DVec3::NEG_Z, DVec3::Z * 2.0)); // it comes from below
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Default)]
 pub struct MotionQuery {
     walk: OverlapWalk,
@@ -37,8 +60,6 @@ pub struct MotionQuery {
 }
 
 query_basics!(MotionQuery, |query| query.stats);
-
-type Test<'t> = dyn FnMut(Candidate, &mut QueryStats) -> ControlFlow<()> + 't;
 
 impl MotionQuery {
     /// Appends every pair of features that touch, in the order of the walk. Each pair is listed once.
@@ -76,7 +97,7 @@ impl MotionQuery {
             b,
             &Cell::new(1.0),
             Order::Any,
-            &mut |candidate, stats| match impact(&candidate, tolerance, stats) {
+            &mut |candidate, stats| match candidate.impact(tolerance, stats) {
                 Some(contact) => visitor(contact),
                 None => ControlFlow::Continue(()),
             },
@@ -85,9 +106,9 @@ impl MotionQuery {
 
     /// Returns the first contact, if there is one.
     ///
-    /// Bodies that intersect when the motion starts are in contact then ([`Features::AtStart`]). The first contact is not before
-    /// `time.earliest` and not after `time.latest`. If several contacts are as early, up to the tolerance, which of them is returned depends
-    /// on the tree.
+    /// Bodies that intersect when the motion starts are in contact then ([`AtStart`](super::Features::AtStart)); which pair of triangles is returned depends
+    /// on the tree. Otherwise the answer does not: if several contacts have the same time, the smallest [`Features`](super::Features) win. Nothing touches
+    /// before `time.earliest`.
     ///
     /// Cost: at first that of [`MotionQuery::all`]. When a contact is found early in the motion, the walk starts again for the time before
     /// it.
@@ -106,8 +127,11 @@ impl MotionQuery {
                 &latest,
                 Order::Any,
                 &mut |candidate, stats| {
-                    first = earlier(first, &candidate, tolerance, stats);
-                    latest.set(first.map_or(1.0, |first| first.time.latest));
+                    if let Some(contact) = candidate.impact(tolerance, stats) {
+                        let earlier = earlier(first, contact);
+                        first = Some(earlier);
+                        latest.set(earlier.time.latest);
+                    }
                     // Start again: boxes over a shorter time are smaller.
                     is_early = latest.get() < 0.9 * until;
                     if is_early {
@@ -134,7 +158,7 @@ impl MotionQuery {
         let work = self.stats;
         let mut any = false;
         self.run(a, b, &Cell::new(1.0), Order::DeepestFirst, &mut |candidate, stats| {
-            any = touches(&candidate, stats);
+            any = candidate.touches(stats);
             if any {
                 ControlFlow::Break(())
             } else {
@@ -148,7 +172,7 @@ impl MotionQuery {
     /// Appends every pair of features of one body that touch, leaving out those that share a vertex. So a fold at a common edge is not
     /// listed, and, as for [`MotionQuery::all`], neither are parts that already cross each other ([`SelfQuery`](crate::SelfQuery)).
     ///
-    /// Contacts of a vertex and a face are [`Features::VertexFace`]; of two edges, the smaller one is first.
+    /// Contacts of a vertex and a face are [`VertexFace`](super::Features::VertexFace); of two edges, the smaller one is first.
     pub fn all_within(&mut self, body: MovingBody<'_>, tolerance: f64, contacts: &mut Vec<MotionContact>) {
         self.visit_within(body, tolerance, |contact| {
             contacts.push(contact);
@@ -178,7 +202,7 @@ impl MotionQuery {
         let (middle, drift) = drift(&mut ends);
         let mut body = Moving::new(ends, (drift, 1.0), boxes, true);
         leaves.begin(Observer::new(middle, drift, body.standing().size));
-        let mut test = |candidate: Candidate, stats: &mut QueryStats| match impact(&candidate, tolerance, stats) {
+        let mut test = |candidate: &Candidate<'_>, stats: &mut QueryStats| match candidate.impact(tolerance, stats) {
             Some(contact) => visitor(contact),
             None => ControlFlow::Continue(()),
         };
@@ -215,15 +239,7 @@ impl MotionQuery {
         }
         let pair = self.at_start.first(a.start.reborrow(), b.start.reborrow());
         self.stats += self.at_start.stats();
-        pair.map(|pair| {
-            Some(MotionContact {
-                features: Features::AtStart(pair),
-                time: TimeOfImpact {
-                    earliest: 0.0,
-                    latest: 0.0,
-                },
-            })
-        })
+        pair.map(|pair| Some(MotionContact::at_start(pair, a, b)))
     }
 
     /// Calls `test` for features that may touch up to the time `latest`, until it breaks. `test` may lower `latest`.
@@ -283,58 +299,11 @@ fn drift(ends: &mut [Posed<'_>; 2]) -> (DVec3, DVec3) {
     (from, to - from)
 }
 
-fn touches(candidate: &Candidate, stats: &mut QueryStats) -> bool {
-    let [a, b, c, d] = candidate.points;
-    let mut stages = StageCounts::default();
-    let touches = if candidate.are_edges {
-        edge_edge_touch_counting([a, b], [c, d], &mut stages)
-    } else {
-        vertex_face_touch_counting(a, [b, c, d], &mut stages)
-    };
-    count(stages, stats);
-    touches
-}
-
-fn impact(candidate: &Candidate, tolerance: f64, stats: &mut QueryStats) -> Option<MotionContact> {
-    let [a, b, c, d] = candidate.points;
-    let mut stages = StageCounts::default();
-    let time = if candidate.are_edges {
-        edge_edge_impact_counting([a, b], [c, d], tolerance, &mut stages)
-    } else {
-        vertex_face_impact_counting(a, [b, c, d], tolerance, &mut stages)
-    };
-    count(stages, stats);
-    time.map(|time| MotionContact {
-        features: candidate.features,
-        time,
-    })
-}
-
-fn count(stages: StageCounts, stats: &mut QueryStats) {
-    stats.feature_tests += stages.total();
-    stats.undecided_by_filter += stages.exact;
-}
-
-/// The earlier one of the first contact so far and of a candidate's.
-fn earlier(
-    first: Option<MotionContact>,
-    candidate: &Candidate,
-    tolerance: f64,
-    stats: &mut QueryStats,
-) -> Option<MotionContact> {
-    let Some(first) = first else {
-        return impact(candidate, tolerance, stats);
-    };
-    let Some(contact) = impact(candidate, tolerance, stats) else {
-        return Some(first);
-    };
-    // Whichever is surely over first. Nothing touches before the earlier start.
-    let earliest = first.time.earliest.min(contact.time.earliest);
-    let mut earlier = if contact.time.latest < first.time.latest {
-        contact
-    } else {
-        first
-    };
-    earlier.time.earliest = earliest;
-    Some(earlier)
+/// The earlier one of two contacts. Among equals, the features decide, so that the answer depends on no tree.
+fn earlier(first: Option<MotionContact>, contact: MotionContact) -> MotionContact {
+    let key = |contact: &MotionContact| (contact.time.latest, contact.time.earliest, contact.features);
+    match first {
+        Some(first) if key(&first) <= key(&contact) => first,
+        _ => contact,
+    }
 }

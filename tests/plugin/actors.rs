@@ -100,9 +100,41 @@ pub(crate) fn skinned_blob(app: &mut App, (seed, level): (u64, u32), collider: M
     }
 }
 
-/// Weights and places in a frame at 60 Hz, of actors of this size. Some of them stand still now and then, or jump to another place for a
-/// few frames.
-pub(crate) fn animate(app: &mut App, actors: &[Actor], frame: usize, size: f32, rng: &mut Pcg64Mcg) {
+/// Puts actors at random places, so that they are small for the way that they go in a frame. Some of them stay where they are.
+pub(crate) fn scatter(app: &mut App, actors: &[Actor], rng: &mut Pcg64Mcg) {
+    for actor in actors {
+        if rng.random_bool(0.2) {
+            continue;
+        }
+        let weights = actor.mesh.targets.iter().map(|_| rng.random_range(-0.3..0.6)).collect();
+        let weights = MeshMorphWeights::Value { weights };
+        let mut place = || {
+            let at = Vec3::from_array(std::array::from_fn(|_| rng.random_range(-0.7..0.7)));
+            let turn = Quat::from_rotation_y(rng.random_range(-1.0..1.0));
+            Transform::from_translation(at)
+                .with_rotation(turn)
+                .with_scale(Vec3::splat(0.25))
+        };
+        let root = place();
+        let mut entity = app.world_mut().entity_mut(actor.entity);
+        entity.insert(weights);
+        match &actor.skin {
+            None => {
+                entity.insert(root);
+            }
+            Some((joints, _)) => {
+                for &joint in joints {
+                    let near = root.translation + 0.1 * place().translation;
+                    let joint_place = place().with_translation(near);
+                    app.world_mut().entity_mut(joint).insert(joint_place);
+                }
+            }
+        }
+    }
+}
+
+/// Weights and places in a frame at 60 Hz. Some of the colliders stand still now and then, or jump to another place for a few frames.
+pub(crate) fn animate(app: &mut App, actors: &[Actor], frame: usize, rng: &mut Pcg64Mcg) {
     for (i, actor) in actors.iter().enumerate() {
         let phase = i as f32 * 1.7;
         let time = match (frame / 16 + i) % 5 {
@@ -118,9 +150,7 @@ pub(crate) fn animate(app: &mut App, actors: &[Actor], frame: usize, size: f32, 
             (0.6 * time + 2.0 * phase).cos(),
             (phase * 3.0).sin(),
         ) * 1.1;
-        let place = Transform::from_translation(at)
-            .with_rotation(Quat::from_rotation_y(0.5 * time + phase))
-            .with_scale(Vec3::splat(size));
+        let place = Transform::from_translation(at).with_rotation(Quat::from_rotation_y(0.5 * time + phase));
         app.world_mut().entity_mut(actor.entity).insert(weights);
         if actor.skin.is_none() {
             let jump = if rng.random_bool(0.02) {
@@ -134,11 +164,10 @@ pub(crate) fn animate(app: &mut App, actors: &[Actor], frame: usize, size: f32, 
         } else if let Some((joints, _)) = &actor.skin {
             for (k, &joint) in joints.iter().enumerate() {
                 let turn = Quat::from_rotation_z(0.4 * (time * 2.0 + phase + k as f32).sin());
-                let at = at + turn * Vec3::X * (k as f32 - 0.5) * 0.2 * size;
-                let joint_place = Transform::from_translation(at).with_rotation(turn);
+                let at = at + turn * Vec3::X * (k as f32 - 0.5) * 0.2;
                 app.world_mut()
                     .entity_mut(joint)
-                    .insert(joint_place.with_scale(Vec3::splat(size)));
+                    .insert(Transform::from_translation(at).with_rotation(turn));
             }
         }
     }

@@ -238,11 +238,17 @@ fn a_part_that_changes_its_body_ends_one_touch_and_starts_another() {
     let new = app.world_mut().spawn_empty().id();
     app.world_mut().entity_mut(first).insert(MorphColliderOf { body: new });
     app.update();
-    assert_eq!(read(&mut messages, &app), (vec![pair(new, other)], vec![pair(body, other)]));
+    assert_eq!(
+        read(&mut messages, &app),
+        (vec![pair(new, other)], vec![pair(body, other)])
+    );
     assert_eq!((Heard::counts(&app), listed(&app, body)), ((1, 1), vec![]));
     app.world_mut().entity_mut(first).remove::<MorphColliderOf>();
     app.update();
-    assert_eq!(read(&mut messages, &app), (vec![pair(first, other)], vec![pair(new, other)]));
+    assert_eq!(
+        read(&mut messages, &app),
+        (vec![pair(first, other)], vec![pair(new, other)])
+    );
 }
 
 #[test]
@@ -254,12 +260,18 @@ fn colliders_of_a_body_that_is_despawned_are_bodies_of_their_own() {
     app.add_observer(|end: On<MorphBodyCollisionEnd>, entities: Query<()>| assert!(entities.contains(end.body1)));
     app.world_mut().despawn(body);
     app.update();
-    assert_eq!(read(&mut messages, &app), (vec![pair(first, other)], vec![pair(body, other)]));
+    assert_eq!(
+        read(&mut messages, &app),
+        (vec![pair(first, other)], vec![pair(body, other)])
+    );
     assert!(app.world().get::<MorphColliderOf>(second).is_none());
     move_to(&mut app, second, 0.5);
     app.update();
     let between = pair(first, second);
-    assert!(read(&mut messages, &app).0.contains(&between), "they touch each other now");
+    assert!(
+        read(&mut messages, &app).0.contains(&between),
+        "they touch each other now"
+    );
 }
 
 #[test]
@@ -282,7 +294,10 @@ fn nothing_starts_or_ends_while_collisions_are_paused() {
     app.update();
     assert_eq!(read(&mut messages, &app), (vec![], vec![]));
     pause(&mut app, false);
-    assert_eq!(read(&mut messages, &app), (vec![pair(first, other)], vec![pair(body, other)]));
+    assert_eq!(
+        read(&mut messages, &app),
+        (vec![pair(first, other)], vec![pair(body, other)])
+    );
 }
 
 #[test]

@@ -89,7 +89,9 @@ pub(crate) fn report_body_changes(
     let mut started = Vec::new();
     for contacts in collisions.bodies.started() {
         let (body1, _) = contacts[0].0;
-        let contacts = contacts.iter().filter_map(|&(_, colliders)| collisions.in_run(colliders));
+        let contacts = contacts
+            .iter()
+            .filter_map(|&(_, colliders)| collisions.in_run(colliders));
         let time = |contact: &MorphContact| contact.impact.map_or(f64::INFINITY, |impact| impact.earliest);
         let Some(contact) = contacts.min_by(|a, b| time(a).total_cmp(&time(b))) else {
             continue;
@@ -104,7 +106,11 @@ pub(crate) fn report_body_changes(
             normal,
             impact: contact.impact,
         };
-        let event = if contact.body1 == body1 { event } else { event.reversed() };
+        let event = if contact.body1 == body1 {
+            event
+        } else {
+            event.reversed()
+        };
         started.extend([event, event.reversed()]);
     }
     ends.write_batch(ended.iter().step_by(2).copied());

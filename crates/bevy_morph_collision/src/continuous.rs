@@ -86,7 +86,11 @@ impl SweptPairs {
         };
         self.ways.clear();
         self.ways.extend(colliders.iter().map(way));
-        let continuous = self.ways.iter().zip(colliders).filter(|(_, (_, placed))| placed.continuous);
+        let continuous = self
+            .ways
+            .iter()
+            .zip(colliders)
+            .filter(|(_, (_, placed))| placed.continuous);
         let all = continuous
             .filter_map(|(way, _)| way.as_ref())
             .fold(Aabb::EMPTY, |hull, way| hull.union(way));

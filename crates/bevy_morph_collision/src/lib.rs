@@ -198,8 +198,8 @@ pub mod prelude {
         MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphColliderScene, MorphColliders,
         MorphCollidingEntities, MorphCollisionDiagnostics, MorphCollisionEnd, MorphCollisionEventsEnabled,
         MorphCollisionLayers, MorphCollisionMode, MorphCollisionPlugin, MorphCollisionSettings, MorphCollisionStart,
-        MorphCollisionSystems, MorphCollisions, MorphContact, MorphContactPoint, MorphFeatures, MorphImpact, MorphPlugins,
-        MorphQueryFilter, MorphRayHit, MorphShape, MorphShapeHit, MorphSpatialQuery, MorphSurfaceAnchor,
+        MorphCollisionSystems, MorphCollisions, MorphContact, MorphContactPoint, MorphFeatures, MorphImpact,
+        MorphPlugins, MorphQueryFilter, MorphRayHit, MorphShape, MorphShapeHit, MorphSpatialQuery, MorphSurfaceAnchor,
         MorphTeleported, MorphTreeSettings, TrianglePair,
     };
     pub use crate::{

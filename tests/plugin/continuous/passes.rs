@@ -63,7 +63,10 @@ fn what_stops_in_the_wall_started_on_the_way() {
     let impact = starts[0].impact.unwrap();
     // The face at x = -1.5 moves by 2.2.
     let expected = f64::from((1.5 - HALF) / 2.2);
-    assert!(impact.earliest <= expected + 1e-6 && impact.latest >= expected - 1e-6, "{impact:?}");
+    assert!(
+        impact.earliest <= expected + 1e-6 && impact.latest >= expected - 1e-6,
+        "{impact:?}"
+    );
     assert!(impact.latest - impact.earliest <= 1e-6, "{impact:?}");
     assert!(ends.is_empty() && (starts[0].point.x + HALF).abs() < 1e-5, "{starts:?}");
     // It stays as long as the contact lasts, although the pair is compared again.
@@ -74,7 +77,11 @@ fn what_stops_in_the_wall_started_on_the_way() {
         collisions.get(range.bullet, range.wall).unwrap().clone()
     };
     assert_eq!(contact(&range).impact, Some(impact));
-    assert_eq!(diagnostics(&range.app).swept_pairs, 0, "a contact that lasts cannot begin");
+    assert_eq!(
+        diagnostics(&range.app).swept_pairs,
+        0,
+        "a contact that lasts cannot begin"
+    );
     // On its way out it cannot start again.
     range.shoot(2.0);
     assert_eq!(range.counts(), (0, 1));
@@ -98,7 +105,9 @@ fn listen(app: &mut App, entity: Entity) {
         .observe(|start: On<MorphBodyCollisionStart>, mut heard: ResMut<Heard>| {
             heard.0.push(("body start", start.body1, start.impact));
         })
-        .observe(|end: On<MorphBodyCollisionEnd>, mut heard: ResMut<Heard>| heard.0.push(("body end", end.body1, None)));
+        .observe(|end: On<MorphBodyCollisionEnd>, mut heard: ResMut<Heard>| {
+            heard.0.push(("body end", end.body1, None))
+        });
 }
 
 #[test]
@@ -111,12 +120,28 @@ fn observers_hear_the_start_before_the_end() {
     let heard = std::mem::take(&mut range.app.world_mut().resource_mut::<Heard>().0);
     let (first, second) = (bullet.min(wall), bullet.max(wall));
     let order: Vec<_> = heard.iter().map(|&(name, entity, _)| (name, entity)).collect();
-    let colliders: Vec<_> = order.iter().filter(|(name, _)| !name.starts_with("body")).copied().collect();
-    let bodies: Vec<_> = order.iter().filter(|(name, _)| name.starts_with("body")).copied().collect();
-    assert_eq!(colliders, [("start", first), ("start", second), ("end", first), ("end", second)]);
+    let colliders: Vec<_> = order
+        .iter()
+        .filter(|(name, _)| !name.starts_with("body"))
+        .copied()
+        .collect();
+    let bodies: Vec<_> = order
+        .iter()
+        .filter(|(name, _)| name.starts_with("body"))
+        .copied()
+        .collect();
+    assert_eq!(
+        colliders,
+        [("start", first), ("start", second), ("end", first), ("end", second)]
+    );
     assert_eq!(
         bodies,
-        [("body start", first), ("body start", second), ("body end", first), ("body end", second)]
+        [
+            ("body start", first),
+            ("body start", second),
+            ("body end", first),
+            ("body end", second)
+        ]
     );
     // Each hears the impact from its own side.
     for (name, entity, impact) in heard {
@@ -142,7 +167,11 @@ fn an_old_contact_ends_before_a_new_one_passes() {
     listen(&mut range.app, bullet);
     range.shoot(2.0);
     let heard = &range.app.world().resource::<Heard>().0;
-    let names: Vec<_> = heard.iter().map(|(name, ..)| *name).filter(|name| !name.starts_with("body")).collect();
+    let names: Vec<_> = heard
+        .iter()
+        .map(|(name, ..)| *name)
+        .filter(|name| !name.starts_with("body"))
+        .collect();
     assert_eq!(names, ["end", "start", "end"]);
     assert!(!touches(&range.app, bullet, other));
 }
@@ -179,8 +208,15 @@ fn bodies_that_pass_touch_once_and_at_the_first_of_their_parts() {
         panic!("{starts:?} {ends:?}")
     };
     let (first, second) = (root.min(range.wall), root.max(range.wall));
-    assert_eq!([start.body1, start.body2, end.body1, end.body2], [first, second, first, second]);
-    let part = if start.body1 == root { start.collider1 } else { start.collider2 };
+    assert_eq!(
+        [start.body1, start.body2, end.body1, end.body2],
+        [first, second, first, second]
+    );
+    let part = if start.body1 == root {
+        start.collider1
+    } else {
+        start.collider2
+    };
     assert_eq!(part, ahead, "the one in front touches first");
     let time = start.impact.unwrap().earliest;
     assert!((time - f64::from((0.5 - HALF) / 5.0)).abs() < 1e-5, "{time}");

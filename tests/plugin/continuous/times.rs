@@ -6,7 +6,6 @@ use std::time::Duration;
 use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy::time::TimeUpdateStrategy;
-use bevy_morph_collision::prelude::*;
 use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_testkit::models::random::random_blob;
 use morph_collision_testkit::motion::{PointMotion, Root, edge_edge, vertex_face};
@@ -43,7 +42,9 @@ impl Way {
     }
 
     fn motion(&self, vertex: u32) -> PointMotion {
-        self.ends.each_ref().map(|vertices| vertices[vertex as usize].to_array())
+        self.ends
+            .each_ref()
+            .map(|vertices| vertices[vertex as usize].to_array())
     }
 
     /// A point of a triangle at a time.
@@ -63,7 +64,9 @@ fn touches(a: &Way, b: &Way) -> Vec<Root> {
     let near = |points: &[PointMotion; 4], split: usize| {
         let range = |points: &[PointMotion], axis: usize| {
             let along = points.iter().flatten().map(|point| point[axis]);
-            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), x| (min.min(x), max.max(x)))
+            along.fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), x| {
+                (min.min(x), max.max(x))
+            })
         };
         (0..3).all(|axis| {
             let ((min, max), (low, high)) = (range(&points[..split], axis), range(&points[split..], axis));
@@ -137,13 +140,20 @@ fn a_fast_ball_falls_through_a_morphing_sheet_at_30_frames_per_second() {
         let way_of_sheet = Way::of(of_sheet.1.clone(), frames.map(|frame| (weight(frame), still)));
         let way_of_ball = Way::of(of_ball.1.clone(), frames.map(|frame| (0.0, place(frame))));
         let times = touches(&way_of_sheet, &way_of_ball);
-        assert_eq!((starts.is_empty(), ends.is_empty()), (times.is_empty(), times.is_empty()));
+        assert_eq!(
+            (starts.is_empty(), ends.is_empty()),
+            (times.is_empty(), times.is_empty())
+        );
         let Some(start) = starts.first() else { continue };
         hits += 1;
         let impact = start.impact.unwrap();
         // In exact arithmetic, nothing touches before the interval, and something does in it.
         assert!(times.iter().all(|time| time.cmp_f64(impact.earliest) != Ordering::Less));
-        assert!(times.iter().any(|time| time.cmp_f64(impact.latest) != Ordering::Greater));
+        assert!(
+            times
+                .iter()
+                .any(|time| time.cmp_f64(impact.latest) != Ordering::Greater)
+        );
         assert!(impact.latest - impact.earliest <= 1e-6 && impact.earliest > 0.0 && impact.latest < 1.0);
 
         let ways = if start.collider1 == sheet {
@@ -212,12 +222,21 @@ fn a_slap_of_a_skinned_hand_is_felt_by_a_morphing_cheek() {
         let impact = start.impact.unwrap();
         let of_arm = Way::of(arm(), [-50.0, 50.0].map(|degrees| (0.0, turn(degrees))));
         let of_face = Way::of(cheek.clone(), [(0.0, at), (0.3, at)]);
-        let touch = first_touch(&of_arm.ends, &of_arm.mesh.triangles, &of_face.ends, &of_face.mesh.triangles).unwrap();
+        let touch = first_touch(
+            &of_arm.ends,
+            &of_arm.mesh.triangles,
+            &of_face.ends,
+            &of_face.mesh.triangles,
+        )
+        .unwrap();
         assert!(
             impact.earliest <= touch.latest && touch.earliest <= impact.latest,
             "{touch:?}, but {impact:?}"
         );
         // The arm swings from +Z to -Z.
-        assert!(impact.earliest > 0.1 && impact.latest < 0.5 && impact.point.z > 0.0, "{impact:?}");
+        assert!(
+            impact.earliest > 0.1 && impact.latest < 0.5 && impact.point.z > 0.0,
+            "{impact:?}"
+        );
     }
 }

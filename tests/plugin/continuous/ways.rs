@@ -12,16 +12,28 @@ use crate::support::{add_mesh, cube, diagnostics, move_to, set_weight, settle, s
 fn layers_and_bodies_apply_on_the_way() {
     let mut range = Range::new();
     let (bullet, wall) = (range.bullet, range.wall);
-    range.app.world_mut().entity_mut(bullet).insert(MorphCollisionLayers::new(1, 2));
+    range
+        .app
+        .world_mut()
+        .entity_mut(bullet)
+        .insert(MorphCollisionLayers::new(1, 2));
     range.app.update();
     range.shoot(2.0);
     assert_eq!(range.counts(), (1, 1), "the wall is on all layers");
-    range.app.world_mut().entity_mut(wall).insert(MorphCollisionLayers::new(1, 1));
+    range
+        .app
+        .world_mut()
+        .entity_mut(wall)
+        .insert(MorphCollisionLayers::new(1, 1));
     range.app.update();
     range.shoot(-2.0);
     assert_eq!(range.counts(), (0, 0));
     range.app.world_mut().entity_mut(wall).insert(MorphCollisionLayers::ALL);
-    range.app.world_mut().entity_mut(bullet).insert(MorphColliderOf { body: wall });
+    range
+        .app
+        .world_mut()
+        .entity_mut(bullet)
+        .insert(MorphColliderOf { body: wall });
     range.app.update();
     range.shoot(2.0);
     assert_eq!(range.counts(), (0, 0), "one body");
@@ -65,7 +77,11 @@ fn weights_move_colliders_too() {
     set_weight(&mut range.app, arm, -6.0);
     range.shoot(2.6);
     let (starts, ends) = range.news();
-    assert_eq!((starts.len(), ends.len()), (1, 0), "the side at -X passes, that at +X comes back to x = -2.9");
+    assert_eq!(
+        (starts.len(), ends.len()),
+        (1, 0),
+        "the side at -X passes, that at +X comes back to x = -2.9"
+    );
     assert!(touches(&range.app, arm, wall));
     let time = starts[0].impact.unwrap().earliest;
     // The side at +X is at -1 + t (-6.5 + 4.6), and that at -X at -2.5 + 4.6 t.
@@ -79,7 +95,10 @@ fn a_teleport_is_no_motion() {
     range.shoot(2.0);
     assert_eq!(range.counts(), (0, 0));
     assert_eq!(diagnostics(&range.app).swept_pairs, 0);
-    assert!(range.app.world().get::<MorphTeleported>(range.bullet).is_none(), "it counts once");
+    assert!(
+        range.app.world().get::<MorphTeleported>(range.bullet).is_none(),
+        "it counts once"
+    );
     range.shoot(-2.0);
     assert_eq!(range.counts(), (1, 1));
     // Where it appears, it collides as usual.
@@ -167,7 +186,11 @@ fn a_collider_that_was_not_there_has_no_way() {
         // Disabled and enabled again, ours and Bevy's.
         range.app.world_mut().entity_mut(entity).insert(MorphColliderDisabled);
         assert_eq!(cross(&mut range), (0, 0));
-        range.app.world_mut().entity_mut(entity).remove::<MorphColliderDisabled>();
+        range
+            .app
+            .world_mut()
+            .entity_mut(entity)
+            .remove::<MorphColliderDisabled>();
         assert_eq!(cross(&mut range), (0, 0), "it is there again, but was not before");
         assert_eq!(cross(&mut range), (1, 1));
     }
@@ -191,7 +214,11 @@ fn a_collider_that_was_not_there_has_no_way() {
     settle(&mut range.app);
     let new = spawn(&mut range.app, &mesh, 0.0);
     make_continuous(&mut range.app, new, true);
-    assert_eq!(cross(&mut range), (2, 1), "only the wall is passed, and the new cube is in the wall");
+    assert_eq!(
+        cross(&mut range),
+        (2, 1),
+        "only the wall is passed, and the new cube is in the wall"
+    );
 
     // Despawned in that frame.
     range.app.world_mut().despawn(wall);
@@ -245,14 +272,22 @@ fn scenes_and_the_setting_pass_it_on() {
     let fist = range.app.world_mut().spawn((Mesh3d(mesh), above(-2.0))).id();
     set_weight(&mut range.app, fist, 0.0);
     let continuous = MorphCollider::default().with_continuous(true);
-    range.app.world_mut().resource_mut::<MorphCollisionSettings>().every_deforming_mesh = Some(continuous);
+    range
+        .app
+        .world_mut()
+        .resource_mut::<MorphCollisionSettings>()
+        .every_deforming_mesh = Some(continuous);
     settle(&mut range.app);
     range.counts();
     range.app.world_mut().entity_mut(fist).insert(above(2.0));
     range.app.update();
     assert_eq!(range.counts(), (1, 1));
     let plain = MorphCollider::default();
-    range.app.world_mut().resource_mut::<MorphCollisionSettings>().every_deforming_mesh = Some(plain);
+    range
+        .app
+        .world_mut()
+        .resource_mut::<MorphCollisionSettings>()
+        .every_deforming_mesh = Some(plain);
     range.app.update();
     range.app.world_mut().entity_mut(fist).insert(above(-2.0));
     range.app.update();
@@ -293,19 +328,34 @@ fn a_margin_counts_at_the_end_of_the_way_only() {
     range.shoot(-2.0);
     range.shoot(0.9);
     let (starts, ends) = range.news();
-    assert_eq!((starts.len(), ends.len()), (1, 1), "the surfaces passed, and it ends within the margin");
+    assert_eq!(
+        (starts.len(), ends.len()),
+        (1, 1),
+        "the surfaces passed, and it ends within the margin"
+    );
     assert!(starts[0].impact.is_some() && touches(&range.app, range.bullet, range.wall));
 }
 
 #[test]
 fn what_was_not_compared_before_may_touch_at_the_start() {
     let mut range = Range::new();
-    range.app.world_mut().entity_mut(range.bullet).insert(MorphCollisionLayers::NONE);
+    range
+        .app
+        .world_mut()
+        .entity_mut(range.bullet)
+        .insert(MorphCollisionLayers::NONE);
     range.shoot(0.2);
-    range.app.world_mut().entity_mut(range.bullet).insert(MorphCollisionLayers::ALL);
+    range
+        .app
+        .world_mut()
+        .entity_mut(range.bullet)
+        .insert(MorphCollisionLayers::ALL);
     range.shoot(2.0);
     let (starts, ends) = range.news();
     assert_eq!((starts.len(), ends.len()), (1, 1));
     let impact = starts[0].impact.unwrap();
-    assert_eq!((impact.earliest, impact.latest, impact.features), (0.0, 0.0, MorphFeatures::AtStart));
+    assert_eq!(
+        (impact.earliest, impact.latest, impact.features),
+        (0.0, 0.0, MorphFeatures::AtStart)
+    );
 }

@@ -65,8 +65,10 @@ impl Judge {
             .iter()
             .zip(&self.past)
             .map(|(actor, past)| {
-                let is_near =
-                    |then: &&Vec<DVec3>| past.last().is_some_and(|now| farthest(then, now) <= tolerance_of(actor));
+                let is_near = |then: &&Vec<DVec3>| {
+                    past.last()
+                        .is_some_and(|now| farthest(then, now) <= tolerance_of(actor))
+                };
                 past.iter().rev().filter(is_near).collect()
             })
             .collect();
@@ -128,13 +130,13 @@ fn answers_are_exact_for_shapes_displaced_by_no_more_than_their_tolerances() {
         let mut app = app();
         let mut rng = Pcg64Mcg::seed_from_u64(seed as u64);
         let actors = blobs(&mut app, 2, &tolerances.map(collider));
-        animate(&mut app, &actors, 0, 1.0, &mut rng);
+        animate(&mut app, &actors, 0, &mut rng);
         settle(&mut app);
         let mut judge = Judge::new(actors);
         judge.judge(&app, &format!("{tolerances:?}, at first"));
         let mut held = 0;
         for frame in 1..150 {
-            animate(&mut app, &judge.actors, frame, 1.0, &mut rng);
+            animate(&mut app, &judge.actors, frame, &mut rng);
             // Some are disabled for a while.
             let gone = judge.actors[frame % 4].entity;
             let mut gone = app.world_mut().entity_mut(gone);
@@ -166,12 +168,12 @@ fn answers_about_skinned_meshes_are_too() {
     for (seed, tolerance) in [(5, 0.05), (6, 0.02)] {
         actors.push(skinned_blob(&mut app, (seed, 2), collider(tolerance)));
     }
-    animate(&mut app, &actors, 0, 1.0, &mut rng);
+    animate(&mut app, &actors, 0, &mut rng);
     settle(&mut app);
     let mut judge = Judge::new(actors);
     judge.judge(&app, "at first");
     for frame in 1..150 {
-        animate(&mut app, &judge.actors, frame, 1.0, &mut rng);
+        animate(&mut app, &judge.actors, frame, &mut rng);
         app.update();
         judge.judge(&app, &format!("frame {frame}"));
     }

@@ -81,7 +81,8 @@ impl Builders {
         } else {
             workers.count().max(1)
         };
-        self.builders.resize_with(threads.max(self.builders.len()), Mutex::default);
+        self.builders
+            .resize_with(threads.max(self.builders.len()), Mutex::default);
         for builder in &mut self.builders {
             // They are empty, unless a run ended with a panic.
             let builder = builder.get_mut().unwrap_or_else(PoisonError::into_inner);
@@ -131,13 +132,16 @@ impl Builder {
 mod tests {
     use std::sync::Arc;
 
-    use bevy::math::{Affine3A, Quat, Vec3};
+    use bevy::math::{Affine3A, Quat, Vec3, Vec3A};
     use bevy::prelude::Entity;
     use morph_collision::batch::ThreadWorkers;
-    use morph_collision::{BuildOptions, MorphBvh, MorphModel, PlacedShape, Pose, PoseSnapshot, TrianglePair, WorldFromModel};
+    use morph_collision::{
+        BuildOptions, MorphBvh, MorphModel, PlacedShape, Pose, PoseSnapshot, TrianglePair, WorldFromModel,
+    };
 
     use super::*;
     use crate::collider::{Form, LockedPose, Placement};
+    use crate::continuous::SweptPairs;
 
     /// Tetrahedra that overlap their neighbours in a row, and a ball at every second one.
     fn row(length: usize) -> (Vec<Placement>, Vec<Option<LockedPose>>) {
@@ -178,16 +182,21 @@ mod tests {
 
     fn contacts(workers: &impl Workers) -> (Vec<(Pair, Answer)>, QueryStats) {
         let (placements, mut poses) = row(30);
-        let before = PoseSnapshot::default();
+        let mut before = vec![PoseSnapshot::default(); placements.len()];
+        for (before, pose) in before.iter_mut().zip(&mut poses) {
+            if let Some(pose) = pose {
+                before.take(pose.get_mut());
+            }
+        }
         let placed: Vec<Placed> = placements
             .iter()
-            .zip(&mut poses)
-            .map(|(placement, pose)| Placed {
+            .zip(poses.iter_mut().zip(&before))
+            .map(|(placement, (pose, before))| Placed {
                 entity: placement.body,
                 changed: true,
                 placement,
                 pose: pose.as_mut(),
-                before: &before,
+                before,
             })
             .collect();
         let mut jobs = Vec::new();
@@ -216,13 +225,31 @@ mod tests {
                 pair: (placed[a].entity, placed[b].entity),
                 places: (a, b),
                 mode: MorphCollisionMode::Contacts,
-                is_swept: false,
+                is_swept: !has_shape,
             };
             jobs.push(Job { asked, found });
         }
         assert!(jobs.len() > 4 * MIN_COSTLY);
         let mut answers = Vec::new();
-        let starts = Starts::default();
+        // Some come from above, over and through their neighbours.
+        let mut swept = SweptPairs::default();
+        let way = |i: usize| Vec3::new(if i % 5 == 1 { -1.2 } else { 0.0 }, 0.0, if i.is_multiple_of(2) { 2.0 } else { 0.0 });
+        let was: Vec<_> = (0..placements.len())
+            .map(|i| {
+                let form = match placements[i].form {
+                    Form::Mesh(place) => {
+                        let mut affine = place.affine();
+                        affine.translation += Vec3A::from(way(i));
+                        Form::Mesh(WorldFromModel::new(affine).unwrap())
+                    }
+                    form => form,
+                };
+                (placements[i].body, Placement { form, ..placements[i] })
+            })
+            .collect();
+        swept.remember(&was);
+        let mut starts = Starts::default();
+        starts.prepare(&jobs, &placed, &swept);
         let stats = Builders::default().run(workers, (&placed, &starts), &mut jobs, usize::MAX, &mut answers);
         answers.sort_by_key(|(pair, _)| *pair);
         assert_eq!(answers.len(), jobs.len());
@@ -240,6 +267,9 @@ mod tests {
             })
             .collect();
         assert!(touching.len() > 40 && touching.iter().any(|contact| !contact.points.is_empty()));
+        assert!(touching.iter().any(|contact| contact.impact.is_some()));
+        let passed = |(_, answer): &&(Pair, Answer)| matches!(answer, Answer::Passed(_));
+        assert!(alone.iter().filter(passed).count() > 2);
         for threads in [2, 4, 8] {
             let (together, stats_together) = contacts(&ThreadWorkers::new(threads));
             assert_eq!(together, alone, "{threads} threads");

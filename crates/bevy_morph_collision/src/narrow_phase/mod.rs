@@ -147,11 +147,8 @@ impl Scratch {
             .filter_map(|(entity, state)| Placed::new(entity, state.into_inner()))
             .collect();
         placed.sort_unstable_by_key(|collider| collider.entity);
-        let place = |placed: &[Placed], entity: Entity| {
-            placed
-                .binary_search_by_key(&entity, |collider| collider.entity)
-                .ok()
-        };
+        let place =
+            |placed: &[Placed], entity: Entity| placed.binary_search_by_key(&entity, |collider| collider.entity).ok();
         let asked = |pair: Pair, is_swept: bool, placed: &[Placed]| {
             let places = (place(placed, pair.0)?, place(placed, pair.1)?);
             let [a, b] = [&placed[places.0], &placed[places.1]];

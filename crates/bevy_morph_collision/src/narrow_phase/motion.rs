@@ -1,8 +1,8 @@
 //! Finds the first contact of two colliders on their way from the last run to this one.
 
-use bevy::math::DVec3;
-use morph_collision::QueryStats;
+use bevy::math::{DVec3, Vec3};
 use morph_collision::motion::{Features, MotionContact, MovingBody};
+use morph_collision::{MorphModel, QueryStats, TrianglePair};
 
 use super::starts::Starts;
 use super::touch::Touch;
@@ -32,27 +32,60 @@ impl Touch {
         let body_b = MovingBody::new(start_b.body(), end_b.body()).ok()?;
         let contact = self.motion.first(body_a, body_b, TOLERANCE);
         *stats += self.motion.stats();
-        contact.map(|contact| impact(&contact, seconds))
+        let contact = contact?;
+        let models = [&end_a, &end_b].map(|end| end.pose.bvh().model().as_ref());
+        Some(impact(&contact, models, seconds))
     }
 }
 
-fn impact(contact: &MotionContact, seconds: f64) -> MorphImpact {
-    let velocity = if seconds > 0.0 { contact.velocity / seconds } else { DVec3::ZERO };
+fn impact(contact: &MotionContact, [model_a, model_b]: [&MorphModel; 2], seconds: f64) -> MorphImpact {
+    let TrianglePair { triangle_a, triangle_b } = contact.triangles;
+    let [weights_a, weights_b] = contact.barycentrics;
+    let face = |weights: [f64; 3]| DVec3::from(weights).as_vec3();
+    // The weights of features become those of their triangles.
+    let (features, barycentrics) = match contact.features {
+        Features::VertexFace { vertex_a, .. } => {
+            let of_a = within(model_a, triangle_a, &[vertex_a], weights_a);
+            (MorphFeatures::VertexFace, [of_a, face(weights_b)])
+        }
+        Features::FaceVertex { vertex_b, .. } => {
+            let of_b = within(model_b, triangle_b, &[vertex_b], weights_b);
+            (MorphFeatures::FaceVertex, [face(weights_a), of_b])
+        }
+        Features::EdgeEdge { edge_a, edge_b } => {
+            let of_a = within(model_a, triangle_a, &edge_a, weights_a);
+            let of_b = within(model_b, triangle_b, &edge_b, weights_b);
+            (MorphFeatures::EdgeEdge, [of_a, of_b])
+        }
+        Features::AtStart(_) => (MorphFeatures::AtStart, [face(weights_a), face(weights_b)]),
+    };
+    let velocity = if seconds > 0.0 {
+        contact.velocity / seconds
+    } else {
+        DVec3::ZERO
+    };
     MorphImpact {
         earliest: contact.time.earliest,
         latest: contact.time.latest,
         point: contact.point.as_vec3(),
         normal: contact.normal.as_vec3(),
         velocity: velocity.as_vec3(),
-        features: match contact.features {
-            Features::VertexFace { .. } => MorphFeatures::VertexFace,
-            Features::FaceVertex { .. } => MorphFeatures::FaceVertex,
-            Features::EdgeEdge { .. } => MorphFeatures::EdgeEdge,
-            Features::AtStart(_) => MorphFeatures::AtStart,
-        },
+        features,
         triangles: contact.triangles,
-        barycentrics: contact.barycentrics.map(|of| DVec3::from(of).as_vec3()),
+        barycentrics,
     }
+}
+
+/// The barycentric coordinates in a triangle of a point that has these weights at some of its corners.
+fn within(model: &MorphModel, triangle: u32, vertices: &[u32], weights: [f64; 3]) -> Vec3 {
+    let mut barycentrics = Vec3::ZERO;
+    let corners = model.triangle(triangle).unwrap_or_default();
+    for (vertex, weight) in vertices.iter().zip(weights) {
+        if let Some(corner) = corners.iter().position(|corner| corner == vertex) {
+            barycentrics[corner] = weight as f32;
+        }
+    }
+    barycentrics
 }
 
 impl MorphContact {

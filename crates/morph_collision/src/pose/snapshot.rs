@@ -47,7 +47,10 @@ impl PoseSnapshot {
     pub fn restore(&self, pose: &mut Pose) -> bool {
         self.is_of(pose)
             && pose.set_weights(self.weights.all()).is_ok()
-            && self.joints.as_ref().is_none_or(|joints| pose.set_joints(joints).is_ok())
+            && self
+                .joints
+                .as_ref()
+                .is_none_or(|joints| pose.set_joints(joints).is_ok())
     }
 
     /// Returns the corners of a triangle in world space as they were. `None` if there is no such triangle, or if the tree has been

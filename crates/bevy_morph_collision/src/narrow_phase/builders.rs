@@ -132,7 +132,7 @@ impl Builder {
 mod tests {
     use std::sync::Arc;
 
-    use bevy::math::{Affine3A, Quat, Vec3, Vec3A};
+    use bevy::math::{Affine3A, Quat, Vec3};
     use bevy::prelude::Entity;
     use morph_collision::batch::ThreadWorkers;
     use morph_collision::{
@@ -144,7 +144,7 @@ mod tests {
     use crate::continuous::SweptPairs;
 
     /// Tetrahedra that overlap their neighbours in a row, and a ball at every second one.
-    fn row(length: usize) -> (Vec<Placement>, Vec<Option<LockedPose>>) {
+    fn row(length: usize, offset: fn(usize) -> Vec3) -> (Vec<Placement>, Vec<Option<LockedPose>>) {
         let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
         let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
         let model = MorphModel::from_displacements::<[Vec3; 0]>(&corners, &faces, &[]).unwrap();
@@ -155,7 +155,8 @@ mod tests {
                 return Form::Shape(PlacedShape::ball(Vec3::new(x, 0.1, 0.2).as_dvec3(), 0.4).unwrap());
             }
             let turned = Quat::from_rotation_z(0.7 * i as f32);
-            Form::Mesh(WorldFromModel::new(Affine3A::from_rotation_translation(turned, Vec3::X * x)).unwrap())
+            let place = Affine3A::from_rotation_translation(turned, Vec3::X * x + offset(i));
+            Form::Mesh(WorldFromModel::new(place).unwrap())
         };
         let mut entities: Vec<Entity> = (0..length as u32).filter_map(Entity::from_raw_u32).collect();
         entities.sort_unstable();
@@ -181,7 +182,7 @@ mod tests {
     }
 
     fn contacts(workers: &impl Workers) -> (Vec<(Pair, Answer)>, QueryStats) {
-        let (placements, mut poses) = row(30);
+        let (placements, mut poses) = row(30, |_| Vec3::ZERO);
         let mut before = vec![PoseSnapshot::default(); placements.len()];
         for (before, pose) in before.iter_mut().zip(&mut poses) {
             if let Some(pose) = pose {
@@ -233,20 +234,12 @@ mod tests {
         let mut answers = Vec::new();
         // Some come from above, over and through their neighbours.
         let mut swept = SweptPairs::default();
-        let way = |i: usize| Vec3::new(if i % 5 == 1 { -1.2 } else { 0.0 }, 0.0, if i.is_multiple_of(2) { 2.0 } else { 0.0 });
-        let was: Vec<_> = (0..placements.len())
-            .map(|i| {
-                let form = match placements[i].form {
-                    Form::Mesh(place) => {
-                        let mut affine = place.affine();
-                        affine.translation += Vec3A::from(way(i));
-                        Form::Mesh(WorldFromModel::new(affine).unwrap())
-                    }
-                    form => form,
-                };
-                (placements[i].body, Placement { form, ..placements[i] })
-            })
-            .collect();
+        let was = |i: usize| {
+            let x = if i % 5 == 1 { -1.2 } else { 0.0 };
+            Vec3::new(x, 0.0, if i.is_multiple_of(2) { 2.0 } else { 0.0 })
+        };
+        let (was, _) = row(30, was);
+        let was: Vec<_> = was.iter().map(|placement| (placement.body, *placement)).collect();
         swept.remember(&was);
         let mut starts = Starts::default();
         starts.prepare(&jobs, &placed, &swept);

@@ -58,6 +58,7 @@ pub struct MorphCollider {
     ///
     /// Motion counts from one run to the next, with weights, joints and transforms together. It does not count
     ///
+    /// - in pairs with a [`MorphShape`](crate::MorphShape): what should not pass through others needs a mesh;
     /// - while collisions are paused, and for colliders that took no part in the last run (new, disabled, or with another mesh);
     /// - for entities that you put somewhere else: tell the plugin with [`MorphTeleported`](crate::MorphTeleported).
     ///

@@ -26,14 +26,13 @@ pub struct MorphImpact {
     /// What touched first.
     pub features: MorphFeatures,
     /// The triangles of these features: `triangle_a` of `collider1`, `triangle_b` of `collider2`. Where several triangles have the
-    /// vertex or edge, it is one of them. For a [`MorphShape`](crate::MorphShape) the number is
-    /// [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE).
+    /// vertex or edge, it is one of them.
     ///
     /// Not reflected: both are [`MorphContact::NO_TRIANGLE`](crate::MorphContact::NO_TRIANGLE) in a value created by reflection.
     #[reflect(ignore, default = "no_triangles")]
     pub triangles: TrianglePair,
     /// The barycentric coordinates of the point in each triangle, for example to stick a [`MorphSurfaceAnchor`](crate::MorphSurfaceAnchor)
-    /// to it. Zero for a [`MorphShape`](crate::MorphShape).
+    /// to it.
     pub barycentrics: [Vec3; 2],
 }
 

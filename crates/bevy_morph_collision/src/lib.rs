@@ -50,6 +50,8 @@
 //! Each stage adds to [`MorphCollisionDiagnostics`]. Unchanged colliders cost almost nothing: weights, joints and transforms are
 //! compared by value, and a pair keeps its answer if neither of its colliders changed. In a frame without changes, each collider
 //! is only checked once. With a [`tolerance`](MorphCollider::tolerance), small movements do not count as changes (`tolerance`).
+//! Pairs of a [`continuous`](MorphCollider::continuous) collider are also compared on the way from the last run (`continuous`,
+//! `impact`).
 //!
 //! Independent of the pipeline:
 //!

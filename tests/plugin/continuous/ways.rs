@@ -89,6 +89,27 @@ fn weights_move_colliders_too() {
 }
 
 #[test]
+fn pairs_with_a_shape_have_no_way() {
+    let mut range = Range::new();
+    let wall = range.wall;
+    range
+        .app
+        .world_mut()
+        .entity_mut(wall)
+        .insert(MorphShape::Ball { radius: 0.1 });
+    settle(&mut range.app);
+    range.shoot(2.0);
+    assert_eq!(range.counts(), (0, 0));
+    assert_eq!(diagnostics(&range.app).swept_pairs, 0);
+    // What becomes a mesh again was not one in the last run.
+    range.app.world_mut().entity_mut(wall).remove::<MorphShape>();
+    range.shoot(-2.0);
+    assert_eq!(range.counts(), (0, 0));
+    range.shoot(2.0);
+    assert_eq!(range.counts(), (1, 1));
+}
+
+#[test]
 fn a_teleport_is_no_motion() {
     let mut range = Range::new();
     range.app.world_mut().entity_mut(range.bullet).insert(MorphTeleported);

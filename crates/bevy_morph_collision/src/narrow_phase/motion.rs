@@ -1,4 +1,4 @@
-//! Finds the first contact of two colliders on their way from the last run to this one.
+//! Finds the first contact of two meshes on their way from the last run to this one.
 
 use bevy::math::{DVec3, Vec3};
 use morph_collision::motion::{Features, MotionContact, MovingBody};
@@ -26,8 +26,8 @@ impl Touch {
         let [a, b] = [&placed[asked.places.0], &placed[asked.places.1]];
         let (start_a, start_b) = (starts.of(a)?, starts.of(b)?);
         // Each locks its pose: in ascending order, and the start of a collider after its end.
-        let (mut end_a, mut start_a) = (a.mesh()?, start_a.mesh()?);
-        let (mut end_b, mut start_b) = (b.mesh()?, start_b.mesh()?);
+        let (mut end_a, mut start_a) = (a.mesh()?, start_a.mesh());
+        let (mut end_b, mut start_b) = (b.mesh()?, start_b.mesh());
         let body_a = MovingBody::new(start_a.body(), end_a.body()).ok()?;
         let body_b = MovingBody::new(start_b.body(), end_b.body()).ok()?;
         let contact = self.motion.first(body_a, body_b, TOLERANCE);

@@ -1,24 +1,23 @@
-//! Where colliders of continuous pairs were in the last run.
+//! Where the meshes of continuous pairs were in the last run.
 
 use std::sync::Arc;
 
 use bevy::ecs::entity::EntityHashMap;
-use morph_collision::Pose;
+use morph_collision::{Pose, WorldFromModel};
 
 use super::builders::Job;
 use super::{Placed, UsedMesh};
 use crate::collider::{Form, LockedPose};
 use crate::continuous::SweptPairs;
 
-/// Where colliders were in the last run. A mesh that is needed again keeps its second pose, and what is blended in it.
+/// Where meshes were in the last run. One that is needed again keeps its second pose, and what is blended in it.
 #[derive(Default)]
 pub(super) struct Starts(EntityHashMap<Start>);
 
-/// Where a collider was.
+/// Where a mesh was, and its shape there.
 pub(super) struct Start {
-    pub(super) form: Form,
-    /// The pose of a mesh; `None` for a shape.
-    pub(super) pose: Option<LockedPose>,
+    place: WorldFromModel,
+    pose: LockedPose,
     is_used: bool,
 }
 
@@ -49,7 +48,7 @@ impl Starts {
         if self.0.get(&placed.entity).is_some_and(|start| start.is_used) {
             return;
         }
-        let known = self.0.remove(&placed.entity).and_then(|start| start.pose);
+        let known = self.0.remove(&placed.entity).map(|start| start.pose);
         if let Some(start) = Start::new(placed, swept, known) {
             self.0.insert(placed.entity, start);
         }
@@ -57,38 +56,30 @@ impl Starts {
 }
 
 impl Start {
+    /// `None` if it was not there. `known` is its second pose, if it has one already.
     fn new(placed: &Placed<'_>, swept: &SweptPairs, known: Option<LockedPose>) -> Option<Self> {
-        let form = swept.before(placed.entity)?.form;
-        let pose = match (&form, &placed.placement.form) {
-            (Form::Mesh(_), Form::Mesh(_)) => {
-                let now = placed.pose.as_ref()?.lock();
-                let is_same = |pose: &LockedPose| Arc::ptr_eq(pose.lock().bvh(), now.bvh());
-                let known = known.filter(is_same);
-                let mut pose = known.unwrap_or_else(|| LockedPose::new(Pose::new(now.bvh().clone())));
-                let before = pose.get_mut();
-                let is_known = if placed.changed {
-                    placed.before.restore(before)
-                } else {
-                    let joints = now.joints().is_none_or(|joints| before.set_joints(joints).is_ok());
-                    joints && before.set_weights(now.weights()).is_ok()
-                };
-                Some(pose).filter(|_| is_known)
-            }
-            (Form::Shape(_), Form::Shape(_)) => None,
-            _ => return None,
+        let Form::Mesh(place) = swept.before(placed.entity)?.form else {
+            return None;
+        };
+        let now = placed.pose.as_ref()?.lock();
+        let known = known.filter(|pose| Arc::ptr_eq(pose.lock().bvh(), now.bvh()));
+        let mut pose = known.unwrap_or_else(|| LockedPose::new(Pose::new(now.bvh().clone())));
+        let before = pose.get_mut();
+        let is_known = if placed.changed {
+            placed.before.restore(before)
+        } else {
+            let joints = now.joints().is_none_or(|joints| before.set_joints(joints).is_ok());
+            joints && before.set_weights(now.weights()).is_ok()
         };
         let is_used = true;
-        Some(Self { form, pose, is_used })
+        is_known.then_some(Self { place, pose, is_used })
     }
 
-    /// The mesh, for queries; `None` for a shape. Waits while another thread uses it.
-    pub(super) fn mesh(&self) -> Option<UsedMesh<'_>> {
-        match (&self.form, &self.pose) {
-            (Form::Mesh(place), Some(pose)) => Some(UsedMesh {
-                pose: pose.lock(),
-                place,
-            }),
-            _ => None,
+    /// The mesh, for queries. Waits while another thread uses it.
+    pub(super) fn mesh(&self) -> UsedMesh<'_> {
+        UsedMesh {
+            pose: self.pose.lock(),
+            place: &self.place,
         }
     }
 }

@@ -106,7 +106,7 @@ fn listen(app: &mut App, entity: Entity) {
             heard.0.push(("body start", start.body1, start.impact));
         })
         .observe(|end: On<MorphBodyCollisionEnd>, mut heard: ResMut<Heard>| {
-            heard.0.push(("body end", end.body1, None))
+            heard.0.push(("body end", end.body1, None));
         });
 }
 

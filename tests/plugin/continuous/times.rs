@@ -34,7 +34,7 @@ struct Way {
 impl Way {
     fn of(mesh: MorphMesh, ends: [(f32, Transform); 2]) -> Self {
         let ends = ends.map(|(weight, place)| {
-            let weights = vec![weight, 0.0];
+            let weights = [weight, 0.0];
             let posed = posed_vertices(&mesh.positions, &mesh.targets, &weights[..mesh.targets.len()]);
             world_vertices(&posed, &GlobalTransform::from(place).affine())
         });

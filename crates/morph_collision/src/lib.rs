@@ -35,7 +35,7 @@
 //! A query object owns scratch memory: create it once and reuse it. Its methods return the answer, and `stats()` reports how much work the
 //! last call took. Methods that fill a list append to it. The `up_to` variants stop at a limit and return whether there is more.
 //!
-//! [`BuildOptions`] never change an answer. `docs/performance.md` in the repository shows how the leaf size affects speed.
+//! [`BuildOptions`] never change an answer. `docs/measurements/leaves.md` in the repository shows how the leaf size affects speed.
 //!
 //! # What an answer means
 //!

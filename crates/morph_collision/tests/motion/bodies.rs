@@ -18,14 +18,14 @@ use rand_pcg::Pcg64Mcg;
 
 const TRIANGLES: usize = 60;
 const JOINTS: usize = 4;
-const TOLERANCE: f64 = 1e-6;
+pub(super) const TOLERANCE: f64 = 1e-6;
 
-fn vector(rng: &mut Pcg64Mcg, size: f32) -> Vec3 {
+pub(super) fn vector(rng: &mut Pcg64Mcg, size: f32) -> Vec3 {
     Vec3::from_array([(); 3].map(|()| rng.random_range(-size..size)))
 }
 
 /// Small triangles in a cube with sides of 4, some of which share vertices, with two targets.
-fn model(rng: &mut Pcg64Mcg, is_skinned: bool) -> MorphModel {
+pub(super) fn model(rng: &mut Pcg64Mcg, is_skinned: bool) -> MorphModel {
     let (mut base, mut triangles) = (Vec::new(), Vec::new());
     while triangles.len() < TRIANGLES {
         let at = vector(rng, 2.0);
@@ -74,14 +74,14 @@ fn affine(rng: &mut Pcg64Mcg, at: Vec3, turn: f32) -> Affine3A {
 
 /// A body at the start and at the end of a step.
 #[derive(Clone)]
-struct Step {
+pub(super) struct Step {
     poses: [Pose; 2],
     places: [WorldFromModel; 2],
 }
 
 impl Step {
     /// A random step between two places, each up to 1 off.
-    fn new(rng: &mut Pcg64Mcg, model: &Arc<MorphModel>, leaf_size: usize, at: [Vec3; 2]) -> Self {
+    pub(super) fn new(rng: &mut Pcg64Mcg, model: &Arc<MorphModel>, leaf_size: usize, at: [Vec3; 2]) -> Self {
         let options = BuildOptions::default().with_leaf_size(leaf_size).unwrap();
         let bvh = Arc::new(MorphBvh::build(model.clone(), &options));
         let mut places = [WorldFromModel::IDENTITY; 2];
@@ -107,7 +107,7 @@ impl Step {
         Self { poses, places }
     }
 
-    fn moving(&mut self) -> MovingBody<'_> {
+    pub(super) fn moving(&mut self) -> MovingBody<'_> {
         let [start, end] = &mut self.poses;
         MovingBody::new(Body::new(start, &self.places[0]), Body::new(end, &self.places[1])).unwrap()
     }
@@ -120,12 +120,12 @@ impl Step {
         MovingPoint { start, end }
     }
 
-    fn points(&mut self) -> Vec<MovingPoint> {
+    pub(super) fn points(&mut self) -> Vec<MovingPoint> {
         let vertices = self.poses[0].bvh().model().vertex_count() as u32;
         (0..vertices).map(|vertex| self.point(vertex)).collect()
     }
 
-    fn faces(&self) -> Vec<[u32; 3]> {
+    pub(super) fn faces(&self) -> Vec<[u32; 3]> {
         let model = self.poses[0].bvh().model();
         (0..model.triangle_count() as u32)
             .map(|triangle| model.triangle(triangle).unwrap())

@@ -20,6 +20,7 @@
 //!    (`docs/numerics.md` derives the bound).
 //! 3. Exact: integer polynomials, their isolated roots, and greatest common divisors where a sign might be zero.
 
+mod ball;
 mod bernstein;
 mod directions;
 mod features;
@@ -34,6 +35,7 @@ mod stages;
 mod subdivision;
 mod touch;
 
+pub(crate) use ball::{ball_impact, seen_from};
 pub(crate) use features::{FeaturePair, Kind};
 pub(crate) use geometry::impact_geometry;
 pub use moving::{MovingPoint, TimeOfImpact};

@@ -62,8 +62,12 @@ impl<'a> MovingTriangle<'a> {
         })
     }
 
+    pub(super) fn points(&self) -> &[MovingPoint; 3] {
+        &self.points
+    }
+
     /// The unit normal out of the body at a time.
-    fn outward(&self, time: f64) -> DVec3 {
+    pub(super) fn outward(&self, time: f64) -> DVec3 {
         let normal = unit_normal(&self.points.map(|point| point.at(time)));
         if self.place.mirrors() { -normal } else { normal }
     }

@@ -8,8 +8,7 @@ use glam::DVec3;
 
 use super::Features;
 use super::candidate::{Candidate, MovingTriangle};
-use super::moving_lanes::MovingLanes;
-use crate::bounds::{LANES, lanes_of, with_simd};
+use crate::bounds::{Aabb, Extent, LANES, MovingLanes, lanes_of, with_simd};
 use crate::exact::motion::MovingPoint;
 use crate::exact::{power_of_two, power_of_two_below};
 use crate::pose::EpochCache;
@@ -44,6 +43,18 @@ impl Observer {
         let [start, end] = self.origin;
         [point.start * self.scale - start, point.end * self.scale - end]
     }
+}
+
+/// A box around three corners relative to the observer, which are rounded once.
+fn around(corners: &[DVec3; 3]) -> Aabb {
+    let Extent { min, max } = Extent::of_triangle(corners);
+    // One rounding of a difference. Twice that, because this one is rounded, too; and for subnormal numbers.
+    let error = |end: DVec3| end.abs() * (2.0 * f64::EPSILON) + DVec3::splat(1e-300);
+    let wider = Extent {
+        min: min - error(min),
+        max: max + error(max),
+    };
+    wider.outward()
 }
 
 /// The leaves of one body that a query has looked at. The next query reuses the memory.
@@ -99,7 +110,8 @@ impl MovingLeaves {
             let mut eight = MovingLanes::default();
             for (lane, corners) in corners.iter().enumerate() {
                 let seen = corners.map(|corner| self.observer.sees(&points[usize::from(corner)]));
-                eight.set(lane, [seen.map(|[start, _]| start), seen.map(|[_, end]| end)]);
+                let ends = [seen.map(|[start, _]| start), seen.map(|[_, end]| end)];
+                eight.set(lane, &ends.map(|corners| around(&corners)));
             }
             boxes.push(eight);
         }
@@ -151,6 +163,26 @@ pub(super) fn candidates(
         with_simd!(a.ends[0].level, simd => pairs(simd, (of_a, of_b), false, (latest, stats), at_pair))?;
     }
     ControlFlow::Continue(())
+}
+
+/// Calls `test` for the triangles of a body's leaves that a ball's box meets at times up to `latest`.
+pub(super) fn triangles_at_box(
+    (a, leaves_a, owners_a): (&mut Moving<'_, '_>, &mut MovingLeaves, &Owners),
+    (b, leaves_b): (&mut Moving<'_, '_>, &mut MovingLeaves),
+    leaves: &[(Leaf, Leaf)],
+    (latest, stats): (&Cell<f64>, &mut QueryStats),
+    test: &mut impl FnMut(&MovingTriangle<'_>, &mut QueryStats),
+) {
+    for &(leaf_a, leaf_b) in leaves {
+        let (slot_a, slot_b) = (leaves_a.read(a, leaf_a), leaves_b.read(b, leaf_b));
+        let (of_a, of_b) = (leaves_a.placed.get(slot_a), leaves_b.placed.get(slot_b));
+        let at_pair = |[place, _]: [usize; 2], stats: &mut QueryStats| {
+            test(&MovingTriangle::new(a, leaf_a, &of_a.points, place, owners_a), stats);
+            ControlFlow::Continue(())
+        };
+        // Never breaks.
+        let _ = with_simd!(a.ends[0].level, simd => pairs(simd, (of_a, of_b), false, (latest, stats), at_pair));
+    }
 }
 
 /// Like [`candidates`], for two leaves of one body, or one leaf with itself. Leaves out features that share a vertex.

@@ -3,15 +3,16 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 
-use super::candidate::Candidate;
-use super::patches::{MovingLeaves, Observer, Test, candidates, candidates_within};
-use super::{MotionContact, MovingBody};
-use crate::bounds::up;
+use super::ball::BallBox;
+use super::candidate::{Candidate, MovingTriangle};
+use super::patches::{MovingLeaves, Observer, Test, candidates, candidates_within, triangles_at_box};
+use super::{BallImpact, Features, MotionContact, MovingBall, MovingBody};
 use crate::pose::Posed;
 use crate::query::capped::Capped;
 use crate::query::placements::Placements;
-use crate::query::{PairQuery, QueryStats};
+use crate::query::{PairQuery, QueryStats, TrianglePair};
 use crate::traverse::{Moving, MovingBoxes, Order, OverlapWalk, SelfStack, middle, walk_within};
+use crate::tree::Leaf;
 
 /// Finds contacts that happen while two bodies move, or while one body deforms. Keep the query and use it again: it reuses its memory.
 ///
@@ -56,6 +57,8 @@ pub struct MotionQuery {
     boxes: [MovingBoxes; 2],
     leaves: [MovingLeaves; 2],
     at_start: PairQuery,
+    /// Made when the first ball is asked about.
+    ball: Option<Box<BallBox>>,
     stats: QueryStats,
 }
 
@@ -95,7 +98,6 @@ impl MotionQuery {
         self.run(
             a,
             b,
-            &Cell::new(1.0),
             Order::Any,
             &mut |candidate, stats| match candidate.impact(tolerance, stats) {
                 Some(contact) => visitor(contact),
@@ -110,43 +112,23 @@ impl MotionQuery {
     /// on the tree. Otherwise the answer does not: if several contacts have the same time, the smallest [`Features`](super::Features) win. Nothing touches
     /// before `time.earliest`.
     ///
-    /// Cost: at first that of [`MotionQuery::all`]. When a contact is found early in the motion, the walk starts again for the time before
-    /// it.
+    /// Cost: nodes are visited in the order of the times at which their boxes overlap, up to the time of the first contact.
     pub fn first(&mut self, mut a: MovingBody<'_>, mut b: MovingBody<'_>, tolerance: f64) -> Option<MotionContact> {
         if let Some(early) = self.before_walk(&mut a, &mut b) {
-            return early;
+            return early.map(|pair| MotionContact::at_start(pair, &mut a, &mut b));
         }
-        let mut work = self.stats;
+        let work = self.stats;
         let mut first: Option<MotionContact> = None;
         let latest = Cell::new(1.0);
-        loop {
-            let (until, mut is_early) = (latest.get(), false);
-            self.run(
-                a.reborrow(),
-                b.reborrow(),
-                &latest,
-                Order::Any,
-                &mut |candidate, stats| {
-                    if let Some(contact) = candidate.impact(tolerance, stats) {
-                        let earlier = earlier(first, contact);
-                        first = Some(earlier);
-                        latest.set(earlier.time.latest);
-                    }
-                    // Start again: boxes over a shorter time are smaller.
-                    is_early = latest.get() < 0.9 * until;
-                    if is_early {
-                        ControlFlow::Break(())
-                    } else {
-                        ControlFlow::Continue(())
-                    }
-                },
-            );
-            work += self.stats;
-            if !is_early || latest.get() == 0.0 {
-                break;
+        self.run(a, b, Order::EarliestFirst(&latest), &mut |candidate, stats| {
+            if let Some(contact) = candidate.impact(tolerance, stats) {
+                let earlier = earlier(first, contact);
+                first = Some(earlier);
+                latest.set(earlier.time.latest);
             }
-        }
-        self.stats = work;
+            ControlFlow::Continue(())
+        });
+        self.stats += work;
         first
     }
 
@@ -157,7 +139,7 @@ impl MotionQuery {
         }
         let work = self.stats;
         let mut any = false;
-        self.run(a, b, &Cell::new(1.0), Order::DeepestFirst, &mut |candidate, stats| {
+        self.run(a, b, Order::DeepestFirst, &mut |candidate, stats| {
             any = candidate.touches(stats);
             if any {
                 ControlFlow::Break(())
@@ -167,6 +149,71 @@ impl MotionQuery {
         });
         self.stats += work;
         any
+    }
+
+    /// Returns where a moving ball, or point, first touches a moving body, if it does. If several triangles are touched in the same interval
+    /// of time, the one with the smallest number is returned.
+    ///
+    /// For a point, the answer is exact, like that for a vertex. For a ball, nothing is missed, and it does not touch before `time.earliest`. It
+    /// may count as touching although it passes by so closely that this is unclear when the time has been halved to intervals as short as the
+    /// tolerance (or `2^-40`), or closer than 1e-14 of the largest distance between its center and the triangle.
+    ///
+    /// Cost: as for [`MotionQuery::first`].
+    ///
+    /// ```
+    /// # use std::sync::Arc;
+    /// # use glam::{DVec3, Vec3};
+    /// use morph_collision::motion::{MotionQuery, MovingBall, MovingBody, MovingPoint};
+    /// # use morph_collision::{Body, BuildOptions, MorphBvh, MorphModel, Pose, WorldFromModel};
+    ///
+    /// // A triangle, and a target that lifts it to z = 2.
+    /// let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z * 2.0; 3]])?;
+    /// let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
+    /// let (mut rest, mut lifted, world) = (Pose::new(bvh.clone()), Pose::new(bvh), WorldFromModel::IDENTITY);
+    /// lifted.set_weights(&[1.0])?;
+    /// let rising = MovingBody::new(Body::new(&mut rest, &world), Body::new(&mut lifted, &world))?;
+    ///
+    /// // A ball falls towards it.
+    /// let fall = MovingPoint::new(DVec3::new(0.25, 0.25, 4.5), DVec3::new(0.25, 0.25, 2.5));
+    /// let impact = MotionQuery::new().first_of_ball(&MovingBall::new(fall, 0.5)?, rising, 1e-6).ok_or("no impact")?;
+    /// assert!(impact.time.earliest <= 1.0 && impact.time.latest == 1.0);
+    /// assert_eq!((impact.normal, impact.velocity), (DVec3::Z, DVec3::Z * -4.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn first_of_ball(&mut self, ball: &MovingBall, mut body: MovingBody<'_>, tolerance: f64) -> Option<BallImpact> {
+        let mut bounds = self.ball.take().unwrap_or_else(|| Box::new(BallBox::new()));
+        let bvh = body.bvh();
+        let (mut first, latest) = (None, Cell::new(1.0));
+        let mut test = |triangle: &MovingTriangle<'_>, stats: &mut QueryStats| {
+            let impact = if ball.radius() > 0.0 {
+                stats.feature_tests += 1;
+                ball.impact(triangle, tolerance, latest.get())
+            } else {
+                let features = Features::FaceVertex {
+                    triangle_a: triangle.number,
+                    vertex_b: 0,
+                };
+                let candidate = Candidate::vertex_face(features, ball.center(), [triangle; 2]);
+                let contact = candidate.impact(tolerance, stats);
+                contact.map(|contact| BallImpact::of_point(triangle.number, &contact))
+            };
+            if let Some(impact) = impact {
+                let earlier = BallImpact::earlier(first, impact);
+                first = Some(earlier);
+                latest.set(earlier.time.latest);
+            }
+        };
+        self.walk(
+            body.reborrow(),
+            bounds.around(ball),
+            Order::EarliestFirst(&latest),
+            &mut |(a, leaves_a), of_b, leaves, stats| {
+                triangles_at_box((a, leaves_a, bvh.owners()), of_b, leaves, (&latest, stats), &mut test);
+                ControlFlow::Continue(())
+            },
+        );
+        self.ball = Some(bounds);
+        first
     }
 
     /// Appends every pair of features of one body that touch, leaving out those that share a vertex. So a fold at a common edge is not
@@ -200,7 +247,7 @@ impl MotionQuery {
         } = self;
         *stats = QueryStats::default();
         let (middle, drift) = drift(&mut ends);
-        let mut body = Moving::new(ends, (drift, 1.0), boxes, true);
+        let mut body = Moving::new(ends, drift, boxes, true);
         leaves.begin(Observer::new(middle, drift, body.standing().size));
         let mut test = |candidate: &Candidate<'_>, stats: &mut QueryStats| match candidate.impact(tolerance, stats) {
             Some(contact) => visitor(contact),
@@ -214,8 +261,9 @@ impl MotionQuery {
         *stats += QueryStats::blending(before, [start.blended(), end.blended()]);
     }
 
-    /// The answer, if it takes no walk over both motions: no contact if the bounds of the motions are apart, or contact at the start.
-    fn before_walk(&mut self, a: &mut MovingBody<'_>, b: &mut MovingBody<'_>) -> Option<Option<MotionContact>> {
+    /// The answer, if it takes no walk over both motions: no contact if the bounds of the motions are apart, or the triangles that intersect
+    /// at the start.
+    fn before_walk(&mut self, a: &mut MovingBody<'_>, b: &mut MovingBody<'_>) -> Option<Option<TrianglePair>> {
         self.stats = QueryStats {
             node_tests: 1,
             ..QueryStats::default()
@@ -228,8 +276,8 @@ impl MotionQuery {
         let ends_b = [b.start.posed(), b.end.posed()];
         let mut ends_a = [a.start.posed(), a.end.posed()];
         let (_, drift) = drift(&mut ends_a);
-        let moving_a = Moving::new(ends_a, (drift, 1.0), boxes_a, false);
-        let moving_b = Moving::new(ends_b, (drift, 1.0), boxes_b, false);
+        let moving_a = Moving::new(ends_a, drift, boxes_a, false);
+        let moving_b = Moving::new(ends_b, drift, boxes_b, false);
         let placements = Placements {
             a: moving_a.standing(),
             b: moving_b.standing(),
@@ -239,20 +287,32 @@ impl MotionQuery {
         }
         let pair = self.at_start.first(a.start.reborrow(), b.start.reborrow());
         self.stats += self.at_start.stats();
-        pair.map(|pair| Some(MotionContact::at_start(pair, a, b)))
+        pair.map(Some)
     }
 
-    /// Calls `test` for features that may touch up to the time `latest`, until it breaks. `test` may lower `latest`.
-    fn run(
+    /// Calls `test` for features that may touch, until it breaks.
+    fn run(&mut self, a: MovingBody<'_>, b: MovingBody<'_>, order: Order<'_>, test: &mut Test<'_>) {
+        let always = Cell::new(1.0);
+        let latest = match order {
+            Order::EarliestFirst(latest) => latest,
+            _ => &always,
+        };
+        let (bvh_a, bvh_b) = (a.bvh(), b.bvh());
+        self.walk(a, b, order, &mut |(a, leaves_a), (b, leaves_b), leaves, stats| {
+            let of_a = (a, leaves_a, bvh_a.owners());
+            let of_b = (b, leaves_b, bvh_b.owners());
+            candidates(of_a, of_b, leaves, (latest, stats), test)
+        });
+    }
+
+    /// Calls `at_leaves` for pairs of leaves that may touch, until it breaks.
+    fn walk(
         &mut self,
         mut a: MovingBody<'_>,
         mut b: MovingBody<'_>,
-        latest: &Cell<f64>,
-        order: Order,
-        test: &mut Test<'_>,
+        order: Order<'_>,
+        at_leaves: &mut AtMovingLeaves<'_>,
     ) {
-        let until = up(latest.get());
-        let (bvh_a, bvh_b) = (a.bvh(), b.bvh());
         let mut ends_a = [a.start.posed(), a.end.posed()];
         let ends_b = [b.start.posed(), b.end.posed()];
         let before = [&ends_a[0], &ends_a[1], &ends_b[0], &ends_b[1]].map(Posed::blended);
@@ -266,8 +326,8 @@ impl MotionQuery {
         *stats = QueryStats::default();
         let tests_before = walk.node_tests;
         let (middle, drift) = drift(&mut ends_a);
-        let mut a = Moving::new(ends_a, (drift, until), boxes_a, false);
-        let mut b = Moving::new(ends_b, (drift, until), boxes_b, false);
+        let mut a = Moving::new(ends_a, drift, boxes_a, false);
+        let mut b = Moving::new(ends_b, drift, boxes_b, false);
         let placements = Placements {
             a: a.standing(),
             b: b.standing(),
@@ -280,9 +340,7 @@ impl MotionQuery {
                 if leaves.is_empty() {
                     return ControlFlow::Continue(());
                 }
-                let of_a = (a, &mut *leaves_a, bvh_a.owners());
-                let of_b = (b, &mut *leaves_b, bvh_b.owners());
-                candidates(of_a, of_b, leaves, (latest, stats), test)
+                at_leaves((a, &mut *leaves_a), (b, &mut *leaves_b), leaves, stats)
             });
             stats.node_tests = walk.node_tests - tests_before;
         } else {
@@ -292,6 +350,13 @@ impl MotionQuery {
         *stats += QueryStats::blending(before, after);
     }
 }
+
+/// A body and its leaves.
+type Leaves<'l, 'm, 'p> = (&'l mut Moving<'m, 'p>, &'l mut MovingLeaves);
+
+/// The callback for pairs of leaves of two bodies.
+type AtMovingLeaves<'v> =
+    dyn FnMut(Leaves<'_, '_, '_>, Leaves<'_, '_, '_>, &[(Leaf, Leaf)], &mut QueryStats) -> ControlFlow<()> + 'v;
 
 /// The middle of the first body when the motion starts, and how far it moves. Queries take that motion off both bodies.
 fn drift(ends: &mut [Posed<'_>; 2]) -> (DVec3, DVec3) {

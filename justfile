@@ -104,7 +104,7 @@ cookbook NAME:
 demo-check:
     #!/usr/bin/env bash
     set -euo pipefail
-    cargo build --workspace --example dolphins --example crowd --example physics --example character
+    cargo build --workspace --example dolphins --example crowd --example physics --example character --example slap
     summary=$("${CARGO_TARGET_DIR:-target}/debug/examples/dolphins" --headless --json)
     echo "$summary"
     grep -Eq '"events_started": *[1-9]' <<< "$summary"
@@ -117,6 +117,9 @@ demo-check:
     character=$("${CARGO_TARGET_DIR:-target}/debug/examples/character" --headless --frames 400 --json)
     echo "$character"
     grep -Eq '"kicks": *[1-9].*"frames_hand_on_face": *[1-9]' <<< "$character"
+    slap=$("${CARGO_TARGET_DIR:-target}/debug/examples/slap" --headless --slaps 2 --json)
+    echo "$slap"
+    grep -Eq '"slaps": *2,"felt_discrete": *0,"felt_continuous": *2' <<< "$slap"
 
 # Regenerates the pictures of README and docs, with or without a GPU or display.
 pictures:
@@ -129,6 +132,7 @@ pictures:
     draw pass_through --bare --size 480x400
     draw face --bare --size 640x640 --at 60,192
     draw character --size 960x540 --at 66,200
+    draw slap --size 960x540 --at 38
     draw picking --size 960x540 --at 60
     draw culling --size 960x540 --at 90
     draw physics --size 960x540 --at 180

@@ -15,6 +15,7 @@ pub mod physics;
 pub mod report;
 #[cfg(feature = "render")]
 pub mod shows;
+pub mod slap;
 pub mod tables;
 pub mod touching;
 #[cfg(feature = "render")]

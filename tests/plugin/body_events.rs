@@ -1,7 +1,6 @@
 //! Start and end events of bodies with several colliders.
 
 use bevy::ecs::entity_disabling::Disabled;
-use bevy::ecs::message::MessageCursor;
 use bevy::gltf::Gltf;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
@@ -10,7 +9,7 @@ use morph_collision_testkit::mesh::MorphMesh;
 use morph_collision_workspace::app::{headless, load_gltf};
 
 use crate::log::start;
-use crate::support::{Messages, add_mesh, app, cube, move_to, settle, spawn, stretching_cube};
+use crate::support::{BodyMessages, Messages, add_mesh, app, cube, move_to, settle, spawn, stretching_cube};
 
 /// The events heard on one body.
 #[derive(Resource, Default, Debug)]
@@ -35,20 +34,13 @@ fn observe(app: &mut App, body: Entity) {
         .observe(|end: On<MorphBodyCollisionEnd>, mut heard: ResMut<Heard>| heard.ends.push(*end.event()));
 }
 
-/// The messages about bodies since the last call.
-#[derive(Default)]
-struct BodyMessages {
-    starts: MessageCursor<MorphBodyCollisionStart>,
-    ends: MessageCursor<MorphBodyCollisionEnd>,
-}
-
-impl BodyMessages {
-    fn read(&mut self, app: &App) -> (Vec<[Entity; 2]>, Vec<[Entity; 2]>) {
-        let starts = self.starts.read(app.world().resource());
-        let starts = starts.map(|start| [start.body1, start.body2]).collect();
-        let ends = self.ends.read(app.world().resource());
-        (starts, ends.map(|end| [end.body1, end.body2]).collect())
-    }
+/// The bodies in the messages since the last call.
+fn read(messages: &mut BodyMessages, app: &App) -> (Vec<[Entity; 2]>, Vec<[Entity; 2]>) {
+    let (starts, ends) = messages.read(app);
+    (
+        starts.iter().map(|start| [start.body1, start.body2]).collect(),
+        ends.iter().map(|end| [end.body1, end.body2]).collect(),
+    )
 }
 
 fn pair(a: Entity, b: Entity) -> [Entity; 2] {
@@ -122,7 +114,7 @@ fn a_head_of_five_parts_and_a_ball_have_one_start_and_one_end() {
         app.update();
         let (started, ended) = of_colliders.read(&app);
         (starts, ends) = (starts + started.len(), ends + ended.len());
-        let (started, ended) = of_bodies.read(&app);
+        let (started, ended) = read(&mut of_bodies, &app);
         body_starts.extend(started);
         body_ends.extend(ended);
         let touching = if is_there(x) { vec![ball] } else { Vec::new() };
@@ -242,39 +234,51 @@ fn disabled_parts_let_go() {
 fn a_part_that_changes_its_body_ends_one_touch_and_starts_another() {
     let (mut app, body, [first, _], other) = body_and_cube();
     let mut messages = BodyMessages::default();
-    messages.read(&app);
+    read(&mut messages, &app);
     let new = app.world_mut().spawn_empty().id();
     app.world_mut().entity_mut(first).insert(MorphColliderOf { body: new });
     app.update();
-    assert_eq!(messages.read(&app), (vec![pair(new, other)], vec![pair(body, other)]));
+    assert_eq!(
+        read(&mut messages, &app),
+        (vec![pair(new, other)], vec![pair(body, other)])
+    );
     assert_eq!((Heard::counts(&app), listed(&app, body)), ((1, 1), vec![]));
     app.world_mut().entity_mut(first).remove::<MorphColliderOf>();
     app.update();
-    assert_eq!(messages.read(&app), (vec![pair(first, other)], vec![pair(new, other)]));
+    assert_eq!(
+        read(&mut messages, &app),
+        (vec![pair(first, other)], vec![pair(new, other)])
+    );
 }
 
 #[test]
 fn colliders_of_a_body_that_is_despawned_are_bodies_of_their_own() {
     let (mut app, body, [first, second], other) = body_and_cube();
     let mut messages = BodyMessages::default();
-    messages.read(&app);
+    read(&mut messages, &app);
     // No event is triggered for a body that no longer exists.
     app.add_observer(|end: On<MorphBodyCollisionEnd>, entities: Query<()>| assert!(entities.contains(end.body1)));
     app.world_mut().despawn(body);
     app.update();
-    assert_eq!(messages.read(&app), (vec![pair(first, other)], vec![pair(body, other)]));
+    assert_eq!(
+        read(&mut messages, &app),
+        (vec![pair(first, other)], vec![pair(body, other)])
+    );
     assert!(app.world().get::<MorphColliderOf>(second).is_none());
     move_to(&mut app, second, 0.5);
     app.update();
     let between = pair(first, second);
-    assert!(messages.read(&app).0.contains(&between), "they touch each other now");
+    assert!(
+        read(&mut messages, &app).0.contains(&between),
+        "they touch each other now"
+    );
 }
 
 #[test]
 fn nothing_starts_or_ends_while_collisions_are_paused() {
     let (mut app, body, [first, _], other) = body_and_cube();
     let mut messages = BodyMessages::default();
-    messages.read(&app);
+    read(&mut messages, &app);
     let pause = |app: &mut App, paused: bool| {
         app.world_mut().resource_mut::<MorphCollisionSettings>().paused = paused;
         app.update();
@@ -284,13 +288,16 @@ fn nothing_starts_or_ends_while_collisions_are_paused() {
     app.update();
     move_to(&mut app, other, -0.8);
     pause(&mut app, false);
-    assert_eq!(messages.read(&app), (vec![], vec![]), "nobody saw it");
+    assert_eq!(read(&mut messages, &app), (vec![], vec![]), "nobody saw it");
     pause(&mut app, true);
     app.world_mut().entity_mut(first).remove::<MorphColliderOf>();
     app.update();
-    assert_eq!(messages.read(&app), (vec![], vec![]));
+    assert_eq!(read(&mut messages, &app), (vec![], vec![]));
     pause(&mut app, false);
-    assert_eq!(messages.read(&app), (vec![pair(first, other)], vec![pair(body, other)]));
+    assert_eq!(
+        read(&mut messages, &app),
+        (vec![pair(first, other)], vec![pair(body, other)])
+    );
 }
 
 #[test]

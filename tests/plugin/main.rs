@@ -1,5 +1,6 @@
 //! The whole plugin in a Bevy app without a window.
 
+mod actors;
 mod anchors;
 mod bodies;
 mod body_events;
@@ -8,6 +9,7 @@ mod broken_meshes;
 mod changes;
 mod collapsed;
 mod compressed;
+mod continuous;
 #[cfg(feature = "render")]
 mod cookbook;
 mod dolphins;

@@ -11,6 +11,7 @@ const FIRST: MorphCollider = MorphCollider {
     mode: MorphCollisionMode::First,
     margin: 0.25,
     tolerance: 0.125,
+    continuous: true,
 };
 
 /// A scene with a morphing part, a rigid one, and a named morphing one whose name is on the entity above its mesh.

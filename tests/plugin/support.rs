@@ -126,3 +126,20 @@ impl Messages {
         )
     }
 }
+
+/// The messages about bodies since the last call, or since the beginning.
+#[derive(Default)]
+pub(crate) struct BodyMessages {
+    starts: MessageCursor<MorphBodyCollisionStart>,
+    ends: MessageCursor<MorphBodyCollisionEnd>,
+}
+
+impl BodyMessages {
+    pub(crate) fn read(&mut self, app: &App) -> (Vec<MorphBodyCollisionStart>, Vec<MorphBodyCollisionEnd>) {
+        let (starts, ends) = (app.world().resource(), app.world().resource());
+        (
+            self.starts.read(starts).copied().collect(),
+            self.ends.read(ends).copied().collect(),
+        )
+    }
+}

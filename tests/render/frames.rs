@@ -203,6 +203,30 @@ fn boxes_that_follow_the_morph_keep_what_is_in_sight() {
 }
 
 #[test]
+fn a_slap_between_two_frames_leaves_a_mark_on_one_side_only() {
+    let _alone = alone();
+    let mut show = offscreen(shows::slap(), SIZE);
+    show.advance(30);
+    let red = |show: &mut Offscreen| {
+        let picture = show.picture().unwrap();
+        [0..160, 160..320].map(|half| count(&picture, |picture, x, y| half.contains(&x) && is_red(picture, x, y)))
+    };
+    assert_eq!(red(&mut show), [0, 0]);
+    // The slap is in frame 36.
+    show.advance(9);
+    let [left, right] = red(&mut show);
+    assert!(
+        left == 0 && right > 5,
+        "{left} red pixels on the left, {right} on the right"
+    );
+    let notes = show.app_mut().world().resource::<Notes>().0.clone();
+    let [(_, left), (_, right), ..] = &notes[..] else {
+        panic!("{notes:?}")
+    };
+    assert_eq!((left.as_str(), right.as_str()), ("0 of 1 slaps", "1 of 1 slaps"));
+}
+
+#[test]
 fn a_crowd_is_drawn() {
     let _alone = alone();
     let (mut show, _) = watch(shows::crowd(Path::new("dolphin_564.glb"), 60, false), 10);

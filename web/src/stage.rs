@@ -76,6 +76,7 @@ impl Stage {
             "character" => shows::character(),
             "picking" => shows::picking(),
             "culling" => shows::culling(),
+            "slap" => shows::slap(),
             "physics" => shows::physics(Game::default()),
             "crowd" => shows::crowd(dolphin, 125, false),
             "own" => shows::own(self.inbox.clone(), self.verdict.clone()),

@@ -13,21 +13,32 @@ pub(crate) struct BodyPairs {
     /// The two bodies and the two colliders of each contact, ascending.
     now: Vec<(Pair, Pair)>,
     before: Vec<(Pair, Pair)>,
+    /// The same of contacts that began and ended in the last run.
+    passed: Vec<(Pair, Pair)>,
+    /// All of `now` and `passed`, if anything passed.
+    touched: Vec<(Pair, Pair)>,
     /// Whether anything was compared in the last run. If not, `before` belongs to an earlier run.
     compared: bool,
 }
 
 impl BodyPairs {
     /// Replaces the contacts after a run in which colliders were compared.
-    fn replace<'a>(&mut self, contacts: impl Iterator<Item = &'a MorphContact>) {
+    fn replace<'a>(&mut self, contacts: impl Iterator<Item = &'a MorphContact>, passed: &[MorphContact]) {
         std::mem::swap(&mut self.now, &mut self.before);
+        let entry = |contact: &MorphContact| (ascending(contact.body1, contact.body2), contact.pair());
         self.now.clear();
-        self.now.extend(contacts.map(|contact| {
-            let colliders = (contact.collider1, contact.collider2);
-            (ascending(contact.body1, contact.body2), colliders)
-        }));
+        self.now.extend(contacts.map(entry));
         // Already sorted if every collider is a body of its own.
         self.now.sort_unstable();
+        self.passed.clear();
+        self.passed.extend(passed.iter().map(entry));
+        self.passed.sort_unstable();
+        self.touched.clear();
+        if !passed.is_empty() {
+            self.touched.extend_from_slice(&self.now);
+            self.touched.extend_from_slice(&self.passed);
+            self.touched.sort_unstable();
+        }
     }
 
     /// The contacts of two bodies.
@@ -38,26 +49,37 @@ impl BodyPairs {
         &self.now[start..end]
     }
 
-    /// Pairs of bodies that started touching, with the first contact of each.
-    pub(crate) fn started(&self) -> impl Iterator<Item = (Pair, Pair)> {
-        let now = if self.compared { &self.now[..] } else { &[] };
-        news(now, &self.before)
+    /// Pairs of bodies that started touching, with all of their contacts.
+    pub(crate) fn started(&self) -> impl Iterator<Item = &[(Pair, Pair)]> {
+        let touched = match (self.compared, self.passed.is_empty()) {
+            (false, _) => &[],
+            (true, true) => &self.now[..],
+            (true, false) => &self.touched[..],
+        };
+        news(touched, &self.before)
     }
 
     /// Pairs of bodies that stopped touching.
     pub(crate) fn ended(&self) -> impl Iterator<Item = Pair> {
         let before = if self.compared { &self.before[..] } else { &[] };
-        news(before, &self.now).map(|(bodies, _)| bodies)
+        news(before, &self.now).map(|contacts| contacts[0].0)
+    }
+
+    /// Pairs of bodies that started and stopped touching.
+    pub(crate) fn passed(&self) -> impl Iterator<Item = Pair> {
+        let passed = if self.compared { &self.passed[..] } else { &[] };
+        let were_apart = |bodies: &Pair| self.before.binary_search_by_key(bodies, |&(of, _)| of).is_err();
+        news(passed, &self.now).map(|contacts| contacts[0].0).filter(were_apart)
     }
 }
 
-/// Returns the first contact of each pair of bodies that is in one sorted list but not in the other, in one pass over both.
-fn news(list: &[(Pair, Pair)], other: &[(Pair, Pair)]) -> impl Iterator<Item = (Pair, Pair)> {
+/// Returns the contacts of each pair of bodies that is in one sorted list but not in the other, in one pass over both.
+fn news<'l>(list: &'l [(Pair, Pair)], other: &'l [(Pair, Pair)]) -> impl Iterator<Item = &'l [(Pair, Pair)]> {
     let mut other = other.iter().map(|&(bodies, _)| bodies).peekable();
-    list.chunk_by(|a, b| a.0 == b.0).filter_map(move |contacts| {
-        let first = contacts[0];
-        while other.next_if(|&bodies| bodies < first.0).is_some() {}
-        (other.peek() != Some(&first.0)).then_some(first)
+    list.chunk_by(|a, b| a.0 == b.0).filter(move |contacts| {
+        let bodies = contacts[0].0;
+        while other.next_if(|&other| other < bodies).is_some() {}
+        other.peek() != Some(&bodies)
     })
 }
 
@@ -71,7 +93,8 @@ pub(crate) fn pair_bodies(mut collisions: ResMut<MorphCollisions>) {
     let collisions = collisions.bypass_change_detection();
     collisions.bodies.compared = collisions.compared;
     if collisions.compared {
-        collisions.bodies.replace(collisions.current.values());
+        let passed = collisions.changes.passed_in_run();
+        collisions.bodies.replace(collisions.current.values(), passed);
     }
 }
 

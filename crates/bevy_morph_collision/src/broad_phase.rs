@@ -8,9 +8,8 @@ use morph_collision::{Aabb, InputError, WorldFromModel, overlapping_pairs};
 use tracing::{debug_span, error};
 
 use crate::body::{MorphColliderOf, body_of};
-use crate::collider::{
-    ColliderState, Form, LockedPose, MorphCollider, MorphColliderDisabled, MorphCollisionMode, Placement,
-};
+use crate::collider::{ColliderState, Form, LockedPose, MorphCollider, MorphColliderDisabled, Placement, Skip};
+use crate::continuous::{SweptPairs, Teleports};
 use crate::diagnostics::MorphCollisionDiagnostics;
 use crate::layers::MorphCollisionLayers;
 use crate::shape::MorphShape;
@@ -19,6 +18,8 @@ use crate::shape::MorphShape;
 #[derive(Resource, Default)]
 pub(crate) struct Candidates {
     pub(crate) pairs: Vec<(Entity, Entity)>,
+    /// Pairs to compare on their way from the last run, whether or not they are in `pairs`.
+    pub(crate) swept: SweptPairs,
     /// Whether any collider changed, was added or was removed since the previous run.
     pub(crate) changed: bool,
     run: u32,
@@ -68,6 +69,7 @@ pub(crate) struct Participant {
 pub(crate) fn find_candidates(
     mut colliders: Query<Participant>,
     names: Query<NameOrEntity>,
+    mut teleports: Teleports,
     mut candidates: ResMut<Candidates>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
@@ -76,8 +78,9 @@ pub(crate) fn find_candidates(
     let candidates = &mut *candidates;
     candidates.run = candidates.run.wrapping_add(1);
     let mut present = 0;
-    let (mut changed, mut any_moved) = (false, false);
+    let (mut changed, mut any_moved, mut any_continuous) = (false, false, false);
     for mut participant in &mut colliders {
+        any_continuous |= participant.collider.continuous;
         let stale = participant.state.seen.wrapping_add(1) != candidates.run;
         if !stale && participant.rests() {
             participant.state.seen = candidates.run;
@@ -111,8 +114,18 @@ pub(crate) fn find_candidates(
         present += usize::from(placed.is_some());
     }
     candidates.changed = changed || present != candidates.colliders.len();
+    let elsewhere = teleports.take();
+    let is_interrupted = std::mem::take(&mut candidates.swept.is_interrupted);
+    candidates.swept.clear();
+    let any_way = any_continuous && !is_interrupted && candidates.changed;
+    if any_way {
+        candidates.swept.remember(&candidates.colliders);
+    }
     if candidates.changed {
         candidates.sweep(&colliders);
+    }
+    if any_way {
+        candidates.swept.find(&candidates.colliders, &elsewhere);
     }
     candidates.version += u64::from(candidates.changed || any_moved);
 
@@ -151,6 +164,7 @@ impl ParticipantItem<'_, '_> {
             && !self.is_disabled
             && self.collider.tolerance == 0.0
             && self.collider.margin == placed.margin
+            && self.collider.continuous == placed.continuous
             && self.collider.mode == placed.mode
             && self.layers.copied().unwrap_or_default() == placed.layers
             && body_of(self.entity, self.body) == placed.body
@@ -208,6 +222,7 @@ impl ParticipantItem<'_, '_> {
             // If the user removes the layers, the defaults apply.
             layers: self.layers.copied().unwrap_or_default(),
             margin,
+            continuous: self.collider.continuous,
             bounds,
         }))
     }
@@ -299,17 +314,15 @@ impl Candidates {
         counts.overlaps = self.overlaps.len() as u64;
         for &(i, j) in &self.overlaps {
             let ((a, placed_a), (b, placed_b)) = (&self.colliders[i as usize], &self.colliders[j as usize]);
-            let skipped = if placed_a.body == placed_b.body {
-                &mut counts.same_body
-            } else if !placed_a.layers.interacts_with(placed_b.layers) {
-                &mut counts.layers
-            } else if placed_a.mode.max(placed_b.mode) == MorphCollisionMode::Passive {
-                &mut counts.passive
-            } else if matches!((placed_a.form, placed_b.form), (Form::Shape(_), Form::Shape(_))) {
-                &mut counts.rigid
-            } else {
-                self.pairs.push((*a, *b));
-                continue;
+            let skipped = match placed_a.skips(placed_b) {
+                Some(Skip::SameBody) => &mut counts.same_body,
+                Some(Skip::Layers) => &mut counts.layers,
+                Some(Skip::Passive) => &mut counts.passive,
+                Some(Skip::Rigid) => &mut counts.rigid,
+                None => {
+                    self.pairs.push((*a, *b));
+                    continue;
+                }
             };
             *skipped += 1;
         }

@@ -4,6 +4,7 @@ use bevy::app::{FixedFirst, FixedLast, FixedPostUpdate, FixedPreUpdate, FixedUpd
 use bevy::ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy::prelude::*;
 
+use crate::broad_phase::Candidates;
 use crate::contacts::{MorphCollisions, MorphContact};
 
 /// Pairs that started and contacts that ended, in the order of runs.
@@ -16,6 +17,8 @@ pub(crate) struct Changes {
     pub(crate) ended: Vec<MorphContact>,
     /// Where the changes of the last run start.
     run: (usize, usize),
+    /// Where, in `ended`, the contacts start that both began and ended in the last run.
+    passed: usize,
     /// Whether the plugin runs in a fixed schedule.
     is_fixed: bool,
     /// Whether there was a run since the fixed schedules were entered.
@@ -40,15 +43,20 @@ impl Changes {
         }
         self.has_run = true;
         self.run = (self.started.len(), self.ended.len());
+        self.passed = self.ended.len();
         if self.shown == Shown::Nothing {
             self.shown = Shown::Run;
         }
     }
 
-    /// Sorts the changes of this run by their colliders.
-    pub(crate) fn sort_run(&mut self) {
+    /// Sorts the changes of this run by their colliders. Adds contacts that began and ended within the run.
+    pub(crate) fn end_run(&mut self, mut passed: Vec<MorphContact>) {
+        self.ended[self.run.1..].sort_unstable_by_key(MorphContact::pair);
+        passed.sort_unstable_by_key(MorphContact::pair);
+        self.started.extend(passed.iter().map(MorphContact::pair));
         self.started[self.run.0..].sort_unstable();
-        self.ended[self.run.1..].sort_unstable_by_key(|contact| (contact.collider1, contact.collider2));
+        self.passed = self.ended.len();
+        self.ended.append(&mut passed);
     }
 
     /// The pairs that started in the last run.
@@ -56,9 +64,14 @@ impl Changes {
         &self.started[self.run.0..]
     }
 
-    /// The contacts that ended in the last run.
+    /// The contacts of earlier runs that ended in the last run.
     pub(crate) fn ended_in_run(&self) -> &[MorphContact] {
-        &self.ended[self.run.1..]
+        &self.ended[self.run.1..self.passed]
+    }
+
+    /// The contacts that began and ended in the last run.
+    pub(crate) fn passed_in_run(&self) -> &[MorphContact] {
+        &self.ended[self.passed..]
     }
 
     /// The pairs that started, as the current caller should see them.
@@ -73,7 +86,7 @@ impl Changes {
     /// The contacts that ended, as the current caller should see them.
     pub(crate) fn ended(&self) -> &[MorphContact] {
         match self.shown {
-            Shown::Run => self.ended_in_run(),
+            Shown::Run => &self.ended[self.run.1..],
             Shown::Frame => &self.ended,
             Shown::Nothing => &[],
         }
@@ -125,7 +138,8 @@ fn show_frame(mut collisions: ResMut<MorphCollisions>) {
     changes.has_run = false;
 }
 
-/// While the plugin is paused, nothing starts or ends.
-pub(crate) fn begin_empty_run(mut collisions: ResMut<MorphCollisions>) {
+/// While the plugin is paused, nothing starts or ends, and motion does not count.
+pub(crate) fn begin_empty_run(mut collisions: ResMut<MorphCollisions>, mut candidates: ResMut<Candidates>) {
     collisions.bypass_change_detection().changes.begin_run();
+    candidates.bypass_change_detection().swept.is_interrupted = true;
 }

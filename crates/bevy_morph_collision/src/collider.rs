@@ -49,16 +49,35 @@ pub struct MorphCollider {
     /// Only collisions use the tolerance: spatial queries, anchors, bounds for culling and physics always see the current state.
     /// All other changes, such as of the mesh, layers, mode or body, take effect immediately.
     pub tolerance: f32,
+    /// Whether pairs of this collider are also compared on the way from where they were in the last run to where they are now. Then
+    /// what is fast, such as a bullet or a slap at a low frame rate, cannot pass through others unnoticed.
+    ///
+    /// It is enough if one of two colliders is continuous; the motion of both counts. In between, every vertex moves on a straight
+    /// line in the world. [`MorphContact::impact`](crate::MorphContact::impact) tells when and where a contact began. A contact that
+    /// begins and ends between two runs is reported as started and then as ended, in the same run.
+    ///
+    /// Motion counts from one run to the next, with weights, joints and transforms together. It does not count
+    ///
+    /// - in pairs with a [`MorphShape`](crate::MorphShape): what should not pass through others needs a mesh;
+    /// - while collisions are paused, and for colliders that took no part in the last run (new, disabled, or with another mesh);
+    /// - for entities that you put somewhere else: tell the plugin with [`MorphTeleported`](crate::MorphTeleported).
+    ///
+    /// The margin only counts where the colliders are now, not on the way. Straight lines flatten what turns far from one run to the
+    /// next: half a turn leads through the axis.
+    ///
+    /// Costs a second pose, and one query along the way for each pair that is close and did not touch.
+    pub continuous: bool,
 }
 
 impl MorphCollider {
-    /// Creates a collider without margin and tolerance.
+    /// Creates a collider without margin and tolerance that is not continuous.
     #[must_use]
     pub fn new(mode: MorphCollisionMode) -> Self {
         Self {
             mode,
             margin: 0.0,
             tolerance: 0.0,
+            continuous: false,
         }
     }
 
@@ -76,10 +95,17 @@ impl MorphCollider {
         self
     }
 
+    /// Sets whether the collider is also compared on its way.
+    #[must_use]
+    pub fn with_continuous(mut self, continuous: bool) -> Self {
+        self.continuous = continuous;
+        self
+    }
+
     /// Whether all fields are equal, bit by bit, so that a NaN margin equals itself.
     pub(crate) fn is_same(&self, other: &Self) -> bool {
         let bits = |collider: &Self| [collider.margin, collider.tolerance].map(f32::to_bits);
-        self.mode == other.mode && bits(self) == bits(other)
+        self.mode == other.mode && self.continuous == other.continuous && bits(self) == bits(other)
     }
 }
 
@@ -169,6 +195,7 @@ pub(crate) struct Placement {
     pub(crate) mode: MorphCollisionMode,
     pub(crate) layers: MorphCollisionLayers,
     pub(crate) margin: f32,
+    pub(crate) continuous: bool,
     /// In world space, without the margin.
     pub(crate) bounds: Aabb,
 }
@@ -181,7 +208,31 @@ pub(crate) enum Form {
     Shape(PlacedShape),
 }
 
+/// Why two colliders whose boxes overlap are not compared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Skip {
+    SameBody,
+    Layers,
+    Passive,
+    Rigid,
+}
+
 impl Placement {
+    /// Why the two are not compared; `None` if they are.
+    pub(crate) fn skips(&self, other: &Self) -> Option<Skip> {
+        if self.body == other.body {
+            Some(Skip::SameBody)
+        } else if !self.layers.interacts_with(other.layers) {
+            Some(Skip::Layers)
+        } else if self.mode.max(other.mode) == MorphCollisionMode::Passive {
+            Some(Skip::Passive)
+        } else if matches!((self.form, other.form), (Form::Shape(_), Form::Shape(_))) {
+            Some(Skip::Rigid)
+        } else {
+            None
+        }
+    }
+
     pub(crate) fn bounds_with_margin(&self) -> Aabb {
         let Aabb { min, max } = self.bounds;
         if self.margin == 0.0 {

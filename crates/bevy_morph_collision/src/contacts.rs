@@ -8,6 +8,7 @@ use morph_collision::{ShapeContact, TrianglePair};
 use crate::body_pairs::BodyPairs;
 use crate::changes::Changes;
 use crate::collider::MorphCollisionMode;
+use crate::impact::MorphImpact;
 
 /// The colliders that touch, as of the last run of [`NarrowPhase`](crate::MorphCollisionSystems::NarrowPhase).
 ///
@@ -81,6 +82,11 @@ pub struct MorphContact {
     pub is_truncated: bool,
     /// Up to four contact points, deepest first. Only in mode [`Contacts`](MorphCollisionMode::Contacts).
     pub points: Vec<MorphContactPoint>,
+    /// How the contact began, if one of the colliders is [continuous](crate::MorphCollider::continuous). It stays the same as long as
+    /// the contact lasts. `None` if they were not compared on their way when the contact began.
+    ///
+    /// If the contact began and ended between two runs, `point`, `normal` and `triangles` are those of the impact.
+    pub impact: Option<MorphImpact>,
 }
 
 /// A point at which two colliders touch.
@@ -133,6 +139,17 @@ impl MorphContact {
     /// The triangle number used for colliders without triangles.
     pub const NO_TRIANGLE: u32 = u32::MAX;
 
+    /// The two colliders, in ascending order.
+    pub(crate) fn pair(&self) -> (Entity, Entity) {
+        (self.collider1, self.collider2)
+    }
+
+    /// Where the contact began, with its normal: at the impact if there is one.
+    pub(crate) fn begins_at(&self) -> (Vec3, Vec3) {
+        self.impact
+            .map_or((self.point, self.normal), |impact| (impact.point, impact.normal))
+    }
+
     /// The other collider of the pair; `None` if `collider` is not part of it.
     #[must_use]
     pub fn other(&self, collider: Entity) -> Option<Entity> {
@@ -184,7 +201,7 @@ impl MorphCollisions {
     /// A contact that started and ended within one frame is in the state in which it ended.
     pub fn started(&self) -> impl Iterator<Item = &MorphContact> {
         let ended = |pair: &(Entity, Entity)| {
-            let is_one = |contact: &&MorphContact| (contact.collider1, contact.collider2) == *pair;
+            let is_one = |contact: &&MorphContact| contact.pair() == *pair;
             self.changes.ended.iter().rev().find(is_one)
         };
         let started = self.changes.started().iter();
@@ -200,6 +217,13 @@ impl MorphCollisions {
     /// Contacts that started in the last run.
     pub(crate) fn started_in_run(&self) -> impl Iterator<Item = &MorphContact> {
         let started = self.changes.started_in_run().iter();
-        started.filter_map(|pair| self.current.get(pair))
+        started.filter_map(|&pair| self.in_run(pair))
+    }
+
+    /// A contact that lasts, or that began and ended in the last run.
+    pub(crate) fn in_run(&self, pair: (Entity, Entity)) -> Option<&MorphContact> {
+        let passed = self.changes.passed_in_run();
+        let place = || passed.binary_search_by_key(&pair, MorphContact::pair).ok();
+        self.current.get(&pair).or_else(|| passed.get(place()?))
     }
 }

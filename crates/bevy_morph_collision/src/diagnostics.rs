@@ -28,6 +28,9 @@ pub struct MorphCollisionDiagnostics {
     pub candidate_pairs: u64,
     /// Candidate pairs that keep their last answer because neither collider changed, or only within its tolerance.
     pub skipped_unchanged: u64,
+    /// Pairs that were compared on their way from the last run, because a collider is
+    /// [continuous](crate::MorphCollider::continuous) and they did not touch then.
+    pub swept_pairs: u64,
     /// Pairs of colliders that touched.
     pub touching_pairs: u64,
     /// Triangle pairs listed in [`MorphCollisions`](crate::MorphCollisions).

@@ -11,6 +11,7 @@ use tracing::debug_span;
 use crate::body::MorphColliders;
 use crate::contacts::{MorphCollisions, MorphContact};
 use crate::diagnostics::MorphCollisionDiagnostics;
+use crate::impact::MorphImpact;
 
 /// Two colliders started touching.
 ///
@@ -28,15 +29,20 @@ pub struct MorphCollisionStart {
     pub body1: Entity,
     /// The body of `collider2`.
     pub body2: Entity,
-    /// Where they touch, in world space; see [`MorphContact::point`].
+    /// Where they touch, in world space; see [`MorphContact::point`]. With an impact, where they first touched.
     pub point: Vec3,
-    /// The unit vector along which `collider1` moves out of `collider2`; see [`MorphContact::normal`].
+    /// The unit vector along which `collider1` moves out of `collider2`; see [`MorphContact::normal`]. With an impact, when they
+    /// first touched.
     pub normal: Vec3,
+    /// When and where the contact began, if one of the colliders is [continuous](crate::MorphCollider::continuous); see
+    /// [`MorphContact::impact`].
+    pub impact: Option<MorphImpact>,
 }
 
 /// Two colliders stopped touching.
 ///
-/// It is sent in the same way as [`MorphCollisionStart`]. It is also sent when a collider
+/// It is sent in the same way as [`MorphCollisionStart`]. If a contact of a [continuous](crate::MorphCollider::continuous) collider
+/// begins and ends between two runs, both are sent in the same run, the start first. It is also sent when a collider
 ///
 /// - was despawned, so the entities may no longer exist;
 /// - was left out because its mesh or transform became unusable;
@@ -89,7 +95,8 @@ impl std::ops::Deref for MorphCollidingEntities {
     }
 }
 
-/// Reports the changes of this run: first the ended contacts, then the started ones, each in ascending order.
+/// Reports the changes of this run: first the contacts that ended, then those that started, then the ends of those that both
+/// started and ended. Each in ascending order.
 pub(crate) fn report_changes(
     collisions: Res<MorphCollisions>,
     enabled: Query<(), (With<MorphCollisionEventsEnabled>, Allow<Disabled>)>,
@@ -100,53 +107,73 @@ pub(crate) fn report_changes(
 ) {
     let start = Instant::now();
     let _span = debug_span!("morph_collision::events").entered();
-    for contact in collisions.changes.ended_in_run() {
-        let [first, second] = both_ways(contact).map(|([collider1, collider2, body1, body2], _)| MorphCollisionEnd {
-            collider1,
-            collider2,
-            body1,
-            body2,
-        });
-        ends.write(first);
-        for event in [first, second] {
-            if enabled.contains(event.collider1) {
-                commands.trigger(event);
-            }
-        }
-    }
-    for contact in collisions.started_in_run() {
-        let [first, second] =
-            both_ways(contact).map(|([collider1, collider2, body1, body2], normal)| MorphCollisionStart {
+    let mut end_all = |contacts: &[MorphContact], commands: &mut Commands| {
+        for contact in contacts {
+            let [first, second] = both_ways(contact).map(|[collider1, collider2, body1, body2]| MorphCollisionEnd {
                 collider1,
                 collider2,
                 body1,
                 body2,
-                point: contact.point,
-                normal,
             });
+            ends.write(first);
+            for event in [first, second] {
+                if enabled.contains(event.collider1) {
+                    commands.trigger(event);
+                }
+            }
+        }
+    };
+    end_all(collisions.changes.ended_in_run(), &mut commands);
+    for contact in collisions.started_in_run() {
+        let (point, normal) = contact.begins_at();
+        let [[collider1, collider2, body1, body2], _] = both_ways(contact);
+        let first = MorphCollisionStart {
+            collider1,
+            collider2,
+            body1,
+            body2,
+            point,
+            normal,
+            impact: contact.impact,
+        };
         starts.write(first);
-        for event in [first, second] {
+        for event in [first, first.reversed()] {
             if enabled.contains(event.collider1) {
                 commands.trigger(event);
             }
         }
     }
+    end_all(collisions.changes.passed_in_run(), &mut commands);
     diagnostics.duration += start.elapsed();
 }
 
-/// The colliders, bodies and normal from the view of either collider.
-fn both_ways(contact: &MorphContact) -> [([Entity; 4], Vec3); 2] {
+impl MorphCollisionStart {
+    /// The same start from the view of the other collider.
+    fn reversed(self) -> Self {
+        Self {
+            collider1: self.collider2,
+            collider2: self.collider1,
+            body1: self.body2,
+            body2: self.body1,
+            normal: -self.normal,
+            impact: self.impact.map(MorphImpact::reversed),
+            ..self
+        }
+    }
+}
+
+/// The colliders and bodies from the view of either collider.
+fn both_ways(contact: &MorphContact) -> [[Entity; 4]; 2] {
     let &MorphContact {
         collider1,
         collider2,
         body1,
         body2,
-        normal,
         ..
     } = contact;
     [
-        ([collider1, collider2, body1, body2], normal),
-        ([collider2, collider1, body2, body1], -normal),
+        [collider1, collider2, body1, body2],
+        [collider2, collider1, body2, body1],
     ]
 }
 
@@ -169,7 +196,7 @@ pub(crate) fn list_colliding_entities(
     let empty = |(entity, _, colliders): (Entity, _, Option<_>)| (entity, (colliders.is_some(), Vec::new()));
     let mut touching: EntityHashMap<(bool, Vec<Entity>)> = lists.iter().map(empty).collect();
     for contact in collisions.iter() {
-        for ([collider, other, body, other_body], _) in both_ways(contact) {
+        for [collider, other, body, other_body] in both_ways(contact) {
             if let Some((false, list)) = touching.get_mut(&collider) {
                 list.push(other);
             }

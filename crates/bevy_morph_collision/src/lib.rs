@@ -50,6 +50,8 @@
 //! Each stage adds to [`MorphCollisionDiagnostics`]. Unchanged colliders cost almost nothing: weights, joints and transforms are
 //! compared by value, and a pair keeps its answer if neither of its colliders changed. In a frame without changes, each collider
 //! is only checked once. With a [`tolerance`](MorphCollider::tolerance), small movements do not count as changes (`tolerance`).
+//! Pairs of a [`continuous`](MorphCollider::continuous) collider are also compared on the way from the last run (`continuous`,
+//! `impact`).
 //!
 //! Independent of the pipeline:
 //!
@@ -115,11 +117,13 @@ mod broad_phase;
 mod changes;
 mod collider;
 mod contacts;
+mod continuous;
 mod diagnostics;
 mod events;
 mod every_mesh;
 #[cfg(feature = "gizmos")]
 mod gizmos;
+mod impact;
 mod import;
 mod joints;
 mod layers;
@@ -156,12 +160,14 @@ pub use body_events::{MorphBodyCollisionEnd, MorphBodyCollisionStart};
 pub use bounds::{MorphBoundsPlugin, MorphBoundsSystems};
 pub use collider::{MorphCollider, MorphColliderDisabled, MorphCollisionMode};
 pub use contacts::{MorphCollisions, MorphContact, MorphContactPoint};
+pub use continuous::MorphTeleported;
 pub use diagnostics::MorphCollisionDiagnostics;
 #[cfg(feature = "diagnostics")]
 pub use diagnostics::MorphCollisionDiagnosticsPlugin;
 pub use events::{MorphCollidingEntities, MorphCollisionEnd, MorphCollisionEventsEnabled, MorphCollisionStart};
 #[cfg(feature = "gizmos")]
 pub use gizmos::{MorphGizmos, MorphGizmosPlugin};
+pub use impact::{MorphFeatures, MorphImpact};
 pub use import::{DefaultMorphTreeSettings, ImportError, MorphTreeProgress, MorphTreeSettings, MorphTrees};
 pub use layers::MorphCollisionLayers;
 pub use morph_collision;
@@ -194,8 +200,9 @@ pub mod prelude {
         MorphCollider, MorphColliderDisabled, MorphColliderOf, MorphColliderScene, MorphColliders,
         MorphCollidingEntities, MorphCollisionDiagnostics, MorphCollisionEnd, MorphCollisionEventsEnabled,
         MorphCollisionLayers, MorphCollisionMode, MorphCollisionPlugin, MorphCollisionSettings, MorphCollisionStart,
-        MorphCollisionSystems, MorphCollisions, MorphContact, MorphContactPoint, MorphPlugins, MorphQueryFilter,
-        MorphRayHit, MorphShape, MorphShapeHit, MorphSpatialQuery, MorphSurfaceAnchor, MorphTreeSettings, TrianglePair,
+        MorphCollisionSystems, MorphCollisions, MorphContact, MorphContactPoint, MorphFeatures, MorphImpact,
+        MorphPlugins, MorphQueryFilter, MorphRayHit, MorphShape, MorphShapeHit, MorphSpatialQuery, MorphSurfaceAnchor,
+        MorphTeleported, MorphTreeSettings, TrianglePair,
     };
     pub use crate::{
         ImportError, MorphColliderFailed, MorphColliderReady, MorphColliderSceneReady, MorphTreeProgress, MorphTrees,

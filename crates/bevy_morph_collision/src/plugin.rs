@@ -12,8 +12,10 @@ use bevy::transform::systems::{mark_dirty_trees, propagate_parent_transforms, sy
 use crate::body::{MorphBodyRoot, MorphColliderOf, MorphColliders};
 use crate::body_events::{MorphBodyCollisionEnd, MorphBodyCollisionStart};
 use crate::contacts::{MorphCollisions, MorphContact, MorphContactPoint};
+use crate::continuous::MorphTeleported;
 use crate::diagnostics::MorphCollisionDiagnostics;
 use crate::events::{MorphCollidingEntities, MorphCollisionEnd, MorphCollisionEventsEnabled, MorphCollisionStart};
+use crate::impact::{MorphFeatures, MorphImpact};
 use crate::import::{DefaultMorphTreeSettings, ImportError, MorphTreeProgress, MorphTreeSettings, MorphTrees};
 use crate::readiness::{MorphColliderFailed, MorphColliderReady, MorphColliderSceneReady};
 use crate::spatial::{
@@ -238,6 +240,9 @@ fn register_types(app: &mut App) {
         .register_type::<MorphCollisions>()
         .register_type::<MorphContact>()
         .register_type::<MorphContactPoint>()
+        .register_type::<MorphImpact>()
+        .register_type::<MorphFeatures>()
+        .register_type::<MorphTeleported>()
         .register_type::<MorphRayHit>()
         .register_type::<MorphProjection>()
         .register_type::<MorphShapeHit>()

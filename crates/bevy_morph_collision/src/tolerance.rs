@@ -6,7 +6,7 @@
 
 use std::sync::Arc;
 
-use morph_collision::{Body, Pose};
+use morph_collision::{Body, Pose, PoseSnapshot};
 
 use crate::collider::{ColliderState, Form, LockedPose, Placement};
 
@@ -15,6 +15,8 @@ pub(crate) struct Held {
     /// The pose of a mesh; `None` for a shape.
     pub(crate) pose: Option<LockedPose>,
     pub(crate) placed: Placement,
+    /// The shape of a mesh before the last update of this state.
+    pub(crate) before: PoseSnapshot,
     /// The tolerance at the last comparison.
     tolerance: f32,
     /// Whether the collider has changed since this state was taken.
@@ -55,6 +57,9 @@ impl ColliderState {
         let pose = self.pose.as_mut().filter(|_| is_mesh).map(|pose| &*pose.get_mut());
         match &mut self.held {
             Some(held) => {
+                if let Some(before) = &mut held.pose {
+                    held.before.take(before.get_mut());
+                }
                 held.take_pose(pose);
                 held.placed = placed;
                 held.tolerance = tolerance;
@@ -64,6 +69,7 @@ impl ColliderState {
                 self.held = Some(Box::new(Held {
                     pose: pose.cloned().map(LockedPose::new),
                     placed,
+                    before: self.before.shape.clone(),
                     tolerance,
                     is_behind: false,
                 }));

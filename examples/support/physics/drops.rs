@@ -41,18 +41,35 @@ pub fn bowl() -> MorphMesh {
         *vertex *= 3.0;
         vertex.y = 0.03 * (vertex.x * vertex.x + vertex.z * vertex.z);
     }
-    let wave = |direction: Vec2, phase: f32| {
-        let height = |p: &Vec3| 0.3 * (direction.dot(p.xz()) + phase).sin();
-        mesh.positions.iter().map(|p| Vec3::Y * height(p)).collect()
-    };
-    mesh.targets = vec![wave(Vec2::new(1.0, 0.2), 0.0), wave(Vec2::new(-0.3, 0.9), 1.0)];
+    let wave = |wave: &Wave| mesh.positions.iter().map(|&p| Vec3::Y * height(wave, p)).collect();
+    mesh.targets = WAVES.iter().map(wave).collect();
     mesh
+}
+
+/// Direction and phase of a wave.
+type Wave = (Vec2, f32);
+
+const WAVES: [Wave; 2] = [(Vec2::new(1.0, 0.2), 0.0), (Vec2::new(-0.3, 0.9), 1.0)];
+
+fn height((direction, phase): &Wave, at: Vec3) -> f32 {
+    0.3 * (direction.dot(at.xz()) + phase).sin()
 }
 
 /// The bowl's weights at a time.
 #[must_use]
 pub fn waves(time: f32) -> [f32; 2] {
     [(3.0 * time).sin(), (2.3 * time).cos()]
+}
+
+/// How far a point is above the bowl, roughly.
+#[must_use]
+pub fn above(at: Vec3, weights: &[f32; 2]) -> f32 {
+    let waves: f32 = WAVES
+        .iter()
+        .zip(weights)
+        .map(|(wave, weight)| weight * height(wave, at))
+        .sum();
+    at.y - 0.03 * at.xz().length_squared() - waves
 }
 
 /// The bodies of a batch; the same batch number gives the same bodies.

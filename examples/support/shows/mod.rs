@@ -10,6 +10,7 @@ mod own;
 mod pass_through;
 mod physics;
 mod picking;
+mod slap;
 
 pub use character::character;
 pub use crowd::crowd;
@@ -20,3 +21,4 @@ pub use own::{Inbox, Judged, Verdict, own};
 pub use pass_through::pass_through;
 pub use physics::physics;
 pub use picking::{Arrow, picking};
+pub use slap::slap;

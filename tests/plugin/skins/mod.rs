@@ -28,7 +28,7 @@ use morph_collision_testkit::mesh::MorphMesh;
 use crate::support::{bevy_mesh, cube};
 
 /// A mesh each of whose vertices follows one joint.
-fn boned(mesh: &MorphMesh, joint_of: impl Fn(Vec3) -> u16) -> Mesh {
+pub(crate) fn boned(mesh: &MorphMesh, joint_of: impl Fn(Vec3) -> u16) -> Mesh {
     let joints: Vec<[u16; 4]> = mesh.positions.iter().map(|&p| [joint_of(p), 0, 0, 0]).collect();
     let weights = vec![[1.0_f32, 0.0, 0.0, 0.0]; joints.len()];
     bevy_mesh(mesh)
@@ -42,17 +42,17 @@ fn limb() -> Mesh {
     boned(&cube(), |p| u16::from(p.x > 0.0))
 }
 
-fn add(app: &mut App, mesh: Mesh) -> Handle<Mesh> {
+pub(crate) fn add(app: &mut App, mesh: Mesh) -> Handle<Mesh> {
     app.world_mut().resource_mut::<Assets<Mesh>>().add(mesh)
 }
 
 /// Joints at some places.
-fn spawn_joints<const N: usize>(app: &mut App, places: [Vec3; N]) -> [Entity; N] {
+pub(crate) fn spawn_joints<const N: usize>(app: &mut App, places: [Vec3; N]) -> [Entity; N] {
     places.map(|place| app.world_mut().spawn(Transform::from_translation(place)).id())
 }
 
 /// A skeleton of joints that were all at the origin in the bind pose.
-fn skeleton(app: &mut App, joints: &[Entity]) -> SkinnedMesh {
+pub(crate) fn skeleton(app: &mut App, joints: &[Entity]) -> SkinnedMesh {
     let poses = vec![Mat4::IDENTITY; joints.len()];
     let mut assets = app.world_mut().resource_mut::<Assets<SkinnedMeshInverseBindposes>>();
     SkinnedMesh {
@@ -62,7 +62,7 @@ fn skeleton(app: &mut App, joints: &[Entity]) -> SkinnedMesh {
 }
 
 /// A collider far away, with a skeleton.
-fn spawn_skinned(app: &mut App, mesh: &Handle<Mesh>, skin: SkinnedMesh) -> Entity {
+pub(crate) fn spawn_skinned(app: &mut App, mesh: &Handle<Mesh>, skin: SkinnedMesh) -> Entity {
     let far = Transform::from_xyz(100.0, 200.0, 300.0);
     app.world_mut()
         .spawn((Mesh3d(mesh.clone()), skin, MorphCollider::default(), far))
@@ -77,7 +77,7 @@ fn spawn_limb(app: &mut App, stretch: f32) -> (Entity, [Entity; 2]) {
     (spawn_skinned(app, &mesh, skin), joints)
 }
 
-fn put(app: &mut App, entity: Entity, place: Transform) {
+pub(crate) fn put(app: &mut App, entity: Entity, place: Transform) {
     app.world_mut().entity_mut(entity).insert(place);
 }
 

@@ -4,19 +4,15 @@
 mod changes;
 mod motion;
 
-use bevy::math::{Affine3A, DVec3};
-use bevy::mesh::VertexAttributeValues;
-use bevy::mesh::morph::MeshMorphWeights;
-use bevy::mesh::skinning::{SkinnedMesh, SkinnedMeshInverseBindposes};
+use bevy::math::DVec3;
 use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
-use morph_collision_testkit::mesh::{InfluenceSet, MorphMesh};
-use morph_collision_testkit::models::random::random_blob;
-use morph_collision_testkit::oracle::{intersecting_pairs, posed_vertices, skinned_vertices, world_vertices};
+use morph_collision_testkit::oracle::intersecting_pairs;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
-use crate::support::{add_mesh, app, bevy_mesh, diagnostics, settle};
+use crate::actors::{Actor, animate, blobs, skinned_blob};
+use crate::support::{app, diagnostics, settle};
 
 /// The most frames that a collider may lag behind; in the movements below, none does for longer.
 const MEMORY: usize = 60;
@@ -29,14 +25,6 @@ struct Judge {
     seen: Seen,
 }
 
-struct Actor {
-    entity: Entity,
-    mesh: MorphMesh,
-    tolerance: f64,
-    /// The joints and the influences, for a skinned mesh.
-    skin: Option<([Entity; 2], InfluenceSet)>,
-}
-
 /// Counts of comparisons, to check that the test covers enough.
 #[derive(Debug, Default)]
 struct Seen {
@@ -46,24 +34,6 @@ struct Seen {
     other: usize,
     /// The largest distance of a vertex from where collisions may have seen it, relative to the tolerance.
     farthest: f64,
-}
-
-impl Actor {
-    fn vertices(&self, world: &World) -> Option<Vec<DVec3>> {
-        if world.get::<MorphColliderDisabled>(self.entity).is_some() {
-            return None;
-        }
-        let global = |entity: Entity| -> Affine3A { world.get::<GlobalTransform>(entity).unwrap().affine() };
-        let weights = match world.get::<MeshMorphWeights>(self.entity) {
-            Some(MeshMorphWeights::Value { weights }) => weights.clone(),
-            _ => vec![0.0; self.mesh.targets.len()],
-        };
-        let posed = posed_vertices(&self.mesh.positions, &self.mesh.targets, &weights);
-        Some(match &self.skin {
-            None => world_vertices(&posed, &global(self.entity)),
-            Some((joints, set)) => skinned_vertices(&posed, std::slice::from_ref(set), &joints.map(global)),
-        })
-    }
 }
 
 fn farthest(before: &[DVec3], now: &[DVec3]) -> f64 {
@@ -95,8 +65,10 @@ impl Judge {
             .iter()
             .zip(&self.past)
             .map(|(actor, past)| {
-                let is_near =
-                    |then: &&Vec<DVec3>| past.last().is_some_and(|now| farthest(then, now) <= actor.tolerance);
+                let is_near = |then: &&Vec<DVec3>| {
+                    past.last()
+                        .is_some_and(|now| farthest(then, now) <= tolerance_of(actor))
+                };
                 past.iter().rev().filter(is_near).collect()
             })
             .collect();
@@ -134,8 +106,8 @@ impl Judge {
                 self.seen.compared += 1;
                 self.seen.touching += usize::from(!reported.is_empty());
                 for (then, (now, actor)) in [(of_a, (near[i][0], a)), (of_b, (near[j][0], b))] {
-                    if actor.tolerance > 0.0 {
-                        self.seen.farthest = self.seen.farthest.max(farthest(then, now) / actor.tolerance);
+                    if tolerance_of(actor) > 0.0 {
+                        self.seen.farthest = self.seen.farthest.max(farthest(then, now) / tolerance_of(actor));
                     }
                 }
                 self.seen.other += usize::from(!answer((near[i][0], near[j][0])));
@@ -144,71 +116,12 @@ impl Judge {
     }
 }
 
+fn tolerance_of(actor: &Actor) -> f64 {
+    f64::from(actor.collider.tolerance)
+}
+
 fn collider(tolerance: f32) -> MorphCollider {
     MorphCollider::default().with_tolerance(tolerance)
-}
-
-fn blob(seed: u64) -> MorphMesh {
-    random_blob(seed, 2, 4, 0.4)
-}
-
-/// Blobs that morph and wander, with these tolerances.
-fn blobs(app: &mut App, tolerances: &[f32]) -> Vec<Actor> {
-    let spawn = |(seed, &tolerance): (u64, &f32)| {
-        let mesh = blob(seed);
-        let handle = add_mesh(app, &mesh);
-        Actor {
-            entity: app
-                .world_mut()
-                .spawn((Mesh3d(handle), Transform::default(), collider(tolerance)))
-                .id(),
-            mesh,
-            tolerance: f64::from(tolerance),
-            skin: None,
-        }
-    };
-    (0..).zip(tolerances).map(spawn).collect()
-}
-
-/// Weights and places in a frame. Some of the colliders stand still now and then.
-fn animate(app: &mut App, actors: &[Actor], frame: usize, rng: &mut Pcg64Mcg) {
-    for (i, actor) in actors.iter().enumerate() {
-        let phase = i as f32 * 1.7;
-        let time = match (frame / 16 + i) % 5 {
-            0 => (frame / 16 * 16) as f32 / 60.0,
-            _ => frame as f32 / 60.0,
-        };
-        let weights = (0..actor.mesh.targets.len()).map(|k| 0.4 * (time * (1.0 + k as f32) + phase).sin());
-        let weights = MeshMorphWeights::Value {
-            weights: weights.collect(),
-        };
-        let at = Vec3::new(
-            (0.9 * time + phase).sin(),
-            (0.6 * time + 2.0 * phase).cos(),
-            (phase * 3.0).sin(),
-        ) * 1.1;
-        let place = Transform::from_translation(at).with_rotation(Quat::from_rotation_y(0.5 * time + phase));
-        app.world_mut().entity_mut(actor.entity).insert(weights);
-        if actor.skin.is_none() {
-            // Jumps to another place for a few frames.
-            let jump = if rng.random_bool(0.02) {
-                Vec3::X * 3.0
-            } else {
-                Vec3::ZERO
-            };
-            app.world_mut()
-                .entity_mut(actor.entity)
-                .insert(place.with_translation(at + jump));
-        } else if let Some((joints, _)) = &actor.skin {
-            for (k, &joint) in joints.iter().enumerate() {
-                let turn = Quat::from_rotation_z(0.4 * (time * 2.0 + phase + k as f32).sin());
-                let at = at + turn * Vec3::X * (k as f32 - 0.5) * 0.2;
-                app.world_mut()
-                    .entity_mut(joint)
-                    .insert(Transform::from_translation(at).with_rotation(turn));
-            }
-        }
-    }
 }
 
 #[test]
@@ -216,7 +129,7 @@ fn answers_are_exact_for_shapes_displaced_by_no_more_than_their_tolerances() {
     for (seed, tolerances) in [[0.0, 0.02, 0.04, 0.1], [0.05; 4], [0.3; 4]].into_iter().enumerate() {
         let mut app = app();
         let mut rng = Pcg64Mcg::seed_from_u64(seed as u64);
-        let actors = blobs(&mut app, &tolerances);
+        let actors = blobs(&mut app, 2, &tolerances.map(collider));
         animate(&mut app, &actors, 0, &mut rng);
         settle(&mut app);
         let mut judge = Judge::new(actors);
@@ -251,42 +164,9 @@ fn answers_are_exact_for_shapes_displaced_by_no_more_than_their_tolerances() {
 fn answers_about_skinned_meshes_are_too() {
     let mut app = app();
     let mut rng = Pcg64Mcg::seed_from_u64(77);
-    let mut actors = blobs(&mut app, &[0.05, 0.03]);
+    let mut actors = blobs(&mut app, 2, &[0.05, 0.03].map(collider));
     for (seed, tolerance) in [(5, 0.05), (6, 0.02)] {
-        let mesh = blob(seed);
-        let share = |p: &Vec3| (0.5 + p.x).clamp(0.0, 1.0);
-        let set = InfluenceSet {
-            joints: vec![[0, 1, 0, 0]; mesh.positions.len()],
-            weights: mesh
-                .positions
-                .iter()
-                .map(|p| [1.0 - share(p), share(p), 0.0, 0.0])
-                .collect(),
-        };
-        let skinned = bevy_mesh(&mesh)
-            .with_inserted_attribute(
-                Mesh::ATTRIBUTE_JOINT_INDEX,
-                VertexAttributeValues::Uint16x4(set.joints.clone()),
-            )
-            .with_inserted_attribute(Mesh::ATTRIBUTE_JOINT_WEIGHT, set.weights.clone());
-        let world = app.world_mut();
-        let skinned = world.resource_mut::<Assets<Mesh>>().add(skinned);
-        let poses = SkinnedMeshInverseBindposes::from(vec![Mat4::IDENTITY; 2]);
-        let inverse_bindposes = world.resource_mut::<Assets<SkinnedMeshInverseBindposes>>().add(poses);
-        let joints = [(); 2].map(|()| world.spawn(Transform::default()).id());
-        let skin = SkinnedMesh {
-            inverse_bindposes,
-            joints: joints.to_vec(),
-        };
-        let entity = world
-            .spawn((Mesh3d(skinned), skin, Transform::default(), collider(tolerance)))
-            .id();
-        actors.push(Actor {
-            entity,
-            mesh,
-            tolerance: f64::from(tolerance),
-            skin: Some((joints, set)),
-        });
+        actors.push(skinned_blob(&mut app, (seed, 2), collider(tolerance)));
     }
     animate(&mut app, &actors, 0, &mut rng);
     settle(&mut app);

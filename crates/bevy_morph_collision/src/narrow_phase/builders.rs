@@ -6,6 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use morph_collision::QueryStats;
 use morph_collision::batch::Workers;
 
+use super::starts::Starts;
 use super::touch::{Found, Touch};
 use super::{Asked, Pair, Placed};
 use crate::collider::MorphCollisionMode;
@@ -21,13 +22,22 @@ pub(super) struct Job {
     pub(super) found: Found,
 }
 
+/// What is known about a pair in the end.
+#[derive(Debug, PartialEq)]
+pub(super) enum Answer {
+    Apart,
+    Touching(MorphContact),
+    /// They touched on their way from the last run, but do not any more.
+    Passed(MorphContact),
+}
+
 impl Job {
     /// Whether it takes more than one pair of triangles.
     fn is_costly(&self) -> bool {
         match &self.found {
-            Found::Unknown => true,
+            Found::Unknown | Found::Apart => true,
             Found::Triangles { triangles, .. } => {
-                triangles.is_empty() || self.asked.mode == MorphCollisionMode::Contacts
+                triangles.is_empty() || self.asked.is_swept || self.asked.mode == MorphCollisionMode::Contacts
             }
         }
     }
@@ -35,13 +45,17 @@ impl Job {
 
 /// One [`Builder`] per thread, kept for their memory.
 #[derive(Default)]
-pub(super) struct Builders(Vec<Mutex<Builder>>);
+pub(super) struct Builders {
+    builders: Vec<Mutex<Builder>>,
+    /// The time since the last run; 0 if it is not known.
+    pub(super) seconds: f64,
+}
 
 #[derive(Default)]
 struct Builder {
     touch: Touch,
     stats: QueryStats,
-    answers: Vec<(Pair, Option<MorphContact>)>,
+    answers: Vec<(Pair, Answer)>,
 }
 
 impl Builders {
@@ -52,10 +66,10 @@ impl Builders {
     pub(super) fn run(
         &mut self,
         workers: &impl Workers,
-        placed: &[Placed<'_>],
+        (placed, starts): (&[Placed<'_>], &Starts),
         jobs: &mut [Job],
         limit: usize,
-        answers: &mut Vec<(Pair, Option<MorphContact>)>,
+        answers: &mut Vec<(Pair, Answer)>,
     ) -> QueryStats {
         let costly = jobs.iter().filter(|job| job.is_costly()).count();
         let blocks: Vec<Mutex<&mut [Job]>> = jobs
@@ -67,19 +81,20 @@ impl Builders {
         } else {
             workers.count().max(1)
         };
-        self.0.resize_with(threads.max(self.0.len()), Mutex::default);
-        for builder in &mut self.0 {
+        self.builders
+            .resize_with(threads.max(self.builders.len()), Mutex::default);
+        for builder in &mut self.builders {
             // They are empty, unless a run ended with a panic.
             let builder = builder.get_mut().unwrap_or_else(PoisonError::into_inner);
             builder.stats = QueryStats::default();
             builder.answers.clear();
         }
-        let (builders, next) = (&self.0, AtomicUsize::new(0));
+        let (builders, seconds, next) = (&self.builders, self.seconds, AtomicUsize::new(0));
         let work = |thread: usize| {
             let mut builder = builders[thread].lock().unwrap_or_else(PoisonError::into_inner);
             while let Some(block) = blocks.get(next.fetch_add(1, Ordering::Relaxed)) {
                 for job in &mut **block.lock().unwrap_or_else(PoisonError::into_inner) {
-                    builder.build(placed, job, limit);
+                    builder.build((placed, starts), job, limit, seconds);
                 }
             }
         };
@@ -89,7 +104,7 @@ impl Builders {
             workers.run(&work);
         }
         let mut stats = QueryStats::default();
-        for builder in &mut self.0 {
+        for builder in &mut self.builders {
             let builder = builder.get_mut().unwrap_or_else(PoisonError::into_inner);
             stats += std::mem::take(&mut builder.stats);
             answers.append(&mut builder.answers);
@@ -99,11 +114,17 @@ impl Builders {
 }
 
 impl Builder {
-    fn build(&mut self, placed: &[Placed<'_>], job: &mut Job, limit: usize) {
-        let contact = self
-            .touch
-            .contact(placed, job.asked, &mut job.found, limit, &mut self.stats);
-        self.answers.push((job.asked.pair, contact));
+    fn build(&mut self, (placed, starts): (&[Placed<'_>], &Starts), job: &mut Job, limit: usize, seconds: f64) {
+        let Job { asked, found } = job;
+        let contact = self.touch.contact(placed, *asked, found, limit, &mut self.stats);
+        let is_swept = asked.is_swept;
+        let impact = is_swept.then(|| self.touch.impact((placed, starts), *asked, seconds, &mut self.stats));
+        let answer = match (contact, impact.flatten()) {
+            (Some(contact), impact) => Answer::Touching(MorphContact { impact, ..contact }),
+            (None, Some(impact)) => Answer::Passed(MorphContact::passed(*asked, placed, impact)),
+            (None, None) => Answer::Apart,
+        };
+        self.answers.push((asked.pair, answer));
     }
 }
 
@@ -114,13 +135,16 @@ mod tests {
     use bevy::math::{Affine3A, Quat, Vec3};
     use bevy::prelude::Entity;
     use morph_collision::batch::ThreadWorkers;
-    use morph_collision::{BuildOptions, MorphBvh, MorphModel, PlacedShape, Pose, TrianglePair, WorldFromModel};
+    use morph_collision::{
+        BuildOptions, MorphBvh, MorphModel, PlacedShape, Pose, PoseSnapshot, TrianglePair, WorldFromModel,
+    };
 
     use super::*;
     use crate::collider::{Form, LockedPose, Placement};
+    use crate::continuous::SweptPairs;
 
     /// Tetrahedra that overlap their neighbours in a row, and a ball at every second one.
-    fn row(length: usize) -> (Vec<Placement>, Vec<Option<LockedPose>>) {
+    fn row(length: usize, offset: fn(usize) -> Vec3) -> (Vec<Placement>, Vec<Option<LockedPose>>) {
         let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
         let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];
         let model = MorphModel::from_displacements::<[Vec3; 0]>(&corners, &faces, &[]).unwrap();
@@ -131,7 +155,8 @@ mod tests {
                 return Form::Shape(PlacedShape::ball(Vec3::new(x, 0.1, 0.2).as_dvec3(), 0.4).unwrap());
             }
             let turned = Quat::from_rotation_z(0.7 * i as f32);
-            Form::Mesh(WorldFromModel::new(Affine3A::from_rotation_translation(turned, Vec3::X * x)).unwrap())
+            let place = Affine3A::from_rotation_translation(turned, Vec3::X * x + offset(i));
+            Form::Mesh(WorldFromModel::new(place).unwrap())
         };
         let mut entities: Vec<Entity> = (0..length as u32).filter_map(Entity::from_raw_u32).collect();
         entities.sort_unstable();
@@ -141,6 +166,7 @@ mod tests {
             mode: MorphCollisionMode::Contacts,
             layers: crate::layers::MorphCollisionLayers::default(),
             margin: 0.2,
+            continuous: false,
             bounds: morph_collision::Aabb {
                 min: Vec3::NEG_INFINITY,
                 max: Vec3::INFINITY,
@@ -155,16 +181,23 @@ mod tests {
         (placements, poses)
     }
 
-    fn contacts(workers: &impl Workers) -> (Vec<(Pair, Option<MorphContact>)>, QueryStats) {
-        let (placements, mut poses) = row(30);
+    fn contacts(workers: &impl Workers) -> (Vec<(Pair, Answer)>, QueryStats) {
+        let (placements, mut poses) = row(30, |_| Vec3::ZERO);
+        let mut before = vec![PoseSnapshot::default(); placements.len()];
+        for (before, pose) in before.iter_mut().zip(&mut poses) {
+            if let Some(pose) = pose {
+                before.take(pose.get_mut());
+            }
+        }
         let placed: Vec<Placed> = placements
             .iter()
-            .zip(&mut poses)
-            .map(|(placement, pose)| Placed {
+            .zip(poses.iter_mut().zip(&before))
+            .map(|(placement, (pose, before))| Placed {
                 entity: placement.body,
                 changed: true,
                 placement,
                 pose: pose.as_mut(),
+                before,
             })
             .collect();
         let mut jobs = Vec::new();
@@ -193,12 +226,24 @@ mod tests {
                 pair: (placed[a].entity, placed[b].entity),
                 places: (a, b),
                 mode: MorphCollisionMode::Contacts,
+                is_swept: !has_shape,
             };
             jobs.push(Job { asked, found });
         }
         assert!(jobs.len() > 4 * MIN_COSTLY);
         let mut answers = Vec::new();
-        let stats = Builders::default().run(workers, &placed, &mut jobs, usize::MAX, &mut answers);
+        // Some come from above, over and through their neighbours.
+        let mut swept = SweptPairs::default();
+        let was = |i: usize| {
+            let x = if i % 5 == 1 { -1.2 } else { 0.0 };
+            Vec3::new(x, 0.0, if i.is_multiple_of(2) { 2.0 } else { 0.0 })
+        };
+        let (was, _) = row(30, was);
+        let was: Vec<_> = was.iter().map(|placement| (placement.body, *placement)).collect();
+        swept.remember(&was);
+        let mut starts = Starts::default();
+        starts.prepare(&jobs, &placed, &swept);
+        let stats = Builders::default().run(workers, (&placed, &starts), &mut jobs, usize::MAX, &mut answers);
         answers.sort_by_key(|(pair, _)| *pair);
         assert_eq!(answers.len(), jobs.len());
         (answers, stats)
@@ -207,12 +252,17 @@ mod tests {
     #[test]
     fn contacts_do_not_depend_on_the_number_of_threads() {
         let (alone, stats) = contacts(&ThreadWorkers::new(1));
-        assert!(alone.iter().filter(|(_, contact)| contact.is_some()).count() > 40);
-        assert!(
-            alone
-                .iter()
-                .any(|(_, contact)| contact.as_ref().is_some_and(|contact| !contact.points.is_empty()))
-        );
+        let touching: Vec<_> = alone
+            .iter()
+            .filter_map(|(_, answer)| match answer {
+                Answer::Touching(contact) => Some(contact),
+                _ => None,
+            })
+            .collect();
+        assert!(touching.len() > 40 && touching.iter().any(|contact| !contact.points.is_empty()));
+        assert!(touching.iter().any(|contact| contact.impact.is_some()));
+        let passed = |(_, answer): &&(Pair, Answer)| matches!(answer, Answer::Passed(_));
+        assert!(alone.iter().filter(passed).count() > 2);
         for threads in [2, 4, 8] {
             let (together, stats_together) = contacts(&ThreadWorkers::new(threads));
             assert_eq!(together, alone, "{threads} threads");

@@ -1,10 +1,13 @@
 //! Finds intersecting triangles and contacts.
 //!
 //! The system queries all pairs of meshes at once (`mod`), starting where they touched in the last run (`memories`), and turns
-//! the results into contacts (`touch`), also on several threads (`builders`).
+//! the results into contacts (`touch`), also on several threads (`builders`). Continuous pairs that did not touch are also compared
+//! on their way (`motion`), from where they were (`starts`).
 
 mod builders;
 mod memories;
+mod motion;
+mod starts;
 mod touch;
 
 use std::collections::BTreeMap;
@@ -13,11 +16,12 @@ use std::sync::MutexGuard;
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
 use morph_collision::batch::{BatchQuery, PairTask, Wanted};
-use morph_collision::{Body, Pose, WorldFromModel};
+use morph_collision::{Body, Pose, PoseSnapshot, WorldFromModel};
 use tracing::debug_span;
 
-use self::builders::{Builders, Job};
+use self::builders::{Answer, Builders, Job};
 use self::memories::{Memories, keep_memories};
+use self::starts::Starts;
 use self::touch::{Found, wants_all};
 
 use crate::broad_phase::Candidates;
@@ -25,6 +29,7 @@ use crate::collider::{ColliderState, Form, LockedPose, MorphCollisionMode, Place
 use crate::contacts::{MorphCollisions, MorphContact};
 use crate::diagnostics::MorphCollisionDiagnostics;
 use crate::settings::MorphCollisionSettings;
+use crate::velocities::RunTimes;
 use crate::workers::TaskPoolWorkers;
 
 type Pair = (Entity, Entity);
@@ -43,7 +48,9 @@ pub(crate) struct Scratch {
     /// Where pairs touched in the last run. `next_memories` is scratch memory for the next ones.
     memories: Memories,
     next_memories: Memories,
-    answers: Vec<(Pair, Option<MorphContact>)>,
+    /// Where colliders of continuous pairs were in the last run.
+    starts: Starts,
+    answers: Vec<(Pair, Answer)>,
 }
 
 /// Two colliders, by their index among those that take part.
@@ -52,6 +59,8 @@ struct Asked {
     pair: Pair,
     places: (usize, usize),
     mode: MorphCollisionMode,
+    /// Whether to compare them on their way from the last run, too.
+    is_swept: bool,
 }
 
 /// Finds out for every candidate pair whether and where it touches. Queries all pairs of meshes at once, on Bevy's threads.
@@ -62,6 +71,7 @@ pub(crate) fn find_contacts(
     mut colliders: Query<(Entity, &mut ColliderState)>,
     mut collisions: ResMut<MorphCollisions>,
     settings: Res<MorphCollisionSettings>,
+    times: Res<RunTimes>,
     mut scratch: Local<Scratch>,
     mut diagnostics: ResMut<MorphCollisionDiagnostics>,
 ) {
@@ -75,7 +85,8 @@ pub(crate) fn find_contacts(
     collisions.compared = std::mem::take(&mut candidates.changed) || scratch.compare_all;
     if collisions.compared {
         scratch.answers.clear();
-        let unchanged = scratch.ask(&candidates.pairs, &mut colliders, &collisions.current, &mut diagnostics);
+        scratch.builders.seconds = times.between.map_or(0.0, |between| between.as_secs_f64());
+        let unchanged = scratch.ask(&candidates, &mut colliders, &collisions.current, &mut diagnostics);
         diagnostics.skipped_unchanged = unchanged;
         collisions.replace(&candidates.pairs, &mut scratch.answers);
         for (_, mut state) in &mut colliders {
@@ -96,25 +107,28 @@ pub(crate) fn find_contacts(
 
 impl MorphCollisions {
     /// Takes over the answers, in any order, and removes contacts of pairs that are no longer candidates.
-    fn replace(&mut self, candidates: &[Pair], answers: &mut Vec<(Pair, Option<MorphContact>)>) {
+    fn replace(&mut self, candidates: &[Pair], answers: &mut Vec<(Pair, Answer)>) {
         let Self { current, changes, .. } = self;
         for contact in current.extract_if(.., |pair, _| candidates.binary_search(pair).is_err()) {
             changes.ended.push(contact.1);
         }
-        for (pair, contact) in answers.drain(..) {
-            let before = match contact {
-                Some(contact) => {
-                    let before = current.insert(pair, contact);
-                    if before.is_none() {
+        let mut passed = Vec::new();
+        for (pair, answer) in answers.drain(..) {
+            match answer {
+                Answer::Touching(contact) => {
+                    if let Some(before) = current.get_mut(&pair) {
+                        let impact = before.impact;
+                        *before = MorphContact { impact, ..contact };
+                    } else {
+                        current.insert(pair, contact);
                         changes.started.push(pair);
                     }
-                    None
                 }
-                None => current.remove(&pair),
-            };
-            changes.ended.extend(before);
+                Answer::Passed(contact) => passed.push(contact),
+                Answer::Apart => changes.ended.extend(current.remove(&pair)),
+            }
         }
-        changes.sort_run();
+        changes.end_run(passed);
     }
 }
 
@@ -123,7 +137,7 @@ impl Scratch {
     /// run.
     fn ask(
         &mut self,
-        candidates: &[Pair],
+        candidates: &Candidates,
         colliders: &mut Query<(Entity, &mut ColliderState)>,
         contacts: &BTreeMap<Pair, MorphContact>,
         diagnostics: &mut MorphCollisionDiagnostics,
@@ -133,24 +147,33 @@ impl Scratch {
             .filter_map(|(entity, state)| Placed::new(entity, state.into_inner()))
             .collect();
         placed.sort_unstable_by_key(|collider| collider.entity);
-        let place = |entity: Entity| placed.binary_search_by_key(&entity, |collider| collider.entity).ok();
-
+        let place =
+            |placed: &[Placed], entity: Entity| placed.binary_search_by_key(&entity, |collider| collider.entity).ok();
+        let asked = |pair: Pair, is_swept: bool, placed: &[Placed]| {
+            let places = (place(placed, pair.0)?, place(placed, pair.1)?);
+            let [a, b] = [&placed[places.0], &placed[places.1]];
+            Some(Asked {
+                pair,
+                places,
+                mode: a.placement.mode.max(b.placement.mode),
+                // A contact that lasts cannot begin.
+                is_swept: is_swept && (a.changed || b.changed) && !contacts.contains_key(&pair),
+            })
+        };
+        let (pairs, swept) = (&candidates.pairs, &candidates.swept);
         let mut unchanged = 0;
         let mut jobs = Vec::new();
         self.asked.clear();
-        for &pair in candidates {
-            let (Some(a), Some(b)) = (place(pair.0), place(pair.1)) else {
+        for &pair in pairs {
+            let is_swept = !swept.pairs.is_empty() && swept.pairs.binary_search(&pair).is_ok();
+            let Some(asked) = asked(pair, is_swept, &placed) else {
                 continue;
             };
+            let (a, b) = asked.places;
             if !placed[a].changed && !placed[b].changed && !self.compare_all {
                 unchanged += 1;
                 continue;
             }
-            let asked = Asked {
-                pair,
-                places: (a, b),
-                mode: placed[a].placement.mode.max(placed[b].placement.mode),
-            };
             match (placed[a].placement.form, placed[b].placement.form) {
                 (Form::Mesh(_), Form::Mesh(_)) => self.asked.push(asked),
                 (Form::Shape(_), Form::Shape(_)) => {}
@@ -161,9 +184,20 @@ impl Scratch {
             }
         }
         self.ask_meshes(&mut placed, contacts, &mut jobs, diagnostics);
-        diagnostics.stats += self
-            .builders
-            .run(&TaskPoolWorkers, &placed, &mut jobs, self.limit, &mut self.answers);
+        for &pair in swept.pairs.iter().filter(|pair| pairs.binary_search(pair).is_err()) {
+            if let Some(asked) = asked(pair, true, &placed).filter(|asked| asked.is_swept) {
+                let found = Found::Apart;
+                jobs.push(Job { asked, found });
+            }
+        }
+        diagnostics.swept_pairs = self.starts.prepare(&jobs, &placed, swept);
+        diagnostics.stats += self.builders.run(
+            &TaskPoolWorkers,
+            (&placed, &self.starts),
+            &mut jobs,
+            self.limit,
+            &mut self.answers,
+        );
         unchanged
     }
 
@@ -183,6 +217,7 @@ impl Scratch {
             asked,
             memories,
             next_memories,
+            starts: _,
             answers,
         } = self;
         keep_memories(asked, contacts, memories, next_memories);
@@ -219,8 +254,9 @@ impl Scratch {
         for (task, &asked) in asked.iter().enumerate() {
             let triangles = found.get(task);
             let (a, b) = asked.places;
-            if triangles.is_empty() && placed[a].placement.margin + placed[b].placement.margin == 0.0 {
-                answers.push((asked.pair, None));
+            let margin = placed[a].placement.margin + placed[b].placement.margin;
+            if triangles.is_empty() && margin == 0.0 && !asked.is_swept {
+                answers.push((asked.pair, Answer::Apart));
                 continue;
             }
             let found = Found::Triangles {
@@ -238,6 +274,8 @@ struct Placed<'a> {
     changed: bool,
     placement: &'a Placement,
     pose: Option<&'a mut LockedPose>,
+    /// The shape in which collisions saw a mesh in the last run, if it has changed since.
+    before: &'a PoseSnapshot,
 }
 
 /// A mesh that a query uses.
@@ -249,15 +287,16 @@ struct UsedMesh<'p> {
 impl<'a> Placed<'a> {
     fn new(entity: Entity, state: &'a mut ColliderState) -> Option<Self> {
         let changed = state.changed;
-        let (placement, pose) = match &mut state.held {
-            Some(held) => (&held.placed, &mut held.pose),
-            None => (state.placed.as_ref()?, &mut state.pose),
+        let (placement, pose, before) = match &mut state.held {
+            Some(held) => (&held.placed, &mut held.pose, &held.before),
+            None => (state.placed.as_ref()?, &mut state.pose, &state.before.shape),
         };
         Some(Self {
             entity,
             changed,
             placement,
             pose: pose.as_mut(),
+            before,
         })
     }
 

@@ -1,6 +1,7 @@
 //! Builds contacts from colliders that touch.
 
 use bevy::prelude::*;
+use morph_collision::motion::MotionQuery;
 use morph_collision::{
     ContactQuery, DistanceQuery, PlacedShape, QueryStats, ShapeContact, ShapeQuery, TrianglePair, triangle_contact,
 };
@@ -15,12 +16,15 @@ pub(super) struct Touch {
     contact: ContactQuery,
     distance: DistanceQuery,
     shape: ShapeQuery,
+    pub(super) motion: MotionQuery,
 }
 
 /// What is known about a pair before its contact is built.
 pub(super) enum Found {
     /// Nothing: one of the colliders is a shape.
     Unknown,
+    /// They are apart now. Only their way is to be compared.
+    Apart,
     /// The intersecting triangles of two meshes.
     Triangles {
         triangles: Vec<TrianglePair>,
@@ -59,7 +63,7 @@ impl Touch {
             }
             (Found::Unknown, _, Form::Shape(shape)) => self.with_shape(empty, pair, (&shape, false), limit, stats),
             (Found::Unknown, Form::Shape(shape), _) => self.with_shape(empty, pair, (&shape, true), limit, stats),
-            (Found::Unknown, Form::Mesh(_), Form::Mesh(_)) => None,
+            (Found::Unknown, Form::Mesh(_), Form::Mesh(_)) | (Found::Apart, ..) => None,
         }
     }
 
@@ -156,7 +160,7 @@ impl Touch {
 
 impl MorphContact {
     /// The contact of a pair, still without points.
-    fn of(asked: Asked, [a, b]: [&Placed<'_>; 2]) -> Self {
+    pub(super) fn of(asked: Asked, [a, b]: [&Placed<'_>; 2]) -> Self {
         Self {
             collider1: asked.pair.0,
             collider2: asked.pair.1,
@@ -169,6 +173,7 @@ impl MorphContact {
             triangles: Vec::new(),
             is_truncated: false,
             points: Vec::new(),
+            impact: None,
         }
     }
 }

@@ -8,7 +8,8 @@
 //! - `link`, `obstacles`: on a dynamic body, parts are links of it for one step, and there are parts for everything nearby.
 //! - `expel`: drives bodies out of solid surfaces.
 //! - `world`: the parts of Rapier's world that surfaces read and change.
-//! - `step`: the systems around Rapier's step. `timestep`: how long it is. `ahead`: where surfaces will be after it.
+//! - `step`: the systems around Rapier's step. `stages`: what one surface does before it. `timestep`: how long it is. `ahead`: where
+//!   surfaces will be after it.
 //! - `forces`, `touches`: reports of contacts. `spared`: bodies that joints keep a surface from pushing.
 //! - `footing`, `ground`, `carry`, `character`: the ground for character controllers, and how surfaces carry them.
 //! - `velocity`: velocities of surfaces, as a public system parameter.
@@ -32,6 +33,7 @@ mod part;
 mod push;
 mod scene;
 mod spared;
+mod stages;
 mod step;
 mod sweep;
 mod timestep;

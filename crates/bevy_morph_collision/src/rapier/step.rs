@@ -6,7 +6,6 @@ use std::time::Duration;
 
 use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::query::Allow;
-use bevy::mesh::morph::MorphWeights;
 use bevy::platform::collections::{HashMap, HashSet};
 use bevy::platform::time::Instant;
 use bevy::prelude::*;
@@ -16,27 +15,20 @@ use bevy_rapier3d::plugin::context::{
 };
 use bevy_rapier3d::plugin::{RapierConfiguration, TimestepMode};
 use bevy_rapier3d::prelude::{ColliderDisabled, CollisionEvent, ContactForceEvent, RapierColliderHandle, SolverGroups};
-use bevy_rapier3d::rapier::dynamics::RigidBody;
-use bevy_rapier3d::rapier::geometry::InteractionGroups;
-use tracing::error;
 
 use super::MorphRapierCollider;
-use super::ahead::ahead;
 use super::attach::RapierSurface;
 use super::forces::Stepped;
-use super::link::{Carrier, Links};
+use super::link::Links;
 use super::obstacles::Obstacles;
+use super::stages::{Role, Sources, drive, follow, push, show, tell_too_large};
 use super::timestep::{is_one_step, substep, time_ahead};
 use super::touches::tell_whole;
-use super::world::{Audience, Manners, Movers, Step, World, no_push};
+use super::world::{Audience, Movers, Step, World};
 use crate::collider::MorphColliderDisabled;
-use crate::physics::ahead::{is_rigid, rigid_place};
-use crate::physics::begin::{Sides, advance, set_sides};
 use crate::physics::clock::Lag;
 use crate::physics::drawn::Shows;
 use crate::physics::part::Pace;
-use crate::physics::range::MAX_COORDINATE;
-use crate::skeletons::{BindPoses, Skeletons};
 
 /// Counts of [`MorphRapierCollider`]s in the last physics step.
 #[derive(Resource, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -120,11 +112,7 @@ pub(super) fn before_step(
         Option<&SolverGroups>,
         (Has<MorphColliderDisabled>, Has<ColliderDisabled>),
     )>,
-    shared: Query<&MorphWeights>,
-    globals: Query<&GlobalTransform>,
-    bind_poses: Option<Res<BindPoses>>,
-    mut skeletons: Local<Skeletons>,
-    names: Query<NameOrEntity>,
+    mut sources: Sources,
     mode: Res<TimestepMode>,
     time: Res<Time>,
     mut stepping: ResMut<Stepping>,
@@ -144,17 +132,7 @@ pub(super) fn before_step(
         lag,
     } = &mut *stepping;
     let fixed_span = is_fixed.then(|| lag.span(time.elapsed_secs_f64(), time.delta_secs_f64()));
-    let name_of = |entity| names.get(entity).map(|name| name.to_string()).unwrap_or_default();
     let (mut refused, mut has_stepped) = (HashSet::default(), false);
-    let mut refuse = |collider: u128| {
-        if refused.insert(collider) && !too_large.contains(&collider) {
-            let name = Entity::try_from_bits(collider as u64).map(name_of).unwrap_or_default();
-            error!(
-                "the collider of entity `{name}` is more than {MAX_COORDINATE:e} units large, or moves that far in a step: no deforming \
-                 surface pushes it; make it smaller"
-            );
-        }
-    };
     for (context, mut simulation, mut colliders, mut joints, mut bodies, configuration, behind) in &mut contexts {
         let (dt, interpolated) = time_ahead(&mode, &time, behind.diff);
         let span = fixed_span.unwrap_or(interpolated);
@@ -164,109 +142,49 @@ pub(super) fn before_step(
         now.store(true, Ordering::Release);
         if !has_stepped {
             // Not in frames without a step: a pause would drop the skeletons.
-            skeletons.begin();
+            sources.skeletons.begin();
         }
         has_stepped = true;
         let parameters = simulation.integration_parameters;
         let mut world = world(&mut simulation, &mut colliders, &mut joints, &mut bodies);
         let count = surfaces.iter().len();
-        movers.find(world.bodies, world.colliders, dt, count, &mut refuse);
+        movers.find(world.bodies, world.colliders, dt, count, &mut |collider| {
+            if refused.insert(collider) && !too_large.contains(&collider) {
+                tell_too_large(collider, &sources);
+            }
+        });
         let once = is_one_step(&mode, dt);
         let audience = Audience::of(&world, parameters.length_unit, once);
         let (mut to_link, mut obstacles) = (Vec::new(), None);
-        for (entity, settings, mut surface, handle, link, (place, weights, skin), solver_groups, disabled) in
-            &mut surfaces
-        {
-            if link.0 != context {
-                continue;
-            }
+        for (entity, settings, mut surface, handle, link, shows, solver_groups, disabled) in &mut surfaces {
             let surface = &mut *surface;
-            let Some(collider) = world.colliders.get(handle.0) else {
-                continue;
-            };
-            if surface.context.is_some_and(|home| home != context) {
-                // It came from another world in this frame, and its parts are still there.
+            // A surface that came from another world in this frame still has its parts there.
+            let is_elsewhere = link.0 != context || surface.context.is_some_and(|home| home != context);
+            if is_elsewhere || !world.colliders.contains(handle.0) {
                 continue;
             }
             surface.context = Some(context);
             let (morph_disabled, collider_disabled) = disabled;
-            let mut off = morph_disabled;
-            if !morph_disabled {
-                let RapierSurface {
-                    following, bad_place, ..
-                } = &mut *surface;
-                let is_skinned = following.is_skinned();
-                let drawn = &mut following.drawn;
-                let skin = skin.filter(|_| is_skinned);
-                let mut live = drawn.live(place, skin, &mut skeletons, bind_poses.as_deref(), &globals);
-                drawn.stands_alone = collider.parent().is_none();
-                if let Some(span) = span {
-                    drawn.at_step(&live);
-                    live = drawn.at(span.end, live);
-                }
-                let ahead = ahead(collider, world.bodies, &live, is_skinned, dt);
-                let at = Vec3::from(live.place.translation);
-                let name = || name_of(entity);
-                off = !advance(following, (ahead, at), (weights, &shared), (span, dt), bad_place, name);
-                let drawn_at = rigid_place(&live.place.into());
-                if !off
-                    && collider.parent().is_none()
-                    // A scale of zero leaves no valid rotation, and Rapier would disable the collider permanently.
-                    && (!is_rigid(collider.position()) || (span.is_some() && *collider.position() != drawn_at))
-                    && let Some(collider) = world.colliders.get_mut(handle.0)
-                {
-                    collider.set_position(drawn_at);
-                }
-            }
+            let place = (entity, handle.0);
+            let off = morph_disabled || !follow(surface, place, shows, (span, dt), &mut sources, &mut world);
             surface.switch(off, collider_disabled, world.colliders, handle.0);
-            let RapierSurface {
-                following,
-                pushing,
-                told_open,
-                ..
-            } = surface;
             if off {
-                pushing.stop(&mut world);
+                surface.pushing.stop(&mut world);
                 continue;
             }
-            let Some(collider) = world.colliders.get(handle.0) else {
+            let Some(mut role) = Role::of(&surface.following, handle.0, solver_groups, &world, dt) else {
                 continue;
             };
-            diagnostics.surfaces += u32::from(collider.is_enabled());
-            diagnostics.moving += u32::from(collider.is_enabled() && following.moves);
-            let parent = collider.parent();
-            let on_dynamic = parent
-                .and_then(|body| world.bodies.get(body))
-                .is_some_and(RigidBody::is_dynamic);
-            let is_there = collider.is_enabled() && !collider.is_sensor();
-            let wanted = solver_groups.map_or(InteractionGroups::all(), |&groups| groups.into());
-            let carrier = match parent.filter(|_| on_dynamic && is_there && following.moves) {
-                Some(body) => Carrier::of(body, collider, &world, dt),
-                None => None,
-            };
-            if carrier.is_some() && obstacles.is_none() {
+            diagnostics.surfaces += u32::from(role.is_enabled);
+            diagnostics.moving += u32::from(role.is_enabled && surface.following.moves);
+            let is_closed = show(surface, place, settings, &role, &sources, &mut world);
+            if role.carrier.is_some() && obstacles.is_none() {
                 obstacles = Some(Obstacles::find(&world, dt, count));
-            }
-            let pushes_itself = !is_there || (on_dynamic && carrier.is_none());
-            let own_groups = if pushes_itself { wanted } else { no_push(wanted) };
-            let manners = Manners::of(collider, wanted);
-            let sides = set_sides(following, (settings.solid, on_dynamic), told_open, || name_of(entity));
-            let Sides { turned, is_closed } = sides;
-            let changed = following.moves || following.reshaped || turned;
-            if (changed || collider.solver_groups() != own_groups)
-                && let Some(collider) = world.colliders.get_mut(handle.0)
-            {
-                collider.set_solver_groups(own_groups);
-                if changed {
-                    // The shape is the same object but has changed; setting it again makes Rapier recompute contacts and boxes.
-                    let shape = collider.shared_shape().clone();
-                    collider.set_shape(shape);
-                }
             }
             let step = Step {
                 pace: Pace {
                     dt,
-                    prediction: parameters.prediction_distance() + manners.contact_skin,
+                    prediction: parameters.prediction_distance() + role.manners.contact_skin,
                     max_acceleration: settings.max_acceleration,
                 },
                 // The speed at which Rapier separates overlapping bodies.
@@ -274,28 +192,13 @@ pub(super) fn before_step(
                 movers,
                 obstacles: obstacles.as_ref(),
                 audience: &audience,
-                body: parent,
+                body: role.body,
                 stepping: now,
             };
-            if following.moves
-                && on_dynamic
-                && let Some(body) = parent
-            {
-                world.islands.wake_up(world.bodies, body, true);
-            }
-            if pushes_itself {
-                pushing.stop_parts(&mut world);
-            } else {
-                let mut carrier = carrier;
-                diagnostics.blended += pushing.prepare(following, manners, &step, carrier.as_mut(), &mut world);
-                diagnostics.parts += pushing.parts();
-                to_link.extend(carrier.into_iter().flat_map(|carrier| carrier.links));
-            }
-            if on_dynamic && is_closed && settings.solid && is_there {
-                pushing.drive_apart(handle.0, following, &manners, &step, &mut world);
-            } else if pushes_itself || on_dynamic {
-                pushing.stop_driving();
-            }
+            diagnostics.blended += push(surface, &mut role, &step, &mut world);
+            diagnostics.parts += surface.pushing.parts();
+            drive(surface, handle.0, is_closed && settings.solid, &role, &step, &mut world);
+            to_link.extend(role.carrier.into_iter().flat_map(|carrier| carrier.links));
         }
         // All at once, because a surface looks for everything joined to its body.
         let links = links.entry(context).or_default();

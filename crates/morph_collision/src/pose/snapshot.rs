@@ -41,6 +41,18 @@ impl PoseSnapshot {
         std::ptr::eq(self.bvh.as_ptr(), Arc::as_ptr(&pose.bvh))
     }
 
+    /// Gives the stored weights and joints to a pose of the same tree. Returns whether it is of the same tree; otherwise it stays as it is.
+    ///
+    /// Cost: as [`Pose::set_weights`] and [`Pose::set_joints`]. What the pose has blended for the same weights and joints stays valid.
+    pub fn restore(&self, pose: &mut Pose) -> bool {
+        self.is_of(pose)
+            && pose.set_weights(self.weights.all()).is_ok()
+            && self
+                .joints
+                .as_ref()
+                .is_none_or(|joints| pose.set_joints(joints).is_ok())
+    }
+
     /// Returns the corners of a triangle in world space as they were. `None` if there is no such triangle, or if the tree has been
     /// dropped.
     ///
@@ -123,6 +135,12 @@ mod tests {
             assert!(snapshot.is_of(&pose));
             assert_eq!(snapshot.triangle(0, &place), Some(then), "skinned: {skinned}");
             assert_eq!(snapshot.triangle(1, &place), None);
+            // A pose of the same tree takes the state, another one does not.
+            let mut other = Pose::new(pose.bvh().clone());
+            assert!(snapshot.restore(&mut other));
+            assert_eq!(Body::new(&mut other, &place).triangle(0), Some(then));
+            let mut foreign = posed(skinned, 0.1, Affine3A::IDENTITY);
+            assert!(!snapshot.restore(&mut foreign) && foreign.weights() == [0.1]);
             // A second call replaces weights and joints.
             snapshot.take(&pose);
             assert_eq!(snapshot.triangle(0, &place), Body::new(&mut pose, &place).triangle(0));

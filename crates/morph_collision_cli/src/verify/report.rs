@@ -202,8 +202,8 @@ impl VerifyReport {
         } = &self.motion;
         writeln!(
             text,
-            "{steps} motions: {contacts} contacts, {pairs} pairs of features compared: {missed} missed, {spurious} spurious, {wrong_times} wrong \
-             times, {wrong_geometry} wrong points or normals"
+            "{steps} motions: {contacts} contacts, {pairs} pairs of features compared: {missed} missed, {spurious} spurious, {wrong_times} wrong times, \
+             {wrong_geometry} wrong points or normals"
         )?;
         if let Some(reproduction) = &self.reproduction {
             reproduction.write_text(&self.bodies, text)?;

@@ -78,7 +78,7 @@ pub(super) struct Candidate<'t> {
     pub(super) features: Features,
     pub(super) pair: FeaturePair,
     /// The triangles that the features are of, in the order of `pair`.
-    triangles: [&'t MovingTriangle<'t>; 2],
+    pub(super) triangles: [&'t MovingTriangle<'t>; 2],
 }
 
 impl<'t> Candidate<'t> {

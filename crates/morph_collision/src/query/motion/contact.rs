@@ -43,6 +43,8 @@ pub enum Features {
 pub struct MotionContact {
     /// What touches.
     pub features: Features,
+    /// The triangles of these features. Of those that share a vertex or an edge, the one with the lowest index.
+    pub triangles: TrianglePair,
     /// When it first touches, as a share of the motion.
     pub time: TimeOfImpact,
     /// Where it touches, in world space: the position of the vertex, or midway between the closest points of the two edges. If triangles
@@ -70,13 +72,15 @@ impl MotionContact {
         let outward = candidate.outward(time.earliest.midpoint(time.latest));
         let found = impact_geometry(&candidate.pair, time, outward);
         let [a, b] = found.barycentrics;
+        let [first, second] = candidate.triangles.map(|triangle| triangle.number);
         // The vertex is the first of the pair.
-        let (side, barycentrics) = match candidate.features {
-            Features::FaceVertex { .. } => (-1.0, [b, a]),
-            _ => (1.0, [a, b]),
+        let (side, barycentrics, [triangle_a, triangle_b]) = match candidate.features {
+            Features::FaceVertex { .. } => (-1.0, [b, a], [second, first]),
+            _ => (1.0, [a, b], [first, second]),
         };
         Self {
             features: candidate.features,
+            triangles: TrianglePair { triangle_a, triangle_b },
             time,
             point: found.point,
             normal: found.normal * side,
@@ -100,6 +104,7 @@ impl MotionContact {
         let (on_b, velocity_b) = at_point(b, pair.triangle_b, point);
         Self {
             features: Features::AtStart(pair),
+            triangles: pair,
             time: TimeOfImpact {
                 earliest: 0.0,
                 latest: 0.0,

@@ -3,6 +3,8 @@
 //!
 //! `--help` lists the options; `just physics-report` runs it.
 
+mod drops;
+
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -12,10 +14,9 @@ use bevy_rapier3d::prelude::*;
 use clap::Parser;
 use morph_collision_testkit::bench::cpu;
 use morph_collision_testkit::mesh::MorphMesh;
-use morph_collision_workspace::physics::drops::{Drop, Kind, batch_of_drops, bowl, fates, waves};
 use morph_collision_workspace::physics::times::{Scene, Timed, scenes, table, time};
 use morph_collision_workspace::physics::{DT, Method, Surface, app, body, settle, sheet, state};
-use morph_collision_workspace::tables::{Section, TableOptions, progress, rewrite};
+use morph_collision_workspace::tables::{Section, TableOptions, rewrite};
 
 /// Tables about rigid bodies on morphing surfaces.
 #[derive(Parser)]
@@ -31,9 +32,18 @@ struct Options {
     /// The method: 0 is this plugin, followed by the rivals.
     #[arg(long, default_value_t = 0)]
     way: usize,
-    /// Print which bodies of one hundred drops fall through with this plugin, and change nothing.
+    /// Drop only this batch of one hundred bodies, print the last steps of those that fall through, and change nothing.
     #[arg(long)]
     batch: Option<u64>,
+    /// The last batch to drop like this.
+    #[arg(long, requires = "batch")]
+    until: Option<u64>,
+    /// Of such a batch, drop only this body.
+    #[arg(long, requires = "batch")]
+    alone: Option<usize>,
+    /// Drop them with CCD.
+    #[arg(long, requires = "batch")]
+    ccd: bool,
 }
 
 impl Options {
@@ -65,21 +75,16 @@ fn run(options: &Options) -> Result<(), String> {
         println!("{} surfaces, {}: {:.0} us", scene.shapes, scene.what, times[0]);
         return Ok(());
     }
-    if let Some(batch) = options.batch {
-        let (mesh, drops) = (bowl(), batch_of_drops(batch, 100));
-        for ccd in [false, true] {
-            for (i, drop) in drops.iter().enumerate() {
-                if fall(options.way(), &mesh, ccd, std::slice::from_ref(drop)).0 > 0 {
-                    println!("CCD {ccd}: {i}: {drop:?}");
-                }
-            }
+    if let Some(first) = options.batch {
+        for batch in first..=options.until.unwrap_or(first) {
+            drops::trace(options.way(), batch, options.ccd, options.alone);
         }
         return Ok(());
     }
     let sections: [Section<'_>; 4] = [
         ("machine", Box::new(|| Ok(format!("{}\n", cpu())))),
         ("behaviour", Box::new(|| Ok(behaviour()))),
-        ("drops", Box::new(|| Ok(drops(quick)))),
+        ("drops", Box::new(|| Ok(drops::table(quick)))),
         ("time", Box::new(|| Ok(times(quick)))),
     ];
     rewrite(&options.page, &options.tables, &sections)
@@ -157,64 +162,6 @@ fn behaviour() -> String {
         );
     }
     table
-}
-
-/// Drops bodies that do not collide with each other into the bowl, and counts how many fall through.
-fn drops(quick: bool) -> String {
-    let mesh = bowl();
-    let batches = if quick { 4 } else { 100 };
-    let per_batch = 100;
-    let progress = progress(batches * 4);
-    let mut table = String::from("| way | CCD | drops | fell through | left over the rim |\n|---|---|--:|--:|--:|\n");
-    for ccd in [false, true] {
-        for method in [Method::Ours, Method::NewMesh] {
-            let (mut through, mut left) = (0, 0);
-            for batch in 0..batches {
-                let fell = fall(method, &mesh, ccd, &batch_of_drops(batch, per_batch));
-                through += fell.0;
-                left += fell.1;
-                progress.inc(1);
-            }
-            let on = if ccd { "on" } else { "off" };
-            let (name, drops) = (method.name(), batches * per_batch);
-            let _infallible = writeln!(table, "| {name} | {on} | {drops} | {through} | {left} |");
-        }
-    }
-    progress.finish_and_clear();
-    table
-}
-
-fn fall(method: Method, mesh: &MorphMesh, ccd: bool, drops: &[Drop]) -> (u64, u64) {
-    let mut app = here();
-    let mut surface = Surface::spawn(&mut app, method, mesh, Vec3::ZERO, &mut None);
-    settle(&mut app);
-    let mut bodies = Vec::new();
-    for drop in drops {
-        let size = drop.size;
-        let collider = match drop.kind {
-            Kind::Ball => Collider::ball(size),
-            Kind::Cuboid => Collider::cuboid(size, 0.7 * size, 0.5 * size),
-            Kind::Capsule => Collider::capsule_y(size, 0.5 * size),
-        };
-        let body = body(&mut app, collider, drop.at);
-        // They collide only with the surface.
-        let groups = CollisionGroups::new(Group::GROUP_1, Group::ALL ^ Group::GROUP_1);
-        let mut entity = app.world_mut().entity_mut(body);
-        let velocity = Velocity {
-            linear: drop.linear,
-            angular: drop.angular,
-        };
-        entity.insert((velocity, groups));
-        if ccd {
-            entity.insert(Ccd::enabled());
-        }
-        bodies.push(body);
-    }
-    for step in 0..240 {
-        surface.pose(&mut app, &waves(step as f32 * DT));
-        app.update();
-    }
-    fates(bodies.iter().map(|&body| state(&app, body).0))
 }
 
 /// The cost of a frame.

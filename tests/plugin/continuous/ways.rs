@@ -1,0 +1,382 @@
+//! Which motion counts, and for whom.
+
+use bevy::ecs::entity_disabling::Disabled;
+use bevy::prelude::*;
+use bevy_morph_collision::prelude::*;
+use morph_collision_testkit::models::rigid;
+
+use super::{HALF, Range, make_continuous};
+use crate::support::{add_mesh, cube, diagnostics, move_to, set_weight, settle, spawn, stretching_cube, touches};
+
+#[test]
+fn layers_and_bodies_apply_on_the_way() {
+    let mut range = Range::new();
+    let (bullet, wall) = (range.bullet, range.wall);
+    range
+        .app
+        .world_mut()
+        .entity_mut(bullet)
+        .insert(MorphCollisionLayers::new(1, 2));
+    range.app.update();
+    range.shoot(2.0);
+    assert_eq!(range.counts(), (1, 1), "the wall is on all layers");
+    range
+        .app
+        .world_mut()
+        .entity_mut(wall)
+        .insert(MorphCollisionLayers::new(1, 1));
+    range.app.update();
+    range.shoot(-2.0);
+    assert_eq!(range.counts(), (0, 0));
+    range.app.world_mut().entity_mut(wall).insert(MorphCollisionLayers::ALL);
+    range
+        .app
+        .world_mut()
+        .entity_mut(bullet)
+        .insert(MorphColliderOf { body: wall });
+    range.app.update();
+    range.shoot(2.0);
+    assert_eq!(range.counts(), (0, 0), "one body");
+}
+
+#[test]
+fn the_motion_of_both_counts() {
+    let mut range = Range::new();
+    // Side by side they do not meet, however far they go.
+    move_to(&mut range.app, range.wall, 102.0);
+    range.shoot(100.0);
+    assert_eq!(range.counts(), (0, 0));
+    assert_eq!(diagnostics(&range.app).swept_pairs, 1);
+    // They swap places. The other one is not continuous, and at the end it is far away from the way of the first.
+    move_to(&mut range.app, range.wall, 0.0);
+    range.shoot(200.0);
+    let (starts, ends) = range.news();
+    assert_eq!((starts.len(), ends.len()), (1, 1));
+    // A gap of 1.5 closes at 202.
+    let time = starts[0].impact.unwrap().earliest;
+    assert!((time - f64::from((1.5 - HALF) / 202.0)).abs() < 1e-5, "{time}");
+    // The continuous one rests and the other one passes.
+    move_to(&mut range.app, range.wall, 300.0);
+    range.app.update();
+    assert_eq!(range.counts(), (1, 1));
+}
+
+#[test]
+fn weights_move_colliders_too() {
+    let mut range = Range::new();
+    let mesh = add_mesh(&mut range.app, &stretching_cube());
+    let (arm, wall) = (range.bullet, range.wall);
+    range.app.world_mut().entity_mut(arm).insert(Mesh3d(mesh));
+    set_weight(&mut range.app, arm, 0.0);
+    settle(&mut range.app);
+    // A punch, and back: at both ends of each frame it is in front of the wall.
+    set_weight(&mut range.app, arm, 0.5);
+    range.app.update();
+    assert_eq!(range.counts(), (0, 0));
+    // Then it moves on, but the arm goes back so far that it points to the left.
+    set_weight(&mut range.app, arm, -6.0);
+    range.shoot(2.6);
+    let (starts, ends) = range.news();
+    assert_eq!(
+        (starts.len(), ends.len()),
+        (1, 0),
+        "the side at -X passes, that at +X comes back to x = -2.9"
+    );
+    assert!(touches(&range.app, arm, wall));
+    let time = starts[0].impact.unwrap().earliest;
+    // The side at +X is at -1 + t (-6.5 + 4.6), and that at -X at -2.5 + 4.6 t.
+    assert!((time - f64::from((2.5 - HALF) / 4.6)).abs() < 1e-5, "{time}");
+}
+
+#[test]
+fn pairs_with_a_shape_have_no_way() {
+    let mut range = Range::new();
+    let wall = range.wall;
+    range
+        .app
+        .world_mut()
+        .entity_mut(wall)
+        .insert(MorphShape::Ball { radius: 0.1 });
+    settle(&mut range.app);
+    range.shoot(2.0);
+    assert_eq!(range.counts(), (0, 0));
+    assert_eq!(diagnostics(&range.app).swept_pairs, 0);
+    // What becomes a mesh again was not one in the last run.
+    range.app.world_mut().entity_mut(wall).remove::<MorphShape>();
+    range.shoot(-2.0);
+    assert_eq!(range.counts(), (0, 0));
+    range.shoot(2.0);
+    assert_eq!(range.counts(), (1, 1));
+}
+
+#[test]
+fn a_teleport_is_no_motion() {
+    let mut range = Range::new();
+    range.app.world_mut().entity_mut(range.bullet).insert(MorphTeleported);
+    range.shoot(2.0);
+    assert_eq!(range.counts(), (0, 0));
+    assert_eq!(diagnostics(&range.app).swept_pairs, 0);
+    assert!(
+        range.app.world().get::<MorphTeleported>(range.bullet).is_none(),
+        "it counts once"
+    );
+    range.shoot(-2.0);
+    assert_eq!(range.counts(), (1, 1));
+    // Where it appears, it collides as usual.
+    range.app.world_mut().entity_mut(range.bullet).insert(MorphTeleported);
+    range.shoot(0.2);
+    let (starts, ends) = range.news();
+    assert_eq!((starts.len(), ends.len(), starts[0].impact), (1, 0, None));
+    // The other one may teleport as well.
+    range.shoot(-2.0);
+    range.news();
+    range.app.world_mut().entity_mut(range.wall).insert(MorphTeleported);
+    range.shoot(2.0);
+    assert_eq!(range.counts(), (0, 0));
+}
+
+#[test]
+fn a_teleport_counts_for_what_is_below_and_for_parts_of_a_body() {
+    for as_child in [true, false] {
+        let mut range = Range::new();
+        let root = range.app.world_mut().spawn(Transform::default()).id();
+        let mut bullet = range.app.world_mut().entity_mut(range.bullet);
+        if as_child {
+            let between = bullet.world_scope(|world| world.spawn((Transform::default(), ChildOf(root))).id());
+            bullet.insert(ChildOf(between));
+        } else {
+            bullet.insert(MorphColliderOf { body: root });
+        }
+        range.app.update();
+        range.app.world_mut().entity_mut(root).insert(MorphTeleported);
+        range.shoot(2.0);
+        assert_eq!(range.counts(), (0, 0));
+        range.shoot(-2.0);
+        assert_eq!(range.counts(), (1, 1));
+        range.app.world_mut().despawn(root);
+    }
+}
+
+#[test]
+fn a_teleport_waits_for_the_next_run() {
+    let mut range = Range::new();
+    let pause = |range: &mut Range, paused: bool| {
+        range.app.world_mut().resource_mut::<MorphCollisionSettings>().paused = paused;
+    };
+    pause(&mut range, true);
+    range.app.world_mut().entity_mut(range.bullet).insert(MorphTeleported);
+    range.app.update();
+    assert!(range.app.world().get::<MorphTeleported>(range.bullet).is_some());
+    pause(&mut range, false);
+    range.app.update();
+    assert!(range.app.world().get::<MorphTeleported>(range.bullet).is_none());
+}
+
+#[test]
+fn motion_during_a_pause_does_not_count() {
+    let mut range = Range::new();
+    range.app.world_mut().resource_mut::<MorphCollisionSettings>().paused = true;
+    range.shoot(1.0);
+    range.shoot(2.0);
+    range.app.world_mut().resource_mut::<MorphCollisionSettings>().paused = false;
+    range.shoot(2.5);
+    assert_eq!(range.counts(), (0, 0));
+    range.shoot(-2.0);
+    assert_eq!(range.counts(), (1, 1), "from the second frame on, it does");
+    // If nothing moves in the first frame after a pause, that is all.
+    range.app.world_mut().resource_mut::<MorphCollisionSettings>().paused = true;
+    range.app.update();
+    range.app.world_mut().resource_mut::<MorphCollisionSettings>().paused = false;
+    range.app.update();
+    range.shoot(2.0);
+    assert_eq!(range.counts(), (1, 1));
+}
+
+#[test]
+fn a_collider_that_was_not_there_has_no_way() {
+    let mut range = Range::new();
+    let (bullet, wall) = (range.bullet, range.wall);
+    let mut x = -2.0;
+    // Moves to the other side of the wall.
+    let mut cross = |range: &mut Range| {
+        x = -x;
+        range.shoot(x);
+        range.counts()
+    };
+    for entity in [bullet, wall] {
+        // Disabled and enabled again, ours and Bevy's.
+        range.app.world_mut().entity_mut(entity).insert(MorphColliderDisabled);
+        assert_eq!(cross(&mut range), (0, 0));
+        range
+            .app
+            .world_mut()
+            .entity_mut(entity)
+            .remove::<MorphColliderDisabled>();
+        assert_eq!(cross(&mut range), (0, 0), "it is there again, but was not before");
+        assert_eq!(cross(&mut range), (1, 1));
+    }
+    range.app.world_mut().entity_mut(wall).insert(Disabled);
+    assert_eq!(cross(&mut range), (0, 0));
+    range.app.world_mut().entity_mut(wall).remove::<Disabled>();
+    assert_eq!(cross(&mut range), (0, 0));
+    assert_eq!(cross(&mut range), (1, 1));
+
+    // Another mesh, as soon as its tree is built.
+    let thin = add_mesh(&mut range.app, &rigid::box_mesh(Vec3::new(0.1, 0.2, 0.2)));
+    range.app.world_mut().entity_mut(bullet).insert(Mesh3d(thin));
+    range.app.update();
+    settle(&mut range.app);
+    assert_eq!(range.counts(), (0, 0));
+    assert_eq!(cross(&mut range), (1, 1));
+
+    // New in the frame in which the other one passes; there already is a tree.
+    let mesh = add_mesh(&mut range.app, &cube());
+    spawn(&mut range.app, &mesh, 50.0);
+    settle(&mut range.app);
+    let new = spawn(&mut range.app, &mesh, 0.0);
+    make_continuous(&mut range.app, new, true);
+    assert_eq!(
+        cross(&mut range),
+        (2, 1),
+        "only the wall is passed, and the new cube is in the wall"
+    );
+
+    // Despawned in that frame.
+    range.app.world_mut().despawn(wall);
+    range.app.world_mut().despawn(new);
+    assert_eq!(cross(&mut range), (0, 1));
+    range.app.world_mut().despawn(bullet);
+    range.app.update();
+    assert_eq!(range.counts(), (0, 0));
+}
+
+#[test]
+fn what_rests_is_not_compared_on_a_way() {
+    let mut range = Range::new();
+    range.shoot(2.0);
+    assert_eq!((diagnostics(&range.app).swept_pairs, range.counts()), (1, (1, 1)));
+    range.app.update();
+    assert_eq!((diagnostics(&range.app).swept_pairs, range.counts()), (0, (0, 0)));
+    // Another pair moves.
+    let mesh = add_mesh(&mut range.app, &cube());
+    let others = [20.0, 22.0].map(|x| spawn(&mut range.app, &mesh, x));
+    make_continuous(&mut range.app, others[0], true);
+    settle(&mut range.app);
+    range.counts();
+    move_to(&mut range.app, others[0], 30.0);
+    range.app.update();
+    assert_eq!(diagnostics(&range.app).swept_pairs, 1);
+    assert_eq!(range.counts(), (1, 1));
+    // The first one goes on from where it rested.
+    range.shoot(-2.0);
+    let time = range.news().0[0].impact.unwrap().earliest;
+    assert!((time - f64::from((1.5 - HALF) / 4.0)).abs() < 1e-5, "{time}");
+}
+
+#[test]
+fn it_takes_effect_at_once_and_can_be_turned_off() {
+    let mut range = Range::with([false, false]);
+    make_continuous(&mut range.app, range.wall, true);
+    range.shoot(2.0);
+    assert_eq!(range.counts(), (1, 1));
+    make_continuous(&mut range.app, range.wall, false);
+    range.shoot(-2.0);
+    assert_eq!(range.counts(), (0, 0));
+}
+
+#[test]
+fn scenes_and_the_setting_pass_it_on() {
+    let mut range = Range::with([false, false]);
+    let mesh = add_mesh(&mut range.app, &stretching_cube());
+    // Above the other cube.
+    let above = |x: f32| Transform::from_xyz(x, 2.0, 0.0);
+    let fist = range.app.world_mut().spawn((Mesh3d(mesh), above(-2.0))).id();
+    set_weight(&mut range.app, fist, 0.0);
+    let continuous = MorphCollider::default().with_continuous(true);
+    range
+        .app
+        .world_mut()
+        .resource_mut::<MorphCollisionSettings>()
+        .every_deforming_mesh = Some(continuous);
+    settle(&mut range.app);
+    range.counts();
+    range.app.world_mut().entity_mut(fist).insert(above(2.0));
+    range.app.update();
+    assert_eq!(range.counts(), (1, 1));
+    let plain = MorphCollider::default();
+    range
+        .app
+        .world_mut()
+        .resource_mut::<MorphCollisionSettings>()
+        .every_deforming_mesh = Some(plain);
+    range.app.update();
+    range.app.world_mut().entity_mut(fist).insert(above(-2.0));
+    range.app.update();
+    assert_eq!(range.counts(), (0, 0), "the collider follows the setting");
+}
+
+#[test]
+fn with_a_tolerance_the_way_is_that_of_what_collisions_see() {
+    for is_continuous in [[true, false], [false, true]] {
+        let mut range = Range::with(is_continuous);
+        let mut collider = range.app.world_mut().get_mut::<MorphCollider>(range.bullet).unwrap();
+        *collider = collider.with_tolerance(0.1);
+        range.app.update();
+        // Its front is 0.05 before the wall, and then, unnoticed, in it.
+        range.shoot(-0.5 - HALF - 0.05);
+        range.shoot(-0.5 - HALF + 0.02);
+        assert_eq!(diagnostics(&range.app).held_colliders, 1);
+        assert_eq!(range.counts(), (0, 0));
+        range.shoot(2.0);
+        let (starts, ends) = range.news();
+        assert_eq!((starts.len(), ends.len()), (1, 1));
+        let impact = starts[0].impact.unwrap();
+        let expected = 0.05 / f64::from(2.5 + HALF + 0.05);
+        assert!((impact.earliest - expected).abs() < 1e-5, "{impact:?}");
+    }
+}
+
+#[test]
+fn a_margin_counts_at_the_end_of_the_way_only() {
+    let mut range = Range::new();
+    let mut collider = range.app.world_mut().get_mut::<MorphCollider>(range.wall).unwrap();
+    *collider = collider.with_margin(0.5);
+    range.app.update();
+    range.shoot(-0.9);
+    assert!(touches(&range.app, range.bullet, range.wall), "within the margin");
+    let (starts, _) = range.news();
+    assert_eq!(starts[0].impact, None, "the surfaces did not touch");
+    range.shoot(-2.0);
+    range.shoot(0.9);
+    let (starts, ends) = range.news();
+    assert_eq!(
+        (starts.len(), ends.len()),
+        (1, 1),
+        "the surfaces passed, and it ends within the margin"
+    );
+    assert!(starts[0].impact.is_some() && touches(&range.app, range.bullet, range.wall));
+}
+
+#[test]
+fn what_was_not_compared_before_may_touch_at_the_start() {
+    let mut range = Range::new();
+    range
+        .app
+        .world_mut()
+        .entity_mut(range.bullet)
+        .insert(MorphCollisionLayers::NONE);
+    range.shoot(0.2);
+    range
+        .app
+        .world_mut()
+        .entity_mut(range.bullet)
+        .insert(MorphCollisionLayers::ALL);
+    range.shoot(2.0);
+    let (starts, ends) = range.news();
+    assert_eq!((starts.len(), ends.len()), (1, 1));
+    let impact = starts[0].impact.unwrap();
+    assert_eq!(
+        (impact.earliest, impact.latest, impact.features),
+        (0.0, 0.0, MorphFeatures::AtStart)
+    );
+}

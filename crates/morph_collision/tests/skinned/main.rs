@@ -163,6 +163,32 @@ fn pairs_first_pairs_and_batches() {
 }
 
 #[test]
+fn a_remembered_pair_is_found_again_without_any_boxes() {
+    let mut query = PairQuery::new();
+    let mut remembered = 0;
+    for seed in 0..20 {
+        let (mut poses, _) = pairs_of_bodies(seed);
+        let mut memory = PairMemory::new();
+        let mut ask = |poses: &mut [Pose; 2]| {
+            let [a, b] = bodies(poses);
+            (query.first_with(&mut memory, a, b), query.stats())
+        };
+        let (first, _) = ask(&mut poses);
+        let Some(first) = first else { continue };
+        for pose in &mut poses {
+            let nearly = pose.weights()[0] * (1.0 + f32::EPSILON) + 1e-6;
+            pose.set_weights(&[nearly]).unwrap();
+        }
+        let (again, stats) = ask(&mut poses);
+        assert_eq!(again, Some(first), "seed {seed}");
+        assert_eq!((stats.nodes_blended, stats.node_tests), (0, 0), "seed {seed}");
+        assert!(stats.vertices_blended > 0, "seed {seed}");
+        remembered += 1;
+    }
+    assert!(remembered > 10, "{remembered}");
+}
+
+#[test]
 fn self_intersections() {
     let found = same(0..20, |poses, _| {
         let mut pairs = Vec::new();

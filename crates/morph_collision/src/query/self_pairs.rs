@@ -77,12 +77,8 @@ impl SelfQuery {
                 triangle_b: triangle_a.max(triangle_b),
             })
         };
-        let of_neighbours = intersecting_neighbours(
-            &mut Side::new(posed, leaves),
-            &front.neighbours,
-            stats,
-            &mut ordered,
-        );
+        let of_neighbours =
+            intersecting_neighbours(&mut Side::new(posed, leaves), &front.neighbours, stats, &mut ordered);
         if of_neighbours.is_continue() {
             let node_tests = walk_within(posed, &front.apart, stack, |posed, a, b| {
                 let mut body = Side::new(posed, leaves);

@@ -66,7 +66,11 @@ fn apart(topology: &Topology, adjacent: &mut [[u32; 2]]) -> Vec<Apart> {
         nodes: [root; 2],
         adjacent: 0..adjacent.len(),
     }];
-    while let Some(Pair { nodes: [a, b], adjacent: range }) = rest.pop() {
+    while let Some(Pair {
+        nodes: [a, b],
+        adjacent: range,
+    }) = rest.pop()
+    {
         let (of_a, of_b) = (child(topology, a), child(topology, b));
         if a == b {
             let ChildKind::Group(group) = of_a.kind() else {
@@ -152,7 +156,9 @@ fn child(topology: &Topology, place: Place) -> Child {
 /// The first leaf below each child of a group, ascending.
 fn first_leaves(topology: &Topology, group: usize) -> Vec<u32> {
     let children = topology.group(group).children().iter();
-    children.map(|&child| topology.leaves_below(child)[0].0 as u32).collect()
+    children
+        .map(|&child| topology.leaves_below(child)[0].0 as u32)
+        .collect()
 }
 
 #[cfg(test)]
@@ -180,12 +186,18 @@ mod tests {
         let mut seen = BTreeSet::new();
         let shares = |[a, b]: [usize; 2]| {
             let others = topology.leaf_vertices(super::super::Leaf(b));
-            topology.leaf_vertices(super::super::Leaf(a)).iter().any(|vertex| others.contains(vertex))
+            topology
+                .leaf_vertices(super::super::Leaf(a))
+                .iter()
+                .any(|vertex| others.contains(vertex))
         };
         let first_patches = front.neighbours.iter().filter(|pair| pair.patches == [0; 2]);
         for pair in first_patches {
             let leaves = pair.leaves().map(|leaf| leaf.0);
-            assert!(leaves[0] <= leaves[1] && shares(leaves) && seen.insert(leaves), "{leaves:?}");
+            assert!(
+                leaves[0] <= leaves[1] && shares(leaves) && seen.insert(leaves),
+                "{leaves:?}"
+            );
         }
         let neighbours = seen.len();
         for step in &front.apart {

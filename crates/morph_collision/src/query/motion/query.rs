@@ -184,11 +184,12 @@ impl MotionQuery {
             None => ControlFlow::Continue(()),
         };
         let front = bvh.self_front();
-        let mut at_leaves = |body: &mut Moving<'_, '_>, a, b| {
-            candidates_within((body, leaves, bvh.owners()), [a, b], stats, &mut test)
-        };
+        let mut at_leaves =
+            |body: &mut Moving<'_, '_>, a, b| candidates_within((body, leaves, bvh.owners()), [a, b], stats, &mut test);
         let neighbours = front.neighbours.iter().filter(|pair| pair.patches == [0; 2]);
-        let of_neighbours = neighbours.map(PatchPair::leaves).try_for_each(|[a, b]| at_leaves(&mut body, a, b));
+        let of_neighbours = neighbours
+            .map(PatchPair::leaves)
+            .try_for_each(|[a, b]| at_leaves(&mut body, a, b));
         let tests = match of_neighbours {
             ControlFlow::Continue(()) => walk_within(&mut body, &front.apart, stack, at_leaves),
             ControlFlow::Break(()) => 0,

@@ -231,9 +231,10 @@ mutations SECONDS="900" SEED="1":
     cargo build -p morph_collision_testkit --bin mutations
     ulimit -v 2000000; "${CARGO_TARGET_DIR:-target}/debug/mutations" {{SECONDS}} {{SEED}}
 
-# Regenerates every table and plot of docs/performance.md in place: --quick for rough numbers, --only PLACE for one of them.
+# Measures everything in docs/measurements and writes its pages, docs/performance.md and the README's numbers. --only TOPIC measures one
+# page, --quick makes rough numbers, --render only writes the pages again.
 report *ARGS:
-    cargo run --release -p morph_collision_testkit --features report --bin report -- {{ARGS}} docs/performance.md
+    cargo run --release -p morph_collision_testkit --features report --bin report -- {{ARGS}} docs
 
 # Regenerates the tables of docs/rapier.md in place: bodies on a morphing surface, compared with what a game can do without the plugin.
 physics-report *ARGS:
@@ -263,7 +264,7 @@ bench-instructions *ARGS:
 instructions *SCENES: release
     #!/usr/bin/env bash
     set -euo pipefail
-    frames="${CARGO_TARGET_DIR:-target}/release/frames"
+    frames="${FRAMES:-${CARGO_TARGET_DIR:-target}/release/frames}"
     scenes="{{SCENES}}"
     for scene in ${scenes:-pass-through-20480 dolphins-564 dolphins-9024 dolphins-36096 heads-cheek heads-crowd horse-gallop samba walkers-hands walkers-deep walkers-crowd head-ray head-rays walkers-ray walkers-rays}; do
         for wanted in all first; do
@@ -282,17 +283,42 @@ instructions-motion:
     set -euo pipefail
     cargo build --release -p morph_collision_testkit --bin steps
     steps="${CARGO_TARGET_DIR:-target}/release/steps"
-    echo "place lengths discrete motion first"
     for place in apart beside through; do
         for speed in 0 0.01 0.1 1 10; do
-            printf '%s %s' $place $speed
             for question in discrete motion first; do
                 output=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*counted_step*' "$steps" $place $speed $question 2>&1)
-                awk -v n="$(sed -n 's/.*Collected : //p' <<< "$output")" 'BEGIN { printf " %.1f", n / 40 / 1000 }'
+                awk -v of="$place $speed $question" -v n="$(sed -n 's/.*Collected : //p' <<< "$output")" 'BEGIN { printf "%s %.1f\n", of, n / 40 / 1000 }'
+                if [ $question != first ]; then
+                    echo "$place $speed touch-$question $(sed -n 's/^touch in \([0-9]*\) of .*/\1/p' <<< "$output")"
+                fi
             done
-            echo
         done
     done
+
+# Counts the instructions of some scenes for several build profiles, and the bytes of the program (needs valgrind).
+instructions-profiles:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    count() {
+        profile=$1
+        folder="${CARGO_TARGET_DIR:-target}/profiles/${profile//[^a-z]/_}"
+        env CARGO_TARGET_DIR="$folder" "${@:2}" cargo build --quiet --release -p morph_collision_testkit --bin frames
+        FRAMES="$folder/release/frames" just instructions pass-through-20480 dolphins-564 heads-cheek |
+            while read -r scene wanted millions; do echo "$profile $scene,$wanted $millions"; done
+        echo "$profile size $(wc -c < "$folder/release/frames")"
+    }
+    count "default"
+    count "lto = fat" CARGO_PROFILE_RELEASE_LTO=fat
+    count "lto = fat, codegen-units = 1, panic = abort" \
+        CARGO_PROFILE_RELEASE_LTO=fat CARGO_PROFILE_RELEASE_CODEGEN_UNITS=1 CARGO_PROFILE_RELEASE_PANIC=abort
+
+# Counts all of these for the pages of docs/measurements. The machine may be busy with other work (needs valgrind).
+instructions-report:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    just instructions | just report --counts instructions
+    just instructions-motion | just report --counts instructions_motion
+    just instructions-profiles | just report --counts instructions_profiles
 
 # Compares the tests of moving features with exact arithmetic: COUNT random motions (a million by default) of every kind, and recorded ones.
 motions COUNT="1000000" SEED="7":

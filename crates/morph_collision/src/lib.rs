@@ -21,7 +21,7 @@
 //! | Which triangles of two bodies intersect? | [`PairQuery`], with [`PairMemory`] from frame to frame |
 //! | Which triangles of many pairs of bodies intersect, on several threads? | [`BatchQuery`](batch::BatchQuery), on [`Workers`](batch::Workers) |
 //! | Where do two bodies touch, how deep, and which way is out? | [`ContactQuery`], [`triangle_contact`] |
-//! | What touches while bodies move from one pose to another? When? | [`MotionQuery`](motion::MotionQuery) |
+//! | What touches while bodies move from one pose to another? When? What does a bullet hit? | [`MotionQuery`](motion::MotionQuery) |
 //! | How far apart are two bodies? | [`DistanceQuery`] |
 //! | Which of many boxes overlap? | [`overlapping_pairs`] |
 //! | What does a ray hit? | [`RayQuery`] |
@@ -35,7 +35,7 @@
 //! A query object owns scratch memory: create it once and reuse it. Its methods return the answer, and `stats()` reports how much work the
 //! last call took. Methods that fill a list append to it. The `up_to` variants stop at a limit and return whether there is more.
 //!
-//! [`BuildOptions`] never change an answer. `docs/performance.md` in the repository shows how the leaf size affects speed.
+//! [`BuildOptions`] never change an answer. `docs/measurements/leaves.md` in the repository shows how the leaf size affects speed.
 //!
 //! # What an answer means
 //!

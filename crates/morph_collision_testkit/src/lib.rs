@@ -30,6 +30,7 @@
 //!
 //! - [`rivals`]: the other methods that `morph_collision` is compared with, among them Parry's.
 //! - [`mod@bench`]: times all methods against each other.
+//! - [`tightness`]: how much larger the boxes of a posed tree are than the smallest ones.
 //!
 //! # Output
 //!
@@ -38,7 +39,7 @@
 //!
 //! # Features
 //!
-//! - `report` (off by default): the program `report`, which fills the repository's performance page and draws its plots.
+//! - `report` (off by default): the program `report`, which writes the repository's pages of measurements and draws their plots.
 #![forbid(unsafe_code)]
 
 pub mod assets;
@@ -66,6 +67,7 @@ pub mod search;
 pub mod skeleton;
 pub mod skin;
 pub mod stress;
+pub mod tightness;
 pub mod verify;
 
 /// The README's snippet, run.

@@ -95,7 +95,11 @@ impl Figure {
         Ok(format!("![{alt}]({})\n\n([data]({}))\n", path("svg"), path("csv")))
     }
 
-    fn draw(&self, file: &Path) -> Result<(), Box<dyn Error>> {
+    /// Draws it as an SVG file.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn draw(&self, file: &Path) -> Result<(), Box<dyn Error>> {
         let columns = self.panels.len().clamp(1, 2);
         let rows = self.panels.len().div_ceil(columns);
         let size = (PANEL.0 * columns as u32, PANEL.1 * rows as u32);

@@ -75,34 +75,6 @@ impl BoxLanes {
         boxes.hull_of_all(simd)
     }
 
-    /// Grows each box to contain the motion to the box in the same lane of `end`, up to the time `until` of at most 1, at which the ends
-    /// are interpolated. If either box is not finite, the result is infinite.
-    #[inline(always)]
-    pub(crate) fn sweep<S: Simd>(&mut self, simd: S, end: &Self, until: f32) {
-        // Two products, a sum and `1 - until` round. Twice that is more than enough for the rounding of the slack.
-        const ROUNDINGS: f32 = 4.0 * f32::EPSILON;
-        let all = |value: f32| f32x8::splat(simd, value);
-        let (share, rest, slack) = (all(until), all(1.0 - until), all(ROUNDINGS));
-        let mut sum = all(0.0);
-        for axis in 0..3 {
-            let (min, max) = (self.min[axis].load(simd), self.max[axis].load(simd));
-            let (mut low, mut high) = (end.min[axis].load(simd), end.max[axis].load(simd));
-            sum += (min - max) + (low - high);
-            if until < 1.0 {
-                let around = |from: f32x8<S>, to: f32x8<S>| (from.abs() + to.abs()) * slack + all(1e-42);
-                low = (min * rest + low * share) - around(min, low);
-                high = (max * rest + high * share) + around(max, high);
-            }
-            min.min(low).store_slice(&mut self.min[axis].0);
-            max.max(high).store_slice(&mut self.max[axis].0);
-        }
-        // False for NaN and for infinities, in any of the numbers.
-        let is_finite = (sum * all(0.0)).simd_eq(all(0.0)).to_bitmask() as u8;
-        for lane in super::lanes_of(!is_finite) {
-            self.set(lane, &Aabb::UNBOUNDED);
-        }
-    }
-
     /// Sets `girths` to the sum of each box's edge lengths, times `scale`.
     #[inline(always)]
     pub(crate) fn girths<S: Simd>(&self, simd: S, scale: f32, girths: &mut Lanes) {
@@ -164,34 +136,6 @@ mod tests {
     use super::*;
     use crate::Kernel;
     use crate::bounds::{BoxMap, Frame, with_simd};
-
-    #[test]
-    fn swept_boxes_contain_both_ends_and_are_infinite_if_either_is() {
-        let at = |low: f32, high: f32| Aabb {
-            min: Vec3::new(low, -low, low),
-            max: Vec3::new(high, 2.0 - low, high),
-        };
-        for kernel in Kernel::available() {
-            for until in [1.0, 0.25] {
-                let (mut start, mut end) = (BoxLanes::default(), BoxLanes::default());
-                start.set(0, &at(0.0, 1.0));
-                end.set(0, &at(10.0, 11.0));
-                for (lane, odd) in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY].into_iter().enumerate() {
-                    start.set(1 + lane, &at(odd, 1.0));
-                    end.set(1 + lane, &at(-odd, 1.0));
-                }
-                with_simd!(kernel.level, simd => start.sweep(simd, &end, until));
-                let swept = start.get(0);
-                let reach = 1.0 + 10.0 * until;
-                assert!(swept.min.x <= 0.0 && swept.min.x >= -1e-5, "{swept:?}");
-                assert!(swept.max.x >= reach && swept.max.x <= reach + 1e-4, "{swept:?}");
-                assert!(swept.min.y <= -10.0 * until && swept.max.y >= 2.0, "{swept:?}");
-                for lane in 1..4 {
-                    assert_eq!(start.get(lane), Aabb::UNBOUNDED, "lane {lane}");
-                }
-            }
-        }
-    }
 
     #[test]
     fn infinite_boxes_overlap_everything_after_a_map_with_zeros() {

@@ -11,6 +11,7 @@ mod inverse;
 mod joint_map;
 mod kernel;
 mod lanes;
+mod moving_lanes;
 #[cfg(test)]
 mod probe;
 mod rounding;
@@ -28,6 +29,7 @@ pub(crate) use joint_map::{Ends, JointMap, MapFrame};
 pub use kernel::Kernel;
 pub(crate) use kernel::with_simd;
 pub(crate) use lanes::{LANES, Lanes, lanes_of};
+pub(crate) use moving_lanes::MovingLanes;
 #[cfg(test)]
 pub(crate) use probe::{ExactPoint, adjugate, exact_image, holds, lack, levels};
 pub(crate) use rounding::{down, up};

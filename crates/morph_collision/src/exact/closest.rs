@@ -268,11 +268,26 @@ fn plane_crossing([p, q]: Segment, &[a, b, c]: &Triangle) -> Option<DVec3> {
 /// The closest points of two segments if neither is an end. Callers check the corners first; `corners_squared` is the smallest
 /// squared distance found so far.
 fn closest_inside_segments([p, q]: Segment, [r, s]: Segment, corners_squared: f64) -> Option<ClosestPoints> {
-    let [x, y] = plane_coordinates([p, r], [p, q], [s, r], corners_squared)?;
-    let inside = (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y);
-    inside.then(|| ClosestPoints {
+    let [x, y] = parameters_inside([p, q], [r, s], corners_squared)?;
+    Some(ClosestPoints {
         on_a: p + (q - p) * x,
         on_b: r + (s - r) * y,
         squared: ((r - p) - (q - p) * x + (s - r) * y).length_squared(),
     })
+}
+
+/// The parameters of the closest points of two segments if neither is an end.
+fn parameters_inside([p, q]: Segment, [r, s]: Segment, corners_squared: f64) -> Option<[f64; 2]> {
+    let inside = plane_coordinates([p, r], [p, q], [s, r], corners_squared)?;
+    inside.iter().all(|at| (0.0..=1.0).contains(at)).then_some(inside)
+}
+
+/// The parameters, from 0 to 1, of the closest points of two segments, which may be points. As accurate as [`closest_of_triangles`].
+pub(super) fn closest_parameters([p, q]: Segment, [r, s]: Segment) -> [f64; 2] {
+    let squared = |[x, y]: [f64; 2]| ((r - p) - (q - p) * x + (s - r) * y).length_squared();
+    let of_a = [(0.0, p), (1.0, q)].map(|(x, end)| [x, closest_parameter(end, [r, s])]);
+    let of_b = [(0.0, r), (1.0, s)].map(|(y, end)| [closest_parameter(end, [p, q]), y]);
+    let nearer = |x: [f64; 2], y: [f64; 2]| if squared(y) < squared(x) { y } else { x };
+    let ends = nearer(nearer(of_a[0], of_a[1]), nearer(of_b[0], of_b[1]));
+    parameters_inside([p, q], [r, s], squared(ends)).map_or(ends, |inside| nearer(ends, inside))
 }

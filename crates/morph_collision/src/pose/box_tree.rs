@@ -4,11 +4,14 @@ use fearless_simd::Level;
 
 use super::posed::{NodeId, NodeRef, Posed};
 use super::posed_skin::BoneBoxes;
-use crate::bounds::{Aabb, BoxLanes, Frame, PlacedBounds};
+use crate::bounds::{Aabb, BoxLanes, Frame, MovingLanes, PlacedBounds};
 use crate::tree::Topology;
 
 /// A tree with a box for every node: those of a pose, or those of a body that moves from one pose to another.
 pub(crate) trait BoxTree {
+    /// Whether the boxes move. Then [`BoxTree::boxes`] contain the whole motion.
+    const MOVES: bool = false;
+
     fn topology(&self) -> &Topology;
 
     /// The SIMD level of the kernels.
@@ -19,6 +22,11 @@ pub(crate) trait BoxTree {
 
     /// The boxes in a slot of the cache.
     fn boxes(&self, slot: usize) -> &BoxLanes;
+
+    /// The boxes in a slot of the cache at the start and at the end of the motion, if they move.
+    fn moving_boxes(&self, _slot: usize) -> Option<&MovingLanes> {
+        None
+    }
 
     /// Opens a group whose boxes are kept in the space of a joint; `None` if they are not kept in such a space.
     fn open_in_bone(&mut self, _group: usize) -> Option<BoneBoxes> {

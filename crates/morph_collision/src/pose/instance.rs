@@ -135,7 +135,7 @@ impl Pose {
     /// Fits all boxes tightly to the posed vertices now. They stay valid until the weights or joints change.
     ///
     /// This is worth it if the weights stay the same for a while, or if a query visits most of the tree, such as listing all pairs of
-    /// two bodies that overlap deeply. Otherwise let queries blend what they need; `docs/performance.md` compares both.
+    /// two bodies that overlap deeply. Otherwise let queries blend what they need; `docs/measurements/methods.md` compares both.
     ///
     /// Cost: `O(n)`. Every vertex is blended and every box fitted.
     pub fn refit(&mut self) {

@@ -4,16 +4,24 @@ use fearless_simd::Level;
 use glam::DVec3;
 
 use super::view::View;
-use crate::bounds::{BoxLanes, PlacedBounds, WorldFromModel, with_simd};
+use crate::bounds::{Aabb, BoxLanes, MovingLanes, PlacedBounds, WorldFromModel, with_simd};
 use crate::pose::{BoxTree, EpochCache, Posed, Standing};
 use crate::tree::Topology;
 
 /// The boxes that a query has computed for a moving body. The next query reuses the memory.
 #[derive(Debug, Default)]
 pub(crate) struct MovingBoxes {
-    boxes: EpochCache<BoxLanes>,
+    /// Indexed by group.
+    groups: EpochCache<MovingGroup>,
     /// How the boxes at the start and at the end of the motion are mapped to the space of the moving boxes.
     views: [View; 2],
+}
+
+/// The boxes of the children of a node: at both ends of the motion, and during all of it.
+#[derive(Clone, Debug, Default)]
+struct MovingGroup {
+    ends: MovingLanes,
+    hull: BoxLanes,
 }
 
 /// A body that moves from one pose of its tree to another.
@@ -25,23 +33,17 @@ pub(crate) struct MovingBoxes {
 pub(crate) struct Moving<'m, 'p> {
     /// The poses at the start and at the end.
     pub(crate) ends: [Posed<'p>; 2],
-    /// Boxes contain the motion up to this time.
-    until: f32,
     moving: &'m mut MovingBoxes,
     standing: Standing,
+    /// The boxes of the root at the start and at the end.
+    root: [Aabb; 2],
 }
 
 impl<'m, 'p> Moving<'m, 'p> {
     /// Prepares a query. `drift` is how far the observer moves during the motion.
     ///
-    /// Boxes contain the motion up to the time `until`. If `within`, they also allow for the rounding of placed vertices, because they
-    /// are compared with boxes of the same body.
-    pub(crate) fn new(
-        mut ends: [Posed<'p>; 2],
-        (drift, until): (DVec3, f32),
-        moving: &'m mut MovingBoxes,
-        within: bool,
-    ) -> Self {
+    /// If `within`, boxes also allow for the rounding of placed vertices, because they are compared with boxes of the same body.
+    pub(crate) fn new(mut ends: [Posed<'p>; 2], drift: DVec3, moving: &'m mut MovingBoxes, within: bool) -> Self {
         let [start, end] = ends.each_mut().map(|end| end.stand().clone());
         let place = start.placed.world_from_model();
         // Boxes of a body that is flat in the world are kept along the world's axes instead.
@@ -58,8 +60,8 @@ impl<'m, 'p> Moving<'m, 'p> {
             let rounding = f64::EPSILON * translation.abs().max_element();
             PlacedBounds::with_error(&space.at(translation), DVec3::ZERO, rounding)
         };
-        let MovingBoxes { boxes, views } = &mut *moving;
-        boxes.next_epoch();
+        let MovingBoxes { groups, views } = &mut *moving;
+        groups.next_epoch();
         // Maps allow for the rounding of vertices.
         let keeps = is_own && !within;
         let targets = [at(space.translation()), at(after)];
@@ -73,14 +75,11 @@ impl<'m, 'p> Moving<'m, 'p> {
                 None => view.give_up(),
             }
         }
-        let mut bounds = [BoxLanes::default(), BoxLanes::default()];
-        bounds[0].set_all(&views[0].one(&start.bounds));
-        bounds[1].set_all(&views[1].one(&end.bounds));
-        with_simd!(ends[0].level, simd => {
-            let [first, last] = &mut bounds;
-            first.sweep(simd, last, until);
-        });
-        let bounds = bounds[0].get(0);
+        let mut root = [views[0].one(&start.bounds), views[1].one(&end.bounds)];
+        if !(root[0].size() + root[1].size()).is_finite() {
+            root = [Aabb::UNBOUNDED; 2];
+        }
+        let bounds = root[0].union(&root[1]);
         let placed = PlacedBounds::with_error(&space, bounds.magnitude().as_dvec3(), start.placed.error());
         let mut standing = start;
         standing.is_skinned = false; // Boxes of the whole body are in one space.
@@ -89,9 +88,9 @@ impl<'m, 'p> Moving<'m, 'p> {
         (standing.bounds, standing.placed) = (bounds, placed);
         Self {
             ends,
-            until,
             moving,
             standing,
+            root,
         }
     }
 
@@ -102,26 +101,28 @@ impl<'m, 'p> Moving<'m, 'p> {
 
     #[inline(never)]
     fn make(&mut self, group: usize) -> usize {
-        let (until, MovingBoxes { boxes, views }) = (self.until, &mut *self.moving);
-        let slot = boxes.insert(group, BoxLanes::default());
-        let hull = boxes.get_mut(slot);
+        let MovingBoxes { groups, views } = &mut *self.moving;
+        let slot = groups.claim(group);
+        let MovingGroup { ends, hull } = groups.get_mut(slot);
         if group == 0 {
-            hull.set_all(&self.standing.bounds);
+            ends.set(0, &self.root);
+            hull.set(0, &self.standing.bounds);
             return slot;
         }
         let [start, end] = &mut self.ends;
         let (at_start, at_end) = (start.open(group), end.open(group));
-        let mut last = BoxLanes::default();
         with_simd!(start.level, simd => {
-            views[0].all(simd, start.boxes(at_start), hull);
-            views[1].all(simd, end.boxes(at_end), &mut last);
-            hull.sweep(simd, &last, until);
+            views[0].all(simd, start.boxes(at_start), &mut ends.start);
+            views[1].all(simd, end.boxes(at_end), &mut ends.end);
+            ends.sweep(simd, hull);
         });
         slot
     }
 }
 
 impl BoxTree for Moving<'_, '_> {
+    const MOVES: bool = true;
+
     #[inline(always)]
     fn topology(&self) -> &Topology {
         self.ends[0].topology
@@ -134,7 +135,7 @@ impl BoxTree for Moving<'_, '_> {
 
     #[inline(always)]
     fn open(&mut self, group: usize) -> usize {
-        match self.moving.boxes.find(group) {
+        match self.moving.groups.find(group) {
             Some(slot) => slot,
             None => self.make(group),
         }
@@ -142,7 +143,12 @@ impl BoxTree for Moving<'_, '_> {
 
     #[inline(always)]
     fn boxes(&self, slot: usize) -> &BoxLanes {
-        self.moving.boxes.get(slot)
+        &self.moving.groups.get(slot).hull
+    }
+
+    #[inline(always)]
+    fn moving_boxes(&self, slot: usize) -> Option<&MovingLanes> {
+        Some(&self.moving.groups.get(slot).ends)
     }
 
     fn placed_space(&mut self, _space: usize) -> PlacedBounds {

@@ -9,35 +9,35 @@ use crate::pose::{NodeRef, Posed};
 use crate::tree::{ChildKind, Leaf};
 
 /// The nodes still to visit, lowest bound first. Later walks reuse the memory.
-pub(crate) type Queue = BinaryHeap<Entry>;
+pub(crate) type Queue = BinaryHeap<Entry<NodeRef>>;
 
-/// A node and its lower bound.
+/// A node, or a pair of nodes, and its lower bound.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Entry {
-    bound: f64,
-    node: NodeRef,
+pub(crate) struct Entry<N> {
+    pub(super) bound: f64,
+    pub(super) node: N,
 }
 
-impl Ord for Entry {
+impl<N> Ord for Entry<N> {
     /// The heap pops the greatest entry: the one with the lowest bound.
     fn cmp(&self, other: &Self) -> Ordering {
         other.bound.total_cmp(&self.bound)
     }
 }
 
-impl PartialOrd for Entry {
+impl<N> PartialOrd for Entry<N> {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Entry {
+impl<N> PartialEq for Entry<N> {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Entry {}
+impl<N> Eq for Entry<N> {}
 
 /// The slot of nodes whose boxes are outer boxes: they are blended if their turn comes.
 const OUTER: usize = u32::MAX as usize;

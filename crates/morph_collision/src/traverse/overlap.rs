@@ -1,10 +1,13 @@
 //! The walk over two trees that finds the leaves whose boxes overlap.
 
+use std::cell::Cell;
+use std::collections::BinaryHeap;
 use std::ops::ControlFlow;
 
 use fearless_simd::Simd;
 
 use super::joint_spaces::JointSpaces;
+use super::one::Entry;
 use super::views::{Node, Views};
 use crate::bounds::{Aabb, Frame, LANES, lanes_of, with_simd};
 use crate::pose::{BoxTree, NodeId, Standing};
@@ -19,13 +22,16 @@ const MAX_SIZE_RATIO: f32 = 3.0;
 const LEAF_PAIRS: usize = 256;
 
 /// The order in which node pairs are visited.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Order {
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Order<'w> {
     /// Any fixed order. Leaf pairs are passed on many at a time.
     Any,
     /// The children that overlap deepest come first, and leaf pairs are passed on one at a time. Worth it if the walk ends at the
     /// first intersection.
     DeepestFirst,
+    /// Best first: pairs of boxes that overlap early in a motion come first, and leaf pairs are passed on one at a time. Pairs that overlap
+    /// only later than this time are skipped. The caller may lower it during the walk. For boxes that move.
+    EarliestFirst(&'w Cell<f64>),
     /// Like [`Order::Any`], but leaf pairs stay on the stack.
     Expand,
 }
@@ -46,6 +52,10 @@ pub(crate) struct OverlapWalk {
     any_skinned: bool,
     /// The node pairs still to visit.
     stack: Vec<(Node, Node)>,
+    /// The same for [`Order::EarliestFirst`], with lower bounds of the times at which their boxes overlap.
+    queue: BinaryHeap<Entry<(Node, Node)>>,
+    /// Such bounds for the lanes that were compared last.
+    enter: [f32; LANES],
     leaves: Vec<(Leaf, Leaf)>,
     by_depth: DepthSort,
     /// Node bounds tested so far.
@@ -76,7 +86,7 @@ impl OverlapWalk {
         &mut self,
         (a, b): (&mut T, &mut T),
         front: &[(NodeId, NodeId)],
-        order: Order,
+        order: Order<'_>,
         at_leaves: &mut AtLeaves<'_, T>,
     ) -> ControlFlow<()> {
         with_simd!(a.level(), simd => self.walk(simd, (a, b), front, order, at_leaves))
@@ -118,11 +128,16 @@ impl OverlapWalk {
         simd: S,
         (a, b): (&mut T, &mut T),
         front: &[(NodeId, NodeId)],
-        order: Order,
+        order: Order<'_>,
         at_leaves: &mut AtLeaves<'_, T>,
     ) -> ControlFlow<()> {
         self.stack.clear();
+        self.queue.clear();
         self.leaves.clear();
+        if T::MOVES {
+            self.a.begin_moving(a);
+            self.b.begin_moving(b);
+        }
         let roots = [(NodeId::ROOT, NodeId::ROOT)];
         for (id_a, id_b) in if front.is_empty() { &roots } else { front } {
             let pair = (self.a.node(a, *id_a), self.b.node(b, *id_b));
@@ -135,13 +150,15 @@ impl OverlapWalk {
             if !front.is_empty() && overlap() >> pair.0.lane() & 1 == 0 {
                 continue;
             }
-            self.stack.push(pair);
-            while let Some((node_a, node_b)) = self.stack.pop() {
+            self.enter[0] = 0.0;
+            self.push(pair, 0, order);
+            while let Some((node_a, node_b)) = self.next(order) {
                 match (node_a.child.kind(), node_b.child.kind()) {
                     (ChildKind::Leaf(leaf_a), ChildKind::Leaf(leaf_b)) => self.leaves.push((leaf_a, leaf_b)),
                     _ => self.descend(simd, (a, b), (node_a, node_b), order),
                 }
-                if self.leaves.len() >= LEAF_PAIRS || order == Order::DeepestFirst && !self.leaves.is_empty() {
+                let is_one_by_one = matches!(order, Order::DeepestFirst | Order::EarliestFirst(_));
+                if self.leaves.len() >= LEAF_PAIRS || is_one_by_one && !self.leaves.is_empty() {
                     at_leaves(a, b, &self.leaves)?;
                     self.leaves.clear();
                 }
@@ -157,7 +174,7 @@ impl OverlapWalk {
         simd: S,
         (a, b): (&mut T, &mut T),
         (node_a, node_b): (Node, Node),
-        order: Order,
+        order: Order<'_>,
     ) {
         // Whether a node is so much larger than the other that only it is opened.
         let dominates = |own: f32, other: f32| own >= MAX_SIZE_RATIO * other;
@@ -174,7 +191,7 @@ impl OverlapWalk {
                     self.by_depth.add(rows, &depths);
                 }
                 for lane in lanes_of(rows) {
-                    self.push((self.a.child(slot, lane), node_b), order);
+                    self.push((self.a.child(slot, lane), node_b), lane, order);
                 }
             }
             (kind, ChildKind::Group(group_b)) => {
@@ -205,7 +222,11 @@ impl OverlapWalk {
     fn rows<S: Simd, T: BoxTree>(&mut self, simd: S, trees: (&mut T, &mut T), slot: usize, node_b: Node) -> u8 {
         let (opened, other, lane) = (self.a.opened(slot), self.b.siblings(node_b), node_b.lane());
         self.node_tests += u64::from(opened.len);
-        let mask = opened.overlaps(simd, other, lane);
+        let mut mask = opened.overlaps(simd, other, lane);
+        if T::MOVES && mask != 0 {
+            let with = (&self.b, (node_b.slot(), lane));
+            mask &= self.a.meet(simd, slot, with, &mut self.enter);
+        }
         if mask == 0 || !self.any_skinned {
             return mask;
         }
@@ -221,11 +242,14 @@ impl OverlapWalk {
         trees: (&mut T, &mut T),
         (slot_a, row): (usize, usize),
         slot_b: usize,
-        order: Order,
+        order: Order<'_>,
     ) {
         let (opened_a, opened_b) = (self.a.opened(slot_a), self.b.opened(slot_b));
         self.node_tests += u64::from(opened_b.len);
         let mut mask = opened_b.overlaps(simd, opened_a, row);
+        if T::MOVES && mask != 0 {
+            mask &= self.b.meet(simd, slot_b, (&self.a, (slot_a, row)), &mut self.enter);
+        }
         if mask != 0 && self.any_skinned {
             let of_a = ((opened_a, slot_a), row);
             mask = self.joint_spaces.of_b(simd, trees, of_a, (opened_b, slot_b), mask);
@@ -238,19 +262,35 @@ impl OverlapWalk {
         }
         let node_a = self.a.child(slot_a, row);
         for lane in lanes_of(mask) {
-            self.push((node_a, self.b.child(slot_b, lane)), order);
+            self.push((node_a, self.b.child(slot_b, lane)), lane, order);
         }
     }
 
+    /// Adds a pair of nodes, one of which is in this lane of those that were compared last.
     #[inline(always)]
-    fn push(&mut self, pair: (Node, Node), order: Order) {
-        if order == Order::Any
+    fn push(&mut self, pair: (Node, Node), lane: usize, order: Order<'_>) {
+        if let Order::EarliestFirst(latest) = order {
+            let bound = f64::from(self.enter[lane % LANES]);
+            if bound <= latest.get() {
+                self.queue.push(Entry { bound, node: pair });
+            }
+        } else if order == Order::Any
             && let (ChildKind::Leaf(a), ChildKind::Leaf(b)) = (pair.0.child.kind(), pair.1.child.kind())
         {
             self.leaves.push((a, b));
         } else {
             self.stack.push(pair);
         }
+    }
+
+    #[inline(always)]
+    fn next(&mut self, order: Order<'_>) -> Option<(Node, Node)> {
+        if let Order::EarliestFirst(latest) = order {
+            let next = self.queue.pop()?;
+            // All others are as late.
+            return (next.bound <= latest.get()).then_some(next.node);
+        }
+        self.stack.pop()
     }
 }
 

@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 
 use super::view::View;
-use crate::bounds::{Aabb, BoxLanes, Frame, LANES, Lanes, with_simd};
+use crate::bounds::{Aabb, BoxLanes, Frame, LANES, Lanes, MovingLanes, with_simd};
 use crate::pose::{BoxTree, EpochCache, NodeId, Standing};
 use crate::tree::{BODY_FRAME, Child};
 
@@ -134,6 +134,8 @@ pub(super) struct Views {
     scale: f32,
     /// Indexed by group.
     opened: EpochCache<Opened>,
+    /// The boxes at both ends of a motion, in the first frame. Indexed by slot of `opened`. Filled only if the tree's boxes move.
+    moving: Vec<MovingLanes>,
 }
 
 impl Views {
@@ -180,7 +182,7 @@ impl Views {
     }
 
     #[inline(never)]
-    fn make(&mut self, tree: &mut impl BoxTree, group: usize) -> usize {
+    fn make<T: BoxTree>(&mut self, tree: &mut T, group: usize) -> usize {
         let slot = self.opened.claim(group);
         let opened = self.opened.get_mut(slot);
         let children = tree.topology().group(group);
@@ -202,6 +204,9 @@ impl Views {
                 opened.at_home = *tree.boxes(blended);
             }
             with_simd!(tree.level(), simd => opened.fill(simd, tree.boxes(blended), &self.views[..used], self.scale));
+            if T::MOVES {
+                self.see_moving(tree, blended, slot);
+            }
         }
         slot
     }
@@ -227,6 +232,39 @@ impl Views {
         Node {
             child: self.opened.get(slot).children[lane % LANES],
             at: (slot * LANES + lane) as u32,
+        }
+    }
+
+    /// Prepares a walk over boxes that move: adds those of the root, which [`Views::begin`] has only as a hull.
+    pub(super) fn begin_moving(&mut self, tree: &mut impl BoxTree) {
+        let root = tree.open(NodeId::ROOT.group as usize);
+        self.see_moving(tree, root, 0);
+    }
+
+    /// The children in a slot that overlap a child in a slot of another body at some time, as a bit mask. Sets `enter` to lower bounds of
+    /// these times.
+    #[inline(always)]
+    pub(super) fn meet<S: Simd>(
+        &self,
+        simd: S,
+        slot: usize,
+        (other, node): (&Self, (usize, usize)),
+        enter: &mut [f32; LANES],
+    ) -> u8 {
+        let (other_slot, lane) = node;
+        self.moving[slot].meet(simd, &other.moving[other_slot], lane, enter)
+    }
+
+    fn see_moving(&mut self, tree: &impl BoxTree, boxes: usize, slot: usize) {
+        if self.moving.len() <= slot {
+            self.moving.resize_with(slot + 1, MovingLanes::default);
+        }
+        if let Some(ends) = tree.moving_boxes(boxes) {
+            let seen = &mut self.moving[slot];
+            with_simd!(tree.level(), simd => {
+                self.views[0].all(simd, &ends.start, &mut seen.start);
+                self.views[0].all(simd, &ends.end, &mut seen.end);
+            });
         }
     }
 

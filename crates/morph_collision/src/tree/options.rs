@@ -29,7 +29,7 @@ impl BuildOptions {
 
 impl Default for BuildOptions {
     fn default() -> Self {
-        // Fills one patch of eight lanes. docs/performance.md has the times of other sizes.
+        // Fills one patch of eight lanes. docs/measurements/leaves.md has the times of other sizes.
         Self { leaf_size: 8 }
     }
 }

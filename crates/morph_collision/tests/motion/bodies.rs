@@ -3,26 +3,29 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use glam::{Affine3A, Mat3A, Quat, Vec3, Vec3A};
+use glam::{Affine3A, DVec3, Mat3A, Quat, Vec3, Vec3A};
 use morph_collision::motion::{
-    Features, MotionContact, MotionQuery, MovingBody, MovingPoint, edge_edge_impact, vertex_face_impact,
+    Features, MotionContact, MotionQuery, MovingBody, MovingPoint, TimeOfImpact, edge_edge_impact, vertex_face_impact,
 };
 use morph_collision::{
-    Body, BuildOptions, Influences, JointMatrices, MorphBvh, MorphModel, Pose, TrianglePair, WorldFromModel,
+    Body, BuildOptions, ContactQuery, Influences, JointMatrices, MorphBvh, MorphModel, Pose, TrianglePair,
+    WorldFromModel, triangle_contact,
 };
+use morph_collision_testkit::motion::{ElementaryMotion, MotionKind};
+use morph_collision_testkit::verify::touch_geometry;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 const TRIANGLES: usize = 60;
 const JOINTS: usize = 4;
-const TOLERANCE: f64 = 1e-6;
+pub(super) const TOLERANCE: f64 = 1e-6;
 
-fn vector(rng: &mut Pcg64Mcg, size: f32) -> Vec3 {
+pub(super) fn vector(rng: &mut Pcg64Mcg, size: f32) -> Vec3 {
     Vec3::from_array([(); 3].map(|()| rng.random_range(-size..size)))
 }
 
 /// Small triangles in a cube with sides of 4, some of which share vertices, with two targets.
-fn model(rng: &mut Pcg64Mcg, is_skinned: bool) -> MorphModel {
+pub(super) fn model(rng: &mut Pcg64Mcg, is_skinned: bool) -> MorphModel {
     let (mut base, mut triangles) = (Vec::new(), Vec::new());
     while triangles.len() < TRIANGLES {
         let at = vector(rng, 2.0);
@@ -70,14 +73,15 @@ fn affine(rng: &mut Pcg64Mcg, at: Vec3, turn: f32) -> Affine3A {
 }
 
 /// A body at the start and at the end of a step.
-struct Step {
+#[derive(Clone)]
+pub(super) struct Step {
     poses: [Pose; 2],
     places: [WorldFromModel; 2],
 }
 
 impl Step {
     /// A random step between two places, each up to 1 off.
-    fn new(rng: &mut Pcg64Mcg, model: &Arc<MorphModel>, leaf_size: usize, at: [Vec3; 2]) -> Self {
+    pub(super) fn new(rng: &mut Pcg64Mcg, model: &Arc<MorphModel>, leaf_size: usize, at: [Vec3; 2]) -> Self {
         let options = BuildOptions::default().with_leaf_size(leaf_size).unwrap();
         let bvh = Arc::new(MorphBvh::build(model.clone(), &options));
         let mut places = [WorldFromModel::IDENTITY; 2];
@@ -103,7 +107,7 @@ impl Step {
         Self { poses, places }
     }
 
-    fn moving(&mut self) -> MovingBody<'_> {
+    pub(super) fn moving(&mut self) -> MovingBody<'_> {
         let [start, end] = &mut self.poses;
         MovingBody::new(Body::new(start, &self.places[0]), Body::new(end, &self.places[1])).unwrap()
     }
@@ -116,12 +120,12 @@ impl Step {
         MovingPoint { start, end }
     }
 
-    fn points(&mut self) -> Vec<MovingPoint> {
+    pub(super) fn points(&mut self) -> Vec<MovingPoint> {
         let vertices = self.poses[0].bvh().model().vertex_count() as u32;
         (0..vertices).map(|vertex| self.point(vertex)).collect()
     }
 
-    fn faces(&self) -> Vec<[u32; 3]> {
+    pub(super) fn faces(&self) -> Vec<[u32; 3]> {
         let model = self.poses[0].bvh().model();
         (0..model.triangle_count() as u32)
             .map(|triangle| model.triangle(triangle).unwrap())
@@ -138,12 +142,15 @@ impl Step {
     }
 }
 
+/// What touches, and when.
+type Timed = (Features, TimeOfImpact);
+
 /// Every pair of features of two bodies that touch, ascending, with the time.
-fn brute_force(a: &mut Step, b: &mut Step) -> Vec<MotionContact> {
+fn brute_force(a: &mut Step, b: &mut Step) -> Vec<Timed> {
     let (points_a, points_b) = (a.points(), b.points());
     let at = |points: &[MovingPoint], vertex: u32| points[vertex as usize];
     let mut found = Vec::new();
-    let mut add = |features, time: Option<_>| found.extend(time.map(|time| MotionContact { features, time }));
+    let mut add = |features, time: Option<_>| found.extend(time.map(|time| (features, time)));
     for (triangle_b, face) in b.faces().into_iter().enumerate() {
         for (vertex_a, point) in points_a.iter().enumerate() {
             let time = vertex_face_impact(*point, face.map(|vertex| at(&points_b, vertex)), TOLERANCE);
@@ -171,13 +178,48 @@ fn brute_force(a: &mut Step, b: &mut Step) -> Vec<MotionContact> {
             );
         }
     }
-    found.sort_by_key(|contact| contact.features);
+    found.sort_by_key(|contact| contact.0);
     found
 }
 
-fn sorted(mut contacts: Vec<MotionContact>) -> Vec<MotionContact> {
-    contacts.sort_by_key(|contact| contact.features);
-    contacts
+fn sorted(contacts: &[MotionContact]) -> Vec<Timed> {
+    let mut timed: Vec<_> = contacts
+        .iter()
+        .map(|contact| (contact.features, contact.time))
+        .collect();
+    timed.sort_by_key(|contact| contact.0);
+    timed
+}
+
+/// Asserts that points, normals and velocities fit the motions of the vertices.
+fn assert_geometry(contacts: &[MotionContact], [a, b]: [&mut Step; 2]) {
+    let (points_a, points_b) = (a.points(), b.points());
+    let (faces_a, faces_b) = (a.faces(), b.faces());
+    for contact in contacts {
+        let at = |points: &[MovingPoint], vertex: u32| points[vertex as usize];
+        let face = |points: &[MovingPoint], face: [u32; 3]| face.map(|vertex| at(points, vertex));
+        let (kind, corners) = match contact.features {
+            Features::VertexFace { vertex_a, triangle_b } => {
+                let [p, q, r] = face(&points_b, faces_b[triangle_b as usize]);
+                (MotionKind::VertexFace, [at(&points_a, vertex_a), p, q, r])
+            }
+            Features::FaceVertex { triangle_a, vertex_b } => {
+                let [p, q, r] = face(&points_a, faces_a[triangle_a as usize]);
+                (MotionKind::VertexFace, [at(&points_b, vertex_b), p, q, r])
+            }
+            Features::EdgeEdge { edge_a, edge_b } => {
+                let ([p, q], [r, s]) = (
+                    edge_a.map(|vertex| at(&points_a, vertex)),
+                    edge_b.map(|vertex| at(&points_b, vertex)),
+                );
+                (MotionKind::EdgeEdge, [p, q, r, s])
+            }
+            Features::AtStart(_) => continue,
+        };
+        let points = corners.map(|corner| [corner.start, corner.end].map(|p| p.to_array()));
+        let fault = touch_geometry(contact).fault(&ElementaryMotion { kind, points });
+        assert_eq!(fault, None, "{contact:?} {points:?}");
+    }
 }
 
 /// Bodies that meet, pass by, or stand still, near the origin or far away.
@@ -213,7 +255,8 @@ fn contacts_are_those_of_all_pairs_of_features() {
         tests += query.stats().feature_tests;
         all +=
             a.points().len() * b.faces().len() + a.faces().len() * b.points().len() + a.edges().len() * b.edges().len();
-        assert_eq!(sorted(found), truth, "case {case}");
+        assert_eq!(sorted(&found), truth, "case {case}");
+        assert_geometry(&found, [&mut a, &mut b]);
         touching += truth.len();
         apart += usize::from(truth.is_empty());
         // `any` and `first` also see what intersects at the start.
@@ -230,14 +273,14 @@ fn contacts_are_those_of_all_pairs_of_features() {
         match first.map(|contact| contact.features) {
             Some(Features::AtStart(TrianglePair { .. })) => assert!(at_start),
             Some(features) => {
-                let first = first.unwrap().time;
-                assert!(
-                    !at_start && truth.iter().any(|contact| contact.features == features),
-                    "case {case}"
-                );
-                let earliest = truth.iter().map(|contact| contact.time.earliest).fold(1.0, f64::min);
-                let latest = truth.iter().map(|contact| contact.time.latest).fold(1.0, f64::min);
-                assert_eq!((first.earliest, first.latest), (earliest, latest), "case {case}");
+                assert!(!at_start, "case {case}");
+                // Among equal times, the features decide.
+                let order = |x: &&Timed, y: &&Timed| {
+                    let times = |of: &Timed| (of.1.latest, of.1.earliest);
+                    times(x).partial_cmp(&times(y)).unwrap().then(x.0.cmp(&y.0))
+                };
+                let earliest = truth.iter().min_by(order).copied();
+                assert_eq!(Some((features, first.unwrap().time)), earliest, "case {case}");
             }
             None => assert!(!at_start && truth.is_empty(), "case {case}"),
         }
@@ -261,7 +304,7 @@ fn a_body_touches_itself_where_brute_force_says() {
         let mut body = Step::new(&mut rng, &model, [1, 8][case % 2], [at, at]);
         let (points, faces, edges) = (body.points(), body.faces(), body.edges());
         let mut truth = Vec::new();
-        let mut add = |features, time: Option<_>| truth.extend(time.map(|time| MotionContact { features, time }));
+        let mut add = |features, time: Option<_>| truth.extend(time.map(|time| (features, time)));
         for (triangle_b, face) in faces.iter().enumerate() {
             for vertex_a in (0..points.len() as u32).filter(|vertex| !face.contains(vertex)) {
                 let corners = face.map(|vertex| points[vertex as usize]);
@@ -281,7 +324,10 @@ fn a_body_touches_itself_where_brute_force_says() {
         }
         let mut found = Vec::new();
         query.all_within(body.moving(), TOLERANCE, &mut found);
-        assert_eq!(sorted(found), sorted(truth.clone()), "case {case}");
+        truth.sort_by_key(|contact| contact.0);
+        assert_eq!(sorted(&found), truth, "case {case}");
+        let mut other = body.clone();
+        assert_geometry(&found, [&mut body, &mut other]);
         touching += truth.len();
     }
     assert!(touching > 500, "{touching}");
@@ -321,4 +367,94 @@ fn a_shared_translation_costs_nothing_and_a_bullet_does_not_tunnel() {
             .to_string()
             .contains("start and end of a moving body")
     );
+}
+
+/// A tetrahedron with corners on every side of the origin, seen from outside counter-clockwise.
+fn tetrahedron() -> Arc<MorphBvh> {
+    let corners = [
+        Vec3::new(0.0, 0.0, -1.0),
+        Vec3::new(1.0, 0.0, 1.0),
+        Vec3::new(-1.0, 1.0, 1.0),
+        Vec3::new(-1.0, -1.0, 1.0),
+    ];
+    let faces = [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]];
+    let model = MorphModel::from_displacements::<Vec<Vec3>>(&corners, &faces, &[]).unwrap();
+    Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()))
+}
+
+#[test]
+fn contacts_that_are_there_at_the_start_are_those_of_the_triangles() {
+    let bvh = tetrahedron();
+    // The tip of the upper one is in the flat face of the lower one, which is mirrored or not.
+    for lower in [
+        Affine3A::from_translation(Vec3::Z * -1.75),
+        Affine3A::from_scale_rotation_translation(Vec3::new(1.0, -1.0, 1.0), Quat::IDENTITY, Vec3::Z * -1.75),
+    ] {
+        let step = |from: Affine3A, by: Vec3| Step {
+            poses: [Pose::new(bvh.clone()), Pose::new(bvh.clone())],
+            places: [from, Affine3A::from_translation(by) * from].map(|place| WorldFromModel::new(place).unwrap()),
+        };
+        let (mut a, mut b) = (step(Affine3A::IDENTITY, Vec3::Y), step(lower, Vec3::X * 2.0));
+        let first = MotionQuery::new().first(a.moving(), b.moving(), TOLERANCE).unwrap();
+        let Features::AtStart(pair) = first.features else {
+            panic!("{first:?}")
+        };
+        let corners = [
+            Body::new(&mut a.poses[0], &a.places[0])
+                .triangle(pair.triangle_a)
+                .unwrap(),
+            Body::new(&mut b.poses[0], &b.places[0])
+                .triangle(pair.triangle_b)
+                .unwrap(),
+        ];
+        let contact = triangle_contact(&corners[0], &corners[1]).unwrap();
+        assert_eq!(first.point, contact.point());
+        assert_eq!(first.velocity.as_vec3(), Vec3::new(-2.0, 1.0, 0.0));
+        for (corners, weights) in corners.iter().zip(first.barycentrics) {
+            let point = corners
+                .iter()
+                .zip(weights)
+                .fold(DVec3::ZERO, |sum, (corner, weight)| sum + *corner * weight);
+            assert!(point.distance(first.point) < 1e-12, "{first:?}");
+        }
+        // Upwards, out of the lower one.
+        let mut contacts = ContactQuery::new();
+        let manifold = contacts
+            .manifold(
+                Body::new(&mut a.poses[0], &a.places[0]),
+                Body::new(&mut b.poses[0], &b.places[0]),
+            )
+            .unwrap();
+        assert!(
+            manifold.normal.z > 0.9 && first.normal.dot(manifold.normal) > 0.5,
+            "{first:?} {manifold:?}"
+        );
+        let swapped = MotionQuery::new().first(b.moving(), a.moving(), TOLERANCE).unwrap();
+        assert!(swapped.normal.dot(manifold.normal) < -0.5, "{swapped:?}");
+    }
+}
+
+#[test]
+fn a_body_that_touches_at_the_start_and_leaves_has_an_outward_normal() {
+    let bvh = tetrahedron();
+    let place = |z: f32| WorldFromModel::new(Affine3A::from_translation(Vec3::Z * z)).unwrap();
+    let step = |from: f32, to: f32| Step {
+        poses: [Pose::new(bvh.clone()), Pose::new(bvh.clone())],
+        places: [place(from), place(to)],
+    };
+    // The upper one stands with its tip on the lower one, and rises.
+    let (mut upper, mut lower) = (step(2.0, 3.0), step(0.0, 0.0));
+    for turn in [false, true] {
+        let mut found = Vec::new();
+        if turn {
+            MotionQuery::new().all(lower.moving(), upper.moving(), TOLERANCE, &mut found);
+        } else {
+            MotionQuery::new().all(upper.moving(), lower.moving(), TOLERANCE, &mut found);
+        }
+        assert_eq!(found.len(), 1, "{found:?}");
+        let side = if turn { -1.0 } else { 1.0 };
+        assert!(found[0].normal.distance(DVec3::Z * side) < 1e-12, "{found:?}");
+        assert_eq!(found[0].velocity, DVec3::Z * side);
+        assert_eq!(found[0].point, DVec3::Z);
+    }
 }

@@ -1,4 +1,6 @@
-//! Continuous collision: features of known verdict (`published`), and bodies against every pair of features (`bodies`).
+//! Continuous collision: features of known verdict (`published`), bodies against every pair of features (`bodies`), and points and balls
+//! against every triangle (`balls`).
 
+mod balls;
 mod bodies;
 mod published;

@@ -32,6 +32,12 @@ struct Contact {
     latest: f64,
     #[serde(flatten)]
     features: Touching,
+    /// Where they touch, in world space.
+    point: [f64; 3],
+    /// The unit vector from body B to body A.
+    normal: [f64; 3],
+    /// The velocity of body A relative to body B at the point, in world units per step.
+    velocity: [f64; 3],
     /// Present only if requested.
     #[serde(skip_serializing_if = "Option::is_none")]
     pairs: Option<u64>,
@@ -92,6 +98,9 @@ impl MotionReport {
             earliest: first.contact.time.earliest,
             latest: first.contact.time.latest,
             features: first.contact.features.into(),
+            point: first.contact.point.to_array(),
+            normal: first.contact.normal.to_array(),
+            velocity: first.contact.velocity.to_array(),
             pairs: first.pairs,
         };
         let stats = stage.stats;
@@ -119,13 +128,15 @@ impl MotionReport {
             // Writing to a string cannot fail.
             let _ = write!(
                 text,
-                "frame {} to {}, bodies {} and {}, at {} to {}: {what}",
+                "frame {} to {}, bodies {} and {}, at {} to {}: {what}, at {}, normal {}",
                 contact.frame,
                 contact.frame + 1,
                 bodies[0],
                 bodies[1],
                 contact.earliest,
-                contact.latest
+                contact.latest,
+                in_brackets(contact.point),
+                in_brackets(contact.normal)
             );
             let _ = match contact.pairs {
                 Some(pairs) => writeln!(text, " ({pairs} pairs of features touch in this step)"),
@@ -139,4 +150,9 @@ impl MotionReport {
         );
         text
     }
+}
+
+/// A vector with as many digits as an `f32` has.
+fn in_brackets([x, y, z]: [f64; 3]) -> String {
+    format!("({}, {}, {})", x as f32, y as f32, z as f32)
 }

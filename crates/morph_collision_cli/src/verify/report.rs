@@ -47,6 +47,8 @@ struct MotionReport {
     missed: u64,
     spurious: u64,
     wrong_times: u64,
+    /// Contacts whose point, normal or velocity does not fit the motion.
+    wrong_geometry: u64,
 }
 
 impl From<MotionCounts> for MotionReport {
@@ -58,6 +60,7 @@ impl From<MotionCounts> for MotionReport {
             missed: counts.missed,
             spurious: counts.spurious,
             wrong_times: counts.wrong_times,
+            wrong_geometry: counts.wrong_geometry,
         }
     }
 }
@@ -122,7 +125,7 @@ impl VerifyReport {
 
     pub(super) fn verdict(&self) -> Verdict {
         let (total, motion) = (&self.total, &self.motion);
-        let in_motion = motion.missed + motion.spurious + motion.wrong_times;
+        let in_motion = motion.missed + motion.spurious + motion.wrong_times + motion.wrong_geometry;
         if total.missed + total.spurious + total.containment_violations + in_motion == 0 {
             Verdict::Clean
         } else {
@@ -174,10 +177,12 @@ impl VerifyReport {
             missed,
             spurious,
             wrong_times,
+            wrong_geometry,
         } = &self.motion;
         writeln!(
             text,
-            "motion: {steps} steps, {contacts} contacts, {pairs} pairs compared: {missed} missed, {spurious} spurious, {wrong_times} wrong times"
+            "motion: {steps} steps, {contacts} contacts, {pairs} pairs compared: {missed} missed, {spurious} spurious, {wrong_times} wrong times, \
+             {wrong_geometry} wrong points or normals"
         )?;
         match &self.reproduction {
             Some(reproduction) => reproduction.write_text(&self.bodies, text),

@@ -65,6 +65,20 @@ fn a_dolphin_that_passes_through_another_in_one_step_is_noticed() -> TestResult 
         matches!(features, Some("vertex_face" | "face_vertex" | "edge_edge")),
         "{features:?}"
     );
+    // The second dolphin comes from above, so the first one leaves it downwards and moves up towards it.
+    let vector = |name: &str| -> Vec<f64> {
+        let numbers = contacts[0][name].as_array().into_iter().flatten();
+        numbers.filter_map(Value::as_f64).collect()
+    };
+    let (point, normal, velocity) = (vector("point"), vector("normal"), vector("velocity"));
+    assert!(point.iter().all(|x| x.abs() < 3.0), "{point:?}");
+    let length = normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let approach = normal.iter().zip(&velocity).map(|(n, v)| n * v).sum::<f64>();
+    assert!(
+        (length - 1.0).abs() < 1e-12 && approach < -1.0,
+        "{normal:?} {velocity:?}"
+    );
+    assert_eq!(velocity.len(), 3);
     assert_eq!(
         (time(&contacts[2]), contacts[2]["features"].as_str()),
         ([0.0; 2], Some("at_start"))
@@ -75,7 +89,8 @@ fn a_dolphin_that_passes_through_another_in_one_step_is_noticed() -> TestResult 
         text.starts_with("steps: 4, bodies: 2, first contacts: 3\nframe 1 to 2, bodies 0 and 1, at 0.4"),
         "{text}"
     );
-    assert!(text.contains("intersect at the start"), "{text}");
+    assert!(text.contains("intersect at the start, at ("), "{text}");
+    assert_eq!(text.matches("), normal (").count(), 3, "{text}");
     Ok(())
 }
 

@@ -26,7 +26,7 @@ fn a_dolphin_is_verified_with_trees_of_several_leaf_sizes() -> TestResult {
     assert!(report["pairs_truth"].as_u64() > Some(20), "{report}");
     assert!(report["containment_checks"].as_u64() > Some(100_000));
     let motion = &report["motion"];
-    for count in ["missed", "spurious", "wrong_times"] {
+    for count in ["missed", "spurious", "wrong_times", "wrong_geometry"] {
         assert_eq!(motion[count], 0, "{motion}");
     }
     assert!(

@@ -50,7 +50,7 @@ enum Trees {
     Own { arity: usize, leaf_size: usize },
 }
 
-/// Eight-wide with four triangles per leaf, which is best for walks that test triangles one by one (`docs/performance.md`).
+/// Eight-wide with four triangles per leaf, which is best for walks that test triangles one by one.
 const WIDE: Trees = Trees::Own { arity: 8, leaf_size: 4 };
 
 /// Of 1, 2, 4 and 8 triangles per leaf, 4 is best for binary trees too: it takes 0.66 to 0.98 of the time of 1 over the

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 use morph_collision::motion::{MotionQuery, MovingBody};
-use morph_collision::{Body, BuildOptions, MorphBvh, PairQuery, Pose, WorldFromModel};
+use morph_collision::{Body, BuildOptions, MorphBvh, PairQuery, Pose, QueryStats, WorldFromModel};
 use morph_collision_testkit::models::dolphin;
 
 const STEPS: usize = 40;
@@ -86,10 +86,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut bodies = [Swimmer::new(&bvh), Swimmer::new(&bvh)];
     let path = |step: usize| along * (step as f32 - STEPS as f32 / 2.0) + Vec3::Y * beside;
     let (mut pairs, mut motions) = (PairQuery::new(), MotionQuery::new());
-    let mut touching = 0;
+    let (mut touching, mut work) = (0, QueryStats::default());
     // The first pass fills caches and is not counted.
     for counted in [false, true] {
-        touching = 0;
+        (touching, work) = (0, QueryStats::default());
         for body in &mut bodies {
             body.step(0.0, Vec3::ZERO)?;
         }
@@ -98,9 +98,16 @@ fn main() -> Result<(), Box<dyn Error>> {
             let step_of = if counted { counted_step } else { one_step };
             let touch = step_of(&mut bodies, step, path(step), question, &mut pairs, &mut motions)?;
             touching += usize::from(touch);
+            work += match question {
+                Question::Discrete => pairs.stats(),
+                Question::Motion | Question::First => motions.stats(),
+            };
         }
     }
-    println!("touch in {touching} of {STEPS} steps");
+    println!(
+        "touch in {touching} of {STEPS} steps; {} node tests, {} triangle tests, {} feature tests, {} of them exact",
+        work.node_tests, work.triangle_tests, work.feature_tests, work.undecided_by_filter
+    );
     Ok(())
 }
 

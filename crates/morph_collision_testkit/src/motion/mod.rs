@@ -13,10 +13,12 @@
 //! such a number. An answer takes microseconds to milliseconds, more if exponents differ a lot.
 //!
 //! - [`first_contact`] answers an [`ElementaryMotion`]: a vertex and a face, or two edges.
+//! - [`TouchGeometry`] judges where and how features are said to touch, in `f64`.
 //! - [`Family`] draws difficult motions.
 //! - [`records`] reads recorded motions with known answers.
 
 mod elementary;
+mod geometry;
 mod polynomial;
 mod random;
 pub mod records;
@@ -26,6 +28,7 @@ mod triangle;
 mod truth;
 
 pub use elementary::{ElementaryMotion, MotionKind, PointMotion};
+pub use geometry::TouchGeometry;
 pub use random::Family;
 pub use root::Root;
 pub use truth::{edge_edge, first_contact, vertex_face};

@@ -1,29 +1,18 @@
 //! The nodes of `joint-boxes` and `joint-union`, for measuring their tightness.
 
 use glam::Affine3A;
-use morph_collision::{Aabb, ModelError};
+use morph_collision::ModelError;
 
-use super::MethodOptions;
 use super::blended::WeldedMesh;
 use super::joint_boxes::Measured;
 use super::tree::Child;
+use super::{MethodOptions, RivalNode};
 use crate::mesh::MorphMesh;
 
 /// The tree of a skinned mesh whose boxes are composed of one box per joint.
 #[derive(Debug)]
 pub struct JointNodes {
     measured: Measured,
-}
-
-/// A node in a pose.
-#[derive(Clone, Copy, Debug)]
-pub struct JointNode<'a> {
-    /// Its box in world space.
-    pub bounds: Aabb,
-    /// The triangles below it.
-    pub triangles: &'a [u32],
-    /// Number of child nodes; 0 for a leaf.
-    pub children: usize,
 }
 
 impl JointNodes {
@@ -41,11 +30,11 @@ impl JointNodes {
     ///
     /// # Panics
     /// If weights or joints are missing.
-    pub fn visit(&self, weights: &[f32], joints: &[Affine3A], mut visitor: impl FnMut(JointNode<'_>)) {
+    pub fn visit(&self, weights: &[f32], joints: &[Affine3A], mut visitor: impl FnMut(RivalNode<'_>)) {
         let Measured { tree, nodes, .. } = &self.measured;
         for (group, nodes) in tree.groups.iter().zip(nodes) {
             for (&child, &node) in group.children().iter().zip(nodes) {
-                visitor(JointNode {
+                visitor(RivalNode {
                     bounds: self.measured.bounds(node, weights, joints).aabb(),
                     triangles: &tree.triangles[tree.under(child)],
                     children: match child {

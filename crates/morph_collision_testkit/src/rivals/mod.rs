@@ -52,6 +52,7 @@ mod boxes;
 mod broad;
 mod brute_force;
 mod build;
+mod bytes;
 mod cast;
 mod frames;
 mod hybrid;
@@ -60,6 +61,7 @@ mod joint_nodes;
 mod kind;
 mod limits;
 mod morph;
+mod node;
 mod octree;
 mod options;
 mod paper;
@@ -79,12 +81,14 @@ use morph_collision::{Aabb, InputError, ModelError, QueryStats, TrianglePair, We
 use thiserror::Error;
 
 pub use broad::BroadPhase;
+pub use bytes::MethodBytes;
 pub use cast::{CastHit, CastRay};
-pub use joint_nodes::{JointNode, JointNodes};
+pub use joint_nodes::JointNodes;
 pub use kind::{MethodKind, UnknownMethod};
 pub use limits::WeightLimits;
+pub use node::RivalNode;
 pub use options::MethodOptions;
-pub use paper::{PaperOptions, PaperVolume, UnknownVolume};
+pub use paper::{PaperNodes, PaperOptions, PaperVolume, UnknownVolume};
 
 /// How many intersecting pairs of triangles to find for two bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -182,6 +186,12 @@ pub trait Method: Debug + Send + Sync {
 
     /// The work done since set-up; refitted and built volumes count as blended.
     fn work(&self) -> QueryStats;
+
+    /// The heap memory of a body and its mesh after the queries so far, without what was only needed to build it. `None` if the
+    /// method does not count it.
+    fn bytes(&self, _body: usize) -> Option<MethodBytes> {
+        None
+    }
 }
 
 /// Why a method cannot be set up for a mesh.

@@ -16,7 +16,7 @@ use super::blended::{BlendedBody, WeldedMesh};
 use super::boxes::Box3;
 use super::cast::{cast_at_all, parry_ray};
 use super::frames::{SatLite, world_bounds};
-use super::{CastHit, CastRay, Method, PoseError, SetUpError, Wanted};
+use super::{CastHit, CastRay, Method, MethodBytes, PoseError, SetUpError, Wanted};
 
 mod trees;
 
@@ -143,6 +143,14 @@ impl<T: ParryTree> Method for Parry<T> {
 
     fn work(&self) -> QueryStats {
         self.work
+    }
+
+    fn bytes(&self, body: usize) -> Option<MethodBytes> {
+        let (body, tree) = &self.bodies[body];
+        Some(MethodBytes {
+            shared: body.mesh.bytes(),
+            body: body.bytes() + tree.bytes()?,
+        })
     }
 }
 

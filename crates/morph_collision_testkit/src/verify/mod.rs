@@ -29,7 +29,7 @@ mod tests;
 pub use containment::{ContainmentReport, ContainmentViolation, check_containment, check_refitted_containment};
 pub use draw::Draw;
 pub use judge::{Counts, Trouble, judge};
-pub use motion::{MotionCounts, verify_motion};
+pub use motion::{MotionCounts, touch_geometry, verify_motion};
 pub use run::{Finding, Verification, verify};
 pub use search::nearly_touching;
 pub use shrink::{Reproduction, shrink};

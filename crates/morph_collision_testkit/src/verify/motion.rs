@@ -8,7 +8,7 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 
 use super::{Draw, Meshes, MotionSource, Situation};
-use crate::motion::{ElementaryMotion, MotionKind, PointMotion, first_contact};
+use crate::motion::{ElementaryMotion, MotionKind, PointMotion, TouchGeometry, first_contact};
 use crate::rivals::PoseError;
 
 /// The features of the first body that are compared with all of the second's, of each kind and in each step.
@@ -35,6 +35,25 @@ pub struct MotionCounts {
     pub spurious: u64,
     /// Pairs whose first contact is not within the time that was found.
     pub wrong_times: u64,
+    /// Contacts with a point, normal, velocity or barycentric coordinates that do not fit the motion.
+    pub wrong_geometry: u64,
+}
+
+/// What a contact claims. The vertex is the first feature.
+#[must_use]
+pub fn touch_geometry(contact: &MotionContact) -> TouchGeometry {
+    let [a, b] = contact.barycentrics;
+    let (side, barycentrics) = match contact.features {
+        Features::FaceVertex { .. } => (-1.0, [b, a]),
+        _ => (1.0, [a, b]),
+    };
+    TouchGeometry {
+        time: [contact.time.earliest, contact.time.latest],
+        point: contact.point,
+        normal: contact.normal * side,
+        velocity: contact.velocity * side,
+        barycentrics,
+    }
 }
 
 /// Compares contacts of two bodies that move from one random situation to another with exact arithmetic, for each tree.
@@ -80,14 +99,20 @@ pub fn verify_motion<S: MotionSource>(
                 }
             }
             for _ in 0..CHECKED.min(contacts.len()) {
-                let MotionContact { features, time } = contacts[rng.random_range(0..contacts.len())];
+                let contact = &contacts[rng.random_range(0..contacts.len())];
                 counts.pairs += 1;
-                match truth.motion(features).as_ref().and_then(first_contact) {
+                let motion = truth.motion(contact.features);
+                match motion
+                    .as_ref()
+                    .and_then(|motion| Some((motion, first_contact(motion)?)))
+                {
                     None => counts.spurious += 1,
-                    Some(first) => {
+                    Some((motion, first)) => {
+                        let time = contact.time;
                         let is_right =
                             first.is_within(time.earliest, time.latest) && time.latest - time.earliest <= TOLERANCE;
                         counts.wrong_times += u64::from(!is_right);
+                        counts.wrong_geometry += u64::from(touch_geometry(contact).fault(motion).is_some());
                     }
                 }
             }
@@ -332,8 +357,8 @@ mod tests {
         let right = counts(|_| {});
         assert!(right.contacts > 500 && right.pairs > 500, "{right:?}");
         assert_eq!(
-            (right.missed, right.spurious, right.wrong_times),
-            (0, 0, 0),
+            (right.missed, right.spurious, right.wrong_times, right.wrong_geometry),
+            (0, 0, 0, 0),
             "{right:?}"
         );
         assert!(counts(|contacts| contacts.truncate(contacts.len() / 2)).missed > 0);
@@ -343,6 +368,12 @@ mod tests {
             }
         });
         assert!(late.wrong_times > 0, "{late:?}");
+        let turned = counts(|contacts| {
+            for contact in contacts {
+                contact.normal = -contact.normal;
+            }
+        });
+        assert!(turned.wrong_geometry > 0, "{turned:?}");
         let swapped = counts(|contacts| {
             for contact in contacts {
                 if let Features::EdgeEdge { edge_a, edge_b } = contact.features {

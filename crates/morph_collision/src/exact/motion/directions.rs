@@ -3,13 +3,13 @@
 use glam::DVec3;
 
 use super::bernstein::Linear;
-use super::features::Features;
+use super::features::FeaturePair;
 use crate::exact::number::{UNIT_ROUNDOFF, power_of_two};
 
 /// Whether the features stay apart along one of a few directions that separate parallel edges, degenerate faces, and features that
 /// stay in one plane. `u`, `v` and `w` are those of the features.
 #[cold]
-pub(super) fn separated_by_direction(features: &Features, vectors: &[Linear; 3]) -> bool {
+pub(super) fn separated_by_direction(features: &FeaturePair, vectors: &[Linear; 3]) -> bool {
     let [u, v, w] = vectors.map(|[start, end]| (start + end) * 0.5);
     let across = |edge: DVec3| w - edge * (w.dot(edge) / edge.dot(edge));
     [across(u), across(v), u, v, w, u - v, across(u - v)]
@@ -19,7 +19,7 @@ pub(super) fn separated_by_direction(features: &Features, vectors: &[Linear; 3])
 
 /// Whether all differences between the corners of the features have a positive product with the direction, or all a negative one, at
 /// the start and at the end. Then so have all differences between their points at all times.
-fn separates(features: &Features, direction: DVec3) -> bool {
+fn separates(features: &FeaturePair, direction: DVec3) -> bool {
     let (mut least, mut most, mut largest) = (f64::INFINITY, f64::NEG_INFINITY, 0.0_f64);
     for &[a, b] in features.kind.opposite() {
         let (a, b) = (&features.corners[a], &features.corners[b]);

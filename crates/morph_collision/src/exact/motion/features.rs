@@ -20,7 +20,7 @@ use super::moving::MovingPoint;
 /// A point `p` is on the closed segment `a b` if and only if `(a - p) x (b - p) = 0` and `(a - p) . (b - p) <= 0`. This includes
 /// segments that are points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(crate) enum Kind {
     /// The corners are the vertex and the three corners of the face.
     VertexFace,
     /// The corners are the two ends of one edge and the two of the other.
@@ -67,7 +67,7 @@ impl Kind {
 
 /// Two features: their kind and their four corners.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Features {
-    pub(super) kind: Kind,
-    pub(super) corners: [MovingPoint; 4],
+pub(crate) struct FeaturePair {
+    pub(crate) kind: Kind,
+    pub(crate) corners: [MovingPoint; 4],
 }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::bernstein::{Linear, Quadratic, cross, dot_linear};
 use super::directions::separated_by_direction;
-use super::features::{Features, Kind};
+use super::features::{FeaturePair, Kind};
 use super::height_roots::decide_at_roots;
 use super::moving::TimeOfImpact;
 use super::subdivision::search;
@@ -24,7 +24,7 @@ pub(super) enum Answer {
 /// Whether a plane across a coordinate axis separates the features at all times: the differences between their corners, and so
 /// between any of their points, all have the same sign along that axis. The sign of a rounded difference is exact.
 #[inline]
-pub(super) fn separated(features: &Features) -> bool {
+pub(super) fn separated(features: &FeaturePair) -> bool {
     let mut least = DVec3::INFINITY;
     let mut most = DVec3::NEG_INFINITY;
     for &[a, b] in features.kind.opposite() {
@@ -35,6 +35,19 @@ pub(super) fn separated(features: &Features) -> bool {
         }
     }
     least.cmpgt(DVec3::ZERO).any() || most.cmplt(DVec3::ZERO).any()
+}
+
+/// Times are at least this accurate. The filter gets them like this at no cost, and few contacts are that close to the boundary of a
+/// feature.
+pub(super) const COARSEST: f64 = power_of_two(-30);
+/// The filter does not halve the time more often.
+pub(super) const DEEPEST: u32 = 40;
+
+/// The number of halvings after which an interval of time is short enough for a tolerance. `None` if that is beyond the accuracy of the
+/// filter.
+#[inline]
+pub(super) fn level(tolerance: f64) -> Option<u32> {
+    (30..=DEEPEST).find(|level| power_of_two(-i64::from(*level)) <= tolerance)
 }
 
 /// The moving vectors between the features, rounded, and what all tests of the filter need of them.
@@ -79,7 +92,7 @@ impl Relative {
 
 /// `u`, `v` and `w`, rounded.
 #[inline]
-fn vectors(features: &Features) -> [Linear; 3] {
+pub(super) fn vectors(features: &FeaturePair) -> [Linear; 3] {
     features.kind.spans().map(|[from, to]| {
         let (from, to) = (&features.corners[from], &features.corners[to]);
         [to.start - from.start, to.end - from.end]
@@ -88,7 +101,7 @@ fn vectors(features: &Features) -> [Linear; 3] {
 
 /// Decides what `f64` can. With a tolerance, searches for the first contact and narrows its time; otherwise any contact will do.
 #[inline]
-pub(super) fn filtered(features: &Features, tolerance: Option<f64>) -> Answer {
+pub(super) fn filtered(features: &FeaturePair, tolerance: Option<f64>) -> Answer {
     let vectors = vectors(features);
     let Some(relative) = Relative::new(features.kind, vectors) else {
         return direction_or_open(features, &vectors);
@@ -106,7 +119,7 @@ pub(super) fn filtered(features: &Features, tolerance: Option<f64>) -> Answer {
     }
 }
 
-fn direction_or_open(features: &Features, vectors: &[Linear; 3]) -> Answer {
+fn direction_or_open(features: &FeaturePair, vectors: &[Linear; 3]) -> Answer {
     if separated_by_direction(features, vectors) {
         Answer::Apart
     } else {

@@ -1,7 +1,7 @@
 //! The most frequent case after separation: the height has few roots, so there are few times to look at.
 
 use super::bernstein::halves;
-use super::filter::{Answer, Relative};
+use super::filter::{Answer, COARSEST, Relative, level};
 use super::moving::TimeOfImpact;
 use crate::exact::number::{UNIT_ROUNDOFF, power_of_two};
 
@@ -21,10 +21,7 @@ struct Part {
 pub(super) fn decide_at_roots(relative: &Relative, tolerance: Option<f64>) -> Option<Answer> {
     // Three roots that are not very close are apart by then.
     const DEEPEST_PART: usize = 8;
-    let level = match tolerance {
-        None => LEVEL,
-        Some(tolerance) => (LEVEL..=DEEPEST).find(|level| power_of_two(-i64::from(*level)) <= tolerance)?,
-    };
+    let level = level(tolerance.unwrap_or(COARSEST))?;
     let whole = Part {
         height: relative.height,
         start: 0,
@@ -110,10 +107,6 @@ impl Part {
 
 /// The error bound of [`sides_at`], in units of [`Errors::side`](super::filter::Errors::side).
 pub(super) const SIDES_AT: f64 = 800.0;
-
-/// Brackets are of length `2^-30`, unless the tolerance is shorter. Few contacts are that close to the boundary of a feature.
-const LEVEL: u32 = 30;
-const DEEPEST: u32 = 40;
 
 /// Roughly where a cubic with one change of sign is zero, in [0, 1]. Newton's method, kept in a shrinking interval.
 #[inline]

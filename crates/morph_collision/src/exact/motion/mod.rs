@@ -20,10 +20,12 @@
 //!    (`docs/numerics.md` derives the bound).
 //! 3. Exact: integer polynomials, their isolated roots, and greatest common divisors where a sign might be zero.
 
+mod ball;
 mod bernstein;
 mod directions;
 mod features;
 mod filter;
+mod geometry;
 mod height_roots;
 mod moving;
 mod polynomial;
@@ -33,6 +35,9 @@ mod stages;
 mod subdivision;
 mod touch;
 
+pub(crate) use ball::{ball_impact, seen_from};
+pub(crate) use features::{FeaturePair, Kind};
+pub(crate) use geometry::impact_geometry;
 pub use moving::{MovingPoint, TimeOfImpact};
 pub use stages::StageCounts;
 pub use touch::{
@@ -40,6 +45,8 @@ pub use touch::{
     vertex_face_impact_counting, vertex_face_touch, vertex_face_touch_counting,
 };
 
+#[cfg(test)]
+mod geometry_tests;
 #[cfg(test)]
 mod stage_tests;
 #[cfg(test)]

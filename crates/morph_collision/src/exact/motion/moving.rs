@@ -27,6 +27,11 @@ impl MovingPoint {
         }
     }
 
+    /// Where the point is at a time, rounded.
+    pub(crate) fn at(&self, time: f64) -> DVec3 {
+        self.start * (1.0 - time) + self.end * time
+    }
+
     /// Whether all coordinates are finite.
     pub(super) fn is_finite(&self) -> bool {
         self.start.is_finite() && self.end.is_finite()

@@ -2,7 +2,7 @@
 
 use std::cmp::Ordering::{Equal, Greater};
 
-use super::features::{Features, Kind};
+use super::features::{FeaturePair, Kind};
 use super::moving::{MovingPoint, TimeOfImpact};
 use super::polynomial::Polynomial;
 use super::root::{Root, roots};
@@ -12,13 +12,13 @@ type Vector = [Polynomial; 3];
 
 /// Whether two features touch at any time.
 #[cold]
-pub(super) fn touch(features: &Features) -> bool {
+pub(super) fn touch(features: &FeaturePair) -> bool {
     Exact::new(features).is_some_and(|exact| !exact.first_contacts(true).is_empty())
 }
 
 /// When two features touch first.
 #[cold]
-pub(super) fn impact(features: &Features, tolerance: f64) -> Option<TimeOfImpact> {
+pub(super) fn impact(features: &FeaturePair, tolerance: f64) -> Option<TimeOfImpact> {
     let contacts = Exact::new(features)?.first_contacts(false);
     let brackets = contacts.iter().map(|root| root.bracket(tolerance));
     // The first contact is the first of several roots. Its bracket is not later than the earliest bracket in either end.
@@ -43,7 +43,7 @@ struct Exact {
 
 impl Exact {
     /// `None` if a coordinate is not finite.
-    fn new(features: &Features) -> Option<Self> {
+    fn new(features: &FeaturePair) -> Option<Self> {
         if !features.corners.iter().all(MovingPoint::is_finite) {
             return None;
         }

@@ -1,7 +1,7 @@
 //! Subdivision of the time: polynomials on ever shorter intervals, until their signs are certain.
 
 use super::bernstein::{cross, dot_quadratic, halves};
-use super::filter::{Answer, Errors, Relative};
+use super::filter::{Answer, DEEPEST, Errors, Relative, level};
 use super::moving::TimeOfImpact;
 use crate::exact::number::power_of_two;
 
@@ -102,12 +102,14 @@ impl Interval {
         ]
     }
 
-    pub(super) fn time(&self) -> TimeOfImpact {
-        // Exact: the depth is far below 52.
-        let unit = power_of_two(-i64::from(self.depth));
+    /// The interval of length `2^-level` that holds this one. `level` must be at most the depth.
+    pub(super) fn time(&self, level: u32) -> TimeOfImpact {
+        let start = self.start >> (self.depth - level);
+        // Exact: the level is far below 52.
+        let unit = power_of_two(-i64::from(level));
         TimeOfImpact {
-            earliest: self.start as f64 * unit,
-            latest: (self.start + 1) as f64 * unit,
+            earliest: start as f64 * unit,
+            latest: (start + 1) as f64 * unit,
         }
     }
 }
@@ -117,19 +119,20 @@ impl Interval {
 pub(super) fn search(relative: &Relative, tolerance: Option<f64>) -> Answer {
     // Intervals that the search may visit. It is cheaper than exact arithmetic up to here.
     const BUDGET: usize = 256;
-    const DEEPEST: u32 = 40;
     let mut later = Vec::new();
     let mut interval = Interval::whole(relative);
     let errors = &relative.errors;
+    let wanted = tolerance.map(level);
     let mut is_open = false;
     for _ in 0..BUDGET {
         let is_deepest = interval.depth >= DEEPEST;
         let is_done = match interval.verdict(errors) {
             Verdict::Apart => true,
             Verdict::Contact => {
-                let time = interval.time();
-                if tolerance.is_none_or(|tolerance| time.latest - time.earliest <= tolerance) {
-                    return Answer::Contact(time);
+                match wanted {
+                    None => return Answer::Contact(interval.time(interval.depth)),
+                    Some(Some(level)) if interval.depth >= level => return Answer::Contact(interval.time(level)),
+                    Some(_) => {}
                 }
                 if is_deepest {
                     return Answer::Open;

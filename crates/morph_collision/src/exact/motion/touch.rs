@@ -1,7 +1,7 @@
 //! The public questions, answered by one stage after the other.
 
-use super::features::{Features, Kind};
-use super::filter::{Answer, filtered, separated};
+use super::features::{FeaturePair, Kind};
+use super::filter::{Answer, COARSEST, filtered, separated};
 use super::moving::{MovingPoint, TimeOfImpact};
 use super::solve;
 use super::stages::StageCounts;
@@ -40,8 +40,8 @@ pub fn edge_edge_touch(a: [MovingPoint; 2], b: [MovingPoint; 2]) -> bool {
 
 /// When a moving vertex first touches a moving closed triangle; `None` if it does not.
 ///
-/// The times of the result differ by at most `tolerance`, or they are equal or neighbouring `f64`s. A tolerance that is negative or
-/// NaN counts as 0. Features that touch at the start have the time 0. Exactness and costs are those of [`vertex_face_touch`], but a
+/// The times of the result differ by at most `tolerance`, or they are equal or neighbouring `f64`s. They never differ by more than
+/// `2^-30`. They depend only on the exact time and on the tolerance. A tolerance that is negative or NaN counts as 0. Features that touch at the start have the time 0. Exactness and costs are those of [`vertex_face_touch`], but a
 /// tolerance below about `1e-12` always takes the exact path if there is contact.
 #[must_use]
 pub fn vertex_face_impact(vertex: MovingPoint, face: [MovingPoint; 3], tolerance: f64) -> Option<TimeOfImpact> {
@@ -60,14 +60,14 @@ pub fn edge_edge_impact(a: [MovingPoint; 2], b: [MovingPoint; 2], tolerance: f64
 #[must_use]
 #[inline]
 pub fn vertex_face_touch_counting(vertex: MovingPoint, face: [MovingPoint; 3], stages: &mut StageCounts) -> bool {
-    touch(&vertex_face(vertex, face), stages)
+    vertex_face(vertex, face).touch(stages)
 }
 
 /// Like [`edge_edge_touch`]. Adds 1 to the count of the stage that decides.
 #[must_use]
 #[inline]
 pub fn edge_edge_touch_counting(a: [MovingPoint; 2], b: [MovingPoint; 2], stages: &mut StageCounts) -> bool {
-    touch(&edge_edge(a, b), stages)
+    edge_edge(a, b).touch(stages)
 }
 
 /// Like [`vertex_face_impact`]. Adds 1 to the count of the stage that decides.
@@ -79,7 +79,7 @@ pub fn vertex_face_impact_counting(
     tolerance: f64,
     stages: &mut StageCounts,
 ) -> Option<TimeOfImpact> {
-    impact(&vertex_face(vertex, face), tolerance, stages)
+    vertex_face(vertex, face).impact(tolerance, stages)
 }
 
 /// Like [`edge_edge_impact`]. Adds 1 to the count of the stage that decides.
@@ -91,63 +91,71 @@ pub fn edge_edge_impact_counting(
     tolerance: f64,
     stages: &mut StageCounts,
 ) -> Option<TimeOfImpact> {
-    impact(&edge_edge(a, b), tolerance, stages)
+    edge_edge(a, b).impact(tolerance, stages)
 }
 
 #[inline]
-pub(super) fn vertex_face(vertex: MovingPoint, [a, b, c]: [MovingPoint; 3]) -> Features {
-    Features {
+pub(super) fn vertex_face(vertex: MovingPoint, [a, b, c]: [MovingPoint; 3]) -> FeaturePair {
+    FeaturePair {
         kind: Kind::VertexFace,
         corners: [vertex, a, b, c],
     }
 }
 
 #[inline]
-pub(super) fn edge_edge([a, b]: [MovingPoint; 2], [c, d]: [MovingPoint; 2]) -> Features {
-    Features {
+pub(super) fn edge_edge([a, b]: [MovingPoint; 2], [c, d]: [MovingPoint; 2]) -> FeaturePair {
+    FeaturePair {
         kind: Kind::EdgeEdge,
         corners: [a, b, c, d],
     }
 }
 
-#[inline]
-fn touch(features: &Features, stages: &mut StageCounts) -> bool {
-    if separated(features) {
-        stages.separated += 1;
-        return false;
-    }
-    match filtered(features, None) {
-        Answer::Open => {
-            stages.exact += 1;
-            solve::touch(features)
+impl FeaturePair {
+    /// Whether the features touch at any time.
+    #[inline]
+    pub(crate) fn touch(&self, stages: &mut StageCounts) -> bool {
+        if separated(self) {
+            stages.separated += 1;
+            return false;
         }
-        answer => {
-            stages.filtered += 1;
-            answer != Answer::Apart
+        match filtered(self, None) {
+            Answer::Open => {
+                stages.exact += 1;
+                solve::touch(self)
+            }
+            answer => {
+                stages.filtered += 1;
+                answer != Answer::Apart
+            }
         }
     }
-}
 
-#[inline]
-fn impact(features: &Features, tolerance: f64, stages: &mut StageCounts) -> Option<TimeOfImpact> {
-    if separated(features) {
-        stages.separated += 1;
-        return None;
-    }
-    // NaN counts as 0, too.
-    let tolerance = if tolerance > 0.0 { tolerance } else { 0.0 };
-    match filtered(features, Some(tolerance)) {
-        Answer::Open => {
-            stages.exact += 1;
-            solve::impact(features, tolerance)
+    /// When the features first touch. See [`vertex_face_impact`].
+    ///
+    /// All times of one tolerance are points of one grid or cells between them: [0, 1] is halved until its parts are short enough. A time
+    /// that is not a point of the grid is inside its cell. So if a contact is later than the end of another's time, its own time does not
+    /// start before that end.
+    #[inline]
+    pub(crate) fn impact(&self, tolerance: f64, stages: &mut StageCounts) -> Option<TimeOfImpact> {
+        if separated(self) {
+            stages.separated += 1;
+            return None;
         }
-        Answer::Apart => {
-            stages.filtered += 1;
-            None
-        }
-        Answer::Contact(time) => {
-            stages.filtered += 1;
-            Some(time)
+        // NaN counts as 0, too.
+        let tolerance = if tolerance > 0.0 { tolerance.min(COARSEST) } else { 0.0 };
+        match filtered(self, Some(tolerance)) {
+            Answer::Open => {
+                stages.exact += 1;
+                solve::impact(self, tolerance)
+            }
+            Answer::Apart => {
+                stages.filtered += 1;
+                None
+            }
+            Answer::Contact(time) => {
+                stages.filtered += 1;
+                Some(time)
+            }
         }
     }
 }

@@ -6,3 +6,4 @@ mod query;
 
 pub use manifold::{ContactPoint, Manifold};
 pub use query::ContactQuery;
+pub(super) use query::outward_triangle;

@@ -107,7 +107,7 @@ impl ContactQuery {
 }
 
 /// A triangle's corners in world space; the winding of a mirrored body is flipped.
-fn outward_triangle(posed: &mut Posed<'_>, triangle: u32) -> Triangle {
+pub(in crate::query) fn outward_triangle(posed: &mut Posed<'_>, triangle: u32) -> Triangle {
     let [p, q, r] = posed.world_triangle(triangle);
     if posed.place.mirrors() { [p, r, q] } else { [p, q, r] }
 }

@@ -7,8 +7,8 @@ use fearless_simd::Simd;
 use glam::DVec3;
 
 use super::Features;
-use super::moving_lanes::MovingLanes;
-use crate::bounds::{LANES, lanes_of, with_simd};
+use super::candidate::{Candidate, MovingTriangle};
+use crate::bounds::{Aabb, Extent, LANES, MovingLanes, lanes_of, with_simd};
 use crate::exact::motion::MovingPoint;
 use crate::exact::{power_of_two, power_of_two_below};
 use crate::pose::EpochCache;
@@ -43,6 +43,18 @@ impl Observer {
         let [start, end] = self.origin;
         [point.start * self.scale - start, point.end * self.scale - end]
     }
+}
+
+/// A box around three corners relative to the observer, which are rounded once.
+fn around(corners: &[DVec3; 3]) -> Aabb {
+    let Extent { min, max } = Extent::of_triangle(corners);
+    // One rounding of a difference. Twice that, because this one is rounded, too; and for subnormal numbers.
+    let error = |end: DVec3| end.abs() * (2.0 * f64::EPSILON) + DVec3::splat(1e-300);
+    let wider = Extent {
+        min: min - error(min),
+        max: max + error(max),
+    };
+    wider.outward()
 }
 
 /// The leaves of one body that a query has looked at. The next query reuses the memory.
@@ -98,7 +110,8 @@ impl MovingLeaves {
             let mut eight = MovingLanes::default();
             for (lane, corners) in corners.iter().enumerate() {
                 let seen = corners.map(|corner| self.observer.sees(&points[usize::from(corner)]));
-                eight.set(lane, [seen.map(|[start, _]| start), seen.map(|[_, end]| end)]);
+                let ends = [seen.map(|[start, _]| start), seen.map(|[_, end]| end)];
+                eight.set(lane, &ends.map(|corners| around(&corners)));
             }
             boxes.push(eight);
         }
@@ -106,55 +119,8 @@ impl MovingLeaves {
     }
 }
 
-/// A pair of features that may touch: a vertex and the corners of a face, or the ends of two edges.
-pub(super) struct Candidate {
-    pub(super) features: Features,
-    pub(super) are_edges: bool,
-    pub(super) points: [MovingPoint; 4],
-}
-
-/// A triangle of a leaf.
-#[derive(Clone, Copy)]
-struct Triangle<'a> {
-    number: u32,
-    /// The numbers of its corners in the mesh, and where they are.
-    vertices: [u32; 3],
-    points: [MovingPoint; 3],
-    owners: &'a Owners,
-}
-
-impl<'a> Triangle<'a> {
-    fn new(tree: &Moving<'_, '_>, leaf: Leaf, points: &[MovingPoint], place: usize, owners: &'a Owners) -> Self {
-        let topology = tree.ends[0].topology;
-        let mesh = topology.leaf_mesh(leaf);
-        let corners = mesh.corners[place];
-        Self {
-            number: topology.leaf_triangles(leaf)[place],
-            vertices: corners.map(|corner| mesh.vertices[usize::from(corner)]),
-            points: corners.map(|corner| points[usize::from(corner)]),
-            owners,
-        }
-    }
-
-    fn own_corners(&self) -> impl Iterator<Item = (u32, MovingPoint)> + use<'_, 'a> {
-        let corners = lanes_of(self.owners.corners(self.number));
-        corners.map(|corner| (self.vertices[corner % 3], self.points[corner % 3]))
-    }
-
-    fn own_edges(&self) -> impl Iterator<Item = ([u32; 2], [MovingPoint; 2])> + use<'_, 'a> {
-        lanes_of(self.owners.edges(self.number)).map(|edge| {
-            let (from, to) = (edge % 3, (edge + 1) % 3);
-            let (a, b) = (self.vertices[from], self.vertices[to]);
-            let points = [self.points[from], self.points[to]];
-            // Ascending, so that no answer depends on which triangle owns the edge.
-            if a < b {
-                ([a, b], points)
-            } else {
-                ([b, a], [points[1], points[0]])
-            }
-        })
-    }
-}
+/// The test of a pair of features. It may break.
+pub(super) type Test<'t> = dyn FnMut(&Candidate<'_>, &mut QueryStats) -> ControlFlow<()> + 't;
 
 /// Calls `test` for pairs of features of two bodies' leaves that may touch at times up to `latest`, until it breaks.
 pub(super) fn candidates(
@@ -162,33 +128,34 @@ pub(super) fn candidates(
     (b, leaves_b, owners_b): (&mut Moving<'_, '_>, &mut MovingLeaves, &Owners),
     leaves: &[(Leaf, Leaf)],
     (latest, stats): (&Cell<f64>, &mut QueryStats),
-    test: &mut dyn FnMut(Candidate, &mut QueryStats) -> ControlFlow<()>,
+    test: &mut Test<'_>,
 ) -> ControlFlow<()> {
     for &(leaf_a, leaf_b) in leaves {
         let (slot_a, slot_b) = (leaves_a.read(a, leaf_a), leaves_b.read(b, leaf_b));
         let (of_a, of_b) = (leaves_a.placed.get(slot_a), leaves_b.placed.get(slot_b));
         let at_pair = |[place_a, place_b]: [usize; 2], stats: &mut QueryStats| {
             let (t, s) = (
-                Triangle::new(a, leaf_a, &of_a.points, place_a, owners_a),
-                Triangle::new(b, leaf_b, &of_b.points, place_b, owners_b),
+                MovingTriangle::new(a, leaf_a, &of_a.points, place_a, owners_a),
+                MovingTriangle::new(b, leaf_b, &of_b.points, place_b, owners_b),
             );
             for (vertex_a, point) in t.own_corners() {
                 let features = Features::VertexFace {
                     vertex_a,
                     triangle_b: s.number,
                 };
-                test(vertex_and_face(features, point, &s), stats)?;
+                test(&Candidate::vertex_face(features, point, [&t, &s]), stats)?;
             }
             for (vertex_b, point) in s.own_corners() {
                 let features = Features::FaceVertex {
                     triangle_a: t.number,
                     vertex_b,
                 };
-                test(vertex_and_face(features, point, &t), stats)?;
+                test(&Candidate::vertex_face(features, point, [&s, &t]), stats)?;
             }
             for (edge_a, ends_a) in t.own_edges() {
                 for (edge_b, ends_b) in s.own_edges() {
-                    test(two_edges(Features::EdgeEdge { edge_a, edge_b }, ends_a, ends_b), stats)?;
+                    let features = Features::EdgeEdge { edge_a, edge_b };
+                    test(&Candidate::edge_edge(features, [ends_a, ends_b], [&t, &s]), stats)?;
                 }
             }
             ControlFlow::Continue(())
@@ -198,18 +165,38 @@ pub(super) fn candidates(
     ControlFlow::Continue(())
 }
 
+/// Calls `test` for the triangles of a body's leaves that a ball's box meets at times up to `latest`.
+pub(super) fn triangles_at_box(
+    (a, leaves_a, owners_a): (&mut Moving<'_, '_>, &mut MovingLeaves, &Owners),
+    (b, leaves_b): (&mut Moving<'_, '_>, &mut MovingLeaves),
+    leaves: &[(Leaf, Leaf)],
+    (latest, stats): (&Cell<f64>, &mut QueryStats),
+    test: &mut impl FnMut(&MovingTriangle<'_>, &mut QueryStats),
+) {
+    for &(leaf_a, leaf_b) in leaves {
+        let (slot_a, slot_b) = (leaves_a.read(a, leaf_a), leaves_b.read(b, leaf_b));
+        let (of_a, of_b) = (leaves_a.placed.get(slot_a), leaves_b.placed.get(slot_b));
+        let at_pair = |[place, _]: [usize; 2], stats: &mut QueryStats| {
+            test(&MovingTriangle::new(a, leaf_a, &of_a.points, place, owners_a), stats);
+            ControlFlow::Continue(())
+        };
+        // Never breaks.
+        let _ = with_simd!(a.ends[0].level, simd => pairs(simd, (of_a, of_b), false, (latest, stats), at_pair));
+    }
+}
+
 /// Like [`candidates`], for two leaves of one body, or one leaf with itself. Leaves out features that share a vertex.
 pub(super) fn candidates_within(
     (body, placed, owners): (&mut Moving<'_, '_>, &mut MovingLeaves, &Owners),
     [leaf_a, leaf_b]: [Leaf; 2],
     stats: &mut QueryStats,
-    test: &mut dyn FnMut(Candidate, &mut QueryStats) -> ControlFlow<()>,
+    test: &mut Test<'_>,
 ) -> ControlFlow<()> {
     let (slot_a, slot_b) = (placed.read(body, leaf_a), placed.read(body, leaf_b));
     let (of_a, of_b) = (placed.placed.get(slot_a), placed.placed.get(slot_b));
     let at_pair = |[place_a, place_b]: [usize; 2], stats: &mut QueryStats| {
-        let t = Triangle::new(body, leaf_a, &of_a.points, place_a, owners);
-        let s = Triangle::new(body, leaf_b, &of_b.points, place_b, owners);
+        let t = MovingTriangle::new(body, leaf_a, &of_a.points, place_a, owners);
+        let s = MovingTriangle::new(body, leaf_b, &of_b.points, place_b, owners);
         for (own, other) in [(&t, &s), (&s, &t)] {
             for (vertex_a, point) in own.own_corners() {
                 if !other.vertices.contains(&vertex_a) {
@@ -217,7 +204,7 @@ pub(super) fn candidates_within(
                         vertex_a,
                         triangle_b: other.number,
                     };
-                    test(vertex_and_face(features, point, other), stats)?;
+                    test(&Candidate::vertex_face(features, point, [own, other]), stats)?;
                 }
             }
         }
@@ -227,37 +214,20 @@ pub(super) fn candidates_within(
                     continue;
                 }
                 let candidate = if edge_a < edge_b {
-                    two_edges(Features::EdgeEdge { edge_a, edge_b }, ends_a, ends_b)
+                    Candidate::edge_edge(Features::EdgeEdge { edge_a, edge_b }, [ends_a, ends_b], [&t, &s])
                 } else {
                     let features = Features::EdgeEdge {
                         edge_a: edge_b,
                         edge_b: edge_a,
                     };
-                    two_edges(features, ends_b, ends_a)
+                    Candidate::edge_edge(features, [ends_b, ends_a], [&s, &t])
                 };
-                test(candidate, stats)?;
+                test(&candidate, stats)?;
             }
         }
         ControlFlow::Continue(())
     };
     with_simd!(body.ends[0].level, simd => pairs(simd, (of_a, of_b), leaf_a == leaf_b, (&Cell::new(1.0), stats), at_pair))
-}
-
-fn vertex_and_face(features: Features, point: MovingPoint, face: &Triangle<'_>) -> Candidate {
-    let [a, b, c] = face.points;
-    Candidate {
-        features,
-        are_edges: false,
-        points: [point, a, b, c],
-    }
-}
-
-fn two_edges(features: Features, [a, b]: [MovingPoint; 2], [c, d]: [MovingPoint; 2]) -> Candidate {
-    Candidate {
-        features,
-        are_edges: true,
-        points: [a, b, c, d],
-    }
 }
 
 /// Calls `at_pair` for the places of triangles whose boxes meet at times up to `latest`. If the leaves are the same, the first place is the smaller one.

@@ -3,18 +3,16 @@ use std::ops::ControlFlow;
 
 use glam::DVec3;
 
-use super::patches::{Candidate, MovingLeaves, Observer, candidates, candidates_within};
-use super::{
-    Features, MotionContact, MovingBody, StageCounts, TimeOfImpact, edge_edge_impact_counting,
-    edge_edge_touch_counting, vertex_face_impact_counting, vertex_face_touch_counting,
-};
-use crate::bounds::up;
+use super::ball::BallBox;
+use super::candidate::{Candidate, MovingTriangle};
+use super::patches::{MovingLeaves, Observer, Test, candidates, candidates_within, triangles_at_box};
+use super::{BallImpact, Features, MotionContact, MovingBall, MovingBody};
 use crate::pose::Posed;
 use crate::query::capped::Capped;
 use crate::query::placements::Placements;
-use crate::query::{PairQuery, QueryStats};
+use crate::query::{PairQuery, QueryStats, TrianglePair};
 use crate::traverse::{Moving, MovingBoxes, Order, OverlapWalk, SelfStack, middle, walk_within};
-use crate::tree::PatchPair;
+use crate::tree::{Leaf, PatchPair};
 
 /// Finds contacts that happen while two bodies move, or while one body deforms. Keep the query and use it again: it reuses its memory.
 ///
@@ -22,11 +20,36 @@ use crate::tree::PatchPair;
 /// contact that lasts has the time at which it begins.
 ///
 /// Times are shares of the motion, from 0 to 1. `tolerance` is the largest difference between the two ends of a time
-/// ([`TimeOfImpact`]), unless these are neighbouring `f64`s. It changes how precisely you learn when something touches, never whether it
-/// does. Below about 1e-9, every contact takes exact arithmetic. A negative tolerance or NaN counts as 0.
+/// ([`TimeOfImpact`](super::TimeOfImpact)), unless these are neighbouring `f64`s. The ends never differ by more than `2^-30`. A smaller
+/// tolerance changes how precisely you learn when something touches, never whether it does. Below about 1e-12, every contact takes exact
+/// arithmetic. A negative tolerance or NaN counts as 0.
 ///
 /// Cost: like a [`PairQuery`] in which each node has the size of the space that it sweeps through. A translation that both bodies share does
 /// not count. If both bodies are as small as the rounding errors of their positions, all pairs of leaves are compared.
+///
+/// ```
+/// use std::sync::Arc;
+/// use glam::{Affine3A, DVec3, Vec3};
+/// use morph_collision::motion::{MotionQuery, MovingBody};
+/// use morph_collision::{Body, BuildOptions, MorphBvh, MorphModel, Pose, WorldFromModel};
+///
+/// // A triangle, and a target that lifts it to z = 2.
+/// let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z * 2.0; 3]])?;
+/// let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
+/// let (mut rest, mut lifted) = (Pose::new(bvh.clone()), Pose::new(bvh.clone()));
+/// lifted.set_weights(&[1.0])?;
+/// // Another one rests at z = 1, turned over the first one's corner.
+/// let (mut before, mut after) = (Pose::new(bvh.clone()), Pose::new(bvh));
+/// let place = |translation: Vec3| WorldFromModel::new(Affine3A::from_translation(translation));
+/// let (origin, above) = (place(Vec3::ZERO)?, place(Vec3::new(0.25, 0.25, 1.0))?);
+///
+/// let rising = MovingBody::new(Body::new(&mut rest, &origin), Body::new(&mut lifted, &origin))?;
+/// let resting = MovingBody::new(Body::new(&mut before, &above), Body::new(&mut after, &above))?;
+/// let first = MotionQuery::new().first(rising, resting, 1e-6).ok_or("no contact")?;
+/// assert!(first.time.earliest <= 0.5 && first.time.latest >= 0.5);
+/// assert_eq!((first.normal, first.velocity), (DVec3::NEG_Z, DVec3::Z * 2.0)); // it comes from below
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Default)]
 pub struct MotionQuery {
     walk: OverlapWalk,
@@ -34,12 +57,12 @@ pub struct MotionQuery {
     boxes: [MovingBoxes; 2],
     leaves: [MovingLeaves; 2],
     at_start: PairQuery,
+    /// Made when the first ball is asked about.
+    ball: Option<Box<BallBox>>,
     stats: QueryStats,
 }
 
 query_basics!(MotionQuery, |query| query.stats);
-
-type Test<'t> = dyn FnMut(Candidate, &mut QueryStats) -> ControlFlow<()> + 't;
 
 impl MotionQuery {
     /// Appends every pair of features that touch, in the order of the walk. Each pair is listed once.
@@ -75,9 +98,8 @@ impl MotionQuery {
         self.run(
             a,
             b,
-            &Cell::new(1.0),
             Order::Any,
-            &mut |candidate, stats| match impact(&candidate, tolerance, stats) {
+            &mut |candidate, stats| match candidate.impact(tolerance, stats) {
                 Some(contact) => visitor(contact),
                 None => ControlFlow::Continue(()),
             },
@@ -86,44 +108,27 @@ impl MotionQuery {
 
     /// Returns the first contact, if there is one.
     ///
-    /// Bodies that intersect when the motion starts are in contact then ([`Features::AtStart`]). The first contact is not before
-    /// `time.earliest` and not after `time.latest`. If several contacts are as early, up to the tolerance, which of them is returned depends
-    /// on the tree.
+    /// Bodies that intersect when the motion starts are in contact then ([`AtStart`](super::Features::AtStart)); which pair of triangles is returned depends
+    /// on the tree. Otherwise the answer does not: if several contacts have the same time, the smallest [`Features`](super::Features) win. Nothing touches
+    /// before `time.earliest`.
     ///
-    /// Cost: at first that of [`MotionQuery::all`]. When a contact is found early in the motion, the walk starts again for the time before
-    /// it.
+    /// Cost: nodes are visited in the order of the times at which their boxes overlap, up to the time of the first contact.
     pub fn first(&mut self, mut a: MovingBody<'_>, mut b: MovingBody<'_>, tolerance: f64) -> Option<MotionContact> {
         if let Some(early) = self.before_walk(&mut a, &mut b) {
-            return early;
+            return early.map(|pair| MotionContact::at_start(pair, &mut a, &mut b));
         }
-        let mut work = self.stats;
+        let work = self.stats;
         let mut first: Option<MotionContact> = None;
         let latest = Cell::new(1.0);
-        loop {
-            let (until, mut is_early) = (latest.get(), false);
-            self.run(
-                a.reborrow(),
-                b.reborrow(),
-                &latest,
-                Order::Any,
-                &mut |candidate, stats| {
-                    first = earlier(first, &candidate, tolerance, stats);
-                    latest.set(first.map_or(1.0, |first| first.time.latest));
-                    // Start again: boxes over a shorter time are smaller.
-                    is_early = latest.get() < 0.9 * until;
-                    if is_early {
-                        ControlFlow::Break(())
-                    } else {
-                        ControlFlow::Continue(())
-                    }
-                },
-            );
-            work += self.stats;
-            if !is_early || latest.get() == 0.0 {
-                break;
+        self.run(a, b, Order::EarliestFirst(&latest), &mut |candidate, stats| {
+            if let Some(contact) = candidate.impact(tolerance, stats) {
+                let earlier = earlier(first, contact);
+                first = Some(earlier);
+                latest.set(earlier.time.latest);
             }
-        }
-        self.stats = work;
+            ControlFlow::Continue(())
+        });
+        self.stats += work;
         first
     }
 
@@ -134,8 +139,8 @@ impl MotionQuery {
         }
         let work = self.stats;
         let mut any = false;
-        self.run(a, b, &Cell::new(1.0), Order::DeepestFirst, &mut |candidate, stats| {
-            any = touches(&candidate, stats);
+        self.run(a, b, Order::DeepestFirst, &mut |candidate, stats| {
+            any = candidate.touches(stats);
             if any {
                 ControlFlow::Break(())
             } else {
@@ -146,10 +151,75 @@ impl MotionQuery {
         any
     }
 
+    /// Returns where a moving ball, or point, first touches a moving body, if it does. If several triangles are touched in the same interval
+    /// of time, the one with the smallest number is returned.
+    ///
+    /// For a point, the answer is exact, like that for a vertex. For a ball, nothing is missed, and it does not touch before `time.earliest`. It
+    /// may count as touching although it passes by so closely that this is unclear when the time has been halved to intervals as short as the
+    /// tolerance (or `2^-40`), or closer than 1e-14 of the largest distance between its center and the triangle.
+    ///
+    /// Cost: as for [`MotionQuery::first`].
+    ///
+    /// ```
+    /// # use std::sync::Arc;
+    /// # use glam::{DVec3, Vec3};
+    /// use morph_collision::motion::{MotionQuery, MovingBall, MovingBody, MovingPoint};
+    /// # use morph_collision::{Body, BuildOptions, MorphBvh, MorphModel, Pose, WorldFromModel};
+    ///
+    /// // A triangle, and a target that lifts it to z = 2.
+    /// let model = MorphModel::from_displacements(&[Vec3::ZERO, Vec3::X, Vec3::Y], &[[0, 1, 2]], &[[Vec3::Z * 2.0; 3]])?;
+    /// let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
+    /// let (mut rest, mut lifted, world) = (Pose::new(bvh.clone()), Pose::new(bvh), WorldFromModel::IDENTITY);
+    /// lifted.set_weights(&[1.0])?;
+    /// let rising = MovingBody::new(Body::new(&mut rest, &world), Body::new(&mut lifted, &world))?;
+    ///
+    /// // A ball falls towards it.
+    /// let fall = MovingPoint::new(DVec3::new(0.25, 0.25, 4.5), DVec3::new(0.25, 0.25, 2.5));
+    /// let impact = MotionQuery::new().first_of_ball(&MovingBall::new(fall, 0.5)?, rising, 1e-6).ok_or("no impact")?;
+    /// assert!(impact.time.earliest <= 1.0 && impact.time.latest == 1.0);
+    /// assert_eq!((impact.normal, impact.velocity), (DVec3::Z, DVec3::Z * -4.0));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn first_of_ball(&mut self, ball: &MovingBall, mut body: MovingBody<'_>, tolerance: f64) -> Option<BallImpact> {
+        let mut bounds = self.ball.take().unwrap_or_else(|| Box::new(BallBox::new()));
+        let bvh = body.bvh();
+        let (mut first, latest) = (None, Cell::new(1.0));
+        let mut test = |triangle: &MovingTriangle<'_>, stats: &mut QueryStats| {
+            let impact = if ball.radius() > 0.0 {
+                stats.feature_tests += 1;
+                ball.impact(triangle, tolerance, latest.get())
+            } else {
+                let features = Features::FaceVertex {
+                    triangle_a: triangle.number,
+                    vertex_b: 0,
+                };
+                let candidate = Candidate::vertex_face(features, ball.center(), [triangle; 2]);
+                let contact = candidate.impact(tolerance, stats);
+                contact.map(|contact| BallImpact::of_point(triangle.number, &contact))
+            };
+            if let Some(impact) = impact {
+                let earlier = BallImpact::earlier(first, impact);
+                first = Some(earlier);
+                latest.set(earlier.time.latest);
+            }
+        };
+        self.walk(
+            body.reborrow(),
+            bounds.around(ball),
+            Order::EarliestFirst(&latest),
+            &mut |(a, leaves_a), of_b, leaves, stats| {
+                triangles_at_box((a, leaves_a, bvh.owners()), of_b, leaves, (&latest, stats), &mut test);
+                ControlFlow::Continue(())
+            },
+        );
+        self.ball = Some(bounds);
+        first
+    }
+
     /// Appends every pair of features of one body that touch, leaving out those that share a vertex. So a fold at a common edge is not
     /// listed, and, as for [`MotionQuery::all`], neither are parts that already cross each other ([`SelfQuery`](crate::SelfQuery)).
     ///
-    /// Contacts of a vertex and a face are [`Features::VertexFace`]; of two edges, the smaller one is first.
+    /// Contacts of a vertex and a face are [`VertexFace`](super::Features::VertexFace); of two edges, the smaller one is first.
     pub fn all_within(&mut self, body: MovingBody<'_>, tolerance: f64, contacts: &mut Vec<MotionContact>) {
         self.visit_within(body, tolerance, |contact| {
             contacts.push(contact);
@@ -177,9 +247,9 @@ impl MotionQuery {
         } = self;
         *stats = QueryStats::default();
         let (middle, drift) = drift(&mut ends);
-        let mut body = Moving::new(ends, (drift, 1.0), boxes, true);
+        let mut body = Moving::new(ends, drift, boxes, true);
         leaves.begin(Observer::new(middle, drift, body.standing().size));
-        let mut test = |candidate: Candidate, stats: &mut QueryStats| match impact(&candidate, tolerance, stats) {
+        let mut test = |candidate: &Candidate<'_>, stats: &mut QueryStats| match candidate.impact(tolerance, stats) {
             Some(contact) => visitor(contact),
             None => ControlFlow::Continue(()),
         };
@@ -199,8 +269,9 @@ impl MotionQuery {
         *stats += QueryStats::blending(before, [start.blended(), end.blended()]);
     }
 
-    /// The answer, if it takes no walk over both motions: no contact if the bounds of the motions are apart, or contact at the start.
-    fn before_walk(&mut self, a: &mut MovingBody<'_>, b: &mut MovingBody<'_>) -> Option<Option<MotionContact>> {
+    /// The answer, if it takes no walk over both motions: no contact if the bounds of the motions are apart, or the triangles that intersect
+    /// at the start.
+    fn before_walk(&mut self, a: &mut MovingBody<'_>, b: &mut MovingBody<'_>) -> Option<Option<TrianglePair>> {
         self.stats = QueryStats {
             node_tests: 1,
             ..QueryStats::default()
@@ -213,8 +284,8 @@ impl MotionQuery {
         let ends_b = [b.start.posed(), b.end.posed()];
         let mut ends_a = [a.start.posed(), a.end.posed()];
         let (_, drift) = drift(&mut ends_a);
-        let moving_a = Moving::new(ends_a, (drift, 1.0), boxes_a, false);
-        let moving_b = Moving::new(ends_b, (drift, 1.0), boxes_b, false);
+        let moving_a = Moving::new(ends_a, drift, boxes_a, false);
+        let moving_b = Moving::new(ends_b, drift, boxes_b, false);
         let placements = Placements {
             a: moving_a.standing(),
             b: moving_b.standing(),
@@ -224,28 +295,32 @@ impl MotionQuery {
         }
         let pair = self.at_start.first(a.start.reborrow(), b.start.reborrow());
         self.stats += self.at_start.stats();
-        pair.map(|pair| {
-            Some(MotionContact {
-                features: Features::AtStart(pair),
-                time: TimeOfImpact {
-                    earliest: 0.0,
-                    latest: 0.0,
-                },
-            })
-        })
+        pair.map(Some)
     }
 
-    /// Calls `test` for features that may touch up to the time `latest`, until it breaks. `test` may lower `latest`.
-    fn run(
+    /// Calls `test` for features that may touch, until it breaks.
+    fn run(&mut self, a: MovingBody<'_>, b: MovingBody<'_>, order: Order<'_>, test: &mut Test<'_>) {
+        let always = Cell::new(1.0);
+        let latest = match order {
+            Order::EarliestFirst(latest) => latest,
+            _ => &always,
+        };
+        let (bvh_a, bvh_b) = (a.bvh(), b.bvh());
+        self.walk(a, b, order, &mut |(a, leaves_a), (b, leaves_b), leaves, stats| {
+            let of_a = (a, leaves_a, bvh_a.owners());
+            let of_b = (b, leaves_b, bvh_b.owners());
+            candidates(of_a, of_b, leaves, (latest, stats), test)
+        });
+    }
+
+    /// Calls `at_leaves` for pairs of leaves that may touch, until it breaks.
+    fn walk(
         &mut self,
         mut a: MovingBody<'_>,
         mut b: MovingBody<'_>,
-        latest: &Cell<f64>,
-        order: Order,
-        test: &mut Test<'_>,
+        order: Order<'_>,
+        at_leaves: &mut AtMovingLeaves<'_>,
     ) {
-        let until = up(latest.get());
-        let (bvh_a, bvh_b) = (a.bvh(), b.bvh());
         let mut ends_a = [a.start.posed(), a.end.posed()];
         let ends_b = [b.start.posed(), b.end.posed()];
         let before = [&ends_a[0], &ends_a[1], &ends_b[0], &ends_b[1]].map(Posed::blended);
@@ -259,8 +334,8 @@ impl MotionQuery {
         *stats = QueryStats::default();
         let tests_before = walk.node_tests;
         let (middle, drift) = drift(&mut ends_a);
-        let mut a = Moving::new(ends_a, (drift, until), boxes_a, false);
-        let mut b = Moving::new(ends_b, (drift, until), boxes_b, false);
+        let mut a = Moving::new(ends_a, drift, boxes_a, false);
+        let mut b = Moving::new(ends_b, drift, boxes_b, false);
         let placements = Placements {
             a: a.standing(),
             b: b.standing(),
@@ -273,9 +348,7 @@ impl MotionQuery {
                 if leaves.is_empty() {
                     return ControlFlow::Continue(());
                 }
-                let of_a = (a, &mut *leaves_a, bvh_a.owners());
-                let of_b = (b, &mut *leaves_b, bvh_b.owners());
-                candidates(of_a, of_b, leaves, (latest, stats), test)
+                at_leaves((a, &mut *leaves_a), (b, &mut *leaves_b), leaves, stats)
             });
             stats.node_tests = walk.node_tests - tests_before;
         } else {
@@ -286,64 +359,24 @@ impl MotionQuery {
     }
 }
 
+/// A body and its leaves.
+type Leaves<'l, 'm, 'p> = (&'l mut Moving<'m, 'p>, &'l mut MovingLeaves);
+
+/// The callback for pairs of leaves of two bodies.
+type AtMovingLeaves<'v> =
+    dyn FnMut(Leaves<'_, '_, '_>, Leaves<'_, '_, '_>, &[(Leaf, Leaf)], &mut QueryStats) -> ControlFlow<()> + 'v;
+
 /// The middle of the first body when the motion starts, and how far it moves. Queries take that motion off both bodies.
 fn drift(ends: &mut [Posed<'_>; 2]) -> (DVec3, DVec3) {
     let [from, to] = ends.each_mut().map(|end| middle(end.stand()));
     (from, to - from)
 }
 
-fn touches(candidate: &Candidate, stats: &mut QueryStats) -> bool {
-    let [a, b, c, d] = candidate.points;
-    let mut stages = StageCounts::default();
-    let touches = if candidate.are_edges {
-        edge_edge_touch_counting([a, b], [c, d], &mut stages)
-    } else {
-        vertex_face_touch_counting(a, [b, c, d], &mut stages)
-    };
-    count(stages, stats);
-    touches
-}
-
-fn impact(candidate: &Candidate, tolerance: f64, stats: &mut QueryStats) -> Option<MotionContact> {
-    let [a, b, c, d] = candidate.points;
-    let mut stages = StageCounts::default();
-    let time = if candidate.are_edges {
-        edge_edge_impact_counting([a, b], [c, d], tolerance, &mut stages)
-    } else {
-        vertex_face_impact_counting(a, [b, c, d], tolerance, &mut stages)
-    };
-    count(stages, stats);
-    time.map(|time| MotionContact {
-        features: candidate.features,
-        time,
-    })
-}
-
-fn count(stages: StageCounts, stats: &mut QueryStats) {
-    stats.feature_tests += stages.total();
-    stats.undecided_by_filter += stages.exact;
-}
-
-/// The earlier one of the first contact so far and of a candidate's.
-fn earlier(
-    first: Option<MotionContact>,
-    candidate: &Candidate,
-    tolerance: f64,
-    stats: &mut QueryStats,
-) -> Option<MotionContact> {
-    let Some(first) = first else {
-        return impact(candidate, tolerance, stats);
-    };
-    let Some(contact) = impact(candidate, tolerance, stats) else {
-        return Some(first);
-    };
-    // Whichever is surely over first. Nothing touches before the earlier start.
-    let earliest = first.time.earliest.min(contact.time.earliest);
-    let mut earlier = if contact.time.latest < first.time.latest {
-        contact
-    } else {
-        first
-    };
-    earlier.time.earliest = earliest;
-    Some(earlier)
+/// The earlier one of two contacts. Among equals, the features decide, so that the answer depends on no tree.
+fn earlier(first: Option<MotionContact>, contact: MotionContact) -> MotionContact {
+    let key = |contact: &MotionContact| (contact.time.latest, contact.time.earliest, contact.features);
+    match first {
+        Some(first) if key(&first) <= key(&contact) => first,
+        _ => contact,
+    }
 }

@@ -1,109 +1,114 @@
-//! Rewrites every table and plot of `docs/performance.md` in place:
-//! `cargo run --release -p morph_collision_testkit --features report --bin report -- docs/performance.md`.
+//! Measures everything on the pages of `docs/measurements`, and writes them:
+//! `cargo run --release -p morph_collision_testkit --features report --bin report -- docs`.
 //!
 //! ```text
-//! a section: experiments --testkit's bench--> rows --render, plot--> Markdown, SVG, CSV --bench's Page--> the page, docs/plots/
+//! a topic: experiments --testkit's bench--> rows --> data/TOPIC.csv --> TOPIC.md, plots/*.svg
+//!                                                    of all topics  --> tables of performance.md and README.md
 //! ```
+//!
+//! Pages are made of nothing but the rows, so every number and every conclusion on them is as old as its row, and each row says when,
+//! where and from which commit it is.
 
-mod render;
-mod sections;
-mod sweeps;
+mod candidates;
+mod comparison;
+mod context;
+mod counts;
+mod details;
+mod losses;
+mod overview;
+mod page;
+mod race;
+mod record;
+mod store;
+mod table;
+mod topics;
 
+use std::error::Error;
+use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use morph_collision_testkit::bench::{self, Page};
+use clap::Parser;
+use clap::builder::PossibleValuesParser;
+use morph_collision_testkit::bench;
 
-use sections::{Context, SECTIONS, Section};
+use context::Context;
+use store::Store;
+use topics::{Measure, TOPICS, Topic};
 
-const USAGE: &str = "usage: report [--quick] [--every N] [--rounds N] [--only PLACE]... PAGE.md";
-
-/// The command line.
+/// Measures everything on the pages of docs/measurements, and writes them.
+#[derive(Parser)]
 struct Args {
-    page: PathBuf,
-    /// Use every Nth step of the experiments.
-    every: usize,
-    rounds: usize,
-    quick: bool,
-    /// The sections to rewrite; all if empty.
+    /// The folder with performance.md and measurements/, in the root of the repository.
+    docs: PathBuf,
+    /// Measure only this topic; can be repeated.
+    #[arg(long, value_name = "TOPIC", value_parser = PossibleValuesParser::new(topics::measured_names()))]
     only: Vec<String>,
+    /// Measure nothing, only write the pages from the data again.
+    #[arg(long, conflicts_with_all = ["only", "counts"])]
+    render: bool,
+    /// Measure nothing, but read counts from standard input, one `ROW COLUMN NUMBER` per line.
+    #[arg(long, value_name = "DATA", value_parser = PossibleValuesParser::new(counts::DATA), conflicts_with = "only")]
+    counts: Option<String>,
+    /// Measure rough numbers: few steps, one round.
+    #[arg(long)]
+    quick: bool,
+    /// Use every Nth step of the experiments.
+    #[arg(long, value_name = "N")]
+    every: Option<NonZeroUsize>,
+    /// Number of rounds.
+    #[arg(long, value_name = "N")]
+    rounds: Option<NonZeroUsize>,
 }
 
 fn main() -> ExitCode {
-    let args = match parse(std::env::args().skip(1)) {
-        Ok(args) => args,
-        Err(error) => {
-            eprintln!("{error}\n{USAGE}");
-            return ExitCode::FAILURE;
-        }
-    };
-    match run(&args) {
+    match run(&Args::parse()) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            eprintln!("{error}");
+            eprintln!("error: {error}");
             ExitCode::FAILURE
         }
     }
 }
 
-fn parse(mut words: impl Iterator<Item = String>) -> Result<Args, String> {
-    let (mut page, mut every, mut rounds, mut quick, mut only) = (None, None, None, false, Vec::new());
-    let number = |flag: &str, word: Option<String>| {
-        let value = word.and_then(|word| word.parse().ok()).filter(|&n: &usize| n > 0);
-        value.ok_or_else(|| format!("{flag} wants a number above 0"))
+fn run(args: &Args) -> Result<(), Box<dyn Error>> {
+    let (every, rounds) = if args.quick { (50, 1) } else { (20, 5) };
+    let context = Context {
+        every: args.every.map_or(every, NonZeroUsize::get),
+        rounds: args.rounds.map_or(rounds, NonZeroUsize::get),
+        quick: args.quick,
+        origin: context::origin(&args.docs)?,
+        store: Store::below(&args.docs.join("measurements")),
     };
-    while let Some(word) = words.next() {
-        match word.as_str() {
-            "--quick" => quick = true,
-            "--every" => every = Some(number("--every", words.next())?),
-            "--rounds" => rounds = Some(number("--rounds", words.next())?),
-            "--only" => {
-                let name = words.next().unwrap_or_default();
-                if !SECTIONS.iter().any(|section| section.name == name) {
-                    let names: Vec<_> = SECTIONS.iter().map(|section| section.name).collect();
-                    return Err(format!("--only '{name}': expected one of: {}", names.join(", ")));
-                }
-                only.push(name);
-            }
-            _ if word.starts_with('-') => return Err(format!("unknown flag {word}")),
-            _ => page = Some(PathBuf::from(word)),
-        }
+    // Written before anything is measured, too, so that a wrong folder fails at once.
+    overview::write(&args.docs, &context.store)?;
+    if let Some(data) = &args.counts {
+        counts::take(&context, data, std::io::stdin().lock())?;
+    } else if !args.render {
+        let wanted = |topic: &&Topic| args.only.is_empty() || args.only.iter().any(|only| only == topic.name);
+        measure(&context, TOPICS.iter().filter(wanted).collect(), &args.docs)?;
     }
-    Ok(Args {
-        page: page.ok_or("which page?")?,
-        every: every.unwrap_or(if quick { 50 } else { 20 }),
-        rounds: rounds.unwrap_or(if quick { 1 } else { 5 }),
-        quick,
-        only,
-    })
+    overview::write(&args.docs, &context.store)
 }
 
-fn run(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
-    // Read before anything is measured, so that a wrong path fails at once.
-    let mut page = Page::read(&args.page)?;
-    page.replace("machine", &render::machine(args.every, args.rounds))?;
-    let context = Context {
-        every: args.every,
-        rounds: args.rounds,
-        quick: args.quick,
-        plots: args.page.with_file_name("plots"),
-    };
-    let wanted = |name: &str| args.only.is_empty() || args.only.iter().any(|only| only == name);
-    let (on_all_cores, on_one): (Vec<_>, Vec<_>) = SECTIONS
-        .iter()
-        .filter(|section| wanted(section.name))
-        .partition(|section| section.uses_all_cores());
-    let mut fill = |sections: &[&Section]| -> Result<(), Box<dyn std::error::Error>> {
-        for section in sections {
-            let old = page.content(section.name)?.to_owned();
-            page.replace(section.name, &(section.make)(&context, &old)?)?;
-            page.write()?;
+/// Measures topics, first those that use several cores, because the others are pinned to one.
+fn measure(context: &Context, topics: Vec<&Topic>, docs: &std::path::Path) -> Result<(), Box<dyn Error>> {
+    let pinned = |topic: &Topic| matches!(topic.measure, Measure::OneCore(_));
+    let (on_one, on_all): (Vec<_>, Vec<_>) = topics.into_iter().partition(|topic| pinned(topic));
+    for topic in on_all {
+        if let Measure::AllCores(measure) = topic.measure {
+            measure(context)?;
+            overview::write(docs, &context.store)?;
         }
-        Ok(())
-    };
-    fill(&on_all_cores)?;
-    if bench::pin().is_none() {
+    }
+    if !on_one.is_empty() && bench::pin().is_none() {
         eprintln!("cannot pin this thread to a core; times will vary more");
     }
-    fill(&on_one)
+    for topic in on_one {
+        if let Measure::OneCore(measure) = topic.measure {
+            measure(context)?;
+            overview::write(docs, &context.store)?;
+        }
+    }
+    Ok(())
 }

@@ -24,6 +24,7 @@
 
 mod body;
 mod directions;
+mod nodes;
 mod options;
 mod references;
 mod slab_maps;
@@ -40,6 +41,7 @@ mod tests;
 
 use std::sync::Arc;
 
+pub use nodes::PaperNodes;
 pub use options::{PaperOptions, PaperVolume, UnknownVolume};
 use slabs::Slabs;
 use sphere::Sphere;

@@ -8,6 +8,7 @@ use super::references::References;
 use super::split::split;
 use super::volume::Volume;
 use super::weights::Blend;
+use crate::rivals::bytes::of_list;
 
 /// Nodes in breadth-first order, the root first.
 #[derive(Clone, Debug)]
@@ -121,12 +122,8 @@ impl<V: Volume> Tree<V> {
     }
 
     /// The memory of its lists, including unused capacity.
-    #[cfg(test)]
-    pub(super) fn bytes(&self) -> u64 {
-        let nodes = self.nodes.capacity() * size_of::<Node<V>>();
-        let references = self.references.capacity() * size_of::<Reference<V>>();
-        let in_betweens = self.in_betweens.capacity() * size_of::<InBetween<V>>();
-        (nodes + references + in_betweens) as u64
+    pub(super) fn bytes(&self) -> usize {
+        of_list(&self.nodes) + of_list(&self.references) + of_list(&self.in_betweens)
     }
 
     #[inline]

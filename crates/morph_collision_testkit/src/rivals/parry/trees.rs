@@ -21,6 +21,10 @@ pub(in crate::rivals) trait ParryTree: Sized + Send + Sync {
     }
     fn bvh(&self) -> &Bvh;
     fn posed(&self) -> &[Vec3];
+    /// Its heap memory, if it is counted.
+    fn bytes(&self) -> Option<usize> {
+        None
+    }
 }
 
 /// Parry's triangle mesh, with separately blended vertices if blending is timed separately.
@@ -58,6 +62,11 @@ impl ParryTree for Meshed {
 
     fn posed(&self) -> &[Vec3] {
         self.mesh.vertices()
+    }
+
+    /// Parry's own count.
+    fn bytes(&self) -> Option<usize> {
+        Some(self.mesh.heap_memory_size())
     }
 }
 

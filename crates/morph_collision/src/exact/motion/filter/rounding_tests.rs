@@ -12,11 +12,11 @@ use super::*;
 type Exact = [Dyadic; 3];
 
 /// Features. Each coordinate is the sum of two `f32`s, so that it uses all bits of an `f64`.
-fn features(kind: Kind, numbers: &[f32]) -> Features {
+fn features(kind: Kind, numbers: &[f32]) -> FeaturePair {
     let coordinate = |i: usize| f64::from(numbers[2 * i]) + f64::from(numbers[2 * i + 1]) * 2_f64.powi(-27);
     let point = |p: usize| DVec3::from_array(std::array::from_fn(|axis| coordinate(3 * p + axis)));
     let corners = std::array::from_fn(|i| MovingPoint::new(point(2 * i), point(2 * i + 1)));
-    Features { kind, corners }
+    FeaturePair { kind, corners }
 }
 
 fn whole(n: i32) -> Dyadic {
@@ -24,7 +24,7 @@ fn whole(n: i32) -> Dyadic {
 }
 
 /// The vectors `u`, `v` and `w` at a time.
-fn exact_vectors(features: &Features, time: f64) -> [Exact; 3] {
+fn exact_vectors(features: &FeaturePair, time: f64) -> [Exact; 3] {
     let at = |corner: usize, axis: usize| {
         let MovingPoint { start, end } = features.corners[corner];
         Dyadic::from(start[axis]) * (whole(1) - Dyadic::from(time)) + Dyadic::from(end[axis]) * Dyadic::from(time)
@@ -47,7 +47,7 @@ fn exact_dot(a: &Exact, b: &Exact) -> Dyadic {
 }
 
 /// Height and sides at a time.
-fn exact_values(features: &Features, time: f64) -> (Dyadic, [Dyadic; 4]) {
+fn exact_values(features: &FeaturePair, time: f64) -> (Dyadic, [Dyadic; 4]) {
     let [u, v, w] = exact_vectors(features, time);
     let n = exact_cross(&u, &v);
     let (normal, p) = (exact_dot(&n, &n), exact_dot(&exact_cross(&w, &v), &n));
@@ -85,7 +85,7 @@ fn shares(kind: Kind, numbers: &[f32], halvings: &[usize]) -> Option<(f64, f64)>
     for &half in halvings {
         interval = interval.halves()[half];
     }
-    let TimeOfImpact { earliest, latest } = interval.time();
+    let TimeOfImpact { earliest, latest } = interval.time(halvings.len() as u32);
     let depth = halvings.len() as u32;
     let (heights, sides) = (
         values(interval.height.map(|[c]| c)),

@@ -40,7 +40,7 @@ fn bytes_are_bounded<V: Volume>(volume: PaperVolume) {
             let options = PaperOptions { volume, in_betweens };
             let tree = Tree::<V>::build(&References::new(&welded(&mesh)), in_betweens);
             // While a list grows it exists twice for a moment; the old one is half as large.
-            let (bytes, most) = (tree.bytes() * 3 / 2, options.tree_bytes(&mesh));
+            let (bytes, most) = (tree.bytes() as u64 * 3 / 2, options.tree_bytes(&mesh));
             assert!(bytes <= most, "{options:?}, {}: {bytes} of {most}", mesh.name);
             assert!(most <= bytes * 20, "{options:?}, {}: {bytes} of {most}", mesh.name);
         }

@@ -1,0 +1,137 @@
+//! Conclusions from rows: how much longer other methods take, and what the lower limit is.
+
+use crate::record::{Record, Scene, scenes, short_title};
+use crate::table::{Table, ratios};
+
+/// Methods that place all vertices and refit all boxes.
+pub(crate) const BAKE_AND_REFIT: &[&str] = &["bottom-up", "parry-trimesh", "parry-bvh"];
+pub(crate) const HYBRID: &[&str] = &["hybrid"];
+pub(crate) const PARRY: &[&str] = &["parry-trimesh", "parry-bvh"];
+
+/// The best rivals of each kind.
+const RIVALS: [(&str, &[&str]); 6] = [
+    ("hybrid", HYBRID),
+    ("full refit", &["bottom-up"]),
+    ("Parry, refitted", PARRY),
+    ("rebuilt", &["rebuild", "parry-rebuild"]),
+    ("the paper's method", &["paper"]),
+    ("boxes per joint", &["joint-boxes", "joint-union"]),
+];
+
+/// How to read [`rivals`].
+pub(crate) const HOW_TO_READ: &str = "How many times as long as ours the other methods take; below 1 they are faster. \"-\" means that a method does not do this.\n\
+    *Rebuilt* is the better of two methods that build a new tree in every frame, *Parry, refitted* the better of two ways to refit\n\
+    Parry's tree.\n";
+
+/// For each scene, the time of the best rivals over ours.
+pub(crate) fn rivals<'a>(scenes: impl Iterator<Item = Scene<'a>>, head: &str) -> Table {
+    let mut table = Table::new([head].into_iter().chain(RIVALS.map(|(name, _)| name)));
+    for scene in scenes {
+        let wanted = scene.wanted();
+        let cells = RIVALS.map(|(_, methods)| ratios(wanted.iter().map(|wanted| scene.best(methods, wanted))));
+        table.row([short_title(scene.title()).to_owned()].into_iter().chain(cells));
+    }
+    table.without_empty_columns()
+}
+
+/// For each scene, the ratio of every method.
+pub(crate) fn every_method(rows: &[Record], head: &str) -> Table {
+    let mut methods: Vec<&str> = Vec::new();
+    for row in rows {
+        if !methods.contains(&row.method.as_str()) {
+            methods.push(&row.method);
+        }
+    }
+    let mut table = Table::new([head].into_iter().chain(methods.iter().copied()));
+    for scene in scenes(rows) {
+        let cell = |method| ratios(scene.wanted().iter().map(|wanted| scene.ratio(method, wanted)));
+        let cells = methods.iter().map(|method| cell(method));
+        table.row([scene.title().to_owned()].into_iter().chain(cells));
+    }
+    table
+}
+
+/// For each scene, how far ours is from the lower limit, and how much of the gain is method and engineering.
+pub(crate) fn limits<'a>(scenes: impl Iterator<Item = Scene<'a>>) -> String {
+    let mut table = Table::new([
+        "all pairs / first pairs",
+        "lower limit's time",
+        "its triangle tests",
+        "everything refitted with our code",
+        "the same, over full refit",
+    ]);
+    for scene in scenes {
+        let wanted = scene.wanted();
+        let cell = |of: &dyn Fn(&'a str) -> Option<f64>| ratios(wanted.iter().map(|wanted| of(wanted)));
+        let tests = |method, wanted: &'a str| Some(scene.row(method, wanted)?.triangle_tests);
+        table.row([
+            scene.title().to_owned(),
+            cell(&|wanted| scene.ratio("rigid-floor", wanted)),
+            cell(&|wanted| Some(tests("rigid-floor", wanted)? / tests("morph", wanted)?)),
+            cell(&|wanted| scene.ratio("morph-eager", wanted)),
+            cell(&|wanted| Some(scene.ratio("morph-eager", wanted)? / scene.ratio("bottom-up", wanted)?)),
+        ]);
+    }
+    format!(
+        "All numbers are ratios to ours, except the last column.\n\n\
+         - The *lower limit* is our own tree over shapes that are frozen or posed beforehand (`rigid-floor`): nothing is blended, and all boxes are\n  \
+           tight. The rest of our time is blending, and tests that tight boxes would have saved. So is the rest of our triangle tests.\n\
+         - *Everything refitted with our code* is `morph-eager`. Its distance from 1 is the gain of the method: refitting only what is visited.\n\
+         - *The same, over full refit*: `morph-eager` and `bottom-up` do the same work. Below 1, our code does it faster: the gain of the engineering.\n\n{table}"
+    )
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::record::tests::scene_of;
+
+    pub(crate) fn heads() -> Vec<Record> {
+        scene_of(
+            "heads",
+            &[
+                ("morph", 1.0, 1.0),
+                ("morph-eager", 2.0, 8.0),
+                ("rigid-floor", 0.5, 0.25),
+                ("bottom-up", 4.0, 16.0),
+                ("hybrid", 3.0, 0.9),
+                ("parry-trimesh", 7.0, 30.0),
+                ("parry-bvh", 6.0, 40.0),
+            ],
+        )
+    }
+
+    #[test]
+    fn the_best_of_several_rivals_counts_and_columns_without_rivals_are_left_out() {
+        let table = rivals(scenes(&heads()), "all / first").to_string();
+        assert_eq!(
+            table,
+            "| all / first | hybrid | full refit | Parry, refitted |\n|---|--:|--:|--:|\n\
+             | The heads | 3.0 / 0.90 | 4.0 / 16 | 6.0 / 30 |\n"
+        );
+    }
+
+    #[test]
+    fn every_method_has_a_column() {
+        let mut rows = scene_of("a", &[("x", 1.0, 1.0), ("y", 2.0, 3.0)]);
+        rows.extend(scene_of("b", &[("x", 1.0, 1.0)]));
+        let table = every_method(&rows, "all / first").to_string();
+        assert!(
+            table.ends_with("| The a | 1.0 / 1.0 | 2.0 / 3.0 |\n| The b | 1.0 / 1.0 | - |\n"),
+            "{table}"
+        );
+    }
+
+    #[test]
+    fn the_limits_compare_methods_with_the_right_base() {
+        let mut rows = heads();
+        for row in &mut rows {
+            row.triangle_tests = if row.method == "rigid-floor" { 30.0 } else { 60.0 };
+        }
+        let limits = limits(scenes(&rows));
+        assert!(
+            limits.contains("| The heads | 0.50 / 0.25 | 0.50 / 0.50 | 2.0 / 8.0 | 0.50 / 0.50 |"),
+            "{limits}"
+        );
+    }
+}

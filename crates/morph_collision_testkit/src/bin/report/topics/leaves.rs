@@ -1,0 +1,50 @@
+//! How many triangles a leaf has.
+
+use std::error::Error;
+
+use morph_collision_testkit::bench::Experiment;
+
+use super::{Measure, Topic, no_losses};
+use crate::candidates;
+use crate::comparison::every_method;
+use crate::context::Context;
+use crate::details::{self, details};
+use crate::page::Page;
+use crate::race::{Source, measure_topic};
+use crate::record::Record;
+use crate::store::Store;
+
+const NAME: &str = "leaves";
+
+pub(super) const TOPIC: Topic = Topic {
+    name: NAME,
+    measure: Measure::OneCore(measure),
+    page,
+    losses: no_losses,
+};
+
+fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
+    let experiments = Experiment::tuning(context.every).into_iter().map(Source::from);
+    measure_topic(context, NAME, experiments, candidates::leaves, context.rounds)
+}
+
+fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
+    let rows: Vec<Record> = store.rows(NAME)?;
+    let table = every_method(&rows, "all pairs / first pairs");
+    let page = Page {
+        name: NAME,
+        title: "Triangles in a leaf",
+        intro: "`BuildOptions::default()` has at most eight triangles in a leaf, which fill the patches that are blended, placed and compared side by side.\n\
+            The other rows differ only in that number. The default is measured twice; the distance of the second measurement from 1 is the noise.\n\
+            [tried.md](../tried.md) lists former build options, and why they were removed.\n",
+        command: "just report --only leaves",
+        data: &[NAME],
+        body: format!(
+            "Times as ratios to the default:\n\n{table}\n## Work and time\n\n{}{}",
+            details::HOW_TO_READ,
+            details(&rows)
+        ),
+        ..Page::default()
+    };
+    Ok(page.about(rows.iter().map(Record::origin)))
+}

@@ -1,0 +1,116 @@
+//! The topics: each measures its rows and makes its page from them.
+
+mod batches;
+mod bytes;
+mod faces;
+mod frame_to_frame;
+mod goals;
+mod instructions;
+mod kernels;
+mod known_data;
+mod leaves;
+mod methods;
+mod motion;
+mod paper;
+mod rays;
+mod scale;
+mod skinned;
+mod threads;
+
+use std::error::Error;
+
+use crate::comparison::{self, limits, rivals};
+use crate::context::Context;
+use crate::details::{self, details};
+use crate::losses::{Loss, losses, losses_table};
+use crate::page::Page;
+use crate::record::{Record, scenes};
+use crate::store::Store;
+
+/// Measures and stores rows.
+type Measurement = fn(&Context) -> Result<(), Box<dyn Error>>;
+/// Makes something of stored rows.
+type FromRows<T> = fn(&Store) -> Result<T, Box<dyn Error>>;
+
+/// How the rows of a topic are made.
+pub(crate) enum Measure {
+    /// On one core, to which the thread is pinned.
+    OneCore(Measurement),
+    AllCores(Measurement),
+    /// It has none of its own.
+    Computed,
+}
+
+/// A topic with a page of its own.
+pub(crate) struct Topic {
+    pub(crate) name: &'static str,
+    pub(crate) measure: Measure,
+    pub(crate) page: FromRows<Page>,
+    /// Where another method is faster, for topics that compare methods.
+    pub(crate) losses: FromRows<Vec<Loss>>,
+}
+
+/// All topics, in the order in which they are measured.
+pub(crate) const TOPICS: [Topic; 15] = [
+    methods::TOPIC,
+    faces::TOPIC,
+    skinned::TOPIC,
+    rays::TOPIC,
+    frame_to_frame::TOPIC,
+    paper::TOPIC,
+    scale::TOPIC,
+    threads::TOPIC,
+    known_data::TOPIC,
+    leaves::TOPIC,
+    kernels::TOPIC,
+    bytes::TOPIC,
+    motion::TOPIC,
+    instructions::TOPIC,
+    goals::TOPIC,
+];
+
+/// The names of the topics that are measured.
+pub(crate) fn measured_names() -> Vec<&'static str> {
+    let measured = |topic: &&Topic| !matches!(topic.measure, Measure::Computed);
+    TOPICS.iter().filter(measured).map(|topic| topic.name).collect()
+}
+
+/// The rows of all methods that compare pairs of bodies.
+pub(crate) fn of_bodies(store: &Store) -> Result<Vec<Record>, Box<dyn Error>> {
+    let mut rows = Vec::new();
+    for name in [methods::NAME, faces::NAME, skinned::NAME] {
+        rows.extend(store.rows::<Record>(name)?);
+    }
+    Ok(rows)
+}
+
+/// The rows of all methods that cast rays.
+pub(crate) fn of_rays(store: &Store) -> Result<Vec<Record>, Box<dyn Error>> {
+    store.rows(rays::NAME)
+}
+
+fn no_losses(_: &Store) -> Result<Vec<Loss>, Box<dyn Error>> {
+    Ok(Vec::new())
+}
+
+/// The page of a topic whose rows compare all methods.
+fn page_of_methods(store: &Store, page: Page, questions: &str) -> Result<Page, Box<dyn Error>> {
+    let rows: Vec<Record> = store.rows(page.name)?;
+    let mut body = format!("{}\n{}", comparison::HOW_TO_READ, rivals(scenes(&rows), questions));
+    if rows.iter().any(|row| row.method == "rigid-floor") {
+        body += &format!(
+            "\n## The lower limit, the method and the engineering\n\n{}",
+            limits(scenes(&rows))
+        );
+    }
+    body += &format!(
+        "\n## Where another method is faster\n\n{}",
+        losses_table(&losses(&rows))
+    );
+    body += &format!(
+        "\n## Work and time of every method\n\n{}{}",
+        details::HOW_TO_READ,
+        details(&rows)
+    );
+    Ok(Page { body, ..page }.about(rows.iter().map(Record::origin)))
+}

@@ -1,0 +1,52 @@
+//! Rays at a head and at a skinned character, with every method that casts them.
+
+use std::error::Error;
+
+use morph_collision_testkit::bench::Experiment;
+
+use super::{Measure, Topic, page_of_methods};
+use crate::candidates;
+use crate::context::Context;
+use crate::losses::losses;
+use crate::page::{Origins, Page};
+use crate::race::{Source, measure_topic};
+use crate::record::Record;
+
+pub(super) const NAME: &str = "rays";
+
+pub(super) const TOPIC: Topic = Topic {
+    name: NAME,
+    measure: Measure::OneCore(measure),
+    page: |store| page_of_methods(store, PAGE, "one ray / a hundred rays"),
+    losses: |store| Ok(losses(&store.rows::<Record>(NAME)?)),
+};
+
+const PAGE: Page = Page {
+    name: NAME,
+    title: "Rays",
+    intro: "The closest hit of one ray or of a hundred rays in a frame, on a talking head and on a skinned character that walks and talks. New weights\n\
+        and new joints arrive in every frame.\n\
+        \n\
+        - Most rivals place all vertices, refit, and cast. They pay for that once, however many rays there are. Ours blends the boxes that each ray is\n  \
+          the first to visit.\n\
+        - `joint-boxes` and `joint-union` fit boxes to the posed vertices only where a ray visits.\n\
+        - Rivals test triangles in `f64` without a guarantee at edges; our test is exact.\n\
+        - `morph-eager` has tight boxes in our tree, so its node tests are the least that a ray needs. Parry's node tests are not counted.\n",
+    command: "just report --only rays",
+    data: &[NAME],
+    origins: Origins::NONE,
+    body: String::new(),
+};
+
+fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
+    let mut sources = Vec::new();
+    for (name, _) in Experiment::with_rays() {
+        // One and a hundred rays are two questions about the same scene.
+        let scene = name.rsplit_once('-').map_or(name, |(scene, _)| scene);
+        let source = Source::named(name, context.every)?;
+        sources.push(source.renamed(scene.to_owned(), |experiment| {
+            experiment.title = experiment.title.replace("a ray", "rays");
+        }));
+    }
+    measure_topic(context, NAME, sources, candidates::methods, context.rounds)
+}

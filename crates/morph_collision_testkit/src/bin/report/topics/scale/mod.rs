@@ -1,0 +1,286 @@
+//! How time, memory and build time grow with bodies, triangles and targets.
+
+mod growths;
+mod sizes;
+
+use std::error::Error;
+
+use morph_collision_testkit::plot::{Axis, Figure, Panel, Series, exponent};
+use morph_collision_testkit::rivals::{MethodKind, MethodOptions};
+
+use super::bytes::Bytes;
+use super::{Measure, Topic};
+use crate::candidates::{morph, rival};
+use crate::context::Context;
+use crate::losses::{Loss, losses};
+use crate::page::Page;
+use crate::race::records;
+use crate::record::{ALL, FIRST, Record, Scene, scenes};
+use crate::store::Store;
+use crate::table::{Table, range, short};
+
+pub(super) use growths::TRIANGLES;
+use growths::{BODIES, GROWTHS, Growth};
+
+pub(super) const NAME: &str = "scale";
+const BYTES: &str = "scale_bytes";
+
+const BUILD: &str = "build";
+const PARRYS_BUILD: &str = "Parry's binned build";
+
+pub(super) const TOPIC: Topic = Topic {
+    name: NAME,
+    measure: Measure::OneCore(measure),
+    page,
+    losses: |store| {
+        let rows: Vec<Record> = store.rows(NAME)?;
+        let mut lost = losses(&rows);
+        let builds = builds(&rows).filter(|ratio| *ratio < 1.0);
+        if builds.clone().next().is_some() {
+            lost.push(Loss::new(
+                "Building a tree, all sizes",
+                BUILD,
+                PARRYS_BUILD,
+                range(builds),
+            ));
+        }
+        Ok(lost)
+    },
+};
+
+/// Times of Parry's build over ours.
+fn builds(rows: &[Record]) -> impl Iterator<Item = f64> + Clone {
+    scenes(rows).filter_map(|scene| scene.ratio(PARRYS_BUILD, BUILD))
+}
+
+/// Our time to build a tree over Parry's, for the meshes with two targets.
+pub(super) fn build_over_parry(rows: &[Record]) -> impl Iterator<Item = f64> + Clone {
+    let with_two = |scene: &Scene<'_>| [BODIES.scene, TRIANGLES].contains(&scene.name());
+    let ratio = |scene: Scene<'_>| scene.ratio(PARRYS_BUILD, BUILD);
+    scenes(rows).filter(with_two).filter_map(ratio).map(|ratio| 1.0 / ratio)
+}
+
+/// The powers with which our times grow in a series, for all and for first pairs. A single body has no partner and does not count.
+pub(super) fn powers(rows: &[Record], series: &str) -> Option<[f64; 2]> {
+    let points = |wanted| points(rows, series, &|scene| Some(scene.row("morph", wanted)?.microseconds));
+    let points = [ALL, FIRST].map(points);
+    points
+        .iter()
+        .all(|points| points.len() > 1)
+        .then(|| points.map(|points| exponent(&points)))
+}
+
+fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
+    let candidates = [
+        morph("morph", MethodOptions::default()),
+        rival("hybrid", MethodKind::Hybrid),
+    ];
+    let rounds = context.rounds.min(3);
+    let (mut rows, mut bytes) = (Vec::new(), Vec::new());
+    for growth in GROWTHS {
+        for size in growth.sizes(context.quick) {
+            eprintln!("{NAME}: {}, {size}", growth.title);
+            let experiment = growth.experiment(context, size);
+            let mut of_size = records(context, &experiment, &candidates, rounds)?;
+            let times = sizes::build_times(&experiment.mesh, rounds)?;
+            for (time, method) in times.iter().zip(["morph", PARRYS_BUILD]) {
+                of_size.push(Record {
+                    scene: growth.scene.to_owned(),
+                    title: growth.title.to_owned(),
+                    wanted: BUILD.to_owned(),
+                    method: method.to_owned(),
+                    microseconds: short(time * 1e6),
+                    ratio: short(time / times[0]),
+                    measured: of_size[0].measured.clone(),
+                    ..Record::default()
+                });
+            }
+            rows.extend(of_size.into_iter().map(|row| Record {
+                size: Some(size),
+                ..row
+            }));
+            bytes.push(Bytes {
+                size: Some(size),
+                ..sizes::bytes(&experiment, context.origin.clone())?
+            });
+        }
+    }
+    context.store.write(BYTES, &bytes)?;
+    context.store.write(NAME, &rows)
+}
+
+fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
+    let (rows, bytes): (Vec<Record>, Vec<Bytes>) = (store.rows(NAME)?, store.rows(BYTES)?);
+    let (mut tables, mut panels) = (String::new(), Vec::new());
+    for growth in GROWTHS {
+        tables += &format!("\n**{}.**\n\n{}", growth.title, table(&growth, &rows, &bytes));
+        panels.push(panel(&growth, &rows));
+    }
+    let figure = Figure {
+        name: NAME.to_owned(),
+        panels,
+    };
+    let plot = store.plot(&figure, "Time against bodies, triangles and targets")?;
+    let page = Page {
+        name: NAME,
+        title: "Scale",
+        intro: "Time of a frame while one number grows, next to the eight-wide hybrid.\n\
+            \n\
+            - *Power* is the exponent of growth, fitted by least squares over all sizes but a single body.\n\
+            - Memory is that of the mesh (base and displacements), of the tree that all bodies share, and of one body's pose after it was asked for all pairs.\n\
+            - Building is our default tree with its tables, next to Parry's binned tree over the same triangles at rest, in turns.\n\
+            - All targets are active, at weights of both signs. Sizes of 16 of them sum to about 4. They stay there with more targets, or grow along where\n  \
+              that is said, to about 70. Our boxes grow looser with the sum of weights, and boxes fitted to the vertices do not; `Pose::refit` makes ours\n  \
+              tight while weights stay the same.\n",
+        command: "just report --only scale",
+        data: &[NAME, BYTES],
+        body: format!("{plot}\nBoth axes are logarithmic.\n{tables}"),
+        ..Page::default()
+    };
+    Ok(page.about(rows.iter().map(Record::origin)))
+}
+
+fn table(growth: &Growth, rows: &[Record], bytes: &[Bytes]) -> Table {
+    let mut table = Table::new([
+        growth.axis,
+        "all pairs, us",
+        "hybrid / morph",
+        "first pair, us",
+        "hybrid / morph",
+        "mesh, kB",
+        "tree, kB",
+        "pose, kB",
+        "build, ms",
+        "Parry's build, ms",
+    ]);
+    let of_size = |size| {
+        bytes
+            .iter()
+            .find(move |bytes| bytes.scene == growth.scene && bytes.size == size)
+    };
+    type Column<'a> = Box<dyn Fn(Scene<'_>) -> Option<f64> + 'a>;
+    let time = |method, wanted, unit: f64| -> Column<'_> {
+        Box::new(move |scene: Scene<'_>| Some(scene.row(method, wanted)?.microseconds / unit))
+    };
+    let over = |wanted| -> Column<'_> { Box::new(move |scene: Scene<'_>| scene.ratio("hybrid", wanted)) };
+    let kilobytes = |of: fn(&Bytes) -> usize| -> Column<'_> {
+        Box::new(move |scene: Scene<'_>| Some(of(of_size(scene.size())?) as f64 / 1e3))
+    };
+    // Digits after the point, and whether a power says anything.
+    let columns = [
+        (time("morph", ALL, 1.0), 1, true),
+        (over(ALL), 2, false),
+        (time("morph", FIRST, 1.0), 1, true),
+        (over(FIRST), 2, false),
+        (kilobytes(|bytes| bytes.model), 0, true),
+        (kilobytes(|bytes| bytes.tree), 0, true),
+        (kilobytes(|bytes| bytes.pose), 1, true),
+        (time("morph", BUILD, 1e3), 2, true),
+        (time(PARRYS_BUILD, BUILD, 1e3), 2, true),
+    ];
+    for scene in scenes(rows).filter(|scene| scene.name() == growth.scene) {
+        let number = |(column, digits, _): &(Column<'_>, usize, bool)| {
+            column(scene).map_or(String::new(), |number| format!("{number:.digits$}"))
+        };
+        let size = scene.size().map_or(String::new(), |size| size.to_string());
+        table.row([size].into_iter().chain(columns.iter().map(number)));
+    }
+    let power = |(column, _, grows): &(Column<'_>, usize, bool)| {
+        let points = points(rows, growth.scene, column);
+        if *grows && points.len() > 1 {
+            format!("{:.2}", exponent(&points))
+        } else {
+            String::new()
+        }
+    };
+    table.row(["power".to_owned()].into_iter().chain(columns.iter().map(power)));
+    table
+}
+
+/// Sizes above 1, and numbers.
+fn points(rows: &[Record], series: &str, of: &dyn Fn(Scene<'_>) -> Option<f64>) -> Vec<(f64, f64)> {
+    let met = scenes(rows).filter(|scene| scene.name() == series && scene.size() > Some(1));
+    met.filter_map(|scene| Some((scene.size()? as f64, of(scene)?)))
+        .collect()
+}
+
+fn panel(growth: &Growth, rows: &[Record]) -> Panel {
+    let lines = [("morph", ALL), ("hybrid", ALL), ("morph", FIRST), ("hybrid", FIRST)];
+    let series = lines.map(|(method, wanted)| {
+        let points = points(rows, growth.scene, &|scene| {
+            Some(scene.row(method, wanted)?.microseconds)
+        });
+        Series {
+            name: format!("{method}, {wanted}: {:.2}", exponent(&points)),
+            points,
+            marked: true,
+        }
+    });
+    Panel {
+        title: growth.title.to_owned(),
+        x: Axis {
+            label: growth.axis,
+            log: true,
+        },
+        y: Axis {
+            label: "time of a frame, us",
+            log: true,
+        },
+        series: series.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A series in which our time grows with this power, and Parry builds in half of our time.
+    fn series(scene: &str, power: f64) -> Vec<Record> {
+        let row = |size: usize, wanted: &str, method: &str, ratio: f64| Record {
+            scene: scene.to_owned(),
+            size: Some(size),
+            wanted: wanted.to_owned(),
+            method: method.to_owned(),
+            microseconds: ratio * (size as f64).powf(power),
+            ratio,
+            ..Record::default()
+        };
+        let of_size = |size| {
+            [
+                row(size, ALL, "morph", 1.0),
+                row(size, FIRST, "morph", 1.0),
+                row(size, BUILD, "morph", 1.0),
+                row(size, BUILD, PARRYS_BUILD, 0.5),
+            ]
+        };
+        [1, 10, 100].into_iter().flat_map(of_size).collect()
+    }
+
+    #[test]
+    fn powers_are_those_of_one_series() {
+        let rows = [series(TRIANGLES, 0.5), series("dense", 2.0)].concat();
+        let powers = powers(&rows, TRIANGLES).expect("there are two sizes");
+        assert!(powers.iter().all(|power| (power - 0.5).abs() < 1e-9), "{powers:?}");
+        assert_eq!(super::powers(&rows, "sparse"), None);
+    }
+
+    #[test]
+    fn building_is_compared_for_meshes_with_two_targets() {
+        let rows = [series(TRIANGLES, 1.0), series("dense", 1.0)].concat();
+        assert_eq!(build_over_parry(&rows).collect::<Vec<_>>(), [2.0; 3]);
+        assert_eq!(builds(&rows).count(), 6);
+    }
+
+    #[test]
+    fn a_table_has_a_row_for_each_size_and_one_for_powers() {
+        let table = table(&GROWTHS[1], &series(TRIANGLES, 1.0), &[]).to_string();
+        assert!(
+            table.contains("| 10 | 10.0 | | 10.0 | | | | | 0.01 | 0.01 |"),
+            "{table}"
+        );
+        assert!(
+            table.ends_with("| power | 1.00 | | 1.00 | | | | | 1.00 | 1.00 |\n"),
+            "{table}"
+        );
+    }
+}

@@ -1,0 +1,51 @@
+//! Skinned characters with every method.
+
+use std::error::Error;
+
+use morph_collision_testkit::bench::Experiment;
+
+use super::{Measure, Topic, page_of_methods};
+use crate::candidates;
+use crate::context::Context;
+use crate::losses::losses;
+use crate::page::{Origins, Page};
+use crate::race::{Source, measure_topic};
+use crate::record::Record;
+
+pub(super) const NAME: &str = "skinned";
+
+pub(super) const TOPIC: Topic = Topic {
+    name: NAME,
+    measure: Measure::OneCore(measure),
+    page: |store| page_of_methods(store, PAGE, "all pairs / first pairs"),
+    losses: |store| Ok(losses(&store.rows::<Record>(NAME)?)),
+};
+
+const PAGE: Page = Page {
+    name: NAME,
+    title: "Skinned characters",
+    intro: "Characters of `mh_character.glb` walk and talk. New joints and new weights arrive in every frame: two whose hands touch, two deep inside each\n\
+        other, and twelve in a crowd. [Frame to frame](frame_to_frame.md) has the same scenes in consecutive frames, with and without a remembered\n\
+        pair, and [goals](goals.md) says what was aimed for.\n\
+        \n\
+        - `bottom-up`, `hybrid`, `rebuild` and Parry's place every vertex by its joints in every frame, and then refit or rebuild.\n\
+        - `joint-boxes` and `joint-union` (boxes per joint) have a tree over the mesh at rest, whose nodes know which joints move them. Only where a\n  \
+          query visits, they compute boxes from a box per joint, and skin vertices.\n\
+        - Two costs remain in ours: the bounds of a character whose joints have all moved, because dozens of joints meet in the root's children, and\n  \
+          boxes that are looser than fitted ones because they hold for all weights of joints ([skinning.md](../skinning.md)).\n",
+    command: "just report --only skinned",
+    data: &[NAME],
+    origins: Origins::NONE,
+    body: String::new(),
+};
+
+fn measure(context: &Context) -> Result<(), Box<dyn Error>> {
+    let scenes = Experiment::walkers().map(|(name, _)| Source::named(name, context.every));
+    measure_topic(
+        context,
+        NAME,
+        scenes.collect::<Result<Vec<_>, _>>()?,
+        candidates::methods,
+        context.rounds,
+    )
+}

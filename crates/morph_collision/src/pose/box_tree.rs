@@ -45,11 +45,6 @@ pub(crate) trait BoxTree {
     /// The space of a joint, or the body's own space, as a body in the world.
     fn placed_space(&mut self, space: usize) -> PlacedBounds;
 
-    fn root(&mut self) -> NodeRef {
-        let slot = self.open(0);
-        self.node(slot, 0, 0)
-    }
-
     #[inline(always)]
     fn node(&self, slot: usize, group: usize, lane: usize) -> NodeRef {
         NodeRef {

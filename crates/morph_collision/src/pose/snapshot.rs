@@ -146,7 +146,7 @@ mod tests {
             assert_eq!(snapshot.triangle(0, &place), Body::new(&mut pose, &place).triangle(0));
             // It keeps nothing alive.
             let tree = Arc::downgrade(pose.bvh());
-            drop(pose);
+            drop((pose, other));
             assert!(tree.upgrade().is_none() && snapshot.triangle(0, &place).is_none());
         }
     }

@@ -12,9 +12,8 @@ use super::patch::{Patch, Row};
 use super::stats::QueryStats;
 use crate::bounds::{LANES, WorldFromModel, lanes_of, with_simd};
 use crate::exact::{Facet, Triangle, facets_intersect_counting};
-use crate::model::MorphModel;
 use crate::pose::{EpochCache, Posed};
-use crate::tree::{Leaf, Topology, gather};
+use crate::tree::{Leaf, PatchPair, Topology, gather, unrelated};
 
 /// The patches of one body that a query has used. The next query reuses the memory.
 #[derive(Debug, Default)]
@@ -152,61 +151,89 @@ fn intersecting<S: Simd>(
     ControlFlow::Continue(())
 }
 
-/// Calls `visitor` for every pair of intersecting triangles in two leaves of one body (or within one leaf, if both are the same),
-/// until it breaks. Skips triangles that share a vertex.
-pub(super) fn intersecting_pairs_within(
+/// Calls `visitor` for every pair of intersecting triangles in the given pairs of patches of one body that share no vertex, until it
+/// breaks.
+pub(super) fn intersecting_neighbours(
     body: &mut Side<'_, '_>,
-    [leaf_a, leaf_b]: [Leaf; 2],
+    neighbours: &[PatchPair],
     stats: &mut QueryStats,
     visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    let (slots_a, slots_b) = (body.read(leaf_a), body.read(leaf_b));
-    let (topologies, level) = ([body.tree.topology; 2], body.tree.level);
-    let tests = Cell::new(0);
-    for slot_a in slots_a {
-        for slot_b in slots_b.clone().filter(|&slot_b| leaf_a != leaf_b || slot_b >= slot_a) {
-            let patches = [slot_a, slot_b].map(|slot| body.patches.placed.get(slot));
-            let model = body.tree.model;
-            let unrelated = |lane: usize, candidates: u8| {
-                let later = if slot_a == slot_b {
-                    (u8::MAX << 1) << lane
-                } else {
-                    u8::MAX
-                };
-                let unrelated = candidates & later & !neighbours(model, topologies[0], patches, lane, candidates);
-                tests.set(tests.get() + u64::from(unrelated.count_ones()));
-                unrelated
-            };
-            let found = |row| {
-                let exactly = |[number_a, number_b]: [u32; 2], stats: &mut QueryStats| {
-                    let mut corners = |number| body.tree.world_triangle(number);
-                    let [corners_a, corners_b] = [number_a, number_b].map(&mut corners);
-                    decide(corners_a, corners_b, stats)
-                };
-                let at_pair = |[triangle_a, triangle_b]: [u32; 2]| visitor(TrianglePair { triangle_a, triangle_b });
-                report(topologies, patches, row, exactly, stats, at_pair)
-            };
-            let flow = with_simd!(level, simd => {
-                let masks = patches[0].overlaps(simd, patches[1]);
-                patches[0].compare(simd, patches[1], masks, unrelated, found)
-            });
-            stats.triangle_tests += tests.take();
-            flow?;
+    with_simd!(body.tree.level, simd => {
+        for pair in neighbours.iter().filter(|pair| pair.unrelated != 0) {
+            let [leaf_a, leaf_b] = pair.leaves();
+            let slots = [
+                body.read(leaf_a).start + usize::from(pair.patches[0]),
+                body.read(leaf_b).start + usize::from(pair.patches[1]),
+            ];
+            intersecting_within(simd, body, slots, pair.unrelated, stats, visitor)?;
         }
-    }
-    ControlFlow::Continue(())
+        ControlFlow::Continue(())
+    })
 }
 
-/// The candidates of a row that share a vertex with the triangle of the first patch, as a bit mask.
-fn neighbours(model: &MorphModel, topology: &Topology, [a, b]: [&Patch; 2], lane: usize, candidates: u8) -> u8 {
-    let vertices = |patch: &Patch, lane| model.corners(number(topology, patch, lane));
-    let [x, y, z] = vertices(a, lane);
-    lanes_of(candidates)
-        .filter(|&other| {
-            let others = vertices(b, other);
-            others.contains(&x) || others.contains(&y) || others.contains(&z)
-        })
-        .fold(0, |mask, other| mask | 1 << other)
+/// Calls `visitor` for every pair of intersecting triangles in two different leaves of one body that share no vertex, until it breaks.
+/// `may_share` says whether any two triangles of the leaves might share a vertex.
+pub(super) fn intersecting_pairs_within(
+    body: &mut Side<'_, '_>,
+    leaves: [Leaf; 2],
+    may_share: bool,
+    stats: &mut QueryStats,
+    visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let [slots_a, slots_b] = leaves.map(|leaf| body.read(leaf));
+    let (model, topology) = (body.tree.model, body.tree.topology);
+    let triangles = |leaf, slots: &Range<usize>, slot: usize| {
+        let triangles: &[u32] = topology.leaf_triangles(leaf);
+        triangles.chunks(LANES).nth(slot - slots.start).unwrap_or_default()
+    };
+    with_simd!(body.tree.level, simd => {
+        for slot_a in slots_a.clone() {
+            for slot_b in slots_b.clone() {
+                let mut mask = u64::MAX;
+                if may_share {
+                    let [a, b] = [triangles(leaves[0], &slots_a, slot_a), triangles(leaves[1], &slots_b, slot_b)];
+                    mask = unrelated(model, a, b, false);
+                }
+                intersecting_within(simd, body, [slot_a, slot_b], mask, stats, visitor)?;
+            }
+        }
+        ControlFlow::Continue(())
+    })
+}
+
+/// Compares two patches of one body. `mask` has the pairs of triangles to test, as [`PatchPair::unrelated`].
+#[inline(always)]
+fn intersecting_within<S: Simd>(
+    simd: S,
+    body: &mut Side<'_, '_>,
+    slots: [usize; 2],
+    mask: u64,
+    stats: &mut QueryStats,
+    visitor: &mut dyn FnMut(TrianglePair) -> ControlFlow<()>,
+) -> ControlFlow<()> {
+    let topologies = [body.tree.topology; 2];
+    let patches = slots.map(|slot| body.patches.placed.get(slot));
+    let [own, others] = patches[0].overlaps(simd, patches[1]);
+    let tests = Cell::new(0);
+    let select = |lane: usize, candidates: u8| {
+        let tested = candidates & PatchPair::unrelated_to(mask, lane);
+        tests.set(tests.get() + tested.count_ones());
+        tested
+    };
+    let found = |row| {
+        let exactly = |[number_a, number_b]: [u32; 2], stats: &mut QueryStats| {
+            let mut corners = |number| body.tree.world_triangle(number);
+            let [corners_a, corners_b] = [number_a, number_b].map(&mut corners);
+            decide(corners_a, corners_b, stats)
+        };
+        let at_pair = |[triangle_a, triangle_b]: [u32; 2]| visitor(TrianglePair { triangle_a, triangle_b });
+        report(topologies, patches, row, exactly, stats, at_pair)
+    };
+    let rows = [own & PatchPair::rows(mask), others];
+    let flow = patches[0].compare(simd, patches[1], rows, select, found);
+    stats.triangle_tests += u64::from(tests.get());
+    flow
 }
 
 /// The index of the triangle in a patch's lane.

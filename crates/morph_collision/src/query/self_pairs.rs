@@ -1,8 +1,9 @@
 use std::ops::ControlFlow;
+use std::sync::Arc;
 
 use super::capped::Capped;
 use super::neighbourhood::Neighbourhood;
-use super::patches::{Patches, Side, intersecting_pairs_within};
+use super::patches::{Patches, Side, intersecting_neighbours, intersecting_pairs_within};
 use super::{QueryStats, TrianglePair};
 use crate::pose::Pose;
 use crate::traverse::{SelfStack, walk_within};
@@ -61,6 +62,8 @@ impl SelfQuery {
 
     /// Calls `visitor` for every pair of intersecting triangles, the smaller index first, until it breaks.
     pub fn visit(&mut self, pose: &mut Pose, mut visitor: impl FnMut(TrianglePair) -> ControlFlow<()>) {
+        let bvh = Arc::clone(pose.bvh());
+        let front = bvh.self_front();
         let posed = &mut pose.posed();
         let before = posed.blended();
         let Self { stack, leaves, stats } = self;
@@ -74,11 +77,15 @@ impl SelfQuery {
                 triangle_b: triangle_a.max(triangle_b),
             })
         };
-        let node_tests = walk_within(posed, stack, |posed, a, b| {
-            let mut body = Side::new(posed, leaves);
-            intersecting_pairs_within(&mut body, [a, b], stats, &mut ordered)
-        });
-        stats.node_tests = node_tests;
+        let of_neighbours =
+            intersecting_neighbours(&mut Side::new(posed, leaves), &front.neighbours, stats, &mut ordered);
+        if of_neighbours.is_continue() {
+            let node_tests = walk_within(posed, &front.apart, stack, |posed, a, b| {
+                let mut body = Side::new(posed, leaves);
+                intersecting_pairs_within(&mut body, [a, b], !front.is_complete, stats, &mut ordered)
+            });
+            stats.node_tests = node_tests;
+        }
         *stats += QueryStats::blending([before], [posed.blended()]);
     }
 }

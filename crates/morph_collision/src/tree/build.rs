@@ -109,6 +109,7 @@ pub(super) async fn build_over(
         tables: Arc::new(tables),
         options: *options,
         owners: Arc::default(),
+        self_front: Arc::default(),
         kernel: Kernel::default(),
     }
 }

@@ -1,7 +1,7 @@
 use std::fmt;
 use std::sync::{Arc, OnceLock};
 
-use super::{BuildOptions, Child, ChildKind, LeafLanes, Owners, SkinTables, Tables, Topology};
+use super::{BuildOptions, Child, ChildKind, LeafLanes, Owners, SelfFront, SkinTables, Tables, Topology};
 use crate::bounds::Kernel;
 use crate::model::MorphModel;
 
@@ -23,6 +23,8 @@ pub struct MorphBvh {
     pub(crate) leaf_lanes: Option<Arc<LeafLanes>>,
     /// Computed when a query about motion first needs it.
     pub(super) owners: Arc<OnceLock<Owners>>,
+    /// Computed when a query about one body and itself first needs it.
+    pub(super) self_front: Arc<OnceLock<SelfFront>>,
     pub(super) options: BuildOptions,
     pub(super) kernel: Kernel,
 }
@@ -81,12 +83,18 @@ impl MorphBvh {
         let leaf_lanes = self.leaf_lanes.as_ref().map_or(0, |lanes| lanes.bytes());
         let skin = self.skin.as_ref().map_or(0, |skin| skin.bytes());
         let owners = self.owners.get().map_or(0, Owners::bytes);
-        self.topology.bytes() + self.tables.bytes() + skin + leaf_lanes + owners
+        let self_front = self.self_front.get().map_or(0, SelfFront::bytes);
+        self.topology.bytes() + self.tables.bytes() + skin + leaf_lanes + owners + self_front
     }
 
     /// The triangle that owns each vertex and edge. Computed on first use: `O(n log n)`.
     pub(crate) fn owners(&self) -> &Owners {
         self.owners.get_or_init(|| Owners::new(&self.model))
+    }
+
+    /// Where walks over the tree and itself start. Computed on first use: `O(n log n)`.
+    pub(crate) fn self_front(&self) -> &SelfFront {
+        self.self_front.get_or_init(|| SelfFront::new(self))
     }
 
     /// Cuts the mesh into parts of nearby triangles: the largest subtrees with at most `max_triangles` triangles. Every triangle is

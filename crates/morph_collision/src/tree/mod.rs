@@ -7,6 +7,8 @@
 //! - `tables` turns extents into the numbers that a pose blends.
 //! - `leaf_lanes` stores the corners of the leaves' triangles for the exact tests.
 //! - `owners` gives each vertex and edge to one triangle, when a query about motion first needs it.
+//! - `adjacency` lists the leaves that share vertices, and `self_front` the other pairs of nodes at which a walk over the tree and itself
+//!   starts, when such a walk first needs them.
 //!
 //! For skinned meshes:
 //!
@@ -16,6 +18,7 @@
 //! - `joint_boxes` bounds the vertices that each joint moves.
 //! - `root_children` bounds the vertices that each joint moves in each child of the root.
 
+mod adjacency;
 mod blocks;
 mod build;
 mod builder;
@@ -30,10 +33,12 @@ mod owners;
 mod pace;
 mod root_children;
 mod sah;
+mod self_front;
 mod skin_tables;
 mod tables;
 mod topology;
 
+pub(crate) use adjacency::{PatchPair, unrelated};
 pub use builder::MorphBvhBuilder;
 pub use bvh::MorphBvh;
 pub(crate) use joint_boxes::JointBoxes;
@@ -44,6 +49,7 @@ pub(crate) use leaf_lanes::{in_lanes, put};
 pub use options::BuildOptions;
 pub(crate) use owners::Owners;
 pub(crate) use root_children::RootChildren;
+pub(crate) use self_front::{Apart, SelfFront};
 pub(crate) use skin_tables::{BODY_FRAME, Block, KEPT_IMAGES, SkinTables};
 pub(crate) use tables::{GroupTables, Tables};
 pub(crate) use topology::{Child, ChildKind, Leaf, Topology};

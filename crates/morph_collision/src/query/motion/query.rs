@@ -12,7 +12,7 @@ use crate::query::capped::Capped;
 use crate::query::placements::Placements;
 use crate::query::{PairQuery, QueryStats, TrianglePair};
 use crate::traverse::{Moving, MovingBoxes, Order, OverlapWalk, SelfStack, middle, walk_within};
-use crate::tree::Leaf;
+use crate::tree::{Leaf, PatchPair};
 
 /// Finds contacts that happen while two bodies move, or while one body deforms. Keep the query and use it again: it reuses its memory.
 ///
@@ -253,9 +253,17 @@ impl MotionQuery {
             Some(contact) => visitor(contact),
             None => ControlFlow::Continue(()),
         };
-        let tests = walk_within(&mut body, stack, |body, a, b| {
-            candidates_within((body, leaves, bvh.owners()), [a, b], stats, &mut test)
-        });
+        let front = bvh.self_front();
+        let mut at_leaves =
+            |body: &mut Moving<'_, '_>, a, b| candidates_within((body, leaves, bvh.owners()), [a, b], stats, &mut test);
+        let neighbours = front.neighbours.iter().filter(|pair| pair.patches == [0; 2]);
+        let of_neighbours = neighbours
+            .map(PatchPair::leaves)
+            .try_for_each(|[a, b]| at_leaves(&mut body, a, b));
+        let tests = match of_neighbours {
+            ControlFlow::Continue(()) => walk_within(&mut body, &front.apart, stack, at_leaves),
+            ControlFlow::Break(()) => 0,
+        };
         stats.node_tests = tests;
         let [start, end] = &body.ends;
         *stats += QueryStats::blending(before, [start.blended(), end.blended()]);

@@ -198,7 +198,8 @@ impl MorphCollisions {
 
     /// Contacts that started. [Which ones](MorphCollisions#what-started-and-ended) depends on where you call this.
     ///
-    /// A contact that started and ended within one frame is in the state in which it ended.
+    /// A contact that started and ended within one frame is in the state in which it ended. One that started several times in a frame is
+    /// listed as often, each time in its last state.
     pub fn started(&self) -> impl Iterator<Item = &MorphContact> {
         let ended = |pair: &(Entity, Entity)| {
             let is_one = |contact: &&MorphContact| contact.pair() == *pair;

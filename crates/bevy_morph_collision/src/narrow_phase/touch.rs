@@ -81,6 +81,9 @@ impl Touch {
         let (mut mesh_a, mut mesh_b) = (a.mesh()?, b.mesh()?);
         if triangles.is_empty() {
             let margin = f64::from(a.placement.margin) + f64::from(b.placement.margin);
+            if margin == 0.0 {
+                return None;
+            }
             let closest = self.distance.closest(mesh_a.body(), mesh_b.body(), margin).ok()?;
             *stats += self.distance.stats();
             let closest = closest?;

@@ -26,7 +26,7 @@ const STILL: f64 = 1e-9;
 
 /// The geometry of a contact, at the middle of its time.
 ///
-/// `outward` is a direction from the outside of the second surface to the outside of the first. It decides if the motion does not say on
+/// `outward` is a direction out of the body of the second feature, or into that of the first. It decides if the motion does not say on
 /// which side the first feature is: at the start, and if nothing moves along the normal.
 pub(crate) fn impact_geometry(features: &FeaturePair, time: TimeOfImpact, outward: DVec3) -> ImpactGeometry {
     let middle = time.earliest.midpoint(time.latest);

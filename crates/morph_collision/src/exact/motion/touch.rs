@@ -41,8 +41,9 @@ pub fn edge_edge_touch(a: [MovingPoint; 2], b: [MovingPoint; 2]) -> bool {
 /// When a moving vertex first touches a moving closed triangle; `None` if it does not.
 ///
 /// The times of the result differ by at most `tolerance`, or they are equal or neighbouring `f64`s. They never differ by more than
-/// `2^-30`. They depend only on the exact time and on the tolerance. A tolerance that is negative or NaN counts as 0. Features that touch at the start have the time 0. Exactness and costs are those of [`vertex_face_touch`], but a
-/// tolerance below about `1e-12` always takes the exact path if there is contact.
+/// `2^-30`. They depend only on the exact time and on the tolerance. A tolerance that is negative or NaN counts as 0. Features that touch
+/// at the start have the time 0. Exactness and costs are those of [`vertex_face_touch`], but a tolerance below about `1e-12` always takes
+/// the exact path if there is contact.
 #[must_use]
 pub fn vertex_face_impact(vertex: MovingPoint, face: [MovingPoint; 3], tolerance: f64) -> Option<TimeOfImpact> {
     vertex_face_impact_counting(vertex, face, tolerance, &mut StageCounts::default())

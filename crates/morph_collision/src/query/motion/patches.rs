@@ -230,7 +230,8 @@ pub(super) fn candidates_within(
     with_simd!(body.ends[0].level, simd => pairs(simd, (of_a, of_b), leaf_a == leaf_b, (&Cell::new(1.0), stats), at_pair))
 }
 
-/// Calls `at_pair` for the places of triangles whose boxes meet at times up to `latest`. If the leaves are the same, the first place is the smaller one.
+/// Calls `at_pair` for the places of triangles whose boxes meet at times up to `latest`. If the leaves are the same, the first place is the
+/// smaller one.
 #[inline(always)]
 fn pairs<S: Simd>(
     simd: S,

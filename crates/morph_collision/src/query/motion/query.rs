@@ -16,16 +16,16 @@ use crate::tree::{Leaf, PatchPair};
 
 /// Finds contacts that happen while two bodies move, or while one body deforms. Keep the query and use it again: it reuses its memory.
 ///
-/// See the [module](crate::motion) for what moves how. Answers are exact, and touching counts, at the start and at the end of the motion, too. A
-/// contact that lasts has the time at which it begins.
+/// See the [module](crate::motion) for what moves how. Answers are exact, but for those about balls, and touching counts, at the start and
+/// at the end of the motion, too. A contact that lasts has the time at which it begins.
 ///
 /// Times are shares of the motion, from 0 to 1. `tolerance` is the largest difference between the two ends of a time
 /// ([`TimeOfImpact`](super::TimeOfImpact)), unless these are neighbouring `f64`s. The ends never differ by more than `2^-30`. A smaller
 /// tolerance changes how precisely you learn when something touches, never whether it does. Below about 1e-12, every contact takes exact
 /// arithmetic. A negative tolerance or NaN counts as 0.
 ///
-/// Cost: like a [`PairQuery`] in which each node has the size of the space that it sweeps through. A translation that both bodies share does
-/// not count. If both bodies are as small as the rounding errors of their positions, all pairs of leaves are compared.
+/// Cost: like a [`PairQuery`] in which each node has the size of the space that it sweeps through, and pairs of nodes that are never at the
+/// same place at the same time are left out. A translation that both bodies share does not count. If both bodies are as small as the rounding errors of their positions, all pairs of leaves are compared.
 ///
 /// ```
 /// use std::sync::Arc;
@@ -108,9 +108,9 @@ impl MotionQuery {
 
     /// Returns the first contact, if there is one.
     ///
-    /// Bodies that intersect when the motion starts are in contact then ([`AtStart`](super::Features::AtStart)); which pair of triangles is returned depends
-    /// on the tree. Otherwise the answer does not: if several contacts have the same time, the smallest [`Features`](super::Features) win. Nothing touches
-    /// before `time.earliest`.
+    /// Bodies that intersect when the motion starts are in contact then ([`AtStart`](super::Features::AtStart)); which pair of triangles
+    /// is returned depends on the tree. Otherwise the answer does not: if several contacts have the same time, the smallest
+    /// [`Features`](super::Features) win. Nothing touches before `time.earliest`.
     ///
     /// Cost: nodes are visited in the order of the times at which their boxes overlap, up to the time of the first contact.
     pub fn first(&mut self, mut a: MovingBody<'_>, mut b: MovingBody<'_>, tolerance: f64) -> Option<MotionContact> {
@@ -154,9 +154,9 @@ impl MotionQuery {
     /// Returns where a moving ball, or point, first touches a moving body, if it does. If several triangles are touched in the same interval
     /// of time, the one with the smallest number is returned.
     ///
-    /// For a point, the answer is exact, like that for a vertex. For a ball, nothing is missed, and it does not touch before `time.earliest`. It
-    /// may count as touching although it passes by so closely that this is unclear when the time has been halved to intervals as short as the
-    /// tolerance (or `2^-40`), or closer than 1e-14 of the largest distance between its center and the triangle.
+    /// For a point, the answer is exact, like that for a vertex. For a ball, nothing is missed, and it does not touch before
+    /// `time.earliest`. It may count as touching although it passes by so closely that this is unclear when the time has been halved to
+    /// intervals as short as the tolerance (or `2^-40`), or closer than 2e-14 of the largest distance between its center and the triangle.
     ///
     /// Cost: as for [`MotionQuery::first`].
     ///

@@ -74,11 +74,14 @@ pub(crate) fn clip_names(file: &GltfFile, mesh: &MorphMesh, placement: Option<&S
 fn complaint(text: &str, file: &GltfFile, mesh: &MorphMesh, placement: Option<&Skeleton>) -> String {
     let names = clip_names(file, mesh, placement);
     let shown = Printable(text);
-    let hint = suggestion(text, names.iter().map(String::as_str));
-    if !hint.is_empty() {
+    let in_file = file.animation_names();
+    // Other meshes of the file may have a clip of a similar name.
+    let hints = [&names, &in_file].map(|names| suggestion(text, names.iter().map(String::as_str)));
+    let exists = in_file.iter().any(|name| name == text);
+    if !exists && let Some(hint) = hints.iter().find(|hint| !hint.is_empty()) {
         return format!("there is no clip \"{shown}\"{hint}");
     }
-    let start = if file.animation_names().iter().any(|name| name == text) {
+    let start = if exists {
         format!("the animation \"{shown}\" does not move this mesh")
     } else {
         format!("there is no clip \"{shown}\"")

@@ -60,7 +60,7 @@ pub(crate) fn inspect(args: &InspectArgs) -> Result<(), CliError> {
 /// One line per file, and totals.
 fn batch(args: &InspectArgs) -> Result<(), CliError> {
     if args.mesh.is_some() {
-        let reason = "it works with one file only".to_owned();
+        let reason = "works only with one file".to_owned();
         return Err(CliError::Flag { flag: "--mesh", reason });
     }
     let mut summary = Summary::default();

@@ -92,8 +92,8 @@ impl WeightList {
     ///
     /// - `0.5,0,1`: one number per target;
     /// - `jawOpen=1,mouthSmileLeft=0.5`;
-    /// - several lines of `name=number` or `name,number`. A first line such as `target,weight` is skipped, and so are empty lines and
-    ///   those that begin with `#`;
+    /// - several lines of `name=number` or `name,number`. A first line `name,weight` (also `target`, `value`) is skipped, and so are empty
+    ///   lines and those that begin with `#`;
     /// - JSON: `[0.5, 0, 1]` or `{"jawOpen": 1}`.
     ///
     /// # Errors
@@ -125,7 +125,7 @@ impl WeightList {
                 for pair in line.split(',') {
                     weights.push(assigned(pair).map_err(at)?);
                 }
-            } else if position > 0 || line.split(',').count() != 2 {
+            } else if position > 0 || !is_header(line) {
                 return Err(at(format!("expected name=number, found \"{}\"", Printable(line))));
             }
         }
@@ -134,6 +134,15 @@ impl WeightList {
             false => Ok(Self::Named(weights)),
         }
     }
+}
+
+/// Whether a line names the columns of a table. Any other word in place of a number is a mistake.
+fn is_header(line: &str) -> bool {
+    let words = line.split_once(',').map(|(name, value)| [name, value].map(str::trim));
+    words.is_some_and(|[name, value]| {
+        let is_one_of = |word: &str, known: &[&str]| known.iter().any(|known| word.eq_ignore_ascii_case(known));
+        is_one_of(name, &["name", "target", "shape"]) && is_one_of(value, &["weight", "value"])
+    })
 }
 
 /// `name=number`. The last `=` counts, because names may contain it.
@@ -147,7 +156,7 @@ fn assigned(pair: &str) -> Result<(String, f32), String> {
 /// `name,number`, a row of a table; `None` for anything else. A name that contains a comma is in quotes.
 fn named(line: &str) -> Option<(String, f32)> {
     let (name, number) = line.rsplit_once(',')?;
-    let number = number.trim().parse().ok()?;
+    let number = unquoted(number).parse().ok()?;
     let name = name.trim();
     let is_name = name.starts_with('"') || !(name.contains([',', '=']) || name.parse::<f32>().is_ok());
     is_name.then(|| (unquoted(name), number))
@@ -332,6 +341,7 @@ mod tests {
             "jawOpen=1\n\n# the other\na=-0.5\n",
             "jawOpen,1\r\na,-0.5\r\n",
             "target,weight\njawOpen,1\n\"a\",-0.5",
+            "Name, Value\njawOpen,\"1\"\na,-0.5",
             r#"{"jawOpen": 1, "a": -0.5}"#,
         ] {
             assert_eq!(
@@ -354,6 +364,7 @@ mod tests {
             ("jawOpen=1,smile", &["expected name=number", "\"smile\""]),
             ("a=1\nb", &["line 2", "\"b\""]),
             ("name,weight", &["number 0 is \"name\""]),
+            ("jawOpen,l.0\na,0.5", &["line 1", "jawOpen,l.0"]),
             ("{\"a\": \"x\"}", &["expected f32", "line 1"]),
             ("{\"a\": 1, \"a\": 2}", &["\"a\" is given twice"]),
             ("[1, 2", &["line 1"]),

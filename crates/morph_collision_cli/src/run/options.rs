@@ -72,7 +72,7 @@ impl MethodArgs {
         if self.witness && !matches!(mode, Mode::First | Mode::Any) {
             return Err(CliError::Flag {
                 flag: "--witness",
-                reason: "it works only with --mode first or --mode any".to_owned(),
+                reason: "works only with --mode first or --mode any".to_owned(),
             });
         }
         Ok(())

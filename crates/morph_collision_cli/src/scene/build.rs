@@ -181,13 +181,12 @@ pub(crate) fn scene_of(bodies: Vec<SceneBody>, frames: Vec<Vec<BodyState>>) -> S
     }
 }
 
-/// Checks that stdin is used at most once.
+/// Checks that all models are files, because a scene holds their names.
 pub(crate) fn check_stdin(models: &[ModelSpec]) -> Result<(), CliError> {
-    let standard = models.iter().filter(|spec| spec.file == Path::new(STANDARD));
-    if standard.count() > 1 {
+    if models.iter().any(|spec| spec.file == Path::new(STANDARD)) {
         return Err(CliError::NoUsableMesh {
             file: STANDARD.into(),
-            reason: "standard input can be read only once; give the file's name instead".to_owned(),
+            reason: "a scene needs the names of its models, so they cannot come from standard input".to_owned(),
         });
     }
     Ok(())

@@ -59,7 +59,7 @@ pub(crate) struct SceneArgs {
     #[arg(long)]
     node_transforms: bool,
     /// Frames per second.
-    #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = fps)]
+    #[arg(long, value_name = "N", default_value_t = 30.0, value_parser = fps, allow_hyphen_values = true)]
     fps: f32,
     /// Number of frames; by default as many as the longest clip takes, 60 if only placements change, or else 1.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]

@@ -50,8 +50,8 @@ pub(crate) struct SweepArgs {
     /// Use only this mesh of the model: its index in the file, or its name.
     #[arg(long, value_name = "MESH")]
     mesh: Option<MeshChoice>,
-    /// Frames per second; 30 by default.
-    #[arg(long, value_name = "N", value_parser = fps)]
+    /// Frames per second; 30 by default. Clips are played as loops: their end counts as their beginning.
+    #[arg(long, value_name = "N", value_parser = fps, allow_hyphen_values = true)]
     fps: Option<f32>,
     /// Which pairs of triangles to look at.
     #[arg(long, value_enum, default_value_t = Among::All)]
@@ -59,7 +59,7 @@ pub(crate) struct SweepArgs {
     /// End with exit code 1 if any triangles touch.
     #[arg(long)]
     fail_on_touch: bool,
-    /// Leave out pairs of triangles that also touch at rest.
+    /// Leave out pairs of triangles that also touch at rest. In a scene, only pairs within one body have a rest.
     #[arg(long)]
     ignore_rest: bool,
     /// Write all rows to a CSV file; - writes it to standard output, and the summary to standard error.

@@ -90,7 +90,7 @@ fn batch(args: &VerifyArgs) -> Result<Verdict, CliError> {
         ("--mesh", args.mesh != MeshChoice::default()),
     ];
     if let Some((flag, _)) = given.into_iter().find(|(_, given)| *given) {
-        let reason = "it works with one model only".to_owned();
+        let reason = "works only with one model".to_owned();
         return Err(CliError::Flag { flag, reason });
     }
     let mut batch = BatchReport::default();

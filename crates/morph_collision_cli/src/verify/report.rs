@@ -10,6 +10,7 @@ use morph_collision_testkit::verify::{Counts, Finding, MotionCounts, Trouble, Ve
 use serde::Serialize;
 
 use crate::Verdict;
+use crate::output::counted;
 
 /// The JSON of `verify`. Frames and pairs of triangles are counted once, everything else over all trees.
 #[derive(Debug, Serialize)]
@@ -137,9 +138,9 @@ impl VerifyReport {
     }
 
     /// The number of answers compared: pairs of triangles in every tree, boxes, and features in motion. 0 if nothing touched, because then no
-    /// answer could be wrong in an interesting way.
+    /// pair could be missed.
     pub(super) fn answers(&self) -> u64 {
-        match self.total.pairs_truth + self.motion.pairs + self.differences() {
+        match self.total.pairs_truth + self.motion.contacts + self.differences() {
             0 => 0,
             _ => self.total.pairs_truth * self.trees.len() as u64 + self.total.containment_checks + self.motion.pairs,
         }
@@ -163,8 +164,8 @@ impl VerifyReport {
         let total = &self.total;
         writeln!(
             text,
-            "{} frames of seed {}, {} intersecting pairs of triangles",
-            total.frames,
+            "{} of seed {}, {} intersecting pairs of triangles",
+            counted(total.frames as usize, "frame", "frames"),
             self.seed,
             Grouped(total.pairs_truth)
         )?;

@@ -24,15 +24,25 @@ fn page(store: &Store) -> Result<Page, Box<dyn Error>> {
         command: "just instructions-report",
         data: &[counts::SCENES, counts::PROFILES],
         body: format!(
-            "## Scenes\n\nMillion instructions of 20 frames, for all pairs and for first pairs (for rays, both are the same):\n\n{}\n\
-             ## Build profile\n\nThe effect of whole-program optimisation on a game, as a ratio to cargo's default release profile, which this workspace uses except\n\
-             for `debug = false`. Kernels are inlined within the crate in any case. *Size* is that of the measured program.\n\n{}",
+            "## Scenes\n\nMillion instructions of 20 frames, for all pairs and for first pairs (for rays, both are the same):\n\n{}{}",
             counts::table(&scenes, "scene"),
-            counts::table(&relative(&profiles), "profile"),
+            of_profiles(&profiles),
         ),
         ..Page::default()
     };
     Ok(page.about(scenes.iter().chain(&profiles).map(Count::origin)))
+}
+
+/// The section about build profiles, if they were measured.
+fn of_profiles(profiles: &[Count]) -> String {
+    if profiles.is_empty() {
+        return String::new();
+    }
+    format!(
+        "\n## Build profile\n\nThe effect of whole-program optimisation on a game, as a ratio to cargo's default release profile, which this workspace uses except\n\
+         for `debug = false`. Kernels are inlined within the crate in any case. *Size* is that of the measured program.\n\n{}",
+        counts::table(&relative(profiles), "profile"),
+    )
 }
 
 /// Counts over those of the first row.

@@ -198,6 +198,6 @@ fn a_broken_clip_of_the_mesh_is_an_error() -> TestResult {
     let message = error_of(&verify(&path, &["--frames", "1"])?);
     assert!(message.contains("animation 0 \"talk\""), "{message}");
     // The broken mesh is not used here.
-    json(&path, &["--frames", "1", "--mesh", "1"])?;
+    json(&path, &["--frames", "30", "--mesh", "1"])?;
     Ok(())
 }

@@ -201,7 +201,7 @@ mod tests {
             })
             .collect();
         let mut jobs = Vec::new();
-        for (a, b) in (0..30).flat_map(|a| (a + 1..30.min(a + 4)).map(move |b| (a, b))) {
+        for (a, b) in (0..30).flat_map(|a| (a + 1..30.min(a + 9)).map(move |b| (a, b))) {
             let has_shape = [a, b].iter().any(|&i| placed[i].pose.is_none());
             let meets = |x, y| {
                 let triangle = |i: usize, number| placed[i].mesh().unwrap().body().triangle(number).unwrap();
@@ -235,7 +235,7 @@ mod tests {
         // Some come from above, over and through their neighbours.
         let mut swept = SweptPairs::default();
         let was = |i: usize| {
-            let x = if i % 5 == 1 { -1.2 } else { 0.0 };
+            let x = if i % 5 == 1 { -3.0 } else { 0.0 };
             Vec3::new(x, 0.0, if i.is_multiple_of(2) { 2.0 } else { 0.0 })
         };
         let (was, _) = row(30, was);

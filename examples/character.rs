@@ -4,7 +4,6 @@
 //! With the feature `render` it is drawn, unless `--headless` asks for numbers. `--help` lists the options.
 
 use std::fmt;
-use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -17,6 +16,7 @@ use morph_collision_workspace::app::{STEP, update_until};
 use morph_collision_workspace::character::{self, Dart, HandOnFace, MODEL, Moment, Skin, Tally};
 use morph_collision_workspace::error::ExampleError;
 use morph_collision_workspace::options::ViewOptions;
+use morph_collision_workspace::outcome::{exit_code, print_report};
 use morph_collision_workspace::physics;
 #[cfg(feature = "render")]
 use morph_collision_workspace::{shows, view};
@@ -67,13 +67,7 @@ fn main() -> ExitCode {
     let options = Options::parse();
     let drawn = options.view.is_drawn("character", options.headless || options.json);
     let done = drawn.and_then(|drawn| if drawn { draw(&options) } else { count(&options) });
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(2)
-        }
-    }
+    exit_code(done)
 }
 
 #[cfg(feature = "render")]
@@ -88,14 +82,7 @@ fn draw(_: &Options) -> Result<(), ExampleError> {
 
 fn count(options: &Options) -> Result<(), ExampleError> {
     let report = run(options.frames)?;
-    let text = match options.json {
-        // Numbers and plain names can always be written as JSON.
-        true => serde_json::to_string(&report).unwrap_or_default(),
-        false => report.to_string(),
-    };
-    if writeln!(io::stdout().lock(), "{text}").is_err() {
-        std::process::exit(0);
-    }
+    print_report(&report, options.json);
     Ok(())
 }
 

@@ -5,7 +5,6 @@
 //! `render` the crowd is drawn, unless `--headless` asks for numbers. `--help` lists the options.
 
 use std::fmt;
-use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -15,6 +14,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
+use morph_collision_workspace::outcome::{exit_code, print_report};
 use morph_collision_workspace::{
     app,
     error::ExampleError,
@@ -74,13 +74,7 @@ struct Cost {
 }
 
 fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(2)
-        }
-    }
+    exit_code(run(&Options::parse()))
 }
 
 fn run(options: &Options) -> Result<(), ExampleError> {
@@ -129,14 +123,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
         apart,
         dense,
     };
-    let text = match options.json {
-        // Numbers and plain names can always be written as JSON.
-        true => serde_json::to_string(&report).unwrap_or_default(),
-        false => report.to_string(),
-    };
-    if writeln!(io::stdout().lock(), "{text}").is_err() {
-        std::process::exit(0);
-    }
+    print_report(&report, options.json);
     Ok(())
 }
 

@@ -4,7 +4,6 @@
 //! the glTF loader, Bevy's animation and the collision plugin. With the feature `render` the dolphins are drawn, unless
 //! `--headless` asks for numbers. `--help` lists the options.
 
-use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -13,6 +12,7 @@ use bevy::prelude::*;
 use bevy_morph_collision::prelude::*;
 use clap::{Parser, builder::PossibleValuesParser};
 use indicatif::{ProgressBar, ProgressStyle};
+use morph_collision_workspace::outcome::{exit_code, print, print_report};
 use morph_collision_workspace::{
     app,
     error::ExampleError,
@@ -53,13 +53,7 @@ struct Options {
 
 fn main() -> ExitCode {
     let options = Options::parse();
-    match run(&options) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(2)
-        }
-    }
+    exit_code(run(&options))
 }
 
 fn run(options: &Options) -> Result<(), ExampleError> {
@@ -106,12 +100,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     progress.finish_and_clear();
 
     report.finish();
-    if options.json {
-        // Numbers and plain names can always be written as JSON.
-        print(&format!("{}\n", serde_json::to_string(&report).unwrap_or_default()));
-    } else {
-        print(&format!("{report}\n"));
-    }
+    print_report(&report, options.json);
     Ok(())
 }
 
@@ -131,11 +120,4 @@ fn describe(frame: usize, changes: &Changes, kind: &str, roots: &[Entity]) -> St
     let started = changes.started.iter().map(|pair| line(pair, "started"));
     let ended = changes.ended.iter().map(|pair| line(pair, "stopped"));
     started.chain(ended).collect()
-}
-
-/// Prints, and ends the program quietly if nobody reads the output any more.
-fn print(text: &str) {
-    if io::stdout().lock().write_all(text.as_bytes()).is_err() {
-        std::process::exit(0);
-    }
 }

@@ -5,7 +5,6 @@
 //! options.
 
 use std::fmt;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::Instant;
@@ -18,6 +17,7 @@ use morph_collision_workspace::app::{headless, is_loaded, locate, ready, update_
 use morph_collision_workspace::error::ExampleError;
 use morph_collision_workspace::heaving::{self, Falling, Game, Hill, MODEL, Player, Tally};
 use morph_collision_workspace::options::ViewOptions;
+use morph_collision_workspace::outcome::{exit_code, print_report};
 #[cfg(feature = "render")]
 use morph_collision_workspace::{shows, view};
 use serde::Serialize;
@@ -78,13 +78,7 @@ struct Times {
 }
 
 fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(2)
-        }
-    }
+    exit_code(run(&Options::parse()))
 }
 
 fn run(options: &Options) -> Result<(), ExampleError> {
@@ -113,14 +107,7 @@ fn run(options: &Options) -> Result<(), ExampleError> {
     }
     progress.finish_and_clear();
     let report = report(&mut app, times);
-    let text = match options.json {
-        // Numbers and plain names can always be written as JSON.
-        true => serde_json::to_string(&report).unwrap_or_default(),
-        false => report.to_string(),
-    };
-    if writeln!(io::stdout().lock(), "{text}").is_err() {
-        std::process::exit(0);
-    }
+    print_report(&report, options.json);
     Ok(())
 }
 

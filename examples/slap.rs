@@ -4,7 +4,6 @@
 //! With the feature `render` it is drawn, unless `--headless` asks for numbers. `--help` lists the options.
 
 use std::fmt;
-use std::io::{self, Write};
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -16,6 +15,7 @@ use morph_collision_workspace::app::{self, update_until};
 use morph_collision_workspace::character::MODEL;
 use morph_collision_workspace::error::ExampleError;
 use morph_collision_workspace::options::ViewOptions;
+use morph_collision_workspace::outcome::{exit_code, print_report};
 use morph_collision_workspace::slap::{self, Felt, Moment, PERIOD, Role, TICK, Tally};
 #[cfg(feature = "render")]
 use morph_collision_workspace::{shows, view};
@@ -53,13 +53,7 @@ fn main() -> ExitCode {
     let options = Options::parse();
     let drawn = options.view.is_drawn("slap", options.headless || options.json);
     let done = drawn.and_then(|drawn| if drawn { draw(&options) } else { count(&options) });
-    match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(2)
-        }
-    }
+    exit_code(done)
 }
 
 #[cfg(feature = "render")]
@@ -74,14 +68,7 @@ fn draw(_: &Options) -> Result<(), ExampleError> {
 
 fn count(options: &Options) -> Result<(), ExampleError> {
     let report = run(options.slaps)?;
-    let text = match options.json {
-        // Numbers and plain names can always be written as JSON.
-        true => serde_json::to_string(&report).unwrap_or_default(),
-        false => report.to_string(),
-    };
-    if writeln!(io::stdout().lock(), "{text}").is_err() {
-        std::process::exit(0);
-    }
+    print_report(&report, options.json);
     Ok(())
 }
 

@@ -12,6 +12,7 @@ use std::process::ExitCode;
 use bevy::prelude::*;
 use clap::Parser;
 use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_workspace::outcome::exit_code;
 use morph_collision_workspace::physics::drops::{Drop, Kind, batch_of_drops, bowl, fates, waves};
 use morph_collision_workspace::physics::times::{Scene, Timed, table};
 use morph_collision_workspace::physics::{DT, settle, sheet};
@@ -39,13 +40,7 @@ fn main() -> ExitCode {
         ("drops", Box::new(|| Ok(drops(batches)))),
         ("time", Box::new(|| Ok(times(options.tables.quick)))),
     ];
-    match rewrite(&options.page, &options.tables, &sections) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(2)
-        }
-    }
+    exit_code(rewrite(&options.page, &options.tables, &sections))
 }
 
 /// A body that rests on a sheet.

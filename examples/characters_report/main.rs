@@ -14,6 +14,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use morph_collision_testkit::bench::cpu;
+use morph_collision_workspace::outcome::exit_code;
 use morph_collision_workspace::tables::{Section, TableOptions, rewrite};
 
 /// Tables about crowds of skinned characters.
@@ -27,13 +28,7 @@ struct Options {
 }
 
 fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(2)
-        }
-    }
+    exit_code(run(&Options::parse()))
 }
 
 fn run(options: &Options) -> Result<(), String> {

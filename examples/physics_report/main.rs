@@ -14,6 +14,7 @@ use bevy_rapier3d::prelude::*;
 use clap::Parser;
 use morph_collision_testkit::bench::cpu;
 use morph_collision_testkit::mesh::MorphMesh;
+use morph_collision_workspace::outcome::exit_code;
 use morph_collision_workspace::physics::times::{Scene, Timed, scenes, table, time};
 use morph_collision_workspace::physics::{DT, Method, Surface, app, body, settle, sheet, state};
 use morph_collision_workspace::tables::{Section, TableOptions, rewrite};
@@ -53,13 +54,7 @@ impl Options {
 }
 
 fn main() -> ExitCode {
-    match run(&Options::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(2)
-        }
-    }
+    exit_code(run(&Options::parse()))
 }
 
 fn run(options: &Options) -> Result<(), String> {

@@ -11,6 +11,7 @@ pub mod error;
 pub mod heaving;
 pub mod instances;
 pub mod options;
+pub mod outcome;
 pub mod physics;
 pub mod report;
 #[cfg(feature = "render")]

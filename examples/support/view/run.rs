@@ -5,17 +5,12 @@ use std::process::ExitCode;
 use super::{Show, pictures, window};
 use crate::error::ExampleError;
 use crate::options::ViewOptions;
+use crate::outcome::exit_code;
 
 /// The main function of an example that is only a show.
 #[must_use]
 pub fn main(show: Show, options: &ViewOptions) -> ExitCode {
-    match run(show, options) {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(2)
-        }
-    }
+    exit_code(run(show, options))
 }
 
 /// Shows it according to the options.

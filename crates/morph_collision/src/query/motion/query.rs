@@ -25,7 +25,8 @@ use crate::tree::{Leaf, PatchPair};
 /// arithmetic. A negative tolerance or NaN counts as 0.
 ///
 /// Cost: like a [`PairQuery`] in which each node has the size of the space that it sweeps through, and pairs of nodes that are never at the
-/// same place at the same time are left out. A translation that both bodies share does not count. If both bodies are as small as the rounding errors of their positions, all pairs of leaves are compared.
+/// same place at the same time are left out. A translation that both bodies share does not count. If both bodies are as small as the
+/// rounding errors of their positions, all pairs of leaves are compared.
 ///
 /// ```
 /// use std::sync::Arc;

@@ -117,7 +117,7 @@ fn drops(batches: u64) -> String {
     for method in Method::ALL {
         let (mut through, mut left) = (0, 0);
         for batch in 0..batches {
-            let fell = fall(method, &mesh, &batch_of_drops(batch, per_batch));
+            let fell = fall(method, &mesh, &batch_of_drops(batch, per_batch, 1.0));
             through += fell.0;
             left += fell.1;
             progress.inc(1);

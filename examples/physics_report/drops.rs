@@ -17,20 +17,25 @@ pub(super) fn table(quick: bool) -> String {
     let mesh = bowl();
     let batches = if quick { 4 } else { 100 };
     let per_batch = 100;
-    let progress = progress(batches * 4);
-    let mut table = String::from("| way | CCD | drops | fell through | left over the rim |\n|---|---|--:|--:|--:|\n");
+    let speeds = [1.0, 2.0, 5.0, 20.0];
+    let progress = progress(batches * 4 * speeds.len() as u64);
+    let mut table =
+        String::from("| way | CCD | speed | drops | fell through | left over the rim |\n|---|---|--:|--:|--:|--:|\n");
     for ccd in [false, true] {
         for method in [Method::Ours, Method::NewMesh] {
-            let (mut through, mut left) = (0, 0);
-            for batch in 0..batches {
-                let fell = fall(method, &mesh, ccd, &batch_of_drops(batch, per_batch), |_, _, _| {});
-                through += fell.0;
-                left += fell.1;
-                progress.inc(1);
+            for speed in speeds {
+                let (mut through, mut left) = (0, 0);
+                for batch in 0..batches {
+                    let drops = batch_of_drops(batch, per_batch, speed);
+                    let fell = fall(method, &mesh, ccd, &drops, |_, _, _| {});
+                    through += fell.0;
+                    left += fell.1;
+                    progress.inc(1);
+                }
+                let on = if ccd { "on" } else { "off" };
+                let (name, drops) = (method.name(), batches * per_batch);
+                let _infallible = writeln!(table, "| {name} | {on} | {speed} | {drops} | {through} | {left} |");
             }
-            let on = if ccd { "on" } else { "off" };
-            let (name, drops) = (method.name(), batches * per_batch);
-            let _infallible = writeln!(table, "| {name} | {on} | {drops} | {through} | {left} |");
         }
     }
     progress.finish_and_clear();
@@ -81,8 +86,8 @@ fn fall(
 
 /// Drops a batch, or one body of it, and prints the last steps of the bodies that fall through, until their centres are below the
 /// surface: how far above it they are, their velocities, and the contacts that Rapier's solver had.
-pub(super) fn trace(method: Method, batch: u64, ccd: bool, alone: Option<usize>) {
-    let drops = batch_of_drops(batch, 100);
+pub(super) fn trace(method: Method, batch: u64, (ccd, speed): (bool, f32), alone: Option<usize>) {
+    let drops = batch_of_drops(batch, 100, speed);
     let first = alone.unwrap_or(0);
     let drops = match alone {
         Some(one) => drops.get(one..=one).unwrap_or_default(),

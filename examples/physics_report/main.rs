@@ -45,6 +45,9 @@ struct Options {
     /// Drop them with CCD.
     #[arg(long, requires = "batch")]
     ccd: bool,
+    /// Drop them at this multiple of the usual speed.
+    #[arg(long, requires = "batch", default_value_t = 1.0)]
+    speed: f32,
 }
 
 impl Options {
@@ -72,7 +75,7 @@ fn run(options: &Options) -> Result<(), String> {
     }
     if let Some(first) = options.batch {
         for batch in first..=options.until.unwrap_or(first) {
-            drops::trace(options.way(), batch, options.ccd, options.alone);
+            drops::trace(options.way(), batch, (options.ccd, options.speed), options.alone);
         }
         return Ok(());
     }

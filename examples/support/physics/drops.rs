@@ -72,9 +72,9 @@ pub fn above(at: Vec3, weights: &[f32; 2]) -> f32 {
     at.y - 0.03 * at.xz().length_squared() - waves
 }
 
-/// The bodies of a batch; the same batch number gives the same bodies.
+/// The bodies of a batch, at some multiple of their usual speed; the same batch number gives the same bodies.
 #[must_use]
-pub fn batch_of_drops(batch: u64, count: u64) -> Vec<Drop> {
+pub fn batch_of_drops(batch: u64, count: u64, speed: f32) -> Vec<Drop> {
     let mut rng = Pcg64Mcg::seed_from_u64(batch);
     let kinds = [Kind::Ball, Kind::Cuboid, Kind::Capsule];
     let drop = |kind| {
@@ -82,7 +82,7 @@ pub fn batch_of_drops(batch: u64, count: u64) -> Vec<Drop> {
         Drop {
             at: Vec3::new(within(6.0), 5.0 + within(2.0), within(6.0)),
             // The speed after a fall of some metres.
-            linear: Vec3::new(within(3.0), -6.0 + within(4.0), within(3.0)),
+            linear: speed * Vec3::new(within(3.0), -6.0 + within(4.0), within(3.0)),
             angular: Vec3::new(within(5.0), within(5.0), within(5.0)),
             size: 0.25 + within(0.15),
             kind,

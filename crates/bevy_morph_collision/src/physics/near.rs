@@ -264,6 +264,17 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
         self.near.get(&collider).is_some_and(|near| !near.is_settled())
     }
 
+    /// Calculates how far each part has to look ahead: as far as the fastest of some colliders moves that may touch it. These are
+    /// given by the boxes in which they stay during the step, and how far they move.
+    #[cfg(feature = "rapier")]
+    pub(crate) fn look_ahead(&self, fast: &[(Aabb, Real)], mut set: impl FnMut(&P, Real)) {
+        for near in self.near.values() {
+            let meeting = fast.iter().filter(|(bounds, _)| bounds.intersects(&near.region));
+            let reach = meeting.map(|&(_, travel)| travel).fold(0.0, Real::max);
+            near.parts.iter().for_each(|part| set(&part.body, reach));
+        }
+    }
+
     /// Forgets colliders that went away.
     pub(crate) fn forget(&mut self, mut remove: impl FnMut(P)) {
         let step = self.step;

@@ -60,6 +60,13 @@ impl Triangles {
         self.corners.is_empty()
     }
 
+    /// Whether contacts with a triangle may push in both directions, as those of a thin surface do.
+    #[cfg(feature = "rapier")]
+    pub(crate) fn pushes_both_ways(&self, subshape: SubShapeId) -> bool {
+        let normals = self.normals.get(subshape as usize).and_then(Option::as_ref);
+        normals.is_none_or(|normals| normals.two_sided)
+    }
+
     /// Converts a sub-shape to the mesh's triangle number.
     pub(crate) fn number(&self, subshape: SubShapeId) -> SubShapeId {
         self.numbers.get(subshape as usize).copied().unwrap_or(0)
@@ -198,7 +205,7 @@ pub(crate) struct Patch {
     pub(crate) triangles: Triangles,
     /// Set while a step is in progress. The part exists only then.
     pub(crate) stepping: Arc<AtomicBool>,
-    /// How much larger its box is than its triangles.
+    /// The distance at which it prepares contacts, if that is more than usual. Its box is larger by this than its triangles.
     pub(crate) reach: Real,
     /// Its linear and angular velocity in the step, per second, about its origin.
     pub(crate) velocity: [Vector; 2],

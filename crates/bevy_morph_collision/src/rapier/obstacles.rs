@@ -55,6 +55,7 @@ impl Obstacles {
                     bounds: in_box.loosened(collider.contact_skin()),
                     asleep: false,
                 },
+                ahead: 0.0,
                 fast: false,
                 bullet: false,
                 groups: collider.collision_groups(),

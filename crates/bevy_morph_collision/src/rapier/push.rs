@@ -6,7 +6,7 @@ use bevy::prelude::Entity;
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
 use bevy_rapier3d::prelude::ContactForceEvent;
 use bevy_rapier3d::rapier::dynamics::{RigidBody, RigidBodyHandle, RigidBodySet};
-use bevy_rapier3d::rapier::geometry::{ColliderHandle, ColliderSet};
+use bevy_rapier3d::rapier::geometry::{Collider, ColliderHandle, ColliderSet};
 use bevy_rapier3d::rapier::pipeline::ActiveEvents;
 
 use super::expel::{drive_apart, drive_out};
@@ -20,6 +20,7 @@ use crate::physics::follow::Following;
 use crate::physics::layout::MeshLayout;
 use crate::physics::near::Nearby;
 use crate::physics::surface::MorphSurface;
+use crate::physics::triangles::Patch;
 
 /// The parts with which a surface pushes.
 pub(super) struct Pushing {
@@ -38,8 +39,11 @@ pub(super) struct Pushing {
     expelling: Expelling<ColliderHandle>,
     /// Bodies whose CCD is switched on or off for this step only, with their usual setting.
     bullets: Vec<(RigidBodyHandle, bool)>,
+    /// Whether parts looked ahead in the last step.
+    looked_ahead: bool,
     // Scratch memory.
     meeting: Vec<u32>,
+    fast: Vec<(Aabb, f32)>,
 }
 
 impl Pushing {
@@ -55,7 +59,9 @@ impl Pushing {
             spared: Spared::default(),
             expelling: Expelling::default(),
             bullets: Vec::new(),
+            looked_ahead: false,
             meeting: Vec::new(),
+            fast: Vec::new(),
         }
     }
 
@@ -142,6 +148,9 @@ impl Pushing {
                 self.near.look_near(visitor, following, &step.pace)
             };
             let is_inside = is_solid && drive_out(&mut self.expelling, mover, following, &manners, step, world);
+            if touches && mover.ahead > 0.0 {
+                self.fast.push((visitor.bounds, mover.ahead));
+            }
             // Rapier sweeps fast bodies against fixed ones, but against kinematic ones, such as parts, only if they are bullets.
             // A body on its way out must not be a bullet, because the surface would stop it.
             if touches
@@ -162,6 +171,7 @@ impl Pushing {
             blended += self.near.push(visitor, following, &step.pace, &mut bodies);
         }
         self.near.forget(|part| world.remove(part.body));
+        self.look_ahead(world.colliders);
         if let Some(carrier) = carrier {
             self.leave_out_unlinked(carrier, world.colliders);
         } else {
@@ -186,6 +196,24 @@ impl Pushing {
         }
         self.spared.guard(self.near.parts().map(|part| part.body), world);
         blended
+    }
+
+    /// Makes parts prepare contacts with all that may reach them during the step.
+    fn look_ahead(&mut self, colliders: &mut ColliderSet) {
+        if self.fast.is_empty() && !self.looked_ahead {
+            return;
+        }
+        self.looked_ahead = !self.fast.is_empty();
+        self.near.look_ahead(&self.fast, |part, reach| {
+            let patch = |collider: &Collider| Some(collider.shape().as_shape::<Patch>()?.reach);
+            if colliders.get(part.collider).and_then(patch) != Some(reach)
+                && let Some(collider) = colliders.get_mut(part.collider)
+                && let Some(patch) = collider.shape_mut().as_shape_mut::<Patch>()
+            {
+                patch.reach = reach;
+            }
+        });
+        self.fast.clear();
     }
 
     /// Disables parts that are not joined to their carrier in this step. They would act as separate obstacles.

@@ -10,6 +10,9 @@ use crate::physics::triangles::Patch;
 /// extent of a cuboid.
 const CORE: Real = 0.25;
 
+/// The distance of a body up to which contacts stop it and not sweeps, relative to the same thickness.
+pub(super) const MARGIN: Real = 0.5;
+
 /// One of the two shapes: the part, which Rapier keeps at rest at the end of its motion, or the shape swept against it.
 struct Swept<'a> {
     motion: NonlinearRigidMotion,
@@ -18,9 +21,10 @@ struct Swept<'a> {
 
 /// Sweeps a shape against a part of a surface. `None` if neither shape is a part, or both are.
 ///
-/// Rapier sweeps a body against the part's place at the end of the step. A body that the part lifts or pushes away would then be
-/// stopped by a neighboring triangle in each step, stay behind, and finally fall through. Here only contact while both move stops
-/// a body.
+/// If a body is within a margin of the part, contacts are prepared, and they stop it. Only its core, a ball around its middle, is
+/// swept then, because it must not pass through even if contacts fail. Rapier would stop the whole body where its foremost point
+/// touches, and where the part is at the end of the step. A body that the part lifts, or that turns, would be stopped in each
+/// step, stay behind, and finally fall through.
 pub(super) fn sweep_part(
     motion1: &NonlinearRigidMotion,
     g1: &dyn Shape,
@@ -48,36 +52,29 @@ fn first_touch(
     start_time: Real,
     end_time: Real,
 ) -> Option<Option<ShapeCastHit>> {
-    let cast = |part: &NonlinearRigidMotion, other: &Swept| {
-        let Swept { motion, shape } = other;
-        let hit =
-            DefaultQueryDispatcher.cast_shapes_nonlinear(part, patch, motion, *shape, start_time, end_time, false);
-        hit.ok()
-    };
     let along = motion_until(&part.motion, patch, end_time);
     let begin = along
         .position_at_time(start_time)
         .inv_mul(&other.motion.position_at_time(start_time));
-    let touches = DefaultQueryDispatcher
-        .intersection_test(&begin, patch, other.shape)
-        .ok()?;
-    // Contacts handle what already touches. Only the shape's core, a ball around its middle, must not pass through.
-    let core = Ball::new(CORE * other.shape.ccd_thickness());
-    let other = &if touches.intersecting {
-        let middle = other.shape.mass_properties(1.0).local_com;
-        Swept {
-            motion: other.motion.prepend(Pose::from_translation(middle)),
-            shape: &core,
-        }
+    let thickness = other.shape.ccd_thickness();
+    let (core, middle) = (Ball::new(CORE * thickness), other.shape.mass_properties(1.0).local_com);
+    let gap = DefaultQueryDispatcher.distance(&begin, patch, other.shape).ok()?;
+    let (motion, shape): (_, &dyn Shape) = if gap.distance > MARGIN * thickness {
+        (other.motion, other.shape)
     } else {
-        Swept { ..*other }
+        (other.motion.prepend(Pose::from_translation(middle)), &core)
     };
-    let Some(meets) = cast(&along, other)? else {
+    let cast = |part: &NonlinearRigidMotion| {
+        let hit =
+            DefaultQueryDispatcher.cast_shapes_nonlinear(part, patch, &motion, shape, start_time, end_time, false);
+        hit.ok()
+    };
+    let Some(meets) = cast(&along)? else {
         return Some(None);
     };
     // Stop it before the place where the part ends, if possible: after they meet, the part comes closer during the rest of the
     // step.
-    let before_its_end = cast(&part.motion, other)?.filter(|hit| hit.time_of_impact > 0.0);
+    let before_its_end = cast(&part.motion)?.filter(|hit| hit.time_of_impact > 0.0);
     Some(before_its_end.or(Some(meets)))
 }
 

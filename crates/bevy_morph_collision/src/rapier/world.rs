@@ -4,6 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use bevy_rapier3d::parry::bounding_volume::{Aabb, BoundingVolume};
+use bevy_rapier3d::parry::math::Pose as Place;
 use bevy_rapier3d::parry::shape::HalfSpace;
 use bevy_rapier3d::rapier::dynamics::{
     CoefficientCombineRule, ImpulseJointSet, IslandManager, MultibodyJointSet, RigidBody, RigidBodyHandle,
@@ -15,6 +16,7 @@ use bevy_rapier3d::rapier::geometry::{
 use bevy_rapier3d::rapier::pipeline::{ActiveEvents, ActiveHooks};
 
 use super::obstacles::Obstacles;
+use super::sweep::MARGIN;
 use crate::physics::near::Visitor;
 use crate::physics::part::Pace;
 use crate::physics::range::{box_in_range, in_range};
@@ -124,7 +126,9 @@ pub(super) fn is_part(collider: &Collider) -> bool {
 #[derive(Clone, Copy)]
 pub(super) struct Mover {
     pub(super) visitor: Visitor<ColliderHandle, RigidBodyHandle>,
-    /// Whether it moves by more than a quarter of its smallest extent in a step and is not a bullet yet.
+    /// How far ahead of it contacts must be prepared, because it moves fast. 0 if the usual distance is enough.
+    pub(super) ahead: f32,
+    /// Whether it moves so far in the step that it must be swept.
     pub(super) fast: bool,
     /// Whether the game made it a bullet.
     pub(super) bullet: bool,
@@ -167,6 +171,23 @@ impl Movers {
     }
 }
 
+/// A body that moves by less than this in a step, relative to its smallest extent, overlaps a surface so little when it arrives
+/// that contacts push it back out.
+const LITTLE: f32 = 0.1;
+
+/// A body whose middle moves by more than this in a step, relative to its smallest extent, is swept.
+const FAR: f32 = 0.25;
+
+/// How far a body moves in a step that takes it to `next`, and how far any point of its collider moves, at most. `bounds` is around
+/// the collider.
+fn travel(body: &RigidBody, next: &Place, bounds: &Aabb, dt: f32) -> (f32, f32) {
+    let center = body.center_of_mass();
+    let radius = bounds.center().distance(center) + bounds.half_extents().length();
+    let turns = (body.angvel().length() * dt).min(2.0) * radius;
+    let moves = next.transform_point(body.local_center_of_mass()).distance(center);
+    (moves, moves + turns)
+}
+
 fn find_movers(
     bodies: &RigidBodySet,
     colliders: &ColliderSet,
@@ -189,8 +210,12 @@ fn find_movers(
             let in_body = shape.position_wrt_parent().copied().unwrap_or_default();
             // If the game moved the body, its colliders follow only in the step.
             let mut bounds = shape.shape().compute_aabb(&(*body.position() * in_body));
-            let way = next.translation.distance(body.translation());
-            let fast = !asleep && !body.is_ccd_enabled() && way > 0.25 * bounds.extents().min_element();
+            let thin = bounds.extents().min_element();
+            let (way, travel) = if asleep {
+                (0.0, 0.0)
+            } else {
+                travel(body, &next, &bounds, dt)
+            };
             if !asleep {
                 bounds = bounds.merged(&shape.shape().compute_aabb(&(next * in_body)));
             }
@@ -208,7 +233,12 @@ fn find_movers(
                     bounds: bounds.loosened(shape.contact_skin()),
                     asleep,
                 },
-                fast,
+                ahead: if travel > LITTLE * thin {
+                    travel.min(MARGIN * shape.shape().ccd_thickness())
+                } else {
+                    0.0
+                },
+                fast: way > FAR * thin,
                 bullet: body.is_ccd_enabled(),
                 groups: shape.collision_groups(),
                 events: shape.active_events(),

@@ -99,7 +99,7 @@ impl Pushing {
         let bounds = Aabb::new(bounds.min, bounds.max).loosened(pace.prediction);
         self.teach(bodies);
 
-        let (mut blended, mut busy) = (0, false);
+        let (mut blended, mut looking) = (0, Vec::new());
         let mut meeting = std::mem::take(&mut self.meeting);
         for mover in around.movers.meeting(&bounds, &mut meeting) {
             let visitor = &mover.visitor;
@@ -113,12 +113,19 @@ impl Pushing {
                 self.expelling.keep(visitor.collider);
                 continue;
             }
-            if !busy {
-                busy = true;
-                self.near.give_out(following, |body| around.sleep.asleep.contains(body));
-            }
             self.near.look_near(visitor, following, pace);
+            looking.push(mover);
+        }
+        let stays = self.near.stays(following);
+        if !looking.is_empty() && !stays {
+            self.near.give_out(following, |body| around.sleep.asleep.contains(body));
+        }
+        for mover in looking {
+            let visitor = &mover.visitor;
             self.drive_out(mover, following, pace, around);
+            if stays {
+                continue;
+            }
             blended += self.near.push(visitor, following, pace, bodies);
             // A slowly carried body is not at rest.
             if self.near.moves_near(visitor.collider)

@@ -32,6 +32,10 @@ pub(crate) struct Nearby<C, B, P> {
     layout: Arc<MeshLayout>,
     near: HashMap<C, Near<B, P>>,
     step: u32,
+    /// The colliders whose parts may change in this step, and those of the last step.
+    looked: [Vec<C>; 2],
+    /// Whether triangles near any of them were searched in this step.
+    searched: bool,
     /// The side to which contacts pushed in the last step, and whether that has just changed.
     outward: Option<Real>,
     turned: bool,
@@ -99,6 +103,8 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
             layout,
             near: HashMap::default(),
             step: 0,
+            looked: [Vec::new(), Vec::new()],
+            searched: false,
             outward: None,
             turned: false,
             scratch: Scratch::default(),
@@ -132,6 +138,9 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
     /// Begins a step.
     pub(crate) fn begin(&mut self, following: &Following) {
         self.step += 1;
+        self.looked.swap(0, 1);
+        self.looked[0].clear();
+        self.searched = false;
         let outward = following.surface.lock().outward();
         self.turned = self.outward != outward;
         self.outward = outward;
@@ -139,6 +148,12 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
             let parts = self.near.values_mut().flat_map(|near| &mut near.parts);
             parts.for_each(Part::unsettle);
         }
+    }
+
+    /// Whether all parts stay as they are, because nothing has moved and the same colliders are near the same triangles.
+    pub(crate) fn stays(&self, following: &Following) -> bool {
+        let [now, before] = &self.looked;
+        !following.moves && !self.searched && now == before && self.near.values().all(Near::is_settled)
     }
 
     /// Begins to assign triangles to parts. While nothing moves, triangles under sleeping bodies are not given to other
@@ -177,6 +192,7 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
         let near = self.near.entry(visitor.collider);
         let near = near.or_insert_with(|| Near::new(visitor.body));
         near.seen = self.step;
+        self.looked[0].push(visitor.collider);
         // Covers the end positions of all vertices that come near during the step, plus a margin that saves searches in the next
         // steps.
         let room = 3.0 * following.displacement as f32 + 0.1 * visitor.bounds.extents().max_element();
@@ -189,6 +205,7 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
         if known && near.region.extents().cmple(2.0 * region.extents()).all() {
             return !near.triangles.is_empty();
         }
+        self.searched = true;
         near.look(region, following, &mut self.scratch.shapes)
     }
 
@@ -198,7 +215,9 @@ impl<C: Copy + Eq + Hash, B: Copy, P: Default> Nearby<C, B, P> {
         let near = self.near.entry(visitor.collider);
         let near = near.or_insert_with(|| Near::new(visitor.body));
         near.seen = self.step;
+        self.looked[0].push(visitor.collider);
         let region = visitor.bounds.loosened(reach + following.displacement as f32);
+        self.searched = true;
         near.look(region, following, &mut self.scratch.shapes)
     }
 

@@ -122,7 +122,7 @@ impl Pushing {
         let obstacles = step.obstacles.filter(|_| self.linked);
         let obstacles = obstacles.map_or_else(Vec::new, |all| all.within(&bounds, step.pace.dt, world));
 
-        let (mut blended, mut busy) = (0, false);
+        let (mut blended, mut looking) = (0, Vec::new());
         let mut events = manners.events;
         for mover in step.movers.meeting(&bounds, &mut self.meeting).chain(&obstacles) {
             let visitor = &mover.visitor;
@@ -137,16 +137,21 @@ impl Pushing {
                 self.expelling.keep(visitor.collider);
                 continue;
             }
-            if !busy {
-                busy = true;
-                let is_asleep = |body| world.bodies.get(body).is_some_and(RigidBody::is_sleeping);
-                self.near.give_out(following, is_asleep);
-            }
             let touches = if self.linked {
                 self.near.look_anew(visitor, following, reach)
             } else {
                 self.near.look_near(visitor, following, &step.pace)
             };
+            looking.push((mover, touches));
+        }
+        let busy = !looking.is_empty();
+        let stays = self.near.stays(following);
+        if busy && !stays {
+            let is_asleep = |body| world.bodies.get(body).is_some_and(RigidBody::is_sleeping);
+            self.near.give_out(following, is_asleep);
+        }
+        for (mover, touches) in looking {
+            let visitor = &mover.visitor;
             let is_inside = is_solid && drive_out(&mut self.expelling, mover, following, &manners, step, world);
             if touches && mover.ahead > 0.0 {
                 self.fast.push((visitor.bounds, mover.ahead));
@@ -160,6 +165,9 @@ impl Pushing {
             {
                 body.enable_ccd(!is_inside);
                 self.bullets.push((visitor.body, mover.bullet));
+            }
+            if stays {
+                continue;
             }
             let mut bodies = PartBodies {
                 entity: self.entity,

@@ -7,6 +7,7 @@ mod cookbook;
 mod dynamic;
 mod events;
 mod extremes;
+mod falls;
 mod heaving;
 mod life;
 #[path = "../plugin/log.rs"]

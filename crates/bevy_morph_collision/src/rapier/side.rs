@@ -18,6 +18,7 @@ pub(super) fn keep_side<ManifoldData, ContactData>(
     manifolds: &mut [ContactManifold<ManifoldData, ContactData>],
 ) {
     let parts = [g1, g2].map(|shape| shape.as_shape::<Patch>());
+    let is_first = parts[0].is_some();
     let (patch, shape, in_patch) = match parts {
         [Some(patch), None] => (patch, g2, *pos12),
         [None, Some(patch)] => (patch, g1, pos12.inverse()),
@@ -26,18 +27,18 @@ pub(super) fn keep_side<ManifoldData, ContactData>(
     if shape.as_support_map().is_none() {
         return;
     }
-    let is_first = parts[0].is_some();
     // The mean of the corners, for a polyhedron; inside any convex shape.
     let middle = in_patch.transform_point(shape.compute_local_bounding_sphere().center());
     for manifold in manifolds {
-        let (triangle, normal) = if is_first {
-            (manifold.subshape1, manifold.local_n1)
+        let number = if is_first {
+            manifold.subshape1
         } else {
-            (manifold.subshape2, manifold.local_n2)
+            manifold.subshape2
         };
-        if !patch.triangles.pushes_both_ways(triangle) {
+        if manifold.points.is_empty() || !patch.triangles.pushes_both_ways(number) {
             continue;
         }
+        let normal = if is_first { manifold.local_n1 } else { manifold.local_n2 };
         manifold.points.retain(|contact| {
             let on_surface = if is_first { contact.local_p1 } else { contact.local_p2 };
             normal.dot(middle - on_surface) >= 0.0

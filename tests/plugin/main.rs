@@ -31,6 +31,7 @@ mod real_models;
 mod refits;
 mod reflection;
 mod scenes;
+mod self_collisions;
 mod shapes;
 mod skins;
 mod spatial;

@@ -141,6 +141,7 @@ mod plugins;
 mod rapier;
 mod readiness;
 mod scene;
+mod self_collisions;
 mod settings;
 mod shape;
 mod skeletons;
@@ -183,6 +184,7 @@ pub use rapier::{
 };
 pub use readiness::{MorphColliderFailed, MorphColliderReady, MorphColliderSceneReady};
 pub use scene::MorphColliderScene;
+pub use self_collisions::{MorphSelfCollisionEnd, MorphSelfCollisionStart, MorphSelfCollisions, MorphSelfContact};
 pub use settings::MorphCollisionSettings;
 pub use shape::MorphShape;
 pub use spatial::{
@@ -201,7 +203,8 @@ pub mod prelude {
         MorphCollidingEntities, MorphCollisionDiagnostics, MorphCollisionEnd, MorphCollisionEventsEnabled,
         MorphCollisionLayers, MorphCollisionMode, MorphCollisionPlugin, MorphCollisionSettings, MorphCollisionStart,
         MorphCollisionSystems, MorphCollisions, MorphContact, MorphContactPoint, MorphFeatures, MorphImpact,
-        MorphPlugins, MorphQueryFilter, MorphRayHit, MorphShape, MorphShapeHit, MorphSpatialQuery, MorphSurfaceAnchor,
+        MorphPlugins, MorphQueryFilter, MorphRayHit, MorphSelfCollisionEnd, MorphSelfCollisionStart,
+        MorphSelfCollisions, MorphSelfContact, MorphShape, MorphShapeHit, MorphSpatialQuery, MorphSurfaceAnchor,
         MorphTeleported, MorphTreeSettings, TrianglePair,
     };
     pub use crate::{

@@ -18,6 +18,7 @@ use crate::events::{MorphCollidingEntities, MorphCollisionEnd, MorphCollisionEve
 use crate::impact::{MorphFeatures, MorphImpact};
 use crate::import::{DefaultMorphTreeSettings, ImportError, MorphTreeProgress, MorphTreeSettings, MorphTrees};
 use crate::readiness::{MorphColliderFailed, MorphColliderReady, MorphColliderSceneReady};
+use crate::self_collisions::{MorphSelfCollisionEnd, MorphSelfCollisionStart, MorphSelfCollisions, MorphSelfContact};
 use crate::spatial::{
     MorphClosestPoints, MorphManifold, MorphProjection, MorphQueryFilter, MorphRayHit, MorphShapeHit, SpatialState,
 };
@@ -27,7 +28,7 @@ use crate::{
 };
 use crate::{
     anchors, body_events, body_pairs, broad_phase, changes, collider, diagnostics, events, every_mesh, import, joints,
-    narrow_phase, readiness, scene, settings, velocities, weights,
+    narrow_phase, readiness, scene, self_collisions, settings, velocities, weights,
 };
 
 /// Detects collisions between [`MorphCollider`]s: by default every frame, in [`PostUpdate`].
@@ -144,7 +145,10 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
         .add_message::<MorphCollisionEnd>()
         .add_message::<MorphBodyCollisionStart>()
         .add_message::<MorphBodyCollisionEnd>()
+        .add_message::<MorphSelfCollisionStart>()
+        .add_message::<MorphSelfCollisionEnd>()
         .add_observer(collider::forget_collider)
+        .add_observer(self_collisions::end_with_component)
         .add_observer(scene::forget_scene);
     register_types(app);
 
@@ -200,13 +204,18 @@ fn build(app: &mut App, schedule: InternedScheduleLabel) {
                 .chain()
                 .in_set(Stage::Weights),
             broad_phase::find_candidates.in_set(Stage::BroadPhase),
-            (narrow_phase::find_contacts, body_pairs::pair_bodies)
+            (
+                narrow_phase::find_contacts,
+                body_pairs::pair_bodies,
+                self_collisions::find_self_collisions,
+            )
                 .chain()
                 .in_set(Stage::NarrowPhase),
             (
                 events::report_changes,
                 body_events::report_body_changes,
                 events::list_colliding_entities,
+                self_collisions::report_self_collisions,
             )
                 .chain()
                 .in_set(Stage::Events),
@@ -244,6 +253,10 @@ fn register_types(app: &mut App) {
         .register_type::<MorphFeatures>()
         .register_type::<MorphTeleported>()
         .register_type::<MorphRayHit>()
+        .register_type::<MorphSelfCollisions>()
+        .register_type::<MorphSelfContact>()
+        .register_type::<MorphSelfCollisionStart>()
+        .register_type::<MorphSelfCollisionEnd>()
         .register_type::<MorphProjection>()
         .register_type::<MorphShapeHit>()
         .register_type::<MorphClosestPoints>()

@@ -69,6 +69,7 @@ pub use query::{
     Body, ClosestPair, ClosestPoint, ContactPoint, ContactQuery, ConvexRegion, DistanceQuery, Facing, Manifold,
     PairMemory, PairQuery, PlacedShape, QueryStats, Ray, RayHit, RayQuery, SelfQuery, Shape, ShapeCastHit,
     ShapeContact, ShapeGap, ShapeImpact, ShapeQuery, SurfaceAnchor, SurfaceFrame, TrianglePair, batch, motion,
+    touching_regions,
 };
 pub use traverse::overlapping_pairs;
 pub use tree::{BuildOptions, LayoutError, MorphBvh, MorphBvhBuilder, TreeLayout};

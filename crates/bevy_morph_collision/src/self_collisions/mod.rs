@@ -1,0 +1,108 @@
+//! Where a collider's own mesh intersects itself.
+
+mod find;
+mod regions;
+
+use bevy::prelude::*;
+use morph_collision::TrianglePair;
+
+pub(crate) use self::find::{SelfState, end_with_component, find_self_collisions, report_self_collisions};
+use crate::contacts::no_triangles;
+
+/// Reports where the mesh of a [`MorphCollider`](crate::MorphCollider) intersects itself: lips and teeth, a hand in the hip.
+///
+/// Put it on the entity of a mesh collider of any mode, also a passive one. The plugin updates it in every run and sends [`MorphSelfCollisionStart`] and [`MorphSelfCollisionEnd`].
+///
+/// Touching triangles are grouped into [regions](MorphSelfContact). Two triangles with a common vertex never count, although they
+/// always touch. The answer is exact for the mesh as it is drawn now, whatever the collider's margin and tolerance are. Different
+/// meshes of a character are different colliders: this does not compare a body with its clothes.
+///
+/// Costs one query over the tree of the mesh whenever it deforms: for a head of 9534 triangles with 52 targets that talks, ten
+/// million instructions.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_morph_collision::prelude::*;
+/// fn warn(mut started: MessageReader<MorphSelfCollisionStart>) {
+///     for start in started.read() {
+///         warn!("{} runs into itself at {}", start.collider, start.point);
+///     }
+/// }
+///
+/// # fn spawn(mut commands: Commands, face: Handle<Mesh>) {
+/// commands.spawn((Mesh3d(face), MorphCollider::default(), MorphSelfCollisions::default()));
+/// # }
+/// # bevy::ecs::system::assert_is_system(warn);
+/// ```
+#[derive(Component, Reflect, Clone, Debug, Default, PartialEq)]
+#[reflect(Component, Debug, Default, Clone, PartialEq)]
+#[require(SelfState)]
+pub struct MorphSelfCollisions {
+    /// Whether to report also pairs of triangles that intersect at rest, with all weights 0 and joints as they were bound. By
+    /// default they are left out: eyes lie in their sockets, and hair reaches into the scalp.
+    pub include_rest: bool,
+    regions: Vec<MorphSelfContact>,
+    is_truncated: bool,
+}
+
+impl MorphSelfCollisions {
+    /// Where the mesh intersects itself now, in ascending order of [`MorphSelfContact::region`].
+    #[must_use]
+    pub fn regions(&self) -> &[MorphSelfContact] {
+        &self.regions
+    }
+
+    /// Whether more pairs of triangles intersect than are listed. The limit is
+    /// [`MorphCollisionSettings::max_triangle_pairs`](crate::MorphCollisionSettings).
+    #[must_use]
+    pub fn is_truncated(&self) -> bool {
+        self.is_truncated
+    }
+}
+
+/// A connected part of a mesh that intersects itself: pairs of triangles that share vertices with each other.
+#[derive(Reflect, Clone, Debug, PartialEq)]
+#[reflect(Debug, Clone, PartialEq)]
+pub struct MorphSelfContact {
+    /// The number of the region. It keeps its number as long as some of its triangles keep touching others. If two regions grow
+    /// together, the older one goes on and the other ends.
+    pub region: u32,
+    /// The mean of the middles of its triangles, in world space.
+    pub point: Vec3,
+    /// The pairs of intersecting triangles, sorted; the smaller number first. Numbered as in
+    /// [`MorphContact::triangles`](crate::MorphContact::triangles), and never empty unless created by reflection.
+    #[reflect(ignore)]
+    pub triangles: Vec<TrianglePair>,
+}
+
+/// A region of a mesh started to intersect itself.
+///
+/// Sent for colliders with [`MorphSelfCollisions`]. It is also triggered as an entity event if the collider has
+/// [`MorphCollisionEventsEnabled`](crate::MorphCollisionEventsEnabled).
+#[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq)]
+#[reflect(Event, Message, Debug, Clone, PartialEq)]
+pub struct MorphSelfCollisionStart {
+    /// The target of the entity event.
+    #[event_target]
+    pub collider: Entity,
+    /// The number of the region; see [`MorphSelfContact::region`]. [`MorphSelfCollisions::regions`] lists its triangles.
+    pub region: u32,
+    /// See [`MorphSelfContact::point`].
+    pub point: Vec3,
+    /// The first pair of the region.
+    #[reflect(ignore, default = "no_triangles")]
+    pub triangles: TrianglePair,
+}
+
+/// A region of a mesh no longer intersects itself, became part of another region, or its collider takes no part any more.
+///
+/// Sent in the same way as [`MorphSelfCollisionStart`], and in the same run before the starts.
+#[derive(Message, EntityEvent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
+#[reflect(Event, Message, Debug, Clone, PartialEq)]
+pub struct MorphSelfCollisionEnd {
+    /// The target of the entity event. It may no longer exist.
+    #[event_target]
+    pub collider: Entity,
+    /// The number of the region.
+    pub region: u32,
+}

@@ -43,8 +43,8 @@
 //!
 //! ## Make things collide
 //!
-//! [`MorphColliderScene`] on the root of a glTF scene makes all its meshes colliders of one body. [`MorphCollider`] does it for one
-//! mesh, and [`MorphCollisionSettings`] for every mesh that deforms.
+//! [`MorphColliderScene`] on the root of a glTF scene makes its deforming meshes colliders of one body. [`MorphCollider`] does it for
+//! one mesh, and [`MorphCollisionSettings`] for every mesh that deforms.
 //!
 //! ```
 //! # use bevy::prelude::*;

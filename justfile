@@ -6,11 +6,16 @@ default:
 # The order lets later steps reuse what earlier ones compiled: clippy and the docs share one build of Bevy, tests and examples another,
 # and all release steps a third one without Bevy.
 # The checks that must pass before a change lands: less than half an hour on two cores.
-ci: fmt-check clippy doc test demo-check package-list first-run determinism-release instructions-check verify-short
+ci: fmt-check spell clippy doc test-ci demo-check package-list first-run determinism-release instructions-check verify-short
 
 # Everything must be committed, because packages are made from commits. Run the part that a change touches before it lands.
 # What a change rarely breaks, or what takes long. Run it before a release.
-nightly: package features test-drawing verify stress determinism-wasm (fuzz "60")
+nightly: package features test-drawing deny verify stress determinism-wasm (fuzz "60")
+
+# What contributors run while they work: formatting, spelling, clippy, and the tests of the core and the plugin.
+quick: fmt-check spell clippy
+    # As in `just test`, so that both share what they compile.
+    cargo test --workspace --lib --test contacts --test one_body --test skinned --test truth --test plugin
 
 # Formats the code.
 fmt:
@@ -19,12 +24,24 @@ fmt:
 fmt-check:
     cargo fmt --all -- --check
 
+# Checks the spelling; typos.toml has the project's words (needs pip install typos, or cargo install typos-cli --locked).
+spell:
+    #!/usr/bin/env bash
+    set -euo pipefail
+    if ! command -v typos > /dev/null; then echo "skipped: the spelling is not checked, because typos is not installed"; exit; fi
+    typos
+
 clippy:
     cargo clippy --workspace --all-targets --all-features -- -D warnings
 
 # The README's test command.
 test:
     cargo test --workspace
+
+# The same tests without the examples that no test runs. clippy has checked that these compile, and linking each with Bevy takes long.
+test-ci:
+    cargo test --workspace --tests
+    cargo test --workspace --doc
 
 # All tests, also those that draw (Debian: apt install mesa-vulkan-drivers libvulkan1).
 test-drawing:
@@ -46,6 +63,24 @@ package:
 # Packages them without building: checks manifests and the lists of files.
 package-list:
     cargo package --allow-dirty --no-verify -p morph_collision -p morph_collision_testkit -p morph_collision_cli -p bevy_morph_collision
+
+# Lists the public items of a published crate (cargo install cargo-public-api --locked; rustup toolchain install nightly --profile minimal).
+public-api CRATE="morph_collision":
+    cargo public-api --all-features -p {{CRATE}}
+
+# Compares the public API with the last release on crates.io, or with BASELINE, a commit (cargo install cargo-semver-checks --locked).
+semver-checks BASELINE="":
+    #!/usr/bin/env bash
+    set -euo pipefail
+    baseline=({{ if BASELINE == "" { "" } else { "--baseline-rev " + BASELINE } }})
+    # The test kit and the tool promise no stable API.
+    cargo semver-checks --all-features -p morph_collision -p bevy_morph_collision "${baseline[@]}"
+
+# Advisories are fetched from GitHub. Without access to it: just deny licenses bans sources.
+
+# Checks licences, sources and advisories of dependencies by deny.toml (needs cargo install cargo-deny --locked).
+deny *CHECKS:
+    cargo deny check {{CHECKS}}
 
 # Checks that answers have the same bits in debug and release, for several leaf sizes, on any number of threads.
 determinism: && determinism-release
@@ -172,8 +207,7 @@ assets:
 containment *CHECKS:
     cargo run --release -p morph_collision_testkit --bin containment -- {{CHECKS}}
 
-# Compares the answers about every model in assets/ and ../shared/models with brute force: FRAMES situations each (30 by
-# default), several leaf sizes, three seeds.
+# Compares the answers about every model in assets/ and ../shared/models with brute force: FRAMES situations, several leaf sizes, three seeds.
 verify FRAMES="30":
     #!/usr/bin/env bash
     set -euo pipefail
@@ -203,9 +237,9 @@ verify-short: release
     set -euo pipefail
     tool="${CARGO_TARGET_DIR:-target}/release/morph-collide"
     "$tool" inspect assets/dolphin_564.glb
-    "$tool" verify assets/dolphin_564.glb --frames 50
-    "$tool" verify assets/dolphin_2256.glb assets/pass_through_20480.glb --frames 10
-    "$tool" stress --cases 54
+    # Each takes one thread.
+    printf '%s\n' "verify assets/dolphin_564.glb --frames 50" "stress --cases 54" \
+        "verify assets/dolphin_2256.glb assets/pass_through_20480.glb --frames 10" | xargs -P "$(nproc)" -L 1 "$tool"
 
 # Fuzzes the targets one after another for SECONDS each, regressions first (needs cargo install cargo-fuzz --locked and a C++ compiler).
 fuzz SECONDS:
@@ -237,8 +271,9 @@ mutations SECONDS="900" SEED="1":
     cargo build -p morph_collision_testkit --bin mutations
     ulimit -v 2000000; "${CARGO_TARGET_DIR:-target}/debug/mutations" {{SECONDS}} {{SEED}}
 
-# Measures everything in docs/measurements and writes its pages, docs/performance.md and the README's numbers. --only TOPIC measures one
-# page, --quick makes rough numbers, --render only writes the pages again.
+# --only TOPIC measures one page, --quick makes rough numbers, --render only writes the pages again.
+
+# Measures everything in docs/measurements and writes its pages, docs/performance.md and the README's numbers.
 report *ARGS:
     cargo run --release -p morph_collision_testkit --features report --bin report -- {{ARGS}} docs
 
@@ -270,18 +305,28 @@ bench-instructions *ARGS:
 instructions *SCENES: release
     #!/usr/bin/env bash
     set -euo pipefail
-    frames="${FRAMES:-${CARGO_TARGET_DIR:-target}/release/frames}"
+    export frames="${FRAMES:-${CARGO_TARGET_DIR:-target}/release/frames}"
+    export counts=$(mktemp -d)
+    trap 'rm -r "$counts"' EXIT
+    count() {
+        # The first pass and the set-up are not counted.
+        if output=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*counted_pass*' "$frames" $1 $2 2>&1); then
+            awk -v s=$1 -v w=$2 -v n="$(sed -n 's/.*Collected : //p' <<< "$output")" 'BEGIN { printf "%-20s %-6s %10.3f\n", s, w, n / 1e6 }' > "$counts/$1 $2"
+        elif [ $2 = all ]; then
+            echo "skipped: $(sed -n 's/^Error: //p' <<< "$output")" >&2
+        fi
+    }
+    export -f count
     scenes="{{SCENES}}"
+    # Several at once: the load of the machine does not change the counts.
     for scene in ${scenes:-pass-through-20480 dolphins-564 dolphins-9024 dolphins-36096 heads-cheek heads-crowd horse-gallop samba walkers-hands walkers-deep walkers-crowd head-ray head-rays walkers-ray walkers-rays}; do
-        for wanted in all first; do
-            # The first pass and the set-up are not counted.
-            if ! output=$(valgrind --tool=callgrind --callgrind-out-file=/dev/null '--toggle-collect=*counted_pass*' "$frames" $scene $wanted 2>&1); then
-                echo "skipped: $(sed -n 's/^Error: //p' <<< "$output")" >&2
-                break
-            fi
-            awk -v s=$scene -v w=$wanted -v n="$(sed -n 's/.*Collected : //p' <<< "$output")" 'BEGIN { printf "%-20s %-6s %10.3f\n", s, w, n / 1e6 }'
-        done
-    done
+        echo "$scene all"
+        echo "$scene first"
+    done > "$counts/order"
+    xargs -P "$(nproc)" -L 1 bash -c 'count $0 $1' < "$counts/order"
+    while read -r run; do
+        if [ -e "$counts/$run" ]; then cat "$counts/$run"; fi
+    done < "$counts/order"
 
 # Counts the instructions of a step, in thousands, of a discrete query and of queries about the motion, over speed (needs valgrind).
 instructions-motion:

@@ -20,6 +20,18 @@ use crate::weights::take_weights;
 /// Attaches this entity to a point of a collider's surface, so that it follows as the mesh morphs and moves. Use it for decals,
 /// hats or particles.
 ///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_morph_collision::prelude::*;
+/// fn put_on_hat(spatial: MorphSpatialQuery, mut commands: Commands) {
+///     let from_above = spatial.cast_ray(Vec3::Y * 10.0, Dir3::NEG_Y, 20.0, &MorphQueryFilter::default());
+///     if let Some(hit) = from_above {
+///         commands.spawn(MorphSurfaceAnchor::at(&hit).with_offset(0.01));
+///     }
+/// }
+/// # App::new().add_systems(Update, put_on_hat);
+/// ```
+///
 /// The entity follows the drawn surface. It is placed in [`PostUpdate`], with the weights, joints and [`GlobalTransform`] with
 /// which the mesh is drawn in this frame. This does not depend on the schedule of collision detection, and also works while that
 /// is [paused](crate::MorphCollisionSettings::paused) and while the collider has

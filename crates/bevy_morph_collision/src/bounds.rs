@@ -36,6 +36,13 @@ use crate::plugin::TreesPlugin;
 /// [`DynamicSkinnedMeshBounds`](bevy::camera::visibility::DynamicSkinnedMeshBounds), Bevy's own update of boxes by joints. They
 /// get it back when the plugin stops updating them.
 ///
+/// ```no_run
+/// # use bevy::prelude::*;
+/// # use bevy_morph_collision::MorphBoundsPlugin;
+/// # let mut app = App::new();
+/// app.add_plugins((DefaultPlugins, MorphBoundsPlugin));
+/// ```
+///
 /// The plugin also works around a bug of Bevy 0.20: a morphing mesh that becomes visible for the first time since it was loaded
 /// is drawn in its rest pose until something else about it changes.
 #[derive(Clone, Copy, Debug, Default)]

@@ -29,6 +29,16 @@ use crate::weights::BadWeights;
 ///
 /// The collider takes part as soon as its mesh is loaded and the mesh's tree is built. While a newly assigned mesh is being
 /// prepared, the collider is left out. [`MorphColliderDisabled`] takes it out temporarily.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_morph_collision::prelude::*;
+/// fn spawn(mut commands: Commands, mut meshes: ResMut<Assets<Mesh>>) {
+///     let hand = MorphCollider::new(MorphCollisionMode::Contacts).with_continuous(true);
+///     commands.spawn((Mesh3d(meshes.add(Sphere::new(0.1))), hand));
+/// }
+/// # App::new().add_systems(Startup, spawn);
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]
 #[require(Transform, MorphCollisionLayers, ColliderState)]

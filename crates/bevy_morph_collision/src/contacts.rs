@@ -16,6 +16,21 @@ use crate::impact::MorphImpact;
 /// [`get`](Self::get), [`of`](Self::of)) and about bodies ([`contains_bodies`](Self::contains_bodies),
 /// [`collisions_between_bodies`](Self::collisions_between_bodies), [`bodies_colliding_with`](Self::bodies_colliding_with)).
 ///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_morph_collision::prelude::*;
+/// #[derive(Component)]
+/// struct Wall;
+///
+/// fn count(collisions: Res<MorphCollisions>, walls: Query<Entity, With<Wall>>) {
+///     for wall in &walls {
+///         let triangles: usize = collisions.of(wall).map(|contact| contact.triangles.len()).sum();
+///         println!("{triangles} pairs of triangles touch the wall");
+///     }
+/// }
+/// # App::new().add_systems(Update, count);
+/// ```
+///
 /// # What started and ended
 ///
 /// A system that runs once per frame or tick sees every change exactly once in [`MorphCollisions::started`] and

@@ -14,8 +14,18 @@ use crate::collider::{Form, Placement};
 /// Says that an entity was put somewhere else, so that [continuous](crate::MorphCollider::continuous) colliders do not sweep
 /// through everything in between.
 ///
-/// Insert it in the frame in which you move the entity: `commands.entity(player).insert((spawn_point, MorphTeleported))`. It
-/// counts for the colliders on the entity and on its descendants, and for colliders whose [body](crate::MorphColliderOf) one of
+/// Insert it in the frame in which you move the entity:
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_morph_collision::prelude::*;
+/// # fn respawn(mut commands: Commands, player: Single<Entity, With<MorphCollider>>) {
+/// commands.entity(*player).insert((Transform::from_xyz(0.0, 5.0, 0.0), MorphTeleported));
+/// # }
+/// # App::new().add_systems(Update, respawn);
+/// ```
+///
+/// It counts for the colliders on the entity and on its descendants, and for colliders whose [body](crate::MorphColliderOf) one of
 /// these is. In the next run, their pairs are only compared where they are then, and the plugin removes the component.
 #[derive(Component, Reflect, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[reflect(Component, Debug, Default, Clone, PartialEq)]

@@ -6,6 +6,15 @@ use bevy::prelude::*;
 ///
 /// Two colliders are compared if each is on a layer that the other one collides with, as with `bevy_rapier`'s `CollisionGroups`
 /// and Avian's `CollisionLayers`. By default everything collides with everything.
+///
+/// ```
+/// # use bevy_morph_collision::MorphCollisionLayers;
+/// const FACES: u32 = 1;
+/// const BALLS: u32 = 2;
+/// let face = MorphCollisionLayers::new(FACES, BALLS);
+/// let ball = MorphCollisionLayers::new(BALLS, FACES | BALLS);
+/// assert!(face.interacts_with(ball) && !face.interacts_with(face));
+/// ```
 #[derive(Component, Reflect, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[reflect(Component, Debug, Default, Clone, PartialEq, Hash)]
 pub struct MorphCollisionLayers {

@@ -1,9 +1,5 @@
 //! Bevy plugin: exact collision detection for meshes deformed by morph targets (blend shapes) and by joints (skinned meshes).
 //!
-//! The plugin builds one collision tree per mesh *asset*, in the background. All entities that show the mesh share it. Each
-//! frame, queries refit the tree to an entity's morph weights and joints, but only the nodes that they visit. Answers are those
-//! of [`morph_collision`]: exact, over the vertices that the mesh really has at these weights and with these joints.
-//!
 //! ```no_run
 //! use bevy::prelude::*;
 //! use bevy_morph_collision::prelude::*;
@@ -27,55 +23,107 @@
 //! }
 //! ```
 //!
-//! # The pipeline
+//! # Concepts
 //!
-//! Trees are always built in [`PostUpdate`](bevy::prelude::PostUpdate). By default everything else also runs there, after
-//! animation and transform propagation; [`MorphCollisionPlugin::new`] picks another schedule. The stages, in the order of
-//! [`MorphCollisionSystems`]:
+//! - A **collider** is an entity with a [`MorphCollider`] and a `Mesh3d`. It collides as its mesh is drawn, with the current morph
+//!   weights, joints and transform. A [`MorphShape`] instead of the mesh makes it a ball, capsule, cuboid or half-space.
+//! - A **body** is a collider, or an entity with several colliders, such as the root of a glTF scene. Colliders of one body never
+//!   collide with each other.
+//! - A **tree** makes queries fast. There is one for each mesh *asset*, built in the background and shared by all entities that
+//!   show the mesh. A collider takes part as soon as its tree is ready. Queries refit only the nodes that they visit.
+//! - A **run** compares all colliders once: by default in every frame, in [`PostUpdate`](bevy::prelude::PostUpdate), after
+//!   animation. Events, [`MorphCollisions`] and spatial queries show the state of the last run.
+//! - A **[mode](MorphCollisionMode)** says how much you want to know about a contact: whether two colliders touch, one pair of
+//!   triangles, all pairs, or contact points with depths.
 //!
-//! 1. **Import** (`scene`, `every_mesh`, `body_roots`, `import`): turns the parts of a [`MorphColliderScene`] into colliders of a
-//!    body, and meshes into trees. Earlier, while Bevy loads a glTF file, meshes without normals are repaired (feature `gltf`, on
-//!    by default).
-//! 2. **Weights** (`velocities`, `weights`, `joints`, `skeletons`): remembers each collider's previous state, then sets its pose
-//!    to the current weights and joint matrices.
-//! 3. **Broad phase** (`broad_phase`): finds pairs of colliders whose world-space boxes overlap and that [`MorphCollisionLayers`]
-//!    and [`MorphCollisionMode`]s allow.
-//! 4. **Narrow phase** (`narrow_phase`, `contacts`, `body_pairs`): finds exact triangle pairs and contacts and stores them in
-//!    [`MorphCollisions`], by collider and by body.
-//! 5. **Events** (`events`, `body_events`, `changes`): reports which contacts of colliders and bodies started or ended since the
-//!    last run, and updates [`MorphCollidingEntities`].
-//! 6. **Anchors** (`anchors`): moves entities with a [`MorphSurfaceAnchor`] to where their triangle is drawn; always in
-//!    [`PostUpdate`](bevy::prelude::PostUpdate).
+//! Answers are those of [`morph_collision`]: exact, over the vertices that the mesh really has. Colliders report contact; they do
+//! not push. For that, connect a [physics engine](#let-physics-feel-the-mesh).
 //!
-//! Each stage adds to [`MorphCollisionDiagnostics`]. Unchanged colliders cost almost nothing: weights, joints and transforms are
-//! compared by value, and a pair keeps its answer if neither of its colliders changed. In a frame without changes, each collider
-//! is only checked once. With a [`tolerance`](MorphCollider::tolerance), small movements do not count as changes (`tolerance`).
-//! Pairs of a [`continuous`](MorphCollider::continuous) collider are also compared on the way from the last run (`continuous`,
-//! `impact`).
+//! # Tasks
 //!
-//! Independent of the pipeline:
+//! ## Make things collide
 //!
-//! - [`MorphSpatialQuery`] (`spatial`): ray casts, shape casts, intersections, closest points, contacts and posed vertices. Any
-//!   number of systems can use it at the same time.
-//! - [`MorphColliderReady`], [`MorphColliderFailed`], [`MorphColliderSceneReady`] (`readiness`), and [`MorphTrees::progress`]:
-//!   for loading screens.
-//! - [`MorphBoundsPlugin`] (`bounds`): the `Aabb` by which Bevy culls morphing and skinned meshes.
-//! - `MorphPickingPlugin` (`picking`, feature `picking`): pointers pick meshes as they are drawn.
-//! - `MorphGizmosPlugin` (`gizmos`, feature `gizmos`): draws tree boxes, contacts and touching triangles.
-//! - `MorphRapierPlugin` (`rapier`, feature `rapier`): rigid bodies and character controllers of `bevy_rapier3d` collide with the
-//!   surface.
-//! - `MorphAvianPlugin` (`avian`, feature `avian`): rigid bodies of `avian3d` collide with the surface.
-//! - `MorphCollisionDiagnosticsPlugin` (feature `diagnostics`): publishes the counts in Bevy's `DiagnosticsStore`.
+//! [`MorphColliderScene`] on the root of a glTF scene makes its deforming meshes colliders of one body. [`MorphCollider`] does it for
+//! one mesh, and [`MorphCollisionSettings`] for every mesh that deforms.
 //!
-//! [`MorphPlugins`] (`plugins`) adds all of these at once.
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_morph_collision::prelude::*;
+//! fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
+//!     commands.spawn((
+//!         WorldAssetRoot(assets.load("boss.glb#Scene0")),
+//!         MorphColliderScene { collider: MorphCollider::new(MorphCollisionMode::Contacts), ..default() },
+//!     ));
+//!     commands.spawn((MorphShape::Ball { radius: 0.05 }, Transform::from_xyz(0.0, 1.5, 0.3)));
+//! }
+//! # App::new().add_systems(Startup, spawn);
+//! ```
 //!
-//! # Bodies
+//! [`MorphCollisionLayers`] decide what collides with what.
 //!
-//! A *body* is a collider, or an entity with several colliders (`body`). Each of these colliders names its body with
-//! [`MorphColliderOf`], and the body lists them in [`MorphColliders`]. The parts of a [`MorphColliderScene`] are colliders of its
-//! root. Colliders of the same body never collide with each other. [`MorphBodyCollisionStart`] and [`MorphBodyCollisionEnd`]
-//! report each touch of two bodies once, however many of their colliders touch, both as messages and to observers of the bodies.
-//! [`MorphCollisionStart`] and [`MorphCollisionEnd`] report every pair of colliders.
+//! ## Find out what touches
+//!
+//! [`MorphBodyCollisionStart`] and [`MorphBodyCollisionEnd`] come once for each two bodies, however many of their colliders touch:
+//! as messages, and to observers of the bodies. [`MorphCollisionStart`] and [`MorphCollisionEnd`] report every pair of colliders.
+//! Between these events, [`MorphCollidingEntities`] lists what an entity touches, and [`MorphCollisions`] has the contacts:
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_morph_collision::prelude::*;
+//! fn sparks(collisions: Res<MorphCollisions>) {
+//!     for contact in collisions.iter() {
+//!         println!("{} touches {} at {}", contact.collider1, contact.collider2, contact.point);
+//!     }
+//! }
+//! # App::new().add_systems(Update, sparks);
+//! ```
+//!
+//! A [`continuous`](MorphCollider::continuous) collider is also compared on its way from the last run, so nothing passes through
+//! it unnoticed. [`MorphTeleported`] says that an entity did not move but was put somewhere else.
+//!
+//! ## Ask about the surface
+//!
+//! [`MorphSpatialQuery`] casts rays and shapes, finds closest points and intersections, and returns posed vertices and velocities.
+//! Any number of systems can use it at the same time.
+//!
+//! ```
+//! # use bevy::prelude::*;
+//! # use bevy_morph_collision::prelude::*;
+//! fn shoot(spatial: MorphSpatialQuery, names: Query<&Name>) {
+//!     if let Some(hit) = spatial.cast_ray(Vec3::Y, Dir3::NEG_Z, 100.0, &MorphQueryFilter::default()) {
+//!         let joint = hit.joint.and_then(|joint| names.get(joint).ok());
+//!         println!("hit triangle {} of {}, moved by {joint:?}", hit.triangle, hit.entity);
+//!     }
+//! }
+//! # App::new().add_systems(Update, shoot);
+//! ```
+//!
+//! [`MorphSurfaceAnchor`] keeps an entity on the surface: a hat, a decal. With `MorphPickingPlugin` (feature `picking`), pointers
+//! hit meshes as they are drawn. [`MorphBoundsPlugin`] keeps Bevy's `Aabb` around what is drawn, for culling.
+//!
+//! ## Let physics feel the mesh
+//!
+//! - `MorphRapierCollider` and `MorphRapierPlugin` (feature `rapier`): rigid bodies and character controllers of `bevy_rapier3d`
+//!   collide with the surface.
+//! - `MorphAvianCollider` and `MorphAvianPlugin` (feature `avian`): so do rigid bodies of `avian3d`.
+//!
+//! ## Wait until everything is ready
+//!
+//! [`MorphColliderReady`], [`MorphColliderFailed`] and [`MorphColliderSceneReady`] are triggered on colliders and scenes.
+//! [`MorphTrees::progress`] is for loading screens.
+//!
+//! ## Save time
+//!
+//! Unchanged colliders cost almost nothing: weights, joints and transforms are compared by value, and a pair keeps its answer if
+//! neither of its colliders changed. With a [`tolerance`](MorphCollider::tolerance), small movements do not count as changes.
+//! [`MorphCollisionDiagnostics`] counts the work of each run; `MorphCollisionDiagnosticsPlugin` (feature `diagnostics`) publishes
+//! the counts in Bevy's `DiagnosticsStore`.
+//!
+//! ## Find out why nothing happens
+//!
+//! `MorphGizmosPlugin` (feature `gizmos`) draws boxes, contacts and touching triangles. Data that cannot be used is logged once, as
+//! an error with the names of the mesh and the entity; only that entity is left out. `docs/why_no_collision.md` in the repository
+//! lists common problems.
 //!
 //! # Requirements
 //!
@@ -83,22 +131,35 @@
 //! - Meshes must stay in main memory: use `RenderAssetUsages::default()`, not `RENDER_WORLD` alone. They may be compressed
 //!   (`GltfPlugin::mesh_compression`).
 //!
-//! Data that cannot be used is logged once as an error with the names of the mesh and the entity. Only that entity is left out.
-//!
 //! # What works with which mesh
 //!
-//! | | rigid | morph targets | joints | both |
-//! |---|---|---|---|---|
-//! | events, layers, modes, contacts | yes | yes | yes | yes |
-//! | rays, overlaps, closest points, posed vertices, velocities of the surface | yes | yes | yes, a hit names the joint | yes, a hit names the joint |
-//! | picking, surface anchors, debug drawing | yes | yes | yes | yes |
-//! | `Aabb` (`MorphBoundsPlugin`) | Bevy's own | yes | yes | yes |
-//! | physics (`MorphRapierCollider`, `MorphAvianCollider`) | yes | yes | yes | yes |
+//! Everything works with rigid meshes, with morph targets, with joints, and with both. Two differences: a hit on a mesh with joints
+//! names the joint, and [`MorphBoundsPlugin`] leaves the `Aabb` of rigid meshes to Bevy.
 //!
 //! A mesh has joints if it has `Mesh::ATTRIBUTE_JOINT_INDEX` and `Mesh::ATTRIBUTE_JOINT_WEIGHT` and its entity has
 //! [`SkinnedMesh`](bevy::mesh::skinning::SkinnedMesh). The propagated `GlobalTransform`s of its joints and the inverse bind poses
 //! place it; see [`MorphCollider`] for missing or bad joints. All joints count, while on targets without storage buffers (WebGL
 //! 2) Bevy draws only the first 256 joints of a skeleton correctly.
+//!
+//! # The pipeline
+//!
+//! [`MorphPlugins`] adds all plugins at once. Trees are always built in [`PostUpdate`](bevy::prelude::PostUpdate). Everything else
+//! runs there by default, too; [`MorphCollisionPlugin::new`] picks another schedule. The stages, in the order of
+//! [`MorphCollisionSystems`], with the source files of each:
+//!
+//! 1. **Import** (`scene`, `every_mesh`, `body_roots`, `import`): turns the parts of a [`MorphColliderScene`] into colliders of a
+//!    body, and meshes into trees. Earlier, while Bevy loads a glTF file, meshes without normals are repaired (feature `gltf`, on
+//!    by default).
+//! 2. **Weights** (`velocities`, `weights`, `joints`, `skeletons`, `tolerance`): remembers each collider's previous state, then sets
+//!    its pose to the current weights and joint matrices.
+//! 3. **Broad phase** (`broad_phase`, `continuous`): finds pairs of colliders whose world-space boxes overlap and that
+//!    [`MorphCollisionLayers`] and [`MorphCollisionMode`]s allow.
+//! 4. **Narrow phase** (`narrow_phase`, `contacts`, `impact`, `body_pairs`): finds exact triangle pairs and contacts and stores them
+//!    in [`MorphCollisions`], by collider and by body.
+//! 5. **Events** (`events`, `body_events`, `changes`): reports which contacts of colliders and bodies started or ended since the
+//!    last run, and updates [`MorphCollidingEntities`].
+//! 6. **Anchors** (`anchors`): moves entities with a [`MorphSurfaceAnchor`] to where their triangle is drawn; always in
+//!    [`PostUpdate`](bevy::prelude::PostUpdate).
 #![forbid(unsafe_code)]
 // docs.rs shows which feature enables which item.
 #![cfg_attr(docsrs, feature(doc_cfg))]

@@ -44,6 +44,17 @@ pub struct MorphColliderFailed {
 /// Triggered on the scene's root, after the events of its parts. The parts of a glTF scene appear together when it is spawned, so
 /// this event comes once for the whole scene. When parts are added, removed or get another mesh later, it is triggered again as
 /// soon as all parts are ready. It is never triggered for a scene without parts.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_morph_collision::prelude::*;
+/// fn show(ready: On<MorphColliderSceneReady>, mut scenes: Query<&mut Visibility>) {
+///     if let Ok(mut visibility) = scenes.get_mut(ready.entity) {
+///         *visibility = Visibility::Visible;
+///     }
+/// }
+/// # App::new().add_observer(show);
+/// ```
 #[derive(EntityEvent, Reflect, Clone, Copy, Debug, PartialEq, Eq)]
 #[reflect(Event, Debug, Clone, PartialEq)]
 pub struct MorphColliderSceneReady {

@@ -17,8 +17,20 @@ use crate::events::MorphCollisionEventsEnabled;
 use crate::every_mesh::Automatic;
 use crate::layers::MorphCollisionLayers;
 
-/// Turns every mesh below this entity into a [`MorphCollider`]. Put it on the root of a scene; all its colliders become parts of
-/// one body.
+/// Turns the meshes below this entity into [`MorphCollider`]s: by default those that deform. Put it on the root of a scene; all its
+/// colliders become parts of one body.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_morph_collision::prelude::*;
+/// fn spawn(mut commands: Commands, assets: Res<AssetServer>) {
+///     commands.spawn((
+///         WorldAssetRoot(assets.load("face.glb#Scene0")),
+///         MorphColliderScene { only_named: vec!["Mouth".into()], ..default() },
+///     ));
+/// }
+/// # App::new().add_systems(Startup, spawn);
+/// ```
 ///
 /// The body is the entity with this component. Observe [`MorphBodyCollisionStart`](crate::MorphBodyCollisionStart) and
 /// [`MorphBodyCollisionEnd`](crate::MorphBodyCollisionEnd) on it, or add

@@ -5,6 +5,16 @@ use bevy::prelude::*;
 use crate::collider::MorphCollider;
 
 /// Settings for the whole app. You can change them at any time.
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_morph_collision::prelude::*;
+/// # let mut app = App::new();
+/// app.insert_resource(MorphCollisionSettings {
+///     every_deforming_mesh: Some(MorphCollider::default()),
+///     ..default()
+/// });
+/// ```
 #[derive(Resource, Reflect, Clone, Copy, Debug, PartialEq)]
 #[reflect(Resource, Debug, Default, Clone, PartialEq)]
 pub struct MorphCollisionSettings {

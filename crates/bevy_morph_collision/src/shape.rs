@@ -8,7 +8,16 @@ use crate::collider::MorphCollider;
 
 /// A rigid primitive shape that collides with morphing and rigid meshes. The default is a ball of radius 0.5.
 ///
-/// Convert from Bevy's primitives with `From`: `MorphShape::from(Capsule3d::new(0.3, 1.2))`.
+/// Convert from Bevy's primitives with `From`:
+///
+/// ```
+/// # use bevy::prelude::*;
+/// # use bevy_morph_collision::prelude::*;
+/// fn spawn(mut commands: Commands) {
+///     commands.spawn((MorphShape::from(Capsule3d::new(0.3, 1.2)), Transform::from_xyz(0.0, 1.0, 0.0)));
+/// }
+/// # App::new().add_systems(Startup, spawn);
+/// ```
 ///
 /// On an entity that also has a [`Mesh3d`], the shape wins: the mesh does not collide, and no tree is built for it. You can add
 /// or remove the shape at any time. After you remove it, the mesh collides as soon as its tree is ready.

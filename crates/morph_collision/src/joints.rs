@@ -16,6 +16,20 @@ pub(crate) type Columns = [[f64; 4]; 4];
 /// In glTF's terms, each matrix is the global transform of a joint times its inverse bind matrix. Meshes with the same skeleton can share
 /// one `JointMatrices`: it is checked once, and cloning is cheap. Any finite affine map is allowed, including scale, shear, mirroring and
 /// scale 0.
+///
+/// ```
+/// # use std::sync::Arc;
+/// # use glam::{Affine3A, Vec3};
+/// # use morph_collision::{BuildOptions, Influences, JointMatrices, MorphBvh, MorphModel, Pose};
+/// // A triangle without targets, moved by one joint.
+/// let base = [Vec3::ZERO, Vec3::X, Vec3::Y];
+/// let influences = Influences { joints: &[[0; 4]; 3], weights: &[[1.0, 0.0, 0.0, 0.0]; 3] };
+/// let model = MorphModel::skinned::<[Vec3; 3]>(&base, &[[0, 1, 2]], &[], 1, &[influences])?;
+/// let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+/// pose.set_joints(&JointMatrices::new(&[Affine3A::from_translation(Vec3::Z)])?)?;
+/// assert_eq!(pose.source_vertex(1), Some(Vec3::new(1.0, 0.0, 1.0)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone)]
 pub struct JointMatrices {
     /// The columns of each matrix: `x`, `y`, `z` and the translation. An extra matrix of zeros comes last. It pulls vertices whose weights

@@ -5,16 +5,23 @@
 //! - You write a Bevy game: use `bevy_morph_collision`, this crate as a plugin.
 //! - You have your own engine, or none: use this crate. It depends on `glam`, not on an engine.
 //! - Your meshes never deform: any collision library will do. (Meshes without targets also work here, as rigid bodies.)
-//! - Bones deform your meshes, with or without targets: use this crate ([`MorphModel::skinned`], [`Pose::set_joints`]).
+//! - Joints deform your meshes, with or without targets: use this crate ([`MorphModel::skinned`], [`Pose::set_joints`]).
 //!
-//! # The pipeline
+//! # Concepts
+//!
+//! - A [`MorphModel`] is a mesh with its targets and joints. A [`MorphBvh`] is the tree over it. Both are immutable.
+//! - A [`Pose`] is one instance: its weights and joints, and a cache of the boxes and vertices computed for them.
+//! - A [`Body`] is a pose and its placement in the world, borrowed for one query.
+//! - A query, such as [`PairQuery`], owns scratch memory: create it once and reuse it. Its methods return the answer, and `stats()` reports
+//!   how much work the last call took. Methods that fill a list append to it. The `up_to` variants stop at a limit and return whether there
+//!   is more.
 //!
 //! ```text
 //! positions + targets -> MorphModel -> MorphBvh -> Pose (weights, joints, cache) -> PairQuery -> triangle pairs
 //! (+ influences)         immutable     immutable   one per instance                 scratch
 //! ```
 //!
-//! # Queries
+//! # Which query answers which question
 //!
 //! | question | use |
 //! |---|---|
@@ -31,9 +38,6 @@
 //! | Where does a body intersect itself? | [`SelfQuery`] |
 //! | Where is a point on the surface as the shape changes? | [`SurfaceAnchor`] |
 //! | What are the bounds, positions and normals of a shape? | [`Pose`] |
-//!
-//! A query object owns scratch memory: create it once and reuse it. Its methods return the answer, and `stats()` reports how much work the
-//! last call took. Methods that fill a list append to it. The `up_to` variants stop at a limit and return whether there is more.
 //!
 //! [`BuildOptions`] never change an answer. `docs/measurements/leaves.md` in the repository shows how the leaf size affects speed.
 //!

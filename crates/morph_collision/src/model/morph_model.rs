@@ -23,6 +23,17 @@ pub(crate) const LARGEST: f32 = 1e37;
 /// - 12 bytes per displacement: per welded vertex and target that moves it
 /// - 2 bytes per target in each distinct set of targets that moves a vertex
 /// - for skinned meshes, 8 bytes per influence and 4 per welded vertex
+///
+/// ```
+/// use glam::{Vec3, vec3};
+/// use morph_collision::MorphModel;
+///
+/// let square = [vec3(0.0, 0.0, 0.0), vec3(1.0, 0.0, 0.0), vec3(1.0, 1.0, 0.0), vec3(0.0, 1.0, 0.0)];
+/// let lift_one_side = [Vec3::ZERO, Vec3::ZERO, Vec3::Z, Vec3::Z];
+/// let model = MorphModel::from_displacements(&square, &[[0, 1, 2], [0, 2, 3]], &[lift_one_side])?;
+/// assert_eq!((model.triangle_count(), model.target_count()), (2, 1));
+/// # Ok::<(), morph_collision::ModelError>(())
+/// ```
 #[derive(Clone)]
 pub struct MorphModel {
     base: Vec<Vec3>,

@@ -21,6 +21,19 @@ use crate::tree::MorphBvh;
 /// weights again keeps the cache. A pose is in the mesh's model space; each query takes the transform to world space.
 ///
 /// Memory: 8 bytes per inner node and per vertex, plus the boxes and vertices that were visited.
+///
+/// ```
+/// # use std::sync::Arc;
+/// # use glam::Vec3;
+/// # use morph_collision::{BuildOptions, MorphBvh, MorphModel, Pose};
+/// let base = [Vec3::ZERO, Vec3::X, Vec3::Y]; // a triangle, and a target that lifts it
+/// let model = MorphModel::from_displacements(&base, &[[0, 1, 2]], &[[Vec3::Z; 3]])?;
+/// let mut pose = Pose::new(Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default())));
+/// pose.set_weights(&[0.5])?;
+/// assert_eq!(pose.source_vertex(1), Some(Vec3::new(1.0, 0.0, 0.5)));
+/// assert!(pose.bounds().max.z >= 0.5);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone)]
 pub struct Pose {
     pub(super) bvh: Arc<MorphBvh>,

@@ -64,7 +64,7 @@ const PARTS_PER_WORKER: usize = 8;
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unit {
     pub(super) task: usize,
-    /// The index in [`Plan::larges`] and the index of the part; `None` for a whole task.
+    /// The index in [`Plan::large_pairs`] and the index of the part; `None` for a whole task.
     pub(super) part: Option<(usize, usize)>,
 }
 
@@ -98,7 +98,7 @@ impl Large {
 #[derive(Debug, Default)]
 pub(super) struct Plan {
     pub(super) units: Vec<Unit>,
-    pub(super) larges: Vec<Large>,
+    pub(super) large_pairs: Vec<Large>,
     pub(super) stats: QueryStats,
 }
 
@@ -123,10 +123,10 @@ impl Plan {
             let parts = workers * PARTS_PER_WORKER;
             let front = query.front(a.reborrow(), b.reborrow(), 4 * parts);
             plan.stats += query.stats();
-            let (large, parts) = (plan.larges.len(), parts.min(front.len()));
+            let (large, parts) = (plan.large_pairs.len(), parts.min(front.len()));
             let parts_of_large = (0..parts).map(|part| Some((large, part)));
             plan.units.extend(parts_of_large.map(|part| Unit { task, part }));
-            plan.larges.push(Large {
+            plan.large_pairs.push(Large {
                 bodies: [tasks[task].a, tasks[task].b],
                 front,
                 limit: wanted.limit(),

@@ -108,7 +108,7 @@ impl BatchQuery {
                 batch.work(&mut locked(worker));
             }
         };
-        if plan.larges.is_empty() && plan.units.len() < MIN_UNITS_FOR_THREADS {
+        if plan.large_pairs.is_empty() && plan.units.len() < MIN_UNITS_FOR_THREADS {
             work(0);
         } else {
             workers.run(&work);

@@ -121,7 +121,7 @@ impl<'a, 'b, 'm> Batch<'a, 'b, 'm> {
 
     /// Does a part of a large pair, up to the whole task's limit; returns whether there are more pairs.
     fn part(&self, number: usize, part: usize, worker: &mut Worker) -> bool {
-        let large = &self.plan.larges[number];
+        let large = &self.plan.large_pairs[number];
         if large.is_full_before(part) {
             return false;
         }

@@ -25,10 +25,20 @@ pub(crate) const HOW_TO_READ: &str = "How many times as long as ours the other m
 
 /// For each scene, the time of the best rivals over ours.
 pub(crate) fn rivals<'a>(scenes: impl Iterator<Item = Scene<'a>>, head: &str) -> Table {
-    let mut table = Table::new([head].into_iter().chain(RIVALS.map(|(name, _)| name)));
+    times_over_ours(scenes, head, &RIVALS)
+}
+
+/// The same for those rivals that refit a tree.
+pub(crate) fn refitting_rivals<'a>(scenes: impl Iterator<Item = Scene<'a>>, head: &str) -> Table {
+    times_over_ours(scenes, head, &RIVALS[..3])
+}
+
+fn times_over_ours<'a>(scenes: impl Iterator<Item = Scene<'a>>, head: &str, rivals: &[(&str, &[&str])]) -> Table {
+    let mut table = Table::new([head].into_iter().chain(rivals.iter().map(|(name, _)| *name)));
     for scene in scenes {
         let wanted = scene.wanted();
-        let cells = RIVALS.map(|(_, methods)| ratios(wanted.iter().map(|wanted| scene.best(methods, wanted))));
+        let cell = |methods| ratios(wanted.iter().map(|wanted| scene.best(methods, wanted)));
+        let cells = rivals.iter().map(|(_, methods)| cell(methods));
         table.row([short_title(scene.title()).to_owned()].into_iter().chain(cells));
     }
     table.without_empty_columns()

@@ -6,12 +6,12 @@ use std::path::Path;
 
 use morph_collision_testkit::bench;
 
-use crate::comparison::{HYBRID, PARRY, rivals};
+use crate::comparison::{refitting_rivals, rivals};
 use crate::losses::losses_table;
 use crate::page::Origins;
-use crate::record::{ALL, FIRST, Record, Scene, scene, scenes};
+use crate::record::{Record, scenes};
 use crate::store::Store;
-use crate::table::ratio;
+use crate::table::Table;
 use crate::topics::{TOPICS, of_bodies, of_rays};
 
 /// Writes everything that is made from the rows.
@@ -51,25 +51,24 @@ fn performance(mut page: bench::Page, store: &Store) -> Result<bench::Page, Box<
     Ok(page)
 }
 
+/// The scenes in the README: one for each kind of mesh, and a crowd.
+const IN_README: [&str; 5] = [
+    "dolphins-36096",
+    "heads-cheek",
+    "horse-gallop",
+    "walkers-hands",
+    "walkers-crowd",
+];
+
 fn readme(mut page: bench::Page, store: &Store) -> Result<bench::Page, Box<dyn Error>> {
     let rows = of_bodies(store)?;
-    if let Some(sentence) = scene(&rows, "dolphins-36096").and_then(fast) {
-        page.replace("fast", &sentence)?;
-    }
+    page.replace("fast", &format!("\n{}\n", readme_table(&rows)))?;
     Ok(page)
 }
 
-/// The README's sentence about speed, in a list.
-fn fast(scene: Scene<'_>) -> Option<String> {
-    let times = |methods, wanted| Some(ratio(scene.best(methods, wanted)?));
-    Some(format!(
-        "  On twelve dolphins of 36096 triangles, Parry's faster refit takes {} times as long as this library to find all intersecting triangles, and {}\n  \
-           times to find one for each pair of bodies. The hybrid method from the literature takes {} and {} times.\n  ",
-        times(PARRY, ALL)?,
-        times(PARRY, FIRST)?,
-        times(HYBRID, ALL)?,
-        times(HYBRID, FIRST)?,
-    ))
+fn readme_table(rows: &[Record]) -> Table {
+    let shown = scenes(rows).filter(|scene| IN_README.contains(&scene.name()));
+    refitting_rivals(shown, "all pairs / first pairs")
 }
 
 #[cfg(test)]
@@ -78,23 +77,20 @@ mod tests {
     use crate::record::tests::scene_of;
 
     #[test]
-    fn the_readme_quotes_the_best_of_parrys_refits() {
-        let rows = scene_of(
-            "dolphins",
-            &[
-                ("hybrid", 7.2, 17.3),
-                ("parry-trimesh", 66.0, 252.4),
-                ("parry-bvh", 80.0, 240.0),
-            ],
+    fn the_readme_has_few_scenes_and_the_best_of_parrys_refits() {
+        let ratios = [
+            ("hybrid", 7.2, 17.3),
+            ("parry-trimesh", 66.0, 252.4),
+            ("parry-bvh", 80.0, 240.0),
+            ("rebuild", 218.0, 865.0),
+        ];
+        let mut rows = scene_of("dolphins-564", &ratios);
+        rows.extend(scene_of("dolphins-36096", &ratios));
+        assert_eq!(
+            readme_table(&rows).to_string(),
+            "| all pairs / first pairs | hybrid | Parry, refitted |\n|---|--:|--:|\n\
+             | The dolphins-36096 | 7.2 / 17 | 66 / 240 |\n"
         );
-        let sentence = scenes(&rows).next().and_then(fast).expect("all rivals are there");
-        assert!(
-            sentence.contains(
-                "takes 66 times as long as this library to find all intersecting triangles, and 240\n  times"
-            ),
-            "{sentence}"
-        );
-        assert!(sentence.contains("takes 7.2 and 17 times"), "{sentence}");
     }
 
     /// If this fails, `just report --render` writes the documents anew.

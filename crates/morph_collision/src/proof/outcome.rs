@@ -5,7 +5,8 @@ use crate::query::TrianglePair;
 pub struct Effort {
     /// How many parts of the box of weights are looked at for each pair of triangles.
     pub boxes_per_pair: u32,
-    /// How many pairs of nodes and parts of boxes are looked at in all. Each part of the proof gets an equal share.
+    /// How many pairs of nodes and of triangles are looked at in all. Each part of the proof gets an equal share, and may look at as many
+    /// further parts of boxes; when these are used up, one is left for each pair.
     pub steps: u64,
     /// How many witnesses and how many undecided pairs each part of the proof lists. All are counted.
     pub listed: usize,

@@ -156,11 +156,33 @@ impl Pair {
         }
     }
 
+    /// The difference of the closest corners for the worst weights.
+    pub(super) fn difference(&self, gap: &Gap, weights: &[[f32; 2]]) -> DVec3 {
+        let [i, j] = gap.corners;
+        let between = |corners: &[Vec3; 6]| corners[j].as_dvec3() - corners[i].as_dvec3();
+        let moved = self.displacements.iter().zip(weights).map(|(of, [low, high])| {
+            let change = between(of);
+            change * f64::from(if change.dot(gap.direction) > 0.0 { *low } else { *high })
+        });
+        between(&self.base) + moved.sum::<DVec3>()
+    }
+
     /// How the gap between the closest corners changes with the weight of each target.
     pub(super) fn slopes(&self, gap: &Gap) -> impl Iterator<Item = f64> {
         let (direction, [i, j]) = (gap.direction, gap.corners);
         self.displacements
             .iter()
             .map(move |of| (of[j] - of[i]).as_dvec3().dot(direction))
+    }
+
+    /// How far apart each target moves two corners at most, along any direction.
+    pub(super) fn differences(&self) -> impl Iterator<Item = f64> {
+        self.displacements.iter().map(|[a, b, c, d, e, f]| {
+            let of_first = [a, b, c];
+            let pairs = of_first
+                .into_iter()
+                .flat_map(|i| [d, e, f].map(|j| (j.as_dvec3() - i.as_dvec3()).length()));
+            pairs.fold(0.0, f64::max)
+        })
     }
 }

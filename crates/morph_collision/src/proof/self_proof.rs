@@ -97,6 +97,7 @@ impl SelfProof {
                 proof: self,
                 outcome: &mut outcome,
                 most,
+                split_tests: 0,
                 branches: Branches::default(),
                 pair: Pair::default(),
                 whole: Vec::new(),
@@ -181,6 +182,8 @@ struct Walk<'a> {
     proof: &'a SelfProof,
     outcome: &'a mut ProofOutcome,
     most: u64,
+    /// Parts of boxes that were looked at beyond the first of each pair.
+    split_tests: u64,
     branches: Branches,
     pair: Pair,
     whole: Vec<[f32; 2]>,
@@ -210,6 +213,7 @@ impl Walk<'_> {
                 self.leaves(a, b);
             }
         }
+        self.outcome.box_tests += self.split_tests;
     }
 
     fn leaves(&mut self, a: Leaf, b: Leaf) {
@@ -239,7 +243,9 @@ impl Walk<'_> {
         self.start.clear();
         self.start
             .extend(self.pair.targets.iter().map(|&target| proof.start[usize::from(target)]));
-        let most = proof.effort.boxes_per_pair;
+        // Every pair gets one box, even if the others are used up.
+        let is_spent = self.split_tests >= self.most;
+        let most = if is_spent { 1 } else { proof.effort.boxes_per_pair };
         let decision = self.branches.decide(&self.pair, &self.whole, &self.start, most);
         let outcome = &mut *self.outcome;
         let pair = || TrianglePair {
@@ -250,7 +256,7 @@ impl Walk<'_> {
         match decision {
             Decision::Free { boxes: 0 | 1 } => outcome.free_by_direction += 1,
             Decision::Free { boxes } => {
-                outcome.box_tests += u64::from(boxes) - 1;
+                self.split_tests += u64::from(boxes) - 1;
                 outcome.free_by_splitting += 1;
             }
             Decision::Touching(weights) => {
@@ -267,7 +273,7 @@ impl Walk<'_> {
                 }
             }
             Decision::Undecided => {
-                outcome.box_tests += u64::from(most.saturating_sub(1));
+                self.split_tests += u64::from(most.saturating_sub(1));
                 outcome.undecided += 1;
                 if outcome.undecided_pairs.len() < proof.effort.listed {
                     outcome.undecided_pairs.push(pair());

@@ -1,7 +1,7 @@
 //! Regions of many shapes become findings: one for each place of the mesh that a target, a pair of targets, a clip, a capture or the
 //! mixtures make touch.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 
 use glam::Affine3A;
 use morph_collision_testkit::memory::{MemoryBudget, OverBudget};
@@ -34,6 +34,8 @@ pub(super) struct Findings {
     /// Those of the current source. A finding that became part of another is `None`.
     current: Vec<Option<Finding>>,
     of_triangle: HashMap<u32, usize>,
+    /// The triangles of all findings.
+    seen: HashSet<u32>,
 }
 
 impl Findings {
@@ -49,13 +51,14 @@ impl Findings {
         }
         let mut counted = BTreeSet::new();
         for region in found.regions {
+            self.seen.extend(&region.triangles);
             let new = region
                 .triangles
                 .iter()
                 .filter(|triangle| !self.of_triangle.contains_key(triangle))
                 .count();
-            // Four lists have a triangle, and the table of the current source.
-            budget.take(new as u64, 64, || "the findings".to_owned())?;
+            // Five lists have a triangle, and the tables.
+            budget.take(new as u64, 96, || "the findings".to_owned())?;
             let mut met: Vec<usize> = region
                 .triangles
                 .iter()
@@ -95,6 +98,11 @@ impl Findings {
             }
         }
         Ok(())
+    }
+
+    /// Whether a triangle is in any finding.
+    pub(super) fn has(&self, triangle: u32) -> bool {
+        self.seen.contains(&triangle)
     }
 
     /// All findings, the deepest first.
@@ -159,6 +167,7 @@ mod tests {
     fn found(regions: &[(&[u32], f64)]) -> Found {
         let region = |&(triangles, depth): &(&[u32], f64)| Region {
             triangles: triangles.to_vec(),
+            first_side: triangles[..1].to_vec(),
             pairs: 1,
             depth,
             length: 0.0,

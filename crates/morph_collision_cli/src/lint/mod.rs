@@ -7,8 +7,11 @@
 mod baseline;
 mod capture;
 mod findings;
+mod html;
 mod parts;
+mod picture;
 mod poses;
+mod proof;
 mod regions;
 mod report;
 mod search;
@@ -83,6 +86,17 @@ pub(crate) struct LintArgs {
     /// that nothing new touches at the weight that is printed.
     #[arg(long)]
     suggest: bool,
+    /// Also prove which pairs of triangles touch for no weights from 0 to 1, and report the weights that the proof comes across otherwise.
+    ///
+    /// Skinned meshes have no proof.
+    #[arg(long)]
+    prove: bool,
+    /// How many parts of the box of all weights the proof looks at for each pair of triangles; more parts find more weights that clip.
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "prove")]
+    effort: u32,
+    /// Write a page with a table and a picture of each finding.
+    #[arg(long, value_name = "OUT.html")]
+    html: Option<PathBuf>,
     /// Accept the findings of this file, unless they became more than 10 % deeper.
     #[arg(long, value_name = "FILE.json")]
     baseline: Option<PathBuf>,
@@ -114,6 +128,17 @@ pub(crate) fn lint(args: &LintArgs) -> Result<Verdict, CliError> {
     let written = written
         .map(|path| OutputFile::create("--write-baseline", path, &inputs))
         .transpose()?;
+    inputs.extend(args.baseline.iter().cloned());
+    let page = args.html.as_ref();
+    let page = page
+        .map(|path| OutputFile::create("--html", path, &inputs))
+        .transpose()?;
+    if let (Some(page), Some(written)) = (&page, &written)
+        && page.replaces_the_same_as(written)
+    {
+        let reason = "is the same file as --write-baseline; choose another name".to_owned();
+        return Err(CliError::Flag { flag: "--html", reason });
+    }
     let is_stdin = |path: &&PathBuf| path.as_os_str() == STANDARD;
     if let Some(path) = args.capture.iter().chain(&args.baseline).find(is_stdin) {
         let flag = if args.baseline.as_ref() == Some(path) {
@@ -142,6 +167,9 @@ pub(crate) fn lint(args: &LintArgs) -> Result<Verdict, CliError> {
     let is_recorded = written.is_some();
     if let Some(written) = written {
         written.write(|out| Baseline::new(report.all()).write(out))?;
+    }
+    if let Some(page) = page {
+        page.write(|out| html::write(&report, out))?;
     }
     if args.json {
         output::print_json(&report)?;

@@ -23,10 +23,12 @@ pub(super) enum Source {
     Clip(String),
     Capture(String),
     Mixtures,
+    /// Weights that a proof came across.
+    Proof,
 }
 
 impl Source {
-    /// `target`, `pair`, `clip`, `capture` or `mixture`.
+    /// `target`, `pair`, `clip`, `capture`, `mixture` or `proof`.
     pub(super) fn kind(&self) -> &'static str {
         match self {
             Self::Target(_) => "target",
@@ -34,6 +36,7 @@ impl Source {
             Self::Clip(_) => "clip",
             Self::Capture(_) => "capture",
             Self::Mixtures => "mixture",
+            Self::Proof => "proof",
         }
     }
 
@@ -46,6 +49,7 @@ impl Source {
             Self::Clip(clip) => format!("clip {clip}"),
             Self::Capture(file) => format!("capture {file}"),
             Self::Mixtures => "random mixtures".to_owned(),
+            Self::Proof => "the proof".to_owned(),
         }
     }
 
@@ -54,7 +58,7 @@ impl Source {
         match self {
             Self::Target(target) => std::slice::from_ref(target),
             Self::Pair(pair) => pair,
-            Self::Clip(_) | Self::Capture(_) | Self::Mixtures => &[],
+            Self::Clip(_) | Self::Capture(_) | Self::Mixtures | Self::Proof => &[],
         }
     }
 }

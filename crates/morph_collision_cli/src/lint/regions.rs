@@ -13,6 +13,8 @@ use crate::depth::parting_distance;
 pub(super) struct Region {
     /// Ascending.
     pub(super) triangles: Vec<u32>,
+    /// Those of one side, ascending. The others touch them.
+    pub(super) first_side: Vec<u32>,
     /// The number of pairs that touch.
     pub(super) pairs: usize,
     /// The farthest that any of these triangles would have to move to leave the one it touches.
@@ -57,6 +59,7 @@ impl Building {
     fn add(&mut self, pair: &TrianglePair, [a, b]: [&Triangle; 2]) {
         let region = &mut self.region;
         region.triangles.extend([pair.triangle_a, pair.triangle_b]);
+        region.first_side.push(pair.triangle_a);
         region.pairs += 1;
         region.depth = region.depth.max(parting_distance(a, b));
         for end in triangle_contact(a, b).into_iter().flat_map(|contact| contact.segment) {
@@ -68,6 +71,8 @@ impl Building {
     fn finish(mut self) -> Region {
         self.region.triangles.sort_unstable();
         self.region.triangles.dedup();
+        self.region.first_side.sort_unstable();
+        self.region.first_side.dedup();
         self.region.length = self.bounds.map_or(0.0, |[low, high]| low.distance(high));
         self.region
     }

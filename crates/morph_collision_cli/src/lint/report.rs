@@ -12,6 +12,7 @@ use serde::Serialize;
 use super::findings::Finding;
 use super::parts::Parts;
 use super::poses::Source;
+use super::proof::ProofReport;
 use super::search::MOST_PAIRS;
 use super::suggest::Suggestion;
 use crate::blame::Blame;
@@ -19,8 +20,8 @@ use crate::output::counted;
 
 /// The table shows at most this many findings of a mesh; the JSON has all.
 const MOST_ROWS: usize = 40;
-/// At most this many weights are written out in the table.
-const MOST_WEIGHTS: usize = 6;
+/// If there are more weights, the table has only the names of those that matter most.
+const MOST_WEIGHTS: usize = 4;
 
 /// The JSON of `lint`.
 #[derive(Debug, Serialize)]
@@ -39,6 +40,9 @@ pub(super) struct MeshReport {
     pub(super) pairs_at_rest: usize,
     /// The number of shapes that were tried.
     pub(super) shapes: usize,
+    /// What is proved for all weights, if it was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) proof: Option<ProofReport>,
     pub(super) findings: Vec<FindingReport>,
     /// The largest weights that do not clip, if they were asked for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -47,7 +51,7 @@ pub(super) struct MeshReport {
 
 #[derive(Debug, Serialize)]
 pub(super) struct FindingReport {
-    /// `target`, `pair`, `clip`, `capture` or `mixture`.
+    /// `target`, `pair`, `clip`, `capture`, `mixture` or `proof`.
     kind: &'static str,
     /// The kind and a name.
     pub(super) found_with: String,
@@ -60,9 +64,9 @@ pub(super) struct FindingReport {
     #[serde(serialize_with = "number")]
     length: f64,
     /// Pairs of triangles in the worst shape.
-    pairs: usize,
+    pub(super) pairs: usize,
     /// Whether the worst shapes had more pairs than are looked at.
-    is_truncated: bool,
+    pub(super) is_truncated: bool,
     /// The number of shapes in which it was found.
     shapes: usize,
     /// Materials and pieces of the mesh.
@@ -75,11 +79,14 @@ pub(super) struct FindingReport {
     /// Weights that differ from those at rest.
     weights: WeightList,
     /// Options of `query` and `export` that give the worst shape.
-    reproduce: String,
+    pub(super) reproduce: String,
     /// The triangles that touch in any of the shapes, ascending.
     pub(super) triangles: Vec<u32>,
     /// Whether the baseline has it.
     pub(super) accepted: bool,
+    /// An SVG, for the page.
+    #[serde(skip)]
+    pub(super) picture: Option<String>,
 }
 
 impl FindingReport {
@@ -115,11 +122,12 @@ impl FindingReport {
             reproduce,
             triangles: finding.touching.clone(),
             accepted: false,
+            picture: None,
         }
     }
 
     /// What is where, in a few words.
-    fn place(&self) -> String {
+    pub(super) fn place(&self) -> String {
         let near = match &self.near[..] {
             [] => String::new(),
             near => format!("near {}", near.join(", ")),
@@ -133,7 +141,7 @@ impl FindingReport {
     }
 
     /// The weights, or when a clip or a capture has them.
-    fn shape(&self) -> String {
+    pub(super) fn shape(&self) -> String {
         let at = self.at.unwrap_or_default();
         match self.kind {
             "clip" => format!("at {at:.3} s"),
@@ -142,14 +150,15 @@ impl FindingReport {
                 let WeightList::Named(weights) = &self.weights else {
                     return String::new();
                 };
-                let listed = weights
+                let listed: Vec<String> = weights
                     .iter()
-                    .take(MOST_WEIGHTS)
-                    .map(|(name, weight)| format!("{name}={weight}"));
-                let listed = listed.collect::<Vec<_>>().join(",");
+                    .map(|(name, weight)| format!("{name}={weight}"))
+                    .collect();
                 match weights.len() {
-                    count if count > MOST_WEIGHTS => format!("{listed},.. ({count} weights)"),
-                    _ => listed,
+                    count if count > MOST_WEIGHTS => {
+                        format!("{count} weights, mostly {}", self.targets.join(", "))
+                    }
+                    _ => listed.join(","),
                 }
             }
         }
@@ -232,6 +241,9 @@ impl MeshReport {
             counted(self.shapes, "shape", "shapes"),
             counted(self.pairs_at_rest, "pair touches", "pairs touch"),
         )?;
+        if let Some(proof) = &self.proof {
+            writeln!(text, "  {}", proof.sentence())?;
+        }
         if !self.findings.is_empty() {
             writeln!(text, "     depth     pairs  found with")?;
         }

@@ -5,12 +5,13 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use glam::Affine3A;
 use morph_collision::{JointMatrices, MorphBvh, Pose, SelfQuery, TrianglePair};
 use morph_collision_testkit::rivals::PoseError;
 
+use super::findings::Finding;
 use super::poses::Tried;
 use super::regions::{Region, regions};
-use crate::error::CliError;
 
 /// Pairs of triangles that are not reported.
 pub(super) type Known = HashSet<TrianglePair>;
@@ -50,10 +51,7 @@ impl Searcher {
         known: &[&Known],
         most: usize,
     ) -> Result<(Vec<TrianglePair>, bool), PoseError> {
-        if let Some(joints) = &shape.joints {
-            self.pose.set_joints(&JointMatrices::new(joints)?)?;
-        }
-        self.pose.set_weights(&shape.weights)?;
+        self.set(shape.joints.as_deref(), &shape.weights)?;
         let (mut pairs, mut is_truncated) = (Vec::new(), false);
         self.query.visit(&mut self.pose, |pair| {
             if known.iter().any(|known| known.contains(&pair)) {
@@ -70,6 +68,20 @@ impl Searcher {
         Ok((pairs, is_truncated))
     }
 
+    /// A pose in the worst shape of a finding.
+    pub(super) fn pose_of(&mut self, finding: &Finding) -> Result<&mut Pose, PoseError> {
+        self.set(finding.joints.as_deref(), &finding.weights)?;
+        Ok(&mut self.pose)
+    }
+
+    fn set(&mut self, joints: Option<&[Affine3A]>, weights: &[f32]) -> Result<(), PoseError> {
+        if let Some(joints) = joints {
+            self.pose.set_joints(&JointMatrices::new(joints)?)?;
+        }
+        self.pose.set_weights(weights)?;
+        Ok(())
+    }
+
     /// What a shape does that is not known yet.
     pub(super) fn find(&mut self, shape: &Tried, known: &[&Known]) -> Result<Found, PoseError> {
         let (pairs, is_truncated) = self.new_pairs(shape, known, MOST_PAIRS)?;
@@ -81,34 +93,31 @@ impl Searcher {
     }
 }
 
-/// Does `work` for every index below `count` on all searchers' threads, and passes the results to `sink` in order.
-pub(super) fn in_order<R: Send>(
-    searchers: &mut [Searcher],
+/// Does `work` for every index below `count`, on one thread for each of `states`, and passes the results to `sink` in order.
+pub(super) fn in_order<S: Send, R: Send, E>(
+    states: &mut [S],
     count: usize,
-    work: impl Fn(&mut Searcher, usize) -> R + Sync,
-    mut sink: impl FnMut(usize, R) -> Result<(), CliError>,
-) -> Result<(), CliError> {
+    work: impl Fn(&mut S, usize) -> R + Sync,
+    mut sink: impl FnMut(usize, R) -> Result<(), E>,
+) -> Result<(), E> {
     /// Results are kept until all shapes of a batch are tried.
     const BATCH_PER_THREAD: usize = 16;
-    let batch = searchers.len() * BATCH_PER_THREAD;
+    let batch = states.len() * BATCH_PER_THREAD;
     for start in (0..count).step_by(batch.max(1)) {
         let next = AtomicUsize::new(start);
         let end = count.min(start + batch);
-        let run = |searcher: &mut Searcher| {
+        let run = |state: &mut S| {
             let mut done = Vec::new();
             loop {
                 let index = next.fetch_add(1, Ordering::Relaxed);
                 if index >= end {
                     return done;
                 }
-                done.push((index, work(searcher, index)));
+                done.push((index, work(state, index)));
             }
         };
         let mut results: Vec<(usize, R)> = std::thread::scope(|scope| {
-            let threads: Vec<_> = searchers
-                .iter_mut()
-                .map(|searcher| scope.spawn(|| run(searcher)))
-                .collect();
+            let threads: Vec<_> = states.iter_mut().map(|state| scope.spawn(|| run(state))).collect();
             let joined = threads.into_iter().flat_map(|thread| match thread.join() {
                 Ok(done) => done,
                 Err(panic) => std::panic::resume_unwind(panic),

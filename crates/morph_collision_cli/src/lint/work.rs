@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 use morph_collision::MorphBvh;
+use morph_collision::proof::Effort;
 use morph_collision_testkit::gltf_read::GltfFile;
 use morph_collision_testkit::inspect::MeshError;
 use morph_collision_testkit::mesh::MorphMesh;
@@ -12,9 +13,11 @@ use morph_collision_testkit::rivals::PoseError;
 
 use super::LintArgs;
 use super::capture::Capture;
-use super::findings::Findings;
+use super::findings::{Finding, Findings};
 use super::parts::Parts;
+use super::picture;
 use super::poses::{Source, Stage, Tried, clip_stages};
+use super::proof::{ProofReport, prove};
 use super::report::{FindingReport, MeshReport};
 use super::search::{Known, Searcher, in_order};
 use super::suggest::{Suggestion, suggest};
@@ -26,6 +29,8 @@ use crate::{output, progress};
 const MOST_THREADS: usize = 64;
 /// Upper bound on the bytes that a pair of triangles takes in a list of known pairs.
 const BYTES_PER_KNOWN_PAIR: u64 = 32;
+/// At most this many findings of a mesh get a picture: the deepest.
+const MOST_PICTURES: usize = 60;
 
 /// The meshes to try, with their indices. Without `--mesh`, meshes that cannot collide are left out with a warning.
 pub(super) fn meshes(args: &LintArgs, file: &GltfFile) -> Result<Vec<(usize, MorphMesh)>, CliError> {
@@ -116,7 +121,8 @@ pub(super) fn lint_mesh(
         let (count, seed) = (args.mixtures, args.seed);
         lint.try_stage(&Stage::Mixtures { count, seed })?;
     }
-    lint.finish(&tree)
+    let proof = if args.prove { lint.prove(&tree)? } else { None };
+    lint.finish(&tree, proof)
 }
 
 /// What is known of a mesh so far.
@@ -221,7 +227,67 @@ impl Lint<'_> {
         Ok(())
     }
 
-    fn finish(mut self, tree: &MorphBvh) -> Result<MeshReport, CliError> {
+    /// Proves what it can, and adds what the proof comes across where nothing was found yet.
+    fn prove(&mut self, tree: &Arc<MorphBvh>) -> Result<Option<ProofReport>, CliError> {
+        let name = &self.mesh.name;
+        if self.mesh.skin.is_some() {
+            let name = Printable(name);
+            output::complain(format_args!(
+                "warning: mesh {} \"{name}\" is skinned, so nothing is proved",
+                self.index
+            ));
+            return Ok(None);
+        }
+        // A box for each target that moves a node, on a few levels.
+        count_memory(self.file, self.index, self.mesh.tree_bytes(), || "the proof".to_owned())?;
+        let effort = Effort {
+            boxes_per_pair: self.args.effort,
+            ..Effort::default()
+        };
+        let outcome = prove(tree, self.searchers.len(), effort).map_err(|reason| CliError::Pose {
+            file: self.args.model.clone(),
+            mesh: self.index,
+            name: name.clone(),
+            reason,
+        })?;
+        let steps = progress::count("witness of the proof", outcome.witnesses.len() as u64);
+        for witness in &outcome.witnesses {
+            steps.step();
+            let pair = witness.pair;
+            let is_known = [pair.triangle_a, pair.triangle_b]
+                .iter()
+                .all(|&triangle| self.findings.has(triangle));
+            if self.at_rest.contains(&pair) || is_known {
+                continue;
+            }
+            let shape = Tried {
+                source: Source::Proof,
+                moment: None,
+                weights: witness.weights.clone(),
+                joints: None,
+            };
+            let found = self.searchers[0].find(&shape, &[&self.at_rest]);
+            let found = found.map_err(|reason| self.refused(shape_words(&shape, self.mesh), reason))?;
+            let added = self.findings.add(&shape, found, self.file.budget());
+            added.map_err(|over| CliError::Mesh {
+                file: self.args.model.clone(),
+                mesh: self.index,
+                name: name.clone(),
+                reason: over.into(),
+            })?;
+        }
+        Ok(Some(ProofReport::new(&outcome)))
+    }
+
+    /// The picture of a finding.
+    fn picture(&mut self, finding: &Finding) -> Result<String, CliError> {
+        let words = || finding.source.words(&self.mesh.target_names);
+        let pose = self.searchers[0].pose_of(finding);
+        let pose = pose.map_err(|reason| refused(self.args, self.index, self.mesh, words(), reason))?;
+        Ok(picture::draw(pose, finding))
+    }
+
+    fn finish(mut self, tree: &MorphBvh, proof: Option<ProofReport>) -> Result<MeshReport, CliError> {
         let (mesh, model) = (self.mesh, tree.model());
         let findings = std::mem::take(&mut self.findings).finish();
         let parts = Parts::new(model, &mesh.primitives, self.file.material_names(self.index));
@@ -240,6 +306,15 @@ impl Lint<'_> {
                 steps.step();
             }
         }
+        let mut reports: Vec<FindingReport> = findings
+            .iter()
+            .map(|finding| FindingReport::new(finding, mesh, self.index, &parts))
+            .collect();
+        if self.args.html.is_some() {
+            for (report, finding) in reports.iter_mut().zip(&findings).take(MOST_PICTURES) {
+                report.picture = Some(self.picture(finding)?);
+            }
+        }
         Ok(MeshReport {
             mesh: self.index,
             name: mesh.name.clone(),
@@ -247,10 +322,8 @@ impl Lint<'_> {
             targets: mesh.targets.len(),
             pairs_at_rest: self.at_rest.len(),
             shapes: self.shapes,
-            findings: findings
-                .iter()
-                .map(|finding| FindingReport::new(finding, mesh, self.index, &parts))
-                .collect(),
+            proof,
+            findings: reports,
             suggestions,
         })
     }

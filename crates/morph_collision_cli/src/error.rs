@@ -94,7 +94,8 @@ pub(crate) enum CliError {
         mesh: usize,
         name: String,
         shape: String,
-        reason: PoseError,
+        /// Boxed because the variant would be the largest.
+        reason: Box<PoseError>,
     },
     /// A situation drawn for `verify` that the mesh does not allow because its coordinates are too
     /// large.

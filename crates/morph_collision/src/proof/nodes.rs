@@ -110,7 +110,7 @@ impl NodeMotion {
     fn union(&self, other: &Self) -> Self {
         let mut targets = Vec::with_capacity(self.targets.len().max(other.targets.len()));
         visit_both(&self.targets, &other.targets, |target, a, b| {
-            targets.push((target, a.union(*b)))
+            targets.push((target, a.union(*b)));
         });
         Self {
             base: self.base.union(other.base),

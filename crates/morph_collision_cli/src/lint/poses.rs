@@ -202,7 +202,7 @@ fn mix(seed: u64, index: u64, weights: &mut [f32]) {
     }
 }
 
-/// The output function of SplitMix64 (Steele, Lea and Flood, 2014).
+/// The output function of `SplitMix64` (Steele, Lea and Flood, 2014).
 fn scrambled(number: u64) -> u64 {
     let number = (number ^ (number >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let number = (number ^ (number >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -309,10 +309,12 @@ mod tests {
 
     #[test]
     fn weights_at_rest_are_left_out_and_double_names_become_indices() {
-        let mut mesh = MorphMesh::default();
-        mesh.target_names = ["a", "b", "b", "c"].map(str::to_owned).to_vec();
-        mesh.targets = vec![Vec::new(); 4];
-        mesh.default_weights = vec![0.0, 0.0, 0.0, 0.5];
+        let mesh = MorphMesh {
+            target_names: ["a", "b", "b", "c"].map(str::to_owned).to_vec(),
+            targets: vec![Vec::new(); 4],
+            default_weights: vec![0.0, 0.0, 0.0, 0.5],
+            ..MorphMesh::default()
+        };
         let weights = named(&mesh, &[1.0, 0.0, 0.25, 0.0]);
         assert_eq!(
             weights,

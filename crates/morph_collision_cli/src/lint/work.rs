@@ -364,6 +364,6 @@ fn refused(args: &LintArgs, index: usize, mesh: &MorphMesh, shape: String, reaso
         mesh: index,
         name: mesh.name.clone(),
         shape,
-        reason,
+        reason: Box::new(reason),
     }
 }

@@ -31,7 +31,7 @@ fn report(input: &Path, args: &[&str]) -> Result<Value, Box<dyn Error>> {
         .as_array()
         .into_iter()
         .flatten()
-        .flat_map(|mesh| mesh["findings"].as_array());
+        .filter_map(|mesh| mesh["findings"].as_array());
     let open = findings
         .flatten()
         .filter(|finding| finding["accepted"] == false)
@@ -43,7 +43,10 @@ fn report(input: &Path, args: &[&str]) -> Result<Value, Box<dyn Error>> {
 
 fn findings(report: &Value) -> Vec<&Value> {
     let meshes = report["meshes"].as_array().into_iter().flatten();
-    meshes.flat_map(|mesh| mesh["findings"].as_array()).flatten().collect()
+    meshes
+        .filter_map(|mesh| mesh["findings"].as_array())
+        .flatten()
+        .collect()
 }
 
 /// A floor, a wall that stands on it at rest, and another wall that hovers at a height of 1. "down" lowers the second wall by `down`; "near" and
@@ -220,6 +223,66 @@ fn the_number_of_threads_changes_nothing() -> TestResult {
     let one = run("1")?;
     assert!(findings(&one).len() > 10);
     assert_eq!(one, run("3")?);
+    Ok(())
+}
+
+#[test]
+fn a_proof_finds_what_no_shape_shows_and_clears_the_rest() -> TestResult {
+    // 0.6 and 0.6 clip only together, which is not tried without --pairs.
+    let (_dir, path) = model(0.0)?;
+    let proved = report(&path, &[QUICK, &["--prove", "--effort", "64"]].concat())?;
+    let found = findings(&proved);
+    assert_eq!(found.len(), 1, "{proved}");
+    assert_eq!(
+        (&found[0]["kind"], &found[0]["triangles"]),
+        (&"proof".into(), &json!([0, 2]))
+    );
+    let proof = &proved["meshes"][0]["proof"];
+    // The wall at rest, and the other one with both targets. The third pair is free.
+    assert_eq!(
+        (&proof["pairs"], &proof["touching"], &proof["undecided"]),
+        (&3.into(), &2.into(), &0.into())
+    );
+    let text = stdout_of(&lint(
+        &asset("heaving_body_5120.glb"),
+        &["--mixtures", "1", "--fps", "1", "--prove"],
+    )?);
+    assert!(text.contains("all pairs of triangles are proved free"), "{text}");
+    // Joints have no proof.
+    let skinned = lint(
+        &asset("mh_character_low.glb"),
+        &["--mixtures", "0", "--fps", "1", "--prove"],
+    )?;
+    let warning = String::from_utf8_lossy(&skinned.stderr);
+    assert!(warning.contains("skinned, so nothing is proved"), "{warning}");
+    Ok(())
+}
+
+#[test]
+fn the_page_has_a_picture_of_each_finding_and_the_weights() -> TestResult {
+    let (dir, path) = model(2.0)?;
+    let page = dir.path().join("page.html");
+    let output = lint(
+        &path,
+        &[QUICK, &["--suggest", "--html", &page.display().to_string()]].concat(),
+    )?;
+    assert_eq!(output.status.code(), Some(1));
+    let html = std::fs::read_to_string(&page)?;
+    assert_eq!(html.matches("<svg").count(), 1);
+    // The floor is red and the wall is blue; the wall that stands there at rest is grey.
+    let classes = ["class=\"t\"", "class=\"u\"", "class=\"g s"].map(|class| html.matches(class).count());
+    assert_eq!(classes, [1, 1, 1], "{html}");
+    for part in [
+        "value=\"--mesh 0 --weights down=1\"",
+        "<b>target down</b>",
+        "it does not up to <b>0.498",
+    ] {
+        assert!(html.contains(part), "no {part} in {html}");
+    }
+    assert!(
+        !html.contains("http") && !html.contains("<script"),
+        "it needs nothing else"
+    );
     Ok(())
 }
 

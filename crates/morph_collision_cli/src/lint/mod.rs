@@ -8,6 +8,7 @@ mod baseline;
 mod capture;
 mod findings;
 mod html;
+mod input;
 mod parts;
 mod picture;
 mod poses;
@@ -17,6 +18,7 @@ mod report;
 mod search;
 mod sets;
 mod suggest;
+mod text;
 mod work;
 
 use std::num::NonZeroUsize;
@@ -149,7 +151,7 @@ pub(crate) fn lint(args: &LintArgs) -> Result<Verdict, CliError> {
         let reason = "only the model can be read from standard input".to_owned();
         return Err(CliError::Flag { flag, reason });
     }
-    let meshes = work::meshes(args, &file)?;
+    let meshes = input::meshes(args, &file)?;
     let mut report = LintReport {
         model: args.model.clone(),
         meshes: Vec::with_capacity(meshes.len()),

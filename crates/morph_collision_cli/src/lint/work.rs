@@ -14,6 +14,7 @@ use morph_collision_testkit::rivals::PoseError;
 use super::LintArgs;
 use super::capture::Capture;
 use super::findings::{Finding, Findings};
+use super::input::{refused, shape_words};
 use super::parts::Parts;
 use super::picture;
 use super::poses::{Source, Stage, Tried, clip_stages};
@@ -22,7 +23,7 @@ use super::report::{FindingReport, MeshReport};
 use super::search::{Known, Searcher, in_order};
 use super::suggest::{Suggestion, suggest};
 use crate::error::CliError;
-use crate::model_file::{count_memory, read_clips, read_mesh};
+use crate::model_file::count_memory;
 use crate::{output, progress};
 
 /// More threads do not help, and each has a pose.
@@ -31,38 +32,6 @@ const MOST_THREADS: usize = 64;
 const BYTES_PER_KNOWN_PAIR: u64 = 32;
 /// At most this many findings of a mesh get a picture: the deepest.
 const MOST_PICTURES: usize = 60;
-
-/// The meshes to try, with their indices. Without `--mesh`, meshes that cannot collide are left out with a warning.
-pub(super) fn meshes(args: &LintArgs, file: &GltfFile) -> Result<Vec<(usize, MorphMesh)>, CliError> {
-    let indices = match &args.mesh {
-        Some(choice) => {
-            let found = choice.find(file);
-            vec![found.map_err(|reason| CliError::Flag { flag: "--mesh", reason })?]
-        }
-        None => (0..file.mesh_count()).collect(),
-    };
-    let mut meshes = Vec::new();
-    for index in indices {
-        let mut mesh = match read_mesh(file, index) {
-            Ok(mesh) => mesh,
-            Err(error) if args.mesh.is_some() => return Err(error),
-            Err(error) => {
-                output::complain(format_args!("warning: left out: {error}"));
-                continue;
-            }
-        };
-        mesh.default_weights = file.default_weights(index, None, mesh.targets.len())?;
-        read_clips(file, index, &mut mesh)?;
-        meshes.push((index, mesh));
-    }
-    if meshes.is_empty() {
-        return Err(CliError::NoUsableMesh {
-            file: args.model.clone(),
-            reason: "it has no mesh that can collide".to_owned(),
-        });
-    }
-    Ok(meshes)
-}
 
 /// Tries all shapes of a mesh.
 pub(super) fn lint_mesh(
@@ -348,22 +317,4 @@ fn known<'k>(at_rest: &'k Known, alone: &'k [Known], source: &Source) -> Vec<&'k
         known.extend(pair.iter().filter_map(|&target| alone.get(target)));
     }
     known
-}
-
-fn shape_words(shape: &Tried, mesh: &MorphMesh) -> String {
-    let source = shape.source.words(&mesh.target_names);
-    match shape.moment {
-        Some(moment) => format!("{source} at {moment}"),
-        None => source,
-    }
-}
-
-fn refused(args: &LintArgs, index: usize, mesh: &MorphMesh, shape: String, reason: PoseError) -> CliError {
-    CliError::Shape {
-        file: args.model.clone(),
-        mesh: index,
-        name: mesh.name.clone(),
-        shape,
-        reason: Box::new(reason),
-    }
 }

@@ -35,7 +35,7 @@
 //! | What touches a ball, capsule, cuboid, half-space, box or frustum? Which point is closest? | [`ShapeQuery`] |
 //! | What does a moving shape touch first? | [`ShapeQuery::cast`]; another shape: [`PlacedShape::cast`] |
 //! | Is a point inside a closed mesh? | [`RayQuery::encloses`] |
-//! | Where does a body intersect itself? | [`SelfQuery`] |
+//! | Where does a body intersect itself? | [`SelfQuery`]; for all weights at once: [`SelfProof`](proof::SelfProof) |
 //! | Where is a point on the surface as the shape changes? | [`SurfaceAnchor`] |
 //! | What are the bounds, positions and normals of a shape? | [`Pose`] |
 //!
@@ -59,6 +59,7 @@ mod input_error;
 mod joints;
 mod model;
 mod pose;
+pub mod proof;
 mod query;
 mod traverse;
 mod tree;

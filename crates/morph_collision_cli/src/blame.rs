@@ -25,6 +25,12 @@ impl<'a> Blame<'a> {
         top(self.targets(&self.vertices(std::iter::once(triangle)), weights))
     }
 
+    /// The names of the targets and of the joints that move some triangles most.
+    pub(crate) fn movers_of(&self, triangles: &[u32], weights: &[f32]) -> (Vec<String>, Vec<String>) {
+        let vertices = self.vertices(triangles.iter().copied());
+        (top(self.targets(&vertices, weights)), top(self.joints(&vertices)))
+    }
+
     /// The vertices of some triangles.
     fn vertices(&self, triangles: impl Iterator<Item = u32>) -> BTreeSet<u32> {
         let corners = triangles.filter_map(|triangle| self.mesh.triangles.get(triangle as usize));

@@ -87,6 +87,16 @@ pub(crate) enum CliError {
         body: usize,
         reason: String,
     },
+    /// A shape that `lint` tries and the mesh does not allow.
+    #[error("{}: mesh {mesh} \"{}\": {}: {reason}", file.display(), Printable(name), Printable(shape))]
+    Shape {
+        file: PathBuf,
+        mesh: usize,
+        name: String,
+        shape: String,
+        /// Boxed because the variant would be the largest.
+        reason: Box<PoseError>,
+    },
     /// A situation drawn for `verify` that the mesh does not allow because its coordinates are too
     /// large.
     #[error("{}: mesh {mesh} \"{name}\": {reason}", file.display())]

@@ -3,6 +3,7 @@
 //! - `inspect` shows what models are made of and what tree each mesh gets.
 //! - `query` asks about one mesh in one shape.
 //! - `sweep` plays clips and reports what touches.
+//! - `lint` finds the weights with which a mesh runs into itself.
 //! - `export` writes posed meshes with the triangles that touch in red.
 //! - `scene` makes a scene file from models.
 //! - `run` replays a scene and reports which triangles intersect, where bodies touch, or how far apart they are.
@@ -13,18 +14,20 @@
 //! - `completions` and `man` print help for shells and for `man`.
 //!
 //! Results go to stdout, errors and progress to stderr. The exit code is 2 after an error, and 1 if `verify`, `stress` or `bench`
-//! found something wrong, or `sweep --fail-on-touch` something that touches.
+//! found something wrong, or `lint` or `sweep --fail-on-touch` something that touches.
 #![forbid(unsafe_code)]
 
 mod bench;
 mod blame;
 mod cast;
 mod clips;
+mod depth;
 mod error;
 mod export;
 mod guides;
 mod help;
 mod inspect;
+mod lint;
 mod methods;
 mod model_file;
 mod motion;
@@ -54,7 +57,7 @@ use crate::progress::ProgressArgs;
 /// Exact collision detection for glTF models with morph targets and joints.
 ///
 /// Results go to standard output, errors and progress to standard error. The exit code is 2 after an error, and 1 if `verify`, `stress`
-/// or `bench` finds a wrong answer, or `sweep --fail-on-touch` something that touches.
+/// or `bench` finds a wrong answer, or `lint` or `sweep --fail-on-touch` something that touches.
 #[derive(Debug, Parser)]
 #[command(name = "morph-collide", version)]
 struct Cli {
@@ -69,6 +72,7 @@ enum Command {
     Inspect(inspect::InspectArgs),
     Query(query::QueryArgs),
     Sweep(sweep::SweepArgs),
+    Lint(lint::LintArgs),
     Export(export::ExportArgs),
     Scene(scene::SceneArgs),
     Run(run::RunArgs),
@@ -109,6 +113,7 @@ fn main() -> ExitCode {
         Command::Inspect(args) => inspect::inspect(args).map(clean),
         Command::Query(args) => query::query(args).map(clean),
         Command::Sweep(args) => sweep::sweep(args),
+        Command::Lint(args) => lint::lint(args),
         Command::Export(args) => export::export(args).map(clean),
         Command::Scene(args) => scene::scene(args).map(clean),
         Command::Run(args) => run::run(args).map(clean),

@@ -2,12 +2,13 @@
 
 use std::collections::HashSet;
 
-use morph_collision::{ContactQuery, Triangle, triangle_contact};
+use morph_collision::ContactQuery;
 use morph_collision_testkit::numbers::number;
 use serde::Serialize;
 
 use super::Swept;
 use crate::blame::{self, Blame};
+use crate::depth::parting_distance;
 use crate::error::CliError;
 use crate::posed::Posed;
 use crate::progress;
@@ -152,15 +153,4 @@ fn depth(bodies: &mut [Posed], group: &[Touch], contacts: &mut ContactQuery) -> 
         Some(parting_distance(&first, &second))
     };
     group.iter().filter_map(&mut of_pair).fold(0.0, f64::max)
-}
-
-/// How far the first triangle can move along the contact's normal before it leaves the second.
-fn parting_distance(a: &Triangle, b: &Triangle) -> f64 {
-    let Some(contact) = triangle_contact(a, b) else {
-        return 0.0;
-    };
-    let along = |triangle: &Triangle| triangle.map(|corner| corner.dot(contact.normal));
-    let end = along(b).into_iter().fold(f64::NEG_INFINITY, f64::max);
-    let start = along(a).into_iter().fold(f64::INFINITY, f64::min);
-    (end - start).max(0.0)
 }

@@ -7,6 +7,7 @@ mod bombs;
 mod export;
 mod guides;
 mod inspect;
+mod lint;
 mod motion;
 mod outputs;
 mod picture;

@@ -36,6 +36,13 @@ pub(super) struct Root {
     pub(super) skins: List<Skin>,
     #[serde(default)]
     pub(super) animations: List<Animation>,
+    #[serde(default)]
+    pub(super) materials: List<Material>,
+}
+
+#[derive(Debug, Deserialize)]
+pub(super) struct Material {
+    pub(super) name: Option<String>,
 }
 
 /// Which version of glTF a file is written in, and which one a reader must know.
@@ -138,6 +145,7 @@ pub(super) struct Primitive {
     /// Triangles by default.
     #[serde(default = "triangles")]
     pub(super) mode: u32,
+    pub(super) material: Option<usize>,
     #[serde(default)]
     pub(super) targets: Vec<Target>,
     #[serde(default)]

@@ -36,6 +36,20 @@ impl GltfFile {
         name.unwrap_or_else(|| format!("mesh_{index}"))
     }
 
+    /// The names of the materials of a mesh's primitives, in order; `None` for a primitive without a material, or with one that has no
+    /// name. Empty if there is no such mesh.
+    #[must_use]
+    pub fn material_names(&self, mesh: usize) -> Vec<Option<String>> {
+        let Ok(json) = self.root.meshes.get(mesh, &self.budget) else {
+            return Vec::new();
+        };
+        let name_of = |material: usize| self.root.materials.get(material, &self.budget).ok()?.name.clone();
+        let primitives = json.primitives.iter();
+        primitives
+            .map(|primitive| primitive.material.and_then(name_of))
+            .collect()
+    }
+
     /// Reads a mesh.
     ///
     /// - Several primitives become one mesh. Their vertices are concatenated (once if primitives share them), and their triangles

@@ -1,0 +1,284 @@
+use std::sync::Arc;
+
+use super::branch::{Branches, Decision};
+use super::nodes::{Node, NodeMotions};
+use super::outcome::{Effort, ProofOutcome, Witness};
+use super::pair::{Pair, TriangleMotion};
+use super::weight_box::WeightBox;
+use crate::InputError;
+use crate::query::TrianglePair;
+use crate::tree::{ChildKind, Leaf, MorphBvh};
+
+/// A proof has at least this many parts, if the mesh is large enough.
+const PARTS: usize = 256;
+
+/// Proves which triangles of a mesh touch for no weights in a box. Skinned meshes have no such proof.
+///
+/// The proof is about the posed vertices that every query sees, rounding included, so it cannot contradict a
+/// [`SelfQuery`](crate::SelfQuery). Triangles that share a vertex are left out, as there.
+///
+/// Creating it takes memory for a box per node and target that moves it, about 56 bytes each. Its parts are independent, so they can run on
+/// several threads.
+///
+/// ```
+/// # use std::sync::Arc;
+/// # use glam::Vec3;
+/// # use morph_collision::{BuildOptions, MorphBvh, MorphModel};
+/// use morph_collision::proof::{Effort, SelfProof, WeightBox};
+///
+/// // Two triangles, one above the other. The target lowers the upper one.
+/// let base = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::Z + Vec3::X, Vec3::Z + Vec3::Y];
+/// let lower = [Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, Vec3::NEG_Z, Vec3::NEG_Z, Vec3::NEG_Z];
+/// let model = MorphModel::from_displacements(&base, &[[0, 1, 2], [3, 4, 5]], &[lower])?;
+/// let bvh = Arc::new(MorphBvh::build(Arc::new(model), &BuildOptions::default()));
+/// let careful = SelfProof::new(&bvh, &WeightBox::new(&[0.0], &[0.9])?, Effort::default())?;
+/// assert!(careful.run().is_free());
+/// let outcome = SelfProof::new(&bvh, &WeightBox::unit(1), Effort::default())?.run();
+/// assert_eq!(outcome.witnesses[0].weights, [1.0]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct SelfProof {
+    bvh: Arc<MorphBvh>,
+    weights: WeightBox,
+    /// Weights to try first.
+    start: Vec<f32>,
+    effort: Effort,
+    nodes: NodeMotions,
+    parts: Vec<[Node; 2]>,
+}
+
+impl SelfProof {
+    /// Prepares a proof.
+    ///
+    /// # Errors
+    /// The box has not one interval per target, or the mesh is skinned.
+    pub fn new(bvh: &Arc<MorphBvh>, weights: &WeightBox, effort: Effort) -> Result<Self, InputError> {
+        let model = bvh.model();
+        if weights.len() != model.target_count() {
+            return Err(InputError::WrongCount {
+                what: "intervals of weights".to_owned(),
+                given: weights.len(),
+                expected: model.target_count(),
+            });
+        }
+        if let Some(joints) = model.joint_count() {
+            return Err(InputError::WrongCount {
+                what: "joints of a mesh whose proof is about weights only".to_owned(),
+                given: joints,
+                expected: 0,
+            });
+        }
+        let mut proof = Self {
+            nodes: NodeMotions::new(model, &bvh.topology, weights),
+            start: weights.closest_to_zero(),
+            bvh: Arc::clone(bvh),
+            weights: weights.clone(),
+            effort,
+            parts: Vec::new(),
+        };
+        proof.parts = proof.cut();
+        Ok(proof)
+    }
+
+    /// The number of parts. They may be run in any order and on any threads.
+    #[must_use]
+    pub fn parts(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// Runs one part; nothing if there is no such part.
+    #[must_use]
+    pub fn run_part(&self, part: usize) -> ProofOutcome {
+        let mut outcome = ProofOutcome::default();
+        if let Some(&pair) = self.parts.get(part) {
+            let most = self.effort.steps / self.parts.len() as u64;
+            let walk = Walk {
+                proof: self,
+                outcome: &mut outcome,
+                most,
+                split_tests: 0,
+                branches: Branches::default(),
+                pair: Pair::default(),
+                whole: Vec::new(),
+                start: Vec::new(),
+            };
+            walk.run(pair);
+        }
+        outcome
+    }
+
+    /// Runs all parts, one after the other.
+    #[must_use]
+    pub fn run(&self) -> ProofOutcome {
+        let mut outcome = ProofOutcome::default();
+        for part in 0..self.parts() {
+            outcome.join(self.run_part(part));
+        }
+        outcome
+    }
+
+    /// Cuts the pair of the root and itself into parts.
+    fn cut(&self) -> Vec<[Node; 2]> {
+        let mut parts = vec![[Node { group: 0, lane: 0 }; 2]];
+        loop {
+            let mut finer = Vec::with_capacity(parts.len() * 4);
+            for &pair in &parts {
+                if !self.open(pair, |below| finer.push(below)) {
+                    finer.push(pair);
+                }
+            }
+            let is_done = finer.len() == parts.len() || finer.len() >= PARTS;
+            parts = finer;
+            if is_done {
+                return parts;
+            }
+        }
+    }
+
+    /// Visits the pairs of nodes below a pair. Returns false if both are leaves.
+    fn open(&self, [a, b]: [Node; 2], mut visit: impl FnMut([Node; 2])) -> bool {
+        let children = |node: Node| {
+            let lanes = match self.kind(node) {
+                ChildKind::Group(group) => Some((group, self.bvh.topology.group(group).children().len())),
+                ChildKind::Leaf(_) => None,
+            };
+            lanes.map(|(group, lanes)| {
+                (0..lanes).map(move |lane| Node {
+                    group: group as u32,
+                    lane: lane as u8,
+                })
+            })
+        };
+        let (of_a, of_b) = (children(a), children(b));
+        let size = |node: Node| self.nodes.get(node).triangles;
+        match (of_a, of_b) {
+            (None, None) => return false,
+            (Some(of_a), Some(_)) if a == b => {
+                for i in of_a.clone() {
+                    for j in of_a.clone().filter(|j| j.lane >= i.lane) {
+                        visit([i, j]);
+                    }
+                }
+            }
+            (Some(of_a), None) => of_a.for_each(|i| visit([i, b])),
+            (Some(of_a), Some(_)) if size(a) >= size(b) => of_a.for_each(|i| visit([i, b])),
+            (_, Some(of_b)) => of_b.for_each(|j| visit([a, j])),
+        }
+        true
+    }
+
+    fn kind(&self, node: Node) -> ChildKind {
+        self.bvh
+            .topology
+            .group(node.group as usize)
+            .child(usize::from(node.lane))
+            .kind()
+    }
+}
+
+/// The run of one part.
+struct Walk<'a> {
+    proof: &'a SelfProof,
+    outcome: &'a mut ProofOutcome,
+    most: u64,
+    /// Parts of boxes that were looked at beyond the first of each pair.
+    split_tests: u64,
+    branches: Branches,
+    pair: Pair,
+    whole: Vec<[f32; 2]>,
+    start: Vec<f32>,
+}
+
+impl Walk<'_> {
+    fn run(mut self, pair: [Node; 2]) {
+        let proof = self.proof;
+        let mut stack = vec![pair];
+        while let Some([a, b]) = stack.pop() {
+            let [of_a, of_b] = [a, b].map(|node| proof.nodes.get(node).triangles);
+            if self.outcome.node_tests + self.outcome.box_tests >= self.most {
+                self.outcome.undecided += if a == b { of_a * (of_a - 1) / 2 } else { of_a * of_b };
+                continue;
+            }
+            if a != b {
+                self.outcome.node_tests += 1;
+                if proof.nodes.are_apart(a, b, &proof.weights) {
+                    self.outcome.free_by_nodes += of_a * of_b;
+                    continue;
+                }
+            }
+            if !proof.open([a, b], |below| stack.push(below))
+                && let [ChildKind::Leaf(a), ChildKind::Leaf(b)] = [a, b].map(|node| proof.kind(node))
+            {
+                self.leaves(a, b);
+            }
+        }
+        self.outcome.box_tests += self.split_tests;
+    }
+
+    fn leaves(&mut self, a: Leaf, b: Leaf) {
+        let proof = self.proof;
+        let motions = |leaf: Leaf| -> Vec<TriangleMotion> {
+            let triangles = proof.bvh.topology.leaf_triangles(leaf).iter();
+            triangles
+                .map(|&triangle| TriangleMotion::new(proof.bvh.model(), triangle, &proof.weights))
+                .collect()
+        };
+        let of_a = motions(a);
+        let of_b = if a == b { of_a.clone() } else { motions(b) };
+        for (i, first) in of_a.iter().enumerate() {
+            let from = if a == b { i + 1 } else { 0 };
+            for second in of_b[from..].iter().filter(|second| !first.shares_a_vertex(second)) {
+                self.triangles(first, second);
+            }
+        }
+    }
+
+    fn triangles(&mut self, a: &TriangleMotion, b: &TriangleMotion) {
+        let proof = self.proof;
+        self.pair.set(a, b);
+        self.whole.clear();
+        self.whole
+            .extend(self.pair.targets.iter().map(|&target| proof.weights.of(target)));
+        self.start.clear();
+        self.start
+            .extend(self.pair.targets.iter().map(|&target| proof.start[usize::from(target)]));
+        // Every pair gets one box, even if the others are used up.
+        let is_spent = self.split_tests >= self.most;
+        let most = if is_spent { 1 } else { proof.effort.boxes_per_pair };
+        let decision = self.branches.decide(&self.pair, &self.whole, &self.start, most);
+        let outcome = &mut *self.outcome;
+        let pair = || TrianglePair {
+            triangle_a: a.triangle.min(b.triangle),
+            triangle_b: a.triangle.max(b.triangle),
+        };
+        outcome.box_tests += 1;
+        match decision {
+            Decision::Free { boxes: 0 | 1 } => outcome.free_by_direction += 1,
+            Decision::Free { boxes } => {
+                self.split_tests += u64::from(boxes) - 1;
+                outcome.free_by_splitting += 1;
+            }
+            Decision::Touching(weights) => {
+                outcome.touching += 1;
+                if outcome.witnesses.len() < proof.effort.listed {
+                    let mut all = proof.start.clone();
+                    for (&target, weight) in self.pair.targets.iter().zip(weights) {
+                        all[usize::from(target)] = weight;
+                    }
+                    outcome.witnesses.push(Witness {
+                        pair: pair(),
+                        weights: all,
+                    });
+                }
+            }
+            Decision::Undecided => {
+                self.split_tests += u64::from(most.saturating_sub(1));
+                outcome.undecided += 1;
+                if outcome.undecided_pairs.len() < proof.effort.listed {
+                    outcome.undecided_pairs.push(pair());
+                }
+            }
+        }
+    }
+}

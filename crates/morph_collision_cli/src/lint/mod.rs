@@ -1,0 +1,186 @@
+//! `morph-collide lint`: which weights make a mesh run into itself.
+//!
+//! ```text
+//! targets, clips, captures --poses--> shapes --search--> new pairs --regions--> regions --findings--> report
+//! ```
+
+mod baseline;
+mod capture;
+mod findings;
+mod html;
+mod input;
+mod parts;
+mod picture;
+mod poses;
+mod proof;
+mod regions;
+mod report;
+mod search;
+mod sets;
+mod suggest;
+mod text;
+mod work;
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::error::CliError;
+use crate::model_file::{FileArgs, MeshChoice, STANDARD};
+use crate::output_file::OutputFile;
+use crate::scene::fps;
+use crate::tree_options::TreeArgs;
+use crate::{Verdict, output};
+use baseline::Baseline;
+use report::LintReport;
+
+const EXAMPLES: &str = "Examples:
+  Which sliders make a face run into itself, alone or two at a time, and how far can they go?
+    morph-collide lint face.glb --pairs --suggest
+  A check for a build pipeline that accepts what is known:
+    morph-collide lint face.glb --capture take1.csv --write-baseline known.json
+    morph-collide lint face.glb --capture take1.csv --baseline known.json";
+
+/// Find the weights with which a mesh runs into itself.
+///
+/// Every mesh is tried with each target alone, in every frame of all clips that move it, and with random mixtures of targets; with --pairs
+/// and --capture, also with two targets together and with recorded weights. Pairs of triangles that touch at rest are not reported, and
+/// neither are triangles that share a vertex. Of two targets together, only what neither does alone is reported.
+///
+/// Triangles that touch and are connected form a region, and regions that overlap in several shapes of a target, pair, clip or capture are
+/// one finding. `depth` is the farthest that one of its triangles would have to move, along the contact's normal, to leave the triangle that it
+/// touches, in the file's unit. It is at most about the size of a triangle, so compare findings by it, but do not read it as the thickness
+/// of an overlap.
+///
+/// The exit code is 1 if there are findings that the baseline does not have. All shapes that are tried are exact, but others may clip, too.
+#[derive(Debug, Args)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct LintArgs {
+    /// A .glb or .gltf file; - reads a .glb from standard input.
+    model: PathBuf,
+    /// Try only this mesh: its index in the file, or its name.
+    #[arg(long, value_name = "MESH")]
+    mesh: Option<MeshChoice>,
+    /// Also try all pairs of targets, each at weights of 0.5 and 1.
+    #[arg(long)]
+    pairs: bool,
+    /// Also try recorded weights: a CSV file with a line of target names and a line of numbers for each frame. Can be repeated.
+    ///
+    /// Columns that are not named like a target are ignored with a warning. Targets without a column keep the file's default weights.
+    #[arg(long, value_name = "WEIGHTS.csv")]
+    capture: Vec<PathBuf>,
+    /// Number of random mixtures.
+    #[arg(long, value_name = "N", default_value_t = 100)]
+    mixtures: usize,
+    /// Random seed; the same seed gives the same mixtures.
+    #[arg(long, value_name = "S", default_value_t = 1)]
+    seed: u64,
+    /// Play only this animation: its name or its index. Can be repeated; by default, all animations are played.
+    #[arg(long, value_name = "NAME")]
+    clip: Vec<String>,
+    /// Frames per second of clips; 30 by default.
+    #[arg(long, value_name = "N", value_parser = fps, allow_hyphen_values = true)]
+    fps: Option<f32>,
+    /// For each target and pair of targets that clips, search the largest weight that does not.
+    ///
+    /// The weight is increased in 16 steps until the mesh clips, and then found to within 1/512 of the weight that clips. A query confirms
+    /// that nothing new touches at the weight that is printed.
+    #[arg(long)]
+    suggest: bool,
+    /// Also prove which pairs of triangles touch for no weights from 0 to 1, and report the weights that the proof comes across otherwise.
+    ///
+    /// Skinned meshes have no proof.
+    #[arg(long)]
+    prove: bool,
+    /// How many parts of the box of all weights the proof looks at for each pair of triangles; more parts find more weights that clip.
+    #[arg(long, value_name = "N", default_value_t = 1, requires = "prove")]
+    effort: u32,
+    /// Write a page with a table and a picture of each finding.
+    #[arg(long, value_name = "OUT.html")]
+    html: Option<PathBuf>,
+    /// Accept the findings of this file, unless they became more than 10 % deeper.
+    #[arg(long, value_name = "FILE.json")]
+    baseline: Option<PathBuf>,
+    /// Write all findings to a file for --baseline; the exit code is then 0.
+    #[arg(long, value_name = "FILE.json", conflicts_with = "baseline")]
+    write_baseline: Option<PathBuf>,
+    /// The number of threads; by default, one per core.
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    #[command(flatten)]
+    tree: TreeArgs,
+    #[command(flatten)]
+    files: FileArgs,
+    /// Print one JSON object instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Tries all shapes of all meshes and reports.
+pub(crate) fn lint(args: &LintArgs) -> Result<Verdict, CliError> {
+    let baseline = args.baseline.as_ref();
+    let baseline = baseline
+        .map(|path| Baseline::read(path, args.files.memory_limit()))
+        .transpose()?;
+    let file = args.files.open(&args.model)?;
+    let mut inputs: Vec<PathBuf> = file.files();
+    inputs.extend(args.capture.iter().cloned());
+    let written = args.write_baseline.as_ref();
+    let written = written
+        .map(|path| OutputFile::create("--write-baseline", path, &inputs))
+        .transpose()?;
+    inputs.extend(args.baseline.iter().cloned());
+    let page = args.html.as_ref();
+    let page = page
+        .map(|path| OutputFile::create("--html", path, &inputs))
+        .transpose()?;
+    if let (Some(page), Some(written)) = (&page, &written)
+        && page.replaces_the_same_as(written)
+    {
+        let reason = "is the same file as --write-baseline; choose another name".to_owned();
+        return Err(CliError::Flag { flag: "--html", reason });
+    }
+    let is_stdin = |path: &&PathBuf| path.as_os_str() == STANDARD;
+    if let Some(path) = args.capture.iter().chain(&args.baseline).find(is_stdin) {
+        let flag = if args.baseline.as_ref() == Some(path) {
+            "--baseline"
+        } else {
+            "--capture"
+        };
+        let reason = "only the model can be read from standard input".to_owned();
+        return Err(CliError::Flag { flag, reason });
+    }
+    let meshes = input::meshes(args, &file)?;
+    let mut report = LintReport {
+        model: args.model.clone(),
+        meshes: Vec::with_capacity(meshes.len()),
+    };
+    for (index, mesh) in meshes {
+        report.meshes.push(work::lint_mesh(args, &file, index, mesh)?);
+    }
+    if let Some(baseline) = &baseline {
+        for mesh in &mut report.meshes {
+            for finding in &mut mesh.findings {
+                finding.accepted = baseline.accepts(&mesh.name, finding);
+            }
+        }
+    }
+    let is_recorded = written.is_some();
+    if let Some(written) = written {
+        written.write(|out| Baseline::new(report.all()).write(out))?;
+    }
+    if let Some(page) = page {
+        page.write(|out| html::write(&report, out))?;
+    }
+    if args.json {
+        output::print_json(&report)?;
+    } else {
+        output::print(&report.text())?;
+    }
+    Ok(match report.unaccepted() {
+        0 => Verdict::Clean,
+        _ if is_recorded => Verdict::Clean,
+        _ => Verdict::FoundWrong,
+    })
+}

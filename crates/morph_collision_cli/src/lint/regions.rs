@@ -1,0 +1,79 @@
+//! Pairs of triangles that touch, grouped into connected regions.
+
+use std::collections::BTreeMap;
+
+use glam::DVec3;
+use morph_collision::{Body, Pose, Triangle, TrianglePair, WorldFromModel, triangle_contact};
+
+use super::sets::Sets;
+use crate::depth::parting_distance;
+
+/// Triangles that touch each other or share vertices.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Region {
+    /// Ascending.
+    pub(super) triangles: Vec<u32>,
+    /// Those of one side, ascending. The others touch them.
+    pub(super) first_side: Vec<u32>,
+    /// The number of pairs that touch.
+    pub(super) pairs: usize,
+    /// The farthest that any of these triangles would have to move to leave the one it touches.
+    pub(super) depth: f64,
+    /// The diagonal of the box around all contacts.
+    pub(super) length: f64,
+}
+
+/// Groups pairs by the vertices of their triangles. Both triangles of a pair are in the same region, and so are triangles that share a
+/// vertex. Sorted by their first triangles.
+pub(super) fn regions(pose: &mut Pose, pairs: &[TrianglePair]) -> Vec<Region> {
+    let model = std::sync::Arc::clone(pose.bvh().model());
+    let mut sets = Sets::default();
+    for pair in pairs {
+        let corners = [pair.triangle_a, pair.triangle_b].map(|triangle| model.triangle(triangle).unwrap_or_default());
+        let first = corners[0][0];
+        for &corner in corners.as_flattened() {
+            sets.unite(first, corner);
+        }
+    }
+    let mut by_root: BTreeMap<u32, Building> = BTreeMap::new();
+    let mut body = Body::new(pose, &WorldFromModel::IDENTITY);
+    for pair in pairs {
+        let root = sets.root(model.triangle(pair.triangle_a).unwrap_or_default()[0]);
+        let (Some(a), Some(b)) = (body.triangle(pair.triangle_a), body.triangle(pair.triangle_b)) else {
+            continue;
+        };
+        by_root.entry(root).or_default().add(pair, [&a, &b]);
+    }
+    let mut regions: Vec<Region> = by_root.into_values().map(Building::finish).collect();
+    regions.sort_by(|one, other| one.triangles.cmp(&other.triangles));
+    regions
+}
+
+#[derive(Default)]
+struct Building {
+    region: Region,
+    bounds: Option<[DVec3; 2]>,
+}
+
+impl Building {
+    fn add(&mut self, pair: &TrianglePair, [a, b]: [&Triangle; 2]) {
+        let region = &mut self.region;
+        region.triangles.extend([pair.triangle_a, pair.triangle_b]);
+        region.first_side.push(pair.triangle_a);
+        region.pairs += 1;
+        region.depth = region.depth.max(parting_distance(a, b));
+        for end in triangle_contact(a, b).into_iter().flat_map(|contact| contact.segment) {
+            let [low, high] = self.bounds.unwrap_or([end; 2]);
+            self.bounds = Some([low.min(end), high.max(end)]);
+        }
+    }
+
+    fn finish(mut self) -> Region {
+        self.region.triangles.sort_unstable();
+        self.region.triangles.dedup();
+        self.region.first_side.sort_unstable();
+        self.region.first_side.dedup();
+        self.region.length = self.bounds.map_or(0.0, |[low, high]| low.distance(high));
+        self.region
+    }
+}

@@ -6,7 +6,7 @@ default:
 # The order lets later steps reuse what earlier ones compiled: clippy and the docs share one build of Bevy, tests and examples another,
 # and all release steps a third one without Bevy.
 # The checks that must pass before a change lands: less than half an hour on two cores.
-ci: fmt-check spell clippy doc test-ci demo-check package-list first-run determinism-release instructions-check verify-short
+ci: fmt-check spell clippy doc test demo-check package-list first-run determinism-release instructions-check verify-short
 
 # Everything must be committed, because packages are made from commits. Run the part that a change touches before it lands.
 # What a change rarely breaks, or what takes long. Run it before a release.
@@ -37,11 +37,6 @@ clippy:
 # The README's test command.
 test:
     cargo test --workspace
-
-# The same tests without the examples that no test runs. clippy has checked that these compile, and linking each with Bevy takes long.
-test-ci:
-    cargo test --workspace --tests
-    cargo test --workspace --doc
 
 # All tests, also those that draw (Debian: apt install mesa-vulkan-drivers libvulkan1).
 test-drawing:
